@@ -1,0 +1,1 @@
+"""The acquisition service: serial port, tracking, ZeroMQ, disk; and the virtual device."""

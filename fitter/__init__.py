@@ -1,0 +1,1 @@
+"""Recordings and streams in, kinematics, dynamics and reports out."""

@@ -1,0 +1,1 @@
+"""What every package shares: the error family, the door of a command, compilation."""

@@ -1,0 +1,97 @@
+"""The door of every command: exit codes, `--json`, `--debug`, and a clean stop on a signal."""
+
+import argparse
+import json
+import math
+import signal
+import sys
+from collections.abc import Callable, Mapping
+from types import FrameType
+
+from rich.console import Console
+
+from limbcal.errors import ConfigError, LimbcalError
+
+#: Words, tables and progress bars go to stderr; stdout belongs to the answer.
+console = Console(stderr=True, highlight=False)
+
+Document = Mapping[str, object]
+Action = Callable[[argparse.Namespace], Document | None]
+
+
+class Parser(argparse.ArgumentParser):
+    """An argument parser whose mistakes join the error family."""
+
+    def error(self, message: str) -> "None":  # type: ignore[override]
+        """Raise a `ConfigError` in place of printing a usage text and leaving."""
+        raise ConfigError(f"{self.prog}: {message}")
+
+
+def common_options() -> argparse.ArgumentParser:
+    """Return the parent parser with the options that every command has."""
+    parent = argparse.ArgumentParser(add_help=False)
+    parent.add_argument("--json", action="store_true", help="print one JSON document on stdout, nothing else")
+    parent.add_argument("--debug", action="store_true", help="show the traceback of an error")
+    return parent
+
+
+def emit(text: str) -> None:
+    """Write an answer to stdout."""
+    sys.stdout.write(text + "\n")
+    sys.stdout.flush()
+
+
+def to_json(document: object) -> str:
+    """Return strict JSON; what is not a finite number becomes null."""
+    return json.dumps(_strict(document), indent=2, allow_nan=False)
+
+
+def _strict(value: object) -> object:
+    if isinstance(value, Mapping):
+        return {str(key): _strict(item) for key, item in value.items()}
+    if isinstance(value, list | tuple):
+        return [_strict(item) for item in value]
+    if hasattr(value, "tolist"):  # numpy arrays and scalars
+        return _strict(value.tolist())
+    if isinstance(value, float) and not math.isfinite(value):
+        return None
+    return value
+
+
+def _stop(signum: int, _frame: FrameType | None) -> None:
+    raise KeyboardInterrupt(signal.Signals(signum).name)
+
+
+def run_command(parser: argparse.ArgumentParser, argv: list[str] | None) -> int:
+    """Parse the arguments, carry out the chosen action and return the exit code.
+
+    The parser's namespace must hold ``action``, a function that takes the namespace and returns the JSON
+    document of its answer, or None where there is nothing to print. SIGTERM is turned into KeyboardInterrupt
+    so that one code path closes files and sockets; a stop that was asked for is a success.
+    """
+    arguments = sys.argv[1:] if argv is None else argv
+    debug = "--debug" in arguments
+    previous = signal.signal(signal.SIGTERM, _stop)
+    try:
+        namespace = parser.parse_args(arguments)
+        action: Action = namespace.action
+        document = action(namespace)
+        if document is not None and namespace.json:
+            emit(to_json(document))
+        return 0
+    except KeyboardInterrupt:
+        console.print("stopped")
+        return 0
+    except LimbcalError as error:
+        if debug:
+            console.print_exception()
+        for sentence in str(error).splitlines():
+            console.print(f"[red]error:[/red] {_plain(sentence)}", soft_wrap=True)
+        return error.exit_code
+    finally:
+        signal.signal(signal.SIGTERM, previous)
+
+
+def _plain(text: str) -> str:
+    """Keep rich from reading brackets in file names and fields as markup."""
+    return text.replace("[", r"\[")

@@ -1,0 +1,1 @@
+"""Trajectories and calibrated arms out, as streams."""

@@ -1,0 +1,1 @@
+"""Accelerations in, joint motion out."""
