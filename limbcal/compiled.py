@@ -1,7 +1,7 @@
 """One place that says how kernels are compiled."""
 
 from collections.abc import Callable
-from typing import TypeVar
+from typing import TypeVar, cast
 
 import numba
 
@@ -14,4 +14,4 @@ def compiled(kernel: Kernel) -> Kernel:
     Division by zero follows IEEE 754 (``error_model="numpy"``) and the order of additions is kept, so that
     the same input gives the same bytes.
     """
-    return numba.njit(cache=True, error_model="numpy")(kernel)  # type: ignore[no-any-return]
+    return cast(Kernel, numba.njit(cache=True, error_model="numpy")(kernel))

@@ -1,0 +1,134 @@
+"""What an arm is: joints, links, sensors, and what is known of its control."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+Floats = NDArray[np.float64]
+Vector3 = tuple[float, float, float]
+JointType = Literal["revolute", "prismatic"]
+Law = Literal["pd", "pda", "p", "measured"]
+
+STANDARD_GRAVITY_M_S2 = 9.80665
+
+
+@dataclass(frozen=True)
+class Friction:
+    """Friction of one joint: ``viscous*dq + coulomb*sgn(dq)``, and a static level that must be overcome."""
+
+    viscous_N_m_s: float = 0.0
+    coulomb_N_m: float = 0.0
+    static_N_m: float = 0.0
+
+
+@dataclass(frozen=True)
+class Link:
+    """Inertial parameters of one link, in its joint-axis frame (origin on the axis, x along the link).
+
+    ``inertia_kg_m2`` is xx, yy, zz, xy, xz, yz about the frame's origin, not about the centre of mass.
+    """
+
+    mass_kg: float = 0.0
+    com_m: Vector3 = (0.0, 0.0, 0.0)
+    inertia_kg_m2: tuple[float, float, float, float, float, float] = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+
+
+@dataclass(frozen=True)
+class Joint:
+    """One joint with its link, placed by eq. (1). A prismatic joint's variable is added to ``d_m``."""
+
+    type: JointType = "revolute"
+    alpha_rad: float = 0.0
+    a_m: float = 0.0
+    d_m: float = 0.0
+    beta_rad: float = 0.0
+    theta_offset_rad: float = 0.0
+    friction: Friction = Friction()
+    link: Link = Link()
+
+
+@dataclass(frozen=True)
+class Sensor:
+    """A triaxial accelerometer riding on a link. ``joint`` counts from 1, as in the arm file."""
+
+    name: str
+    joint: int
+    position_m: Vector3 = (0.0, 0.0, 0.0)
+    rotation_rad: Vector3 = (0.0, 0.0, 0.0)
+
+
+@dataclass(frozen=True)
+class Tip:
+    """What measures r*: a sensor's dead-reckoned position plus a known offset in the link's frame."""
+
+    sensor: str
+    offset_m: Vector3 = (0.0, 0.0, 0.0)
+
+
+@dataclass(frozen=True)
+class Estimate:
+    """A number that was learnt, with its standard error."""
+
+    value: float
+    std: float = float("nan")
+
+
+@dataclass(frozen=True)
+class Effect:
+    """What a diagnosis added to the simulation."""
+
+    name: str
+    parameters: Mapping[str, object] = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class Control:
+    """Eq. (5), (6), (7): ``tau = kp (ref - q) + kv dq + ka ddq``; one gain a joint."""
+
+    law: Law = "measured"
+    kp: tuple[float, ...] = ()
+    kv: tuple[float, ...] = ()
+    ka: tuple[float, ...] = ()
+
+
+@dataclass(frozen=True)
+class Arm:
+    """A serial chain, what rides on it, and what was learnt of it."""
+
+    name: str
+    joints: tuple[Joint, ...]
+    gravity_m_s2: Vector3 = (0.0, 0.0, -STANDARD_GRAVITY_M_S2)
+    sensors: tuple[Sensor, ...] = ()
+    tip: Tip | None = None
+    base_parameters: Mapping[str, Estimate] = field(default_factory=dict)
+    effects: tuple[Effect, ...] = ()
+    control: Control = Control()
+
+    @property
+    def n_joint(self) -> int:
+        """Number of joints."""
+        return len(self.joints)
+
+    def sensor_index(self, name: str) -> int:
+        """Return the place of a sensor in ``sensors``.
+
+        Raises
+        ------
+        KeyError
+            If no sensor has this name.
+        """
+        for index, sensor in enumerate(self.sensors):
+            if sensor.name == name:
+                return index
+        raise KeyError(name)
+
+    def with_joints(self, **columns: Floats) -> "Arm":
+        """Return a copy whose joints take new geometry, one array a field, such as ``a_m=[0.25, 0.3]``."""
+        joints = [
+            replace(joint, **{name: float(values[i]) for name, values in columns.items()})  # type: ignore[arg-type]
+            for i, joint in enumerate(self.joints)
+        ]
+        return replace(self, joints=tuple(joints))
