@@ -1,0 +1,122 @@
+"""`arm.toml`: reading, with every mistake named, and writing."""
+
+import math
+import tomllib
+from collections.abc import Iterable, Mapping
+from importlib import resources
+from pathlib import Path
+
+from pydantic import ValidationError
+
+from arm.arm_schema import ArmTable, contradictions, mistakes_of
+from arm.model import Arm, Estimate
+from limbcal.errors import ConfigError, DeviceError
+
+_PRESETS = resources.files("arm") / "presets"
+
+
+def preset_names() -> list[str]:
+    """Return the names of the built-in arms."""
+    return sorted(entry.name.removesuffix(".toml") for entry in _PRESETS.iterdir())
+
+
+def load_arm(source: str | Path) -> Arm:
+    """Read an arm by the name of a built-in one or from a file.
+
+    Raises
+    ------
+    ConfigError
+        If there is no such arm, or with every mistake that its file makes.
+    """
+    if str(source) in preset_names():
+        return parse_arm((_PRESETS / f"{source}.toml").read_text(encoding="utf-8"), f"{source}.toml")
+    path = Path(source)
+    try:
+        text = path.read_text(encoding="utf-8")
+    except (OSError, UnicodeDecodeError) as error:
+        known = ", ".join(preset_names())
+        reason = error.strerror if isinstance(error, OSError) else "it is not UTF-8 text"
+        raise ConfigError(f"arm {str(source)!r}: {reason}; expected an arm file or one of {known}") from error
+    return parse_arm(text, str(source))
+
+
+def parse_arm(text: str, where: str) -> Arm:
+    """Read an arm from the text of its file; ``where`` names the file in what is said of mistakes.
+
+    Raises
+    ------
+    ConfigError
+        With every mistake in the text.
+    """
+    try:
+        table = ArmTable.model_validate(tomllib.loads(text))
+    except tomllib.TOMLDecodeError as error:
+        raise ConfigError(f"{where}: not TOML: {error}") from error
+    except ValidationError as error:
+        raise ConfigError(mistakes_of(error, where)) from error
+    if found := contradictions(table, where):
+        raise ConfigError(found)
+    return table.arm()
+
+
+def save_arm(arm: Arm, path: Path) -> None:
+    """Write an arm file.
+
+    Raises
+    ------
+    DeviceError
+        If the file cannot be written.
+    """
+    try:
+        path.write_text(format_arm(arm), encoding="utf-8")
+    except OSError as error:
+        raise DeviceError(f"{path}: cannot be written: {error.strerror}") from error
+
+
+def format_arm(arm: Arm) -> str:
+    """Return the text of an arm file; `parse_arm` gives the same arm back."""
+    blocks = [_table("", {"schema": 1, "name": arm.name, "gravity_m_s2": arm.gravity_m_s2})]
+    blocks += [_table("[[joint]]", vars(joint)) for joint in arm.joints]
+    blocks += [_table("[[sensor]]", vars(sensor)) for sensor in arm.sensors]
+    if arm.tip is not None:
+        blocks.append(_table("[tip]", vars(arm.tip)))
+    if arm.base_parameters:
+        blocks.append(
+            _table("[base_parameters]", {name: _finite(e) for name, e in arm.base_parameters.items()})
+        )
+    blocks += [_table("[[effect]]", vars(effect)) for effect in arm.effects]
+    blocks.append(_table("[control]", {name: v for name, v in vars(arm.control).items() if v != ()}))
+    return "\n".join(blocks)
+
+
+def _finite(estimate: Estimate) -> dict[str, float]:
+    return {name: x for name, x in vars(estimate).items() if math.isfinite(x)}
+
+
+def _table(header: str, fields: Mapping[str, object]) -> str:
+    lines = [header] if header else []
+    lines += [f"{_key(name)} = {_value(value)}" for name, value in fields.items()]
+    return "\n".join(lines) + "\n"
+
+
+def _key(name: str) -> str:
+    return name if name.replace("_", "").replace("-", "").isalnum() and name.isascii() else _string(name)
+
+
+def _value(value: object) -> str:
+    if isinstance(value, str):
+        return _string(value)
+    if isinstance(value, bool):
+        return str(value).lower()
+    if isinstance(value, int | float):
+        return repr(value)
+    if isinstance(value, Mapping):
+        return "{ " + ", ".join(f"{_key(str(k))} = {_value(v)}" for k, v in value.items()) + " }"
+    if isinstance(value, Iterable):
+        return "[" + ", ".join(_value(item) for item in value) + "]"
+    return _value(vars(value))
+
+
+def _string(text: str) -> str:
+    escaped = text.replace("\\", "\\\\").replace('"', '\\"')
+    return '"' + "".join(c if c.isprintable() else f"\\u{ord(c):04x}" for c in escaped) + '"'

@@ -1,0 +1,89 @@
+"""The arm as plain arrays, which is all that compiled kernels know of it."""
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from arm.model import Arm, Floats
+from limbcal.compiled import compiled
+from limbcal.errors import DataError
+
+
+class Chain(NamedTuple):
+    """The numbers of an arm, one row a joint.
+
+    Attributes
+    ----------
+    revolute : (n,) bool
+        The paper's rho as it must be: true where the joint turns.
+    geometry : (n, 5)
+        alpha, a, d, beta, theta offset.
+    inertial : (n, 10)
+        xx yy zz xy xz yz of the inertia tensor, m*sx m*sy m*sz, m; about the joint-axis frame's origin.
+    friction : (n, 3)
+        viscous, Coulomb, static.
+    gravity : (3,)
+        In the base frame.
+    """
+
+    revolute: NDArray[np.bool_]
+    geometry: Floats
+    inertial: Floats
+    friction: Floats
+    gravity: Floats
+
+
+def chain_of(arm: Arm) -> Chain:
+    """Return the arm's numbers as arrays."""
+    return Chain(
+        np.array([joint.type == "revolute" for joint in arm.joints]),
+        np.array([[j.alpha_rad, j.a_m, j.d_m, j.beta_rad, j.theta_offset_rad] for j in arm.joints]),
+        np.array(
+            [
+                [*j.link.inertia_kg_m2, *(j.link.mass_kg * s for s in j.link.com_m), j.link.mass_kg]
+                for j in arm.joints
+            ]
+        ),
+        np.array(
+            [[j.friction.viscous_N_m_s, j.friction.coulomb_N_m, j.friction.static_N_m] for j in arm.joints]
+        ),
+        np.array(arm.gravity_m_s2, dtype=float),
+    )
+
+
+def joint_rows(arm: Arm, name: str, values: ArrayLike) -> Floats:
+    """Return joint values as a contiguous ``(n_sample, n_joint)`` array; one row may come as ``(n_joint,)``.
+
+    Raises
+    ------
+    DataError
+        If the last dimension is not the arm's number of joints.
+    """
+    rows = np.atleast_2d(np.ascontiguousarray(values, dtype=float))
+    if rows.ndim != 2 or rows.shape[1] != arm.n_joint:
+        raise DataError(f"{name} has shape {np.shape(values)}, expected (n_sample, {arm.n_joint})")
+    return rows
+
+
+@compiled
+def link_step(
+    revolute: bool, alpha: float, d: float, beta: float, theta_offset: float, q: float, R: Floats, p: Floats
+) -> None:
+    """Fill in the pose of a joint-axis frame as seen from the far end of the link before it.
+
+    That is eq. (1) without its last factor: Rot(y, beta) Rot(x, alpha) Trans(0, 0, d) Rot(z, theta).
+    """
+    theta = theta_offset
+    if revolute:
+        theta += q
+    else:
+        d += q
+    ca, sa = math.cos(alpha), math.sin(alpha)
+    cb, sb = math.cos(beta), math.sin(beta)
+    c, s = math.cos(theta), math.sin(theta)
+    R[0, 0], R[0, 1], R[0, 2] = cb * c + sa * sb * s, c * sa * sb - cb * s, ca * sb  # eq. (1)
+    R[1, 0], R[1, 1], R[1, 2] = ca * s, ca * c, -sa
+    R[2, 0], R[2, 1], R[2, 2] = -c * sb + cb * sa * s, cb * c * sa + sb * s, ca * cb
+    p[0], p[1], p[2] = d * ca * sb, -d * sa, d * ca * cb

@@ -1,0 +1,126 @@
+"""Where the arm is: eq. (1), (2) and (3).
+
+Two frames belong to link i. Its *joint-axis frame* has its origin on axis i and x along the link; inertial
+parameters and sensors are given there. *Frame i* of the paper is the same frame moved by ``a`` along x, to
+the far end of the link.
+"""
+
+import numpy as np
+
+from arm.chain import Chain, chain_of, joint_rows, link_step
+from arm.model import Arm, Floats
+from limbcal.compiled import compiled
+
+
+def link_transforms(arm: Arm, q: Floats) -> Floats:
+    """Return 0T_i for every link, eq. (2).
+
+    Parameters
+    ----------
+    arm : Arm
+    q : (n_sample, n_joint) [rad or m]
+
+    Returns
+    -------
+    (n_sample, n_joint, 4, 4)
+        Pose of frame i, at the far end of link i, in the base frame.
+    """
+    T = axis_frames(arm, q)
+    a = np.array([joint.a_m for joint in arm.joints])
+    T[..., :3, 3] += a[:, None] * T[..., :3, 0]  # Trans(a, 0, 0), the last factor of eq. (1)
+    return T
+
+
+def axis_frames(arm: Arm, q: Floats) -> Floats:
+    """Return the pose of every link's joint-axis frame in the base frame.
+
+    Parameters
+    ----------
+    arm : Arm
+    q : (n_sample, n_joint) [rad or m]
+
+    Returns
+    -------
+    (n_sample, n_joint, 4, 4)
+    """
+    rows = joint_rows(arm, "q", q)
+    T = np.zeros((*rows.shape, 4, 4))
+    _axis_frames(chain_of(arm), rows, T)
+    return T
+
+
+def tip_position(arm: Arm, q: Floats) -> Floats:
+    """Return the tip r = f(alpha, a, theta, d, beta), eq. (3): the origin of frame n.
+
+    Parameters
+    ----------
+    arm : Arm
+    q : (n_sample, n_joint) [rad or m]
+
+    Returns
+    -------
+    (n_sample, 3) [m]
+    """
+    return link_transforms(arm, q)[:, -1, :3, 3]
+
+
+def sensor_positions(arm: Arm, q: Floats) -> Floats:
+    """Return where every sensor is in the base frame.
+
+    Parameters
+    ----------
+    arm : Arm
+    q : (n_sample, n_joint) [rad or m]
+
+    Returns
+    -------
+    (n_sample, n_sensor, 3) [m]
+    """
+    frames = axis_frames(arm, q)
+    points = np.empty((len(frames), len(arm.sensors), 3))
+    for k, sensor in enumerate(arm.sensors):
+        T = frames[:, sensor.joint - 1]
+        points[:, k] = T[:, :3, :3] @ np.array(sensor.position_m) + T[:, :3, 3]
+    return points
+
+
+def rotation_from_rpy(roll: float, pitch: float, yaw: float) -> Floats:
+    """Return Rot(z, yaw) Rot(y, pitch) Rot(x, roll): the axes of the turned frame as columns.
+
+    Returns
+    -------
+    (3, 3)
+    """
+    cr, sr, cp, sp, cy, sy = (f(x) for x in (roll, pitch, yaw) for f in (np.cos, np.sin))
+    return np.array(
+        [
+            [cy * cp, cy * sp * sr - sy * cr, cy * sp * cr + sy * sr],
+            [sy * cp, sy * sp * sr + cy * cr, sy * sp * cr - cy * sr],
+            [-sp, cp * sr, cp * cr],
+        ]
+    )
+
+
+@compiled
+def _axis_frames(chain: Chain, q: Floats, T: Floats) -> None:
+    n_sample, n_joint = q.shape
+    R, p = np.empty((3, 3)), np.empty(3)
+    for k in range(n_sample):
+        for i in range(n_joint):
+            alpha, _, d, beta, offset = chain.geometry[i]
+            link_step(chain.revolute[i], alpha, d, beta, offset, q[k, i], R, p)
+            now = T[k, i]
+            now[3, 3] = 1.0
+            if i == 0:
+                now[:3, :3] = R
+                now[:3, 3] = p
+                continue
+            before = T[k, i - 1]
+            p[0] += chain.geometry[i - 1, 1]  # from the near to the far end of the link before
+            for row in range(3):
+                now[row, 3] = before[row, 3]
+                for col in range(3):
+                    now[row, 3] += before[row, col] * p[col]
+                    now[row, col] = (
+                        before[row, 0] * R[0, col] + before[row, 1] * R[1, col] + before[row, 2] * R[2, col]
+                    )

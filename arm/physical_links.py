@@ -1,0 +1,127 @@
+"""One physically possible arm among the many that share their base parameters.
+
+A link is possible when its pseudo-inertia is positive definite (Traversaro 2016): its mass is positive and
+its inertia is that of some distribution of mass. Written as ``J = U U^T`` with a triangle U whose diagonal is an
+exponential (Rucker and Wensing 2022), every set of numbers is a possible link, so the search is free.
+"""
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+import scipy.linalg
+import scipy.optimize
+
+from arm.model import Arm, Floats, Link
+
+#: What stands in for a link that the arm file leaves without a possible inertia: a rod of 1 kg.
+_ROD = (0.01, 0.02, 0.02, 0.0, 0.0, 0.0, 0.1, 0.0, 0.0, 1.0)
+_ROWS, _COLS = np.triu_indices(4)
+
+
+def pseudo_inertia(parameters: Floats) -> Floats:
+    """Return the pseudo-inertia of ten standard parameters.
+
+    Parameters
+    ----------
+    parameters : (10,)
+        xx yy zz xy xz yz, m*sx m*sy m*sz, m.
+
+    Returns
+    -------
+    (4, 4)
+        Positive definite where the link is physically possible.
+    """
+    xx, yy, zz, xy, xz, yz, sx, sy, sz, m = parameters
+    half = (xx + yy + zz) / 2
+    return np.array(
+        [[half - xx, -xy, -xz, sx], [-xy, half - yy, -yz, sy], [-xz, -yz, half - zz, sz], [sx, sy, sz, m]]
+    )
+
+
+def is_possible(parameters: Floats) -> bool:
+    """Say whether some distribution of mass has these ten parameters."""
+    return bool(np.linalg.eigvalsh(pseudo_inertia(parameters))[0] > 0.0)
+
+
+def links_with(arm: Arm, combination: Floats, values: Floats) -> Sequence[Link]:
+    """Return links with given combinations of their parameters, near the arm's own.
+
+    Parameters
+    ----------
+    arm : Arm
+    combination : (n_base, 10 * n_joint)
+    values : (n_base,)
+
+    Returns
+    -------
+    sequence of Link
+        Possible ones where they can be found, else the nearest that have the combinations.
+    """
+    nominal = _standard(arm)
+    start = np.array([p if is_possible(p) else _ROD for p in nominal])
+    unit = np.maximum(np.abs(values), 1e-3 * max(1e-12, float(np.abs(values).max(initial=0.0))))
+    x0 = np.concatenate([_log_triangle(p) for p in start])
+
+    def mismatch(x: Floats, pull: float) -> Floats:
+        return np.concatenate([(combination @ _parameters(x) - values) / unit, pull * (x - x0)])
+
+    x = x0
+    for pull in (1e-1, 1e-3, 1e-5):  # towards the combinations by steps, so that it stays near the start
+        x = scipy.optimize.least_squares(mismatch, x, args=(pull,), method="trf").x
+    found = _onto(combination, values, _parameters(x))
+    if not all(is_possible(p) for p in found.reshape(-1, 10)):
+        found = _onto(combination, values, nominal.ravel())
+    return [
+        _with_parameters(joint.link, p) for joint, p in zip(arm.joints, found.reshape(-1, 10), strict=True)
+    ]
+
+
+def _standard(arm: Arm) -> Floats:
+    return np.array(
+        [
+            [*j.link.inertia_kg_m2, *(j.link.mass_kg * s for s in j.link.com_m), j.link.mass_kg]
+            for j in arm.joints
+        ]
+    )
+
+
+def _onto(combination: Floats, values: Floats, parameters: Floats) -> Floats:
+    """Move parameters by the least that gives them the combinations exactly."""
+    step = scipy.linalg.lstsq(combination, values - combination @ parameters)[0]
+    return np.asarray(parameters + step, dtype=np.float64)
+
+
+def _with_parameters(link: Link, p: Floats) -> Link:
+    xx, yy, zz, xy, xz, yz, sx, sy, sz, m = p.tolist()
+    if m == 0.0:  # no mass can hold a first moment: only an arm without any comes here
+        return replace(link, mass_kg=0.0, inertia_kg_m2=(xx, yy, zz, xy, xz, yz))
+    return Link(mass_kg=m, com_m=(sx / m, sy / m, sz / m), inertia_kg_m2=(xx, yy, zz, xy, xz, yz))
+
+
+def _log_triangle(parameters: Floats) -> Floats:
+    # U U^T with U upper triangular: the Cholesky factor of the matrix read backwards, turned round again.
+    U = np.linalg.cholesky(pseudo_inertia(parameters)[::-1, ::-1])[::-1, ::-1]
+    x = U[_ROWS, _COLS]
+    x[_ROWS == _COLS] = np.log(x[_ROWS == _COLS])
+    return np.asarray(x, dtype=np.float64)
+
+
+def _parameters(x: Floats) -> Floats:
+    """Return the standard parameters of all links from their log-triangles, ten numbers each."""
+    rows = x.reshape(-1, 10)
+    U = np.zeros((len(rows), 4, 4))
+    U[:, _ROWS, _COLS] = rows
+    U[:, range(4), range(4)] = np.exp(U[:, range(4), range(4)])
+    J = U @ U.transpose(0, 2, 1)
+    trace = J[:, 0, 0] + J[:, 1, 1] + J[:, 2, 2]
+    columns = [
+        trace - J[:, 0, 0],
+        trace - J[:, 1, 1],
+        trace - J[:, 2, 2],
+        -J[:, 0, 1],
+        -J[:, 0, 2],
+        -J[:, 1, 2],
+    ]
+    columns += [J[:, 0, 3], J[:, 1, 3], J[:, 2, 3], J[:, 3, 3]]
+    return np.column_stack(columns).ravel()

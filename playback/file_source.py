@@ -1,0 +1,43 @@
+"""A joint-motion file as something to play."""
+
+from pathlib import Path
+
+import numpy as np
+
+from arm.model import Arm
+from limbcal.errors import ConfigError
+from playback.source import Source
+from playback.trajectory import Floats, Trajectory
+from protocol.motion_trials import Signals, read_trials
+
+
+def file_source(path: Path, arm: Arm) -> Source:
+    """Read a joint-motion file (CSV, Parquet or NPZ with t, q1…, and where known dq1…, ddq1…, trial).
+
+    A derivative that the file does not hold is taken by central differences, which shift nothing in time.
+
+    Raises
+    ------
+    DataError
+        If the file cannot be used.
+    ConfigError
+        If the file's number of joints is not the arm's.
+    """
+    trials = read_trials(path, needed=("q",), optional=("dq", "ddq"))
+    n_joint = next(iter(trials.values()))["q"].shape[1]
+    if n_joint != arm.n_joint:
+        raise ConfigError(f"{path}: it moves {n_joint} joint(s), but the arm {arm.name!r} has {arm.n_joint}")
+    motions = {number: _trajectory(signals) for number, signals in trials.items()}
+    durations = {number: motion.duration_s for number, motion in motions.items()}
+    return Source(path.name, arm, durations, motions.__getitem__)
+
+
+def _trajectory(signals: Signals) -> Trajectory:
+    t, q = signals["t"], signals["q"]
+    dq = signals["dq"] if "dq" in signals else _derivative(q, t)
+    ddq = signals["ddq"] if "ddq" in signals else _derivative(dq, t)
+    return Trajectory(t, q, dq, ddq, method="file")
+
+
+def _derivative(x: Floats, t: Floats) -> Floats:
+    return np.gradient(x, t, axis=0, edge_order=2 if len(t) > 2 else 1)

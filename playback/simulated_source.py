@@ -1,0 +1,69 @@
+"""The calibrated arm, simulated under its control law, as something to play."""
+
+from pathlib import Path
+
+import numpy as np
+
+from arm.model import Arm
+from arm.simulation import simulate
+from limbcal.errors import ConfigError, DataError
+from playback.source import Source
+from playback.trajectory import Floats, Trajectory
+from protocol.motion_trials import Signals, read_trials
+
+
+def simulated_source(path: Path, arm: Arm) -> Source:
+    """Read the controller's targets and play what the arm makes of them.
+
+    Each trial starts at rest where its first target is, or in the first state that the file gives in q1… and
+    dq1…. A trial is simulated when it is loaded.
+
+    Parameters
+    ----------
+    path : Path
+        CSV, Parquet or NPZ with t [s], evenly spaced, ref1…refn [rad or m], and where known q1…, dq1…, trial.
+    arm : Arm
+        The arm with its control law.
+
+    Raises
+    ------
+    DataError
+        If the file cannot be used.
+    ConfigError
+        If the arm has no control law to simulate, or another number of joints than the file.
+    """
+    if arm.control.law == "measured":
+        raise ConfigError(
+            f"arm {arm.name!r}: its control law is 'measured', whose torque comes with the data; "
+            "expected 'pd', 'pda' or 'p' to simulate a reference"
+        )
+    trials = read_trials(path, needed=("ref",), optional=("q", "dq"))
+    n_joint = next(iter(trials.values()))["ref"].shape[1]
+    if n_joint != arm.n_joint:
+        raise ConfigError(f"{path}: it has targets for {n_joint} joint(s), but the arm {arm.name!r} has {arm.n_joint}")
+    steps = {number: _even_step(signals["t"], f"{path}: trial {number}") for number, signals in trials.items()}
+
+    def trajectory(number: int) -> Trajectory:
+        return _simulated(arm, trials[number], steps[number])
+
+    durations = {number: float(signals["t"][-1]) for number, signals in trials.items()}
+    return Source(f"simulation of {arm.name} on {path.name}", arm, durations, trajectory)
+
+
+def _simulated(arm: Arm, signals: Signals, dt_s: float) -> Trajectory:
+    q0 = signals["q" if "q" in signals else "ref"][0]
+    dq0 = signals["dq"][0] if "dq" in signals else None
+    motion = simulate(arm, signals["ref"], dt_s, q0, dq0)
+    t = np.linspace(0.0, signals["t"][-1], len(signals["t"]))  # what was simulated, not what was printed
+    return Trajectory(t, motion.q, motion.dq, motion.ddq, method="simulate")
+
+
+def _even_step(t: Floats, where: str) -> float:
+    dt = float(t[-1]) / (len(t) - 1)
+    off = np.abs(t - dt * np.arange(len(t)))
+    worst = int(off.argmax())
+    if off[worst] > 0.5 * dt:  # printed with few digits is still even; a sample left out is not
+        raise DataError(
+            f"{where}: sample {worst + 1} is {off[worst]:.3g} s off an even spacing of {dt:.6g} s, expected even time"
+        )
+    return dt

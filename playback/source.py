@@ -1,0 +1,49 @@
+"""What can be played: the trials of one recording, file or simulation, and the arm that moves."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+
+from arm.model import Arm
+from limbcal.errors import ConfigError
+from playback.trajectory import Trajectory
+
+
+@dataclass(frozen=True)
+class Source:
+    """Trials by number.
+
+    Parameters
+    ----------
+    name : str
+        What subscribers are told as the source of the motion.
+    arm : Arm
+        The arm whose tip and sensor points are computed from the joints.
+    durations_s : mapping of int to float
+        Length of every trial [s].
+    trajectory : callable
+        Gives the motion of a trial; a simulation does its work here.
+    """
+
+    name: str
+    arm: Arm
+    durations_s: Mapping[int, float]
+    trajectory: Callable[[int], Trajectory]
+
+    @property
+    def trials(self) -> tuple[int, ...]:
+        """Numbers of the trials, rising."""
+        return tuple(sorted(self.durations_s))
+
+    def load(self, trial: int | None = None) -> Trajectory:
+        """Return a trial's motion, by default the first one's.
+
+        Raises
+        ------
+        ConfigError
+            If there is no such trial.
+        """
+        number = self.trials[0] if trial is None else trial
+        if number not in self.durations_s:
+            there = ", ".join(str(known) for known in self.trials)
+            raise ConfigError(f"{self.name}: there is no trial {number}, expected one of {there}")
+        return self.trajectory(number)
