@@ -113,7 +113,7 @@ def with_base_values(arm: Arm, base: BaseParameters, values: Floats) -> Arm:
 
 
 def _paper_order(arm: Arm) -> Callable[[int], tuple[int, bool, int]]:
-    """Return the order of the paper's tables: link after link, first moments before inertia, then friction."""
+    """Order columns as the paper's tables do: link by link, first moments before inertia; then friction."""
     inertial = 10 * arm.n_joint
     return lambda column: (min(column, inertial) // 10, column < inertial and column % 10 < 6, column)
 

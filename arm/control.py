@@ -51,4 +51,5 @@ def control_torque(control: Control, q: Floats, dq: Floats, ddq: Floats, ref: Fl
         If the law is "measured", or a gain is not given for every joint.
     """
     kp, kv, ka = gains(control, q.shape[-1])
-    return kp * (ref - q) + kv * dq + ka * ddq  # eq. (6), of which (5) and (7) are parts
+    tau: Floats = kp * (ref - q) + kv * dq + ka * ddq  # eq. (6), of which (5) and (7) are parts
+    return tau

@@ -24,13 +24,12 @@ class Room(NamedTuple):
     R: Floats
     p: Floats
     motion: Floats
-    load: Floats
-    wrench: Floats
+    zero: Floats
     A: Floats
     M: Floats
     net: Floats
     bias: Floats
-    still: Floats
+    now: Floats
 
 
 @compiled
@@ -40,13 +39,12 @@ def make_room(n: int) -> Room:
         np.empty((n, 3, 3)),
         np.empty((n, 3)),
         np.empty((n, 3, 3)),
-        np.empty((2, 3)),
-        np.zeros(6),
+        np.zeros(n + 6),
         np.empty((n, n)),
         np.empty((n, n)),
         np.empty(n),
         np.empty(n),
-        np.zeros(n),
+        np.empty(n),
     )
 
 
@@ -81,9 +79,9 @@ def equations(
     """Set up ``M ddq = net``: the law's share of ddq is on the left, Coulomb friction is not in it."""
     n = q.size
     poses(chain, q, room.R, room.p)
-    mass_columns(chain, room.R, room.p, room.motion, room.load, room.M)
-    rigid_motion(chain, chain.gravity, room.R, room.p, dq, room.still, room.motion)
-    rigid_torque(chain, room.R, room.p, room.motion, room.wrench, room.load, room.bias)
+    mass_columns(chain, room.R, room.p, room.motion, room.zero, room.M)
+    rigid_motion(chain, chain.gravity, room.R, room.p, dq, room.zero[:n], room.motion)
+    rigid_torque(chain, room.R, room.p, room.motion, room.zero[-6:], room.bias)
     for i in range(n):
         tau = drive[i] if given else law[0, i] * (drive[i] - q[i]) + law[1, i] * dq[i]  # eq. (5), (7)
         room.net[i] = tau - room.bias[i] - chain.friction[i, 0] * dq[i]
@@ -144,62 +142,88 @@ def drive_at(drive: Floats, k: int, share: float, given: bool, out: Floats) -> N
 
 
 @compiled
+def runge_kutta_stages(
+    chain: Chain,
+    law: Floats,
+    given: bool,
+    drive: Floats,
+    k: int,
+    start: float,
+    share: float,
+    dt: float,
+    q: Floats,
+    dq: Floats,
+    mode: Floats,
+    room: Room,
+    slopes: Floats,
+    after: Floats,
+) -> None:
+    """Fill in the state ``after`` (2, n) a share of step ``k``, whose part before ``start`` is done.
+
+    ``slopes`` (2, 4, n) are the derivatives of q and dq at the four stages; dq's first one is given.
+    """
+    h = share * dt
+    slopes[0, 0] = dq
+    for stage in range(1, 4):
+        part = 1.0 if stage == 3 else 0.5
+        for i in range(q.size):
+            after[0, i] = q[i] + part * h * slopes[0, stage - 1, i]
+            after[1, i] = dq[i] + part * h * slopes[1, stage - 1, i]
+            slopes[0, stage, i] = after[1, i]
+        drive_at(drive, k, start + part * share, given, room.now)
+        equations(chain, law, given, after[0], after[1], room.now, room)
+        acceleration(chain, mode, room, slopes[1, stage])
+    for i in range(q.size):
+        v, a = slopes[0], slopes[1]
+        after[0, i] = q[i] + h / 6.0 * (v[0, i] + 2.0 * v[1, i] + 2.0 * v[2, i] + v[3, i])
+        after[1, i] = dq[i] + h / 6.0 * (a[0, i] + 2.0 * a[1, i] + 2.0 * a[2, i] + a[3, i])
+
+
+@compiled
 def runge_kutta_steps(
     chain: Chain, law: Floats, given: bool, drive: Floats, dt: float, state: Floats, motion: Floats
 ) -> None:
     """Fill in a motion by fourth-order Runge-Kutta steps, cut where a joint comes to rest."""
     n_sample, n = drive.shape
     room = make_room(n)
-    q, dq, mode, now = state[0].copy(), state[1].copy(), np.zeros(n), np.empty(n)
-    k_q, k_dq, trial_q, trial_dq = np.empty((4, n)), np.empty((4, n)), np.empty(n), np.empty(n)
+    q, dq, mode = state[0].copy(), state[1].copy(), np.zeros(n)
+    slopes, after = np.empty((2, 4, n)), np.empty((2, n))
     for k in range(n_sample):
         done = 0.0
         for cut in range(_CUTS):
-            drive_at(drive, k, done, given, now)
-            equations(chain, law, given, q, dq, now, room)
-            choose_modes(chain, dq, mode, room, k_dq[0])
-            acceleration(chain, mode, room, k_dq[0])
+            drive_at(drive, k, done, given, room.now)
+            equations(chain, law, given, q, dq, room.now, room)
+            choose_modes(chain, dq, mode, room, slopes[1, 0])
+            acceleration(chain, mode, room, slopes[1, 0])
             if cut == 0:
-                for i in range(n):
-                    motion[0, k, i], motion[1, k, i], motion[2, k, i] = q[i], dq[i], k_dq[0, i]
-                    tau = law[0, i] * (now[i] - q[i]) + law[1, i] * dq[i] + law[2, i] * k_dq[0, i]  # eq. (6)
-                    motion[3, k, i] = now[i] if given else tau
+                record(law, given, room.now, q, dq, slopes[1, 0], motion[:, k])
             share = 1.0 - done
-            joint = -1
-            for _ in range(6):  # at most a few repetitions, to find when a joint comes to rest
-                h = share * dt
-                k_q[0] = dq
-                for stage in range(1, 4):
-                    part = 1.0 if stage == 3 else 0.5
-                    for i in range(n):
-                        trial_q[i] = q[i] + part * h * k_q[stage - 1, i]
-                        trial_dq[i] = dq[i] + part * h * k_dq[stage - 1, i]
-                        k_q[stage, i] = trial_dq[i]
-                    drive_at(drive, k, done + part * share, given, now)
-                    equations(chain, law, given, trial_q, trial_dq, now, room)
-                    acceleration(chain, mode, room, k_dq[stage])
-                for i in range(n):
-                    trial_q[i] = q[i] + h / 6.0 * (k_q[0, i] + 2.0 * k_q[1, i] + 2.0 * k_q[2, i] + k_q[3, i])
-                    trial_dq[i] = dq[i] + h / 6.0 * (
-                        k_dq[0, i] + 2.0 * k_dq[1, i] + 2.0 * k_dq[2, i] + k_dq[3, i]
+            runge_kutta_stages(chain, law, given, drive, k, done, share, dt, q, dq, mode, room, slopes, after)
+            joint, part = first_to_rest(chain, dq, after[1], mode)
+            if joint >= 0:
+                share *= part
+                for _ in range(5):  # Newton's steps on the time at which the joint comes to rest
+                    runge_kutta_stages(
+                        chain, law, given, drive, k, done, share, dt, q, dq, mode, room, slopes, after
                     )
-                if joint < 0:
-                    joint, rest = first_to_rest(chain, dq, trial_dq, mode)
-                    if joint < 0:
-                        break
-                    share *= rest
-                else:  # Newton's step on the time of rest
-                    slope = k_dq[3, joint] * dt
-                    better = share - trial_dq[joint] / slope
+                    better = share - after[1, joint] / (slopes[1, 3, joint] * dt)
                     if abs(better - share) < 1e-12 or not 0.0 < better < 1.0 - done:
                         break
                     share = better
-            q[:], dq[:] = trial_q, trial_dq
-            if joint >= 0:
-                dq[joint] = 0.0
+                after[1, joint] = 0.0
+            q[:], dq[:] = after[0], after[1]
             done += share
             if joint < 0 or done >= 1.0 - 1e-9:
                 break
+
+
+@compiled
+def record(law: Floats, given: bool, drive: Floats, q: Floats, dq: Floats, ddq: Floats, row: Floats) -> None:
+    """Fill in one sample of a motion: row (4, n)."""
+    for i in range(q.size):
+        row[0, i], row[1, i], row[2, i] = q[i], dq[i], ddq[i]
+        tau = law[0, i] * (drive[i] - q[i]) + law[1, i] * dq[i] + law[2, i] * ddq[i]  # eq. (5), (6), (7)
+        row[3, i] = drive[i] if given else tau
 
 
 @compiled
@@ -231,9 +255,7 @@ def paper_steps(
             equations(chain, law, given, q, trial, drive[k], room)  # theta is frozen within the step
             choose_modes(chain, trial, mode, room, slope[stage])
             acceleration(chain, mode, room, slope[stage])
+        record(law, given, drive[k], q, dq, slope[0], motion[:, k])
         for i in range(n):
-            tau = law[0, i] * (drive[k, i] - q[i]) + law[1, i] * dq[i] + law[2, i] * slope[0, i]
-            motion[0, k, i], motion[1, k, i], motion[2, k, i] = q[i], dq[i], slope[0, i]
-            motion[3, k, i] = drive[k, i] if given else tau
             dq[i] += dt / 6.0 * (slope[0, i] + 2.0 * slope[1, i] + 2.0 * slope[2, i] + slope[3, i])
             q[i] += dt * dq[i]  # theta^(t+1) = theta^t + dtheta^(t+1) h

@@ -3,7 +3,8 @@
 Everything is expressed in the links' joint-axis frames, so the offset between two frames is the far end of
 one link and eq. (1) without its last factor. Three slips of the print are put right here (docs/errata.md):
 rho is 1 for a joint that turns, the Coriolis term of a sliding joint is ``2 omega x z dq``, and ``v_dot``
-belongs to the frame's origin. Force and moment at the tip are what acts on the arm there, not what the arm passes on.
+belongs to the frame's origin. Force and moment at the tip are what acts on the arm there, not what the arm
+passes on.
 """
 
 import numpy as np
@@ -12,6 +13,8 @@ from arm.chain import Chain, chain_of, joint_rows, link_step
 from arm.model import Arm, Floats
 from limbcal.compiled import compiled
 from limbcal.errors import DataError
+
+Triple = tuple[float, float, float]
 
 
 def inverse_dynamics(
@@ -122,11 +125,29 @@ def tip_wrench(force: Floats | None, moment: Floats | None, n_sample: int) -> Fl
 
 
 @compiled
-def cross(a: Floats, b: Floats, out: Floats) -> None:
-    """Fill in ``a x b``."""
-    out[0] = a[1] * b[2] - a[2] * b[1]
-    out[1] = a[2] * b[0] - a[0] * b[2]
-    out[2] = a[0] * b[1] - a[1] * b[0]
+def cross(a: Triple, b: Triple) -> Triple:
+    """Return ``a x b``. Triples of numbers stay in registers, where arrays would have to be made."""
+    return a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]
+
+
+@compiled
+def turned(R: Floats, a: Triple) -> Triple:
+    """Return ``R a``."""
+    return (
+        R[0, 0] * a[0] + R[0, 1] * a[1] + R[0, 2] * a[2],
+        R[1, 0] * a[0] + R[1, 1] * a[1] + R[1, 2] * a[2],
+        R[2, 0] * a[0] + R[2, 1] * a[1] + R[2, 2] * a[2],
+    )
+
+
+@compiled
+def turned_back(R: Floats, a: Triple) -> Triple:
+    """Return ``R^T a``."""
+    return (
+        R[0, 0] * a[0] + R[1, 0] * a[1] + R[2, 0] * a[2],
+        R[0, 1] * a[0] + R[1, 1] * a[1] + R[2, 1] * a[2],
+        R[0, 2] * a[0] + R[1, 2] * a[1] + R[2, 2] * a[2],
+    )
 
 
 @compiled
@@ -147,72 +168,58 @@ def rigid_motion(
 
     The direct part of the recursion. ``v_dot`` starts as ``-g``, so it is the specific force.
     """
-    w0, dw0, dv0, u, v = np.zeros(3), np.zeros(3), -gravity, np.empty(3), np.empty(3)
+    w, dw, dv = (0.0, 0.0, 0.0), (0.0, 0.0, 0.0), (-gravity[0], -gravity[1], -gravity[2])
     for i in range(dq.size):
-        w, dw, dv = motion[i, 0], motion[i, 1], motion[i, 2]
-        cross(w0, p[i], u)
-        cross(w0, u, v)
-        cross(dw0, p[i], u)
-        u += v
-        u += dv0
-        for row in range(3):
-            w[row] = R[i, 0, row] * w0[0] + R[i, 1, row] * w0[1] + R[i, 2, row] * w0[2]
-            dw[row] = R[i, 0, row] * dw0[0] + R[i, 1, row] * dw0[1] + R[i, 2, row] * dw0[2]
-            dv[row] = R[i, 0, row] * u[0] + R[i, 1, row] * u[1] + R[i, 2, row] * u[2]
-        if chain.revolute[i]:
-            dw[0] += w[1] * dq[i]  # (R omega) x z dq
-            dw[1] -= w[0] * dq[i]
-            dw[2] += ddq[i]
-            w[2] += dq[i]
+        to_axis = (p[i, 0], p[i, 1], p[i, 2])
+        swing = cross(dw, to_axis)
+        pull = cross(w, cross(w, to_axis))
+        dv = turned_back(
+            R[i], (dv[0] + swing[0] + pull[0], dv[1] + swing[1] + pull[1], dv[2] + swing[2] + pull[2])
+        )
+        w, dw = turned_back(R[i], w), turned_back(R[i], dw)
+        if chain.revolute[i]:  # rho = 1
+            dw = (dw[0] + w[1] * dq[i], dw[1] - w[0] * dq[i], dw[2] + ddq[i])  # (R omega) x z dq + z ddq
+            w = (w[0], w[1], w[2] + dq[i])
         else:
-            dv[0] += 2.0 * w[1] * dq[i]  # 2 omega x z dq
-            dv[1] -= 2.0 * w[0] * dq[i]
-            dv[2] += ddq[i]
-        w0, dw0, dv0 = w, dw, dv
+            dv = (dv[0] + 2.0 * w[1] * dq[i], dv[1] - 2.0 * w[0] * dq[i], dv[2] + ddq[i])  # 2 omega x z dq
+        for row in range(3):
+            motion[i, 0, row], motion[i, 1, row], motion[i, 2, row] = w[row], dw[row], dv[row]
 
 
 @compiled
-def rigid_torque(
-    chain: Chain, R: Floats, p: Floats, motion: Floats, wrench: Floats, load: Floats, tau: Floats
-) -> None:
+def rigid_torque(chain: Chain, R: Floats, p: Floats, motion: Floats, wrench: Floats, tau: Floats) -> None:
     """Fill in the torques of a motion without friction: the inverse part of the recursion.
 
-    ``wrench`` is what the tip passes on, in frame n; ``load`` (2, 3) is room for force and moment.
+    ``wrench`` (6,) is what the tip passes on, in frame n.
     """
     n = tau.size
-    f, m = load[0], load[1]
-    f[:], m[:] = wrench[:3], wrench[3:]
-    u, v, force, moment = np.empty(3), np.empty(3), np.empty(3), np.empty(3)
-    u[0], u[1], u[2] = chain.geometry[n - 1, 1], 0.0, 0.0  # the tip is at the far end of the last link
-    cross(u, f, v)
-    m += v
+    f, m = (wrench[0], wrench[1], wrench[2]), (wrench[3], wrench[4], wrench[5])
+    at = (chain.geometry[n - 1, 1], 0.0, 0.0)  # the tip is at the far end of the last link
     for i in range(n - 1, -1, -1):
         w, dw, dv = motion[i, 0], motion[i, 1], motion[i, 2]
+        W, dW, dV = (w[0], w[1], w[2]), (dw[0], dw[1], dw[2]), (dv[0], dv[1], dv[2])
         xx, yy, zz, xy, xz, yz, sx, sy, sz, mass = chain.inertial[i]
-        if i < n - 1:  # turn what the next link asks for into this link's frame
-            for row in range(3):
-                force[row] = R[i + 1, row, 0] * f[0] + R[i + 1, row, 1] * f[1] + R[i + 1, row, 2] * f[2]
-                moment[row] = R[i + 1, row, 0] * m[0] + R[i + 1, row, 1] * m[1] + R[i + 1, row, 2] * m[2]
-            cross(p[i + 1], force, u)
-            f[:] = force
-            m[:] = moment + u
-        force[0], force[1], force[2] = sx, sy, sz  # m s
-        cross(w, force, u)
-        cross(w, u, v)
-        cross(dw, force, u)
-        f += mass * dv + u + v
-        cross(force, dv, u)
-        m += u
-        u[0] = xx * dw[0] + xy * dw[1] + xz * dw[2]
-        u[1] = xy * dw[0] + yy * dw[1] + yz * dw[2]
-        u[2] = xz * dw[0] + yz * dw[1] + zz * dw[2]
-        m += u
-        u[0] = xx * w[0] + xy * w[1] + xz * w[2]
-        u[1] = xy * w[0] + yy * w[1] + yz * w[2]
-        u[2] = xz * w[0] + yz * w[1] + zz * w[2]
-        cross(w, u, v)
-        m += v
+        s = (sx, sy, sz)  # m s
+        spin = (
+            xx * w[0] + xy * w[1] + xz * w[2],
+            xy * w[0] + yy * w[1] + yz * w[2],
+            xz * w[0] + yz * w[1] + zz * w[2],
+        )
+        gyro, lever, arm_of_f = cross(W, spin), cross(s, dV), cross(at, f)
+        swing, pull = cross(dW, s), cross(W, cross(W, s))
+        m = (
+            m[0] + arm_of_f[0] + gyro[0] + lever[0] + xx * dw[0] + xy * dw[1] + xz * dw[2],
+            m[1] + arm_of_f[1] + gyro[1] + lever[1] + xy * dw[0] + yy * dw[1] + yz * dw[2],
+            m[2] + arm_of_f[2] + gyro[2] + lever[2] + xz * dw[0] + yz * dw[1] + zz * dw[2],
+        )
+        f = (
+            f[0] + mass * dv[0] + swing[0] + pull[0],
+            f[1] + mass * dv[1] + swing[1] + pull[1],
+            f[2] + mass * dv[2] + swing[2] + pull[2],
+        )
         tau[i] = m[2] if chain.revolute[i] else f[2]
+        at = (p[i, 0], p[i, 1], p[i, 2])  # where the link before takes it over
+        f, m = turned(R[i], f), turned(R[i], m)
 
 
 @compiled
@@ -227,28 +234,31 @@ def tip_load(R: Floats, wrench: Floats, out: Floats) -> None:
 
 
 @compiled
-def mass_columns(chain: Chain, R: Floats, p: Floats, motion: Floats, load: Floats, M: Floats) -> None:
-    """Fill in the mass matrix, one column a unit acceleration."""
+def mass_columns(chain: Chain, R: Floats, p: Floats, motion: Floats, zero: Floats, M: Floats) -> None:
+    """Fill in the mass matrix, one column a unit acceleration.
+
+    ``zero`` (n + 6,) is all zeros and is so again afterwards; ``motion`` (n, 3, 3) is room to work in.
+    """
     n = M.shape[0]
-    still, unit, none = np.zeros(n), np.zeros(n), np.zeros(6)
-    gravity = np.zeros(3)
+    still, none = zero[:n], zero[n:]
     for i in range(n):
-        unit[i] = 1.0
-        rigid_motion(chain, gravity, R, p, still, unit, motion)
-        rigid_torque(chain, R, p, motion, none, load, M[i])
-        unit[i] = 0.0
+        row = M[i]  # M is symmetric: its row stands in for the acceleration until the torque is there
+        row[:] = 0.0
+        row[i] = 1.0
+        rigid_motion(chain, none[:3], R, p, still, row, motion)
+        rigid_torque(chain, R, p, motion, none, row)
 
 
 @compiled
 def _inverse_dynamics(chain: Chain, q: Floats, dq: Floats, ddq: Floats, wrench: Floats, tau: Floats) -> None:
     n = q.shape[1]
     R, p, motion = np.empty((n, 3, 3)), np.empty((n, 3)), np.empty((n, 3, 3))
-    load, tip = np.empty((2, 3)), np.empty(6)
+    tip = np.empty(6)
     for k in range(q.shape[0]):
         poses(chain, q[k], R, p)
         rigid_motion(chain, chain.gravity, R, p, dq[k], ddq[k], motion)
         tip_load(R, wrench[k], tip)
-        rigid_torque(chain, R, p, motion, tip, load, tau[k])
+        rigid_torque(chain, R, p, motion, tip, tau[k])
         for i in range(n):  # D dq + f sgn(dq)
             tau[k, i] += chain.friction[i, 0] * dq[k, i] + chain.friction[i, 1] * np.sign(dq[k, i])
 
@@ -256,7 +266,7 @@ def _inverse_dynamics(chain: Chain, q: Floats, dq: Floats, ddq: Floats, wrench: 
 @compiled
 def _mass_matrices(chain: Chain, q: Floats, M: Floats) -> None:
     n = q.shape[1]
-    R, p, motion, load = np.empty((n, 3, 3)), np.empty((n, 3)), np.empty((n, 3, 3)), np.empty((2, 3))
+    R, p, motion, zero = np.empty((n, 3, 3)), np.empty((n, 3)), np.empty((n, 3, 3)), np.zeros(n + 6)
     for k in range(q.shape[0]):
         poses(chain, q[k], R, p)
-        mass_columns(chain, R, p, motion, load, M[k])
+        mass_columns(chain, R, p, motion, zero, M[k])

@@ -1,8 +1,8 @@
 """One physically possible arm among the many that share their base parameters.
 
 A link is possible when its pseudo-inertia is positive definite (Traversaro 2016): its mass is positive and
-its inertia is that of some distribution of mass. Written as ``J = U U^T`` with a triangle U whose diagonal is an
-exponential (Rucker and Wensing 2022), every set of numbers is a possible link, so the search is free.
+its inertia is that of some distribution of mass. Written as ``J = U U^T`` with a triangle U whose diagonal is
+an exponential (Rucker and Wensing 2022), every set of numbers is a possible link, so the search is free.
 """
 
 from collections.abc import Sequence

@@ -1,10 +1,10 @@
 """The motion of an arm under its control or under given torques (section 7).
 
 The default is a Runge-Kutta step on the full state. Friction makes the equations change at a standstill, so
-every joint is in one of three modes, sliding forwards, sliding backwards or stuck; within a step the modes are
-fixed and the equations smooth, and a step in which a joint comes to rest is cut there. A stuck joint starts to
-slide when what pulls at it exceeds its static (or Coulomb) friction. The paper's own scheme (docs/errata.md:
-slip 7) is ``scheme="paper"``.
+every joint is in one of three modes, sliding forwards, sliding backwards or stuck; within a step the modes
+are fixed and the equations smooth, and a step in which a joint comes to rest is cut there. A stuck joint
+starts to slide when what pulls at it exceeds its static (or Coulomb) friction. The paper's own scheme
+(docs/errata.md, slip 7) is ``scheme="paper"``.
 """
 
 from dataclasses import dataclass
@@ -86,4 +86,5 @@ def simulate(
     motion = np.empty((4, *targets.shape))
     steps = runge_kutta_steps if scheme == "rk4" else paper_steps
     steps(chain_of(arm), law, torque is not None, drive, dt_s, state, motion)
-    return Motion(np.arange(len(targets)) * dt_s, motion[0], motion[1], motion[2], motion[3], targets)
+    t = np.arange(len(targets), dtype=np.float64) * dt_s
+    return Motion(t, motion[0], motion[1], motion[2], motion[3], targets)

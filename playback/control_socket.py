@@ -1,17 +1,17 @@
 """The ROUTER socket on which playback is told what to do."""
 
-import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 
 import zmq
 
-from limbcal.errors import DeviceError
+from protocol.binding import bind
 
-Answer = Callable[[bytes], bytes]
+Answer = Callable[[Sequence[bytes]], bytes]
 
 #: Bytes of a message that the socket still takes in, to refuse it; beyond, ZeroMQ drops the peer.
 MESSAGE_LIMIT = 64 * 1024 * 1024
-LINGER_MS = 500
+#: How long closing waits for the last replies to leave [ms].
+LINGER_MS = 250
 
 
 class ControlSocket:
@@ -23,47 +23,38 @@ class ControlSocket:
     endpoint : str
         Where to bind; ``tcp://127.0.0.1:*`` takes any free port.
     answer : callable
-        Takes the payload of a request and returns that of its reply; it must not raise.
+        Takes the parts of a request and returns its reply; it must not raise.
 
     Raises
     ------
     DeviceError
-        If the endpoint cannot be bound.
+        If the endpoint is taken or cannot be bound.
+    ConfigError
+        If the endpoint is not one.
     """
 
-    def __init__(self, context: zmq.Context[zmq.Socket[bytes]], endpoint: str, answer: Answer) -> None:
+    def __init__(self, context: "zmq.Context[zmq.Socket[bytes]]", endpoint: str, answer: Answer) -> None:
         self._answer = answer
         self._socket = context.socket(zmq.ROUTER)
-        self._socket.linger = LINGER_MS
-        self._socket.setsockopt(zmq.MAXMSGSIZE, MESSAGE_LIMIT)
+        self._socket.set(zmq.LINGER, LINGER_MS)
+        self._socket.set(zmq.MAXMSGSIZE, MESSAGE_LIMIT)
         try:
-            self._socket.bind(endpoint)
-        except zmq.ZMQError as error:
-            self._socket.close(linger=0)
-            if error.errno == zmq.EADDRINUSE:
-                raise DeviceError(f"control endpoint {endpoint} is already taken") from error
-            raise DeviceError(f"control endpoint {endpoint} cannot be bound: {error.strerror}") from error
-        self.endpoint = self._socket.get_string(zmq.LAST_ENDPOINT)
+            self.endpoint = bind(self._socket, endpoint)
+        except BaseException:
+            self._socket.close(0)
+            raise
 
-    def wait(self, seconds: float) -> None:
-        """Answer at most one request that comes within so many seconds; return at once when it came.
-
-        ZeroMQ waits whole milliseconds only, so the rest of the time is slept, to be neither early nor late.
-        """
-        whole_ms = max(0, int(seconds * 1e3))
-        until = time.monotonic() + seconds
-        if self._socket.poll(whole_ms, zmq.POLLIN):
-            self._serve()
-        elif (rest := until - time.monotonic()) > 0.0:
-            time.sleep(rest)
+    def serve(self, timeout_ms: int) -> bool:
+        """Answer one request if one comes in time, and say whether it did."""
+        if not self._socket.poll(timeout_ms, zmq.POLLIN):
+            return False
+        parts = self._socket.recv_multipart()
+        # REQ puts an empty part between address and payload, DEALER need not; the reply goes the way back.
+        n_envelope = 2 if len(parts) > 2 and not parts[1] else 1
+        reply = self._answer(parts[n_envelope:])
+        self._socket.send_multipart([*parts[:n_envelope], reply])
+        return True
 
     def close(self) -> None:
         """Let the last replies go and free the endpoint."""
         self._socket.close()
-
-    def _serve(self) -> None:
-        parts = self._socket.recv_multipart()
-        # REQ puts an empty part between address and payload, DEALER need not; the reply goes the way back.
-        n_envelope = 2 if len(parts) > 2 and not parts[1] else 1
-        envelope, body = parts[:n_envelope], parts[n_envelope:]
-        self._socket.send_multipart([*envelope, self._answer(body[0] if len(body) == 1 else b"".join(body))])

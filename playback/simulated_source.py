@@ -40,8 +40,8 @@ def simulated_source(path: Path, arm: Arm) -> Source:
     trials = read_trials(path, needed=("ref",), optional=("q", "dq"))
     n_joint = next(iter(trials.values()))["ref"].shape[1]
     if n_joint != arm.n_joint:
-        raise ConfigError(f"{path}: it has targets for {n_joint} joint(s), but the arm {arm.name!r} has {arm.n_joint}")
-    steps = {number: _even_step(signals["t"], f"{path}: trial {number}") for number, signals in trials.items()}
+        raise ConfigError(f"{path}: it leads {n_joint} joint(s), but the arm {arm.name!r} has {arm.n_joint}")
+    steps = {number: _even_step(trial["t"], f"{path}: trial {number}") for number, trial in trials.items()}
 
     def trajectory(number: int) -> Trajectory:
         return _simulated(arm, trials[number], steps[number])
@@ -64,6 +64,7 @@ def _even_step(t: Floats, where: str) -> float:
     worst = int(off.argmax())
     if off[worst] > 0.5 * dt:  # printed with few digits is still even; a sample left out is not
         raise DataError(
-            f"{where}: sample {worst + 1} is {off[worst]:.3g} s off an even spacing of {dt:.6g} s, expected even time"
+            f"{where}: sample {worst + 1} is {off[worst]:.3g} s off an even step of {dt:.6g} s, "
+            "expected evenly spaced time"
         )
     return dt

@@ -99,7 +99,7 @@ class Trajectory:
         return q, dq, (1.0 - s) * self.ddq[left] + s * self.ddq[left + 1]
 
     def gap_between(self, start_s: float, end_s: float) -> bool:
-        """Say whether the motion in (start_s, end_s], or the state at end_s, bridges samples that were lost."""
+        """Say whether lost samples are bridged anywhere from start_s to end_s."""
         first = np.searchsorted(self.t, start_s, side="right") - 1
         last = np.searchsorted(self.t, end_s, side="left")
         inside = np.clip([first, last], 0, len(self.t) - 1)

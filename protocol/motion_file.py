@@ -1,4 +1,4 @@
-"""Joint motion handed from one program to another as a file: CSV, Parquet or NPZ, one named column a signal."""
+"""Joint motion handed on as a file: CSV, Parquet or NPZ, one named column a signal."""
 
 import zipfile
 from collections.abc import Mapping
@@ -39,7 +39,7 @@ def read_columns(path: Path) -> dict[str, Floats]:
     readers = {".csv": _read_csv, ".npz": _read_npz, ".parquet": _read_parquet}
     suffix = path.suffix.lower()
     if suffix not in readers:
-        raise DataError(f"{path}: the suffix is {suffix or 'missing'!r}, expected one of {', '.join(SUFFIXES)}")
+        raise DataError(f"{path}: the suffix is {suffix!r}, expected one of {', '.join(SUFFIXES)}")
     try:
         columns = readers[suffix](path)
     except FileNotFoundError as error:
@@ -69,7 +69,7 @@ def joint_columns(columns: Columns, prefix: str) -> Floats | None:
     ndarray of shape (n, n_joint), or None
         None where there is no ``prefix1``.
     """
-    found = []
+    found: list[Floats] = []
     while f"{prefix}{len(found) + 1}" in columns:
         found.append(columns[f"{prefix}{len(found) + 1}"])
     return np.column_stack(found) if found else None

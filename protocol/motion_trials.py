@@ -46,7 +46,7 @@ def read_trials(path: Path, needed: Sequence[str], optional: Sequence[str] = ())
             raise DataError(f"{path}: {column} is not a finite number in row {row + 1}")
     joints = {name: rows.shape[1] for name, rows in found.items() if name != "t"}
     if len(set(joints.values())) > 1:
-        raise DataError(f"{path}: the columns are for different numbers of joints ({joints}), expected one number")
+        raise DataError(f"{path}: its columns are for different numbers of joints ({joints}), expected one")
     return {
         number: _one_trial({name: array[rows] for name, array in found.items()}, rows + 1, number, path)
         for number, rows in _rows_by_trial(columns, path).items()
@@ -57,7 +57,7 @@ def _require(columns: Columns, names: Sequence[str], path: Path) -> None:
     missing = [name for name in names if name not in columns]
     if missing:
         there = ", ".join(columns) or "none"
-        raise DataError(f"{path}: {', '.join(missing)} missing among its columns of numbers, which are: {there}")
+        raise DataError(f"{path}: no column {', '.join(missing)} among its columns of numbers ({there})")
 
 
 def _rows_by_trial(columns: Columns, path: Path) -> dict[int, np.ndarray]:
@@ -77,6 +77,6 @@ def _one_trial(signals: Signals, row_numbers: np.ndarray, number: int, path: Pat
     backwards = np.flatnonzero(np.diff(t) <= 0.0)
     if backwards.size:
         k = backwards[0]
-        where = f"row {row_numbers[k + 1]} (trial {number})"
-        raise DataError(f"{path}: t goes from {t[k]:.9g} to {t[k + 1]:.9g} s at {where}, expected rising time")
+        found = f"t goes from {t[k]:.9g} to {t[k + 1]:.9g} s in row {row_numbers[k + 1]} (trial {number})"
+        raise DataError(f"{path}: {found}, expected rising time")
     return {"t": t - t[0], **signals}

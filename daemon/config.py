@@ -1,0 +1,178 @@
+"""`limbd.toml`: its fields, the flags that win over them, and every mistake in either."""
+
+import json
+import tomllib
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated, Literal
+
+import numpy as np
+from pydantic import BaseModel, ConfigDict, Field, Strict, ValidationError
+
+from arm.arm_file import load_arm
+from arm.arm_schema import mistakes_of
+from arm.model import Arm, Floats
+from limbcal.errors import ConfigError
+
+Number = Annotated[float, Field(allow_inf_nan=False)]
+Flags = Mapping[str, Mapping[str, object]]
+
+#: What a field is called on the command line, for those who have no file.
+_FLAG_OF = {"device.port": "--port", "arm.file": "--arm"}
+
+
+class _Table(BaseModel):
+    model_config = ConfigDict(extra="forbid", frozen=True, strict=True)
+
+
+class DeviceTable(_Table):
+    """`[device]`: where the accelerometers' samples come from."""
+
+    port: Annotated[str, Field(min_length=1)]
+    baud: Annotated[int, Field(gt=0)] = 12_000_000
+
+
+class ArmFileTable(_Table):
+    """`[arm]`: the arm that the sensors ride on, a file or the name of a built-in one."""
+
+    file: Annotated[str, Field(min_length=1)]
+
+
+class TrackingTable(_Table):
+    """`[tracking]`: how accelerations become joint motion. Without ``initial_q_rad`` the arm rests at zero."""
+
+    method: Literal["integrate"] = "integrate"
+    initial_q_rad: Annotated[tuple[Number, ...], Strict(strict=False)] | None = None
+    frame_rate_hz: Annotated[Number, Field(gt=0)] = 1000.0
+    zero: Literal["each-rest", "first-rest"] = "each-rest"
+
+
+class PublishTable(_Table):
+    """`[publish]`: where subscribers connect, and whether raw accelerations are sent to them."""
+
+    endpoint: Annotated[str, Field(pattern=r"^(tcp|ipc)://.+")] = "tcp://127.0.0.1:5770"
+    raw: bool = False
+
+
+class RecordTable(_Table):
+    """`[record]`: absent, nothing is recorded."""
+
+    directory: Annotated[str, Field(min_length=1)]
+
+
+class TrialsTable(_Table):
+    """`[trials]`: the first so many motions are for learning, the rest for evaluating."""
+
+    learning: Annotated[int, Field(ge=0)] = 5
+
+
+class Config(_Table):
+    """The whole file."""
+
+    device: DeviceTable
+    arm: ArmFileTable
+    tracking: TrackingTable = TrackingTable()
+    publish: PublishTable = PublishTable()
+    record: RecordTable | None = None
+    trials: TrialsTable = TrialsTable()
+
+
+@dataclass(frozen=True)
+class Setup:
+    """A config whose arm file was read and fits."""
+
+    config: Config
+    arm: Arm
+
+    @property
+    def initial_q_rad(self) -> Floats:
+        """Joint angles at the first rest, (n_joint,)."""
+        given = self.config.tracking.initial_q_rad
+        return np.zeros(self.arm.n_joint) if given is None else np.array(given)
+
+
+def load_setup(path: Path | None, flags: Flags) -> Setup:
+    """Read the config file, let the flags win over it, and read the arm that it names.
+
+    Parameters
+    ----------
+    path : Path or None
+        The config file; with None the flags must say everything.
+    flags : mapping of table to mapping of key to value
+        What was given on the command line.
+
+    Raises
+    ------
+    ConfigError
+        With every mistake in the config, the flags and the arm file.
+    """
+    where = "arguments" if path is None else f"{path} with its flags" if flags else str(path)
+    tables: dict[str, object] = {"device": {}, "arm": {}} | ({} if path is None else _read(path))
+    for name, values in flags.items():
+        table = tables.get(name)
+        tables[name] = {**(table if isinstance(table, dict) else {}), **values}
+    mistakes: list[str] = []
+    config = None
+    try:
+        config = Config.model_validate(tables)
+    except ValidationError as error:
+        mistakes += [_with_flag(sentence) for sentence in mistakes_of(error, where)]
+    arm = _load_arm(tables["arm"], where, mistakes)
+    given = _given_angles(tables.get("tracking"))
+    if arm is not None and given is not None and given != arm.n_joint:
+        mistakes.append(
+            f"{where}: tracking.initial_q_rad has {given} numbers, "
+            f"expected one a joint of {arm.name!r} ({arm.n_joint})"
+        )
+    if mistakes or config is None or arm is None:
+        raise ConfigError(mistakes)
+    return Setup(config, arm)
+
+
+def format_config(config: Config) -> str:
+    """Return the config as the TOML text that would give it again, flags included."""
+    lines = []
+    for name, table in config.model_dump(exclude_none=True).items():
+        lines += [f"[{name}]", *(f"{key} = {_value(value)}" for key, value in table.items()), ""]
+    return "\n".join(lines)
+
+
+def _read(path: Path) -> dict[str, object]:
+    try:
+        return tomllib.loads(path.read_text(encoding="utf-8"))
+    except OSError as error:
+        raise ConfigError(f"{path}: {error.strerror}; expected a limbd config file") from error
+    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+        raise ConfigError(f"{path}: not TOML: {error}") from error
+
+
+def _load_arm(table: object, where: str, mistakes: list[str]) -> Arm | None:
+    source = table.get("file") if isinstance(table, dict) else None
+    if not isinstance(source, str) or not source:
+        return None  # named already as a mistake of the field
+    try:
+        arm = load_arm(source)
+    except ConfigError as error:
+        mistakes += error.mistakes
+        return None
+    if not arm.sensors:
+        mistakes.append(f"{where}: arm.file {source!r} has no [[sensor]], expected at least one to track with")
+    return arm
+
+
+def _given_angles(table: object) -> int | None:
+    angles = table.get("initial_q_rad") if isinstance(table, dict) else None
+    return len(angles) if isinstance(angles, list | tuple) else None
+
+
+def _with_flag(sentence: str) -> str:
+    for field, flag in _FLAG_OF.items():
+        if sentence.endswith(f": {field} is missing"):
+            return f"{sentence}; expected in the config file or as {flag}"
+    return sentence
+
+
+def _value(value: object) -> str:
+    # A JSON string, number, boolean or list of numbers is TOML as well.
+    return json.dumps(value, ensure_ascii=False)

@@ -1,0 +1,102 @@
+"""A ring of stamped byte chunks in shared memory: one process writes, another reads, neither ever waits."""
+
+import ctypes
+from collections.abc import Iterator
+from multiprocessing.context import BaseContext
+from typing import NamedTuple
+
+import numpy as np
+
+#: Anonymous shared memory: it has no name in /dev/shm, so there is nothing to leave behind after a kill.
+Memory = ctypes.Array[ctypes.c_char]
+
+_WORD = 8
+_STATE_BYTES = 64
+_HEADER_BYTES = 2 * _WORD  # length of the chunk, its stamp
+_WRITTEN, _READ, _DROPPED_BYTES, _DROPPED_CHUNKS, _CLOSED = range(5)
+
+
+class Chunk(NamedTuple):
+    """Bytes as they arrived; ``stamp_ns`` is the host's monotonic clock when they did."""
+
+    stamp_ns: int
+    data: bytes
+
+
+def ring_memory(context: BaseContext, capacity: int) -> Memory:
+    """Return shared memory for a ring of ``capacity`` bytes, to be handed to the processes at either end."""
+    rounded = -(-capacity // _WORD) * _WORD
+    memory: Memory = context.RawArray(ctypes.c_char, _STATE_BYTES + rounded)
+    return memory
+
+
+class Ring:
+    """One end of the ring. The writer calls `write` and `close`, the reader `read`.
+
+    The two positions are whole aligned words that only one side writes, and the writer moves its own after the
+    bytes are in place. A processor that showed them out of order would hand over a torn chunk, which the
+    checksums of the frames in it would tell.
+    """
+
+    def __init__(self, memory: Memory) -> None:
+        view = memoryview(memory).cast("B")
+        self._state = np.frombuffer(view[:_STATE_BYTES], dtype=np.int64)
+        self._bytes = view[_STATE_BYTES:]
+        self._capacity = len(self._bytes)
+
+    @property
+    def dropped_bytes(self) -> int:
+        """Bytes that found no room because the reader had fallen a whole ring behind."""
+        return int(self._state[_DROPPED_BYTES])
+
+    @property
+    def dropped_chunks(self) -> int:
+        """Chunks that found no room."""
+        return int(self._state[_DROPPED_CHUNKS])
+
+    @property
+    def closed(self) -> bool:
+        """Whether the writer has written its last chunk."""
+        return bool(self._state[_CLOSED])
+
+    def write(self, data: bytes, stamp_ns: int) -> bool:
+        """Put a chunk in; where there is no room for all of it, drop and count it and return False."""
+        start = int(self._state[_WRITTEN])
+        size = _HEADER_BYTES + len(data)
+        if size > self._capacity - (start - int(self._state[_READ])):
+            self._state[_DROPPED_BYTES] += len(data)
+            self._state[_DROPPED_CHUNKS] += 1
+            return False
+        header = np.array([len(data), stamp_ns], dtype=np.int64).tobytes()
+        self._put(start, header)
+        self._put(start + _HEADER_BYTES, data)
+        self._state[_WRITTEN] = start + size
+        return True
+
+    def read(self) -> list[Chunk]:
+        """Take out every chunk that is there."""
+        return list(self._take(int(self._state[_WRITTEN])))
+
+    def close(self) -> None:
+        """Say that no chunk will follow."""
+        self._state[_CLOSED] = 1
+
+    def _take(self, end: int) -> Iterator[Chunk]:
+        start = int(self._state[_READ])
+        while start < end:
+            length, stamp_ns = np.frombuffer(self._get(start, _HEADER_BYTES), dtype=np.int64)
+            data = self._get(start + _HEADER_BYTES, int(length))
+            start += _HEADER_BYTES + int(length)
+            self._state[_READ] = start
+            yield Chunk(int(stamp_ns), data)
+
+    def _put(self, position: int, data: bytes) -> None:
+        begin = position % self._capacity
+        first = min(len(data), self._capacity - begin)
+        self._bytes[begin : begin + first] = data[:first]
+        self._bytes[: len(data) - first] = data[first:]
+
+    def _get(self, position: int, length: int) -> bytes:
+        begin = position % self._capacity
+        first = min(length, self._capacity - begin)
+        return bytes(self._bytes[begin : begin + first]) + bytes(self._bytes[: length - first])

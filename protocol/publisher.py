@@ -1,0 +1,127 @@
+"""The sending end: a PUB socket that numbers its messages."""
+
+import errno
+import socket as posix
+from collections.abc import Mapping
+from pathlib import Path
+from types import TracebackType
+from typing import Any
+
+import zmq
+
+from limbcal.errors import ConfigError, DeviceError
+from protocol.message import encode
+
+#: Messages kept for a subscriber that is slow; beyond that it loses its own and nobody else's.
+SEND_QUEUE = 1000
+#: How long closing waits for what was sent last to leave [ms].
+LINGER_MS = 250
+
+
+class Publisher:
+    """Publishes messages, each with ``v``, ``arm``, ``run`` and a sequence number per topic.
+
+    Parameters
+    ----------
+    context : zmq.Context
+    endpoint : str
+        Where to bind, such as ``tcp://127.0.0.1:5770``; ``tcp://127.0.0.1:*`` takes any free port.
+    arm_name : str
+    run : str
+        UUID of this process.
+
+    Attributes
+    ----------
+    last_seq : dict of str to int
+        Sequence number of the last message sent, by topic; the first is 0.
+
+    Raises
+    ------
+    DeviceError
+        If the endpoint is taken or cannot be bound.
+    ConfigError
+        If the endpoint is not one.
+    """
+
+    def __init__(
+        self, context: "zmq.Context[zmq.Socket[bytes]]", endpoint: str, arm_name: str, run: str
+    ) -> None:
+        self.last_seq: dict[str, int] = {}
+        self._arm = arm_name
+        self._run = run
+        self._socket = context.socket(zmq.PUB)
+        self._socket.set(zmq.SNDHWM, SEND_QUEUE)
+        self._socket.set(zmq.LINGER, LINGER_MS)
+        try:
+            _bind(self._socket, endpoint)
+        except BaseException:
+            self._socket.close(0)
+            raise
+        self._endpoint = self._socket.getsockopt_string(zmq.LAST_ENDPOINT)
+
+    @property
+    def endpoint(self) -> str:
+        """Where it is really bound, with the port that a ``*`` became."""
+        return self._endpoint
+
+    def publish(self, topic: str, fields: Mapping[str, Any]) -> list[bytes]:
+        """Send a message; never waits.
+
+        Returns
+        -------
+        list of bytes
+            The two parts as sent, so that a recorder can write the very same bytes.
+
+        Raises
+        ------
+        ProtocolError
+            If a field cannot be sent; then nothing is sent and no number is used up.
+        """
+        seq = self.last_seq.get(topic, -1) + 1
+        parts = encode(topic, {**fields, "arm": self._arm, "run": self._run, "seq": seq})
+        self._socket.send_multipart(parts)
+        self.last_seq[topic] = seq
+        return parts
+
+    def close(self) -> None:
+        """Close the socket; harmless when repeated."""
+        self._socket.close()
+
+    def __enter__(self) -> "Publisher":
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self.close()
+
+
+def _bind(socket: "zmq.Socket[bytes]", endpoint: str) -> None:
+    if not _port_in_range(endpoint):  # libzmq would take it modulo 65536
+        raise ConfigError(f"endpoint is {endpoint!r}, expected a port of at most 65535")
+    taken = f"endpoint {endpoint} is already taken, expected a free one"
+    if _ipc_in_use(endpoint):
+        raise DeviceError(taken)
+    try:
+        socket.bind(endpoint)
+    except zmq.ZMQError as error:
+        if error.errno == errno.EADDRINUSE:
+            raise DeviceError(taken) from error
+        if error.errno in (errno.EINVAL, errno.EPROTONOSUPPORT):
+            raise ConfigError(f"endpoint is {endpoint!r}, expected such as tcp://127.0.0.1:5770") from error
+        raise DeviceError(f"endpoint {endpoint} cannot be bound: {zmq.strerror(error.errno or 0)}") from error
+
+
+def _ipc_in_use(endpoint: str) -> bool:
+    """Tell whether somebody listens on an ipc endpoint: libzmq would take it over without a word."""
+    scheme, _, path = endpoint.partition("://")
+    if scheme != "ipc" or not Path(path).is_socket():
+        return False
+    with posix.socket(posix.AF_UNIX) as probe:
+        return probe.connect_ex(path) == 0
+
+
+def _port_in_range(endpoint: str) -> bool:
+    scheme, _, address = endpoint.partition("://")
+    port = address.rpartition(":")[2]
+    return scheme != "tcp" or not port.isdecimal() or int(port) <= 0xFFFF

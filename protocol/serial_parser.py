@@ -1,0 +1,191 @@
+"""Turns the bytes of the serial line back into frames, whatever happened to them on the way.
+
+A length is believed only after the header's own CRC, so garbage never makes the parser wait for more than one
+frame (65.6 kB). A frame whose payload fails its CRC is searched for the start of another: where bytes were
+lost, the next good frame begins inside the span that the broken header claims.
+"""
+
+import zlib
+from dataclasses import dataclass
+
+from limbcal.errors import ProtocolError
+from protocol.serial_frame import (
+    HEADER,
+    HEADER_BYTES,
+    HEADER_CRC,
+    KIND_INFO,
+    KIND_SAMPLES,
+    MAGIC,
+    PAYLOAD_CRC,
+    PAYLOAD_CRC_BYTES,
+    VERSION,
+    DeviceInfo,
+    InfoFrame,
+    SamplesFrame,
+    counts_from_payload,
+    header_crc,
+)
+
+Frame = SamplesFrame | InfoFrame
+
+
+@dataclass
+class ParserCounters:
+    """What a parser has seen so far.
+
+    Attributes
+    ----------
+    frames : int
+        Good frames handed out.
+    crc_errors : int
+        Frames that were due where the line was in step, and whose header or payload failed its CRC; also
+        payloads that failed after a good header anywhere.
+    resyncs : int
+        How often a good frame was found again at a place where none was due.
+    discarded_bytes : int
+        Bytes that belong to no good frame.
+    wrong_version : int
+        Whole frames of another protocol version.
+    malformed : int
+        Frames with right CRCs and contents that make no sense: unknown kind, sizes that contradict each
+        other, an INFO that is not one.
+    """
+
+    frames: int = 0
+    crc_errors: int = 0
+    resyncs: int = 0
+    discarded_bytes: int = 0
+    wrong_version: int = 0
+    malformed: int = 0
+
+
+class FrameParser:
+    """Parses a byte stream block by block; the frames are the same however the stream is cut into blocks.
+
+    Sequence numbers are handed on as they came (they wrap at 2**32): accounting for gaps is the reader's.
+
+    Attributes
+    ----------
+    counters : ParserCounters
+    last_error : str or None
+        The last sentence on a frame of another version or without sense, for the log.
+    """
+
+    def __init__(self) -> None:
+        self.counters = ParserCounters()
+        self.last_error: str | None = None
+        self._pending = bytearray()
+        self._need = HEADER_BYTES  # bytes without which nothing more can be said
+        self._offset = 0  # place in the stream of the first pending byte
+        self._due = 0  # place in the stream where a frame is due, if the stream is in step
+
+    @property
+    def pending_bytes(self) -> int:
+        """Bytes held back until the frame they may belong to is complete; less than one frame."""
+        return len(self._pending)
+
+    def feed(self, data: bytes | bytearray | memoryview) -> list[Frame]:
+        """Take the next bytes of the stream and return the frames that they complete, in order."""
+        self._pending += data
+        if len(self._pending) < self._need:
+            return []
+        block = bytes(self._pending)
+        frames, used = self._parse(block)
+        del self._pending[:used]
+        self._offset += used
+        return frames
+
+    def reset(self) -> None:
+        """Forget the bytes held back, as after a reconnect; the next byte fed should begin a frame."""
+        self.counters.discarded_bytes += len(self._pending)
+        self._offset += len(self._pending)
+        self._pending.clear()
+        self._need = HEADER_BYTES
+        self._due = self._offset
+
+    def _parse(self, block: bytes) -> tuple[list[Frame], int]:
+        """Return the frames in a block and how many of its bytes are done with."""
+        counters, view = self.counters, memoryview(block)
+        frames: list[Frame] = []
+        position, end = 0, len(block)
+        self._need = HEADER_BYTES
+        while True:
+            position = self._hunt(block, position)
+            payload_start = position + HEADER_BYTES
+            if payload_start > end:
+                return frames, position
+            due = self._offset + position == self._due
+            if not self._header_good(block, view[position : position + HEADER.size], position, due):
+                position = self._skip_magic(position)
+                continue
+            _, version, kind, sequence, ticks, _, n_channel, size = HEADER.unpack_from(block, position)
+            payload_end = payload_start + size
+            frame_end = payload_end + PAYLOAD_CRC_BYTES
+            if frame_end > end:
+                self._need = frame_end - position
+                return frames, position
+            payload = view[payload_start:payload_end]
+            if zlib.crc32(payload) != PAYLOAD_CRC.unpack_from(block, payload_end)[0]:
+                counters.crc_errors += 1
+                position = self._skip_magic(position)
+                if due:  # if only bits were turned, the next frame is where this header says
+                    self._due = self._offset + frame_end
+                continue
+            frame: Frame | None = None
+            if version != VERSION:
+                counters.wrong_version += 1
+                self.last_error = f"serial frame {sequence}: version {version}, expected {VERSION}"
+            elif kind == KIND_SAMPLES:
+                frame = SamplesFrame(sequence, ticks, counts_from_payload(payload, n_channel))
+            else:
+                frame = self._info_frame(sequence, ticks, bytes(payload))
+            if frame is None:
+                counters.discarded_bytes += frame_end - position
+            else:
+                counters.frames += 1
+                frames.append(frame)
+            counters.resyncs += not due
+            position = frame_end
+            self._due = self._offset + position
+
+    def _hunt(self, block: bytes, position: int) -> int:
+        """Return where the next magic begins, or may begin with what is still to come."""
+        start = block.find(MAGIC, position)
+        if start < 0:
+            start = len(block)
+            if start > position and block[-1] == MAGIC[0]:
+                start -= 1
+        self.counters.discarded_bytes += start - position
+        return start
+
+    def _header_good(self, block: bytes, covered: memoryview, position: int, due: bool) -> bool:
+        (crc,) = HEADER_CRC.unpack_from(block, position + HEADER.size)
+        if header_crc(covered) != crc:
+            self.counters.crc_errors += due
+            return False
+        _, version, kind, _, _, n_sample, n_channel, size = HEADER.unpack_from(covered)
+        if version == VERSION and not _plausible(kind, n_sample, n_channel, size):
+            self._reject(f"kind {kind} with {n_sample} samples of {n_channel} channels in {size} bytes")
+            return False
+        return True
+
+    def _skip_magic(self, position: int) -> int:
+        self.counters.discarded_bytes += len(MAGIC)
+        return position + len(MAGIC)
+
+    def _info_frame(self, sequence: int, ticks: int, payload: bytes) -> InfoFrame | None:
+        try:
+            return InfoFrame(sequence, ticks, DeviceInfo.from_json(payload))
+        except ProtocolError as error:
+            self._reject(str(error))
+            return None
+
+    def _reject(self, found: str) -> None:
+        self.counters.malformed += 1
+        self.last_error = f"serial frame: {found}"
+
+
+def _plausible(kind: int, n_sample: int, n_channel: int, size: int) -> bool:
+    if kind == KIND_SAMPLES:
+        return size == 2 * n_sample * n_channel > 0
+    return kind == KIND_INFO and size > 0
