@@ -81,9 +81,7 @@ def format_arm(arm: Arm) -> str:
     if arm.tip is not None:
         blocks.append(_table("[tip]", vars(arm.tip)))
     if arm.base_parameters:
-        blocks.append(
-            _table("[base_parameters]", {name: _finite(e) for name, e in arm.base_parameters.items()})
-        )
+        blocks.append(_table("[base_parameters]", {name: _finite(e) for name, e in arm.base_parameters.items()}))
     blocks += [_table("[[effect]]", vars(effect)) for effect in arm.effects]
     blocks.append(_table("[control]", {name: v for name, v in vars(arm.control).items() if v != ()}))
     return "\n".join(blocks)

@@ -117,9 +117,9 @@ def mistakes_of(error: ValidationError, where: str) -> list[str]:
     """Return one sentence a mistake: file, field, what was found, what was expected."""
     sentences = []
     for mistake in error.errors():
-        field = "".join(
-            f"[{part}]" if isinstance(part, int) else f".{part}" for part in mistake["loc"]
-        ).lstrip(".")
+        field = "".join(f"[{part}]" if isinstance(part, int) else f".{part}" for part in mistake["loc"]).lstrip(
+            "."
+        )
         if mistake["type"] == "extra_forbidden":
             sentences.append(f"{where}: {field} is not a known field")
         elif mistake["type"] == "missing":

@@ -97,9 +97,7 @@ def with_base_values(arm: Arm, base: BaseParameters, values: Floats) -> Arm:
     """
     n = arm.n_joint
     inertial = np.asarray(base.independent) < 10 * n
-    links = links_with(
-        arm, base.combination[inertial][:, : 10 * n], np.asarray(values, dtype=float)[inertial]
-    )
+    links = links_with(arm, base.combination[inertial][:, : 10 * n], np.asarray(values, dtype=float)[inertial])
     learnt = dict(zip(base.independent, np.asarray(values, dtype=float).tolist(), strict=True))
     joints = []
     for i, (joint, link) in enumerate(zip(arm.joints, links, strict=True)):
@@ -134,9 +132,7 @@ def _combination_name(arm: Arm, names: list[str], kept: int, row: Floats) -> str
         if column != kept:
             sign, factor = _factor(arm, float(row[column]), int(column) // 10)
             text += (
-                f"{sign}{names[column]}{factor}"
-                if factor[:1] in ("", "*")
-                else f"{sign}{factor}{names[column]}"
+                f"{sign}{names[column]}{factor}" if factor[:1] in ("", "*") else f"{sign}{factor}{names[column]}"
             )
     return text
 

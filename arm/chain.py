@@ -46,9 +46,7 @@ def chain_of(arm: Arm) -> Chain:
                 for j in arm.joints
             ]
         ),
-        np.array(
-            [[j.friction.viscous_N_m_s, j.friction.coulomb_N_m, j.friction.static_N_m] for j in arm.joints]
-        ),
+        np.array([[j.friction.viscous_N_m_s, j.friction.coulomb_N_m, j.friction.static_N_m] for j in arm.joints]),
         np.array(arm.gravity_m_s2, dtype=float),
     )
 

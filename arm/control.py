@@ -26,9 +26,7 @@ def gains(control: Control, n_joint: int) -> Floats:
         if name in used:
             values = getattr(control, name)
             if len(values) != n_joint:
-                raise ConfigError(
-                    f"control.{name} has {len(values)} numbers, expected one a joint ({n_joint})"
-                )
+                raise ConfigError(f"control.{name} has {len(values)} numbers, expected one a joint ({n_joint})")
             table[row] = values
     return table
 

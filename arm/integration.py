@@ -73,9 +73,7 @@ def solve(A: Floats, x: Floats) -> None:
 
 
 @compiled
-def equations(
-    chain: Chain, law: Floats, given: bool, q: Floats, dq: Floats, drive: Floats, room: Room
-) -> None:
+def equations(chain: Chain, law: Floats, given: bool, q: Floats, dq: Floats, drive: Floats, room: Room) -> None:
     """Set up ``M ddq = net``: the law's share of ddq is on the left, Coulomb friction is not in it."""
     n = q.size
     poses(chain, q, room.R, room.p)

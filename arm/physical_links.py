@@ -72,17 +72,12 @@ def links_with(arm: Arm, combination: Floats, values: Floats) -> Sequence[Link]:
     found = _onto(combination, values, _parameters(x))
     if not all(is_possible(p) for p in found.reshape(-1, 10)):
         found = _onto(combination, values, nominal.ravel())
-    return [
-        _with_parameters(joint.link, p) for joint, p in zip(arm.joints, found.reshape(-1, 10), strict=True)
-    ]
+    return [_with_parameters(joint.link, p) for joint, p in zip(arm.joints, found.reshape(-1, 10), strict=True)]
 
 
 def _standard(arm: Arm) -> Floats:
     return np.array(
-        [
-            [*j.link.inertia_kg_m2, *(j.link.mass_kg * s for s in j.link.com_m), j.link.mass_kg]
-            for j in arm.joints
-        ]
+        [[*j.link.inertia_kg_m2, *(j.link.mass_kg * s for s in j.link.com_m), j.link.mass_kg] for j in arm.joints]
     )
 
 

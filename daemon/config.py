@@ -40,7 +40,7 @@ class ArmFileTable(_Table):
 
 
 class TrackingTable(_Table):
-    """`[tracking]`: how accelerations become joint motion. Without ``initial_q_rad`` the arm rests at zero."""
+    """`[tracking]`: how accelerations become joint motion; without ``initial_q_rad`` the arm rests at zero."""
 
     method: Literal["integrate"] = "integrate"
     initial_q_rad: Annotated[tuple[Number, ...], Strict(strict=False)] | None = None
@@ -157,7 +157,7 @@ def _load_arm(table: object, where: str, mistakes: list[str]) -> Arm | None:
         mistakes += error.mistakes
         return None
     if not arm.sensors:
-        mistakes.append(f"{where}: arm.file {source!r} has no [[sensor]], expected at least one to track with")
+        mistakes.append(f"{where}: arm.file {source!r} has no [[sensor]], expected at least one")
     return arm
 
 

@@ -1,4 +1,4 @@
-"""What the supervisor and a child say to each other: one small JSON document at a time over a pipe of their own."""
+"""What the supervisor and a child say to each other: small JSON documents over a pipe of their own."""
 
 import json
 from multiprocessing.connection import Connection

@@ -5,6 +5,7 @@ stream and then loses it.
 """
 
 import time
+from collections.abc import Iterator
 from select import select
 
 import serial
@@ -14,7 +15,7 @@ from daemon.ring import Memory, Ring
 from daemon.serial_port import open_port
 from limbcal.errors import DeviceError
 
-#: Between the first byte and the read. Taking what gathered meanwhile costs a fraction of waking for each byte.
+#: Between the first byte and the read: taking what gathered meanwhile is cheaper than waking for each byte.
 _GATHER_S = 0.003
 _IDLE_S = 0.25
 _READ_BYTES = 65536
@@ -28,6 +29,8 @@ _DRAIN_LIMIT_S = 2.0
 def run_reader(line: ControlLine, memory: Memory, port: str, baud: int) -> None:
     """Read until told to stop, then send STOP and drain the tty.
 
+    A device that a killed daemon left streaming is stopped first: what it held back is of the past.
+
     The supervisor may say ``ask`` (INFO is sent), ``start`` (START is sent) and ``stop``.
 
     Raises
@@ -38,8 +41,9 @@ def run_reader(line: ControlLine, memory: Memory, port: str, baud: int) -> None:
     ring = Ring(memory)
     try:
         with open_port(port, baud) as tty:
-            line.tell("ready")
             try:
+                _silence(tty)
+                line.tell("ready")
                 _follow(line, tty, ring)
             except (OSError, serial.SerialException) as error:
                 raise DeviceError(f"port {port}: the device went away while it was read: {error}") from error
@@ -65,7 +69,9 @@ def _follow(line: ControlLine, tty: serial.Serial, ring: Ring) -> None:
         if tty in readable:
             time.sleep(_GATHER_S)
             _take(tty, ring)
-    _drain(tty, ring)
+    _send_stop(tty)
+    for data in _until_quiet(tty):
+        ring.write(data, time.monotonic_ns())
 
 
 def _take(tty: serial.Serial, ring: Ring) -> None:
@@ -77,11 +83,20 @@ def _take(tty: serial.Serial, ring: Ring) -> None:
             return
 
 
-def _drain(tty: serial.Serial, ring: Ring) -> None:
+def _silence(tty: serial.Serial) -> None:
+    _send_stop(tty)
+    for _ in _until_quiet(tty):
+        pass
+
+
+def _send_stop(tty: serial.Serial) -> None:
     try:
         tty.write(b"STOP\n")
     except serial.SerialTimeoutException:
-        pass  # a device that no longer listens is drained all the same
+        return  # a device that no longer listens is drained all the same
+
+
+def _until_quiet(tty: serial.Serial) -> Iterator[bytes]:
     limit = time.monotonic() + _DRAIN_LIMIT_S
     while time.monotonic() < limit and select([tty], [], [], _QUIET_S)[0]:
-        _take(tty, ring)
+        yield tty.read(_READ_BYTES)

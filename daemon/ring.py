@@ -33,8 +33,8 @@ def ring_memory(context: BaseContext, capacity: int) -> Memory:
 class Ring:
     """One end of the ring. The writer calls `write` and `close`, the reader `read`.
 
-    The two positions are whole aligned words that only one side writes, and the writer moves its own after the
-    bytes are in place. A processor that showed them out of order would hand over a torn chunk, which the
+    The two positions are whole aligned words that only one side writes, and the writer moves its own after
+    the bytes are in place. A processor that showed them out of order would hand over a torn chunk, which the
     checksums of the frames in it would tell.
     """
 

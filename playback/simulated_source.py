@@ -44,10 +44,13 @@ def simulated_source(path: Path, arm: Arm) -> Source:
     steps = {number: _even_step(trial["t"], f"{path}: trial {number}") for number, trial in trials.items()}
 
     def trajectory(number: int) -> Trajectory:
-        return _simulated(arm, trials[number], steps[number])
+        try:
+            return _simulated(arm, trials[number], steps[number])
+        except DataError as error:  # an arm that no masses can have may run away to infinity
+            raise DataError(f"{path}: trial {number}: in the simulation {error}") from error
 
     durations = {number: float(signals["t"][-1]) for number, signals in trials.items()}
-    return Source(f"simulation of {arm.name} on {path.name}", arm, durations, trajectory)
+    return Source(f"simulation of {arm.name} following {path.name}", arm, durations, trajectory)
 
 
 def _simulated(arm: Arm, signals: Signals, dt_s: float) -> Trajectory:
@@ -59,10 +62,12 @@ def _simulated(arm: Arm, signals: Signals, dt_s: float) -> Trajectory:
 
 
 def _even_step(t: Floats, where: str) -> float:
+    """Return the step of time that may be printed with few digits, but leaves no sample out."""
     dt = float(t[-1]) / (len(t) - 1)
     off = np.abs(t - dt * np.arange(len(t)))
+    off[1:] = np.maximum(off[1:], np.abs(np.diff(t) - dt))
     worst = int(off.argmax())
-    if off[worst] > 0.5 * dt:  # printed with few digits is still even; a sample left out is not
+    if off[worst] > 0.5 * dt:
         raise DataError(
             f"{where}: sample {worst + 1} is {off[worst]:.3g} s off an even step of {dt:.6g} s, "
             "expected evenly spaced time"

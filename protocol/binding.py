@@ -19,6 +19,8 @@ def bind(socket: "zmq.Socket[bytes]", endpoint: str) -> str:
     ConfigError
         If the endpoint is not one.
     """
+    if not _port_in_range(endpoint):  # libzmq would take it modulo 65536
+        raise ConfigError(f"endpoint is {endpoint!r}, expected a port of at most 65535")
     taken = f"endpoint {endpoint} is already taken, expected a free one"
     if _ipc_in_use(endpoint):
         raise DeviceError(taken)
@@ -28,8 +30,7 @@ def bind(socket: "zmq.Socket[bytes]", endpoint: str) -> str:
         if error.errno == errno.EADDRINUSE:
             raise DeviceError(taken) from error
         if error.errno in (errno.EINVAL, errno.EPROTONOSUPPORT):
-            expected = "expected such as tcp://127.0.0.1:5770"
-            raise ConfigError(f"endpoint {endpoint!r} is not one, {expected}") from error
+            raise ConfigError(f"endpoint is {endpoint!r}, expected such as tcp://127.0.0.1:5770") from error
         raise DeviceError(f"endpoint {endpoint} cannot be bound: {zmq.strerror(error.errno or 0)}") from error
     return socket.getsockopt_string(zmq.LAST_ENDPOINT)
 
@@ -41,3 +42,9 @@ def _ipc_in_use(endpoint: str) -> bool:
         return False
     with posix.socket(posix.AF_UNIX) as probe:
         return probe.connect_ex(path) == 0
+
+
+def _port_in_range(endpoint: str) -> bool:
+    scheme, _, address = endpoint.partition("://")
+    port = address.rpartition(":")[2]
+    return scheme != "tcp" or not port.isdecimal() or int(port) <= 0xFFFF

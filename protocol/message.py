@@ -74,8 +74,13 @@ def decode_array(fields: Mapping[str, Any]) -> NDArray[Any]:
     if len(data) != math.prod(shape) * dtype.itemsize:
         raise ProtocolError(f"array: {len(data)} bytes, expected {math.prod(shape) * dtype.itemsize}")
     if dtype.kind == "b":  # a bool of any other byte than 0 and 1 would be undefined
-        return np.array(np.frombuffer(data, np.uint8) != 0).reshape(shape)
-    return np.array(np.frombuffer(data, dtype), dtype.newbyteorder("=")).reshape(shape)
+        flat: NDArray[Any] = np.frombuffer(data, np.uint8) != 0
+    else:
+        flat = np.frombuffer(data, dtype).astype(dtype.newbyteorder("="))
+    try:
+        return flat.reshape(shape)
+    except ValueError as error:  # an empty array whose other sides are beyond what numpy can address
+        raise ProtocolError(f"array: shape is {shape}, expected one that fits in memory") from error
 
 
 def encode(topic: str, fields: Mapping[str, Any]) -> list[bytes]:
@@ -132,7 +137,7 @@ def decode_payload(topic: str, payload: bytes) -> dict[str, Any]:
     try:
         document = msgpack.unpackb(payload, ext_hook=_no_extension)
     except (ValueError, TypeError, OverflowError, msgpack.UnpackException) as error:
-        raise ProtocolError(f"{where}: payload is not msgpack ({error})") from error
+        raise ProtocolError(f"{where}: payload is not msgpack ({str(error) or type(error).__name__})") from error
     if topic == PLOT:
         return _plot_fields(document, where)
     if not isinstance(document, dict):

@@ -19,7 +19,7 @@ SUFFIXES = (".csv", ".npz", ".parquet")
 
 
 def read_columns(path: Path) -> dict[str, Floats]:
-    """Read every numeric column of a CSV (with a header row), Parquet or NPZ file.
+    """Read every column of a CSV (with a header row), Parquet or NPZ file.
 
     Parameters
     ----------
@@ -29,7 +29,7 @@ def read_columns(path: Path) -> dict[str, Floats]:
     Returns
     -------
     dict of str to ndarray of shape (n,)
-        Columns by name, in the file's order. A column of words is left out, an empty cell is NaN.
+        Columns by name, in the file's order. A cell that is empty or no number is NaN.
 
     Raises
     ------
@@ -89,23 +89,31 @@ def _from_table(table: pa.Table) -> dict[str, Floats]:
     twice = sorted({name for name in names if names.count(name) > 1})
     if twice:
         raise ValueError(f"the column {twice[0]!r} appears twice")
-    return {
-        name: table.column(name).cast(pa.float64()).to_numpy(zero_copy_only=False)
-        for name in names
-        if _is_number(table.schema.field(name).type)
-    }
+    return {name: _numbers(table.column(name)) for name in names}
 
 
-def _is_number(kind: pa.DataType) -> bool:
-    return bool(pa.types.is_integer(kind) or pa.types.is_floating(kind) or pa.types.is_null(kind))
+def _numbers(column: pa.ChunkedArray) -> Floats:
+    kind = column.type
+    if pa.types.is_integer(kind) or pa.types.is_floating(kind) or pa.types.is_null(kind):
+        return np.asarray(column.cast(pa.float64()).to_numpy(zero_copy_only=False), dtype=np.float64)
+    return np.array([_number(cell) for cell in column.to_pylist()], dtype=np.float64)
+
+
+def _number(cell: object) -> float:
+    """Read one cell of a column in which at least one is no number."""
+    try:
+        return float(cell) if isinstance(cell, str) else np.nan
+    except ValueError:
+        return np.nan
 
 
 def _read_npz(path: Path) -> dict[str, Floats]:
-    with np.load(path, allow_pickle=False) as archive:
+    with path.open("rb") as file:
+        archive = np.load(file, allow_pickle=False)
         if not isinstance(archive, np.lib.npyio.NpzFile):
             raise ValueError("it holds one bare array")
         columns = {name: archive[name] for name in archive.files}
     for name, column in columns.items():
         if column.ndim != 1:
             raise ValueError(f"{name!r} has shape {column.shape}, expected one dimension")
-    return {name: column.astype(np.float64) for name, column in columns.items() if column.dtype.kind in "fiu"}
+    return {name: _numbers(pa.chunked_array([column])) for name, column in columns.items()}

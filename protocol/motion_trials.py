@@ -57,12 +57,12 @@ def _require(columns: Columns, names: Sequence[str], path: Path) -> None:
     missing = [name for name in names if name not in columns]
     if missing:
         there = ", ".join(columns) or "none"
-        raise DataError(f"{path}: no column {', '.join(missing)} among its columns of numbers ({there})")
+        raise DataError(f"{path}: no column {', '.join(missing)} among its columns ({there})")
 
 
 def _rows_by_trial(columns: Columns, path: Path) -> dict[int, np.ndarray]:
     trials = columns.get("trial", np.ones(len(columns["t"])))
-    odd = np.flatnonzero(trials != np.floor(trials))
+    odd = np.flatnonzero(~(np.isfinite(trials) & (trials == np.floor(trials))))
     if odd.size:
         raise DataError(f"{path}: trial is {trials[odd[0]]} in row {odd[0] + 1}, expected a whole number")
     if not trials.size:

@@ -1,15 +1,12 @@
 """The sending end: a PUB socket that numbers its messages."""
 
-import errno
-import socket as posix
 from collections.abc import Mapping
-from pathlib import Path
 from types import TracebackType
 from typing import Any
 
 import zmq
 
-from limbcal.errors import ConfigError, DeviceError
+from protocol.binding import bind
 from protocol.message import encode
 
 #: Messages kept for a subscriber that is slow; beyond that it loses its own and nobody else's.
@@ -53,11 +50,10 @@ class Publisher:
         self._socket.set(zmq.SNDHWM, SEND_QUEUE)
         self._socket.set(zmq.LINGER, LINGER_MS)
         try:
-            _bind(self._socket, endpoint)
+            self._endpoint = bind(self._socket, endpoint)
         except BaseException:
             self._socket.close(0)
             raise
-        self._endpoint = self._socket.getsockopt_string(zmq.LAST_ENDPOINT)
 
     @property
     def endpoint(self) -> str:
@@ -94,34 +90,3 @@ class Publisher:
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
         self.close()
-
-
-def _bind(socket: "zmq.Socket[bytes]", endpoint: str) -> None:
-    if not _port_in_range(endpoint):  # libzmq would take it modulo 65536
-        raise ConfigError(f"endpoint is {endpoint!r}, expected a port of at most 65535")
-    taken = f"endpoint {endpoint} is already taken, expected a free one"
-    if _ipc_in_use(endpoint):
-        raise DeviceError(taken)
-    try:
-        socket.bind(endpoint)
-    except zmq.ZMQError as error:
-        if error.errno == errno.EADDRINUSE:
-            raise DeviceError(taken) from error
-        if error.errno in (errno.EINVAL, errno.EPROTONOSUPPORT):
-            raise ConfigError(f"endpoint is {endpoint!r}, expected such as tcp://127.0.0.1:5770") from error
-        raise DeviceError(f"endpoint {endpoint} cannot be bound: {zmq.strerror(error.errno or 0)}") from error
-
-
-def _ipc_in_use(endpoint: str) -> bool:
-    """Tell whether somebody listens on an ipc endpoint: libzmq would take it over without a word."""
-    scheme, _, path = endpoint.partition("://")
-    if scheme != "ipc" or not Path(path).is_socket():
-        return False
-    with posix.socket(posix.AF_UNIX) as probe:
-        return probe.connect_ex(path) == 0
-
-
-def _port_in_range(endpoint: str) -> bool:
-    scheme, _, address = endpoint.partition("://")
-    port = address.rpartition(":")[2]
-    return scheme != "tcp" or not port.isdecimal() or int(port) <= 0xFFFF

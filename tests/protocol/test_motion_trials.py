@@ -35,9 +35,9 @@ def test_without_a_trial_column_there_is_trial_1_and_strange_columns_do_no_harm(
 @pytest.mark.parametrize(
     ("text", "said"),
     [
-        ("time,q1\n0,1\n1,2\n", r"no column t among its columns of numbers \(time, q1\)"),
+        ("time,q1\n0,1\n1,2\n", r"no column t among its columns \(time, q1\)"),
         ("t,pos1\n0,1\n1,2\n", "no column q1"),
-        ("t,q1\n0,here\n1,2\n", r"no column q1 among its columns of numbers \(t\)"),
+        ("t,q1\n0,here\n1,2\n", "q1 is not a finite number in row 1"),
         ("t,q1\n0,1\n1,\n", "q1 is not a finite number in row 2"),
         ("t,q1,q2\n0,1,2\n1,2,inf\n", "q2 is not a finite number in row 2"),
         ("t,q1\n0,1\n,2\n", "t is not a finite number in row 2"),
@@ -48,7 +48,7 @@ def test_without_a_trial_column_there_is_trial_1_and_strange_columns_do_no_harm(
         ("t,q1,trial\n0,1,1\n1,2,1.5\n", "trial is 1.5 in row 2"),
         ("t,q1,trial\n0,1,1\n1,2,\n", "trial is nan in row 2"),
         ("t,q1,trial\n0,1,1\n1,2,inf\n", "trial is inf in row 2"),
-        ("t,q1,trial\n0,1,first\n1,2,first\n", "trial holds words"),
+        ("t,q1,trial\n0,1,first\n1,2,first\n", "trial is nan in row 1"),
         ("t,q1\n", "no rows"),
     ],
 )

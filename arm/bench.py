@@ -1,0 +1,185 @@
+"""The standard bench: point-to-point motions by seed, and accelerometers with their errors.
+
+A trial begins with a rest at the target before it and then is driven to the next one; trials follow each
+other on one clock. The motion is simulated at 4 kHz and interpolated to the sensors' rate by the quintic
+polynomial through angle, velocity and acceleration, which keeps all three consistent.
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from arm.accelerometer import specific_force
+from arm.model import STANDARD_GRAVITY_M_S2, Arm, Floats, Sensor
+from arm.simulation import Motion, simulate
+from limbcal.errors import ConfigError
+
+#: What 16 bits span, to either side.
+FULL_SCALE_M_S2 = 5.0 * STANDARD_GRAVITY_M_S2
+COUNT_M_S2 = FULL_SCALE_M_S2 / 32768
+
+
+@dataclass(frozen=True)
+class Bench:
+    """The sizes of the bench; ``rate_hz`` is the sensors'."""
+
+    rate_hz: float = 32000.0
+    trial_s: float = 6.75
+    rest_s: float = 0.5
+    learning: int = 5
+    evaluating: int = 17
+    span_rad: float = 1.2
+    simulation_hz: float = 4000.0
+
+    @property
+    def trials(self) -> int:
+        """Number of trials."""
+        return self.learning + self.evaluating
+
+
+@dataclass(frozen=True)
+class SensorErrors:
+    """What keeps the sensors from reading the truth; arrays are (n_sensor, 3)."""
+
+    noise_m_s2: float
+    bias_m_s2: Floats
+    scale: Floats
+    misalignment_rad: Floats
+    offset_m: Floats
+
+
+def targets(bench: Bench, n_joint: int, seed: int) -> Floats:
+    """Return where the arm rests before the first trial and where each trial drives it.
+
+    Returns
+    -------
+    (trials + 1, n_joint) [rad or m]
+    """
+    rng = np.random.default_rng([seed, 1])
+    drawn = rng.uniform(-bench.span_rad, bench.span_rad, (bench.trials, n_joint))
+    return np.vstack([np.zeros(n_joint), drawn])
+
+
+def motions(arm: Arm, bench: Bench, seed: int) -> Iterator[Motion]:
+    """Yield the bench's trials one by one, sampled at ``bench.rate_hz``; every ``t`` starts at 0.
+
+    Raises
+    ------
+    ConfigError
+        If the arm has no control law to drive it.
+    """
+    if arm.control.law == "measured":
+        raise ConfigError(f"arm {arm.name!r}: control.law is 'measured'; the bench needs 'pd', 'pda' or 'p'")
+    goals = targets(bench, arm.n_joint, seed)
+    step = 1.0 / bench.simulation_hz
+    n, rest = round(bench.trial_s / step), round(bench.rest_s / step)
+    q, dq = rest_angles(arm, goals[0]), np.zeros(arm.n_joint)
+    for before, goal in zip(goals[:-1], goals[1:], strict=True):
+        # One sample more than the trial has: where it ends, the next one begins.
+        ref = np.vstack([np.tile(before, (rest, 1)), np.tile(goal, (n - rest + 1, 1))])
+        motion = simulate(arm, ref, step, q, dq)
+        q, dq = motion.q[-1], motion.dq[-1]
+        yield densify(motion, bench.rate_hz, round(bench.trial_s * bench.rate_hz))
+
+
+def rest_angles(arm: Arm, target: Floats) -> Floats:
+    """Return where the arm comes to rest under its control: at the target, but for what gravity adds.
+
+    Parameters
+    ----------
+    arm : Arm
+    target : (n_joint,)
+
+    Returns
+    -------
+    (n_joint,) [rad or m]
+    """
+    settling = simulate(arm, np.tile(target, (60_000, 1)), 1e-3, target)
+    return settling.q[-1]
+
+
+def densify(motion: Motion, rate_hz: float, n_sample: int) -> Motion:
+    """Return a motion sampled at another rate, from its first instant on.
+
+    Between two samples runs the polynomial of fifth degree through their angles and two derivatives.
+
+    Raises
+    ------
+    ConfigError
+        If the motion is shorter than what is asked for.
+    """
+    step = motion.t[1] - motion.t[0]
+    t = np.arange(n_sample) / rate_hz
+    k = np.floor(t / step + 1e-9).astype(np.intp)
+    if k[-1] > len(motion.t) - 1:
+        raise ConfigError(f"a motion of {motion.t[-1]:.6g} s cannot give {n_sample} samples at {rate_hz:g} Hz")
+    after = np.minimum(k + 1, len(motion.t) - 1)
+    s = (t / step - k)[:, None]
+    s2, s3 = s * s, s * s * s
+    d1 = motion.q[after] - motion.q[k]
+    v0, v1 = motion.dq[k] * step, motion.dq[after] * step
+    a0, a1 = motion.ddq[k] * step**2 / 2, motion.ddq[after] * step**2 / 2
+    c3 = 10 * d1 - 6 * v0 - 4 * v1 - 3 * a0 + a1
+    c4 = -15 * d1 + 8 * v0 + 7 * v1 + 3 * a0 - 2 * a1
+    c5 = 6 * d1 - 3 * v0 - 3 * v1 - a0 + a1
+    q = motion.q[k] + s * v0 + s2 * a0 + s3 * (c3 + s * (c4 + s * c5))
+    dq = (v0 + 2 * s * a0 + s2 * (3 * c3 + s * (4 * c4 + s * 5 * c5))) / step
+    ddq = (2 * a0 + s * (6 * c3 + s * (12 * c4 + s * 20 * c5))) / step**2
+    return Motion(t, q, dq, ddq, motion.tau[k], motion.ref[k])
+
+
+def draw_sensor_errors(
+    arm: Arm, rng: np.random.Generator, noise: float = 1.0, imperfect_mounting: bool = False
+) -> SensorErrors:
+    """Draw the bench's sensor errors.
+
+    Parameters
+    ----------
+    arm : Arm
+    rng : Generator
+    noise : float
+        Factor on white noise (0.02 m/s^2 rms a sample) and bias (0.02 m/s^2 rms an axis); 0 for neither.
+    imperfect_mounting : bool
+        Add 0.3 degrees of misalignment, 0.3 % of scale and 0.5 mm of position, all rms.
+    """
+    shape = (len(arm.sensors), 3)
+    mounting = float(imperfect_mounting)
+    return SensorErrors(
+        noise_m_s2=0.02 * noise,
+        bias_m_s2=0.02 * noise * rng.normal(size=shape),
+        scale=1.0 + 0.003 * mounting * rng.normal(size=shape),
+        misalignment_rad=np.deg2rad(0.3) * mounting * rng.normal(size=shape),
+        offset_m=0.0005 * mounting * rng.normal(size=shape),
+    )
+
+
+def mounted(arm: Arm, errors: SensorErrors) -> Arm:
+    """Return the arm with its sensors where and as they really sit."""
+    sensors = [
+        Sensor(
+            sensor.name,
+            sensor.joint,
+            tuple(np.add(sensor.position_m, errors.offset_m[k]).tolist()),
+            tuple(np.add(sensor.rotation_rad, errors.misalignment_rad[k]).tolist()),
+        )
+        for k, sensor in enumerate(arm.sensors)
+    ]
+    return replace(arm, sensors=tuple(sensors))
+
+
+def counts(arm: Arm, errors: SensorErrors, motion: Motion, rng: np.random.Generator) -> NDArray[np.int16]:
+    """Return what the converters give out: 16 bits over +-5 g, clipped.
+
+    Returns
+    -------
+    (n_sample, 3 * n_sensor)
+        Multiply by `COUNT_M_S2` for m/s^2.
+    """
+    a = specific_force(mounted(arm, errors), motion.q, motion.dq, motion.ddq)
+    a *= errors.scale
+    a += errors.bias_m_s2
+    if errors.noise_m_s2 > 0.0:
+        a += errors.noise_m_s2 * rng.standard_normal(a.shape)
+    return np.clip(np.rint(a / COUNT_M_S2), -32768, 32767).astype(np.int16).reshape(len(a), -1)

@@ -1,0 +1,88 @@
+"""Getting to know the device: its INFO, and whether it is the one that the arm's sensors are wired to."""
+
+import time
+from collections.abc import Sequence
+
+from arm.model import Arm
+from daemon.ring import Chunk
+from limbcal.errors import ConfigError, DeviceError
+from protocol.serial_frame import Channel, DeviceInfo, InfoFrame
+from protocol.serial_parser import FrameParser
+
+#: A device that resets when its port is opened needs about two seconds to start.
+INFO_LIMIT_S = 5.0
+
+
+class Handshake:
+    """Waits for the device's INFO, and knows what came instead.
+
+    Parameters
+    ----------
+    parser : FrameParser
+    port : str
+        For the sentences.
+    limit_s : float
+        How long to wait.
+    """
+
+    def __init__(self, parser: FrameParser, port: str, limit_s: float = INFO_LIMIT_S) -> None:
+        self._parser = parser
+        self._port = port
+        self._limit_s = limit_s
+        self._end = time.monotonic() + limit_s
+        self._bytes = 0
+
+    def hear(self, chunks: Sequence[Chunk]) -> InfoFrame | None:
+        """Take what arrived; return the INFO once it is there.
+
+        Raises
+        ------
+        DeviceError
+            If the time is over.
+        """
+        for chunk in chunks:
+            self._bytes += len(chunk.data)
+            for frame in self._parser.feed(chunk.data):
+                if isinstance(frame, InfoFrame):
+                    return frame
+        if time.monotonic() > self._end:
+            raise DeviceError(
+                f"port {self._port}: {self._seen()} within {self._limit_s:g} s, expected the device's INFO frame"
+            )
+        return None
+
+    def _seen(self) -> str:
+        counters = self._parser.counters
+        if self._bytes == 0:
+            return "the device sent nothing"
+        if counters.frames:
+            return f"{counters.frames} frames of samples and no INFO frame"
+        if self._parser.last_error is not None:
+            return f"no valid frame in {self._bytes} bytes ({self._parser.last_error})"
+        return f"no valid frame in {self._bytes} bytes"
+
+
+def check_channels(info: DeviceInfo, arm: Arm, port: str) -> None:
+    """Check that the device's channels are the arm's sensors, three axes each, in their order.
+
+    Raises
+    ------
+    ConfigError
+        If they are not.
+    """
+    expected = [f"{sensor.name}{axis}" for sensor in arm.sensors for axis in "xyz"]
+    found = [channel.name for channel in info.channels]
+    if found != expected:
+        raise ConfigError(
+            f"port {port}: the device's channels are {' '.join(found)}, "
+            f"expected the sensors of arm {arm.name!r}: {' '.join(expected)}"
+        )
+
+
+def same_device(first: DeviceInfo, second: DeviceInfo) -> bool:
+    """Tell whether two INFOs describe samples in the same way."""
+
+    def essence(info: DeviceInfo) -> tuple[float, float, tuple[Channel, ...]]:
+        return info.rate_hz, info.tick_hz, info.channels
+
+    return essence(first) == essence(second)

@@ -1,0 +1,74 @@
+"""`limb/health`: once a second, how the daemon is doing."""
+
+import shutil
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from daemon.channel_watch import ChannelWatch
+from daemon.sample_ledger import SampleLedger
+from protocol.serial_parser import ParserCounters
+
+
+@dataclass
+class Latency:
+    """How long the pipeline took, from the arrival of a block's last bytes to its publication."""
+
+    seconds: list[float] = field(default_factory=list)
+
+    def note(self, seconds: float) -> None:
+        """Add one block."""
+        self.seconds.append(seconds)
+
+    def take(self) -> dict[str, float | None]:
+        """Return median and 99th percentile [ms] since the last time, None where no block was published."""
+        taken, self.seconds = self.seconds, []
+        if not taken:
+            return {"p50": None, "p99": None}
+        p50, p99 = np.percentile(taken, [50, 99]) * 1e3
+        return {"p50": float(p50), "p99": float(p99)}
+
+
+def health_fields(
+    *,
+    uptime_s: float,
+    last_seq: Mapping[str, int],
+    ledger: SampleLedger,
+    counters: ParserCounters,
+    watch: ChannelWatch,
+    channel_names: Sequence[str],
+    latency: Latency,
+    connected: bool,
+    recording: str | None,
+    recording_lost: int,
+    directory: str | None,
+) -> dict[str, Any]:
+    """Return the fields of `limb/health`; ``saturated`` and ``flat`` count samples by channel."""
+    return {
+        "uptime_s": uptime_s,
+        "last_seq": dict(last_seq),
+        "samples": ledger.samples,
+        "lost_samples": ledger.lost_samples,
+        "crc_errors": counters.crc_errors,
+        "resyncs": counters.resyncs,
+        "reconnects": 0,
+        "saturated": dict(zip(channel_names, watch.saturated.tolist(), strict=True)),
+        "flat": dict(zip(channel_names, watch.flat.tolist(), strict=True)),
+        "clock_ppm": None,
+        "latency_ms": latency.take(),
+        "connected": connected,
+        "recording": recording,
+        "recording_lost": recording_lost,
+        "disk_free_bytes": _free(directory),
+    }
+
+
+def _free(directory: str | None) -> int | None:
+    if directory is None:
+        return None
+    try:
+        return shutil.disk_usage(directory).free
+    except OSError:
+        return None

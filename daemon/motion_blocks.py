@@ -1,0 +1,140 @@
+"""Blocks of frames and of raw samples, and the messages that they become."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from arm.model import Floats
+from daemon.blocks import BlockCutter
+from tracking.frames import Frames
+
+Fields = dict[str, Any]
+
+BLOCK_S = 0.01
+PLOT_HZ = 100.0
+
+
+@dataclass(frozen=True)
+class RawSamples:
+    """Consecutive samples: number and time [ns] of the first, and ``a`` (n_sample, n_channel) [m/s^2]."""
+
+    sample0: int
+    t0_ns: int
+    dt_s: float
+    a: Floats
+    gap: bool
+
+    @property
+    def n(self) -> int:
+        """Number of samples."""
+        return len(self.a)
+
+
+def frame_cutter(dt_s: float) -> BlockCutter[Frames]:
+    """Return a cutter into blocks of 10 ms of frames."""
+    return BlockCutter(max(1, round(BLOCK_S / dt_s)), _join_frames, _cut_frames)
+
+
+def raw_cutter(rate_hz: float) -> BlockCutter[RawSamples]:
+    """Return a cutter into blocks of 10 ms of samples."""
+    return BlockCutter(max(1, round(BLOCK_S * rate_hz)), _join_raw, _cut_raw)
+
+
+def frames_message(block: Frames, method: str) -> Fields:
+    """Return the fields of `limb/frames`."""
+    return {
+        "frame0": block.frame0,
+        "t0_ns": block.t0_ns,
+        "dt_s": block.dt_s,
+        "n": block.n,
+        "method": method,
+        "q": block.q,
+        "dq": block.dq,
+        "ddq": block.ddq,
+        "tip": block.tip,
+        "points": block.points,
+        "gap": block.gap,
+    }
+
+
+def raw_message(block: RawSamples) -> Fields:
+    """Return the fields of `limb/raw`. Single precision holds every 16-bit count, so each can be had back."""
+    return {
+        "sample0": block.sample0,
+        "t0_ns": block.t0_ns,
+        "dt_s": block.dt_s,
+        "n": block.n,
+        "a": block.a.astype(np.float32),
+    }
+
+
+def plot_rows(block: Frames) -> list[Fields]:
+    """Return the rows of `limb/plot` that fall into a block, 100 a second."""
+    step = max(1, round(1.0 / (PLOT_HZ * block.dt_s)))
+    columns = {
+        **{
+            f"{name}{j + 1}": values[:, j]
+            for name, values in _joint_columns(block)
+            for j in range(values.shape[1])
+        },
+        **{f"tip{axis}": block.tip[:, k] for k, axis in enumerate("xyz")},
+    }
+    return [
+        {
+            "ts": block.t0_ns * 1e-9 + i * block.dt_s,
+            **{name: float(values[i]) for name, values in columns.items()},
+        }
+        for i in range(-block.frame0 % step, block.n, step)
+    ]
+
+
+def _joint_columns(block: Frames) -> tuple[tuple[str, Floats], ...]:
+    return ("q", block.q), ("dq", block.dq), ("ddq", block.ddq)
+
+
+def _join_frames(pieces: Sequence[Frames]) -> Frames:
+    first = pieces[0]
+    if len(pieces) == 1:
+        return first
+    return replace(
+        first,
+        q=np.concatenate([piece.q for piece in pieces]),
+        dq=np.concatenate([piece.dq for piece in pieces]),
+        ddq=np.concatenate([piece.ddq for piece in pieces]),
+        tip=np.concatenate([piece.tip for piece in pieces]),
+        points=np.concatenate([piece.points for piece in pieces]),
+    )
+
+
+def _cut_frames(piece: Frames, begin: int, end: int) -> Frames:
+    return Frames(
+        frame0=piece.frame0 + begin,
+        t0_ns=_later(piece.t0_ns, begin, piece.dt_s),
+        dt_s=piece.dt_s,
+        q=piece.q[begin:end],
+        dq=piece.dq[begin:end],
+        ddq=piece.ddq[begin:end],
+        tip=piece.tip[begin:end],
+        points=piece.points[begin:end],
+        gap=piece.gap and begin == 0,
+    )
+
+
+def _join_raw(pieces: Sequence[RawSamples]) -> RawSamples:
+    return replace(pieces[0], a=np.concatenate([piece.a for piece in pieces]))
+
+
+def _cut_raw(piece: RawSamples, begin: int, end: int) -> RawSamples:
+    return RawSamples(
+        sample0=piece.sample0 + begin,
+        t0_ns=_later(piece.t0_ns, begin, piece.dt_s),
+        dt_s=piece.dt_s,
+        a=piece.a[begin:end],
+        gap=piece.gap and begin == 0,
+    )
+
+
+def _later(t0_ns: int, rows: int, dt_s: float) -> int:
+    return t0_ns + round(rows * dt_s * 1e9)

@@ -1,0 +1,123 @@
+"""The pipeline process: knows the device first, then empties the ring until the reader has closed it."""
+
+import time
+from contextlib import ExitStack
+
+import zmq
+
+from daemon.config import Setup
+from daemon.control_line import ControlLine, SupervisorGone
+from daemon.handshake import Handshake, check_channels
+from daemon.pipeline import Pipeline
+from daemon.reception import Reception
+from daemon.record_link import Context, RecordLink
+from daemon.ring import Memory, Ring
+from protocol.publisher import Publisher
+from protocol.serial_frame import InfoFrame
+from protocol.serial_parser import FrameParser
+
+#: How long the ring may gather between two looks into it.
+_LOOK_S = 0.004
+_HEALTH_S = 1.0
+#: After a stop the reader closes the ring; one that was killed never does.
+_ABANDONED_S = 5.0
+
+
+def run_pipeline(
+    line: ControlLine, memory: Memory, setup: Setup, run: str, recorder: str | None, recording: str
+) -> None:
+    """Track what the ring brings until it is closed and empty.
+
+    The supervisor hears ``ready`` with the endpoint, ``heard`` once the device sent its INFO, ``tracking``
+    once samples may come, and ``health`` once a second. It says ``handshake`` and ``stop``.
+
+    Parameters
+    ----------
+    line : ControlLine
+    memory : Memory
+        The ring that the reader fills.
+    setup : Setup
+    run : str
+        UUID of this run.
+    recorder : str or None
+        Endpoint of the recorder; None where nothing is recorded.
+    recording : str
+        Path of what it records to.
+
+    Raises
+    ------
+    LimbcalError
+        If the endpoint is taken, or the device sends nothing of sense or does not fit the arm.
+    """
+    with ExitStack() as stack:
+        context: Context = zmq.Context()
+        stack.callback(context.term)
+        publisher = Publisher(context, setup.config.publish.endpoint, setup.arm.name, run)
+        stack.callback(publisher.close)
+        link = None
+        if recorder is not None:
+            link = RecordLink(context, recorder, recording)
+            stack.callback(link.close)
+        line.tell("ready", endpoint=publisher.endpoint)
+        ring, parser, port = Ring(memory), FrameParser(), setup.config.device.port
+        introduction = _introduction(line, ring, parser, port)
+        if introduction is None:
+            return
+        check_channels(introduction.info, setup.arm, port)
+        reception = Reception(parser, introduction, port)
+        pipeline = Pipeline(setup, run, reception, publisher, link)
+        line.tell("tracking", rate_hz=introduction.info.rate_hz, device=introduction.info.device)
+        try:
+            _stream(line, ring, pipeline)
+        finally:  # also where the device failed: what was tracked until then is sent and recorded
+            pipeline.finish()
+            line.tell("health", **pipeline.report(connected=False))
+
+
+def _introduction(line: ControlLine, ring: Ring, parser: FrameParser, port: str) -> InfoFrame | None:
+    """Wait for the device's INFO from the moment that the supervisor asks for it; None where a stop came."""
+    handshake: Handshake | None = None
+    while True:
+        try:
+            said = line.hear(_LOOK_S)
+        except SupervisorGone:
+            return None
+        if said is not None and said["what"] == "stop":
+            return None
+        if said is not None and said["what"] == "handshake":
+            handshake = Handshake(parser, port)
+        introduction = None if handshake is None else handshake.hear(ring.read())
+        if introduction is not None:
+            line.tell("heard")
+            return introduction
+
+
+def _stream(line: ControlLine, ring: Ring, pipeline: Pipeline) -> None:
+    next_health_s = time.monotonic() + _HEALTH_S
+    abandoned_s: float | None = None
+    while True:
+        closed = ring.closed  # asked before reading: what was written before the close is then in it
+        chunks = ring.read()
+        now_s = time.monotonic()
+        if chunks:
+            pipeline.accept(chunks)
+        elif closed or (abandoned_s is not None and now_s > abandoned_s):
+            break
+        if now_s >= next_health_s:
+            line.tell("health", **pipeline.report(connected=not closed))
+            next_health_s += _HEALTH_S * (1 + (now_s - next_health_s) // _HEALTH_S)
+        if abandoned_s is None:
+            abandoned_s = _when_abandoned(line)
+        else:
+            time.sleep(_LOOK_S)
+
+
+def _when_abandoned(line: ControlLine) -> float | None:
+    """Wait for the next look; where a stop was said meanwhile, return when to give up on the reader."""
+    try:
+        said = line.hear(_LOOK_S)
+    except SupervisorGone:
+        return time.monotonic() + _ABANDONED_S
+    if said is not None and said["what"] == "stop":
+        return time.monotonic() + _ABANDONED_S
+    return None

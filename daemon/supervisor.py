@@ -1,0 +1,199 @@
+"""Starts the processes of the daemon in order, watches them, and stops them with nothing lost or left."""
+
+import shutil
+import tempfile
+import time
+import uuid
+from collections.abc import Callable, Mapping
+from datetime import UTC, datetime
+from multiprocessing import get_context
+from pathlib import Path
+from typing import Any
+
+from arm.arm_file import format_arm
+from daemon.child import Child, crash, failure, wait_for_any
+from daemon.config import Setup, format_config
+from daemon.control_line import Said
+from daemon.ring import ring_memory
+from daemon.stop_signal import StopSignal
+from limbcal.errors import DeviceError, LimbcalError
+
+#: 40 s of twelve channels at 32 kHz.
+_RING_BYTES = 32 * 1024 * 1024
+_ASK_S = 1.0
+_WAIT_S = 0.5
+#: How long each may take to stop: the reader drains the tty, the pipeline the ring, the recorder the disk.
+_PATIENCE_S = {"reader": 5.0, "pipeline": 30.0, "recorder": 60.0}
+
+#: Called with what the daemon announces when it begins, and with its health once a second.
+Listener = Callable[[Mapping[str, Any]], None]
+
+
+class _StopRequested(Exception):  # noqa: N818 - not an error
+    """A signal came."""
+
+
+class Supervisor:
+    """One run of the daemon.
+
+    Parameters
+    ----------
+    setup : Setup
+    stop : StopSignal
+    on_start, on_health, on_trouble : callable
+        Told what began, how it goes, and what went wrong without ending the run.
+    """
+
+    def __init__(
+        self,
+        setup: Setup,
+        stop: StopSignal,
+        on_start: Listener,
+        on_health: Listener,
+        on_trouble: Callable[[str], None],
+    ) -> None:
+        self._setup = setup
+        self._stop = stop
+        self._on_start = on_start
+        self._on_health = on_health
+        self._on_trouble = on_trouble
+        self._run = str(uuid.uuid4())
+        self._children: dict[str, Child] = {}
+        self._heard: dict[tuple[str, str], Said] = {}
+        self._rooms: list[str] = []
+
+    def run(self) -> None:
+        """Run until a stop is asked for.
+
+        Raises
+        ------
+        LimbcalError
+            If a process failed, after all others were stopped; or if the recording is incomplete.
+        """
+        trouble: LimbcalError | None = None
+        try:
+            self._start()
+            while True:
+                self._listen()
+        except _StopRequested:
+            pass
+        except LimbcalError as error:
+            trouble = error
+        finally:
+            shutdown_trouble = self._shut_down()
+        if trouble := trouble or shutdown_trouble:
+            raise trouble
+
+    def _start(self) -> None:
+        context = get_context("spawn")
+        config = self._setup.config
+        memory = ring_memory(context, _RING_BYTES)
+        port = (config.device.port, config.device.baud)
+        # The port first: it fails most often, and the others need a second to start.
+        self._children["reader"] = Child(context, "reader", "daemon.reader:run_reader", memory, *port)
+        self._until("reader", "ready")
+        recorder, recording = None, ""
+        if config.record is not None:
+            recorder, recording = self._room(), self._recording_path(config.record.directory)
+            texts = (format_arm(self._setup.arm), format_config(config))
+            self._children["recorder"] = Child(
+                context, "recorder", "daemon.recorder:run_recorder", recorder, recording, *texts
+            )
+            self._until("recorder", "ready")
+        self._children["pipeline"] = Child(
+            context,
+            "pipeline",
+            "daemon.pipeline_process:run_pipeline",
+            *(memory, self._setup, self._run, recorder, recording),
+        )
+        endpoint = self._until("pipeline", "ready")["endpoint"]
+        if config.record is not None:
+            self._until("recorder", "linked")
+            self._clear_rooms()
+        device = self._introduce()
+        self._children["reader"].line.tell("start")
+        self._on_start(
+            {
+                "run": self._run,
+                "arm": self._setup.arm.name,
+                "port": config.device.port,
+                "device": device["device"],
+                "rate_hz": device["rate_hz"],
+                "endpoint": endpoint,
+                "recording": recording or None,
+                "processes": {name: child.pid for name, child in self._children.items()},
+            }
+        )
+
+    def _introduce(self) -> Said:
+        """Ask the device for its INFO until it is heard; the pipeline says when that takes too long."""
+        self._children["pipeline"].line.tell("handshake")
+        while ("pipeline", "heard") not in self._heard:
+            self._children["reader"].line.tell("ask")
+            asked_s = time.monotonic()
+            while ("pipeline", "heard") not in self._heard and time.monotonic() < asked_s + _ASK_S:
+                self._listen()
+        return self._until("pipeline", "tracking")
+
+    def _until(self, name: str, what: str) -> Said:
+        while (name, what) not in self._heard:
+            self._listen()
+        return self._heard[name, what]
+
+    def _listen(self) -> None:
+        if self._stop.came:
+            raise _StopRequested
+        wait_for_any(list(self._children.values()), [self._stop], _WAIT_S)
+        for child in self._children.values():
+            said = child.said()
+            if said is None:
+                raise DeviceError(f"the {child.name} process ended with {child.ended()}, expected it to go on")
+            for item in said:
+                self._note(child, item)
+
+    def _note(self, child: Child, said: Said) -> None:
+        what = said["what"]
+        self._heard[child.name, what] = said
+        if what == "failed":
+            raise failure(said)
+        if what == "crashed":
+            raise crash(child, said)
+        if what == "health":
+            self._on_health(said)
+        elif what == "disk-failed":
+            self._on_trouble(said["sentence"])
+
+    def _shut_down(self) -> LimbcalError | None:
+        """Stop the processes in the order in which data flows; return what went wrong in that."""
+        trouble: LimbcalError | None = None
+        for name in ("reader", "pipeline", "recorder"):
+            child = self._children.get(name)
+            if child is None:
+                continue
+            if not child.end(_PATIENCE_S[name]):
+                limit = _PATIENCE_S[name]
+                trouble = trouble or DeviceError(f"the {name} process did not stop within {limit:g} s: killed")
+            for said in child.said() or []:
+                try:
+                    self._note(child, said)
+                except LimbcalError as error:
+                    trouble = trouble or error
+            child.close()
+        self._clear_rooms()
+        failed = self._heard.get(("recorder", "disk-failed"))
+        if failed is not None:
+            trouble = trouble or DeviceError(f"the recording is incomplete: {failed['sentence']}")
+        return trouble
+
+    def _recording_path(self, directory: str) -> str:
+        now = datetime.now(UTC)
+        return str(Path(directory) / f"{self._setup.arm.name}-{now:%Y%m%dT%H%M%SZ}-{self._run[:8]}.mcap")
+
+    def _room(self) -> str:
+        """Return an endpoint that only this user can reach; once both ends are there its name can go."""
+        self._rooms.append(tempfile.mkdtemp(prefix="limbd-"))
+        return f"ipc://{self._rooms[-1]}/recorder"
+
+    def _clear_rooms(self) -> None:
+        while self._rooms:
+            shutil.rmtree(self._rooms.pop(), ignore_errors=True)

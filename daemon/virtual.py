@@ -1,0 +1,121 @@
+"""`limbd virtual`: the virtual arm on a pseudo-terminal, in real time."""
+
+import json
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from select import select
+
+import numpy as np
+
+from daemon.motion_source import MotionSource
+from daemon.stop_signal import StopSignal
+from daemon.virtual_device import FrameFifo, VirtualDevice, device_info
+from daemon.virtual_motion import BenchPlan
+from daemon.virtual_port import VirtualPort
+from limbcal.command import console, emit
+from limbcal.errors import DeviceError
+from protocol.deadline import Ticker
+
+#: How often frames that are due are made: rarely enough to cost little, often enough for what a tty holds.
+_BEAT_S = 0.005
+#: How much of the stream the device can hold back for its host.
+_FIFO_S = 0.5
+_BYTES_PER_SAMPLE_OF_A_CHANNEL = 2
+
+
+@dataclass(frozen=True)
+class VirtualOptions:
+    """What was asked for on the command line."""
+
+    plan: BenchPlan
+    speed: float
+    link: Path | None
+    truth: Path | None
+    as_json: bool
+
+
+def serve(options: VirtualOptions) -> None:
+    """Be a device until a stop is asked for.
+
+    Raises
+    ------
+    ConfigError
+        If the link cannot be made or the arm cannot be driven.
+    DeviceError
+        If the truth cannot be written.
+    """
+    plan = options.plan
+    info = device_info(plan.arm, plan.rate_hz, plan.seed)
+    stream_bytes_s = plan.rate_hz * options.speed * len(info.channels) * _BYTES_PER_SAMPLE_OF_A_CHANNEL
+    fifo = FrameFifo(round(_FIFO_S * stream_bytes_s) + 65536)
+    with StopSignal() as stop, VirtualPort(options.link) as port:
+        _announce(options, port.path)
+        device = VirtualDevice(
+            info, lambda: MotionSource(plan, options.truth is not None), fifo, options.speed, time.monotonic()
+        )
+        try:
+            _serve(device, fifo, port, stop)
+        finally:
+            device.close()
+            if options.truth is not None:
+                _write_truth(options.truth, device)
+
+
+def _serve(device: VirtualDevice, fifo: FrameFifo, port: VirtualPort, stop: StopSignal) -> None:
+    ticker = Ticker(_BEAT_S, time.monotonic, _attend(device, fifo, port, stop))
+    said = 0
+    while not stop.came:
+        ticker.wait()
+        ticker.skip_missed()
+        device.advance(time.monotonic())
+        fifo.drain(port.write)
+        if fifo.dropped and not said:
+            said = fifo.dropped
+            console.print("the host does not read: frames are dropped")
+
+
+def _attend(
+    device: VirtualDevice, fifo: FrameFifo, port: VirtualPort, stop: StopSignal
+) -> Callable[[float], None]:
+    """Return a sleep that meanwhile hears the host and sends it what waits; it may end early."""
+
+    def sleep(seconds: float) -> None:
+        waited_for: list[VirtualPort | StopSignal] = [port, stop]
+        readable, writable, _ = select(waited_for, [port] if len(fifo) else [], [], seconds)
+        if port in readable:
+            device.receive(port.read(), time.monotonic())
+        if port in readable or port in writable:
+            fifo.drain(port.write)
+
+    return sleep
+
+
+def _announce(options: VirtualOptions, path: str) -> None:
+    plan = options.plan
+    if not options.as_json:
+        emit(path)
+        return
+    emit(
+        json.dumps(
+            {
+                "port": path,
+                "link": None if options.link is None else str(options.link),
+                "arm": plan.arm.name,
+                "seed": plan.seed,
+                "rate_hz": plan.rate_hz,
+                "speed": options.speed,
+                "trials": plan.trials,
+                "noise": plan.noise,
+            }
+        )
+    )
+
+
+def _write_truth(path: Path, device: VirtualDevice) -> None:
+    try:
+        with path.open("wb") as file:
+            np.savez(file, **device.truth)  # type: ignore[arg-type]
+    except OSError as error:
+        raise DeviceError(f"--truth {path} cannot be written: {error.strerror}") from error

@@ -1,0 +1,161 @@
+"""The virtual device without its wire: commands in, frames out, by the clock."""
+
+from collections.abc import Callable
+
+from arm.bench import COUNT_M_S2, FULL_SCALE_M_S2
+from arm.model import Arm
+from daemon.motion_source import MotionSource
+from daemon.virtual_motion import Truth
+from protocol.serial_frame import Channel, DeviceInfo, encode_info, encode_samples
+
+FRAME_SAMPLES = 32
+TICK_HZ = 10_000_000
+_LONGEST_COMMAND = 64
+_WRITE_BYTES = 65536
+
+
+class FrameFifo:
+    """The device's memory for frames that the host has not taken yet; a frame that does not fit is dropped.
+
+    Attributes
+    ----------
+    dropped : int
+        Frames dropped.
+    """
+
+    def __init__(self, capacity_bytes: int) -> None:
+        self.dropped = 0
+        self._capacity = capacity_bytes
+        self._held = bytearray()
+
+    def __len__(self) -> int:
+        return len(self._held)
+
+    def put(self, frame: bytes) -> None:
+        """Add a whole frame, or drop it."""
+        if len(self._held) + len(frame) > self._capacity:
+            self.dropped += 1
+        else:
+            self._held += frame
+
+    def drain(self, write: Callable[[bytes], int]) -> None:
+        """Write for as long as everything is accepted; ``write`` returns how many bytes it took."""
+        while self._held:
+            data = bytes(self._held[:_WRITE_BYTES])
+            accepted = write(data)
+            del self._held[:accepted]
+            if accepted < len(data):
+                return
+
+
+def device_info(arm: Arm, rate_hz: float, seed: int) -> DeviceInfo:
+    """Return what the virtual device says of itself."""
+    channels = tuple(
+        Channel(f"{sensor.name}{axis}", COUNT_M_S2, 0.0, FULL_SCALE_M_S2)
+        for sensor in arm.sensors
+        for axis in "xyz"
+    )
+    return DeviceInfo("limbcal virtual arm", f"seed-{seed}", "1", rate_hz, TICK_HZ, channels)
+
+
+class VirtualDevice:
+    """Answers INFO, START and STOP, and makes the frames that are due.
+
+    The arm begins its motions at START. Sequence numbers and the device's clock go on while it is on.
+
+    Parameters
+    ----------
+    info : DeviceInfo
+    new_source : callable
+        Returns the motions, from their beginning.
+    fifo : FrameFifo
+    speed : float
+        How much faster than the host's clock the device's runs.
+    now_s : float
+        The host's clock.
+
+    Attributes
+    ----------
+    waited_s : float
+        How long the stream, once begun, had to wait for samples that were not computed yet.
+    """
+
+    def __init__(
+        self, info: DeviceInfo, new_source: Callable[[], MotionSource], fifo: FrameFifo, speed: float, now_s: float
+    ) -> None:
+        self.waited_s = 0.0
+        self._info = info
+        self._new_source = new_source
+        self._source = new_source()
+        self._fifo = fifo
+        self._speed = speed
+        self._on_s = now_s
+        self._line = b""
+        self._sequence = 0
+        self._streaming = False
+        self._started_s = 0.0
+        self._truth: Truth = {}
+
+    @property
+    def truth(self) -> Truth:
+        """The true motion of the stream that is, or was, the last."""
+        return self._source.truth() or self._truth
+
+    def receive(self, data: bytes, now_s: float) -> None:
+        """Take what the host sent. Only whole lines are commands; what is none is passed over."""
+        *lines, rest = (self._line + data).split(b"\n")
+        self._line = rest[-_LONGEST_COMMAND:]
+        for line in lines:
+            command = line.strip()
+            if command in (b"INFO", b"START"):
+                self._put(encode_info(self._info, self._sequence, self._ticks(now_s)))
+            if command == b"START" and not self._streaming:
+                self._streaming = True
+                self._started_s = now_s
+            elif command == b"STOP" and self._streaming:
+                self._stop()
+
+    def advance(self, now_s: float) -> None:
+        """Make the frames that are due by now.
+
+        Raises
+        ------
+        LimbcalError
+            If the motions cannot be computed.
+        """
+        self._source.fetch()
+        if not self._streaming:
+            return
+        per_s = self._info.rate_hz * self._speed
+        due = int((now_s - self._started_s) * per_s)
+        while due - self._source.taken >= FRAME_SAMPLES:
+            first_s = self._started_s + self._source.taken / per_s
+            counts = self._source.take(FRAME_SAMPLES)
+            if counts is None:
+                self._stand_still(now_s - first_s)
+                return
+            self._put(encode_samples(counts, self._sequence, self._ticks(first_s)))
+
+    def close(self) -> None:
+        """Stop computing motions."""
+        self._source.close()
+
+    def _stop(self) -> None:
+        self._streaming = False
+        self._truth = self._source.truth()
+        self._source.close()
+        self._source = self._new_source()
+
+    def _stand_still(self, wait_s: float) -> None:
+        """Let the arm and its clock wait for what is not computed yet, as if no time had passed."""
+        self._started_s += wait_s
+        self._on_s += wait_s
+        if self._source.taken:
+            self.waited_s += wait_s
+
+    def _put(self, frame: bytes) -> None:
+        self._sequence += 1
+        self._fifo.put(frame)
+
+    def _ticks(self, at_s: float) -> int:
+        return round((at_s - self._on_s) * self._speed * TICK_HZ)

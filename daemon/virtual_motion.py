@@ -1,0 +1,96 @@
+"""What the virtual arm does and its sensors read: the bench's motions, and then rest for as long as it is on."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from arm.bench import Bench, SensorErrors, counts, densify, draw_sensor_errors, motions
+from arm.kinematics import tip_position
+from arm.model import Arm, Floats
+from arm.simulation import Motion, simulate
+
+#: The truth is kept at no more than this: the motion has nothing faster, and the file stays small.
+TRUTH_HZ = 1000.0
+_REST_S = 2.0
+
+Truth = dict[str, Floats]
+
+
+@dataclass(frozen=True)
+class BenchPlan:
+    """Which bench is played, and how well its sensors measure.
+
+    ``noise`` is a factor on the bench's white noise and bias; 0 for sensors without either.
+    """
+
+    arm: Arm
+    seed: int
+    rate_hz: float
+    trials: int
+    noise: float = 1.0
+    imperfect_mounting: bool = False
+
+
+@dataclass(frozen=True)
+class Stretch:
+    """Consecutive samples: ``counts`` (n_sample, n_channel), and of each ``stride``-th the truth, by column."""
+
+    trial: int
+    counts: NDArray[np.int16]
+    truth: Truth
+
+
+def truth_stride(rate_hz: float) -> int:
+    """Return how many samples lie between two rows of the truth."""
+    return max(1, round(rate_hz / TRUTH_HZ))
+
+
+def stretches(plan: BenchPlan) -> Iterator[Stretch]:
+    """Yield the trials, counted from 1, and then rest in stretches of 2 s, without end; the rest's trial is 0.
+
+    The same plan gives the same samples.
+
+    Raises
+    ------
+    ConfigError
+        If the arm has no control law to drive it.
+    """
+    rng = np.random.default_rng([plan.seed, 2])
+    errors = draw_sensor_errors(plan.arm, rng, plan.noise, plan.imperfect_mounting)
+    bench = Bench(rate_hz=plan.rate_hz, learning=plan.trials, evaluating=0)  # of any number the first are the same
+    motion: Motion | None = None
+    sample = 0
+    for trial, motion in enumerate(motions(plan.arm, bench, plan.seed), start=1):
+        yield _stretch(plan, errors, motion, trial, sample, rng)
+        sample += len(motion.t)
+    while True:
+        motion = _rest(plan.arm, bench, motion)
+        yield _stretch(plan, errors, motion, 0, sample, rng)
+        sample += len(motion.t)
+
+
+def _rest(arm: Arm, bench: Bench, before: Motion | None) -> Motion:
+    """Return the arm held where the last target was, from the sample after ``before`` on."""
+    zero = np.zeros(arm.n_joint)
+    ref, q, dq = (zero, zero, zero) if before is None else (before.ref[-1], before.q[-1], before.dq[-1])
+    step = 1.0 / bench.simulation_hz
+    first = 0 if before is None else 1  # the simulation begins at the last sample, which was sent already
+    n_sample = round(_REST_S * bench.rate_hz)
+    n_step = int(np.ceil((n_sample + first) / bench.rate_hz / step)) + 2
+    held = densify(simulate(arm, np.tile(ref, (n_step, 1)), step, q, dq), bench.rate_hz, n_sample + first)
+    return replace(held, **{name: values[first:] for name, values in vars(held).items()})
+
+
+def _stretch(
+    plan: BenchPlan, errors: SensorErrors, motion: Motion, trial: int, sample0: int, rng: np.random.Generator
+) -> Stretch:
+    stride = truth_stride(plan.rate_hz)
+    rows = np.arange(-sample0 % stride, len(motion.q), stride)
+    tip = tip_position(plan.arm, motion.q[rows])
+    truth = {"t": (sample0 + rows) / plan.rate_hz, "trial": np.full(len(rows), float(trial))}
+    for name, values in (("q", motion.q), ("dq", motion.dq), ("ddq", motion.ddq), ("ref", motion.ref)):
+        truth |= {f"{name}{j + 1}": values[rows, j] for j in range(values.shape[1])}
+    truth |= {f"tip{axis}": tip[:, k] for k, axis in enumerate("xyz")}
+    return Stretch(trial, counts(plan.arm, errors, motion, rng), truth)

@@ -1,0 +1,88 @@
+"""A pseudo-terminal that looks like the device's serial port."""
+
+import os
+import tty
+from pathlib import Path
+from types import TracebackType
+
+from limbcal.errors import ConfigError
+
+_READ_BYTES = 4096
+
+
+class VirtualPort:
+    """Both ends of a pty. The slave is kept open, so that a host that closes it takes nothing with it.
+
+    Parameters
+    ----------
+    link : Path or None
+        Where a symbolic link to the slave is wanted. One that a killed device left is replaced.
+
+    Attributes
+    ----------
+    path : str
+        What the host opens.
+
+    Raises
+    ------
+    ConfigError
+        If the link cannot be made.
+    """
+
+    def __init__(self, link: Path | None) -> None:
+        self._master, self._slave = os.openpty()
+        self.path = os.ttyname(self._slave)
+        self._link = link
+        try:
+            tty.setraw(self._slave)
+            os.set_blocking(self._master, False)
+            if link is not None:
+                _make_link(link, self.path)
+        except BaseException:
+            os.close(self._master)
+            os.close(self._slave)
+            raise
+
+    def fileno(self) -> int:
+        """Return the device's end."""
+        return self._master
+
+    def read(self) -> bytes:
+        """Return what the host sent."""
+        try:
+            return os.read(self._master, _READ_BYTES)
+        except BlockingIOError:
+            return b""
+
+    def write(self, data: bytes) -> int:
+        """Send to the host; return how many bytes found room."""
+        try:
+            return os.write(self._master, data)
+        except BlockingIOError:
+            return 0
+
+    def close(self) -> None:
+        """Take the port and its link away."""
+        if self._link is not None and self._link.is_symlink() and os.readlink(self._link) == self.path:
+            self._link.unlink()
+        os.close(self._master)
+        os.close(self._slave)
+
+    def __enter__(self) -> "VirtualPort":
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self.close()
+
+
+def _make_link(link: Path, target: str) -> None:
+    try:
+        if link.is_symlink() and not link.exists():
+            link.unlink()
+        link.symlink_to(target)
+    except FileExistsError as error:
+        raise ConfigError(f"--link {link} exists already, expected a path that is free") from error
+    except OSError as error:
+        raise ConfigError(f"--link {link} cannot be made: {error.strerror}") from error

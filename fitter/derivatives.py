@@ -1,0 +1,76 @@
+"""Zero-phase low-pass filtering and differentiation on a uniform grid."""
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.interpolate import make_interp_spline
+from scipy.signal import butter, sosfiltfilt
+
+Floats = NDArray[np.float64]
+
+#: Order of the Butterworth filter; run forwards and backwards it falls by 6 dB at its corner, then 48 dB an octave.
+ORDER = 4
+#: Periods of the corner frequency after which the guess about what lies beyond an end has died away.
+SETTLING_PERIODS = 1.0
+#: A corner above this share of the sampling rate leaves nothing to filter.
+HIGHEST_CORNER = 0.45
+
+
+def lowpass(values: Floats, dt_s: float, cutoff_hz: float) -> Floats:
+    """Low-pass columns without any phase shift.
+
+    A Butterworth filter of order 4 runs forwards and backwards (gain ½ at the corner, none lost at rest). Beyond
+    the ends the column is thought to go on point-symmetrically; `settling_samples` at each end are touched by that.
+
+    Parameters
+    ----------
+    values : ndarray of shape (n, …)
+        Columns along the first axis.
+    dt_s : float
+        Step [s].
+    cutoff_hz : float
+        Corner frequency. Above 0.45 of the sampling rate nothing is changed.
+
+    Returns
+    -------
+    ndarray of the same shape
+    """
+    if cutoff_hz * dt_s >= HIGHEST_CORNER:
+        return values
+    sections = butter(ORDER, cutoff_hz, fs=1.0 / dt_s, output="sos")
+    padding = min(len(values) - 1, 3 * settling_samples(dt_s, cutoff_hz))
+    filtered: Floats = sosfiltfilt(sections, values, axis=0, padlen=padding)
+    return filtered
+
+
+def settling_samples(dt_s: float, cutoff_hz: float) -> int:
+    """Return how many samples at each end of a filtered column rest on a guess about what lies beyond."""
+    if cutoff_hz * dt_s >= HIGHEST_CORNER:
+        return 0
+    return math.ceil(SETTLING_PERIODS / (cutoff_hz * dt_s))
+
+
+def differentiate(values: Floats, dt_s: float, order: int = 1) -> Floats:
+    """Return a time derivative of columns: that of the quintic spline through them.
+
+    Its error falls with the fourth power of the step or faster (1e-5 of a sine with 20 samples a period), and it is
+    symmetric in time, so it shifts no phase.
+
+    Parameters
+    ----------
+    values : ndarray of shape (n, …), n >= 6
+        Columns along the first axis.
+    dt_s : float
+        Step [s].
+    order : {1, 2}
+        First or second derivative.
+
+    Returns
+    -------
+    ndarray of the same shape
+    """
+    spline = make_interp_spline(np.arange(len(values)), values, k=5, axis=0)
+    steps = np.arange(len(values))
+    derivative: Floats = spline(steps, nu=order) / dt_s**order
+    return derivative

@@ -1,0 +1,198 @@
+"""Columns out of CSV and Parquet files: only those that are wanted, as finite float64."""
+
+import re
+from collections.abc import Callable, Collection, Iterator, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Protocol
+
+import numpy as np
+import pyarrow as pa
+import pyarrow.csv
+import pyarrow.parquet
+from numpy.typing import NDArray
+
+from limbcal.errors import DataError
+
+Floats = NDArray[np.float64]
+Texts = NDArray[np.str_]
+Columns = dict[str, Floats | Texts]
+
+COMMENTS = ("//", "#", "%")
+_ARROW_ROW = re.compile(r"Row #(\d+)")
+
+
+class Source(Protocol):
+    """A file with columns in it, opened far enough to know their names."""
+
+    path: Path
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Names of the columns, for an error to list."""
+
+    def has(self, address: str) -> bool:
+        """Say whether there is such a column."""
+
+    def read(self, addresses: Sequence[str], texts: Collection[str] = ()) -> list[Columns]:
+        """Return columns of equal length, a dictionary for every motion that the file keeps apart by itself.
+
+        ``texts`` are columns of labels: they come as text.
+        """
+
+
+class TableFile:
+    """A CSV or Parquet file.
+
+    Parameters
+    ----------
+    path : Path
+        The file.
+
+    Raises
+    ------
+    DataError
+        If the file is missing, unreadable or has no header.
+    """
+
+    def __init__(self, path: Path) -> None:
+        self.path = path
+        self._read: Callable[[Sequence[str], Collection[str]], pa.Table]
+        if path.suffix.lower() == ".csv":
+            self._skip, self._delimiter, header = _csv_header(path)
+            self._read = self._read_csv
+        else:
+            with _readable(path):
+                header = pyarrow.parquet.read_schema(path).names
+            self._read = self._read_parquet
+        twice = sorted({name for name in header if header.count(name) > 1})
+        if twice:
+            raise DataError(f"{path}: column {twice[0]!r} is there {header.count(twice[0])} times, expected once")
+        self._names = tuple(header)
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Names of the columns in the file's order."""
+        return self._names
+
+    def has(self, address: str) -> bool:
+        """Say whether there is a column of this name."""
+        return address in self._names
+
+    def read(self, addresses: Sequence[str], texts: Collection[str] = ()) -> list[Columns]:
+        """Return the named columns.
+
+        Raises
+        ------
+        DataError
+            If a column holds text or a value that is not finite, naming column and row (data rows, from 1).
+        """
+        table = self._read(addresses, texts)
+        return [
+            {
+                name: _texts(table.column(name)) if name in texts else self._floats(table.column(name), name)
+                for name in addresses
+            }
+        ]
+
+    def read_matrix(self, addresses: Sequence[str]) -> Floats:
+        """Return the named columns side by side, shape (n, len(addresses)), without a second copy of the file."""
+        table = self._read(addresses, ())
+        matrix = np.empty((table.num_rows, len(addresses)))
+        for place, name in enumerate(addresses):
+            matrix[:, place] = self._floats(table.column(name), name)
+            table = table.drop_columns([name])  # what was taken over is given back
+        return matrix
+
+    def _floats(self, column: pa.ChunkedArray, name: str) -> Floats:
+        kind = column.type
+        if not (pa.types.is_integer(kind) or pa.types.is_floating(kind) or pa.types.is_boolean(kind)):
+            raise DataError(f"{self.path}: column {name!r} holds {kind}, expected numbers")
+        values = np.asarray(column.cast(pa.float64()).to_numpy(), dtype=np.float64)
+        require_finite(values, f"{self.path}: column {name!r}")
+        return values
+
+    def _read_parquet(self, names: Sequence[str], texts: Collection[str]) -> pa.Table:
+        with _readable(self.path):
+            return pyarrow.parquet.read_table(self.path, columns=list(names))
+
+    def _read_csv(self, names: Sequence[str], texts: Collection[str], threads: bool = True) -> pa.Table:
+        types = {name: pa.string() if name in texts else pa.float64() for name in names}
+        try:
+            return pyarrow.csv.read_csv(
+                self.path,
+                read_options=pyarrow.csv.ReadOptions(
+                    column_names=list(self._names), skip_rows=self._skip + 1, use_threads=threads
+                ),
+                parse_options=pyarrow.csv.ParseOptions(delimiter=self._delimiter),
+                convert_options=pyarrow.csv.ConvertOptions(column_types=types, include_columns=list(names)),
+            )
+        except pa.ArrowInvalid as error:
+            if threads:  # row numbers are only known to a single thread
+                return self._read_csv(names, texts, threads=False)
+            raise DataError(f"{self.path}: {self._explain(str(error))}") from error
+
+    def _explain(self, reason: str) -> str:
+        """Turn pyarrow's account of a bad cell into ours."""
+        found = _ARROW_ROW.search(reason)
+        row = f"row {int(found[1]) - self._skip - 1}: " if found else ""
+        column = re.search(r"column #(\d+)", reason)
+        cell = re.search(r"invalid value '(.*)'", reason, re.DOTALL)
+        if column and cell:
+            return f"{row}column {self._names[int(column[1])]!r} holds {cell[1]!r}, expected a number"
+        cells = re.search(r"Expected (\d+) columns, got (\d+)", reason)
+        if cells:
+            return f"{row}{cells[2]} cells, expected {cells[1]} as in the header"
+        return f"{row}cannot be read as CSV ({' '.join(reason.split())})"
+
+
+def require_finite(values: Floats, where: str, first_row: int = 0) -> None:
+    """Raise a DataError that names the row (from 1) of the first value that is not finite."""
+    finite = np.isfinite(values)
+    if not finite.all():
+        row = int(np.argmin(finite))
+        found = "nothing or NaN" if np.isnan(values[row]) else str(values[row])
+        raise DataError(f"{where}, row {first_row + row + 1}: found {found}, expected a finite number")
+
+
+def _texts(column: pa.ChunkedArray) -> Texts:
+    return np.array(["" if cell is None else str(cell) for cell in column.to_pylist()], dtype=np.str_)
+
+
+def _csv_header(path: Path) -> tuple[int, str, list[str]]:
+    """Return how many lines stand before the header, what parts its cells, and the cells."""
+    try:
+        with path.open(encoding="utf-8-sig") as lines:
+            for number, line in enumerate(lines):
+                if line.strip() and not line.startswith(COMMENTS):
+                    delimiter = max(",;\t", key=line.count)
+                    header = [cell.strip().strip('"') for cell in line.split(delimiter)]
+                    if all(_is_number(cell) for cell in header):
+                        raise DataError(f"{path}: the first row is {line.strip()!r}, expected names of columns")
+                    return number, delimiter, header
+    except FileNotFoundError as error:
+        raise DataError(f"{path}: there is no such file") from error
+    except (OSError, UnicodeDecodeError) as error:
+        raise DataError(f"{path}: cannot be read ({error})") from error
+    raise DataError(f"{path}: the file is empty, expected a header row and numbers")
+
+
+def _is_number(cell: str) -> bool:
+    try:
+        float(cell)
+    except ValueError:
+        return False
+    return True
+
+
+@contextmanager
+def _readable(path: Path) -> Iterator[None]:
+    """Turn what goes wrong while a Parquet file is read into one sentence."""
+    if not path.exists():
+        raise DataError(f"{path}: there is no such file")
+    if path.stat().st_size == 0:
+        raise DataError(f"{path}: the file is empty")
+    try:
+        yield
+    except (OSError, pa.ArrowException) as error:
+        raise DataError(f"{path}: cannot be read as Parquet ({' '.join(str(error).split())})") from error

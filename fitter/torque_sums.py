@@ -1,0 +1,249 @@
+"""What a torque fit needs of the data: sums of products, so few that a billion samples cost what a thousand do.
+
+The torque is linear in the base parameters, ``tau = W p`` (eq. (4), (8)), so the cost of eq. (9) depends on
+the data only through ``W^T W``, ``W^T tau`` and ``tau^T tau``. They are kept for every joint and for short
+blocks of consecutive samples: added up they give the cost, side by side the scatter of the answer.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, fields
+
+import numpy as np
+from numpy.typing import NDArray
+
+from arm.base_parameters import BaseParameters
+from arm.chain import Chain, chain_of, joint_rows
+from arm.model import Arm, Floats
+from fitter.torque_rows import torque_rows
+from limbcal.compiled import compiled
+from limbcal.errors import DataError
+
+#: Blocks of one trial: enough to measure how residuals hang together, and never more memory than this.
+_BLOCKS = 128
+_BLOCK_BYTES = 8_000_000
+#: Samples whose regressor is made at a time.
+_CHUNK = 64
+
+
+@dataclass(frozen=True)
+class TorqueSums:
+    """Sums over blocks of consecutive samples, for every joint.
+
+    Attributes
+    ----------
+    gram : (n_block, n_joint, n_base, n_base)
+        W^T W.
+    moment : (n_block, n_joint, n_base)
+        W^T tau.
+    power : (n_block, n_joint)
+        tau^T tau.
+    row, torque : (n_block, n_joint, n_base), (n_block, n_joint)
+        Sums of W and of tau.
+    count : (n_block, n_joint)
+        Samples in which the joint moved.
+    trial : (n_block,) int
+        Which trial a block belongs to.
+    samples : int
+        Samples seen, moving or not.
+    """
+
+    gram: Floats
+    moment: Floats
+    power: Floats
+    row: Floats
+    torque: Floats
+    count: Floats
+    trial: NDArray[np.intp]
+    samples: int
+
+    def __add__(self, other: "TorqueSums") -> "TorqueSums":
+        """Return the sums of both, the trials of the second being other trials."""
+        return add_up([self, other])
+
+    def total(self) -> "TorqueSums":
+        """Return the same sums as one block, for cost and answer; it no longer knows of trials."""
+        whole = {name: getattr(self, name).sum(axis=0, keepdims=True) for name in _SUMS}
+        return TorqueSums(**whole, trial=np.zeros(1, dtype=np.intp), samples=self.samples)
+
+    def centred(self) -> "TorqueSums":
+        """Return sums in which every trial and joint has a constant torque of its own that is not sought.
+
+        Taking the trial's means off W and tau is the same as fitting one more unknown for each trial and
+        joint together with the base parameters.
+        """
+        row, torque = self._means()
+        count = self.count[..., None]
+        # sums of (W - mean)(W - mean)^T, and alike for the others
+        cross = self.row[..., :, None] * row[..., None, :]
+        gram = self.gram - cross - np.swapaxes(cross, -1, -2)
+        gram += count[..., None] * row[..., :, None] * row[..., None, :]
+        moment = self.moment - self.row * torque[..., None] - row * self.torque[..., None]
+        moment += count * row * torque[..., None]
+        power = self.power - 2.0 * self.torque * torque + self.count * torque**2
+        return TorqueSums(
+            gram,
+            moment,
+            power,
+            self.row - count * row,
+            self.torque - self.count * torque,
+            self.count,
+            self.trial,
+            self.samples,
+        )
+
+    def constants(self, values: Floats) -> Floats:
+        """Return the constant torque of every trial and joint that goes with given base parameters.
+
+        Returns
+        -------
+        (n_trial, n_joint)
+        """
+        row, torque = self._means()
+        first = np.unique(self.trial, return_index=True)[1]
+        return np.asarray(torque[first] - row[first] @ values, dtype=np.float64)
+
+    def cost(self, population: Floats) -> Floats:
+        """Return eq. (9) summed over samples and joints, ``sum (tau - W p)^2``, from the sums as they are.
+
+        Good to about 1e-15 of ``tau^T tau``; the search uses `fitter.least_squares`, which has no such floor.
+
+        Parameters
+        ----------
+        population : (n_individual, n_base)
+
+        Returns
+        -------
+        (n_individual,) [(N m)^2]
+        """
+        gram, moment = self.gram.sum(axis=(0, 1)), self.moment.sum(axis=(0, 1))
+        square = np.einsum("ia,ab,ib->i", population, gram, population)
+        return np.asarray(square - 2.0 * population @ moment + self.power.sum(), dtype=np.float64)
+
+    def rms(self, values: Floats) -> Floats:
+        """Return what the residual torque is in the mean square, (n_joint,) [N m or N]."""
+        gram, moment = self.gram.sum(axis=0), self.moment.sum(axis=0)
+        square = np.einsum("a,jab,b->j", values, gram, values) - 2.0 * moment @ values + self.power.sum(axis=0)
+        return np.sqrt(np.maximum(square, 0.0) / np.maximum(self.count.sum(axis=0), 1.0))
+
+    def scores(self, values: Floats) -> Floats:
+        """Return W^T (tau - W p) of every block, all joints together, (n_block, n_base)."""
+        return np.asarray((self.moment - self.gram @ values).sum(axis=1), dtype=np.float64)
+
+    def _means(self) -> tuple[Floats, Floats]:
+        """Return the mean W and tau of the trial that each block belongs to."""
+        index = np.unique(self.trial, return_inverse=True)[1]
+        sums = []
+        for values in (self.count, self.torque, self.row):
+            whole = np.zeros((int(index.max(initial=-1)) + 1, *values.shape[1:]))
+            np.add.at(whole, index, values)
+            sums.append(whole)
+        count = np.maximum(sums[0], 1.0)
+        return (sums[2] / count[..., None])[index], (sums[1] / count)[index]
+
+
+_SUMS = tuple(field.name for field in fields(TorqueSums) if field.name not in ("trial", "samples"))
+
+
+def add_up(parts: Sequence[TorqueSums]) -> TorqueSums:
+    """Return the sums of several sets of trials, each part's trials being different from the others'.
+
+    Raises
+    ------
+    ValueError
+        If there are no parts.
+    """
+    joined = {name: np.concatenate([getattr(part, name) for part in parts]) for name in _SUMS}
+    trials, start = [], 0
+    for part in parts:
+        trials.append(part.trial + start)
+        start += int(part.trial.max(initial=-1)) + 1
+    return TorqueSums(**joined, trial=np.concatenate(trials), samples=sum(part.samples for part in parts))
+
+
+def torque_sums(
+    arm: Arm,
+    base: BaseParameters,
+    q: Floats,
+    dq: Floats,
+    ddq: Floats,
+    tau: Floats,
+    rest_speed: float = 0.0,
+) -> TorqueSums:
+    """Reduce one trial to its sums, in one pass.
+
+    Parameters
+    ----------
+    arm : Arm
+        Its geometry and gravity.
+    base : BaseParameters
+    q, dq, ddq, tau : (n_sample, n_joint) [rad or m, derivatives, N m or N]
+    rest_speed : float
+        A joint no faster than this is at rest. What holds it there is friction of any size up to its static
+        limit, so its torque says nothing then and is left out.
+
+    Returns
+    -------
+    TorqueSums
+        One trial.
+
+    Raises
+    ------
+    DataError
+        If the shapes don't fit.
+    """
+    arrays = [joint_rows(arm, *item) for item in (("q", q), ("dq", dq), ("ddq", ddq), ("tau", tau))]
+    lengths = {len(array) for array in arrays}
+    if len(lengths) != 1:
+        raise DataError(f"q, dq, ddq and tau have {sorted(lengths)} samples, expected as many of each")
+    n_sample, n_joint, n_base = len(arrays[0]), arm.n_joint, len(base.independent)
+    room = _BLOCK_BYTES // (8 * n_joint * n_base * (n_base + 2))
+    n_block = max(1, min(_BLOCKS, room, n_sample))
+    gram = np.zeros((n_block, n_joint, n_base, n_base))
+    moment, row = np.zeros((2, n_block, n_joint, n_base))
+    power, torque, count = np.zeros((3, n_block, n_joint))
+    columns, ends = np.array(base.independent), np.linspace(0, n_sample, n_block + 1).astype(np.intp)
+    add_rows(chain_of(arm), columns, ends, *arrays, rest_speed, gram, moment, power, row, torque, count)
+    gram += np.swapaxes(np.tril(gram, -1), -1, -2)
+    return TorqueSums(gram, moment, power, row, torque, count, np.zeros(n_block, dtype=np.intp), n_sample)
+
+
+@compiled
+def add_rows(
+    chain: Chain,
+    columns: NDArray[np.intp],
+    ends: NDArray[np.intp],
+    q: Floats,
+    dq: Floats,
+    ddq: Floats,
+    tau: Floats,
+    rest_speed: float,
+    gram: Floats,
+    moment: Floats,
+    power: Floats,
+    row: Floats,
+    torque: Floats,
+    count: Floats,
+) -> None:
+    """Add every sample to the sums of its block; of ``gram`` the lower triangle is filled in."""
+    n = q.shape[1]
+    Y, w = np.zeros((_CHUNK, n, 12 * n)), np.empty(columns.size)
+    for block in range(ends.size - 1):
+        G, m, r, t = gram[block], moment[block], row[block], torque[block]
+        for start in range(ends[block], ends[block + 1], _CHUNK):
+            stop = min(start + _CHUNK, ends[block + 1])
+            torque_rows(chain, q[start:stop], dq[start:stop], ddq[start:stop], Y)
+            for k in range(start, stop):
+                for joint in range(n):
+                    if abs(dq[k, joint]) <= rest_speed:
+                        continue
+                    now = tau[k, joint]
+                    power[block, joint] += now * now
+                    count[block, joint] += 1.0
+                    t[joint] += now
+                    for a in range(columns.size):
+                        w[a] = Y[k - start, joint, columns[a]]
+                        if w[a] != 0.0:  # a joint does not feel the links before it: half of W is zeros
+                            m[joint, a] += w[a] * now
+                            r[joint, a] += w[a]
+                            for b in range(a + 1):
+                                G[joint, a, b] += w[a] * w[b]

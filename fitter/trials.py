@@ -1,0 +1,252 @@
+"""Trials: one motion each, on a uniform grid, with every derivative that a fit needs."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fitter.bandwidth import Signal, motion_edge_hz
+from fitter.columns import parse_mapping
+from fitter.derivatives import differentiate, lowpass, settling_samples
+from fitter.motions import Measured, read_motions
+from fitter.recordings import read_frames
+from fitter.resample import Uniform, resample, split_at_holes
+from fitter.sources import RECORDINGS, expand
+from limbcal.errors import ConfigError, DataError
+
+Floats = NDArray[np.float64]
+Role = Literal["learn", "evaluate"]
+
+#: The corner of a fit lies this far below the edge of the motion, so that little from beyond the edge gets in.
+FIT_CORNER = 2.0 / 3.0
+#: Derivatives are taken this many times wider: flat over the motion, yet without the noise of the full range.
+DERIVATIVE_CORNER = 4.0
+#: At most this share of a trial is trimmed at each end, and a corner needs this many periods in a trial.
+TRIM_SHARE = 0.1
+
+
+@dataclass(frozen=True)
+class Trial:
+    """One motion.
+
+    Attributes
+    ----------
+    name : str
+        File and trial.
+    t : ndarray of shape (n,)
+        Time [s], from 0 on a uniform grid.
+    dt_s : float
+        Step of the grid [s].
+    q, dq, ddq : ndarray of shape (n, n_joint)
+        Joint angles [rad] (or m) and their derivatives.
+    tau, ref : ndarray of shape (n, n_joint), or None
+        Torque [N·m] (or N) and the controller's target, where there are any.
+    tip : ndarray of shape (n, 3), or None
+        Measured tip [m].
+    notes : tuple of str
+        What was resampled, derived, trimmed.
+    band_hz : float
+        Corner of `lowpass`: below it the acceleration stands out from noise. Infinite if nothing is to be filtered.
+    points : ndarray of shape (n, n_sensor, 3), or None
+        Dead-reckoned sensor positions [m], from recordings.
+    role : str, optional
+        "learn" or "evaluate", where a recording says so.
+    """
+
+    name: str
+    t: Floats
+    dt_s: float
+    q: Floats
+    dq: Floats
+    ddq: Floats
+    tau: Floats | None = None
+    ref: Floats | None = None
+    tip: Floats | None = None
+    notes: tuple[str, ...] = ()
+    band_hz: float = np.inf
+    points: Floats | None = None
+    role: str | None = None
+
+    def lowpass(self, values: Floats) -> Floats:
+        """Pass anything that was computed from this trial through the one filter of its fit.
+
+        What stands on both sides of an equation must be filtered alike: regressor and torque. Filtering the
+        regressor, not the angles that go into it, leaves the equation exact, friction included.
+
+        Parameters
+        ----------
+        values : ndarray of shape (n, …)
+            One row a sample of this trial.
+
+        Returns
+        -------
+        ndarray of shape (n - 2 k, …)
+            Zero-phase low-passed at `band_hz`, without the k samples at each end that rest on a guess.
+        """
+        trim = _trim(len(self.t), self.dt_s, self.band_hz)
+        return lowpass(values, self.dt_s, self.band_hz)[trim : len(values) - trim]
+
+
+def load_trials(
+    sources: Sequence[Path],
+    n_joint: int,
+    columns: str | None = None,
+    *,
+    rate_hz: float | None = None,
+    cutoff_hz: float | None = None,
+    smooth: bool = True,
+    role: Role | None = None,
+) -> list[Trial]:
+    """Read a set of trials.
+
+    A file is one trial, or several if it has a column ``trial``, cells (``.mat``) or announced motions (recordings).
+    Missing derivatives are computed without a phase shift; then every measured column of the trial passes the same
+    filter and the ends are trimmed. Derivatives that are there are used as they are.
+
+    Parameters
+    ----------
+    sources : sequence of Path
+        Files and folders: CSV, Parquet, NPZ, ``.mat``, ``.json``, ``.mcap``.
+    n_joint : int
+        Number of joints of the arm.
+    columns : str, optional
+        Mapping of foreign columns, see `fitter.columns.parse_mapping`.
+    rate_hz : float, optional
+        Rate to resample to, and the rate of the samples where a file has no time. Default: the files' own.
+    cutoff_hz : float, optional
+        Corner of the fit, `Trial.band_hz`. Default: found in the spectrum, see `fitter.bandwidth`. Give evaluating
+        trials that of the learning ones; infinity switches all filters off.
+    smooth : bool
+        False: no column is filtered; missing derivatives are those of the measured columns.
+    role : {"learn", "evaluate"}, optional
+        From recordings, take only trials of this role. Trials of other files have none and are all taken.
+
+    Returns
+    -------
+    list of Trial
+        In the order of files, folders and rows.
+
+    Raises
+    ------
+    ConfigError
+        If the mapping or a rate is wrong.
+    DataError
+        If a file cannot be read or used: one sentence with file, column and row.
+    """
+    if cutoff_hz is not None and not cutoff_hz > 0.0:
+        raise ConfigError(f"cutoff_hz is {cutoff_hz}, expected a number above 0")
+    mapping = parse_mapping(columns, n_joint)
+    motions: list[Measured] = []
+    files = expand(sources)
+    for path in files:
+        if path.suffix.lower() in RECORDINGS:
+            motions += [motion for motion in read_frames(path, n_joint) if role in (None, motion.role)]
+        else:
+            motions += read_motions(path, n_joint, mapping, rate_hz, required=("q",))
+    if not motions:
+        raise DataError(f"{', '.join(map(str, files))}: no trial with role {role!r} in it")
+    uniform = [resample(piece, rate_hz) for motion in motions for piece in split_at_holes(motion)]
+    band_hz = cutoff_hz if cutoff_hz is not None else choose_band_hz(uniform)
+    return [_derive(motion, band_hz, smooth) for motion in uniform]
+
+
+def choose_band_hz(motions: Sequence[Uniform]) -> float:
+    """Return the corner [Hz] below which the motions' acceleration stands out from noise, or infinity."""
+    edge = motion_edge_hz([_signal(motion) for motion in motions])
+    if edge is None:
+        return np.inf
+    usual_s = float(np.median([len(motion.measured.t) * motion.dt_s for motion in motions]))
+    return max(FIT_CORNER * edge, 1.0 / (TRIM_SHARE * usual_s))
+
+
+def lowpass_trial(trial: Trial, cutoff_hz: float) -> Trial:
+    """Return a trial all of whose columns passed the same zero-phase filter, without the ends that rest on a guess.
+
+    Parameters
+    ----------
+    trial : Trial
+        What to filter.
+    cutoff_hz : float
+        Corner frequency.
+
+    Returns
+    -------
+    Trial
+        Its time starts at 0 again; `Trial.lowpass` of it does nothing more.
+    """
+    trim = _trim(len(trial.t), trial.dt_s, cutoff_hz)
+    inner = slice(trim, len(trial.t) - trim)
+
+    def filtered(values: Floats | None) -> Floats | None:
+        return None if values is None else lowpass(values, trial.dt_s, cutoff_hz)[inner]
+
+    return replace(
+        trial,
+        t=trial.dt_s * np.arange(len(trial.t) - 2 * trim),
+        q=lowpass(trial.q, trial.dt_s, cutoff_hz)[inner],
+        dq=lowpass(trial.dq, trial.dt_s, cutoff_hz)[inner],
+        ddq=lowpass(trial.ddq, trial.dt_s, cutoff_hz)[inner],
+        tau=filtered(trial.tau),
+        ref=filtered(trial.ref),
+        tip=filtered(trial.tip),
+        points=filtered(trial.points),
+        band_hz=np.inf,
+        notes=(*trial.notes, f"all columns low-passed at {cutoff_hz:.4g} Hz (zero phase)"),
+    )
+
+
+def _signal(motion: Uniform) -> Signal:
+    """Return the column that is nearest to an acceleration."""
+    columns = motion.measured.columns
+    for missing, name in enumerate(("ddq", "dq")):
+        if name in columns:
+            return Signal(columns[name], motion.dt_s, missing)
+    return Signal(columns["q"], motion.dt_s, 2)
+
+
+def _derive(motion: Uniform, band_hz: float, smooth: bool) -> Trial:
+    """Fill in what is missing and filter all columns alike, if anything was."""
+    measured, dt_s = motion.measured, motion.dt_s
+    given = dict(measured.columns)
+    notes = list(measured.notes)
+    derived = [name for name in ("dq", "ddq") if name not in given]
+    trim = 0
+    if derived:
+        corner_hz = DERIVATIVE_CORNER * band_hz if smooth else np.inf
+        trim = _trim(len(measured.t), dt_s, corner_hz)
+        reference = given.pop("ref", None)  # a command is known exactly
+        given = {name: lowpass(values, dt_s, corner_hz) for name, values in given.items()}
+        given |= {} if reference is None else {"ref": reference}
+        source = "dq" if "dq" in given else "q"
+        if "dq" not in given:
+            given["dq"] = differentiate(given["q"], dt_s)
+        if "ddq" not in given:
+            given["ddq"] = differentiate(given[source], dt_s, 1 if source == "dq" else 2)
+        filtered = "unfiltered" if trim == 0 else f"all columns but ref low-passed at {corner_hz:.4g} Hz"
+        notes.append(f"{', '.join(derived)} derived from {source} (zero phase, {filtered})")
+    if trim:
+        notes.append(f"{trim * dt_s:.3g} s trimmed at each end")
+    inner = slice(trim, len(measured.t) - trim)
+    kept = {name: values[inner] for name, values in given.items()}
+    return Trial(
+        name=measured.name,
+        t=dt_s * np.arange(len(measured.t) - 2 * trim),
+        dt_s=dt_s,
+        q=kept["q"],
+        dq=kept["dq"],
+        ddq=kept["ddq"],
+        tau=kept.get("tau"),
+        ref=kept.get("ref"),
+        tip=kept.get("tip"),
+        notes=tuple(notes),
+        band_hz=band_hz,
+        points=kept.get("points"),
+        role=measured.role,
+    )
+
+
+def _trim(n: int, dt_s: float, cutoff_hz: float) -> int:
+    return min(settling_samples(dt_s, cutoff_hz), int(TRIM_SHARE * n))

@@ -1,0 +1,28 @@
+"""The `limbplay` command."""
+
+import argparse
+import sys
+
+from limbcal.command import Parser, common_options, run_command
+from playback.commands import send, serve
+
+
+def build_parser() -> argparse.ArgumentParser:
+    """Return the parser of `limbplay` with all its commands."""
+    parser: argparse.ArgumentParser = Parser(prog="limbplay", description="Play motion back as a stream.")
+    commands = parser.add_subparsers(required=True, metavar="COMMAND")
+    for name, words, add_arguments in (
+        ("serve", "stream a recorded or simulated motion as limb/play", serve.add_arguments),
+        ("send", "ask a running playback for something", send.add_arguments),
+    ):
+        add_arguments(commands.add_parser(name, parents=[common_options()], help=words, description=words))
+    return parser
+
+
+def main(argv: list[str] | None = None) -> int:
+    """Run `limbplay` and return its exit code."""
+    return run_command(build_parser(), argv)
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,32 @@
+"""The asking end of the control socket."""
+
+import zmq
+
+from limbcal.errors import ConfigError, DeviceError
+from playback.control_message import Request, decode_reply, encode_request
+
+
+def ask(
+    context: "zmq.Context[zmq.Socket[bytes]]", endpoint: str, request: Request, timeout_ms: int
+) -> dict[str, object]:
+    """Send one request and return the reply.
+
+    Raises
+    ------
+    DeviceError
+        If nobody answers in time.
+    ConfigError
+        If the endpoint is not one.
+    ProtocolError
+        If the reply breaks the protocol.
+    """
+    with context.socket(zmq.REQ) as socket:
+        socket.set(zmq.LINGER, 0)
+        try:
+            socket.connect(endpoint)
+        except zmq.ZMQError as error:
+            raise ConfigError(f"endpoint is {endpoint!r}, expected such as tcp://127.0.0.1:5773") from error
+        socket.send(encode_request(request))
+        if not socket.poll(timeout_ms):
+            raise DeviceError(f"control endpoint {endpoint}: no answer within {timeout_ms / 1e3:g} s")
+        return decode_reply(socket.recv())

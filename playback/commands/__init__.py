@@ -1,0 +1,1 @@
+"""What `limbplay` can be asked to do, one file a command."""

@@ -1,0 +1,151 @@
+"""The playing server: frames out on their deadlines, requests answered in between."""
+
+import uuid
+from collections.abc import Callable, Sequence
+from types import TracebackType
+
+import zmq
+
+from limbcal.errors import LimbcalError
+from playback.control_message import Request, decode_request, encode_refusal, encode_reply
+from playback.control_socket import ControlSocket
+from playback.lateness import Lateness
+from playback.player import Clocks, Player
+from protocol.message import HEALTH, PLAY
+from protocol.publisher import Publisher
+
+HEARTBEAT_S = 1.0
+
+
+class Server:
+    """Publishes what a player has due, and `limb/health` once a second.
+
+    Parameters
+    ----------
+    context : zmq.Context
+    player : Player
+    clocks : Clocks
+    sleep : callable
+        Waits so many seconds; needed for what is left of a wait below one millisecond.
+    endpoint, control : str
+        Where to bind the PUB and the ROUTER socket.
+
+    Raises
+    ------
+    DeviceError
+        If an endpoint is taken or cannot be bound.
+    ConfigError
+        If an endpoint is not one.
+    """
+
+    def __init__(
+        self,
+        context: "zmq.Context[zmq.Socket[bytes]]",
+        player: Player,
+        clocks: Clocks,
+        sleep: Callable[[float], None],
+        endpoint: str,
+        control: str,
+    ) -> None:
+        self.player = player
+        self._clocks = clocks
+        self._sleep = sleep
+        self._run = str(uuid.uuid4())
+        self._publisher = Publisher(context, endpoint, player.source.arm.name, self._run)
+        try:
+            self._control = ControlSocket(context, control, self.answer)
+        except BaseException:
+            self._publisher.close()
+            raise
+        self._lateness = Lateness()
+        self._start_s = clocks.monotonic()
+        self._heartbeats = 0
+
+    @property
+    def endpoint(self) -> str:
+        """Where frames are published."""
+        return self._publisher.endpoint
+
+    @property
+    def control(self) -> str:
+        """Where requests are taken."""
+        return self._control.endpoint
+
+    def serve(self, once: bool = False) -> None:
+        """Serve for ever, or until a trial has been played to its end."""
+        while not (once and self.player.finished):
+            self.step()
+            self._wait()
+
+    def step(self) -> None:
+        """Send what is due: at most one frame and one heartbeat."""
+        deadline_s = self.player.deadline_s()
+        frame = self.player.take_due()
+        if deadline_s is not None and frame is not None:
+            self._publisher.publish(PLAY, frame)
+            self._lateness.add(self._clocks.monotonic() - deadline_s)
+        uptime_s = self._clocks.monotonic() - self._start_s
+        if uptime_s >= self._heartbeats * HEARTBEAT_S:
+            self._publisher.publish(HEALTH, self._health(uptime_s))
+            self._heartbeats = int(uptime_s / HEARTBEAT_S) + 1  # after a hold-up one is enough
+
+    def state(self) -> dict[str, object]:
+        """Return the player's state, where it is sent to and how late it is."""
+        return {
+            **self.player.state(),
+            "lateness_ms": self._lateness.summary_ms(),
+            "endpoint": self.endpoint,
+            "run": self._run,
+        }
+
+    def answer(self, parts: Sequence[bytes]) -> bytes:
+        """Carry out a request and return the reply; a bad one is refused in one sentence."""
+        try:
+            request = decode_request(parts)
+            more = self._carry_out(request)
+        except LimbcalError as error:
+            return encode_refusal(str(error))
+        return encode_reply(self.state(), **more)
+
+    def _carry_out(self, request: Request) -> dict[str, object]:
+        player = self.player
+        if request.cmd == "play":
+            player.play()
+        elif request.cmd == "stop":
+            player.stop()
+        elif request.cmd == "load":
+            player.load(request.trial)
+        elif request.cmd == "list":
+            durations = sorted(player.source.durations_s.items())
+            return {"trials": [{"trial": trial, "duration_s": length} for trial, length in durations]}
+        return {}
+
+    def _health(self, uptime_s: float) -> dict[str, object]:
+        return {
+            "uptime_s": uptime_s,
+            "last_seq": dict(self._publisher.last_seq),
+            "playing": self.player.playing,
+            "lateness_ms": self._lateness.summary_ms(),
+        }
+
+    def _wait(self) -> None:
+        """Answer a request if one comes before the next deadline, else wait for that deadline."""
+        until_s = self._start_s + self._heartbeats * HEARTBEAT_S
+        if (frame_s := self.player.deadline_s()) is not None:
+            until_s = min(until_s, frame_s)
+        whole_ms = int(max(0.0, until_s - self._clocks.monotonic()) * 1e3)
+        if not self._control.serve(whole_ms):  # ZeroMQ waits whole milliseconds only
+            self._sleep(max(0.0, until_s - self._clocks.monotonic()))
+
+    def close(self) -> None:
+        """Let what was sent last leave, and free both endpoints."""
+        self._control.close()
+        self._publisher.close()
+
+    def __enter__(self) -> "Server":
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self.close()

@@ -1,0 +1,161 @@
+"""Writing recordings: MCAP, zstd, the messages byte for byte (DESIGN section 4).
+
+The file survives its writer. Chunks are closed twice a second and handed to the kernel, so a kill costs half
+a second; once a second the disk itself is made to have them, so a power cut costs little more than one.
+"""
+
+import os
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, suppress
+from pathlib import Path
+from types import TracebackType
+
+from mcap.well_known import SchemaEncoding
+from mcap.writer import CompressionType, Writer
+
+from limbcal.errors import DeviceError, ProtocolError
+from protocol.schemas import schema_json
+
+MESSAGE_ENCODING = "msgpack"
+ARM_ATTACHMENT = "arm.toml"
+CONFIG_ATTACHMENT = "limbd.toml"
+CHUNK_BYTES = 512 * 1024
+FLUSH_PERIOD_S = 0.5
+SYNC_PERIOD_S = 1.0
+
+
+class RecordingWriter:
+    """Writes one recording, with the arm and the config at its beginning.
+
+    Parameters
+    ----------
+    path : Path
+        A file that is not there yet.
+    arm_toml, config_toml : str
+        Attached as ``arm.toml`` and ``limbd.toml``.
+    clock : callable
+        Returns the time [s] by which chunks are flushed, never going back.
+
+    Raises
+    ------
+    DeviceError
+        If the file exists already or cannot be made; from any method: if the disk fails.
+    """
+
+    def __init__(
+        self,
+        path: str | Path,
+        arm_toml: str,
+        config_toml: str,
+        *,
+        clock: Callable[[], float] = time.monotonic,
+    ) -> None:
+        self.path = Path(path)
+        self._clock = clock
+        self._channels: dict[str, int] = {}
+        self._sequences: dict[str, int] = {}
+        self._finished = False
+        with self._disk():
+            self._file = self.path.open("xb")
+        self._writer = Writer(self._file, chunk_size=CHUNK_BYTES, compression=CompressionType.ZSTD)
+        with self._disk():
+            self._writer.start(profile="limbcal")
+            for name, text in ((ARM_ATTACHMENT, arm_toml), (CONFIG_ATTACHMENT, config_toml)):
+                self._writer.add_attachment(0, 0, name, "application/toml", text.encode())
+            self._sync()
+            _sync_directory(self.path.parent)
+        self._flushed_s = self._synced_s = clock()
+
+    @property
+    def size_bytes(self) -> int:
+        """Bytes in the file so far."""
+        return self.path.stat().st_size if self._file.closed else self._file.tell()
+
+    def write(self, topic: str, payload: bytes, t_ns: int) -> None:
+        """Add a message.
+
+        Parameters
+        ----------
+        topic : str
+        payload : bytes
+            The second part of the message, exactly as it was sent.
+        t_ns : int
+            When it was sent [ns], from 0.
+
+        Raises
+        ------
+        ProtocolError
+            If the time is negative.
+        DeviceError
+            If the disk fails.
+        """
+        if not 0 <= t_ns < 1 << 64:
+            raise ProtocolError(f"{topic}: time of the message is {t_ns} ns, expected 0 to 2**64 - 1")
+        with self._disk():
+            channel = self._channels.get(topic)
+            if channel is None:
+                schema = self._writer.register_schema(topic, SchemaEncoding.JSONSchema, schema_json(topic))
+                channel = self._writer.register_channel(topic, MESSAGE_ENCODING, schema)
+                self._channels[topic] = channel
+            sequence = self._sequences.get(topic, 0)
+            self._writer.add_message(channel, t_ns, payload, t_ns, sequence % (1 << 32))
+            self._sequences[topic] = sequence + 1
+        self.poll()
+
+    def poll(self) -> None:
+        """Flush and sync where it is time; call it a few times a second also when no message comes."""
+        now = self._clock()
+        with self._disk():
+            if now - self._synced_s >= SYNC_PERIOD_S:
+                self._sync()
+                self._flushed_s = self._synced_s = now
+            elif now - self._flushed_s >= FLUSH_PERIOD_S:
+                self._writer.flush()  # type: ignore[no-untyped-call]
+                self._flushed_s = now
+
+    def close(self) -> None:
+        """Write the index, make the disk have it all and close the file; harmless when repeated."""
+        if self._finished:
+            return
+        self._finished = True
+        with self._disk():
+            self._writer.finish()  # type: ignore[no-untyped-call]
+            self._file.flush()
+            os.fsync(self._file.fileno())
+            self._file.close()
+
+    def __enter__(self) -> "RecordingWriter":
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self.close()
+
+    def _sync(self) -> None:
+        self._writer.flush()  # type: ignore[no-untyped-call]
+        os.fsync(self._file.fileno())
+
+    @contextmanager
+    def _disk(self) -> Iterator[None]:
+        """Turn a failure of the disk into our own; what was written before stays readable as it is."""
+        try:
+            yield
+        except FileExistsError as error:
+            raise DeviceError(f"recording {self.path} exists already, expected a new file") from error
+        except OSError as error:
+            self._finished = True
+            if hasattr(self, "_file"):
+                with suppress(OSError):  # its buffer cannot be written out either
+                    self._file.close()
+            raise DeviceError(f"recording {self.path} cannot be written: {error.strerror}") from error
+
+
+def _sync_directory(directory: Path) -> None:
+    """Make the disk have the file's name, without which its contents could not be found."""
+    descriptor = os.open(directory, os.O_RDONLY)
+    try:
+        os.fsync(descriptor)
+    finally:
+        os.close(descriptor)

@@ -1,0 +1,187 @@
+"""Reading recordings as a stream, so that one whose writer was killed is read up to where it ends."""
+
+import struct
+from collections.abc import Collection, Generator, Iterator, Sequence
+from pathlib import Path
+from types import TracebackType
+from typing import IO, Any
+
+from mcap.exceptions import McapError
+from mcap.records import Attachment, Channel, Chunk, McapRecord, Message, Statistics
+from mcap.stream_reader import StreamReader, breakup_chunk
+from zstandard import ZstdError
+
+from limbcal.errors import DataError, ProtocolError
+from protocol.message import decode_payload
+from protocol.recording import MESSAGE_ENCODING
+
+MAGIC = b"\x89MCAP0\r\n"
+#: No record or chunk of ours comes near; a length beyond it is damage, not data.
+MAX_RECORD_BYTES = 256 * 1024 * 1024
+
+_DAMAGE = (McapError, ZstdError, struct.error, ValueError, MemoryError)
+
+
+class RecordingReader(Iterator[tuple[str, dict[str, Any], int]]):
+    """Iterates over a recording: topic, fields and time [ns] of each message, in the order written.
+
+    A file that ends too early or is damaged is no error: what can be read is handed out, and ``warnings``
+    says what could not. It is complete once the iteration has ended.
+
+    Parameters
+    ----------
+    path : Path
+    topics : collection of str, optional
+        Only these; the others are not decoded.
+
+    Attributes
+    ----------
+    cut : bool
+        The file ends without its footer, so its writer was killed or the file was cut.
+    warnings : list of str
+        A sentence for each thing that could not be read.
+
+    Raises
+    ------
+    DataError
+        If the file cannot be opened.
+    ProtocolError
+        If it is not an MCAP file; while iterating: if a message is not one, or of another version.
+    """
+
+    def __init__(self, path: str | Path, topics: Collection[str] | None = None) -> None:
+        self.path = Path(path)
+        self.cut = False
+        self.warnings: list[str] = []
+        self._topics = topics
+        _open(self.path).close()
+        self._messages = self._decoded()
+
+    def __next__(self) -> tuple[str, dict[str, Any], int]:
+        return next(self._messages)
+
+    def payloads(self) -> Iterator[tuple[str, bytes, int]]:
+        """Iterate over topic, payload as it was sent and time [ns], from the beginning."""
+        self.cut = False
+        self.warnings.clear()
+        channels: dict[int, Channel] = {}
+        strangers: set[int] = set()
+        n_found, n_written = 0, None
+        for record in self._unpacked():
+            if isinstance(record, Channel):
+                channels[record.id] = record
+            elif isinstance(record, Statistics):
+                n_written = record.message_count
+            elif isinstance(record, Message):
+                n_found += 1
+                if record.channel_id not in channels and record.channel_id not in strangers:
+                    channels |= self._channels_of_footer()
+                channel = channels.get(record.channel_id)
+                if channel is None or channel.message_encoding != MESSAGE_ENCODING:
+                    strangers.add(record.channel_id)
+                elif self._topics is None or channel.topic in self._topics:
+                    yield channel.topic, record.data, record.log_time
+        for channel_id in sorted(strangers):
+            self.warnings.append(f"{self.path}: channel {channel_id} is unknown or not msgpack, passed over")
+        if n_written not in (None, n_found) and not self.warnings:
+            self.warnings.append(f"{self.path}: {n_found} messages found, expected {n_written} by its footer")
+
+    def _channels_of_footer(self) -> dict[int, Channel]:
+        """Return the channels as repeated at the end, for when the chunk that declared them is damaged."""
+        with _open(self.path) as file:
+            return {record.id: record for record in _records(file) if isinstance(record, Channel)}
+
+    def close(self) -> None:
+        """Close the file before the end is reached; harmless otherwise."""
+        self._messages.close()
+
+    def __enter__(self) -> "RecordingReader":
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self.close()
+
+    def _decoded(self) -> Generator[tuple[str, dict[str, Any], int], None, None]:
+        for topic, payload, t_ns in self.payloads():
+            try:
+                fields = decode_payload(topic, payload)
+            except ProtocolError as error:
+                raise ProtocolError(f"{self.path}: {error}") from error
+            yield topic, fields, t_ns
+
+    def _unpacked(self) -> Iterator[McapRecord]:
+        """Yield the records, those inside a chunk in its place."""
+        with _open(self.path) as file:
+            good = 0
+            for record in _records(file):
+                if record is None:
+                    self.cut = True
+                    self.warnings.append(
+                        f"{self.path}: the recording is cut after byte {good}, expected a footer; "
+                        "everything before is read"
+                    )
+                elif isinstance(record, Chunk):
+                    yield from self._opened(record, good)
+                else:
+                    yield record
+                good = file.tell()
+
+    def _opened(self, chunk: Chunk, place: int) -> Sequence[McapRecord]:
+        try:
+            if chunk.uncompressed_size > MAX_RECORD_BYTES:
+                raise ValueError(f"it would grow to {chunk.uncompressed_size} bytes")
+            return breakup_chunk(chunk, validate_crc=True)
+        except _DAMAGE as error:
+            self.warnings.append(f"{self.path}: the chunk at byte {place} is damaged and passed over: {error}")
+            return ()
+
+
+def read_recording(path: str | Path, topics: Collection[str] | None = None) -> RecordingReader:
+    """Return the messages of a recording, to be iterated over; see `RecordingReader`."""
+    return RecordingReader(path, topics)
+
+
+def recording_attachments(path: str | Path) -> dict[str, bytes]:
+    """Return the attachments that stand at the beginning of a recording, ``arm.toml`` and ``limbd.toml``.
+
+    Raises
+    ------
+    DataError
+        If the file cannot be opened.
+    ProtocolError
+        If it is not an MCAP file.
+    """
+    attachments: dict[str, bytes] = {}
+    with _open(Path(path)) as file:
+        for record in _records(file):
+            if isinstance(record, Attachment):
+                attachments[record.name] = record.data
+            elif isinstance(record, Chunk) or record is None:
+                break
+    return attachments
+
+
+def _records(file: IO[bytes]) -> Iterator[McapRecord | None]:
+    """Yield the records as they stand in the file, and None where no more can be read before its footer.
+
+    The library's reader stops with one of several exceptions at a cut, depending on what it was reading.
+    """
+    try:
+        yield from StreamReader(file, emit_chunks=True, record_size_limit=MAX_RECORD_BYTES).records
+    except _DAMAGE:
+        yield None
+
+
+def _open(path: Path) -> IO[bytes]:
+    """Open a file that begins as an MCAP file does, or as one does that was cut there."""
+    try:
+        file = path.open("rb")
+        magic = file.peek(len(MAGIC))[: len(MAGIC)]
+    except OSError as error:
+        raise DataError(f"recording {path} cannot be read: {error.strerror}") from error
+    if not MAGIC.startswith(magic):
+        file.close()
+        raise ProtocolError(f"{path} begins with {magic!r}, expected an MCAP recording")
+    return file

@@ -1,0 +1,111 @@
+"""The receiving end: a SUB socket that knows what it missed."""
+
+from collections.abc import Iterable
+from types import TracebackType
+from typing import Any
+
+import zmq
+
+from limbcal.errors import ConfigError
+from protocol.message import HEALTH, MAX_PAYLOAD_BYTES, decode
+
+#: Messages kept while the reader is busy; what comes after is lost, and counted.
+RECEIVE_QUEUE = 10_000
+
+
+class Subscriber:
+    """Receives messages of some topics and counts those that never came.
+
+    A message lost in between shows as a jump of its topic's sequence number. Messages lost at the end of a
+    stall leave no jump, so ``last_seq`` of the heartbeat `HEALTH` is used too, where that is subscribed to. A
+    publisher that starts anew (another ``run``) is not a loss.
+
+    Parameters
+    ----------
+    context : zmq.Context
+    endpoint : str
+        Where to connect; the publisher may come up later.
+    topics : iterable of str
+        Topics or beginnings of topics; ``""`` is all.
+
+    Attributes
+    ----------
+    missed : dict of str to int
+        Messages lost, by topic.
+    restarts : int
+        How often the publisher turned out to be another run.
+    run : str or None
+        The publisher's run, once heard of.
+
+    Raises
+    ------
+    ConfigError
+        If the endpoint is not one.
+    """
+
+    def __init__(
+        self, context: "zmq.Context[zmq.Socket[bytes]]", endpoint: str, topics: Iterable[str]
+    ) -> None:
+        self.missed: dict[str, int] = {}
+        self.restarts = 0
+        self.run: str | None = None
+        self._last_seq: dict[str, int] = {}
+        self._socket = context.socket(zmq.SUB)
+        self._socket.set(zmq.LINGER, 0)
+        self._socket.set(zmq.RCVHWM, RECEIVE_QUEUE)
+        self._socket.set(zmq.MAXMSGSIZE, 2 * MAX_PAYLOAD_BYTES)  # nothing of ours comes near
+        for topic in topics:
+            self._socket.setsockopt_string(zmq.SUBSCRIBE, topic)
+        try:
+            self._socket.connect(endpoint)
+        except zmq.ZMQError as error:
+            self._socket.close()
+            raise ConfigError(f"endpoint is {endpoint!r}, expected such as tcp://127.0.0.1:5770") from error
+
+    def receive(self, timeout_ms: int) -> tuple[str, dict[str, Any]] | None:
+        """Return topic and fields of the next message, or None if none came in time.
+
+        Raises
+        ------
+        ProtocolError
+            If the message is not one, or of another version; it is used up, and the next can be received.
+        """
+        if not self._socket.poll(timeout_ms):
+            return None
+        topic, fields = decode(self._socket.recv_multipart())
+        self._account(topic, fields)
+        return topic, fields
+
+    def close(self) -> None:
+        """Close the socket; harmless when repeated."""
+        self._socket.close()
+
+    def __enter__(self) -> "Subscriber":
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self.close()
+
+    def _account(self, topic: str, fields: dict[str, Any]) -> None:
+        run, seq = fields.get("run"), fields.get("seq")
+        if isinstance(run, str) and run != self.run:
+            self.restarts += self.run is not None
+            self.run = run
+            self._last_seq.clear()
+        if isinstance(seq, int):
+            self._reached(topic, seq - 1)  # all before this one must have come
+            self._last_seq[topic] = seq
+        told = fields.get("last_seq")
+        if topic == HEALTH and isinstance(told, dict):
+            for other, last in told.items():
+                if isinstance(last, int):
+                    self._reached(other, last)
+
+    def _reached(self, topic: str, seq: int) -> None:
+        """Count what is missing up to a number; the first message of a topic is where counting begins."""
+        before = self._last_seq.get(topic)
+        if before is not None and seq > before:
+            self.missed[topic] = self.missed.get(topic, 0) + seq - before
+            self._last_seq[topic] = seq

@@ -1,0 +1,49 @@
+"""Joint-motion files as something to play."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from arm.model import Arm
+from limbcal.errors import ConfigError, DataError
+from playback.file_source import file_source
+from playback.source import Source
+
+
+def test_a_file_plays_what_it_holds(motion_file: Path, source: Source, arm: Arm) -> None:
+    found = file_source(motion_file, arm)
+    assert found.trials == source.trials
+    assert found.name == "waves.npz"
+    for trial in source.trials:
+        known, motion = source.load(trial), found.load(trial)
+        assert found.durations_s[trial] == source.durations_s[trial]
+        for name in ("t", "q", "dq", "ddq"):
+            np.testing.assert_array_equal(getattr(motion, name), getattr(known, name))
+
+
+def test_missing_derivatives_are_taken_without_a_shift_in_time(tmp_path: Path, arm: Arm) -> None:
+    t = np.linspace(0.0, 1.0, 201)
+    path = tmp_path / "parabola.npz"
+    np.savez(path, t=t + 3.0, q1=t**2, q2=-(t**2))
+    motion = file_source(path, arm).load()
+    np.testing.assert_allclose(motion.dq, np.column_stack([2 * t, -2 * t]), atol=1e-12)
+    np.testing.assert_allclose(motion.ddq, np.tile([2.0, -2.0], (201, 1)), atol=1e-9)
+
+
+def test_two_rows_are_a_motion(tmp_path: Path, arm: Arm) -> None:
+    path = tmp_path / "two.csv"
+    path.write_text("t,q1,q2\n0,0,0\n0.5,1,2\n", encoding="utf-8")
+    np.testing.assert_array_equal(file_source(path, arm).load().dq, [[2.0, 4.0], [2.0, 4.0]])
+
+
+def test_what_does_not_fit_is_refused(tmp_path: Path, arm: Arm, motion_file: Path) -> None:
+    path = tmp_path / "one.csv"
+    path.write_text("t,q1\n0,0\n0.5,1\n", encoding="utf-8")
+    with pytest.raises(ConfigError, match="it moves 1 joint.*'dd-arm' has 2"):
+        file_source(path, arm)
+    path.write_text("t,q1\n0,0\n0,1\n", encoding="utf-8")
+    with pytest.raises(DataError, match="expected rising time"):
+        file_source(path, arm)
+    with pytest.raises(ConfigError, match="waves.npz: there is no trial 4, expected one of 1, 2, 3"):
+        file_source(motion_file, arm).load(4)

@@ -1,0 +1,176 @@
+"""Recordings of the daemon as something to play."""
+
+import uuid
+from collections.abc import Mapping
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from arm.arm_file import format_arm, load_arm
+from arm.model import Arm
+from limbcal.errors import ConfigError, DataError, ProtocolError
+from playback.recording_source import recording_source
+from playback.trajectory import Trajectory
+from protocol.message import FRAMES, RAW, TRIAL, encode
+from protocol.recording import RecordingWriter
+
+START_NS = 1_700_000_000_000_000_000
+DT_S = 1e-3
+BLOCK = 10
+
+
+def motion(k: np.ndarray) -> np.ndarray:
+    return np.column_stack([np.sin(0.01 * k), np.cos(0.02 * k)])
+
+
+class Recorder:
+    """Records a made-up motion as the daemon would."""
+
+    def __init__(self, path: Path, arm: Arm) -> None:
+        self.writer = RecordingWriter(path, format_arm(arm), "")
+        self.common = {"arm": arm.name, "run": str(uuid.uuid4())}
+
+    def write(self, topic: str, t_ns: int, fields: Mapping[str, object]) -> None:
+        self.writer.write(topic, encode(topic, {**self.common, "seq": 0, **fields})[1], t_ns)
+
+    def block(self, frame0: int, n: int = BLOCK, *, gap: bool = False, **other: object) -> None:
+        q = motion(np.arange(frame0, frame0 + n))
+        t0_ns = START_NS + frame0 * 1_000_000
+        fields = {"frame0": frame0, "t0_ns": t0_ns, "dt_s": DT_S, "n": n, "method": "integrate", "gap": gap}
+        fields |= {"q": q, "dq": 2 * q, "ddq": 3 * q, "tip": np.zeros((n, 3)), "points": np.zeros((n, 4, 3))}
+        self.write(FRAMES, t0_ns, fields | other)
+
+    def mark(self, state: str, trial: int, frame: int) -> None:
+        t_ns = START_NS + frame * 1_000_000
+        self.write(TRIAL, t_ns, {"trial": trial, "t_ns": t_ns, "state": state, "role": "learn"})
+
+
+@pytest.fixture
+def path(tmp_path: Path) -> Path:
+    return tmp_path / "run.mcap"
+
+
+def check(found: Trajectory, first: int, last: int) -> None:
+    k = np.arange(first, last + 1)
+    np.testing.assert_allclose(found.t, (k - first) * DT_S, atol=1e-12)
+    for name, factor in {"q": 1, "dq": 2, "ddq": 3}.items():
+        np.testing.assert_array_equal(getattr(found, name), factor * motion(k))
+    assert found.method == "integrate"
+
+
+def test_each_marked_motion_is_a_trial(path: Path, arm: Arm) -> None:
+    recorder = Recorder(path, arm)
+    for frame0 in range(1000, 2000, BLOCK):
+        recorder.block(frame0)
+        recorder.write(RAW, START_NS, {"sample0": 0, "t0_ns": 0, "dt_s": 1.0, "n": 1, "a": np.zeros((1, 12))})
+        if frame0 == 1300:  # a rest is recognised some time after it began
+            recorder.mark("begin", 1, 1105)
+            recorder.mark("end", 1, 1255)
+    recorder.mark("begin", 2, 1500)
+    recorder.mark("end", 2, 1700)
+    recorder.writer.close()
+    said: list[str] = []
+    source = recording_source(path, None, said.append)
+    assert (source.name, source.arm, said) == ("run.mcap", arm, [])
+    assert source.durations_s == pytest.approx({1: 0.150, 2: 0.2})
+    check(source.load(1), 1105, 1255)
+    check(source.load(2), 1500, 1700)
+
+
+def test_lost_frames_are_bridged_and_marked(path: Path, arm: Arm) -> None:
+    recorder = Recorder(path, arm)
+    recorder.block(0)
+    recorder.block(30, gap=True)
+    recorder.block(40, gap=True)
+    recorder.mark("begin", 1, 0)
+    recorder.mark("end", 1, 49)
+    recorder.writer.close()
+    found = recording_source(path, None, pytest.fail).load()
+    np.testing.assert_allclose(np.diff(found.t), [1e-3] * 9 + [21e-3] + [1e-3] * 19)
+    assert found.lost is not None
+    assert np.flatnonzero(found.lost).tolist() == [10, 20]
+
+
+def test_a_recording_without_marks_is_one_trial(path: Path, arm: Arm) -> None:
+    recorder = Recorder(path, arm)
+    for frame0 in range(0, 100, BLOCK):
+        recorder.block(frame0)
+    recorder.writer.close()
+    said: list[str] = []
+    source = recording_source(path, None, said.append)
+    check(source.load(1), 0, 99)
+    assert len(said) == 1
+    assert "no motion is marked" in said[0]
+
+
+def test_a_recording_cut_by_a_kill_is_played_as_far_as_it_goes(path: Path, arm: Arm) -> None:
+    recorder = Recorder(path, arm)
+    recorder.mark("begin", 1, 20)
+    for frame0 in range(0, 200, BLOCK):
+        recorder.block(frame0)
+        recorder.writer._writer.flush()  # a chunk a block
+        if frame0 == 100:
+            reached = recorder.writer.size_bytes
+    recorder.writer.close()
+    path.write_bytes(path.read_bytes()[: reached + 50])
+    said: list[str] = []
+    check(recording_source(path, None, said.append).load(1), 20, 109)
+    assert any("cut" in sentence for sentence in said)
+
+
+def test_a_trial_without_frames_is_left_out_and_said(path: Path, arm: Arm) -> None:
+    recorder = Recorder(path, arm)
+    recorder.block(0)
+    recorder.mark("begin", 1, 0)
+    recorder.mark("end", 1, 9)
+    recorder.mark("begin", 2, 500)
+    recorder.writer.close()
+    said: list[str] = []
+    assert recording_source(path, None, said.append).trials == (1,)
+    assert "trial 2 is left out" in said[0]
+
+
+def test_another_arm_can_be_put_in_place_of_the_recorded_one(path: Path, arm: Arm) -> None:
+    recorder = Recorder(path, arm)
+    recorder.block(0)
+    recorder.writer.close()
+    vertical = load_arm("dd-arm-vertical")
+    assert recording_source(path, vertical, lambda _: None).arm == vertical
+
+
+@pytest.mark.parametrize(
+    ("write", "error", "said"),
+    [
+        (lambda r: None, DataError, "holds no limb/frames"),
+        (lambda r: r.block(0, q=np.zeros((10, 3))), ProtocolError, "no usable field q, dq, ddq"),
+        (lambda r: r.write(FRAMES, 0, {"q": np.zeros((1, 2))}), ProtocolError, "no usable field 'dt_s'"),
+        (lambda r: [r.block(0), r.block(10, dt_s=0.1)], ProtocolError, "every 0.001 s are followed by .* 0.1 s"),
+        (lambda r: [r.block(0), r.mark("begin", 1, 0), r.mark("begin", 1, 5)], DataError, "begins twice"),
+        (lambda r: [r.block(0), r.mark("begin", 1, 100)], DataError, "frames of no trial"),
+        (lambda r: [r.block(0), r.block(0)], DataError, "trial 1: t goes from 0.009 to 0 s"),
+        (
+            lambda r: [r.block(k, **dict.fromkeys(("q", "dq", "ddq"), np.zeros((10, 3)))) for k in (0, 10)],
+            ConfigError,
+            "moves 3 joint",
+        ),
+    ],
+)
+def test_a_recording_that_cannot_be_played_is_refused_in_one_sentence(
+    path: Path, arm: Arm, write, error: type[Exception], said: str
+) -> None:
+    recorder = Recorder(path, arm)
+    write(recorder)
+    recorder.writer.close()
+    with pytest.raises(error, match=said) as caught:
+        recording_source(path, None, lambda _: None)
+    assert str(path) in str(caught.value)
+    assert "\n" not in str(caught.value)
+
+
+def test_what_is_no_recording_is_refused(path: Path) -> None:
+    with pytest.raises(DataError, match="cannot be read"):
+        recording_source(path, None, pytest.fail)
+    path.write_bytes(b"t,q1\n0,0\n")
+    with pytest.raises(ProtocolError, match="expected an MCAP"):
+        recording_source(path, None, pytest.fail)

@@ -1,0 +1,249 @@
+"""The server on real sockets, in a process of its own and by a clock that the test moves."""
+
+import itertools
+import json
+import signal
+from collections.abc import Iterator
+from typing import Any
+
+import msgpack
+import numpy as np
+import pytest
+import zmq
+
+from limbcal.errors import DeviceError
+from playback.player import Player
+from playback.server import Server
+from protocol.message import HEALTH, PLAY
+from protocol.subscriber import Subscriber
+
+PATIENCE_MS = 30_000  # never reached where all is well
+
+
+def receive(subscriber: Subscriber, topic: str) -> dict[str, Any]:
+    """Return the next message of a topic."""
+    while (message := subscriber.receive(PATIENCE_MS)) is not None:
+        if message[0] == topic:
+            return message[1]
+    pytest.fail(f"no {topic} came")
+
+
+@pytest.fixture
+def server(context, source, fake_time) -> Iterator[Server]:
+    player = Player(source, 100.0, fake_time.clocks)
+    free = "tcp://127.0.0.1:*"
+    with Server(context, player, fake_time.clocks, fake_time.sleep, free, free) as server:
+        yield server
+
+
+@pytest.fixture
+def subscriber(context, server: Server, fake_time) -> Iterator[Subscriber]:
+    """A subscriber that the server's messages already reach."""
+    with Subscriber(context, server.endpoint, [PLAY, HEALTH]) as subscriber:
+        while subscriber.receive(20) is None:
+            fake_time.now_s += 1.0
+            server.step()
+        while subscriber.receive(20) is not None:
+            pass
+        yield subscriber
+
+
+def test_each_frame_leaves_on_its_deadline(server: Server, subscriber: Subscriber, fake_time) -> None:
+    server.player.play()
+    frames = []
+    while server.player.playing:
+        fake_time.now_s = server.player.deadline_s() + 2e-4
+        server.step()
+        frames.append(receive(subscriber, PLAY))
+    assert np.diff([frame["t0_ns"] for frame in frames]).tolist() == [10_000_000] * 50
+    assert [frame["seq"] for frame in frames] == list(range(51))
+    motion = server.player.source.load()
+    q = np.concatenate([frame["q"] for frame in frames])
+    np.testing.assert_array_equal(q, motion.at(np.arange(51) / 100.0)[0])
+    late = server.state()["lateness_ms"]
+    assert late == pytest.approx({"p50": 0.2, "p99": 0.2, "max": 0.2}, abs=1e-6)
+
+
+def test_a_hold_up_delays_no_later_frame_and_loses_none(server: Server, subscriber: Subscriber, fake_time) -> None:
+    server.player.play()
+    start_s = fake_time.now_s
+    fake_time.now_s += 0.105
+    frames = []
+    while server.player.playing:
+        server.step()
+        frames.append(receive(subscriber, PLAY))
+        if fake_time.now_s < server.player.deadline_s() if server.player.playing else False:
+            fake_time.now_s = server.player.deadline_s()
+    assert fake_time.now_s == pytest.approx(start_s + 0.5)
+    assert np.diff([frame["t0_ns"] for frame in frames]).tolist() == [10_000_000] * 50
+    assert server.state()["lateness_ms"]["max"] == pytest.approx(105.0)
+
+
+def test_the_heartbeat_comes_once_a_second_and_says_what_was_sent(
+    server: Server, subscriber: Subscriber, fake_time
+) -> None:
+    server.player.play()
+    for _ in range(600):
+        fake_time.now_s += 0.005
+        server.step()
+    fake_time.now_s += 7.0  # held up: one heartbeat makes up for all that were missed
+    server.step()
+    server.step()
+    fake_time.now_s += 1.0
+    server.step()
+    health = []
+    while (message := subscriber.receive(200)) is not None:
+        if message[0] == HEALTH:
+            health.append(message[1])
+    assert len(health) == 5
+    assert [round(beat["uptime_s"] - health[0]["uptime_s"], 6) for beat in health[1:]] == [1.0, 2.0, 9.0, 10.0]
+    assert health[0].keys() >= {"uptime_s", "last_seq", "playing", "lateness_ms", "arm", "run", "seq", "v"}
+    assert health[-1]["last_seq"] == {PLAY: 50, HEALTH: health[-1]["seq"] - 1}
+    assert not subscriber.missed
+
+
+def test_between_deadlines_it_waits_neither_less_nor_more(server: Server, fake_time) -> None:
+    start_s = fake_time.now_s
+    server.player.play()
+    server.serve(once=True)
+    assert fake_time.now_s == pytest.approx(start_s + 0.5)
+    assert len(fake_time.slept) == 50
+
+
+def test_a_taken_endpoint_is_said_and_nothing_stays_bound(context, source, fake_time, server: Server) -> None:
+    player = Player(source, 100.0, fake_time.clocks)
+    arguments = (context, player, fake_time.clocks, fake_time.sleep)
+    with pytest.raises(DeviceError, match=f"{server.control} is already taken"):
+        Server(*arguments, "tcp://127.0.0.1:*", server.control)
+    with pytest.raises(DeviceError, match=f"{server.endpoint} is already taken"):
+        Server(*arguments, server.endpoint, "tcp://127.0.0.1:*")
+
+
+@pytest.fixture(scope="module")
+def playback(start, motion_file) -> Iterator[Any]:
+    with start(motion_file) as running:
+        yield running
+
+
+def test_a_trial_is_played_in_real_time_from_request_to_end(playback, source) -> None:
+    with Subscriber(playback.context, playback.endpoint, [PLAY, HEALTH]) as subscriber:
+        receive(subscriber, HEALTH)
+        assert playback.ask("load", 2)["state"]["playing"] is False
+        assert playback.ask("play")["state"]["playing"] is True
+        frames = [receive(subscriber, PLAY) for _ in range(101)]
+    assert np.diff([frame["t0_ns"] for frame in frames]).tolist() == [10_000_000] * 100
+    assert [frame["frame0"] for frame in frames] == list(range(101))
+    assert not subscriber.missed
+    q = np.concatenate([frame["q"] for frame in frames])
+    np.testing.assert_array_equal(q, source.load(2).at(np.arange(101) / 100.0)[0])
+    state = playback.ask("state")["state"]
+    assert (state["playing"], state["trial"], state["position_s"], state["duration_s"]) == (False, 2, 1.0, 1.0)
+    assert (state["rate_hz"], state["speed"], state["source"], state["trials"]) == (
+        100.0,
+        1.0,
+        "waves.npz",
+        [1, 2, 3],
+    )
+    assert 0.0 <= state["lateness_ms"]["p50"] <= state["lateness_ms"]["p99"] <= state["lateness_ms"]["max"]
+
+
+def test_stop_ends_it_at_once_and_goes_back_to_the_beginning(playback) -> None:
+    playback.ask("load", 3)
+    with Subscriber(playback.context, playback.endpoint, [PLAY, HEALTH]) as subscriber:
+        receive(subscriber, HEALTH)
+        playback.ask("play")
+        receive(subscriber, PLAY)
+        state = playback.ask("stop")["state"]
+        assert (state["playing"], state["position_s"], state["trial"]) == (False, 0.0, 3)
+        topics = []
+        while topics.count(HEALTH) < 2:  # whatever was on its way comes before the second heartbeat
+            topics.append(subscriber.receive(PATIENCE_MS)[0])
+    assert topics.count(PLAY) < 150
+    assert playback.ask("state")["state"]["finished"] <= 1
+
+
+def test_the_trials_are_listed_with_their_lengths(playback) -> None:
+    reply = playback.ask("list")
+    assert reply["trials"] == [{"trial": n, "duration_s": 0.5 * n} for n in (1, 2, 3)]
+    assert reply["ok"] is True
+
+
+BAD = [
+    (b"", "not msgpack"),
+    (b"play", "not msgpack"),
+    (b"\xc1", "not msgpack"),
+    (b"\x91" * 50_000, "not msgpack"),
+    (msgpack.packb("play"), "expected a map"),
+    (msgpack.packb({"v": 2, "cmd": "play"}), "version is 2"),
+    (msgpack.packb({"v": 1, "cmd": "seek"}), "cmd is 'seek'"),
+    (msgpack.packb({"v": 1, "cmd": "load", "trial": 99}), "there is no trial 99, expected one of 1, 2, 3"),
+    (msgpack.packb({"v": 1, "cmd": "load", "trial": 2**60}), "there is no trial"),
+    (msgpack.packb({"v": 1, "cmd": "play", "x": bytes(20_000_000)}), "expected at most 65536"),
+]
+
+
+@pytest.mark.parametrize(("payload", "said"), BAD, ids=itertools.count().__next__ and None)
+@pytest.mark.parametrize("kind", [zmq.REQ, zmq.DEALER], ids=["REQ", "DEALER"])
+def test_a_bad_request_is_refused_and_survived(playback, kind: int, payload: bytes, said: str) -> None:
+    with playback.context.socket(kind) as socket:
+        socket.linger = 0
+        socket.connect(playback.control)
+        before = playback.ask("state")["state"]
+        socket.send(payload)
+        assert socket.poll(PATIENCE_MS)
+        parts = socket.recv_multipart()
+    assert len(parts) == 1
+    reply = msgpack.unpackb(parts[0])
+    assert (reply["v"], reply["ok"]) == (1, False)
+    assert said in reply["error"]
+    assert playback.ask("state")["state"] == before
+
+
+def test_a_dealer_may_send_the_empty_part_that_req_sends(playback) -> None:
+    request = msgpack.packb({"v": 1, "cmd": "state"})
+    with playback.context.socket(zmq.DEALER) as socket:
+        socket.linger = 0
+        socket.connect(playback.control)
+        for sent, shape in [([b"", request], 2), ([request], 1), ([b"a", request], 1), ([b"", b"", b""], 2)]:
+            socket.send_multipart(sent)
+            assert socket.poll(PATIENCE_MS)
+            parts = socket.recv_multipart()
+            assert len(parts) == shape
+            assert msgpack.unpackb(parts[-1])["ok"] is (request == sent[-1] and sent[0] != b"a")
+
+
+def test_requests_in_a_flood_stop_no_frame(playback) -> None:
+    playback.ask("load", 1)
+    request = msgpack.packb({"v": 1, "cmd": "state"})
+    with (
+        Subscriber(playback.context, playback.endpoint, [PLAY, HEALTH]) as subscriber,
+        playback.context.socket(zmq.DEALER) as socket,
+    ):
+        receive(subscriber, HEALTH)
+        socket.linger = 0
+        socket.sndhwm = 0
+        socket.rcvhwm = 0
+        socket.connect(playback.control)
+        playback.ask("play")
+        for _ in range(3000):
+            socket.send(request)
+        frames = [receive(subscriber, PLAY) for _ in range(51)]
+        for _ in range(3000):
+            assert socket.poll(PATIENCE_MS)
+            socket.recv()
+    assert [frame["frame0"] for frame in frames] == list(range(51))
+
+
+@pytest.mark.parametrize("signum", [signal.SIGTERM, signal.SIGINT])
+def test_a_signal_ends_it_cleanly_in_the_middle_of_playing(start, motion_file, signum: int) -> None:
+    with start(motion_file, "--json", "--trial", 3, "--play") as running:
+        with Subscriber(running.context, running.endpoint, [PLAY, HEALTH]) as subscriber:
+            receive(subscriber, HEALTH)
+        running.process.send_signal(signum)
+        answer, words = running.process.communicate()
+        assert running.process.returncode == 0
+        assert json.loads(answer)["trial"] == 3
+        assert "stopped" in words
+        assert "Traceback" not in words
+        with running.context.socket(zmq.REP) as socket:
+            socket.bind(running.control)  # free again

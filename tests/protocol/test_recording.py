@@ -1,0 +1,188 @@
+"""Recordings as they are written, by writers that are killed and on disks that are full."""
+
+import os
+import resource
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+from mcap.reader import make_reader
+
+from limbcal.errors import DeviceError, ProtocolError
+from protocol.message import FRAMES, HEALTH, PLOT, RAW, encode
+from protocol.recording import RecordingWriter
+from protocol.recording_reader import read_recording, recording_attachments
+from protocol.schemas import schema_json
+
+PERIOD_S = 0.01
+#: Messages of one second at the usual block length.
+SECOND = round(1.0 / PERIOD_S)
+
+WRITE_UNTIL_KILLED = """
+import sys
+import numpy as np
+from protocol.message import FRAMES, encode
+from protocol.recording import RecordingWriter
+
+k, rng = 0, np.random.default_rng(0)
+writer = RecordingWriter(sys.argv[1], "arm", "config", clock=lambda: k * 0.01)
+while True:
+    writer.write(FRAMES, encode(FRAMES, {"seq": k, "q": rng.normal(size=(10, 2))})[1], k)
+    sys.stdout.write(f"{k}\\n")
+    sys.stdout.flush()
+    k += 1
+"""
+
+
+class Clock:
+    def __init__(self):
+        self.now = 0.0
+
+    def __call__(self):
+        return self.now
+
+
+@pytest.fixture
+def clock():
+    return Clock()
+
+
+@pytest.fixture
+def path(tmp_path):
+    return tmp_path / "run.mcap"
+
+
+def numbers(path):
+    return [fields["seq"] for _, fields, _ in read_recording(path)]
+
+
+def fill(writer, clock, n, begin=0, size=20):
+    rng = np.random.default_rng(begin)
+    for k in range(begin, begin + n):
+        clock.now += PERIOD_S
+        writer.write(FRAMES, encode(FRAMES, {"seq": k, "q": rng.normal(size=(size, 2))})[1], k)
+
+
+def test_another_reader_finds_the_messages_byte_for_byte(path, clock):
+    sent = [
+        (topic, encode(topic, {"rows": [], "x": np.arange(k)})[1], 7 * k)
+        for k, topic in enumerate([RAW, PLOT, RAW, HEALTH, "limb/other"])
+    ]
+    with RecordingWriter(path, "arm", "config", clock=clock) as writer:
+        for topic, payload, t_ns in sent:
+            writer.write(topic, payload, t_ns)
+    with path.open("rb") as file:
+        found = list(make_reader(file, validate_crcs=True).iter_messages())
+    assert [(channel.topic, message.data, message.log_time) for _, channel, message in found] == sent
+    assert [message.sequence for _, _, message in found] == [0, 0, 1, 0, 0]
+    for schema, channel, _ in found:
+        assert channel.message_encoding == "msgpack"
+        assert (schema.name, schema.encoding) == (channel.topic, "jsonschema")
+        assert schema.data == schema_json(channel.topic)
+
+
+def test_arm_and_config_are_attached_at_once(path, clock):
+    writer = RecordingWriter(path, "name = 'ä'", "[device]", clock=clock)
+    expected = {"arm.toml": "name = 'ä'".encode(), "limbd.toml": b"[device]"}
+    assert recording_attachments(path) == expected  # while it is still being written
+    writer.close()
+    assert recording_attachments(path) == expected
+    with path.open("rb") as file:
+        assert {a.name: a.data for a in make_reader(file).iter_attachments()} == expected
+
+
+def test_chunks_are_zstd_and_of_half_a_second(path, clock):
+    with RecordingWriter(path, "", "", clock=clock) as writer:
+        fill(writer, clock, 3 * SECOND)
+    with path.open("rb") as file:
+        chunks = make_reader(file).get_summary().chunk_indexes
+    assert len(chunks) == 6
+    assert {chunk.compression for chunk in chunks} == {"zstd"}
+
+
+@pytest.mark.parametrize("n", [1, 49, 51, 120, 237])
+def test_what_is_older_than_half_a_second_can_be_read_while_it_is_written(path, clock, n):
+    with RecordingWriter(path, "", "", clock=clock) as writer:
+        fill(writer, clock, n)
+        reader = read_recording(path)
+        assert [fields["seq"] for _, fields, _ in reader] == list(range(n // 50 * 50))
+        assert reader.cut
+
+
+def test_polling_flushes_when_no_more_messages_come(path, clock):
+    with RecordingWriter(path, "", "", clock=clock) as writer:
+        fill(writer, clock, 3)
+        assert numbers(path) == []
+        clock.now += 0.5
+        writer.poll()
+        assert numbers(path) == [0, 1, 2]
+
+
+def test_the_disk_is_made_to_have_it_once_a_second(path, clock, monkeypatch):
+    synced, fsync = [], os.fsync
+    monkeypatch.setattr(os, "fsync", lambda descriptor: (fsync(descriptor), synced.append(clock.now)))
+    with RecordingWriter(path, "", "", clock=clock) as writer:
+        assert len(synced) == 2  # the file and its name
+        fill(writer, clock, 5 * SECOND + 10)
+        assert len(synced) == 2 + 5
+        assert np.diff(synced[2:]) == pytest.approx(np.ones(4), abs=PERIOD_S + 1e-9)
+    assert len(synced) == 2 + 5 + 1
+
+
+@pytest.mark.parametrize("n", [3, 130, 1117])
+def test_a_writer_that_is_killed_costs_half_a_second(path, n):
+    writer = subprocess.Popen([sys.executable, "-c", WRITE_UNTIL_KILLED, path], stdout=subprocess.PIPE, text=True)
+    with writer:
+        written = [int(writer.stdout.readline()) for _ in range(n)][-1]
+        writer.kill()  # SIGKILL, wherever it is just now
+        written = max([written, *map(int, writer.stdout.read().split("\n")[:-1])])
+    reader = read_recording(path)
+    found = [fields["seq"] for _, fields, _ in reader]
+    assert found == list(range(len(found)))
+    assert written - 51 <= len(found) <= written + 2
+    assert reader.cut
+    assert recording_attachments(path) == {"arm.toml": b"arm", "limbd.toml": b"config"}
+
+
+def test_a_file_that_is_there_is_not_overwritten(path, clock):
+    path.write_bytes(b"precious")
+    with pytest.raises(DeviceError, match="exists already"):
+        RecordingWriter(path, "", "", clock=clock)
+    assert path.read_bytes() == b"precious"
+
+
+def test_a_folder_that_is_not_there_is_said(tmp_path, clock):
+    with pytest.raises(DeviceError, match="cannot be written: No such file or directory"):
+        RecordingWriter(tmp_path / "none" / "run.mcap", "", "", clock=clock)
+
+
+def test_a_full_disk_is_said_and_what_was_written_stays(path, clock):
+    soft, hard = resource.getrlimit(resource.RLIMIT_FSIZE)
+    writer = RecordingWriter(path, "arm", "config", clock=clock)
+    fill(writer, clock, 100)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (path.stat().st_size + 20_000, hard))
+    try:
+        with pytest.raises(DeviceError, match="run.mcap cannot be written"):
+            fill(writer, clock, 1000, begin=100)
+        writer.close()  # harmless
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, (soft, hard))
+    found = numbers(path)
+    assert found == list(range(len(found)))
+    assert len(found) >= 100
+
+
+def test_a_negative_time_is_refused(path, clock):
+    with RecordingWriter(path, "", "", clock=clock) as writer, pytest.raises(ProtocolError, match="-1 ns"):
+        writer.write(FRAMES, b"\x80", -1)
+
+
+def test_the_size_is_known_and_closing_may_be_repeated(path, clock):
+    writer = RecordingWriter(path, "", "", clock=clock)
+    begun = writer.size_bytes
+    fill(writer, clock, SECOND)
+    assert writer.size_bytes > begun > 0
+    writer.close()
+    writer.close()
+    assert writer.size_bytes == path.stat().st_size

@@ -1,0 +1,43 @@
+"""The schemas name and describe every field of the contract."""
+
+import json
+
+import pytest
+
+from protocol.message import DYNAMICS, FRAMES, HEALTH, KINEMATICS, PLAY, PLOT, RAW, TOPICS, TRIAL
+from protocol.schemas import SCHEMAS, schema_json
+
+MOTION = "frame0 t0_ns dt_s n method q dq ddq tip points gap"
+FIELDS = {
+    FRAMES: MOTION,
+    PLAY: MOTION + " source speed",
+    RAW: "sample0 t0_ns dt_s n a",
+    TRIAL: "trial t_ns state role",
+    HEALTH: "uptime_s last_seq samples lost_samples crc_errors resyncs reconnects saturated flat clock_ppm "
+    "latency_ms connected recording disk_free_bytes",
+    KINEMATICS: "generation frames parameters error",
+    DYNAMICS: "generation samples parameters error",
+}
+
+
+def test_every_topic_has_a_schema():
+    assert set(SCHEMAS) == set(TOPICS)
+
+
+@pytest.mark.parametrize("topic", FIELDS)
+def test_every_field_of_the_contract_is_there(topic):
+    assert set(SCHEMAS[topic]["properties"]) == {"v", "arm", "run", "seq", *FIELDS[topic].split()}
+
+
+@pytest.mark.parametrize("topic", TOPICS)
+def test_every_field_is_described(topic):
+    schema = SCHEMAS[topic]
+    if topic == PLOT:
+        schema = schema["items"]
+    assert all(field["description"] for field in schema["properties"].values())
+    assert set(schema["required"]) <= set(schema["properties"])
+
+
+@pytest.mark.parametrize("topic", [*TOPICS, "limb/other"])
+def test_a_schema_is_json(topic):
+    assert json.loads(schema_json(topic))["$schema"].startswith("https://json-schema.org/")

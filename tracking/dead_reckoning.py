@@ -1,0 +1,158 @@
+"""The paper's section 2.2 as a compiled kernel: moving average of four, Euler twice, two positions an angle.
+
+What the print leaves out: a reading is turned from its sensor's axes into the base frame, by the angles known so
+far, before it is integrated, and gravity is added to the specific force.
+"""
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from arm.chain import Chain, link_step
+from arm.model import Floats
+from limbcal.compiled import compiled
+
+
+class Reckoning(NamedTuple):
+    """State and constants of the dead reckoning.
+
+    Attributes
+    ----------
+    chain : Chain
+    link, position, rotation, pair
+        As in `tracking.layout.Layout`.
+    start : (n_sensor, 3)
+        Where the sensors were when tracking began, by the arm file; used for sliding joints only.
+    baseline : (n_joint, 3)
+        From the first to the second sensor of a pair when tracking began, in the base frame.
+    q : (n_joint,)
+    velocity, moved : (n_sensor, 3)
+        In the base frame.
+    recent : (4, 3 * n_sensor)
+        The last four readings, for the moving average; ``recent[count % 4]`` is overwritten next.
+    offset : (3 * n_sensor,)
+        What the sensors read too much.
+    """
+
+    chain: Chain
+    link: NDArray[np.int64]
+    position: Floats
+    rotation: Floats
+    pair: NDArray[np.int64]
+    start: Floats
+    baseline: Floats
+    q: Floats
+    velocity: Floats
+    moved: Floats
+    recent: Floats
+    offset: Floats
+
+
+@compiled
+def reckon(
+    state: Reckoning,
+    readings: Floats,
+    dt: float,
+    resting: bool,
+    first: int,
+    decimation: int,
+    phase: int,
+    q: Floats,
+    moved: Floats,
+) -> int:
+    """Carry the state through readings (n, 3 * n_sensor); fill in and count the frames that fall due.
+
+    Sample number ``first + k`` makes a frame when it leaves the remainder ``phase`` by ``decimation``. While the
+    arm rests, velocities stay zero and nothing moves, but the moving average goes on.
+    """
+    n_sensor, n_joint = state.link.size, state.q.size
+    R = np.empty((n_joint, 3, 3))
+    mean, a = np.empty(3 * n_sensor), np.empty(3)
+    room_R, room_p = np.empty((3, 3)), np.empty(3)
+    link_rotations(state, R, room_R, room_p)
+    frames = 0
+    for k in range(readings.shape[0]):
+        sample = first + k
+        for c in range(mean.size):
+            state.recent[sample % 4, c] = readings[k, c]
+            total = state.recent[0, c] + state.recent[1, c] + state.recent[2, c] + state.recent[3, c]
+            mean[c] = total / 4.0 - state.offset[c]  # moving average of four
+        if not resting:
+            for s in range(n_sensor):
+                turn = R[state.link[s]]
+                for row in range(3):  # sensor axes -> link axes
+                    a[row] = (
+                        state.rotation[s, row, 0] * mean[3 * s]
+                        + state.rotation[s, row, 1] * mean[3 * s + 1]
+                        + state.rotation[s, row, 2] * mean[3 * s + 2]
+                    )
+                for row in range(3):  # link axes -> base frame, gravity added
+                    acceleration = (
+                        turn[row, 0] * a[0] + turn[row, 1] * a[1] + turn[row, 2] * a[2] + state.chain.gravity[row]
+                    )
+                    state.moved[s, row] += state.velocity[s, row] * dt  # x^(i+1) = x^i + dx^i dt
+                    state.velocity[s, row] += acceleration * dt  # dx^(i+1) = dx^i + ddx^i dt
+            angles(state, R, room_R, room_p)
+        if sample % decimation == phase:
+            q[frames], moved[frames] = state.q, state.moved
+            frames += 1
+    return frames
+
+
+@compiled
+def link_rotations(state: Reckoning, R: Floats, room_R: Floats, room_p: Floats) -> None:
+    """Fill in how every link is turned, R (n_joint, 3, 3), from the angles."""
+    for i in range(state.q.size):
+        alpha, _, d, beta, offset = state.chain.geometry[i]
+        link_step(state.chain.revolute[i], alpha, d, beta, offset, state.q[i], room_R, room_p)
+        if i == 0:
+            R[0] = room_R
+        else:
+            multiply(R[i - 1], room_R, R[i])
+
+
+@compiled
+def angles(state: Reckoning, R: Floats, room_R: Floats, room_p: Floats) -> None:
+    """Find the joint variables from where the sensors have come to, link by link from the base."""
+    geometry = state.chain.geometry
+    before_R, before_p, u = np.eye(3), np.zeros(3), np.empty(3)  # far end of the link before
+    for i in range(state.q.size):
+        alpha, a, d, beta, offset = geometry[i]
+        one, two = state.pair[i]
+        link_step(state.chain.revolute[i], alpha, d, beta, offset, 0.0, room_R, room_p)
+        multiply(before_R, room_R, R[i])  # the link as it would be at q = 0
+        before_p += before_R @ room_p
+        if state.chain.revolute[i]:
+            for row in range(3):
+                u[row] = state.baseline[i, row] + state.moved[two, row] - state.moved[one, row]
+            x = R[i, 0, 0] * u[0] + R[i, 1, 0] * u[1] + R[i, 2, 0] * u[2]
+            y = R[i, 0, 1] * u[0] + R[i, 1, 1] * u[1] + R[i, 2, 1] * u[2]
+            sx = state.position[two, 0] - state.position[one, 0]
+            sy = state.position[two, 1] - state.position[one, 1]
+            angle = math.atan2(y, x) - math.atan2(sy, sx)  # the angle that turns one pair onto the other
+            turn = angle - state.q[i]
+            state.q[i] += turn - 2.0 * math.pi * math.floor(turn / (2.0 * math.pi) + 0.5)  # the nearest turn
+        else:
+            z = 0.0
+            for row in range(3):
+                u[row] = before_p[row]
+                for col in range(3):
+                    u[row] += R[i, row, col] * state.position[one, col]
+                z += R[i, row, 2] * (state.start[one, row] + state.moved[one, row] - u[row])
+            state.q[i] = z
+        link_step(state.chain.revolute[i], alpha, d, beta, offset, state.q[i], room_R, room_p)
+        if not state.chain.revolute[i]:
+            before_p += R[i, :, 2] * state.q[i]
+        multiply(before_R, room_R, R[i])
+        before_R[:] = R[i]
+        before_p += R[i, :, 0] * a
+
+
+@compiled
+def multiply(A: Floats, B: Floats, out: Floats) -> None:
+    """Fill in the product of two 3 x 3 matrices; ``out`` is neither of them."""
+    for row in range(3):
+        for col in range(3):
+            out[row, col] = A[row, 0] * B[0, col] + A[row, 1] * B[1, col] + A[row, 2] * B[2, col]

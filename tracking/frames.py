@@ -1,0 +1,53 @@
+"""What a tracker gives out: joint and tip motion, block by block, and when the arm moved."""
+
+from dataclasses import dataclass
+from typing import Literal
+
+from arm.model import Floats
+
+
+@dataclass(frozen=True)
+class Frames:
+    """Consecutive frames of joint and tip motion.
+
+    Attributes
+    ----------
+    frame0 : int
+        Number of the first frame since tracking began; lost frames are counted.
+    t0_ns : int
+        Time of the first frame.
+    dt_s : float
+        From one frame to the next.
+    q, dq, ddq : (n, n_joint) [rad or m, and derivatives]
+    tip : (n, 3) [m]
+        By eq. (2) from the angles, in the base frame.
+    points : (n, n_sensor, 3) [m]
+        How far each sensor has moved since tracking began, in the base frame: dead reckoning from the
+        accelerations, never computed from the arm's lengths.
+    gap : bool
+        Samples were lost since the frames before.
+    """
+
+    frame0: int
+    t0_ns: int
+    dt_s: float
+    q: Floats
+    dq: Floats
+    ddq: Floats
+    tip: Floats
+    points: Floats
+    gap: bool
+
+    @property
+    def n(self) -> int:
+        """Number of frames."""
+        return len(self.q)
+
+
+@dataclass(frozen=True)
+class Phase:
+    """A motion began or ended. Motions are counted from 1."""
+
+    kind: Literal["begin", "end"]
+    t_ns: int
+    trial: int

@@ -1,0 +1,256 @@
+"""The paper's tracker: dead reckoning from rest to rest.
+
+It drifts, and says nothing of its own uncertainty; it is what the paper describes, and the reference that better
+trackers are measured against.
+"""
+
+from typing import Literal, NamedTuple
+
+import numpy as np
+
+from arm.chain import chain_of
+from arm.kinematics import axis_frames, sensor_positions, tip_position
+from arm.model import Arm, Floats
+from limbcal.errors import ConfigError, DataError
+from tracking.dead_reckoning import Reckoning, reckon
+from tracking.differences import CentralDifferences
+from tracking.frames import Frames, Phase
+from tracking.layout import layout_of
+from tracking.rest import RestDetector
+
+Zero = Literal["each-rest", "first-rest"]
+#: A cell is what is judged at once for rest, and what a block of frames covers.
+_CELL_S = 0.01
+#: By how much an integrated angle may be off, when it is asked whether gravity explains a reading.
+_ANGLE_DRIFT_RAD = np.deg2rad(2.0)
+#: The moving average of four looks back by one and a half samples on the mean.
+_DELAY_SAMPLES = 1.5
+
+
+class Integrator:
+    """Joint motion by the moving average of four, double Euler integration and two positions a link.
+
+    Parameters
+    ----------
+    arm : Arm
+        Its lengths are used for the tip only; the angles come from how the sensors sit on their links.
+    rate_hz : float
+    initial_q_rad : (n_joint,)
+        Where the arm rests when tracking begins.
+    frame_rate_hz : float
+        Rounded to what divides the sampling rate.
+    zero : {"each-rest", "first-rest"}
+        When velocities are set to zero and offsets learnt: at each rest that is recognised, or, as the paper
+        does it, only before the first motion.
+
+    Raises
+    ------
+    ConfigError
+        If the arm's sensors cannot give its angles, or a number makes no sense.
+    """
+
+    method = "integrate"
+
+    def __init__(
+        self,
+        arm: Arm,
+        rate_hz: float,
+        initial_q_rad: Floats,
+        frame_rate_hz: float = 1000.0,
+        zero: Zero = "each-rest",
+    ) -> None:
+        q0 = np.array(initial_q_rad, dtype=float)
+        if q0.shape != (arm.n_joint,):
+            raise ConfigError(f"initial_q_rad has shape {q0.shape}, expected one angle a joint ({arm.n_joint},)")
+        if not 0.0 < frame_rate_hz <= rate_hz:
+            raise ConfigError(f"frame_rate_hz is {frame_rate_hz:g}, expected more than 0 and at most {rate_hz:g}")
+        layout = layout_of(arm)
+        start = sensor_positions(arm, q0)[0]
+        self._arm = arm
+        self._zero = zero
+        self._dt_sample = 1.0 / rate_hz
+        self._decimation = max(1, round(rate_hz / frame_rate_hz))
+        self.dt_s = self._decimation * self._dt_sample
+        self._cell = self._decimation * max(1, round(_CELL_S / self.dt_s))
+        self._n_channel = 3 * len(arm.sensors)
+        self._state = Reckoning(
+            chain_of(arm),
+            layout.link,
+            layout.position,
+            layout.rotation,
+            layout.pair,
+            start,
+            start[layout.pair[:, 1]] - start[layout.pair[:, 0]],
+            q0,
+            np.zeros_like(start),
+            np.zeros_like(start),
+            np.zeros((4, self._n_channel)),
+            np.zeros(self._n_channel),
+        )
+        self._rest = RestDetector(self._contrasts(), self._gravity_slack())
+        self._pending = np.empty((0, self._n_channel))
+        self._pending_t0_ns = 0
+        self._sample = 0
+        self._trial = 0
+        self._primed = False
+        self._lost = False
+        self._phase = self._decimation // 2
+        self._differences = CentralDifferences(self.dt_s, arm.n_joint)
+        self._waiting = _Waiting(0, 0, np.empty((0, arm.n_joint)), np.empty((0, *start.shape)))
+
+    def push(self, t0_ns: int, accelerations: Floats) -> tuple[list[Frames], list[Phase]]:
+        """Take in readings and give out the frames and phases that they complete.
+
+        Parameters
+        ----------
+        t0_ns : int
+            Time of the first reading.
+        accelerations : (n, 3 * n_sensor) [m/s^2]
+            Specific force in each sensor's own axes, columns s1x s1y s1z s2x ...
+
+        Returns
+        -------
+        frames : list of Frames
+        phases : list of Phase
+
+        Raises
+        ------
+        DataError
+            If the number of columns is not three a sensor.
+        """
+        if accelerations.ndim != 2 or accelerations.shape[1] != self._n_channel:
+            raise DataError(f"accelerations have shape {accelerations.shape}, expected (n, {self._n_channel})")
+        if not len(self._pending):
+            self._pending_t0_ns = t0_ns
+        self._pending = np.vstack([self._pending, accelerations])
+        frames: list[Frames] = []
+        phases: list[Phase] = []
+        while len(self._pending) >= (size := self._cell - self._sample % self._cell):
+            self._advance(size, frames, phases)
+        return frames, phases
+
+    def gap(self, n_samples: int) -> tuple[list[Frames], list[Phase]]:
+        """Bridge samples that were lost: every sensor goes on as fast as it went.
+
+        Returns what the samples before the gap still complete.
+        """
+        completed = self.flush()
+        self._sample += n_samples
+        self._state.moved[:] += self._state.velocity * (n_samples * self._dt_sample)
+        self._rest.forget()
+        self._primed = False
+        self._lost = True
+        return completed
+
+    def flush(self) -> tuple[list[Frames], list[Phase]]:
+        """Give out what waits for more samples, at the end of a recording."""
+        frames: list[Frames] = []
+        phases: list[Phase] = []
+        if len(self._pending):
+            self._advance(len(self._pending), frames, phases)
+        self._emit(np.empty((0, self._arm.n_joint)), self._waiting.moved[:0], *self._differences.flush(), frames)
+        return frames, phases
+
+    def _advance(self, size: int, frames: list[Frames], phases: list[Phase]) -> None:
+        """Carry the state through the next ``size`` pending samples: a cell, or a part of one."""
+        cell, self._pending = self._pending[:size], self._pending[size:]
+        t0_ns, self._pending_t0_ns = self._pending_t0_ns, self._pending_t0_ns + self._ns(size)
+        state = self._state
+        if not self._primed:  # the moving average begins as if the first reading had stood there before
+            state.recent[:] = cell[0]
+            self._primed = True
+        resting = was_resting = self._rest.resting
+        if size == self._cell:
+            resting = self._rest.judge(cell, self._gravity_readings(state.q), self._zero == "first-rest")
+            state.offset[:] = self._rest.offset
+        if resting != was_resting:
+            self._trial += not resting
+            phases.append(Phase("end" if resting else "begin", t0_ns, self._trial))
+        hold = resting and (self._zero == "each-rest" or self._trial == 0)
+        if hold:
+            self._settle()
+        q = np.empty((size // self._decimation + 1, len(state.q)))
+        moved = np.empty((len(q), *state.moved.shape))
+        n = reckon(state, cell, self._dt_sample, hold, self._sample, self._decimation, self._phase, q, moved)
+        if n:
+            due = (self._phase - self._sample) % self._decimation  # the cell's first sample that makes a frame
+            waited = len(self._waiting.q)
+            dq, ddq = self._differences.push(q[:n], hold)
+            if not waited:
+                self._waiting = self._waiting._replace(
+                    number=(self._sample + due) // self._decimation,
+                    t_ns=t0_ns + self._ns(due - _DELAY_SAMPLES),
+                )
+            self._emit(q[:n], moved[:n], dq, ddq, frames)
+        self._sample += size
+
+    def _emit(self, q: Floats, moved: Floats, dq: Floats, ddq: Floats, frames: list[Frames]) -> None:
+        """Give out the frames whose derivatives are there; the last angle waits for the next one."""
+        waiting, n = self._waiting, len(dq)
+        q, moved = np.vstack([waiting.q, q]), np.concatenate([waiting.moved, moved])
+        if n:
+            frames.append(
+                Frames(
+                    waiting.number,
+                    waiting.t_ns,
+                    self.dt_s,
+                    q[:n],
+                    dq,
+                    ddq,
+                    tip_position(self._arm, q[:n]),
+                    moved[:n],
+                    self._lost,
+                )
+            )
+            self._lost = False
+        self._waiting = _Waiting(
+            waiting.number + n, waiting.t_ns + self._ns(n * self._decimation), q[n:], moved[n:]
+        )
+
+    def _settle(self) -> None:
+        """Take out what integration has done to a resting arm: its speed, and the length between two sensors."""
+        state = self._state
+        state.velocity[:] = 0.0
+        now = sensor_positions(self._arm, state.q)[0]
+        one, two = state.pair[:, 0], state.pair[:, 1]
+        state.baseline[:] = now[two] - now[one] - (state.moved[two] - state.moved[one])
+
+    def _ns(self, samples: float) -> int:
+        return round(samples * self._dt_sample * 1e9)
+
+    def _gravity_readings(self, q: Floats) -> Floats:
+        """Return what the sensors read of gravity alone, (3 * n_sensor,)."""
+        frames = axis_frames(self._arm, q)[0, :, :3, :3]
+        up = -np.array(self._arm.gravity_m_s2)
+        turned = [self._state.rotation[s].T @ frames[link].T @ up for s, link in enumerate(self._state.link)]
+        return np.concatenate(turned)
+
+    def _gravity_slack(self) -> Floats:
+        """Return how much a drift of the angles may change what gravity shows, (3 * n_sensor,)."""
+        if all(joint.type == "prismatic" for joint in self._arm.joints):
+            return np.zeros(self._n_channel)
+        axes = axis_frames(self._arm, self._state.q)[0, :, :3, 2]
+        tilt = np.linalg.norm(np.cross(axes, self._arm.gravity_m_s2), axis=1)  # 0 for an axis along gravity
+        turning = np.array([joint.type == "revolute" for joint in self._arm.joints])
+        per_link = np.cumsum(tilt * turning) * _ANGLE_DRIFT_RAD
+        return np.repeat(per_link[self._state.link], 3)
+
+    def _contrasts(self) -> Floats:
+        """Return the differences of the two sensors of each pair, in link axes: no rest can change them."""
+        rows = []
+        for one, two in self._state.pair:
+            if one != two:
+                row = np.zeros((3, self._n_channel))
+                row[:, 3 * two : 3 * two + 3] = self._state.rotation[two]
+                row[:, 3 * one : 3 * one + 3] = -self._state.rotation[one]
+                rows.append(row)
+        return np.vstack(rows) if rows else np.zeros((0, self._n_channel))
+
+
+class _Waiting(NamedTuple):
+    """The frame whose derivatives need the next one: at most one row."""
+
+    number: int
+    t_ns: int
+    q: Floats
+    moved: Floats

@@ -1,0 +1,108 @@
+"""Recognising from the readings alone that the arm rests, and what the sensors then read too much.
+
+Readings are judged in cells of 10 ms and windows of a quarter of a second. At rest every sensor reads gravity
+and its own offset, so a window's mean must not have moved away from them by more than noise can move it, and no
+single cell may stand out. Where a joint's angle changes what gravity shows, the angle's own drift is allowed
+for; the difference of two sensors on one link does not depend on gravity at all and is always judged strictly.
+"""
+
+from collections import deque
+
+import numpy as np
+
+from arm.model import Floats
+
+#: Cells a window; a quarter of a second at 10 ms.
+WINDOW = 25
+#: How many standard deviations a mean may be off: cell, window.
+_CELL_SIGMAS, _WINDOW_SIGMAS = 6.0, 4.0
+#: How much further a window must stray to end a rest than to begin one, so that creeping does not flutter.
+_TO_LEAVE = 4.0
+#: Where there is no noise the resolution of common converters limits: 1 mg a cell, 0.05 mg a window [m/s^2].
+_CELL_FLOOR, _WINDOW_FLOOR = 1e-2, 5e-4
+#: Cells of rest that the offset remembers (4 s).
+_MEMORY = 400
+
+
+class RestDetector:
+    """Judges cell after cell whether the arm rests.
+
+    Parameters
+    ----------
+    contrast : (n_contrast, n_channel)
+        Combinations of readings that no rest can change, such as differences of two sensors on one link.
+    gravity_slack : (n_channel,) [m/s^2]
+        By how much drift of the angles may change what gravity shows in each channel.
+
+    Attributes
+    ----------
+    resting : bool
+        Begins as True: the arm rests when tracking begins.
+    offset : (n_channel,)
+        Mean reading at rest minus what gravity alone would show.
+    """
+
+    def __init__(self, contrast: Floats, gravity_slack: Floats) -> None:
+        self.resting = True
+        self.offset = np.zeros(len(gravity_slack))
+        self._contrast = contrast
+        self._slack = gravity_slack
+        self._cells: deque[Floats] = deque(maxlen=WINDOW)
+        self._variances: list[float] = []
+        self._sigma = 0.0
+        self._weight = 0
+        middle = (WINDOW - 1) / 2
+        self._trend = (np.arange(WINDOW) - middle) / (middle * WINDOW / 4)  # about the second half less the first
+
+    def judge(self, cell: Floats, gravity: Floats, pinned: bool) -> bool:
+        """Take in a cell of readings and say whether the arm rests in it.
+
+        Parameters
+        ----------
+        cell : (n, n_channel) [m/s^2]
+        gravity : (n_channel,) [m/s^2]
+            What the sensors would read of gravity alone, by the angles known.
+        pinned : bool
+            The offset is not to be learnt from later rests, only from the first.
+
+        Returns
+        -------
+        bool
+        """
+        excess = cell.mean(axis=0) - gravity
+        if self._weight < WINDOW:  # the rest at the start is taken on trust: nothing to compare it with yet
+            self._variances.append(float(np.var(np.diff(cell, axis=0), axis=0).mean() / 2.0))
+            self._sigma = float(np.sqrt(np.mean(self._variances) / len(cell)))
+            self._learn(excess)
+            return True
+        self._cells.append(excess)
+        calm = self._calm(excess - self.offset, _CELL_SIGMAS * self._sigma + _CELL_FLOOR)
+        if calm and len(self._cells) == WINDOW:
+            doubt = _TO_LEAVE if self.resting else 1.0
+            spread = self._sigma * np.sqrt(1.0 / WINDOW + 1.0 / min(self._weight, _MEMORY))
+            mean = np.mean(self._cells, axis=0) - self.offset
+            # A motion's acceleration also passes through zero: then the window's mean is small, its trend is not.
+            trend = self._trend @ np.array(self._cells)
+            wander = self._sigma * float(np.linalg.norm(self._trend))
+            calm = self._calm(mean, doubt * (_WINDOW_SIGMAS * spread + _WINDOW_FLOOR))
+            calm = calm and self._calm(trend, doubt * (_WINDOW_SIGMAS * wander + _WINDOW_FLOOR))
+        if not calm:
+            self._cells.clear()
+            self.resting = False
+        elif len(self._cells) == WINDOW:
+            self.resting = True
+        if self.resting and not pinned:
+            self._learn(excess)
+        return self.resting
+
+    def forget(self) -> None:
+        """Start a new window: samples were lost."""
+        self._cells.clear()
+
+    def _calm(self, mean: Floats, limit: float) -> bool:
+        strict = np.abs(self._contrast @ mean) <= np.sqrt(2.0) * limit
+        return bool(np.all(np.abs(mean) <= limit + self._slack) and np.all(strict))
+
+    def _learn(self, excess: Floats) -> None:
+        self._weight += 1
+        self.offset += (excess - self.offset) / min(self._weight, _MEMORY)
