@@ -96,8 +96,8 @@ def rest_angles(arm: Arm, target: Floats) -> Floats:
     -------
     (n_joint,) [rad or m]
     """
-    settling = simulate(arm, np.tile(target, (60_000, 1)), 1e-3, target)
-    return settling.q[-1]
+    settled: Floats = simulate(arm, np.tile(target, (60_000, 1)), 1e-3, target).q[-1]
+    return settled
 
 
 def densify(motion: Motion, rate_hz: float, n_sample: int) -> Motion:

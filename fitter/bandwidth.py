@@ -101,7 +101,8 @@ def _acceleration_spectrum(signal: Signal) -> tuple[Floats, Floats]:
     frequency, density = periodogram(
         detrend(differences, axis=0, type="constant"), fs=1.0 / signal.dt_s, window="hann", axis=0
     )
-    response = np.sinc(frequency * signal.dt_s) ** (2 * signal.missing)  # what differences lose against derivatives
+    # what differences lose against derivatives
+    response = np.sinc(frequency * signal.dt_s) ** (2 * signal.missing)
     return frequency, density.sum(axis=1) / response
 
 

@@ -108,6 +108,10 @@ def _mistake(role: str, equals: str, address: str, n_joint: int, plain: Sequence
         return f"{role!r} is no role, expected one of {', '.join((*JOINT_ROLES, *plain))}"
     if numbered and int(numbered[2]) > n_joint:
         return f"role {role!r} is of joint {numbered[2]}, expected 1 to {n_joint} as the arm has"
+    return _misplaced_joint(role, address, n_joint)
+
+
+def _misplaced_joint(role: str, address: str, n_joint: int) -> str:
     has_joint = bool(_PLACEHOLDER.search(address))
     if role in JOINT_ROLES and address and not has_joint and n_joint > 1:
         return f"{address!r} has no {{j}}, expected the place of the joint's number in it"

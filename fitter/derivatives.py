@@ -9,7 +9,7 @@ from scipy.signal import butter, sosfiltfilt
 
 Floats = NDArray[np.float64]
 
-#: Order of the Butterworth filter; run forwards and backwards it falls by 6 dB at its corner, then 48 dB an octave.
+#: Order of the Butterworth filter; there and back it falls by 6 dB at its corner, then by 48 dB an octave.
 ORDER = 4
 #: Periods of the corner frequency after which the guess about what lies beyond an end has died away.
 SETTLING_PERIODS = 1.0
@@ -20,8 +20,8 @@ HIGHEST_CORNER = 0.45
 def lowpass(values: Floats, dt_s: float, cutoff_hz: float) -> Floats:
     """Low-pass columns without any phase shift.
 
-    A Butterworth filter of order 4 runs forwards and backwards (gain ½ at the corner, none lost at rest). Beyond
-    the ends the column is thought to go on point-symmetrically; `settling_samples` at each end are touched by that.
+    A Butterworth filter of order 4 runs forwards and backwards (gain 1/2 at the corner, 1 at rest). Beyond its
+    ends a column is thought to go on point-symmetrically; `settling_samples` at each end are touched by that.
 
     Parameters
     ----------
@@ -54,8 +54,7 @@ def settling_samples(dt_s: float, cutoff_hz: float) -> int:
 def differentiate(values: Floats, dt_s: float, order: int = 1) -> Floats:
     """Return a time derivative of columns: that of the quintic spline through them.
 
-    Its error falls with the fourth power of the step or faster (1e-5 of a sine with 20 samples a period), and it is
-    symmetric in time, so it shifts no phase.
+    It is symmetric in time, so it shifts no phase; its error falls with the fourth power of the step or faster.
 
     Parameters
     ----------

@@ -1,15 +1,21 @@
 """Motions as they were measured: columns by role, on whatever time stamps they came with."""
 
 from collections.abc import Collection, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
+from numpy.typing import NDArray
 
-from fitter.columns import JOINT_ROLES, TIP_ROLES, Address, ColumnMap
+from fitter.columns import TIP_ROLES, ColumnMap
+from fitter.roles import find_roles, listed
 from fitter.sources import open_source
-from fitter.tables import Columns, Floats, Source, Texts
 from limbcal.errors import DataError
+
+Floats = NDArray[np.float64]
+Labels = NDArray[np.str_]
+
+TIP = {"tip": TIP_ROLES}
 
 
 @dataclass(frozen=True)
@@ -25,9 +31,11 @@ class Measured:
     first_row : int
         How many data rows of the file come before it.
     t : ndarray of shape (n,)
-        Time stamps [s], rising, as in the file.
+        Time stamps [s], as in the file.
     columns : mapping of str to ndarray of shape (n, …)
         By role: q, dq, ddq, tau, ref with one column a joint, tip with three.
+    labels : ndarray of str, shape (n,), or None
+        The ``trial`` column.
     role : str, optional
         "learn" or "evaluate", where a recording says so.
     notes : tuple of str
@@ -39,8 +47,9 @@ class Measured:
     first_row: int
     t: Floats
     columns: Mapping[str, Floats]
+    labels: Labels | None = None
     role: str | None = None
-    notes: tuple[str, ...] = field(default=())
+    notes: tuple[str, ...] = ()
 
     def rows(self, begin: int, end: int, name: str, *notes: str) -> "Measured":
         """Return a stretch of it as a motion of its own."""
@@ -50,6 +59,7 @@ class Measured:
             self.first_row + begin,
             self.t[begin:end],
             {role: values[begin:end] for role, values in self.columns.items()},
+            None if self.labels is None else self.labels[begin:end],
             self.role,
             (*self.notes, *notes),
         )
@@ -78,40 +88,49 @@ def read_motions(
     DataError
         If a column is missing or does not fit, or time does not rise within a motion.
     """
-    source = open_source(path)
-    roles = _find_roles(source, n_joint, mapping, required)
-    time = mapping.plain("t")
-    time = time if time is not None and _is_there(source, time) else None
-    if time is None and rate_hz is None:
-        raise DataError(
-            f"{path}: no column 't' among {_listed(source)}, expected time stamps, or else the rate of the samples"
-        )
-    label = mapping.plain("trial")
-    label = label if label is not None and _is_there(source, label) else None
-
-    wanted = [address for addresses in roles.values() for address in addresses]
-    wanted += [address.text for address in (time, label) if address is not None]
-    motions: list[Measured] = []
-    tables = source.read(list(dict.fromkeys(wanted)), () if label is None else (label.text,))
-    for cell, table in enumerate(tables):
-        n = len(table[wanted[0]])
-        stamps = _floats(table, time.text) if time else np.arange(n) / (rate_hz or 1.0)
-        columns = {
-            role: np.column_stack([_floats(table, address) for address in addresses])
-            for role, addresses in roles.items()
-        }
-        name = path.stem if len(tables) == 1 else f"{path.stem}({cell + 1})"
-        whole = Measured(name, str(path), 0, stamps, columns)
-        motions += _by_label(whole, None if label is None else np.asarray(table[label.text], dtype=np.str_))
+    whole = read_file(path, n_joint, mapping, rate_hz, required, TIP)
+    motions = [trial for motion in whole for trial in _by_label(motion)]
     for motion in motions:
         require_rising(motion)
+    return motions
+
+
+def read_file(
+    path: Path,
+    n_joint: int,
+    mapping: ColumnMap,
+    rate_hz: float | None,
+    required: Collection[str],
+    vectors: Mapping[str, Sequence[str]],
+) -> list[Measured]:
+    """Read a file without parting it by trials: one motion, or one a cell of a ``.mat``.
+
+    Parameters are those of `read_motions`, and ``vectors`` as in `fitter.roles.find_roles`.
+    """
+    source = open_source(path)
+    roles = find_roles(source, n_joint, mapping, required, vectors)
+    if "t" not in roles and rate_hz is None:
+        raise DataError(
+            f"{path}: no column 't' among {listed(source)}, expected time stamps, or else the rate of the samples"
+        )
+    label = roles.pop("trial", [None])[0]
+    tables = source.read(roles, label)
+    motions: list[Measured] = []
+    for cell, table in enumerate(tables):
+        columns = dict(table.groups)
+        n = len(next(iter(columns.values())))
+        stamps = columns.pop("t")[:, 0] if "t" in columns else np.arange(n) / (rate_hz or 1.0)
+        name = path.stem if len(tables) == 1 else f"{path.stem}({cell + 1})"
+        if n == 0:
+            raise DataError(f"{path}: there is a header but no row, expected samples")
+        motions.append(Measured(name, str(path), 0, stamps, columns, table.labels))
     return motions
 
 
 def require_rising(motion: Measured) -> None:
     """Raise a DataError where time stands still or runs backwards."""
     steps = np.diff(motion.t)
-    if len(steps) and not (steps > 0.0).all():
+    if not (steps > 0.0).all():
         k = int(np.argmin(steps > 0.0))
         said = "stands still at" if steps[k] == 0.0 else f"runs backwards from {motion.t[k]:.9g} s to"
         raise DataError(
@@ -120,64 +139,10 @@ def require_rising(motion: Measured) -> None:
         )
 
 
-def _find_roles(
-    source: Source, n_joint: int, mapping: ColumnMap, required: Collection[str]
-) -> dict[str, list[str]]:
-    """Return the addresses of every role that the file has, joint by joint."""
-    roles: dict[str, list[str]] = {}
-    for role in JOINT_ROLES:
-        addresses = [mapping.joint(role, number) for number in range(1, n_joint + 1)]
-        asked = [address for address in addresses if address is not None]
-        found = _present(source, asked, role in required) if len(asked) == n_joint else []
-        if not found:
-            continue
-        roles[role] = found
-        extra = mapping.joint(role, n_joint + 1)
-        counted = mapping.numbers_joints(role) and "[" not in found[0]
-        if counted and extra is not None and extra.text not in found and source.has(extra.text):
-            raise DataError(f"{source.path}: there is a column {extra.text!r}, but the arm has {_joints(n_joint)}")
-    tip = _present(source, [a for a in map(mapping.plain, TIP_ROLES) if a is not None], required=False)
-    if tip:
-        roles["tip"] = tip
-    missing = [role for role in required if role not in roles]
-    if missing:
-        raise DataError(f"{source.path}: nothing is mapped to {', '.join(missing)}, which is needed")
-    return roles
-
-
-def _present(source: Source, addresses: Sequence[Address], required: bool) -> list[str]:
-    """Return the addresses if all of them are there; none of them may be missing if one is there."""
-    here = [address.text for address in addresses if _is_there(source, address)]
-    if len(here) < len(addresses) and (here or required):
-        missing = next(address.text for address in addresses if address.text not in here)
-        beside = f" beside {', '.join(here)}" if here else ""
-        raise DataError(f"{source.path}: no column {missing!r}{beside} among {_listed(source)}")
-    return here
-
-
-def _is_there(source: Source, address: Address) -> bool:
-    if source.has(address.text):
-        return True
-    if address.asked:
-        raise DataError(f"{source.path}: no column {address.text!r} among {_listed(source)}")
-    return False
-
-
-def _listed(source: Source) -> str:
-    return "its columns " + ", ".join(source.names) if source.names else "its columns (there are none)"
-
-
-def _joints(n_joint: int) -> str:
-    return f"{n_joint} joint{'' if n_joint == 1 else 's'}"
-
-
-def _floats(table: Columns, address: str) -> Floats:
-    return np.asarray(table[address], dtype=np.float64)
-
-
-def _by_label(whole: Measured, labels: Texts | None) -> list[Measured]:
+def _by_label(whole: Measured) -> list[Measured]:
     """Part a file by its ``trial`` column; each trial must stand in one piece."""
-    if labels is None or not len(labels):
+    labels = whole.labels
+    if labels is None:
         return [whole]
     bounds = [0, *(np.flatnonzero(labels[1:] != labels[:-1]) + 1).tolist(), len(labels)]
     seen: set[str] = set()

@@ -6,21 +6,19 @@ element k of a list). Everything is counted from 1, as ``{j}`` is. A list of tab
 motions, one a cell.
 """
 
-import json
 import re
-import zipfile
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from pathlib import Path
+from typing import TypeVar
 
 import numpy as np
-import scipy.io
 from numpy.typing import NDArray
 
-from fitter.tables import Columns, Floats, Texts, require_finite
+from fitter.tables import Floats, Groups, Labels, Table, require_finite
+from fitter.trees import Array, Node, load_tree
 from limbcal.errors import DataError
 
-Array = NDArray[np.generic]
-Node = Mapping[str, "Node"] | list["Node"] | Array
+Kind = TypeVar("Kind", bound=np.generic)
 
 _STEP = re.compile(r"\.(?P<field>[^.\[\](){}]+)|\[(?P<row>[^\]]*)\]|\((?P<cell>[^)]*)\)")
 _HEAD = re.compile(r"[^.\[\](){}]+")
@@ -42,16 +40,7 @@ class NestedFile:
 
     def __init__(self, path: Path) -> None:
         self.path = path
-        if not path.exists():
-            raise DataError(f"{path}: there is no such file")
-        kind = path.suffix.lower()
-        load = {".npz": _load_npz, ".mat": _load_mat, ".json": _load_json}[kind]
-        try:
-            self._root: Node = load(path)
-        except NotImplementedError as error:
-            raise DataError(f"{path}: a MATLAB 7.3 file, expected one saved with '-v7' or older") from error
-        except (OSError, ValueError, TypeError, KeyError, zipfile.BadZipFile) as error:
-            raise DataError(f"{path}: cannot be read as {kind} ({' '.join(str(error).split())})") from error
+        self._root = load_tree(path)
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -67,8 +56,8 @@ class NestedFile:
         head = _HEAD.match(address)
         return head is not None and head[0] in _fields(self._root)
 
-    def read(self, addresses: Sequence[str], texts: Collection[str] = ()) -> list[Columns]:
-        """Return the columns at some addresses, one dictionary a motion.
+    def read(self, groups: Groups, label: str | None) -> list[Table]:
+        """Return groups of columns side by side, one table a motion.
 
         Raises
         ------
@@ -76,29 +65,33 @@ class NestedFile:
             If an address leads nowhere, a column is no 1-D row of finite numbers, columns of one motion differ
             in length, or addresses lead to different numbers of cells.
         """
-        found = {address: self._column(address, address in texts) for address in addresses}
-        cells = {address: len(column) for address, column in found.items() if isinstance(column, list)}
-        counts = set(cells.values())
-        if len(counts) > 1:
-            said = ", ".join(f"{address} {count}" for address, count in cells.items())
+        names = [name for group in groups.values() for name in group]
+        found = {name: self._cells(name, _floats) for name in names}
+        labels = {} if label is None else {label: self._cells(label, _texts)}
+        counts = {name: len(cells) for name, cells in (found | labels).items() if len(cells) > 1}
+        if len(set(counts.values())) > 1:
+            said = ", ".join(f"{name} {count}" for name, count in counts.items())
             raise DataError(f"{self.path}: the cell arrays hold {said} cells, expected the same number")
-        motions = [
-            {address: column[k] if isinstance(column, list) else column for address, column in found.items()}
-            for k in range(counts.pop() if counts else 1)
-        ]
-        for motion in motions:
-            lengths = {address: len(column) for address, column in motion.items()}
+        tables: list[Table] = []
+        for k in range(max(counts.values(), default=1)):
+            columns = {name: cells[k % len(cells)] for name, cells in found.items()}
+            texts = [cells[k % len(cells)] for cells in labels.values()]
+            lengths = {name: len(column) for name, column in columns.items()}
+            lengths |= {name: len(column) for name, column in zip(labels, texts, strict=True)}
             if len(set(lengths.values())) > 1:
-                said = ", ".join(f"{address} {length}" for address, length in lengths.items())
+                said = ", ".join(f"{name} {length}" for name, length in lengths.items())
                 raise DataError(f"{self.path}: the columns have lengths {said}, expected one length")
-        return motions
+            stacked = {key: np.column_stack([columns[name] for name in group]) for key, group in groups.items()}
+            tables.append(Table(stacked, texts[0] if texts else None))
+        return tables
 
-    def _column(self, address: str, text: bool) -> Floats | Texts | list[Floats | Texts]:
+    def _cells(self, address: str, take: Callable[[Array, str], NDArray[Kind]]) -> list[NDArray[Kind]]:
+        """Return the column at an address, or one for each of the cells there."""
         where = f"{self.path}: {address}"
         node = self._walk(address, where)
         if isinstance(node, list):
-            return [_flat(cell, f"{where}, cell {k + 1}", text) for k, cell in enumerate(node)]
-        return _flat(node, where, text)
+            return [take(_row_of(cell, f"{where}, cell {k + 1}"), where) for k, cell in enumerate(node)]
+        return [take(_row_of(node, where), where)]
 
     def _walk(self, address: str, where: str) -> Node:
         head = _HEAD.match(address)
@@ -132,7 +125,8 @@ def _fields(node: Node) -> Mapping[str, Node]:
 def _field(node: Node, name: str, where: str) -> Node:
     fields = _fields(node)
     if name not in fields:
-        raise DataError(f"{where}: there is no {name!r}, expected one of {', '.join(fields) or 'no fields at all'}")
+        there = f"one of {', '.join(fields)}" if fields else "an array, for it has no fields"
+        raise DataError(f"{where}: there is no {name!r}, expected {there}")
     if isinstance(node, Mapping):
         return fields[name]
     column: list[Node] = []
@@ -165,7 +159,7 @@ def _row(node: Node, k: int, where: str) -> Node:
 
 def _cell(node: Node, k: int, where: str) -> Node:
     if not isinstance(node, list) or not 1 <= k <= len(node):
-        held = f"{len(node)} cells" if isinstance(node, list) else "no cells"
+        held = f"{len(node)} cells, expected 1 to {len(node)}" if isinstance(node, list) else "no cells"
         raise DataError(f"{where}: ({k}) of something with {held}")
     return node[k - 1]
 
@@ -176,65 +170,24 @@ def _index(text: str, where: str) -> int:
     return int(text)
 
 
-def _flat(node: Node, where: str, text: bool) -> Floats | Texts:
-    """Return a node as a column."""
+def _row_of(node: Node, where: str) -> Array:
+    """Return a node as one row of values."""
     if not isinstance(node, np.ndarray):
         raise DataError(f"{where}: holds fields or cells, expected an array; name a field or a cell of it")
-    if max(node.shape, default=1) != node.size or node.ndim == 0:
+    if node.ndim == 0 or max(node.shape) != node.size:
         raise DataError(f"{where}: has shape {node.shape}, expected a row of numbers; name one with [k]")
-    column = node.ravel()
-    if text:
-        return np.array([str(value) for value in column.tolist()], dtype=np.str_)
-    if column.dtype == object:
-        column = np.array([np.nan if value is None else value for value in column.tolist()])
-    if column.dtype.kind not in "biuf":
-        raise DataError(f"{where}: holds {column.dtype.name} such as {column[0]!r}, expected numbers")
-    values = column.astype(np.float64)
+    return node.ravel()
+
+
+def _floats(row: Array, where: str) -> Floats:
+    if row.dtype == object:
+        row = np.array([np.nan if value is None else value for value in row.tolist()])
+    if row.dtype.kind not in "biuf":
+        raise DataError(f"{where}: holds {row.dtype.name} such as {row[0]!r}, expected numbers")
+    values = row.astype(np.float64)
     require_finite(values, where)
     return values
 
 
-def _load_npz(path: Path) -> Node:
-    with path.open("rb") as file:
-        archive = np.load(file, allow_pickle=False)
-        if not isinstance(archive, np.lib.npyio.NpzFile):
-            raise ValueError("it holds one bare array, expected one a name")
-        return {name: archive[name] for name in archive.files}
-
-
-def _load_mat(path: Path) -> Node:
-    with path.open("rb") as file:
-        content = scipy.io.loadmat(file)
-    return {name: _from_mat(value) for name, value in content.items() if not name.startswith("__")}
-
-
-def _from_mat(value: Array) -> Node:
-    """Turn cells into lists and structs into mappings, whatever the shape they are stored in."""
-    if value.dtype.names:
-        records: list[Node] = [
-            {name: _from_mat(np.asarray(record[name])) for name in value.dtype.names}
-            for record in value.ravel(order="F")
-        ]
-        return records[0] if len(records) == 1 else records
-    if value.dtype == object:
-        return [_from_mat(np.asarray(cell)) for cell in value.ravel(order="F")]
-    return value.reshape(()) if value.size == 1 else value
-
-
-def _load_json(path: Path) -> Node:
-    root = _from_json(json.loads(path.read_text(encoding="utf-8")))
-    if isinstance(root, np.ndarray):
-        raise ValueError("it holds a bare list, expected names")
-    return root
-
-
-def _from_json(value: object) -> Node:
-    if isinstance(value, dict):
-        return {str(name): _from_json(inner) for name, inner in value.items()}
-    if isinstance(value, list):
-        nodes = [_from_json(inner) for inner in value]
-        rows = [node for node in nodes if isinstance(node, np.ndarray)]
-        if len(rows) == len(nodes) and len({row.shape for row in rows}) == 1:
-            return np.array(value)
-        return nodes
-    return np.array(value)
+def _texts(row: Array, where: str) -> Labels:
+    return np.array([str(value) for value in row.tolist()], dtype=np.str_)

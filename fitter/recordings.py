@@ -1,7 +1,7 @@
 """What the daemon recorded: frames parted into motions by `limb/trial`, and raw accelerations."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -71,8 +71,7 @@ def read_frames(path: Path, n_joint: int) -> list[Measured]:
     motions: list[Measured] = []
     for window in windows:
         begin, end = np.searchsorted(t, [window.begin_s, window.end_s + 0.5 * _NS])
-        part = whole.rows(int(begin), int(end), window.name)
-        motions.append(Measured(part.name, part.where, part.first_row, part.t, part.columns, window.role, part.notes))
+        motions.append(replace(whole.rows(int(begin), int(end), window.name), role=window.role))
     return [motion for motion in motions if len(motion.t)]
 
 
@@ -130,7 +129,9 @@ def _stamps(block: Fields, start_ns: int, path: Path) -> Floats:
     step = block.get("dt_s")
     if not isinstance(step, float | int):
         raise DataError(f"{path}: dt_s of a block is {step!r}, expected a number")
-    return (_whole(block, "t0_ns", path) - start_ns) * _NS + step * np.arange(_whole(block, "n", path))
+    return (_whole(block, "t0_ns", path) - start_ns) * _NS + step * np.arange(
+        _whole(block, "n", path), dtype=np.float64
+    )
 
 
 def _whole(fields: Fields, name: str, path: Path) -> int:

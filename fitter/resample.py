@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.interpolate import CubicSpline, PchipInterpolator, interp1d
+from scipy.interpolate import CubicSpline, PchipInterpolator, make_interp_spline
 
 from fitter.derivatives import lowpass
 from fitter.motions import Measured
@@ -58,9 +58,7 @@ def split_at_holes(motion: Measured) -> list[Measured]:
     if not spans:
         return [motion]
     note = f"parted at {holes.size} hole(s) of up to {steps[holes].max():.4g} s, {len(spans)} piece(s) kept"
-    return [
-        motion.rows(begin, end, f"{motion.name}#{k + 1}", note) for k, (begin, end) in enumerate(spans)
-    ]
+    return [motion.rows(begin, end, f"{motion.name}#{k + 1}", note) for k, (begin, end) in enumerate(spans)]
 
 
 def time_step(t: Floats) -> tuple[float, bool]:
@@ -74,16 +72,16 @@ def time_step(t: Floats) -> tuple[float, bool]:
     Returns
     -------
     dt_s : float
-        The mean step of a uniform grid; the median step of anything else, rounded to the fewest digits that
-        keep it within 0.1 %.
+        The mean step of a uniform grid, the median step of anything else, rounded to the fewest digits that
+        make no difference (0.1 % of a median).
     uniform : bool
         True if no stamp is off the grid by more than `TOLERANCE` of a step.
     """
     mean = float(t[-1] - t[0]) / (len(t) - 1)
     off = np.abs(t - t[0] - mean * np.arange(len(t))).max()
     if off <= TOLERANCE * mean:
-        return mean, True
-    return _rounded(float(np.median(np.diff(t)))), False
+        return _rounded(mean, within=TOLERANCE / len(t)), True  # less than a fiftieth of a step in all
+    return _rounded(float(np.median(np.diff(t))), within=1e-3), False
 
 
 def resample(motion: Measured, rate_hz: float | None = None) -> Uniform:
@@ -114,7 +112,8 @@ def resample(motion: Measured, rate_hz: float | None = None) -> Uniform:
     """
     if len(motion.t) < MINIMUM_SAMPLES:
         raise DataError(
-            f"{motion.where}: trial {motion.name!r} has {len(motion.t)} samples, expected at least {MINIMUM_SAMPLES}"
+            f"{motion.where}: trial {motion.name!r} has {len(motion.t)} samples, "
+            f"expected at least {MINIMUM_SAMPLES}"
         )
     if rate_hz is not None and not rate_hz > 0.0:
         raise ConfigError(f"rate_hz is {rate_hz}, expected a number above 0")
@@ -122,7 +121,7 @@ def resample(motion: Measured, rate_hz: float | None = None) -> Uniform:
     own_step, uniform = time_step(t)
     dt_s = own_step if rate_hz is None else 1.0 / rate_hz
     if uniform and abs(dt_s - own_step) <= 1e-6 * own_step:
-        return Uniform(replace(motion, t=own_step * np.arange(len(t))), own_step)
+        return Uniform(replace(motion, t=_stamps(len(t), own_step)), own_step)
 
     steps = np.diff(t)
     crowded = bool(steps.min() < CROWDED * np.median(steps))
@@ -148,24 +147,27 @@ def resample(motion: Measured, rate_hz: float | None = None) -> Uniform:
 
 
 def _grid(end_s: float, dt_s: float) -> Floats:
-    return dt_s * np.arange(int(np.floor(end_s / dt_s + 1e-6)) + 1)
+    return _stamps(int(np.floor(end_s / dt_s + 1e-6)) + 1, dt_s)
+
+
+def _stamps(n: int, dt_s: float) -> Floats:
+    return dt_s * np.arange(n, dtype=np.float64)
 
 
 def _curve(role: str, t: Floats, values: Floats, crowded: bool) -> Curve:
     """Return the curve through a column that suits what it is."""
     if role == "ref":
-        line: Curve = interp1d(t, values, axis=0, bounds_error=False, fill_value=(values[0], values[-1]))
-        return line
+        line = make_interp_spline(t, values, k=1, axis=0)
+        return lambda at: np.asarray(line(np.minimum(at, t[-1])))
     if role == "tau" or crowded:
-        shape: Curve = PchipInterpolator(t, values, axis=0)
-        return shape
-    spline: Curve = CubicSpline(t, values, axis=0)
-    return spline
+        return PchipInterpolator(t, values, axis=0)
+    return CubicSpline(t, values, axis=0)
 
 
-def _rounded(step: float) -> float:
-    for digits in range(1, 9):
-        rounded = float(f"{step:.{digits - 1}e}")
-        if abs(rounded - step) <= 1e-3 * step:
+def _rounded(step: float, within: float) -> float:
+    """Return the shortest decimal number within some relative distance of a step."""
+    for digits in range(16):
+        rounded = float(f"{step:.{digits}e}")
+        if abs(rounded - step) <= within * step:
             return rounded
     return step

@@ -14,17 +14,21 @@ from arm.model import Floats
 
 #: Neighbouring blocks can't be trusted to tell more than this correlation.
 _STRONGEST = 0.97
+#: A block that says nearly all there is of a parameter leaves no residual to correct.
+_LARGEST_SHARE = 0.99
 
 
-def sandwich_covariance(inverse: Floats, scores: Floats, group: NDArray[np.intp]) -> Floats:
+def sandwich_covariance(W: Floats, grams: Floats, scores: Floats, group: NDArray[np.intp]) -> Floats:
     """Return the covariance of a least-squares answer.
 
     Parameters
     ----------
-    inverse : (n_parameter, n_parameter)
-        ``(A^T A)^-1``.
+    W : (n_parameter, n_parameter)
+        Any square root of the normal matrix, ``W^T W = A^T A``.
+    grams : (n_block, n_parameter, n_parameter)
+        ``A^T A`` of each block of consecutive samples.
     scores : (n_block, n_parameter)
-        ``A^T r`` at the answer, summed over each block of consecutive samples.
+        ``A^T r`` at the answer, of each block.
     group : (n_block,) int
         Blocks of different trials are independent; blocks of one trial follow one another in time.
 
@@ -35,15 +39,20 @@ def sandwich_covariance(inverse: Floats, scores: Floats, group: NDArray[np.intp]
     """
     n_block, n_parameter = scores.shape
     if n_block < 2 * n_parameter or n_parameter == 0:
-        return np.full_like(inverse, np.nan)
-    scaled = inverse @ (scores.T * np.sqrt(n_block / (n_block - n_parameter)))  # answers, had a block its way
-    covariance = scaled @ scaled.T
-    lags = _bandwidth(scaled, group)
+        return np.full_like(W, np.nan)
+    root = np.linalg.inv(W)
+    # The answer bends towards a block that says much, which makes its residuals too small. In coordinates in
+    # which A^T A is the identity a block's part of it is H, and (1 - H)^-1/2 undoes this (Bell and McCaffrey 2002).
+    share, axes = np.linalg.eigh(root.T @ grams @ root)
+    along = np.einsum("bki,bk->bi", axes, scores @ root) / np.sqrt(1.0 - np.clip(share, 0.0, _LARGEST_SHARE))
+    pulls = np.einsum("bki,bi->kb", axes, along)  # how far each block pulls the answer
+    scatter = pulls @ pulls.T
+    lags = _bandwidth(pulls, group)
     for lag in range(1, lags + 1):
         together = group[lag:] == group[:-lag]
-        product = scaled[:, lag:][:, together] @ scaled[:, :-lag][:, together].T
-        covariance += (1.0 - lag / (lags + 1.0)) * (product + product.T)
-    return np.asarray(covariance, dtype=np.float64)
+        product = pulls[:, lag:][:, together] @ pulls[:, :-lag][:, together].T
+        scatter += (1.0 - lag / (lags + 1.0)) * (product + product.T)
+    return np.asarray(root @ scatter @ root.T, dtype=np.float64)
 
 
 def _bandwidth(series: Floats, group: NDArray[np.intp]) -> int:

@@ -1,8 +1,10 @@
 """Columns out of CSV and Parquet files: only those that are wanted, as finite float64."""
 
 import re
-from collections.abc import Callable, Collection, Iterator, Sequence
+from collections import Counter
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Protocol
 
@@ -15,11 +17,27 @@ from numpy.typing import NDArray
 from limbcal.errors import DataError
 
 Floats = NDArray[np.float64]
-Texts = NDArray[np.str_]
-Columns = dict[str, Floats | Texts]
+Labels = NDArray[np.str_]
+Groups = Mapping[str, Sequence[str]]
 
 COMMENTS = ("//", "#", "%")
 _ARROW_ROW = re.compile(r"Row #(\d+)")
+
+
+@dataclass(frozen=True)
+class Table:
+    """What was read of a file.
+
+    Attributes
+    ----------
+    groups : mapping of str to ndarray of shape (n, columns of the group)
+        Finite numbers.
+    labels : ndarray of str, shape (n,), or None
+        One column of text.
+    """
+
+    groups: Mapping[str, Floats]
+    labels: Labels | None
 
 
 class Source(Protocol):
@@ -34,11 +52,8 @@ class Source(Protocol):
     def has(self, address: str) -> bool:
         """Say whether there is such a column."""
 
-    def read(self, addresses: Sequence[str], texts: Collection[str] = ()) -> list[Columns]:
-        """Return columns of equal length, a dictionary for every motion that the file keeps apart by itself.
-
-        ``texts`` are columns of labels: they come as text.
-        """
+    def read(self, groups: Groups, label: str | None) -> list[Table]:
+        """Return groups of columns of equal length, a table for every motion that the file itself keeps apart."""
 
 
 class TableFile:
@@ -57,7 +72,7 @@ class TableFile:
 
     def __init__(self, path: Path) -> None:
         self.path = path
-        self._read: Callable[[Sequence[str], Collection[str]], pa.Table]
+        self._read: Callable[[Sequence[str], str | None], pa.Table]
         if path.suffix.lower() == ".csv":
             self._skip, self._delimiter, header = _csv_header(path)
             self._read = self._read_csv
@@ -79,30 +94,31 @@ class TableFile:
         """Say whether there is a column of this name."""
         return address in self._names
 
-    def read(self, addresses: Sequence[str], texts: Collection[str] = ()) -> list[Columns]:
-        """Return the named columns.
+    def read(self, groups: Groups, label: str | None) -> list[Table]:
+        """Return groups of columns side by side, in one table.
+
+        The file is read once, and what was taken over is given back, so that hardly more than twice the numbers
+        asked for are ever in memory.
 
         Raises
         ------
         DataError
             If a column holds text or a value that is not finite, naming column and row (data rows, from 1).
         """
-        table = self._read(addresses, texts)
-        return [
-            {
-                name: _texts(table.column(name)) if name in texts else self._floats(table.column(name), name)
-                for name in addresses
-            }
-        ]
-
-    def read_matrix(self, addresses: Sequence[str]) -> Floats:
-        """Return the named columns side by side, shape (n, len(addresses)), without a second copy of the file."""
-        table = self._read(addresses, ())
-        matrix = np.empty((table.num_rows, len(addresses)))
-        for place, name in enumerate(addresses):
-            matrix[:, place] = self._floats(table.column(name), name)
-            table = table.drop_columns([name])  # what was taken over is given back
-        return matrix
+        numbers = [name for group in groups.values() for name in group]
+        table = self._read(list(dict.fromkeys(numbers if label is None else [*numbers, label])), label)
+        labels = None if label is None else _texts(table.column(label))
+        left = Counter(numbers)
+        matrices: dict[str, Floats] = {}
+        for key, group in groups.items():
+            matrix = np.empty((table.num_rows, len(group)))
+            for place, name in enumerate(group):
+                matrix[:, place] = self._floats(table.column(name), name)
+                left[name] -= 1
+                if not left[name]:
+                    table = table.drop_columns([name])
+            matrices[key] = matrix
+        return [Table(matrices, labels)]
 
     def _floats(self, column: pa.ChunkedArray, name: str) -> Floats:
         kind = column.type
@@ -112,12 +128,12 @@ class TableFile:
         require_finite(values, f"{self.path}: column {name!r}")
         return values
 
-    def _read_parquet(self, names: Sequence[str], texts: Collection[str]) -> pa.Table:
+    def _read_parquet(self, names: Sequence[str], label: str | None) -> pa.Table:
         with _readable(self.path):
             return pyarrow.parquet.read_table(self.path, columns=list(names))
 
-    def _read_csv(self, names: Sequence[str], texts: Collection[str], threads: bool = True) -> pa.Table:
-        types = {name: pa.string() if name in texts else pa.float64() for name in names}
+    def _read_csv(self, names: Sequence[str], label: str | None, threads: bool = True) -> pa.Table:
+        types = {name: pa.string() if name == label else pa.float64() for name in names}
         try:
             return pyarrow.csv.read_csv(
                 self.path,
@@ -129,7 +145,7 @@ class TableFile:
             )
         except pa.ArrowInvalid as error:
             if threads:  # row numbers are only known to a single thread
-                return self._read_csv(names, texts, threads=False)
+                return self._read_csv(names, label, threads=False)
             raise DataError(f"{self.path}: {self._explain(str(error))}") from error
 
     def _explain(self, reason: str) -> str:
@@ -155,7 +171,7 @@ def require_finite(values: Floats, where: str, first_row: int = 0) -> None:
         raise DataError(f"{where}, row {first_row + row + 1}: found {found}, expected a finite number")
 
 
-def _texts(column: pa.ChunkedArray) -> Texts:
+def _texts(column: pa.ChunkedArray) -> Labels:
     return np.array(["" if cell is None else str(cell) for cell in column.to_pylist()], dtype=np.str_)
 
 

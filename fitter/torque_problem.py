@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from arm.model import Floats
 from fitter.standard_errors import sandwich_covariance
 from fitter.torque_sums import TorqueSums
-from fitter.whitened import Whitened, whiten
+from fitter.whitened import whiten
 from limbcal.errors import NotIdentifiable
 
 #: A parameter hangs on one that was not revealed if that one's share in it is larger than this.
@@ -29,18 +29,23 @@ class TorqueProblem:
         The parameters that are sought: the genes.
     revealed : (n_base,) bool
         Those that the data tells by themselves; free ones may hang on one that it does not.
+    condition_number : float
+        Of the free columns, each scaled to length one.
+    W, z, rest : (n_free, n_free), (n_free,), float
+        The cost of the genes x is ``|W x - z|^2 + rest``.
+    inverse : (n_free, n_free)
+        ``(W^T W)^-1``.
     """
 
     sums: TorqueSums
     prior: Floats
     free: NDArray[np.intp]
     revealed: NDArray[np.bool_]
-    _whitened: Whitened
-
-    @property
-    def condition_number(self) -> float:
-        """Condition number of the free columns, each scaled to length one."""
-        return self._whitened.condition_number()
+    condition_number: float
+    W: Floats
+    z: Floats
+    rest: float
+    inverse: Floats
 
     def cost(self, genes: Floats) -> Floats:
         """Return eq. (9) for a population, without loss of digits near the optimum.
@@ -53,8 +58,8 @@ class TorqueProblem:
         -------
         (n_individual,) [(N m)^2 summed over samples and joints]
         """
-        residual = genes @ self._whitened.W[:, self._whitened.kept].T - self._target()
-        return np.asarray(np.einsum("ij,ij->i", residual, residual) + self._whitened.rest[0])
+        residual = genes @ self.W.T - self.z
+        return np.asarray(np.einsum("ij,ij->i", residual, residual) + self.rest, dtype=np.float64)
 
     def complete(self, genes: Floats) -> Floats:
         """Return all base parameters, (n_base,): the genes in their places, the prior elsewhere."""
@@ -64,8 +69,7 @@ class TorqueProblem:
 
     def optimum(self) -> Floats:
         """Return the free parameters by least squares, (n_free,)."""
-        w = self._whitened
-        return np.asarray(np.linalg.solve(w.W[:, w.kept], self._target()), dtype=np.float64)
+        return np.asarray(np.linalg.solve(self.W, self.z), dtype=np.float64)
 
     def bounds(self) -> tuple[Floats, Floats]:
         """Return bounds that know nothing of the answer but how large the torque is.
@@ -78,21 +82,18 @@ class TorqueProblem:
         -------
         lower, upper : (n_free,)
         """
-        size = np.sqrt(self._target() @ self._target() + self._whitened.rest[0])
-        upper = 2.0 * size * np.sqrt(np.diag(self._whitened.inverse()))
+        size = np.sqrt(self.z @ self.z + self.rest)
+        upper = 2.0 * size * np.sqrt(np.diag(self.inverse))
         return -upper, upper
 
     def standard_errors(self, values: Floats) -> Floats:
         """Return the standard errors of all base parameters, NaN where they are not learnt, (n_base,)."""
+        grams = self.sums.gram.sum(axis=1)[:, self.free[:, None], self.free]
         scores = self.sums.scores(values)[:, self.free]
-        covariance = sandwich_covariance(self._whitened.inverse(), scores, self.sums.trial)
+        covariance = sandwich_covariance(self.W, grams, scores, self.sums.trial)
         std = np.full(len(self.prior), np.nan)
         std[self.free] = np.sqrt(np.maximum(np.diag(covariance), 0.0))
         return std
-
-    def _target(self) -> Floats:
-        w = self._whitened
-        return np.asarray(w.z[:, 0], dtype=np.float64)
 
 
 def torque_problem(sums: TorqueSums, prior: Floats, held: Mapping[int, float] | None = None) -> TorqueProblem:
@@ -112,29 +113,35 @@ def torque_problem(sums: TorqueSums, prior: Floats, held: Mapping[int, float] | 
         If the data tells none of them, or if there is no torque, so that no mass can be told.
     """
     start = np.array(prior, dtype=float)
-    for index, value in (held or {}).items():
+    held = held or {}
+    for index, value in held.items():
         start[index] = value
-    gram, moment = sums.gram.sum(axis=(0, 1)), sums.moment.sum(axis=(0, 1))
-    power = float(sums.power.sum())
-    sought = np.array([k for k in range(len(start)) if k not in (held or {})], dtype=np.intp)
-    whitened = whiten(gram[np.ix_(sought, sought)], moment[sought, None], np.array([power]))
-    free, folded = sought[whitened.kept], sought[whitened.folded]
-    if not len(free):
-        raise NotIdentifiable(
-            f"no base parameter can be told from {sums.samples} samples: no joint moved, or none is sought"
-        )
-    if power == 0.0:
+    given = np.array(sorted(held), dtype=np.intp)
+    sought = np.setdiff1d(np.arange(len(start)), given)
+    if not np.any(sums.power):
         raise NotIdentifiable(
             f"the torque is zero in all {sums.samples} samples: a free motion tells no masses, only ratios"
         )
-    known = np.setdiff1d(np.arange(len(start)), free)
-    rest = moment - gram[:, known] @ start[known]
-    left = power - 2.0 * moment[known] @ start[known] + start[known] @ gram[np.ix_(known, known)] @ start[known]
-    reduced = whiten(gram[np.ix_(free, free)], rest[free, None], np.array([max(float(left), 0.0)]))
+    gram, moment, power = sums.gram.sum(axis=(0, 1)), sums.moment.sum(axis=(0, 1)), sums.power.sum()
+    power = power - 2.0 * moment[given] @ start[given] + start[given] @ gram[np.ix_(given, given)] @ start[given]
+    moment = moment[sought] - gram[np.ix_(sought, given)] @ start[given]
+    whitened = whiten(gram[np.ix_(sought, sought)], moment[:, None], np.array([power]))
+    if not len(whitened.kept):
+        raise NotIdentifiable(
+            f"no base parameter can be told from {sums.samples} samples: no joint moved, or none is sought"
+        )
+    order = np.argsort(whitened.kept)
+    kept, folded = whitened.kept[order], whitened.folded
     revealed = np.zeros(len(start), dtype=bool)
-    revealed[free] = ~np.any(np.abs(whitened.dependence()) > _SHARE, axis=1)
-    return TorqueProblem(sums, start, free[reduced.kept], revealed, _ordered(reduced))
-
-
-def _ordered(whitened: Whitened) -> Whitened:
-    return whitened
+    revealed[sought[whitened.kept]] = ~np.any(np.abs(whitened.dependence()) > _SHARE, axis=1)
+    return TorqueProblem(
+        sums=sums,
+        prior=start,
+        free=sought[kept],
+        revealed=revealed,
+        condition_number=whitened.condition_number(),
+        W=whitened.W[:, kept],
+        z=whitened.z[:, 0] - whitened.W[:, folded] @ start[sought[folded]],
+        rest=float(whitened.rest[0]),
+        inverse=whitened.inverse()[np.ix_(order, order)],
+    )

@@ -1,4 +1,4 @@
-"""The rows of the torque regressor, fast enough to be made a million times in a tenth of a second.
+"""The rows of the torque regressor and the sums of their products, a million samples in a fifth of a second.
 
 It gives the numbers of `arm.regressor` by another road. A torque about joint j is the power that a link's
 force and moment would have if joint j alone moved at unit speed. That unit motion is carried outwards from
@@ -13,6 +13,9 @@ from arm.chain import Chain
 from arm.model import Floats
 from arm.newton_euler import Triple, cross, poses, rigid_motion, turned_back
 from limbcal.compiled import compiled
+
+#: Samples whose rows are made at a time; they stay in the processor's cache until they are summed.
+_CHUNK = 64
 
 
 @compiled
@@ -79,3 +82,49 @@ def link_powers(w: Triple, dw: Triple, dv: Triple, along: Triple, about: Triple,
     for k in range(3):
         out[at + 6 + k] = lever[k] + swing[k] + pull[k]
     out[at + 9] = along[0] * dv[0] + along[1] * dv[1] + along[2] * dv[2]
+
+
+@compiled
+def add_rows(
+    chain: Chain,
+    columns: NDArray[np.intp],
+    ends: NDArray[np.intp],
+    q: Floats,
+    dq: Floats,
+    ddq: Floats,
+    tau: Floats,
+    rest_speed: float,
+    gram: Floats,
+    moment: Floats,
+    power: Floats,
+    row: Floats,
+    torque: Floats,
+    count: Floats,
+) -> None:
+    """Add every sample to the sums of its block; blocks lie between ``ends``."""
+    n = q.shape[1]
+    Y, w = np.zeros((_CHUNK, n, 12 * n)), np.empty(columns.size)
+    for block in range(ends.size - 1):
+        G, m, r, t = gram[block], moment[block], row[block], torque[block]
+        for start in range(ends[block], ends[block + 1], _CHUNK):
+            stop = min(start + _CHUNK, ends[block + 1])
+            torque_rows(chain, q[start:stop], dq[start:stop], ddq[start:stop], Y)
+            for k in range(start, stop):
+                for joint in range(n):
+                    if abs(dq[k, joint]) <= rest_speed:
+                        continue
+                    now = tau[k, joint]
+                    power[block, joint] += now * now
+                    count[block, joint] += 1.0
+                    t[joint] += now
+                    for a in range(columns.size):
+                        w[a] = Y[k - start, joint, columns[a]]
+                        if w[a] != 0.0:  # a joint does not feel the links before it: half of W is zeros
+                            m[joint, a] += w[a] * now
+                            r[joint, a] += w[a]
+                            for b in range(a + 1):
+                                G[joint, a, b] += w[a] * w[b]
+        for joint in range(n):
+            for a in range(columns.size):
+                for b in range(a):
+                    G[joint, b, a] = G[joint, a, b]

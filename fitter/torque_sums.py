@@ -5,6 +5,7 @@ the data only through ``W^T W``, ``W^T tau`` and ``tau^T tau``. They are kept fo
 blocks of consecutive samples: added up they give the cost, side by side the scatter of the answer.
 """
 
+import itertools
 from collections.abc import Sequence
 from dataclasses import dataclass, fields
 
@@ -12,17 +13,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from arm.base_parameters import BaseParameters
-from arm.chain import Chain, chain_of, joint_rows
+from arm.chain import chain_of, joint_rows
 from arm.model import Arm, Floats
-from fitter.torque_rows import torque_rows
-from limbcal.compiled import compiled
+from fitter.torque_rows import add_rows
 from limbcal.errors import DataError
 
 #: Blocks of one trial: enough to measure how residuals hang together, and never more memory than this.
 _BLOCKS = 128
 _BLOCK_BYTES = 8_000_000
-#: Samples whose regressor is made at a time.
-_CHUNK = 64
 
 
 @dataclass(frozen=True)
@@ -195,55 +193,59 @@ def torque_sums(
     lengths = {len(array) for array in arrays}
     if len(lengths) != 1:
         raise DataError(f"q, dq, ddq and tau have {sorted(lengths)} samples, expected as many of each")
-    n_sample, n_joint, n_base = len(arrays[0]), arm.n_joint, len(base.independent)
+    sums = _zeros(len(arrays[0]), arm.n_joint, len(base.independent))
+    add_rows(
+        chain_of(arm),
+        np.array(base.independent),
+        _ends(sums),
+        *arrays,
+        rest_speed,
+        sums.gram,
+        sums.moment,
+        sums.power,
+        sums.row,
+        sums.torque,
+        sums.count,
+    )
+    return sums
+
+
+def row_sums(rows: Floats, tau: Floats, moving: NDArray[np.bool_]) -> TorqueSums:
+    """Reduce equations ``rows . p = tau`` that are already there, filtered for instance, to their sums.
+
+    Parameters
+    ----------
+    rows : (n_sample, n_joint, n_base)
+    tau : (n_sample, n_joint) [N m or N]
+    moving : (n_sample, n_joint) bool
+        Which equations count.
+
+    Returns
+    -------
+    TorqueSums
+        One trial.
+    """
+    sums = _zeros(*rows.shape)
+    ends = _ends(sums)
+    for block, (start, stop) in enumerate(itertools.pairwise(ends)):
+        W = np.swapaxes(np.where(moving[start:stop, :, None], rows[start:stop], 0.0), 0, 1)
+        t = np.where(moving[start:stop], tau[start:stop], 0.0).T
+        sums.gram[block] = np.swapaxes(W, 1, 2) @ W
+        sums.moment[block] = np.einsum("jka,jk->ja", W, t)
+        sums.power[block] = np.einsum("jk,jk->j", t, t)
+        sums.row[block], sums.torque[block] = W.sum(axis=1), t.sum(axis=1)
+        sums.count[block] = np.count_nonzero(moving[start:stop], axis=0)
+    return sums
+
+
+def _zeros(n_sample: int, n_joint: int, n_base: int) -> TorqueSums:
     room = _BLOCK_BYTES // (8 * n_joint * n_base * (n_base + 2))
     n_block = max(1, min(_BLOCKS, room, n_sample))
     gram = np.zeros((n_block, n_joint, n_base, n_base))
     moment, row = np.zeros((2, n_block, n_joint, n_base))
     power, torque, count = np.zeros((3, n_block, n_joint))
-    columns, ends = np.array(base.independent), np.linspace(0, n_sample, n_block + 1).astype(np.intp)
-    add_rows(chain_of(arm), columns, ends, *arrays, rest_speed, gram, moment, power, row, torque, count)
-    gram += np.swapaxes(np.tril(gram, -1), -1, -2)
     return TorqueSums(gram, moment, power, row, torque, count, np.zeros(n_block, dtype=np.intp), n_sample)
 
 
-@compiled
-def add_rows(
-    chain: Chain,
-    columns: NDArray[np.intp],
-    ends: NDArray[np.intp],
-    q: Floats,
-    dq: Floats,
-    ddq: Floats,
-    tau: Floats,
-    rest_speed: float,
-    gram: Floats,
-    moment: Floats,
-    power: Floats,
-    row: Floats,
-    torque: Floats,
-    count: Floats,
-) -> None:
-    """Add every sample to the sums of its block; of ``gram`` the lower triangle is filled in."""
-    n = q.shape[1]
-    Y, w = np.zeros((_CHUNK, n, 12 * n)), np.empty(columns.size)
-    for block in range(ends.size - 1):
-        G, m, r, t = gram[block], moment[block], row[block], torque[block]
-        for start in range(ends[block], ends[block + 1], _CHUNK):
-            stop = min(start + _CHUNK, ends[block + 1])
-            torque_rows(chain, q[start:stop], dq[start:stop], ddq[start:stop], Y)
-            for k in range(start, stop):
-                for joint in range(n):
-                    if abs(dq[k, joint]) <= rest_speed:
-                        continue
-                    now = tau[k, joint]
-                    power[block, joint] += now * now
-                    count[block, joint] += 1.0
-                    t[joint] += now
-                    for a in range(columns.size):
-                        w[a] = Y[k - start, joint, columns[a]]
-                        if w[a] != 0.0:  # a joint does not feel the links before it: half of W is zeros
-                            m[joint, a] += w[a] * now
-                            r[joint, a] += w[a]
-                            for b in range(a + 1):
-                                G[joint, a, b] += w[a] * w[b]
+def _ends(sums: TorqueSums) -> NDArray[np.intp]:
+    return np.linspace(0, sums.samples, len(sums.trial) + 1).astype(np.intp)

@@ -20,10 +20,8 @@ from limbcal.errors import ConfigError, DataError
 Floats = NDArray[np.float64]
 Role = Literal["learn", "evaluate"]
 
-#: The corner of a fit lies this far below the edge of the motion, so that little from beyond the edge gets in.
+#: The corner of a fit lies this far below that of the columns, so that little from beyond the motion gets in.
 FIT_CORNER = 2.0 / 3.0
-#: Derivatives are taken this many times wider: flat over the motion, yet without the noise of the full range.
-DERIVATIVE_CORNER = 4.0
 #: At most this share of a trial is trimmed at each end, and a corner needs this many periods in a trial.
 TRIM_SHARE = 0.1
 
@@ -48,8 +46,10 @@ class Trial:
         Measured tip [m].
     notes : tuple of str
         What was resampled, derived, trimmed.
+    cutoff_hz : float
+        Corner chosen for columns that were derived; infinite if nothing is to be filtered.
     band_hz : float
-        Corner of `lowpass`: below it the acceleration stands out from noise. Infinite if nothing is to be filtered.
+        Corner of `lowpass`.
     points : ndarray of shape (n, n_sensor, 3), or None
         Dead-reckoned sensor positions [m], from recordings.
     role : str, optional
@@ -66,15 +66,16 @@ class Trial:
     ref: Floats | None = None
     tip: Floats | None = None
     notes: tuple[str, ...] = ()
+    cutoff_hz: float = np.inf
     band_hz: float = np.inf
     points: Floats | None = None
     role: str | None = None
 
     def lowpass(self, values: Floats) -> Floats:
-        """Pass anything that was computed from this trial through the one filter of its fit.
+        """Pass something that was computed from this trial through the one filter of a fit.
 
-        What stands on both sides of an equation must be filtered alike: regressor and torque. Filtering the
-        regressor, not the angles that go into it, leaves the equation exact, friction included.
+        What stands on both sides of an equation must be filtered alike: regressor and torque. With the regressor
+        filtered, not only the angles that go into it, the equation stays exact, Coulomb friction included.
 
         Parameters
         ----------
@@ -84,7 +85,7 @@ class Trial:
         Returns
         -------
         ndarray of shape (n - 2 k, …)
-            Zero-phase low-passed at `band_hz`, without the k samples at each end that rest on a guess.
+            Low-passed at `band_hz` with zero phase, without the k samples at each end that rest on a guess.
         """
         trim = _trim(len(self.t), self.dt_s, self.band_hz)
         return lowpass(values, self.dt_s, self.band_hz)[trim : len(values) - trim]
@@ -97,14 +98,14 @@ def load_trials(
     *,
     rate_hz: float | None = None,
     cutoff_hz: float | None = None,
-    smooth: bool = True,
+    band_hz: float | None = None,
     role: Role | None = None,
 ) -> list[Trial]:
     """Read a set of trials.
 
-    A file is one trial, or several if it has a column ``trial``, cells (``.mat``) or announced motions (recordings).
-    Missing derivatives are computed without a phase shift; then every measured column of the trial passes the same
-    filter and the ends are trimmed. Derivatives that are there are used as they are.
+    A file is one trial, or several if it has a column ``trial``, cells (``.mat``) or announced motions
+    (recordings). Missing derivatives are computed without a phase shift; then every measured column of the trial
+    passes the same filter and the ends are trimmed. Derivatives that are there are used as they are.
 
     Parameters
     ----------
@@ -117,10 +118,11 @@ def load_trials(
     rate_hz : float, optional
         Rate to resample to, and the rate of the samples where a file has no time. Default: the files' own.
     cutoff_hz : float, optional
-        Corner of the fit, `Trial.band_hz`. Default: found in the spectrum, see `fitter.bandwidth`. Give evaluating
-        trials that of the learning ones; infinity switches all filters off.
-    smooth : bool
-        False: no column is filtered; missing derivatives are those of the measured columns.
+        Corner of the filter that derived columns pass. Default: where the acceleration sinks into noise, found in
+        the spectra of the whole set, see `fitter.bandwidth`. Give evaluating trials the ``cutoff_hz`` of the
+        learning ones; infinity switches the filter off.
+    band_hz : float, optional
+        Corner of `Trial.lowpass`. Default: two thirds of ``cutoff_hz``.
     role : {"learn", "evaluate"}, optional
         From recordings, take only trials of this role. Trials of other files have none and are all taken.
 
@@ -136,8 +138,9 @@ def load_trials(
     DataError
         If a file cannot be read or used: one sentence with file, column and row.
     """
-    if cutoff_hz is not None and not cutoff_hz > 0.0:
-        raise ConfigError(f"cutoff_hz is {cutoff_hz}, expected a number above 0")
+    for name, corner in (("cutoff_hz", cutoff_hz), ("band_hz", band_hz)):
+        if corner is not None and not corner > 0.0:
+            raise ConfigError(f"{name} is {corner}, expected a number above 0")
     mapping = parse_mapping(columns, n_joint)
     motions: list[Measured] = []
     files = expand(sources)
@@ -149,21 +152,22 @@ def load_trials(
     if not motions:
         raise DataError(f"{', '.join(map(str, files))}: no trial with role {role!r} in it")
     uniform = [resample(piece, rate_hz) for motion in motions for piece in split_at_holes(motion)]
-    band_hz = cutoff_hz if cutoff_hz is not None else choose_band_hz(uniform)
-    return [_derive(motion, band_hz, smooth) for motion in uniform]
+    cutoff_hz = choose_cutoff_hz(uniform) if cutoff_hz is None else cutoff_hz
+    band_hz = FIT_CORNER * cutoff_hz if band_hz is None else band_hz
+    return [_derive(motion, cutoff_hz, band_hz) for motion in uniform]
 
 
-def choose_band_hz(motions: Sequence[Uniform]) -> float:
+def choose_cutoff_hz(motions: Sequence[Uniform]) -> float:
     """Return the corner [Hz] below which the motions' acceleration stands out from noise, or infinity."""
     edge = motion_edge_hz([_signal(motion) for motion in motions])
     if edge is None:
         return np.inf
     usual_s = float(np.median([len(motion.measured.t) * motion.dt_s for motion in motions]))
-    return max(FIT_CORNER * edge, 1.0 / (TRIM_SHARE * usual_s))
+    return max(edge, 1.0 / (TRIM_SHARE * usual_s))
 
 
 def lowpass_trial(trial: Trial, cutoff_hz: float) -> Trial:
-    """Return a trial all of whose columns passed the same zero-phase filter, without the ends that rest on a guess.
+    """Return a trial all of whose columns passed one zero-phase filter, without the ends that rest on a guess.
 
     Parameters
     ----------
@@ -175,7 +179,7 @@ def lowpass_trial(trial: Trial, cutoff_hz: float) -> Trial:
     Returns
     -------
     Trial
-        Its time starts at 0 again; `Trial.lowpass` of it does nothing more.
+        Its time starts at 0 again; its `lowpass` does nothing more.
     """
     trim = _trim(len(trial.t), trial.dt_s, cutoff_hz)
     inner = slice(trim, len(trial.t) - trim)
@@ -185,7 +189,7 @@ def lowpass_trial(trial: Trial, cutoff_hz: float) -> Trial:
 
     return replace(
         trial,
-        t=trial.dt_s * np.arange(len(trial.t) - 2 * trim),
+        t=trial.t[: len(trial.t) - 2 * trim],
         q=lowpass(trial.q, trial.dt_s, cutoff_hz)[inner],
         dq=lowpass(trial.dq, trial.dt_s, cutoff_hz)[inner],
         ddq=lowpass(trial.ddq, trial.dt_s, cutoff_hz)[inner],
@@ -193,6 +197,7 @@ def lowpass_trial(trial: Trial, cutoff_hz: float) -> Trial:
         ref=filtered(trial.ref),
         tip=filtered(trial.tip),
         points=filtered(trial.points),
+        cutoff_hz=np.inf,
         band_hz=np.inf,
         notes=(*trial.notes, f"all columns low-passed at {cutoff_hz:.4g} Hz (zero phase)"),
     )
@@ -207,7 +212,7 @@ def _signal(motion: Uniform) -> Signal:
     return Signal(columns["q"], motion.dt_s, 2)
 
 
-def _derive(motion: Uniform, band_hz: float, smooth: bool) -> Trial:
+def _derive(motion: Uniform, cutoff_hz: float, band_hz: float) -> Trial:
     """Fill in what is missing and filter all columns alike, if anything was."""
     measured, dt_s = motion.measured, motion.dt_s
     given = dict(measured.columns)
@@ -215,17 +220,16 @@ def _derive(motion: Uniform, band_hz: float, smooth: bool) -> Trial:
     derived = [name for name in ("dq", "ddq") if name not in given]
     trim = 0
     if derived:
-        corner_hz = DERIVATIVE_CORNER * band_hz if smooth else np.inf
-        trim = _trim(len(measured.t), dt_s, corner_hz)
+        trim = _trim(len(measured.t), dt_s, cutoff_hz)
         reference = given.pop("ref", None)  # a command is known exactly
-        given = {name: lowpass(values, dt_s, corner_hz) for name, values in given.items()}
+        given = {name: lowpass(values, dt_s, cutoff_hz) for name, values in given.items()}
         given |= {} if reference is None else {"ref": reference}
         source = "dq" if "dq" in given else "q"
         if "dq" not in given:
             given["dq"] = differentiate(given["q"], dt_s)
         if "ddq" not in given:
             given["ddq"] = differentiate(given[source], dt_s, 1 if source == "dq" else 2)
-        filtered = "unfiltered" if trim == 0 else f"all columns but ref low-passed at {corner_hz:.4g} Hz"
+        filtered = "unfiltered" if trim == 0 else f"all columns but ref low-passed at {cutoff_hz:.4g} Hz"
         notes.append(f"{', '.join(derived)} derived from {source} (zero phase, {filtered})")
     if trim:
         notes.append(f"{trim * dt_s:.3g} s trimmed at each end")
@@ -233,7 +237,7 @@ def _derive(motion: Uniform, band_hz: float, smooth: bool) -> Trial:
     kept = {name: values[inner] for name, values in given.items()}
     return Trial(
         name=measured.name,
-        t=dt_s * np.arange(len(measured.t) - 2 * trim),
+        t=measured.t[: len(measured.t) - 2 * trim],
         dt_s=dt_s,
         q=kept["q"],
         dq=kept["dq"],
@@ -242,6 +246,7 @@ def _derive(motion: Uniform, band_hz: float, smooth: bool) -> Trial:
         ref=kept.get("ref"),
         tip=kept.get("tip"),
         notes=tuple(notes),
+        cutoff_hz=cutoff_hz,
         band_hz=band_hz,
         points=kept.get("points"),
         role=measured.role,

@@ -27,9 +27,9 @@ class Parser(argparse.ArgumentParser):
         raise ConfigError(f"{self.prog}: {message}")
 
 
-def common_options() -> argparse.ArgumentParser:
+def common_options() -> Parser:
     """Return the parent parser with the options that every command has."""
-    parent = argparse.ArgumentParser(add_help=False)
+    parent = Parser(add_help=False)
     parent.add_argument("--json", action="store_true", help="print one JSON document on stdout, nothing else")
     parent.add_argument("--debug", action="store_true", help="show the traceback of an error")
     return parent
@@ -39,6 +39,11 @@ def emit(text: str) -> None:
     """Write an answer to stdout."""
     sys.stdout.write(text + "\n")
     sys.stdout.flush()
+
+
+def say(sentence: str) -> None:
+    """Write words for the person at the terminal to stderr."""
+    console.print(sentence, markup=False, soft_wrap=True)
 
 
 def to_json(document: object) -> str:
@@ -86,12 +91,7 @@ def run_command(parser: argparse.ArgumentParser, argv: list[str] | None) -> int:
         if debug:
             console.print_exception()
         for sentence in str(error).splitlines():
-            console.print(f"[red]error:[/red] {_plain(sentence)}", soft_wrap=True)
+            say(f"error: {sentence}")
         return error.exit_code
     finally:
         signal.signal(signal.SIGTERM, previous)
-
-
-def _plain(text: str) -> str:
-    """Keep rich from reading brackets in file names and fields as markup."""
-    return text.replace("[", r"\[")

@@ -73,9 +73,10 @@ class Server:
 
     def serve(self, once: bool = False) -> None:
         """Serve for ever, or until a trial has been played to its end."""
+        self.step()
         while not (once and self.player.finished):
-            self.step()
             self._wait()
+            self.step()
 
     def step(self) -> None:
         """Send what is due: at most one frame and one heartbeat."""

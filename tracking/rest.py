@@ -80,7 +80,7 @@ class RestDetector:
         if calm and len(self._cells) == WINDOW:
             doubt = _TO_LEAVE if self.resting else 1.0
             spread = self._sigma * np.sqrt(1.0 / WINDOW + 1.0 / min(self._weight, _MEMORY))
-            mean = np.mean(self._cells, axis=0) - self.offset
+            mean: Floats = np.asarray(np.mean(self._cells, axis=0)) - self.offset
             # A motion's acceleration also passes through zero: then the window's mean is small, its trend is not.
             trend = self._trend @ np.array(self._cells)
             wander = self._sigma * float(np.linalg.norm(self._trend))

@@ -69,9 +69,7 @@ def serve(arguments: argparse.Namespace) -> Document:
         zmq.Context() as context,
         Server(context, player, clocks, time.sleep, arguments.endpoint, arguments.control) as server,
     ):
-        _say(
-            f"{source.name}: {len(source.trials)} trial(s) on {server.endpoint}, control on {server.control}"
-        )
+        _say(f"{source.name}: {len(source.trials)} trial(s) on {server.endpoint}, control on {server.control}")
         if arguments.play:
             player.play()
         try:

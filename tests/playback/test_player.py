@@ -24,7 +24,7 @@ def drain(player: Player) -> list[dict[str, Any]]:
 
 
 @keep_fixtures
-@given(rate_hz=st.floats(1.0, 1000.0), trial=st.integers(1, 3), steps=st.lists(st.floats(0.0, 0.2), max_size=30))
+@given(rate_hz=st.floats(1.0, 200.0), trial=st.integers(1, 3), steps=st.lists(st.floats(0.0, 0.2), max_size=30))
 def test_every_frame_comes_once_with_the_time_it_was_due_whatever_the_hold_ups(
     source: Source, rate_hz: float, trial: int, steps: list[float]
 ) -> None:

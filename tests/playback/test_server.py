@@ -1,6 +1,5 @@
-"""The server on real sockets, in a process of its own and by a clock that the test moves."""
+"""The server on real sockets, by a clock that the test moves and in a process of its own."""
 
-import itertools
 import json
 import signal
 from collections.abc import Iterator
@@ -38,7 +37,7 @@ def server(context, source, fake_time) -> Iterator[Server]:
 
 @pytest.fixture
 def subscriber(context, server: Server, fake_time) -> Iterator[Subscriber]:
-    """A subscriber that the server's messages already reach."""
+    """Return a subscriber that the server's messages already reach."""
     with Subscriber(context, server.endpoint, [PLAY, HEALTH]) as subscriber:
         while subscriber.receive(20) is None:
             fake_time.now_s += 1.0
@@ -72,8 +71,7 @@ def test_a_hold_up_delays_no_later_frame_and_loses_none(server: Server, subscrib
     while server.player.playing:
         server.step()
         frames.append(receive(subscriber, PLAY))
-        if fake_time.now_s < server.player.deadline_s() if server.player.playing else False:
-            fake_time.now_s = server.player.deadline_s()
+        fake_time.now_s = max(fake_time.now_s, server.player.deadline_s() or 0.0)
     assert fake_time.now_s == pytest.approx(start_s + 0.5)
     assert np.diff([frame["t0_ns"] for frame in frames]).tolist() == [10_000_000] * 50
     assert server.state()["lateness_ms"]["max"] == pytest.approx(105.0)
@@ -83,8 +81,8 @@ def test_the_heartbeat_comes_once_a_second_and_says_what_was_sent(
     server: Server, subscriber: Subscriber, fake_time
 ) -> None:
     server.player.play()
-    for _ in range(600):
-        fake_time.now_s += 0.005
+    for _ in range(3 * 128):
+        fake_time.now_s += 1 / 128
         server.step()
     fake_time.now_s += 7.0  # held up: one heartbeat makes up for all that were missed
     server.step()
@@ -95,8 +93,7 @@ def test_the_heartbeat_comes_once_a_second_and_says_what_was_sent(
     while (message := subscriber.receive(200)) is not None:
         if message[0] == HEALTH:
             health.append(message[1])
-    assert len(health) == 5
-    assert [round(beat["uptime_s"] - health[0]["uptime_s"], 6) for beat in health[1:]] == [1.0, 2.0, 9.0, 10.0]
+    assert [beat["uptime_s"] - health[0]["uptime_s"] for beat in health] == [0.0, 1.0, 2.0, 9.0, 10.0]
     assert health[0].keys() >= {"uptime_s", "last_seq", "playing", "lateness_ms", "arm", "run", "seq", "v"}
     assert health[-1]["last_seq"] == {PLAY: 50, HEALTH: health[-1]["seq"] - 1}
     assert not subscriber.missed
@@ -173,6 +170,7 @@ BAD = [
     (b"play", "not msgpack"),
     (b"\xc1", "not msgpack"),
     (b"\x91" * 50_000, "not msgpack"),
+    (b"\x82\xa3cmd\xa4play\xa1v" + b"\x91" * 1000 + b"\x01", "request: "),
     (msgpack.packb("play"), "expected a map"),
     (msgpack.packb({"v": 2, "cmd": "play"}), "version is 2"),
     (msgpack.packb({"v": 1, "cmd": "seek"}), "cmd is 'seek'"),
@@ -182,7 +180,7 @@ BAD = [
 ]
 
 
-@pytest.mark.parametrize(("payload", "said"), BAD, ids=itertools.count().__next__ and None)
+@pytest.mark.parametrize(("payload", "said"), BAD)
 @pytest.mark.parametrize("kind", [zmq.REQ, zmq.DEALER], ids=["REQ", "DEALER"])
 def test_a_bad_request_is_refused_and_survived(playback, kind: int, payload: bytes, said: str) -> None:
     with playback.context.socket(kind) as socket:

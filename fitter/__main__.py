@@ -1,0 +1,27 @@
+"""`fitter`: recordings and streams in, calibrated arms out."""
+
+import sys
+from types import ModuleType
+
+from fitter.commands import simulate, track
+from limbcal.command import Parser, common_options, run_command
+
+COMMANDS: dict[str, tuple[ModuleType, str]] = {
+    "track": (track, "accelerations to joint motion"),
+    "simulate": (simulate, "the motion of a calibrated arm"),
+}
+
+
+def main(argv: list[str] | None = None) -> int:
+    """Run one command and return its exit code."""
+    parser = Parser(prog="fitter", description="Learn an arm's kinematics and dynamics from its motion.")
+    commands = parser.add_subparsers(required=True, metavar="COMMAND", parser_class=Parser)
+    for name, (module, sentence) in COMMANDS.items():
+        module.add_arguments(
+            commands.add_parser(name, help=sentence, description=sentence, parents=[common_options()])
+        )
+    return run_command(parser, argv)
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,81 @@
+"""Options that several commands share."""
+
+import argparse
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+
+from arm.model import Arm, Floats
+from limbcal.errors import ConfigError
+
+
+def add_arm(parser: argparse.ArgumentParser, required: bool = True) -> None:
+    """Add ``--arm``."""
+    parser.add_argument(
+        "--arm", required=required, metavar="A", help="arm file, or the name of a built-in arm such as dd-arm"
+    )
+
+
+def add_columns(parser: argparse.ArgumentParser) -> None:
+    """Add ``--columns`` and ``--rate-hz``."""
+    parser.add_argument(
+        "--columns", metavar="MAP", help='where foreign columns are, such as "t=time,q=pos{j},tau=torque{j}"'
+    )
+    parser.add_argument(
+        "--rate-hz", type=positive, metavar="R", help="rate to resample to, or of samples that come without a time"
+    )
+
+
+def add_out(parser: argparse.ArgumentParser, help_text: str) -> None:
+    """Add ``--out FILE``."""
+    parser.add_argument("--out", type=Path, required=True, metavar="FILE", help=help_text)
+
+
+def positive(text: str) -> float:
+    """Read a number above zero."""
+    value = float(text)
+    if not 0.0 < value < float("inf"):
+        raise argparse.ArgumentTypeError(f"{text} is not above 0")
+    return value
+
+
+def joint_values(text: str | None, arm: Arm, option: str, default: Floats) -> Floats:
+    """Read one number a joint, such as ``0,1.57``.
+
+    Raises
+    ------
+    ConfigError
+        If there are not as many numbers as the arm has joints.
+    """
+    if text is None:
+        return default
+    try:
+        values = np.array([float(part) for part in text.split(",")])
+    except ValueError as error:
+        raise ConfigError(f"{option} is {text!r}, expected numbers parted by commas") from error
+    if len(values) != arm.n_joint:
+        raise ConfigError(f"{option} has {len(values)} numbers, expected one a joint ({arm.n_joint})")
+    return values
+
+
+def pairs(text: str | None, option: str) -> dict[str, str]:
+    """Read ``name=value`` pairs parted by commas; a name alone has an empty value.
+
+    Raises
+    ------
+    ConfigError
+        If a name is missing or given twice.
+    """
+    found: dict[str, str] = {}
+    for part in [] if text is None else text.split(","):
+        name, _, value = part.strip().partition("=")
+        if not name or name in found:
+            raise ConfigError(f"{option} is {text!r}, expected each parameter's name once")
+        found[name] = value
+    return found
+
+
+def per_joint(values: Floats) -> Sequence[float]:
+    """Return plain numbers for JSON."""
+    return [float(value) for value in values]

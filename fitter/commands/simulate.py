@@ -1,0 +1,103 @@
+"""`fitter simulate`: the motion of a calibrated arm under its control, section 7."""
+
+import argparse
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from arm.arm_file import load_arm
+from arm.kinematics import tip_position
+from arm.model import Arm, Floats
+from arm.simulation import Motion, simulate
+from fitter.columns import parse_mapping
+from fitter.commands.options import add_arm, add_columns, add_out, joint_values
+from fitter.motion_file import write_motion
+from fitter.motions import Measured, read_motions
+from fitter.resample import resample
+from limbcal.command import Document, say
+from limbcal.errors import ConfigError, DataError
+
+#: The simulation's own step is at most this long [s].
+_LONGEST_STEP_S = 1e-3
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Say what `fitter simulate` takes."""
+    add_arm(parser)
+    parser.add_argument(
+        "--reference",
+        type=Path,
+        required=True,
+        metavar="FILE",
+        help="t, ref1… (or tau1… where the arm's law is 'measured'), and where known q1…, dq1…, trial",
+    )
+    parser.add_argument("--initial-q", metavar="Q1,…", help="state at the start of each trial [rad or m]")
+    parser.add_argument(
+        "--scheme",
+        choices=["rk4", "paper"],
+        default="rk4",
+        help="integration: Runge-Kutta, or as the paper prints it",
+    )
+    add_columns(parser)
+    add_out(parser, "joint motion: .csv, .parquet or .npz")
+    parser.set_defaults(action=simulate_reference)
+
+
+def simulate_reference(arguments: argparse.Namespace) -> Document:
+    """Simulate every trial of a reference and write the motion."""
+    arm = load_arm(arguments.arm)
+    role = "tau" if arm.control.law == "measured" else "ref"
+    mapping = parse_mapping(arguments.columns, arm.n_joint)
+    trials = read_motions(arguments.reference, arm.n_joint, mapping, arguments.rate_hz, required=(role,))
+    parts: list[dict[str, NDArray[np.generic]]] = []
+    for number, measured in enumerate(trials, 1):
+        trial = resample(measured, arguments.rate_hz)
+        q0 = joint_values(arguments.initial_q, arm, "--initial-q", _start(trial.measured, arm))
+        motion = _simulated(arm, trial.measured, trial.dt_s, q0, arguments.scheme)
+        if not np.isfinite(motion.q).all():
+            raise DataError(
+                f"{measured.name}: the simulation runs away to infinity; expected an arm that masses can have"
+            )
+        columns = {name: getattr(motion, name) for name in ("q", "dq", "ddq", "tau", "ref")}
+        parts.append(
+            {
+                "t": motion.t + measured.t[0],
+                **columns,
+                "tip": tip_position(arm, motion.q),
+                "trial": np.full(len(motion.t), number),
+            }
+        )
+    write_motion(arguments.out, {name: np.concatenate([part[name] for part in parts]) for name in parts[0]})
+    samples = sum(len(part["t"]) for part in parts)
+    say(f"{len(parts)} trial(s), {samples} samples -> {arguments.out}")
+    return {"out": str(arguments.out), "trials": len(parts), "samples": samples, "scheme": arguments.scheme}
+
+
+def _start(measured: Measured, arm: Arm) -> Floats:
+    """Return the state that the file begins with: its own angles, or at rest at the target."""
+    for role in ("q", "ref"):
+        if role in measured.columns:
+            start: Floats = measured.columns[role][0]
+            return start
+    raise ConfigError(
+        f"{measured.where}: has no q1… to start from, expected them or --initial-q for arm {arm.name}"
+    )
+
+
+def _simulated(arm: Arm, trial: Measured, dt_s: float, q0: Floats, scheme: str) -> Motion:
+    """Simulate with steps that are short enough, and give back the file's own samples."""
+    parts = max(1, int(np.ceil(dt_s / _LONGEST_STEP_S - 1e-9)))
+    n = len(trial.t)
+    held = np.repeat(np.arange(n), parts)
+    torque = None
+    if arm.control.law == "measured":
+        fine = np.arange(n * parts) / parts
+        tau = trial.columns["tau"]
+        torque = np.column_stack([np.interp(fine, np.arange(n), column) for column in tau.T])
+    ref = trial.columns.get("ref", np.zeros((n, arm.n_joint)))[held]
+    dq = trial.columns.get("dq")
+    motion = simulate(
+        arm, ref, dt_s / parts, q0, None if dq is None else dq[0], "paper" if scheme == "paper" else "rk4", torque
+    )
+    return Motion(*(getattr(motion, name)[::parts] for name in ("t", "q", "dq", "ddq", "tau", "ref")))

@@ -1,0 +1,63 @@
+"""Samples that are missing in a row of time stamps."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+Floats = NDArray[np.float64]
+
+#: A step this many times the usual one may be a gap; a late stamp looks the same at first.
+SUSPICIOUS = 1.5
+#: Stamps on either side that tell a gap, after which all stamps are late, from one late stamp.
+WITNESSES = 8
+
+
+@dataclass(frozen=True)
+class Gap:
+    """Samples were lost before a row.
+
+    Attributes
+    ----------
+    row : int
+        First row after the gap, from 0.
+    samples : int
+        How many samples are missing.
+    """
+
+    row: int
+    samples: int
+
+
+def find_gaps(t: Floats) -> tuple[float, tuple[Gap, ...]]:
+    """Find the step of some time stamps and the gaps in them.
+
+    Parameters
+    ----------
+    t : ndarray of shape (n,), n >= 2
+        Rising time stamps [s], equally spaced but for jitter and gaps.
+
+    Returns
+    -------
+    dt_s : float
+        The mean step, gaps taken into account [s].
+    gaps : tuple of Gap
+        A single stamp that came late, with the following ones in time, is no gap.
+    """
+    steps = np.diff(t)
+    usual = float(np.median(steps))
+    suspects = np.flatnonzero(steps > SUSPICIOUS * usual)
+    gaps: list[Gap] = []
+    first = 0
+    for place, k in enumerate(suspects.tolist()):
+        following = suspects[place + 1] + 1 if place + 1 < len(suspects) else len(t)
+        before = np.arange(max(k + 1 - WITNESSES, first), k + 1)
+        after = np.arange(k + 1, max(k + 2, min(k + 1 + WITNESSES, following)))
+        expected = np.median(t[before] + usual * (k + 1 - before))
+        found = np.median(t[after] - usual * (after - k - 1))
+        samples = round(float(found - expected) / usual)
+        if samples > 0:
+            gaps.append(Gap(k + 1, samples))
+            first = k + 1
+    lost = sum(gap.samples for gap in gaps)
+    return float(t[-1] - t[0]) / (len(t) - 1 + lost), tuple(gaps)

@@ -1,0 +1,239 @@
+"""The daemon's tests run the real programs, on real ptys; nothing may be left when a test ends."""
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import tempfile
+import threading
+import time
+import tty
+from collections.abc import Callable, Iterator, Sequence
+from pathlib import Path
+from select import select
+from typing import Any
+
+import numpy as np
+import psutil
+import pytest
+from numpy.typing import NDArray
+
+from protocol.serial_frame import Channel, DeviceInfo, encode_info
+
+PATIENCE_S = 30.0
+SCALE = 0.0015
+DD_CHANNELS = tuple(f"s{k}{axis}" for k in (1, 2, 3, 4) for axis in "xyz")
+
+
+def device_info(rate_hz: float = 8000.0, names: Sequence[str] = DD_CHANNELS) -> DeviceInfo:
+    channels = tuple(Channel(name, SCALE, 0.0, 49.0) for name in names)
+    return DeviceInfo("test device", "1", "1", rate_hz, 1e6, channels)
+
+
+def wait_until(condition: Callable[[], bool], what: str, patience_s: float = PATIENCE_S) -> None:
+    end = time.monotonic() + patience_s
+    while not condition():
+        assert time.monotonic() < end, f"waited in vain until {what}"
+        threading.Event().wait(0.01)
+
+
+class Program:
+    """`limbd` as a process of its own; what it says on stderr goes to a file."""
+
+    def __init__(self, folder: Path, *arguments: str) -> None:
+        self.stderr_path = Path(tempfile.mkstemp(dir=folder, suffix=".err")[1])
+        with self.stderr_path.open("wb") as stderr:
+            self.process = subprocess.Popen(
+                [sys.executable, "-m", "daemon", *arguments], stdout=subprocess.PIPE, stderr=stderr, text=True
+            )
+        self.family: list[psutil.Process] = []
+
+    @property
+    def said(self) -> str:
+        return " ".join(self.stderr_path.read_text().split())
+
+    def announcement(self) -> dict[str, Any]:
+        """Wait for the JSON line, and note which processes there are."""
+        assert self.process.stdout is not None
+        line = self.process.stdout.readline()
+        assert line, f"ended with {self.process.wait(PATIENCE_S)}: {self.said}"
+        self.family = psutil.Process(self.process.pid).children(recursive=True)
+        document: dict[str, Any] = json.loads(line)
+        return document
+
+    def signal(self, number: int = signal.SIGTERM) -> None:
+        self.process.send_signal(number)
+
+    def wait(self) -> int:
+        """Wait for its end and that of its family; return the exit code."""
+        code = self.process.wait(PATIENCE_S)
+        _, alive = psutil.wait_procs(self.family, timeout=PATIENCE_S)
+        left = [p for p in alive if p.is_running() and p.status() != psutil.STATUS_ZOMBIE]
+        assert not left, f"left behind: {left}"
+        return code
+
+    def stop(self) -> int:
+        self.signal()
+        return self.wait()
+
+    def cleanup(self) -> None:
+        if self.process.poll() is None:
+            self.process.kill()
+            self.process.wait(PATIENCE_S)
+        if self.process.stdout is not None:
+            self.process.stdout.close()
+
+
+class PtyDevice:
+    """A device under the test's control, on a real pty: answers INFO and writes what it is told to.
+
+    ``on_start`` is written when START comes.
+    """
+
+    def __init__(self, info: DeviceInfo | None, on_start: bytes = b"") -> None:
+        self.commands = b""
+        self.sent = 0
+        self._info = info
+        self._on_start = on_start
+        self._outgoing = bytearray()
+        self._lock = threading.Lock()
+        self._master, self._slave = os.openpty()
+        self.path = os.ttyname(self._slave)
+        tty.setraw(self._slave)
+        os.set_blocking(self._master, False)
+        self._wake_read, self._wake_write = os.pipe()
+        self._stopping = False
+        self._thread = threading.Thread(target=self._serve)
+        self._thread.start()
+
+    def write(self, data: bytes) -> None:
+        with self._lock:
+            self._outgoing += data
+        os.write(self._wake_write, b".")
+
+    def close(self) -> None:
+        if self._master >= 0:
+            self._stopping = True
+            os.write(self._wake_write, b".")
+            self._thread.join(PATIENCE_S)
+            for descriptor in (self._master, self._slave, self._wake_read, self._wake_write):
+                os.close(descriptor)
+            self._master = -1
+
+    def _serve(self) -> None:
+        pending = b""
+        while not self._stopping:
+            writers = [self._master] if self._outgoing else []
+            readable, writable, _ = select([self._master, self._wake_read], writers, [], 1.0)
+            if self._wake_read in readable:
+                os.read(self._wake_read, 4096)
+            if self._master in readable:
+                data = os.read(self._master, 4096)
+                self.commands += data
+                *lines, pending = (pending + data).split(b"\n")
+                for line in lines:
+                    self._obey(line)
+            if writable:
+                with self._lock:
+                    sent = os.write(self._master, bytes(self._outgoing[:8192]))
+                    del self._outgoing[:sent]
+                    self.sent += sent
+
+    def _obey(self, command: bytes) -> None:
+        answer = b""
+        if command in (b"INFO", b"START") and self._info is not None:
+            answer += encode_info(self._info, 0, 0)
+        if command == b"START":
+            answer += self._on_start
+        with self._lock:
+            self._outgoing += answer
+
+
+@pytest.fixture
+def limbd(tmp_path: Path) -> Iterator[Callable[..., Program]]:
+    """Start `limbd` with some arguments."""
+    programs: list[Program] = []
+
+    def start(*arguments: str) -> Program:
+        programs.append(Program(tmp_path, *arguments))
+        return programs[-1]
+
+    yield start
+    for program in reversed(programs):
+        program.cleanup()
+
+
+@pytest.fixture
+def pty_device() -> Iterator[Callable[..., PtyDevice]]:
+    """Make a device on a pty."""
+    devices: list[PtyDevice] = []
+
+    def make(info: DeviceInfo | None, on_start: bytes = b"") -> PtyDevice:
+        devices.append(PtyDevice(info, on_start))
+        return devices[-1]
+
+    yield make
+    for device in devices:
+        device.close()
+
+
+@pytest.fixture
+def random_counts() -> Callable[[int], NDArray[np.int16]]:
+    """Return noise about what level sensors at rest read."""
+
+    def make(n_sample: int) -> NDArray[np.int16]:
+        noise = np.random.default_rng(7).integers(-20, 20, (n_sample, len(DD_CHANNELS)))
+        noise[:, 2::3] += round(9.80665 / SCALE)
+        return noise.astype(np.int16)
+
+    return make
+
+
+@pytest.fixture(autouse=True)
+def nothing_left() -> Iterator[None]:
+    """Fail a test that leaves a process, shared memory, a temporary folder, a descriptor or a thread."""
+    before = _belongings()
+    yield
+    end = time.monotonic() + PATIENCE_S
+    while (after := _belongings()) - before and time.monotonic() < end:
+        threading.Event().wait(0.05)
+    assert not after - before
+
+
+def _belongings() -> set[str]:
+    children = psutil.Process().children(recursive=True)
+    temporary = Path(tempfile.gettempdir())
+    return {
+        *(f"process {p.pid}" for p in children if _lives(p) and "resource_tracker" not in _command(p)),
+        *(f"shared memory {entry.name}" for entry in Path("/dev/shm").iterdir()),
+        *(f"folder {entry}" for entry in temporary.glob("limbd-*")),
+        *(f"thread {thread.name}" for thread in threading.enumerate()),
+        *(f"descriptor {name} {target}" for name, target in _descriptors()),
+    }
+
+
+def _descriptors() -> list[tuple[str, str]]:
+    found = []
+    for entry in Path("/proc/self/fd").iterdir():
+        try:
+            target = os.readlink(entry)
+        except OSError:
+            continue
+        if target.startswith(("/dev/pts", "/dev/ptmx", "socket:")):
+            found.append((entry.name, target))
+    return found
+
+
+def _lives(process: psutil.Process) -> bool:
+    try:
+        return bool(process.status() != psutil.STATUS_ZOMBIE)
+    except psutil.NoSuchProcess:
+        return False
+
+
+def _command(process: psutil.Process) -> str:
+    try:
+        return " ".join(process.cmdline())
+    except psutil.Error:
+        return ""

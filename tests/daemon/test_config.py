@@ -1,0 +1,125 @@
+"""Every mistake is named, flags win, and what is attached to a recording gives the same config again."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from daemon.config import format_config, load_setup
+from limbcal.errors import ConfigError
+
+EXAMPLE = Path(__file__).parents[2] / "examples" / "limbd.toml"
+
+
+def mistakes_in(tmp_path: Path, text: str, **flags: dict[str, object]) -> list[str]:
+    path = tmp_path / "limbd.toml"
+    path.write_text(text)
+    with pytest.raises(ConfigError) as caught:
+        load_setup(path, flags)
+    return caught.value.mistakes
+
+
+def test_the_example_is_right_and_shows_every_field() -> None:
+    setup = load_setup(EXAMPLE, {})
+    shown = setup.config.model_dump()
+    assert shown["record"] == {"directory": "recordings"}
+    text = EXAMPLE.read_text()
+    for table, fields in shown.items():
+        assert f"[{table}]" in text
+        for field in fields:
+            assert f"\n{field} = " in text
+
+
+def test_flags_alone_are_enough() -> None:
+    setup = load_setup(None, {"device": {"port": "/dev/ttyX"}, "arm": {"file": "dd-arm"}})
+    assert setup.config.device.baud == 12_000_000
+    assert setup.config.publish.endpoint == "tcp://127.0.0.1:5770"
+    assert setup.config.record is None
+    np.testing.assert_array_equal(setup.initial_q_rad, np.zeros(2))
+
+
+def test_flags_win_over_the_file() -> None:
+    setup = load_setup(EXAMPLE, {"device": {"port": "/dev/ttyX"}, "arm": {"file": "dd-arm-vertical"}})
+    assert setup.config.device.port == "/dev/ttyX"
+    assert setup.config.device.baud == 12_000_000
+    assert setup.arm.name == "dd-arm-vertical"
+
+
+def test_without_a_file_the_flags_that_are_missing_are_named() -> None:
+    with pytest.raises(ConfigError) as caught:
+        load_setup(None, {})
+    assert len(caught.value.mistakes) == 2
+    assert "--port" in caught.value.mistakes[0]
+    assert "--arm" in caught.value.mistakes[1]
+
+
+def test_all_mistakes_are_named_with_where(tmp_path: Path) -> None:
+    text = """
+        [device]
+        port = "/dev/ttyX"
+        baud = "fast"
+        [arm]
+        file = "no-such-arm"
+        [tracking]
+        initial_q_rad = [0.0, nan]
+        metod = "integrate"
+        [publish]
+        endpoint = "127.0.0.1:5770"
+    """
+    mistakes = mistakes_in(tmp_path, text)
+    assert len(mistakes) == 5
+    for field, found in (
+        ("device.baud", "'fast'"),
+        ("tracking.initial_q_rad[1]", "nan"),
+        ("tracking.metod", "not a known field"),
+        ("publish.endpoint", "'127.0.0.1:5770'"),
+        ("no-such-arm", "expected an arm file or one of dd-arm"),
+    ):
+        (sentence,) = (mistake for mistake in mistakes if field in mistake)
+        assert found in sentence
+    assert all("limbd.toml" in mistake for mistake in mistakes[:4])
+
+
+def test_mistakes_in_the_arm_file_are_named_too(tmp_path: Path) -> None:
+    arm = tmp_path / "arm.toml"
+    arm.write_text('schema = 1\nname = "x"\n[[joint]]\na_m = "long"\ncolour = "red"\n')
+    text = f'[device]\nport = "/dev/ttyX"\nbaud = 0\n[arm]\nfile = "{arm}"\n'
+    mistakes = mistakes_in(tmp_path, text)
+    assert len(mistakes) == 3
+    assert "device.baud" in mistakes[0]
+    assert "arm.toml: joint[0].a_m" in mistakes[1]
+    assert "arm.toml: joint[0].colour" in mistakes[2]
+
+
+def test_angles_must_be_as_many_as_joints(tmp_path: Path) -> None:
+    text = '[device]\nport = "/dev/ttyX"\n[arm]\nfile = "dd-arm"\n[tracking]\ninitial_q_rad = [0.1]\n'
+    (mistake,) = mistakes_in(tmp_path, text)
+    assert mistake.endswith("tracking.initial_q_rad has 1 numbers, expected one a joint of 'dd-arm' (2)")
+
+
+def test_an_arm_without_sensors_cannot_be_tracked(tmp_path: Path) -> None:
+    arm = tmp_path / "arm.toml"
+    arm.write_text('schema = 1\nname = "x"\n[[joint]]\na_m = 0.3\n')
+    (mistake,) = mistakes_in(tmp_path, f'[device]\nport = "/dev/ttyX"\n[arm]\nfile = "{arm}"\n')
+    assert "has no [[sensor]]" in mistake
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [("[device\n", "not TOML"), ('device = "tty"\n', "device is 'tty'"), ('[device]\nport = ""\n', "device.port is ''")],
+)
+def test_broken_files(tmp_path: Path, text: str, said: str) -> None:
+    assert any(said in mistake for mistake in mistakes_in(tmp_path, text))
+
+
+def test_a_file_that_is_not_there(tmp_path: Path) -> None:
+    with pytest.raises(ConfigError, match="nowhere.toml: No such file"):
+        load_setup(tmp_path / "nowhere.toml", {})
+
+
+def test_the_attached_config_gives_the_same_again(tmp_path: Path) -> None:
+    flags = {"device": {"port": 'C:\\odd "name" ü'}, "tracking": {"initial_q_rad": [0.1, -1e-9]}}
+    setup = load_setup(EXAMPLE, flags)
+    again = tmp_path / "again.toml"
+    again.write_text(format_config(setup.config), encoding="utf-8")
+    assert load_setup(again, {}).config == setup.config

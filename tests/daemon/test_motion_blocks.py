@@ -1,0 +1,103 @@
+"""Blocks hold the same rows as the pieces, whatever the pieces; a gap begins a new block."""
+
+import numpy as np
+from hypothesis import given
+from hypothesis import strategies as st
+
+from daemon.motion_blocks import (
+    RawSamples,
+    frame_cutter,
+    frames_message,
+    plot_rows,
+    raw_cutter,
+    raw_message,
+)
+from tracking.frames import Frames
+
+DT_S = 1e-3
+T0_NS = 1_700_000_000_000_000_000
+
+
+def frames(first: int, n: int, gap: bool = False) -> Frames:
+    number = np.arange(first, first + n, dtype=float)
+    two = np.stack([number, number + 0.5], axis=1)
+    return Frames(
+        first,
+        T0_NS + round(first * DT_S * 1e9),
+        DT_S,
+        two,
+        2 * two,
+        3 * two,
+        np.stack([number] * 3, axis=1),
+        np.broadcast_to(number[:, None, None], (n, 4, 3)),
+        gap,
+    )
+
+
+@given(st.lists(st.tuples(st.integers(1, 35), st.sampled_from([0, 0, 0, 17])), min_size=1, max_size=30))
+def test_any_cutting_gives_the_same_rows(pieces: list[tuple[int, int]]) -> None:
+    cutter = frame_cutter(DT_S)
+    blocks: list[Frames] = []
+    number, expected = 0, []
+    for n, lost in pieces:
+        number += lost
+        blocks += cutter.add(frames(number, n, gap=lost > 0))
+        expected += list(range(number, number + n))
+        number += n
+    blocks += cutter.flush()
+    assert np.concatenate([block.q[:, 0] for block in blocks]).tolist() == expected
+    for block in blocks:
+        assert 1 <= block.n <= 10
+        whole = frames(block.frame0, block.n, block.gap)
+        assert block.t0_ns == whole.t0_ns
+        for name in ("q", "dq", "ddq", "tip", "points"):
+            np.testing.assert_array_equal(getattr(block, name), getattr(whole, name))
+    for before, after in zip(blocks, blocks[1:], strict=False):
+        assert after.gap == (after.frame0 != before.frame0 + before.n)
+    assert not cutter.flush()
+
+
+def test_blocks_of_frames_are_ten_milliseconds_long() -> None:
+    cutter = frame_cutter(DT_S)
+    assert [block.n for block in cutter.add(frames(0, 34))] == [10, 10, 10]
+
+
+def test_plot_has_a_hundred_rows_a_second() -> None:
+    cutter = frame_cutter(DT_S)
+    rows = [row for k in range(250) for block in cutter.add(frames(4 * k, 4)) for row in plot_rows(block)]
+    assert len(rows) == 100
+    assert rows[3] == {
+        "ts": T0_NS * 1e-9 + 0.03,
+        **{"q1": 30.0, "q2": 30.5, "dq1": 60.0, "dq2": 61.0, "ddq1": 90.0, "ddq2": 91.5},
+        **{"tipx": 30.0, "tipy": 30.0, "tipz": 30.0},
+    }
+
+
+def test_messages_have_the_fields_of_the_contract() -> None:
+    assert set(frames_message(frames(0, 10), "integrate")) == {
+        *("frame0", "t0_ns", "dt_s", "n", "method", "q", "dq", "ddq", "tip", "points", "gap")
+    }
+    raw = raw_message(RawSamples(5, T0_NS, 1 / 32000, np.ones((7, 12)), False))
+    assert set(raw) == {"sample0", "t0_ns", "dt_s", "n", "a"}
+    assert raw["a"].dtype == np.float32
+
+
+def test_every_count_can_be_had_back_from_single_precision() -> None:
+    counts = np.arange(-32768, 32768)
+    scale = 5.0 * 9.80665 / 32768
+    raw = raw_message(RawSamples(0, T0_NS, 1 / 32000, (counts * scale)[:, None], False))
+    np.testing.assert_array_equal(np.rint(raw["a"][:, 0] / scale), counts)
+
+
+def test_raw_blocks_go_on_where_the_last_ended() -> None:
+    cutter = raw_cutter(32000.0)
+    sample, blocks = 0, []
+    for n in (100, 700, 3, 1000):
+        a = np.arange(sample, sample + n, dtype=float)[:, None]
+        blocks += cutter.add(RawSamples(sample, T0_NS + round(sample / 32e3 * 1e9), 1 / 32e3, a, False))
+        sample += n
+    blocks += cutter.flush()
+    assert [block.n for block in blocks] == [320] * 5 + [1803 - 5 * 320]
+    for block in blocks:
+        assert block.a[0, 0] == block.sample0
+        assert abs(block.t0_ns - T0_NS - block.sample0 / 32e3 * 1e9) <= 2
