@@ -179,6 +179,12 @@ def pty_device() -> Iterator[Callable[..., PtyDevice]]:
 
 
 @pytest.fixture
+def make_info() -> Callable[..., DeviceInfo]:
+    """Describe a device: ``make_info(rate_hz=8000.0, names=DD_CHANNELS)``."""
+    return device_info
+
+
+@pytest.fixture
 def random_counts() -> Callable[[int], NDArray[np.int16]]:
     """Return noise about what level sensors at rest read."""
 

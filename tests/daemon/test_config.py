@@ -106,7 +106,11 @@ def test_an_arm_without_sensors_cannot_be_tracked(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize(
     ("text", "said"),
-    [("[device\n", "not TOML"), ('device = "tty"\n', "device is 'tty'"), ('[device]\nport = ""\n', "device.port is ''")],
+    [
+        ("[device\n", "not TOML"),
+        ('device = "tty"\n', "device is 'tty'"),
+        ('[device]\nport = ""\n', "device.port is ''"),
+    ],
 )
 def test_broken_files(tmp_path: Path, text: str, said: str) -> None:
     assert any(said in mistake for mistake in mistakes_in(tmp_path, text))

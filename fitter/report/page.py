@@ -1,0 +1,96 @@
+"""The page itself: one HTML file, opens offline."""
+
+import base64
+import html
+import math
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+
+from limbcal.errors import DeviceError
+
+_STYLE = """
+body { font: 16px/1.5 system-ui, sans-serif; color: #1c1c1c; max-width: 62rem; margin: 2rem auto; padding: 0 1rem }
+h1 { font-size: 1.6rem; margin-bottom: 0 } h2 { font-size: 1.15rem; margin: 2rem 0 .4rem }
+p.lead { color: #555; margin-top: .2rem } img { max-width: 100% }
+table { border-collapse: collapse; margin: .6rem 0; font-variant-numeric: tabular-nums }
+th, td { padding: .25rem .8rem; text-align: right; border-bottom: 1px solid #ddd }
+th:first-child, td:first-child { text-align: left } th { border-bottom: 2px solid #888; font-weight: 600 }
+td.quiet { color: #999 }
+"""
+
+Row = Sequence[str | float | None]
+
+
+class Page:
+    """A page that grows from top to bottom."""
+
+    def __init__(self, title: str, lead: str) -> None:
+        self._title = title
+        self._parts = [f"<h1>{html.escape(title)}</h1>", f'<p class="lead">{html.escape(lead)}</p>']
+
+    def section(self, title: str, text: str = "") -> None:
+        """Begin a section."""
+        self._parts.append(f"<h2>{html.escape(title)}</h2>")
+        if text:
+            self._parts.append(f"<p>{html.escape(text)}</p>")
+
+    def table(self, header: Sequence[str], rows: Sequence[Row]) -> None:
+        """Add a table; numbers are rounded, what is missing is a dash."""
+        head = "".join(f"<th>{html.escape(cell)}</th>" for cell in header)
+        body = "".join(f"<tr>{''.join(_cell(cell) for cell in row)}</tr>" for row in rows)
+        self._parts.append(f"<table><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table>")
+
+    def picture(self, png: bytes, caption: str) -> None:
+        """Add a picture; it is inside the file."""
+        data = base64.b64encode(png).decode("ascii")
+        alt = html.escape(caption, quote=True)
+        self._parts.append(
+            f'<p><img alt="{alt}" src="data:image/png;base64,{data}"><br>{html.escape(caption)}</p>'
+        )
+
+    def write(self, path: Path) -> None:
+        """Write the page.
+
+        Raises
+        ------
+        DeviceError
+            If the file cannot be written.
+        """
+        text = (
+            '<!doctype html><html lang="en"><meta charset="utf-8">'
+            f"<title>{html.escape(self._title)}</title><style>{_STYLE}</style><body>{''.join(self._parts)}</body></html>"
+        )
+        try:
+            path.write_text(text, encoding="utf-8")
+        except OSError as error:
+            raise DeviceError(f"{path}: cannot be written: {error.strerror}") from error
+
+
+def parameter_rows(
+    parameters: Mapping[str, Mapping[str, object]], known: Mapping[str, float], published: Mapping[str, float]
+) -> list[Row]:
+    """Return a row a parameter: estimate, standard error, the known value, how far off, the paper's.
+
+    Parameters
+    ----------
+    parameters : mapping
+        As in the JSON documents: value, std, unit, identifiable.
+    known, published : mapping from name to number
+    """
+    rows: list[Row] = []
+    for name, fields in parameters.items():
+        value, std = float(str(fields["value"])), fields["std"]
+        true = known.get(name)
+        off = None if true is None else value - true
+        spread = float(std) if isinstance(std, float) else None
+        unknown = None if fields["identifiable"] else "not revealed"
+        rows.append((name, value, unknown or spread, true, off, published.get(name), str(fields["unit"])))
+    return rows
+
+
+def _cell(value: str | float | None) -> str:
+    if value is None or (isinstance(value, float) and math.isnan(value)):
+        return '<td class="quiet">–</td>'
+    if isinstance(value, str):
+        return f"<td>{html.escape(value)}</td>"
+    return f"<td>{value:.6f}</td>" if abs(value) < 1e3 else f"<td>{value:.6g}</td>"

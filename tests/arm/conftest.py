@@ -1,0 +1,140 @@
+"""Random chains, what pinocchio makes of them, and motions to try on them."""
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+
+import numpy as np
+import pinocchio as pin
+import pytest
+
+from arm.arm_file import load_arm
+from arm.model import Arm, Control, Floats, Friction, Joint, Link, Sensor, Vector3
+
+Draw = Callable[..., Arm]
+
+
+@pytest.fixture(scope="session")
+def dd_arm() -> Arm:
+    return load_arm("dd-arm")
+
+
+@pytest.fixture(scope="session")
+def vertical_arm() -> Arm:
+    return load_arm("dd-arm-vertical")
+
+
+def triple(values: Floats) -> Vector3:
+    x, y, z = np.asarray(values).tolist()
+    return (x, y, z)
+
+
+def point_masses(rng: np.random.Generator) -> Link:
+    """Return the link that six points of mass make: whatever they are, it is a possible one."""
+    mass = rng.uniform(0.1, 0.6, 6)
+    place = rng.uniform(-0.3, 0.3, (6, 3)) + [0.2, 0.0, 0.0]
+    squares = np.einsum("k,ki,ki->", mass, place, place)
+    I = squares * np.eye(3) - np.einsum("k,ki,kj->ij", mass, place, place)  # noqa: E741
+    inertia = (I[0, 0], I[1, 1], I[2, 2], I[0, 1], I[0, 2], I[1, 2])
+    return Link(float(mass.sum()), triple(mass @ place / mass.sum()), tuple(float(x) for x in inertia))
+
+
+def draw_arm(
+    rng: np.random.Generator, n_joint: int | None = None, friction: bool = True, prismatic: bool = True
+) -> Arm:
+    """Return an arm with 1 to 7 joints of either kind, bent every way, with two sensors on each link."""
+    n = int(rng.integers(1, 8)) if n_joint is None else n_joint
+    joints, sensors = [], []
+    for i in range(n):
+        slides = prismatic and rng.random() < 0.35
+        levels = rng.uniform(0.05, 0.5, 3) if friction else np.zeros(3)
+        joints.append(
+            Joint(
+                "prismatic" if slides else "revolute",
+                *rng.uniform(-2.0, 2.0, 1).tolist(),
+                *rng.uniform(-0.6, 0.6, 2).tolist(),
+                *rng.uniform(-2.0, 2.0, 2).tolist(),
+                Friction(*levels.tolist()),
+                point_masses(rng),
+            )
+        )
+        for k in (1, 2):
+            at, turned = rng.uniform(-0.4, 0.4, 3), rng.uniform(-2.0, 2.0, 3)
+            sensors.append(Sensor(f"s{2 * i + k}", i + 1, triple(at), triple(turned)))
+    gains = tuple(rng.uniform(5.0, 15.0, n).tolist())
+    return Arm(
+        "random",
+        tuple(joints),
+        triple(rng.uniform(-10.0, 10.0, 3)),
+        tuple(sensors),
+        control=Control("pd", gains, tuple(-x for x in gains)),
+    )
+
+
+@pytest.fixture(scope="session")
+def random_arm() -> Draw:
+    """Return what makes an arm from a generator: `draw_arm`."""
+    return draw_arm
+
+
+def draw_motion(arm: Arm, rng: np.random.Generator, n_sample: int = 5) -> tuple[Floats, Floats, Floats]:
+    q = rng.uniform(-np.pi, np.pi, (n_sample, arm.n_joint))
+    dq, ddq = rng.normal(size=(2, n_sample, arm.n_joint))
+    return q, dq, ddq
+
+
+@pytest.fixture(scope="session")
+def random_motion() -> Callable[..., tuple[Floats, Floats, Floats]]:
+    """Return what makes q, dq, ddq for an arm from a generator: `draw_motion`."""
+    return draw_motion
+
+
+@dataclass
+class Peer:
+    """The same arm in pinocchio, built from its own primitives and none of our formulae."""
+
+    arm: Arm
+    model: pin.Model = field(init=False)
+    data: pin.Data = field(init=False)
+
+    def __post_init__(self) -> None:
+        self.model = pin.Model()
+        parent, far_end = 0, pin.SE3.Identity()
+        for i, joint in enumerate(self.arm.joints):
+            place = far_end * pin.SE3(pin.utils.rotate("y", joint.beta_rad), np.zeros(3))
+            place = place * pin.SE3(pin.utils.rotate("x", joint.alpha_rad), np.zeros(3))
+            place = place * pin.SE3(pin.utils.rotate("z", joint.theta_offset_rad), np.array([0.0, 0.0, joint.d_m]))
+            kind = pin.JointModelRZ() if joint.type == "revolute" else pin.JointModelPZ()
+            parent = self.model.addJoint(parent, kind, place, f"joint{i}")
+            self.model.appendBodyToJoint(parent, _inertia(joint.link), pin.SE3.Identity())
+            far_end = pin.SE3(np.eye(3), np.array([joint.a_m, 0.0, 0.0]))
+        self.model.gravity.linear = np.array(self.arm.gravity_m_s2)
+        self.tip = self.model.addFrame(pin.Frame("tip", parent, 0, far_end, pin.FrameType.OP_FRAME))
+        self.data = self.model.createData()
+
+    def tip_load(self, q: Floats, force: Floats, moment: Floats) -> pin.StdVec_Force:
+        """Return a force and moment at the tip, given in the base frame, as loads on the joints."""
+        pin.framesForwardKinematics(self.model, self.data, q)
+        tip = pin.SE3(np.eye(3), self.data.oMf[self.tip].translation)  # base axes, at the tip
+        loads = pin.StdVec_Force([pin.Force.Zero() for _ in range(self.model.njoints)])
+        loads[self.model.njoints - 1] = self.data.oMi[self.model.njoints - 1].actInv(
+            tip.act(pin.Force(force, moment))
+        )
+        return loads
+
+    def friction(self, dq: Floats) -> Floats:
+        levels = np.array([[j.friction.viscous_N_m_s, j.friction.coulomb_N_m] for j in self.arm.joints])
+        return levels[:, 0] * dq + levels[:, 1] * np.sign(dq)
+
+
+def _inertia(link: Link) -> pin.Inertia:
+    xx, yy, zz, xy, xz, yz = link.inertia_kg_m2
+    origin = np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
+    com = np.array(link.com_m)
+    about_com = origin - link.mass_kg * (com @ com * np.eye(3) - np.outer(com, com))  # Steiner
+    return pin.Inertia(link.mass_kg, com, about_com)
+
+
+@pytest.fixture(scope="session")
+def peer() -> type[Peer]:
+    """Return what puts an arm into pinocchio: `Peer`."""
+    return Peer

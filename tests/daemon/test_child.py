@@ -1,0 +1,59 @@
+"""A child's failures reach the supervisor as sentences, and its end is noticed."""
+
+import os
+import signal
+from collections.abc import Callable
+from multiprocessing import get_context
+from typing import Any
+
+import pytest
+
+from daemon.child import Child, crash, failure, wait_for_any
+from daemon.control_line import Said
+from daemon.ring import ring_memory
+from limbcal.errors import DeviceError
+
+
+def ended(work: str, *arguments: object) -> tuple[list[Said], Child]:
+    child = Child(get_context("spawn"), "test", work, *arguments)
+    said: list[Said] = []
+    while (heard := child.said()) is not None:
+        said += heard
+        wait_for_any([child], [], 30.0)
+    assert child.end(30.0)
+    return said, child
+
+
+def test_an_error_of_ours_arrives_as_it_was() -> None:
+    said, child = ended("daemon.reader:run_reader", bytearray(256), "/dev/no-such-port", 115200)
+    child.close()
+    (item,) = said
+    error = failure(item)
+    assert isinstance(error, DeviceError)
+    assert str(error) == "port /dev/no-such-port does not exist, expected the serial port of the device"
+
+
+def test_any_other_error_keeps_its_traceback() -> None:
+    said, child = ended("daemon.reader:run_reader", b"too short", "/dev/no-such-port", 115200)
+    child.close()
+    (item,) = said
+    error = crash(child, item)
+    assert "the test process failed: ValueError" in str(error)
+    assert "Traceback" in error.__notes__[0]
+
+
+def test_one_that_does_not_stop_is_killed(pty_device: Callable[..., Any]) -> None:
+    memory = ring_memory(get_context("spawn"), 4096)
+    child = Child(get_context("spawn"), "test", "daemon.reader:run_reader", memory, pty_device(None).path, 115200)
+    wait_for_any([child], [], 30.0)
+    assert child.said() == [{"what": "ready"}]
+    os.kill(child.pid, signal.SIGSTOP)
+    assert not child.end(0.05)
+    assert child.ended() == "signal 9"
+    child.close()
+
+
+def test_unknown_kinds_of_failure_are_the_devices() -> None:
+    assert isinstance(failure({"what": "failed", "kind": "Strange", "sentence": "x"}), DeviceError)
+    with pytest.raises(KeyError):
+        failure({"what": "failed"})

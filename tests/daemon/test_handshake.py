@@ -1,0 +1,50 @@
+"""The device is known by its INFO, or what it sent instead is said."""
+
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+
+from arm.arm_file import load_arm
+from daemon.handshake import Handshake, check_channels, same_device
+from daemon.ring import Chunk
+from limbcal.errors import ConfigError, DeviceError
+from protocol.serial_frame import DeviceInfo, encode_info, encode_samples
+from protocol.serial_parser import FrameParser
+
+MakeInfo = Callable[..., DeviceInfo]
+
+
+def test_info_is_found_after_garbage_and_in_pieces(make_info: MakeInfo) -> None:
+    handshake = Handshake(FrameParser(), "/dev/ttyX")
+    stream = b"boot: hello\xa5\x5a\x00" + encode_info(make_info(), 3, 0)
+    assert handshake.hear([Chunk(0, stream[:50]), Chunk(1, stream[50:200])]) is None
+    found = handshake.hear([Chunk(2, stream[200:])])
+    assert found is not None
+    assert found.info == make_info()
+
+
+@pytest.mark.parametrize(
+    ("sent", "said"),
+    [
+        (b"", "port /dev/ttyX: the device sent nothing within 0 s, expected the device's INFO frame"),
+        (b"x" * 1000, "no valid frame in 1000 bytes"),
+        (encode_samples(np.zeros((2, 12), dtype=np.int16), 0, 0), "1 frames of samples and no INFO frame"),
+    ],
+)
+def test_what_came_instead_is_said(sent: bytes, said: str) -> None:
+    handshake = Handshake(FrameParser(), "/dev/ttyX", limit_s=0.0)
+    with pytest.raises(DeviceError, match=said):
+        handshake.hear([Chunk(0, sent)])
+
+
+def test_channels_must_be_the_arms_sensors(make_info: MakeInfo) -> None:
+    arm = load_arm("dd-arm")
+    check_channels(make_info(), arm, "/dev/ttyX")
+    with pytest.raises(ConfigError, match="channels are ax ay az, expected the sensors of arm 'dd-arm': s1x s1y"):
+        check_channels(make_info(names=["ax", "ay", "az"]), arm, "/dev/ttyX")
+
+
+def test_only_what_samples_mean_makes_another_device(make_info: MakeInfo) -> None:
+    assert same_device(make_info(), make_info())
+    assert not same_device(make_info(8000.0), make_info(16000.0))
