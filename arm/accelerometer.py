@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from arm.chain import Chain, chain_of, joint_rows
+from arm.chain import Chain, chain_of, motion_rows
 from arm.kinematics import rotation_from_rpy
 from arm.model import Arm, Floats
 from arm.newton_euler import poses, rigid_motion
@@ -24,7 +24,7 @@ def specific_force(arm: Arm, q: Floats, dq: Floats, ddq: Floats) -> Floats:
     -------
     (n_sample, n_sensor, 3) [m/s^2]
     """
-    q, dq, ddq = joint_rows(arm, "q", q), joint_rows(arm, "dq", dq), joint_rows(arm, "ddq", ddq)
+    q, dq, ddq = motion_rows(arm, q=q, dq=dq, ddq=ddq)
     joint = np.array([sensor.joint - 1 for sensor in arm.sensors], dtype=np.int64)
     position = np.array([sensor.position_m for sensor in arm.sensors], dtype=float).reshape(-1, 3)
     rotation = np.array([rotation_from_rpy(*sensor.rotation_rad) for sensor in arm.sensors]).reshape(-1, 3, 3)

@@ -21,6 +21,8 @@ from arm.regressor import regressor, standard_names
 _MOTIONS = 50
 #: A column whose new part is smaller than this share of itself depends on the columns before it.
 _DEPENDENT = 1e-9
+#: A smaller share than this of a column is what rounding leaves.
+_ROUNDING = 1e-11
 
 
 @dataclass(frozen=True)
@@ -65,11 +67,12 @@ def base_parameters(arm: Arm) -> BaseParameters:
     R = scipy.linalg.qr(Y[:, visible] / scale[visible], mode="r")[0][: len(visible)]
     new = np.abs(np.diag(R)) > _DEPENDENT
     kept, folded = np.array(sorted(visible[new], key=_paper_order(arm))), visible[~new]
-    weights = scipy.linalg.lstsq(Y[:, kept] / scale[kept], Y[:, folded])[0] / scale[kept][:, None]
-    weights[np.abs(weights) < 1e-7] = 0.0
     combination = np.zeros((len(kept), Y.shape[1]))
     combination[np.arange(len(kept)), kept] = 1.0
-    combination[:, folded] = weights
+    if len(folded):
+        weights = scipy.linalg.lstsq(Y[:, kept] / scale[kept], Y[:, folded] / scale[folded])[0]
+        weights[np.abs(weights) < _ROUNDING] = 0.0
+        combination[:, folded] = weights * scale[folded] / scale[kept][:, None]
 
     names = _short_names(arm, visible)
     return BaseParameters(

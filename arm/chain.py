@@ -65,6 +65,22 @@ def joint_rows(arm: Arm, name: str, values: ArrayLike) -> Floats:
     return rows
 
 
+def motion_rows(arm: Arm, **columns: ArrayLike) -> list[Floats]:
+    """Return several joint values as `joint_rows`, of as many samples each: kernels don't look again.
+
+    Raises
+    ------
+    DataError
+        If a shape does not fit the arm or the first of them.
+    """
+    rows = [joint_rows(arm, name, values) for name, values in columns.items()]
+    first = next(iter(columns))
+    for name, found in zip(columns, rows, strict=True):
+        if len(found) != len(rows[0]):
+            raise DataError(f"{name} has {len(found)} samples and {first} has {len(rows[0])}; expected as many")
+    return rows
+
+
 @compiled
 def link_step(
     revolute: bool, alpha: float, d: float, beta: float, theta_offset: float, q: float, R: Floats, p: Floats

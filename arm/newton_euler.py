@@ -9,7 +9,7 @@ passes on.
 
 import numpy as np
 
-from arm.chain import Chain, chain_of, joint_rows, link_step
+from arm.chain import Chain, chain_of, joint_rows, link_step, motion_rows
 from arm.model import Arm, Floats
 from limbcal.compiled import compiled
 from limbcal.errors import DataError
@@ -39,7 +39,7 @@ def inverse_dynamics(
     (n_sample, n_joint) [N m or N]
         Torques; ``sgn(0)`` is 0, so a joint at rest shows no Coulomb friction.
     """
-    q, dq, ddq = joint_rows(arm, "q", q), joint_rows(arm, "dq", dq), joint_rows(arm, "ddq", ddq)
+    q, dq, ddq = motion_rows(arm, q=q, dq=dq, ddq=ddq)
     wrench = tip_wrench(tip_force, tip_moment, len(q))
     tau = np.empty_like(q)
     _inverse_dynamics(chain_of(arm), q, dq, ddq, wrench, tau)
@@ -101,9 +101,8 @@ def forward_dynamics(
     (n_sample, n_joint) [rad/s^2 or m/s^2]
         A joint at rest is taken to be free; whether it sticks is for `arm.simulation` to say.
     """
-    rest = np.zeros_like(joint_rows(arm, "q", q))
-    bias = inverse_dynamics(arm, q, dq, rest, tip_force, tip_moment)
-    net = joint_rows(arm, "tau", tau) - bias
+    q, dq, tau = motion_rows(arm, q=q, dq=dq, tau=tau)
+    net = tau - inverse_dynamics(arm, q, dq, np.zeros_like(q), tip_force, tip_moment)
     return np.asarray(np.linalg.solve(mass_matrix(arm, q), net[..., None])[..., 0], dtype=np.float64)
 
 

@@ -7,7 +7,7 @@ frictions ``fc`` of all joints.
 
 import numpy as np
 
-from arm.chain import Chain, chain_of, joint_rows
+from arm.chain import Chain, chain_of, motion_rows
 from arm.model import Arm, Floats
 from arm.newton_euler import poses, rigid_motion
 from limbcal.compiled import compiled
@@ -46,7 +46,7 @@ def regressor(arm: Arm, q: Floats, dq: Floats, ddq: Floats) -> Floats:
     -------
     (n_sample, n_joint, 12 * n_joint)
     """
-    q, dq, ddq = joint_rows(arm, "q", q), joint_rows(arm, "dq", dq), joint_rows(arm, "ddq", ddq)
+    q, dq, ddq = motion_rows(arm, q=q, dq=dq, ddq=ddq)
     n = arm.n_joint
     Y = np.zeros((len(q), n, 12 * n))
     _regressors(chain_of(arm), q, dq, ddq, Y)

@@ -80,9 +80,11 @@ def simulate(
     else:
         drive, law = targets, gains(arm.control, arm.n_joint)
     state = np.zeros((2, arm.n_joint))
-    state[0] = joint_rows(arm, "q0", q0)[0]
-    if dq0 is not None:
-        state[1] = joint_rows(arm, "dq0", dq0)[0]
+    for part, name, start in ((state[0], "q0", q0), (state[1], "dq0", dq0)):
+        if start is not None:
+            if np.shape(start) != (arm.n_joint,):
+                raise DataError(f"{name} has shape {np.shape(start)}, expected ({arm.n_joint},)")
+            part[:] = start
     motion = np.empty((4, *targets.shape))
     steps = runge_kutta_steps if scheme == "rk4" else paper_steps
     steps(chain_of(arm), law, torque is not None, drive, dt_s, state, motion)

@@ -76,6 +76,7 @@ class Child:
 
     def ended(self) -> str:
         """Say how it ended."""
+        self._process.join(_KILLED_JOIN_S)  # the line ends a moment before the process does
         code = self._process.exitcode
         return f"signal {-code}" if code is not None and code < 0 else f"exit code {code}"
 

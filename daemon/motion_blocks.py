@@ -83,7 +83,7 @@ def plot_rows(block: Frames) -> list[Fields]:
     }
     return [
         {
-            "ts": block.t0_ns * 1e-9 + i * block.dt_s,
+            "ts": _later(block.t0_ns, i, block.dt_s) / 1e9,
             **{name: float(values[i]) for name, values in columns.items()},
         }
         for i in range(-block.frame0 % step, block.n, step)

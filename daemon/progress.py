@@ -40,7 +40,7 @@ class Progress:
             soft_wrap=True,
         )
         if self._console.is_terminal:
-            self._status = self._console.status("streaming")
+            self._status = self._console.status("streaming", refresh_per_second=2)
             self._status.start()
 
     def health(self, fields: Mapping[str, Any]) -> None:

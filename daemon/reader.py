@@ -21,9 +21,11 @@ _IDLE_S = 0.25
 _READ_BYTES = 65536
 #: A tty hands over at most so many bytes a read: a read this long says that there is more.
 _FULL_READ_BYTES = 4095
+#: So that a device that floods the line cannot keep the reader from hearing a stop.
+_READS_AT_ONCE = 64
 #: After STOP the line is drained until it was quiet for so long, and no longer than the limit.
 _QUIET_S = 0.1
-_DRAIN_LIMIT_S = 2.0
+_DRAIN_LIMIT_S = 1.0
 
 
 def run_reader(line: ControlLine, memory: Memory, port: str, baud: int) -> None:
@@ -75,7 +77,7 @@ def _follow(line: ControlLine, tty: serial.Serial, ring: Ring) -> None:
 
 
 def _take(tty: serial.Serial, ring: Ring) -> None:
-    while True:
+    for _ in range(_READS_AT_ONCE):
         data: bytes = tty.read(_READ_BYTES)
         if data:
             ring.write(data, time.monotonic_ns())

@@ -3,6 +3,7 @@
 A disk that fails ends the recording, never the stream.
 """
 
+import math
 from pathlib import Path
 
 import zmq
@@ -13,8 +14,9 @@ from limbcal.errors import DeviceError
 from protocol.recording import RecordingWriter
 
 _POLL_S = 0.1
-#: After the supervisor said stop, an empty inlet for so long means that the pipeline did not say goodbye.
-_QUIET_POLLS = 10
+#: The supervisor says stop when the pipeline has ended: an empty inlet then means that it said no goodbye. Where
+#: the supervisor itself is gone, the pipeline may still be busy with what the reader left.
+_QUIET_S = {"stop": 1.0, "gone": 10.0}
 
 
 def run_recorder(line: ControlLine, endpoint: str, path: str, arm_toml: str, config_toml: str) -> None:
@@ -56,23 +58,26 @@ class _Recording:
 
     def follow(self) -> None:
         """Write what comes until the end is said, or nothing comes any more after a stop."""
-        told, stopping, quiet = False, False, 0
-        while not self._inlet.ended and not (stopping and quiet >= _QUIET_POLLS):
+        told, quiet_s, limit_s = False, 0.0, math.inf
+        while not self._inlet.ended and quiet_s < limit_s:
             entry = self._inlet.receive(_POLL_S)
             if self._inlet.linked and not told:
                 told = True
                 self._line.tell("linked")
             self._record(entry)
-            quiet = quiet + 1 if entry is None else 0
-            stopping = stopping or self._stop_was_said()
+            quiet_s = quiet_s + _POLL_S if entry is None and limit_s < math.inf else 0.0
+            if limit_s == math.inf:
+                limit_s = self._limit_s()
 
     def close(self) -> None:
-        """Finish the file."""
+        """Finish the file; one without a single message is taken away."""
         if self._good:
             try:
                 self._writer.close()
             except DeviceError as error:
                 self._disk_failed(error)
+        if self._messages == 0:
+            self._writer.path.unlink(missing_ok=True)
         self._line.tell("closed", messages=self._messages)
 
     def _record(self, entry: Entry | None) -> None:
@@ -92,9 +97,10 @@ class _Recording:
         self._good = False
         self._line.tell("disk-failed", sentence=str(error))
 
-    def _stop_was_said(self) -> bool:
+    def _limit_s(self) -> float:
+        """Return for how long the inlet may be empty: without end while nobody said stop."""
         try:
             said = self._line.hear()
         except SupervisorGone:
-            return True
-        return said is not None and said["what"] == "stop"
+            return _QUIET_S["gone"]
+        return _QUIET_S["stop"] if said is not None and said["what"] == "stop" else math.inf

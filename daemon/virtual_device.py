@@ -99,7 +99,7 @@ class VirtualDevice:
     @property
     def truth(self) -> Truth:
         """The true motion of the stream that is, or was, the last."""
-        return self._source.truth() or self._truth
+        return self._source.truth() if self._streaming else self._truth
 
     def receive(self, data: bytes, now_s: float) -> None:
         """Take what the host sent. Only whole lines are commands; what is none is passed over."""
@@ -141,8 +141,8 @@ class VirtualDevice:
         self._source.close()
 
     def _stop(self) -> None:
-        self._streaming = False
         self._truth = self._source.truth()
+        self._streaming = False
         self._source.close()
         self._source = self._new_source()
 

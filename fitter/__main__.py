@@ -3,11 +3,12 @@
 import sys
 from types import ModuleType
 
-from fitter.commands import simulate, track
+from fitter.commands import dynamics, simulate, track
 from limbcal.command import Parser, common_options, run_command
 
 COMMANDS: dict[str, tuple[ModuleType, str]] = {
     "track": (track, "accelerations to joint motion"),
+    "dynamics": (dynamics, "motion and torque to dynamic parameters"),
     "simulate": (simulate, "the motion of a calibrated arm"),
 }
 

@@ -1,6 +1,7 @@
 """Zero-phase low-pass filtering and differentiation on a uniform grid."""
 
 import math
+from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -8,20 +9,23 @@ from scipy.interpolate import make_interp_spline
 from scipy.signal import butter, sosfiltfilt
 
 Floats = NDArray[np.float64]
+Ends = Literal["odd", "even"]
 
 #: Order of the Butterworth filter; there and back it falls by 6 dB at its corner, then by 48 dB an octave.
 ORDER = 4
 #: Periods of the corner frequency after which the guess about what lies beyond an end has died away.
-SETTLING_PERIODS = 1.0
+SETTLING_PERIODS = 2.0
+#: So many times that is guessed, so that even a column that does not end at rest begins settled.
+PADDING = 3
 #: A corner above this share of the sampling rate leaves nothing to filter.
 HIGHEST_CORNER = 0.45
 
 
-def lowpass(values: Floats, dt_s: float, cutoff_hz: float) -> Floats:
+def lowpass(values: Floats, dt_s: float, cutoff_hz: float, ends: Ends = "odd") -> Floats:
     """Low-pass columns without any phase shift.
 
-    A Butterworth filter of order 4 runs forwards and backwards (gain 1/2 at the corner, 1 at rest). Beyond its
-    ends a column is thought to go on point-symmetrically; `settling_samples` at each end are touched by that.
+    A Butterworth filter of order 4 runs forwards and backwards (gain 1/2 at the corner, 1 at rest). What lies
+    beyond the ends of a column is guessed; `settling_samples` at each end are touched by that.
 
     Parameters
     ----------
@@ -31,6 +35,9 @@ def lowpass(values: Floats, dt_s: float, cutoff_hz: float) -> Floats:
         Step [s].
     cutoff_hz : float
         Corner frequency. Above 0.45 of the sampling rate nothing is changed.
+    ends : {"odd", "even"}
+        Beyond an end a column is thought to go on turned about its last point, which keeps up a slope, or
+        mirrored, which does not lean on one noisy sample.
 
     Returns
     -------
@@ -39,8 +46,8 @@ def lowpass(values: Floats, dt_s: float, cutoff_hz: float) -> Floats:
     if cutoff_hz * dt_s >= HIGHEST_CORNER:
         return values
     sections = butter(ORDER, cutoff_hz, fs=1.0 / dt_s, output="sos")
-    padding = min(len(values) - 1, 3 * settling_samples(dt_s, cutoff_hz))
-    filtered: Floats = sosfiltfilt(sections, values, axis=0, padlen=padding)
+    padding = min(len(values) - 1, PADDING * settling_samples(dt_s, cutoff_hz))
+    filtered: Floats = sosfiltfilt(sections, values, axis=0, padtype=ends, padlen=padding)
     return filtered
 
 
@@ -48,7 +55,7 @@ def settling_samples(dt_s: float, cutoff_hz: float) -> int:
     """Return how many samples at each end of a filtered column rest on a guess about what lies beyond."""
     if cutoff_hz * dt_s >= HIGHEST_CORNER:
         return 0
-    return math.ceil(SETTLING_PERIODS / (cutoff_hz * dt_s))
+    return math.ceil(SETTLING_PERIODS / (cutoff_hz * dt_s)) + ORDER
 
 
 def differentiate(values: Floats, dt_s: float, order: int = 1) -> Floats:

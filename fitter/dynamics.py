@@ -11,11 +11,12 @@ from arm.base_parameters import BaseParameters, base_parameters, with_base_value
 from arm.model import Arm, Estimate, Floats
 from arm.regressor import standard_parameters
 from fitter.evaluation import Score
-from fitter.fitted_parameter import FittedParameter
+from fitter.first_rest import REST_SPEED
+from fitter.fitted_parameter import FittedParameter, fitted_parameters
 from fitter.genetic import GeneticAlgorithm
 from fitter.torque_problem import TorqueProblem, torque_problem
 from fitter.torque_sums import TorqueSums, add_up
-from fitter.trial_sums import REST_SPEED, trial_sums
+from fitter.trial_sums import trial_sums
 from fitter.trials import Trial
 from limbcal.errors import ConfigError, DataError, NotConverged
 
@@ -151,7 +152,9 @@ def fit_sums(
     else:
         genes = problem.optimum()
     values = problem.complete(genes)
-    parameters = _parameters(base, problem, values)
+    parameters = fitted_parameters(
+        base.names, values, problem.standard_errors(values), base.units, problem.revealed
+    )
     learnt = {base.names[k]: Estimate(*astuple(parameters[base.names[k]])[:2]) for k in problem.free}
     calibrated = replace(with_base_values(arm, base, values), base_parameters=learnt)
     return DynamicsFit(
@@ -234,12 +237,6 @@ def _search(
             f"{excess:.3g} above the optimum; expected no more than {allowed:.3g}, so give it more generations"
         )
     return algorithm.best
-
-
-def _parameters(base: BaseParameters, problem: TorqueProblem, values: Floats) -> dict[str, FittedParameter]:
-    std = problem.standard_errors(values)
-    table = zip(base.names, values.tolist(), std.tolist(), base.units, problem.revealed.tolist(), strict=True)
-    return {name: FittedParameter(*row) for name, *row in table}
 
 
 def _static_friction(arm: Arm) -> dict[str, FittedParameter]:

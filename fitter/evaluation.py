@@ -1,13 +1,16 @@
-"""How well a calibrated arm moves and pulls like the real one (section 8.2)."""
+"""How well a calibrated arm moves, pulls and reaches like the real one (section 8.2, table 1)."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from typing import Literal
 
 import numpy as np
 
+from arm.kinematics import tip_position
 from arm.model import Arm, Floats
 from arm.newton_euler import inverse_dynamics
 from arm.simulation import simulate
+from fitter.first_rest import displacement
 from fitter.learned_torque import learned_torque, target_of
 from fitter.trials import Trial
 from limbcal.errors import DataError
@@ -105,3 +108,41 @@ def motion_error(arm: Arm, trial: Trial, horizon_s: float = HORIZON_S) -> Floats
     else:
         simulated = simulate(arm, target_of(arm, trial), trial.dt_s, trial.q[0], trial.dq[0]).q
     return np.where(np.isfinite(simulated), simulated, np.inf) - trial.q
+
+
+@dataclass(frozen=True)
+class TipScore:
+    """Errors of a calibrated arm's tip displacement, eq. (3) against r*, over some trials."""
+
+    mean_mm: float
+    max_mm: float
+
+
+def tip_score(arm: Arm, trials: Sequence[Trial], about: Literal["rest", "mean"] = "rest") -> TipScore:
+    """Compare where the calibrated geometry puts the tip with where it was measured.
+
+    Parameters
+    ----------
+    arm : Arm
+    trials : sequence of Trial
+        With a tip.
+    about : {"rest", "mean"}
+        What both displacements are counted from: the trial's first rest, or their means over the trial.
+
+    Raises
+    ------
+    DataError
+        If there are no trials, or one has no tip.
+    """
+    if not trials:
+        raise DataError("no trial to compare the arm with; expected at least one")
+    errors = []
+    for trial in trials:
+        measured, rest = displacement(arm, trial)
+        reached = tip_position(arm, trial.q)
+        if about == "mean":
+            measured, origin = measured - measured.mean(axis=0), reached.mean(axis=0)
+        else:
+            origin = tip_position(arm, rest).mean(axis=0)
+        errors.append(1e3 * np.linalg.norm(measured - (reached - origin), axis=1))
+    return TipScore(float(np.mean(np.concatenate(errors))), float(np.max(np.concatenate(errors))))

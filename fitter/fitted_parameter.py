@@ -1,6 +1,12 @@
 """A parameter as a fit reports it."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from arm.model import Floats
 
 
 @dataclass(frozen=True)
@@ -29,3 +35,13 @@ class FittedParameter:
             "unit": self.unit,
             "identifiable": self.identifiable,
         }
+
+
+def fitted_parameters(
+    names: Sequence[str], values: Floats, std: Floats, units: Sequence[str], identifiable: NDArray[np.bool_]
+) -> dict[str, FittedParameter]:
+    """Return parameters by their names, from one array each of what is known of them."""
+    return {
+        name: FittedParameter(float(values[k]), float(std[k]), units[k], bool(identifiable[k]))
+        for k, name in enumerate(names)
+    }

@@ -10,7 +10,7 @@ Floats = NDArray[np.float64]
 #: A step this many times the usual one may be a gap; a late stamp looks the same at first.
 SUSPICIOUS = 1.5
 #: Stamps on either side that tell a gap, after which all stamps are late, from one late stamp.
-WITNESSES = 8
+WITNESSES = 16
 
 
 @dataclass(frozen=True)
@@ -35,7 +35,7 @@ def find_gaps(t: Floats) -> tuple[float, tuple[Gap, ...]]:
     Parameters
     ----------
     t : ndarray of shape (n,), n >= 2
-        Rising time stamps [s], equally spaced but for jitter and gaps.
+        Rising time stamps [s], equally spaced but for gaps and jitter of up to a fifth of a step.
 
     Returns
     -------
@@ -45,8 +45,26 @@ def find_gaps(t: Floats) -> tuple[float, tuple[Gap, ...]]:
         A single stamp that came late, with the following ones in time, is no gap.
     """
     steps = np.diff(t)
-    usual = float(np.median(steps))
-    suspects = np.flatnonzero(steps > SUSPICIOUS * usual)
+    rough = float(np.median(steps))
+    suspects = np.flatnonzero(steps > SUSPICIOUS * rough)
+    rows = [gap.row for gap in _tell_gaps(t, suspects, rough)]
+    gaps = _tell_gaps(t, suspects, _slope(np.split(t, rows), rough))
+    lost = sum(gap.samples for gap in gaps)
+    return float(t[-1] - t[0]) / (len(t) - 1 + lost), tuple(gaps)
+
+
+def _slope(pieces: list[Floats], rough: float) -> float:
+    """Return the step that fits all pieces between the gaps best; jitter averages out in it."""
+    product = square = 0.0
+    for piece in pieces:
+        index = np.arange(len(piece)) - 0.5 * (len(piece) - 1)
+        product += float(index @ (piece - piece.mean()))
+        square += float(index @ index)
+    return product / square if square else rough
+
+
+def _tell_gaps(t: Floats, suspects: NDArray[np.intp], usual: float) -> list[Gap]:
+    """Return those long steps after which the stamps stay late."""
     gaps: list[Gap] = []
     first = 0
     for place, k in enumerate(suspects.tolist()):
@@ -59,5 +77,4 @@ def find_gaps(t: Floats) -> tuple[float, tuple[Gap, ...]]:
         if samples > 0:
             gaps.append(Gap(k + 1, samples))
             first = k + 1
-    lost = sum(gap.samples for gap in gaps)
-    return float(t[-1] - t[0]) / (len(t) - 1 + lost), tuple(gaps)
+    return gaps

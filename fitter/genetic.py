@@ -26,6 +26,9 @@ _STEPS_PER_GENE = 15
 _GENERATIONS_KEPT = 4
 #: A mutation changes a gene by its range times ten to a random power between this one and 0.
 _FINEST_MUTATION = -8.0
+#: Children scatter at least by this share of a gene's range, or a population that has found its optimum
+#: would be too narrow to notice that it moves.
+_LEAST_SCATTER = 1e-12
 _SMALLEST_POPULATION = 10
 
 
@@ -76,7 +79,7 @@ class GeneticAlgorithm:
     @property
     def best(self) -> Floats:
         """The cheapest individual of the last generation that was told its costs, (n_gene,)."""
-        return self._best.copy()
+        return np.array(self._best)
 
     @property
     def best_cost(self) -> float:
@@ -105,7 +108,7 @@ class GeneticAlgorithm:
 
     def ask(self) -> Floats:
         """Return the generation that is to be evaluated, survivors included, (N, n_gene)."""
-        return self._population.copy()
+        return np.array(self._population)
 
     def tell(self, costs: Floats) -> None:
         """Take the costs of the generation and breed the next one: steps 3 to 6.
@@ -180,6 +183,10 @@ def next_generation(
                 steps[place + i, k] = 0.0
     centre[:] = mean
     triangle = triangular_factor(steps[:filled])
+    for k in range(n_gene):
+        least = _LEAST_SCATTER * (upper[k] - lower[k])
+        if not held[k] and abs(triangle[k, k]) < least:
+            triangle[k, k] = least
 
     elite = n - uniform.shape[0] - normal.shape[0]
     for row in range(n):

@@ -1,27 +1,23 @@
 """Which torque a trial is explained with: the measured one, or what a control law asks for (section 6.2)."""
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 
 from arm.control import control_torque, gains
 from arm.model import Arm, Floats
 from arm.newton_euler import inverse_dynamics
+from fitter.trials import Trial
 from limbcal.errors import DataError
-
-if TYPE_CHECKING:
-    from fitter.trials import Trial
 
 #: A motion has begun where a joint is this fast, as a share of its top speed in the trial.
 _BEGUN = 0.05
 
 
-def has_unknown_target(arm: Arm, trial: "Trial") -> bool:
+def has_unknown_target(arm: Arm, trial: Trial) -> bool:
     """Say whether the law of the arm needs a target that the trial does not tell."""
     return arm.control.law != "measured" and trial.ref is None
 
 
-def learned_torque(arm: Arm, trial: "Trial") -> Floats:
+def learned_torque(arm: Arm, trial: Trial) -> Floats:
     """Return the torque of a trial: measured, or by eq. (5), (6), (7).
 
     Where the target is not known it is taken to be zero: for a point-to-point motion the torque that is
@@ -49,7 +45,7 @@ def learned_torque(arm: Arm, trial: "Trial") -> Floats:
     return control_torque(arm.control, trial.q, trial.dq, trial.ddq, target)
 
 
-def motion_begins(trial: "Trial") -> int:
+def motion_begins(trial: Trial) -> int:
     """Return the sample at which a trial leaves its first rest; before it, the target was where it stood."""
     speed = np.abs(trial.dq)
     fast = speed > _BEGUN * np.max(speed, axis=0, initial=0.0)
@@ -64,7 +60,7 @@ def motion_begins(trial: "Trial") -> int:
     return int(np.clip(np.ceil(first - since), 0, first)) if since > 0.0 else first
 
 
-def target_of(arm: Arm, trial: "Trial") -> Floats:
+def target_of(arm: Arm, trial: Trial) -> Floats:
     """Return the controller's target: the trial's own, or the one that explains its motion best.
 
     Parameters

@@ -2,6 +2,7 @@
 
 import os
 from collections.abc import Mapping
+from contextlib import suppress
 from pathlib import Path
 
 import numpy as np
@@ -55,9 +56,13 @@ def write_motion(path: Path, columns: Mapping[str, Column]) -> None:
             else:
                 pyarrow.parquet.write_table(pa.table(flat), file)
         os.replace(part, path)
+    except pa.ArrowInvalid as error:
+        raise DataError(f"{path}: cannot be written ({' '.join(str(error).split())})") from error
     except OSError as error:
-        part.unlink(missing_ok=True)
         raise DeviceError(f"{path}: cannot be written ({error.strerror or error})") from error
+    finally:
+        with suppress(OSError):
+            part.unlink(missing_ok=True)
 
 
 def _flatten(path: Path, columns: Mapping[str, Column]) -> dict[str, Column]:

@@ -34,12 +34,12 @@ class Measured:
         Time stamps [s], as in the file.
     columns : mapping of str to ndarray of shape (n, …)
         By role: q, dq, ddq, tau, ref with one column a joint, tip with three.
-    labels : ndarray of str, shape (n,), or None
-        The ``trial`` column.
     role : str, optional
         "learn" or "evaluate", where a recording says so.
     notes : tuple of str
         What was done to it so far.
+    labels : ndarray of str, shape (n,), or None
+        The ``trial`` column.
     """
 
     name: str
@@ -47,9 +47,9 @@ class Measured:
     first_row: int
     t: Floats
     columns: Mapping[str, Floats]
-    labels: Labels | None = None
     role: str | None = None
     notes: tuple[str, ...] = ()
+    labels: Labels | None = None
 
     def rows(self, begin: int, end: int, name: str, *notes: str) -> "Measured":
         """Return a stretch of it as a motion of its own."""
@@ -59,9 +59,9 @@ class Measured:
             self.first_row + begin,
             self.t[begin:end],
             {role: values[begin:end] for role, values in self.columns.items()},
-            None if self.labels is None else self.labels[begin:end],
             self.role,
             (*self.notes, *notes),
+            None if self.labels is None else self.labels[begin:end],
         )
 
 
@@ -123,7 +123,7 @@ def read_file(
         name = path.stem if len(tables) == 1 else f"{path.stem}({cell + 1})"
         if n == 0:
             raise DataError(f"{path}: there is a header but no row, expected samples")
-        motions.append(Measured(name, str(path), 0, stamps, columns, table.labels))
+        motions.append(Measured(name, str(path), 0, stamps, columns, labels=table.labels))
     return motions
 
 

@@ -14,8 +14,10 @@ from limbcal.errors import ConfigError, DataError
 Floats = NDArray[np.float64]
 Curve = Callable[[Floats], Floats]
 
-#: A stamp may lie this share of a step off the grid before the grid is doubted: rounding in a text file.
-TOLERANCE = 0.02
+#: A stamp may lie this share of a step off the grid before the grid is doubted.
+TOLERANCE = 0.005
+#: Stamps may have been rounded to this many decimals at most, and then lie off the grid by that.
+MOST_DECIMALS = 7
 #: More steps than this without a sample cannot be bridged: the motion is parted there.
 HOLE_STEPS = 10
 #: A cubic spline through samples closer than this share of the usual step swings out.
@@ -75,11 +77,11 @@ def time_step(t: Floats) -> tuple[float, bool]:
         The mean step of a uniform grid, the median step of anything else, rounded to the fewest digits that
         make no difference (0.1 % of a median).
     uniform : bool
-        True if no stamp is off the grid by more than `TOLERANCE` of a step.
+        True if no stamp is off the grid by more than `TOLERANCE` of a step, or than its decimals can say.
     """
     mean = float(t[-1] - t[0]) / (len(t) - 1)
     off = np.abs(t - t[0] - mean * np.arange(len(t))).max()
-    if off <= TOLERANCE * mean:
+    if off <= max(TOLERANCE * mean, _resolution(t, mean)):
         return _rounded(mean, within=TOLERANCE / len(t)), True  # less than a fiftieth of a step in all
     return _rounded(float(np.median(np.diff(t))), within=1e-3), False
 
@@ -117,8 +119,8 @@ def resample(motion: Measured, rate_hz: float | None = None) -> Uniform:
         )
     if rate_hz is not None and not rate_hz > 0.0:
         raise ConfigError(f"rate_hz is {rate_hz}, expected a number above 0")
+    own_step, uniform = time_step(motion.t)
     t = motion.t - motion.t[0]
-    own_step, uniform = time_step(t)
     dt_s = own_step if rate_hz is None else 1.0 / rate_hz
     if uniform and abs(dt_s - own_step) <= 1e-6 * own_step:
         return Uniform(replace(motion, t=_stamps(len(t), own_step)), own_step)
@@ -162,6 +164,15 @@ def _curve(role: str, t: Floats, values: Floats, crowded: bool) -> Curve:
     if role == "tau" or crowded:
         return PchipInterpolator(t, values, axis=0)
     return CubicSpline(t, values, axis=0)
+
+
+def _resolution(t: Floats, step: float) -> float:
+    """Return how far rounding to some decimals can take stamps off their grid; 0 if they were not rounded."""
+    for decimals in range(MOST_DECIMALS + 1):
+        unit = 10.0**-decimals
+        if unit <= 0.5 * step and np.abs(t - np.round(t, decimals)).max() <= 1e-6 * unit:
+            return unit  # half of it for each stamp, and half for the first and last that span the grid
+    return 0.0
 
 
 def _rounded(step: float, within: float) -> float:

@@ -42,7 +42,7 @@ def sandwich_covariance(W: Floats, grams: Floats, scores: Floats, group: NDArray
         return np.full_like(W, np.nan)
     root = np.linalg.inv(W)
     # The answer bends towards a block that says much, which makes its residuals too small. In coordinates in
-    # which A^T A is the identity a block's part of it is H, and (1 - H)^-1/2 undoes this (Bell and McCaffrey 2002).
+    # which A^T A is the identity a block's part of it is H; (1 - H)^-1/2 undoes this (Bell, McCaffrey 2002).
     share, axes = np.linalg.eigh(root.T @ grams @ root)
     along = np.einsum("bki,bk->bi", axes, scores @ root) / np.sqrt(1.0 - np.clip(share, 0.0, _LARGEST_SHARE))
     pulls = np.einsum("bki,bi->kb", axes, along)  # how far each block pulls the answer

@@ -110,7 +110,11 @@ def _joint_parts(revolute: bool, geometry: Floats) -> Floats:
     c, s = np.cos(offset), np.sin(offset)
     zero = np.zeros_like(a)
     # Columns of Rot(y, beta) Rot(x, alpha), and what Rot(z, theta) makes of the first two.
-    x, y, z = np.stack([cb, zero, -sb], 1), np.stack([sa * sb, ca, sa * cb], 1), np.stack([ca * sb, -sa, ca * cb], 1)
+    x, y, z = (
+        np.stack([cb, zero, -sb], 1),
+        np.stack([sa * sb, ca, sa * cb], 1),
+        np.stack([ca * sb, -sa, ca * cb], 1),
+    )
     along, across = c[:, None] * x + s[:, None] * y, c[:, None] * y - s[:, None] * x
     parts = np.zeros((len(a), 3 if revolute else 2, 4, 4))
     parts[:, 0, :3, 2], parts[:, 0, :3, 3], parts[:, 0, 3, 3] = z, d[:, None] * z, 1.0

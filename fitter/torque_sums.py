@@ -121,7 +121,8 @@ class TorqueSums:
         """Return what the residual torque is in the mean square, (n_joint,) [N m or N]."""
         gram, moment = self.gram.sum(axis=0), self.moment.sum(axis=0)
         square = np.einsum("a,jab,b->j", values, gram, values) - 2.0 * moment @ values + self.power.sum(axis=0)
-        return np.sqrt(np.maximum(square, 0.0) / np.maximum(self.count.sum(axis=0), 1.0))
+        rms: Floats = np.sqrt(np.maximum(square, 0.0) / np.maximum(self.count.sum(axis=0), 1.0))
+        return rms
 
     def scores(self, values: Floats) -> Floats:
         """Return W^T (tau - W p) of every block, all joints together, (n_block, n_base)."""
@@ -189,24 +190,16 @@ def torque_sums(
     DataError
         If the shapes don't fit.
     """
-    arrays = [joint_rows(arm, *item) for item in (("q", q), ("dq", dq), ("ddq", ddq), ("tau", tau))]
-    lengths = {len(array) for array in arrays}
+    q, dq, ddq, tau = (joint_rows(arm, *item) for item in (("q", q), ("dq", dq), ("ddq", ddq), ("tau", tau)))
+    lengths = {len(array) for array in (q, dq, ddq, tau)}
     if len(lengths) != 1:
         raise DataError(f"q, dq, ddq and tau have {sorted(lengths)} samples, expected as many of each")
-    sums = _zeros(len(arrays[0]), arm.n_joint, len(base.independent))
-    add_rows(
-        chain_of(arm),
+    sums = _zeros(len(q), arm.n_joint, len(base.independent))
+    columns, out = (
         np.array(base.independent),
-        _ends(sums),
-        *arrays,
-        rest_speed,
-        sums.gram,
-        sums.moment,
-        sums.power,
-        sums.row,
-        sums.torque,
-        sums.count,
+        (sums.gram, sums.moment, sums.power, sums.row, sums.torque, sums.count),
     )
+    add_rows(chain_of(arm), columns, _ends(sums), q, dq, ddq, tau, rest_speed, *out)
     return sums
 
 

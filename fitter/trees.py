@@ -2,6 +2,7 @@
 
 import json
 import zipfile
+import zlib
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -9,8 +10,24 @@ from typing import Any
 import numpy as np
 import scipy.io
 from numpy.typing import NDArray
+from scipy.io.matlab import MatReadError
 
 from limbcal.errors import DataError
+
+#: What the readers of damaged files are seen to raise.
+_DAMAGE = (
+    OSError,
+    ValueError,
+    TypeError,
+    LookupError,
+    EOFError,
+    ArithmeticError,
+    MemoryError,
+    RecursionError,
+    zipfile.BadZipFile,
+    zlib.error,
+    MatReadError,
+)
 
 Array = NDArray[np.generic]
 #: A struct or object is a mapping, a cell array or list of anything but numbers a list.
@@ -43,7 +60,7 @@ def load_tree(path: Path) -> Node:
         return load(path)
     except NotImplementedError as error:
         raise DataError(f"{path}: a MATLAB 7.3 file, expected one saved with '-v7' or older") from error
-    except (OSError, ValueError, TypeError, KeyError, EOFError, zipfile.BadZipFile) as error:
+    except _DAMAGE as error:
         raise DataError(f"{path}: cannot be read as {kind} ({' '.join(str(error).split())})") from error
 
 

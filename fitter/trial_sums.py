@@ -5,13 +5,10 @@ import numpy as np
 from arm.base_parameters import BaseParameters
 from arm.model import Arm
 from arm.regressor import regressor
+from fitter.first_rest import REST_SPEED
 from fitter.learned_torque import has_unknown_target, learned_torque, motion_begins
 from fitter.torque_sums import TorqueSums, row_sums, torque_sums
 from fitter.trials import Trial
-
-#: What is no faster than about a degree a second [rad/s or m/s] may as well be at rest: integrated and
-#: differentiated angles are not better than that.
-REST_SPEED = 0.02
 
 
 def trial_sums(arm: Arm, base: BaseParameters, trial: Trial, rest_speed: float = REST_SPEED) -> TorqueSums:

@@ -20,8 +20,10 @@ from limbcal.errors import ConfigError, DataError
 Floats = NDArray[np.float64]
 Role = Literal["learn", "evaluate"]
 
-#: The corner of a fit lies this far below that of the columns, so that little from beyond the motion gets in.
-FIT_CORNER = 2.0 / 3.0
+#: Derived columns are cut off this far above the edge of the motion, so that nothing of the motion is lost.
+COLUMN_CORNER = 1.5
+#: A fit is cut off this far below that, so that hardly anything but motion is left.
+FIT_CORNER = 4.0 / 9.0
 #: At most this share of a trial is trimmed at each end, and a corner needs this many periods in a trial.
 TRIM_SHARE = 0.1
 
@@ -80,15 +82,15 @@ class Trial:
         Parameters
         ----------
         values : ndarray of shape (n, …)
-            One row a sample of this trial.
+            One row a sample of this trial, or of a stretch of it.
 
         Returns
         -------
-        ndarray of shape (n - 2 k, …)
-            Low-passed at `band_hz` with zero phase, without the k samples at each end that rest on a guess.
+        ndarray of the same shape
+            Low-passed at `band_hz` with zero phase. Its ends are mirrored, which is a linear guess like the filter
+            itself, so the equation holds there too.
         """
-        trim = _trim(len(self.t), self.dt_s, self.band_hz)
-        return lowpass(values, self.dt_s, self.band_hz)[trim : len(values) - trim]
+        return lowpass(values, self.dt_s, self.band_hz, ends="even")
 
 
 def load_trials(
@@ -118,11 +120,11 @@ def load_trials(
     rate_hz : float, optional
         Rate to resample to, and the rate of the samples where a file has no time. Default: the files' own.
     cutoff_hz : float, optional
-        Corner of the filter that derived columns pass. Default: where the acceleration sinks into noise, found in
-        the spectra of the whole set, see `fitter.bandwidth`. Give evaluating trials the ``cutoff_hz`` of the
-        learning ones; infinity switches the filter off.
+        Corner of the filter that derived columns pass. Default: half as high again as the frequency at which
+        the acceleration sinks into noise, found in the spectra of the whole set, see `fitter.bandwidth`. Give
+        evaluating trials the ``cutoff_hz`` of the learning ones; infinity switches the filter off.
     band_hz : float, optional
-        Corner of `Trial.lowpass`. Default: two thirds of ``cutoff_hz``.
+        Corner of `Trial.lowpass`. Default: 4/9 of ``cutoff_hz``, which is two thirds of that frequency.
     role : {"learn", "evaluate"}, optional
         From recordings, take only trials of this role. Trials of other files have none and are all taken.
 
@@ -158,12 +160,12 @@ def load_trials(
 
 
 def choose_cutoff_hz(motions: Sequence[Uniform]) -> float:
-    """Return the corner [Hz] below which the motions' acceleration stands out from noise, or infinity."""
+    """Return the corner [Hz] of a filter that keeps all motion that stands out from noise, or infinity."""
     edge = motion_edge_hz([_signal(motion) for motion in motions])
     if edge is None:
         return np.inf
     usual_s = float(np.median([len(motion.measured.t) * motion.dt_s for motion in motions]))
-    return max(edge, 1.0 / (TRIM_SHARE * usual_s))
+    return max(COLUMN_CORNER * edge, 1.0 / (TRIM_SHARE * usual_s))
 
 
 def lowpass_trial(trial: Trial, cutoff_hz: float) -> Trial:

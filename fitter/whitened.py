@@ -98,6 +98,6 @@ def whiten(gram: Floats, moment: Floats, power: Floats) -> Whitened:
     W[:, seen] = triangle * scale[seen]
     z = np.zeros((rank, moment.shape[1]))
     if rank:
-        z = scipy.linalg.solve_triangular(triangle[:, :rank], moment[kept] / scale[kept, None], trans="T")
+        z[:] = scipy.linalg.solve_triangular(triangle[:, :rank], moment[kept] / scale[kept, None], trans="T")
     safe = np.where(scale > 0.0, scale, 1.0)
     return Whitened(W, z, np.maximum(power - np.sum(z * z, axis=0), 0.0), kept, folded, safe)

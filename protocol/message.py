@@ -1,4 +1,4 @@
-"""Messages between processes: a topic and a msgpack map (DESIGN section 4), with arrays in plain bytes.
+"""Messages between processes: a topic and a msgpack map, with arrays in plain bytes.
 
 Any program with msgpack can read them; nothing is ever unpickled. One topic is an exception to the map:
 `PLOT` is an array of flat maps, because that is what PlotJuggler reads. Here it looks like the others, with
@@ -6,6 +6,7 @@ the maps in the field ``rows``; on the wire each row carries ``v`` and ``seq``.
 """
 
 import math
+import reprlib
 from collections.abc import Mapping, Sequence
 from typing import Any
 
@@ -210,5 +211,5 @@ def _is_length(value: object) -> bool:
 
 
 def _short(value: object) -> str:
-    text = repr(value)
+    text = reprlib.repr(value)  # a value nested a thousand deep must not exhaust the stack
     return text if len(text) <= 60 else text[:57] + "..."

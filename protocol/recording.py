@@ -1,4 +1,4 @@
-"""Writing recordings: MCAP, zstd, the messages byte for byte (DESIGN section 4).
+"""Writing recordings: MCAP, zstd, the messages byte for byte.
 
 The file survives its writer. Chunks are closed twice a second and handed to the kernel, so a kill costs half
 a second; once a second the disk itself is made to have them, so a power cut costs little more than one.

@@ -1,4 +1,4 @@
-"""Frames on the serial line, device to host (DESIGN section 4): how they are laid out and built.
+"""Frames on the serial line, device to host: how they are laid out and built.
 
 A frame is a 24-byte header that carries its own CRC-16, a payload, and the payload's CRC-32. All numbers are
 little-endian.

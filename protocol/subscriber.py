@@ -11,6 +11,8 @@ from protocol.message import HEALTH, MAX_PAYLOAD_BYTES, decode
 
 #: Messages kept while the reader is busy; what comes after is lost, and counted.
 RECEIVE_QUEUE = 10_000
+#: How soon a publisher that comes up later is found [ms].
+RECONNECT_MS = 20
 
 
 class Subscriber:
@@ -53,6 +55,7 @@ class Subscriber:
         self._socket = context.socket(zmq.SUB)
         self._socket.set(zmq.LINGER, 0)
         self._socket.set(zmq.RCVHWM, RECEIVE_QUEUE)
+        self._socket.set(zmq.RECONNECT_IVL, RECONNECT_MS)
         self._socket.set(zmq.MAXMSGSIZE, 2 * MAX_PAYLOAD_BYTES)  # nothing of ours comes near
         for topic in topics:
             self._socket.setsockopt_string(zmq.SUBSCRIBE, topic)

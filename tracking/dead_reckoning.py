@@ -27,7 +27,8 @@ class Reckoning(NamedTuple):
         Where the sensors were when tracking began, by the arm file; used for sliding joints only.
     baseline : (n_joint, 3)
         From the first to the second sensor of a pair when tracking began, in the base frame.
-    q : (n_joint,)
+    q, q_before : (n_joint,)
+        Now and one sample ago.
     velocity, moved : (n_sensor, 3)
         In the base frame.
     recent : (4, 3 * n_sensor)
@@ -44,6 +45,7 @@ class Reckoning(NamedTuple):
     start: Floats
     baseline: Floats
     q: Floats
+    q_before: Floats
     velocity: Floats
     moved: Floats
     recent: Floats
@@ -71,7 +73,6 @@ def reckon(
     R = np.empty((n_joint, 3, 3))
     mean, a = np.empty(3 * n_sensor), np.empty(3)
     room_R, room_p = np.empty((3, 3)), np.empty(3)
-    link_rotations(state, R, room_R, room_p)
     frames = 0
     for k in range(readings.shape[0]):
         sample = first + k
@@ -79,7 +80,10 @@ def reckon(
             state.recent[sample % 4, c] = readings[k, c]
             total = state.recent[0, c] + state.recent[1, c] + state.recent[2, c] + state.recent[3, c]
             mean[c] = total / 4.0 - state.offset[c]  # moving average of four
-        if not resting:
+        if resting:
+            state.q_before[:] = state.q
+        else:
+            link_rotations(state, R, room_R, room_p)
             for s in range(n_sensor):
                 turn = R[state.link[s]]
                 for row in range(3):  # sensor axes -> link axes
@@ -103,10 +107,14 @@ def reckon(
 
 @compiled
 def link_rotations(state: Reckoning, R: Floats, room_R: Floats, room_p: Floats) -> None:
-    """Fill in how every link is turned, R (n_joint, 3, 3), from the angles."""
+    """Fill in how every link is turned, R (n_joint, 3, 3), when the reading was taken.
+
+    Positions are one sample behind the reading that moves them on, so the angles are carried on by as much.
+    """
     for i in range(state.q.size):
         alpha, _, d, beta, offset = state.chain.geometry[i]
-        link_step(state.chain.revolute[i], alpha, d, beta, offset, state.q[i], room_R, room_p)
+        now = 2.0 * state.q[i] - state.q_before[i]
+        link_step(state.chain.revolute[i], alpha, d, beta, offset, now, room_R, room_p)
         if i == 0:
             R[0] = room_R
         else:
@@ -117,6 +125,7 @@ def link_rotations(state: Reckoning, R: Floats, room_R: Floats, room_p: Floats) 
 def angles(state: Reckoning, R: Floats, room_R: Floats, room_p: Floats) -> None:
     """Find the joint variables from where the sensors have come to, link by link from the base."""
     geometry = state.chain.geometry
+    state.q_before[:] = state.q
     before_R, before_p, u = np.eye(3), np.zeros(3), np.empty(3)  # far end of the link before
     for i in range(state.q.size):
         alpha, a, d, beta, offset = geometry[i]

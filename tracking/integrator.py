@@ -82,6 +82,7 @@ class Integrator:
             start,
             start[layout.pair[:, 1]] - start[layout.pair[:, 0]],
             q0,
+            q0.copy(),
             np.zeros_like(start),
             np.zeros_like(start),
             np.zeros((4, self._n_channel)),

@@ -18,8 +18,10 @@ WINDOW = 25
 _CELL_SIGMAS, _WINDOW_SIGMAS = 6.0, 4.0
 #: How much further a window must stray to end a rest than to begin one, so that creeping does not flutter.
 _TO_LEAVE = 4.0
-#: Where there is no noise the resolution of common converters limits: 1 mg a cell, 0.05 mg a window [m/s^2].
-_CELL_FLOOR, _WINDOW_FLOOR = 1e-2, 5e-4
+#: Where there is no noise the converter's resolution limits: how many of its steps a mean may be off.
+_CELL_STEPS, _WINDOW_STEPS = 7.0, 0.5
+#: Nobody's accelerometer is trusted beyond this [m/s^2].
+_FINEST = 3e-4
 #: Cells of rest that the offset remembers (4 s).
 _MEMORY = 400
 
@@ -50,6 +52,8 @@ class RestDetector:
         self._cells: deque[Floats] = deque(maxlen=WINDOW)
         self._variances: list[float] = []
         self._sigma = 0.0
+        self._step = _FINEST
+        self._found_step = np.inf
         self._weight = 0
         middle = (WINDOW - 1) / 2
         self._trend = (np.arange(WINDOW) - middle) / (middle * WINDOW / 4)  # about the second half less the first
@@ -70,22 +74,24 @@ class RestDetector:
         bool
         """
         excess = cell.mean(axis=0) - gravity
+        self._measure_step(cell)
         if self._weight < WINDOW:  # the rest at the start is taken on trust: nothing to compare it with yet
             self._variances.append(float(np.var(np.diff(cell, axis=0), axis=0).mean() / 2.0))
             self._sigma = float(np.sqrt(np.mean(self._variances) / len(cell)))
             self._learn(excess)
             return True
         self._cells.append(excess)
-        calm = self._calm(excess - self.offset, _CELL_SIGMAS * self._sigma + _CELL_FLOOR)
+        calm = self._calm(excess - self.offset, _CELL_SIGMAS * self._sigma + _CELL_STEPS * self._step)
         if calm and len(self._cells) == WINDOW:
             doubt = _TO_LEAVE if self.resting else 1.0
-            spread = self._sigma * np.sqrt(1.0 / WINDOW + 1.0 / min(self._weight, _MEMORY))
-            mean: Floats = np.asarray(np.mean(self._cells, axis=0)) - self.offset
+            spread = self._sigma * np.sqrt(1.0 / WINDOW + 1.0 / self._weight)
+            cells = np.array(self._cells, dtype=np.float64)
+            mean = cells.sum(axis=0) / WINDOW - self.offset
             # A motion's acceleration also passes through zero: then the window's mean is small, its trend is not.
-            trend = self._trend @ np.array(self._cells)
+            trend = self._trend @ cells
             wander = self._sigma * float(np.linalg.norm(self._trend))
-            calm = self._calm(mean, doubt * (_WINDOW_SIGMAS * spread + _WINDOW_FLOOR))
-            calm = calm and self._calm(trend, doubt * (_WINDOW_SIGMAS * wander + _WINDOW_FLOOR))
+            calm = self._calm(mean, doubt * (_WINDOW_SIGMAS * spread + _WINDOW_STEPS * self._step))
+            calm = calm and self._calm(trend, doubt * (_WINDOW_SIGMAS * wander + _WINDOW_STEPS * self._step))
         if not calm:
             self._cells.clear()
             self.resting = False
@@ -103,6 +109,14 @@ class RestDetector:
         strict = np.abs(self._contrast @ mean) <= np.sqrt(2.0) * limit
         return bool(np.all(np.abs(mean) <= limit + self._slack) and np.all(strict))
 
+    def _measure_step(self, cell: Floats) -> None:
+        """Learn the converter's resolution: the least by which two readings in a row ever differed."""
+        change = np.abs(np.diff(cell, axis=0))
+        change = change[change > 0.0]
+        if change.size:
+            self._found_step = min(self._found_step, float(change.min()))
+            self._step = max(_FINEST, self._found_step)
+
     def _learn(self, excess: Floats) -> None:
-        self._weight += 1
-        self.offset += (excess - self.offset) / min(self._weight, _MEMORY)
+        self._weight = min(self._weight + 1, _MEMORY)
+        self.offset += (excess - self.offset) / self._weight

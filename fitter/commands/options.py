@@ -79,3 +79,36 @@ def pairs(text: str | None, option: str) -> dict[str, str]:
 def per_joint(values: Floats) -> Sequence[float]:
     """Return plain numbers for JSON."""
     return [float(value) for value in values]
+
+
+def bounds_of(text: str | None) -> dict[str, tuple[float, float]]:
+    """Read bounds such as ``a1=0:0.5,a2=0:0.5``.
+
+    Raises
+    ------
+    ConfigError
+        If a bound is not two numbers.
+    """
+    found = {}
+    for name, value in pairs(text, "--bounds").items():
+        low, _, high = value.partition(":")
+        found[name] = (_number(low, f"--bounds {name}"), _number(high, f"--bounds {name}"))
+    return found
+
+
+def fixed_of(text: str | None) -> dict[str, float]:
+    """Read known values such as ``D1=0,D2=0.1``.
+
+    Raises
+    ------
+    ConfigError
+        If a value is not a number.
+    """
+    return {name: _number(value, f"--fix {name}") for name, value in pairs(text, "--fix").items()}
+
+
+def _number(text: str, where: str) -> float:
+    try:
+        return float(text)
+    except ValueError as error:
+        raise ConfigError(f"{where}: {text!r} is not a number") from error

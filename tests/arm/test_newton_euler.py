@@ -242,5 +242,7 @@ def test_wrong_shapes_are_named(dd_arm):
 
 
 def test_samples_that_do_not_match_are_named(dd_arm):
-    with pytest.raises(DataError, match="dq has 3 samples"):
+    with pytest.raises(DataError, match="dq has 3 samples and q has 4; expected as many"):
         inverse_dynamics(dd_arm, np.zeros((4, 2)), np.zeros((3, 2)), np.zeros((4, 2)))
+    with pytest.raises(DataError, match="tau has 1 samples and q has 4; expected as many"):
+        forward_dynamics(dd_arm, np.zeros((4, 2)), np.zeros((4, 2)), np.zeros(2))

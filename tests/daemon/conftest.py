@@ -88,12 +88,12 @@ class Program:
 class PtyDevice:
     """A device under the test's control, on a real pty: answers INFO and writes what it is told to.
 
-    ``on_start`` is written when START comes.
+    ``on_start`` is written when START comes, ``chatter`` all the time.
     """
 
-    def __init__(self, info: DeviceInfo | None, on_start: bytes = b"") -> None:
+    def __init__(self, info: DeviceInfo | None, on_start: bytes = b"", chatter: bytes = b"") -> None:
         self.commands = b""
-        self.sent = 0
+        self._chatter = chatter
         self._info = info
         self._on_start = on_start
         self._outgoing = bytearray()
@@ -124,6 +124,8 @@ class PtyDevice:
     def _serve(self) -> None:
         pending = b""
         while not self._stopping:
+            if not self._outgoing:
+                self.write(self._chatter)
             writers = [self._master] if self._outgoing else []
             readable, writable, _ = select([self._master, self._wake_read], writers, [], 1.0)
             if self._wake_read in readable:
@@ -138,7 +140,6 @@ class PtyDevice:
                 with self._lock:
                     sent = os.write(self._master, bytes(self._outgoing[:8192]))
                     del self._outgoing[:sent]
-                    self.sent += sent
 
     def _obey(self, command: bytes) -> None:
         answer = b""
@@ -169,8 +170,8 @@ def pty_device() -> Iterator[Callable[..., PtyDevice]]:
     """Make a device on a pty."""
     devices: list[PtyDevice] = []
 
-    def make(info: DeviceInfo | None, on_start: bytes = b"") -> PtyDevice:
-        devices.append(PtyDevice(info, on_start))
+    def make(info: DeviceInfo | None, on_start: bytes = b"", chatter: bytes = b"") -> PtyDevice:
+        devices.append(PtyDevice(info, on_start, chatter))
         return devices[-1]
 
     yield make
@@ -178,13 +179,13 @@ def pty_device() -> Iterator[Callable[..., PtyDevice]]:
         device.close()
 
 
-@pytest.fixture
+@pytest.fixture(scope="session")
 def make_info() -> Callable[..., DeviceInfo]:
     """Describe a device: ``make_info(rate_hz=8000.0, names=DD_CHANNELS)``."""
     return device_info
 
 
-@pytest.fixture
+@pytest.fixture(scope="session")
 def random_counts() -> Callable[[int], NDArray[np.int16]]:
     """Return noise about what level sensors at rest read."""
 

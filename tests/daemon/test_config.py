@@ -85,10 +85,8 @@ def test_mistakes_in_the_arm_file_are_named_too(tmp_path: Path) -> None:
     arm.write_text('schema = 1\nname = "x"\n[[joint]]\na_m = "long"\ncolour = "red"\n')
     text = f'[device]\nport = "/dev/ttyX"\nbaud = 0\n[arm]\nfile = "{arm}"\n'
     mistakes = mistakes_in(tmp_path, text)
-    assert len(mistakes) == 3
-    assert "device.baud" in mistakes[0]
-    assert "arm.toml: joint[0].a_m" in mistakes[1]
-    assert "arm.toml: joint[0].colour" in mistakes[2]
+    for named in ("limbd.toml: device.baud is 0", "arm.toml: joint[0].a_m is 'long'", "arm.toml: joint[0].colour"):
+        assert any(named in mistake for mistake in mistakes)
 
 
 def test_angles_must_be_as_many_as_joints(tmp_path: Path) -> None:

@@ -1,6 +1,7 @@
 """Blocks hold the same rows as the pieces, whatever the pieces; a gap begins a new block."""
 
 import numpy as np
+import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -67,7 +68,7 @@ def test_plot_has_a_hundred_rows_a_second() -> None:
     rows = [row for k in range(250) for block in cutter.add(frames(4 * k, 4)) for row in plot_rows(block)]
     assert len(rows) == 100
     assert rows[3] == {
-        "ts": T0_NS * 1e-9 + 0.03,
+        "ts": pytest.approx(1_700_000_000.03, abs=1e-6),
         **{"q1": 30.0, "q2": 30.5, "dq1": 60.0, "dq2": 61.0, "ddq1": 90.0, "ddq2": 91.5},
         **{"tipx": 30.0, "tipy": 30.0, "tipz": 30.0},
     }

@@ -232,3 +232,11 @@ def test_what_cannot_be_sent_is_said(value):
 def test_a_message_too_big_is_not_sent():
     with pytest.raises(ProtocolError, match="expected at most"):
         encode(HEALTH, {"x": bytes(MAX_PAYLOAD_BYTES)})
+
+
+def test_a_version_nested_a_thousand_deep_is_refused_like_any_other():
+    nested: object = 1
+    for _ in range(900):
+        nested = [nested]
+    with pytest.raises(ProtocolError, match="limb/frames"):
+        decode([b"limb/frames", msgpack.packb({"v": nested})])

@@ -1,0 +1,127 @@
+"""`fitter dynamics`: torque and motion to dynamic parameters, eq. (4), (8), (9)."""
+
+import argparse
+from pathlib import Path
+
+from rich.progress import Progress
+from rich.table import Table
+
+from arm.arm_file import load_arm, save_arm
+from arm.model import Arm
+from fitter.commands.options import add_arm, add_columns, add_out, bounds_of, fixed_of, positive
+from fitter.compared import Compared, load_compared
+from fitter.dynamics import GENERATIONS, DynamicsFit, document, fit_dynamics
+from fitter.evaluation import HORIZON_S, Score, score
+from fitter.sources import RECORDINGS
+from fitter.trials import Trial, load_trials
+from limbcal.command import Document, console, say
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Say what `fitter dynamics` takes."""
+    parser.add_argument(
+        "learn", nargs="+", type=Path, metavar="LEARN", help="trials to learn from: files, folders"
+    )
+    parser.add_argument(
+        "--evaluate", nargs="+", type=Path, default=[], metavar="EVAL", help="trials not learnt from"
+    )
+    add_arm(parser)
+    add_columns(parser)
+    parser.add_argument("--cutoff-hz", type=positive, metavar="F", help="corner of the fit (found in the data)")
+    parser.add_argument("--seed", type=int, default=0, help="of the genetic algorithm (0)")
+    parser.add_argument("--population", type=int, metavar="N", help="individuals (100, or 8 a parameter)")
+    parser.add_argument("--generations", type=int, default=GENERATIONS, metavar="N", help=f"({GENERATIONS})")
+    parser.add_argument("--method", choices=["ga", "least-squares"], default="ga")
+    parser.add_argument("--bounds", metavar="P=LOW:HIGH,…", help="where to search (wide, from the torque's size)")
+    parser.add_argument("--fix", metavar="P=VALUE,…", help="parameters that are known")
+    parser.add_argument(
+        "--horizon",
+        type=positive,
+        default=HORIZON_S,
+        metavar="S",
+        help=f"restart of simulations ({HORIZON_S}) [s]",
+    )
+    parser.add_argument("--compare", action="append", default=[], metavar="A", help="another arm to print beside")
+    add_out(parser, "the calibrated arm, as an arm file")
+    parser.set_defaults(action=dynamics)
+
+
+def dynamics(arguments: argparse.Namespace) -> Document:
+    """Learn, evaluate, and write the calibrated arm."""
+    arm = load_arm(arguments.arm)
+    compared = load_compared(arguments.compare, arm)
+    learn, evaluate = _trials(arguments, arm)
+    for trial in (*learn, *evaluate):
+        for note in trial.notes:
+            say(f"{trial.name}: {note}")
+    with Progress(console=console, transient=True) as progress:
+        task = progress.add_task("searching", total=arguments.generations)
+        fit = fit_dynamics(
+            arm,
+            learn,
+            seed=arguments.seed,
+            population=arguments.population,
+            generations=arguments.generations,
+            bounds=bounds_of(arguments.bounds),
+            fixed=fixed_of(arguments.fix),
+            method=arguments.method,
+            progress=lambda done, _cost: progress.update(task, completed=done),
+        )
+    learnt = score(fit.arm, learn, arguments.horizon)
+    evaluated = score(fit.arm, evaluate, arguments.horizon) if evaluate else None
+    save_arm(fit.arm, arguments.out)
+    _print(fit, compared, learnt, evaluated)
+    answer = document(fit, learnt, evaluated)
+    if compared:
+        answer["compared"] = {c.name: c.document(learn, evaluate, arguments.horizon) for c in compared}
+        _print_compared(answer["compared"])
+    return answer
+
+
+def _trials(arguments: argparse.Namespace, arm: Arm) -> tuple[list[Trial], list[Trial]]:
+    """Read both sets; a recording that tells learning from evaluating motions gives both."""
+
+    def load(sources: list[Path], role: str | None, cutoff_hz: float | None) -> list[Trial]:
+        return load_trials(
+            sources,
+            arm.n_joint,
+            arguments.columns,
+            rate_hz=arguments.rate_hz,
+            cutoff_hz=cutoff_hz,
+            role="evaluate" if role == "evaluate" else ("learn" if role == "learn" else None),
+        )
+
+    recorded = not arguments.evaluate and all(path.suffix.lower() in RECORDINGS for path in arguments.learn)
+    learn = load(arguments.learn, "learn" if recorded else None, arguments.cutoff_hz)
+    band = arguments.cutoff_hz or learn[0].band_hz
+    if recorded:
+        return learn, load(arguments.learn, "evaluate", band)
+    return learn, load(arguments.evaluate, None, band) if arguments.evaluate else []
+
+
+def _print(fit: DynamicsFit, compared: list[Compared], learn: Score, evaluate: Score | None) -> None:
+    table = Table(title=f"{fit.arm.name}: {fit.samples} samples, condition {fit.condition_number:.3g}")
+    for column in ("parameter", "value", "std", *(c.name for c in compared), "unit", ""):
+        table.add_column(column, justify="left" if column in ("parameter", "unit", "") else "right")
+    for name, p in fit.parameters.items():
+        known = [f"{c.parameters[name]:.6f}" if name in c.parameters else "–" for c in compared]
+        remark = "" if p.identifiable else "not revealed by this data"
+        std = f"{p.std:.2g}" if p.identifiable else "–"
+        table.add_row(name, f"{p.value:.6f}", std, *known, p.unit, remark)
+    console.print(table)
+    for role, s in (("learning", learn), ("evaluating", evaluate)):
+        if s is not None:
+            torque = ", ".join(f"{value:.4g}" for value in s.torque_rms_N_m)
+            say(
+                f"{role}: torque rms {torque} N·m a joint; simulated angle off by "
+                f"{s.angle_mean_deg:.3g}° mean, {s.angle_max_deg:.3g}° max"
+            )
+
+
+def _print_compared(compared: object) -> None:
+    assert isinstance(compared, dict)
+    for name, fields in compared.items():
+        for role, torque in fields["torque_rms_N_m"].items():
+            if torque is not None:
+                said = ", ".join(f"{value:.4g}" for value in torque)
+                say(f"{name}, {role}: torque rms {said} N·m a joint")

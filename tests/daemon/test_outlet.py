@@ -1,0 +1,100 @@
+"""What leaves: to subscribers what they may have, to the recorder the same bytes and the raw samples always."""
+
+from collections.abc import Iterator
+from pathlib import Path
+
+import numpy as np
+import pytest
+import zmq
+
+from daemon.motion_blocks import RawSamples
+from daemon.outlet import Outlet
+from daemon.record_link import Context, Entry, RecordInlet, RecordLink
+from protocol.message import FRAMES, PLOT, RAW, TRIAL, decode
+from protocol.publisher import Publisher
+from tracking.frames import Frames, Phase
+
+PATIENCE_S = 30.0
+RATE_HZ = 32000.0
+
+
+class Room:
+    """An outlet and the recorder's end of it."""
+
+    def __init__(self, folder: Path, publish_raw: bool) -> None:
+        self.context: Context = zmq.Context()
+        self.inlet = RecordInlet(self.context, f"ipc://{folder}/recorder")
+        self.link = RecordLink(self.context, f"ipc://{folder}/recorder", "x.mcap")
+        self.publisher = Publisher(self.context, f"ipc://{folder}/frames", "dd-arm", "run-1")
+        self.outlet = Outlet(
+            self.publisher,
+            self.link,
+            arm_name="dd-arm",
+            run="run-1",
+            method="integrate",
+            frame_dt_s=1e-3,
+            rate_hz=RATE_HZ,
+            publish_raw=publish_raw,
+            learning=5,
+        )
+
+    def recorded(self) -> list[Entry]:
+        """End the recording and return what is in it."""
+        self.link.close()
+        entries = []
+        while not self.inlet.ended:
+            entry = self.inlet.receive(PATIENCE_S)
+            if entry is not None:
+                entries.append(entry)
+        return entries
+
+    def close(self) -> None:
+        self.publisher.close()
+        self.inlet.close()
+        self.context.term()
+
+
+@pytest.fixture(params=[False, True], ids=["raw-private", "raw-published"])
+def room(request: pytest.FixtureRequest, tmp_path: Path) -> Iterator[Room]:
+    made = Room(tmp_path, request.param)
+    yield made
+    made.close()
+
+
+def frames(first: int, n: int) -> Frames:
+    two, three = np.zeros((n, 2)), np.zeros((n, 3))
+    return Frames(first, first * 10**6, 1e-3, two, two, two, three, np.zeros((n, 4, 3)), False)
+
+
+def test_raw_samples_are_always_recorded(room: Room) -> None:
+    for k in range(3):
+        room.outlet.send_raw(RawSamples(320 * k, 10**7 * k, 1 / RATE_HZ, np.full((320, 12), float(k)), False))
+    entries = room.recorded()
+    messages = [decode([entry.topic.encode(), entry.payload])[1] for entry in entries]
+    assert [entry.topic for entry in entries] == [RAW] * 3
+    assert [entry.t_ns for entry in entries] == [0, 10**7, 2 * 10**7]
+    assert [(m["seq"], m["sample0"], m["run"], m["arm"]) for m in messages] == [
+        (k, 320 * k, "run-1", "dd-arm") for k in range(3)
+    ]
+    assert room.publisher.last_seq in ({}, {RAW: 2})
+
+
+def test_frames_before_a_phase_are_sent_before_it(room: Room) -> None:
+    assert room.outlet.send_frames([frames(0, 14)]) == 1
+    for trial in (5, 6):
+        room.outlet.send_phase(Phase("begin", 13_000_000, trial))
+    room.outlet.send_frames([frames(14, 3)])
+    room.outlet.flush()
+    entries = room.recorded()
+    assert [entry.topic for entry in entries] == [FRAMES, PLOT, FRAMES, PLOT, TRIAL, TRIAL, FRAMES]
+    roles = [decode([b"", entry.payload])[1]["role"] for entry in entries if entry.topic == TRIAL]
+    assert roles == ["learn", "evaluate"]
+
+
+def test_a_recorder_that_gave_up_is_heard(room: Room) -> None:
+    room.outlet.send_frames([frames(0, 10)])
+    assert room.inlet.receive(PATIENCE_S) is None  # hello
+    room.inlet.give_up()
+    while room.link.recording is not None:
+        room.link.check()
+    assert len(room.recorded()) == 2

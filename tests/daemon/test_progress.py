@@ -1,0 +1,57 @@
+"""What a person at the terminal is told."""
+
+import io
+
+from rich.console import Console
+
+from daemon.progress import Progress
+
+STARTED = {
+    "device": "d [1]",
+    "port": "/dev/ttyX",
+    "rate_hz": 32000.0,
+    "arm": "dd-arm",
+    "endpoint": "tcp://127.0.0.1:5770",
+    "recording": None,
+}
+HEALTH = {
+    "uptime_s": 7.4,
+    "samples": 1000,
+    "lost_samples": 32,
+    "crc_errors": 1,
+    "latency_ms": {"p50": 1.0, "p99": 2.34},
+    "recording_lost": 3,
+}
+
+
+def told(terminal: bool) -> str:
+    text = io.StringIO()
+    with Progress(
+        Console(file=text, force_terminal=terminal, width=300, color_system=None, _environ={})
+    ) as progress:
+        progress.started(STARTED)
+        progress.health(HEALTH)
+        progress.trouble("disk [/dev/x] full")
+    return text.getvalue()
+
+
+def test_a_line_at_the_start_and_one_at_the_end() -> None:
+    first, warning, last = told(terminal=False).splitlines()
+    assert (
+        first
+        == "d [1] on /dev/ttyX at 32000 Hz, arm dd-arm; publishing on tcp://127.0.0.1:5770; recording nothing"
+    )
+    assert warning == "warning: disk [/dev/x] full"
+    assert last == ("7 s: 1000 samples, 32 lost, 1 checksum errors, latency p99 2.3 ms, 3 messages not recorded")
+
+
+def test_a_status_on_a_terminal() -> None:
+    assert "\x1b[?25l" in told(terminal=True)  # a live line hides the cursor
+    assert "\x1b" not in told(terminal=False)
+
+
+def test_nothing_is_summed_up_where_nothing_began() -> None:
+    text = io.StringIO()
+    with Progress(Console(file=text)):
+        pass
+    assert text.getvalue() == ""

@@ -1,0 +1,169 @@
+"""The virtual device by a clock of the test's: commands, timing, numbering, dropping."""
+
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from daemon.motion_source import MotionSource
+from daemon.virtual_device import TICK_HZ, FrameFifo, VirtualDevice
+from protocol.serial_frame import DeviceInfo, InfoFrame, SamplesFrame
+from protocol.serial_parser import FrameParser
+
+RATE_HZ = 8000.0
+
+
+class Ramp(MotionSource):
+    """Samples that count up, as many as the test lets there be."""
+
+    def __init__(self, available: int) -> None:
+        self.taken = 0
+        self.available = available
+        self.closed = False
+
+    def fetch(self) -> None:
+        pass
+
+    def take(self, n_sample: int) -> NDArray[np.int16] | None:
+        if self.taken + n_sample > self.available:
+            return None
+        self.taken += n_sample
+        return np.repeat(np.arange(self.taken - n_sample, self.taken, dtype=np.int16)[:, None], 12, axis=1)
+
+    def truth(self) -> dict[str, NDArray[np.float64]]:
+        return {"t": np.arange(self.taken) / RATE_HZ}
+
+    def close(self) -> None:
+        self.closed = True
+
+
+class Bench:
+    """A device, its sources and what comes out of it."""
+
+    def __init__(
+        self, info: DeviceInfo, available: int = 30_000, fifo_bytes: int = 10**6, speed: float = 1.0
+    ) -> None:
+        self.sources: list[Ramp] = []
+        self.available = available
+        self.fifo = FrameFifo(fifo_bytes)
+        self.parser = FrameParser()
+        self.device = VirtualDevice(info, self._source, self.fifo, speed, now_s=100.0)
+
+    def _source(self) -> Ramp:
+        self.sources.append(Ramp(self.available))
+        return self.sources[-1]
+
+    def taken(self) -> list[SamplesFrame | InfoFrame]:
+        out = bytearray()
+
+        def write(data: bytes) -> int:
+            out.extend(data[:1000])
+            return min(1000, len(data))
+
+        while len(self.fifo):
+            self.fifo.drain(write)
+        return self.parser.feed(bytes(out))
+
+
+@pytest.fixture
+def bench(make_info: Callable[..., DeviceInfo]) -> Callable[..., Bench]:
+    return lambda **options: Bench(make_info(RATE_HZ), **options)
+
+
+def test_commands_are_whole_lines_and_others_are_passed_over(bench: Callable[..., Bench]) -> None:
+    b = bench()
+    b.device.receive(b"HELLO\nIN", 100.0)
+    assert b.taken() == []
+    b.device.receive(b"FO\r\n", 100.5)
+    (frame,) = b.taken()
+    assert isinstance(frame, InfoFrame)
+    assert frame.ticks == TICK_HZ // 2
+    b.device.receive(b"x" * 10_000, 100.5)
+    b.device.receive(b"\nINFO\n", 100.5)
+    assert len(b.taken()) == 1
+
+
+def test_start_sends_info_and_then_what_is_due(bench: Callable[..., Bench]) -> None:
+    b = bench(speed=2.0)
+    b.device.receive(b"START\n", 101.0)
+    for now_s in (101.05, 101.0999, 101.5):
+        b.device.advance(now_s)
+    info, *frames = b.taken()
+    assert isinstance(info, InfoFrame)
+    assert len(frames) == 8000 // 32  # half a second at twice the speed
+    for k, frame in enumerate(frames):
+        assert isinstance(frame, SamplesFrame)
+        assert frame.sequence == k + 1
+        assert frame.ticks == 2 * TICK_HZ + k * 32 * TICK_HZ // 8000
+        np.testing.assert_array_equal(frame.counts[:, 5], np.arange(32) + 32 * k)
+
+
+def test_what_the_host_does_not_take_is_dropped_and_the_numbers_go_on(bench: Callable[..., Bench]) -> None:
+    b = bench(fifo_bytes=5000)
+    b.device.receive(b"START\n", 100.0)
+    b.device.advance(101.0)
+    before = b.taken()
+    assert b.fifo.dropped > 200
+    b.device.advance(101.01)
+    after = b.taken()
+    last, first = before[-1], after[0]
+    assert isinstance(last, SamplesFrame)
+    assert isinstance(first, SamplesFrame)
+    missing = first.sequence - last.sequence - 1
+    assert missing == b.fifo.dropped
+    assert first.ticks - last.ticks == (missing + 1) * 32 * TICK_HZ // 8000
+
+
+def test_stop_ends_the_stream_and_start_begins_the_motions_anew(bench: Callable[..., Bench]) -> None:
+    b = bench()
+    b.device.receive(b"START\n", 100.0)
+    b.device.advance(100.1)
+    b.device.receive(b"STOP\n", 100.1)
+    b.device.advance(100.2)
+    assert b.sources[0].closed
+    before = b.taken()
+    b.device.receive(b"STOP\nSTART\n", 100.3)
+    b.device.advance(100.4)
+    info, first, *_ = b.taken()
+    assert len(b.sources) == 2
+    assert isinstance(first, SamplesFrame)
+    assert info.sequence == before[-1].sequence + 1
+    assert first.ticks == info.ticks == round(0.3 * TICK_HZ)
+    assert first.counts[0, 0] == 0
+
+
+def test_start_while_streaming_only_introduces_again(bench: Callable[..., Bench]) -> None:
+    b = bench()
+    b.device.receive(b"START\n", 100.0)
+    b.device.advance(100.1)
+    b.device.receive(b"START\n", 100.1)
+    b.device.advance(100.2)
+    frames = b.taken()
+    assert [frame.sequence for frame in frames] == list(range(len(frames)))
+    assert sum(isinstance(frame, InfoFrame) for frame in frames) == 2
+    assert len(b.sources) == 1
+
+
+def test_a_motion_that_is_computed_late_stops_the_devices_time(bench: Callable[..., Bench]) -> None:
+    b = bench(available=0)
+    b.device.receive(b"START\n", 100.0)
+    b.device.advance(103.0)
+    b.sources[0].available = 64
+    b.device.advance(103.1)
+    assert b.device.waited_s == pytest.approx(0.1 - 64 / 8000, abs=1e-6)  # until then it had not begun
+    b.sources[0].available = 30_000
+    b.device.advance(104.1)
+    frames = [frame for frame in b.taken() if isinstance(frame, SamplesFrame)]
+    assert len(frames) == 2 + 8000 // 32 - 1  # 7999.99 samples were due
+    assert np.diff([frame.ticks for frame in frames]).tolist() == [32 * TICK_HZ // 8000] * (len(frames) - 1)
+
+
+def test_the_truth_outlives_a_stop(bench: Callable[..., Bench]) -> None:
+    b = bench()
+    b.device.receive(b"START\n", 100.0)
+    b.device.advance(101.0)
+    b.device.receive(b"STOP\n", 101.0)
+    assert len(b.device.truth["t"]) == 8000
+    b.device.close()
+    assert all(source.closed for source in b.sources)

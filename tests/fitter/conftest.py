@@ -1,0 +1,32 @@
+"""Where real measurements are."""
+
+import os
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+from arm.arm_file import load_arm
+from arm.bench import Bench, motions
+from arm.kinematics import tip_position
+from fitter.trials import Trial
+
+
+@pytest.fixture(scope="session")
+def measured_data() -> Path:
+    """Return the folder of real measurements, which are not part of the project."""
+    folder = Path(os.environ.get("LIMBCAL_DATA", Path(__file__).parents[2] / ".." / "shared" / "data"))
+    if not folder.is_dir():
+        pytest.skip(f"no measured data in {folder}; LIMBCAL_DATA can name another folder")
+    return folder.resolve()
+
+
+@pytest.fixture(scope="session")
+def bench_trials() -> list[Trial]:
+    """Six trials of the standard bench at 500 Hz, free of noise, with torque, target and tip."""
+    arm = load_arm("dd-arm")
+    bench = replace(Bench(), rate_hz=500.0, learning=4, evaluating=2)
+    return [
+        Trial(f"bench#{i}", m.t, 0.002, m.q, m.dq, m.ddq, m.tau, m.ref, tip_position(arm, m.q))
+        for i, m in enumerate(motions(arm, bench, 1))
+    ]
