@@ -6,6 +6,7 @@ from collections.abc import Iterable, Mapping
 from importlib import resources
 from pathlib import Path
 
+import numpy as np
 from pydantic import ValidationError
 
 from arm.arm_schema import ArmTable, contradictions, mistakes_of
@@ -49,12 +50,15 @@ def parse_arm(text: str, where: str) -> Arm:
         With every mistake in the text.
     """
     try:
-        table = ArmTable.model_validate(tomllib.loads(text))
+        raw = tomllib.loads(text)
     except tomllib.TOMLDecodeError as error:
         raise ConfigError(f"{where}: not TOML: {error}") from error
+    found = contradictions(raw, where)
+    try:
+        table = ArmTable.model_validate(raw)
     except ValidationError as error:
-        raise ConfigError(mistakes_of(error, where)) from error
-    if found := contradictions(table, where):
+        raise ConfigError(mistakes_of(error, where) + found) from error
+    if found:
         raise ConfigError(found)
     return table.arm()
 
@@ -102,6 +106,8 @@ def _key(name: str) -> str:
 
 
 def _value(value: object) -> str:
+    if isinstance(value, np.generic):  # a fit hands in numpy's numbers, whose repr is not TOML
+        value = value.item()
     if isinstance(value, str):
         return _string(value)
     if isinstance(value, bool):
@@ -117,4 +123,4 @@ def _value(value: object) -> str:
 
 def _string(text: str) -> str:
     escaped = text.replace("\\", "\\\\").replace('"', '\\"')
-    return '"' + "".join(c if c.isprintable() else f"\\u{ord(c):04x}" for c in escaped) + '"'
+    return '"' + "".join(c if c.isprintable() else f"\\U{ord(c):08x}" for c in escaped) + '"'

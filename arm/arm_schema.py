@@ -1,6 +1,7 @@
 """The fields of `arm.toml` (schema 1), what each may be, and the mistakes a file makes against them."""
 
-from typing import Annotated, Literal
+from collections.abc import Mapping
+from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
@@ -19,8 +20,10 @@ from arm.model import (
     Tip,
 )
 
-Number = Annotated[float, Field(allow_inf_nan=False)]
+Number = Annotated[float, Field(strict=True, allow_inf_nan=False)]  # neither "1.0" nor true is a number
 Vector = tuple[Number, Number, Number]
+#: The gains that each law needs.
+_GAINS = {"pd": ("kp", "kv"), "pda": ("kp", "kv", "ka"), "p": ("kp",)}
 
 
 class _Table(BaseModel):
@@ -52,7 +55,7 @@ class _Joint(_Table):
 
 class _Sensor(_Table):
     name: Annotated[str, Field(min_length=1)]
-    joint: Annotated[int, Field(ge=1)]
+    joint: Annotated[int, Field(strict=True, ge=1)]
     position_m: Vector = (0.0, 0.0, 0.0)
     rotation_rad: Vector = (0.0, 0.0, 0.0)
 
@@ -64,7 +67,7 @@ class _Tip(_Table):
 
 class _Estimate(_Table):
     value: Number
-    std: float = float("nan")
+    std: Annotated[float, Field(strict=True)] = float("nan")
 
 
 class _Effect(_Table):
@@ -124,33 +127,49 @@ def mistakes_of(error: ValidationError, where: str) -> list[str]:
             sentences.append(f"{where}: {field} is not a known field")
         elif mistake["type"] == "missing":
             sentences.append(f"{where}: {field} is missing")
+        elif mistake["type"] == "model_type":
+            sentences.append(f"{where}: {field} is {mistake['input']!r}; input should be a table")
         else:
             expected = mistake["msg"][0].lower() + mistake["msg"][1:]
             sentences.append(f"{where}: {field} is {mistake['input']!r}; {expected}")
     return sentences
 
 
-def contradictions(table: ArmTable, where: str) -> list[str]:
-    """Return what each field allows but the file as a whole does not."""
-    n_joint = len(table.joint)
-    names = [sensor.name for sensor in table.sensor]
+def contradictions(raw: Mapping[str, Any], where: str) -> list[str]:
+    """Return what each field allows but the file as a whole does not.
+
+    It looks at the file as it was read, so that these mistakes are named beside those in single fields; what has
+    the wrong type is passed over here.
+    """
+    n_joint = len(_tables(raw.get("joint")))
+    sensors = _tables(raw.get("sensor"))
+    names = [sensor.get("name") for sensor in sensors]
     sentences = [
-        f"{where}: sensor[{k}].joint is {sensor.joint}, expected 1 to {n_joint}"
-        for k, sensor in enumerate(table.sensor)
-        if sensor.joint > n_joint
+        f"{where}: sensor[{k}].joint is {sensor['joint']}, expected 1 to {n_joint}"
+        for k, sensor in enumerate(sensors)
+        if isinstance(sensor.get("joint"), int) and sensor["joint"] > n_joint > 0
     ]
     sentences += [
         f"{where}: sensor[{k}].name is {name!r}, which sensor[{names.index(name)}] has already"
         for k, name in enumerate(names)
-        if names.index(name) < k
+        if isinstance(name, str) and names.index(name) < k
     ]
-    if table.tip is not None and table.tip.sensor not in names:
+    tip, known = raw.get("tip"), [name for name in names if isinstance(name, str)]
+    if isinstance(tip, dict) and isinstance(tip.get("sensor"), str) and tip["sensor"] not in known:
         sentences.append(
-            f"{where}: tip.sensor is {table.tip.sensor!r}, expected one of {', '.join(names) or 'no sensor'}"
+            f"{where}: tip.sensor is {tip['sensor']!r}, expected one of {', '.join(known) or 'no sensor'}"
         )
-    needed = {"pd": ("kp", "kv"), "pda": ("kp", "kv", "ka"), "p": ("kp",), "measured": ()}[table.control.law]
-    for gain in needed:
-        found = len(getattr(table.control, gain))
-        if found != n_joint:
-            sentences.append(f"{where}: control.{gain} has {found} numbers, expected one a joint ({n_joint})")
+    control = raw.get("control")
+    if isinstance(control, dict) and n_joint:
+        for gain in _GAINS.get(str(control.get("law")), ()):
+            given = control.get(gain, [])
+            if isinstance(given, list) and len(given) != n_joint:
+                sentences.append(
+                    f"{where}: control.{gain} has {len(given)} numbers, expected one a joint ({n_joint})"
+                )
     return sentences
+
+
+def _tables(value: object) -> list[dict[str, Any]]:
+    """Return an array of tables; what is none of it counts as an empty table."""
+    return [item if isinstance(item, dict) else {} for item in value] if isinstance(value, list) else []

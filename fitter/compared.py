@@ -9,6 +9,7 @@ from arm.base_parameters import base_parameters
 from arm.model import Arm
 from arm.regressor import standard_parameters
 from fitter.evaluation import Score, score
+from fitter.tip_basis import geometry_names, geometry_of
 from fitter.trials import Trial
 from limbcal.errors import ConfigError
 
@@ -70,3 +71,8 @@ def load_compared(sources: Sequence[str], arm: Arm) -> list[Compared]:
         under_law = Arm(**{**vars(other), "control": arm.control})
         found.append(Compared(Path(source).stem, under_law, values))
     return found
+
+
+def geometry_by_name(arm: Arm) -> dict[str, float]:
+    """Return alpha1, a1, d1, beta1, theta_offset1, alpha2, … of an arm."""
+    return dict(zip(geometry_names(arm.n_joint), geometry_of(arm).ravel().tolist(), strict=True))

@@ -6,58 +6,78 @@ out as ``c t^2 / 2`` of position, ``c t`` of velocity and ``c`` of acceleration.
 than the tracker had thought, what follows starts there too.
 """
 
-from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
+from collections.abc import Sequence
 
 import numpy as np
+from numpy.typing import NDArray
 
-from fitter.motions import Measured
-from fitter.tables import Floats
+Floats = NDArray[np.float64]
+Columns = dict[str, Floats]
 
 #: The velocity that is left is averaged over this long before the end [s].
 _LAST_S = 0.02
-#: Derivatives of each dead-reckoned column, lowest first.
-_COLUMNS = (("q", "dq", "ddq"), ("points",))
+#: Each dead-reckoned column and its derivatives.
+_FAMILIES = (("q", "dq", "ddq"), ("points",))
 
 
-@dataclass
 class DriftCorrection:
-    """Takes the drift out of one motion after the other; each begins where the one before really ended.
+    """Takes the drift out of one motion after the other; each begins where the one before really ended."""
 
-    Attributes
-    ----------
-    shift : dict of str to ndarray
-        What the motions so far have added to q and points, without truth in it.
-    """
+    def __init__(self) -> None:
+        self._shift: Columns = {}
 
-    shift: dict[str, Floats] = field(default_factory=dict)
-
-    def apply(self, motion: Measured) -> Measured:
-        """Return a motion, from rest to rest, without drift.
+    def moving(self, t: Floats, columns: Columns) -> Columns:
+        """Return the columns of a motion, from rest to rest, without drift.
 
         Parameters
         ----------
-        motion : Measured
-            Evenly sampled, with q, dq, ddq (n, n_joint) and where known points (n, n_sensor, 3).
+        t : ndarray of shape (n,)
+            Time [s], evenly spaced.
+        columns : dict of str to ndarray of shape (n, …)
+            Of these q, dq, ddq and points are corrected, where they are there.
         """
-        t = motion.t - motion.t[0]
+        corrected = self.resting(columns)
         if len(t) < 3:
-            return motion
-        columns = dict(motion.columns)
-        for names in _COLUMNS:
-            if names[0] in columns:
-                columns |= self._corrected(t, names, columns)
-        return replace(motion, columns=columns, notes=(*motion.notes, "drift taken out by the rest at the end"))
-
-    def _corrected(self, t: Floats, names: tuple[str, ...], columns: Mapping[str, Floats]) -> dict[str, Floats]:
-        position = columns[names[0]]
-        last = min(max(1, int(_LAST_S * (len(t) - 1) / t[-1])), len(t) - 2)
-        left = (position[-2] - position[-2 - last]) / (t[-2] - t[-2 - last])
-        c = left / t[-1]
-        s = t.reshape(-1, *[1] * (position.ndim - 1))
-        errors = (c * s**2 / 2, c * s, c + 0 * s)
-        shift = self.shift.get(names[0], np.zeros_like(position[0]))
-        self.shift[names[0]] = shift + errors[0][-1]
-        corrected = {name: columns[name] - error for name, error in zip(names, errors, strict=False)}
-        corrected[names[0]] = corrected[names[0]] - shift
+            return corrected
+        elapsed = t - t[0]
+        for names in _FAMILIES:
+            if names[0] not in columns:
+                continue
+            position = columns[names[0]]
+            last = int(np.clip(_LAST_S * (len(t) - 1) / elapsed[-1], 1, len(t) - 2))
+            left = (position[-2] - position[-2 - last]) / (elapsed[-2] - elapsed[-2 - last])
+            c = left / elapsed[-1]
+            s = elapsed.reshape(-1, *[1] * (position.ndim - 1))
+            for name, error in zip(names, (c * s**2 / 2, c * s, c + 0 * s), strict=False):
+                corrected[name] = corrected[name] - error
+            self._shift[names[0]] = self._shift.get(names[0], 0.0) + c * elapsed[-1] ** 2 / 2
         return corrected
+
+    def resting(self, columns: Columns) -> Columns:
+        """Return the columns of a rest, moved to where the motion before it really ended."""
+        return {name: values - self._shift.get(name, 0.0) for name, values in columns.items()}
+
+
+def without_drift(t: Floats, columns: Columns, motions: Sequence[tuple[float, float]]) -> Columns:
+    """Return the columns of a whole recording without drift.
+
+    Parameters
+    ----------
+    t : ndarray of shape (n,)
+        Time [s].
+    columns : dict of str to ndarray of shape (n, …)
+    motions : sequence of (begin, end)
+        When the motions began and ended [s], in order.
+    """
+    correction, parts, done = DriftCorrection(), [], 0
+    for window in motions:
+        begin, end = (int(k) for k in np.searchsorted(t, window))
+        parts.append(correction.resting(_rows(columns, done, begin)))
+        parts.append(correction.moving(t[begin:end], _rows(columns, begin, end)))
+        done = end
+    parts.append(correction.resting(_rows(columns, done, len(t))))
+    return {name: np.concatenate([part[name] for part in parts]) for name in columns}
+
+
+def _rows(columns: Columns, begin: int, end: int) -> Columns:
+    return {name: values[begin:end] for name, values in columns.items()}

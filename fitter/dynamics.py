@@ -13,7 +13,7 @@ from arm.regressor import standard_parameters
 from fitter.evaluation import Score
 from fitter.first_rest import REST_SPEED
 from fitter.fitted_parameter import FittedParameter, fitted_parameters
-from fitter.genetic import GeneticAlgorithm
+from fitter.genetic import INDIVIDUALS_PER_GENE, POPULATION, GeneticAlgorithm
 from fitter.torque_problem import TorqueProblem, torque_problem
 from fitter.torque_sums import TorqueSums, add_up
 from fitter.trial_sums import trial_sums
@@ -25,9 +25,6 @@ Method = Literal["ga", "least-squares"]
 Progress = Callable[[int, float], None]
 
 GENERATIONS = 1000
-POPULATION = 100
-#: An arm with many parameters needs this many individuals for each.
-_INDIVIDUALS_PER_GENE = 8
 #: The search has ended too soon if it is worse than the optimum within its bounds by more than this share.
 _NOT_CONVERGED = 1e-3
 
@@ -145,7 +142,7 @@ def fit_sums(
     index = {name: k for k, name in enumerate(base.names)}
     prior = base.combination @ standard_parameters(arm)
     problem = torque_problem(sums, prior, {index[name]: value for name, value in (fixed or {}).items()})
-    size = population or max(POPULATION, _INDIVIDUALS_PER_GENE * len(problem.free))
+    size = population or max(POPULATION, INDIVIDUALS_PER_GENE * len(problem.free))
     if method == "ga":
         lower, upper = _bounds(base, problem, bounds or {})
         genes = _search(problem, lower, upper, np.random.default_rng(seed), size, generations, progress)

@@ -16,6 +16,9 @@ from numpy.typing import ArrayLike, NDArray
 from arm.model import Floats
 from limbcal.compiled import compiled
 
+#: The paper's N, and how many individuals there should be for each gene where there are many.
+POPULATION = 100
+INDIVIDUALS_PER_GENE = 8
 #: The share of a generation that survives step 4, and the share that step 5 mutates.
 _SURVIVE = 0.3
 _MUTATE = 0.05
@@ -53,7 +56,7 @@ class GeneticAlgorithm:
     """
 
     def __init__(
-        self, lower: ArrayLike, upper: ArrayLike, rng: np.random.Generator, population: int = 100
+        self, lower: ArrayLike, upper: ArrayLike, rng: np.random.Generator, population: int = POPULATION
     ) -> None:
         self._lower = np.array(lower, dtype=float)
         self._upper = np.array(upper, dtype=float)
@@ -183,10 +186,7 @@ def next_generation(
                 steps[place + i, k] = 0.0
     centre[:] = mean
     triangle = triangular_factor(steps[:filled])
-    for k in range(n_gene):
-        least = _LEAST_SCATTER * (upper[k] - lower[k])
-        if not held[k] and abs(triangle[k, k]) < least:
-            triangle[k, k] = least
+    keep_apart(triangle, _LEAST_SCATTER * (upper - lower) * ~held)
 
     elite = n - uniform.shape[0] - normal.shape[0]
     for row in range(n):
@@ -203,6 +203,14 @@ def next_generation(
                 child[k] = population[row, k]
             else:
                 child[k] = reflected(child[k], lower[k], upper[k])
+
+
+@compiled
+def keep_apart(triangle: Floats, least: Floats) -> None:
+    """Give every gene its least scatter."""
+    for k in range(least.size):
+        if abs(triangle[k, k]) < least[k]:
+            triangle[k, k] = least[k]
 
 
 @compiled

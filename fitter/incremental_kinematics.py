@@ -6,19 +6,18 @@ import numpy as np
 from numpy.typing import NDArray
 
 from arm.model import Arm, Floats
-from fitter.genetic import GeneticAlgorithm
+from fitter.genetic import INDIVIDUALS_PER_GENE, POPULATION, GeneticAlgorithm
 from fitter.revealed import revealed, sought_by_default
 from fitter.standard_errors import sandwich_covariance
 from fitter.tip_basis import GEOMETRY, coefficients, geometry_names, geometry_of, jacobian, turning
 from fitter.tip_sums import TipSums, add_up, no_sums, tip_sums
 from limbcal.errors import ConfigError
 
-POPULATION = 100
 #: Where nothing is known: lengths up to a metre, angles to 30 degrees and offsets to half a metre around the
 #: arm file's.
 LONGEST_LINK_M = 1.0
 _AROUND = {"alpha": np.pi / 6, "d": 0.5, "beta": np.pi / 6, "theta_offset": np.pi / 6}
-#: What can be told is looked at again when data comes in and every so many generations.
+#: What can be told is looked at again every so many generations.
 _LOOK_AGAIN = 25
 #: Stretches of one trial are joined to blocks of at least so many samples: 50 ms of frames.
 _BLOCK_SAMPLES = 50
@@ -32,7 +31,8 @@ class IncrementalKinematics:
     arm : Arm
         Its geometry is the prior, and the middle of the bounds of angles and offsets.
     seed : int or numpy.random.Generator
-    population : int
+    population : int, optional
+        Default 100, or 8 individuals a parameter where that is more.
     bounds : mapping from name to (lower, upper), optional
         Default: a in 0..1 m, angles within 30 degrees and d within 0.5 m of the arm's.
     fixed : mapping from name to value, optional
@@ -51,7 +51,7 @@ class IncrementalKinematics:
         arm: Arm,
         seed: int | np.random.Generator,
         *,
-        population: int = POPULATION,
+        population: int | None = None,
         bounds: Mapping[str, tuple[float, float]] | None = None,
         fixed: Mapping[str, float] | None = None,
         free: Collection[str] = (),
@@ -63,7 +63,6 @@ class IncrementalKinematics:
                 f"no geometric parameter is called {', '.join(unknown)}; there are {', '.join(names)}"
             )
         self.arm = arm
-        self.population = population
         self._revolute = turning(arm)
         self._best = geometry_of(arm)
         sought = sought_by_default(arm).ravel()
@@ -76,11 +75,12 @@ class IncrementalKinematics:
         self._genes = np.flatnonzero(sought)
         lower, upper = _bounds(names, self._prior.ravel(), bounds or {})
         self._range = (upper - lower)[self._genes]
+        self.population = population or max(POPULATION, INDIVIDUALS_PER_GENE * len(self._genes))
         rng = np.random.default_rng(seed)
         #: A geometry like any other, in which nothing is parallel or zero by chance.
         self._anyhow = self._prior.copy()
         self._anyhow.flat[self._genes] = lower[self._genes] + self._range * rng.uniform(0.2, 0.8, len(self._genes))
-        self._search = GeneticAlgorithm(lower[self._genes], upper[self._genes], rng, population)
+        self._search = GeneticAlgorithm(lower[self._genes], upper[self._genes], rng, self.population)
         self._told = np.zeros(len(self._genes), dtype=bool)
         self._parts: list[TipSums] = []
         self._total = no_sums(arm)
@@ -149,7 +149,10 @@ class IncrementalKinematics:
         float
             Error of the best one's tip displacement, rms [m]; NaN as long as nothing can be told.
         """
-        if self._changed or self._search.generation % _LOOK_AGAIN == 0:
+        if self._changed:
+            self._whitened = self._total.whitened()
+            self._changed = False
+        if self._search.generation % _LOOK_AGAIN == 0:
             self._look()
         if not np.any(self._told):
             return np.nan
@@ -185,10 +188,7 @@ class IncrementalKinematics:
         return lowered / max(float(residual @ residual) + float(np.sum(self._whitened.rest)), floor, 1e-300)
 
     def _look(self) -> None:
-        """Take in new sums, and find out which genes they tell."""
-        if self._changed:
-            self._whitened = self._total.whitened()
-            self._changed = False
+        """Find out which genes the sums tell."""
         told = self._revealed(self._anyhow, np.ones(len(self._genes), dtype=bool))
         if self._search.generation:
             told = self._revealed(self._best, told)

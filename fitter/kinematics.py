@@ -11,7 +11,7 @@ from arm.model import Arm
 from fitter.evaluation import TipScore
 from fitter.first_rest import displacement
 from fitter.fitted_parameter import FittedParameter, fitted_parameters
-from fitter.incremental_kinematics import POPULATION, IncrementalKinematics
+from fitter.incremental_kinematics import IncrementalKinematics
 from fitter.tip_basis import UNITS, geometry_names, with_geometry
 from fitter.trials import Trial
 from limbcal.errors import DataError, NotConverged, NotIdentifiable
@@ -51,7 +51,7 @@ def fit_kinematics(
     learn: Sequence[Trial],
     *,
     seed: int | np.random.Generator = 0,
-    population: int = POPULATION,
+    population: int | None = None,
     generations: int = GENERATIONS,
     bounds: Mapping[str, tuple[float, float]] | None = None,
     fixed: Mapping[str, float] | None = None,
@@ -69,9 +69,10 @@ def fit_kinematics(
     learn : sequence of Trial
         With a tip; what counts is its displacement within each trial.
     seed : int or numpy.random.Generator
-    population, generations : int
+    population : int, optional
+    generations : int
     bounds, fixed, free
-        See `IncrementalKinematics`.
+        See `IncrementalKinematics`, as for the default population.
     about : {"rest", "mean"}
         What displacements are counted from. "rest", the start of the trial, suits dead reckoning, whose error
         is zero there; "mean", their mean over the trial, suits samples that are measured one by one.
@@ -105,7 +106,7 @@ def fit_kinematics(
     promise = search.promise()
     if not promise <= _NOT_CONVERGED:
         raise NotConverged(
-            f"after {generations} generations of {population} one more step would still lower the cost by "
+            f"after {generations} generations of {search.population} one more step would still lower the cost by "
             f"{100 * promise:.3g} %; expected less than {100 * _NOT_CONVERGED:g} %, so give it more generations"
         )
     return replace(fit, seconds=clock() - start)

@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from fitter.drift import without_drift
 from fitter.motions import Measured
 from limbcal.errors import DataError
 from protocol.message import FRAMES, RAW, TRIAL
@@ -15,7 +16,8 @@ from protocol.recording_reader import read_recording
 Floats = NDArray[np.float64]
 Fields = Mapping[str, object]
 
-FRAME_COLUMNS = ("q", "dq", "ddq", "tip", "points")
+#: The tip of a frame was computed from the arm file's lengths; what measures it are the points.
+FRAME_COLUMNS = ("q", "dq", "ddq", "points")
 _NS = 1e-9
 
 
@@ -42,7 +44,7 @@ def read_frames(path: Path, n_joint: int) -> list[Measured]:
     Returns
     -------
     list of Measured
-        With q, dq, ddq, tip and points; the whole recording as one if it announces no trial.
+        With q, dq, ddq and points; the whole recording as one if it announces no trial.
 
     Raises
     ------
@@ -64,8 +66,11 @@ def read_frames(path: Path, n_joint: int) -> list[Measured]:
         raise DataError(f"{path}: frames of {found} joint angles, expected {n_joint} as the arm has")
     lost = sum(bool(block.get("gap")) for block in blocks)
     notes = (*messages.warnings, *([f"{lost} block(s) of frames after lost samples"] if lost else []))
-    whole = Measured(path.stem, str(path), 0, t, columns, notes=notes)
     windows = _windows(path.stem, events, start_ns, float(t[-1]), path)
+    if blocks[0].get("method") == "integrate" and windows:
+        columns = without_drift(t, columns, [(window.begin_s, window.end_s) for window in windows])
+        notes = (*notes, "drift taken out by the rest at the end of each motion")
+    whole = Measured(path.stem, str(path), 0, t, columns, notes=notes)
     if not windows:
         return [whole]
     motions: list[Measured] = []

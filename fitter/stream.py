@@ -6,17 +6,18 @@ from typing import Any
 
 import numpy as np
 
+from fitter.drift import DriftCorrection
 from fitter.motions import Measured
 from limbcal.errors import ProtocolError
 from protocol.message import FRAMES, TRIAL
 
 #: Frames before a motion's beginning are kept for at most this long [s].
 _MEMORY_S = 2.0
-_COLUMNS = ("q", "dq", "ddq", "tip", "points")
+_COLUMNS = ("q", "dq", "ddq", "points")
 
 
 class MotionAssembler:
-    """Gathers frames and gives out each motion when it has ended.
+    """Gathers frames and gives out each motion when it has ended, without the drift of dead reckoning.
 
     Attributes
     ----------
@@ -34,6 +35,7 @@ class MotionAssembler:
         self.moving = False
         self._begin_ns = 0
         self._blocks: deque[Mapping[str, Any]] = deque()
+        self._drift = DriftCorrection()
 
     def feed(self, topic: str, fields: Mapping[str, Any]) -> Measured | None:
         """Take in a message and give out the motion that it completes.
@@ -86,4 +88,6 @@ class MotionAssembler:
         lost = sum(bool(block["gap"]) for block in blocks)
         notes = (f"{lost} block(s) of frames after lost samples",) if lost else ()
         t = (t_ns[inside] - self._begin_ns) * 1e-9
+        if blocks[0]["method"] == "integrate":
+            columns = self._drift.moving(t, columns)
         return Measured(f"trial {self.trial}", "stream", 0, t, columns, role=self.role, notes=notes)

@@ -5,7 +5,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from arm.kinematics import tip_position
 from arm.model import Arm
+from fitter.drift import without_drift
+from fitter.measured_tip import measured_tip
 from fitter.raw import RawRun
 from tracking.frames import Frames, Phase
 from tracking.integrator import Integrator, Zero
@@ -20,8 +23,9 @@ class Tracked:
     Attributes
     ----------
     columns : dict of str to ndarray
-        t [s] on the clock of the readings, q, dq, ddq, tip, and ref where the readings had it; trial, by the
-        readings' own labels or else by the rests that were recognised.
+        t [s] on the clock of the readings, q, dq, ddq, and ref where the readings had it; tip, measured: from
+        where the arm file has it at first, moved by what the accelerations say; trial, by the readings' own
+        labels or else by the rests that were recognised.
     error_deg : ndarray of shape (n, n_joint), or None
         How far each angle is from the true one, where the readings come with it: degrees, or mm for a sliding
         joint.
@@ -68,8 +72,9 @@ def track_run(run: RawRun, arm: Arm, initial_q_rad: Floats, frame_rate_hz: float
         "q": np.concatenate([f.q for f in frames]),
         "dq": np.concatenate([f.dq for f in frames]),
         "ddq": np.concatenate([f.ddq for f in frames]),
-        "tip": np.concatenate([f.tip for f in frames]),
     }
+    if arm.tip is not None:
+        columns["tip"] = _tip(arm, t, frames, phases)
     row = np.clip(np.searchsorted(run.t, t, side="right") - 1, 0, len(run.t) - 1)
     if run.ref is not None:
         columns["ref"] = run.ref[row]
@@ -94,6 +99,16 @@ def trials_of(t: Floats, phases: list[Phase]) -> NDArray[np.int64]:
     ends = np.array([1e-9 * phase.t_ns for phase in phases if phase.kind == "end"])
     motions = max(1, sum(phase.kind == "begin" for phase in phases))
     return np.minimum(np.searchsorted(ends, t, side="right") + 1, motions)
+
+
+def _tip(arm: Arm, t: Floats, frames: list[Frames], phases: list[Phase]) -> Floats:
+    times = [1e-9 * phase.t_ns for phase in phases]
+    motions = list(zip(times[0::2], times[1::2], strict=False))
+    points = without_drift(t, {"points": np.concatenate([f.points for f in frames])}, motions)["points"]
+    q = np.concatenate([f.q for f in frames])
+    moved = measured_tip(arm, q, points)
+    tip: Floats = tip_position(arm, q[:1]) + moved - moved[0]
+    return tip
 
 
 def _extend(frames: list[Frames], phases: list[Phase], new: tuple[list[Frames], list[Phase]]) -> None:

@@ -56,6 +56,8 @@ class Trial:
         Dead-reckoned sensor positions [m], from recordings.
     role : str, optional
         "learn" or "evaluate", where a recording says so.
+    tau_measured : ndarray of shape (n, n_joint), or None
+        The torque as it was measured, on the same grid, before any filter: what a simulation is to be judged by.
     """
 
     name: str
@@ -72,6 +74,7 @@ class Trial:
     band_hz: float = np.inf
     points: Floats | None = None
     role: str | None = None
+    tau_measured: Floats | None = None
 
     def lowpass(self, values: Floats) -> Floats:
         """Pass something that was computed from this trial through the one filter of a fit.
@@ -153,6 +156,16 @@ def load_trials(
             motions += read_motions(path, n_joint, mapping, rate_hz, required=("q",))
     if not motions:
         raise DataError(f"{', '.join(map(str, files))}: no trial with role {role!r} in it")
+    return to_trials(motions, rate_hz, cutoff_hz, band_hz)
+
+
+def to_trials(
+    motions: Sequence[Measured],
+    rate_hz: float | None = None,
+    cutoff_hz: float | None = None,
+    band_hz: float | None = None,
+) -> list[Trial]:
+    """Put motions on uniform grids and fill in what a fit needs; parameters as for `load_trials`."""
     uniform = [resample(piece, rate_hz) for motion in motions for piece in split_at_holes(motion)]
     cutoff_hz = choose_cutoff_hz(uniform) if cutoff_hz is None else cutoff_hz
     band_hz = FIT_CORNER * cutoff_hz if band_hz is None else band_hz
@@ -236,6 +249,7 @@ def _derive(motion: Uniform, cutoff_hz: float, band_hz: float) -> Trial:
     if trim:
         notes.append(f"{trim * dt_s:.3g} s trimmed at each end")
     inner = slice(trim, len(measured.t) - trim)
+    tau_measured = measured.columns["tau"][inner] if "tau" in measured.columns else None
     kept = {name: values[inner] for name, values in given.items()}
     return Trial(
         name=measured.name,
@@ -252,6 +266,7 @@ def _derive(motion: Uniform, cutoff_hz: float, band_hz: float) -> Trial:
         band_hz=band_hz,
         points=kept.get("points"),
         role=measured.role,
+        tau_measured=tau_measured,
     )
 
 

@@ -12,6 +12,7 @@ import scipy.linalg
 from numpy.typing import NDArray
 
 from arm.model import Floats
+from limbcal.compiled import compiled
 
 #: A column whose new part, squared, is smaller than this share of itself says nothing that others don't.
 #: Sums of doubles can't tell a smaller part from rounding.
@@ -44,18 +45,18 @@ class Whitened:
     def dependence(self) -> Floats:
         """Return how the folded columns depend on the kept ones, in scaled units, (n_kept, n_folded)."""
         triangle, others = self._scaled(self.kept), self._scaled(self.folded)
-        return np.asarray(scipy.linalg.solve_triangular(triangle, others), dtype=np.float64)
+        return backward(triangle, others)
 
     def solve(self, prior: Floats) -> Floats:
         """Return the x of least cost whose folded entries are the prior's, (n_column, n_right)."""
         x = np.array(prior, dtype=float)
         z = self.z - self.W[:, self.folded] @ x[self.folded]
-        x[self.kept] = scipy.linalg.solve_triangular(self._scaled(self.kept), z) / self.scale[self.kept, None]
+        x[self.kept] = backward(self._scaled(self.kept), z) / self.scale[self.kept, None]
         return x
 
     def inverse(self) -> Floats:
         """Return ``(A^T A)^-1`` of the kept columns, in their order, (n_kept, n_kept)."""
-        half = scipy.linalg.solve_triangular(self._scaled(self.kept), np.eye(len(self.kept)))
+        half = backward(self._scaled(self.kept), np.eye(len(self.kept)))
         half /= self.scale[self.kept, None]
         return np.asarray(half @ half.T, dtype=np.float64)
 
@@ -64,7 +65,7 @@ class Whitened:
         return float(np.linalg.cond(self._scaled(self.kept))) if len(self.kept) else float("nan")
 
     def _scaled(self, columns: NDArray[np.intp]) -> Floats:
-        return np.asarray(self.W[:, columns] / self.scale[columns], dtype=np.float64)
+        return np.ascontiguousarray(self.W[:, columns] / self.scale[columns])
 
 
 def whiten(gram: Floats, moment: Floats, power: Floats) -> Whitened:
@@ -96,8 +97,33 @@ def whiten(gram: Floats, moment: Floats, power: Floats) -> Whitened:
         seen = order
     W = np.zeros((rank, len(scale)))
     W[:, seen] = triangle * scale[seen]
-    z = np.zeros((rank, moment.shape[1]))
-    if rank:
-        z[:] = scipy.linalg.solve_triangular(triangle[:, :rank], moment[kept] / scale[kept, None], trans="T")
+    z = forward(np.ascontiguousarray(triangle[:, :rank]), moment[kept] / scale[kept, None])
     safe = np.where(scale > 0.0, scale, 1.0)
     return Whitened(W, z, np.maximum(power - np.sum(z * z, axis=0), 0.0), kept, folded, safe)
+
+
+# Small triangles are solved here: a BLAS wakes its threads for them, which on a busy machine takes milliseconds.
+@compiled
+def forward(triangle: Floats, right: Floats) -> Floats:
+    """Return ``triangle^-T right`` for an upper triangle."""
+    x = right.copy()
+    for i in range(triangle.shape[0]):
+        for j in range(i):
+            for k in range(x.shape[1]):
+                x[i, k] -= triangle[j, i] * x[j, k]
+        for k in range(x.shape[1]):
+            x[i, k] /= triangle[i, i]
+    return x
+
+
+@compiled
+def backward(triangle: Floats, right: Floats) -> Floats:
+    """Return ``triangle^-1 right`` for an upper triangle."""
+    x = right.copy()
+    for i in range(triangle.shape[0] - 1, -1, -1):
+        for j in range(i + 1, triangle.shape[0]):
+            for k in range(x.shape[1]):
+                x[i, k] -= triangle[i, j] * x[j, k]
+        for k in range(x.shape[1]):
+            x[i, k] /= triangle[i, i]
+    return x

@@ -13,7 +13,7 @@ from fitter.compared import Compared, load_compared
 from fitter.dynamics import GENERATIONS, DynamicsFit, document, fit_dynamics
 from fitter.evaluation import HORIZON_S, Score, score
 from fitter.sources import RECORDINGS
-from fitter.trials import Trial, load_trials
+from fitter.trials import Role, Trial, load_trials
 from limbcal.command import Document, console, say
 
 
@@ -81,22 +81,26 @@ def dynamics(arguments: argparse.Namespace) -> Document:
 def _trials(arguments: argparse.Namespace, arm: Arm) -> tuple[list[Trial], list[Trial]]:
     """Read both sets; a recording that tells learning from evaluating motions gives both."""
 
-    def load(sources: list[Path], role: str | None, cutoff_hz: float | None) -> list[Trial]:
+    def load(
+        sources: list[Path], role: Role | None, cutoff_hz: float | None, band_hz: float | None
+    ) -> list[Trial]:
         return load_trials(
             sources,
             arm.n_joint,
             arguments.columns,
             rate_hz=arguments.rate_hz,
             cutoff_hz=cutoff_hz,
-            role="evaluate" if role == "evaluate" else ("learn" if role == "learn" else None),
+            band_hz=band_hz,
+            role=role,
         )
 
     recorded = not arguments.evaluate and all(path.suffix.lower() in RECORDINGS for path in arguments.learn)
-    learn = load(arguments.learn, "learn" if recorded else None, arguments.cutoff_hz)
-    band = arguments.cutoff_hz or learn[0].band_hz
-    if recorded:
-        return learn, load(arguments.learn, "evaluate", band)
-    return learn, load(arguments.evaluate, None, band) if arguments.evaluate else []
+    learn = load(arguments.learn, "learn" if recorded else None, arguments.cutoff_hz, None)
+    held_out = arguments.learn if recorded else arguments.evaluate
+    if not held_out or (recorded and not any(trial.role for trial in learn)):
+        return learn, []
+    filters = learn[0].cutoff_hz, learn[0].band_hz  # what is compared must have passed the same filters
+    return learn, load(held_out, "evaluate" if recorded else None, *filters)
 
 
 def _print(fit: DynamicsFit, compared: list[Compared], learn: Score, evaluate: Score | None) -> None:

@@ -90,7 +90,9 @@ def test_an_arm_with_the_base_values_moves_the_same_and_is_possible(random_arm, 
     other = random_arm(rng, arm.n_joint)
     wrong = replace(
         arm,
-        joints=tuple(replace(j, link=o.link, friction=Friction()) for j, o in zip(arm.joints, other.joints)),
+        joints=tuple(
+            replace(j, link=o.link, friction=Friction()) for j, o in zip(arm.joints, other.joints, strict=True)
+        ),
     )
     found = with_base_values(wrong, base, values)
     got = base.combination @ standard_parameters(found)

@@ -43,9 +43,7 @@ def test_regressor_is_pinocchios(random_arm, random_motion, peer, seed):
     for k in range(len(q)):
         theirs = pin.computeJointTorqueRegressor(other.model, other.data, q[k], dq[k], ddq[k])
         theirs = theirs.reshape(n, n, 10)[:, :, PINOCCHIOS].reshape(n, 10 * n)
-        np.testing.assert_allclose(
-            Y[k, :, : 10 * n], theirs, rtol=0, atol=1e-9 * max(1.0, np.abs(theirs).max())
-        )
+        np.testing.assert_allclose(Y[k, :, : 10 * n], theirs, rtol=0, atol=1e-9 * max(1.0, np.abs(theirs).max()))
         np.testing.assert_array_equal(Y[k, :, 10 * n : 11 * n], np.diag(dq[k]))
         np.testing.assert_array_equal(Y[k, :, 11 * n :], np.diag(np.sign(dq[k])))
 

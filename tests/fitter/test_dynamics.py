@@ -1,3 +1,5 @@
+"""Dynamic parameters, found again."""
+
 from dataclasses import replace
 
 import numpy as np

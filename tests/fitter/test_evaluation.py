@@ -1,3 +1,5 @@
+"""Scores of a calibrated arm."""
+
 from dataclasses import replace
 
 import numpy as np

@@ -1,3 +1,5 @@
+"""The rest before a motion."""
+
 from dataclasses import replace
 
 import numpy as np

@@ -1,3 +1,5 @@
+"""The genetic algorithm on valleys, bounds, moving targets."""
+
 import time
 
 import numpy as np
@@ -10,7 +12,7 @@ from fitter.genetic import GeneticAlgorithm, reflected, triangular_factor
 
 
 def valley(n_gene: int, condition: float, seed: int) -> tuple[Floats, Floats]:
-    """A quadratic ``|R (x - optimum)|^2`` turned at random."""
+    """Return R and the optimum of a quadratic ``|R (x - optimum)|^2`` that is turned at random."""
     rng = np.random.default_rng(seed)
     axes, _ = np.linalg.qr(rng.normal(size=(n_gene, n_gene)))
     steepness = np.logspace(0.0, -0.5 * np.log10(condition), n_gene)

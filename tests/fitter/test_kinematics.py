@@ -1,3 +1,5 @@
+"""Geometry, found again."""
+
 from dataclasses import replace
 
 import numpy as np

@@ -1,3 +1,5 @@
+"""The torque that a trial is explained with."""
+
 from dataclasses import replace
 
 import numpy as np

@@ -1,3 +1,5 @@
+"""Which geometric parameters the data can tell."""
+
 import numpy as np
 
 from arm.arm_file import load_arm

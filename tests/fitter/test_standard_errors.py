@@ -1,3 +1,5 @@
+"""Standard errors against the scatter of many answers."""
+
 import numpy as np
 import pytest
 from scipy.signal import lfilter

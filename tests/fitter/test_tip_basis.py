@@ -1,3 +1,5 @@
+"""The tip as a linear function of its basis."""
+
 import numpy as np
 import pytest
 

@@ -1,3 +1,5 @@
+"""What the data tells of the base parameters."""
+
 from dataclasses import replace
 
 import numpy as np

@@ -1,3 +1,5 @@
+"""The quick rows against the regressor."""
+
 import numpy as np
 import pytest
 

@@ -1,3 +1,5 @@
+"""Sums of the torque against all samples."""
+
 import time
 
 import numpy as np

@@ -1,3 +1,5 @@
+"""Trials reduced to sums."""
+
 from dataclasses import replace
 
 import numpy as np

@@ -1,3 +1,5 @@
+"""Sums turned back into a least-squares problem."""
+
 import numpy as np
 from hypothesis import given, settings
 from hypothesis import strategies as st

@@ -1,0 +1,199 @@
+"""The main job, with no hardware: measure the virtual arm, calibrate it, simulate it, play it back.
+
+Starts the commands that a lab would start, each a process of its own: a virtual device, the daemon, the fitter
+that follows it, and then the playback server with the calibrated arm. The arm file that they are given knows
+neither the arm's lengths nor its dynamics.
+"""
+
+import argparse
+import json
+import shutil
+import signal
+import subprocess
+import sys
+import tempfile
+from collections.abc import Sequence
+from contextlib import ExitStack
+from pathlib import Path
+from types import FrameType
+from typing import Any
+
+import numpy as np
+import zmq
+
+from limbcal.command import say
+from limbcal.errors import DeviceError, LimbcalError
+from protocol.message import PLAY
+from protocol.recording_reader import read_recording
+from protocol.subscriber import Subscriber
+
+LAB_ARM = Path(__file__).with_name("lab-arm.toml")
+TRUE_ARM = "dd-arm"
+SIMULATED_S, PAPER_DEG = 6.75, {"learn": (0.73, 3.51), "evaluate": (1.91, 12.7)}
+
+
+class Job:
+    """Processes that all end when the job does, however it ends."""
+
+    def __init__(self, stack: ExitStack) -> None:
+        self._stack = stack
+
+    def start(self, command: Sequence[str], **options: Any) -> "subprocess.Popen[str]":
+        """Start a command of ours in a session of its own, so that an interrupt reaches it through us alone."""
+        process = subprocess.Popen([sys.executable, "-m", *command], text=True, start_new_session=True, **options)
+        self._stack.callback(self.stop, process)
+        return process
+
+    def stop(self, process: "subprocess.Popen[str]") -> None:
+        """Ask a process to stop, and insist if it does not."""
+        if process.poll() is None:
+            process.send_signal(signal.SIGTERM)
+            try:
+                process.wait(15)
+            except subprocess.TimeoutExpired:
+                process.kill()
+        process.wait()
+        for pipe in (process.stdin, process.stdout, process.stderr):
+            if pipe is not None:
+                pipe.close()
+
+
+def main(argv: list[str] | None = None) -> int:
+    """Run the main job; return the exit code."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--out", type=Path, default=Path("out"), help="where the results go (out)")
+    parser.add_argument("--seed", type=int, default=0, help="draws motions and sensor errors (0)")
+    parser.add_argument("--speed", type=float, default=4.0, help="times faster than real time (4)")
+    parser.add_argument(
+        "--trials", type=int, default=22, help="motions, of which the first 5 are learnt from (22)"
+    )
+    arguments = parser.parse_args(argv)
+    signal.signal(signal.SIGTERM, _interrupt)
+    try:
+        with ExitStack() as stack:
+            calibrate(Job(stack), stack, arguments)
+            play(Job(stack), stack, arguments.out)
+        summarize(arguments.out)
+    except KeyboardInterrupt:
+        say("stopped")
+        return 130
+    except LimbcalError as error:
+        say(f"error: {error}")
+        return error.exit_code
+    return 0
+
+
+def calibrate(job: Job, stack: ExitStack, arguments: argparse.Namespace) -> None:
+    """Stream the virtual arm's motions through the daemon into the fitter until all have been seen."""
+    out: Path = arguments.out
+    out.mkdir(parents=True, exist_ok=True)
+    recordings = out / "recordings"
+    shutil.rmtree(recordings, ignore_errors=True)
+    directory = Path(stack.enter_context(tempfile.TemporaryDirectory()))
+    frames, fits = f"ipc://{directory}/frames", f"ipc://{directory}/fits"
+    device = job.start(
+        ["daemon", "virtual", "--arm", TRUE_ARM, "--seed", str(arguments.seed), "--speed", str(arguments.speed)]
+        + ["--trials", str(arguments.trials), "--truth", str(out / "truth.npz"), "--json"],
+        stdout=subprocess.PIPE,
+    )
+    assert device.stdout is not None
+    line = device.stdout.readline()
+    if not line:
+        raise DeviceError("the virtual device did not start; see above")
+    port = json.loads(line)["port"]
+    fitter = job.start(
+        ["fitter", "subscribe", "--arm", str(LAB_ARM), "--connect", frames, "--endpoint", fits]
+        + [
+            "--trials",
+            str(arguments.trials),
+            "--seed",
+            str(arguments.seed),
+            "--compare",
+            TRUE_ARM,
+            "--out",
+            str(out),
+        ]
+    )
+    daemon = job.start(
+        ["daemon", "run", "--port", port, "--arm", str(LAB_ARM), "--endpoint", frames, "--record", str(recordings)]
+    )
+    while fitter.poll() is None:
+        for name, process in (("limbd virtual", device), ("limbd run", daemon)):
+            if process.poll() is not None:
+                raise DeviceError(
+                    f"{name} ended with exit code {process.returncode} before the fitter did; see above"
+                )
+        try:
+            fitter.wait(0.2)
+        except subprocess.TimeoutExpired:
+            continue
+    if fitter.returncode != 0:
+        raise DeviceError(f"fitter subscribe ended with exit code {fitter.returncode}; see above")
+    job.stop(daemon)
+    job.stop(device)
+
+
+def play(job: Job, stack: ExitStack, out: Path) -> None:
+    """Stream one evaluating motion of the calibrated arm, and receive it as any other program would."""
+    directory = Path(stack.enter_context(tempfile.TemporaryDirectory()))
+    stream, control = f"ipc://{directory}/play", f"ipc://{directory}/control"
+    with zmq.Context() as context, Subscriber(context, stream, (PLAY,)) as subscriber:
+        trials = np.load(out / "motions.npz")["trial"]
+        server = job.start(
+            ["playback", "serve", "--arm", str(out / "calibrated.toml"), "--reference", str(out / "motions.npz")]
+            + ["--trial", str(int(trials.max())), "--endpoint", stream, "--control", control, "--once"]
+        )
+        sender = job.start(["playback", "send", "play", "--control", control])
+        received, q = 0, np.zeros(0)
+        while server.poll() is None or received == 0:
+            message = subscriber.receive(200)
+            if message is not None:
+                received, q = received + int(message[1]["n"]), message[1]["q"][-1]
+            elif server.poll() is not None:
+                break
+        if sender.wait() != 0 or server.returncode != 0 or not received:
+            raise DeviceError("limbplay did not play; see above")
+    say(f"limbplay streamed {received} frames of the calibrated arm; it ends at {np.rad2deg(q).round(1)} deg")
+
+
+def summarize(out: Path) -> None:
+    """Print what was found, the truth beside it where the virtual arm knows it."""
+    dynamics = json.loads((out / "dynamics.json").read_text())
+    kinematics = json.loads((out / "kinematics.json").read_text())
+    say("")
+    mean, worst = tracking_error(out)
+    say(f"tracking by the paper's method, against the true angles: {mean:.2f}° mean, {worst:.1f}° max")
+    a = {name: kinematics["parameters"][name]["value"] for name in ("a1", "a2")}
+    say(f"lengths found: a1 {1e3 * a['a1']:.1f} mm (true 250), a2 {1e3 * a['a2']:.1f} mm (true 300)")
+    p = dynamics["parameters"]
+    for name, true in (("I1+m2*L1^2", 1.986076), ("m2*sx2", 1.718632), ("m2*sy2", 0.181763), ("I2", 0.471209)):
+        value, std = p[name]["value"], p[name]["std"]
+        say(f"{name:>11}: {value:.4f} ± {std:.4f} (true {true:.4f}, off by {100 * (value / true - 1):+.1f} %)")
+    for role, title in (("learn", "learning"), ("evaluate", "evaluating")):
+        found, paper = dynamics["angle_error_deg"][role], PAPER_DEG[role]
+        if found is not None:
+            say(
+                f"simulated against measured angles, {title}: {found['mean']:.2f}° mean, {found['max']:.2f}° max "
+                f"(the paper: {paper[0]:.2f}°, {paper[1]:.1f}°)"
+            )
+    say(f"report: {out / 'report.html'}")
+
+
+def tracking_error(out: Path) -> tuple[float, float]:
+    """Return mean and largest error of the daemon's angles, which both count from the first sample on [deg]."""
+    truth = np.load(out / "truth.npz")
+    (recording,) = sorted((out / "recordings").glob("*.mcap"))
+    blocks = [fields for _, fields, _ in read_recording(recording, ("limb/frames",))]
+    t = np.concatenate([block["dt_s"] * (block["frame0"] + np.arange(block["n"])) for block in blocks])
+    q = np.concatenate([block["q"] for block in blocks])
+    seen = t < truth["t"][-1]
+    error = [np.abs(q[seen, j] - np.interp(t[seen], truth["t"], truth[f"q{j + 1}"])) for j in range(q.shape[1])]
+    return float(np.rad2deg(np.mean(error))), float(np.rad2deg(np.max(error)))
+
+
+def _interrupt(_signum: int, _frame: FrameType | None) -> None:
+    raise KeyboardInterrupt
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,109 @@
+"""An arm that is being calibrated, motion after motion: geometry always, dynamics after each learning motion."""
+
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from arm.model import Arm
+from fitter.dynamics import DynamicsFit, fit_dynamics
+from fitter.evaluation import Score, TipScore, score, tip_score
+from fitter.first_rest import displacement
+from fitter.incremental_kinematics import IncrementalKinematics
+from fitter.kinematics import KinematicsFit, fit_of
+from fitter.measured_tip import with_measured_tip
+from fitter.motions import Measured
+from fitter.trials import Trial, to_trials
+from limbcal.errors import LimbcalError, NotIdentifiable
+
+#: The search for the geometry rests after so many generations without new frames.
+GENERATIONS = 500
+
+
+@dataclass
+class Calibration:
+    """What was learnt of an arm so far, and from what.
+
+    Attributes
+    ----------
+    arm : Arm
+        As described by its file.
+    learn, evaluate : list of Trial
+    geometry : IncrementalKinematics
+    dynamics : DynamicsFit or None
+    doubt : str
+        Why the dynamics could not be learnt last time; empty where they could.
+    """
+
+    arm: Arm
+    seed: int = 0
+    learn: list[Trial] = field(default_factory=list)
+    evaluate: list[Trial] = field(default_factory=list)
+    dynamics: DynamicsFit | None = None
+    doubt: str = ""
+
+    def __post_init__(self) -> None:
+        self.geometry = IncrementalKinematics(self.arm, self.seed)
+        self._fresh = 0
+
+    def add(self, motion: Measured) -> Trial:
+        """Take in a motion: its frames go into the sums of the geometry if it is a learning one.
+
+        Raises
+        ------
+        DataError
+            If the motion is too short.
+        """
+        (trial, *_) = to_trials([motion], cutoff_hz=np.inf)
+        trial = with_measured_tip(self.arm, trial) if self.arm.tip is not None else trial
+        if trial.role == "evaluate":
+            self.evaluate.append(trial)
+            return trial
+        self.learn.append(trial)
+        if trial.tip is not None:
+            moved, rest = displacement(self.arm, trial)
+            self.geometry.add(trial.q, moved, rest, trial=len(self.learn))
+            self._fresh = GENERATIONS
+        return trial
+
+    def breed(self) -> bool:
+        """Breed one generation of geometries; False where there is nothing new to breed on."""
+        if self._fresh <= 0:
+            return False
+        self._fresh -= 1
+        self.geometry.generation()
+        return True
+
+    def kinematics(self) -> KinematicsFit | None:
+        """Return the best geometry so far, or None as long as nothing can be told."""
+        try:
+            return fit_of(self.geometry)
+        except NotIdentifiable:
+            return None
+
+    def learn_dynamics(self, progress: Callable[[int, float], None] | None = None) -> None:
+        """Learn the dynamics of the arm, as its geometry is known so far, from all learning motions so far."""
+        fit = self.kinematics()
+        try:
+            self.dynamics = fit_dynamics(
+                self.arm if fit is None else fit.arm, self.learn, seed=self.seed, progress=progress
+            )
+            self.doubt = ""
+        except LimbcalError as error:  # one motion may tell too little; the next one may tell more
+            self.doubt = str(error)
+
+    def calibrated(self) -> Arm:
+        """Return the arm as far as it is known."""
+        fit = self.kinematics()
+        arm = self.arm if fit is None else fit.arm
+        if self.dynamics is None:
+            return arm
+        return replace(self.dynamics.arm, name=self.arm.name)
+
+    def scores(self, role: str) -> tuple[Score | None, TipScore | None]:
+        """Return how the calibrated arm does on the motions of one role; None where there are none."""
+        trials, arm = (self.learn if role == "learn" else self.evaluate), self.calibrated()
+        if not trials:
+            return None, None
+        moved = tip_score(arm, trials) if trials[0].tip is not None else None
+        return (score(arm, trials) if self.dynamics is not None else None), moved

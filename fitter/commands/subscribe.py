@@ -1,0 +1,162 @@
+"""`fitter subscribe`: follow the daemon and calibrate the arm while it moves."""
+
+import argparse
+import time
+import uuid
+from pathlib import Path
+
+import zmq
+from rich.live import Live
+
+from arm.arm_file import load_arm, preset_names
+from fitter.calibration import Calibration
+from fitter.commands.options import positive
+from fitter.compared import load_compared
+from fitter.live_table import live_table
+from fitter.progress_message import dynamics_fields, kinematics_fields
+from fitter.results import write_results
+from fitter.stream import MotionAssembler
+from limbcal.command import Document, console, say
+from limbcal.errors import ConfigError, DataError, DeviceError, LimbcalError
+from protocol.message import DYNAMICS, FRAMES, HEALTH, KINEMATICS, TRIAL
+from protocol.publisher import Publisher
+from protocol.subscriber import Subscriber
+
+DEFAULT_CONNECT = "tcp://127.0.0.1:5770"
+DEFAULT_ENDPOINT = "tcp://127.0.0.1:5771"
+#: Generations bred before the socket is looked at again, and how often the table and messages are renewed.
+_LITTER = 5
+_RENEW_S = 0.25
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Say what `fitter subscribe` takes."""
+    parser.add_argument("--connect", default=DEFAULT_CONNECT, metavar="E", help=f"the daemon ({DEFAULT_CONNECT})")
+    parser.add_argument(
+        "--endpoint", default=DEFAULT_ENDPOINT, metavar="E", help=f"publish here ({DEFAULT_ENDPOINT})"
+    )
+    parser.add_argument(
+        "--arm", metavar="A", help="arm file, or built-in arm; by default the one the stream names"
+    )
+    parser.add_argument("--seconds", type=positive, metavar="S", help="stop after so long")
+    parser.add_argument("--trials", type=int, metavar="N", help="stop after so many motions")
+    parser.add_argument("--seed", type=int, default=0, help="of the genetic algorithms (0)")
+    parser.add_argument("--compare", action="append", default=[], metavar="A", help="another arm to print beside")
+    parser.add_argument("--out", type=Path, metavar="DIR", help="write the calibrated arm, JSON and a report here")
+    parser.set_defaults(action=subscribe)
+
+
+def subscribe(arguments: argparse.Namespace) -> Document:
+    """Follow the stream until it is time to stop; write what was learnt, whatever ended it."""
+    arm = None if arguments.arm is None else load_arm(arguments.arm)
+    compared = load_compared(arguments.compare, arm) if arm is not None else []
+    context = zmq.Context()
+    session: _Session | None = None
+    trouble: LimbcalError | None = None
+    try:
+        with Subscriber(context, arguments.connect, (FRAMES, TRIAL, HEALTH)) as subscriber:
+            name = arm.name if arm is not None else _named(subscriber, arguments)
+            arm = load_arm(name) if arm is None else arm
+            with Publisher(context, arguments.endpoint, arm.name, str(uuid.uuid4())) as publisher:
+                session = _Session(Calibration(arm, arguments.seed), publisher, subscriber)
+                say(f"following {arguments.connect}, publishing on {publisher.endpoint}; Ctrl-C to stop")
+                session.follow(arguments.seconds, arguments.trials)
+    except KeyboardInterrupt:
+        say("stopped")
+    except LimbcalError as error:  # what was learnt until then is not lost
+        trouble = error
+    finally:
+        context.term()
+    if session is None or trouble is not None and not session.calibration.learn:
+        if trouble is not None:
+            raise trouble
+        raise DeviceError(f"{arguments.connect}: nothing was received")
+    document = write_results(session.calibration, compared, session.report(), arguments.out)
+    if trouble is not None:
+        raise trouble
+    return document
+
+
+def _named(subscriber: Subscriber, arguments: argparse.Namespace) -> str:
+    """Wait for the first message and return the built-in arm that it names."""
+    deadline = None if arguments.seconds is None else time.monotonic() + arguments.seconds
+    while deadline is None or time.monotonic() < deadline:
+        if (message := subscriber.receive(100)) is not None:
+            name = str(message[1].get("arm"))
+            if name not in preset_names():
+                raise ConfigError(
+                    f"the stream is of arm {name!r}, which is not built in; expected --arm with its file"
+                )
+            return name
+    raise DeviceError(f"{arguments.connect}: nothing was received in {arguments.seconds:g} s")
+
+
+class _Session:
+    """The loop: messages first, generations while there are none."""
+
+    def __init__(self, calibration: Calibration, publisher: Publisher, subscriber: Subscriber) -> None:
+        self.calibration = calibration
+        self._publisher = publisher
+        self._subscriber = subscriber
+        self._assembler = MotionAssembler()
+        self._renewed = -_RENEW_S
+        self._began = time.monotonic()
+
+    def follow(self, seconds: float | None, trials: int | None) -> None:
+        """Follow the stream for so long, or so many motions, or until interrupted."""
+        with Live(console=console, transient=True, auto_refresh=False) as live:
+            while seconds is None or time.monotonic() - self._began < seconds:
+                bred = any([self.calibration.breed() for _ in range(_LITTER)])
+                while (message := self._subscriber.receive(0 if bred else 50)) is not None:
+                    self._take(*message)
+                    if trials is not None and self._motions() >= trials:
+                        while self.calibration.breed():  # the geometry's generations are not cut short
+                            pass
+                        self.calibration.learn_dynamics()
+                        self._publish()
+                        return
+                    if bred:
+                        break
+                if time.monotonic() - self._renewed >= _RENEW_S:
+                    self._renewed = time.monotonic()
+                    self._publish()
+                    live.update(live_table(self.calibration, self._assembler, self._lost()), refresh=True)
+
+    def report(self) -> dict[str, object]:
+        """Return what is to be said of the stream itself."""
+        return {
+            "frames": self._assembler.frames,
+            "motions": self._motions(),
+            "missed_messages": self._lost(),
+            "daemon_restarts": self._subscriber.restarts,
+        }
+
+    def _motions(self) -> int:
+        return len(self.calibration.learn) + len(self.calibration.evaluate)
+
+    def _lost(self) -> int:
+        return sum(self._subscriber.missed.values())
+
+    def _take(self, topic: str, fields: dict[str, object]) -> None:
+        motion = self._assembler.feed(topic, fields)
+        if motion is None:
+            return
+        try:
+            trial = self.calibration.add(motion)
+        except DataError as error:
+            say(f"{motion.name} is left out: {error}")
+            return
+        if trial.role == "evaluate":
+            say(f"{trial.name}: {trial.t[-1]:.2f} s, kept for evaluation")
+            return
+        self.calibration.learn_dynamics()
+        doubt = f"; {self.calibration.doubt}" if self.calibration.doubt else ""
+        say(f"{trial.name}: {trial.t[-1]:.2f} s, learnt from{doubt}")
+        if self.calibration.dynamics is not None and not self.calibration.doubt:
+            self._publisher.publish(DYNAMICS, dynamics_fields(self.calibration))
+
+    def _publish(self) -> None:
+        if self.calibration.geometry.samples:
+            self._publisher.publish(KINEMATICS, kinematics_fields(self.calibration))
+        uptime_s = time.monotonic() - self._began
+        self._publisher.publish(HEALTH, {"last_seq": dict(self._publisher.last_seq), "uptime_s": uptime_s})
