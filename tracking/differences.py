@@ -22,6 +22,7 @@ class CentralDifferences:
         self._q = np.empty((0, n_joint))  # at most two frames: the last one given out, and the one that waits
         self._held = np.empty(0, dtype=bool)
         self._ddq = np.zeros(n_joint)
+        self._begun = False
 
     def push(self, q: Floats, held: bool) -> tuple[Floats, Floats]:
         """Take in angles and give out derivatives: of the frame that waited and of all of these but the last.
@@ -37,13 +38,15 @@ class CentralDifferences:
         dq, ddq : (m, n_joint)
             m is n, or n - 1 where no frame waited.
         """
-        waited = len(self._q)
-        if not waited:
-            first = q[:1] if held or len(q) < 2 else 2 * q[:1] - q[1:2]  # no jump at the start
-            self._q, self._held = np.vstack([first, q[:1]]), np.array([held, held])
-            q = q[1:]
         frames = np.vstack([self._q, q])
         hold = np.concatenate([self._held, np.full(len(q), held)])
+        if not self._begun:
+            if len(frames) < 2:
+                self._q, self._held = frames, hold
+                return frames[:0], frames[:0]
+            first = frames[:1] if hold[0] else 2 * frames[:1] - frames[1:2]  # no jump at the start
+            frames, hold = np.vstack([first, frames]), np.concatenate([hold[:1], hold])
+            self._begun = True
         before, now, after = frames[:-2], frames[1:-1], frames[2:]
         dq = (after - before) / (2 * self._dt)
         ddq = (after - 2 * now + before) / self._dt**2
@@ -58,11 +61,8 @@ class CentralDifferences:
 
     def flush(self) -> tuple[Floats, Floats]:
         """Give out the frame that waits, by a one-sided difference, and begin anew."""
-        if not len(self._q):
-            return np.empty_like(self._q), np.empty_like(self._q)
-        dq = np.diff(self._q, axis=0) / self._dt
-        ddq = self._ddq[None].copy()
-        if self._held[-1]:
-            dq[:], ddq[:] = 0.0, 0.0
-        self._q, self._held = self._q[:0], self._held[:0]
+        dq, ddq = np.zeros((2, min(len(self._q), 1), len(self._ddq)))
+        if self._begun and not self._held[-1]:
+            dq[0], ddq[0] = (self._q[1] - self._q[0]) / self._dt, self._ddq
+        self._q, self._held, self._begun = self._q[:0], self._held[:0], False
         return dq, ddq

@@ -71,7 +71,7 @@ class Integrator:
         self._dt_sample = 1.0 / rate_hz
         self._decimation = max(1, round(rate_hz / frame_rate_hz))
         self.dt_s = self._decimation * self._dt_sample
-        self._cell = self._decimation * max(1, round(_CELL_S / self.dt_s))
+        self._cell = max(2, self._decimation * max(1, round(_CELL_S / self.dt_s)))  # one reading shows no noise
         self._n_channel = 3 * len(arm.sensors)
         self._state = Reckoning(
             chain_of(arm),
@@ -90,7 +90,7 @@ class Integrator:
         )
         self._rest = RestDetector(self._contrasts(), self._gravity_slack())
         self._pending = np.empty((0, self._n_channel))
-        self._pending_t0_ns = 0
+        self._anchor_ns, self._anchor_sample = 0, 0
         self._sample = 0
         self._trial = 0
         self._primed = False
@@ -121,8 +121,7 @@ class Integrator:
         """
         if accelerations.ndim != 2 or accelerations.shape[1] != self._n_channel:
             raise DataError(f"accelerations have shape {accelerations.shape}, expected (n, {self._n_channel})")
-        if not len(self._pending):
-            self._pending_t0_ns = t0_ns
+        self._anchor_ns, self._anchor_sample = t0_ns, self._sample + len(self._pending)
         self._pending = np.vstack([self._pending, accelerations])
         frames: list[Frames] = []
         phases: list[Phase] = []
@@ -155,7 +154,6 @@ class Integrator:
     def _advance(self, size: int, frames: list[Frames], phases: list[Phase]) -> None:
         """Carry the state through the next ``size`` pending samples: a cell, or a part of one."""
         cell, self._pending = self._pending[:size], self._pending[size:]
-        t0_ns, self._pending_t0_ns = self._pending_t0_ns, self._pending_t0_ns + self._ns(size)
         state = self._state
         if not self._primed:  # the moving average begins as if the first reading had stood there before
             state.recent[:] = cell[0]
@@ -166,7 +164,7 @@ class Integrator:
             state.offset[:] = self._rest.offset
         if resting != was_resting:
             self._trial += not resting
-            phases.append(Phase("end" if resting else "begin", t0_ns, self._trial))
+            phases.append(Phase("end" if resting else "begin", self._time_ns(self._sample), self._trial))
         hold = resting and (self._zero == "each-rest" or self._trial == 0)
         if hold:
             self._settle()
@@ -175,13 +173,11 @@ class Integrator:
         n = reckon(state, cell, self._dt_sample, hold, self._sample, self._decimation, self._phase, q, moved)
         if n:
             due = (self._phase - self._sample) % self._decimation  # the cell's first sample that makes a frame
-            waited = len(self._waiting.q)
             dq, ddq = self._differences.push(q[:n], hold)
-            if not waited:
-                self._waiting = self._waiting._replace(
-                    number=(self._sample + due) // self._decimation,
-                    t_ns=t0_ns + self._ns(due - _DELAY_SAMPLES),
-                )
+            oldest = self._sample + due - len(self._waiting.q) * self._decimation
+            self._waiting = self._waiting._replace(
+                number=oldest // self._decimation, t_ns=self._time_ns(oldest - _DELAY_SAMPLES)
+            )
             self._emit(q[:n], moved[:n], dq, ddq, frames)
         self._sample += size
 
@@ -204,9 +200,7 @@ class Integrator:
                 )
             )
             self._lost = False
-        self._waiting = _Waiting(
-            waiting.number + n, waiting.t_ns + self._ns(n * self._decimation), q[n:], moved[n:]
-        )
+        self._waiting = _Waiting(waiting.number + n, waiting.t_ns + round(n * self.dt_s * 1e9), q[n:], moved[n:])
 
     def _settle(self) -> None:
         """Take out what integration has done to a resting arm: its speed, and the length between two sensors."""
@@ -216,8 +210,9 @@ class Integrator:
         one, two = state.pair[:, 0], state.pair[:, 1]
         state.baseline[:] = now[two] - now[one] - (state.moved[two] - state.moved[one])
 
-    def _ns(self, samples: float) -> int:
-        return round(samples * self._dt_sample * 1e9)
+    def _time_ns(self, sample: float) -> int:
+        """Return the time of a sample, as the latest push has it."""
+        return self._anchor_ns + round((sample - self._anchor_sample) * self._dt_sample * 1e9)
 
     def _gravity_readings(self, q: Floats) -> Floats:
         """Return what the sensors read of gravity alone, (3 * n_sensor,)."""

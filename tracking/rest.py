@@ -20,6 +20,8 @@ _CELL_SIGMAS, _WINDOW_SIGMAS = 6.0, 4.0
 _TO_LEAVE = 4.0
 #: Where there is no noise the converter's resolution limits: how many of its steps a mean may be off.
 _CELL_STEPS, _WINDOW_STEPS = 7.0, 0.5
+#: How many steps more two sensors may disagree where gravity shows: they round it anew in every pose.
+_ROUNDING_STEPS = 1.0
 #: Nobody's accelerometer is trusted beyond this [m/s^2].
 _FINEST = 3e-4
 #: Cells of rest that the offset remembers (4 s).
@@ -49,6 +51,7 @@ class RestDetector:
         self.offset = np.zeros(len(gravity_slack))
         self._contrast = contrast
         self._slack = gravity_slack
+        self._rounded = _ROUNDING_STEPS * (np.abs(contrast) @ gravity_slack > 0.0)
         self._cells: deque[Floats] = deque(maxlen=WINDOW)
         self._variances: list[float] = []
         self._sigma = 0.0
@@ -106,7 +109,7 @@ class RestDetector:
         self._cells.clear()
 
     def _calm(self, mean: Floats, limit: float) -> bool:
-        strict = np.abs(self._contrast @ mean) <= np.sqrt(2.0) * limit
+        strict = np.abs(self._contrast @ mean) <= np.sqrt(2.0) * (limit + self._rounded * self._step)
         return bool(np.all(np.abs(mean) <= limit + self._slack) and np.all(strict))
 
     def _measure_step(self, cell: Floats) -> None:
