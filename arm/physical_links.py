@@ -16,6 +16,8 @@ from arm.model import Arm, Floats, Link
 
 #: What stands in for a link that the arm file leaves without a possible inertia: a rod of 1 kg.
 _ROD = (0.01, 0.02, 0.02, 0.0, 0.0, 0.0, 0.1, 0.0, 0.0, 1.0)
+#: Steps of the search for possible links before it is given up: there may be none.
+_TRIES = 60
 _ROWS, _COLS = np.triu_indices(4)
 
 
@@ -68,7 +70,7 @@ def links_with(arm: Arm, combination: Floats, values: Floats) -> Sequence[Link]:
 
     x = x0
     for pull in (1e-1, 1e-3, 1e-5):  # towards the combinations by steps, so that it stays near the start
-        x = scipy.optimize.least_squares(mismatch, x, args=(pull,), method="trf").x
+        x = scipy.optimize.least_squares(mismatch, x, args=(pull,), method="trf", max_nfev=_TRIES).x
     found = _onto(combination, values, _parameters(x))
     if not all(is_possible(p) for p in found.reshape(-1, 10)):
         found = _onto(combination, values, nominal.ravel())

@@ -23,7 +23,7 @@ import zmq
 
 from limbcal.command import say
 from limbcal.errors import DeviceError, LimbcalError
-from protocol.message import PLAY
+from protocol.message import HEALTH, PLAY
 from protocol.recording_reader import read_recording
 from protocol.subscriber import Subscriber
 
@@ -63,7 +63,7 @@ def main(argv: list[str] | None = None) -> int:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--out", type=Path, default=Path("out"), help="where the results go (out)")
     parser.add_argument("--seed", type=int, default=0, help="draws motions and sensor errors (0)")
-    parser.add_argument("--speed", type=float, default=4.0, help="times faster than real time (4)")
+    parser.add_argument("--speed", type=float, default=3.0, help="times faster than real time (3)")
     parser.add_argument(
         "--trials", type=int, default=22, help="motions, of which the first 5 are learnt from (22)"
     )
@@ -91,9 +91,10 @@ def calibrate(job: Job, stack: ExitStack, arguments: argparse.Namespace) -> None
     shutil.rmtree(recordings, ignore_errors=True)
     directory = Path(stack.enter_context(tempfile.TemporaryDirectory()))
     frames, fits = f"ipc://{directory}/frames", f"ipc://{directory}/fits"
+    seed, trials = str(arguments.seed), str(arguments.trials)
     device = job.start(
-        ["daemon", "virtual", "--arm", TRUE_ARM, "--seed", str(arguments.seed), "--speed", str(arguments.speed)]
-        + ["--trials", str(arguments.trials), "--truth", str(out / "truth.npz"), "--json"],
+        ["daemon", "virtual", "--arm", TRUE_ARM, "--seed", seed, "--speed", str(arguments.speed)]
+        + ["--trials", trials, "--truth", str(out / "truth.npz"), "--json"],
         stdout=subprocess.PIPE,
     )
     assert device.stdout is not None
@@ -101,19 +102,16 @@ def calibrate(job: Job, stack: ExitStack, arguments: argparse.Namespace) -> None
     if not line:
         raise DeviceError("the virtual device did not start; see above")
     port = json.loads(line)["port"]
+    # Whoever subscribes late misses what was sent before: the daemon starts when the fitter says that it listens.
+    context = stack.enter_context(zmq.Context())
+    heartbeat = stack.enter_context(Subscriber(context, fits, (HEALTH,)))
     fitter = job.start(
-        ["fitter", "subscribe", "--arm", str(LAB_ARM), "--connect", frames, "--endpoint", fits]
-        + [
-            "--trials",
-            str(arguments.trials),
-            "--seed",
-            str(arguments.seed),
-            "--compare",
-            TRUE_ARM,
-            "--out",
-            str(out),
-        ]
+        ["fitter", "subscribe", "--arm", str(LAB_ARM), "--connect", frames, "--endpoint", fits, "--seed", seed]
+        + ["--trials", trials, "--idle", "30", "--compare", TRUE_ARM, "--out", str(out)]
     )
+    while heartbeat.receive(100) is None:
+        if fitter.poll() is not None:
+            raise DeviceError(f"fitter subscribe ended with exit code {fitter.returncode}; see above")
     daemon = job.start(
         ["daemon", "run", "--port", port, "--arm", str(LAB_ARM), "--endpoint", frames, "--record", str(recordings)]
     )

@@ -5,10 +5,10 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from arm.arm_file import load_arm
-from arm.base_parameters import base_parameters
 from arm.model import Arm
 from arm.regressor import standard_parameters
 from fitter.evaluation import Score, score
+from fitter.structure import structural_parameters
 from fitter.tip_basis import geometry_names, geometry_of
 from fitter.trials import Trial
 from limbcal.errors import ConfigError
@@ -65,7 +65,7 @@ def load_compared(sources: Sequence[str], arm: Arm) -> list[Compared]:
             raise ConfigError(
                 f"arm {source!r} has {other.n_joint} joints, expected {arm.n_joint} as {arm.name} has"
             )
-        base = base_parameters(other)
+        base = structural_parameters(other)
         values = dict(zip(base.names, (base.combination @ standard_parameters(other)).tolist(), strict=True))
         values |= {f"F{i + 1}": joint.friction.static_N_m for i, joint in enumerate(other.joints)}
         under_law = Arm(**{**vars(other), "control": arm.control})

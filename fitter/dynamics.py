@@ -7,13 +7,14 @@ from typing import Literal
 
 import numpy as np
 
-from arm.base_parameters import BaseParameters, base_parameters, with_base_values
+from arm.base_parameters import BaseParameters, with_base_values
 from arm.model import Arm, Estimate, Floats
 from arm.regressor import standard_parameters
 from fitter.evaluation import Score
 from fitter.first_rest import REST_SPEED
 from fitter.fitted_parameter import FittedParameter, fitted_parameters
 from fitter.genetic import INDIVIDUALS_PER_GENE, POPULATION, GeneticAlgorithm
+from fitter.structure import structural_parameters
 from fitter.torque_problem import TorqueProblem, torque_problem
 from fitter.torque_sums import TorqueSums, add_up
 from fitter.trial_sums import trial_sums
@@ -107,7 +108,7 @@ def fit_dynamics(
     """
     if not learn:
         raise DataError("no learning trial; expected at least one")
-    start, base = clock(), base_parameters(arm)
+    start, base = clock(), structural_parameters(arm)
     sums = add_up([trial_sums(arm, base, trial, rest_speed) for trial in learn])
     fit = fit_sums(
         arm,

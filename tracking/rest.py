@@ -79,7 +79,7 @@ class RestDetector:
         excess = cell.mean(axis=0) - gravity
         self._measure_step(cell)
         if self._weight < WINDOW:  # the rest at the start is taken on trust: nothing to compare it with yet
-            self._variances.append(float(np.var(np.diff(cell, axis=0), axis=0).mean() / 2.0))
+            self._variances.append(float(np.mean(np.diff(cell, axis=0) ** 2) / 2.0))
             self._sigma = float(np.sqrt(np.mean(self._variances) / len(cell)))
             self._learn(excess)
             return True

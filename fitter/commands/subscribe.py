@@ -24,8 +24,8 @@ from protocol.subscriber import Subscriber
 
 DEFAULT_CONNECT = "tcp://127.0.0.1:5770"
 DEFAULT_ENDPOINT = "tcp://127.0.0.1:5771"
-#: Generations bred before the socket is looked at again, and how often the table and messages are renewed.
-_LITTER = 5
+#: Generations bred between messages, messages taken in one go, and how often the table and messages are renewed.
+_LITTER, _DRAUGHT = 5, 50
 _RENEW_S = 0.25
 
 
@@ -40,6 +40,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument("--seconds", type=positive, metavar="S", help="stop after so long")
     parser.add_argument("--trials", type=int, metavar="N", help="stop after so many motions")
+    parser.add_argument("--idle", type=positive, metavar="S", help="stop when no motion has ended for so long")
     parser.add_argument("--seed", type=int, default=0, help="of the genetic algorithms (0)")
     parser.add_argument("--compare", action="append", default=[], metavar="A", help="another arm to print beside")
     parser.add_argument("--out", type=Path, metavar="DIR", help="write the calibrated arm, JSON and a report here")
@@ -60,7 +61,7 @@ def subscribe(arguments: argparse.Namespace) -> Document:
             with Publisher(context, arguments.endpoint, arm.name, str(uuid.uuid4())) as publisher:
                 session = _Session(Calibration(arm, arguments.seed), publisher, subscriber)
                 say(f"following {arguments.connect}, publishing on {publisher.endpoint}; Ctrl-C to stop")
-                session.follow(arguments.seconds, arguments.trials)
+                session.follow(arguments.seconds, arguments.trials, arguments.idle)
     except KeyboardInterrupt:
         say("stopped")
     except LimbcalError as error:  # what was learnt until then is not lost
@@ -100,27 +101,35 @@ class _Session:
         self._subscriber = subscriber
         self._assembler = MotionAssembler()
         self._renewed = -_RENEW_S
-        self._began = time.monotonic()
+        self._began = self._last_motion = time.monotonic()
 
-    def follow(self, seconds: float | None, trials: int | None) -> None:
-        """Follow the stream for so long, or so many motions, or until interrupted."""
+    def follow(self, seconds: float | None, trials: int | None, idle: float | None) -> None:
+        """Follow the stream for so long, or so many motions, or until it idles, or until interrupted."""
         with Live(console=console, transient=True, auto_refresh=False) as live:
-            while seconds is None or time.monotonic() - self._began < seconds:
+            while not self._over(seconds, trials, idle):
                 bred = any([self.calibration.breed() for _ in range(_LITTER)])
-                while (message := self._subscriber.receive(0 if bred else 50)) is not None:
-                    self._take(*message)
-                    if trials is not None and self._motions() >= trials:
-                        while self.calibration.breed():  # the geometry's generations are not cut short
-                            pass
-                        self.calibration.learn_dynamics()
-                        self._publish()
-                        return
-                    if bred:
+                for _ in range(1 if bred else _DRAUGHT):  # a stream without a pause must not hold up the rest
+                    message = self._subscriber.receive(0 if bred else 50)
+                    if message is None:
                         break
+                    self._take(*message)
                 if time.monotonic() - self._renewed >= _RENEW_S:
                     self._renewed = time.monotonic()
                     self._publish()
                     live.update(live_table(self.calibration, self._assembler, self._lost()), refresh=True)
+        while self.calibration.breed():  # the geometry's generations are not cut short
+            pass
+        if self.calibration.learn:
+            self.calibration.learn_dynamics()
+        self._publish()
+
+    def _over(self, seconds: float | None, trials: int | None, idle: float | None) -> bool:
+        now = time.monotonic()
+        return (
+            (seconds is not None and now - self._began >= seconds)
+            or (trials is not None and self._motions() >= trials)
+            or (idle is not None and self._motions() > 0 and now - self._last_motion >= idle)
+        )
 
     def report(self) -> dict[str, object]:
         """Return what is to be said of the stream itself."""
@@ -141,6 +150,7 @@ class _Session:
         motion = self._assembler.feed(topic, fields)
         if motion is None:
             return
+        self._last_motion = time.monotonic()
         try:
             trial = self.calibration.add(motion)
         except DataError as error:

@@ -120,3 +120,16 @@ def test_a_sensor_is_placed_in_its_joint_axis_frame():
 def test_wrong_number_of_joints_is_named(dd_arm, function):
     with pytest.raises(DataError, match=r"q has shape \(4, 3\), expected \(n_sample, 2\)"):
         function(dd_arm, np.zeros((4, 3)))
+
+
+@pytest.mark.parametrize("noise_deg", [0.0, 15.0])
+def test_noise_in_the_angles_shrinks_the_lengths_of_a_plain_fit(dd_arm, noise_deg):
+    """The mean of cos(q + e) is exp(-s^2 / 2) cos q: 3.4 % off a1 at 15 degrees, 6.6 % off a2, with two noises."""
+    rng = np.random.default_rng(0)
+    q = rng.uniform(-np.pi, np.pi, (400_000, 2))
+    tip = tip_position(dd_arm, q)[:, :2].ravel()
+    seen = np.cumsum(q + np.deg2rad(noise_deg) * rng.standard_normal(q.shape), axis=1)
+    columns = np.stack([np.cos(seen), np.sin(seen)], axis=1).reshape(-1, 2)
+    found = np.linalg.lstsq(columns, tip)[0]
+    shrunk = np.exp(-(np.deg2rad(noise_deg) ** 2) * np.array([1.0, 2.0]) / 2)
+    np.testing.assert_allclose(found / [0.25, 0.3], shrunk, rtol=2e-3)

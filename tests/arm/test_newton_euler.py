@@ -146,8 +146,15 @@ def test_h_as_printed_would_count_the_inertial_force_twice(dd_arm, random_motion
     np.testing.assert_allclose(wrong - found, M @ ddq[0], rtol=0, atol=1e-12)
 
 
-def recursion_as_printed(arm, q, dq, ddq, *, rho_of_turning=1.0, coriolis_of="omega", at="origin"):
-    """Return the torques by the printed recursion, with a choice where the print slips."""
+def steiner(s):
+    return s @ s * np.eye(3) - np.outer(s, s)
+
+
+def recursion_as_printed(arm, q, dq, ddq, *, rho_of_turning=1.0, coriolis_of="omega", at="origin", end="near"):
+    """Return the torques by the printed recursion, with a choice where the print slips.
+
+    ``end="far"`` puts frame i where eq. (1) has it and ``p`` is the translation of the whole of eq. (1).
+    """
     n, z0 = arm.n_joint, np.array([0.0, 0.0, 1.0])
     w, dw, dv = np.zeros(3), np.zeros(3), -np.array(arm.gravity_m_s2)
     far_end, steps, moving = np.zeros(3), [], []
@@ -158,6 +165,8 @@ def recursion_as_printed(arm, q, dq, ddq, *, rho_of_turning=1.0, coriolis_of="om
         R = pin.utils.rotate("y", joint.beta_rad) @ pin.utils.rotate("x", joint.alpha_rad)
         p = far_end + R @ [0.0, 0.0, d]
         R = R @ pin.utils.rotate("z", theta)
+        if end == "far":
+            p = p - far_end + R @ [joint.a_m, 0.0, 0.0]
         steps.append((R, p))
         rho = rho_of_turning if turning else 1.0 - rho_of_turning
         dv = R.T @ (dv + np.cross(dw, p) + np.cross(w, np.cross(w, p)))
@@ -174,6 +183,10 @@ def recursion_as_printed(arm, q, dq, ddq, *, rho_of_turning=1.0, coriolis_of="om
         mass, s = joint.link.mass_kg, np.array(joint.link.com_m)
         xx, yy, zz, xy, xz, yz = joint.link.inertia_kg_m2
         I = np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])  # noqa: E741
+        if end == "far":
+            beyond = s - [joint.a_m, 0.0, 0.0]
+            I = I - mass * (steiner(s) - steiner(beyond))  # noqa: E741
+            s = beyond
         if at == "centre of mass":
             dv = dv + np.cross(dw, s) + np.cross(w, np.cross(w, s))
         m = I @ dw + np.cross(w, I @ w) + mass * np.cross(s, dv) + m
@@ -194,7 +207,9 @@ def test_the_printed_recursion_holds_with_its_slips_put_right(random_arm, random
 
 
 @pytest.mark.parametrize(
-    "slip", [{"rho_of_turning": 0.0}, {"coriolis_of": "omega_dot"}, {"at": "centre of mass"}], ids=str
+    "slip",
+    [{"rho_of_turning": 0.0}, {"coriolis_of": "omega_dot"}, {"at": "centre of mass"}, {"end": "far"}],
+    ids=str,
 )
 def test_each_slip_of_the_printed_recursion_contradicts_pinocchio(random_arm, random_motion, peer, slip):
     rng = np.random.default_rng(7)

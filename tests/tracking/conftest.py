@@ -88,6 +88,17 @@ def record(arm: Arm, bench: Bench, seed: int, noise: float = 0.0, exact: bool = 
     return Recording(arm, bench.rate_hz, np.vstack(readings), np.arange(len(q)) / bench.rate_hz, q, dq, ddq)
 
 
+def glide(arm: Arm, rate_hz: float, travel: Iterable[float], seconds: float = 1.5) -> Recording:
+    """Return exact readings of half a second's rest and one motion as smooth as a polynomial of ninth degree."""
+    t = np.arange(round((seconds + 0.5) * rate_hz)) / rate_hz
+    s = np.clip((t - 0.5) / seconds, 0.0, 1.0)[:, None]
+    far = np.asarray(list(travel))
+    q = far * s**5 * (126 - 420 * s + 540 * s**2 - 315 * s**3 + 70 * s**4)
+    dq = far * 630 * (s * (1 - s)) ** 4 / seconds
+    ddq = far * 2520 * (s * (1 - s)) ** 3 * (1 - 2 * s) / seconds**2
+    return Recording(arm, rate_hz, specific_force(arm, q, dq, ddq).reshape(len(t), -1), t, q, dq, ddq)
+
+
 class Tracked:
     """Frames as whole arrays, beside the truth at their own time stamps."""
 
@@ -140,6 +151,12 @@ def spatial() -> Arm:
 def recorded() -> Callable[..., Recording]:
     """Return what makes bench recordings: `record`."""
     return record
+
+
+@pytest.fixture(scope="session")
+def glided() -> Callable[..., Recording]:
+    """Return what makes one smooth motion: `glide`."""
+    return glide
 
 
 @pytest.fixture(scope="session")

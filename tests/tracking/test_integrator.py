@@ -12,7 +12,7 @@ from arm.kinematics import sensor_positions, tip_position
 from limbcal.errors import ConfigError, DataError
 from tracking.integrator import Integrator
 
-FEW = settings(max_examples=15, deadline=None)
+FEW = settings(max_examples=8, deadline=None)
 SHORT = Bench(trial_s=2.0, learning=1, evaluating=0)
 #: dd-arm moves across gravity, dd-arm-vertical in it.
 STANDARD = [(name, noise) for name in ("dd-arm", "dd-arm-vertical") for noise in (0.0, 1.0)]
@@ -24,12 +24,12 @@ def short(dd_arm, recorded):
 
 
 @pytest.fixture(scope="module")
-def exact(dd_arm, recorded):
-    """Readings without noise or rounding: what is left is the method's own error."""
-    return recorded(dd_arm, SHORT, 1, exact=True)
+def exact(dd_arm, glided):
+    """Return readings without noise, rounding or jumps: what is left is the method's own error."""
+    return glided(dd_arm, 32000.0, (1.0, -1.5))
 
 
-@pytest.mark.parametrize("seed", [1, 2, 3])
+@pytest.mark.parametrize("seed", [1, 2])
 def test_without_noise_it_is_within_half_a_degree_over_five_motions(standard_bench, seed):
     recording, result = standard_bench("dd-arm", seed, 0.0)
     within = result.t_ns < 33.75e9
@@ -56,10 +56,11 @@ def test_velocity_and_acceleration_are_those_of_the_motion(standard_bench, name,
     _, result = standard_bench(name, 1, noise)
     begin, end = (next(p.t_ns for p in result.phases if p.kind == kind) for kind in ("begin", "end"))
     smooth = (result.t_ns > begin + 0.02e9) & (result.t_ns < end - 0.3e9)
-    assert np.abs(result.truth("dq")[smooth]).max() > 0.5
-    assert np.abs(result.dq - result.truth("dq"))[smooth].max() < 0.02
-    if noise == 0.0:  # differences of a double integral bring back the noise of the readings
-        assert np.abs(result.ddq - result.truth("ddq"))[smooth].max() < 0.2
+    assert np.abs(result.truth("dq")[smooth]).max() > 0.3
+    assert np.abs(result.truth("ddq")[smooth]).max() > 1.0
+    assert np.abs(result.dq - result.truth("dq"))[smooth].max() < (0.005 if noise == 0.0 else 0.02)
+    # differences of a double integral bring back the noise of the readings
+    assert np.abs(result.ddq - result.truth("ddq"))[smooth].max() < (0.05 if noise == 0.0 else 0.2)
 
 
 @pytest.mark.parametrize(("name", "noise"), STANDARD)
@@ -78,7 +79,7 @@ def test_with_noise_the_zero_of_each_rest_is_worth_having(standard_bench, tracke
     """Zeroed before the first motion only, as the paper does it, the method drifts away."""
     recording, each = standard_bench("dd-arm", 1, 1.0)
     first = tracked(recording, zero="first-rest")
-    assert each.error_deg().mean() < 2.0
+    assert each.error_deg().mean() < 3.0
     assert first.error_deg().mean() > 3 * each.error_deg().mean()
     assert np.abs(first.dq[(first.t_ns > 13.3e9) & (first.t_ns < 13.9e9)]).max() > 0.0  # velocities go on
 
@@ -142,22 +143,25 @@ def test_frames_say_what_they_are(short, tracked):
     assert Integrator.method == "integrate"
 
 
-def delay_in_samples(result, shift_s=0.0):
-    """Return by how many samples the angles lag behind the truth at their stamps, by least squares."""
-    moving = np.abs(result.truth("dq")).max(axis=1) > 0.2
-    lag = (result.truth(shift_s=shift_s) - result.q)[moving]
-    speed = result.truth("dq")[moving]
-    return float(np.sum(lag * speed) / np.sum(speed * speed)) * result.frames[0].dt_s ** -1
+def lag_in_samples(result, recording, shift_s=0.0):
+    """Return by how many samples the angles lag behind the truth at their stamps, steady drift aside."""
+    moving = result.t_ns > 0.6e9
+    t, lag = result.t_ns[moving] * 1e-9, (result.truth(shift_s=shift_s) - result.q)[moving]
+    speeds = result.truth("dq")[moving]
+    found = [
+        np.linalg.lstsq(np.column_stack([speed, np.ones_like(t), t]), of)[0][0]
+        for speed, of in zip(speeds.T, lag.T, strict=True)
+    ]
+    return np.array(found) * recording.rate_hz
 
 
-@pytest.mark.parametrize("rate_hz", [2000.0, 8000.0, 32000.0])
-def test_stamps_hold_the_delay_of_the_moving_average(dd_arm, recorded, tracked, rate_hz):
-    """At its stamp a frame agrees with the truth; a sample and a half later it would not."""
-    recording = recorded(dd_arm, replace(SHORT, rate_hz=rate_hz), 1, exact=True)
+@pytest.mark.parametrize("rate_hz", [1000.0, 2000.0, 8000.0, 32000.0])
+def test_stamps_hold_the_delay_of_the_moving_average(dd_arm, glided, tracked, rate_hz):
+    """At its stamp a frame agrees with the truth; without the sample and a half it would lag by as much."""
+    recording = glided(dd_arm, rate_hz, (1.0, -1.5))
     result = tracked(recording)
-    per_frame = rate_hz * result.frames[0].dt_s
-    assert abs(delay_in_samples(result)) * per_frame < 0.25
-    assert abs(delay_in_samples(result, 1.5 / rate_hz) * per_frame - 1.5) < 0.25
+    np.testing.assert_allclose(lag_in_samples(result, recording), 0.0, rtol=0, atol=0.2)
+    np.testing.assert_allclose(lag_in_samples(result, recording, 1.5 / rate_hz), 1.5, rtol=0, atol=0.2)
 
 
 @pytest.mark.parametrize(("rate_hz", "frame_rate_hz"), [(32000.0, 1000.0), (12345.0, 500.0), (999.0, 999.0)])
@@ -205,19 +209,22 @@ def test_lost_samples_are_counted_and_said_and_never_made_up(exact, gather, at, 
     known = (due < at) | (due >= at + lost)
     np.testing.assert_array_equal(result.number, np.flatnonzero(known))
     np.testing.assert_array_equal(result.t_ns, (due[known] - 1.5) * 31250)
-    assert np.abs(result.q[-1]).min() > 0.01 and np.all(np.abs(result.q[result.number > 700]).max(axis=1) > 0.0)
+    assert np.abs(result.q[result.number > 700]).max(axis=1).min() > 0.0
 
 
 @pytest.mark.parametrize("lost", [17, 320, 1600])
-def test_the_motion_goes_on_over_a_gap(exact, gather, lost):
-    """Every sensor goes on as fast as it went, so a short gap in a steady motion costs little."""
-    for at in (30_000, 30_007, 30_300, 30_395):
-        before, after = with_gap(exact, at, lost)
-        result = gather(exact, before + after, [])
-        near = np.abs(result.number - at // 32) < 12 + lost // 32
-        late_s = lost / 32000
-        assert np.abs(result.q - result.truth())[near].max() < 2e-5 + 2.0 * late_s**2
-        assert np.abs(result.dq - result.truth("dq"))[near].max() < 1e-3 + 2.0 * late_s
+@pytest.mark.parametrize("at", [30_000, 30_007, 30_300, 30_395])
+def test_the_motion_goes_on_over_a_gap(exact, gather, at, lost):
+    """Every sensor goes on as fast as it went: all that is missed is what it gained in speed meanwhile."""
+    before, after = with_gap(exact, at, lost)
+    result = gather(exact, before + after, [])
+    bend, lost_s = np.abs(exact.ddq).max(), lost / 32000
+    since_s = result.t_ns * 1e-9 - (at + lost) / 32000
+    soon = np.abs(since_s) < 0.01 + lost_s
+    missed_speed = 1.1 * bend * lost_s
+    assert np.abs(result.dq - result.truth("dq"))[soon].max() < 1e-3 + missed_speed
+    path = missed_speed * (lost_s / 2 + np.maximum(since_s, 0.0))
+    assert np.all(np.abs(result.q - result.truth()).max(axis=1)[soon] < 2e-4 + path[soon])
 
 
 def test_frames_far_apart_know_their_velocity_after_a_gap(exact, gather):
@@ -226,9 +233,9 @@ def test_frames_far_apart_know_their_velocity_after_a_gap(exact, gather):
     frames = tracker.push(0, exact.readings[:30_000])[0] + tracker.gap(320)[0]
     frames += tracker.push(round(30_320 * exact.dt_ns), exact.readings[30_320:])[0]
     result = gather(exact, frames, [])
-    around = (result.t_ns > 0.9e9) & (result.t_ns < 1.2e9)
-    assert np.abs(result.truth("dq")[around]).max() > 0.3
-    assert np.abs(result.dq - result.truth("dq"))[around].max() < 0.02
+    around = (result.t_ns > 0.9e9) & (result.t_ns < 1.0e9)
+    assert np.abs(result.truth("dq")[around]).max() > 0.5
+    assert np.abs(result.dq - result.truth("dq"))[around].max() < 1.2 * 0.01 * np.abs(exact.ddq).max()
 
 
 def test_a_gap_before_anything_came_is_only_counted(exact):
@@ -244,13 +251,13 @@ def test_points_and_angles_know_nothing_of_the_arms_lengths(short, tracked):
     longer = tracked(short, arm=short.arm.with_joints(a_m=np.array([0.4, 0.1])))
     for name in ("q", "dq", "ddq", "points"):
         assert getattr(own, name).tobytes() == getattr(longer, name).tobytes()
-    assert np.abs(own.tip - longer.tip).max() > 0.1
+    assert np.abs(own.tip - longer.tip).max() > 0.05
 
 
 def test_points_are_how_far_the_sensors_moved(exact, tracked):
     result = tracked(exact)
     moved = sensor_positions(exact.arm, result.truth()) - sensor_positions(exact.arm, exact.q[:1])
-    np.testing.assert_allclose(result.points, moved, rtol=0, atol=2e-4)
+    np.testing.assert_allclose(result.points, moved, rtol=0, atol=1e-4)
     assert np.abs(moved).max() > 0.1
     np.testing.assert_array_equal(result.points[0], 0.0)
 
@@ -259,7 +266,7 @@ def test_points_are_how_far_the_sensors_moved(exact, tracked):
 @pytest.mark.parametrize("which", ["sliding", "spatial"])
 def test_other_arms_are_tracked_too(request, recorded, tracked, which, noise):
     arm = request.getfixturevalue(which)
-    bench = Bench(trial_s=4.0, learning=3, evaluating=0, span_rad=0.5)
+    bench = Bench(trial_s=4.0, learning=2, evaluating=0, span_rad=0.5)
     recording = recorded(arm, bench, 1, noise)
     assert np.abs(recording.readings).max() < 49.0  # within what the sensors can say
     result = tracked(recording)
@@ -269,28 +276,19 @@ def test_other_arms_are_tracked_too(request, recorded, tracked, which, noise):
 
 
 @pytest.mark.parametrize("which", ["sliding", "spatial"])
-def test_other_arms_are_tracked_exactly_by_exact_readings(request, recorded, tracked, which):
+def test_other_arms_are_tracked_exactly_by_exact_readings(request, glided, tracked, which):
     arm = request.getfixturevalue(which)
-    recording = recorded(arm, replace(SHORT, span_rad=0.5), 1, exact=True)
+    recording = glided(arm, 32000.0, np.linspace(0.4, -0.3, arm.n_joint))
     result = tracked(recording)
     assert np.abs(result.q - result.truth()).max() < 1e-3
     moved = sensor_positions(arm, result.truth()) - sensor_positions(arm, recording.q[:1])
     np.testing.assert_allclose(result.points, moved, rtol=0, atol=1e-3)
 
 
-def test_full_turns_are_counted(dd_arm):
+def test_full_turns_are_counted(dd_arm, glided, tracked):
     """A joint that turns on and on has angles beyond pi."""
-    t = np.arange(32000 * 3) / 32000
-    s = np.clip((t - 0.5) / 2.0, 0.0, 1.0)
-    angle = 9.0 * s**4 * (35 - 84 * s + 70 * s**2 - 20 * s**3)
-    rate = 9.0 * 140 * s**3 * (1 - s) ** 3 / 2.0
-    bend = 9.0 * 420 * s**2 * (1 - s) ** 2 * (1 - 2 * s) / 4.0
-    readings = np.tile([0.0, 0.0, 9.80665], (len(t), 4))
-    for k, radius in enumerate((0.1, 0.24, 0.25 + 0.08, 0.25 + 0.28)):
-        readings[:, 3 * k] = -radius * rate**2
-        readings[:, 3 * k + 1] = radius * bend
-    frames, _ = Integrator(dd_arm, 32000.0, np.zeros(2)).push(0, readings)
-    np.testing.assert_allclose(frames[-1].q[-1], [9.0, 0.0], rtol=0, atol=2e-3)
+    result = tracked(glided(dd_arm, 32000.0, (9.0, -8.0), seconds=3.0))
+    np.testing.assert_allclose(result.q[-1], [9.0, -8.0], rtol=0, atol=1e-3)
 
 
 @pytest.mark.parametrize(("rate_hz", "frame_rate_hz"), [(100.0, 100.0), (200.0, 50.0), (150.0, 1.0)])

@@ -1,0 +1,215 @@
+"""The door of every command, in this process and as a process of its own."""
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import textwrap
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from limbcal.command import Parser, common_options, console, emit, run_command, to_json
+from limbcal.errors import (
+    ConfigError,
+    DataError,
+    DeviceError,
+    LimbcalError,
+    NotConverged,
+    NotIdentifiable,
+    ProtocolError,
+)
+
+EXIT_CODES = [
+    (ConfigError, 2),
+    (DataError, 2),
+    (ProtocolError, 2),
+    (DeviceError, 3),
+    (NotIdentifiable, 4),
+    (NotConverged, 4),
+    (LimbcalError, 2),
+]
+
+
+def command(action):
+    """Return a parser of one command that does what ``action`` does."""
+    parser = Parser(prog="limbtest", parents=[common_options()])
+    parser.add_argument("--size", type=int, default=1)
+    parser.set_defaults(action=action)
+    return parser
+
+
+def raising(error):
+    def action(_):
+        raise error
+
+    return action
+
+
+@pytest.mark.parametrize(("error", "code"), EXIT_CODES)
+def test_each_error_has_its_exit_code_and_is_said_on_stderr(capsys, error, code):
+    assert run_command(command(raising(error("motion.csv, line 3: q2 is missing"))), ["--json"]) == code
+    out, err = capsys.readouterr()
+    assert out == ""
+    assert err == "error: motion.csv, line 3: q2 is missing\n"
+
+
+def test_every_mistake_is_a_line_of_its_own(capsys):
+    error = ConfigError(["a.toml: joint[0].a_m is 'x'", "a.toml: [tip] is [red]wrong[/red]"])
+    assert error.mistakes[1] == "a.toml: [tip] is [red]wrong[/red]"
+    assert run_command(command(raising(error)), []) == 2
+    assert capsys.readouterr().err == (
+        "error: a.toml: joint[0].a_m is 'x'\nerror: a.toml: [tip] is [red]wrong[/red]\n"
+    )
+
+
+def test_a_long_sentence_stays_one_line(capsys):
+    sentence = "a/very/long/path " * 40
+    run_command(command(raising(DataError(sentence.strip()))), [])
+    assert capsys.readouterr().err == f"error: {sentence.strip()}\n"
+
+
+def test_debug_shows_where_it_came_from(capsys):
+    def action(_):
+        try:
+            raise OSError("no such port")
+        except OSError as error:
+            raise DeviceError("/dev/limbcal: cannot be opened") from error
+
+    assert run_command(command(action), ["--debug"]) == 3
+    out, err = capsys.readouterr()
+    assert out == "" and "Traceback" in err and "no such port" in err
+    assert err.endswith("error: /dev/limbcal: cannot be opened\n")
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (["--size", "much"], "limbtest: argument --size: invalid int value: 'much'"),
+        (["--colour"], "limbtest: unrecognized arguments: --colour"),
+    ],
+)
+def test_wrong_arguments_are_told_like_every_other_mistake(capsys, arguments, words):
+    assert run_command(command(lambda _: None), arguments) == 2
+    out, err = capsys.readouterr()
+    assert out == "" and err == f"error: {words}\n"
+
+
+def test_json_is_the_only_thing_on_stdout(capsys):
+    def action(namespace):
+        console.print("[bold]working[/bold]")
+        return {"size": namespace.size, "torque": np.array([1.5, np.nan])}
+
+    assert run_command(command(action), ["--json", "--size", "3"]) == 0
+    out, err = capsys.readouterr()
+    assert json.loads(out) == {"size": 3, "torque": [1.5, None]}
+    assert err == "working\n"
+
+
+def test_without_json_stdout_is_silent(capsys):
+    assert run_command(command(lambda _: {"size": 1}), []) == 0
+    assert capsys.readouterr() == ("", "")
+
+
+def test_an_answer_may_be_nothing(capsys):
+    assert run_command(command(lambda _: None), ["--json"]) == 0
+    assert capsys.readouterr().out == ""
+
+
+def test_a_stop_that_was_asked_for_is_a_success(capsys):
+    assert run_command(command(raising(KeyboardInterrupt())), []) == 0
+    assert capsys.readouterr().err == "stopped\n"
+
+
+def test_a_mistake_of_our_own_is_not_hidden():
+    with pytest.raises(ZeroDivisionError):
+        run_command(command(lambda _: 1 / 0), [])
+
+
+def test_the_handler_of_sigterm_is_put_back():
+    before = signal.getsignal(signal.SIGTERM)
+    for action in (lambda _: None, raising(DataError("x"))):
+        run_command(command(action), [])
+        assert signal.getsignal(signal.SIGTERM) is before
+
+
+@pytest.mark.parametrize("sent", [signal.SIGTERM, signal.SIGINT])
+def test_a_signal_closes_what_is_open(sent):
+    """A process that is told to stop runs its ``finally`` and leaves with 0."""
+    program = textwrap.dedent("""
+        import sys, time
+        from limbcal.command import Parser, common_options, emit, run_command
+
+        def action(_):
+            try:
+                emit("ready")
+                time.sleep(60)
+            finally:
+                emit("closed")
+
+        parser = Parser(parents=[common_options()])
+        parser.set_defaults(action=action)
+        sys.exit(run_command(parser, []))
+    """)
+    pipe = subprocess.PIPE
+    with subprocess.Popen([sys.executable, "-c", program], stdout=pipe, stderr=pipe, text=True) as process:
+        try:
+            assert process.stdout.readline() == "ready\n"
+            os.kill(process.pid, sent)
+            out, err = process.communicate(timeout=30)
+        finally:
+            process.kill()
+    assert (process.returncode, out, err) == (0, "closed\n", "stopped\n")
+
+
+NUMBER = st.none() | st.booleans() | st.integers() | st.floats() | st.text()
+DOCUMENT = st.recursive(
+    NUMBER,
+    lambda inner: st.lists(inner) | st.dictionaries(st.text(), inner) | st.tuples(inner, inner),
+    max_leaves=10,
+)
+
+
+def strict(value):
+    """Return what a document must come back as: lists for tuples, None for what is no number."""
+    if isinstance(value, dict):
+        return {key: strict(item) for key, item in value.items()}
+    if isinstance(value, list | tuple):
+        return [strict(item) for item in value]
+    return None if isinstance(value, float) and not np.isfinite(value) else value
+
+
+@settings(deadline=None)
+@given(DOCUMENT)
+def test_documents_are_strict_json(document):
+    def refuse(constant):
+        raise AssertionError(f"{constant} is not JSON")
+
+    assert json.loads(to_json(document), parse_constant=refuse) == strict(document)
+
+
+def test_numpys_values_are_written_as_numbers():
+    document = {
+        "scalar": np.float64(0.5),
+        "whole": np.int64(3),
+        "yes": np.bool_(True),
+        "nan": np.float32("nan"),
+        "matrix": np.array([[1.0, np.inf], [2.0, -np.inf]]),
+        1: (),
+    }
+    assert json.loads(to_json(document)) == {
+        "scalar": 0.5,
+        "whole": 3,
+        "yes": True,
+        "nan": None,
+        "matrix": [[1.0, None], [2.0, None]],
+        "1": [],
+    }
+
+
+def test_emit_writes_a_line(capsys):
+    emit("answer")
+    assert capsys.readouterr() == ("answer\n", "")

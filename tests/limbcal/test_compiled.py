@@ -1,0 +1,34 @@
+"""How kernels are compiled."""
+
+import numpy as np
+
+from limbcal.compiled import compiled
+
+
+@compiled
+def ratio(a: float, b: float) -> float:
+    """Return a quotient."""
+    return a / b
+
+
+@compiled
+def total(x: np.ndarray) -> float:
+    """Return a sum, taken in order."""
+    result = 0.0
+    for value in x:
+        result += value
+    return result
+
+
+def test_division_by_zero_follows_ieee_754():
+    assert ratio(1.0, 0.0) == np.inf and ratio(-1.0, 0.0) == -np.inf and np.isnan(ratio(0.0, 0.0))
+
+
+def test_additions_keep_their_order():
+    """Sums must not depend on how wide the machine's registers are."""
+    x = np.random.default_rng(0).normal(size=1001)
+    assert total(x) == ratio(sum(x.tolist()), 1.0)
+
+
+def test_nan_and_infinity_are_not_optimised_away():
+    assert np.isnan(total(np.array([1.0, np.nan]))) and total(np.array([np.inf, 1.0])) == np.inf
