@@ -119,7 +119,11 @@ class ArmTable(_Table):
 def mistakes_of(error: ValidationError, where: str) -> list[str]:
     """Return one sentence a mistake: file, field, what was found, what was expected."""
     sentences = []
-    for mistake in error.errors():
+    mistakes = error.errors()
+    inside = {mistake["loc"][:n] for mistake in mistakes for n in range(len(mistake["loc"]))}
+    for mistake in mistakes:
+        if mistake["type"] == "too_short" and mistake["loc"] in inside:
+            continue  # the items are there, but wrong: that is said of each
         field = "".join(f"[{part}]" if isinstance(part, int) else f".{part}" for part in mistake["loc"]).lstrip(
             "."
         )

@@ -3,13 +3,18 @@
 Standard parameters, in this order: for each joint ``xx yy zz xy xz yz`` of the inertia tensor about the
 joint-axis frame's origin, ``m*sx m*sy m*sz``, ``m``; then the viscous frictions ``D`` and the Coulomb
 frictions ``fc`` of all joints.
+
+A torque about joint j is the power that a link's force and moment would have if joint j alone moved at unit
+speed. That unit motion is carried outwards from link to link, six numbers a joint; and poses are turned from the
+arm's zero pose, so the constant angles of eq. (1) are evaluated once.
 """
 
 import numpy as np
+from numpy.typing import NDArray
 
 from arm.chain import Chain, chain_of, motion_rows
 from arm.model import Arm, Floats
-from arm.newton_euler import poses, rigid_motion
+from arm.newton_euler import Triple, cross, poses, rigid_motion, turned_back
 from limbcal.compiled import compiled
 
 INERTIAL = ("I{}xx", "I{}yy", "I{}zz", "I{}xy", "I{}xz", "I{}yz", "m{}*sx{}", "m{}*sy{}", "m{}*sz{}", "m{}")
@@ -49,80 +54,71 @@ def regressor(arm: Arm, q: Floats, dq: Floats, ddq: Floats) -> Floats:
     q, dq, ddq = motion_rows(arm, q=q, dq=dq, ddq=ddq)
     n = arm.n_joint
     Y = np.zeros((len(q), n, 12 * n))
-    _regressors(chain_of(arm), q, dq, ddq, Y)
+    torque_rows(chain_of(arm), q, dq, ddq, Y)
     return Y
 
 
 @compiled
-def link_wrench(w: Floats, dw: Floats, dv: Floats, F: Floats) -> None:
-    """Fill in F (6, 10): force (rows 0-2) and moment (3-5) of one link, linear in its ten parameters."""
-    F[:, :] = 0.0
-    wx, wy, wz = w
-    # The moment of the inertia tensor: L(dw) + w x L(w), with L(u) I = [xx*ux + xy*uy + xz*uz, ...].
-    for col, (a, b) in enumerate(((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))):
-        F[3 + a, col] += dw[b]
-        if a != b:
-            F[3 + b, col] += dw[a]
-        hx = (w[b] if a == 0 else 0.0) + (w[a] if b == 0 and a != b else 0.0)
-        hy = (w[b] if a == 1 else 0.0) + (w[a] if b == 1 and a != b else 0.0)
-        hz = (w[b] if a == 2 else 0.0) + (w[a] if b == 2 and a != b else 0.0)
-        F[3, col] += wy * hz - wz * hy
-        F[4, col] += wz * hx - wx * hz
-        F[5, col] += wx * hy - wy * hx
-    # The force of the first moment: dw x s + w x (w x s); its moment: s x dv.
-    F[0, 6], F[0, 7], F[0, 8] = -(wy * wy + wz * wz), wx * wy - dw[2], wx * wz + dw[1]
-    F[1, 6], F[1, 7], F[1, 8] = wx * wy + dw[2], -(wx * wx + wz * wz), wy * wz - dw[0]
-    F[2, 6], F[2, 7], F[2, 8] = wx * wz - dw[1], wy * wz + dw[0], -(wx * wx + wy * wy)
-    F[3, 7], F[3, 8] = dv[2], -dv[1]
-    F[4, 6], F[4, 8] = -dv[2], dv[0]
-    F[5, 6], F[5, 7] = dv[1], -dv[0]
-    F[0, 9], F[1, 9], F[2, 9] = dv[0], dv[1], dv[2]
+def torque_rows(chain: Chain, q: Floats, dq: Floats, ddq: Floats, Y: Floats) -> None:
+    """Fill in the rows of some samples: Y (n_sample, n_joint, 12 * n_joint), which must begin as zeros."""
+    n_sample, n = q.shape
+    R0, p0 = np.empty((n, 3, 3)), np.empty((n, 3))
+    poses(chain, np.zeros(n), R0, p0)
+    R, p, motion, unit = R0.copy(), p0.copy(), np.empty((n, 3, 3)), np.empty((n, 6))
+    for s in range(n_sample):
+        move(chain.revolute, q[s], R0, p0, R, p)
+        rigid_motion(chain, chain.gravity, R, p, dq[s], ddq[s], motion)
+        for link in range(n):
+            w = (motion[link, 0, 0], motion[link, 0, 1], motion[link, 0, 2])
+            dw = (motion[link, 1, 0], motion[link, 1, 1], motion[link, 1, 2])
+            dv = (motion[link, 2, 0], motion[link, 2, 1], motion[link, 2, 2])
+            at, turns = (p[link, 0], p[link, 1], p[link, 2]), 1.0 if chain.revolute[link] else 0.0
+            for joint in range(link + 1):
+                along, about = (0.0, 0.0, 1.0 - turns), (0.0, 0.0, turns)
+                if joint < link:  # from the link before, moved by this joint alone
+                    along = (unit[joint, 0], unit[joint, 1], unit[joint, 2])
+                    about = (unit[joint, 3], unit[joint, 4], unit[joint, 5])
+                    x = cross(about, at)
+                    along = turned_back(R[link], (along[0] + x[0], along[1] + x[1], along[2] + x[2]))
+                    about = turned_back(R[link], about)
+                for k in range(3):
+                    unit[joint, k], unit[joint, 3 + k] = along[k], about[k]
+                link_powers(w, dw, dv, along, about, Y[s, joint], 10 * link)
+        for joint in range(n):
+            Y[s, joint, 10 * n + joint] = dq[s, joint]
+            Y[s, joint, 11 * n + joint] = np.sign(dq[s, joint])
 
 
 @compiled
-def regressor_rows(
-    chain: Chain,
-    q: Floats,
-    dq: Floats,
-    ddq: Floats,
-    R: Floats,
-    p: Floats,
-    motion: Floats,
-    F: Floats,
-    Y: Floats,
-) -> None:
-    """Fill in the rows of one sample: Y (n_joint, 12 * n_joint), which must be zero where nothing acts.
+def move(revolute: NDArray[np.bool_], q: Floats, R0: Floats, p0: Floats, R: Floats, p: Floats) -> None:
+    """Turn or slide every joint from the arm's zero pose to q."""
+    for i in range(q.size):
+        if revolute[i]:
+            c, s = np.cos(q[i]), np.sin(q[i])
+            for row in range(3):
+                x, y = R0[i, row, 0], R0[i, row, 1]
+                R[i, row, 0], R[i, row, 1] = c * x + s * y, c * y - s * x
+        else:
+            for row in range(3):
+                p[i, row] = p0[i, row] + q[i] * R0[i, row, 2]
 
-    ``R`` (n, 3, 3), ``p`` (n, 3), ``motion`` (n, 3, 3) and ``F`` (6, 10) are room to work in.
+
+@compiled
+def link_powers(w: Triple, dw: Triple, dv: Triple, along: Triple, about: Triple, out: Floats, at: int) -> None:
+    """Fill in, from ``at`` on, the power of a link's wrench in a unit motion, for its ten parameters.
+
+    The link moves with ``w, dw, dv`` and the unit motion has the velocity ``along`` at the link's origin and
+    the angular velocity ``about``. With f = m dv + dw x s + w x (w x s) and
+    n = I dw + w x I w + s x dv (section 4; s is the first moment) the power is along . f + about . n.
     """
-    n = q.size
-    poses(chain, q, R, p)
-    rigid_motion(chain, chain.gravity, R, p, dq, ddq, motion)
-    for link in range(n):
-        link_wrench(motion[link, 0], motion[link, 1], motion[link, 2], F)
-        for joint in range(link, -1, -1):
-            row = 5 if chain.revolute[joint] else 2
-            for col in range(10):
-                Y[joint, 10 * link + col] = F[row, col]
-            if joint > 0:  # carry the wrench to the joint before
-                T, x, y, z = R[joint], p[joint, 0], p[joint, 1], p[joint, 2]
-                for col in range(10):
-                    f0, f1, f2, m0, m1, m2 = F[0, col], F[1, col], F[2, col], F[3, col], F[4, col], F[5, col]
-                    fx = T[0, 0] * f0 + T[0, 1] * f1 + T[0, 2] * f2
-                    fy = T[1, 0] * f0 + T[1, 1] * f1 + T[1, 2] * f2
-                    fz = T[2, 0] * f0 + T[2, 1] * f1 + T[2, 2] * f2
-                    F[0, col], F[1, col], F[2, col] = fx, fy, fz
-                    F[3, col] = T[0, 0] * m0 + T[0, 1] * m1 + T[0, 2] * m2 + y * fz - z * fy
-                    F[4, col] = T[1, 0] * m0 + T[1, 1] * m1 + T[1, 2] * m2 + z * fx - x * fz
-                    F[5, col] = T[2, 0] * m0 + T[2, 1] * m1 + T[2, 2] * m2 + x * fy - y * fx
-    for i in range(n):
-        Y[i, 10 * n + i] = dq[i]
-        Y[i, 11 * n + i] = np.sign(dq[i])
-
-
-@compiled
-def _regressors(chain: Chain, q: Floats, dq: Floats, ddq: Floats, Y: Floats) -> None:
-    n = q.shape[1]
-    R, p, motion, F = np.empty((n, 3, 3)), np.empty((n, 3)), np.empty((n, 3, 3)), np.empty((6, 10))
-    for k in range(q.shape[0]):
-        regressor_rows(chain, q[k], dq[k], ddq[k], R, p, motion, F, Y[k])
+    gyro = cross(about, w)  # about . (w x I w) = (about x w) . I w
+    out[at] = about[0] * dw[0] + gyro[0] * w[0]
+    out[at + 1] = about[1] * dw[1] + gyro[1] * w[1]
+    out[at + 2] = about[2] * dw[2] + gyro[2] * w[2]
+    out[at + 3] = about[0] * dw[1] + about[1] * dw[0] + gyro[0] * w[1] + gyro[1] * w[0]
+    out[at + 4] = about[0] * dw[2] + about[2] * dw[0] + gyro[0] * w[2] + gyro[2] * w[0]
+    out[at + 5] = about[1] * dw[2] + about[2] * dw[1] + gyro[1] * w[2] + gyro[2] * w[1]
+    lever, swing, pull = cross(dv, about), cross(along, dw), cross(w, cross(w, along))
+    for k in range(3):
+        out[at + 6 + k] = lever[k] + swing[k] + pull[k]
+    out[at + 9] = along[0] * dv[0] + along[1] * dv[1] + along[2] * dv[2]

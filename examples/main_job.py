@@ -20,7 +20,10 @@ from typing import Any
 
 import numpy as np
 import zmq
+from numpy.typing import NDArray
 
+from arm.arm_file import load_arm
+from arm.simulation import simulate
 from limbcal.command import say
 from limbcal.errors import DeviceError, LimbcalError
 from protocol.message import HEALTH, PLAY
@@ -29,7 +32,7 @@ from protocol.subscriber import Subscriber
 
 LAB_ARM = Path(__file__).with_name("lab-arm.toml")
 TRUE_ARM = "dd-arm"
-SIMULATED_S, PAPER_DEG = 6.75, {"learn": (0.73, 3.51), "evaluate": (1.91, 12.7)}
+PAPER_DEG = {"learn": (0.73, 3.51), "evaluate": (1.91, 12.7)}
 
 
 class Job:
@@ -141,7 +144,7 @@ def play(job: Job, stack: ExitStack, out: Path) -> None:
             ["playback", "serve", "--arm", str(out / "calibrated.toml"), "--reference", str(out / "motions.npz")]
             + ["--trial", str(int(trials.max())), "--endpoint", stream, "--control", control, "--once"]
         )
-        sender = job.start(["playback", "send", "play", "--control", control])
+        sender = job.start(["playback", "send", "play", "--control", control, "--json"], stdout=subprocess.DEVNULL)
         received, q = 0, np.zeros(0)
         while server.poll() is None or received == 0:
             message = subscriber.receive(200)
@@ -174,7 +177,27 @@ def summarize(out: Path) -> None:
                 f"simulated against measured angles, {title}: {found['mean']:.2f}° mean, {found['max']:.2f}° max "
                 f"(the paper: {paper[0]:.2f}°, {paper[1]:.1f}°)"
             )
+    for title, (mean, worst) in true_error(out).items():
+        say(f"simulated against the true angles, true targets given, {title}: {mean:.2f}° mean, {worst:.2f}° max")
     say(f"report: {out / 'report.html'}")
+
+
+def true_error(out: Path, learning: int = 5) -> dict[str, tuple[float, float]]:
+    """Return mean and largest error of the calibrated arm that is given the virtual arm's own targets [deg]."""
+    truth, arm = np.load(out / "truth.npz"), load_arm(out / "calibrated.toml")
+    q, dq, ref = (
+        np.column_stack([truth[f"{name}{j + 1}"] for j in range(arm.n_joint)]) for name in ("q", "dq", "ref")
+    )
+    errors: dict[str, list[NDArray[np.float64]]] = {"learning": [], "evaluating": []}
+    for number in np.unique(truth["trial"]):
+        rows = truth["trial"] == number
+        motion = simulate(arm, ref[rows], float(truth["t"][1] - truth["t"][0]), q[rows][0], dq[rows][0])
+        errors["learning" if number <= learning else "evaluating"].append(np.abs(motion.q - q[rows]))
+    return {
+        title: (float(np.rad2deg(np.concatenate(found).mean())), float(np.rad2deg(np.concatenate(found).max())))
+        for title, found in errors.items()
+        if found
+    }
 
 
 def tracking_error(out: Path) -> tuple[float, float]:

@@ -12,9 +12,10 @@ from fitter.first_rest import displacement
 from fitter.incremental_kinematics import IncrementalKinematics
 from fitter.kinematics import KinematicsFit, fit_of
 from fitter.measured_tip import with_measured_tip
-from fitter.motions import Measured
+from fitter.motions import Measured, require_rising
+from fitter.revealed import NEARLY_PARALLEL_RAD
 from fitter.trials import Trial, to_trials
-from limbcal.errors import LimbcalError, NotIdentifiable
+from limbcal.errors import DataError, LimbcalError, NotIdentifiable
 
 #: The search for the geometry rests after so many generations without new frames.
 GENERATIONS = 500
@@ -52,9 +53,19 @@ class Calibration:
         Raises
         ------
         DataError
-            If the motion is too short.
+            If the motion is too short, not one of this arm, or not made of numbers.
         """
-        (trial, *_) = to_trials([motion], cutoff_hz=np.inf)
+        found = motion.columns["q"].shape[1]
+        if found != self.arm.n_joint:
+            raise DataError(f"frames of {found} joint angles, expected {self.arm.n_joint} as {self.arm.name} has")
+        for name, values in motion.columns.items():
+            if not np.isfinite(values).all():
+                raise DataError(f"{name} holds a value that is not finite, expected numbers")
+        require_rising(motion)
+        pieces = to_trials([motion], cutoff_hz=np.inf)
+        trial = max(
+            pieces, key=lambda piece: len(piece.t)
+        )  # messages were missed: the longest stretch in one piece
         trial = with_measured_tip(self.arm, trial) if self.arm.tip is not None else trial
         if trial.role == "evaluate":
             self.evaluate.append(trial)
@@ -65,6 +76,11 @@ class Calibration:
             self.geometry.add(trial.q, moved, rest, trial=len(self.learn))
             self._fresh = GENERATIONS
         return trial
+
+    @property
+    def learnt(self) -> bool:
+        """Whether anything at all is known of the arm that its file does not say."""
+        return self.dynamics is not None or self.kinematics() is not None
 
     def breed(self) -> bool:
         """Breed one generation of geometries; False where there is nothing new to breed on."""
@@ -82,11 +98,19 @@ class Calibration:
             return None
 
     def learn_dynamics(self, progress: Callable[[int, float], None] | None = None) -> None:
-        """Learn the dynamics of the arm, as its geometry is known so far, from all learning motions so far."""
+        """Learn the dynamics of the arm, as its geometry is known so far, from all learning motions so far.
+
+        Axes that the arm file has parallel stay as the file has them. Dead reckoning can't tell a twist of a
+        milliradian from its own drift; but such a twist would let a link that moves in a plane show all its
+        inertias, a millionth of each, and these would be learnt from noise.
+        """
         fit = self.kinematics()
         try:
             self.dynamics = fit_dynamics(
-                self.arm if fit is None else fit.arm, self.learn, seed=self.seed, progress=progress
+                self.arm if fit is None else _parallel_as_in(self.arm, fit.arm),
+                self.learn,
+                seed=self.seed,
+                progress=progress,
             )
             self.doubt = ""
         except LimbcalError as error:  # one motion may tell too little; the next one may tell more
@@ -102,8 +126,18 @@ class Calibration:
 
     def scores(self, role: str) -> tuple[Score | None, TipScore | None]:
         """Return how the calibrated arm does on the motions of one role; None where there are none."""
-        trials, arm = (self.learn if role == "learn" else self.evaluate), self.calibrated()
+        trials, fit = (self.learn if role == "learn" else self.evaluate), self.kinematics()
         if not trials:
             return None, None
-        moved = tip_score(arm, trials) if trials[0].tip is not None else None
-        return (score(arm, trials) if self.dynamics is not None else None), moved
+        moved = tip_score(fit.arm, trials) if fit is not None and trials[0].tip is not None else None
+        return (score(self.calibrated(), trials) if self.dynamics is not None else None), moved
+
+
+def _parallel_as_in(arm: Arm, learnt: Arm) -> Arm:
+    joints = [
+        replace(found, alpha_rad=given.alpha_rad, beta_rad=given.beta_rad)
+        if abs(np.sin(given.alpha_rad)) < np.sin(NEARLY_PARALLEL_RAD)
+        else found
+        for given, found in zip(arm.joints, learnt.joints, strict=True)
+    ]
+    return replace(learnt, joints=tuple(joints))

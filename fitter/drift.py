@@ -49,7 +49,8 @@ class DriftCorrection:
             c = left / elapsed[-1]
             s = elapsed.reshape(-1, *[1] * (position.ndim - 1))
             for name, error in zip(names, (c * s**2 / 2, c * s, c + 0 * s), strict=False):
-                corrected[name] = corrected[name] - error
+                if name in corrected:
+                    corrected[name] = corrected[name] - error
             self._shift[names[0]] = self._shift.get(names[0], 0.0) + c * elapsed[-1] ** 2 / 2
         return corrected
 

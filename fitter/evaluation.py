@@ -63,14 +63,19 @@ def score(arm: Arm, trials: Sequence[Trial], horizon_s: float = HORIZON_S) -> Sc
 def torque_rms(arm: Arm, trials: Sequence[Trial]) -> Floats:
     """Return the rms of the torque that eq. (4) leaves unexplained, (n_joint,) [N m or N].
 
-    Both sides pass the filter of their trial, as they did for the fit, and a joint that stands still is left
-    out: any friction up to its static limit may hold it.
+    A measured torque is taken as it was measured, unfiltered: its noise counts, as it does in anybody's figures.
+    The torque of a law was never measured; both sides then pass the filter of their trial, as they did for the
+    fit. A joint that stands still is left out: any friction up to its static limit may hold it.
     """
     square, count = np.zeros((2, arm.n_joint))
     for trial in trials:
         law = arm.control.law != "measured"
         tau = learned_torque(arm, replace(trial, ref=target_of(arm, trial)) if law else trial)
-        residual = trial.lowpass(tau - inverse_dynamics(arm, trial.q, trial.dq, trial.ddq))
+        explained = inverse_dynamics(arm, trial.q, trial.dq, trial.ddq)
+        if not law and trial.tau_measured is not None:
+            residual = trial.tau_measured - explained
+        else:
+            residual = trial.lowpass(tau - explained)
         trim = (len(trial.dq) - len(residual)) // 2
         moving = trial.dq[trim : len(trial.dq) - trim] != 0.0
         square += np.sum(residual**2 * moving, axis=0)

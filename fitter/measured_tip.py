@@ -7,7 +7,7 @@ import numpy as np
 from arm.kinematics import axis_frames
 from arm.model import Arm, Floats
 from fitter.trials import Trial
-from limbcal.errors import ConfigError
+from limbcal.errors import ConfigError, DataError
 
 
 def measured_tip(arm: Arm, q: Floats, points: Floats) -> Floats:
@@ -30,9 +30,15 @@ def measured_tip(arm: Arm, q: Floats, points: Floats) -> Floats:
     ------
     ConfigError
         If the arm has no tip.
+    DataError
+        If the points are not those of the arm's sensors.
     """
     if arm.tip is None:
         raise ConfigError(f"arm {arm.name!r} has no [tip], expected the sensor that measures it")
+    if points.shape[1:] != (len(arm.sensors), 3):
+        raise DataError(
+            f"points have shape {points.shape}, expected {len(arm.sensors)} sensors as arm {arm.name!r} has"
+        )
     k = arm.sensor_index(arm.tip.sensor)
     turned = axis_frames(arm, q)[:, arm.sensors[k].joint - 1, :3, :3] @ np.array(arm.tip.offset_m)
     tip: Floats = points[:, k] + turned

@@ -32,8 +32,13 @@ class MotionAssembler:
         self.frames = 0
         self.trial = 0
         self.role = ""
-        self.moving = False
         self._begin_ns = 0
+        self._run: object = None
+        self._forget()
+
+    def _forget(self) -> None:
+        """Begin anew: what a daemon says before and after its restart has no clock or angle in common."""
+        self.moving = False
         self._blocks: deque[Mapping[str, Any]] = deque()
         self._drift = DriftCorrection()
 
@@ -45,12 +50,15 @@ class MotionAssembler:
         ProtocolError
             If a field is missing or does not fit.
         """
+        if fields.get("run") != self._run:
+            self._run = fields.get("run")
+            self._forget()
         try:
             if topic == FRAMES:
                 self._take(fields)
             elif topic == TRIAL:
                 return self._phase(fields)
-        except (KeyError, TypeError, ValueError) as error:
+        except (LookupError, TypeError, ValueError) as error:
             raise ProtocolError(f"{topic}: a field is missing or does not fit ({error})") from error
         return None
 
@@ -67,6 +75,8 @@ class MotionAssembler:
             self.trial, self.role = int(fields["trial"]), str(fields["role"])
             self.moving, self._begin_ns = True, int(fields["t_ns"])
             return None
+        if fields["state"] != "end":
+            raise ValueError(f"state is {fields['state']!r}, expected 'begin' or 'end'")
         began, self.moving = self.moving, False
         if not began:  # the subscription came in the middle of a motion
             return None
@@ -85,6 +95,9 @@ class MotionAssembler:
         if not inside.any():
             return None
         columns = {name: np.concatenate([block[name] for block in blocks])[inside] for name in _COLUMNS}
+        shapes = {name: values.shape for name, values in columns.items()}
+        if not shapes["q"] == shapes["dq"] == shapes["ddq"] or len(shapes["q"]) != 2 or len(shapes["points"]) != 3:
+            raise ValueError(f"shapes are {shapes}")
         lost = sum(bool(block["gap"]) for block in blocks)
         notes = (f"{lost} block(s) of frames after lost samples",) if lost else ()
         t = (t_ns[inside] - self._begin_ns) * 1e-9

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from arm.base_parameters import BaseParameters
 from arm.chain import chain_of, joint_rows
 from arm.model import Arm, Floats
-from fitter.torque_rows import add_rows
+from fitter.row_sums import add_rows
 from limbcal.errors import DataError
 
 #: Blocks of one trial: enough to measure how residuals hang together, and never more memory than this.

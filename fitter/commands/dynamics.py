@@ -4,7 +4,6 @@ import argparse
 from pathlib import Path
 
 from rich.progress import Progress
-from rich.table import Table
 
 from arm.arm_file import load_arm, save_arm
 from arm.model import Arm
@@ -12,6 +11,7 @@ from fitter.commands.options import add_arm, add_columns, add_out, bounds_of, fi
 from fitter.compared import Compared, load_compared
 from fitter.dynamics import GENERATIONS, DynamicsFit, document, fit_dynamics
 from fitter.evaluation import HORIZON_S, Score, score
+from fitter.parameter_table import parameter_table
 from fitter.sources import RECORDINGS
 from fitter.trials import Role, Trial, load_trials
 from limbcal.command import Document, console, say
@@ -104,15 +104,8 @@ def _trials(arguments: argparse.Namespace, arm: Arm) -> tuple[list[Trial], list[
 
 
 def _print(fit: DynamicsFit, compared: list[Compared], learn: Score, evaluate: Score | None) -> None:
-    table = Table(title=f"{fit.arm.name}: {fit.samples} samples, condition {fit.condition_number:.3g}")
-    for column in ("parameter", "value", "std", *(c.name for c in compared), "unit", ""):
-        table.add_column(column, justify="left" if column in ("parameter", "unit", "") else "right")
-    for name, p in fit.parameters.items():
-        known = [f"{c.parameters[name]:.6f}" if name in c.parameters else "–" for c in compared]
-        remark = "" if p.identifiable else "not revealed by this data"
-        std = f"{p.std:.2g}" if p.identifiable else "–"
-        table.add_row(name, f"{p.value:.6f}", std, *known, p.unit, remark)
-    console.print(table)
+    title = f"{fit.arm.name}: {fit.samples} samples, condition {fit.condition_number:.3g}"
+    console.print(parameter_table(title, fit.parameters, {c.name: c.parameters for c in compared}))
     for role, s in (("learning", learn), ("evaluating", evaluate)):
         if s is not None:
             torque = ", ".join(f"{value:.4g}" for value in s.torque_rms_N_m)

@@ -6,7 +6,6 @@ from typing import Literal
 
 import numpy as np
 from rich.progress import Progress
-from rich.table import Table
 
 from arm.arm_file import load_arm, save_arm
 from arm.model import Arm
@@ -15,6 +14,7 @@ from fitter.compared import geometry_by_name
 from fitter.evaluation import TipScore, tip_score
 from fitter.kinematics import GENERATIONS, KinematicsFit, document, fit_kinematics
 from fitter.measured_tip import with_measured_tip
+from fitter.parameter_table import parameter_table
 from fitter.sources import RECORDINGS
 from fitter.trials import Trial, load_trials
 from limbcal.command import Document, console, say
@@ -94,14 +94,8 @@ def _load(sources: list[Path], arguments: argparse.Namespace, arm: Arm) -> list[
 def _print(
     fit: KinematicsFit, compared: dict[str, dict[str, float]], learn: TipScore, evaluate: TipScore | None
 ) -> None:
-    table = Table(title=f"{fit.arm.name}: {fit.samples} samples, {fit.generations} generations")
-    for column in ("parameter", "value", "std", *compared, "unit", ""):
-        table.add_column(column, justify="left" if column in ("parameter", "unit", "") else "right")
-    for name, p in fit.parameters.items():
-        known = [f"{values[name]:.6f}" for values in compared.values()]
-        remark = "" if p.identifiable else "the arm file's"
-        table.add_row(name, f"{p.value:.6f}", f"{p.std:.2g}" if p.identifiable else "–", *known, p.unit, remark)
-    console.print(table)
+    title = f"{fit.arm.name}: {fit.samples} samples, {fit.generations} generations"
+    console.print(parameter_table(title, fit.parameters, compared))
     for role, s in (("learning", learn), ("evaluating", evaluate)):
         if s is not None:
             say(f"{role}: tip displacement off by {s.mean_mm:.3g} mm mean, {s.max_mm:.3g} mm max")

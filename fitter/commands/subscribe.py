@@ -17,7 +17,7 @@ from fitter.progress_message import dynamics_fields, kinematics_fields
 from fitter.results import write_results
 from fitter.stream import MotionAssembler
 from limbcal.command import Document, console, say
-from limbcal.errors import ConfigError, DataError, DeviceError, LimbcalError
+from limbcal.errors import ConfigError, DataError, DeviceError, LimbcalError, NotIdentifiable
 from protocol.message import DYNAMICS, FRAMES, HEALTH, KINEMATICS, TRIAL
 from protocol.publisher import Publisher
 from protocol.subscriber import Subscriber
@@ -47,35 +47,60 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.set_defaults(action=subscribe)
 
 
-def subscribe(arguments: argparse.Namespace) -> Document:
+def subscribe(arguments: argparse.Namespace) -> Document | None:
     """Follow the stream until it is time to stop; write what was learnt, whatever ended it."""
     arm = None if arguments.arm is None else load_arm(arguments.arm)
-    compared = load_compared(arguments.compare, arm) if arm is not None else []
+    compared = [] if arm is None else load_compared(arguments.compare, arm)
+    if arguments.out is not None:
+        _make_directory(arguments.out)  # learning for an hour and then having no place to write would be a pity
     context = zmq.Context()
-    session: _Session | None = None
-    trouble: LimbcalError | None = None
     try:
         with Subscriber(context, arguments.connect, (FRAMES, TRIAL, HEALTH)) as subscriber:
-            name = arm.name if arm is not None else _named(subscriber, arguments)
-            arm = load_arm(name) if arm is None else arm
+            if arm is None:
+                arm = load_arm(_named(subscriber, arguments))
+                compared = load_compared(arguments.compare, arm)
             with Publisher(context, arguments.endpoint, arm.name, str(uuid.uuid4())) as publisher:
                 session = _Session(Calibration(arm, arguments.seed), publisher, subscriber)
                 say(f"following {arguments.connect}, publishing on {publisher.endpoint}; Ctrl-C to stop")
-                session.follow(arguments.seconds, arguments.trials, arguments.idle)
-    except KeyboardInterrupt:
-        say("stopped")
-    except LimbcalError as error:  # what was learnt until then is not lost
-        trouble = error
+                stopped, trouble = False, None
+                try:
+                    session.follow(arguments.seconds, arguments.trials, arguments.idle)
+                except KeyboardInterrupt:
+                    stopped = True
+                    say("stopped")
+                except LimbcalError as error:  # what was learnt until then is not lost
+                    trouble = error
+                session.conclude()
     finally:
         context.term()
-    if session is None or trouble is not None and not session.calibration.learn:
+    if not session.calibration.learnt:
+        if trouble is None and not stopped:
+            trouble = _nothing_learnt(arguments.connect, session)
         if trouble is not None:
             raise trouble
-        raise DeviceError(f"{arguments.connect}: nothing was received")
+        return {"stream": session.report()}
     document = write_results(session.calibration, compared, session.report(), arguments.out)
     if trouble is not None:
         raise trouble
     return document
+
+
+def _make_directory(path: Path) -> None:
+    try:
+        path.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise DeviceError(f"{path}: cannot be made a directory: {error.strerror}") from error
+
+
+def _nothing_learnt(connect: str, session: "_Session") -> LimbcalError:
+    if not session.frames:
+        return DeviceError(f"{connect}: nothing was received, expected the frames of a daemon")
+    learning = len(session.calibration.learn)
+    if not learning:
+        return NotIdentifiable(
+            f"{connect}: no learning motion ended within {session.frames} frames, expected the arm to move and rest"
+        )
+    return NotIdentifiable(f"{connect}: nothing was learnt of {learning} motion(s): {session.calibration.doubt}")
 
 
 def _named(subscriber: Subscriber, arguments: argparse.Namespace) -> str:
@@ -117,10 +142,13 @@ class _Session:
                     self._renewed = time.monotonic()
                     self._publish()
                     live.update(live_table(self.calibration, self._assembler, self._lost()), refresh=True)
-        while self.calibration.breed():  # the geometry's generations are not cut short
+
+    def conclude(self) -> None:
+        """Carry the geometry's generations to their end, and learn the dynamics of the arm as it is known then."""
+        while self.calibration.breed():
             pass
         if self.calibration.learn:
-            self.calibration.learn_dynamics()
+            self._learn()
         self._publish()
 
     def _over(self, seconds: float | None, trials: int | None, idle: float | None) -> bool:
@@ -131,10 +159,15 @@ class _Session:
             or (idle is not None and self._motions() > 0 and now - self._last_motion >= idle)
         )
 
+    @property
+    def frames(self) -> int:
+        """Frames received."""
+        return self._assembler.frames
+
     def report(self) -> dict[str, object]:
         """Return what is to be said of the stream itself."""
         return {
-            "frames": self._assembler.frames,
+            "frames": self.frames,
             "motions": self._motions(),
             "missed_messages": self._lost(),
             "daemon_restarts": self._subscriber.restarts,
@@ -156,12 +189,17 @@ class _Session:
         except DataError as error:
             say(f"{motion.name} is left out: {error}")
             return
+        for note in trial.notes:
+            say(f"{trial.name}: {note}")
         if trial.role == "evaluate":
             say(f"{trial.name}: {trial.t[-1]:.2f} s, kept for evaluation")
             return
-        self.calibration.learn_dynamics()
+        self._learn()
         doubt = f"; {self.calibration.doubt}" if self.calibration.doubt else ""
         say(f"{trial.name}: {trial.t[-1]:.2f} s, learnt from{doubt}")
+
+    def _learn(self) -> None:
+        self.calibration.learn_dynamics()
         if self.calibration.dynamics is not None and not self.calibration.doubt:
             self._publisher.publish(DYNAMICS, dynamics_fields(self.calibration))
 

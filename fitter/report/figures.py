@@ -47,8 +47,8 @@ def angles_figure(motions: Sequence[Comparison]) -> bytes:
                 t,
                 np.rad2deg(motion.measured[:, joint]),
                 color=MEASURED,
-                lw=2.2,
-                alpha=0.75,
+                lw=4.5,
+                alpha=0.4,
                 label="measured" if first else None,
             )
             rows[joint].plot(
