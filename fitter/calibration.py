@@ -13,7 +13,6 @@ from fitter.incremental_kinematics import IncrementalKinematics
 from fitter.kinematics import KinematicsFit, fit_of
 from fitter.measured_tip import with_measured_tip
 from fitter.motions import Measured, require_rising
-from fitter.revealed import NEARLY_PARALLEL_RAD
 from fitter.trials import Trial, to_trials
 from limbcal.errors import DataError, LimbcalError, NotIdentifiable
 
@@ -98,19 +97,11 @@ class Calibration:
             return None
 
     def learn_dynamics(self, progress: Callable[[int, float], None] | None = None) -> None:
-        """Learn the dynamics of the arm, as its geometry is known so far, from all learning motions so far.
-
-        Axes that the arm file has parallel stay as the file has them. Dead reckoning can't tell a twist of a
-        milliradian from its own drift; but such a twist would let a link that moves in a plane show all its
-        inertias, a millionth of each, and these would be learnt from noise.
-        """
+        """Learn the dynamics of the arm, as its geometry is known so far, from all learning motions so far."""
         fit = self.kinematics()
         try:
             self.dynamics = fit_dynamics(
-                self.arm if fit is None else _parallel_as_in(self.arm, fit.arm),
-                self.learn,
-                seed=self.seed,
-                progress=progress,
+                self.arm if fit is None else fit.arm, self.learn, seed=self.seed, progress=progress
             )
             self.doubt = ""
         except LimbcalError as error:  # one motion may tell too little; the next one may tell more
@@ -131,13 +122,3 @@ class Calibration:
             return None, None
         moved = tip_score(fit.arm, trials) if fit is not None and trials[0].tip is not None else None
         return (score(self.calibrated(), trials) if self.dynamics is not None else None), moved
-
-
-def _parallel_as_in(arm: Arm, learnt: Arm) -> Arm:
-    joints = [
-        replace(found, alpha_rad=given.alpha_rad, beta_rad=given.beta_rad)
-        if abs(np.sin(given.alpha_rad)) < np.sin(NEARLY_PARALLEL_RAD)
-        else found
-        for given, found in zip(arm.joints, learnt.joints, strict=True)
-    ]
-    return replace(learnt, joints=tuple(joints))

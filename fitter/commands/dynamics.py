@@ -7,7 +7,7 @@ from rich.progress import Progress
 
 from arm.arm_file import load_arm, save_arm
 from arm.model import Arm
-from fitter.commands.options import add_arm, add_columns, add_out, bounds_of, fixed_of, positive
+from fitter.commands.options import add_arm, add_columns, add_out, add_search, bounds_of, fixed_of, positive
 from fitter.compared import Compared, load_compared
 from fitter.dynamics import GENERATIONS, DynamicsFit, document, fit_dynamics
 from fitter.evaluation import HORIZON_S, Score, score
@@ -28,9 +28,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_arm(parser)
     add_columns(parser)
     parser.add_argument("--cutoff-hz", type=positive, metavar="F", help="corner of the fit (found in the data)")
-    parser.add_argument("--seed", type=int, default=0, help="of the genetic algorithm (0)")
-    parser.add_argument("--population", type=int, metavar="N", help="individuals (100, or 8 a parameter)")
-    parser.add_argument("--generations", type=int, default=GENERATIONS, metavar="N", help=f"({GENERATIONS})")
+    add_search(parser, "100, or 8 a parameter", GENERATIONS)
     parser.add_argument("--method", choices=["ga", "least-squares"], default="ga")
     parser.add_argument("--bounds", metavar="P=LOW:HIGH,…", help="where to search (wide, from the torque's size)")
     parser.add_argument("--fix", metavar="P=VALUE,…", help="parameters that are known")

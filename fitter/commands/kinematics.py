@@ -9,7 +9,7 @@ from rich.progress import Progress
 
 from arm.arm_file import load_arm, save_arm
 from arm.model import Arm
-from fitter.commands.options import add_arm, add_columns, add_out, bounds_of, fixed_of
+from fitter.commands.options import add_arm, add_columns, add_out, add_search, bounds_of, fixed_of
 from fitter.compared import geometry_by_name
 from fitter.evaluation import TipScore, tip_score
 from fitter.kinematics import GENERATIONS, KinematicsFit, document, fit_kinematics
@@ -30,9 +30,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     add_arm(parser)
     add_columns(parser)
-    parser.add_argument("--seed", type=int, default=0, help="of the genetic algorithm (0)")
-    parser.add_argument("--population", type=int, default=100, metavar="N", help="individuals (100)")
-    parser.add_argument("--generations", type=int, default=GENERATIONS, metavar="N", help=f"({GENERATIONS})")
+    add_search(parser, "100, or 8 a parameter", GENERATIONS)
     parser.add_argument("--bounds", metavar="P=LOW:HIGH,…", help="where to search (a in 0..1 m, angles ±30°)")
     parser.add_argument("--fix", metavar="P=VALUE,…", help="parameters that are known")
     parser.add_argument(

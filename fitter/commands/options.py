@@ -1,13 +1,17 @@
 """Options that several commands share."""
 
 import argparse
-from collections.abc import Sequence
+import math
+from collections.abc import Callable, Sequence
 from pathlib import Path
 
 import numpy as np
 
 from arm.model import Arm, Floats
 from limbcal.errors import ConfigError
+
+#: The genetic algorithm's survivors and mutants are shares of a population; of fewer nothing is left.
+SMALLEST_POPULATION = 10
 
 
 def add_arm(parser: argparse.ArgumentParser, required: bool = True) -> None:
@@ -34,10 +38,35 @@ def add_out(parser: argparse.ArgumentParser, help_text: str) -> None:
 
 def positive(text: str) -> float:
     """Read a number above zero."""
-    value = float(text)
-    if not 0.0 < value < float("inf"):
-        raise argparse.ArgumentTypeError(f"{text} is not above 0")
+    try:
+        value = float(text)
+    except ValueError:
+        value = math.nan
+    if not 0.0 < value < math.inf:
+        raise argparse.ArgumentTypeError(f"{text!r} is not a number above 0")
     return value
+
+
+def at_least(smallest: int) -> Callable[[str], int]:
+    """Return what reads a whole number that is not below some other."""
+
+    def whole(text: str) -> int:
+        if not (text.isdecimal() and int(text) >= smallest):
+            raise argparse.ArgumentTypeError(f"{text!r} is not a whole number of at least {smallest}")
+        return int(text)
+
+    return whole
+
+
+def add_search(parser: argparse.ArgumentParser, population: str, generations: int) -> None:
+    """Add ``--seed``, ``--population`` and ``--generations`` of the genetic algorithm."""
+    parser.add_argument("--seed", type=at_least(0), default=0, help="of the genetic algorithm (0)")
+    parser.add_argument(
+        "--population", type=at_least(SMALLEST_POPULATION), metavar="N", help=f"individuals ({population})"
+    )
+    parser.add_argument(
+        "--generations", type=at_least(1), default=generations, metavar="N", help=f"({generations})"
+    )
 
 
 def joint_values(text: str | None, arm: Arm, option: str, default: Floats) -> Floats:
@@ -52,6 +81,8 @@ def joint_values(text: str | None, arm: Arm, option: str, default: Floats) -> Fl
         return default
     try:
         values = np.array([float(part) for part in text.split(",")])
+        if not np.isfinite(values).all():
+            raise ValueError("not finite")
     except ValueError as error:
         raise ConfigError(f"{option} is {text!r}, expected numbers parted by commas") from error
     if len(values) != arm.n_joint:
@@ -109,6 +140,9 @@ def fixed_of(text: str | None) -> dict[str, float]:
 
 def _number(text: str, where: str) -> float:
     try:
-        return float(text)
-    except ValueError as error:
-        raise ConfigError(f"{where}: {text!r} is not a number") from error
+        value = float(text)
+    except ValueError:
+        value = math.nan
+    if not math.isfinite(value):
+        raise ConfigError(f"{where}: {text!r} is not a number")
+    return value

@@ -10,7 +10,7 @@ from rich.live import Live
 
 from arm.arm_file import load_arm, preset_names
 from fitter.calibration import Calibration
-from fitter.commands.options import positive
+from fitter.commands.options import at_least, positive
 from fitter.compared import load_compared
 from fitter.live_table import live_table
 from fitter.progress_message import dynamics_fields, kinematics_fields
@@ -39,9 +39,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--arm", metavar="A", help="arm file, or built-in arm; by default the one the stream names"
     )
     parser.add_argument("--seconds", type=positive, metavar="S", help="stop after so long")
-    parser.add_argument("--trials", type=int, metavar="N", help="stop after so many motions")
+    parser.add_argument("--trials", type=at_least(1), metavar="N", help="stop after so many motions")
     parser.add_argument("--idle", type=positive, metavar="S", help="stop when no motion has ended for so long")
-    parser.add_argument("--seed", type=int, default=0, help="of the genetic algorithms (0)")
+    parser.add_argument("--seed", type=at_least(0), default=0, help="of the genetic algorithms (0)")
     parser.add_argument("--compare", action="append", default=[], metavar="A", help="another arm to print beside")
     parser.add_argument("--out", type=Path, metavar="DIR", help="write the calibrated arm, JSON and a report here")
     parser.set_defaults(action=subscribe)
