@@ -109,13 +109,15 @@ def _write_report(
         "Both under the same control. The paper's figures are of its own arm (section 8.2).",
     )
     page.table(("motions", "mean [deg]", "max [deg]", "paper, mean", "paper, max"), _error_rows(document))
+    turning = tuple(joint.type == "revolute" for joint in arm.joints)
     motions = [
-        Comparison(trial.name, trial.role != "evaluate", trial.t, trial.q, q)
+        Comparison(trial.name, trial.role != "evaluate", trial.t, trial.q, q, turning)
         for trial, q in zip(trials, simulated, strict=True)
     ]
     page.picture(angles_figure(motions), "Measured and simulated joint angles: the paper's Fig. 7 and 8 in one.")
     page.picture(error_figure(motions), "Error of each motion.")
     known = compared[0] if compared else None
+    of_the_paper = published.ARM in (arm.name, *(c.name for c in compared))
     header = ("parameter", "found", "std", known.name if known else "known", "off by", "paper", "unit")
     for title, part, values, paper in (
         ("Geometry", "kinematics", geometry_by_name(known.arm) if known else {}, published.KINEMATICS),
@@ -124,7 +126,7 @@ def _write_report(
         fields = document.get(part)
         if isinstance(fields, dict):
             page.section(title)
-            page.table(header, parameter_rows(fields["parameters"], values, paper))
+            page.table(header, parameter_rows(fields["parameters"], values, paper if of_the_paper else {}))
     page.write(path)
 
 

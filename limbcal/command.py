@@ -3,6 +3,7 @@
 import argparse
 import json
 import math
+import os
 import signal
 import sys
 from collections.abc import Callable, Mapping
@@ -10,7 +11,7 @@ from types import FrameType
 
 from rich.console import Console
 
-from limbcal.errors import ConfigError, LimbcalError
+from limbcal.errors import ConfigError, DeviceError, LimbcalError
 
 #: Words, tables and progress bars go to stderr; stdout belongs to the answer.
 console = Console(stderr=True, highlight=False)
@@ -36,9 +37,19 @@ def common_options() -> Parser:
 
 
 def emit(text: str) -> None:
-    """Write an answer to stdout."""
-    sys.stdout.write(text + "\n")
-    sys.stdout.flush()
+    """Write an answer to stdout.
+
+    Raises
+    ------
+    DeviceError
+        If nobody can take it: the disk is full, the reader gone.
+    """
+    try:
+        sys.stdout.write(text + "\n")
+        sys.stdout.flush()
+    except OSError as error:
+        sys.stdout = open(os.devnull, "w", encoding="utf-8")  # or the rest of the buffer would fail again
+        raise DeviceError(f"stdout cannot be written: {error.strerror}") from error
 
 
 def say(sentence: str) -> None:

@@ -162,7 +162,9 @@ class Integrator:
         if size == self._cell:
             resting = self._rest.judge(cell, self._gravity_readings(state.q), self._zero == "first-rest")
             state.offset[:] = self._rest.offset
-        if resting != was_resting:
+        if self._rest.jolted and size == self._cell:  # the motion before ended, if not in what counts as rest
+            phases.append(Phase("end", self._time_ns(self._sample), self._trial))
+        if resting != was_resting or (self._rest.jolted and size == self._cell):
             self._trial += not resting
             phases.append(Phase("end" if resting else "begin", self._time_ns(self._sample), self._trial))
         hold = resting and (self._zero == "each-rest" or self._trial == 0)

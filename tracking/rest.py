@@ -42,6 +42,8 @@ class RestDetector:
     ----------
     resting : bool
         Begins as True: the arm rests when tracking begins.
+    jolted : bool
+        The arm all but rested, creeping, and in this cell was set in motion anew.
     offset : (n_channel,)
         Mean reading at rest minus what gravity alone would show.
     """
@@ -58,6 +60,8 @@ class RestDetector:
         self._step = _FINEST
         self._found_step = np.inf
         self._weight = 0
+        self.jolted = False
+        self._creeping = False
         middle = (WINDOW - 1) / 2
         self._trend = (np.arange(WINDOW) - middle) / (middle * WINDOW / 4)  # about the second half less the first
 
@@ -83,23 +87,18 @@ class RestDetector:
             self._sigma = float(np.sqrt(np.mean(self._variances) / len(cell)))
             self._learn(excess)
             return True
-        self._cells.append(excess)
-        calm = self._calm(excess - self.offset, _CELL_SIGMAS * self._sigma + _CELL_STEPS * self._step)
-        if calm and len(self._cells) == WINDOW:
-            doubt = _TO_LEAVE if self.resting else 1.0
-            spread = self._sigma * np.sqrt(1.0 / WINDOW + 1.0 / self._weight)
-            cells = np.array(self._cells, dtype=np.float64)
-            mean = cells.sum(axis=0) / WINDOW - self.offset
-            # A motion's acceleration also passes through zero: then the window's mean is small, its trend is not.
-            trend = self._trend @ cells
-            wander = self._sigma * float(np.linalg.norm(self._trend))
-            calm = self._calm(mean, doubt * (_WINDOW_SIGMAS * spread + _WINDOW_STEPS * self._step))
-            calm = calm and self._calm(trend, doubt * (_WINDOW_SIGMAS * wander + _WINDOW_STEPS * self._step))
-        if not calm:
+        smooth = self._calm(excess - self.offset, _CELL_SIGMAS * self._sigma + _CELL_STEPS * self._step)
+        self.jolted = self._creeping and not self.resting and not smooth
+        if smooth:
+            self._cells.append(excess)
+        else:
             self._cells.clear()
-            self.resting = False
-        elif len(self._cells) == WINDOW:
-            self.resting = True
+        unrest = self._unrest()
+        self._creeping = unrest <= _TO_LEAVE
+        if self.resting:
+            self.resting = smooth and (unrest <= _TO_LEAVE or len(self._cells) < WINDOW)
+        else:
+            self.resting = unrest <= 1.0
         if self.resting and not pinned:
             self._learn(excess)
         return self.resting
@@ -108,9 +107,26 @@ class RestDetector:
         """Start a new window: samples were lost."""
         self._cells.clear()
 
+    def _unrest(self) -> float:
+        """Return how far the window strays, as a share of what a rest may; infinite until the window is full."""
+        if len(self._cells) < WINDOW:
+            return np.inf
+        cells = np.array(self._cells, dtype=np.float64)
+        # A motion's acceleration also passes through zero: then the window's mean is small, its trend is not.
+        strays = cells.sum(axis=0) / WINDOW - self.offset, self._trend @ cells
+        spreads = np.sqrt(1.0 / WINDOW + 1.0 / self._weight), float(np.linalg.norm(self._trend))
+        return max(
+            self._share(stray, _WINDOW_SIGMAS * self._sigma * spread + _WINDOW_STEPS * self._step)
+            for stray, spread in zip(strays, spreads, strict=True)
+        )
+
     def _calm(self, mean: Floats, limit: float) -> bool:
-        strict = np.abs(self._contrast @ mean) <= np.sqrt(2.0) * (limit + self._rounded * self._step)
-        return bool(np.all(np.abs(mean) <= limit + self._slack) and np.all(strict))
+        return self._share(mean, limit) <= 1.0
+
+    def _share(self, mean: Floats, limit: float) -> float:
+        """Return the largest reading, beyond what gravity may do to it, as a share of its limit."""
+        strict = np.abs(self._contrast @ mean) / (np.sqrt(2.0) * (limit + self._rounded * self._step))
+        return float(max(np.max((np.abs(mean) - self._slack) / limit), np.max(strict, initial=0.0)))
 
     def _measure_step(self, cell: Floats) -> None:
         """Learn the converter's resolution: the least by which two readings in a row ever differed."""

@@ -1,6 +1,7 @@
 """`fitter dynamics`: torque and motion to dynamic parameters, eq. (4), (8), (9)."""
 
 import argparse
+from collections.abc import Sequence
 from pathlib import Path
 
 from rich.progress import Progress
@@ -8,11 +9,11 @@ from rich.progress import Progress
 from arm.arm_file import load_arm, save_arm
 from arm.model import Arm
 from fitter.commands.options import add_arm, add_columns, add_out, add_search, bounds_of, fixed_of, positive
+from fitter.commands.trial_sets import trial_sets
 from fitter.compared import Compared, load_compared
 from fitter.dynamics import GENERATIONS, DynamicsFit, document, fit_dynamics
 from fitter.evaluation import HORIZON_S, Score, score
 from fitter.parameter_table import parameter_table
-from fitter.sources import RECORDINGS
 from fitter.trials import Role, Trial, load_trials
 from limbcal.command import Document, console, say
 
@@ -77,11 +78,10 @@ def dynamics(arguments: argparse.Namespace) -> Document:
 
 
 def _trials(arguments: argparse.Namespace, arm: Arm) -> tuple[list[Trial], list[Trial]]:
-    """Read both sets; a recording that tells learning from evaluating motions gives both."""
-
     def load(
-        sources: list[Path], role: Role | None, cutoff_hz: float | None, band_hz: float | None
+        sources: Sequence[Path], role: Role | None, filters: tuple[float, float] | None
     ) -> list[Trial]:
+        cutoff_hz, band_hz = filters or (arguments.cutoff_hz, None)
         return load_trials(
             sources,
             arm.n_joint,
@@ -92,13 +92,7 @@ def _trials(arguments: argparse.Namespace, arm: Arm) -> tuple[list[Trial], list[
             role=role,
         )
 
-    recorded = not arguments.evaluate and all(path.suffix.lower() in RECORDINGS for path in arguments.learn)
-    learn = load(arguments.learn, "learn" if recorded else None, arguments.cutoff_hz, None)
-    held_out = arguments.learn if recorded else arguments.evaluate
-    if not held_out or (recorded and not any(trial.role for trial in learn)):
-        return learn, []
-    filters = learn[0].cutoff_hz, learn[0].band_hz  # what is compared must have passed the same filters
-    return learn, load(held_out, "evaluate" if recorded else None, *filters)
+    return trial_sets(load, arguments.learn, arguments.evaluate)
 
 
 def _print(fit: DynamicsFit, compared: list[Compared], learn: Score, evaluate: Score | None) -> None:

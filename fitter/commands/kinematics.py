@@ -1,6 +1,7 @@
 """`fitter kinematics`: joint angles and a measured tip to the arm's geometry, eq. (1) to (3)."""
 
 import argparse
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Literal
 
@@ -10,13 +11,13 @@ from rich.progress import Progress
 from arm.arm_file import load_arm, save_arm
 from arm.model import Arm
 from fitter.commands.options import add_arm, add_columns, add_out, add_search, bounds_of, fixed_of
+from fitter.commands.trial_sets import trial_sets
 from fitter.compared import geometry_by_name
 from fitter.evaluation import TipScore, tip_score
 from fitter.kinematics import GENERATIONS, KinematicsFit, document, fit_kinematics
 from fitter.measured_tip import with_measured_tip
 from fitter.parameter_table import parameter_table
-from fitter.sources import RECORDINGS
-from fitter.trials import Trial, load_trials
+from fitter.trials import Role, Trial, load_trials
 from limbcal.command import Document, console, say
 
 
@@ -51,11 +52,7 @@ def kinematics(arguments: argparse.Namespace) -> Document:
     """Learn the geometry and write the arm."""
     arm = load_arm(arguments.arm)
     compared = {Path(source).stem: geometry_by_name(load_arm(source)) for source in arguments.compare}
-    learn = _load(arguments.data, arguments, arm)
-    evaluate = _load(arguments.evaluate, arguments, arm) if arguments.evaluate else []
-    if not evaluate and all(path.suffix.lower() in RECORDINGS for path in arguments.data):
-        evaluate = [trial for trial in learn if trial.role == "evaluate"]
-        learn = [trial for trial in learn if trial.role != "evaluate"]
+    learn, evaluate = _trials(arguments, arm)
     about: Literal["rest", "mean"] = "mean" if arguments.about == "mean" else "rest"
     with Progress(console=console, transient=True) as progress:
         task = progress.add_task("searching", total=arguments.generations)
@@ -81,12 +78,20 @@ def kinematics(arguments: argparse.Namespace) -> Document:
     return answer
 
 
-def _load(sources: list[Path], arguments: argparse.Namespace, arm: Arm) -> list[Trial]:
-    trials = load_trials(sources, arm.n_joint, arguments.columns, rate_hz=arguments.rate_hz, cutoff_hz=np.inf)
-    for trial in trials:
+def _trials(arguments: argparse.Namespace, arm: Arm) -> tuple[list[Trial], list[Trial]]:
+    def load(
+        sources: Sequence[Path], role: Role | None, _filters: tuple[float, float] | None
+    ) -> list[Trial]:
+        return load_trials(
+            sources, arm.n_joint, arguments.columns, rate_hz=arguments.rate_hz, cutoff_hz=np.inf, role=role
+        )
+
+    learn, evaluate = trial_sets(load, arguments.data, arguments.evaluate)
+    for trial in (*learn, *evaluate):
         for note in trial.notes:
             say(f"{trial.name}: {note}")
-    return [with_measured_tip(arm, trial) for trial in trials]
+    with_tip = [[with_measured_tip(arm, trial) for trial in trials] for trials in (learn, evaluate)]
+    return with_tip[0], with_tip[1]
 
 
 def _print(

@@ -53,6 +53,8 @@ def simulate_reference(arguments: argparse.Namespace) -> Document:
     parts: list[dict[str, NDArray[np.generic]]] = []
     for number, measured in enumerate(trials, 1):
         trial = resample(measured, arguments.rate_hz)
+        for note in trial.measured.notes:
+            say(f"{measured.name}: {note}")
         q0 = joint_values(arguments.initial_q, arm, "--initial-q", _start(trial.measured, arm))
         motion = _simulated(arm, trial.measured, trial.dt_s, q0, arguments.scheme)
         if not np.isfinite(motion.q).all():

@@ -98,7 +98,7 @@ def _nothing_learnt(connect: str, session: "_Session") -> LimbcalError:
     learning = len(session.calibration.learn)
     if not learning:
         return NotIdentifiable(
-            f"{connect}: no learning motion ended within {session.frames} frames, expected the arm to move and rest"
+            f"{connect}: no learning motion ended in {session.frames} frames, expected the arm to move and rest"
         )
     return NotIdentifiable(f"{connect}: nothing was learnt of {learning} motion(s): {session.calibration.doubt}")
 

@@ -14,16 +14,42 @@ Floats = NDArray[np.float64]
 
 MEASURED, SIMULATED, ERROR = "#1f4e79", "#e07b00", "#a61c3c"
 
+#: A simulation that is this far out has run away [rad or m].
+_RUNAWAY = 1e3
+
 
 @dataclass(frozen=True)
 class Comparison:
-    """One motion, measured and simulated: t (n,) [s], angles (n, n_joint) [rad or m]."""
+    """One motion: t (n,) [s], angles measured and simulated (n, n_joint) [rad or m], which joints turn."""
 
     name: str
     learnt: bool
     t: Floats
     measured: Floats
     simulated: Floats
+    turning: tuple[bool, ...]
+
+    @property
+    def shown(self) -> Floats:
+        """What was simulated, NaN from where it ran away and would leave nothing else to be seen."""
+        gone = ~(np.abs(self.simulated) < _RUNAWAY)
+        return np.where(np.logical_or.accumulate(gone, axis=0), np.nan, self.simulated)
+
+    @property
+    def scale(self) -> Floats:
+        """What turns radians into degrees and metres into millimetres, (n_joint,)."""
+        return np.where(self.turning, np.rad2deg(1.0), 1e3)
+
+    @property
+    def error(self) -> Floats:
+        """Errors of the joints that turn [deg]; where none does, of all [mm]: (n, joints)."""
+        error: Floats = np.abs(self.shown - self.measured) * self.scale
+        return error[:, self.turning] if any(self.turning) else error
+
+    @property
+    def unit(self) -> str:
+        """Unit of `error`."""
+        return "deg" if any(self.turning) else "mm"
 
 
 def angles_figure(motions: Sequence[Comparison]) -> bytes:
@@ -37,15 +63,14 @@ def angles_figure(motions: Sequence[Comparison]) -> bytes:
     n_joint = motions[0].measured.shape[1]
     figure = Figure(figsize=(12, 2.6 * n_joint + 1.6), layout="constrained")
     rows = figure.subplots(n_joint + 1, 1, sharex=True, height_ratios=[*[3] * n_joint, 1.6])
-    start, worst = 0.0, np.array([0.0])
+    start = 0.0
     for motion in motions:
         t = start + motion.t
-        error = np.abs(np.rad2deg(motion.simulated - motion.measured))
         for joint in range(n_joint):
             first = start == 0.0
             rows[joint].plot(
                 t,
-                np.rad2deg(motion.measured[:, joint]),
+                motion.measured[:, joint] * motion.scale[joint],
                 color=MEASURED,
                 lw=4.5,
                 alpha=0.4,
@@ -53,19 +78,18 @@ def angles_figure(motions: Sequence[Comparison]) -> bytes:
             )
             rows[joint].plot(
                 t,
-                np.rad2deg(motion.simulated[:, joint]),
+                motion.shown[:, joint] * motion.scale[joint],
                 color=SIMULATED,
                 lw=1.0,
                 label="simulated" if first else None,
             )
-        rows[-1].plot(t, error.max(axis=1), color=ERROR, lw=0.8)
-        worst = np.maximum(worst, error.max())
+        rows[-1].plot(t, motion.error.max(axis=1), color=ERROR, lw=0.8)
         start = float(t[-1])
     for joint in range(n_joint):
-        rows[joint].set_ylabel(f"joint {joint + 1} [deg]")
+        rows[joint].set_ylabel(f"joint {joint + 1} [{'deg' if motions[0].turning[joint] else 'mm'}]")
         rows[joint].grid(alpha=0.25)
     rows[0].legend(loc="upper right", frameon=False, ncols=2)
-    rows[-1].set_ylabel("error [deg]")
+    rows[-1].set_ylabel(f"error [{motions[0].unit}]")
     rows[-1].set_xlabel("time, motions one after the other [s]")
     rows[-1].grid(alpha=0.25)
     _mark_parts(rows, motions)
@@ -82,15 +106,18 @@ def error_figure(motions: Sequence[Comparison]) -> bytes:
     """
     figure = Figure(figsize=(12, 2.8), layout="constrained")
     axes = figure.subplots()
-    errors = [np.abs(np.rad2deg(motion.simulated - motion.measured)) for motion in motions]
     x = np.arange(1, len(motions) + 1)
     colours = [MEASURED if motion.learnt else SIMULATED for motion in motions]
-    axes.bar(x, [error.mean() for error in errors], color=colours, width=0.6)
-    axes.plot(x, [error.max() for error in errors], "v", color=ERROR, ms=5, label="largest")
+    mean, worst = (np.array([f(motion.error) for motion in motions]) for f in (np.mean, np.max))
+    told = np.flatnonzero(np.isfinite(worst))  # no bar where the simulation ran away
+    axes.bar(x[told], mean[told], color=[colours[k] for k in told], width=0.6)
+    axes.plot(x[told], worst[told], "v", color=ERROR, ms=5, label="largest")
+    axes.set_xlim(0.4, len(motions) + 0.6)
     axes.set_xticks(x)
     axes.set_xlabel("motion (blue: learnt from, orange: evaluating)")
-    axes.set_ylabel("error [deg]")
-    axes.set_yscale("log")
+    axes.set_ylabel(f"error [{motions[0].unit}]")
+    if np.any(worst > 0.0):
+        axes.set_yscale("log")
     axes.grid(alpha=0.25, axis="y")
     axes.legend(frameon=False)
     return png(figure)

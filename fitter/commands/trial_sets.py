@@ -1,0 +1,57 @@
+"""The trials to learn from and those held back: never mixed."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from pathlib import Path
+
+from fitter.sources import expand
+from fitter.trials import Role, Trial
+from limbcal.errors import ConfigError
+
+#: Reads trials of one role, or all, with the corners of two filters where these are chosen already.
+Load = Callable[[Sequence[Path], Role | None, tuple[float, float] | None], list[Trial]]
+
+
+def trial_sets(load: Load, learn: Sequence[Path], evaluate: Sequence[Path]) -> tuple[list[Trial], list[Trial]]:
+    """Read both sets; recordings that tell learning from evaluating motions give both.
+
+    Parameters
+    ----------
+    load : callable
+        Given sources, a role and filters, returns trials.
+    learn, evaluate : sequence of Path
+        Without ``evaluate``, motions that a recording marks as evaluating are held back.
+
+    Returns
+    -------
+    learn, evaluate : list of Trial
+        What is compared has passed the same filters, and these are chosen by the learning trials alone.
+
+    Raises
+    ------
+    ConfigError
+        If a file is in both sets.
+    """
+    _require_apart(learn, evaluate)
+    trials = load(learn, None, None)
+    held_back = [trial for trial in trials if trial.role == "evaluate"]
+    if evaluate:
+        return trials, load(evaluate, None, _filters(trials))
+    if not held_back:
+        return trials, []
+    trials = load(learn, "learn", None)
+    cutoff_hz, band_hz = _filters(trials)
+    # Frames come with their derivatives: nothing in them was filtered yet.
+    return trials, [replace(trial, cutoff_hz=cutoff_hz, band_hz=band_hz) for trial in held_back]
+
+
+def _filters(trials: Sequence[Trial]) -> tuple[float, float]:
+    return trials[0].cutoff_hz, trials[0].band_hz
+
+
+def _require_apart(learn: Sequence[Path], evaluate: Sequence[Path]) -> None:
+    if evaluate:
+        held_back = {path.resolve() for path in expand(evaluate)}
+        both = [str(path) for path in expand(learn) if path.resolve() in held_back]
+        if both:
+            raise ConfigError(f"--evaluate: {both[0]} is learnt from, expected trials that are not")
