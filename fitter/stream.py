@@ -63,12 +63,17 @@ class MotionAssembler:
         return None
 
     def _take(self, fields: Mapping[str, Any]) -> None:
-        self.frames += int(fields["n"])
+        n = int(fields["n"])
+        if any(len(fields[name]) != n for name in _COLUMNS):
+            raise ValueError(f"n is {n}, expected the length of {', '.join(_COLUMNS)}")
+        self.frames += n
         self._blocks.append(fields)
-        if not self.moving:
-            newest = self._blocks[-1]["t0_ns"]
-            while newest - self._blocks[0]["t0_ns"] > _MEMORY_S * 1e9:
-                self._blocks.popleft()
+        self._prune()
+
+    def _prune(self) -> None:
+        """Keep no more frames than the next motion may need: it may begin before it is announced."""
+        while not self.moving and self._blocks[-1]["t0_ns"] - self._blocks[0]["t0_ns"] > _MEMORY_S * 1e9:
+            self._blocks.popleft()
 
     def _phase(self, fields: Mapping[str, Any]) -> Measured | None:
         if fields["state"] == "begin":
@@ -81,7 +86,8 @@ class MotionAssembler:
         if not began:  # the subscription came in the middle of a motion
             return None
         motion = self._cut(int(fields["t_ns"]))
-        self._blocks.clear()
+        if self._blocks:
+            self._prune()
         return motion
 
     def _cut(self, end_ns: int) -> Measured | None:
@@ -98,7 +104,11 @@ class MotionAssembler:
         shapes = {name: values.shape for name, values in columns.items()}
         if not shapes["q"] == shapes["dq"] == shapes["ddq"] or len(shapes["q"]) != 2 or len(shapes["points"]) != 3:
             raise ValueError(f"shapes are {shapes}")
-        lost = sum(bool(block["gap"]) for block in blocks)
+        rows = np.cumsum([0, *(block["n"] for block in blocks)])
+        lost = sum(
+            bool(block["gap"]) and bool(inside[begin:end].any())
+            for block, begin, end in zip(blocks, rows[:-1], rows[1:], strict=True)
+        )
         notes = (f"{lost} block(s) of frames after lost samples",) if lost else ()
         t = (t_ns[inside] - self._begin_ns) * 1e-9
         if blocks[0]["method"] == "integrate":

@@ -17,6 +17,7 @@ from zmq.utils.monitor import recv_monitor_message
 from arm.arm_file import format_arm, load_arm
 from arm.bench import COUNT_M_S2, Bench, counts, draw_sensor_errors, motions
 from arm.model import Arm
+from arm.simulation import simulate
 from fitter.motion_file import write_motion
 from protocol.message import FRAMES, HEALTH, TRIAL, encode
 from protocol.publisher import Publisher
@@ -26,13 +27,16 @@ from tracking.integrator import Integrator
 
 Message = tuple[str, dict[str, Any]]
 PATIENCE_S = 60.0
-BLOCK_S = 0.1
+BLOCK_S, TAIL_S = 0.1, 5.0
 START_NS = 7_000_000_000
 
 
 @dataclass(frozen=True)
 class ShortRun:
-    """Two learning motions and one to evaluate, at 4 kHz, free of noise but for 16 bits; all on one clock."""
+    """Two learning motions and one to evaluate, at 4 kHz, free of noise but for 16 bits; all on one clock.
+
+    The last target is held for a while, so that the last motion ends too.
+    """
 
     arm: Arm
     bench: Bench
@@ -61,12 +65,15 @@ def short_run() -> ShortRun:
     rng = np.random.default_rng(0)
     errors = draw_sensor_errors(arm, rng, noise=0.0)
     trials = list(motions(arm, bench, seed=0))
+    at_end, step = trials[-1], 1.0 / bench.rate_hz
+    held = np.tile(at_end.ref[-1], (round(TAIL_S * bench.rate_hz) + 1, 1))
+    trials.append(simulate(arm, held, step, at_end.q[-1], at_end.dq[-1]))
     a = COUNT_M_S2 * np.concatenate([counts(arm, errors, motion, rng) for motion in trials])
     truth = {
         name: np.concatenate([getattr(motion, name) for motion in trials])
         for name in ("q", "dq", "ddq", "tau", "ref")
     }
-    trial = np.repeat(np.arange(1, bench.trials + 1), len(trials[0].t))
+    trial = np.repeat([1, 2, 3, 3], [len(motion.t) for motion in trials])
     return ShortRun(
         arm, bench, np.arange(len(a)) / bench.rate_hz, a, truth, trial, tuple(_messages(arm, bench, a))
     )
@@ -88,7 +95,7 @@ def _messages(arm: Arm, bench: Bench, a: NDArray[np.float64]) -> Iterator[Messag
 
 @pytest.fixture(scope="session")
 def recording(short_run: ShortRun, tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """The short run as the daemon records it; nobody may write to it."""
+    """Record the short run as the daemon does; nobody may write to it."""
     path = tmp_path_factory.mktemp("recording") / "day.mcap"
     common = {"arm": short_run.arm.name, "run": str(uuid.uuid4())}
     seq = {FRAMES: 0, TRIAL: 0}

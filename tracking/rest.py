@@ -87,8 +87,10 @@ class RestDetector:
             self._sigma = float(np.sqrt(np.mean(self._variances) / len(cell)))
             self._learn(excess)
             return True
-        smooth = self._calm(excess - self.offset, _CELL_SIGMAS * self._sigma + _CELL_STEPS * self._step)
-        self.jolted = self._creeping and not self.resting and not smooth
+        limit = _CELL_SIGMAS * self._sigma + _CELL_STEPS * self._step
+        smooth = self._calm(excess - self.offset, limit)
+        jump = float(np.max(np.abs(excess - self._cells[-1]))) if self._cells else 0.0
+        self.jolted = self._creeping and not self.resting and not smooth and jump > limit
         if smooth:
             self._cells.append(excess)
         else:

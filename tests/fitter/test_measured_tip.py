@@ -36,7 +36,7 @@ def test_what_cannot_be_a_tip():
     q = np.zeros((5, 2))
     with pytest.raises(ConfigError, match="arm 'dd-arm' has no .tip., expected the sensor that measures it"):
         measured_tip(replace(ARM, tip=None), q, moved(q))
-    with pytest.raises(DataError, match=r"points have shape \(5, 3, 3\), expected those of the 4 sensors of"):
+    with pytest.raises(DataError, match=r"points have shape \(5, 3, 3\), expected 4 sensors as arm 'dd-arm' has"):
         measured_tip(ARM, q, moved(q)[:, :3])
 
 

@@ -117,3 +117,28 @@ def test_the_first_quarter_second_is_taken_on_trust():
 def test_cells_of_two_readings_show_their_noise():
     judge = detector()
     assert all(judged(judge, cells(np.zeros(6), 400, n=2)))
+
+
+def _creeping(judge):
+    """Rest, then a motion that ends in a creep of twice what a rest may show."""
+    judged(judge, cells(np.zeros(6), 100))
+    judged(judge, cells([0.5, 0, 0, 0.8, 0, 0], 5, seed=1))
+    return judged(judge, cells([0.0, 0, 0, 0.004, 0, 0], 60, seed=2))
+
+
+def test_a_motion_that_begins_out_of_a_creep_is_noticed():
+    judge = detector()
+    assert not any(_creeping(judge))
+    assert not judge.jolted
+    judged(judge, cells([0.3, 0, 0, 0.6, 0, 0], 1, seed=3))
+    assert judge.jolted
+    judged(judge, cells([0.3, 0, 0, 0.6, 0, 0], 1, seed=4))
+    assert not judge.jolted
+
+
+def test_a_creep_that_grows_is_the_same_motion():
+    judge = detector()
+    _creeping(judge)
+    for k, x in enumerate(np.linspace(0.004, 0.2, 200)):
+        judged(judge, cells([x / 2, 0, 0, x, 0, 0], 1, seed=k))
+        assert not judge.jolted
