@@ -17,8 +17,11 @@ from zmq.utils.monitor import recv_monitor_message
 from arm.arm_file import format_arm, load_arm
 from arm.bench import COUNT_M_S2, Bench, counts, draw_sensor_errors, motions
 from arm.model import Arm
-from arm.simulation import simulate
+from arm.simulation import Motion, simulate
+from fitter.calibration import Calibration
 from fitter.motion_file import write_motion
+from fitter.motions import Measured
+from fitter.stream import MotionAssembler
 from protocol.message import FRAMES, HEALTH, TRIAL, encode
 from protocol.publisher import Publisher
 from protocol.recording import RecordingWriter
@@ -67,7 +70,8 @@ def short_run() -> ShortRun:
     trials = list(motions(arm, bench, seed=0))
     at_end, step = trials[-1], 1.0 / bench.rate_hz
     held = np.tile(at_end.ref[-1], (round(TAIL_S * bench.rate_hz) + 1, 1))
-    trials.append(simulate(arm, held, step, at_end.q[-1], at_end.dq[-1]))
+    tail = simulate(arm, held, step, at_end.q[-1], at_end.dq[-1])
+    trials.append(Motion(*(getattr(tail, name)[1:] for name in ("t", "q", "dq", "ddq", "tau", "ref"))))
     a = COUNT_M_S2 * np.concatenate([counts(arm, errors, motion, rng) for motion in trials])
     truth = {
         name: np.concatenate([getattr(motion, name) for motion in trials])
@@ -91,6 +95,26 @@ def _messages(arm: Arm, bench: Bench, a: NDArray[np.float64]) -> Iterator[Messag
         for phase in phases:
             role = "learn" if phase.trial <= bench.learning else "evaluate"
             yield TRIAL, {"trial": phase.trial, "t_ns": phase.t_ns, "state": phase.kind, "role": role}
+
+
+@pytest.fixture(scope="session")
+def measured(short_run: ShortRun) -> tuple[Measured, ...]:
+    """Return the motions of the short run, as they are cut out of the stream."""
+    assembler = MotionAssembler()
+    found = [assembler.feed(*message) for message in short_run.messages]
+    return tuple(motion for motion in found if motion is not None)
+
+
+@pytest.fixture(scope="session")
+def calibration(short_run: ShortRun, measured: tuple[Measured, ...]) -> Calibration:
+    """Return what is learnt from the short run; to be read only."""
+    calibration = Calibration(short_run.arm)
+    for motion in measured:
+        calibration.add(motion)
+    while calibration.breed():
+        pass
+    calibration.learn_dynamics()
+    return calibration
 
 
 @pytest.fixture(scope="session")

@@ -23,7 +23,7 @@ _CELL_STEPS, _WINDOW_STEPS = 7.0, 0.5
 #: How many steps more two sensors may disagree where gravity shows: they round it anew in every pose.
 _ROUNDING_STEPS = 1.0
 #: Nobody's accelerometer is trusted beyond this [m/s^2].
-_FINEST = 3e-4
+_FINEST = 3e-5
 #: Cells of rest that the offset remembers (4 s).
 _MEMORY = 400
 

@@ -61,8 +61,8 @@ def test_motions_of_a_short_run_are_the_benchs(short_run):
         assert motion.t[0] == pytest.approx(0.0, abs=2e-3)
         assert np.allclose(np.diff(motion.t), DT_S)
         rows = slice(k * 27000 + 2000, (k + 1) * 27000)  # what the bench drove the arm to
-        assert np.allclose(motion.columns["q"][0], short_run.truth["q"][rows][0], atol=2e-3)
-        assert np.allclose(motion.columns["q"][-1], short_run.truth["q"][rows][-1], atol=5e-3)
+        assert np.allclose(motion.columns["q"][0], short_run.truth["q"][rows][0], atol=0.02)
+        assert np.allclose(motion.columns["q"][-1], short_run.truth["q"][rows][-1], atol=0.02)
         assert motion.columns["points"].shape == (len(motion.t), 4, 3)
     assert not assembler.moving and assembler.trial == 3
 
@@ -141,8 +141,7 @@ def test_lost_samples_are_noted_where_they_were_lost():
 def test_nothing_between_an_announcement_and_the_next_is_no_motion():
     assert motions([phase(1, "begin", 0), phase(1, "end", 1000)])[1] == []
     assert motions([*stretch(0, 100), phase(1, "begin", 500), phase(1, "end", 1000)])[1] == []
-    empty = (FRAMES, block(0)[1] | {"n": 0, "q": np.zeros((0, 2)), "points": np.zeros((0, 4, 3))})
-    assert motions([phase(1, "begin", 0), empty, phase(1, "end", 1000)])[1] == []
+    assert motions([phase(1, "begin", 0), block(0, n=0), phase(1, "end", 1000)])[1] == []
 
 
 def test_other_topics_are_passed_over():

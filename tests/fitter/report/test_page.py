@@ -1,0 +1,78 @@
+"""The page of a report."""
+
+import base64
+import re
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from fitter.report.page import Page, parameter_rows
+from limbcal.errors import DeviceError
+
+PNG = b"\x89PNG\r\n\x1a\n" + bytes(range(256))
+
+
+def text_of(page, folder):
+    page.write(folder / "page.html")
+    return (folder / "page.html").read_text(encoding="utf-8")
+
+
+def test_a_page_is_one_file_from_top_to_bottom(tmp_path):
+    page = Page("Of an arm", "What it is")
+    page.section("First", "some words")
+    page.table(("name", "value"), [("a1", 0.25)])
+    page.picture(PNG, 'joint "1"')
+    page.section("Last")
+    text = text_of(page, tmp_path)
+    assert text.startswith("<!doctype html>") and text.count("<h1>") == 1
+    order = [text.index(part) for part in ("Of an arm</h1>", "What it is", "First", "a1", "data:image", "Last")]
+    assert order == sorted(order)
+    assert base64.b64decode(re.search(r"base64,([^\"]+)", text)[1]) == PNG
+    assert '<meta charset="utf-8">' in text and "joint &quot;1&quot;" in text
+
+
+@given(st.text(st.characters(codec="utf-8", exclude_categories=["Cs", "Cc"])))
+def test_no_name_becomes_markup(tmp_path_factory, name):
+    page = Page("x", "y")
+    page.table(("name",), [(f"<b>{name}",)])
+    page.section(f"<script>{name}")
+    text = text_of(page, tmp_path_factory.getbasetemp())
+    assert "<b>" not in text and "<script>" not in text
+
+
+@pytest.mark.parametrize(
+    ("cell", "shown"),
+    [
+        (0.25, "<td>0.250000</td>"),
+        (-1e-9, "<td>-0.000000</td>"),
+        (123456.789, "<td>123457</td>"),
+        (None, '<td class="quiet">–</td>'),
+        (float("nan"), '<td class="quiet">–</td>'),
+        (float("inf"), "<td>inf</td>"),
+        ("not revealed", "<td>not revealed</td>"),
+    ],
+)
+def test_cells(tmp_path, cell, shown):
+    page = Page("x", "y")
+    page.table(("value",), [(cell,)])
+    assert shown in text_of(page, tmp_path)
+
+
+def test_a_row_holds_estimate_error_truth_and_paper():
+    parameters = {
+        "I2": {"value": 0.47, "std": 0.001, "unit": "kg m^2", "identifiable": True},
+        "D1": {"value": 0.0, "std": None, "unit": "N m s/rad", "identifiable": False},
+        "fc1": {"value": 0.01, "std": None, "unit": "N m", "identifiable": True},
+    }
+    rows = parameter_rows(parameters, {"I2": 0.5, "D1": 0.0}, {"I2": 0.470695})
+    assert rows == [
+        ("I2", 0.47, 0.001, 0.5, pytest.approx(-0.03), 0.470695, "kg m^2"),
+        ("D1", 0.0, "not revealed", 0.0, 0.0, None, "N m s/rad"),
+        ("fc1", 0.01, None, None, None, None, "N m"),
+    ]
+
+
+def test_a_place_that_cannot_be_written_to(tmp_path):
+    with pytest.raises(DeviceError, match="nowhere/page.html: cannot be written: No such file"):
+        Page("x", "y").write(tmp_path / "nowhere" / "page.html")

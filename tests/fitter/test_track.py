@@ -1,0 +1,126 @@
+"""Readings of a whole run, tracked."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from arm.kinematics import tip_position
+from fitter.gaps import Gap
+from fitter.raw import RawRun
+from fitter.track import track_run, trials_of
+from limbcal.errors import ConfigError
+from tracking.frames import Phase
+
+
+@pytest.fixture(scope="module")
+def run(short_run):
+    truth = short_run.truth
+    return RawRun("day", 4000.0, short_run.t + 100.0, short_run.a, q=truth["q"], ref=truth["ref"])
+
+
+@pytest.fixture(scope="module")
+def tracked(run, short_run):
+    return track_run(run, short_run.arm, np.zeros(2), 1000.0, "each-rest")
+
+
+def test_the_motion_is_the_benchs_on_the_clock_of_the_readings(tracked, run, short_run):
+    columns = tracked.columns
+    assert set(columns) == {"t", "q", "dq", "ddq", "tip", "ref", "trial"}
+    assert tracked.frames == len(columns["t"]) == pytest.approx(len(run.t) / 4, abs=4)
+    assert columns["t"][0] == pytest.approx(run.t[0], abs=2e-3)
+    assert np.allclose(np.diff(columns["t"]), 1e-3)
+    assert np.rad2deg(np.abs(columns["q"] - truth_at(columns["t"], run.t, run.q))).max() < 1.0
+    assert np.abs(columns["dq"] - truth_at(columns["t"], run.t, short_run.truth["dq"])).max() < 0.02
+    assert np.abs(columns["tip"] - tip_position(short_run.arm, columns["q"])).max() < 0.01
+
+
+def truth_at(t, clock, values):
+    return np.column_stack([np.interp(t, clock, column) for column in values.T])
+
+
+def test_errors_are_those_against_the_true_angles(tracked, run):
+    assert tracked.error_deg.shape == (tracked.frames, 2)
+    expected = np.rad2deg(np.abs(tracked.columns["q"] - truth_at(tracked.columns["t"], run.t, run.q)))
+    assert np.allclose(tracked.error_deg, expected)
+
+
+def test_targets_are_the_ones_held_at_each_frame(tracked, run):
+    t, ref = tracked.columns["t"], tracked.columns["ref"]
+    assert np.array_equal(ref[t < 100.49], np.zeros((np.count_nonzero(t < 100.49), 2)))
+    assert np.array_equal(ref[-1], run.ref[-1])
+    assert {tuple(row) for row in ref} == {tuple(row) for row in run.ref}
+
+
+def test_motions_are_told_apart_by_the_rests(tracked):
+    trial, t = tracked.columns["trial"], tracked.columns["t"]
+    assert np.array_equal(np.unique(trial), [1, 2, 3])
+    assert np.all(np.diff(trial) >= 0)
+    starts = [t[trial == k][0] for k in (2, 3)]
+    assert 102.0 < starts[0] < 107.25 and 107.25 < starts[1] < 114.0  # after one rests, before the next begins
+
+
+def test_the_readings_own_labels_win(run, short_run):
+    labels = np.array([f"no. {k}" for k in short_run.trial])
+    tracked = track_run(replace(run, trial=labels), short_run.arm, np.zeros(2), 1000.0, "each-rest")
+    assert sorted(set(tracked.columns["trial"])) == ["no. 1", "no. 2", "no. 3"]
+
+
+def test_without_truth_target_or_tip_there_is_less_to_say(run, short_run):
+    bare = replace(run, q=None, ref=None)
+    tracked = track_run(bare, replace(short_run.arm, tip=None), np.zeros(2), 250.0, "each-rest")
+    assert set(tracked.columns) == {"t", "q", "dq", "ddq", "trial"}
+    assert tracked.error_deg is None
+    assert np.allclose(np.diff(tracked.columns["t"]), 4e-3)
+
+
+def test_only_before_the_first_motion_as_the_paper_does(run, short_run, tracked):
+    once = track_run(run, short_run.arm, np.zeros(2), 1000.0, "first-rest")
+    assert not np.array_equal(once.columns["q"], tracked.columns["q"])
+    first = slice(0, 3000)
+    assert np.allclose(once.columns["q"][first], tracked.columns["q"][first], atol=1e-3)
+
+
+def test_no_more_frames_than_readings(run, short_run):
+    slow = replace(run, rate_hz=200.0, t=run.t[::20], a=run.a[::20], q=None, ref=None)
+    tracked = track_run(slow, short_run.arm, np.zeros(2), 1000.0, "each-rest")
+    assert np.allclose(np.diff(tracked.columns["t"]), 5e-3)
+
+
+def test_a_gap_is_bridged(run, short_run):
+    kept = np.r_[0:12000, 12080 : len(run.t)]  # 20 ms, while the arm moves
+    torn = RawRun("day", 4000.0, run.t[kept], run.a[kept], gaps=(Gap(12000, 80),), q=run.q[kept])
+    tracked = track_run(torn, short_run.arm, np.zeros(2), 1000.0, "each-rest")
+    assert np.all(np.diff(tracked.columns["t"]) > 0.0)
+    assert np.diff(tracked.columns["t"]).max() == pytest.approx(0.02, abs=3e-3)
+    assert np.rad2deg(np.abs(tracked.columns["q"] - truth_at(tracked.columns["t"], run.t, run.q))).max() < 5.0
+
+
+def test_sliding_joints_are_off_by_millimetres(run, short_run):
+    first, second = short_run.arm.joints
+    sliding = replace(short_run.arm, joints=(first, replace(second, type="prismatic")))
+    tracked = track_run(run, sliding, np.zeros(2), 1000.0, "each-rest")
+    error = np.abs(tracked.columns["q"] - truth_at(tracked.columns["t"], run.t, run.q))
+    assert np.allclose(tracked.error_deg, error * [180.0 / np.pi, 1e3])
+
+
+def test_sensors_that_cannot_tell_the_angles(run, short_run):
+    blind = replace(short_run.arm, sensors=short_run.arm.sensors[:2])
+    with pytest.raises(ConfigError):
+        track_run(replace(run, a=run.a[:, :6]), blind, np.zeros(2), 1000.0, "each-rest")
+
+
+@pytest.mark.parametrize(
+    ("phases", "expected"),
+    [
+        ([], [1, 1, 1, 1, 1, 1]),
+        ([("begin", 1)], [1, 1, 1, 1, 1, 1]),
+        ([("begin", 1), ("end", 2)], [1, 1, 1, 1, 1, 1]),
+        ([("begin", 1), ("end", 2), ("begin", 4)], [1, 1, 2, 2, 2, 2]),
+        ([("begin", 1), ("end", 2), ("begin", 3), ("end", 4)], [1, 1, 2, 2, 2, 2]),
+        ([("begin", 0), ("end", 1), ("begin", 1), ("end", 3), ("begin", 4), ("end", 5)], [1, 2, 2, 3, 3, 3]),
+    ],
+)
+def test_every_frame_belongs_to_a_motion(phases, expected):
+    announced = [Phase(kind, second * 1_000_000_000, 0) for kind, second in phases]
+    assert trials_of(np.arange(6.0), announced).tolist() == expected
