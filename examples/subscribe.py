@@ -1,5 +1,4 @@
 """Print the joint angles that limbd streams, in degrees; needs nothing but pyzmq and msgpack."""
-
 import math
 import struct
 import sys
@@ -13,4 +12,4 @@ socket.subscribe("limb/frames")
 while True:
     frames = msgpack.unpackb(socket.recv_multipart()[1])
     *_, q = struct.iter_unpack(f"<{frames['q']['shape'][1]}d", frames["q"]["data"])  # the block's last
-    print(frames["frame0"], *(f"{math.degrees(angle):.2f}" for angle in q), flush=True)  # noqa: T201
+    print(frames["frame0"], *(f"{math.degrees(angle):.2f}" for angle in q), flush=True)

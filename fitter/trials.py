@@ -212,6 +212,7 @@ def lowpass_trial(trial: Trial, cutoff_hz: float) -> Trial:
         ref=filtered(trial.ref),
         tip=filtered(trial.tip),
         points=filtered(trial.points),
+        tau_measured=None if trial.tau_measured is None else trial.tau_measured[inner],
         cutoff_hz=np.inf,
         band_hz=np.inf,
         notes=(*trial.notes, f"all columns low-passed at {cutoff_hz:.4g} Hz (zero phase)"),

@@ -44,3 +44,8 @@ def test_it_is_short_and_imports_only_pyzmq_and_msgpack() -> None:
     assert len(lines) <= 15
     imported = {line.split()[1] for line in lines if line.startswith(("import ", "from "))}
     assert imported - sys.stdlib_module_names == {"msgpack", "zmq"}
+
+
+def test_the_readme_shows_it_as_it_is() -> None:
+    readme = (EXAMPLE.parents[1] / "README.md").read_text(encoding="utf-8")
+    assert EXAMPLE.read_text(encoding="utf-8") in readme

@@ -128,7 +128,7 @@ def test_the_longest_stretch_is_kept_where_messages_were_missed(measured, short_
     [
         (lambda m: without_rows(m, np.s_[10:]), "has 10 samples, expected at least 16"),
         (lambda m: replace(m, t=np.r_[m.t[:50], m.t[49:-1]]), "time stands still"),
-        (lambda m: with_column(m, "q", m.columns["q"][:, :1]), "frames of 1 joint angles, expected 2 as dd-arm has"),
+        (lambda m: with_column(m, "q", m.columns["q"][:, :1]), "frames of 1 joint angles, expected 2"),
         (lambda m: with_column(m, "dq", np.where(m.t[:, None] > 1, np.nan, m.columns["dq"])), "dq holds a value"),
         (lambda m: with_column(m, "points", m.columns["points"][:, :3]), "expected 4 sensors as arm 'dd-arm' has"),
     ],

@@ -52,13 +52,17 @@ def record(path, messages):
     return path
 
 
-@pytest.fixture
-def two_motions(tmp_path):
-    blocks = [(FRAMES, frames(k)) for k in range(0, 1000, BLOCK)]
+def recorded_motions(folder, method):
+    blocks = [(FRAMES, {**frames(k), "method": method}) for k in range(0, 1000, BLOCK)]
     blocks.insert(12, (TRIAL, phase(1, "begin", 100, "learn")))
     blocks.insert(45, (TRIAL, phase(1, "end", 400, "learn")))
     blocks.insert(60, (TRIAL, phase(2, "begin", 550, "evaluate")))
-    return record(tmp_path / "day.mcap", blocks)
+    return record(folder / "day.mcap", blocks)
+
+
+@pytest.fixture
+def two_motions(tmp_path):
+    return recorded_motions(tmp_path, "integrate")
 
 
 def test_motions_are_cut_out_as_announced(two_motions):
@@ -69,8 +73,15 @@ def test_motions_are_cut_out_as_announced(two_motions):
     assert first.columns["points"].shape == (301, 4, 3)
 
 
-def test_trials_of_one_role_are_taken_as_they_are(two_motions):
-    (trial,) = load_trials([two_motions], 2, role="evaluate")
+def test_dead_reckoning_loses_its_drift(two_motions):
+    """Every joint moves at 1 rad/s until the rest at the end: all of that is drift, and is taken out."""
+    first, _ = read_frames(two_motions, 2)
+    assert np.isclose(np.diff(first.columns["q"][:-1, 0])[-1], 0.0, atol=1e-5)
+    assert "drift" in " ".join(first.notes)
+
+
+def test_trials_of_one_role_are_taken_as_they_are(tmp_path):
+    (trial,) = load_trials([recorded_motions(tmp_path, "filter")], 2, role="evaluate")
     assert trial.role == "evaluate"
     assert trial.dt_s == DT_S
     assert np.array_equal(trial.q[:, 0], 1e-3 * (550 + np.arange(450)))

@@ -47,11 +47,15 @@ RAN_AWAY = np.where(np.arange(80)[:, None] > 40, np.inf, MEASURED)
 
 
 @pytest.mark.parametrize(
-    "simulated",
-    [MEASURED, RAN_AWAY, np.where(RAN_AWAY == np.inf, 1e300, RAN_AWAY), np.full_like(MEASURED, np.nan)],
+    ("simulated", "turning"),
+    [
+        (MEASURED, (False, False)),
+        (RAN_AWAY, (True, True)),
+        (np.where(RAN_AWAY == np.inf, 1e300, RAN_AWAY), (True, False)),
+        (np.full_like(MEASURED, np.nan), (True, True)),
+    ],
     ids=["exact", "infinite", "huge", "nothing"],
 )
-@pytest.mark.parametrize("turning", [(True, True), (True, False), (False, False)])
 def test_no_motion_is_beyond_drawing(simulated, turning):
     motions = [comparison(simulated, turning=turning), comparison(learnt=False, turning=turning)]
     for draw in (angles_figure, error_figure):

@@ -1,0 +1,108 @@
+"""`fitter track`."""
+
+import json
+
+import numpy as np
+import pytest
+
+from fitter.motion_file import write_motion
+from fitter.trials import load_trials
+from protocol.message import RAW, encode
+from protocol.recording import RecordingWriter
+
+
+@pytest.fixture(scope="module")
+def raw(short_run, tmp_path_factory):
+    path = tmp_path_factory.mktemp("raw") / "day.npz"
+    write_motion(path, short_run.raw_columns())
+    return path
+
+
+def test_accelerations_become_joint_motion(fitter, raw, tmp_path):
+    out = tmp_path / "new" / "motion.parquet"
+    outcome = fitter("track", raw, "--arm", "dd-arm", "--method", "integrate", "--out", out)
+    assert outcome.code == 0
+    document = outcome.document
+    assert set(document) == {"method", "out", "frames", "trials", "lost_samples", "angle_error_deg"}
+    assert (document["method"], document["out"]) == ("integrate", str(out))
+    assert (document["trials"], document["lost_samples"]) == (3, 0)
+    assert set(document["angle_error_deg"]) == {"mean", "max"}
+    assert len(document["angle_error_deg"]["mean"]) == len(document["angle_error_deg"]["max"]) == 2
+    assert max(document["angle_error_deg"]["max"]) < 1.0
+    trials = load_trials([out], 2)
+    assert len(trials) == 3 and sum(len(trial.t) for trial in trials) == document["frames"]
+    assert all(trial.tip is not None and trial.ref is not None for trial in trials)
+    assert "3 trial(s) ->" in outcome.said
+
+
+@pytest.mark.parametrize("suffix", [".npz", ".csv", ".parquet"])
+def test_the_same_readings_give_the_same_bytes(fitter, raw, tmp_path, suffix):
+    outs = [tmp_path / f"{k}{suffix}" for k in (1, 2)]
+    for out in outs:
+        assert fitter("track", raw, "--arm", "dd-arm", "--frame-rate-hz", "100", "--out", out).code == 0
+    assert outs[0].read_bytes() == outs[1].read_bytes()
+
+
+def test_without_the_truth_there_is_no_error_to_tell(fitter, short_run, tmp_path):
+    columns = {name: values[:8000] for name, values in short_run.raw_columns().items() if name not in ("q", "ref")}
+    path = tmp_path / "raw.csv"
+    write_motion(path, columns)
+    outcome = fitter("track", path, "--arm", "dd-arm", "--out", tmp_path / "motion.csv")
+    assert outcome.code == 0 and "angle_error_deg" not in outcome.document
+    header = (tmp_path / "motion.csv").read_text().partition("\n")[0]
+    assert header == "t,q1,q2,dq1,dq2,ddq1,ddq2,tipx,tipy,tipz,trial"
+
+
+def test_options_reach_the_tracker(fitter, raw, tmp_path):
+    common = ("track", raw, "--arm", "dd-arm", "--frame-rate-hz", "100")
+    fitter(*common, "--out", tmp_path / "a.npz")
+    fitter(*common, "--zero", "first-rest", "--initial-q", "0.5,-0.25", "--out", tmp_path / "b.npz")
+    a, b = np.load(tmp_path / "a.npz"), np.load(tmp_path / "b.npz")
+    assert np.allclose(np.diff(a["t"]), 0.01)
+    assert (a["q1"][0], a["q2"][0]) == pytest.approx((0.0, 0.0), abs=1e-6)
+    assert (b["q1"][0], b["q2"][0]) == pytest.approx((0.5, -0.25), abs=1e-6)
+
+
+def test_several_runs_become_one_file_whose_trials_keep_apart(fitter, raw, short_run, tmp_path):
+    second = tmp_path / "later.npz"
+    write_motion(second, {name: values[:27000] for name, values in short_run.raw_columns().items()})
+    out = tmp_path / "motion.npz"
+    outcome = fitter("track", raw, second, "--arm", "dd-arm", "--frame-rate-hz", "100", "--out", out)
+    assert outcome.code == 0 and outcome.document["trials"] == 4
+    assert [trial.name for trial in load_trials([out], 2)] == [f"motion/{k}" for k in ("1.1", "1.2", "1.3", "2.1")]
+
+
+def test_lost_samples_are_counted_and_said(fitter, short_run, tmp_path):
+    kept = np.r_[0:12000, 12080:27000]
+    path = tmp_path / "torn.npz"
+    write_motion(path, {name: values[kept] for name, values in short_run.raw_columns().items()})
+    outcome = fitter("track", path, "--arm", "dd-arm", "--out", tmp_path / "motion.npz")
+    assert outcome.document["lost_samples"] == 80
+    assert "torn: 80 samples lost in 1 gap(s)" in outcome.said
+
+
+def test_a_recording_of_the_daemon_needs_no_mapping(fitter, short_run, tmp_path):
+    path = tmp_path / "day.mcap"
+    with RecordingWriter(path, "", "") as writer:
+        for begin in range(0, 27000, 400):
+            t0_ns = round(short_run.t[begin] * 1e9)
+            a = short_run.a[begin : begin + 400].astype(np.float32)
+            fields = {"sample0": begin, "t0_ns": t0_ns, "dt_s": 1 / 4000, "n": len(a), "a": a}
+            writer.write(RAW, encode(RAW, fields)[1], t0_ns)
+    out = tmp_path / "motion.npz"
+    outcome = fitter("track", path, "--arm", "dd-arm", "--out", out)
+    assert outcome.code == 0
+    q = np.load(out)["q1"]
+    assert q[-1] == pytest.approx(short_run.truth["q"][26999, 0], abs=0.02)
+
+
+def test_words_only_where_no_document_is_asked_for(raw, tmp_path, capfd):
+    from fitter.__main__ import main  # noqa: PLC0415
+
+    arguments = ["track", str(raw), "--arm", "dd-arm", "--frame-rate-hz", "50", "--out", str(tmp_path / "m.npz")]
+    assert main(arguments) == 0
+    out, err = capfd.readouterr()
+    assert out == "" and "frames in 3 trial(s)" in err
+    assert main([*arguments, "--json"]) == 0
+    out, _ = capfd.readouterr()
+    assert json.loads(out)["trials"] == 3
