@@ -4,6 +4,7 @@ import argparse
 from collections.abc import Sequence
 from pathlib import Path
 
+import numpy as np
 from rich.progress import Progress
 
 from arm.arm_file import load_arm, save_arm
@@ -14,6 +15,7 @@ from fitter.compared import Compared, load_compared
 from fitter.dynamics import GENERATIONS, DynamicsFit, document, fit_dynamics
 from fitter.evaluation import HORIZON_S, Score, score
 from fitter.parameter_table import parameter_table
+from fitter.sources import RECORDINGS, expand
 from fitter.trials import Role, Trial, load_trials
 from limbcal.command import Document, console, say
 
@@ -78,10 +80,14 @@ def dynamics(arguments: argparse.Namespace) -> Document:
 
 
 def _trials(arguments: argparse.Namespace, arm: Arm) -> tuple[list[Trial], list[Trial]]:
+    corner_hz: float | None = arguments.cutoff_hz
+    if corner_hz is None and all(path.suffix.lower() in RECORDINGS for path in expand(arguments.learn)):
+        corner_hz = np.inf  # a tracker's motion is smooth already, and is learnt from as it was when it was live
+
     def load(
         sources: Sequence[Path], role: Role | None, filters: tuple[float, float] | None
     ) -> list[Trial]:
-        cutoff_hz, band_hz = filters or (arguments.cutoff_hz, None)
+        cutoff_hz, band_hz = filters or (corner_hz, None)
         return load_trials(
             sources,
             arm.n_joint,
@@ -110,7 +116,8 @@ def _print(fit: DynamicsFit, compared: list[Compared], learn: Score, evaluate: S
 def _print_compared(compared: object) -> None:
     assert isinstance(compared, dict)
     for name, fields in compared.items():
-        for role, torque in fields["torque_rms_N_m"].items():
+        for role, title in (("learn", "learning"), ("evaluate", "evaluating")):
+            torque = fields["torque_rms_N_m"][role]
             if torque is not None:
                 said = ", ".join(f"{value:.4g}" for value in torque)
-                say(f"{name}, {role}: torque rms {said} N·m a joint")
+                say(f"{name}, {title}: torque rms {said} N·m a joint")

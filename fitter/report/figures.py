@@ -117,9 +117,8 @@ def error_figure(motions: Sequence[Comparison]) -> bytes:
     axes.set_xlabel("motion (blue: learnt from, orange: evaluating)")
     axes.set_ylabel(f"error [{motions[0].unit}]")
     if np.any(worst > 0.0):
-        axes.set_yscale("log")
-    axes.grid(alpha=0.25, axis="y")
-    axes.legend(frameon=False)
+        axes.grid(alpha=0.25, axis="y")
+    axes.legend(frameon=False, loc="lower left", bbox_to_anchor=(0.0, 1.0))
     return png(figure)
 
 

@@ -138,7 +138,7 @@ def test_foreign_columns_and_irregular_sampling_are_mapped_and_said(fitter, shor
 
 
 def test_from_accelerations_to_a_simulated_motion(fitter, short_run, guess, tmp_path):
-    """Track, then learn the geometry, then the dynamics, then simulate: each command reads what the one before wrote."""
+    """Track, learn the geometry, learn the dynamics, simulate: each reads what the one before wrote."""
     write_motion(tmp_path / "raw.npz", short_run.raw_columns())
     tracked, arm, calibrated = tmp_path / "motion.npz", tmp_path / "geometry.toml", tmp_path / "calibrated.toml"
     simulated = tmp_path / "simulated.npz"

@@ -6,7 +6,15 @@ import numpy as np
 import pytest
 
 from arm.arm_file import load_arm
-from fitter.commands.options import SMALLEST_POPULATION, at_least, bounds_of, fixed_of, joint_values, pairs, positive
+from fitter.commands.options import (
+    SMALLEST_POPULATION,
+    at_least,
+    bounds_of,
+    fixed_of,
+    joint_values,
+    pairs,
+    positive,
+)
 from fitter.genetic import GeneticAlgorithm
 from limbcal.errors import ConfigError
 
