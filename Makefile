@@ -26,8 +26,9 @@ check: $(STAMP) ## lint, types, import rules
 	$(BIN)/mypy
 	$(BIN)/lint-imports
 
-bench: $(STAMP) ## speed and accuracy, side by side; writes docs/benchmarks.md
-	$(BIN)/python -m benchmarks
+bench: $(STAMP) ## the torque fit's speed; a minute of acquisition at 32 kHz
+	$(BIN)/python -m benchmarks.torque_fit
+	$(BIN)/python -m benchmarks.acquisition --seconds 60
 
 lock: ## rewrite constraints.txt from the newest versions that fit
 	rm -rf $(VENV)

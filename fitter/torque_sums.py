@@ -21,6 +21,8 @@ from limbcal.errors import DataError
 #: Blocks of one trial: enough to measure how residuals hang together, and never more memory than this.
 _BLOCKS = 128
 _BLOCK_BYTES = 8_000_000
+#: A column that varies by less than this share of itself within a trial is constant there.
+_CONSTANT = 1e-2
 
 
 @dataclass(frozen=True)
@@ -78,11 +80,16 @@ class TorqueSums:
         moment = self.moment - self.row * torque[..., None] - row * self.torque[..., None]
         moment += count * row * torque[..., None]
         power = self.power - 2.0 * self.torque * torque + self.count * torque**2
+        # A column that was constant all along, such as the sign of a velocity that never turns, is not told from
+        # the constants; what rounding or filtering leaves of it must not pass for information.
+        squares = [np.einsum("bjaa->a", sums) for sums in (gram, self.gram)]
+        told = squares[0] > _CONSTANT**2 * squares[1]
+        gram, moment = gram * np.outer(told, told), moment * told
         return TorqueSums(
             gram,
             moment,
             power,
-            self.row - count * row,
+            (self.row - count * row) * told,
             self.torque - self.count * torque,
             self.count,
             self.trial,
@@ -103,7 +110,7 @@ class TorqueSums:
     def cost(self, population: Floats) -> Floats:
         """Return eq. (9) summed over samples and joints, ``sum (tau - W p)^2``, from the sums as they are.
 
-        Good to about 1e-15 of ``tau^T tau``; the search uses `fitter.least_squares`, which has no such floor.
+        Good to about 1e-15 of ``tau^T tau``; the search uses `fitter.torque_problem`, which has no such floor.
 
         Parameters
         ----------

@@ -73,8 +73,8 @@ _MOTION: Schema = {
     "ddq": _array("joint accelerations", "(n, joints)", "rad/s^2 or m/s^2"),
     "tip": _array("tip position in the base frame", "(n, 3)", "m"),
     "points": _array(
-        "sensor positions in the base frame, dead reckoning from the accelerations, never computed from the "
-        "arm's lengths",
+        "how far each sensor has moved in the base frame since tracking began: dead reckoning from the "
+        "accelerations, never computed from the arm's lengths",
         "(n, sensors, 3)",
         "m",
     ),
@@ -112,6 +112,7 @@ _HEALTH: Schema = {
         "properties": {"p50": _one("number", "median", "ms"), "p99": _one("number", "99th percentile", "ms")},
     },
     "connected": _one("boolean", "the device is there"),
+    "recording_lost": _one("integer", "messages that could not be recorded"),
     "recording": {"description": "what is being recorded to; false or null where nothing is"},
     "disk_free_bytes": {"type": ["integer", "null"], "description": "room left where recordings go"},
 }
@@ -134,6 +135,8 @@ SCHEMAS: Mapping[str, Schema] = {
         "playback in blocks",
         {
             **_MOTION,
+            "frame0": _one("integer", "number of the first frame, counted from the start of the trial"),
+            "points": _array("sensor positions in the base frame, by the arm's geometry", "(n, sensors, 3)", "m"),
             "source": _one("string", "what is played"),
             "speed": _one("number", "1 is the speed of the source"),
         },

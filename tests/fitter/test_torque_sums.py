@@ -10,6 +10,7 @@ from hypothesis import strategies as st
 from arm.arm_file import load_arm
 from arm.base_parameters import base_parameters
 from arm.regressor import regressor
+from fitter.torque_problem import torque_problem
 from fitter.torque_sums import add_up, row_sums, torque_sums
 from limbcal.errors import DataError
 
@@ -109,3 +110,14 @@ def test_a_million_samples_are_reduced_quickly():
     start = time.perf_counter()
     torque_sums(ARM, BASE, q, dq, ddq, tau)
     assert time.perf_counter() - start < 0.15  # 0.017 s on an idle machine
+
+
+def test_a_velocity_that_never_turns_tells_no_coulomb_friction_beside_an_unknown_constant():
+    """The filter of the trial leaves a little of the sign's column, which must not pass for information."""
+    rng = np.random.default_rng(5)
+    rows = rng.normal(size=(400, 1, 2))
+    rows[:, 0, 1] = 1.0 + 1e-4 * rng.normal(size=400)
+    moving = np.ones((400, 1), dtype=bool)
+    problem = torque_problem(row_sums(rows, rows @ [2.0, 0.5], moving).centred(), np.zeros(2))
+    assert problem.revealed.tolist() == [True, False]
+    assert np.allclose(problem.complete(problem.optimum()), [2.0, 0.0], atol=1e-4)
