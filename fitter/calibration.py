@@ -61,20 +61,21 @@ class Calibration:
             if not np.isfinite(values).all():
                 raise DataError(f"{name} holds a value that is not finite, expected numbers")
         require_rising(motion)
-        pieces = to_trials([motion], cutoff_hz=np.inf)
-        trial = max(
-            pieces, key=lambda piece: len(piece.t)
-        )  # messages were missed: the longest stretch in one piece
+        pieces = to_trials([motion], cutoff_hz=np.inf)  # several where messages were missed
+        trial = max(pieces, key=lambda piece: len(piece.t))
         trial = with_measured_tip(self.arm, trial) if self.arm.tip is not None else trial
         if trial.role == "evaluate":
             self.evaluate.append(trial)
             return trial
         self.learn.append(trial)
+        self._add_to_geometry(trial, len(self.learn))
+        return trial
+
+    def _add_to_geometry(self, trial: Trial, number: int) -> None:
         if trial.tip is not None:
             moved, rest = displacement(self.arm, trial)
-            self.geometry.add(trial.q, moved, rest, trial=len(self.learn))
+            self.geometry.add(trial.q, moved, rest, trial=number)
             self._fresh = GENERATIONS
-        return trial
 
     @property
     def learnt(self) -> bool:
@@ -106,6 +107,20 @@ class Calibration:
             self.doubt = ""
         except LimbcalError as error:  # one motion may tell too little; the next one may tell more
             self.doubt = str(error)
+
+    def conclude(self) -> None:
+        """Search once more from the beginning, with all motions that there were, and learn the dynamics.
+
+        How far the population has come while they came in depends on the machine; this depends on nothing but
+        motions and seed.
+        """
+        self.geometry = IncrementalKinematics(self.arm, self.seed)
+        for number, trial in enumerate(self.learn, 1):
+            self._add_to_geometry(trial, number)
+        while self.breed():
+            pass
+        if self.learn:
+            self.learn_dynamics()
 
     def calibrated(self) -> Arm:
         """Return the arm as far as it is known."""

@@ -111,9 +111,7 @@ def calibration(short_run: ShortRun, measured: tuple[Measured, ...]) -> Calibrat
     calibration = Calibration(short_run.arm)
     for motion in measured:
         calibration.add(motion)
-    while calibration.breed():
-        pass
-    calibration.learn_dynamics()
+    calibration.conclude()
     return calibration
 
 

@@ -144,11 +144,9 @@ class _Session:
                     live.update(live_table(self.calibration, self._assembler, self._lost()), refresh=True)
 
     def conclude(self) -> None:
-        """Carry the geometry's generations to their end, and learn the dynamics of the arm as it is known then."""
-        while self.calibration.breed():
-            pass
-        if self.calibration.learn:
-            self._learn()
+        """Learn from all motions that there were, and tell what is final."""
+        self.calibration.conclude()
+        self._publish_dynamics()
         self._publish()
 
     def _over(self, seconds: float | None, trials: int | None, idle: float | None) -> bool:
@@ -194,12 +192,12 @@ class _Session:
         if trial.role == "evaluate":
             say(f"{trial.name}: {trial.t[-1]:.2f} s, kept for evaluation")
             return
-        self._learn()
+        self.calibration.learn_dynamics()
+        self._publish_dynamics()
         doubt = f"; {self.calibration.doubt}" if self.calibration.doubt else ""
         say(f"{trial.name}: {trial.t[-1]:.2f} s, learnt from{doubt}")
 
-    def _learn(self) -> None:
-        self.calibration.learn_dynamics()
+    def _publish_dynamics(self) -> None:
         if self.calibration.dynamics is not None and not self.calibration.doubt:
             self._publisher.publish(DYNAMICS, dynamics_fields(self.calibration))
 

@@ -14,7 +14,7 @@ FIELDS = {
     RAW: "sample0 t0_ns dt_s n a",
     TRIAL: "trial t_ns state role",
     HEALTH: "uptime_s last_seq samples lost_samples crc_errors resyncs reconnects saturated flat clock_ppm "
-    "latency_ms connected recording disk_free_bytes",
+    "latency_ms connected recording recording_lost disk_free_bytes",
     KINEMATICS: "generation frames parameters error",
     DYNAMICS: "generation samples parameters error",
 }

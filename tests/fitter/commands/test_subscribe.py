@@ -1,0 +1,309 @@
+"""`fitter subscribe`: a real publisher on one side, a real subscriber on the other."""
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import tempfile
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+import zmq
+
+from arm.arm_file import load_arm, save_arm
+from arm.model import Control
+from protocol.message import DYNAMICS, FRAMES, HEALTH, KINEMATICS, TRIAL, encode
+from protocol.publisher import Publisher
+from protocol.subscriber import Subscriber
+
+PATIENCE_MS = 60_000
+FILES = ["calibrated.toml", "dynamics.json", "kinematics.json", "motions.npz", "report.html"]
+
+
+@pytest.fixture
+def place():
+    """Make a folder whose name is short enough for sockets in it."""
+    with tempfile.TemporaryDirectory() as folder:
+        yield folder
+
+
+@pytest.fixture
+def listener(place):
+    """Listen to the fitter: its endpoint and a subscriber to it, there before the fitter is."""
+    endpoint = f"ipc://{place}/fits"
+    with zmq.Context() as context, Subscriber(context, endpoint, ("",)) as subscriber:
+        yield endpoint, subscriber
+
+
+def heard(subscriber):
+    messages = []
+    while (message := subscriber.receive(200)) is not None:
+        messages.append(message)
+    return messages
+
+
+def until(messages, trial, state):
+    """Return the messages up to an announcement."""
+    last = next(
+        k
+        for k, (topic, fields) in enumerate(messages)
+        if topic == TRIAL and (fields["trial"], fields["state"]) == (trial, state)
+    )
+    return messages[: last + 1]
+
+
+def names(folder):
+    return sorted(path.name for path in folder.iterdir())
+
+
+def test_the_arm_is_learnt_while_it_moves(fitter, stream, listener, short_run, tmp_path):
+    endpoint, subscriber = listener
+    out = tmp_path / "new" / "out"
+    with stream("tcp://127.0.0.1:*") as daemon:
+        common = ("--connect", daemon.endpoint, "--endpoint", endpoint, "--arm", "dd-arm", "--compare", "dd-arm")
+        outcome = fitter("subscribe", *common, "--trials", 3, "--out", out)
+    assert outcome.code == 0
+    document = outcome.document
+    assert set(document) == {"stream", "kinematics", "dynamics"}
+    told = document["stream"]
+    assert set(told) == {"frames", "motions", "missed_messages", "daemon_restarts"}
+    assert (told["motions"], told["missed_messages"], told["daemon_restarts"]) == (3, 0, 0)
+    assert document["dynamics"]["parameters"]["I2"]["value"] == pytest.approx(0.471209, rel=0.01)
+    assert document["kinematics"]["parameters"]["a2"]["value"] == pytest.approx(0.3, abs=2e-3)
+    assert document["dynamics"]["angle_error_deg"]["evaluate"]["mean"] < 0.5
+    for words in ("trial 1: ", "learnt from", "trial 3: ", "kept for evaluation", "report: "):
+        assert words in outcome.said
+
+    assert names(out) == FILES
+    for part in ("kinematics", "dynamics"):
+        assert json.loads((out / f"{part}.json").read_text()) == document[part]
+    assert load_arm(out / "calibrated.toml").base_parameters.keys() >= {"I1+m2*L1^2", "I2"}
+    motions = np.load(out / "motions.npz")
+    assert np.unique(motions["trial"]).tolist() == [1, 2, 3]
+    report = (out / "report.html").read_text(encoding="utf-8")
+    assert "http://" not in report and "https://" not in report
+    assert all(number in report for number in ("0.730000", "12.700000", "1.985170", "1.986076", "0.245785"))
+
+    messages = heard(subscriber)
+    by_topic = {topic: [fields for name, fields in messages if name == topic] for topic, _ in messages}
+    assert set(by_topic) == {KINEMATICS, DYNAMICS, HEALTH}
+    assert set(by_topic[KINEMATICS][-1]) == {
+        *("v", "arm", "run", "seq"),
+        *("generation", "frames", "parameters", "error"),
+    }
+    assert set(by_topic[DYNAMICS][-1]) == {
+        *("v", "arm", "run", "seq"),
+        *("generation", "samples", "parameters", "error"),
+    }
+    assert [fields["seq"] for fields in by_topic[DYNAMICS]] == list(range(len(by_topic[DYNAMICS])))
+    assert len(by_topic[DYNAMICS]) == 3  # after either learning motion, and at the end
+    assert len({fields["run"] for _, fields in messages}) == 1 and messages[0][1]["arm"] == "dd-arm"
+    final = by_topic[DYNAMICS][-1]["parameters"]
+    assert final["I2"]["value"] == document["dynamics"]["parameters"]["I2"]["value"]
+    assert by_topic[KINEMATICS][-1]["parameters"]["a1"]["value"] == document["kinematics"]["parameters"]["a1"]["value"]
+    assert by_topic[HEALTH][-1]["last_seq"][DYNAMICS] == 2 and by_topic[HEALTH][-1]["uptime_s"] > 0.0
+
+
+def test_the_same_seed_gives_the_same_bytes(fitter, stream, place, tmp_path):
+    for name in ("first", "second"):
+        with stream("tcp://127.0.0.1:*") as daemon:
+            common = ("--connect", daemon.endpoint, "--endpoint", f"ipc://{place}/{name}", "--arm", "dd-arm")
+            assert fitter("subscribe", *common, "--trials", 3, "--seed", 7, "--out", tmp_path / name).code == 0
+    for name in ("calibrated.toml", "kinematics.json", "motions.npz"):
+        assert (tmp_path / "first" / name).read_bytes() == (tmp_path / "second" / name).read_bytes(), name
+
+
+def test_a_late_subscription_learns_from_the_next_motion(fitter, stream, place, short_run, tmp_path):
+    """The arm is taken from what the stream says of itself, and so is the arm to compare with."""
+    begun = len(until(short_run.messages, 1, "begin"))
+    late = short_run.messages[begun + 5 :]
+    with stream("tcp://127.0.0.1:*", late) as daemon:
+        common = ("--connect", daemon.endpoint, "--endpoint", f"ipc://{place}/fits", "--compare", "dd-arm")
+        outcome = fitter("subscribe", *common, "--trials", 2, "--out", tmp_path)
+    assert outcome.code == 0
+    assert "trial 1:" not in outcome.said and "trial 2: " in outcome.said and "trial 3: " in outcome.said
+    assert outcome.document["stream"]["motions"] == 2
+    assert "1.986076" in (tmp_path / "report.html").read_text(encoding="utf-8")
+
+
+def test_it_ends_when_no_motion_has_ended_for_a_while(fitter, stream, place, short_run):
+    with stream("tcp://127.0.0.1:*", until(short_run.messages, 1, "end")) as daemon:
+        common = ("--connect", daemon.endpoint, "--endpoint", f"ipc://{place}/fits", "--arm", "dd-arm")
+        outcome = fitter("subscribe", *common, "--idle", "0.3")
+    assert outcome.code == 0
+    assert outcome.document["stream"]["motions"] == 1
+    assert outcome.document["dynamics"]["torque_rms_N_m"]["evaluate"] is None
+
+
+def test_missed_messages_are_counted_and_what_they_cost_is_said(fitter, stream, place, short_run):
+    told = until(short_run.messages, 1, "end")
+    seq = {FRAMES: 0, TRIAL: 0}
+    sent = []
+    for topic, fields in told:
+        number = seq[topic]
+        seq[topic] += 1
+        if not (topic == FRAMES and 150 <= number < 170):
+            sent.append(encode(topic, {**fields, "arm": "dd-arm", "run": "run 1", "seq": number}))
+    with stream("tcp://127.0.0.1:*", sent) as daemon:
+        common = ("--connect", daemon.endpoint, "--endpoint", f"ipc://{place}/fits", "--arm", "dd-arm")
+        outcome = fitter("subscribe", *common, "--trials", 1)
+    assert outcome.code == 0 and outcome.document["stream"]["missed_messages"] == 20
+    assert "trial 1: parted at 1 hole(s)" in outcome.said
+
+
+def test_a_message_of_another_version_ends_it_and_nothing_learnt_is_lost(fitter, stream, place, short_run, tmp_path):
+    told = until(short_run.messages, 1, "end")
+    parts = encode(FRAMES, {**told[0][1], "arm": "dd-arm", "run": "run 1", "seq": 1000})
+    newer = [parts[0], parts[1].replace(b"\xa1v\x01", b"\xa1v\x02")]
+    assert newer != parts
+    with stream("tcp://127.0.0.1:*", [*told, newer]) as daemon:
+        common = ("--connect", daemon.endpoint, "--endpoint", f"ipc://{place}/fits", "--arm", "dd-arm")
+        outcome = fitter("subscribe", *common, "--out", tmp_path)
+    assert outcome.code == 2
+    assert outcome.errors == ["error: limb/frames: message version is 2, expected 1"]
+    assert outcome.document is None
+    assert names(tmp_path) == FILES
+    learnt = json.loads((tmp_path / "dynamics.json").read_text())["parameters"]
+    assert learnt["I2"]["value"] == pytest.approx(0.471209, rel=0.02)
+
+
+def test_frames_that_make_no_sense_end_it(fitter, stream, place, short_run, tmp_path):
+    topic, fields = short_run.messages[0]
+    with stream("tcp://127.0.0.1:*", [(topic, fields | {"q": fields["q"][:-1]})]) as daemon:
+        common = ("--connect", daemon.endpoint, "--endpoint", f"ipc://{place}/fits", "--arm", "dd-arm")
+        outcome = fitter("subscribe", *common, "--out", tmp_path)
+    assert outcome.code == 2 and len(outcome.errors) == 1
+    assert "limb/frames: a field is missing or does not fit" in outcome.errors[0]
+    assert names(tmp_path) == []
+
+
+def test_geometry_alone_is_worth_writing(fitter, stream, place, short_run, tmp_path):
+    save_arm(replace(short_run.arm, control=Control("measured")), tmp_path / "arm.toml")
+    with stream("tcp://127.0.0.1:*", until(short_run.messages, 1, "end")) as daemon:
+        common = ("--connect", daemon.endpoint, "--endpoint", f"ipc://{place}/fits")
+        arm, out = tmp_path / "arm.toml", tmp_path / "out"
+        outcome = fitter("subscribe", *common, "--arm", arm, "--trials", 1, "--out", out)
+    assert outcome.code == 0 and set(outcome.document) == {"stream", "kinematics"}
+    assert "has no torque, but control.law" in outcome.said
+    assert names(out) == ["calibrated.toml", "kinematics.json"]
+
+
+def test_sigterm_writes_what_was_learnt(stream, listener, short_run, tmp_path):
+    endpoint, subscriber = listener
+    moving = until(short_run.messages, 2, "begin")
+    with stream("tcp://127.0.0.1:*", [*moving, *short_run.messages[len(moving) :][:10]]) as daemon:
+        command = [sys.executable, "-m", "fitter", "subscribe", "--arm", "dd-arm", "--connect", daemon.endpoint]
+        process = subprocess.Popen(
+            [*command, "--endpoint", endpoint, "--out", str(tmp_path / "out"), "--json"],
+            stdout=subprocess.PIPE,
+            stderr=subprocess.PIPE,
+            text=True,
+        )
+        try:
+            while True:
+                message = subscriber.receive(PATIENCE_MS)
+                assert message is not None
+                if message[0] == DYNAMICS:
+                    break
+            assert daemon.sent.wait(PATIENCE_MS / 1000)
+            process.send_signal(signal.SIGTERM)
+            out, err = process.communicate(timeout=PATIENCE_MS / 1000)
+        finally:
+            process.kill()
+            process.wait()
+    assert process.returncode == 0, err
+    assert "stopped" in err and "Traceback" not in err and "error" not in err
+    assert json.loads(out)["stream"]["motions"] == 1
+    assert names(tmp_path / "out") == FILES
+
+
+@pytest.mark.parametrize("arm", [("--arm", "dd-arm"), ()])
+def test_a_stop_before_anything_came_is_no_error(fitter, stream, place, tmp_path, arm):
+    """The stream stands for a daemon whose arm has not moved; without --arm not even that has come."""
+    with stream("tcp://127.0.0.1:*", ()) as daemon, interrupted_by(daemon):
+        outcome = fitter(
+            "subscribe", "--connect", daemon.endpoint, "--endpoint", f"ipc://{place}/fits", "--out", tmp_path, *arm
+        )
+    assert outcome.code == 0
+    assert "stopped" in outcome.said
+    assert names(tmp_path) == []
+
+
+class interrupted_by:  # noqa: N801 - reads as a sentence
+    """Send this process SIGTERM as soon as the command has connected: by then it has its handler."""
+
+    def __init__(self, daemon):
+        import threading  # noqa: PLC0415
+
+        self._thread = threading.Thread(target=self._wait, args=(daemon,))
+
+    def _wait(self, daemon):
+        if daemon.connected.wait(PATIENCE_MS / 1000):
+            os.kill(os.getpid(), signal.SIGTERM)
+
+    def __enter__(self):
+        self._thread.start()
+
+    def __exit__(self, *_):
+        self._thread.join()
+
+
+def test_nothing_received_is_a_failure_of_the_device(fitter, place):
+    nowhere = ("--connect", f"ipc://{place}/nobody", "--endpoint", f"ipc://{place}/fits", "--seconds", "0.2")
+    for arm in ((), ("--arm", "dd-arm")):
+        outcome = fitter("subscribe", *nowhere, *arm)
+        assert outcome.code == 3 and len(outcome.errors) == 1
+        assert f"ipc://{place}/nobody: nothing was received" in outcome.errors[0]
+
+
+def test_an_arm_that_does_not_move_tells_nothing(fitter, stream, place, short_run, tmp_path):
+    resting = short_run.messages[:4]
+    with stream("tcp://127.0.0.1:*", resting) as daemon:
+        common = ("--connect", daemon.endpoint, "--endpoint", f"ipc://{place}/fits", "--arm", "dd-arm")
+        outcome = fitter("subscribe", *common, "--seconds", "2", "--out", tmp_path)
+    assert outcome.code == 4 and len(outcome.errors) == 1
+    assert "no learning motion ended in " in outcome.errors[0]
+    assert names(tmp_path) == []
+
+
+def test_motions_of_another_arm_are_left_out(fitter, stream, place, short_run, tmp_path):
+    save_arm(replace(short_run.arm, joints=short_run.arm.joints[:1], sensors=(), tip=None), tmp_path / "one.toml")
+    text = (tmp_path / "one.toml").read_text().replace("[9.5, 9.5]", "[9.5]").replace("[-9.5, -9.5]", "[-9.5]")
+    (tmp_path / "one.toml").write_text(text)
+    with stream("tcp://127.0.0.1:*", until(short_run.messages, 1, "end")) as daemon:
+        common = ("--connect", daemon.endpoint, "--endpoint", f"ipc://{place}/fits")
+        outcome = fitter("subscribe", *common, "--arm", tmp_path / "one.toml", "--seconds", "2")
+    assert outcome.code == 4
+    assert "trial 1 is left out: frames of 2 joint angles, expected 1 as dd-arm has" in outcome.said
+
+
+def test_a_stream_of_an_arm_that_nobody_knows(fitter, stream, place, short_run):
+    with stream("tcp://127.0.0.1:*", arm_name="lab-arm") as daemon:
+        outcome = fitter("subscribe", "--connect", daemon.endpoint, "--endpoint", f"ipc://{place}/fits")
+    assert outcome.code == 2
+    assert outcome.errors == [
+        "error: the stream is of arm 'lab-arm', which is not built in; expected --arm with its file"
+    ]
+
+
+def test_endpoints_that_cannot_be_used(fitter, place):
+    taken = f"ipc://{place}/taken"
+    with zmq.Context() as context, Publisher(context, taken, "x", "y"):
+        outcome = fitter("subscribe", "--connect", f"ipc://{place}/d", "--endpoint", taken, "--arm", "dd-arm")
+    assert outcome.code == 3
+    assert outcome.errors == [f"error: endpoint {taken} is already taken, expected a free one"]
+    outcome = fitter("subscribe", "--connect", "somewhere", "--arm", "dd-arm")
+    assert outcome.code == 2
+    assert outcome.errors == ["error: endpoint is 'somewhere', expected such as tcp://127.0.0.1:5770"]
+
+
+def test_a_place_that_cannot_be_written_to_is_told_before_anything_is_followed(fitter, place, tmp_path):
+    (tmp_path / "file").write_text("")
+    out = tmp_path / "file" / "below"
+    outcome = fitter("subscribe", "--connect", f"ipc://{place}/nobody", "--arm", "dd-arm", "--out", out)
+    assert outcome.code == 3
+    assert outcome.errors == [f"error: {out}: cannot be made a directory: Not a directory"]
+    assert Path(place).is_dir() and names(Path(place)) == []
