@@ -41,7 +41,10 @@ def learned_torque(arm: Arm, trial: Trial) -> Floats:
                 "expected columns tau1…, or a control law"
             )
         return trial.tau
-    target = np.zeros_like(trial.q) if trial.ref is None else trial.ref
+    if trial.ref is None:
+        target = np.zeros_like(trial.q)
+    else:
+        target = trial.ref if trial.ref_filtered is None else trial.ref_filtered
     return control_torque(arm.control, trial.q, trial.dq, trial.ddq, target)
 
 

@@ -56,6 +56,9 @@ class Trial:
         Dead-reckoned sensor positions [m], from recordings.
     role : str, optional
         "learn" or "evaluate", where a recording says so.
+    ref_filtered : ndarray of shape (n, n_joint), or None
+        The target behind the filter that q, dq and ddq passed, if they passed one: what stands beside them in the
+        law's torque. A simulation is given ``ref`` itself, which is known exactly.
     tau_measured : ndarray of shape (n, n_joint), or None
         The torque as it was measured, on the same grid, before any filter: what a simulation is to be judged by.
     """
@@ -74,6 +77,7 @@ class Trial:
     band_hz: float = np.inf
     points: Floats | None = None
     role: str | None = None
+    ref_filtered: Floats | None = None
     tau_measured: Floats | None = None
 
     def lowpass(self, values: Floats) -> Floats:
@@ -210,6 +214,7 @@ def lowpass_trial(trial: Trial, cutoff_hz: float) -> Trial:
         ddq=lowpass(trial.ddq, trial.dt_s, cutoff_hz)[inner],
         tau=filtered(trial.tau),
         ref=filtered(trial.ref),
+        ref_filtered=filtered(trial.ref_filtered),
         tip=filtered(trial.tip),
         points=filtered(trial.points),
         tau_measured=None if trial.tau_measured is None else trial.tau_measured[inner],
@@ -239,7 +244,10 @@ def _derive(motion: Uniform, cutoff_hz: float, band_hz: float) -> Trial:
         trim = _trim(len(measured.t), dt_s, cutoff_hz)
         reference = given.pop("ref", None)  # a command is known exactly
         given = {name: lowpass(values, dt_s, cutoff_hz) for name, values in given.items()}
-        given |= {} if reference is None else {"ref": reference}
+        if reference is not None:
+            # A target is held from one sample to the next, so it comes half a step late as seen by the samples.
+            held = (reference + np.vstack([reference[:1], reference[:-1]])) / 2
+            given |= {"ref": reference, "ref_filtered": lowpass(held, dt_s, cutoff_hz)}
         source = "dq" if "dq" in given else "q"
         if "dq" not in given:
             given["dq"] = differentiate(given["q"], dt_s)
@@ -267,6 +275,7 @@ def _derive(motion: Uniform, cutoff_hz: float, band_hz: float) -> Trial:
         band_hz=band_hz,
         points=kept.get("points"),
         role=measured.role,
+        ref_filtered=kept.get("ref_filtered"),
         tau_measured=tau_measured,
     )
 

@@ -104,5 +104,10 @@ def run_command(parser: argparse.ArgumentParser, argv: list[str] | None) -> int:
         for sentence in str(error).splitlines():
             say(f"error: {sentence}")
         return error.exit_code
+    except MemoryError as error:
+        if debug:
+            console.print_exception()
+        say(f"error: there is not enough memory for this ({error}); expected less data, or a lower rate")
+        return DeviceError.exit_code
     finally:
         signal.signal(signal.SIGTERM, previous)

@@ -90,8 +90,10 @@ def _messages(arm: Arm, bench: Bench, a: NDArray[np.float64]) -> Iterator[Messag
     for begin in range(0, len(a), size):
         t0_ns = START_NS + round(begin / bench.rate_hz * 1e9)
         frames, phases = tracker.push(t0_ns, a[begin : begin + size])
-        for block in frames:
-            yield FRAMES, {**vars(block), "n": block.n, "method": tracker.method}
+        if frames:  # in one message, so that no queue overflows when all are sent in one go
+            columns = ("q", "dq", "ddq", "tip", "points")
+            joined = {name: np.concatenate([getattr(block, name) for block in frames]) for name in columns}
+            yield FRAMES, {**vars(frames[0]), **joined, "n": len(joined["q"]), "method": tracker.method}
         for phase in phases:
             role = "learn" if phase.trial <= bench.learning else "evaluate"
             yield TRIAL, {"trial": phase.trial, "t_ns": phase.t_ns, "state": phase.kind, "role": role}

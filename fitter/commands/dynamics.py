@@ -9,7 +9,16 @@ from rich.progress import Progress
 
 from arm.arm_file import load_arm, save_arm
 from arm.model import Arm
-from fitter.commands.options import add_arm, add_columns, add_out, add_search, bounds_of, fixed_of, positive
+from fitter.commands.options import (
+    add_arm,
+    add_columns,
+    add_out,
+    add_search,
+    bounds_of,
+    fixed_of,
+    make_room,
+    positive,
+)
 from fitter.commands.trial_sets import trial_sets
 from fitter.compared import Compared, load_compared
 from fitter.dynamics import GENERATIONS, DynamicsFit, document, fit_dynamics
@@ -52,6 +61,7 @@ def dynamics(arguments: argparse.Namespace) -> Document:
     arm = load_arm(arguments.arm)
     compared = load_compared(arguments.compare, arm)
     learn, evaluate = _trials(arguments, arm)
+    make_room(arguments.out)
     for trial in (*learn, *evaluate):
         for note in trial.notes:
             say(f"{trial.name}: {note}")

@@ -10,7 +10,15 @@ from rich.progress import Progress
 
 from arm.arm_file import load_arm, save_arm
 from arm.model import Arm
-from fitter.commands.options import add_arm, add_columns, add_out, add_search, bounds_of, fixed_of
+from fitter.commands.options import (
+    add_arm,
+    add_columns,
+    add_out,
+    add_search,
+    bounds_of,
+    fixed_of,
+    make_room,
+)
 from fitter.commands.trial_sets import trial_sets
 from fitter.compared import geometry_by_name
 from fitter.evaluation import TipScore, tip_score
@@ -53,6 +61,7 @@ def kinematics(arguments: argparse.Namespace) -> Document:
     arm = load_arm(arguments.arm)
     compared = {Path(source).stem: geometry_by_name(load_arm(source)) for source in arguments.compare}
     learn, evaluate = _trials(arguments, arm)
+    make_room(arguments.out)
     about: Literal["rest", "mean"] = "mean" if arguments.about == "mean" else "rest"
     with Progress(console=console, transient=True) as progress:
         task = progress.add_task("searching", total=arguments.generations)

@@ -2,14 +2,17 @@
 
 import argparse
 import math
+import os
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
 import numpy as np
 
 from arm.model import Arm, Floats
-from limbcal.errors import ConfigError
+from limbcal.errors import ConfigError, DeviceError
 
+#: What a motion is written as.
+MOTION_SUFFIXES = (".csv", ".parquet", ".npz")
 #: The genetic algorithm's survivors and mutants are shares of a population; of fewer nothing is left.
 SMALLEST_POPULATION = 10
 
@@ -34,6 +37,27 @@ def add_columns(parser: argparse.ArgumentParser) -> None:
 def add_out(parser: argparse.ArgumentParser, help_text: str) -> None:
     """Add ``--out FILE``."""
     parser.add_argument("--out", type=Path, required=True, metavar="FILE", help=help_text)
+
+
+def make_room(out: Path, suffixes: Sequence[str] = ()) -> None:
+    """Make sure that a file can be written, before an hour goes into what is to be in it.
+
+    Raises
+    ------
+    ConfigError
+        If the suffix is none of those given.
+    DeviceError
+        If there is no place for it.
+    """
+    if suffixes and out.suffix.lower() not in suffixes:
+        raise ConfigError(f"{out}: the suffix is {out.suffix!r}, expected one of {', '.join(suffixes)}")
+    try:
+        out.parent.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise DeviceError(f"{out}: cannot be written: {error.strerror}") from error
+    if out.is_dir() or not os.access(out if out.exists() else out.parent, os.W_OK):
+        reason = "it is a directory" if out.is_dir() else "permission denied"
+        raise DeviceError(f"{out}: cannot be written: {reason}")
 
 
 def positive(text: str) -> float:

@@ -11,7 +11,7 @@ from arm.kinematics import tip_position
 from arm.model import Arm, Floats
 from arm.simulation import Motion, simulate
 from fitter.columns import parse_mapping
-from fitter.commands.options import add_arm, add_columns, add_out, joint_values
+from fitter.commands.options import MOTION_SUFFIXES, add_arm, add_columns, add_out, joint_values, make_room
 from fitter.motion_file import write_motion
 from fitter.motions import Measured, read_motions
 from fitter.resample import resample
@@ -50,6 +50,7 @@ def simulate_reference(arguments: argparse.Namespace) -> Document:
     role = "tau" if arm.control.law == "measured" else "ref"
     mapping = parse_mapping(arguments.columns, arm.n_joint)
     trials = read_motions(arguments.reference, arm.n_joint, mapping, arguments.rate_hz, required=(role,))
+    make_room(arguments.out, MOTION_SUFFIXES)
     parts: list[dict[str, NDArray[np.generic]]] = []
     for number, measured in enumerate(trials, 1):
         trial = resample(measured, arguments.rate_hz)

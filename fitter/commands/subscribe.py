@@ -72,7 +72,7 @@ def subscribe(arguments: argparse.Namespace) -> Document | None:
                     trouble = error
                 session.conclude()
     finally:
-        context.term()
+        context.destroy(linger=0)  # also what an interrupt left open
     if not session.calibration.learnt:
         if trouble is None and not stopped:
             trouble = _nothing_learnt(arguments.connect, session)

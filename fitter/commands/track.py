@@ -7,7 +7,16 @@ import numpy as np
 from rich.progress import track as progress
 
 from arm.arm_file import load_arm
-from fitter.commands.options import add_arm, add_columns, add_out, joint_values, per_joint, positive
+from fitter.commands.options import (
+    MOTION_SUFFIXES,
+    add_arm,
+    add_columns,
+    add_out,
+    joint_values,
+    make_room,
+    per_joint,
+    positive,
+)
 from fitter.motion_file import write_motion
 from fitter.raw import load_raw
 from fitter.track import Tracked, track_run
@@ -43,6 +52,7 @@ def track(arguments: argparse.Namespace) -> Document:
     names = [sensor.name for sensor in arm.sensors]
     runs = load_raw(arguments.raw, names, arm.n_joint, arguments.columns, rate_hz=arguments.rate_hz)
     q0 = joint_values(arguments.initial_q, arm, "--initial-q", np.zeros(arm.n_joint))
+    make_room(arguments.out, MOTION_SUFFIXES)
     tracked: list[Tracked] = []
     for run in progress(runs, "tracking", console=console, transient=True):
         tracked.append(track_run(run, arm, q0, arguments.frame_rate_hz, arguments.zero))

@@ -12,6 +12,7 @@ from arm.model import Arm, Control, Joint, Link
 from arm.regressor import standard_parameters
 from fitter.dynamics import document, fit_dynamics, fit_sums
 from fitter.evaluation import score
+from fitter.motion_file import write_motion
 from fitter.torque_sums import add_up
 from fitter.trial_sums import trial_sums
 from fitter.trials import load_trials
@@ -163,3 +164,16 @@ def test_measured_double_pendulum(measured_data):
     assert p["m2*sx2"].value == pytest.approx(0.159, rel=0.15)  # published m2 r2: 0.160 and 0.158
     assert abs(p["m1*sy1"].value) < 0.01
     assert 0.05 < p["fc2"].value < 0.25
+
+
+def test_angles_and_held_targets_are_enough(bench_trials, tmp_path):
+    """Accelerations that are derived jump when the target does, not half a step later."""
+    columns = {
+        "t": np.concatenate([trial.t for trial in bench_trials]),
+        "q": np.concatenate([trial.q for trial in bench_trials]),
+        "ref": np.concatenate([trial.ref for trial in bench_trials]),
+        "trial": np.repeat(np.arange(len(bench_trials)), [len(trial.t) for trial in bench_trials]),
+    }
+    write_motion(tmp_path / "angles.npz", columns)
+    fit = fit_dynamics(BLANK, load_trials([tmp_path / "angles.npz"], 2), method="least-squares")
+    assert np.allclose(values_of(fit)[:4], TRUE[:4], rtol=6e-3)

@@ -107,7 +107,8 @@ def test_an_arm_that_runs_away_is_not_written(fitter, short_run, tmp_path):
     save_arm(pushed, tmp_path / "arm.toml")
     reference, out = tmp_path / "short.npz", tmp_path / "motion.npz"
     rows = slice(2000, 4000)
-    write_motion(reference, {"t": short_run.t[rows], **{name: short_run.truth[name][rows] for name in ("q", "ref")}})
+    columns = {name: short_run.truth[name][rows] for name in ("q", "ref")}
+    write_motion(reference, {"t": short_run.t[rows], **columns})
     outcome = fitter("simulate", "--arm", tmp_path / "arm.toml", "--reference", reference, "--out", out)
     assert outcome.code == 2 and "the simulation runs away to infinity" in outcome.errors[0]
     assert not out.exists()

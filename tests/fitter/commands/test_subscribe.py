@@ -20,6 +20,8 @@ from protocol.publisher import Publisher
 from protocol.subscriber import Subscriber
 
 PATIENCE_MS = 60_000
+#: A test that waits in vain fails.
+LIMIT = ("--seconds", "60")
 FILES = ["calibrated.toml", "dynamics.json", "kinematics.json", "motions.npz", "report.html"]
 
 
@@ -64,7 +66,7 @@ def test_the_arm_is_learnt_while_it_moves(fitter, stream, listener, short_run, t
     out = tmp_path / "new" / "out"
     with stream("tcp://127.0.0.1:*") as daemon:
         common = ("--connect", daemon.endpoint, "--endpoint", endpoint, "--arm", "dd-arm", "--compare", "dd-arm")
-        outcome = fitter("subscribe", *common, "--trials", 3, "--out", out)
+        outcome = fitter("subscribe", *common, *LIMIT, "--trials", 3, "--out", out)
     assert outcome.code == 0
     document = outcome.document
     assert set(document) == {"stream", "kinematics", "dynamics"}
@@ -103,7 +105,8 @@ def test_the_arm_is_learnt_while_it_moves(fitter, stream, listener, short_run, t
     assert len({fields["run"] for _, fields in messages}) == 1 and messages[0][1]["arm"] == "dd-arm"
     final = by_topic[DYNAMICS][-1]["parameters"]
     assert final["I2"]["value"] == document["dynamics"]["parameters"]["I2"]["value"]
-    assert by_topic[KINEMATICS][-1]["parameters"]["a1"]["value"] == document["kinematics"]["parameters"]["a1"]["value"]
+    final = by_topic[KINEMATICS][-1]["parameters"]
+    assert final["a1"]["value"] == document["kinematics"]["parameters"]["a1"]["value"]
     assert by_topic[HEALTH][-1]["last_seq"][DYNAMICS] == 2 and by_topic[HEALTH][-1]["uptime_s"] > 0.0
 
 
@@ -111,7 +114,8 @@ def test_the_same_seed_gives_the_same_bytes(fitter, stream, place, tmp_path):
     for name in ("first", "second"):
         with stream("tcp://127.0.0.1:*") as daemon:
             common = ("--connect", daemon.endpoint, "--endpoint", f"ipc://{place}/{name}", "--arm", "dd-arm")
-            assert fitter("subscribe", *common, "--trials", 3, "--seed", 7, "--out", tmp_path / name).code == 0
+            outcome = fitter("subscribe", *common, *LIMIT, "--trials", 3, "--seed", 7, "--out", tmp_path / name)
+            assert outcome.code == 0
     for name in ("calibrated.toml", "kinematics.json", "motions.npz"):
         assert (tmp_path / "first" / name).read_bytes() == (tmp_path / "second" / name).read_bytes(), name
 
@@ -119,10 +123,10 @@ def test_the_same_seed_gives_the_same_bytes(fitter, stream, place, tmp_path):
 def test_a_late_subscription_learns_from_the_next_motion(fitter, stream, place, short_run, tmp_path):
     """The arm is taken from what the stream says of itself, and so is the arm to compare with."""
     begun = len(until(short_run.messages, 1, "begin"))
-    late = short_run.messages[begun + 5 :]
+    late = short_run.messages[begun + 3 :]
     with stream("tcp://127.0.0.1:*", late) as daemon:
         common = ("--connect", daemon.endpoint, "--endpoint", f"ipc://{place}/fits", "--compare", "dd-arm")
-        outcome = fitter("subscribe", *common, "--trials", 2, "--out", tmp_path)
+        outcome = fitter("subscribe", *common, *LIMIT, "--trials", 2, "--out", tmp_path)
     assert outcome.code == 0
     assert "trial 1:" not in outcome.said and "trial 2: " in outcome.said and "trial 3: " in outcome.said
     assert outcome.document["stream"]["motions"] == 2
@@ -132,7 +136,7 @@ def test_a_late_subscription_learns_from_the_next_motion(fitter, stream, place, 
 def test_it_ends_when_no_motion_has_ended_for_a_while(fitter, stream, place, short_run):
     with stream("tcp://127.0.0.1:*", until(short_run.messages, 1, "end")) as daemon:
         common = ("--connect", daemon.endpoint, "--endpoint", f"ipc://{place}/fits", "--arm", "dd-arm")
-        outcome = fitter("subscribe", *common, "--idle", "0.3")
+        outcome = fitter("subscribe", *common, *LIMIT, "--idle", "0.3")
     assert outcome.code == 0
     assert outcome.document["stream"]["motions"] == 1
     assert outcome.document["dynamics"]["torque_rms_N_m"]["evaluate"] is None
@@ -145,23 +149,23 @@ def test_missed_messages_are_counted_and_what_they_cost_is_said(fitter, stream, 
     for topic, fields in told:
         number = seq[topic]
         seq[topic] += 1
-        if not (topic == FRAMES and 150 <= number < 170):
+        if not (topic == FRAMES and 15 <= number < 17):
             sent.append(encode(topic, {**fields, "arm": "dd-arm", "run": "run 1", "seq": number}))
     with stream("tcp://127.0.0.1:*", sent) as daemon:
         common = ("--connect", daemon.endpoint, "--endpoint", f"ipc://{place}/fits", "--arm", "dd-arm")
-        outcome = fitter("subscribe", *common, "--trials", 1)
-    assert outcome.code == 0 and outcome.document["stream"]["missed_messages"] == 20
-    assert "trial 1: parted at 1 hole(s)" in outcome.said
+        outcome = fitter("subscribe", *common, *LIMIT, "--trials", 1)
+    assert outcome.code == 0 and outcome.document["stream"]["missed_messages"] == 2
+    assert "trial 1#2: parted at 1 hole(s) of up to 0.201 s, 2 piece(s) kept" in outcome.said
 
 
-def test_a_message_of_another_version_ends_it_and_nothing_learnt_is_lost(fitter, stream, place, short_run, tmp_path):
+def test_after_a_message_of_another_version_nothing_learnt_is_lost(fitter, stream, place, short_run, tmp_path):
     told = until(short_run.messages, 1, "end")
     parts = encode(FRAMES, {**told[0][1], "arm": "dd-arm", "run": "run 1", "seq": 1000})
     newer = [parts[0], parts[1].replace(b"\xa1v\x01", b"\xa1v\x02")]
     assert newer != parts
     with stream("tcp://127.0.0.1:*", [*told, newer]) as daemon:
         common = ("--connect", daemon.endpoint, "--endpoint", f"ipc://{place}/fits", "--arm", "dd-arm")
-        outcome = fitter("subscribe", *common, "--out", tmp_path)
+        outcome = fitter("subscribe", *common, *LIMIT, "--out", tmp_path)
     assert outcome.code == 2
     assert outcome.errors == ["error: limb/frames: message version is 2, expected 1"]
     assert outcome.document is None
@@ -174,7 +178,7 @@ def test_frames_that_make_no_sense_end_it(fitter, stream, place, short_run, tmp_
     topic, fields = short_run.messages[0]
     with stream("tcp://127.0.0.1:*", [(topic, fields | {"q": fields["q"][:-1]})]) as daemon:
         common = ("--connect", daemon.endpoint, "--endpoint", f"ipc://{place}/fits", "--arm", "dd-arm")
-        outcome = fitter("subscribe", *common, "--out", tmp_path)
+        outcome = fitter("subscribe", *common, *LIMIT, "--out", tmp_path)
     assert outcome.code == 2 and len(outcome.errors) == 1
     assert "limb/frames: a field is missing or does not fit" in outcome.errors[0]
     assert names(tmp_path) == []
@@ -185,7 +189,7 @@ def test_geometry_alone_is_worth_writing(fitter, stream, place, short_run, tmp_p
     with stream("tcp://127.0.0.1:*", until(short_run.messages, 1, "end")) as daemon:
         common = ("--connect", daemon.endpoint, "--endpoint", f"ipc://{place}/fits")
         arm, out = tmp_path / "arm.toml", tmp_path / "out"
-        outcome = fitter("subscribe", *common, "--arm", arm, "--trials", 1, "--out", out)
+        outcome = fitter("subscribe", *common, *LIMIT, "--arm", arm, "--trials", 1, "--out", out)
     assert outcome.code == 0 and set(outcome.document) == {"stream", "kinematics"}
     assert "has no torque, but control.law" in outcome.said
     assert names(out) == ["calibrated.toml", "kinematics.json"]
@@ -224,9 +228,8 @@ def test_sigterm_writes_what_was_learnt(stream, listener, short_run, tmp_path):
 def test_a_stop_before_anything_came_is_no_error(fitter, stream, place, tmp_path, arm):
     """The stream stands for a daemon whose arm has not moved; without --arm not even that has come."""
     with stream("tcp://127.0.0.1:*", ()) as daemon, interrupted_by(daemon):
-        outcome = fitter(
-            "subscribe", "--connect", daemon.endpoint, "--endpoint", f"ipc://{place}/fits", "--out", tmp_path, *arm
-        )
+        common = ("--connect", daemon.endpoint, "--endpoint", f"ipc://{place}/fits", *arm)
+        outcome = fitter("subscribe", *common, *LIMIT, "--out", tmp_path)
     assert outcome.code == 0
     assert "stopped" in outcome.said
     assert names(tmp_path) == []
@@ -282,7 +285,7 @@ def test_motions_of_another_arm_are_left_out(fitter, stream, place, short_run, t
 
 def test_a_stream_of_an_arm_that_nobody_knows(fitter, stream, place, short_run):
     with stream("tcp://127.0.0.1:*", arm_name="lab-arm") as daemon:
-        outcome = fitter("subscribe", "--connect", daemon.endpoint, "--endpoint", f"ipc://{place}/fits")
+        outcome = fitter("subscribe", "--connect", daemon.endpoint, "--endpoint", f"ipc://{place}/fits", *LIMIT)
     assert outcome.code == 2
     assert outcome.errors == [
         "error: the stream is of arm 'lab-arm', which is not built in; expected --arm with its file"

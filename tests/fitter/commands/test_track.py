@@ -5,6 +5,7 @@ import json
 import numpy as np
 import pytest
 
+from fitter.__main__ import main
 from fitter.motion_file import write_motion
 from fitter.trials import load_trials
 from protocol.message import RAW, encode
@@ -35,11 +36,18 @@ def test_accelerations_become_joint_motion(fitter, raw, tmp_path):
     assert "3 trial(s) ->" in outcome.said
 
 
+@pytest.fixture(scope="module")
+def two_seconds(short_run, tmp_path_factory):
+    path = tmp_path_factory.mktemp("raw") / "start.npz"
+    write_motion(path, {name: values[:8000] for name, values in short_run.raw_columns().items()})
+    return path
+
+
 @pytest.mark.parametrize("suffix", [".npz", ".csv", ".parquet"])
-def test_the_same_readings_give_the_same_bytes(fitter, raw, tmp_path, suffix):
+def test_the_same_readings_give_the_same_bytes(fitter, two_seconds, tmp_path, suffix):
     outs = [tmp_path / f"{k}{suffix}" for k in (1, 2)]
     for out in outs:
-        assert fitter("track", raw, "--arm", "dd-arm", "--frame-rate-hz", "100", "--out", out).code == 0
+        assert fitter("track", two_seconds, "--arm", "dd-arm", "--frame-rate-hz", "100", "--out", out).code == 0
     assert outs[0].read_bytes() == outs[1].read_bytes()
 
 
@@ -53,8 +61,8 @@ def test_without_the_truth_there_is_no_error_to_tell(fitter, short_run, tmp_path
     assert header == "t,q1,q2,dq1,dq2,ddq1,ddq2,tipx,tipy,tipz,trial"
 
 
-def test_options_reach_the_tracker(fitter, raw, tmp_path):
-    common = ("track", raw, "--arm", "dd-arm", "--frame-rate-hz", "100")
+def test_options_reach_the_tracker(fitter, two_seconds, tmp_path):
+    common = ("track", two_seconds, "--arm", "dd-arm", "--frame-rate-hz", "100")
     fitter(*common, "--out", tmp_path / "a.npz")
     fitter(*common, "--zero", "first-rest", "--initial-q", "0.5,-0.25", "--out", tmp_path / "b.npz")
     a, b = np.load(tmp_path / "a.npz"), np.load(tmp_path / "b.npz")
@@ -63,13 +71,13 @@ def test_options_reach_the_tracker(fitter, raw, tmp_path):
     assert (b["q1"][0], b["q2"][0]) == pytest.approx((0.5, -0.25), abs=1e-6)
 
 
-def test_several_runs_become_one_file_whose_trials_keep_apart(fitter, raw, short_run, tmp_path):
-    second = tmp_path / "later.npz"
-    write_motion(second, {name: values[:27000] for name, values in short_run.raw_columns().items()})
+def test_several_runs_become_one_file_whose_trials_keep_apart(fitter, two_seconds, short_run, tmp_path):
+    longer = tmp_path / "longer.npz"
+    write_motion(longer, {name: values[:32000] for name, values in short_run.raw_columns().items()})
     out = tmp_path / "motion.npz"
-    outcome = fitter("track", raw, second, "--arm", "dd-arm", "--frame-rate-hz", "100", "--out", out)
-    assert outcome.code == 0 and outcome.document["trials"] == 4
-    assert [trial.name for trial in load_trials([out], 2)] == [f"motion/{k}" for k in ("1.1", "1.2", "1.3", "2.1")]
+    outcome = fitter("track", longer, two_seconds, "--arm", "dd-arm", "--frame-rate-hz", "100", "--out", out)
+    assert outcome.code == 0 and outcome.document["trials"] == 3
+    assert [trial.name for trial in load_trials([out], 2)] == [f"motion/{k}" for k in ("1.1", "1.2", "2.1")]
 
 
 def test_lost_samples_are_counted_and_said(fitter, short_run, tmp_path):
@@ -96,13 +104,12 @@ def test_a_recording_of_the_daemon_needs_no_mapping(fitter, short_run, tmp_path)
     assert q[-1] == pytest.approx(short_run.truth["q"][26999, 0], abs=0.02)
 
 
-def test_words_only_where_no_document_is_asked_for(raw, tmp_path, capfd):
-    from fitter.__main__ import main  # noqa: PLC0415
-
-    arguments = ["track", str(raw), "--arm", "dd-arm", "--frame-rate-hz", "50", "--out", str(tmp_path / "m.npz")]
+def test_words_only_where_no_document_is_asked_for(two_seconds, tmp_path, capfd):
+    out = str(tmp_path / "m.npz")
+    arguments = ["track", str(two_seconds), "--arm", "dd-arm", "--frame-rate-hz", "50", "--out", out]
     assert main(arguments) == 0
     out, err = capfd.readouterr()
-    assert out == "" and "frames in 3 trial(s)" in err
+    assert out == "" and "frames in 1 trial(s)" in err
     assert main([*arguments, "--json"]) == 0
     out, _ = capfd.readouterr()
-    assert json.loads(out)["trials"] == 3
+    assert json.loads(out)["trials"] == 1
