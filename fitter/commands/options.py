@@ -54,7 +54,8 @@ def make_room(out: Path, suffixes: Sequence[str] = ()) -> None:
     try:
         out.parent.mkdir(parents=True, exist_ok=True)
     except OSError as error:
-        raise DeviceError(f"{out}: cannot be written: {error.strerror}") from error
+        reason = "Not a directory" if isinstance(error, FileExistsError) else error.strerror
+        raise DeviceError(f"{out}: cannot be written: {reason}") from error
     if out.is_dir() or not os.access(out if out.exists() else out.parent, os.W_OK):
         reason = "it is a directory" if out.is_dir() else "permission denied"
         raise DeviceError(f"{out}: cannot be written: {reason}")
