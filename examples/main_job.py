@@ -70,6 +70,7 @@ def main(argv: list[str] | None = None) -> int:
     parser.add_argument(
         "--trials", type=int, default=22, help="motions, of which the first 5 are learnt from (22)"
     )
+    parser.add_argument("--quiet-sensors", action="store_true", help="no noise and no bias, but 16 bits")
     arguments = parser.parse_args(argv)
     signal.signal(signal.SIGTERM, _interrupt)
     try:
@@ -97,7 +98,8 @@ def calibrate(job: Job, stack: ExitStack, arguments: argparse.Namespace) -> None
     seed, trials = str(arguments.seed), str(arguments.trials)
     device = job.start(
         ["daemon", "virtual", "--arm", TRUE_ARM, "--seed", seed, "--speed", str(arguments.speed)]
-        + ["--trials", trials, "--truth", str(out / "truth.npz"), "--json"],
+        + ["--trials", trials, "--truth", str(out / "truth.npz"), "--json"]
+        + ["--quiet-sensors"] * arguments.quiet_sensors,
         stdout=subprocess.PIPE,
     )
     assert device.stdout is not None

@@ -78,12 +78,15 @@ def test_restricted_conditions(fitter, files, guess, tmp_path):
     assert load_arm(out).joints[1].a_m == 0.31
 
 
-def test_a_recording_gives_both_sets(fitter, recording, guess, tmp_path):
+def test_a_recording_gives_both_sets_and_what_was_learnt_live(fitter, recording, calibration, guess, tmp_path):
     outcome = fitter("kinematics", recording, "--arm", guess, "--out", tmp_path / "arm.toml")
     assert outcome.code == 0
     assert outcome.document["parameters"]["a1"]["value"] == pytest.approx(0.25, abs=2e-3)
     assert outcome.document["parameters"]["a2"]["value"] == pytest.approx(0.3, abs=2e-3)
     assert outcome.document["tip_error_mm"]["evaluate"]["mean"] < 10.0
+    live = calibration.kinematics().parameters
+    for name in ("a1", "a2"):
+        assert outcome.document["parameters"][name]["value"] == pytest.approx(live[name].value, abs=1e-4)
     in_folder = fitter("kinematics", recording.parent, "--arm", guess, "--out", tmp_path / "arm.toml")
     assert in_folder.document["samples"] == outcome.document["samples"]
     assert in_folder.document["tip_error_mm"] == outcome.document["tip_error_mm"]

@@ -110,11 +110,11 @@ def test_the_arm_is_learnt_while_it_moves(fitter, stream, listener, short_run, t
     assert by_topic[HEALTH][-1]["last_seq"][DYNAMICS] == 2 and by_topic[HEALTH][-1]["uptime_s"] > 0.0
 
 
-def test_the_same_seed_gives_the_same_bytes(fitter, stream, place, tmp_path):
+def test_the_same_seed_gives_the_same_bytes(fitter, stream, place, short_run, tmp_path):
     for name in ("first", "second"):
-        with stream("tcp://127.0.0.1:*") as daemon:
+        with stream("tcp://127.0.0.1:*", until(short_run.messages, 1, "end")) as daemon:
             common = ("--connect", daemon.endpoint, "--endpoint", f"ipc://{place}/{name}", "--arm", "dd-arm")
-            outcome = fitter("subscribe", *common, *LIMIT, "--trials", 3, "--seed", 7, "--out", tmp_path / name)
+            outcome = fitter("subscribe", *common, *LIMIT, "--trials", 1, "--seed", 7, "--out", tmp_path / name)
             assert outcome.code == 0
     for name in ("calibrated.toml", "kinematics.json", "motions.npz"):
         assert (tmp_path / "first" / name).read_bytes() == (tmp_path / "second" / name).read_bytes(), name
@@ -266,7 +266,7 @@ def test_an_arm_that_does_not_move_tells_nothing(fitter, stream, place, short_ru
     resting = short_run.messages[:4]
     with stream("tcp://127.0.0.1:*", resting) as daemon:
         common = ("--connect", daemon.endpoint, "--endpoint", f"ipc://{place}/fits", "--arm", "dd-arm")
-        outcome = fitter("subscribe", *common, "--seconds", "2", "--out", tmp_path)
+        outcome = fitter("subscribe", *common, "--seconds", "1.5", "--out", tmp_path)
     assert outcome.code == 4 and len(outcome.errors) == 1
     assert "no learning motion ended in " in outcome.errors[0]
     assert names(tmp_path) == []
@@ -278,7 +278,7 @@ def test_motions_of_another_arm_are_left_out(fitter, stream, place, short_run, t
     (tmp_path / "one.toml").write_text(text)
     with stream("tcp://127.0.0.1:*", until(short_run.messages, 1, "end")) as daemon:
         common = ("--connect", daemon.endpoint, "--endpoint", f"ipc://{place}/fits")
-        outcome = fitter("subscribe", *common, "--arm", tmp_path / "one.toml", "--seconds", "2")
+        outcome = fitter("subscribe", *common, "--arm", tmp_path / "one.toml", "--seconds", "1.5")
     assert outcome.code == 4
     assert "trial 1 is left out: frames of 2 joint angles, expected 1 as dd-arm has" in outcome.said
 
