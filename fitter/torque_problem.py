@@ -118,6 +118,8 @@ def torque_problem(sums: TorqueSums, prior: Floats, held: Mapping[int, float] | 
         start[index] = value
     given = np.array(sorted(held), dtype=np.intp)
     sought = np.setdiff1d(np.arange(len(start)), given)
+    if not np.any(sums.gram):
+        raise NotIdentifiable(f"no base parameter can be told from {sums.samples} samples: no joint moved")
     if not np.any(sums.power):
         raise NotIdentifiable(
             f"the torque is zero in all {sums.samples} samples: a free motion tells no masses, only ratios"

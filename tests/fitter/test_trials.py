@@ -201,3 +201,9 @@ def test_a_measured_servo(measured_data):
     trials = load_trials([measured_data / "bam_xl330"], 1, mapping)
     assert len(trials) == 12
     assert all(trial.ref.shape == trial.q.shape for trial in trials)
+
+
+def test_a_corner_below_one_period_is_refused(tmp_path):
+    path = written(tmp_path, {"t": T, "q": motion(T)})
+    with pytest.raises(ConfigError, match="cutoff_hz is 1e-09"):
+        load_trials([path], 2, cutoff_hz=1e-9)
