@@ -97,7 +97,7 @@ def _finite(estimate: Estimate) -> dict[str, float]:
 
 def _table(header: str, fields: Mapping[str, object]) -> str:
     lines = [header] if header else []
-    lines += [f"{_key(name)} = {_value(value)}" for name, value in fields.items()]
+    lines += [f"{_key(name)} = {_value(value)}" for name, value in fields.items() if value is not None]
     return "\n".join(lines) + "\n"
 
 

@@ -22,6 +22,7 @@ from arm.model import (
 
 Number = Annotated[float, Field(strict=True, allow_inf_nan=False)]  # neither "1.0" nor true is a number
 Vector = tuple[Number, Number, Number]
+Factor = Annotated[Number, Field(gt=0.0)]
 #: The gains that each law needs.
 _GAINS = {"pd": ("kp", "kv"), "pda": ("kp", "kv", "ka"), "p": ("kp",)}
 
@@ -49,6 +50,7 @@ class _Joint(_Table):
     d_m: Number = 0.0
     beta_rad: Number = 0.0
     theta_offset_rad: Number = 0.0
+    length_std_m: Annotated[Number, Field(ge=0.0)] | None = None
     friction: _Friction = _Friction()
     link: _Link = _Link()
 
@@ -58,6 +60,9 @@ class _Sensor(_Table):
     joint: Annotated[int, Field(strict=True, ge=1)]
     position_m: Vector = (0.0, 0.0, 0.0)
     rotation_rad: Vector = (0.0, 0.0, 0.0)
+    scale: tuple[Factor, Factor, Factor] = (1.0, 1.0, 1.0)
+    bias_m_s2: Vector = (0.0, 0.0, 0.0)
+    highpass_hz: Annotated[Number, Field(ge=0.0)] = 0.0
 
 
 class _Tip(_Table):

@@ -38,7 +38,10 @@ class Link:
 
 @dataclass(frozen=True)
 class Joint:
-    """One joint with its link, placed by eq. (1). A prismatic joint's variable is added to ``d_m``."""
+    """One joint with its link, placed by eq. (1). A prismatic joint's variable is added to ``d_m``.
+
+    ``length_std_m`` says how well ``a_m`` and ``d_m`` are known; without it they may be mere guesses.
+    """
 
     type: JointType = "revolute"
     alpha_rad: float = 0.0
@@ -46,18 +49,26 @@ class Joint:
     d_m: float = 0.0
     beta_rad: float = 0.0
     theta_offset_rad: float = 0.0
+    length_std_m: float | None = None
     friction: Friction = Friction()
     link: Link = Link()
 
 
 @dataclass(frozen=True)
 class Sensor:
-    """A triaxial accelerometer riding on a link. ``joint`` counts from 1, as in the arm file."""
+    """A triaxial accelerometer riding on a link. ``joint`` counts from 1, as in the arm file.
+
+    It reads ``scale * f + bias_m_s2``, f being the specific force in its own axes. One that is AC-coupled forgets
+    whatever lasts much longer than ``1 / (2 pi highpass_hz)``; 0 is a sensor that forgets nothing.
+    """
 
     name: str
     joint: int
     position_m: Vector3 = (0.0, 0.0, 0.0)
     rotation_rad: Vector3 = (0.0, 0.0, 0.0)
+    scale: Vector3 = (1.0, 1.0, 1.0)
+    bias_m_s2: Vector3 = (0.0, 0.0, 0.0)
+    highpass_hz: float = 0.0
 
 
 @dataclass(frozen=True)

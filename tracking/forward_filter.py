@@ -1,0 +1,139 @@
+"""The Kalman filter over a whole recording: compiled. It finds the rests, the jolts and the readings to be doubted.
+
+It is what the smoother starts from; its own answer is that of `tracking.kalman_filter`, but for rounding.
+"""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from arm.model import Floats
+from limbcal.compiled import compiled
+from tracking.kalman_step import Course, Taken, correct, hold, predict, spread
+from tracking.observation import Observation, Room, observe
+from tracking.stillness import Window, rest_variance, unrest
+
+
+@compiled
+def jolt_of(of: Observation, course: Course, taken_slope: Floats, miss: Floats) -> Floats:
+    """Return the jump of the accelerations that explains best by how much the readings were missed, (n_joint,)."""
+    n = course.push.size
+    A, b = 1e-6 * np.eye(n), np.zeros(n)
+    for channel in range(miss.size):
+        slope = taken_slope[channel]
+        for j in range(of.link[channel // 3] + 1):
+            b[j] += slope[3 * j + 2] * miss[channel] / course.noise[channel]
+            for i in range(of.link[channel // 3] + 1):
+                A[i, j] += slope[3 * i + 2] * slope[3 * j + 2] / course.noise[channel]
+    return np.linalg.solve(A, b)
+
+
+@compiled
+def filter_all(
+    of: Observation,
+    room: Room,
+    course: Course,
+    window: Window,
+    cell: int,
+    limit: float,
+    x: Floats,
+    P: Floats,
+    states: Floats,
+    resting: NDArray[np.bool_],
+) -> None:
+    """Fill in the filtered states (n, n_state), and of ``course`` the jolts, the doubts and the rests.
+
+    Parameters
+    ----------
+    cell : int
+        Instants of a cell of the window.
+    limit : float
+        Squared size of an instant's misses beyond which they are not noise.
+    x, P
+        Before the first reading; they are used up.
+    """
+    n, size, n_channel, n_cell = course.push.size, x.size, course.noise.size, window.cells.shape[0]
+    taken = Taken(
+        np.zeros((n_channel, size)), np.zeros((n_channel + n, size)), np.zeros(n_channel + n), np.zeros(n_channel + n)
+    )
+    hidden, total = np.zeros(n), np.zeros(n_channel)
+    before_x, before_P, at = x.copy(), P.copy(), x.copy()
+    cells, in_cell, still = 0, 0, False
+    if first_window(of, course, window, cell, x):
+        still = unrest(of, room, window, 0, x, P, hidden) < 1.0
+    for k in range(course.readings.shape[0]):
+        if k > 0:
+            predict(of, course, k, x, P)
+        if course.present[k]:
+            before_x[:], before_P[:], at[:] = x, P, x
+            squared = correct(of, room, course, k, at, x, P, taken)
+            if squared > limit:
+                at[:] = before_x
+                squared = take_again(of, room, course, k, limit, at, before_x, before_P, x, P, taken)
+            for channel in range(n_channel):
+                total[channel] += course.readings[k, channel]
+                if of.settled_column[channel // 3] >= 0:
+                    total[channel] -= x[3 * n + channel]
+            in_cell += 1
+        else:
+            cells, in_cell, still = 0, 0, False  # what lies on both sides of a gap is no window
+            total[:] = 0.0
+        if still:
+            for j in range(n):
+                course.rest[k, j] = rest_variance(hidden[j], course.dt)
+            hold(course, k, x, P, taken)
+        resting[k] = still
+        states[k] = x
+        if in_cell == cell:
+            window.cells[cells % n_cell] = total / cell
+            total[:] = 0.0
+            cells, in_cell = cells + 1, 0
+            if cells >= n_cell:
+                still = unrest(of, room, window, cells % n_cell, x, P, hidden) < 1.0
+
+
+@compiled
+def first_window(of: Observation, course: Course, window: Window, cell: int, x: Floats) -> bool:
+    """Fill the window with what is read first, before any of it is filtered; return whether it is all there."""
+    n_cell = window.cells.shape[0]
+    if course.readings.shape[0] < n_cell * cell or not course.present[: n_cell * cell].all():
+        return False
+    window.cells[:] = 0.0
+    for k in range(n_cell * cell):
+        window.cells[k // cell] += course.readings[k] / cell
+    for channel in range(course.noise.size):
+        if of.settled_column[channel // 3] >= 0:
+            window.cells[:, channel] -= x[3 * course.push.size + channel]
+    return True
+
+
+@compiled
+def take_again(
+    of: Observation,
+    room: Room,
+    course: Course,
+    k: int,
+    limit: float,
+    at: Floats,
+    before_x: Floats,
+    before_P: Floats,
+    x: Floats,
+    P: Floats,
+    taken: Taken,
+) -> float:
+    """Take in instant k anew, allowing for a jolt, and then with as much doubt as is needed to believe the rest."""
+    n, n_channel = course.push.size, course.noise.size
+    miss = np.empty(n_channel)
+    observe(of, room, before_x, miss, taken.slope)
+    miss[:] = course.readings[k] - miss
+    jump = jolt_of(of, course, taken.slope, miss)
+    for j in range(n):
+        course.jolt[k, j] = jump[j] ** 2
+        spread(before_P, j, jump[j] ** 2, course.dt)
+        at[3 * j + 2] += jump[j]  # where the readings are explained is where they are best linearised
+    x[:], P[:] = before_x, before_P
+    squared = correct(of, room, course, k, at, x, P, taken)
+    if squared > limit:
+        course.doubt[k] = squared / n_channel
+        x[:], P[:] = before_x, before_P
+        correct(of, room, course, k, at, x, P, taken)
+    return squared

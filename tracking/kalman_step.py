@@ -1,0 +1,198 @@
+"""One step of the Kalman filter over readings: compiled, shared by the offline filter and the smoother.
+
+A joint's acceleration wanders as if pushed at random; within a step it changes evenly, so that its mean over a step
+is what the readings' mean over that step shows. Readings are taken in one after the other, which needs no matrix to
+be inverted: their noise is independent.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from arm.model import Floats
+from limbcal.compiled import compiled
+from tracking.observation import Observation, Room, observe
+
+
+class Course(NamedTuple):
+    """Readings at the filter's rate, and what is held of each instant.
+
+    Attributes
+    ----------
+    dt : float [s]
+    readings : (n, n_channel) [m/s^2]
+    present : (n,) bool
+        False where the readings were lost.
+    noise : (n_channel,)
+        Variance of a reading.
+    wander : (n_channel,)
+        By how much the variance of an offset grows in a second.
+    push : (n_joint,)
+        By how much the variance of an acceleration grows in a second.
+    jolt : (n, n_joint)
+        Variance of what an acceleration jumped by from the instant before, beyond that.
+    doubt : (n,)
+        Factor on the noise of the readings.
+    rest : (n, n_joint)
+        Variance with which a joint's velocity is zero; 0 where nothing is known of it.
+    """
+
+    dt: float
+    readings: Floats
+    present: NDArray[np.bool_]
+    noise: Floats
+    wander: Floats
+    push: Floats
+    jolt: Floats
+    doubt: Floats
+    rest: Floats
+
+
+@compiled
+def spread(P: Floats, j: int, variance: float, dt: float) -> None:
+    """Add what an even change of joint j's acceleration within the step does: to q, dq and ddq together."""
+    gain = (dt * dt / 6.0, dt / 2.0, 1.0)
+    for a in range(3):
+        for b in range(3):
+            P[3 * j + a, 3 * j + b] += variance * gain[a] * gain[b]
+
+
+@compiled
+def predict(of: Observation, course: Course, k: int, x: Floats, P: Floats) -> None:
+    """Carry state and covariance from instant k - 1 to k."""
+    dt, n, size = course.dt, course.push.size, x.size
+    half = 0.5 * dt * dt
+    for j in range(n):
+        q = 3 * j
+        x[q] += dt * x[q + 1] + half * x[q + 2]
+        x[q + 1] += dt * x[q + 2]
+        for c in range(size):
+            P[q, c] += dt * P[q + 1, c] + half * P[q + 2, c]
+            P[q + 1, c] += dt * P[q + 2, c]
+        for c in range(size):
+            P[c, q] += dt * P[c, q + 1] + half * P[c, q + 2]
+            P[c, q + 1] += dt * P[c, q + 2]
+        spread(P, j, course.push[j] * dt + course.jolt[k, j], dt)
+    for channel in range(course.noise.size):
+        o = 3 * n + channel
+        P[o, o] += course.wander[channel] * dt
+        if of.settled_column[channel // 3] >= 0:
+            forget(of, course, k, channel, x, P)
+
+
+@compiled
+def forgetting(of: Observation, course: Course, k: int, channel: int, x: Floats) -> tuple[float, float]:
+    """Return what an AC-coupled channel forgets in the step up to k: its rate, and by how much it stands off.
+
+    ``offset' = -corner (reading - settled)``: what remains of an old level decays with the reading itself.
+    """
+    s, axis = channel // 3, channel % 3
+    corner = of.corner[s]
+    if of.corner_column[s] >= 0:
+        corner += x[of.corner_column[s]]
+    stands = 0.0
+    if course.present[k - 1] and course.present[k]:
+        stands = 0.5 * (course.readings[k - 1, channel] + course.readings[k, channel])
+        stands -= x[of.settled_column[s] + axis]
+    return corner, stands
+
+
+@compiled
+def forget(of: Observation, course: Course, k: int, channel: int, x: Floats, P: Floats) -> None:
+    """Carry the offset of an AC-coupled channel from instant k - 1 to k."""
+    dt, s, size = course.dt, channel // 3, x.size
+    o, settled, at = 3 * course.push.size + channel, of.settled_column[s] + channel % 3, of.corner_column[s]
+    corner, stands = forgetting(of, course, k, channel, x)
+    x[o] -= dt * corner * stands
+    for c in range(size):
+        P[o, c] += dt * corner * P[settled, c]
+        if at >= 0:
+            P[o, c] -= dt * stands * P[at, c]
+    for c in range(size):
+        P[c, o] += dt * corner * P[c, settled]
+        if at >= 0:
+            P[c, o] -= dt * stands * P[c, at]
+    lost = 0.0 if course.present[k - 1] and course.present[k] else 1.0  # a reading of 1 m/s^2 may have been missed
+    P[o, o] += (dt * corner) ** 2 * (course.noise[channel] + lost)
+
+
+@compiled
+def take(
+    x: Floats, P: Floats, slope: Floats, columns: NDArray[np.int64], n_column: int, miss: float, variance: float,
+    gain: Floats,
+) -> float:
+    """Take in one reading that misses its prediction by ``miss``; return the variance of that.
+
+    The gain is left in ``gain``. Only the entries ``columns[:n_column]`` of ``slope`` count.
+    """
+    size = x.size
+    for a in range(size):
+        product = 0.0
+        for c in range(n_column):
+            product += P[a, columns[c]] * slope[columns[c]]
+        gain[a] = product
+    total = variance
+    for c in range(n_column):
+        total += slope[columns[c]] * gain[columns[c]]
+    for a in range(size):
+        share = gain[a] / total
+        for b in range(a + 1):
+            P[a, b] -= share * gain[b]
+    for a in range(size):
+        for b in range(a):
+            P[b, a] = P[a, b]
+        gain[a] /= total
+        x[a] += gain[a] * miss
+    return total
+
+
+class Taken(NamedTuple):
+    """What was taken in at one instant: for each reading, and for each joint at rest, in this order.
+
+    ``slope`` (n_channel, n_state), ``gain`` (n_channel + n_joint, n_state), ``miss`` and ``total``
+    (n_channel + n_joint,): what was missed by, and the variance of that.
+    """
+
+    slope: Floats
+    gain: Floats
+    miss: Floats
+    total: Floats
+
+
+@compiled
+def correct(
+    of: Observation, room: Room, course: Course, k: int, at: Floats, x: Floats, P: Floats, taken: Taken
+) -> float:
+    """Take in the readings of instant k, linearised in the state ``at``; return the misses' squared size.
+
+    That is the sum of ``miss^2 / total``, about as large as there are channels where the model is right.
+    """
+    n_channel = course.noise.size
+    squared = 0.0
+    observe(of, room, at, taken.miss[:n_channel], taken.slope)
+    for channel in range(n_channel):
+        columns, n_column, slope = of.columns[channel], of.n_column[channel], taken.slope[channel]
+        miss = course.readings[k, channel] - taken.miss[channel]
+        for c in range(n_column):
+            miss -= slope[columns[c]] * (x[columns[c]] - at[columns[c]])
+        variance = course.noise[channel] * course.doubt[k]
+        total = take(x, P, slope, columns, n_column, miss, variance, taken.gain[channel])
+        taken.miss[channel], taken.total[channel] = miss, total
+        squared += miss * miss / total
+    return squared
+
+
+@compiled
+def hold(course: Course, k: int, x: Floats, P: Floats, taken: Taken) -> None:
+    """Take in that joints rest at instant k, those of which it is known."""
+    n_channel = course.noise.size
+    one, column = np.ones(x.size), np.zeros(1, dtype=np.int64)
+    for j in range(course.push.size):
+        row = n_channel + j
+        if course.rest[k, j] > 0.0:
+            column[0] = 3 * j + 1
+            taken.miss[row] = -x[3 * j + 1]
+            taken.total[row] = take(x, P, one, column, 1, -x[3 * j + 1], course.rest[k, j], taken.gain[row])
+        else:
+            taken.total[row] = np.inf

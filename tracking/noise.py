@@ -1,0 +1,56 @@
+"""How noisy the readings are, from the readings themselves."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from arm.model import Floats
+
+#: Nobody's accelerometer is trusted beyond this [m/s^2].
+_FINEST = 1e-5
+#: Readings are judged in so many cells at most, and the calmest quarter of them counts.
+_CELLS, _CALM = 400, 0.25
+#: A reading's variance shows twentyfold in third differences, which know hardly anything of a motion.
+_THIRD = 20.0
+
+
+@dataclass(frozen=True)
+class Noise:
+    """Noise of each channel; arrays are (n_channel,) [(m/s^2)^2].
+
+    Attributes
+    ----------
+    variance : white noise of one sample
+    rounding : what the converter hides from every reading alike while nothing moves
+    """
+
+    variance: Floats
+    rounding: Floats
+
+    def of_mean(self, n_samples: int) -> Floats:
+        """Return the variance of a mean of so many samples."""
+        return np.maximum(self.variance / n_samples + self.rounding, _FINEST**2)
+
+
+def noise_of(readings: Floats) -> Noise:
+    r"""Measure the noise of readings, (n, n_channel), at least four of them.
+
+    Third differences are taken in cells, and the calmest quarter of the cells counts, so a motion that is slow
+    against the sampling rate does not show. A converter of step s that is fed noise of standard deviation
+    :math:`\sigma` hides :math:`s^2/12\; e^{-4\pi^2\sigma^2/s^2}` from a mean however long, which is nothing from
+    half a step of noise on (dither; B. Widrow, I. Kollar, *Quantization Noise*, 2008, ch. 4).
+    """
+    n = len(readings)
+    size = max(4, min(n, 64, n // 4 if n >= 64 else n))
+    begins = np.unique(np.linspace(0, n - size, min(_CELLS, max(1, n // size))).astype(int))
+    cells = np.stack([np.diff(readings[begin : begin + size], n=3, axis=0) for begin in begins])
+    variances = (cells**2).mean(axis=1) / _THIRD
+    calm = np.sort(variances, axis=0)[: max(1, int(_CALM * len(begins)))]
+    # The calmest quarter of equal cells lies below their mean by the spread that a cell's variance has.
+    spread = np.sqrt(4.6 / (size - 3))  # third differences are correlated: 231/100 times the variance of white ones
+    variance = calm.mean(axis=0) / max(0.2, 1.0 - (1.27 * spread if len(begins) >= 4 else 0.0))
+    change = np.abs(np.diff(readings[: 64 * _CELLS], axis=0))
+    step = np.where(change > 0.0, change, np.inf).min(axis=0)
+    step = np.where(np.isfinite(step), step, 0.0)
+    hidden = np.exp(-4.0 * np.pi**2 * variance / np.maximum(step, 1e-12) ** 2)
+    return Noise(variance, step**2 / 12.0 * hidden)

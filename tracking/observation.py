@@ -1,0 +1,231 @@
+"""What the sensors should read in a state, and how that changes with the state: compiled, one instant at a time.
+
+The state begins with q, dq, ddq of joint 1, then of joint 2 and so on; then follows one offset a channel; then
+constants, of which each is there or not: lengths a and d of links; of each AC-coupled sensor what it would read
+once it has forgotten everything, and its corner; of each sensor scale, misalignment and place. Lengths, corners and
+mountings are departures from what the arm file says.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from arm.chain import Chain, chain_of
+from arm.kinematics import rotation_from_rpy
+from arm.model import Arm, Floats
+from arm.newton_euler import cross, poses, rigid_motion, turned_back
+from arm.reading_slopes import SEEDS, at_lever, lever_slope, motion_slopes, row
+from limbcal.compiled import compiled
+
+#: Constants a sensor: three of scale, three of misalignment, three of place.
+MOUNTING = 9
+
+
+class Observation(NamedTuple):
+    """Constants of the observation; columns count from 0 in the state, -1 where the state has no such entry.
+
+    Attributes
+    ----------
+    chain : Chain
+    link : (n_sensor,)
+        The link that each sensor rides on, from 0.
+    position : (n_sensor, 3)
+    rotation : (n_sensor, 3, 3)
+        From sensor axes to link axes.
+    scale : (n_sensor, 3)
+        What a sensor reads for one m/s^2.
+    length_column : (n_joint, 2)
+        Of a and d.
+    corner : (n_sensor,) [rad/s]
+        Below which a sensor forgets; 0 for one that doesn't.
+    settled_column : (n_sensor,)
+        The first of three: what each axis settles at.
+    corner_column : (n_sensor,)
+        Departure of the corner, of those that are to be estimated.
+    mounting_column : (n_sensor,)
+        The first of nine: scale x y z, turn about x y z of the sensor, place x y z on the link.
+    columns : (3 n_sensor, n_most)
+        The state's entries that a channel depends on.
+    n_column : (3 n_sensor,)
+        How many those are.
+    """
+
+    chain: Chain
+    link: NDArray[np.int64]
+    position: Floats
+    rotation: Floats
+    scale: Floats
+    length_column: NDArray[np.int64]
+    corner: Floats
+    settled_column: NDArray[np.int64]
+    corner_column: NDArray[np.int64]
+    mounting_column: NDArray[np.int64]
+    columns: NDArray[np.int64]
+    n_column: NDArray[np.int64]
+
+
+def observation_of(arm: Arm, mountings: bool = False) -> tuple[Observation, int]:
+    """Return the observation of an arm's sensors and the size of the state.
+
+    Parameters
+    ----------
+    arm : Arm
+    mountings : bool
+        Let the state hold scale, misalignment and place of every sensor, and the corner of AC-coupled ones.
+    """
+    n, n_sensor = arm.n_joint, len(arm.sensors)
+    link = np.array([sensor.joint - 1 for sensor in arm.sensors], dtype=np.int64)
+    corner = 2.0 * np.pi * np.array([sensor.highpass_hz for sensor in arm.sensors])
+    size = 3 * n + 3 * n_sensor
+    length_column = np.full((n, 2), -1, dtype=np.int64)
+    for i in range(int(link.max())):  # the far end of the last link with a sensor moves no sensor
+        length_column[i, 0], size = size, size + 1
+        if arm.joints[i + 1].type == "revolute":  # d of the first joint moves all alike; of a sliding one it is its zero
+            length_column[i + 1, 1], size = size, size + 1
+    settled_column, corner_column, mounting_column = np.full((3, n_sensor), -1, dtype=np.int64)
+    for s in np.flatnonzero(corner):
+        settled_column[s], size = size, size + 3
+        if mountings:
+            corner_column[s], size = size, size + 1
+    if mountings:
+        mounting_column[:] = size + MOUNTING * np.arange(n_sensor, dtype=np.int64)
+        size += MOUNTING * n_sensor
+    depends: list[list[int]] = []
+    for s in range(n_sensor):
+        a, d = length_column[: link[s], 0], length_column[: link[s] + 1, 1]
+        shared = [*range(3 * (link[s] + 1)), *a[a >= 0], *d[d >= 0]]
+        if mountings:
+            shared += range(mounting_column[s], mounting_column[s] + MOUNTING)
+        depends += [[*shared, 3 * n + 3 * s + axis] for axis in range(3)]
+    columns = np.zeros((3 * n_sensor, max(map(len, depends))), dtype=np.int64)
+    for channel, entries in enumerate(depends):
+        columns[channel, : len(entries)] = entries
+    observation = Observation(
+        chain_of(arm),
+        link,
+        np.array([sensor.position_m for sensor in arm.sensors], dtype=float).reshape(-1, 3),
+        np.array([rotation_from_rpy(*sensor.rotation_rad) for sensor in arm.sensors]).reshape(-1, 3, 3),
+        np.array([sensor.scale for sensor in arm.sensors], dtype=float).reshape(-1, 3),
+        length_column,
+        corner,
+        settled_column,
+        corner_column,
+        mounting_column,
+        columns,
+        np.array([len(entries) for entries in depends], dtype=np.int64),
+    )
+    return observation, size
+
+
+class Room(NamedTuple):
+    """What `observe` works in, so that it need not ask for memory at every instant."""
+
+    geometry: Floats
+    q: Floats
+    dq: Floats
+    ddq: Floats
+    R: Floats
+    p: Floats
+    motion: Floats
+    slopes: Floats
+
+
+@compiled
+def room_of(n: int) -> Room:
+    """Return room for an arm of n joints."""
+    return Room(
+        np.empty((n, 5)),
+        np.empty(n),
+        np.empty(n),
+        np.empty(n),
+        np.empty((n, 3, 3)),
+        np.empty((n, 3)),
+        np.empty((n, 3, 3)),
+        np.zeros((n, SEEDS * n, 3, 3)),
+    )
+
+
+@compiled
+def observe(of: Observation, room: Room, x: Floats, reading: Floats, slope: Floats) -> None:
+    """Fill in what every channel reads in state x, (3 n_sensor,), and its slopes, (3 n_sensor, n_state).
+
+    Only those entries of ``slope`` are written that `Observation.columns` names.
+    """
+    n, n_sensor = room.q.size, of.link.size
+    room.geometry[:] = of.chain.geometry
+    for j in range(n):
+        room.q[j], room.dq[j], room.ddq[j] = x[3 * j], x[3 * j + 1], x[3 * j + 2]
+        if of.length_column[j, 0] >= 0:
+            room.geometry[j, 1] += x[of.length_column[j, 0]]
+        if of.length_column[j, 1] >= 0:
+            room.geometry[j, 2] += x[of.length_column[j, 1]]
+    chain = Chain(of.chain.revolute, room.geometry, of.chain.inertial, of.chain.friction, of.chain.gravity)
+    poses(chain, room.q, room.R, room.p)
+    rigid_motion(chain, chain.gravity, room.R, room.p, room.dq, room.ddq, room.motion)
+    motion_slopes(chain, room.R, room.p, room.motion, room.dq, room.slopes)
+    for s in range(n_sensor):
+        channel, link, rotation = 3 * s, of.link[s], of.rotation[s]
+        first = of.mounting_column[s]
+        w, dw = row(room.motion[link, 0]), row(room.motion[link, 1])
+        px, py, pz = row(of.position[s])
+        gx, gy, gz = row(of.scale[s])
+        turn = (0.0, 0.0, 0.0)
+        if first >= 0:
+            gx, gy, gz = gx + x[first], gy + x[first + 1], gz + x[first + 2]
+            turn = row(x[first + 3 : first + 6])
+            px, py, pz = px + x[first + 6], py + x[first + 7], pz + x[first + 8]
+        place, gain = (px, py, pz), (gx, gy, gz)
+        lever, dv = at_lever(w, dw, place), row(room.motion[link, 2])
+        upright = turned_back(rotation, (dv[0] + lever[0], dv[1] + lever[1], dv[2] + lever[2]))
+        felt = turned_by(turn, upright)
+        for c in range(3):
+            reading[channel + c] = gain[c] * felt[c] + x[3 * n + channel + c]
+            slope[channel + c, 3 * n + channel + c] = 1.0
+        for i in range(link + 1):
+            for k in range(SEEDS):
+                column = 3 * i + k if k < 3 else of.length_column[i, k - 3]
+                if column < 0 or (k == 3 and i == link):
+                    continue
+                t = room.slopes[link, SEEDS * i + k]
+                swing, tdv = lever_slope(w, row(t[0]), row(t[1]), place), row(t[2])
+                a = (tdv[0] + swing[0], tdv[1] + swing[1], tdv[2] + swing[2])
+                a = turned_by(turn, turned_back(rotation, a))
+                for c in range(3):
+                    slope[channel + c, column] = gain[c] * a[c]
+        if first >= 0:
+            mounting_slopes(rotation, turn, gain, felt, w, dw, slope[channel : channel + 3], first)
+
+
+@compiled
+def mounting_slopes(
+    rotation: Floats,
+    turn: tuple[float, float, float],
+    gain: tuple[float, float, float],
+    felt: tuple[float, float, float],
+    w: tuple[float, float, float],
+    dw: tuple[float, float, float],
+    slope: Floats,
+    first: int,
+) -> None:
+    """Fill in the slopes (3, n_state) of one sensor by its scale, turn and place."""
+    axes = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
+    for k in range(3):
+        turned = cross(felt, axes[k])  # to first order in what the turn still lacks
+        moved = turned_by(turn, turned_back(rotation, at_lever(w, dw, axes[k])))
+        for c in range(3):
+            slope[c, first + k] = felt[c] if c == k else 0.0
+            slope[c, first + 3 + k] = gain[c] * turned[c]
+            slope[c, first + 6 + k] = gain[c] * moved[c]
+
+
+@compiled
+def turned_by(turn: tuple[float, float, float], a: tuple[float, float, float]) -> tuple[float, float, float]:
+    """Return a vector as a sensor sees it that is turned by a small rotation vector: ``Exp(turn)^T a``."""
+    if turn[0] == 0.0 and turn[1] == 0.0 and turn[2] == 0.0:
+        return a
+    angle = np.sqrt(turn[0] ** 2 + turn[1] ** 2 + turn[2] ** 2)
+    s, c = np.sin(angle) / angle, (1.0 - np.cos(angle)) / angle**2
+    one = cross(turn, a)
+    two = cross(turn, one)
+    return a[0] - s * one[0] + c * two[0], a[1] - s * one[1] + c * two[1], a[2] - s * one[2] + c * two[2]

@@ -1,0 +1,215 @@
+"""Joint motion from a whole recording at once: every reading counts for every instant.
+
+A fixed-interval smoother, iterated: each pass linearises the readings along the motion that the pass before found,
+which is Gauss and Newton's method for the most probable motion (B. M. Bell, *The iterated Kalman smoother as a
+Gauss-Newton method*, 1994). The first passes go in coarser steps, since only their motion is wanted.
+"""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.stats import chi2
+
+from arm.model import Arm, Floats
+from tracking.forward_filter import filter_all
+from tracking.kalman_step import Course
+from tracking.noise import Noise
+from tracking.observation import Observation, observation_of, room_of
+from tracking.smoothing_pass import smooth_once
+from tracking.start import MountingPrior, start_state
+from tracking.stillness import CELL_S, WINDOW_S, window_of
+
+#: By how much a joint's acceleration may wander in a second [rad/s^2 or m/s^2]; more than that is a jolt.
+PUSH_STD = 1.7
+#: By how much an offset may wander in a second [m/s^2], besides what rounding does.
+WANDER_STD = 2e-5
+#: Chance that mere noise misses by so much that an instant is looked at again.
+_ALARM = 1e-6
+#: Frames that are one in the coarser passes.
+_COARSE = 4
+#: Passes end when no state moves by more than this share of its standard deviation.
+_CLOSE_ENOUGH = 0.02
+_PASSES = 30
+
+
+@dataclass(frozen=True)
+class Smoothed:
+    """A motion, and how well it is known.
+
+    Attributes
+    ----------
+    states : (n, n_state)
+        Of every frame, in the order of `tracking.observation`.
+    variance : (n, 3 n_joint)
+        Of q, dq, ddq of every joint.
+    final, covariance : (n_state,), (n_state, n_state)
+        After the last reading: what is known of the constants.
+    before : (n_state, n_state)
+        Covariance before the first reading.
+    resting : (n,) bool
+    doubted : float
+        Share of the instants at which the readings contradict the arm.
+    passes : int
+    converged : bool
+    """
+
+    states: Floats
+    variance: Floats
+    final: Floats
+    covariance: Floats
+    before: Floats
+    resting: NDArray[np.bool_]
+    doubted: float
+    passes: int
+    converged: bool
+
+
+@dataclass(frozen=True)
+class Readings:
+    """Decimated readings: (n, n_channel), which of them are there, and their noise by sample and frame."""
+
+    values: Floats
+    present: NDArray[np.bool_]
+    dt_s: float
+    noise: Noise
+    factor: int
+
+
+def alarm_limit(n_channel: int) -> float:
+    """Return the squared size of an instant's misses beyond which they are not noise."""
+    return float(chi2.isf(_ALARM, n_channel))
+
+
+def course_of(readings: Readings, n_joint: int) -> Course:
+    """Return readings as a course of which nothing more is known."""
+    n = len(readings.values)
+    noise = readings.noise.of_mean(readings.factor)
+    return Course(
+        readings.dt_s,
+        readings.values,
+        readings.present,
+        noise,
+        WANDER_STD**2 + readings.noise.rounding,
+        np.full(n_joint, PUSH_STD**2),
+        np.zeros((n, n_joint)),
+        np.ones(n),
+        np.zeros((n, n_joint)),
+    )
+
+
+def first_mean(readings: Readings) -> Floats:
+    """Return the mean reading of the first quarter of a second."""
+    count = max(1, round(WINDOW_S / readings.dt_s))
+    present = readings.values[:count][readings.present[:count]]
+    mean: Floats = present.mean(axis=0)
+    return mean
+
+
+class Smoother:
+    """Smooths a recording.
+
+    Parameters
+    ----------
+    arm : Arm
+    q : (n_joint,)
+        Where the arm rests when the recording begins.
+    given : bool
+        Somebody measured ``q``, see `tracking.start.start_state`.
+    mounting : MountingPrior, optional
+        Estimate scale, misalignment and place of every sensor too, which are held to be no further off than this.
+    """
+
+    def __init__(self, arm: Arm, q: Floats, given: bool, mounting: MountingPrior | None = None) -> None:
+        self.observation, self.size = observation_of(arm, mounting is not None)
+        self._arm, self._q, self._given = arm, q, given
+        self._mounting = MountingPrior() if mounting is None else mounting
+
+    def smooth(self, readings: Readings, fine: bool = True) -> Smoothed:
+        """Return the most probable motion.
+
+        Parameters
+        ----------
+        readings : Readings
+        fine : bool
+            Give every frame; otherwise one in four, which is all that constants need.
+        """
+        of, arm, n = self.observation, self._arm, self._arm.n_joint
+        x0, P0 = start_state(arm, of, self.size, first_mean(readings), self._q, self._given, self._mounting)
+        course = course_of(readings, n)
+        states, resting = self._filter(course, readings, x0, P0)
+        coarse, at = _coarser(course), _every(states, _COARSE)
+        passes, converged = 0, False
+        room, variance = room_of(n), np.empty((len(at), 3 * n))
+        smoothed = np.empty_like(at)
+        while passes < _PASSES and not converged:
+            x, P = x0.copy(), P0.copy()
+            smooth_once(of, room, coarse, at, x, P, smoothed, variance, not fine)
+            std = np.sqrt(np.maximum(np.diag(P), 1e-12))
+            moved = np.abs(smoothed - at).max(axis=0) / std
+            passes, converged = passes + 1, bool(moved.max() < _CLOSE_ENOUGH)
+            at, smoothed = smoothed, at
+        if fine:
+            at = _finer(at, states)
+            variance, smoothed = np.empty((len(states), 3 * n)), np.empty_like(states)
+            x, P = x0.copy(), P0.copy()
+            smooth_once(of, room, course, at, x, P, smoothed, variance, True)
+            at = smoothed
+        doubted = float(np.mean(course.doubt > 1.0))
+        return Smoothed(at, variance, x, P, P0, resting, doubted, passes, converged)
+
+    def _filter(
+        self, course: Course, readings: Readings, x0: Floats, P0: Floats
+    ) -> tuple[Floats, NDArray[np.bool_]]:
+        cell = max(1, round(CELL_S / readings.dt_s))
+        cell_noise = readings.noise.of_mean(readings.factor * cell)
+        window = window_of(cell * readings.dt_s, self.size, cell_noise, readings.noise.rounding)
+        states = np.empty((len(readings.values), self.size))
+        resting = np.zeros(len(states), dtype=np.bool_)
+        limit = alarm_limit(len(course.noise))
+        room = room_of(self._arm.n_joint)
+        filter_all(
+            self.observation, room, course, window, cell, limit, x0.copy(), P0.copy(), states, resting
+        )
+        return states, resting
+
+
+def _every(values: Floats, stride: int) -> Floats:
+    count = -(-len(values) // stride)
+    picked: Floats = values[np.minimum(stride * np.arange(count) + stride // 2, len(values) - 1)]
+    return picked.copy()
+
+
+def _coarser(course: Course) -> Course:
+    """Return the course in steps of several frames: means of readings, sums of jolts."""
+    stride = _COARSE
+    pad = -len(course.readings) % stride
+
+    def blocks(values: NDArray[np.generic], fill: str) -> NDArray[np.generic]:
+        padded = np.concatenate([values, np.repeat(values[-1:], pad, axis=0)]) if fill == "last" else values
+        return padded.reshape(-1, stride, *values.shape[1:])
+
+    present = blocks(course.present.astype(float), "last")
+    weight = present.sum(axis=1)
+    total = (blocks(course.readings, "last") * present[..., None]).sum(axis=1)
+    doubt = blocks(course.doubt, "last").mean(axis=1)
+    rest = blocks(course.rest, "last")
+    return course._replace(
+        dt=stride * course.dt,
+        readings=total / np.maximum(weight, 1.0)[:, None],
+        present=weight > 0,
+        noise=course.noise / stride,
+        jolt=blocks(course.jolt, "last").sum(axis=1),
+        doubt=doubt * stride / np.maximum(weight, 1.0),
+        rest=np.where((rest > 0.0).all(axis=1), rest.mean(axis=1) / stride, 0.0),
+    )
+
+
+def _finer(coarse: Floats, like: Floats) -> Floats:
+    """Return coarse states at every frame, by straight lines between them."""
+    at = (np.arange(len(like)) - _COARSE // 2) / _COARSE
+    low = np.clip(np.floor(at).astype(int), 0, max(0, len(coarse) - 2))
+    share = (at - low)[:, None]
+    high = np.minimum(low + 1, len(coarse) - 1)
+    fine: Floats = coarse[low] * (1.0 - share) + coarse[high] * share
+    return fine

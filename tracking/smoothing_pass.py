@@ -1,0 +1,201 @@
+"""Fixed-interval smoothing, one pass: forwards with the filter, backwards with its adjoint (Bryson and Frazier).
+
+The backward pass carries a vector and a matrix that say by how much later readings move an earlier estimate and
+shrink its covariance; no covariance is inverted, so constants, exactly known entries and readings taken in one by
+one are no trouble. (A. E. Bryson, M. Frazier, 1963; G. J. Bierman, *Fixed interval smoothing with discrete
+measurements*, 1973.) What the filter did is not kept but done again, a stretch at a time, from marks left on the
+way: memory stays bounded by the length of a stretch and the number of marks.
+"""
+
+import numpy as np
+
+from arm.model import Floats
+from limbcal.compiled import compiled
+from tracking.kalman_step import Course, Taken, correct, forgetting, hold, predict
+from tracking.observation import Observation, Room
+
+#: Instants between two marks.
+STRETCH = 128
+
+
+@compiled
+def smooth_once(
+    of: Observation,
+    room: Room,
+    course: Course,
+    at: Floats,
+    x: Floats,
+    P: Floats,
+    smoothed: Floats,
+    variance: Floats,
+    with_variance: bool,
+) -> float:
+    """Fill in the smoothed states (n, n_state), all readings being linearised along ``at`` (n, n_state).
+
+    Parameters
+    ----------
+    x, P : (n_state,), (n_state, n_state)
+        Before the first reading; after the call, after the last one.
+    variance : (n, 3 n_joint)
+        Filled in where ``with_variance``: of q, dq, ddq of every joint.
+
+    Returns
+    -------
+    float
+        The misses' squared size, minus twice the logarithm of the readings' likelihood up to a constant.
+    """
+    n, size = course.readings.shape[0], x.size
+    marks = (n + STRETCH - 1) // STRETCH
+    mark_x, mark_P = np.empty((marks, size)), np.empty((marks, size, size))
+    taken = room_to_take(course, size)
+    cost = 0.0
+    for m in range(marks):
+        mark_x[m], mark_P[m] = x, P
+        for k in range(m * STRETCH, min(n, (m + 1) * STRETCH)):
+            cost += filter_step(of, room, course, k, at, x, P, taken[0])
+            for row in range(taken[0].total.size):
+                if np.isfinite(taken[0].total[row]):
+                    cost += np.log(taken[0].total[row])
+    last_x, last_P = x.copy(), P.copy()
+    after_x, after_P = np.empty((STRETCH, size)), np.empty((STRETCH, size, size))
+    later, shrink = np.zeros(size), np.zeros((size, size))
+    for m in range(marks - 1, -1, -1):
+        x[:], P[:] = mark_x[m], mark_P[m]
+        first, last = m * STRETCH, min(n, (m + 1) * STRETCH)
+        for k in range(first, last):
+            filter_step(of, room, course, k, at, x, P, taken[k - first])
+            after_x[k - first], after_P[k - first] = x, P
+        for k in range(last - 1, first - 1, -1):
+            i = k - first
+            for a in range(size):
+                moved = 0.0
+                for b in range(size):
+                    moved += after_P[i, a, b] * later[b]
+                smoothed[k, a] = after_x[i, a] - moved
+            if with_variance:
+                joint_variance(after_P[i], shrink, variance[k])
+            give_back(of, course, k, taken[i], later, shrink, with_variance)
+            if k > 0:
+                carry_back(of, course, k, at[k], later, shrink, with_variance)
+    x[:], P[:] = last_x, last_P
+    return cost
+
+
+@compiled
+def room_to_take(course: Course, size: int) -> list[Taken]:
+    """Return room for what is taken in within a stretch."""
+    n_channel, n_joint = course.noise.size, course.push.size
+    slope = np.zeros((STRETCH, n_channel, size))
+    gain = np.zeros((STRETCH, n_channel + n_joint, size))
+    miss, total = np.zeros((STRETCH, n_channel + n_joint)), np.zeros((STRETCH, n_channel + n_joint))
+    return [Taken(slope[i], gain[i], miss[i], total[i]) for i in range(STRETCH)]
+
+
+@compiled
+def filter_step(
+    of: Observation, room: Room, course: Course, k: int, at: Floats, x: Floats, P: Floats, taken: Taken
+) -> float:
+    """Carry the filter to instant k and take in what was read there; return the misses' squared size."""
+    if k > 0:
+        predict(of, course, k, x, P)
+    taken.total[:] = np.inf
+    squared = 0.0
+    if course.present[k]:
+        squared = correct(of, room, course, k, at[k], x, P, taken)
+    hold(course, k, x, P, taken)
+    return squared
+
+
+@compiled
+def joint_variance(P: Floats, shrink: Floats, variance: Floats) -> None:
+    """Fill in the diagonal of ``P - P shrink P`` for the joints."""
+    size = P.shape[0]
+    for a in range(variance.size):
+        less = 0.0
+        for b in range(size):
+            product = 0.0
+            for c in range(size):
+                product += shrink[b, c] * P[a, c]
+            less += product * P[a, b]
+        variance[a] = P[a, a] - less
+
+
+@compiled
+def give_back(
+    of: Observation, course: Course, k: int, taken: Taken, later: Floats, shrink: Floats, with_variance: bool
+) -> None:
+    """Carry the adjoint from after the readings of instant k to before them, the last one first."""
+    n_channel, size = course.noise.size, later.size
+    one, column = np.ones(size), np.zeros(1, dtype=np.int64)
+    for row in range(taken.total.size - 1, -1, -1):
+        total, gain = taken.total[row], taken.gain[row]
+        if not np.isfinite(total):
+            continue
+        if row < n_channel:
+            columns, slope = of.columns[row, : of.n_column[row]], taken.slope[row]
+        else:
+            column[0] = 3 * (row - n_channel) + 1
+            columns, slope = column[:1], one
+        pull = taken.miss[row] / total
+        for a in range(size):
+            pull += gain[a] * later[a]
+        for c in columns:
+            later[c] -= slope[c] * pull
+        if with_variance:
+            shrink_back(shrink, gain, total, slope, columns)
+
+
+@compiled
+def shrink_back(shrink: Floats, gain: Floats, total: float, slope: Floats, columns: np.ndarray) -> None:
+    """Replace S by ``(I - K h)^T S (I - K h) + h^T h / total``, h being the sparse row ``slope``."""
+    size = gain.size
+    product = np.empty(size)
+    square = 1.0 / total
+    for a in range(size):
+        total_a = 0.0
+        for b in range(size):
+            total_a += shrink[a, b] * gain[b]
+        product[a] = total_a
+        square += total_a * gain[a]
+    for c in columns:
+        for a in range(size):
+            shrink[a, c] -= product[a] * slope[c]
+            shrink[c, a] -= product[a] * slope[c]
+    for c in columns:
+        for b in columns:
+            shrink[b, c] += square * slope[b] * slope[c]
+
+
+@compiled
+def carry_back(
+    of: Observation, course: Course, k: int, at: Floats, later: Floats, shrink: Floats, with_variance: bool
+) -> None:
+    """Carry the adjoint from instant k to k - 1: the transpose of `predict`."""
+    dt, n = course.dt, course.push.size
+    half = 0.5 * dt * dt
+    for s in range(of.corner.size):
+        if of.settled_column[s] < 0:
+            continue
+        for axis in range(3):
+            channel = 3 * s + axis
+            o, settled, corner_at = 3 * n + channel, of.settled_column[s] + axis, of.corner_column[s]
+            corner, stands = forgetting(of, course, k, channel, at)
+            add_back(later, shrink, settled, o, dt * corner, with_variance)
+            if corner_at >= 0:
+                add_back(later, shrink, corner_at, o, -dt * stands, with_variance)
+    for j in range(n):
+        q = 3 * j
+        add_back(later, shrink, q + 2, q, half, with_variance)  # ddq before dq: both still mean what they were
+        add_back(later, shrink, q + 2, q + 1, dt, with_variance)
+        add_back(later, shrink, q + 1, q, dt, with_variance)
+
+
+@compiled
+def add_back(later: Floats, shrink: Floats, to: int, source: int, factor: float, with_variance: bool) -> None:
+    """Add ``factor`` times entry ``source`` to entry ``to``, of the vector and on both sides of the matrix."""
+    later[to] += factor * later[source]
+    if with_variance:
+        for b in range(later.size):
+            shrink[to, b] += factor * shrink[source, b]
+        for b in range(later.size):
+            shrink[b, to] += factor * shrink[b, source]

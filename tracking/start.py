@@ -1,0 +1,120 @@
+"""What is held of the state before the first reading."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from arm.model import Arm, Floats
+from tracking.observation import MOUNTING, Observation, observe, room_of
+
+#: An accelerometer's offset out of the box, and after it was measured [m/s^2].
+_OFFSET_STD, _KNOWN_OFFSET_STD = 0.2, 0.02
+#: An AC-coupled one may stand anywhere, and what it settles at is read off while it has settled [m/s^2].
+_UNSETTLED_STD, _SETTLED_STD = 20.0, 0.002
+#: How well an angle is known that was given, and one that was not [rad]; those that gravity doesn't show are the zero.
+GIVEN_STD, GUESSED_STD = 0.01, 1.0
+_EXACT_STD = 1e-5
+_SPEED_STD, _ACCELERATION_STD = 1e-2, 10.0
+#: A length that the arm file does not say the accuracy of may be a guess [m].
+_LEAST_LENGTH_STD_M = 0.1
+#: A corner is known to a third, as resistors and capacitors are.
+_CORNER_SHARE = 0.3
+
+
+@dataclass(frozen=True)
+class MountingPrior:
+    """How carefully sensors are mounted and made: standard deviations."""
+
+    scale: float = 0.01
+    turn_rad: float = 0.0175
+    place_m: float = 0.002
+
+
+def start_state(
+    arm: Arm, of: Observation, size: int, first: Floats, q: Floats, given: bool, mounting: MountingPrior
+) -> tuple[Floats, Floats]:
+    """Return state and covariance before the first reading.
+
+    Parameters
+    ----------
+    arm : Arm
+    of, size
+        As from `tracking.observation.observation_of`.
+    first : (n_channel,)
+        Mean of the first readings, while the arm rests.
+    q : (n_joint,)
+        Where the arm rests when tracking begins.
+    given : bool
+        Somebody measured ``q``; otherwise gravity is asked first, as far as it shows an angle.
+    mounting : MountingPrior
+
+    Returns
+    -------
+    x : (n_state,)
+    P : (n_state, n_state)
+    """
+    n, n_sensor = arm.n_joint, len(arm.sensors)
+    x, P = np.zeros(size), np.zeros((size, size))
+    bias = np.array([sensor.bias_m_s2 for sensor in arm.sensors], dtype=float).ravel()
+    coupled = np.repeat(of.corner > 0.0, 3)
+    offset = slice(3 * n, 3 * n + 3 * n_sensor)
+    x[offset] = bias
+    offset_std = np.where(bias != 0.0, _KNOWN_OFFSET_STD, _OFFSET_STD)
+    offset_std[coupled] = _UNSETTLED_STD
+    x[: 3 * n : 3] = q if given else _level(of, x, first, offset_std, q)
+    reading, slope = _at_rest(of, x)
+    x[offset] += np.where(coupled, first - reading, 0.0)
+    P[: 3 * n : 3, : 3 * n : 3] = _angle_covariance(slope[:, : 3 * n : 3] / offset_std[:, None], given)
+    std = np.zeros(size)
+    std[1 : 3 * n : 3], std[2 : 3 * n : 3], std[offset] = _SPEED_STD, _ACCELERATION_STD, offset_std
+    for joint, columns in zip(arm.joints, of.length_column, strict=True):
+        for length, column in zip((joint.a_m, joint.d_m), columns, strict=True):
+            if column >= 0:
+                guess = max(abs(length), _LEAST_LENGTH_STD_M)
+                std[column] = guess if joint.length_std_m is None else joint.length_std_m
+    for s in range(n_sensor):
+        if of.settled_column[s] >= 0:
+            settled = slice(of.settled_column[s], of.settled_column[s] + 3)
+            x[settled], std[settled] = first[3 * s : 3 * s + 3], _SETTLED_STD
+        if of.corner_column[s] >= 0:
+            std[of.corner_column[s]] = _CORNER_SHARE * of.corner[s]
+        if of.mounting_column[s] >= 0:
+            begin = of.mounting_column[s]
+            std[begin : begin + MOUNTING] = np.repeat((mounting.scale, mounting.turn_rad, mounting.place_m), 3)
+    P += np.diag(std**2)
+    return x, P
+
+
+def _at_rest(of: Observation, x: Floats) -> tuple[Floats, Floats]:
+    n_channel = 3 * of.link.size
+    reading, slope = np.empty(n_channel), np.zeros((n_channel, x.size))
+    observe(of, room_of(of.chain.revolute.size), x, reading, slope)
+    return reading, slope
+
+
+def _level(of: Observation, x: Floats, first: Floats, offset_std: Floats, q: Floats) -> Floats:
+    """Return the angles at which gravity explains what is read at rest, the nearest to ``q``."""
+    n = q.size
+    x, found = x.copy(), q.copy()
+    for _ in range(20):
+        x[: 3 * n : 3] = found
+        reading, slope = _at_rest(of, x)
+        H = slope[:, : 3 * n : 3] / offset_std[:, None]
+        step = np.linalg.solve(
+            H.T @ H + np.eye(n) / GUESSED_STD**2,
+            H.T @ ((first - reading) / offset_std) - (found - q) / GUESSED_STD**2,
+        )
+        found = found + np.clip(step, -0.5, 0.5)
+        if np.abs(step).max() < 1e-9:
+            break
+    return found
+
+
+def _angle_covariance(H: Floats, given: bool) -> Floats:
+    """Return the angles' covariance; combinations that gravity doesn't show are what everything is counted from."""
+    std = GIVEN_STD if given else GUESSED_STD
+    information, axes = np.linalg.eigh(H.T @ H)
+    shown = information * std**2 > 1.0
+    covariance: Floats = (axes * np.where(shown, std**2, _EXACT_STD**2)) @ axes.T
+    return covariance
+

@@ -1,0 +1,127 @@
+"""Recognising from the readings that the arm rests, and how well its velocity is then known to be zero: compiled.
+
+An arm that moves at constant speed and one that rests read nearly alike. So three things must agree over a window:
+the readings stay what they are, they are what an arm at rest in the estimated pose would read, and the estimated
+velocities are nothing to speak of; each within what noise and the filter's own covariance allow.
+
+What could still hide is an acceleration as small as the window's noise. An arm that comes to rest loses its speed
+within a time of about a second, so the speed that could hide is that acceleration times a second.
+"""
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from arm.model import Floats
+from limbcal.compiled import compiled
+from tracking.observation import Observation, Room, observe
+
+#: How long the readings must stay what they are, and the cells in which they are compared.
+WINDOW_S, CELL_S = 0.25, 0.01
+#: How many standard deviations a window, and a single cell of it, may be off.
+_WINDOW_SIGMAS, _CELL_SIGMAS = 4.0, 5.5
+#: An arm that comes to rest loses its speed within this time.
+_SETTLING_S = 1.0
+#: The speed that could hide is worth so many standard deviations of the acceleration that could.
+_HIDDEN_SIGMAS = 3.0
+#: A hidden speed changes this slowly, so that many readings at rest say little more than one.
+_MEMORY_S = 0.5
+#: No joint accelerates more [rad/s^2 or m/s^2].
+_MOST = 100.0
+
+
+class Window(NamedTuple):
+    """The last quarter of a second in cells.
+
+    Attributes
+    ----------
+    cells : (n_cell, n_channel)
+        Means of readings, a ring.
+    room_reading, room_slope : (n_channel,), (n_channel, n_state)
+    noise : (n_channel,)
+        Variance of a cell's mean.
+    rounding : (n_channel,)
+        Variance of what the converter hides from every reading alike while nothing moves.
+    """
+
+    cells: Floats
+    room_reading: Floats
+    room_slope: Floats
+    noise: Floats
+    rounding: Floats
+
+
+def window_of(cell_s: float, size: int, cell_noise: Floats, rounding: Floats) -> Window:
+    """Return an empty window.
+
+    Parameters
+    ----------
+    cell_s : float
+        How long a cell lasts.
+    size : int
+        Entries of the state.
+    cell_noise, rounding : (n_channel,)
+        Variances, see `Window`.
+    """
+    n_channel = len(cell_noise)
+    cells = np.zeros((max(4, round(WINDOW_S / cell_s)), n_channel))
+    return Window(cells, np.zeros(n_channel), np.zeros((n_channel, size)), cell_noise, rounding)
+
+
+@compiled
+def unsteadiness(window: Window, oldest: int) -> float:
+    """Return how far the readings in the window change, as a share of what noise may do; ``oldest`` is a row."""
+    cells = window.cells
+    n_cell, half = cells.shape[0], cells.shape[0] // 2
+    worst = 0.0
+    for channel in range(cells.shape[1]):
+        early, late, mean = 0.0, 0.0, cells[:, channel].mean()
+        for i in range(half):
+            early += cells[(oldest + i) % n_cell, channel] / half
+            late += cells[(oldest + n_cell - half + i) % n_cell, channel] / half
+        sigma = math.sqrt(2.0 * window.noise[channel] / half + 2.0 * window.rounding[channel])
+        worst = max(worst, abs(late - early) / (_WINDOW_SIGMAS * sigma))
+        sigma = math.sqrt(window.noise[channel] + window.rounding[channel])
+        worst = max(worst, np.abs(cells[:, channel] - mean).max() / (_CELL_SIGMAS * sigma))
+    return worst
+
+
+@compiled
+def unrest(of: Observation, room: Room, window: Window, oldest: int, x: Floats, P: Floats, hidden: Floats) -> float:
+    """Return how far the window is from rest, as a share of what a rest may be off: below 1 the arm rests.
+
+    The variance of the speed that could hide is left in ``hidden`` (n_joint,).
+    """
+    n, n_cell = hidden.size, window.cells.shape[0]
+    worst = unsteadiness(window, oldest)
+    still = x.copy()
+    for j in range(n):
+        still[3 * j + 1] = still[3 * j + 2] = 0.0
+    observe(of, room, still, window.room_reading, window.room_slope)
+    seen = np.eye(n) / _MOST**2
+    for channel in range(window.noise.size):
+        o, slope = 3 * n + channel, window.room_slope[channel]
+        within = window.noise[channel] / n_cell + window.rounding[channel]
+        variance, level = within + P[o, o], window.room_reading[channel]
+        if of.settled_column[channel // 3] >= 0:
+            level -= x[o]  # of an AC-coupled channel the cells hold what is left without its offset
+        for j in range(of.link[channel // 3] + 1):
+            variance += 2.0 * slope[3 * j] * P[3 * j, o]
+            for i in range(of.link[channel // 3] + 1):
+                variance += slope[3 * j] * slope[3 * i] * P[3 * j, 3 * i]
+                seen[i, j] += slope[3 * i + 2] * slope[3 * j + 2] / within
+        off = abs(window.cells[:, channel].mean() - level)
+        worst = max(worst, off / (_WINDOW_SIGMAS * math.sqrt(variance)))
+    acceleration = np.linalg.inv(seen)
+    for j in range(n):
+        hidden[j] = (_HIDDEN_SIGMAS * _SETTLING_S) ** 2 * acceleration[j, j]
+        speed = math.sqrt(hidden[j]) + math.sqrt(P[3 * j + 1, 3 * j + 1])
+        worst = max(worst, abs(x[3 * j + 1]) / (_WINDOW_SIGMAS * speed))
+    return worst
+
+
+@compiled
+def rest_variance(hidden: float, dt: float) -> float:
+    """Return the variance of a velocity's being zero, to be taken in at every instant of a rest."""
+    return hidden * 2.0 * _MEMORY_S / dt
