@@ -12,7 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from arm.accelerometer import specific_force
-from arm.model import STANDARD_GRAVITY_M_S2, Arm, Floats, Sensor
+from arm.highpass import HighPass
+from arm.model import STANDARD_GRAVITY_M_S2, Arm, Floats
 from arm.simulation import Motion, simulate
 from limbcal.errors import ConfigError
 
@@ -41,7 +42,7 @@ class Bench:
 
 @dataclass(frozen=True)
 class SensorErrors:
-    """What keeps the sensors from reading the truth; arrays are (n_sensor, 3)."""
+    """What keeps the sensors from reading what the arm file says; arrays are (n_sensor, 3)."""
 
     noise_m_s2: float
     bias_m_s2: Floats
@@ -155,31 +156,58 @@ def draw_sensor_errors(
     )
 
 
-def mounted(arm: Arm, errors: SensorErrors) -> Arm:
-    """Return the arm with its sensors where and as they really sit."""
+def with_errors(arm: Arm, errors: SensorErrors) -> Arm:
+    """Return the arm with its sensors where and as they really sit, and what they really read; all but noise."""
     sensors = [
-        Sensor(
-            sensor.name,
-            sensor.joint,
-            tuple(np.add(sensor.position_m, errors.offset_m[k]).tolist()),
-            tuple(np.add(sensor.rotation_rad, errors.misalignment_rad[k]).tolist()),
+        replace(
+            sensor,
+            position_m=tuple(np.add(sensor.position_m, errors.offset_m[k]).tolist()),
+            rotation_rad=tuple(np.add(sensor.rotation_rad, errors.misalignment_rad[k]).tolist()),
+            scale=tuple(np.multiply(sensor.scale, errors.scale[k]).tolist()),
+            bias_m_s2=tuple(np.add(sensor.bias_m_s2, errors.bias_m_s2[k]).tolist()),
         )
         for k, sensor in enumerate(arm.sensors)
     ]
     return replace(arm, sensors=tuple(sensors))
 
 
-def counts(arm: Arm, errors: SensorErrors, motion: Motion, rng: np.random.Generator) -> NDArray[np.int16]:
-    """Return what the converters give out: 16 bits over +-5 g, clipped.
+class Sensors:
+    """The sensors of an arm and their converters, over motions that follow each other on one clock.
 
-    Returns
-    -------
-    (n_sample, 3 * n_sensor)
-        Multiply by `COUNT_M_S2` for m/s^2.
+    The element and its charge amplifier scale the specific force and, where they are AC-coupled, forget it; bias
+    and noise are the converter's and stay.
+
+    Parameters
+    ----------
+    arm : Arm
+        As its file has it; scale, bias and corner of its sensors count as well.
+    errors : SensorErrors
+    rate_hz : float
+        Of the motions' samples.
+    rng : Generator
+        Draws the noise.
     """
-    a = specific_force(mounted(arm, errors), motion.q, motion.dq, motion.ddq)
-    a *= errors.scale
-    a += errors.bias_m_s2
-    if errors.noise_m_s2 > 0.0:
-        a += errors.noise_m_s2 * rng.standard_normal(a.shape)
-    return np.clip(np.rint(a / COUNT_M_S2), -32768, 32767).astype(np.int16).reshape(len(a), -1)
+
+    def __init__(self, arm: Arm, errors: SensorErrors, rate_hz: float, rng: np.random.Generator) -> None:
+        self._arm = with_errors(arm, errors)
+        self._scale = np.ravel([sensor.scale for sensor in self._arm.sensors])
+        self._bias_m_s2 = np.ravel([sensor.bias_m_s2 for sensor in self._arm.sensors])
+        self._high_pass = HighPass(np.repeat([sensor.highpass_hz for sensor in arm.sensors], 3), rate_hz)
+        self._noise_m_s2 = errors.noise_m_s2
+        self._rng = rng
+
+    def counts(self, motion: Motion) -> NDArray[np.int16]:
+        """Return what the converters give out: 16 bits over +-5 g, clipped.
+
+        Returns
+        -------
+        (n_sample, 3 * n_sensor)
+            Multiply by `COUNT_M_S2` for m/s^2.
+        """
+        a = specific_force(self._arm, motion.q, motion.dq, motion.ddq).reshape(len(motion.q), -1)
+        a *= self._scale
+        self._high_pass.apply(a)
+        a += self._bias_m_s2
+        if self._noise_m_s2 > 0.0:
+            a += self._noise_m_s2 * self._rng.standard_normal(a.shape)
+        return np.clip(np.rint(a / COUNT_M_S2), -32768, 32767).astype(np.int16)

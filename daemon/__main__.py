@@ -66,6 +66,12 @@ def _parser() -> argparse.ArgumentParser:
     virtual.add_argument(
         "--imperfect-mounting", action="store_true", help="sensors sit not quite where they should"
     )
+    virtual.add_argument(
+        "--highpass-hz",
+        type=_not_negative,
+        metavar="F",
+        help="AC-couple all sensors, with this corner (default: as the arm file says)",
+    )
     virtual.add_argument("--truth", type=Path, metavar="FILE", help="write the true motion here (.npz) at the end")
     virtual.set_defaults(action=_virtual)
     return parser
@@ -113,6 +119,7 @@ def _virtual(arguments: argparse.Namespace) -> None:
         trials=arguments.trials,
         noise=arguments.noise,
         imperfect_mounting=arguments.imperfect_mounting,
+        highpass_hz=arguments.highpass_hz,
     )
     serve(VirtualOptions(plan, arguments.speed, arguments.link, arguments.truth, arguments.json))
 

@@ -108,6 +108,7 @@ def _announce(options: VirtualOptions, path: str) -> None:
                 "speed": options.speed,
                 "trials": plan.trials,
                 "noise": plan.noise,
+                "highpass_hz": plan.highpass_hz,
             }
         )
     )

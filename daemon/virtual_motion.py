@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from arm.bench import Bench, SensorErrors, counts, densify, draw_sensor_errors, motions
+from arm.bench import Bench, Sensors, densify, draw_sensor_errors, motions, rest_angles
 from arm.kinematics import tip_position
 from arm.model import Arm, Floats
 from arm.simulation import Motion, simulate
@@ -22,7 +22,8 @@ Truth = dict[str, Floats]
 class BenchPlan:
     """Which bench is played, and how well its sensors measure.
 
-    ``noise`` is a factor on the bench's white noise and bias; 0 for sensors without either.
+    ``noise`` is a factor on the bench's white noise and bias; 0 for sensors without either. ``highpass_hz`` is the
+    corner of all sensors; unless given, each has that of the arm file.
     """
 
     arm: Arm
@@ -31,6 +32,7 @@ class BenchPlan:
     trials: int
     noise: float = 1.0
     imperfect_mounting: bool = False
+    highpass_hz: float | None = None
 
 
 @dataclass(frozen=True)
@@ -59,22 +61,33 @@ def stretches(plan: BenchPlan) -> Iterator[Stretch]:
     """
     rng = np.random.default_rng([plan.seed, 2])
     errors = draw_sensor_errors(plan.arm, rng, plan.noise, plan.imperfect_mounting)
+    sensors = Sensors(_coupled(plan), errors, plan.rate_hz, rng)
     bench = Bench(rate_hz=plan.rate_hz, learning=plan.trials, evaluating=0)  # of any number the first are the same
     motion: Motion | None = None
     sample = 0
     for trial, motion in enumerate(motions(plan.arm, bench, plan.seed), start=1):
-        yield _stretch(plan, errors, motion, trial, sample, rng)
+        yield _stretch(plan, sensors, motion, trial, sample)
         sample += len(motion.t)
     while True:
         motion = _rest(plan.arm, bench, motion)
-        yield _stretch(plan, errors, motion, 0, sample, rng)
+        yield _stretch(plan, sensors, motion, 0, sample)
         sample += len(motion.t)
+
+
+def _coupled(plan: BenchPlan) -> Arm:
+    if plan.highpass_hz is None:
+        return plan.arm
+    sensors = tuple(replace(sensor, highpass_hz=plan.highpass_hz) for sensor in plan.arm.sensors)
+    return replace(plan.arm, sensors=sensors)
 
 
 def _rest(arm: Arm, bench: Bench, before: Motion | None) -> Motion:
     """Return the arm held where the last target was, from the sample after ``before`` on."""
-    zero = np.zeros(arm.n_joint)
-    ref, q, dq = (zero, zero, zero) if before is None else (before.ref[-1], before.q[-1], before.dq[-1])
+    if before is None:
+        ref = dq = np.zeros(arm.n_joint)
+        q = rest_angles(arm, ref)
+    else:
+        ref, q, dq = before.ref[-1], before.q[-1], before.dq[-1]
     step = 1.0 / bench.simulation_hz
     first = 0 if before is None else 1  # the simulation begins at the last sample, which was sent already
     n_sample = round(_REST_S * bench.rate_hz)
@@ -83,9 +96,7 @@ def _rest(arm: Arm, bench: Bench, before: Motion | None) -> Motion:
     return replace(held, **{name: values[first:] for name, values in vars(held).items()})
 
 
-def _stretch(
-    plan: BenchPlan, errors: SensorErrors, motion: Motion, trial: int, sample0: int, rng: np.random.Generator
-) -> Stretch:
+def _stretch(plan: BenchPlan, sensors: Sensors, motion: Motion, trial: int, sample0: int) -> Stretch:
     stride = truth_stride(plan.rate_hz)
     rows = np.arange(-sample0 % stride, len(motion.q), stride)
     tip = tip_position(plan.arm, motion.q[rows])
@@ -93,4 +104,4 @@ def _stretch(
     for name, values in (("q", motion.q), ("dq", motion.dq), ("ddq", motion.ddq), ("ref", motion.ref)):
         truth |= {f"{name}{j + 1}": values[rows, j] for j in range(values.shape[1])}
     truth |= {f"tip{axis}": tip[:, k] for k, axis in enumerate("xyz")}
-    return Stretch(trial, counts(plan.arm, errors, motion, rng), truth)
+    return Stretch(trial, sensors.counts(motion), truth)

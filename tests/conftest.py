@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from zmq.utils.monitor import recv_monitor_message
 
 from arm.arm_file import format_arm, load_arm
-from arm.bench import COUNT_M_S2, Bench, counts, draw_sensor_errors, motions
+from arm.bench import COUNT_M_S2, Bench, Sensors, draw_sensor_errors, motions
 from arm.model import Arm
 from arm.simulation import Motion, simulate
 from fitter.calibration import Calibration
@@ -66,13 +66,13 @@ class ShortRun:
 def short_run() -> ShortRun:
     arm, bench = load_arm("dd-arm"), Bench(rate_hz=4000.0, learning=2, evaluating=1)
     rng = np.random.default_rng(0)
-    errors = draw_sensor_errors(arm, rng, noise=0.0)
+    sensors = Sensors(arm, draw_sensor_errors(arm, rng, noise=0.0), bench.rate_hz, rng)
     trials = list(motions(arm, bench, seed=0))
     at_end, step = trials[-1], 1.0 / bench.rate_hz
     held = np.tile(at_end.ref[-1], (round(TAIL_S * bench.rate_hz) + 1, 1))
     tail = simulate(arm, held, step, at_end.q[-1], at_end.dq[-1])
     trials.append(Motion(*(getattr(tail, name)[1:] for name in ("t", "q", "dq", "ddq", "tau", "ref"))))
-    a = COUNT_M_S2 * np.concatenate([counts(arm, errors, motion, rng) for motion in trials])
+    a = COUNT_M_S2 * np.concatenate([sensors.counts(motion) for motion in trials])
     truth = {
         name: np.concatenate([getattr(motion, name) for motion in trials])
         for name in ("q", "dq", "ddq", "tau", "ref")

@@ -10,20 +10,19 @@ from arm.model import Floats
 from limbcal.compiled import compiled
 from tracking.kalman_step import Course, Taken, correct, hold, predict, spread
 from tracking.observation import Observation, Room, observe
-from tracking.stillness import Window, rest_variance, unrest
+from tracking.stillness import Window, at_rest, rest_variance, unrest
 
 
 @compiled
-def jolt_of(of: Observation, course: Course, taken_slope: Floats, miss: Floats) -> Floats:
-    """Return the jump of the accelerations that explains best by how much the readings were missed, (n_joint,)."""
-    n = course.push.size
+def jolt_of(of: Observation, noise: Floats, slopes: Floats, miss: Floats, n: int) -> Floats:
+    """Return the jump of the n accelerations that explains best by how much the readings were missed."""
     A, b = 1e-6 * np.eye(n), np.zeros(n)
     for channel in range(miss.size):
-        slope = taken_slope[channel]
+        slope = slopes[channel]
         for j in range(of.link[channel // 3] + 1):
-            b[j] += slope[3 * j + 2] * miss[channel] / course.noise[channel]
+            b[j] += slope[3 * j + 2] * miss[channel] / noise[channel]
             for i in range(of.link[channel // 3] + 1):
-                A[i, j] += slope[3 * i + 2] * slope[3 * j + 2] / course.noise[channel]
+                A[i, j] += slope[3 * i + 2] * slope[3 * j + 2] / noise[channel]
     return np.linalg.solve(A, b)
 
 
@@ -60,11 +59,14 @@ def filter_all(
     cells, in_cell, still = 0, 0, False
     if first_window(of, course, window, cell, x):
         still = unrest(of, room, window, 0, x, P, hidden) < 1.0
+    rest_at = at_rest(x, n)
     for k in range(course.readings.shape[0]):
         if k > 0:
             predict(of, course, k, x, P)
         if course.present[k]:
             before_x[:], before_P[:], at[:] = x, P, x
+            if still:  # where the rest began: what noise does to the slopes is no information
+                at[:] = rest_at
             squared = correct(of, room, course, k, at, x, P, taken)
             if squared > limit:
                 at[:] = before_x
@@ -78,8 +80,7 @@ def filter_all(
             cells, in_cell, still = 0, 0, False  # what lies on both sides of a gap is no window
             total[:] = 0.0
         if still:
-            for j in range(n):
-                course.rest[k, j] = rest_variance(hidden[j], course.dt)
+            course.rest[k] = rest_variance(hidden, course.dt)
             hold(course, k, x, P, taken)
         resting[k] = still
         states[k] = x
@@ -88,7 +89,10 @@ def filter_all(
             total[:] = 0.0
             cells, in_cell = cells + 1, 0
             if cells >= n_cell:
+                was_still = still
                 still = unrest(of, room, window, cells % n_cell, x, P, hidden) < 1.0
+                if still and not was_still:
+                    rest_at = at_rest(x, n)
 
 
 @compiled
@@ -125,7 +129,7 @@ def take_again(
     miss = np.empty(n_channel)
     observe(of, room, before_x, miss, taken.slope)
     miss[:] = course.readings[k] - miss
-    jump = jolt_of(of, course, taken.slope, miss)
+    jump = jolt_of(of, course.noise, taken.slope, miss, n)
     for j in range(n):
         course.jolt[k, j] = jump[j] ** 2
         spread(before_P, j, jump[j] ** 2, course.dt)

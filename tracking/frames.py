@@ -25,7 +25,9 @@ class Frames:
         How far each sensor has moved since tracking began, in the base frame: dead reckoning from the
         accelerations, never computed from the arm's lengths.
     gap : bool
-        Samples were lost since the frames before.
+        Samples were lost since the frames before, or within these: what is missing was predicted.
+    q_std : (n, n_joint) or None
+        How well the angles are known, by the tracker's own claim, where it makes one.
     """
 
     frame0: int
@@ -37,6 +39,7 @@ class Frames:
     tip: Floats
     points: Floats
     gap: bool
+    q_std: Floats | None = None
 
     @property
     def n(self) -> int:

@@ -5,27 +5,21 @@ which is Gauss and Newton's method for the most probable motion (B. M. Bell, *Th
 Gauss-Newton method*, 1994). The first passes go in coarser steps, since only their motion is wanted.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.stats import chi2
 
 from arm.model import Arm, Floats
 from tracking.forward_filter import filter_all
 from tracking.kalman_step import Course
 from tracking.noise import Noise
 from tracking.observation import Observation, observation_of, room_of
+from tracking.process import FILTER_PUSH_STD, SMOOTHER_PUSH_STD, WANDER_STD, alarm_limit
 from tracking.smoothing_pass import smooth_once
 from tracking.start import MountingPrior, start_state
 from tracking.stillness import CELL_S, WINDOW_S, window_of
 
-#: By how much a joint's acceleration may wander in a second [rad/s^2 or m/s^2]; more than that is a jolt.
-PUSH_STD = 1.7
-#: By how much an offset may wander in a second [m/s^2], besides what rounding does.
-WANDER_STD = 2e-5
-#: Chance that mere noise misses by so much that an instant is looked at again.
-_ALARM = 1e-6
 #: Frames that are one in the coarser passes.
 _COARSE = 4
 #: Passes end when no state moves by more than this share of its standard deviation.
@@ -76,11 +70,6 @@ class Readings:
     factor: int
 
 
-def alarm_limit(n_channel: int) -> float:
-    """Return the squared size of an instant's misses beyond which they are not noise."""
-    return float(chi2.isf(_ALARM, n_channel))
-
-
 def course_of(readings: Readings, n_joint: int) -> Course:
     """Return readings as a course of which nothing more is known."""
     n = len(readings.values)
@@ -91,7 +80,7 @@ def course_of(readings: Readings, n_joint: int) -> Course:
         readings.present,
         noise,
         WANDER_STD**2 + readings.noise.rounding,
-        np.full(n_joint, PUSH_STD**2),
+        np.full(n_joint, FILTER_PUSH_STD**2),
         np.zeros((n, n_joint)),
         np.ones(n),
         np.zeros((n, n_joint)),
@@ -138,6 +127,7 @@ class Smoother:
         x0, P0 = start_state(arm, of, self.size, first_mean(readings), self._q, self._given, self._mounting)
         course = course_of(readings, n)
         states, resting = self._filter(course, readings, x0, P0)
+        course = course._replace(push=np.full(n, SMOOTHER_PUSH_STD**2))
         coarse, at = _coarser(course), _every(states, _COARSE)
         passes, converged = 0, False
         room, variance = room_of(n), np.empty((len(at), 3 * n))

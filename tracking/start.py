@@ -14,7 +14,7 @@ _UNSETTLED_STD, _SETTLED_STD = 20.0, 0.002
 #: How well an angle is known that was given, and one that was not [rad]; those that gravity doesn't show are the zero.
 GIVEN_STD, GUESSED_STD = 0.01, 1.0
 _EXACT_STD = 1e-5
-_SPEED_STD, _ACCELERATION_STD = 1e-2, 10.0
+_SPEED_STD, _ACCELERATION_STD = 1e-2, 0.05
 #: A length that the arm file does not say the accuracy of may be a guess [m].
 _LEAST_LENGTH_STD_M = 0.1
 #: A corner is known to a third, as resistors and capacitors are.

@@ -95,21 +95,17 @@ def unrest(of: Observation, room: Room, window: Window, oldest: int, x: Floats, 
     """
     n, n_cell = hidden.size, window.cells.shape[0]
     worst = unsteadiness(window, oldest)
-    still = x.copy()
-    for j in range(n):
-        still[3 * j + 1] = still[3 * j + 2] = 0.0
-    observe(of, room, still, window.room_reading, window.room_slope)
+    observe(of, room, at_rest(x, n), window.room_reading, window.room_slope)
     seen = np.eye(n) / _MOST**2
     for channel in range(window.noise.size):
         o, slope = 3 * n + channel, window.room_slope[channel]
         within = window.noise[channel] / n_cell + window.rounding[channel]
-        variance, level = within + P[o, o], window.room_reading[channel]
+        level = window.room_reading[channel]
         if of.settled_column[channel // 3] >= 0:
             level -= x[o]  # of an AC-coupled channel the cells hold what is left without its offset
+        variance = within + level_variance(of, channel, n, slope, P)
         for j in range(of.link[channel // 3] + 1):
-            variance += 2.0 * slope[3 * j] * P[3 * j, o]
             for i in range(of.link[channel // 3] + 1):
-                variance += slope[3 * j] * slope[3 * i] * P[3 * j, 3 * i]
                 seen[i, j] += slope[3 * i + 2] * slope[3 * j + 2] / within
         off = abs(window.cells[:, channel].mean() - level)
         worst = max(worst, off / (_WINDOW_SIGMAS * math.sqrt(variance)))
@@ -122,6 +118,26 @@ def unrest(of: Observation, room: Room, window: Window, oldest: int, x: Floats, 
 
 
 @compiled
-def rest_variance(hidden: float, dt: float) -> float:
-    """Return the variance of a velocity's being zero, to be taken in at every instant of a rest."""
+def at_rest(x: Floats, n: int) -> Floats:
+    """Return a state without the speeds and accelerations of its n joints."""
+    still = x.copy()
+    for j in range(n):
+        still[3 * j + 1] = still[3 * j + 2] = 0.0
+    return still
+
+
+@compiled
+def level_variance(of: Observation, channel: int, n: int, slope: Floats, P: Floats) -> float:
+    """Return the variance of what a channel should read at rest: from all of the state but speed and acceleration."""
+    variance = 0.0
+    for c in of.columns[channel, : of.n_column[channel]]:
+        for b in of.columns[channel, : of.n_column[channel]]:
+            if (c >= 3 * n or c % 3 == 0) and (b >= 3 * n or b % 3 == 0):
+                variance += slope[b] * slope[c] * P[b, c]
+    return variance
+
+
+@compiled
+def rest_variance(hidden: Floats, dt: float) -> Floats:
+    """Return the variance of velocities' being zero, to be taken in at every instant of a rest."""
     return hidden * 2.0 * _MEMORY_S / dt

@@ -53,8 +53,8 @@ def draw_arm(
                 *rng.uniform(-2.0, 2.0, 1).tolist(),
                 *rng.uniform(-0.6, 0.6, 2).tolist(),
                 *rng.uniform(-2.0, 2.0, 2).tolist(),
-                Friction(*levels.tolist()),
-                point_masses(rng),
+                friction=Friction(*levels.tolist()),
+                link=point_masses(rng),
             )
         )
         for k in (1, 2):

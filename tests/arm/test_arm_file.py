@@ -18,7 +18,16 @@ NUMBER = st.floats(allow_nan=False, allow_infinity=False)
 VECTOR = st.tuples(NUMBER, NUMBER, NUMBER)
 FRICTION = st.builds(Friction, NUMBER, NUMBER, NUMBER)
 LINK = st.builds(Link, NUMBER, VECTOR, st.tuples(*[NUMBER] * 6))
-JOINT = st.builds(Joint, st.sampled_from(["revolute", "prismatic"]), *[NUMBER] * 5, friction=FRICTION, link=LINK)
+LEAST = st.floats(0.0, allow_infinity=False)
+JOINT = st.builds(
+    Joint,
+    st.sampled_from(["revolute", "prismatic"]),
+    *[NUMBER] * 5,
+    length_std_m=st.none() | LEAST,
+    friction=FRICTION,
+    link=LINK,
+)
+SCALE = st.tuples(*[st.floats(0.0, exclude_min=True, allow_infinity=False)] * 3)
 NAME = st.text(min_size=1)
 PARAMETER = st.recursive(
     NUMBER | st.integers(-(2**63), 2**63 - 1) | st.booleans() | st.text(),
@@ -31,7 +40,8 @@ PARAMETER = st.recursive(
 def arms(draw):
     joints = draw(st.lists(JOINT, min_size=1, max_size=4))
     names = draw(st.lists(NAME, max_size=4, unique=True))
-    sensors = [Sensor(n, draw(st.integers(1, len(joints))), draw(VECTOR), draw(VECTOR)) for n in names]
+    rides_on = st.integers(1, len(joints))
+    sensors = [draw(st.builds(Sensor, st.just(n), rides_on, VECTOR, VECTOR, SCALE, VECTOR, LEAST)) for n in names]
     gains = st.tuples(*[NUMBER] * len(joints))
     return Arm(
         draw(st.text()),
@@ -71,6 +81,13 @@ def test_a_standard_error_that_nobody_knows_is_left_out(dd_arm):
     assert math.isnan(again["I2"].std) and again["m2*sx2"] == Estimate(1.7, 0.1)
 
 
+def test_lengths_of_which_nobody_says_how_well_they_are_known(dd_arm):
+    assert "length_std_m" not in format_arm(dd_arm)
+    exact = replace(dd_arm, joints=tuple(replace(joint, length_std_m=0.0) for joint in dd_arm.joints))
+    assert format_arm(exact).count("length_std_m = 0.0") == 2
+    assert parse_arm(format_arm(exact), "it") == exact
+
+
 def test_numbers_of_numpy_are_numbers(dd_arm):
     """What a fit found comes as numpy's scalars and arrays."""
     arm = replace(
@@ -85,7 +102,7 @@ def test_numbers_of_numpy_are_numbers(dd_arm):
 
 
 def test_presets_are_known_by_name():
-    assert preset_names() == ["dd-arm", "dd-arm-vertical"]
+    assert preset_names() == ["dd-arm", "dd-arm-vertical", "spatial-arm"]
     for name in preset_names():
         assert load_arm(name).name == name
 
@@ -111,6 +128,7 @@ a_m = 0.25
 d_m = 0.0
 beta_rad = 0.0
 theta_offset_rad = 0.0
+length_std_m = 0.0005                       # how well a_m and d_m are known; left out: guesses
 friction = { viscous_N_m_s = 0.0, coulomb_N_m = 0.0, static_N_m = 0.0 }
 link = { mass_kg = 1.0, com_m = [0.1, 0.0, 0.0], inertia_kg_m2 = [0.01, 0.01, 0.02, 0.0, 0.0, 0.0] }
 
@@ -121,6 +139,9 @@ name = "s1"
 joint = 1                                   # the link it rides on
 position_m = [0.10, 0.0, 0.0]               # in the link's joint-axis frame
 rotation_rad = [0.0, 0.0, 0.0]              # link -> sensor, roll pitch yaw
+scale = [1.002, 0.998, 1.0]                 # what it reads for one m/s^2
+bias_m_s2 = [0.01, -0.02, 0.0]              # what it reads for none
+highpass_hz = 0.1                           # the corner of an AC-coupled one; 0: DC
 
 [[sensor]]
 name = "s4"
@@ -147,8 +168,11 @@ kv = [-9.5, -9.5]
 def test_every_table_of_schema_1_is_read():
     arm = parse_arm(EVERYTHING, "it")
     assert arm.joints[0].link == Link(1.0, (0.1, 0.0, 0.0), (0.01, 0.01, 0.02, 0.0, 0.0, 0.0))
-    assert arm.joints[1] == Joint()
-    assert arm.sensors[0] == Sensor("s1", 1, (0.1, 0.0, 0.0))
+    assert arm.joints[0].length_std_m == 0.0005
+    assert arm.joints[1] == Joint() and arm.joints[1].length_std_m is None
+    scale, bias_m_s2 = (1.002, 0.998, 1.0), (0.01, -0.02, 0.0)
+    assert arm.sensors[0] == Sensor("s1", 1, (0.1, 0.0, 0.0), (0.0, 0.0, 0.0), scale, bias_m_s2, 0.1)
+    assert arm.sensors[1] == Sensor("s4", 2)
     assert arm.tip == Tip("s4", (0.02, 0.0, 0.0))
     assert arm.base_parameters == {"I1+m2*L1^2": Estimate(1.986076, 0.0004)}
     assert arm.effects == (Effect("gravity_tilt", {"gx_m_s2": 0.31, "gy_m_s2": -0.12}),)
@@ -163,7 +187,7 @@ def mistakes(text, where="arm.toml"):
 
 
 def test_three_mistakes_are_three_sentences_that_name_their_fields():
-    text = EVERYTHING.replace("a_m = 0.25", 'a_m = "long"').replace("d_m = 0.0", "dm = 0.0")
+    text = EVERYTHING.replace("a_m = 0.25", 'a_m = "long"').replace("\nd_m = 0.0", "\ndm = 0.0")
     text = text.replace('law = "pd"', 'law = "pid"')
     found = mistakes(text)
     assert len(found) == 3
@@ -198,6 +222,14 @@ def test_mistakes_in_a_field_do_not_hide_those_between_fields():
         (('type = "revolute"', 'type = "ball"'), "it: joint[0].type is 'ball'; input should be 'revolute' or"),
         (('name = "s1"', 'name = ""'), "it: sensor[0].name is ''; string should have at least 1 character"),
         (("joint = 1 ", "joint = 0 "), "it: sensor[0].joint is 0; input should be greater than or equal to 1"),
+        (("scale = [1.002, ", "scale = [0.0, "), "it: sensor[0].scale[0] is 0.0; input should be greater than 0"),
+        (("0.998, 1.0]", "0.998, -1.0]"), "it: sensor[0].scale[2] is -1.0; input should be greater than 0"),
+        (("[1.002, 0.998, 1.0]", "1.002"), "it: sensor[0].scale is 1.002; input should be a valid tuple"),
+        (("highpass_hz = 0.1", "highpass_hz = -0.1"), "it: sensor[0].highpass_hz is -0.1; input should be"),
+        (("highpass_hz = 0.1", "highpass_hz = inf"), "it: sensor[0].highpass_hz is inf; input should be a finite"),
+        (("bias_m_s2 = [0.01, ", "bias_m_s2 = ["), "it: sensor[0].bias_m_s2[2] is missing"),
+        (("std_m = 0.0005", "std_m = -0.0005"), "it: joint[0].length_std_m is -0.0005; input should be greater"),
+        (("std_m = 0.0005", "std_m = nan"), "it: joint[0].length_std_m is nan; input should be a finite number"),
         (("[control]", "[controls]"), "it: controls is not a known field"),
         (("kv = [-9.5, -9.5]", ""), "it: control.kv has 0 numbers, expected one a joint (2)"),
         (("kv = [-9.5, -9.5]", "kv = -9.5"), "it: control.kv is -9.5; input should be a valid tuple"),
@@ -232,7 +264,7 @@ def test_a_file_that_is_not_there_is_named_with_the_arms_that_are(tmp_path):
         load_arm(tmp_path / "no.toml")
     assert str(caught.value) == (
         f"arm '{tmp_path}/no.toml': No such file or directory; expected an arm file or one of "
-        "dd-arm, dd-arm-vertical"
+        "dd-arm, dd-arm-vertical, spatial-arm"
     )
     with pytest.raises(ConfigError, match="Is a directory"):
         load_arm(tmp_path)

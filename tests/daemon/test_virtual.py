@@ -10,6 +10,7 @@ import pytest
 import serial
 
 from arm.arm_file import load_arm
+from arm.bench import COUNT_M_S2
 from daemon.virtual_motion import BenchPlan, stretches
 from protocol.serial_frame import InfoFrame, SamplesFrame
 from protocol.serial_parser import FrameParser
@@ -67,6 +68,20 @@ def test_it_speaks_the_protocol_and_outlives_its_host(
             np.testing.assert_array_equal(written[name], values[: written["t"].size])
 
 
+def test_ac_coupled_sensors_show_no_weight(limbd: Limbd, host: Callable[[str], serial.Serial]) -> None:
+    options = ("--arm", "spatial-arm", "--rate-hz", "1000", "--trials", "0", "--highpass-hz", "0.5", "--json")
+    device = limbd("virtual", *options, "--seed", "2")
+    announced = device.announcement()
+    assert announced["arm"] == "spatial-arm" and announced["highpass_hz"] == 0.5
+    port = host(announced["port"])
+    port.write(b"START\n")
+    counts = np.concatenate([f.counts for f in read_samples(port, 320) if isinstance(f, SamplesFrame)])
+    plan = BenchPlan(load_arm("spatial-arm"), seed=2, rate_hz=1000.0, trials=0, highpass_hz=0.5)
+    np.testing.assert_array_equal(counts[:320], next(stretches(plan)).counts[:320])
+    assert np.abs(counts * COUNT_M_S2).max() < 0.3
+    assert device.stop() == 0
+
+
 def test_it_says_its_path(limbd: Limbd, tmp_path: Path) -> None:
     device = limbd("virtual", "--link", str(tmp_path / "link"), "--rate-hz", "1000", "--trials", "0")
     path = device.process.stdout.readline().strip()
@@ -80,6 +95,7 @@ def test_it_says_its_path(limbd: Limbd, tmp_path: Path) -> None:
         (("--arm", "nobody"), "arm 'nobody': No such file"),
         (("--speed", "0"), "'0' is not a number above 0"),
         (("--noise", "nan"), "'nan' is not a number of at least 0"),
+        (("--highpass-hz", "-0.1"), "'-0.1' is not a number of at least 0"),
         (("--trials", "-1"), "'-1' is not a whole number"),
         (("--trials", "1.5"), "'1.5' is not a whole number"),
     ],

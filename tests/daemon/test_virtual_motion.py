@@ -1,12 +1,15 @@
 """The virtual arm plays the bench, goes over into rest without a jerk, and repeats itself."""
 
+from dataclasses import replace
 from itertools import islice
 
 import numpy as np
 import pytest
 
+from arm.accelerometer import specific_force
 from arm.arm_file import load_arm
-from arm.bench import COUNT_M_S2, Bench, motions
+from arm.bench import COUNT_M_S2, Bench, motions, rest_angles
+from arm.highpass import HighPass
 from daemon.virtual_motion import BenchPlan, Stretch, stretches, truth_stride
 
 RATE_HZ = 2000.0
@@ -54,6 +57,35 @@ def test_noise_is_what_was_asked_for(noise: float) -> None:
     resting = first(1, plan(0, noise))[0].counts * COUNT_M_S2
     found = resting.std(axis=0)
     assert np.all(np.abs(found - 0.02 * noise) < 0.1 * 0.02 * noise + COUNT_M_S2)
+
+
+def test_ac_coupled_sensors_forget_gravity_and_know_the_motions_before() -> None:
+    arm = load_arm("dd-arm")
+    coupled = replace(plan(), highpass_hz=0.2)
+    played = first(3, coupled)
+    found = np.concatenate([stretch.counts for stretch in played]) * COUNT_M_S2
+    assert np.abs(found[:, 2::3]).max() == 0.0
+    bench = list(islice(motions(arm, Bench(rate_hz=RATE_HZ), 4), 2))
+    moved = (np.concatenate([getattr(motion, name) for motion in bench]) for name in ("q", "dq", "ddq"))
+    force = specific_force(arm, *moved).reshape(-1, 12)
+    HighPass(np.full(12, 0.2), RATE_HZ).apply(force)
+    np.testing.assert_allclose(found[: len(force)], force, rtol=0, atol=0.51 * COUNT_M_S2)
+    held = replace(arm, sensors=tuple(replace(sensor, highpass_hz=0.2) for sensor in arm.sensors))
+    of_the_file = first(3, replace(plan(), arm=held))
+    for one, other in zip(played, of_the_file, strict=True):
+        np.testing.assert_array_equal(one.counts, other.counts)
+    (dc,) = first(1, replace(plan(), arm=held, highpass_hz=0.0))
+    np.testing.assert_array_equal(dc.counts, first(1, plan())[0].counts)
+
+
+def test_without_trials_an_arm_with_weight_rests_where_it_hangs() -> None:
+    arm = load_arm("spatial-arm")
+    one, two = first(2, replace(plan(0), arm=arm))
+    q = rest_angles(arm, np.zeros(3))
+    assert q[1] < -0.02
+    for j in range(3):
+        held = np.concatenate([one.truth[f"q{j + 1}"], two.truth[f"q{j + 1}"]])
+        np.testing.assert_allclose(held, q[j], rtol=0, atol=1e-9)
 
 
 def test_no_trials_is_rest_at_zero() -> None:

@@ -9,7 +9,7 @@ import pytest
 
 from arm.accelerometer import specific_force
 from arm.arm_file import load_arm
-from arm.bench import COUNT_M_S2, Bench, counts, draw_sensor_errors, motions, rest_angles
+from arm.bench import COUNT_M_S2, Bench, Sensors, draw_sensor_errors, motions, rest_angles
 from arm.model import Arm, Control, Floats, Friction, Joint, Link, Sensor, Tip
 from tracking.frames import Frames, Phase
 from tracking.integrator import Integrator
@@ -78,12 +78,12 @@ class Recording:
 def record(arm: Arm, bench: Bench, seed: int, noise: float = 0.0, exact: bool = False) -> Recording:
     """Return the bench's trials one after the other; ``exact`` readings are not even rounded to counts."""
     rng = np.random.default_rng([seed, 7])
-    errors = draw_sensor_errors(arm, rng, noise)
+    sensors = Sensors(arm, draw_sensor_errors(arm, rng, noise), bench.rate_hz, rng)
     trials = list(motions(arm, bench, seed))
     if exact:
         readings = [specific_force(arm, m.q, m.dq, m.ddq).reshape(len(m.t), -1) for m in trials]
     else:
-        readings = [counts(arm, errors, m, rng) * COUNT_M_S2 for m in trials]
+        readings = [sensors.counts(m) * COUNT_M_S2 for m in trials]
     q, dq, ddq = (np.vstack([getattr(m, name) for m in trials]) for name in ("q", "dq", "ddq"))
     return Recording(arm, bench.rate_hz, np.vstack(readings), np.arange(len(q)) / bench.rate_hz, q, dq, ddq)
 

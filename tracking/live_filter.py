@@ -1,0 +1,196 @@
+"""The filter's steps, one frame at a time, on filterpy's extended Kalman filter.
+
+The same model, the same rests, jolts and doubts as in `tracking.forward_filter`, which takes readings in one after
+the other where this takes them in at once; tests hold the two against each other.
+"""
+
+import numpy as np
+from filterpy.kalman import ExtendedKalmanFilter
+
+from arm.model import Arm, Floats
+from tracking.consistency import Consistency, Judge
+from tracking.forward_filter import jolt_of
+from tracking.kalman_step import spread
+from tracking.noise import Noise
+from tracking.observation import observation_of, observe, room_of
+from tracking.process import FILTER_PUSH_STD, WANDER_STD, alarm_limit
+from tracking.start import MountingPrior, start_state
+from tracking.stillness import CELL_S, at_rest, rest_variance, unrest, window_of
+
+#: A motion has begun when the window is so many times further from rest than a rest may be.
+_TO_LEAVE = 3.0
+
+
+class LiveFilter:
+    """Follows an arm reading by reading.
+
+    Parameters
+    ----------
+    arm : Arm
+    q : (n_joint,)
+        Where the arm rests at first.
+    given : bool
+        Somebody measured ``q``, see `tracking.start.start_state`.
+    first : (n_frame, n_channel)
+        The first readings, a quarter of a second of frames; they are not taken in.
+    noise : Noise
+        Of one sample.
+    factor : int
+        Samples a frame.
+    dt_s : float
+        From frame to frame.
+    """
+
+    def __init__(
+        self, arm: Arm, q: Floats, given: bool, first: Floats, noise: Noise, factor: int, dt_s: float
+    ) -> None:
+        n, n_channel = arm.n_joint, 3 * len(arm.sensors)
+        of, size = observation_of(arm)
+        self._of, self._room, self._n, self._n_channel, self._dt = of, room_of(n), n, n_channel, dt_s
+        x, P = start_state(arm, of, size, first.mean(axis=0), q, given, MountingPrior())
+        kf = ExtendedKalmanFilter(dim_x=size, dim_z=n_channel)
+        kf.x, kf.P, kf.F, kf.Q = x, P, np.eye(size), np.zeros((size, size))
+        for j in range(n):
+            kf.F[3 * j, 3 * j + 1] = kf.F[3 * j + 1, 3 * j + 2] = dt_s
+            kf.F[3 * j, 3 * j + 2] = dt_s**2 / 2.0
+            spread(kf.Q, j, FILTER_PUSH_STD**2 * dt_s, dt_s)
+        self._offsets = np.arange(3 * n, 3 * n + n_channel)
+        kf.Q[self._offsets, self._offsets] = (WANDER_STD**2 + noise.rounding) * dt_s
+        self._noise = noise.of_mean(factor)
+        self._coupled = np.repeat(of.corner > 0.0, 3)
+        self._forget = dt_s * np.repeat(of.corner, 3)
+        for channel in np.flatnonzero(self._coupled):
+            kf.F[3 * n + channel, of.settled_column[channel // 3] + channel % 3] = self._forget[channel]
+            kf.Q[3 * n + channel, 3 * n + channel] += self._forget[channel] ** 2 * self._noise[channel]
+        self._kf = kf
+        self._slope = np.zeros((n_channel + n, size))
+        for j in range(n):
+            self._slope[n_channel + j, 3 * j + 1] = 1.0
+        self._predicted = np.zeros(n_channel + n)
+        self._limits = alarm_limit(n_channel), alarm_limit(n_channel + n)
+        self._last = np.full(n_channel, np.nan)
+        self._cell = max(1, round(CELL_S / dt_s))
+        self._window = window_of(self._cell * dt_s, size, noise.of_mean(factor * self._cell), noise.rounding)
+        self._total, self._in_cell, self._cells = np.zeros(n_channel), 0, 0
+        self._hidden = np.zeros(n)
+        self._judge = Judge()
+        self._begun = False
+        self._still, self._rest_at = False, x
+        self._settle(self._first_window(first))
+        self.resting = True
+
+    @property
+    def x(self) -> Floats:
+        """The state, (n_state,), in the order of `tracking.observation`."""
+        return np.asarray(self._kf.x, dtype=np.float64)
+
+    @property
+    def angle_variance(self) -> Floats:
+        """Variance of each angle, (n_joint,)."""
+        return np.asarray(np.diagonal(self._kf.P)[: 3 * self._n : 3], dtype=np.float64)
+
+    def step(self, reading: Floats) -> bool:
+        """Go on by one frame and take in its reading, (n_channel,); without one (NaN) the motion goes on as predicted.
+
+        Returns
+        -------
+        bool
+            Whether the arm was held to be at rest.
+        """
+        kf = self._kf
+        lost = bool(np.isnan(reading[0]))
+        if self._begun:
+            self._predict(reading)
+        self._begun = True
+        self._last = reading
+        if lost:
+            self._in_cell, self._cells, self._still = 0, 0, False  # what lies on both sides of a gap is no window
+            self._total[:] = 0.0
+            return False
+        still = self._still
+        self._take(reading, still)
+        self._total += reading - np.where(self._coupled, kf.x[self._offsets], 0.0)
+        self._in_cell += 1
+        if self._in_cell == self._cell:
+            self._close_cell()
+        return still
+
+    def consistency(self) -> Consistency:
+        """Return how well the readings since the last call fit the filter's claims."""
+        return self._judge.take()
+
+    def _predict(self, reading: Floats) -> None:
+        shift = 0.0
+        if self._coupled.any():
+            stands = 0.5 * (self._last + reading)
+            known = np.where(np.isnan(stands), 0.0, stands)
+            shift = np.zeros(len(self._kf.x))
+            shift[self._offsets] = -self._forget * known
+            lost = self._coupled & np.isnan(stands)
+            self._kf.P[self._offsets, self._offsets] += self._forget**2 * lost
+        self._kf.predict(shift)
+
+    def _take(self, reading: Floats, still: bool) -> None:
+        kf, rows = self._kf, self._n_channel + (self._n if still else 0)
+        values = np.concatenate([reading, np.zeros(rows - self._n_channel)])
+        noise = np.concatenate([self._noise, rest_variance(self._hidden, self._dt)]) if still else self._noise
+        # While the arm rests it is linearised where the rest began: what noise does to the slopes is no information.
+        at, limit = self._rest_at.copy() if still else kf.x.copy(), self._limits[still]
+        before_x, before_P = kf.x, kf.P
+        squared = self._correct(values, at, rows, noise)
+        jolted = doubted = False
+        if squared > limit:
+            jolted = True
+            observe(self._of, self._room, before_x, self._predicted[: self._n_channel], self._slope)
+            miss = reading - self._predicted[: self._n_channel]
+            at = before_x.copy()
+            jump = jolt_of(self._of, self._noise, self._slope, miss, self._n)
+            for j in range(self._n):
+                spread(before_P, j, jump[j] ** 2, self._dt)
+                at[3 * j + 2] += jump[j]  # where the readings are explained is where they are best linearised
+            kf.x, kf.P = before_x, before_P
+            squared = self._correct(values, at, rows, noise)
+            if squared > limit:
+                doubted = True
+                doubt = np.ones(rows)
+                doubt[: self._n_channel] = squared / self._n_channel
+                kf.x, kf.P = before_x, before_P
+                self._correct(values, at, rows, noise * doubt)
+        self._judge.note(squared / rows, jolted, doubted)
+
+    def _correct(self, values: Floats, at: Floats, rows: int, noise: Floats) -> float:
+        """Take in readings, linearised in the state ``at``; return the innovation's squared size."""
+        observe(self._of, self._room, at, self._predicted[: self._n_channel], self._slope)
+        H = self._slope[:rows]
+        self._predicted[self._n_channel :] = at[1 : 3 * self._n : 3]
+        base = self._predicted[:rows]
+        self._kf.update(values, lambda x: H, lambda x: base + H @ (x - at), R=np.diag(noise))
+        return float(self._kf.y @ self._kf.SI @ self._kf.y)
+
+    def _first_window(self, first: Floats) -> bool:
+        """Judge the first readings, before any is taken in."""
+        cells = self._window.cells
+        if len(first) < len(cells) * self._cell:
+            return False
+        means = first[: len(cells) * self._cell].reshape(len(cells), self._cell, -1).mean(axis=1)
+        cells[:] = means - np.where(self._coupled, self._kf.x[self._offsets], 0.0)
+        return self._unrest() < 1.0
+
+    def _close_cell(self) -> None:
+        cells = self._window.cells
+        cells[self._cells % len(cells)] = self._total / self._cell
+        self._total[:] = 0.0
+        self._in_cell, self._cells = 0, self._cells + 1
+        if self._cells >= len(cells):
+            share = self._unrest()
+            self._settle(share < 1.0)
+            self.resting = share < (_TO_LEAVE if self.resting else 1.0)
+
+    def _settle(self, still: bool) -> None:
+        if still and not self._still:
+            self._rest_at = at_rest(self._kf.x, self._n)
+        self._still = still
+
+    def _unrest(self) -> float:
+        oldest = self._cells % len(self._window.cells)
+        return unrest(self._of, self._room, self._window, oldest, self._kf.x, self._kf.P, self._hidden)

@@ -1,0 +1,17 @@
+"""How an arm and its sensors may change of themselves, and what is too much to be noise."""
+
+from scipy.stats import chi2
+
+#: By how much a joint's acceleration may wander in a second [rad/s^2 or m/s^2]. While filtering more than that is a
+#: jolt; an acceleration that may be anything would make the prediction a poor place to linearise in. In smoothing it
+#: is all but free: a prior on it would rather believe in small motions, and so in sensors that read too much.
+FILTER_PUSH_STD, SMOOTHER_PUSH_STD = 3.0, 50.0
+#: By how much an offset may wander in a second [m/s^2], besides what rounding does.
+WANDER_STD = 2e-5
+#: Chance that mere noise misses by so much that an instant is looked at again.
+_ALARM = 1e-6
+
+
+def alarm_limit(n_miss: int) -> float:
+    """Return the squared size of so many misses beyond which they are not noise."""
+    return float(chi2.isf(_ALARM, n_miss))

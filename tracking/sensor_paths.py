@@ -1,0 +1,76 @@
+"""Where each sensor has gone: its acceleration, turned into the base frame and integrated twice.
+
+The angles say how a sensor is turned, nothing else of the arm is used: no length, no place of a sensor.
+"""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from arm.kinematics import axis_frames, rotation_from_rpy
+from arm.model import Arm, Floats
+from limbcal.compiled import compiled
+
+
+class SensorPaths:
+    """Dead reckoning of every sensor from rest to rest.
+
+    Parameters
+    ----------
+    arm : Arm
+    dt_s : float
+    """
+
+    def __init__(self, arm: Arm, dt_s: float) -> None:
+        self._arm, self._dt_s = arm, dt_s
+        self._link = np.array([sensor.joint - 1 for sensor in arm.sensors])
+        self._rotation = np.array([rotation_from_rpy(*sensor.rotation_rad) for sensor in arm.sensors])
+        self._scale = np.array([sensor.scale for sensor in arm.sensors])
+        n_sensor = len(arm.sensors)
+        self._gravity = np.array(arm.gravity_m_s2, dtype=float)
+        self._acceleration = np.zeros((n_sensor, 3))
+        self._velocity = np.zeros((n_sensor, 3))
+        self._moved = np.zeros((n_sensor, 3))
+
+    def follow(self, q: Floats, readings: Floats, still: NDArray[np.bool_]) -> Floats:
+        """Return how far each sensor has moved, (n, n_sensor, 3), since the first frame.
+
+        Parameters
+        ----------
+        q : (n, n_joint)
+        readings : (n, 3 n_sensor) [m/s^2]
+            Without their offsets. Where they are not a number a sensor goes on as fast as it went.
+        still : (n,)
+            The arm rests: velocities are zero.
+        """
+        felt = readings.reshape(len(readings), -1, 3) / self._scale
+        turned = axis_frames(self._arm, q)[:, self._link, :3, :3] @ self._rotation
+        acceleration = np.einsum("kscr,ksr->ksc", turned, felt) + self._gravity
+        moved = np.empty_like(acceleration)
+        _integrate(acceleration, still, self._dt_s, self._acceleration, self._velocity, self._moved, moved)
+        return moved
+
+
+@compiled
+def _integrate(
+    acceleration: Floats,
+    still: NDArray[np.bool_],
+    dt: float,
+    last: Floats,
+    velocity: Floats,
+    place: Floats,
+    moved: Floats,
+) -> None:
+    """Integrate twice, taking the acceleration to change evenly in between; the state is carried on."""
+    for k in range(acceleration.shape[0]):
+        for s in range(acceleration.shape[1]):
+            for c in range(3):
+                now = acceleration[k, s, c]
+                if np.isnan(now):
+                    now = 0.0
+                if still[k]:
+                    velocity[s, c] = 0.0
+                else:
+                    place[s, c] += dt * velocity[s, c] + dt * dt * (2.0 * last[s, c] + now) / 6.0
+                    velocity[s, c] += dt * (last[s, c] + now) / 2.0
+                last[s, c] = now
+                moved[k, s, c] = place[s, c]
