@@ -101,6 +101,20 @@ def rotation_from_rpy(roll: float, pitch: float, yaw: float) -> Floats:
     )
 
 
+def rpy_from_rotation(rotation: Floats) -> Floats:
+    """Return roll, pitch and yaw, (3,), pitch within +-90 degrees: the inverse of `rotation_from_rpy`.
+
+    Parameters
+    ----------
+    rotation : (3, 3)
+    """
+    pitch = np.arcsin(np.clip(-rotation[2, 0], -1.0, 1.0))
+    if np.hypot(rotation[0, 0], rotation[1, 0]) < 1e-12:  # roll and yaw share an axis: all of it is roll
+        return np.array([np.arctan2(-rotation[1, 2], rotation[1, 1]), pitch, 0.0])
+    roll, yaw = np.arctan2(rotation[2, 1], rotation[2, 2]), np.arctan2(rotation[1, 0], rotation[0, 0])
+    return np.array([roll, pitch, yaw])
+
+
 @compiled
 def _axis_frames(chain: Chain, q: Floats, T: Floats) -> None:
     n_sample, n_joint = q.shape

@@ -4,7 +4,8 @@ from dataclasses import dataclass
 
 #: So many instants at the least before it is said that the filter is wrong.
 _JUDGED = 100
-#: The filter is wrong if its misses are so many times as large as it claims, or if readings are doubted this often.
+#: The filter is wrong if its misses are so many times as large as it claims, or if readings are doubted this
+#: often.
 _WRONG_SIZE, _WRONG_SHARE = 3.0, 0.01
 
 
@@ -21,7 +22,8 @@ class Consistency:
     doubted : int
         Instants at which no motion of the arm explains the readings.
     wrong : bool
-        Readings contradict the filter too often or by too much: the arm is not the one in its file, or a sensor fails.
+        Readings contradict the filter too often or by too much: the arm is not the one in its file, or a sensor
+        fails.
     """
 
     size: float | None

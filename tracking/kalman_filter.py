@@ -32,8 +32,8 @@ class KalmanTracker:
         Its sensors' scale, offset and corner are used; its lengths as far as ``length_std_m`` says.
     rate_hz : float
     initial_q_rad : (n_joint,) or None
-        Where the arm rests when tracking begins. With None it rests where gravity says, and at zero for angles that
-        gravity does not show.
+        Where the arm rests when tracking begins. With None it rests where gravity says, and at zero for angles
+        that gravity does not show.
     frame_rate_hz : float
         Rounded to what divides the sampling rate.
 
@@ -106,8 +106,8 @@ class KalmanTracker:
     def gap(self, n_samples: int) -> tuple[list[Frames], list[Phase]]:
         """Bridge samples that were lost: the motion goes on as predicted, ever less certain.
 
-        Returns what the samples before the gap still complete, and the frames that bridge it; where it is longer than
-        a second only that second of them.
+        Returns what the samples before the gap still complete, and the frames that bridge it; where it is longer
+        than a second only that second of them.
         """
         frames, phases = self.flush()
         self._sample += n_samples
@@ -118,8 +118,8 @@ class KalmanTracker:
             return frames, phases
         bridged = min(missing, round(_LONGEST_BRIDGE_S / self.dt_s))
         more, begun = self._follow(np.full((bridged, self._n_channel), np.nan))
-        for _ in range(missing - bridged):
-            self._filter.predict_only()
+        if missing > bridged:
+            self._filter.lose()
         self._frame += missing - bridged
         self._lost = True
         return frames + more, phases + begun

@@ -1,8 +1,8 @@
 """One step of the Kalman filter over readings: compiled, shared by the offline filter and the smoother.
 
-A joint's acceleration wanders as if pushed at random; within a step it changes evenly, so that its mean over a step
-is what the readings' mean over that step shows. Readings are taken in one after the other, which needs no matrix to
-be inverted: their noise is independent.
+A joint's acceleration wanders as if pushed at random; within a step it changes evenly, so that its mean over a
+step is what the readings' mean over that step shows. Readings are taken in one after the other, which needs no
+matrix to be inverted: their noise is independent.
 """
 
 from typing import NamedTuple

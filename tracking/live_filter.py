@@ -13,12 +13,13 @@ from tracking.forward_filter import jolt_of
 from tracking.kalman_step import spread
 from tracking.noise import Noise
 from tracking.observation import observation_of, observe, room_of
-from tracking.process import FILTER_PUSH_STD, WANDER_STD, alarm_limit
+from tracking.process import FILTER_PUSH_STD, SMOOTHER_PUSH_STD, WANDER_STD, alarm_limit
 from tracking.start import MountingPrior, start_state
-from tracking.stillness import CELL_S, at_rest, rest_variance, unrest, window_of
+from tracking.stillness import CELL_S, TO_LEAVE, at_rest, rest_variance, unrest, window_of
 
-#: A motion has begun when the window is so many times further from rest than a rest may be.
-_TO_LEAVE = 3.0
+#: What is known of angle, speed and acceleration of a joint that was not seen for long [rad or m, and
+#: derivatives].
+_LOST_STD = (1.0, 3.0, 10.0)
 
 
 class LiveFilter:
@@ -90,7 +91,7 @@ class LiveFilter:
         return np.asarray(np.diagonal(self._kf.P)[: 3 * self._n : 3], dtype=np.float64)
 
     def step(self, reading: Floats) -> bool:
-        """Go on by one frame and take in its reading, (n_channel,); without one (NaN) the motion goes on as predicted.
+        """Go on by a frame and take in its reading, (n_channel,); without one (NaN) the motion is predicted.
 
         Returns
         -------
@@ -115,26 +116,36 @@ class LiveFilter:
             self._close_cell()
         return still
 
+    def lose(self) -> None:
+        """Forget the motion after a gap too long to predict; the arm is about where it was, its sensors the same."""
+        kf, n = self._kf, 3 * self._n
+        kf.x[1:n:3], kf.x[2:n:3] = 0.0, 0.0
+        kf.P[:n], kf.P[:, :n] = 0.0, 0.0
+        kf.P[np.arange(n), np.arange(n)] = np.tile(np.square(_LOST_STD), self._n)
+
     def consistency(self) -> Consistency:
         """Return how well the readings since the last call fit the filter's claims."""
         return self._judge.take()
 
     def _predict(self, reading: Floats) -> None:
-        shift = 0.0
+        kf, shift = self._kf, np.zeros(len(self._kf.x))
         if self._coupled.any():
             stands = 0.5 * (self._last + reading)
-            known = np.where(np.isnan(stands), 0.0, stands)
-            shift = np.zeros(len(self._kf.x))
-            shift[self._offsets] = -self._forget * known
-            lost = self._coupled & np.isnan(stands)
-            self._kf.P[self._offsets, self._offsets] += self._forget**2 * lost
-        self._kf.predict(shift)
+            lost = np.isnan(stands)
+            settled = kf.F[self._offsets] @ kf.x - kf.x[self._offsets]  # as if it had stood where it settles
+            shift[self._offsets] = np.where(lost, -settled, -self._forget * np.where(lost, 0.0, stands))
+            kf.P[self._offsets, self._offsets] += self._forget**2 * lost
+        kf.predict(shift)
+        if np.isnan(reading[0]):
+            for j in range(self._n):  # nobody saw a jolt, so there may have been one
+                spread(kf.P, j, SMOOTHER_PUSH_STD**2 * self._dt, self._dt)
 
     def _take(self, reading: Floats, still: bool) -> None:
         kf, rows = self._kf, self._n_channel + (self._n if still else 0)
         values = np.concatenate([reading, np.zeros(rows - self._n_channel)])
         noise = np.concatenate([self._noise, rest_variance(self._hidden, self._dt)]) if still else self._noise
-        # While the arm rests it is linearised where the rest began: what noise does to the slopes is no information.
+        # While the arm rests it is linearised where the rest began: what noise does to the slopes is no
+        # information.
         at, limit = self._rest_at.copy() if still else kf.x.copy(), self._limits[still]
         before_x, before_P = kf.x, kf.P
         squared = self._correct(values, at, rows, noise)
@@ -184,7 +195,7 @@ class LiveFilter:
         if self._cells >= len(cells):
             share = self._unrest()
             self._settle(share < 1.0)
-            self.resting = share < (_TO_LEAVE if self.resting else 1.0)
+            self.resting = share < (TO_LEAVE if self.resting else 1.0)
 
     def _settle(self, still: bool) -> None:
         if still and not self._still:

@@ -47,7 +47,7 @@ def noise_of(readings: Floats) -> Noise:
     variances = (cells**2).mean(axis=1) / _THIRD
     calm = np.sort(variances, axis=0)[: max(1, int(_CALM * len(begins)))]
     # The calmest quarter of equal cells lies below their mean by the spread that a cell's variance has.
-    spread = np.sqrt(4.6 / (size - 3))  # third differences are correlated: 231/100 times the variance of white ones
+    spread = np.sqrt(4.6 / (size - 3))  # third differences are correlated: 2.31 times that of white ones
     variance = calm.mean(axis=0) / max(0.2, 1.0 - (1.27 * spread if len(begins) >= 4 else 0.0))
     change = np.abs(np.diff(readings[: 64 * _CELLS], axis=0))
     step = np.where(change > 0.0, change, np.inf).min(axis=0)

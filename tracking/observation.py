@@ -2,8 +2,8 @@
 
 The state begins with q, dq, ddq of joint 1, then of joint 2 and so on; then follows one offset a channel; then
 constants, of which each is there or not: lengths a and d of links; of each AC-coupled sensor what it would read
-once it has forgotten everything, and its corner; of each sensor scale, misalignment and place. Lengths, corners and
-mountings are departures from what the arm file says.
+once it has forgotten everything, and its corner; of each sensor scale, misalignment and place. Lengths, corners
+and mountings are departures from what the arm file says.
 """
 
 from typing import NamedTuple
@@ -81,10 +81,10 @@ def observation_of(arm: Arm, mountings: bool = False) -> tuple[Observation, int]
     length_column = np.full((n, 2), -1, dtype=np.int64)
     for i in range(int(link.max())):  # the far end of the last link with a sensor moves no sensor
         length_column[i, 0], size = size, size + 1
-        if arm.joints[i + 1].type == "revolute":  # d of the first joint moves all alike; of a sliding one it is its zero
+        if arm.joints[i + 1].type == "revolute":  # the first d moves all alike, a sliding joint's is its zero
             length_column[i + 1, 1], size = size, size + 1
     settled_column, corner_column, mounting_column = np.full((3, n_sensor), -1, dtype=np.int64)
-    for s in np.flatnonzero(corner):
+    for s in np.flatnonzero(corner).tolist():
         settled_column[s], size = size, size + 3
         if mountings:
             corner_column[s], size = size, size + 1

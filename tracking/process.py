@@ -2,9 +2,10 @@
 
 from scipy.stats import chi2
 
-#: By how much a joint's acceleration may wander in a second [rad/s^2 or m/s^2]. While filtering more than that is a
-#: jolt; an acceleration that may be anything would make the prediction a poor place to linearise in. In smoothing it
-#: is all but free: a prior on it would rather believe in small motions, and so in sensors that read too much.
+#: By how much a joint's acceleration may wander in a second [rad/s^2 or m/s^2]. While filtering more than that is
+#: a jolt; an acceleration that may be anything would make the prediction a poor place to linearise in. In
+#: smoothing it is all but free: a prior on it would rather believe in small motions, and so in sensors that read
+#: too much.
 FILTER_PUSH_STD, SMOOTHER_PUSH_STD = 3.0, 50.0
 #: By how much an offset may wander in a second [m/s^2], besides what rounding does.
 WANDER_STD = 2e-5

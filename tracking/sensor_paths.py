@@ -45,7 +45,7 @@ class SensorPaths:
         felt = readings.reshape(len(readings), -1, 3) / self._scale
         turned = axis_frames(self._arm, q)[:, self._link, :3, :3] @ self._rotation
         acceleration = np.einsum("kscr,ksr->ksc", turned, felt) + self._gravity
-        moved = np.empty_like(acceleration)
+        moved = np.empty(acceleration.shape)
         _integrate(acceleration, still, self._dt_s, self._acceleration, self._velocity, self._moved, moved)
         return moved
 

@@ -5,6 +5,7 @@ which is Gauss and Newton's method for the most probable motion (B. M. Bell, *Th
 Gauss-Newton method*, 1994). The first passes go in coarser steps, since only their motion is wanted.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -13,12 +14,12 @@ from numpy.typing import NDArray
 from arm.model import Arm, Floats
 from tracking.forward_filter import filter_all
 from tracking.kalman_step import Course
-from tracking.noise import Noise
-from tracking.observation import Observation, observation_of, room_of
+from tracking.observation import observation_of, room_of
 from tracking.process import FILTER_PUSH_STD, SMOOTHER_PUSH_STD, WANDER_STD, alarm_limit
+from tracking.readings import Readings
 from tracking.smoothing_pass import smooth_once
 from tracking.start import MountingPrior, start_state
-from tracking.stillness import CELL_S, WINDOW_S, window_of
+from tracking.stillness import CELL_S, window_of
 
 #: Frames that are one in the coarser passes.
 _COARSE = 4
@@ -41,7 +42,8 @@ class Smoothed:
         After the last reading: what is known of the constants.
     before : (n_state, n_state)
         Covariance before the first reading.
-    resting : (n,) bool
+    still, resting : (n,) bool
+        Where the velocities were held to be zero, and where no motion goes on.
     doubted : float
         Share of the instants at which the readings contradict the arm.
     passes : int
@@ -53,46 +55,30 @@ class Smoothed:
     final: Floats
     covariance: Floats
     before: Floats
+    still: NDArray[np.bool_]
     resting: NDArray[np.bool_]
     doubted: float
     passes: int
     converged: bool
 
 
-@dataclass(frozen=True)
-class Readings:
-    """Decimated readings: (n, n_channel), which of them are there, and their noise by sample and frame."""
-
-    values: Floats
-    present: NDArray[np.bool_]
-    dt_s: float
-    noise: Noise
-    factor: int
-
-
 def course_of(readings: Readings, n_joint: int) -> Course:
     """Return readings as a course of which nothing more is known."""
     n = len(readings.values)
+    # Nobody saw a jolt where readings are missing, so there may have been one.
+    jolt = np.where(readings.present, 0.0, SMOOTHER_PUSH_STD**2 * readings.dt_s)
     noise = readings.noise.of_mean(readings.factor)
     return Course(
         readings.dt_s,
-        readings.values,
+        np.nan_to_num(readings.values),  # what is not present is not looked at
         readings.present,
         noise,
         WANDER_STD**2 + readings.noise.rounding,
         np.full(n_joint, FILTER_PUSH_STD**2),
-        np.zeros((n, n_joint)),
+        np.repeat(jolt[:, None], n_joint, axis=1),
         np.ones(n),
         np.zeros((n, n_joint)),
     )
-
-
-def first_mean(readings: Readings) -> Floats:
-    """Return the mean reading of the first quarter of a second."""
-    count = max(1, round(WINDOW_S / readings.dt_s))
-    present = readings.values[:count][readings.present[:count]]
-    mean: Floats = present.mean(axis=0)
-    return mean
 
 
 class Smoother:
@@ -114,7 +100,13 @@ class Smoother:
         self._arm, self._q, self._given = arm, q, given
         self._mounting = MountingPrior() if mounting is None else mounting
 
-    def smooth(self, readings: Readings, fine: bool = True) -> Smoothed:
+    def smooth(
+        self,
+        readings: Readings,
+        fine: bool = True,
+        known: Smoothed | None = None,
+        progress: Callable[[int], None] | None = None,
+    ) -> Smoothed:
         """Return the most probable motion.
 
         Parameters
@@ -122,11 +114,18 @@ class Smoother:
         readings : Readings
         fine : bool
             Give every frame; otherwise one in four, which is all that constants need.
+        known : Smoothed, optional
+            Of an earlier recording with the same sensors: what it says of them and of the lengths is held.
+        progress : callable, optional
+            Told the number of passes after each.
         """
         of, arm, n = self.observation, self._arm, self._arm.n_joint
-        x0, P0 = start_state(arm, of, self.size, first_mean(readings), self._q, self._given, self._mounting)
+        x0, P0 = start_state(arm, of, self.size, readings.first_mean, self._q, self._given, self._mounting)
         course = course_of(readings, n)
-        states, resting = self._filter(course, readings, x0, P0)
+        if known is not None:
+            lasting = slice(3 * n, None)
+            x0[lasting], P0[lasting, lasting] = known.final[lasting], known.covariance[lasting, lasting]
+        states, still, resting = self._filter(course, readings, x0, P0)
         course = course._replace(push=np.full(n, SMOOTHER_PUSH_STD**2))
         coarse, at = _coarser(course), _every(states, _COARSE)
         passes, converged = 0, False
@@ -139,6 +138,8 @@ class Smoother:
             moved = np.abs(smoothed - at).max(axis=0) / std
             passes, converged = passes + 1, bool(moved.max() < _CLOSE_ENOUGH)
             at, smoothed = smoothed, at
+            if progress is not None:
+                progress(passes)
         if fine:
             at = _finer(at, states)
             variance, smoothed = np.empty((len(states), 3 * n)), np.empty_like(states)
@@ -146,22 +147,21 @@ class Smoother:
             smooth_once(of, room, course, at, x, P, smoothed, variance, True)
             at = smoothed
         doubted = float(np.mean(course.doubt > 1.0))
-        return Smoothed(at, variance, x, P, P0, resting, doubted, passes, converged)
+        return Smoothed(at, variance, x, P, P0, still, resting, doubted, passes, converged)
 
     def _filter(
         self, course: Course, readings: Readings, x0: Floats, P0: Floats
-    ) -> tuple[Floats, NDArray[np.bool_]]:
+    ) -> tuple[Floats, NDArray[np.bool_], NDArray[np.bool_]]:
         cell = max(1, round(CELL_S / readings.dt_s))
         cell_noise = readings.noise.of_mean(readings.factor * cell)
         window = window_of(cell * readings.dt_s, self.size, cell_noise, readings.noise.rounding)
         states = np.empty((len(readings.values), self.size))
-        resting = np.zeros(len(states), dtype=np.bool_)
+        still, resting = np.zeros((2, len(states)), dtype=np.bool_)
         limit = alarm_limit(len(course.noise))
         room = room_of(self._arm.n_joint)
-        filter_all(
-            self.observation, room, course, window, cell, limit, x0.copy(), P0.copy(), states, resting
-        )
-        return states, resting
+        of = self.observation
+        filter_all(of, room, course, window, cell, limit, x0.copy(), P0.copy(), states, still, resting)
+        return states, still, resting
 
 
 def _every(values: Floats, stride: int) -> Floats:
@@ -175,21 +175,21 @@ def _coarser(course: Course) -> Course:
     stride = _COARSE
     pad = -len(course.readings) % stride
 
-    def blocks(values: NDArray[np.generic], fill: str) -> NDArray[np.generic]:
-        padded = np.concatenate([values, np.repeat(values[-1:], pad, axis=0)]) if fill == "last" else values
+    def blocks(values: Floats) -> Floats:
+        padded: Floats = np.concatenate([values, np.repeat(values[-1:], pad, axis=0)])
         return padded.reshape(-1, stride, *values.shape[1:])
 
-    present = blocks(course.present.astype(float), "last")
+    present = blocks(course.present.astype(float))
     weight = present.sum(axis=1)
-    total = (blocks(course.readings, "last") * present[..., None]).sum(axis=1)
-    doubt = blocks(course.doubt, "last").mean(axis=1)
-    rest = blocks(course.rest, "last")
+    total = (blocks(course.readings) * present[..., None]).sum(axis=1)
+    doubt = blocks(course.doubt).mean(axis=1)
+    rest = blocks(course.rest)
     return course._replace(
         dt=stride * course.dt,
         readings=total / np.maximum(weight, 1.0)[:, None],
         present=weight > 0,
         noise=course.noise / stride,
-        jolt=blocks(course.jolt, "last").sum(axis=1),
+        jolt=blocks(course.jolt).sum(axis=1),
         doubt=doubt * stride / np.maximum(weight, 1.0),
         rest=np.where((rest > 0.0).all(axis=1), rest.mean(axis=1) / stride, 0.0),
     )

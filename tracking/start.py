@@ -11,7 +11,8 @@ from tracking.observation import MOUNTING, Observation, observe, room_of
 _OFFSET_STD, _KNOWN_OFFSET_STD = 0.2, 0.02
 #: An AC-coupled one may stand anywhere, and what it settles at is read off while it has settled [m/s^2].
 _UNSETTLED_STD, _SETTLED_STD = 20.0, 0.002
-#: How well an angle is known that was given, and one that was not [rad]; those that gravity doesn't show are the zero.
+#: How well an angle is known that was given, and one that was not [rad]; those that gravity doesn't show are the
+#: zero.
 GIVEN_STD, GUESSED_STD = 0.01, 1.0
 _EXACT_STD = 1e-5
 _SPEED_STD, _ACCELERATION_STD = 1e-2, 0.05
@@ -111,7 +112,7 @@ def _level(of: Observation, x: Floats, first: Floats, offset_std: Floats, q: Flo
 
 
 def _angle_covariance(H: Floats, given: bool) -> Floats:
-    """Return the angles' covariance; combinations that gravity doesn't show are what everything is counted from."""
+    """Return the angles' covariance; what gravity doesn't show of them is what everything is counted from."""
     std = GIVEN_STD if given else GUESSED_STD
     information, axes = np.linalg.eigh(H.T @ H)
     shown = information * std**2 > 1.0

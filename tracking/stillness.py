@@ -27,6 +27,8 @@ _SETTLING_S = 1.0
 _HIDDEN_SIGMAS = 3.0
 #: A hidden speed changes this slowly, so that many readings at rest say little more than one.
 _MEMORY_S = 0.5
+#: A motion has begun when the window is so many times further from rest than a rest may be.
+TO_LEAVE = 3.0
 #: No joint accelerates more [rad/s^2 or m/s^2].
 _MOST = 100.0
 
@@ -88,7 +90,9 @@ def unsteadiness(window: Window, oldest: int) -> float:
 
 
 @compiled
-def unrest(of: Observation, room: Room, window: Window, oldest: int, x: Floats, P: Floats, hidden: Floats) -> float:
+def unrest(
+    of: Observation, room: Room, window: Window, oldest: int, x: Floats, P: Floats, hidden: Floats
+) -> float:
     """Return how far the window is from rest, as a share of what a rest may be off: below 1 the arm rests.
 
     The variance of the speed that could hide is left in ``hidden`` (n_joint,).
@@ -128,7 +132,7 @@ def at_rest(x: Floats, n: int) -> Floats:
 
 @compiled
 def level_variance(of: Observation, channel: int, n: int, slope: Floats, P: Floats) -> float:
-    """Return the variance of what a channel should read at rest: from all of the state but speed and acceleration."""
+    """Return the variance of what a channel should read at rest: from all but speeds and accelerations."""
     variance = 0.0
     for c in of.columns[channel, : of.n_column[channel]]:
         for b in of.columns[channel, : of.n_column[channel]]:

@@ -1,0 +1,115 @@
+"""A whole recording, decimated to the rate of the frames."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from arm.model import Floats
+from limbcal.errors import ConfigError, DataError
+from tracking.decimation import Decimator
+from tracking.noise import Noise, noise_of
+from tracking.stillness import WINDOW_S
+
+#: Readings that the noise can be learnt from, at the least.
+_FEWEST = 8
+
+
+@dataclass(frozen=True)
+class Readings:
+    """Decimated readings.
+
+    Attributes
+    ----------
+    values : (n, n_channel) [m/s^2]
+        Not a number where they were lost.
+    dt_s : float
+        From frame to frame.
+    t0_s : float
+        Time of the first frame, counted from the first sample.
+    noise : Noise
+        Of one sample.
+    factor : int
+        Samples a frame.
+    """
+
+    values: Floats
+    dt_s: float
+    t0_s: float
+    noise: Noise
+    factor: int
+
+    @property
+    def present(self) -> NDArray[np.bool_]:
+        """Which frames have a reading, (n,)."""
+        there: NDArray[np.bool_] = ~np.isnan(self.values[:, 0])
+        return there
+
+    @property
+    def first_mean(self) -> Floats:
+        """Mean reading of the first quarter of a second, (n_channel,)."""
+        count = max(1, round(WINDOW_S / self.dt_s))
+        there = self.values[:count][self.present[:count]]
+        mean: Floats = there.mean(axis=0)
+        return mean
+
+
+class ReadingsBuilder:
+    """Takes in samples and gaps, and gives out what a smoother needs.
+
+    Parameters
+    ----------
+    rate_hz : float
+        Of the samples.
+    n_channel : int
+    frame_rate_hz : float
+        Rounded to what divides the sampling rate.
+
+    Raises
+    ------
+    ConfigError
+        If a rate makes no sense.
+    """
+
+    def __init__(self, rate_hz: float, n_channel: int, frame_rate_hz: float = 1000.0) -> None:
+        if not 0.0 < frame_rate_hz <= rate_hz:
+            raise ConfigError(f"frame_rate_hz is {frame_rate_hz:g}, expected more than 0 and at most {rate_hz:g}")
+        self._factor = max(1, round(rate_hz / frame_rate_hz))
+        self._rate_hz, self._n_channel = rate_hz, n_channel
+        self._decimator = Decimator(self._factor, n_channel)
+        self._frames: list[Floats] = []
+        self._stretch: list[Floats] = []
+        self._longest: Floats = np.empty((0, n_channel))
+
+    def push(self, samples: Floats) -> None:
+        """Take in samples (n, n_channel)."""
+        if samples.ndim != 2 or samples.shape[1] != self._n_channel:
+            raise DataError(f"accelerations have shape {samples.shape}, expected (n, {self._n_channel})")
+        self._stretch.append(samples)
+        self._frames.append(self._decimator.push(samples))
+
+    def gap(self, n_samples: int) -> None:
+        """Leave out samples that were lost."""
+        self._close()
+        self._frames.append(np.full((max(0, self._decimator.skip(n_samples)), self._n_channel), np.nan))
+
+    def done(self) -> Readings:
+        """Return all that was taken in.
+
+        Raises
+        ------
+        DataError
+            If there is too little of it.
+        """
+        self._close()
+        if len(self._longest) < _FEWEST:
+            raise DataError(f"{len(self._longest)} samples without a gap, expected at least {_FEWEST}")
+        dt_s = self._factor / self._rate_hz
+        t0_s = (self._factor // 2) / self._rate_hz
+        return Readings(np.concatenate(self._frames), dt_s, t0_s, noise_of(self._longest), self._factor)
+
+    def _close(self) -> None:
+        self._frames.append(self._decimator.flush())
+        stretch = np.concatenate(self._stretch) if self._stretch else self._longest[:0]
+        self._longest = max(self._longest, stretch, key=len)
+        self._stretch = []

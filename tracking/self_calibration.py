@@ -1,0 +1,215 @@
+"""Sensors that calibrate themselves: readings on one rigid link must agree, whatever the motion was.
+
+Offset, scale, misalignment and place of every sensor, and the corner of AC-coupled ones, are constants of the
+smoother's state; what it knows of them after the last reading is the calibration. Nothing is learnt of what the
+motion does not show: it is found by comparing what was known after with what was known before.
+"""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from arm.kinematics import rotation_from_rpy, rpy_from_rotation
+from arm.model import Arm, Floats, Sensor, Vector3
+from tracking.observation import MOUNTING, Observation
+from tracking.readings import Readings
+from tracking.smoother import Smoothed, Smoother
+from tracking.start import MountingPrior
+
+#: A number is revealed where its standard error is at most this share of what it was before.
+_REVEALED = 0.5
+#: A combination is told of by those of its parts that are at least this share of it.
+_PART = 0.35
+_AXES = "xyz"
+
+
+@dataclass(frozen=True)
+class SensorEstimate:
+    """One number of one sensor.
+
+    Attributes
+    ----------
+    sensor, name : str
+        ``bias_x`` … [m/s^2], ``scale_x`` …, ``turn_x`` … [rad] and ``place_x`` … [m] as departures from the arm
+        file, about the sensor's axes and along the link's; ``highpass_hz``.
+    value, std : float
+    unit : str
+    revealed : bool
+        The motion showed it; otherwise its value is little more than the arm file's.
+    """
+
+    sensor: str
+    name: str
+    value: float
+    std: float
+    unit: str
+    revealed: bool
+
+
+@dataclass(frozen=True)
+class SensorCalibration:
+    """What was learnt of an arm's sensors.
+
+    Attributes
+    ----------
+    arm : Arm
+        With its sensors as they were found.
+    estimates : list of SensorEstimate
+    hidden : list of str
+        What the motion could not reveal, a sentence each.
+    passes : int
+    converged : bool
+    doubted : float
+        Share of the instants at which no motion explains the readings.
+    """
+
+    arm: Arm
+    estimates: list[SensorEstimate]
+    hidden: list[str]
+    passes: int
+    converged: bool
+    doubted: float
+
+
+def calibrate_sensors(
+    arm: Arm,
+    runs: Sequence[Readings],
+    initial_q_rad: Floats | None,
+    prior: MountingPrior,
+    progress: Callable[[int], None] | None = None,
+) -> SensorCalibration:
+    """Find offset, scale, misalignment and place of every sensor from ordinary motions.
+
+    Parameters
+    ----------
+    arm : Arm
+    runs : sequence of Readings
+        One after the other, each beginning with a rest; what one showed is known to the next.
+    initial_q_rad : (n_joint,) or None
+        Where the arm rests when a run begins, see `tracking.smoother.Smoother`.
+    prior : MountingPrior
+        How far off the sensors may be.
+    progress : callable, optional
+        Told the number of passes after each.
+
+    Returns
+    -------
+    SensorCalibration
+    """
+    q0 = np.zeros(arm.n_joint) if initial_q_rad is None else initial_q_rad
+    smoother = Smoother(arm, q0, initial_q_rad is not None, prior)
+    known: Smoothed | None = None
+    passes, converged, doubted, instants = 0, True, 0.0, 0
+    before: Floats | None = None
+    for readings in runs:
+        known = smoother.smooth(readings, fine=False, known=known, progress=progress)
+        before = known.before if before is None else before
+        passes, converged = passes + known.passes, converged and known.converged
+        doubted += known.doubted * len(readings.values)
+        instants += len(readings.values)
+    assert known is not None and before is not None, "there is at least one run"
+    estimates = _estimates(arm, smoother.observation, known, before)
+    hidden = _hidden(arm, smoother.observation, known, before)
+    found = _with_sensors(arm, smoother.observation, known.final)
+    return SensorCalibration(found, estimates, hidden, passes, converged, doubted / instants)
+
+
+def _columns(arm: Arm, of: Observation) -> list[tuple[int, str, str, str]]:
+    """Return column, sensor, name and unit of every number that is sought."""
+    n, found = arm.n_joint, []
+    for s, sensor in enumerate(arm.sensors):
+        found += [(3 * n + 3 * s + k, sensor.name, f"bias_{axis}", "m/s^2") for k, axis in enumerate(_AXES)]
+        names = [(f"{kind}_{axis}", unit) for kind, unit in _KINDS for axis in _AXES]
+        first = int(of.mounting_column[s])
+        found += [(first + k, sensor.name, name, unit) for k, (name, unit) in enumerate(names)]
+        if of.corner_column[s] >= 0:
+            found.append((int(of.corner_column[s]), sensor.name, "highpass_hz", "Hz"))
+    return found
+
+
+_KINDS = (("scale", "1"), ("turn", "rad"), ("place", "m"))
+
+
+def _estimates(arm: Arm, of: Observation, known: Smoothed, before: Floats) -> list[SensorEstimate]:
+    std, std_before = np.sqrt(np.diag(known.covariance)), np.sqrt(np.diag(before))
+    nominal = np.zeros(len(std))
+    factor = np.ones(len(std))
+    for s in range(len(arm.sensors)):
+        nominal[of.mounting_column[s] : of.mounting_column[s] + 3] = of.scale[s]
+        if of.corner_column[s] >= 0:
+            nominal[of.corner_column[s]], factor[of.corner_column[s]] = of.corner[s], 0.5 / np.pi
+    value = (known.final + nominal) * factor
+    return [
+        SensorEstimate(
+            sensor,
+            name,
+            float(value[column]),
+            float(std[column] * factor[column]),
+            unit,
+            bool(std[column] <= _REVEALED * std_before[column]),
+        )
+        for column, sensor, name, unit in _columns(arm, of)
+    ]
+
+
+def _hidden(arm: Arm, of: Observation, known: Smoothed, before: Floats) -> list[str]:
+    """Name the combinations of numbers of which as little is known as before.
+
+    In units of what was known before, the covariance has an eigenvalue of 1 along what the motion did not show.
+    """
+    columns = _columns(arm, of)
+    at = np.array([column for column, *_ in columns])
+    std = np.sqrt(np.diag(before))[at]
+    share, axes = np.linalg.eigh(known.covariance[np.ix_(at, at)] / np.outer(std, std))
+    sentences = []
+    for k in np.flatnonzero(share > _REVEALED**2)[::-1]:
+        order = np.argsort(-np.abs(axes[:, k]))
+        parts = [i for i in order if abs(axes[i, k]) >= _PART] or [int(order[0])]
+        names = [f"{columns[i][1]} {columns[i][2]}" for i in parts]
+        if len(parts) == 1 and abs(axes[parts[0], k]) > 0.9:
+            sentences.append(f"{names[0]} does not show")
+        else:
+            signs = ["+" if axes[i, k] * axes[parts[0], k] > 0 else "-" for i in parts]
+            told = " ".join(f"{sign} {name}" for sign, name in zip(signs, names, strict=True)).lstrip("+ ")
+            sentences.append(f"these do not show together: {told}")
+    return sentences
+
+
+def _with_sensors(arm: Arm, of: Observation, x: Floats) -> Arm:
+    n = arm.n_joint
+    sensors = []
+    for s, sensor in enumerate(arm.sensors):
+        first = of.mounting_column[s]
+        scale, turn, place = x[first : first + MOUNTING].reshape(3, 3)
+        rotation = rotation_from_rpy(*sensor.rotation_rad) @ _rotation(turn)
+        corner = of.corner[s] + (x[of.corner_column[s]] if of.corner_column[s] >= 0 else 0.0)
+        settled = of.settled_column[s]
+        offset = slice(settled, settled + 3) if settled >= 0 else slice(3 * n + 3 * s, 3 * n + 3 * s + 3)
+        sensors.append(
+            Sensor(
+                sensor.name,
+                sensor.joint,
+                _vector(np.add(sensor.position_m, place)),
+                _vector(rpy_from_rotation(rotation)),
+                _vector(np.add(sensor.scale, scale)),
+                _vector(x[offset]),
+                float(corner / (2.0 * np.pi)),
+            )
+        )
+    return replace(arm, sensors=tuple(sensors))
+
+
+def _rotation(turn: Floats) -> Floats:
+    """Return ``Exp(turn)``, by Rodrigues' formula."""
+    angle = float(np.linalg.norm(turn))
+    K = np.cross(np.eye(3), turn)  # K v = turn x v
+    if angle == 0.0:
+        return np.eye(3)
+    R: Floats = np.eye(3) + np.sin(angle) / angle * K + (1.0 - np.cos(angle)) / angle**2 * K @ K
+    return R
+
+
+def _vector(values: Floats) -> Vector3:
+    x, y, z = (float(value) for value in values)
+    return x, y, z
