@@ -63,10 +63,15 @@ class LiveFilter:
         for channel in np.flatnonzero(self._coupled):
             kf.F[3 * n + channel, of.settled_column[channel // 3] + channel % 3] = self._forget[channel]
             kf.Q[3 * n + channel, 3 * n + channel] += self._forget[channel] ** 2 * self._noise[channel]
-        self._kf = kf
+        kf.B = np.eye(size) if self._coupled.any() else np.zeros((size, 1))
+        self._kf, self._no_shift = kf, np.zeros(kf.B.shape[1])
         self._slope = np.zeros((n_channel + n, size))
         for j in range(n):
             self._slope[n_channel + j, 3 * j + 1] = 1.0
+        self._moving_noise = np.diag(self._noise)
+        self._rest_noise = np.zeros((n_channel + n, n_channel + n))
+        self._rest_noise[:n_channel, :n_channel] = self._moving_noise
+        self._values = np.zeros(n_channel + n)  # a joint at rest reads a speed of zero
         self._predicted = np.zeros(n_channel + n)
         self._limits = alarm_limit(n_channel), alarm_limit(n_channel + n)
         self._last = np.full(n_channel, np.nan)
@@ -128,8 +133,9 @@ class LiveFilter:
         return self._judge.take()
 
     def _predict(self, reading: Floats) -> None:
-        kf, shift = self._kf, np.zeros(len(self._kf.x))
+        kf, shift = self._kf, self._no_shift
         if self._coupled.any():
+            shift = np.zeros(len(kf.x))
             stands = 0.5 * (self._last + reading)
             lost = np.isnan(stands)
             settled = kf.F[self._offsets] @ kf.x - kf.x[self._offsets]  # as if it had stood where it settles
@@ -142,8 +148,9 @@ class LiveFilter:
 
     def _take(self, reading: Floats, still: bool) -> None:
         kf, rows = self._kf, self._n_channel + (self._n if still else 0)
-        values = np.concatenate([reading, np.zeros(rows - self._n_channel)])
-        noise = np.concatenate([self._noise, rest_variance(self._hidden, self._dt)]) if still else self._noise
+        values = self._values[:rows]
+        values[: self._n_channel] = reading
+        noise = self._rest_noise if still else self._moving_noise
         # While the arm rests it is linearised where the rest began: what noise does to the slopes is no
         # information.
         at, limit = self._rest_at.copy() if still else kf.x.copy(), self._limits[still]
@@ -163,10 +170,10 @@ class LiveFilter:
             squared = self._correct(values, at, rows, noise)
             if squared > limit:
                 doubted = True
-                doubt = np.ones(rows)
-                doubt[: self._n_channel] = squared / self._n_channel
+                doubted_noise = noise.copy()
+                doubted_noise[: self._n_channel] *= squared / self._n_channel
                 kf.x, kf.P = before_x, before_P
-                self._correct(values, at, rows, noise * doubt)
+                self._correct(values, at, rows, doubted_noise)
         self._judge.note(squared / rows, jolted, doubted)
 
     def _correct(self, values: Floats, at: Floats, rows: int, noise: Floats) -> float:
@@ -175,7 +182,7 @@ class LiveFilter:
         H = self._slope[:rows]
         self._predicted[self._n_channel :] = at[1 : 3 * self._n : 3]
         base = self._predicted[:rows]
-        self._kf.update(values, lambda x: H, lambda x: base + H @ (x - at), R=np.diag(noise))
+        self._kf.update(values, lambda x: H, lambda x: base + H @ (x - at), R=noise)
         return float(self._kf.y @ self._kf.SI @ self._kf.y)
 
     def _first_window(self, first: Floats) -> bool:
@@ -200,6 +207,9 @@ class LiveFilter:
     def _settle(self, still: bool) -> None:
         if still and not self._still:
             self._rest_at = at_rest(self._kf.x, self._n)
+        if still:
+            speeds = np.arange(self._n_channel, self._n_channel + self._n)
+            self._rest_noise[speeds, speeds] = rest_variance(self._hidden, self._dt)
         self._still = still
 
     def _unrest(self) -> float:
