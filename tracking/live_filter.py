@@ -14,6 +14,7 @@ from tracking.kalman_step import spread
 from tracking.noise import Noise
 from tracking.observation import observation_of, observe, room_of
 from tracking.process import FILTER_PUSH_STD, SMOOTHER_PUSH_STD, WANDER_STD, alarm_limit
+from tracking.readings import steady
 from tracking.start import MountingPrior, start_state
 from tracking.stillness import CELL_S, TO_LEAVE, at_rest, rest_variance, unrest, window_of
 
@@ -48,7 +49,8 @@ class LiveFilter:
         n, n_channel = arm.n_joint, 3 * len(arm.sensors)
         of, size = observation_of(arm)
         self._of, self._room, self._n, self._n_channel, self._dt = of, room_of(n), n, n_channel, dt_s
-        x, P = start_state(arm, of, size, first.mean(axis=0), q, given, MountingPrior())
+        rests = steady(first, dt_s, noise, factor)
+        x, P = start_state(arm, of, size, first.mean(axis=0), rests, q, given, MountingPrior())
         kf = ExtendedKalmanFilter(dim_x=size, dim_z=n_channel)
         kf.x, kf.P, kf.F, kf.Q = x, P, np.eye(size), np.zeros((size, size))
         for j in range(n):

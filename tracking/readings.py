@@ -9,7 +9,7 @@ from arm.model import Floats
 from limbcal.errors import ConfigError, DataError
 from tracking.decimation import Decimator
 from tracking.noise import Noise, noise_of
-from tracking.stillness import WINDOW_S
+from tracking.stillness import CELL_S, WINDOW_S, unsteadiness, window_of
 
 #: Readings that the noise can be learnt from, at the least.
 _FEWEST = 8
@@ -52,6 +52,29 @@ class Readings:
         there = self.values[:count][self.present[:count]]
         mean: Floats = there.mean(axis=0)
         return mean
+
+    @property
+    def begins_steadily(self) -> bool:
+        """Whether the readings of the first quarter of a second stay what they are."""
+        return steady(self.values, self.dt_s, self.noise, self.factor)
+
+
+def steady(values: Floats, dt_s: float, noise: Noise, factor: int) -> bool:
+    """Return whether the first readings of a recording stay what they are, as those of an arm at rest do.
+
+    Parameters
+    ----------
+    values : (n, n_channel)
+    dt_s, noise, factor
+        As in `Readings`.
+    """
+    cell = max(1, round(CELL_S / dt_s))
+    window = window_of(cell * dt_s, 1, noise.of_mean(factor * cell), noise.rounding)
+    needed = len(window.cells) * cell
+    if len(values) < needed or np.isnan(values[:needed]).any():
+        return False
+    window.cells[:] = values[:needed].reshape(len(window.cells), cell, -1).mean(axis=1)
+    return unsteadiness(window, 0) < 1.0
 
 
 class ReadingsBuilder:

@@ -120,7 +120,8 @@ class Smoother:
             Told the number of passes after each.
         """
         of, arm, n = self.observation, self._arm, self._arm.n_joint
-        x0, P0 = start_state(arm, of, self.size, readings.first_mean, self._q, self._given, self._mounting)
+        first, steady = readings.first_mean, readings.begins_steadily
+        x0, P0 = start_state(arm, of, self.size, first, steady, self._q, self._given, self._mounting)
         course = course_of(readings, n)
         if known is not None:
             lasting = slice(3 * n, None)

@@ -7,15 +7,20 @@ import numpy as np
 from arm.model import Arm, Floats
 from tracking.observation import MOUNTING, Observation, observe, room_of
 
-#: An accelerometer's offset out of the box, and after it was measured [m/s^2].
-_OFFSET_STD, _KNOWN_OFFSET_STD = 0.2, 0.02
+#: An accelerometer's offset where nothing is known of it, and at the least and at the most where the first
+#: readings, taken together, show how large the offsets of these sensors are [m/s^2].
+_OFFSET_STD, _LEAST_OFFSET_STD, _MOST_OFFSET_STD = 0.2, 0.02, 0.5
+#: What they show is taken with this margin.
+_OFFSET_MARGIN = 2.0
 #: An AC-coupled one may stand anywhere, and what it settles at is read off while it has settled [m/s^2].
 _UNSETTLED_STD, _SETTLED_STD = 20.0, 0.002
 #: How well an angle is known that was given, and one that was not [rad]; those that gravity doesn't show are the
 #: zero.
 GIVEN_STD, GUESSED_STD = 0.01, 1.0
 _EXACT_STD = 1e-5
-_SPEED_STD, _ACCELERATION_STD = 1e-2, 0.05
+_SPEED_STD = 1e-2
+#: Accelerations of an arm that rests, and of one that doesn't [rad/s^2 or m/s^2].
+_RESTING_STD, _MOVING_STD = 0.05, 10.0
 #: A length that the arm file does not say the accuracy of may be a guess [m].
 _LEAST_LENGTH_STD_M = 0.1
 #: A corner is known to a third, as resistors and capacitors are.
@@ -32,7 +37,14 @@ class MountingPrior:
 
 
 def start_state(
-    arm: Arm, of: Observation, size: int, first: Floats, q: Floats, given: bool, mounting: MountingPrior
+    arm: Arm,
+    of: Observation,
+    size: int,
+    first: Floats,
+    steady: bool,
+    q: Floats,
+    given: bool,
+    mounting: MountingPrior,
 ) -> tuple[Floats, Floats]:
     """Return state and covariance before the first reading.
 
@@ -42,11 +54,13 @@ def start_state(
     of, size
         As from `tracking.observation.observation_of`.
     first : (n_channel,)
-        Mean of the first readings, while the arm rests.
+        Mean of the first readings.
+    steady : bool
+        They stayed what they are, so the arm rests; if not, nothing is known of its accelerations.
     q : (n_joint,)
         Where the arm rests when tracking begins.
     given : bool
-        Somebody measured ``q``; otherwise gravity is asked first, as far as it shows an angle.
+        Somebody measured ``q``; otherwise gravity is asked first, as far as it shows an angle and the arm rests.
     mounting : MountingPrior
 
     Returns
@@ -60,14 +74,18 @@ def start_state(
     coupled = np.repeat(of.corner > 0.0, 3)
     offset = slice(3 * n, 3 * n + 3 * n_sensor)
     x[offset] = bias
-    offset_std = np.where(bias != 0.0, _KNOWN_OFFSET_STD, _OFFSET_STD)
-    offset_std[coupled] = _UNSETTLED_STD
-    x[: 3 * n : 3] = q if given else _level(of, x, first, offset_std, q)
+    offset_std = np.where(coupled, _UNSETTLED_STD, _OFFSET_STD)
+    x[: 3 * n : 3] = _level(of, x, first, offset_std, q) if steady and not given else q
     reading, slope = _at_rest(of, x)
+    left, free = (first - reading)[~coupled], np.count_nonzero(~coupled) - n
+    if steady and free > 0:
+        usual = np.sqrt(np.sum(left**2) / free)
+        offset_std[~coupled] = np.clip(_OFFSET_MARGIN * usual, _LEAST_OFFSET_STD, _MOST_OFFSET_STD)
     x[offset] += np.where(coupled, first - reading, 0.0)
     P[: 3 * n : 3, : 3 * n : 3] = _angle_covariance(slope[:, : 3 * n : 3] / offset_std[:, None], given)
     std = np.zeros(size)
-    std[1 : 3 * n : 3], std[2 : 3 * n : 3], std[offset] = _SPEED_STD, _ACCELERATION_STD, offset_std
+    std[1 : 3 * n : 3], std[offset] = _SPEED_STD, offset_std
+    std[2 : 3 * n : 3] = _RESTING_STD if steady else _MOVING_STD
     for joint, columns in zip(arm.joints, of.length_column, strict=True):
         for length, column in zip((joint.a_m, joint.d_m), columns, strict=True):
             if column >= 0:
