@@ -26,9 +26,10 @@ check: $(STAMP) ## lint, types, import rules
 	$(BIN)/mypy
 	$(BIN)/lint-imports
 
-bench: $(STAMP) ## the torque fit's speed; a minute of acquisition at 32 kHz
+bench: $(STAMP) ## the torque fit's speed; a minute of acquisition at 32 kHz; the trackers compared
 	$(BIN)/python -m benchmarks.torque_fit
 	$(BIN)/python -m benchmarks.acquisition --seconds 60
+	$(BIN)/python -m benchmarks.tracking --seeds 0-2
 
 lock: ## rewrite constraints.txt from the newest versions that fit
 	rm -rf $(VENV)

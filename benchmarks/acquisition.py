@@ -1,4 +1,7 @@
-"""The daemon on the virtual arm in real time: samples lost, latency, and each process's share of a core."""
+"""The daemon on the virtual arm in real time: samples lost, latency, delay, and each process's share of a core.
+
+A process's share of a core is its CPU time for a second of the stream, at a speed of 1.
+"""
 
 import argparse
 import json
@@ -26,17 +29,20 @@ _STOP_S = 60.0
 
 @dataclass(frozen=True)
 class Measurement:
-    """What was seen: CPU shares in percent of one core, by process."""
+    """What was seen: CPU shares in percent of one core, by process; delays are those of `limb/health`."""
 
     seconds: float
+    method: str
     rate_hz: float
     samples: int
     lost_samples: int
     worst_latency_p99_ms: float
+    mean_delay_ms: float
+    worst_delay_ms: float
     cpu_percent: Mapping[str, float]
 
 
-def measure(seconds: float, rate_hz: float, speed: float) -> Measurement:
+def measure(seconds: float, rate_hz: float, speed: float, method: str) -> Measurement:
     """Stream for a time and watch.
 
     Raises
@@ -49,9 +55,8 @@ def measure(seconds: float, rate_hz: float, speed: float) -> Measurement:
         device = _start("virtual", "--link", port, "--rate-hz", str(rate_hz), "--speed", str(speed))
         try:
             _announced(device, "virtual")
-            daemon = _start(
-                "run", "--port", port, "--arm", "dd-arm", "--endpoint", "tcp://127.0.0.1:*", "--record", room
-            )
+            arguments = ("--port", port, "--arm", "dd-arm", "--method", method, "--record", room)
+            daemon = _start("run", *arguments, "--endpoint", "tcp://127.0.0.1:*")
             try:
                 return _watch(device, daemon, _announced(daemon, "run"), seconds)
             finally:
@@ -74,20 +79,31 @@ def _watch(
     try:
         before = {name: _cpu_s(process) for name, process in processes.items()}
         begin = time.monotonic()
-        latencies = [0.0]
+        latencies: list[float] = [0.0]
+        delays: list[tuple[float, float]] = []
         fields: dict[str, Any] = {}
         while time.monotonic() < begin + seconds:
             message = subscriber.receive(500)
             if message is not None:
                 fields = message[1]
                 latencies.append(fields["latency_ms"]["p99"] or 0.0)
+                delays.append((fields["delay_ms"]["mean"] or 0.0, fields["delay_ms"]["max"] or 0.0))
         elapsed = time.monotonic() - begin
         shares = {name: 100.0 * (_cpu_s(process) - before[name]) / elapsed for name, process in processes.items()}
     finally:
         subscriber.close()
         context.term()
+    means, worst = zip(*delays, strict=True)
     return Measurement(
-        elapsed, announced["rate_hz"], fields["samples"], fields["lost_samples"], max(latencies), shares
+        elapsed,
+        fields["tracking"]["method"],
+        announced["rate_hz"],
+        fields["samples"],
+        fields["lost_samples"],
+        max(latencies),
+        sum(means) / len(means),
+        max(worst),
+        shares,
     )
 
 
@@ -123,15 +139,17 @@ def main(argv: list[str] | None = None) -> int:
     parser.add_argument("--seconds", type=float, default=60.0, metavar="N")
     parser.add_argument("--rate-hz", type=float, default=32000.0, metavar="R")
     parser.add_argument("--speed", type=float, default=1.0, metavar="X")
+    parser.add_argument("--method", default="filter", metavar="M", help="filter (default) or integrate")
     parser.set_defaults(action=_measure_and_show)
     return run_command(parser, argv)
 
 
 def _measure_and_show(arguments: argparse.Namespace) -> Mapping[str, object]:
-    found = measure(arguments.seconds, arguments.rate_hz, arguments.speed)
+    found = measure(arguments.seconds, arguments.rate_hz, arguments.speed, arguments.method)
     table = Table(
-        title=f"{found.samples} samples at {found.rate_hz:g} Hz, {found.lost_samples} lost; "
-        f"latency p99 at most {found.worst_latency_p99_ms:.1f} ms"
+        title=f"{found.method}: {found.samples} samples at {found.rate_hz:g} Hz, {found.lost_samples} lost; "
+        f"latency p99 at most {found.worst_latency_p99_ms:.1f} ms; "
+        f"delay {found.mean_delay_ms:.1f} ms, at most {found.worst_delay_ms:.1f} ms"
     )
     table.add_column("process")
     table.add_column("share of a core", justify="right")

@@ -4,6 +4,8 @@ The same model, the same rests, jolts and doubts as in `tracking.forward_filter`
 the other where this takes them in at once; tests hold the two against each other.
 """
 
+import math
+
 import numpy as np
 from filterpy.kalman import ExtendedKalmanFilter
 
@@ -65,7 +67,8 @@ class LiveFilter:
         for channel in np.flatnonzero(self._coupled):
             kf.F[3 * n + channel, of.settled_column[channel // 3] + channel % 3] = self._forget[channel]
             kf.Q[3 * n + channel, 3 * n + channel] += self._forget[channel] ** 2 * self._noise[channel]
-        kf.B = np.eye(size) if self._coupled.any() else np.zeros((size, 1))
+        self._any_coupled = bool(self._coupled.any())
+        kf.B = np.eye(size) if self._any_coupled else np.zeros((size, 1))
         self._kf, self._no_shift = kf, np.zeros(kf.B.shape[1])
         self._slope = np.zeros((n_channel + n, size))
         for j in range(n):
@@ -106,7 +109,8 @@ class LiveFilter:
             Whether the arm was held to be at rest.
         """
         kf = self._kf
-        lost = bool(np.isnan(reading[0]))
+        lost = reading[0] != reading[0]  # not a number
+        before_x, before_P = kf.x, kf.P
         if self._begun:
             self._predict(reading)
         self._begun = True
@@ -116,19 +120,32 @@ class LiveFilter:
             self._total[:] = 0.0
             return False
         still = self._still
-        self._take(reading, still)
-        self._total += reading - np.where(self._coupled, kf.x[self._offsets], 0.0)
+        try:
+            self._take(reading, still)
+        except np.linalg.LinAlgError:
+            kf.x[0] = np.nan
+        if not math.isfinite(kf.x.sum()):
+            self._give_up(before_x, before_P)
+        self._total += reading
+        if self._any_coupled:
+            self._total -= np.where(self._coupled, kf.x[self._offsets], 0.0)
         self._in_cell += 1
         if self._in_cell == self._cell:
             self._close_cell()
         return still
 
     def lose(self) -> None:
-        """Forget the motion after a gap too long to predict; the arm is about where it was, its sensors the same."""
+        """Forget the motion after a gap too long to predict: the arm is about where it was, sensors are known."""
         kf, n = self._kf, 3 * self._n
         kf.x[1:n:3], kf.x[2:n:3] = 0.0, 0.0
         kf.P[:n], kf.P[:, :n] = 0.0, 0.0
         kf.P[np.arange(n), np.arange(n)] = np.tile(np.square(_LOST_STD), self._n)
+
+    def _give_up(self, x: Floats, P: Floats) -> None:
+        """Begin anew from the last state that made sense: no motion of this arm explains the readings at all."""
+        self._kf.x, self._kf.P = x, P
+        self.lose()
+        self._judge.note(np.inf, jolted=True, doubted=True)
 
     def consistency(self) -> Consistency:
         """Return how well the readings since the last call fit the filter's claims."""
@@ -136,7 +153,7 @@ class LiveFilter:
 
     def _predict(self, reading: Floats) -> None:
         kf, shift = self._kf, self._no_shift
-        if self._coupled.any():
+        if self._any_coupled:
             shift = np.zeros(len(kf.x))
             stands = 0.5 * (self._last + reading)
             lost = np.isnan(stands)
@@ -144,7 +161,7 @@ class LiveFilter:
             shift[self._offsets] = np.where(lost, -settled, -self._forget * np.where(lost, 0.0, stands))
             kf.P[self._offsets, self._offsets] += self._forget**2 * lost
         kf.predict(shift)
-        if np.isnan(reading[0]):
+        if reading[0] != reading[0]:
             for j in range(self._n):  # nobody saw a jolt, so there may have been one
                 spread(kf.P, j, SMOOTHER_PUSH_STD**2 * self._dt, self._dt)
 

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from arm.model import Arm, Floats
+from limbcal.errors import DataError
 from tracking.forward_filter import filter_all
 from tracking.kalman_step import Course
 from tracking.observation import observation_of, room_of
@@ -26,6 +27,10 @@ _COARSE = 4
 #: Passes end when no state moves by more than this share of its standard deviation.
 _CLOSE_ENOUGH = 0.02
 _PASSES = 30
+_CONTRADICTION = (
+    "no motion of this arm explains the readings at all; expected an arm file with these joints and its sensors where "
+    "they are"
+)
 
 
 @dataclass(frozen=True)
@@ -118,6 +123,11 @@ class Smoother:
             Of an earlier recording with the same sensors: what it says of them and of the lengths is held.
         progress : callable, optional
             Told the number of passes after each.
+
+        Raises
+        ------
+        DataError
+            If no motion of the arm explains the readings at all.
         """
         of, arm, n = self.observation, self._arm, self._arm.n_joint
         first, steady = readings.first_mean, readings.begins_steadily
@@ -135,6 +145,8 @@ class Smoother:
         while passes < _PASSES and not converged:
             x, P = x0.copy(), P0.copy()
             smooth_once(of, room, coarse, at, x, P, smoothed, variance, not fine)
+            if not np.isfinite(smoothed).all():
+                raise DataError(_CONTRADICTION)
             std = np.sqrt(np.maximum(np.diag(P), 1e-12))
             moved = np.abs(smoothed - at).max(axis=0) / std
             passes, converged = passes + 1, bool(moved.max() < _CLOSE_ENOUGH)
@@ -161,7 +173,12 @@ class Smoother:
         limit = alarm_limit(len(course.noise))
         room = room_of(self._arm.n_joint)
         of = self.observation
-        filter_all(of, room, course, window, cell, limit, x0.copy(), P0.copy(), states, still, resting)
+        try:
+            filter_all(of, room, course, window, cell, limit, x0.copy(), P0.copy(), states, still, resting)
+        except np.linalg.LinAlgError as error:  # a covariance without sense, as a compiled inverse sees it
+            raise DataError(_CONTRADICTION) from error
+        if not np.isfinite(states).all():
+            raise DataError(_CONTRADICTION)
         return states, still, resting
 
 
