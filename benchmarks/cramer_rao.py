@@ -32,7 +32,7 @@ from tracking.readings import Readings
 from tracking.smoother import course_of
 from tracking.smoothing_pass import smooth_once
 from tracking.start import MountingPrior, start_state
-from tracking.stillness import CELL_S, WINDOW_S, rest_variance, unrest, window_of
+from tracking.stillness import WINDOW_S, rest_variance, unrest, window_frames, window_of
 
 #: An arm rests where no joint is faster [rad/s or m/s].
 _REST_SPEED = 1e-3
@@ -95,9 +95,9 @@ def least_std(
 def _rests(of: Observation, readings: Readings, at: Floats, P: Floats, resting: NDArray[np.bool_]) -> Floats:
     """Return the variance of velocities' being zero, (n, n_joint); 0 where the arm moves."""
     n = of.chain.revolute.size
-    cell = max(1, round(CELL_S / readings.dt_s))
+    cell, n_cell = window_frames(readings.dt_s)
     cell_noise = readings.noise.of_mean(readings.factor * cell)
-    window = window_of(cell * readings.dt_s, at.shape[1], cell_noise, readings.noise.rounding)
+    window = window_of(n_cell, at.shape[1], cell_noise, readings.noise.rounding)
     rest, hidden = np.zeros((len(at), n)), np.zeros(n)
     edges = np.flatnonzero(np.diff(np.concatenate([[False], resting, [False]])))
     for begin, end in edges.reshape(-1, 2):

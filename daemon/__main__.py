@@ -14,6 +14,9 @@ from limbcal.errors import ConfigError
 # only one of them has a use for the tracker's compiler.
 # ruff: noqa: PLC0415
 
+#: Of `limbd zero`: a few stretches to compare, and what is kept in memory.
+_SHORTEST_S, _LONGEST_S = 0.5, 60.0
+
 _FLAGS = {
     "port": ("device", "port"),
     "baud": ("device", "baud"),
@@ -37,11 +40,8 @@ def _parser() -> argparse.ArgumentParser:
     common = common_options()
 
     run = commands.add_parser("run", parents=[common], help="acquire, track, publish and record until stopped")
-    run.add_argument("--config", type=Path, metavar="FILE", help="limbd.toml; flags win over it")
-    run.add_argument("--port", metavar="P", help="serial port of the device")
-    run.add_argument("--baud", type=int, metavar="B", help="baud rate (default 12000000)")
-    run.add_argument("--arm", metavar="A", help="arm file or the name of a built-in arm")
-    run.add_argument("--method", metavar="M", help="how motion is tracked: integrate")
+    _add_device_options(run)
+    run.add_argument("--method", metavar="M", help="how motion is tracked: filter (default) or integrate")
     run.add_argument("--endpoint", metavar="E", help="where to publish (default tcp://127.0.0.1:5770)")
     run.add_argument("--record", metavar="DIR", help="record into this directory")
     run.set_defaults(action=_run)
@@ -49,6 +49,14 @@ def _parser() -> argparse.ArgumentParser:
     check = commands.add_parser("check", parents=[common], help="list every mistake in a config file")
     check.add_argument("file", type=Path, metavar="FILE")
     check.set_defaults(action=_check)
+
+    zero = commands.add_parser(
+        "zero", parents=[common], help="measure the sensors' biases while the arm rests at initial_q_rad"
+    )
+    _add_device_options(zero)
+    zero.add_argument("--seconds", type=_seconds, default=2.0, metavar="S", help="how long to measure (default 2)")
+    zero.add_argument("--out", type=Path, metavar="FILE", help="where the arm goes (default: its own file)")
+    zero.set_defaults(action=_zero)
 
     virtual = commands.add_parser("virtual", parents=[common], help="be a device: the virtual arm on a pty")
     virtual.add_argument("--link", type=Path, metavar="PATH", help="make a symbolic link to the port")
@@ -75,6 +83,13 @@ def _parser() -> argparse.ArgumentParser:
     virtual.add_argument("--truth", type=Path, metavar="FILE", help="write the true motion here (.npz) at the end")
     virtual.set_defaults(action=_virtual)
     return parser
+
+
+def _add_device_options(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("--config", type=Path, metavar="FILE", help="limbd.toml; flags win over it")
+    parser.add_argument("--port", metavar="P", help="serial port of the device")
+    parser.add_argument("--baud", type=int, metavar="B", help="baud rate (default 12000000)")
+    parser.add_argument("--arm", metavar="A", help="arm file or the name of a built-in arm")
 
 
 def _run(arguments: argparse.Namespace) -> None:
@@ -107,6 +122,13 @@ def _check(arguments: argparse.Namespace) -> Mapping[str, object]:
     return {"file": str(arguments.file), "ok": True, "mistakes": [], "arm": setup.arm.name}
 
 
+def _zero(arguments: argparse.Namespace) -> Mapping[str, object]:
+    from daemon.config import load_setup
+    from daemon.zero import zero_sensors
+
+    return zero_sensors(load_setup(arguments.config, _given(arguments)), arguments.seconds, arguments.out)
+
+
 def _virtual(arguments: argparse.Namespace) -> None:
     from arm.arm_file import load_arm
     from daemon.virtual import VirtualOptions, serve
@@ -128,10 +150,17 @@ def _given(arguments: argparse.Namespace) -> dict[str, dict[str, object]]:
     """Return the flags that were given, as the config's tables."""
     tables: dict[str, dict[str, object]] = {}
     for flag, (table, key) in _FLAGS.items():
-        value = getattr(arguments, flag)
+        value = getattr(arguments, flag, None)
         if value is not None:
             tables.setdefault(table, {})[key] = value
     return tables
+
+
+def _seconds(text: str) -> float:
+    value = _not_negative(text)
+    if not _SHORTEST_S <= value <= _LONGEST_S:
+        raise argparse.ArgumentTypeError(f"{text!r} is not a number from {_SHORTEST_S:g} to {_LONGEST_S:g}")
+    return value
 
 
 def _positive(text: str) -> float:

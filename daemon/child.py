@@ -74,17 +74,26 @@ class Child:
         self.line.close()
         self._process.close()
 
-    def ended(self) -> str:
-        """Say how it ended."""
+    def ended(self) -> DeviceError:
+        """Return the error for one that ended without a word."""
         self._process.join(_KILLED_JOIN_S)  # the line ends a moment before the process does
         code = self._process.exitcode
-        return f"signal {-code}" if code is not None and code < 0 else f"exit code {code}"
+        how = f"signal {-code}" if code is not None and code < 0 else f"exit code {code}"
+        return DeviceError(f"the {self.name} process ended with {how}, expected it to go on")
 
 
 def wait_for_any(children: list[Child], others: list[Any], timeout_s: float) -> list[Any]:
     """Wait until a child says something or another descriptor is readable; return those."""
     waited: list[Any] = [*(child.line for child in children), *others]
     return list(wait(waited, timeout_s))
+
+
+def raise_failure(child: Child, said: Said) -> None:
+    """Raise what a child ended with, if it said that."""
+    if said["what"] == "failed":
+        raise failure(said)
+    if said["what"] == "crashed":
+        raise crash(child, said)
 
 
 def failure(said: Said) -> LimbcalError:

@@ -40,12 +40,16 @@ class ArmFileTable(_Table):
 
 
 class TrackingTable(_Table):
-    """`[tracking]`: how accelerations become joint motion; without ``initial_q_rad`` the arm rests at zero."""
+    """`[tracking]`: how accelerations become joint motion.
 
-    method: Literal["integrate"] = "integrate"
+    Without ``initial_q_rad`` the filter asks gravity where the arm rests, and the integrator takes zero. ``zero``
+    concerns the integrator only, which takes "each-rest" where it is left out.
+    """
+
+    method: Literal["filter", "integrate"] = "filter"
     initial_q_rad: Annotated[tuple[Number, ...], Strict(strict=False)] | None = None
     frame_rate_hz: Annotated[Number, Field(gt=0)] = 1000.0
-    zero: Literal["each-rest", "first-rest"] = "each-rest"
+    zero: Literal["each-rest", "first-rest"] | None = None
 
 
 class PublishTable(_Table):
@@ -86,10 +90,10 @@ class Setup:
     arm: Arm
 
     @property
-    def initial_q_rad(self) -> Floats:
-        """Joint angles at the first rest, (n_joint,)."""
+    def initial_q_rad(self) -> Floats | None:
+        """Joint angles at the first rest, (n_joint,), where they are given."""
         given = self.config.tracking.initial_q_rad
-        return np.zeros(self.arm.n_joint) if given is None else np.array(given)
+        return None if given is None else np.array(given)
 
 
 def load_setup(path: Path | None, flags: Flags) -> Setup:
@@ -119,7 +123,12 @@ def load_setup(path: Path | None, flags: Flags) -> Setup:
     except ValidationError as error:
         mistakes += [_with_flag(sentence) for sentence in mistakes_of(error, where)]
     arm = _load_arm(tables["arm"], where, mistakes)
-    given = _given_angles(tables.get("tracking"))
+    tracking = tables.get("tracking")
+    if isinstance(tracking, dict) and "zero" in tracking and tracking.get("method", "filter") == "filter":
+        mistakes.append(
+            f"{where}: tracking.zero is {tracking['zero']!r}, expected it only with tracking.method = 'integrate'"
+        )
+    given = _given_angles(tracking)
     if arm is not None and given is not None and given != arm.n_joint:
         mistakes.append(
             f"{where}: tracking.initial_q_rad has {given} numbers, "

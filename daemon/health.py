@@ -10,6 +10,8 @@ import numpy as np
 from daemon.channel_watch import ChannelWatch
 from daemon.sample_ledger import SampleLedger
 from protocol.serial_parser import ParserCounters
+from tracking.consistency import Consistency
+from tracking.frames import Frames
 
 
 @dataclass
@@ -31,6 +33,34 @@ class Latency:
         return {"p50": float(p50), "p99": float(p99)}
 
 
+@dataclass
+class Delay:
+    """How old frames are when they are published: the host's UTC then, less the frame's own time stamp.
+
+    What a subscriber on this machine sees by the stamps, so whatever the device's clock has drifted from the
+    host's since the first sample is in it.
+    """
+
+    frames: int = 0
+    total_ns: float = 0.0
+    most_ns: float = -np.inf
+
+    def note(self, block: Frames, utc_ns: int) -> None:
+        """Add a block that is published now."""
+        first_ns = utc_ns - block.t0_ns
+        self.frames += block.n
+        self.total_ns += block.n * (first_ns - 0.5e9 * (block.n - 1) * block.dt_s)
+        self.most_ns = max(self.most_ns, first_ns)
+
+    def take(self) -> dict[str, float | None]:
+        """Return mean and maximum [ms] over the frames since the last time, None where there were none."""
+        frames, total_ns, most_ns = self.frames, self.total_ns, self.most_ns
+        self.frames, self.total_ns, self.most_ns = 0, 0.0, -np.inf
+        if frames == 0:
+            return {"mean": None, "max": None}
+        return {"mean": 1e-6 * total_ns / frames, "max": 1e-6 * most_ns}
+
+
 def health_fields(
     *,
     uptime_s: float,
@@ -40,6 +70,9 @@ def health_fields(
     watch: ChannelWatch,
     channel_names: Sequence[str],
     latency: Latency,
+    delay: Delay,
+    method: str,
+    consistency: Consistency,
     connected: bool,
     recording: str | None,
     recording_lost: int,
@@ -58,6 +91,14 @@ def health_fields(
         "flat": dict(zip(channel_names, watch.flat.tolist(), strict=True)),
         "clock_ppm": None,
         "latency_ms": latency.take(),
+        "delay_ms": delay.take(),
+        "tracking": {
+            "method": method,
+            "innovation": consistency.size,
+            "jolts": consistency.jolts,
+            "doubted": consistency.doubted,
+            "wrong": consistency.wrong,
+        },
         "connected": connected,
         "recording": recording,
         "recording_lost": recording_lost,

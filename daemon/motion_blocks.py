@@ -34,7 +34,7 @@ class RawSamples:
 
 def frame_cutter(dt_s: float) -> BlockCutter[Frames]:
     """Return a cutter into blocks of 10 ms of frames."""
-    return BlockCutter(max(1, round(BLOCK_S / dt_s)), _join_frames, _cut_frames)
+    return BlockCutter(_frames_a_block(dt_s), _join_frames, _cut_frames)
 
 
 def raw_cutter(rate_hz: float) -> BlockCutter[RawSamples]:
@@ -42,8 +42,16 @@ def raw_cutter(rate_hz: float) -> BlockCutter[RawSamples]:
     return BlockCutter(max(1, round(BLOCK_S * rate_hz)), _join_raw, _cut_raw)
 
 
+def bridge_blocks(piece: Frames) -> list[Frames]:
+    """Return frames that were predicted across a gap as blocks of 10 ms, all of them marked."""
+    size = _frames_a_block(piece.dt_s)
+    parts = [_cut_frames(piece, k, min(k + size, piece.n)) for k in range(0, piece.n, size)]
+    return [replace(part, gap=True) for part in parts]
+
+
 def frames_message(block: Frames, method: str) -> Fields:
-    """Return the fields of `limb/frames`."""
+    """Return the fields of `limb/frames`; ``q_std`` is among them where the tracker claims one."""
+    claimed = {} if block.q_std is None else {"q_std": block.q_std}
     return {
         "frame0": block.frame0,
         "t0_ns": block.t0_ns,
@@ -53,6 +61,7 @@ def frames_message(block: Frames, method: str) -> Fields:
         "q": block.q,
         "dq": block.dq,
         "ddq": block.ddq,
+        **claimed,
         "tip": block.tip,
         "points": block.points,
         "gap": block.gap,
@@ -90,14 +99,20 @@ def plot_rows(block: Frames) -> list[Fields]:
     ]
 
 
-def _joint_columns(block: Frames) -> tuple[tuple[str, Floats], ...]:
-    return ("q", block.q), ("dq", block.dq), ("ddq", block.ddq)
+def _frames_a_block(dt_s: float) -> int:
+    return max(1, round(BLOCK_S / dt_s))
+
+
+def _joint_columns(block: Frames) -> list[tuple[str, Floats]]:
+    columns = [("q", block.q), ("dq", block.dq), ("ddq", block.ddq)]
+    return columns if block.q_std is None else [*columns, ("q_std", block.q_std)]
 
 
 def _join_frames(pieces: Sequence[Frames]) -> Frames:
     first = pieces[0]
     if len(pieces) == 1:
         return first
+    q_std = [piece.q_std for piece in pieces if piece.q_std is not None]
     return replace(
         first,
         q=np.concatenate([piece.q for piece in pieces]),
@@ -105,6 +120,7 @@ def _join_frames(pieces: Sequence[Frames]) -> Frames:
         ddq=np.concatenate([piece.ddq for piece in pieces]),
         tip=np.concatenate([piece.tip for piece in pieces]),
         points=np.concatenate([piece.points for piece in pieces]),
+        q_std=np.concatenate(q_std) if q_std else None,
     )
 
 
@@ -119,6 +135,7 @@ def _cut_frames(piece: Frames, begin: int, end: int) -> Frames:
         tip=piece.tip[begin:end],
         points=piece.points[begin:end],
         gap=piece.gap and begin == 0,
+        q_std=None if piece.q_std is None else piece.q_std[begin:end],
     )
 
 

@@ -1,9 +1,19 @@
 """Where the pipeline's results leave: to the subscribers, and the same bytes to the recorder."""
 
+import time
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from daemon.motion_blocks import RawSamples, frame_cutter, frames_message, plot_rows, raw_cutter, raw_message
+from daemon.health import Delay
+from daemon.motion_blocks import (
+    RawSamples,
+    bridge_blocks,
+    frame_cutter,
+    frames_message,
+    plot_rows,
+    raw_cutter,
+    raw_message,
+)
 from daemon.record_link import RecordLink
 from protocol.message import FRAMES, HEALTH, PLOT, RAW, TRIAL, encode
 from protocol.publisher import Publisher
@@ -26,6 +36,8 @@ class Outlet:
         Whether subscribers get `limb/raw`; the recorder always does.
     learning : int
         So many motions are for learning, those after them for evaluating.
+    delay : Delay
+        Takes note of every block of frames that came from samples.
     """
 
     def __init__(
@@ -40,6 +52,7 @@ class Outlet:
         rate_hz: float,
         publish_raw: bool,
         learning: int,
+        delay: Delay,
     ) -> None:
         self._publisher = publisher
         self._link = link
@@ -49,6 +62,7 @@ class Outlet:
         self._raw_cutter = raw_cutter(rate_hz)
         self._publish_raw = publish_raw
         self._learning = learning
+        self._delay = delay
         self._raw_seq = 0
 
     def send_raw(self, samples: RawSamples) -> None:
@@ -61,6 +75,16 @@ class Outlet:
         blocks = [block for piece in frames for block in self._frame_cutter.add(piece)]
         self._send_frame_blocks(blocks)
         return len(blocks)
+
+    def send_bridge(self, frames: Sequence[Frames]) -> None:
+        """Take what a tracker gives out at a gap: frames before it, and then those that it predicted across it."""
+        for piece in frames:
+            if piece.gap:
+                self._send_frame_blocks(self._frame_cutter.flush())
+                self._send_frame_blocks(bridge_blocks(piece), predicted=True)
+            else:
+                self.send_frames([piece])
+        self._send_frame_blocks(self._frame_cutter.flush())
 
     def send_phase(self, phase: Phase) -> None:
         """Send `limb/trial`, after the frames that led to it."""
@@ -78,8 +102,10 @@ class Outlet:
         self._send_raw_blocks(self._raw_cutter.flush())
         self._send_frame_blocks(self._frame_cutter.flush())
 
-    def _send_frame_blocks(self, blocks: Sequence[Frames]) -> None:
+    def _send_frame_blocks(self, blocks: Sequence[Frames], predicted: bool = False) -> None:
         for block in blocks:
+            if not predicted:
+                self._delay.note(block, time.time_ns())
             self._send(FRAMES, frames_message(block, self._method), block.t0_ns)
             rows = plot_rows(block)
             if rows:

@@ -3,21 +3,17 @@
 import time
 from collections.abc import Sequence
 
-import numpy as np
-
 from daemon.config import Setup
-from daemon.health import Latency, health_fields
+from daemon.health import Delay, Latency, health_fields
 from daemon.motion_blocks import RawSamples
 from daemon.outlet import Outlet
 from daemon.reception import Reception
 from daemon.record_link import RecordLink
 from daemon.ring import Chunk
+from daemon.warm_up import warm_up
 from protocol.publisher import Publisher
 from tracking.frames import Frames, Phase
-from tracking.integrator import Integrator
-
-#: Enough silence for every kernel of the tracker to be compiled before the first sample comes.
-_WARM_UP_S = 0.25
+from tracking.tracker import Tracker, consistency_of, tracker_of
 
 
 class Pipeline:
@@ -43,8 +39,9 @@ class Pipeline:
         self, setup: Setup, run: str, reception: Reception, publisher: Publisher, link: RecordLink | None
     ) -> None:
         rate_hz = reception.info.rate_hz
-        _warm_up(setup, rate_hz)
+        warm_up(_tracker(setup, rate_hz), setup.arm, rate_hz, setup.initial_q_rad)
         self._tracker = _tracker(setup, rate_hz)
+        self._delay = Delay()
         self._outlet = Outlet(
             publisher,
             link,
@@ -55,6 +52,7 @@ class Pipeline:
             rate_hz=rate_hz,
             publish_raw=setup.config.publish.raw,
             learning=setup.config.trials.learning,
+            delay=self._delay,
         )
         self._reception = reception
         self._publisher = publisher
@@ -70,7 +68,9 @@ class Pipeline:
         """Take what arrived; send what it completes."""
         for run in self._reception.take(chunks):
             if run.lost:
-                self._send(*self._tracker.gap(run.lost))
+                frames, phases = self._tracker.gap(run.lost)
+                self._outlet.send_bridge(frames)
+                self._send((), phases)
             self._outlet.send_raw(RawSamples(run.sample0, run.t0_ns, self._dt_s, run.a, run.lost > 0))
             if self._send(*self._tracker.push(run.t0_ns, run.a)):
                 self._latency.note(1e-9 * (time.monotonic_ns() - chunks[-1].stamp_ns))
@@ -92,14 +92,17 @@ class Pipeline:
             watch=self._reception.watch,
             channel_names=self._names,
             latency=self._latency,
+            delay=self._delay,
+            method=self._tracker.method,
+            consistency=consistency_of(self._tracker),
             connected=connected,
             recording=None if self._link is None else self._link.recording,
             recording_lost=0 if self._link is None else self._link.lost,
             directory=self._directory,
         )
         self._outlet.send_health(fields, time.time_ns())
-        keys = ("uptime_s", "samples", "lost_samples", "crc_errors", "latency_ms", "recording", "recording_lost")
-        return {key: fields[key] for key in keys}
+        counts = ("uptime_s", "samples", "lost_samples", "crc_errors", "recording", "recording_lost")
+        return {key: fields[key] for key in (*counts, "latency_ms", "tracking")}
 
     def _send(self, frames: Sequence[Frames], phases: Sequence[Phase]) -> int:
         """Send what the tracker gave out; return how many blocks of frames that completed."""
@@ -109,13 +112,7 @@ class Pipeline:
         return blocks
 
 
-def _tracker(setup: Setup, rate_hz: float) -> Integrator:
-    tracking = setup.config.tracking
-    return Integrator(
-        setup.arm, rate_hz, setup.initial_q_rad, frame_rate_hz=tracking.frame_rate_hz, zero=tracking.zero
-    )
-
-
-def _warm_up(setup: Setup, rate_hz: float) -> None:
-    n_channel = 3 * len(setup.arm.sensors)
-    _tracker(setup, rate_hz).push(0, np.zeros((round(_WARM_UP_S * rate_hz) + 1, n_channel)))
+def _tracker(setup: Setup, rate_hz: float) -> Tracker:
+    tracking, q0 = setup.config.tracking, setup.initial_q_rad
+    zero = tracking.zero or "each-rest"
+    return tracker_of(setup.arm, tracking.method, rate_hz, q0, tracking.frame_rate_hz, zero)

@@ -8,6 +8,11 @@ from rich.console import Console
 from rich.markup import escape
 from rich.status import Status
 
+_WRONG = (
+    "the readings contradict the tracker: check the lengths and the sensors' places in the arm file, and whether "
+    "a sensor came loose; `fitter sensors` finds from a recording where each sits and what it reads"
+)
+
 
 class Progress:
     """Words for the person at the terminal, all on stderr."""
@@ -16,6 +21,7 @@ class Progress:
         self._console = console
         self._status: Status | None = None
         self._last: Mapping[str, Any] | None = None
+        self._said_wrong = False
 
     def __enter__(self) -> "Progress":
         return self
@@ -44,8 +50,11 @@ class Progress:
             self._status.start()
 
     def health(self, fields: Mapping[str, Any]) -> None:
-        """Show how it goes."""
+        """Show how it goes; say once if the tracker finds that it is wrong."""
         self._last = fields
+        if fields["tracking"]["wrong"] and not self._said_wrong:
+            self._said_wrong = True
+            self.trouble(_WRONG)
         if self._status is not None:
             self._status.update(escape(_sentence(fields)))
 

@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from arm.arm_file import format_arm
-from daemon.child import Child, crash, failure, wait_for_any
+from daemon.child import Child, raise_failure, wait_for_any
 from daemon.config import Setup, format_config
 from daemon.control_line import Said
 from daemon.ring import ring_memory
@@ -60,6 +60,7 @@ class Supervisor:
         self._run = str(uuid.uuid4())
         self._children: dict[str, Child] = {}
         self._heard: dict[tuple[str, str], Said] = {}
+        self._done: set[str] = set()
         self._rooms: list[str] = []
 
     def run(self) -> None:
@@ -143,21 +144,21 @@ class Supervisor:
     def _listen(self) -> None:
         if self._stop.came:
             raise _StopRequested
-        wait_for_any(list(self._children.values()), [self._stop], _WAIT_S)
-        for child in self._children.values():
+        heeded = [child for name, child in self._children.items() if name not in self._done]
+        wait_for_any(heeded, [self._stop], _WAIT_S)
+        for child in heeded:
             said = child.said()
-            if said is None:
-                raise DeviceError(f"the {child.name} process ended with {child.ended()}, expected it to go on")
-            for item in said:
+            if said is None and (child.name, "closed") not in self._heard:
+                raise child.ended()
+            if said is None:  # the recorder closed its file because the pipeline ends, which is about to say why
+                self._done.add(child.name)
+            for item in said or []:
                 self._note(child, item)
 
     def _note(self, child: Child, said: Said) -> None:
         what = said["what"]
         self._heard[child.name, what] = said
-        if what == "failed":
-            raise failure(said)
-        if what == "crashed":
-            raise crash(child, said)
+        raise_failure(child, said)
         if what == "health":
             self._on_health(said)
         elif what == "disk-failed":

@@ -70,6 +70,9 @@ def main(argv: list[str] | None = None) -> int:
     parser.add_argument(
         "--trials", type=int, default=22, help="motions, of which the first 5 are learnt from (22)"
     )
+    parser.add_argument(
+        "--method", choices=["filter", "integrate"], help="of the daemon's tracker (the daemon's default)"
+    )
     parser.add_argument("--quiet-sensors", action="store_true", help="no noise and no bias, but 16 bits")
     arguments = parser.parse_args(argv)
     signal.signal(signal.SIGTERM, _interrupt)
@@ -119,6 +122,7 @@ def calibrate(job: Job, stack: ExitStack, arguments: argparse.Namespace) -> None
             raise DeviceError(f"fitter subscribe ended with exit code {fitter.returncode}; see above")
     daemon = job.start(
         ["daemon", "run", "--port", port, "--arm", str(LAB_ARM), "--endpoint", frames, "--record", str(recordings)]
+        + (["--method", arguments.method] if arguments.method else [])
     )
     while fitter.poll() is None:
         for name, process in (("limbd virtual", device), ("limbd run", daemon)):
@@ -164,8 +168,9 @@ def summarize(out: Path) -> None:
     dynamics = json.loads((out / "dynamics.json").read_text())
     kinematics = json.loads((out / "kinematics.json").read_text())
     say("")
-    mean, worst = tracking_error(out)
-    say(f"tracking by the paper's method, against the true angles: {mean:.2f}° mean, {worst:.1f}° max")
+    method, mean, worst = tracking_error(out)
+    said = {"integrate": "the paper's method", "filter": "the Kalman filter"}.get(method, method)
+    say(f"tracking by {said}, against the true angles: {mean:.2f}° mean, {worst:.1f}° max")
     a = {name: kinematics["parameters"][name]["value"] for name in ("a1", "a2")}
     say(f"lengths found: a1 {1e3 * a['a1']:.1f} mm (true 250), a2 {1e3 * a['a2']:.1f} mm (true 300)")
     p = dynamics["parameters"]
@@ -202,16 +207,20 @@ def true_error(out: Path, learning: int = 5) -> dict[str, tuple[float, float]]:
     }
 
 
-def tracking_error(out: Path) -> tuple[float, float]:
-    """Return mean and largest error of the daemon's angles, which both count from the first sample on [deg]."""
+def tracking_error(out: Path) -> tuple[str, float, float]:
+    """Return the daemon's method, and mean and largest error of its angles [deg].
+
+    Both it and the truth count time from the first sample on.
+    """
     truth = np.load(out / "truth.npz")
     (recording,) = sorted((out / "recordings").glob("*.mcap"))
     blocks = [fields for _, fields, _ in read_recording(recording, ("limb/frames",))]
+    method = str(blocks[0]["method"])
     t = np.concatenate([block["dt_s"] * (block["frame0"] + np.arange(block["n"])) for block in blocks])
     q = np.concatenate([block["q"] for block in blocks])
     seen = t < truth["t"][-1]
     error = [np.abs(q[seen, j] - np.interp(t[seen], truth["t"], truth[f"q{j + 1}"])) for j in range(q.shape[1])]
-    return float(np.rad2deg(np.mean(error))), float(np.rad2deg(np.max(error)))
+    return method, float(np.rad2deg(np.mean(error))), float(np.rad2deg(np.max(error)))
 
 
 def _interrupt(_signum: int, _frame: FrameType | None) -> None:

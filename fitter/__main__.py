@@ -3,12 +3,13 @@
 import sys
 from types import ModuleType
 
-from fitter.commands import dynamics, kinematics, simulate, subscribe, track
+from fitter.commands import dynamics, kinematics, sensors, simulate, subscribe, track
 from limbcal.command import Parser, common_options, run_command
 
 COMMANDS: dict[str, tuple[ModuleType, str]] = {
     "subscribe": (subscribe, "follow the daemon and calibrate the arm while it moves"),
     "track": (track, "accelerations to joint motion"),
+    "sensors": (sensors, "ordinary motions to what the sensors read and where they sit"),
     "kinematics": (kinematics, "joint angles and a measured tip to the arm's geometry"),
     "dynamics": (dynamics, "motion and torque to dynamic parameters"),
     "simulate": (simulate, "the motion of a calibrated arm"),

@@ -1,9 +1,10 @@
 """Taking the drift out of dead reckoning, once the rest at the end of a motion is known.
 
-Between two rests an offset that is left over, and most of the noise, act like a constant error of acceleration.
-At the end the arm stands still, so whatever velocity is left then is that error times the duration: it is taken
-out as ``c t^2 / 2`` of position, ``c t`` of velocity and ``c`` of acceleration. Where the motion ends elsewhere
-than the tracker had thought, what follows starts there too.
+What is dead-reckoned depends on the tracker: all that the paper's gives out, of the others only how far each
+sensor has moved. Between two rests an offset that is left over, and most of the noise, act like a constant error
+of acceleration. At the end the arm stands still, so whatever velocity is left then is that error times the
+duration: it is taken out as ``c t^2 / 2`` of position, ``c t`` of velocity and ``c`` of acceleration. Where the
+motion ends elsewhere than the tracker had thought, what follows starts there too.
 """
 
 from collections.abc import Sequence
@@ -13,11 +14,18 @@ from numpy.typing import NDArray
 
 Floats = NDArray[np.float64]
 Columns = dict[str, Floats]
+#: A dead-reckoned column and its derivatives.
+Family = tuple[str, ...]
 
 #: The velocity that is left is averaged over this long before the end [s].
 _LAST_S = 0.02
-#: Each dead-reckoned column and its derivatives.
-_FAMILIES = (("q", "dq", "ddq"), ("points",))
+_ANGLES: Family = ("q", "dq", "ddq")
+_POINTS: Family = ("points",)
+
+
+def dead_reckoned(method: object) -> tuple[Family, ...]:
+    """Return what drifts in the frames of a tracker, by the name of its method."""
+    return (_ANGLES, _POINTS) if method == "integrate" else (_POINTS,)
 
 
 class DriftCorrection:
@@ -26,7 +34,7 @@ class DriftCorrection:
     def __init__(self) -> None:
         self._shift: Columns = {}
 
-    def moving(self, t: Floats, columns: Columns) -> Columns:
+    def moving(self, t: Floats, columns: Columns, families: Sequence[Family]) -> Columns:
         """Return the columns of a motion, from rest to rest, without drift.
 
         Parameters
@@ -34,13 +42,14 @@ class DriftCorrection:
         t : ndarray of shape (n,)
             Time [s], evenly spaced.
         columns : dict of str to ndarray of shape (n, …)
-            Of these q, dq, ddq and points are corrected, where they are there.
+        families : sequence of Family
+            What is corrected of them, where it is there; see `dead_reckoned`.
         """
         corrected = self.resting(columns)
         if len(t) < 3:
             return corrected
         elapsed = t - t[0]
-        for names in _FAMILIES:
+        for names in families:
             if names[0] not in columns:
                 continue
             position = columns[names[0]]
@@ -59,7 +68,9 @@ class DriftCorrection:
         return {name: values - self._shift.get(name, 0.0) for name, values in columns.items()}
 
 
-def without_drift(t: Floats, columns: Columns, motions: Sequence[tuple[float, float]]) -> Columns:
+def without_drift(
+    t: Floats, columns: Columns, motions: Sequence[tuple[float, float]], families: Sequence[Family]
+) -> Columns:
     """Return the columns of a whole recording without drift.
 
     Parameters
@@ -69,12 +80,14 @@ def without_drift(t: Floats, columns: Columns, motions: Sequence[tuple[float, fl
     columns : dict of str to ndarray of shape (n, …)
     motions : sequence of (begin, end)
         When the motions began and ended [s], in order.
+    families : sequence of Family
+        What is corrected, see `dead_reckoned`.
     """
     correction, parts, done = DriftCorrection(), [], 0
     for window in motions:
         begin, end = (int(k) for k in np.searchsorted(t, window))
         parts.append(correction.resting(_rows(columns, done, begin)))
-        parts.append(correction.moving(t[begin:end], _rows(columns, begin, end)))
+        parts.append(correction.moving(t[begin:end], _rows(columns, begin, end), families))
         done = end
     parts.append(correction.resting(_rows(columns, done, len(t))))
     return {name: np.concatenate([part[name] for part in parts]) for name in columns}

@@ -26,9 +26,9 @@ def write_motion(path: Path, columns: Mapping[str, Column]) -> None:
     path : Path
         ``.csv``, ``.parquet`` or ``.npz``. A file that is there is replaced, in one step, once all is written.
     columns : mapping of str to ndarray
-        ``t`` and, where there are several trials, ``trial`` of shape (n,); ``q``, ``dq``, ``ddq``, ``tau`` and
-        ``ref`` of shape (n, n_joint), written as ``q1 … qn``; ``tip`` of shape (n, 3), written as ``tipx tipy
-        tipz``. Any other 1-D column goes by its own name.
+        ``t`` and, where there are several trials, ``trial`` of shape (n,); ``q``, ``dq``, ``ddq``, ``tau``,
+        ``ref`` and ``q_std`` of shape (n, n_joint), written as ``q1 … qn``; ``tip`` of shape (n, 3), written as
+        ``tipx tipy tipz``. Any other 1-D column goes by its own name.
 
     Raises
     ------

@@ -13,7 +13,8 @@ from fitter.motions import Measured, read_file, require_rising
 from fitter.recordings import read_raw_blocks
 from fitter.resample import MINIMUM_SAMPLES
 from fitter.sources import RECORDINGS, expand
-from limbcal.errors import DataError
+from limbcal.errors import ConfigError, DataError
+from tracking.readings import Readings, ReadingsBuilder
 
 Floats = NDArray[np.float64]
 
@@ -89,6 +90,24 @@ class RawRun:
         for begin, end in zip(bounds[:-1], bounds[1:], strict=True):
             yield RawBlock(begin, lost.get(begin, 0), round(self.t[begin] * 1e9), self.a[begin:end])
 
+    def readings(self, frame_rate_hz: float) -> Readings:
+        """Return the whole run as the smoother takes it, at most at the rate of the samples.
+
+        Raises
+        ------
+        DataError
+            If there is no stretch without a gap that would show the noise.
+        """
+        builder = ReadingsBuilder(self.rate_hz, self.a.shape[1], min(frame_rate_hz, self.rate_hz))
+        for block in self.blocks():
+            if block.lost:
+                builder.gap(block.lost)
+            builder.push(block.a)
+        try:
+            return builder.done()
+        except DataError as error:
+            raise DataError(f"run {self.name!r}: {error}") from error
+
 
 def load_raw(
     sources: Sequence[Path],
@@ -122,10 +141,12 @@ def load_raw(
     Raises
     ------
     ConfigError
-        If the mapping is wrong.
+        If the mapping is wrong, or there is no sensor.
     DataError
         If a file cannot be read or used: one sentence with file, column and row.
     """
+    if not sensors:
+        raise ConfigError("the arm has no [[sensor]], expected one or more whose readings are to be read")
     axes = [f"{sensor}{axis}" for sensor in sensors for axis in AXES]
     mapping = parse_mapping(columns, n_joint, other_roles=axes)
     runs: list[RawRun] = []

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from fitter.drift import without_drift
+from fitter.drift import dead_reckoned, without_drift
 from fitter.motions import Measured
 from limbcal.errors import DataError
 from protocol.message import FRAMES, RAW, TRIAL
@@ -18,6 +18,7 @@ Fields = Mapping[str, object]
 
 #: The tip of a frame was computed from the arm file's lengths; what measures it are the points.
 FRAME_COLUMNS = ("q", "dq", "ddq", "points")
+_CLAIM = "q_std"
 _NS = 1e-9
 
 
@@ -44,7 +45,8 @@ def read_frames(path: Path, n_joint: int) -> list[Measured]:
     Returns
     -------
     list of Measured
-        With q, dq, ddq and points; the whole recording as one if it announces no trial.
+        With q, dq, ddq and points, and q_std where the tracker claimed one; the whole recording as one if it
+        announces no trial.
 
     Raises
     ------
@@ -60,16 +62,20 @@ def read_frames(path: Path, n_joint: int) -> list[Measured]:
         raise DataError(f"{path}: no {FRAMES} in this recording")
     start_ns = _whole(blocks[0], "t0_ns", path)
     t = np.concatenate([_stamps(block, start_ns, path) for block in blocks])
-    columns = {name: np.concatenate([_array(block, name, path) for block in blocks]) for name in FRAME_COLUMNS}
+    names = (*FRAME_COLUMNS, *([_CLAIM] if all(block.get(_CLAIM) is not None for block in blocks) else []))
+    columns = {name: np.concatenate([_array(block, name, path) for block in blocks]) for name in names}
     if columns["q"].shape != (len(t), n_joint):
         found = columns["q"].shape[1:]
         raise DataError(f"{path}: frames of {found} joint angles, expected {n_joint} as the arm has")
     lost = sum(bool(block.get("gap")) for block in blocks)
     notes = (*messages.warnings, *([f"{lost} block(s) of frames after lost samples"] if lost else []))
     windows = _windows(path.stem, events, start_ns, float(t[-1]), path)
-    if blocks[0].get("method") == "integrate" and windows:
-        columns = without_drift(t, columns, [(window.begin_s, window.end_s) for window in windows])
-        notes = (*notes, "drift taken out by the rest at the end of each motion")
+    if windows:
+        spans = [(window.begin_s, window.end_s) for window in windows]
+        drifting = dead_reckoned(blocks[0].get("method"))
+        columns = without_drift(t, columns, spans, drifting)
+        said = ", ".join(name for family in drifting for name in family)
+        notes = (*notes, f"drift taken out by the rest at the end of each motion ({said})")
     whole = Measured(path.stem, str(path), 0, t, columns, notes=notes)
     if not windows:
         return [whole]

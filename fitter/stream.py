@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from fitter.drift import DriftCorrection
+from fitter.drift import DriftCorrection, dead_reckoned
 from fitter.motions import Measured
 from limbcal.errors import ProtocolError
 from protocol.message import FRAMES, TRIAL
@@ -111,6 +111,5 @@ class MotionAssembler:
         )
         notes = (f"{lost} block(s) of frames after lost samples",) if lost else ()
         t = (t_ns[inside] - self._begin_ns) * 1e-9
-        if blocks[0]["method"] == "integrate":
-            columns = self._drift.moving(t, columns)
+        columns = self._drift.moving(t, columns, dead_reckoned(blocks[0]["method"]))
         return Measured(f"trial {self.trial}", "stream", 0, t, columns, role=self.role, notes=notes)

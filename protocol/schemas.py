@@ -78,7 +78,15 @@ _MOTION: Schema = {
         "(n, sensors, 3)",
         "m",
     ),
-    "gap": _one("boolean", "samples were lost before or in this block"),
+    "gap": _one("boolean", "samples were lost before this block, or in it: what is missing was predicted"),
+}
+
+_CLAIM: Schema = {
+    "q_std": _array(
+        "standard deviations of the joint positions, by the tracker's own claim; absent where it makes none",
+        "(n, joints)",
+        "rad or m",
+    ),
 }
 
 _ESTIMATE: Schema = {
@@ -111,6 +119,26 @@ _HEALTH: Schema = {
         **_one("object", "from the arrival of a sample to its message", "ms"),
         "properties": {"p50": _one("number", "median", "ms"), "p99": _one("number", "99th percentile", "ms")},
     },
+    "delay_ms": {
+        **_one("object", "age of the frames when they were published: UTC then, less the frame's own time", "ms"),
+        "properties": {
+            "mean": {"type": ["number", "null"], "description": "over the frames since the last report [ms]"},
+            "max": {"type": ["number", "null"], "description": "of the oldest of them [ms]"},
+        },
+    },
+    "tracking": {
+        **_one("object", "how well the readings since the last report fit what the tracker expects of them"),
+        "properties": {
+            "method": _one("string", "how the motion is found: filter or integrate"),
+            "innovation": {
+                "type": ["number", "null"],
+                "description": "mean squared innovation by the filter's claim: about 1 or less where it is right",
+            },
+            "jolts": _one("integer", "frames at which a joint's acceleration jumped"),
+            "doubted": _one("integer", "frames at which no motion of the arm explains the readings"),
+            "wrong": _one("boolean", "the readings contradict the filter: a wrong arm file, or a failing sensor"),
+        },
+    },
     "connected": _one("boolean", "the device is there"),
     "recording_lost": _one("integer", "messages that could not be recorded"),
     "recording": {"description": "what is being recorded to; false or null where nothing is"},
@@ -130,7 +158,7 @@ def _topic(title: str, properties: Schema) -> Schema:
 
 
 SCHEMAS: Mapping[str, Schema] = {
-    FRAMES: _topic("joint and tip motion in blocks", _MOTION),
+    FRAMES: _topic("joint and tip motion in blocks", {**_MOTION, **_CLAIM}),
     PLAY: _topic(
         "playback in blocks",
         {

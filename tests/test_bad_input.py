@@ -108,6 +108,7 @@ ARM_MISTAKES = {
     "command",
     [
         ("track", "raw.npz", "--out", "motion.npz"),
+        ("sensors", "raw.npz", "--out", "arm.toml"),
         ("kinematics", "motion.csv", "--out", "arm.toml"),
         ("dynamics", "motion.csv", "--out", "arm.toml"),
         ("simulate", "--reference", "motion.csv", "--out", "motion.npz"),
@@ -148,7 +149,7 @@ directory = "recordings"
 """
 CONFIG_MISTAKES = {
     "device.port is 5; input should be a valid string",
-    "tracking.method is 'guess'; input should be 'integrate'",
+    "tracking.method is 'guess'; input should be 'filter' or 'integrate'",
     "record.folder is not a known field",
 }
 
@@ -304,6 +305,55 @@ def test_readings_whose_time_runs_backwards(said, short_run, tmp_path):
     assert sentence.startswith(f"{tmp_path / 'raw.npz'}: in row 501 time runs backwards from")
 
 
+@pytest.fixture
+def a_second(short_run, tmp_path):
+    """Write a second of readings, in which the arm begins to move."""
+    path = tmp_path / "raw.npz"
+    write_motion(path, {name: values[:4000] for name, values in short_run.raw_columns().items()})
+    return path
+
+
+@pytest.mark.parametrize("method", ["filter", "smooth"])
+def test_when_to_zero_is_asked_by_the_papers_method_only(said, a_second, tmp_path, method):
+    track = ("track", a_second, "--arm", "dd-arm", "--out", tmp_path / "m.npz", "--method", method)
+    sentence = said(2, *track, "--zero", "each-rest")
+    assert sentence == f"--zero is 'each-rest', expected it only with --method integrate, not {method}"
+    assert not (tmp_path / "m.npz").exists()
+
+
+@pytest.mark.parametrize("command", ["track", "sensors"])
+def test_where_the_arm_rests_in_other_words(said, a_second, tmp_path, command):
+    common = (command, a_second, "--arm", "dd-arm", "--out", tmp_path / "out.npz", "--initial-q")
+    assert said(2, *common, "1,2,3") == "--initial-q has 3 numbers, expected one a joint (2)"
+    assert said(2, *common, "north") == "--initial-q is 'north', expected numbers parted by commas"
+
+
+@pytest.mark.parametrize("command", ["track", "sensors"])
+def test_an_arm_without_sensors_reads_nothing(said, short_run, a_second, tmp_path, command):
+    save_arm(replace(short_run.arm, sensors=(), tip=None), tmp_path / "blind.toml")
+    sentence = said(2, command, a_second, "--arm", tmp_path / "blind.toml", "--out", tmp_path / "out.npz")
+    assert sentence.startswith("the arm has no [[sensor]], expected ")
+
+
+@pytest.mark.parametrize("option", ["--scale-std", "--turn-std-deg", "--place-std-mm", "--highpass-hz"])
+def test_how_far_off_sensors_are_is_a_positive_number(said, a_second, tmp_path, option):
+    common = ("sensors", a_second, "--arm", "dd-arm", "--out", tmp_path / "arm.toml", option)
+    for text in ("0", "-1", "much"):
+        assert said(2, *common, text).endswith(f"argument {option}: '{text}' is not a number above 0")
+
+
+def test_a_sensor_that_rides_on_another_link_than_its_file_says(said, short_run, tmp_path):
+    *others, last = short_run.arm.sensors
+    wrong = replace(short_run.arm, sensors=(*others, replace(last, joint=1)))
+    save_arm(wrong, tmp_path / "wrong.toml")
+    write_motion(tmp_path / "raw.npz", {name: v[:8000] for name, v in short_run.raw_columns().items()})
+    out = tmp_path / "found.toml"
+    sentence = said(4, "sensors", tmp_path / "raw.npz", "--arm", tmp_path / "wrong.toml", "--out", out)
+    assert "passes the motion still changes" in sentence
+    assert "expected sensors on the links that its file says" in sentence
+    assert not out.exists()
+
+
 def test_a_trial_too_short(said, columns, short_run, tmp_path):
     path = tmp_path / "motion.csv"
     write_motion(path, {name: values[:10] for name, values in columns.items()})
@@ -312,8 +362,9 @@ def test_a_trial_too_short(said, columns, short_run, tmp_path):
         assert said(2, command, path, "--arm", "dd-arm", "--out", tmp_path / "arm.toml") == expected
     assert said(2, "simulate", "--reference", path, "--arm", "dd-arm", "--out", tmp_path / "m.npz") == expected
     write_motion(tmp_path / "raw.csv", {name: values[:10] for name, values in short_run.raw_columns().items()})
-    sentence = said(2, "track", tmp_path / "raw.csv", "--arm", "dd-arm", "--out", tmp_path / "m.npz")
-    assert sentence == f"{tmp_path / 'raw.csv'}: run 'raw' has 10 samples, expected at least 16"
+    for command in ("track", "sensors"):
+        sentence = said(2, command, tmp_path / "raw.csv", "--arm", "dd-arm", "--out", tmp_path / "m.npz")
+        assert sentence == f"{tmp_path / 'raw.csv'}: run 'raw' has 10 samples, expected at least 16"
 
 
 def test_more_joints_than_the_arm_has(said, columns, tmp_path):
@@ -361,12 +412,13 @@ def test_a_search_that_is_cut_short_is_no_answer(said, trial_files, tmp_path):
     assert not (tmp_path / "arm.toml").exists()
 
 
-@pytest.mark.parametrize("command", ["track", "kinematics", "dynamics", "simulate"])
+@pytest.mark.parametrize("command", ["track", "sensors", "kinematics", "dynamics", "simulate"])
 def test_a_place_that_cannot_be_written_to(said, short_run, columns, tmp_path, command):
     """It is told before the work is done, and no half of a file is left."""
     data = tmp_path / "data.npz"
     raw = {name: values[:4000] for name, values in short_run.raw_columns().items()}
-    write_motion(data, raw if command == "track" else columns | {"tip": np.zeros((len(columns["t"]), 3))})
+    tip = np.zeros((len(columns["t"]), 3))
+    write_motion(data, raw if command in ("track", "sensors") else columns | {"tip": tip})
     source = ("--reference", data) if command == "simulate" else (data,)
     (tmp_path / "file").write_text("of somebody")
     suffix = ".npz" if command in ("track", "simulate") else ".toml"

@@ -14,9 +14,9 @@ from tracking.consistency import Consistency
 from tracking.decimation import Decimator
 from tracking.frames import Frames, Phase
 from tracking.live_filter import LiveFilter
-from tracking.noise import noise_of
+from tracking.noise import StepWatch, noise_of
 from tracking.sensor_paths import SensorPaths
-from tracking.stillness import WINDOW_S
+from tracking.stillness import window_frames
 
 #: Longer gaps than this are not filled with predicted frames [s].
 _LONGEST_BRIDGE_S = 1.0
@@ -63,7 +63,10 @@ class KalmanTracker:
         self._decimator = Decimator(self._factor, self._n_channel)
         self._paths = SensorPaths(arm, self.dt_s)
         self._waiting: list[Floats] = []  # readings before the filter has begun
-        self._to_wait = max(_FEWEST, round(WINDOW_S * rate_hz))
+        cell, n_cell = window_frames(self.dt_s)
+        self._first_frames = cell * n_cell
+        last = (self._first_frames - 1) * self._factor + self._factor // 2
+        self._to_wait = last + 1 + self._decimator.delay_samples
         self._filter: LiveFilter | None = None
         self._anchor_ns, self._anchor_sample = 0, 0
         self._sample = 0
@@ -101,6 +104,7 @@ class KalmanTracker:
             if sum(map(len, self._waiting)) < self._to_wait:
                 return [], []
             return self._begin()
+        self._look(accelerations)
         return self._follow(self._decimator.push(accelerations))
 
     def gap(self, n_samples: int) -> tuple[list[Frames], list[Phase]]:
@@ -118,8 +122,6 @@ class KalmanTracker:
             return frames, phases
         bridged = min(missing, round(_LONGEST_BRIDGE_S / self.dt_s))
         more, begun = self._follow(np.full((bridged, self._n_channel), np.nan))
-        if missing > bridged:
-            self._filter.lose()
         self._frame += missing - bridged
         self._lost = True
         return frames + more, phases + begun
@@ -143,10 +145,18 @@ class KalmanTracker:
         """Learn the noise and start the filter, from the readings of the first quarter of a second."""
         readings = np.vstack(self._waiting)
         self._waiting = []
+        noise = noise_of(readings[: self._to_wait], self._rate_hz)
+        self._watch = StepWatch(noise)
         frames = self._decimator.push(readings)
-        noise = noise_of(readings)
-        self._filter = LiveFilter(self._arm, self._q0, self._given, frames, noise, self._factor, self.dt_s)
+        first = frames[: self._first_frames] if len(frames) else readings.mean(axis=0)[None]
+        self._filter = LiveFilter(self._arm, self._q0, self._given, first, noise, self._factor, self.dt_s)
+        self._look(readings)
         return self._follow(frames)
+
+    def _look(self, readings: Floats) -> None:
+        """Learn the converter's step, before anything that it explains is taken in."""
+        if self._filter is not None and self._watch.look(readings):
+            self._filter.learn(self._watch.noise)
 
     def _follow(self, readings: Floats) -> tuple[list[Frames], list[Phase]]:
         if not len(readings) or self._filter is None:

@@ -18,11 +18,13 @@ from tracking.observation import observation_of, observe, room_of
 from tracking.process import FILTER_PUSH_STD, SMOOTHER_PUSH_STD, WANDER_STD, alarm_limit
 from tracking.readings import steady
 from tracking.start import MountingPrior, start_state
-from tracking.stillness import CELL_S, TO_LEAVE, at_rest, rest_variance, unrest, window_of
+from tracking.stillness import TO_LEAVE, at_rest, rest_variance, unrest, window_frames, window_of
 
 #: What is known of angle, speed and acceleration of a joint that was not seen for long [rad or m, and
 #: derivatives].
-_LOST_STD = (1.0, 3.0, 10.0)
+_LOST_STD = (0.5, 3.0, 10.0)
+#: A motion can be predicted for this long [s].
+_PREDICTABLE_S = 0.25
 
 
 class LiveFilter:
@@ -60,32 +62,30 @@ class LiveFilter:
             kf.F[3 * j, 3 * j + 2] = dt_s**2 / 2.0
             spread(kf.Q, j, FILTER_PUSH_STD**2 * dt_s, dt_s)
         self._offsets = np.arange(3 * n, 3 * n + n_channel)
-        kf.Q[self._offsets, self._offsets] = (WANDER_STD**2 + noise.rounding) * dt_s
-        self._noise = noise.of_mean(factor)
         self._coupled = np.repeat(of.corner > 0.0, 3)
         self._forget = dt_s * np.repeat(of.corner, 3)
         for channel in np.flatnonzero(self._coupled):
             kf.F[3 * n + channel, of.settled_column[channel // 3] + channel % 3] = self._forget[channel]
-            kf.Q[3 * n + channel, 3 * n + channel] += self._forget[channel] ** 2 * self._noise[channel]
         self._any_coupled = bool(self._coupled.any())
         kf.B = np.eye(size) if self._any_coupled else np.zeros((size, 1))
         self._kf, self._no_shift = kf, np.zeros(kf.B.shape[1])
         self._slope = np.zeros((n_channel + n, size))
         for j in range(n):
             self._slope[n_channel + j, 3 * j + 1] = 1.0
-        self._moving_noise = np.diag(self._noise)
         self._rest_noise = np.zeros((n_channel + n, n_channel + n))
-        self._rest_noise[:n_channel, :n_channel] = self._moving_noise
         self._values = np.zeros(n_channel + n)  # a joint at rest reads a speed of zero
         self._predicted = np.zeros(n_channel + n)
         self._limits = alarm_limit(n_channel), alarm_limit(n_channel + n)
         self._last = np.full(n_channel, np.nan)
-        self._cell = max(1, round(CELL_S / dt_s))
-        self._window = window_of(self._cell * dt_s, size, noise.of_mean(factor * self._cell), noise.rounding)
+        self._factor = factor
+        self._cell, n_cell = window_frames(dt_s)
+        self._window = window_of(n_cell, size, noise.of_mean(factor * self._cell), noise.rounding)
         self._total, self._in_cell, self._cells = np.zeros(n_channel), 0, 0
         self._hidden = np.zeros(n)
+        self.learn(noise)
         self._judge = Judge()
         self._begun = False
+        self._missing = 0
         self._still, self._rest_at = False, x
         self._settle(self._first_window(first))
         self.resting = True
@@ -111,6 +111,11 @@ class LiveFilter:
         kf = self._kf
         lost = reading[0] != reading[0]  # not a number
         before_x, before_P = kf.x, kf.P
+        self._missing = self._missing + 1 if lost else 0
+        if self._missing * self._dt > _PREDICTABLE_S:
+            if (self._missing - 1) * self._dt <= _PREDICTABLE_S:
+                self.lose()
+            return False
         if self._begun:
             self._predict(reading)
         self._begun = True
@@ -133,6 +138,19 @@ class LiveFilter:
         if self._in_cell == self._cell:
             self._close_cell()
         return still
+
+    def learn(self, noise: Noise) -> None:
+        """Go on with what is now known of the noise of a sample."""
+        self._noise = noise.of_mean(self._factor)
+        wander = (WANDER_STD**2 + noise.rounding) * self._dt
+        self._kf.Q[self._offsets, self._offsets] = wander + self._forget**2 * self._noise
+        self._moving_noise = np.diag(self._noise)
+        self._rest_noise[: self._n_channel, : self._n_channel] = self._moving_noise
+        # What the converter hid was taken for offsets all the while.
+        hidden = np.maximum(noise.rounding - self._window.rounding, 0.0)
+        self._kf.P[self._offsets, self._offsets] += hidden
+        self._window.noise[:] = noise.of_mean(self._factor * self._cell)
+        self._window.rounding[:] = noise.rounding
 
     def lose(self) -> None:
         """Forget the motion after a gap too long to predict: the arm is about where it was, sensors are known."""

@@ -1,13 +1,14 @@
 """How noisy the readings are, from the readings themselves."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from arm.model import Floats
 
-#: Nobody's accelerometer is trusted beyond this [m/s^2].
-_FINEST = 1e-5
+#: Nobody's accelerometer is quieter than ten microgees, and nobody's arm more rigid [m/s^2 per root Hz]. A filter
+#: that believes more takes what it leaves out of a motion, such as curvature in its slopes, for information.
+_FINEST = 1e-4
 #: Readings are judged in so many cells at most, and the calmest quarter of them counts.
 _CELLS, _CALM = 400, 0.25
 #: A reading's variance shows twentyfold in third differences, which know hardly anything of a motion.
@@ -22,17 +23,20 @@ class Noise:
     ----------
     variance : white noise of one sample
     rounding : what the converter hides from every reading alike while nothing moves
+    least : float
+        Below which the variance of one sample is not believed.
     """
 
     variance: Floats
     rounding: Floats
+    least: float = 0.0
 
     def of_mean(self, n_samples: int) -> Floats:
         """Return the variance of a mean of so many samples."""
-        return np.maximum(self.variance / n_samples + self.rounding, _FINEST**2)
+        return np.maximum(self.variance, self.least) / n_samples + self.rounding
 
 
-def noise_of(readings: Floats) -> Noise:
+def noise_of(readings: Floats, rate_hz: float) -> Noise:
     r"""Measure the noise of readings, (n, n_channel), at least four of them.
 
     Third differences are taken in cells, and the calmest quarter of the cells counts, so a motion that is slow
@@ -49,8 +53,49 @@ def noise_of(readings: Floats) -> Noise:
     # The calmest quarter of equal cells lies below their mean by the spread that a cell's variance has.
     spread = np.sqrt(4.6 / (size - 3))  # third differences are correlated: 2.31 times that of white ones
     variance = calm.mean(axis=0) / max(0.2, 1.0 - (1.27 * spread if len(begins) >= 4 else 0.0))
-    change = np.abs(np.diff(readings[: 64 * _CELLS], axis=0))
-    step = np.where(change > 0.0, change, np.inf).min(axis=0)
-    step = np.where(np.isfinite(step), step, 0.0)
+    return Noise(variance, _rounding(variance, step_of(readings[: 64 * _CELLS])), _FINEST**2 * rate_hz)
+
+
+def step_of(readings: Floats) -> Floats:
+    """Return the least by which a reading ever differs from the one before, (n_channel,), or infinity."""
+    change = np.abs(np.diff(readings, axis=0))
+    step: Floats = np.where(change > 0.0, change, np.inf).min(axis=0, initial=np.inf)
+    return step
+
+
+def _rounding(variance: Floats, step: Floats) -> Floats:
+    found = np.isfinite(step)  # a channel that never changes is converted like the others
+    step = np.where(found, step, step[found].max(initial=0.0))
     hidden = np.exp(-4.0 * np.pi**2 * variance / np.maximum(step, 1e-12) ** 2)
-    return Noise(variance, step**2 / 12.0 * hidden)
+    rounding: Floats = step**2 / 12.0 * hidden
+    return rounding
+
+
+class StepWatch:
+    """Learns a converter's step as readings go on: one without noise shows none before something moves.
+
+    Parameters
+    ----------
+    noise : Noise
+        As first measured.
+    """
+
+    def __init__(self, noise: Noise) -> None:
+        self.noise = noise
+        self._step = np.full(len(noise.variance), np.inf)
+        self._last: Floats | None = None
+
+    def look(self, readings: Floats) -> bool:
+        """Take in readings (n, n_channel); return whether they change what is known of the noise."""
+        if self._last is not None:
+            readings = np.vstack([self._last, readings])
+        self._last = readings[-1:].copy()
+        step = np.minimum(self._step, step_of(readings))
+        if np.array_equal(step, self._step):
+            return False
+        self._step = step
+        rounding = _rounding(self.noise.variance, step)
+        if np.allclose(rounding, self.noise.rounding, rtol=0.1, atol=1e-12):
+            return False
+        self.noise = replace(self.noise, rounding=rounding)
+        return True

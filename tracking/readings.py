@@ -9,7 +9,7 @@ from arm.model import Floats
 from limbcal.errors import ConfigError, DataError
 from tracking.decimation import Decimator
 from tracking.noise import Noise, noise_of
-from tracking.stillness import CELL_S, WINDOW_S, unsteadiness, window_of
+from tracking.stillness import unsteadiness, window_frames, window_of
 
 #: Readings that the noise can be learnt from, at the least.
 _FEWEST = 8
@@ -48,8 +48,8 @@ class Readings:
     @property
     def first_mean(self) -> Floats:
         """Mean reading of the first quarter of a second, (n_channel,)."""
-        count = max(1, round(WINDOW_S / self.dt_s))
-        there = self.values[:count][self.present[:count]]
+        cell, n_cell = window_frames(self.dt_s)
+        there = self.values[: cell * n_cell][self.present[: cell * n_cell]]
         mean: Floats = there.mean(axis=0)
         return mean
 
@@ -68,12 +68,12 @@ def steady(values: Floats, dt_s: float, noise: Noise, factor: int) -> bool:
     dt_s, noise, factor
         As in `Readings`.
     """
-    cell = max(1, round(CELL_S / dt_s))
-    window = window_of(cell * dt_s, 1, noise.of_mean(factor * cell), noise.rounding)
-    needed = len(window.cells) * cell
+    cell, n_cell = window_frames(dt_s)
+    window = window_of(n_cell, 1, noise.of_mean(factor * cell), noise.rounding)
+    needed = n_cell * cell
     if len(values) < needed or np.isnan(values[:needed]).any():
         return False
-    window.cells[:] = values[:needed].reshape(len(window.cells), cell, -1).mean(axis=1)
+    window.cells[:] = values[:needed].reshape(n_cell, cell, -1).mean(axis=1)
     return unsteadiness(window, 0) < 1.0
 
 
@@ -129,7 +129,8 @@ class ReadingsBuilder:
             raise DataError(f"{len(self._longest)} samples without a gap, expected at least {_FEWEST}")
         dt_s = self._factor / self._rate_hz
         t0_s = (self._factor // 2) / self._rate_hz
-        return Readings(np.concatenate(self._frames), dt_s, t0_s, noise_of(self._longest), self._factor)
+        return Readings(np.concatenate(self._frames), dt_s, t0_s, noise_of(self._longest, self._rate_hz),
+        self._factor)
 
     def _close(self) -> None:
         self._frames.append(self._decimator.flush())

@@ -19,6 +19,8 @@ from tracking.start import MountingPrior
 
 #: A number is revealed where its standard error is at most this share of what it was before.
 _REVEALED = 0.5
+#: One that keeps this share of it was not touched by the motion.
+_UNTOUCHED = 0.95
 #: A combination is told of by those of its parts that are at least this share of it.
 _PART = 0.35
 _AXES = "xyz"
@@ -119,7 +121,8 @@ def _columns(arm: Arm, of: Observation) -> list[tuple[int, str, str, str]]:
     """Return column, sensor, name and unit of every number that is sought."""
     n, found = arm.n_joint, []
     for s, sensor in enumerate(arm.sensors):
-        found += [(3 * n + 3 * s + k, sensor.name, f"bias_{axis}", "m/s^2") for k, axis in enumerate(_AXES)]
+        bias = int(of.settled_column[s]) if of.settled_column[s] >= 0 else 3 * n + 3 * s
+        found += [(bias + k, sensor.name, f"bias_{axis}", "m/s^2") for k, axis in enumerate(_AXES)]
         names = [(f"{kind}_{axis}", unit) for kind, unit in _KINDS for axis in _AXES]
         first = int(of.mounting_column[s])
         found += [(first + k, sensor.name, name, unit) for k, (name, unit) in enumerate(names)]
@@ -158,16 +161,20 @@ def _hidden(arm: Arm, of: Observation, known: Smoothed, before: Floats) -> list[
 
     In units of what was known before, the covariance has an eigenvalue of 1 along what the motion did not show.
     """
-    columns = _columns(arm, of)
+    columns, sentences = [], []
+    for column, sensor, name, unit in _columns(arm, of):
+        if known.covariance[column, column] > _UNTOUCHED**2 * before[column, column]:
+            sentences.append(f"{sensor} {name} does not show")
+        else:
+            columns.append((column, sensor, name, unit))
     at = np.array([column for column, *_ in columns])
     std = np.sqrt(np.diag(before))[at]
     share, axes = np.linalg.eigh(known.covariance[np.ix_(at, at)] / np.outer(std, std))
-    sentences = []
     for k in np.flatnonzero(share > _REVEALED**2)[::-1]:
         order = np.argsort(-np.abs(axes[:, k]))
         parts = [i for i in order if abs(axes[i, k]) >= _PART] or [int(order[0])]
         names = [f"{columns[i][1]} {columns[i][2]}" for i in parts]
-        if len(parts) == 1 and abs(axes[parts[0], k]) > 0.9:
+        if len(parts) == 1:
             sentences.append(f"{names[0]} does not show")
         else:
             signs = ["+" if axes[i, k] * axes[parts[0], k] > 0 else "-" for i in parts]

@@ -47,7 +47,7 @@ def smooth_motion(arm: Arm, readings: Readings, initial_q_rad: Floats | None) ->
         tip_position(arm, q),
         SensorPaths(arm, readings.dt_s).follow(q, readings.values - offset, found.still),
         bool(not readings.present.all()),
-        np.sqrt(np.maximum(found.variance[:, ::3], 0.0)),
+        np.sqrt(found.variance[:, ::3]),
     )
     return SmoothedMotion(frames, _phases(found, readings), found)
 

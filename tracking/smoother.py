@@ -20,16 +20,18 @@ from tracking.process import FILTER_PUSH_STD, SMOOTHER_PUSH_STD, WANDER_STD, ala
 from tracking.readings import Readings
 from tracking.smoothing_pass import smooth_once
 from tracking.start import MountingPrior, start_state
-from tracking.stillness import CELL_S, window_of
+from tracking.stillness import window_frames, window_of
 
 #: Frames that are one in the coarser passes.
 _COARSE = 4
 #: Passes end when no state moves by more than this share of its standard deviation.
 _CLOSE_ENOUGH = 0.02
 _PASSES = 30
+#: A pass that moves the states by more than this share of the pass before gets no nearer.
+_TOO_LITTLE = 0.7
 _CONTRADICTION = (
-    "no motion of this arm explains the readings at all; expected an arm file with these joints and its sensors where "
-    "they are"
+    "no motion of this arm explains the readings at all; expected an arm file with these joints and its sensors "
+    "where they are"
 )
 
 
@@ -139,7 +141,7 @@ class Smoother:
         states, still, resting = self._filter(course, readings, x0, P0)
         course = course._replace(push=np.full(n, SMOOTHER_PUSH_STD**2))
         coarse, at = _coarser(course), _every(states, _COARSE)
-        passes, converged = 0, False
+        passes, converged, step, moved = 0, False, 1.0, np.inf
         room, variance = room_of(n), np.empty((len(at), 3 * n))
         smoothed = np.empty_like(at)
         while passes < _PASSES and not converged:
@@ -148,9 +150,13 @@ class Smoother:
             if not np.isfinite(smoothed).all():
                 raise DataError(_CONTRADICTION)
             std = np.sqrt(np.maximum(np.diag(P), 1e-12))
-            moved = np.abs(smoothed - at).max(axis=0) / std
-            passes, converged = passes + 1, bool(moved.max() < _CLOSE_ENOUGH)
-            at, smoothed = smoothed, at
+            before, moved = moved, float((np.abs(smoothed - at).max(axis=0) / std).max())
+            passes, converged = passes + 1, moved < _CLOSE_ENOUGH
+            if passes > 2 and moved > _TOO_LITTLE * before:  # it swings about the answer: go half the way
+                step = max(0.25, 0.5 * step)
+            if converged:
+                step = 1.0
+            at, smoothed = at + step * (smoothed - at), at
             if progress is not None:
                 progress(passes)
         if fine:
@@ -159,15 +165,16 @@ class Smoother:
             x, P = x0.copy(), P0.copy()
             smooth_once(of, room, course, at, x, P, smoothed, variance, True)
             at = smoothed
+        _mend(variance)
         doubted = float(np.mean(course.doubt > 1.0))
         return Smoothed(at, variance, x, P, P0, still, resting, doubted, passes, converged)
 
     def _filter(
         self, course: Course, readings: Readings, x0: Floats, P0: Floats
     ) -> tuple[Floats, NDArray[np.bool_], NDArray[np.bool_]]:
-        cell = max(1, round(CELL_S / readings.dt_s))
+        cell, n_cell = window_frames(readings.dt_s)
         cell_noise = readings.noise.of_mean(readings.factor * cell)
-        window = window_of(cell * readings.dt_s, self.size, cell_noise, readings.noise.rounding)
+        window = window_of(n_cell, self.size, cell_noise, readings.noise.rounding)
         states = np.empty((len(readings.values), self.size))
         still, resting = np.zeros((2, len(states)), dtype=np.bool_)
         limit = alarm_limit(len(course.noise))
@@ -180,6 +187,15 @@ class Smoother:
         if not np.isfinite(states).all():
             raise DataError(_CONTRADICTION)
         return states, still, resting
+
+
+def _mend(variance: Floats) -> None:
+    """Fill in variances that lost all their digits, as at the end of a gap, from the instants around them."""
+    at = np.arange(len(variance))
+    for column in variance.T:
+        there = ~np.isnan(column)
+        if there.any():
+            column[:] = np.interp(at, at[there], column[there])
 
 
 def _every(values: Floats, stride: int) -> Floats:

@@ -14,6 +14,8 @@ from limbcal.compiled import compiled
 from tracking.kalman_step import Course, Taken, correct, forgetting, hold, predict
 from tracking.observation import Observation, Room
 
+#: A difference that is smaller than this share of its terms has lost its digits.
+_DIGITS = 1e-5
 #: Instants between two marks.
 STRETCH = 128
 
@@ -108,7 +110,7 @@ def filter_step(
 
 @compiled
 def joint_variance(P: Floats, shrink: Floats, variance: Floats) -> None:
-    """Fill in the diagonal of ``P - P shrink P`` for the joints."""
+    """Fill in the diagonal of ``P - P shrink P`` for the joints; NaN where hardly a digit of P is left."""
     size = P.shape[0]
     for a in range(variance.size):
         less = 0.0
@@ -117,7 +119,8 @@ def joint_variance(P: Floats, shrink: Floats, variance: Floats) -> None:
             for c in range(size):
                 product += shrink[b, c] * P[a, c]
             less += product * P[a, b]
-        variance[a] = P[a, a] - less
+        left = P[a, a] - less
+        variance[a] = left if left > _DIGITS * P[a, a] else np.nan
 
 
 @compiled

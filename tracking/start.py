@@ -133,7 +133,7 @@ def _angle_covariance(H: Floats, given: bool) -> Floats:
     """Return the angles' covariance; what gravity doesn't show of them is what everything is counted from."""
     std = GIVEN_STD if given else GUESSED_STD
     information, axes = np.linalg.eigh(H.T @ H)
-    shown = information * std**2 > 1.0
+    shown = information * GUESSED_STD**2 > 1.0
     covariance: Floats = (axes * np.where(shown, std**2, _EXACT_STD**2)) @ axes.T
     return covariance
 

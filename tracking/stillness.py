@@ -54,20 +54,25 @@ class Window(NamedTuple):
     rounding: Floats
 
 
-def window_of(cell_s: float, size: int, cell_noise: Floats, rounding: Floats) -> Window:
+def window_frames(dt_s: float) -> tuple[int, int]:
+    """Return how many frames make a cell, and how many cells a window, (2,)."""
+    cell = max(1, round(CELL_S / dt_s))
+    return cell, max(4, round(WINDOW_S / (cell * dt_s)))
+
+
+def window_of(n_cell: int, size: int, cell_noise: Floats, rounding: Floats) -> Window:
     """Return an empty window.
 
     Parameters
     ----------
-    cell_s : float
-        How long a cell lasts.
+    n_cell : int
     size : int
         Entries of the state.
     cell_noise, rounding : (n_channel,)
         Variances, see `Window`.
     """
     n_channel = len(cell_noise)
-    cells = np.zeros((max(4, round(WINDOW_S / cell_s)), n_channel))
+    cells = np.zeros((n_cell, n_channel))
     return Window(cells, np.zeros(n_channel), np.zeros((n_channel, size)), cell_noise, rounding)
 
 

@@ -94,7 +94,7 @@ def add_search(parser: argparse.ArgumentParser, population: str, generations: in
     )
 
 
-def joint_values(text: str | None, arm: Arm, option: str, default: Floats) -> Floats:
+def joint_values(text: str, arm: Arm, option: str) -> Floats:
     """Read one number a joint, such as ``0,1.57``.
 
     Raises
@@ -102,8 +102,6 @@ def joint_values(text: str | None, arm: Arm, option: str, default: Floats) -> Fl
     ConfigError
         If there are not as many numbers as the arm has joints.
     """
-    if text is None:
-        return default
     try:
         values = np.array([float(part) for part in text.split(",")])
         if not np.isfinite(values).all():

@@ -56,7 +56,8 @@ def simulate_reference(arguments: argparse.Namespace) -> Document:
         trial = resample(measured, arguments.rate_hz)
         for note in trial.measured.notes:
             say(f"{measured.name}: {note}")
-        q0 = joint_values(arguments.initial_q, arm, "--initial-q", _start(trial.measured, arm))
+        given = arguments.initial_q
+        q0 = _start(trial.measured, arm) if given is None else joint_values(given, arm, "--initial-q")
         motion = _simulated(arm, trial.measured, trial.dt_s, q0, arguments.scheme)
         if not np.isfinite(motion.q).all():
             raise DataError(

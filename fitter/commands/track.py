@@ -1,12 +1,15 @@
 """`fitter track`: accelerations to joint motion."""
 
 import argparse
+import time
 from pathlib import Path
 
 import numpy as np
+from numpy.typing import NDArray
 from rich.progress import track as progress
 
 from arm.arm_file import load_arm
+from arm.model import Arm
 from fitter.commands.options import (
     MOTION_SUFFIXES,
     add_arm,
@@ -18,9 +21,11 @@ from fitter.commands.options import (
     positive,
 )
 from fitter.motion_file import write_motion
-from fitter.raw import load_raw
+from fitter.raw import RawRun, load_raw
 from fitter.track import Tracked, track_run
+from fitter.verdict import overall
 from limbcal.command import Document, console, say
+from limbcal.errors import ConfigError
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -29,17 +34,22 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_arm(parser)
     parser.add_argument(
         "--method",
-        choices=["integrate"],
-        default="integrate",
-        help="the paper's: moving average of four, double integration",
+        choices=["integrate", "filter", "smooth"],
+        default="smooth",
+        help="the paper's double integration; a Kalman filter, as live; or a smoother, for which every reading "
+        "counts at every instant (smooth)",
     )
     parser.add_argument(
         "--zero",
         choices=["each-rest", "first-rest"],
-        default="each-rest",
-        help="set velocities to zero at each rest, or as the paper does only before the first motion",
+        help="with --method integrate: set velocities to zero at each rest (each-rest), or as the paper does only "
+        "before the first motion",
     )
-    parser.add_argument("--initial-q", metavar="Q1,…", help="where the arm rests at the start (0) [rad or m]")
+    parser.add_argument(
+        "--initial-q",
+        metavar="Q1,…",
+        help="where the arm rests at the start [rad or m] (as gravity shows, or 0; with integrate 0)",
+    )
     parser.add_argument("--frame-rate-hz", type=positive, default=1000.0, metavar="R", help="(1000)")
     add_columns(parser)
     add_out(parser, "joint motion: .csv, .parquet or .npz")
@@ -48,40 +58,84 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def track(arguments: argparse.Namespace) -> Document:
     """Track all runs and write them into one file."""
+    method, zero = arguments.method, arguments.zero
+    if zero is not None and method != "integrate":
+        raise ConfigError(f"--zero is {zero!r}, expected it only with --method integrate, not {method}")
     arm = load_arm(arguments.arm)
     names = [sensor.name for sensor in arm.sensors]
     runs = load_raw(arguments.raw, names, arm.n_joint, arguments.columns, rate_hz=arguments.rate_hz)
-    q0 = joint_values(arguments.initial_q, arm, "--initial-q", np.zeros(arm.n_joint))
+    given = arguments.initial_q
+    q0 = None if given is None else joint_values(given, arm, "--initial-q")
     make_room(arguments.out, MOTION_SUFFIXES)
     tracked: list[Tracked] = []
+    began = time.perf_counter()
     for run in progress(runs, "tracking", console=console, transient=True):
-        tracked.append(track_run(run, arm, q0, arguments.frame_rate_hz, arguments.zero))
+        tracked.append(track_run(run, arm, q0, arguments.frame_rate_hz, method, zero or "each-rest"))
         for note in run.notes:
             say(f"{run.name}: {note}")
+    seconds = time.perf_counter() - began
     write_motion(arguments.out, _joined(tracked))
     document: dict[str, object] = {
-        "method": arguments.method,
+        "method": method,
         "out": str(arguments.out),
         "frames": sum(part.frames for part in tracked),
         "trials": sum(len(np.unique(part.columns["trial"])) for part in tracked),
         "lost_samples": sum(run.lost for run in runs),
+        "seconds": seconds,
+        **overall([part.verdict for part in tracked], [part.frames for part in tracked]),
     }
     say(f"{document['frames']} frames in {document['trials']} trial(s) -> {arguments.out}")
+    for run, part in zip(runs, tracked, strict=True):
+        _warn(run, arm, part)
+    return document | _against_truth(tracked)
+
+
+def _warn(run: RawRun, arm: Arm, part: Tracked) -> None:
+    """Say what to do where a tracker does not believe its readings."""
+    verdict = part.verdict
+    if verdict.wrong:
+        share = f"{100 * (verdict.doubted or 0.0):.2g} % of the frames fit no motion of it"
+        size = verdict.innovation
+        missed = "" if size is None else f", the mean squared misprediction is {size:.2g}"
+        say(
+            f"warning: {run.name}: the readings contradict arm {arm.name!r} ({share}{missed}); check its lengths "
+            "and where its sensors sit, or let `fitter sensors` find how they do"
+        )
+    elif verdict.converged is False:
+        say(
+            f"warning: {run.name}: after {verdict.passes} passes the motion still changes; check the arm's "
+            "lengths, or say by --initial-q where it rests at the start"
+        )
+
+
+def _against_truth(tracked: list[Tracked]) -> dict[str, object]:
+    """Say how far the angles are from the true ones, and whether by no more than they claim."""
     errors = [part.error_deg for part in tracked if part.error_deg is not None]
-    if errors:
-        error = np.concatenate(errors)
-        document["angle_error_deg"] = {"mean": per_joint(error.mean(axis=0)), "max": per_joint(error.max(axis=0))}
-        said = ", ".join(f"{mean:.3g} / {top:.3g}" for mean, top in zip(error.mean(0), error.max(0), strict=True))
-        say(f"error against the true angles, mean / max a joint [deg]: {said}")
-    return document
+    if not errors:
+        return {}
+    error = np.concatenate(errors)
+    found: dict[str, object] = {
+        "angle_error_deg": {"mean": per_joint(error.mean(axis=0)), "max": per_joint(error.max(axis=0))}
+    }
+    said = ", ".join(f"{mean:.3g} / {top:.3g}" for mean, top in zip(error.mean(0), error.max(0), strict=True))
+    say(f"error against the true angles, mean / max a joint [deg]: {said}")
+    claims = [part.within_3_std for part in tracked if part.within_3_std is not None]
+    if claims:
+        share = np.concatenate(claims).mean(axis=0)
+        found["within_3_std"] = per_joint(share)
+        say("of it within 3 of its own standard errors: " + ", ".join(f"{100 * part:.4g} %" for part in share))
+    return found
 
 
-def _joined(tracked: list[Tracked]) -> dict[str, np.ndarray[tuple[int, ...], np.dtype[np.generic]]]:
+def _joined(tracked: list[Tracked]) -> dict[str, NDArray[np.generic]]:
     """Lay runs one after the other; their trials keep apart."""
     if len(tracked) == 1:
         return tracked[0].columns
-    shared = [name for name in tracked[0].columns if all(name in part.columns for part in tracked)]
-    joined = {name: np.concatenate([part.columns[name] for part in tracked]) for name in shared}
-    labels = [[f"{k + 1}.{label}" for label in part.columns["trial"]] for k, part in enumerate(tracked)]
+    tables = [part.columns for part in tracked]
+    if any("gap" in table for table in tables):
+        tables = [{"gap": np.zeros(len(table["t"]), dtype=np.int64), **table} for table in tables]
+    shared = [name for name in tracked[0].columns | tables[0] if all(name in table for table in tables)]
+    joined = {name: np.concatenate([table[name] for table in tables]) for name in shared}
+    labels = [[f"{k + 1}.{label}" for label in table["trial"]] for k, table in enumerate(tables)]
     joined["trial"] = np.concatenate([np.array(part, dtype=np.str_) for part in labels])
     return joined

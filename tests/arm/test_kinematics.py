@@ -6,7 +6,14 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from arm.kinematics import axis_frames, link_transforms, rotation_from_rpy, sensor_positions, tip_position
+from arm.kinematics import (
+    axis_frames,
+    link_transforms,
+    rotation_from_rpy,
+    rpy_from_rotation,
+    sensor_positions,
+    tip_position,
+)
 from arm.model import Arm, Joint, Sensor
 from limbcal.errors import DataError
 
@@ -92,6 +99,29 @@ def test_frames_tip_and_sensors_are_where_pinocchio_has_them(random_arm, random_
 def test_roll_pitch_yaw_turn_as_elsewhere(roll, pitch, yaw):
     R = rotation_from_rpy(roll, pitch, yaw)
     np.testing.assert_allclose(R, pin.rpy.rpyToMatrix(roll, pitch, yaw), rtol=0, atol=1e-12)
+
+
+@FEW
+@given(st.floats(-np.pi, np.pi), st.floats(-np.pi / 2, np.pi / 2), st.floats(-np.pi, np.pi))
+def test_roll_pitch_yaw_are_found_again(roll, pitch, yaw):
+    found = rpy_from_rotation(rotation_from_rpy(roll, pitch, yaw))
+    assert found.shape == (3,) and abs(found[1]) <= np.pi / 2
+    np.testing.assert_allclose(
+        rotation_from_rpy(*found), rotation_from_rpy(roll, pitch, yaw), rtol=0, atol=1e-7
+    )
+    if abs(pitch) < 1.5:  # away from the pole there is only one answer
+        expected = np.array([roll, pitch, yaw])
+        np.testing.assert_allclose(np.exp(1j * found), np.exp(1j * expected), rtol=0, atol=1e-8)
+
+
+@FEW
+@given(ANGLE, st.floats(np.pi / 2 - 1e-7, np.pi / 2 + 1e-7), ANGLE, st.sampled_from([1.0, -1.0]))
+def test_straight_up_and_down_roll_takes_it_all(roll, pitch, yaw, sign):
+    """At a pitch of 90 degrees, and as near to it as numbers go, the turn is still the same."""
+    rotation = rotation_from_rpy(roll, sign * pitch, yaw)
+    np.testing.assert_allclose(rotation_from_rpy(*rpy_from_rotation(rotation)), rotation, rtol=0, atol=1e-7)
+    exactly = rotation_from_rpy(roll, sign * np.pi / 2, yaw)
+    assert rpy_from_rotation(exactly)[2] == 0.0
 
 
 def test_dd_arm_lies_in_its_plane(dd_arm):

@@ -49,7 +49,7 @@ def test_one_that_does_not_stop_is_killed(pty_device: Callable[..., Any]) -> Non
     assert child.said() == [{"what": "ready"}]
     os.kill(child.pid, signal.SIGSTOP)
     assert not child.end(0.05)
-    assert child.ended() == "signal 9"
+    assert str(child.ended()) == "the test process ended with signal 9, expected it to go on"
     child.close()
 
 

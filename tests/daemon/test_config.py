@@ -26,8 +26,8 @@ def test_the_example_is_right_and_shows_every_field() -> None:
     text = EXAMPLE.read_text()
     for table, fields in shown.items():
         assert f"[{table}]" in text
-        for field in fields:
-            assert f"\n{field} = " in text
+        for field, value in fields.items():  # what would contradict another field is shown as a comment
+            assert f"\n{'# ' if value is None else ''}{field} = " in text
 
 
 def test_flags_alone_are_enough() -> None:
@@ -35,7 +35,12 @@ def test_flags_alone_are_enough() -> None:
     assert setup.config.device.baud == 12_000_000
     assert setup.config.publish.endpoint == "tcp://127.0.0.1:5770"
     assert setup.config.record is None
-    np.testing.assert_array_equal(setup.initial_q_rad, np.zeros(2))
+    assert setup.config.tracking.method == "filter"
+    assert setup.initial_q_rad is None
+
+
+def test_angles_that_are_given_reach_the_tracker() -> None:
+    np.testing.assert_array_equal(load_setup(EXAMPLE, {}).initial_q_rad, np.zeros(2))
 
 
 def test_flags_win_over_the_file() -> None:
@@ -93,6 +98,30 @@ def test_angles_must_be_as_many_as_joints(tmp_path: Path) -> None:
     text = '[device]\nport = "/dev/ttyX"\n[arm]\nfile = "dd-arm"\n[tracking]\ninitial_q_rad = [0.1]\n'
     (mistake,) = mistakes_in(tmp_path, text)
     assert mistake.endswith("tracking.initial_q_rad has 1 numbers, expected one a joint of 'dd-arm' (2)")
+
+
+TRACKED = '[device]\nport = "/dev/ttyX"\n[arm]\nfile = "dd-arm"\n[tracking]\n'
+
+
+@pytest.mark.parametrize("method", ["", 'method = "filter"\n'])
+def test_the_filter_has_no_zero(tmp_path: Path, method: str) -> None:
+    (mistake,) = mistakes_in(tmp_path, f'{TRACKED}{method}zero = "each-rest"\n')
+    assert mistake.endswith(
+        "tracking.zero is 'each-rest', expected it only with tracking.method = 'integrate'"
+    )
+
+
+def test_the_integrator_has_a_zero(tmp_path: Path) -> None:
+    path = tmp_path / "limbd.toml"
+    path.write_text(TRACKED + 'zero = "first-rest"\n')
+    assert load_setup(path, {"tracking": {"method": "integrate"}}).config.tracking.zero == "first-rest"
+    (mistake,) = mistakes_in(tmp_path, TRACKED + 'method = "integrate"\nzero = "never"\n')
+    assert "tracking.zero is 'never'; input should be 'each-rest' or 'first-rest'" in mistake
+
+
+def test_an_unknown_method_is_one_mistake(tmp_path: Path) -> None:
+    (mistake,) = mistakes_in(tmp_path, TRACKED + 'method = "magic"\nzero = "each-rest"\n')
+    assert "tracking.method is 'magic'; input should be 'filter' or 'integrate'" in mistake
 
 
 def test_an_arm_without_sensors_cannot_be_tracked(tmp_path: Path) -> None:

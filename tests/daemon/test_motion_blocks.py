@@ -7,6 +7,7 @@ from hypothesis import strategies as st
 
 from daemon.motion_blocks import (
     RawSamples,
+    bridge_blocks,
     frame_cutter,
     frames_message,
     plot_rows,
@@ -19,7 +20,7 @@ DT_S = 1e-3
 T0_NS = 1_700_000_000_000_000_000
 
 
-def frames(first: int, n: int, gap: bool = False) -> Frames:
+def frames(first: int, n: int, gap: bool = False, claimed: bool = False) -> Frames:
     number = np.arange(first, first + n, dtype=float)
     two = np.stack([number, number + 0.5], axis=1)
     return Frames(
@@ -32,30 +33,45 @@ def frames(first: int, n: int, gap: bool = False) -> Frames:
         np.stack([number] * 3, axis=1),
         np.broadcast_to(number[:, None, None], (n, 4, 3)),
         gap,
+        4 * two if claimed else None,
     )
 
 
-@given(st.lists(st.tuples(st.integers(1, 35), st.sampled_from([0, 0, 0, 17])), min_size=1, max_size=30))
-def test_any_cutting_gives_the_same_rows(pieces: list[tuple[int, int]]) -> None:
+@given(
+    st.lists(st.tuples(st.integers(1, 35), st.sampled_from([0, 0, 0, 17])), min_size=1, max_size=30), st.booleans()
+)
+def test_any_cutting_gives_the_same_rows(pieces: list[tuple[int, int]], claimed: bool) -> None:
     cutter = frame_cutter(DT_S)
     blocks: list[Frames] = []
     number, expected = 0, []
     for n, lost in pieces:
         number += lost
-        blocks += cutter.add(frames(number, n, gap=lost > 0))
+        blocks += cutter.add(frames(number, n, lost > 0, claimed))
         expected += list(range(number, number + n))
         number += n
     blocks += cutter.flush()
     assert np.concatenate([block.q[:, 0] for block in blocks]).tolist() == expected
     for block in blocks:
         assert 1 <= block.n <= 10
-        whole = frames(block.frame0, block.n, block.gap)
-        assert block.t0_ns == whole.t0_ns
-        for name in ("q", "dq", "ddq", "tip", "points"):
-            np.testing.assert_array_equal(getattr(block, name), getattr(whole, name))
+        assert_same_rows(block, frames(block.frame0, block.n, block.gap, claimed))
     for before, after in zip(blocks, blocks[1:], strict=False):
         assert after.gap == (after.frame0 != before.frame0 + before.n)
     assert not cutter.flush()
+
+
+def assert_same_rows(block: Frames, expected: Frames) -> None:
+    assert (block.t0_ns, block.gap) == (expected.t0_ns, expected.gap)
+    for name in ("q", "dq", "ddq", "tip", "points", "q_std"):
+        np.testing.assert_array_equal(getattr(block, name), getattr(expected, name))
+
+
+@pytest.mark.parametrize("n", [1, 10, 34])
+def test_every_block_that_bridges_a_gap_is_marked(n: int) -> None:
+    blocks = bridge_blocks(frames(7, n, gap=True, claimed=True))
+    assert sum(block.n for block in blocks) == n
+    assert max(block.n for block in blocks) <= 10
+    for block in blocks:
+        assert_same_rows(block, frames(block.frame0, block.n, gap=True, claimed=True))
 
 
 def test_blocks_of_frames_are_ten_milliseconds_long() -> None:
@@ -74,10 +90,17 @@ def test_plot_has_a_hundred_rows_a_second() -> None:
     }
 
 
+def test_plot_has_what_the_tracker_claims() -> None:
+    (row,) = plot_rows(frames(20, 10, claimed=True))
+    assert (row["q_std1"], row["q_std2"]) == (80.0, 82.0)
+
+
 def test_messages_have_the_fields_of_the_contract() -> None:
     assert set(frames_message(frames(0, 10), "integrate")) == {
         *("frame0", "t0_ns", "dt_s", "n", "method", "q", "dq", "ddq", "tip", "points", "gap")
     }
+    claimed = frames_message(frames(0, 10, claimed=True), "filter")
+    np.testing.assert_array_equal(claimed["q_std"], frames(0, 10, claimed=True).q_std)
     raw = raw_message(RawSamples(5, T0_NS, 1 / 32000, np.ones((7, 12)), False))
     assert set(raw) == {"sample0", "t0_ns", "dt_s", "n", "a"}
     assert raw["a"].dtype == np.float32

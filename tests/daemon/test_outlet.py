@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 import zmq
 
+from daemon.health import Delay
 from daemon.motion_blocks import RawSamples
 from daemon.outlet import Outlet
 from daemon.record_link import Context, Entry, RecordInlet, RecordLink
@@ -26,6 +27,7 @@ class Room:
         self.inlet = RecordInlet(self.context, f"ipc://{folder}/recorder")
         self.link = RecordLink(self.context, f"ipc://{folder}/recorder", "x.mcap")
         self.publisher = Publisher(self.context, f"ipc://{folder}/frames", "dd-arm", "run-1")
+        self.delay = Delay()
         self.outlet = Outlet(
             self.publisher,
             self.link,
@@ -36,6 +38,7 @@ class Room:
             rate_hz=RATE_HZ,
             publish_raw=publish_raw,
             learning=5,
+            delay=self.delay,
         )
 
     def recorded(self) -> list[Entry]:
@@ -61,9 +64,9 @@ def room(request: pytest.FixtureRequest, tmp_path: Path) -> Iterator[Room]:
     made.close()
 
 
-def frames(first: int, n: int) -> Frames:
+def frames(first: int, n: int, gap: bool = False) -> Frames:
     two, three = np.zeros((n, 2)), np.zeros((n, 3))
-    return Frames(first, first * 10**6, 1e-3, two, two, two, three, np.zeros((n, 4, 3)), False)
+    return Frames(first, first * 10**6, 1e-3, two, two, two, three, np.zeros((n, 4, 3)), gap)
 
 
 def test_raw_samples_are_always_recorded(room: Room) -> None:
@@ -89,6 +92,19 @@ def test_frames_before_a_phase_are_sent_before_it(room: Room) -> None:
     assert [entry.topic for entry in entries] == [FRAMES, PLOT, FRAMES, PLOT, TRIAL, TRIAL, FRAMES]
     roles = [decode([b"", entry.payload])[1]["role"] for entry in entries if entry.topic == TRIAL]
     assert roles == ["learn", "evaluate"]
+
+
+def test_what_bridges_a_gap_is_marked_and_has_no_delay(room: Room) -> None:
+    room.outlet.send_frames([frames(0, 4)])
+    room.outlet.send_bridge([frames(4, 2), frames(6, 25, gap=True)])
+    assert room.outlet.send_frames([frames(31, 12, gap=True)]) == 1
+    room.outlet.flush()
+    blocks = [decode([b"", entry.payload])[1] for entry in room.recorded() if entry.topic == FRAMES]
+    assert [(block["frame0"], block["n"], block["gap"]) for block in blocks] == [
+        *((0, 6, False), (6, 10, True), (16, 10, True), (26, 5, True)),
+        *((31, 10, True), (41, 2, False)),
+    ]
+    assert room.delay.frames == 6 + 12
 
 
 def test_a_recorder_that_gave_up_is_heard(room: Room) -> None:

@@ -1,12 +1,13 @@
 """What a person at the terminal is told."""
 
 import io
+from typing import Any
 
 from rich.console import Console
 
 from daemon.progress import Progress
 
-STARTED = {
+STARTED: dict[str, Any] = {
     "device": "d [1]",
     "port": "/dev/ttyX",
     "rate_hz": 32000.0,
@@ -14,13 +15,14 @@ STARTED = {
     "endpoint": "tcp://127.0.0.1:5770",
     "recording": None,
 }
-HEALTH = {
+HEALTH: dict[str, Any] = {
     "uptime_s": 7.4,
     "samples": 1000,
     "lost_samples": 32,
     "crc_errors": 1,
     "latency_ms": {"p50": 1.0, "p99": 2.34},
     "recording_lost": 3,
+    "tracking": {"method": "filter", "innovation": 0.5, "jolts": 0, "doubted": 0, "wrong": False},
 }
 
 
@@ -48,6 +50,18 @@ def test_a_line_at_the_start_and_one_at_the_end() -> None:
 def test_a_status_on_a_terminal() -> None:
     assert "\x1b[?25l" in told(terminal=True)  # a live line hides the cursor
     assert "\x1b" not in told(terminal=False)
+
+
+def test_a_tracker_that_is_wrong_says_so_once() -> None:
+    text = io.StringIO()
+    wrong = {**HEALTH, "tracking": {**HEALTH["tracking"], "wrong": True}}
+    with Progress(Console(file=text, width=300, color_system=None, _environ={})) as progress:
+        for fields in (HEALTH, wrong, HEALTH, wrong):
+            progress.health(fields)
+    warning, last = text.getvalue().splitlines()
+    assert warning.startswith("warning: the readings contradict the tracker: check the lengths and the sensors'")
+    assert "`fitter sensors`" in warning
+    assert last.startswith("7 s: ")
 
 
 def test_nothing_is_summed_up_where_nothing_began() -> None:

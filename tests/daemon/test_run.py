@@ -90,7 +90,7 @@ def test_the_virtual_arm_is_followed_without_loss(
     device.announcement()
     config = tmp_path / "limbd.toml"
     config.write_text(
-        f'[device]\nport = "{link}"\n[arm]\nfile = "dd-arm"\n'
+        f'[device]\nport = "{link}"\n[arm]\nfile = "dd-arm"\n[tracking]\nmethod = "integrate"\n'
         '[publish]\nendpoint = "tcp://127.0.0.1:*"\nraw = true\n'
     )
     daemon = limbd("run", "--config", str(config), "--record", str(tmp_path / "rec"), "--json")
@@ -109,11 +109,15 @@ def test_the_virtual_arm_is_followed_without_loss(
         assert abs(after["t0_ns"] - before["t0_ns"] - before["n"] * 1e6) <= 2
     assert max(block["n"] for block in frames) == 10
     assert frames[0]["points"].shape == (frames[0]["n"], 4, 3)
+    assert "q_std" not in frames[0]
     assert subscriber.missed == {}
     assert health[-1]["lost_samples"] == health[-1]["crc_errors"] == 0
     assert health[-1]["recording"] == announced["recording"]
     assert health[-1]["connected"] is True
     assert health[-1]["latency_ms"]["p99"] < 1000
+    assert health[-1]["tracking"] == {
+        **{"method": "integrate", "innovation": None, "jolts": 0, "doubted": 0, "wrong": False}
+    }
     assert set(health[-1]) >= {
         *("uptime_s", "last_seq", "samples", "lost_samples", "crc_errors", "resyncs", "reconnects", "saturated"),
         *(
@@ -151,6 +155,7 @@ def test_the_virtual_arm_is_followed_without_loss(
     assert not link.is_symlink()
 
 
+@pytest.mark.parametrize("method", ["integrate", "filter"])
 def test_what_a_device_skips_is_counted_and_marked(
     limbd: Limbd,
     pty_device: MakeDevice,
@@ -158,6 +163,7 @@ def test_what_a_device_skips_is_counted_and_marked(
     make_info: Callable[..., DeviceInfo],
     random_counts: Callable[[int], NDArray[np.int16]],
     tmp_path: Path,
+    method: str,
 ) -> None:
     counts = random_counts(16000)
     skip = frozenset({100, 101, 250})
@@ -165,9 +171,8 @@ def test_what_a_device_skips_is_counted_and_marked(
     broken = bytearray(stream)
     broken[300 * 796 + 100] ^= 0x40  # one bit of the payload of one frame
     device = pty_device(make_info(8000.0), bytes(broken[:200_000]) + b"noise in between" + bytes(broken[200_000:]))
-    daemon = limbd(
-        "run", "--port", device.path, "--arm", "dd-arm", "--record", str(tmp_path), *ANY_ENDPOINT, "--json"
-    )
+    arguments = ("--port", device.path, "--arm", "dd-arm", "--method", method, "--record", str(tmp_path))
+    daemon = limbd("run", *arguments, *ANY_ENDPOINT, "--json")
     announced = daemon.announcement()
     subscriber = subscribe(announced["endpoint"], HEALTH)
     while next_health(subscriber)["samples"] < 16000 - 5 * 32:
@@ -186,13 +191,18 @@ def test_what_a_device_skips_is_counted_and_marked(
         expected = counts[block["sample0"] : block["sample0"] + block["n"]]
         np.testing.assert_array_equal(np.rint(block["a"] / scale), expected)
     frames = recorded(announced["recording"], FRAMES)
-    starts = [block["frame0"] for block in frames]
-    assert sum(block["gap"] for block in frames) == 4
     jumps = [
-        after["frame0"] > before["frame0"] + before["n"] for before, after in zip(frames, frames[1:], strict=False)
+        after["frame0"] - before["frame0"] - before["n"] for before, after in zip(frames, frames[1:], strict=False)
     ]
-    assert starts == sorted(starts)
-    assert sum(jumps) <= 4
+    if method == "integrate":
+        assert sum(block["gap"] for block in frames) == 4
+        assert min(jumps) == 0
+        assert sum(jump > 0 for jump in jumps) <= 4
+    else:  # a block that bridges each hole, and the one after it
+        marked = [block["frame0"] for block in frames if block["gap"]]
+        assert len(marked) == 8
+        assert set(jumps) == {0}
+        assert marked[0] == pytest.approx(100 * 32 / 8, abs=1)
 
 
 def test_garbage_is_told_and_nothing_is_left(limbd: Limbd, pty_device: MakeDevice, tmp_path: Path) -> None:

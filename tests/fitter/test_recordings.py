@@ -52,8 +52,11 @@ def record(path, messages):
     return path
 
 
-def recorded_motions(folder, method):
+def recorded_motions(folder, method, slide=False):
+    """Record two motions in which all joints move at 1 rad/s, and all sensors at 1 m/s if they are to slide."""
     blocks = [(FRAMES, {**frames(k), "method": method}) for k in range(0, 1000, BLOCK)]
+    for _, fields in blocks if slide else []:
+        fields["points"] = np.repeat(fields["q"][:, :1], 12, axis=1).reshape(BLOCK, 4, 3)
     blocks.insert(12, (TRIAL, phase(1, "begin", 100, "learn")))
     blocks.insert(45, (TRIAL, phase(1, "end", 400, "learn")))
     blocks.insert(60, (TRIAL, phase(2, "begin", 550, "evaluate")))
@@ -77,7 +80,16 @@ def test_dead_reckoning_loses_its_drift(two_motions):
     """Every joint moves at 1 rad/s until the rest at the end: all of that is drift, and is taken out."""
     first, _ = read_frames(two_motions, 2)
     assert np.isclose(np.diff(first.columns["q"][:-1, 0])[-1], 0.0, atol=1e-5)
-    assert "drift" in " ".join(first.notes)
+    assert first.notes == ("drift taken out by the rest at the end of each motion (q, dq, ddq, points)",)
+
+
+def test_of_a_filter_only_the_points_are_dead_reckoned(tmp_path):
+    first, _ = read_frames(recorded_motions(tmp_path, "filter", slide=True), 2)
+    assert np.allclose(first.columns["q"][:, 0], 1e-3 * (100 + np.arange(301)))
+    assert np.array_equal(first.columns["dq"], np.ones((301, 2)))
+    speed = np.diff(first.columns["points"][:, 0, 0]) / DT_S
+    assert speed[0] == pytest.approx(1.0, abs=0.01) and speed[-2] == pytest.approx(0.0, abs=0.01)
+    assert first.notes == ("drift taken out by the rest at the end of each motion (points)",)
 
 
 def test_trials_of_one_role_are_taken_as_they_are(tmp_path):
@@ -87,7 +99,7 @@ def test_trials_of_one_role_are_taken_as_they_are(tmp_path):
     assert np.array_equal(trial.q[:, 0], 1e-3 * (550 + np.arange(450)))
     assert np.array_equal(trial.dq, np.ones((450, 2)))
     assert trial.points.shape == (450, 4, 3)
-    assert trial.notes == ()
+    assert trial.notes == ("drift taken out by the rest at the end of each motion (points)",)
 
 
 def test_a_recording_without_announcements_is_one_motion(tmp_path):

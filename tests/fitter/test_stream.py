@@ -30,6 +30,13 @@ def block(frame0, n=100, start_ns=0, gap=False, method="smooth", run="a"):
     }
 
 
+def sliding(frame0, method):
+    """Return frames in which every sensor goes at 1 m/s and every joint at 1 rad a frame."""
+    topic, fields = block(frame0, method=method)
+    fields["points"] = np.repeat(fields["q"][:, :1] * DT_S, 12, axis=1).reshape(-1, 4, 3)
+    return topic, fields
+
+
 def phase(trial, state, frame, start_ns=0, run="a", role="learn"):
     t_ns = start_ns + frame * 1_000_000
     return TRIAL, {"trial": trial, "t_ns": t_ns, "state": state, "role": role, "run": run}
@@ -73,6 +80,16 @@ def test_a_motion_is_cut_at_the_very_times_that_are_announced():
     assert numbers(motion) == list(range(330, 1056))
     assert motion.t[0] == 0.0 and motion.t[-1] == pytest.approx(0.725)
     assert motion.notes == ()
+
+
+@pytest.mark.parametrize("method", ["integrate", "filter", "smooth"])
+def test_what_was_dead_reckoned_loses_its_drift(method):
+    """What still goes at the end of a motion is drift in what was dead-reckoned, and true in what was not."""
+    frames = [sliding(k, method) for k in range(0, 1000, 100)]
+    _, (motion,) = motions([phase(1, "begin", 100), *frames, phase(1, "end", 800)])
+    speed = {name: np.diff(motion.columns[name].reshape(len(motion.t), -1)[:, 0]) for name in ("q", "points")}
+    assert speed["points"][-2] == pytest.approx(0.0, abs=0.02 * DT_S)
+    assert speed["q"][-2] == pytest.approx(0.0 if method == "integrate" else 1.0, abs=0.02)
 
 
 @pytest.mark.parametrize("start_ns", [0, 1_700_000_000 * SECOND_NS])

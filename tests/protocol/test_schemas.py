@@ -9,12 +9,12 @@ from protocol.schemas import SCHEMAS, schema_json
 
 MOTION = "frame0 t0_ns dt_s n method q dq ddq tip points gap"
 FIELDS = {
-    FRAMES: MOTION,
+    FRAMES: MOTION + " q_std",
     PLAY: MOTION + " source speed",
     RAW: "sample0 t0_ns dt_s n a",
     TRIAL: "trial t_ns state role",
     HEALTH: "uptime_s last_seq samples lost_samples crc_errors resyncs reconnects saturated flat clock_ppm "
-    "latency_ms connected recording recording_lost disk_free_bytes",
+    "latency_ms delay_ms tracking connected recording recording_lost disk_free_bytes",
     KINEMATICS: "generation frames parameters error",
     DYNAMICS: "generation samples parameters error",
 }

@@ -13,6 +13,8 @@ from arm.bench import COUNT_M_S2, Bench, Sensors, draw_sensor_errors, motions, r
 from arm.model import Arm, Control, Floats, Friction, Joint, Link, Sensor, Tip
 from tracking.frames import Frames, Phase
 from tracking.integrator import Integrator
+from tracking.kalman_filter import KalmanTracker
+from tracking.readings import Readings, ReadingsBuilder
 
 RUBBING = Friction(0.2, 0.05, 0.05)
 
@@ -75,10 +77,12 @@ class Recording:
         return 1e9 / self.rate_hz
 
 
-def record(arm: Arm, bench: Bench, seed: int, noise: float = 0.0, exact: bool = False) -> Recording:
+def record(
+    arm: Arm, bench: Bench, seed: int, noise: float = 0.0, exact: bool = False, imperfect: bool = False
+) -> Recording:
     """Return the bench's trials one after the other; ``exact`` readings are not even rounded to counts."""
     rng = np.random.default_rng([seed, 7])
-    sensors = Sensors(arm, draw_sensor_errors(arm, rng, noise), bench.rate_hz, rng)
+    sensors = Sensors(arm, draw_sensor_errors(arm, rng, noise, imperfect), bench.rate_hz, rng)
     trials = list(motions(arm, bench, seed))
     if exact:
         readings = [specific_force(arm, m.q, m.dq, m.ddq).reshape(len(m.t), -1) for m in trials]
@@ -108,6 +112,8 @@ class Tracked:
             setattr(self, name, np.concatenate([getattr(f, name) for f in self.frames]))
         self.t_ns = np.concatenate([f.t0_ns + np.round(np.arange(f.n) * f.dt_s * 1e9) for f in self.frames])
         self.number = np.concatenate([f.frame0 + np.arange(f.n) for f in self.frames])
+        claims = [f.q_std for f in self.frames if f.q_std is not None]
+        self.q_std = np.concatenate(claims) if claims else None
         self._recording = recording
 
     def truth(self, name: str = "q", shift_s: float = 0.0) -> Floats:
@@ -130,6 +136,59 @@ def track(recording: Recording, arm: Arm | None = None, **options: object) -> Tr
     frames, phases = tracker.push(0, recording.readings)
     rest = tracker.flush()
     return Tracked(recording, [*frames, *rest[0]], [*phases, *rest[1]])
+
+
+def follow(
+    recording: Recording, q0: Floats | None, arm: Arm | None = None, rate_hz: float = 1000.0, block: int = 512
+) -> tuple[Tracked, KalmanTracker]:
+    """Return what the filter makes of a recording, and the filter itself."""
+    tracker = KalmanTracker(arm or recording.arm, recording.rate_hz, q0, rate_hz)
+    frames, phases = [], []
+    for first in range(0, len(recording.readings), block):
+        t0_ns = round(first * recording.dt_ns)
+        more, ended = tracker.push(t0_ns, recording.readings[first : first + block])
+        frames, phases = frames + more, phases + ended
+    more, ended = tracker.flush()
+    return Tracked(recording, frames + more, phases + ended), tracker
+
+
+def decimate(recording: Recording, rate_hz: float = 1000.0, lost: slice | None = None) -> Readings:
+    """Return a recording's readings at the rate of the frames, without those that were lost."""
+    builder = ReadingsBuilder(recording.rate_hz, recording.readings.shape[1], rate_hz)
+    builder.push(recording.readings[: lost.start if lost else None])
+    if lost:
+        builder.gap(lost.stop - lost.start)
+        builder.push(recording.readings[lost.stop :])
+    return builder.done()
+
+
+@pytest.fixture(scope="session")
+def vertical_arm() -> Arm:
+    return load_arm("dd-arm-vertical")
+
+
+@pytest.fixture(scope="session")
+def level_bench(dd_arm: Arm) -> Recording:
+    """Return three standard trials of the level arm at 4 kHz."""
+    return record(dd_arm, Bench(4000.0, learning=3, evaluating=0), 0, 1.0)
+
+
+@pytest.fixture(scope="session")
+def upright_bench(vertical_arm: Arm) -> Recording:
+    """Return two short trials of the upright arm at 4 kHz."""
+    return record(vertical_arm, Bench(4000.0, trial_s=4.0, learning=2, evaluating=0), 1, 1.0)
+
+
+@pytest.fixture(scope="session")
+def followed() -> Callable[..., tuple[Tracked, KalmanTracker]]:
+    """Return what follows a recording with the filter: `follow`."""
+    return follow
+
+
+@pytest.fixture(scope="session")
+def decimated() -> Callable[..., Readings]:
+    """Return what decimates a recording: `decimate`."""
+    return decimate
 
 
 @pytest.fixture(scope="session")

@@ -43,14 +43,12 @@ def test_the_smallest_population_is_the_algorithms():
 
 
 def test_one_number_a_joint():
-    default = np.zeros(2)
-    assert joint_values(None, ARM, "--initial-q", default) is default
-    assert joint_values("0.5,-1", ARM, "--initial-q", default).tolist() == [0.5, -1.0]
+    assert joint_values("0.5,-1", ARM, "--initial-q").tolist() == [0.5, -1.0]
     for text in ("0.5,x", "0.5,", "nan,0", "inf,1"):
         with pytest.raises(ConfigError, match=f"--initial-q is '{text}', expected numbers parted by commas"):
-            joint_values(text, ARM, "--initial-q", default)
+            joint_values(text, ARM, "--initial-q")
     with pytest.raises(ConfigError, match=r"--initial-q has 3 numbers, expected one a joint \(2\)"):
-        joint_values("1,2,3", ARM, "--initial-q", default)
+        joint_values("1,2,3", ARM, "--initial-q")
 
 
 def test_pairs():

@@ -1,10 +1,12 @@
 """`fitter track`."""
 
 import json
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
+from arm.arm_file import save_arm
 from fitter.__main__ import main
 from fitter.motion_file import write_motion
 from fitter.trials import load_trials
@@ -24,7 +26,8 @@ def test_accelerations_become_joint_motion(fitter, raw, tmp_path):
     outcome = fitter("track", raw, "--arm", "dd-arm", "--method", "integrate", "--out", out)
     assert outcome.code == 0
     document = outcome.document
-    assert set(document) == {"method", "out", "frames", "trials", "lost_samples", "angle_error_deg"}
+    common = {"method", "out", "frames", "trials", "lost_samples", "seconds", "angle_error_deg"}
+    assert set(document) == common and document["seconds"] > 0.0
     assert (document["method"], document["out"]) == ("integrate", str(out))
     assert (document["trials"], document["lost_samples"]) == (3, 0)
     assert set(document["angle_error_deg"]) == {"mean", "max"}
@@ -43,11 +46,58 @@ def two_seconds(short_run, tmp_path_factory):
     return path
 
 
+@pytest.mark.parametrize(
+    ("method", "says"),
+    [("filter", {"innovation", "doubted", "wrong"}), ("smooth", {"doubted", "wrong", "passes", "converged"})],
+)
+def test_what_a_tracker_says_of_itself_is_in_the_document(fitter, two_seconds, tmp_path, method, says):
+    out = tmp_path / "motion.csv"
+    outcome = fitter("track", two_seconds, "--arm", "dd-arm", "--method", method, "--out", out)
+    document = outcome.document
+    assert outcome.code == 0 and document["method"] == method
+    common = {"method", "out", "frames", "trials", "lost_samples", "seconds", "angle_error_deg", "within_3_std"}
+    assert set(document) == common | says
+    assert len(document["within_3_std"]) == 2 and all(0.0 <= share <= 1.0 for share in document["within_3_std"])
+    assert document["wrong"] is False and "warning" not in outcome.said
+    header = out.read_text().partition("\n")[0]
+    assert header == "t,q1,q2,dq1,dq2,ddq1,ddq2,q_std1,q_std2,tipx,tipy,tipz,ref1,ref2,trial"
+    assert len(load_trials([out], 2)) == document["trials"]
+
+
+def test_unless_told_otherwise_the_whole_recording_is_smoothed(fitter, two_seconds, tmp_path):
+    outcome = fitter("track", two_seconds, "--arm", "dd-arm", "--out", tmp_path / "motion.npz")
+    assert outcome.document["method"] == "smooth" and outcome.document["converged"] is True
+
+
+@pytest.mark.parametrize("method", ["filter", "smooth"])
+def test_readings_that_contradict_the_arm_are_warned_of(fitter, two_seconds, short_run, tmp_path, method):
+    *others, last = short_run.arm.sensors
+    moved = replace(short_run.arm, sensors=(*others, replace(last, position_m=(0.20, 0.05, 0.0))))
+    save_arm(moved, tmp_path / "moved.toml")
+    out = tmp_path / "motion.npz"
+    outcome = fitter("track", two_seconds, "--arm", tmp_path / "moved.toml", "--method", method, "--out", out)
+    assert outcome.code == 0 and outcome.document["wrong"] is True
+    assert "warning: start: the readings contradict arm 'dd-arm'" in outcome.said
+    assert "check its lengths and where its sensors sit, or let `fitter sensors` find" in outcome.said
+
+
+def test_predicted_frames_are_marked_in_every_run_if_in_one(fitter, two_seconds, short_run, tmp_path):
+    kept, torn = np.r_[0:6000, 6080:8000], tmp_path / "torn.npz"
+    write_motion(torn, {name: values[kept] for name, values in short_run.raw_columns().items()})
+    outs = [tmp_path / f"{k}.npz" for k in (1, 2)]
+    for raw, out in (((two_seconds,), outs[0]), ((two_seconds, torn), outs[1])):
+        assert fitter("track", *raw, "--arm", "dd-arm", "--method", "filter", "--out", out).code == 0
+    whole, both = np.load(outs[0]), np.load(outs[1])
+    assert "gap" not in whole
+    n = len(whole["t"])
+    assert not both["gap"][:n].any() and both["gap"][n:].sum() == 20
+
+
 @pytest.mark.parametrize("suffix", [".npz", ".csv", ".parquet"])
 def test_the_same_readings_give_the_same_bytes(fitter, two_seconds, tmp_path, suffix):
     outs = [tmp_path / f"{k}{suffix}" for k in (1, 2)]
     for out in outs:
-        assert fitter("track", two_seconds, "--arm", "dd-arm", "--frame-rate-hz", "100", "--out", out).code == 0
+        assert fitter("track", two_seconds, "--arm", "dd-arm", "--frame-rate-hz", "250", "--out", out).code == 0
     assert outs[0].read_bytes() == outs[1].read_bytes()
 
 
@@ -58,11 +108,11 @@ def test_without_the_truth_there_is_no_error_to_tell(fitter, short_run, tmp_path
     outcome = fitter("track", path, "--arm", "dd-arm", "--out", tmp_path / "motion.csv")
     assert outcome.code == 0 and "angle_error_deg" not in outcome.document
     header = (tmp_path / "motion.csv").read_text().partition("\n")[0]
-    assert header == "t,q1,q2,dq1,dq2,ddq1,ddq2,tipx,tipy,tipz,trial"
+    assert header == "t,q1,q2,dq1,dq2,ddq1,ddq2,q_std1,q_std2,tipx,tipy,tipz,trial"
 
 
 def test_options_reach_the_tracker(fitter, two_seconds, tmp_path):
-    common = ("track", two_seconds, "--arm", "dd-arm", "--frame-rate-hz", "100")
+    common = ("track", two_seconds, "--arm", "dd-arm", "--frame-rate-hz", "100", "--method", "integrate")
     fitter(*common, "--out", tmp_path / "a.npz")
     fitter(*common, "--zero", "first-rest", "--initial-q", "0.5,-0.25", "--out", tmp_path / "b.npz")
     a, b = np.load(tmp_path / "a.npz"), np.load(tmp_path / "b.npz")
@@ -75,7 +125,8 @@ def test_several_runs_become_one_file_whose_trials_keep_apart(fitter, two_second
     longer = tmp_path / "longer.npz"
     write_motion(longer, {name: values[:32000] for name, values in short_run.raw_columns().items()})
     out = tmp_path / "motion.npz"
-    outcome = fitter("track", longer, two_seconds, "--arm", "dd-arm", "--frame-rate-hz", "100", "--out", out)
+    common = ("--arm", "dd-arm", "--frame-rate-hz", "100", "--method", "integrate")
+    outcome = fitter("track", longer, two_seconds, *common, "--out", out)
     assert outcome.code == 0 and outcome.document["trials"] == 3
     assert [trial.name for trial in load_trials([out], 2)] == [f"motion/{k}" for k in ("1.1", "1.2", "2.1")]
 

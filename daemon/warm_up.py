@@ -1,0 +1,36 @@
+"""Having a tracker's kernels compiled before the first sample counts."""
+
+import numpy as np
+
+from arm.accelerometer import specific_force
+from arm.model import Arm, Floats
+from tracking.tracker import Tracker
+
+#: A rest until the tracker has recognised it, a jump, a gap, and as much again.
+_REST_S, _GAP_S, _AFTER_S = 0.4, 0.02, 0.4
+_NOISE_M_S2, _JUMP_M_S2 = 0.02, 3.0
+
+
+def warm_up(tracker: Tracker, arm: Arm, rate_hz: float, initial_q_rad: Floats | None) -> None:
+    """Take a tracker, which is of no use afterwards, through all that can happen.
+
+    Parameters
+    ----------
+    tracker : Tracker
+        Like the one that will follow the arm.
+    arm : Arm
+    rate_hz : float
+    initial_q_rad : (n_joint,) or None
+        Where it takes the arm to rest; zero with None.
+    """
+    q = (np.zeros(arm.n_joint) if initial_q_rad is None else initial_q_rad)[None]
+    felt = specific_force(arm, q, np.zeros_like(q), np.zeros_like(q))[0]
+    rest = np.ravel([s.scale for s in arm.sensors]) * felt.ravel() + np.ravel([s.bias_m_s2 for s in arm.sensors])
+    rng = np.random.default_rng(0)
+    before, after = (round(seconds * rate_hz) + 1 for seconds in (_REST_S, _AFTER_S))
+    readings = rest + _NOISE_M_S2 * rng.standard_normal((before + after, len(rest)))
+    readings[before + after // 2 :, ::3] += _JUMP_M_S2
+    tracker.push(0, readings[:before])
+    tracker.gap(round(_GAP_S * rate_hz))
+    tracker.push(round(1e9 * (_REST_S + _GAP_S)), readings[before:])
+    tracker.flush()

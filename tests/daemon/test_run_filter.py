@@ -1,0 +1,70 @@
+"""`limbd run` with the filter, end to end: what it finds, claims and records, and that others can read it."""
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import zmq
+
+from fitter.recordings import read_frames
+from playback.recording_source import recording_source
+from protocol.message import FRAMES, HEALTH, PLOT, RAW, TRIAL
+from protocol.recording_reader import read_recording
+from protocol.subscriber import Subscriber
+
+Limbd = Callable[..., Any]
+Fields = dict[str, Any]
+PATIENCE_MS = 30_000
+ANY_ENDPOINT = ("--endpoint", "tcp://127.0.0.1:*")
+
+
+def recorded(path: str, topic: str) -> list[Fields]:
+    return [fields for _, fields, _ in read_recording(path, [topic])]
+
+
+def test_the_filter_follows_the_virtual_arm(limbd: Limbd, tmp_path: Path) -> None:
+    rate_hz, motions_s = 8000.0, 13.5
+    arguments = ("--rate-hz", str(rate_hz), "--seed", "3", "--trials", "2", "--noise", "0.5", "--speed", "2")
+    truth_file = tmp_path / "truth.npz"
+    device = limbd("virtual", *arguments, "--truth", str(truth_file), "--json")
+    port = device.announcement()["port"]
+    daemon = limbd("run", "--port", port, "--arm", "dd-arm", "--record", str(tmp_path), *ANY_ENDPOINT, "--json")
+    announced = daemon.announcement()
+    with zmq.Context() as context, Subscriber(context, announced["endpoint"], [HEALTH]) as subscriber:
+        health: Fields = {"samples": 0}
+        while health["samples"] < (motions_s + 0.5) * rate_hz:
+            message = subscriber.receive(PATIENCE_MS)
+            assert message is not None
+            health = message[1]
+    assert daemon.stop() == 0
+    assert device.stop() == 0
+
+    assert health["lost_samples"] == 0
+    assert set(health["tracking"]) == {"method", "innovation", "jolts", "doubted", "wrong"}
+    assert health["tracking"]["method"] == "filter"
+    assert 0.1 < health["tracking"]["innovation"] < 2.0
+    assert not any(fields["tracking"]["wrong"] for fields in recorded(announced["recording"], HEALTH))
+    assert "warning" not in daemon.said
+    first_ns = recorded(announced["recording"], RAW)[0]["t0_ns"]
+    blocks = recorded(announced["recording"], FRAMES)
+    assert [block["frame0"] for block in blocks] == np.cumsum([0, *(block["n"] for block in blocks)])[:-1].tolist()
+    assert {block["method"] for block in blocks} == {"filter"}
+    t = np.concatenate([1e-9 * (block["t0_ns"] - first_ns) + 1e-3 * np.arange(block["n"]) for block in blocks])
+    q, q_std = (np.concatenate([block[name] for block in blocks]) for name in ("q", "q_std"))
+    truth = np.load(truth_file)
+    moved = t < motions_s
+    assert np.abs(truth["q1"]).max() > 0.5
+    for j in range(2):
+        true = np.interp(t[moved], truth["t"], truth[f"q{j + 1}"])
+        assert np.rad2deg(np.abs(q[moved, j] - true)).max() < 1.0
+    assert (q_std > 0.0).all()
+    assert np.rad2deg(q_std).max() < 5.0
+    phases = [(trial["trial"], trial["state"]) for trial in recorded(announced["recording"], TRIAL)]
+    assert phases == [(1, "begin"), (1, "end"), (2, "begin"), (2, "end")]
+    rows = [row for message in recorded(announced["recording"], PLOT) for row in message["rows"]]
+    assert all(row["q_std1"] > 0.0 for row in rows)
+    for motion in read_frames(Path(announced["recording"]), 2):
+        assert motion.columns["q_std"].shape == motion.columns["q"].shape
+    assert recording_source(Path(announced["recording"]), None, pytest.fail).trials == (1, 2)

@@ -1,0 +1,57 @@
+"""Who is to blame when several processes end at once."""
+
+from multiprocessing import get_context
+
+import pytest
+
+from daemon.child import Child
+from daemon.config import load_setup
+from daemon.control_line import ControlLine
+from daemon.stop_signal import StopSignal
+from daemon.supervisor import Supervisor
+from limbcal.errors import DeviceError
+
+
+class Talker(Child):
+    """A child that the test speaks for."""
+
+    def __init__(self, name: str) -> None:
+        self.name = name
+        ours, theirs = get_context("spawn").Pipe()
+        self.line, self.voice = ControlLine(ours), ControlLine(theirs)
+
+    def ended(self) -> DeviceError:
+        return DeviceError(f"{self.name} ended")
+
+    def close(self) -> None:
+        self.line.close()
+        self.voice.close()
+
+
+def test_a_recorder_that_closed_its_file_leaves_the_word_to_the_pipeline() -> None:
+    setup = load_setup(None, {"device": {"port": "/dev/ttyX"}, "arm": {"file": "dd-arm"}})
+    recorder, pipeline = Talker("recorder"), Talker("pipeline")
+    with StopSignal() as stop:
+        supervisor = Supervisor(setup, stop, lambda said: None, lambda said: None, lambda said: None)
+        supervisor._children = {"recorder": recorder, "pipeline": pipeline}
+        recorder.voice.tell("closed", messages=0)
+        recorder.voice.close()
+        supervisor._listen()
+        supervisor._listen()
+        pipeline.voice.tell("failed", kind="DeviceError", sentence="no valid frame")
+        with pytest.raises(DeviceError, match="no valid frame"):
+            supervisor._listen()
+    recorder.close()
+    pipeline.close()
+
+
+def test_a_recorder_that_ends_before_its_file_is_closed_is_to_blame() -> None:
+    setup = load_setup(None, {"device": {"port": "/dev/ttyX"}, "arm": {"file": "dd-arm"}})
+    recorder = Talker("recorder")
+    with StopSignal() as stop:
+        supervisor = Supervisor(setup, stop, lambda said: None, lambda said: None, lambda said: None)
+        supervisor._children = {"recorder": recorder}
+        recorder.voice.close()
+        with pytest.raises(DeviceError, match="recorder ended"):
+            supervisor._listen()
+    recorder.close()

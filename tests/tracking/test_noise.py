@@ -1,0 +1,75 @@
+"""The noise of readings, found in the readings alone."""
+
+import numpy as np
+import pytest
+
+from tracking.noise import Noise, noise_of
+
+STEP = 0.0015
+RATE_HZ = 4000.0
+
+
+def readings(sigma, seconds=5.0, motion=0.0, step=0.0, seed=0, n_channel=4):
+    rng = np.random.default_rng(seed)
+    t = np.arange(round(seconds * RATE_HZ))[:, None] / RATE_HZ
+    phase = rng.uniform(0.0, 6.0, (3, n_channel))
+    swing = sum(np.sin(2 * np.pi * f * t + p) for f, p in zip((0.7, 2.0, 5.0), phase, strict=True))
+    found = rng.uniform(-9.8, 9.8, n_channel) + motion * swing + sigma * rng.standard_normal((len(t), n_channel))
+    return np.rint(found / step) * step if step else found
+
+
+@pytest.mark.parametrize("motion", [0.0, 3.0])
+@pytest.mark.parametrize("sigma", [0.002, 0.02, 0.1])
+@pytest.mark.parametrize("seed", range(3))
+def test_white_noise_is_found_within_a_tenth(sigma, motion, seed):
+    """Whether the arm rests or swings."""
+    found = np.sqrt(noise_of(readings(sigma, motion=motion, seed=seed), RATE_HZ).variance)
+    np.testing.assert_allclose(found, sigma, rtol=0.1)
+
+
+def test_the_first_quarter_of_a_second_is_enough():
+    """As the live filter has it; of so few cells the calmest are luck, so a fifth more or less is fine."""
+    found = np.sqrt([noise_of(readings(0.02, seconds=0.25, seed=seed), RATE_HZ).variance for seed in range(10)])
+    np.testing.assert_allclose(found, 0.02, rtol=0.25)
+    assert found.mean() == pytest.approx(0.02, rel=0.1)
+
+
+def test_each_channel_has_its_own():
+    quiet = readings(0.01, n_channel=3)
+    quiet[:, 1] += 0.05 * np.random.default_rng(9).standard_normal(len(quiet))
+    np.testing.assert_allclose(np.sqrt(noise_of(quiet, RATE_HZ).variance), [0.01, np.hypot(0.01, 0.05), 0.01], rtol=0.1)
+
+
+def test_dithered_rounding_hides_nothing():
+    """From half a step of noise on a mean knows no steps; the rounding then is noise like any other."""
+    found = noise_of(readings(STEP, step=STEP), RATE_HZ)
+    np.testing.assert_allclose(np.sqrt(found.variance), np.sqrt(STEP**2 * 13 / 12), rtol=0.1)
+    assert found.rounding.max() < 1e-6 * STEP**2
+
+
+def test_undithered_rounding_is_not_averaged_away():
+    """Noise of a fiftieth of a step, on a slow swing that takes it over the steps."""
+    found = noise_of(readings(STEP / 50, motion=0.01, step=STEP), RATE_HZ)
+    assert (found.rounding > 0.1 * STEP**2 / 12).all()
+    assert (found.rounding <= STEP**2 / 12 * (1 + 1e-9)).all()
+    assert (found.of_mean(10**9) > 0.1 * STEP**2 / 12).all()
+
+
+def test_quiet_readings_are_not_trusted_without_end():
+    """That never leave their step: nothing can be told of it, but nobody's accelerometer is perfect."""
+    found = noise_of(np.full((1000, 3), 9.8), RATE_HZ)
+    np.testing.assert_array_equal(found.variance, 0.0)
+    np.testing.assert_allclose(found.of_mean(32), 1e-8 * RATE_HZ / 32)  # ten microgees per root Hz
+
+
+def test_a_mean_has_its_share_of_the_white_noise_and_all_of_the_rounding():
+    noise = Noise(np.array([4e-4, 4e-4]), np.array([0.0, 1e-6]))
+    np.testing.assert_allclose(noise.of_mean(1), [4e-4, 4.01e-4])
+    np.testing.assert_allclose(noise.of_mean(400), [1e-6, 2e-6])
+
+
+@pytest.mark.parametrize("n", [4, 5, 8, 63, 64, 65, 1000])
+def test_any_number_of_readings_will_do(n):
+    found = noise_of(readings(0.02)[:n], RATE_HZ)
+    assert np.isfinite(found.variance).all() and (found.variance > 0.0).all()
+    assert found.variance.shape == found.rounding.shape == (4,)

@@ -1,0 +1,201 @@
+"""One pass of smoothing against the same problem solved densely, all instants at once."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from tracking.forward_filter import filter_all
+from tracking.kalman_step import Course, correct, hold, predict
+from tracking.observation import observation_of, observe, room_of
+from tracking.process import alarm_limit
+from tracking.smoothing_pass import filter_step, room_to_take, smooth_once
+from tracking.stillness import window_of
+
+DT = 0.01
+N = 12
+CASES = ["plain", "AC-coupled", "mountings"]
+
+
+def seen(of, x):
+    reading, slope = np.empty(3 * of.link.size), np.zeros((3 * of.link.size, x.size))
+    observe(of, room_of(of.chain.revolute.size), x, reading, slope)
+    return reading, slope
+
+
+class Problem:
+    """A short course of the arm with a gap, a jolt, a doubted reading and a rest; and the prior."""
+
+    def __init__(self, arm, case, seed=0, eventful=True):
+        rng = np.random.default_rng(seed)
+        if case == "AC-coupled":
+            sensors = [replace(s, highpass_hz=2.0 * (k % 2)) for k, s in enumerate(arm.sensors)]
+            arm = replace(arm, sensors=tuple(sensors))
+        self.of, self.size = observation_of(arm, case == "mountings")
+        self.n = arm.n_joint
+        n, n_channel = self.n, 3 * len(arm.sensors)
+        jolt, doubt, rest = np.zeros((N, n)), np.ones(N), np.zeros((N, n))
+        present = np.ones(N, dtype=np.bool_)
+        if eventful:
+            present[4:6], jolt[4:7] = False, 25.0
+            jolt[8, 1], doubt[9] = 400.0, 30.0
+            rest[:2], rest[11, 0] = 1e-6, 1e-4
+        std = rng.uniform(0.01, 0.1, self.size)
+        std[0] = 1e-5  # what everything is counted from
+        turned = np.linalg.qr(rng.normal(size=(self.size, self.size)))[0]
+        mixed = np.diag(std) @ (np.eye(self.size) + 0.2 * turned)
+        self.x0, self.P0 = 0.1 * rng.normal(size=self.size), mixed @ mixed.T
+        self.x0[3 * n + n_channel :] *= 0.1
+        self.at = self.x0 + 0.05 * rng.normal(size=(N, self.size))
+        readings = np.stack([seen(self.of, x)[0] for x in self.at]) + 0.3 * rng.normal(size=(N, n_channel))
+        self.course = Course(
+            DT,
+            np.where(present[:, None], readings, 0.0),
+            present,
+            rng.uniform(1e-4, 1e-3, n_channel),
+            rng.uniform(1e-3, 1e-2, n_channel),
+            np.array([4.0, 9.0]),
+            jolt,
+            doubt,
+            rest,
+        )
+
+    def filtered(self):
+        """Return what the filter makes of every instant, (N, size)."""
+        x, P, states = self.x0.copy(), self.P0.copy(), np.empty((N, self.size))
+        room, taken = room_of(self.n), room_to_take(self.course, self.size)[0]
+        for k in range(N):
+            filter_step(self.of, room, self.course, k, self.at, x, P, taken)
+            states[k] = x
+        return states
+
+    def stood(self, k, filtered):
+        """Return where each reading stood in the step up to k: what was lost, where the filter has it settle."""
+        if self.course.present[k - 1] and self.course.present[k]:
+            return 0.5 * (self.course.readings[k - 1] + self.course.readings[k]), 0.0
+        settles = np.zeros(self.course.noise.size)
+        for channel in np.flatnonzero(np.repeat(self.of.corner, 3)):
+            settles[channel] = filtered[k - 1, self.of.settled_column[channel // 3] + channel % 3]
+        return settles, 1.0
+
+    def dense(self):
+        """Return states and their covariances, (N, size) and (N, size, size), by one least-squares problem.
+
+        Unknown are what, whitened, x0 differs by from its prior and what drives the state from instant to instant.
+        """
+        n, size, course, of = self.n, self.size, self.course, self.of
+        n_channel = course.noise.size
+        F = np.eye(size)
+        for j in range(n):
+            F[3 * j, 3 * j + 1 : 3 * j + 3] = DT, DT**2 / 2
+            F[3 * j + 1, 3 * j + 2] = DT
+        offsets, rate, filtered = 3 * n + np.arange(n_channel), DT * np.repeat(of.corner, 3), self.filtered()
+        unknowns = size + (N - 1) * (n + n_channel)
+        mean, of_unknowns = [self.x0], [np.zeros((size, unknowns))]
+        of_unknowns[0][:, :size] = np.linalg.cholesky(self.P0)
+        for k in range(1, N):
+            stood, lost = self.stood(k, filtered)
+            now, shift, first = F.copy(), np.zeros(size), size + (k - 1) * (n + n_channel)
+            shift[offsets] = -rate * stood
+            for channel in np.flatnonzero(rate):
+                now[offsets[channel], of.settled_column[channel // 3] + channel % 3] = rate[channel]
+            moved = now @ of_unknowns[-1]
+            for j in range(n):
+                std = np.sqrt(course.push[j] * DT + course.jolt[k, j])
+                moved[3 * j : 3 * j + 3, first + j] += std * np.array([DT**2 / 6, DT / 2, 1.0])
+            wander = course.wander * DT + rate**2 * (course.noise + lost)
+            moved[offsets, first + n + np.arange(n_channel)] += np.sqrt(wander)
+            mean.append(now @ mean[-1] + shift)
+            of_unknowns.append(moved)
+        rows, misses = [np.eye(unknowns)], [np.zeros(unknowns)]
+        for k in range(N):
+            if course.present[k]:
+                reading, slope = seen(of, self.at[k])
+                std = np.sqrt(course.noise * course.doubt[k])
+                miss = course.readings[k] - reading - slope @ (mean[k] - self.at[k])
+                rows.append(slope @ of_unknowns[k] / std[:, None])
+                misses.append(miss / std)
+            for j in np.flatnonzero(course.rest[k]):
+                std = np.sqrt(course.rest[k, j])
+                rows.append(of_unknowns[k][3 * j + 1][None] / std)
+                misses.append(np.array([-mean[k][3 * j + 1] / std]))
+        Q, R = np.linalg.qr(np.vstack(rows))
+        z = np.linalg.solve(R, Q.T @ np.concatenate(misses))
+        roots = [np.linalg.solve(R.T, M.T).T for M in of_unknowns]
+        states = np.stack([m + M @ z for m, M in zip(mean, of_unknowns, strict=True)])
+        return states, np.stack([root @ root.T for root in roots])
+
+    def pass_once(self):
+        x, P = self.x0.copy(), self.P0.copy()
+        smoothed, variance = np.empty((N, self.size)), np.empty((N, 3 * self.n))
+        smooth_once(self.of, room_of(self.n), self.course, self.at, x, P, smoothed, variance, True)
+        return smoothed, variance, x, P
+
+
+@pytest.fixture(params=CASES)
+def problem(request, dd_arm):
+    return Problem(dd_arm, request.param)
+
+
+def assert_close(found, states, covariance):
+    """Hold states against the dense ones: to a millionth of what is known of them, and of their own size."""
+    std = np.sqrt(np.diagonal(covariance, axis1=-2, axis2=-1))
+    assert (np.abs(found - states) <= 1e-6 * (std + np.abs(states))).all()
+
+
+def test_a_pass_is_the_dense_solution(problem):
+    states, covariance = problem.dense()
+    smoothed, variance, _, _ = problem.pass_once()
+    assert_close(smoothed, states, covariance)
+    expected = np.diagonal(covariance, axis1=1, axis2=2)[:, : 3 * problem.n]
+    np.testing.assert_allclose(variance, expected, rtol=1e-6)
+
+
+def test_what_is_left_behind_is_the_last_instant(problem):
+    states, covariance = problem.dense()
+    _, _, x, P = problem.pass_once()
+    assert_close(x, states[-1], covariance[-1])
+    std = np.sqrt(np.diag(covariance[-1]))
+    np.testing.assert_allclose(P / np.outer(std, std), covariance[-1] / np.outer(std, std), rtol=0, atol=1e-6)
+
+
+def test_steps_one_by_one_end_at_the_dense_solution(problem):
+    """A filter does not know what follows, but at the end all is known."""
+    states, covariance = problem.dense()
+    assert_close(problem.filtered()[-1], states[-1], covariance[-1])
+
+
+def test_every_event_of_the_course_counts(dd_arm):
+    """Without any one of them the dense solution would be another: they are not there for nothing."""
+    problem = Problem(dd_arm, "plain")
+    states, covariance = problem.dense()
+    plain = Problem(dd_arm, "plain", eventful=False).course
+    std = np.sqrt(np.diagonal(covariance, axis1=1, axis2=2))
+    for name in ("present", "jolt", "doubt", "rest"):
+        other = Problem(dd_arm, "plain")
+        other.course = other.course._replace(**{name: getattr(plain, name)})
+        assert (np.abs(other.dense()[0] - states) > 0.01 * std).any(), name
+
+
+def test_the_forward_filter_ends_at_the_dense_solution(dd_arm):
+    """Each reading is linearised where it is predicted; linearised there, the dense problem has the same end."""
+    problem = Problem(dd_arm, "plain", eventful=False)
+    of, course, n = problem.of, problem.course, problem.n
+    at = np.empty((N, problem.size))
+    x, P = problem.x0.copy(), problem.P0.copy()
+    room, taken = room_of(n), room_to_take(course, problem.size)[0]
+    for k in range(N):
+        if k > 0:
+            predict(of, course, k, x, P)
+        at[k] = x
+        correct(of, room, course, k, at[k], x, P, taken)
+        hold(course, k, x, P, taken)
+    problem.at = at
+    states, covariance = problem.dense()
+    found = np.empty((N, problem.size))
+    still, resting = np.zeros((2, N), dtype=np.bool_)
+    window = window_of(25, problem.size, course.noise, np.zeros_like(course.noise))
+    x, P, limit = problem.x0.copy(), problem.P0.copy(), 1e4 * alarm_limit(12)  # a miss is just a miss
+    filter_all(of, room, course, window, 1, limit, x, P, found, still, resting)
+    assert_close(found[-1], states[-1], covariance[-1])
+    np.testing.assert_array_equal(course.jolt, 0.0)

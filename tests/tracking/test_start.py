@@ -1,0 +1,131 @@
+"""What is held of the state before the first reading."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from arm.accelerometer import specific_force
+from arm.arm_file import load_arm
+from tracking.observation import MOUNTING, observation_of
+from tracking.start import GIVEN_STD, GUESSED_STD, MountingPrior, start_state
+
+Q = np.array([0.4, -0.3])
+STILL = np.zeros((1, 2))
+
+
+@pytest.fixture(scope="module")
+def vertical():
+    return load_arm("dd-arm-vertical")
+
+
+def at_rest(arm, q):
+    felt = specific_force(arm, q[None], STILL, STILL)[0]
+    return (felt * np.array([sensor.scale for sensor in arm.sensors])).ravel()
+
+
+def started(arm, first, q=None, mounting=None, steady=True):
+    of, size = observation_of(arm, mounting is not None)
+    at = np.zeros(arm.n_joint) if q is None else q
+    return of, *start_state(arm, of, size, first, steady, at, q is not None, mounting or MountingPrior())
+
+
+def test_gravity_shows_the_angles_of_an_upright_arm(vertical):
+    _, x, P = started(vertical, at_rest(vertical, Q))
+    np.testing.assert_allclose(x[:6:3], Q, rtol=0, atol=1e-3)
+    np.testing.assert_allclose(np.sqrt(np.diag(P)[:6:3]), GUESSED_STD, rtol=1e-6)
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_offsets_show_as_angles_no_larger_than_they_are(vertical, seed):
+    """0.02 m/s^2 are a fifth of a hundredth of gravity."""
+    offset = 0.02 * np.random.default_rng(seed).normal(size=12)
+    _, x, _ = started(vertical, at_rest(vertical, Q) + offset)
+    assert np.abs(x[:6:3] - Q).max() < 4 * np.sqrt(2) * 0.02 / 9.8
+
+
+def test_angles_that_gravity_does_not_show_are_the_zero(dd_arm):
+    """Whatever the offsets: of a level arm all angles are what everything is counted from."""
+    first = at_rest(dd_arm, Q) + 0.1 * np.random.default_rng(0).normal(size=12)
+    _, x, P = started(dd_arm, first)
+    np.testing.assert_allclose(x[:6:3], 0.0, rtol=0, atol=1e-12)
+    assert np.sqrt(np.diag(P)[:6:3]).max() <= 1e-4
+
+
+def test_given_angles_that_gravity_does_not_show_are_exact(dd_arm):
+    _, x, P = started(dd_arm, at_rest(dd_arm, Q), Q)
+    np.testing.assert_array_equal(x[:6:3], Q)
+    assert np.sqrt(np.diag(P)[:6:3]).max() <= 1e-4
+
+
+def test_given_angles_that_gravity_shows_are_trusted_to_a_hundredth(vertical):
+    """Each of them and their differences too: whoever measured may have been off by that."""
+    _, x, P = started(vertical, at_rest(vertical, Q), Q)
+    np.testing.assert_array_equal(x[:6:3], Q)
+    np.testing.assert_allclose(P[:6:3, :6:3], GIVEN_STD**2 * np.eye(2), rtol=0.01, atol=1e-8)
+
+
+def test_offsets_out_of_the_file_are_believed(dd_arm):
+    known = replace(dd_arm, sensors=tuple(replace(s, bias_m_s2=(0.1, -0.2, 0.3)) for s in dd_arm.sensors))
+    _, x, _ = started(known, at_rest(known, Q))
+    np.testing.assert_allclose(x[6:18], np.tile([0.1, -0.2, 0.3], 4))
+
+
+@pytest.mark.parametrize("size", [0.0, 0.02, 0.1, 1.0])
+def test_first_readings_show_how_large_offsets_are(dd_arm, size):
+    """Of sensors that are alike: none is held to be less than a few times what they show together, or endless."""
+    offset = size * np.random.default_rng(2).normal(size=12)
+    std = np.sqrt(np.diag(started(dd_arm, at_rest(dd_arm, Q) + offset, Q)[2])[6:18])
+    np.testing.assert_array_equal(std, std[0])
+    assert min(size, 0.1) < std[0] < 4 * max(size, 0.02)
+
+
+def test_speeds_begin_at_zero(vertical):
+    _, x, P = started(vertical, at_rest(vertical, Q), Q)
+    np.testing.assert_array_equal(x[[1, 2, 4, 5]], 0.0)
+    assert (np.diag(P)[[1, 2, 4, 5]] > 0.0).all()
+
+
+def test_an_arm_that_moves_does_not_show_its_angles(vertical):
+    """Gravity is not asked, and any acceleration may be."""
+    _, x, P = started(vertical, at_rest(vertical, Q), steady=False)
+    np.testing.assert_array_equal(x[:6:3], 0.0)
+    assert (np.diag(P)[[2, 5]] > 100 * np.diag(started(vertical, at_rest(vertical, Q))[2])[[2, 5]]).all()
+
+
+def test_a_length_is_as_well_known_as_the_file_says(dd_arm):
+    of, x, P = started(dd_arm, at_rest(dd_arm, Q))
+    a, d = of.length_column[0, 0], of.length_column[1, 1]
+    assert np.sqrt(P[a, a]) == pytest.approx(0.25) and np.sqrt(P[d, d]) == pytest.approx(0.1)
+    measured = replace(dd_arm, joints=tuple(replace(j, length_std_m=1e-3) for j in dd_arm.joints))
+    assert np.sqrt(np.diag(started(measured, at_rest(dd_arm, Q))[2])[[a, d]]) == pytest.approx(1e-3)
+    np.testing.assert_array_equal(x[[a, d]], 0.0)
+
+
+def test_an_ac_coupled_sensor_stands_where_it_is_read(vertical):
+    """It settles at what it reads first; gravity's share of that is gone, so the angles stay as given."""
+    coupled = replace(vertical, sensors=tuple(replace(s, highpass_hz=0.2) for s in vertical.sensors))
+    first = 0.01 * np.arange(12.0)
+    of, x, P = started(coupled, first, Q, MountingPrior())
+    np.testing.assert_allclose(x[6:18] + at_rest(vertical, Q), first, rtol=0, atol=1e-12)
+    for s, settled in enumerate(of.settled_column):
+        np.testing.assert_allclose(x[settled : settled + 3], first[3 * s : 3 * s + 3])
+        assert np.sqrt(P[of.corner_column[s], of.corner_column[s]]) == pytest.approx(0.3 * 2 * np.pi * 0.2)
+    assert np.sqrt(np.diag(P)[6:18]).min() > 9.8
+
+
+def test_mountings_are_held_as_told(dd_arm):
+    of, x, P = started(dd_arm, at_rest(dd_arm, Q), Q, MountingPrior(0.03, 0.02, 0.01))
+    for first in of.mounting_column:
+        np.testing.assert_array_equal(x[first : first + MOUNTING], 0.0)
+        std = np.sqrt(np.diag(P)[first : first + MOUNTING])
+        np.testing.assert_allclose(std, np.repeat([0.03, 0.02, 0.01], 3))
+
+
+def test_covariance_is_one(vertical, spatial):
+    for arm, q in ((vertical, Q), (spatial, np.array([0.1, 0.2, 0.3]))):
+        still = np.zeros((1, arm.n_joint))
+        first = specific_force(arm, q[None], still, still).ravel()
+        P = started(arm, first)[2]
+        np.testing.assert_array_equal(P, P.T)
+        assert np.linalg.eigvalsh(P).min() > 0.0
