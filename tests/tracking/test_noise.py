@@ -37,7 +37,8 @@ def test_the_first_quarter_of_a_second_is_enough():
 def test_each_channel_has_its_own():
     quiet = readings(0.01, n_channel=3)
     quiet[:, 1] += 0.05 * np.random.default_rng(9).standard_normal(len(quiet))
-    np.testing.assert_allclose(np.sqrt(noise_of(quiet, RATE_HZ).variance), [0.01, np.hypot(0.01, 0.05), 0.01], rtol=0.1)
+    found = np.sqrt(noise_of(quiet, RATE_HZ).variance)
+    np.testing.assert_allclose(found, [0.01, np.hypot(0.01, 0.05), 0.01], rtol=0.1)
 
 
 def test_dithered_rounding_hides_nothing():

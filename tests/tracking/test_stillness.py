@@ -20,7 +20,8 @@ POSE = np.array([0.4, -0.3])
 def filled(arm, readings, sigma=SIGMA, rounding=0.0):
     """Return a window whose cells are given."""
     variance = np.full(3 * len(arm.sensors), sigma**2 / CELL)
-    window = window_of(round(WINDOW_S / CELL_S), observation_of(arm)[1], variance, np.full_like(variance, rounding))
+    size = observation_of(arm)[1]
+    window = window_of(round(WINDOW_S / CELL_S), size, variance, np.full_like(variance, rounding))
     window.cells[:] = readings
     return window
 
