@@ -342,17 +342,6 @@ def test_how_far_off_sensors_are_is_a_positive_number(said, a_second, tmp_path, 
         assert said(2, *common, text).endswith(f"argument {option}: '{text}' is not a number above 0")
 
 
-def test_a_sensor_that_rides_on_another_link_than_its_file_says(said, short_run, tmp_path):
-    *others, last = short_run.arm.sensors
-    wrong = replace(short_run.arm, sensors=(*others, replace(last, joint=1)))
-    save_arm(wrong, tmp_path / "wrong.toml")
-    write_motion(tmp_path / "raw.npz", {name: v[:8000] for name, v in short_run.raw_columns().items()})
-    out = tmp_path / "found.toml"
-    sentence = said(4, "sensors", tmp_path / "raw.npz", "--arm", tmp_path / "wrong.toml", "--out", out)
-    assert "passes the motion still changes" in sentence
-    assert "expected sensors on the links that its file says" in sentence
-    assert not out.exists()
-
 
 def test_a_trial_too_short(said, columns, short_run, tmp_path):
     path = tmp_path / "motion.csv"

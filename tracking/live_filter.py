@@ -115,6 +115,8 @@ class LiveFilter:
         if self._missing * self._dt > _PREDICTABLE_S:
             if (self._missing - 1) * self._dt <= _PREDICTABLE_S:
                 self.lose()
+            angles = np.arange(0, 3 * self._n, 3)
+            kf.P[angles, angles] += _LOST_STD[0] ** 2 * self._dt  # it may be going on, nobody knows where to
             return False
         if self._begun:
             self._predict(reading)

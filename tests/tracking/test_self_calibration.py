@@ -1,5 +1,7 @@
 """Sensors' offsets, scales, turns and places from ordinary motions, against what the bench made them."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
@@ -178,3 +180,11 @@ def test_calibrated_sensors_track_better(dd_arm, level, level_run):
         for arm in (dd_arm, level.arm)
     ]
     assert off[1] < off[0]
+
+
+def test_a_sensor_that_rides_on_another_link_than_its_file_says_contradicts_the_rest(dd_arm, level_run):
+    """Whatever was found then: so many instants fit no motion that nobody will miss it."""
+    *others, last = dd_arm.sensors
+    wrong = replace(dd_arm, sensors=(*others, replace(last, joint=1)))
+    assert calibrate_sensors(wrong, [level_run], np.zeros(2), PRIOR).doubted > 0.01
+    assert calibrate_sensors(dd_arm, [level_run], np.zeros(2), PRIOR).doubted < 0.001
