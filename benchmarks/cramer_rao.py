@@ -29,7 +29,7 @@ from tracking.noise import Noise
 from tracking.observation import Observation, observation_of, room_of
 from tracking.process import SMOOTHER_PUSH_STD
 from tracking.readings import Readings
-from tracking.smoother import course_of
+from tracking.smoother import course_of, mend
 from tracking.smoothing_pass import smooth_once
 from tracking.start import MountingPrior, start_state
 from tracking.stillness import WINDOW_S, rest_variance, unrest, window_frames, window_of
@@ -88,7 +88,8 @@ def least_std(
     )
     smoothed, known = np.empty_like(at), np.empty((len(at), 3 * n))
     smooth_once(of, room_of(n), course, at, x, P, smoothed, known, True)
-    std: Floats = np.sqrt(np.maximum(known[:, ::3], 0.0))
+    mend(known)
+    std: Floats = np.sqrt(known[:, ::3])
     return std
 
 

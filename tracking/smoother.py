@@ -165,7 +165,7 @@ class Smoother:
             x, P = x0.copy(), P0.copy()
             smooth_once(of, room, course, at, x, P, smoothed, variance, True)
             at = smoothed
-        _mend(variance)
+        mend(variance)
         doubted = float(np.mean(course.doubt > 1.0))
         return Smoothed(at, variance, x, P, P0, still, resting, doubted, passes, converged)
 
@@ -189,7 +189,7 @@ class Smoother:
         return states, still, resting
 
 
-def _mend(variance: Floats) -> None:
+def mend(variance: Floats) -> None:
     """Fill in variances that lost all their digits, as at the end of a gap, from the instants around them."""
     at = np.arange(len(variance))
     for column in variance.T:
