@@ -19,12 +19,12 @@ from arm.base_parameters import base_parameters
 from arm.bench import Bench, motions
 from arm.model import Arm, Control, Floats
 from arm.regressor import standard_parameters
-from fitter.dynamics import fit_dynamics
-from fitter.genetic import GeneticAlgorithm
-from fitter.torque_problem import torque_problem
-from fitter.torque_sums import TorqueSums, add_up
-from fitter.trial_sums import trial_sums
-from fitter.trials import Trial
+from fitter.data.trials import Trial
+from fitter.dynamics.fit import fit_dynamics
+from fitter.dynamics.torque_problem import torque_problem
+from fitter.dynamics.torque_sums import TorqueSums, add_up
+from fitter.dynamics.trial_sums import trial_sums
+from fitter.search.genetic import GeneticAlgorithm
 from limbcal.command import Document, Parser, common_options, console, run_command
 
 SAMPLES = 1_054_688

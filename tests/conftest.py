@@ -18,10 +18,10 @@ from arm.arm_file import format_arm, load_arm
 from arm.bench import COUNT_M_S2, Bench, Sensors, draw_sensor_errors, motions
 from arm.model import Arm
 from arm.simulation import Motion, simulate
-from fitter.calibration import Calibration
-from fitter.motion_file import write_motion
-from fitter.motions import Measured
-from fitter.stream import MotionAssembler
+from fitter.data.motion_file import write_motion
+from fitter.data.motions import Measured
+from fitter.live.calibration import Calibration
+from fitter.live.stream import MotionAssembler
 from protocol.message import FRAMES, HEALTH, TRIAL, encode
 from protocol.publisher import Publisher
 from protocol.recording import RecordingWriter

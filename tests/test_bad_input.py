@@ -20,7 +20,7 @@ import daemon.__main__
 import fitter.__main__
 from arm.arm_file import save_arm
 from arm.model import Control
-from fitter.motion_file import write_motion
+from fitter.data.motion_file import write_motion
 from protocol.message import FRAMES, encode
 from protocol.publisher import Publisher
 

@@ -20,12 +20,12 @@ from fitter.commands.options import (
     positive,
 )
 from fitter.commands.trial_sets import trial_sets
-from fitter.compared import Compared, load_compared
-from fitter.dynamics import GENERATIONS, DynamicsFit, document, fit_dynamics
-from fitter.evaluation import HORIZON_S, Score, score
-from fitter.parameter_table import parameter_table
-from fitter.sources import RECORDINGS, expand
-from fitter.trials import Role, Trial, load_trials
+from fitter.data.sources import RECORDINGS, expand
+from fitter.data.trials import Role, Trial, load_trials
+from fitter.dynamics.evaluation import HORIZON_S, Score, score
+from fitter.dynamics.fit import GENERATIONS, DynamicsFit, document, fit_dynamics
+from fitter.report.compared import Compared, load_compared
+from fitter.report.parameter_table import parameter_table
 from limbcal.command import Document, console, say
 
 

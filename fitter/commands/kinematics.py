@@ -20,12 +20,12 @@ from fitter.commands.options import (
     make_room,
 )
 from fitter.commands.trial_sets import trial_sets
-from fitter.compared import geometry_by_name
-from fitter.evaluation import TipScore, tip_score
-from fitter.kinematics import GENERATIONS, KinematicsFit, document, fit_kinematics
-from fitter.measured_tip import with_measured_tip
-from fitter.parameter_table import parameter_table
-from fitter.trials import Role, Trial, load_trials
+from fitter.data.measured_tip import with_measured_tip
+from fitter.data.trials import Role, Trial, load_trials
+from fitter.kinematics.evaluation import TipScore, tip_score
+from fitter.kinematics.fit import GENERATIONS, KinematicsFit, document, fit_kinematics
+from fitter.report.compared import geometry_by_name
+from fitter.report.parameter_table import parameter_table
 from limbcal.command import Document, console, say
 
 

@@ -8,10 +8,10 @@ from rich.progress import Progress, SpinnerColumn, TextColumn, TimeElapsedColumn
 
 from arm.arm_file import load_arm, save_arm
 from fitter.commands.options import add_arm, add_columns, add_out, joint_values, make_room, positive
-from fitter.parameter_table import parameter_table
-from fitter.raw import load_raw
-from fitter.sensors import SensorsFit, fit_sensors
-from fitter.verdict import DOUBTED
+from fitter.data.raw import load_raw
+from fitter.report.parameter_table import parameter_table
+from fitter.sensing.sensors import SensorsFit, fit_sensors
+from fitter.sensing.verdict import DOUBTED
 from limbcal.command import Document, console, say
 from tracking.start import MountingPrior
 

@@ -10,11 +10,11 @@ from arm.arm_file import load_arm
 from arm.kinematics import tip_position
 from arm.model import Arm, Floats
 from arm.simulation import Motion, simulate
-from fitter.columns import parse_mapping
 from fitter.commands.options import MOTION_SUFFIXES, add_arm, add_columns, add_out, joint_values, make_room
-from fitter.motion_file import write_motion
-from fitter.motions import Measured, read_motions
-from fitter.resample import resample
+from fitter.data.columns import parse_mapping
+from fitter.data.motion_file import write_motion
+from fitter.data.motions import Measured, read_motions
+from fitter.data.resample import resample
 from limbcal.command import Document, say
 from limbcal.errors import ConfigError, DataError
 

@@ -9,13 +9,13 @@ import zmq
 from rich.live import Live
 
 from arm.arm_file import load_arm, preset_names
-from fitter.calibration import Calibration
 from fitter.commands.options import at_least, positive
-from fitter.compared import load_compared
-from fitter.live_table import live_table
-from fitter.progress_message import dynamics_fields, kinematics_fields
-from fitter.results import write_results
-from fitter.stream import MotionAssembler
+from fitter.live.calibration import Calibration
+from fitter.live.live_table import live_table
+from fitter.live.progress_message import dynamics_fields, kinematics_fields
+from fitter.live.stream import MotionAssembler
+from fitter.report.compared import load_compared
+from fitter.report.results import write_results
 from limbcal.command import Document, console, say
 from limbcal.errors import ConfigError, DataError, DeviceError, LimbcalError, NotIdentifiable
 from protocol.message import DYNAMICS, FRAMES, HEALTH, KINEMATICS, TRIAL

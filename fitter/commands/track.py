@@ -20,10 +20,10 @@ from fitter.commands.options import (
     per_joint,
     positive,
 )
-from fitter.motion_file import write_motion
-from fitter.raw import RawRun, load_raw
-from fitter.track import Tracked, track_run
-from fitter.verdict import overall
+from fitter.data.motion_file import write_motion
+from fitter.data.raw import RawRun, load_raw
+from fitter.sensing.track import Tracked, track_run
+from fitter.sensing.verdict import overall
 from limbcal.command import Document, console, say
 from limbcal.errors import ConfigError
 

@@ -4,8 +4,8 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 from pathlib import Path
 
-from fitter.sources import expand
-from fitter.trials import Role, Trial
+from fitter.data.sources import expand
+from fitter.data.trials import Role, Trial
 from limbcal.errors import ConfigError
 
 #: Reads trials of one role, or all, with the corners of two filters where these are chosen already.

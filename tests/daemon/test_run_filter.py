@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 import zmq
 
-from fitter.recordings import read_frames
+from fitter.data.recordings import read_frames
 from playback.recording_source import recording_source
 from protocol.message import FRAMES, HEALTH, PLOT, RAW, TRIAL
 from protocol.recording_reader import read_recording

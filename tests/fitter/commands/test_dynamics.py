@@ -7,7 +7,7 @@ import pytest
 
 from arm.arm_file import load_arm, save_arm
 from arm.model import Control, Link
-from fitter.motion_file import write_motion
+from fitter.data.motion_file import write_motion
 
 NAMES = ["I1+m2*L1^2", "m2*sx2", "m2*sy2", "I2", "D1", "D2", "fc1", "fc2", "F1", "F2"]
 TRUE = [1.986076, 1.718632, 0.181763, 0.471209, -0.002409, 0.000311, 0.010918, -0.002271]

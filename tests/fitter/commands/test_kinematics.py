@@ -7,7 +7,7 @@ import pytest
 
 from arm.arm_file import load_arm, save_arm
 from arm.kinematics import tip_position
-from fitter.motion_file import write_motion
+from fitter.data.motion_file import write_motion
 
 NAMES = [f"{name}{j}" for j in (1, 2) for name in ("alpha", "a", "d", "beta", "theta_offset")]
 KEYS = {"parameters", "method", "generations", "samples", "seconds", "tip_error_mm", "angle_noise_deg"}

@@ -15,7 +15,7 @@ from fitter.commands.options import (
     pairs,
     positive,
 )
-from fitter.genetic import GeneticAlgorithm
+from fitter.search.genetic import GeneticAlgorithm
 from limbcal.errors import ConfigError
 
 ARM = load_arm("dd-arm")

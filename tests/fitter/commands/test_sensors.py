@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from arm.arm_file import load_arm
-from fitter.motion_file import write_motion
+from fitter.data.motion_file import write_motion
 
 
 @pytest.fixture(scope="module")

@@ -7,8 +7,8 @@ import pytest
 
 from arm.arm_file import save_arm
 from arm.model import Control
-from fitter.motion_file import write_motion
-from fitter.trials import load_trials
+from fitter.data.motion_file import write_motion
+from fitter.data.trials import load_trials
 
 
 @pytest.fixture(scope="module")

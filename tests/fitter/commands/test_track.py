@@ -8,8 +8,8 @@ import pytest
 
 from arm.arm_file import save_arm
 from fitter.__main__ import main
-from fitter.motion_file import write_motion
-from fitter.trials import load_trials
+from fitter.data.motion_file import write_motion
+from fitter.data.trials import load_trials
 from protocol.message import RAW, encode
 from protocol.recording import RecordingWriter
 

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from fitter.commands.trial_sets import trial_sets
-from fitter.motion_file import write_motion
-from fitter.trials import load_trials
+from fitter.data.motion_file import write_motion
+from fitter.data.trials import load_trials
 from limbcal.errors import ConfigError
 
 

@@ -2,8 +2,8 @@
 
 from arm.arm_file import load_arm
 from arm.base_parameters import base_parameters
+from fitter.kinematics.tip_basis import geometry_names
 from fitter.report import published
-from fitter.tip_basis import geometry_names
 
 
 def test_every_figure_is_of_a_parameter_of_its_arm():

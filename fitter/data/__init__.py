@@ -1,0 +1,1 @@
+"""Motions as they come: files, columns, rates and gaps."""

@@ -1,0 +1,159 @@
+"""Motions as they were measured: columns by role, on whatever time stamps they came with."""
+
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fitter.data.columns import TIP_ROLES, ColumnMap
+from fitter.data.roles import find_roles, listed
+from fitter.data.sources import open_source
+from limbcal.errors import DataError
+
+Floats = NDArray[np.float64]
+Labels = NDArray[np.str_]
+
+TIP = {"tip": TIP_ROLES}
+
+
+@dataclass(frozen=True)
+class Measured:
+    """One motion as a file holds it.
+
+    Attributes
+    ----------
+    name : str
+        What to call it: the file's stem, and the trial or cell where there are several in it.
+    where : str
+        The file, for errors.
+    first_row : int
+        How many data rows of the file come before it.
+    t : ndarray of shape (n,)
+        Time stamps [s], as in the file.
+    columns : mapping of str to ndarray of shape (n, …)
+        By role: q, dq, ddq, tau, ref with one column a joint, tip with three.
+    role : str, optional
+        "learn" or "evaluate", where a recording says so.
+    notes : tuple of str
+        What was done to it so far.
+    labels : ndarray of str, shape (n,), or None
+        The ``trial`` column.
+    """
+
+    name: str
+    where: str
+    first_row: int
+    t: Floats
+    columns: Mapping[str, Floats]
+    role: str | None = None
+    notes: tuple[str, ...] = ()
+    labels: Labels | None = None
+
+    def rows(self, begin: int, end: int, name: str, *notes: str) -> "Measured":
+        """Return a stretch of it as a motion of its own."""
+        return Measured(
+            name,
+            self.where,
+            self.first_row + begin,
+            self.t[begin:end],
+            {role: values[begin:end] for role, values in self.columns.items()},
+            self.role,
+            (*self.notes, *notes),
+            None if self.labels is None else self.labels[begin:end],
+        )
+
+
+def read_motions(
+    path: Path, n_joint: int, mapping: ColumnMap, rate_hz: float | None, required: Collection[str]
+) -> list[Measured]:
+    """Read every motion of a CSV, Parquet, NPZ, ``.mat`` or ``.json`` file.
+
+    Parameters
+    ----------
+    path : Path
+        The file.
+    n_joint : int
+        Number of joints of the arm.
+    mapping : ColumnMap
+        Which column plays which role.
+    rate_hz : float or None
+        Rate of the samples where the file has no time.
+    required : collection of str
+        Roles that must be there; others are taken where they are.
+
+    Raises
+    ------
+    DataError
+        If a column is missing or does not fit, or time does not rise within a motion.
+    """
+    whole = read_file(path, n_joint, mapping, rate_hz, required, TIP)
+    motions = [trial for motion in whole for trial in _by_label(motion)]
+    for motion in motions:
+        require_rising(motion)
+    return motions
+
+
+def read_file(
+    path: Path,
+    n_joint: int,
+    mapping: ColumnMap,
+    rate_hz: float | None,
+    required: Collection[str],
+    vectors: Mapping[str, Sequence[str]],
+) -> list[Measured]:
+    """Read a file without parting it by trials: one motion, or one a cell of a ``.mat``.
+
+    Parameters are those of `read_motions`, and ``vectors`` as in `fitter.data.roles.find_roles`.
+    """
+    source = open_source(path)
+    roles = find_roles(source, n_joint, mapping, required, vectors)
+    if "t" not in roles and rate_hz is None:
+        raise DataError(
+            f"{path}: no column 't' among {listed(source)}, expected time stamps, or else the rate of the samples"
+        )
+    label = roles.pop("trial", [None])[0]
+    tables = source.read(roles, label)
+    motions: list[Measured] = []
+    for cell, table in enumerate(tables):
+        columns = dict(table.groups)
+        n = len(next(iter(columns.values())))
+        stamps = columns.pop("t")[:, 0] if "t" in columns else np.arange(n) / (rate_hz or 1.0)
+        name = path.stem if len(tables) == 1 else f"{path.stem}({cell + 1})"
+        if n == 0:
+            raise DataError(f"{path}: there is a header but no row, expected samples")
+        motions.append(Measured(name, str(path), 0, stamps, columns, labels=table.labels))
+    return motions
+
+
+def require_rising(motion: Measured) -> None:
+    """Raise a DataError where time stands still or runs backwards."""
+    steps = np.diff(motion.t)
+    if not (steps > 0.0).all():
+        k = int(np.argmin(steps > 0.0))
+        said = "stands still at" if steps[k] == 0.0 else f"runs backwards from {motion.t[k]:.9g} s to"
+        raise DataError(
+            f"{motion.where}: in row {motion.first_row + k + 2} time {said} {motion.t[k + 1]:.9g} s, "
+            "expected it to rise until a column 'trial' says that another trial begins"
+        )
+
+
+def _by_label(whole: Measured) -> list[Measured]:
+    """Part a file by its ``trial`` column; each trial must stand in one piece."""
+    labels = whole.labels
+    if labels is None:
+        return [whole]
+    bounds = [0, *(np.flatnonzero(labels[1:] != labels[:-1]) + 1).tolist(), len(labels)]
+    seen: set[str] = set()
+    trials: list[Measured] = []
+    for begin, end in zip(bounds[:-1], bounds[1:], strict=True):
+        label = str(labels[begin])
+        if label in seen:
+            raise DataError(
+                f"{whole.where}: trial {label!r} goes on in row {whole.first_row + begin + 1} after another one, "
+                "expected each trial in one piece"
+            )
+        seen.add(label)
+        trials.append(whole.rows(begin, end, f"{whole.name}/{label}"))
+    return trials

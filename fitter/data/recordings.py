@@ -1,0 +1,159 @@
+"""What the daemon recorded: frames parted into motions by `limb/trial`, and raw accelerations."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fitter.data.drift import dead_reckoned, without_drift
+from fitter.data.motions import Measured
+from limbcal.errors import DataError
+from protocol.message import FRAMES, RAW, TRIAL
+from protocol.recording_reader import read_recording
+
+Floats = NDArray[np.float64]
+Fields = Mapping[str, object]
+
+#: The tip of a frame was computed from the arm file's lengths; what measures it are the points.
+FRAME_COLUMNS = ("q", "dq", "ddq", "points")
+_CLAIM = "q_std"
+_NS = 1e-9
+
+
+@dataclass(frozen=True)
+class Window:
+    """A motion that the tracker recognised: from rest to rest, in seconds of the recording's clock."""
+
+    name: str
+    role: str | None
+    begin_s: float
+    end_s: float
+
+
+def read_frames(path: Path, n_joint: int) -> list[Measured]:
+    """Read the joint motion of a recording, one motion for every trial announced in it.
+
+    Parameters
+    ----------
+    path : Path
+        An ``.mcap`` file of the daemon.
+    n_joint : int
+        Number of joints of the arm.
+
+    Returns
+    -------
+    list of Measured
+        With q, dq, ddq and points, and q_std where the tracker claimed one; the whole recording as one if it
+        announces no trial.
+
+    Raises
+    ------
+    DataError
+        If there are no frames in it or they are of another arm.
+    """
+    blocks: list[Fields] = []
+    events: list[Fields] = []
+    messages = read_recording(path, (FRAMES, TRIAL))
+    for topic, fields, _ in messages:
+        (blocks if topic == FRAMES else events).append(fields)
+    if not blocks:
+        raise DataError(f"{path}: no {FRAMES} in this recording")
+    start_ns = _whole(blocks[0], "t0_ns", path)
+    t = np.concatenate([_stamps(block, start_ns, path) for block in blocks])
+    names = (*FRAME_COLUMNS, *([_CLAIM] if all(block.get(_CLAIM) is not None for block in blocks) else []))
+    columns = {name: np.concatenate([_array(block, name, path) for block in blocks]) for name in names}
+    if columns["q"].shape != (len(t), n_joint):
+        found = columns["q"].shape[1:]
+        raise DataError(f"{path}: frames of {found} joint angles, expected {n_joint} as the arm has")
+    lost = sum(bool(block.get("gap")) for block in blocks)
+    notes = (*messages.warnings, *([f"{lost} block(s) of frames after lost samples"] if lost else []))
+    windows = _windows(path.stem, events, start_ns, float(t[-1]), path)
+    if windows:
+        spans = [(window.begin_s, window.end_s) for window in windows]
+        drifting = dead_reckoned(blocks[0].get("method"))
+        columns = without_drift(t, columns, spans, drifting)
+        said = ", ".join(name for family in drifting for name in family)
+        notes = (*notes, f"drift taken out by the rest at the end of each motion ({said})")
+    whole = Measured(path.stem, str(path), 0, t, columns, notes=notes)
+    if not windows:
+        return [whole]
+    motions: list[Measured] = []
+    for window in windows:
+        begin, end = np.searchsorted(t, [window.begin_s, window.end_s + 0.5 * _NS])
+        motions.append(replace(whole.rows(int(begin), int(end), window.name), role=window.role))
+    return [motion for motion in motions if len(motion.t)]
+
+
+def read_raw_blocks(path: Path, n_channel: int) -> tuple[Floats, Floats]:
+    """Read the raw accelerations of a recording.
+
+    Parameters
+    ----------
+    path : Path
+        An ``.mcap`` file of the daemon.
+    n_channel : int
+        Channels that the arm's sensors have together.
+
+    Returns
+    -------
+    t : ndarray of shape (n,)
+        Time stamps [s] of the device's clock, from the first sample on; lost samples are missing in it.
+    a : ndarray of shape (n, n_channel)
+        Accelerations [m/s²].
+
+    Raises
+    ------
+    DataError
+        If there are none in it or they have other channels.
+    """
+    blocks = [fields for _, fields, _ in read_recording(path, (RAW,))]
+    if not blocks:
+        raise DataError(f"{path}: no {RAW} in this recording")
+    start_ns = _whole(blocks[0], "t0_ns", path)
+    t = np.concatenate([_stamps(block, start_ns, path) for block in blocks])
+    accelerations = np.concatenate([_array(block, "a", path) for block in blocks])
+    if accelerations.shape != (len(t), n_channel):
+        raise DataError(f"{path}: raw samples of {accelerations.shape[1:]} channels, expected {n_channel}")
+    return t, accelerations
+
+
+def _windows(stem: str, events: Sequence[Fields], start_ns: int, end_s: float, path: Path) -> list[Window]:
+    """Pair the beginnings and ends; a motion that the recording breaks off in goes to its end."""
+    windows: list[Window] = []
+    begun: tuple[str, str | None, float] | None = None
+    for event in events:
+        at_s = (_whole(event, "t_ns", path) - start_ns) * _NS
+        if begun is not None:
+            windows.append(Window(*begun, at_s))
+            begun = None
+        if event.get("state") == "begin":
+            role = event.get("role")
+            begun = (f"{stem}/{event.get('trial')}", str(role) if role is not None else None, at_s)
+    if begun is not None:
+        windows.append(Window(*begun, end_s))
+    return windows
+
+
+def _stamps(block: Fields, start_ns: int, path: Path) -> Floats:
+    step = block.get("dt_s")
+    if not isinstance(step, float | int):
+        raise DataError(f"{path}: dt_s of a block is {step!r}, expected a number")
+    return (_whole(block, "t0_ns", path) - start_ns) * _NS + step * np.arange(
+        _whole(block, "n", path), dtype=np.float64
+    )
+
+
+def _whole(fields: Fields, name: str, path: Path) -> int:
+    value = fields.get(name)
+    if not isinstance(value, int):
+        raise DataError(f"{path}: {name} of a block is {value!r}, expected a whole number")
+    return value
+
+
+def _array(block: Fields, name: str, path: Path) -> Floats:
+    value = block.get(name)
+    if not isinstance(value, np.ndarray) or value.shape[:1] != (_whole(block, "n", path),):
+        raise DataError(f"{path}: {name} of a block is {type(value).__name__}, expected one row a sample")
+    return value.astype(np.float64)

@@ -1,0 +1,184 @@
+"""From the time stamps that a file came with to a uniform grid."""
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.interpolate import CubicSpline, PchipInterpolator, make_interp_spline
+
+from fitter.data.derivatives import lowpass
+from fitter.data.motions import Measured
+from limbcal.errors import ConfigError, DataError
+
+Floats = NDArray[np.float64]
+Curve = Callable[[Floats], Floats]
+
+#: A stamp may lie this share of a step off the grid before the grid is doubted.
+TOLERANCE = 0.005
+#: Stamps may have been rounded to this many decimals at most, and then lie off the grid by that.
+MOST_DECIMALS = 7
+#: More steps than this without a sample cannot be bridged: the motion is parted there.
+HOLE_STEPS = 10
+#: A cubic spline through samples closer than this share of the usual step swings out.
+CROWDED = 0.2
+#: Fewer samples than this say nothing about a motion.
+MINIMUM_SAMPLES = 16
+#: A lower rate is reached after everything above this share of it has been taken out.
+ANTI_ALIAS = 0.4
+
+
+@dataclass(frozen=True)
+class Uniform:
+    """A motion on a uniform grid.
+
+    Attributes
+    ----------
+    measured : Measured
+        Columns on the grid; ``t`` starts at 0.
+    dt_s : float
+        Step of the grid [s].
+    """
+
+    measured: Measured
+    dt_s: float
+
+
+def split_at_holes(motion: Measured) -> list[Measured]:
+    """Part a motion where more than `HOLE_STEPS` steps are missing; what was not measured is not made up.
+
+    Pieces with fewer than `MINIMUM_SAMPLES` samples are left out, unless there is no other; the notes say so.
+    """
+    steps = np.diff(motion.t)
+    if not len(steps):
+        return [motion]
+    holes = np.flatnonzero(steps > HOLE_STEPS * np.median(steps))
+    if not holes.size:
+        return [motion]
+    bounds = [0, *(holes + 1).tolist(), len(motion.t)]
+    spans = [span for span in zip(bounds[:-1], bounds[1:], strict=True) if span[1] - span[0] >= MINIMUM_SAMPLES]
+    if not spans:
+        return [motion]
+    note = f"parted at {holes.size} hole(s) of up to {steps[holes].max():.4g} s, {len(spans)} piece(s) kept"
+    return [motion.rows(begin, end, f"{motion.name}#{k + 1}", note) for k, (begin, end) in enumerate(spans)]
+
+
+def time_step(t: Floats) -> tuple[float, bool]:
+    """Return the step of some rising time stamps, and whether they already are a uniform grid.
+
+    Parameters
+    ----------
+    t : ndarray of shape (n,)
+        Time stamps [s].
+
+    Returns
+    -------
+    dt_s : float
+        The mean step of a uniform grid, the median step of anything else, rounded to the fewest digits that
+        make no difference (0.1 % of a median).
+    uniform : bool
+        True if no stamp is off the grid by more than `TOLERANCE` of a step, or than its decimals can say.
+    """
+    mean = float(t[-1] - t[0]) / (len(t) - 1)
+    off = np.abs(t - t[0] - mean * np.arange(len(t))).max()
+    if off <= max(TOLERANCE * mean, _resolution(t, mean)):
+        return _rounded(mean, within=TOLERANCE / len(t)), True  # less than a fiftieth of a step in all
+    return _rounded(float(np.median(np.diff(t))), within=1e-3), False
+
+
+def resample(motion: Measured, rate_hz: float | None = None) -> Uniform:
+    """Put a motion on a uniform grid.
+
+    Angles, velocities and positions are drawn through by a cubic spline (a shape-preserving one where samples
+    crowd), torques by a shape-preserving cubic that never overshoots, references, which may jump, by straight
+    lines. Before the rate is lowered everything that it could not carry is taken out without a phase shift.
+
+    Parameters
+    ----------
+    motion : Measured
+        A motion without holes.
+    rate_hz : float, optional
+        Rate of the grid. Default: the stamps' own, see `time_step`.
+
+    Returns
+    -------
+    Uniform
+        Its notes say what was done.
+
+    Raises
+    ------
+    DataError
+        If there are fewer than `MINIMUM_SAMPLES` samples.
+    ConfigError
+        If the rate is not positive.
+    """
+    if len(motion.t) < MINIMUM_SAMPLES:
+        raise DataError(
+            f"{motion.where}: trial {motion.name!r} has {len(motion.t)} samples, "
+            f"expected at least {MINIMUM_SAMPLES}"
+        )
+    if rate_hz is not None and not rate_hz > 0.0:
+        raise ConfigError(f"rate_hz is {rate_hz}, expected a number above 0")
+    own_step, uniform = time_step(motion.t)
+    t = motion.t - motion.t[0]
+    dt_s = own_step if rate_hz is None else 1.0 / rate_hz
+    if uniform and abs(dt_s - own_step) <= 1e-6 * own_step:
+        return Uniform(replace(motion, t=_stamps(len(t), own_step)), own_step)
+
+    steps = np.diff(t)
+    crowded = bool(steps.min() < CROWDED * np.median(steps))
+    columns = dict(motion.columns)
+    if dt_s > 1.5 * own_step:
+        grid = _grid(t[-1], own_step)
+        corner_hz = ANTI_ALIAS / dt_s
+        columns = {
+            role: lowpass(_curve(role, t, values, crowded)(grid), own_step, corner_hz)
+            for role, values in columns.items()
+        }
+        t = grid
+    grid = _grid(t[-1], dt_s)
+    columns = {role: _curve(role, t, values, crowded)(grid) for role, values in columns.items()}
+    was = "steps of" if uniform else "irregular steps of"
+    note = f"{was} {1e3 * steps.min():.4g} to {1e3 * steps.max():.4g} ms resampled to {1e3 * dt_s:.6g} ms"
+    if len(grid) < MINIMUM_SAMPLES:
+        raise DataError(
+            f"{motion.where}: trial {motion.name!r} has {len(grid)} samples at {1.0 / dt_s:.6g} Hz, "
+            f"expected at least {MINIMUM_SAMPLES}"
+        )
+    return Uniform(replace(motion, t=grid, columns=columns, notes=(*motion.notes, note)), dt_s)
+
+
+def _grid(end_s: float, dt_s: float) -> Floats:
+    return _stamps(int(np.floor(end_s / dt_s + 1e-6)) + 1, dt_s)
+
+
+def _stamps(n: int, dt_s: float) -> Floats:
+    return dt_s * np.arange(n, dtype=np.float64)
+
+
+def _curve(role: str, t: Floats, values: Floats, crowded: bool) -> Curve:
+    """Return the curve through a column that suits what it is."""
+    if role == "ref":
+        line = make_interp_spline(t, values, k=1, axis=0)
+        return lambda at: np.asarray(line(np.minimum(at, t[-1])))
+    if role == "tau" or crowded:
+        return PchipInterpolator(t, values, axis=0)
+    return CubicSpline(t, values, axis=0)
+
+
+def _resolution(t: Floats, step: float) -> float:
+    """Return how far rounding to some decimals can take stamps off their grid; 0 if they were not rounded."""
+    for decimals in range(MOST_DECIMALS + 1):
+        unit = 10.0**-decimals
+        if unit <= 0.5 * step and np.abs(t - np.round(t, decimals)).max() <= 1e-6 * unit:
+            return unit  # half of it for each stamp, and half for the first and last that span the grid
+    return 0.0
+
+
+def _rounded(step: float, within: float) -> float:
+    """Return the shortest decimal number within some relative distance of a step."""
+    for digits in range(16):
+        rounded = float(f"{step:.{digits}e}")
+        if abs(rounded - step) <= within * step:
+            return rounded
+    return step

@@ -1,0 +1,1 @@
+"""An arm's dynamics from motion and torque: eq. (4), (8), (9)."""

@@ -1,0 +1,112 @@
+"""How well a calibrated arm moves and pulls like the real one (section 8.2)."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from arm.model import Arm, Floats
+from arm.newton_euler import inverse_dynamics
+from arm.simulation import simulate
+from fitter.data.trials import Trial
+from fitter.dynamics.learned_torque import learned_torque, target_of
+from limbcal.errors import DataError
+
+#: With measured torque nothing pulls a simulation back to the data, so it is restarted this often.
+HORIZON_S = 0.5
+
+
+@dataclass(frozen=True)
+class Score:
+    """Errors of a calibrated arm over some trials.
+
+    Attributes
+    ----------
+    torque_rms_N_m : tuple of float
+        Of every joint: measured (or the law's) torque against that of eq. (4) for the same motion. N for a
+        joint that slides.
+    angle_mean_deg, angle_max_deg : float
+        Simulated against measured angles of all joints that turn.
+    """
+
+    torque_rms_N_m: tuple[float, ...]
+    angle_mean_deg: float
+    angle_max_deg: float
+
+
+def score(arm: Arm, trials: Sequence[Trial], horizon_s: float = HORIZON_S) -> Score:
+    """Compare a calibrated arm with what was measured.
+
+    Parameters
+    ----------
+    arm : Arm
+    trials : sequence of Trial
+    horizon_s : float
+        With ``law = "measured"``, how long a simulation runs before it is restarted from the data.
+
+    Raises
+    ------
+    DataError
+        If there are no trials, or one lacks what drives it.
+    """
+    if not trials:
+        raise DataError("no trial to compare the arm with; expected at least one")
+    turning = np.array([joint.type == "revolute" for joint in arm.joints])
+    errors = np.concatenate([np.abs(motion_error(arm, trial, horizon_s)) for trial in trials])[:, turning]
+    mean, worst = (float(np.rad2deg(f(errors))) if errors.size else np.nan for f in (np.mean, np.max))
+    return Score(tuple(torque_rms(arm, trials).tolist()), mean, worst)
+
+
+def torque_rms(arm: Arm, trials: Sequence[Trial]) -> Floats:
+    """Return the rms of the torque that eq. (4) leaves unexplained, (n_joint,) [N m or N].
+
+    A measured torque is taken as it was measured, unfiltered: its noise counts, as it does in anybody's figures.
+    The torque of a law was never measured; both sides then pass the filter of their trial, as they did for the
+    fit. A joint that stands still is left out: any friction up to its static limit may hold it.
+    """
+    square, count = np.zeros((2, arm.n_joint))
+    for trial in trials:
+        law = arm.control.law != "measured"
+        tau = learned_torque(arm, replace(trial, ref=target_of(arm, trial)) if law else trial)
+        explained = inverse_dynamics(arm, trial.q, trial.dq, trial.ddq)
+        if not law and trial.tau_measured is not None:
+            residual = trial.tau_measured - explained
+        else:
+            residual = trial.lowpass(tau - explained)
+        trim = (len(trial.dq) - len(residual)) // 2
+        moving = trial.dq[trim : len(trial.dq) - trim] != 0.0
+        square += np.sum(residual**2 * moving, axis=0)
+        count += np.count_nonzero(moving, axis=0)
+    return np.sqrt(square / np.maximum(count, 1.0))
+
+
+def motion_error(arm: Arm, trial: Trial, horizon_s: float = HORIZON_S) -> Floats:
+    """Return simulated minus measured joint angles.
+
+    Under a control law the simulation starts from the trial's first state and runs to its end. With measured
+    torque it runs for ``horizon_s`` at a time, so every sample but the first is compared once.
+
+    Returns
+    -------
+    (n_sample, n_joint) [rad or m]
+        Infinite where the simulation ran away.
+    """
+    n = len(trial.q)
+    if arm.control.law == "measured":
+        torque = learned_torque(arm, trial)
+        simulated = trial.q.copy()
+        stride = max(1, round(horizon_s / trial.dt_s))
+        for start in range(0, n - 1, stride):
+            window = slice(start, min(start + stride + 1, n))
+            motion = simulate(
+                arm,
+                trial.q[window],
+                trial.dt_s,
+                trial.q[start],
+                trial.dq[start],
+                torque=torque[window],
+            )
+            simulated[start + 1 : window.stop] = motion.q[1:]
+    else:
+        simulated = simulate(arm, target_of(arm, trial), trial.dt_s, trial.q[0], trial.dq[0]).q
+    return np.where(np.isfinite(simulated), simulated, np.inf) - trial.q

@@ -1,0 +1,89 @@
+"""Which torque a trial is explained with: the measured one, or what a control law asks for (section 6.2)."""
+
+import numpy as np
+
+from arm.control import control_torque, gains
+from arm.model import Arm, Floats
+from arm.newton_euler import inverse_dynamics
+from fitter.data.trials import Trial
+from limbcal.errors import DataError
+
+#: A motion has begun where a joint is this fast, as a share of its top speed in the trial.
+_BEGUN = 0.05
+
+
+def has_unknown_target(arm: Arm, trial: Trial) -> bool:
+    """Say whether the law of the arm needs a target that the trial does not tell."""
+    return arm.control.law != "measured" and trial.ref is None
+
+
+def learned_torque(arm: Arm, trial: Trial) -> Floats:
+    """Return the torque of a trial: measured, or by eq. (5), (6), (7).
+
+    Where the target is not known it is taken to be zero: for a point-to-point motion the torque that is
+    missing is then one constant a joint, ``kp`` times the target.
+
+    Returns
+    -------
+    (n_sample, n_joint) [N m or N]
+
+    Raises
+    ------
+    DataError
+        If the law is "measured" and the trial has no torque.
+    ConfigError
+        If the law lacks gains.
+    """
+    if arm.control.law == "measured":
+        if trial.tau is None:
+            raise DataError(
+                f"trial {trial.name}: has no torque, but control.law of arm {arm.name} is 'measured'; "
+                "expected columns tau1…, or a control law"
+            )
+        return trial.tau
+    if trial.ref is None:
+        target = np.zeros_like(trial.q)
+    else:
+        target = trial.ref if trial.ref_filtered is None else trial.ref_filtered
+    return control_torque(arm.control, trial.q, trial.dq, trial.ddq, target)
+
+
+def motion_begins(trial: Trial) -> int:
+    """Return the sample at which a trial leaves its first rest; before it, the target was where it stood."""
+    speed = np.abs(trial.dq)
+    fast = speed > _BEGUN * np.max(speed, axis=0, initial=0.0)
+    samples = np.flatnonzero(fast.any(axis=1))
+    if not len(samples):
+        return 0
+    first = int(samples[0])
+    joint = int(np.argmax(fast[first]))
+    if trial.ddq[first, joint] == 0.0:
+        return first
+    since = trial.dq[first, joint] / trial.ddq[first, joint] / trial.dt_s  # as if from rest, evenly
+    return int(np.clip(np.ceil(first - since), 0, first)) if since > 0.0 else first
+
+
+def target_of(arm: Arm, trial: Trial) -> Floats:
+    """Return the controller's target: the trial's own, or the one that explains its motion best.
+
+    Parameters
+    ----------
+    arm : Arm
+        A calibrated one, with a control law.
+    trial : Trial
+        Where it has no ``ref`` it is a point-to-point motion: one target from the start of the motion on.
+
+    Returns
+    -------
+    (n_sample, n_joint) [rad or m]
+    """
+    if trial.ref is not None:
+        return trial.ref
+    start = motion_begins(trial)
+    kp = gains(arm.control, arm.n_joint)[0]
+    missing = inverse_dynamics(arm, trial.q, trial.dq, trial.ddq) - learned_torque(arm, trial)
+    target = np.tile(trial.q[:start].mean(axis=0) if start else trial.q[0], (len(trial.q), 1))
+    moving = trial.dq[start:] != 0.0
+    mean = np.sum(missing[start:] * moving, axis=0) / np.maximum(np.count_nonzero(moving, axis=0), 1)
+    target[start:] = np.where(kp != 0.0, mean / np.where(kp != 0.0, kp, 1.0), target[start:])
+    return target

@@ -1,0 +1,237 @@
+"""The search for an arm's geometry while its motion is still coming in."""
+
+from collections.abc import Collection, Mapping
+
+import numpy as np
+from numpy.typing import NDArray
+
+from arm.model import Arm, Floats
+from fitter.kinematics.revealed import revealed, sought_by_default
+from fitter.kinematics.tip_basis import GEOMETRY, coefficients, geometry_names, geometry_of, jacobian, turning
+from fitter.kinematics.tip_sums import TipSums, add_up, no_sums, tip_sums
+from fitter.search.genetic import INDIVIDUALS_PER_GENE, POPULATION, GeneticAlgorithm
+from fitter.search.standard_errors import sandwich_covariance
+from limbcal.errors import ConfigError
+
+#: Where nothing is known: lengths up to a metre, angles to 30 degrees and offsets to half a metre around the
+#: arm file's.
+LONGEST_LINK_M = 1.0
+_AROUND = {"alpha": np.pi / 6, "d": 0.5, "beta": np.pi / 6, "theta_offset": np.pi / 6}
+#: What can be told is looked at again every so many generations.
+_LOOK_AGAIN = 25
+#: Stretches of one trial are joined to blocks of at least so many samples: 50 ms of frames.
+_BLOCK_SAMPLES = 50
+
+
+class IncrementalKinematics:
+    """A population of geometries and the sums of all frames so far.
+
+    Parameters
+    ----------
+    arm : Arm
+        Its geometry is the prior, and the middle of the bounds of angles and offsets.
+    seed : int or numpy.random.Generator
+    population : int, optional
+        Default 100, or 8 individuals a parameter where that is more.
+    bounds : mapping from name to (lower, upper), optional
+        Default: a in 0..1 m, angles within 30 degrees and d within 0.5 m of the arm's.
+    fixed : mapping from name to value, optional
+        Parameters that are known and not searched.
+    free : collection of str, optional
+        Parameters to search although `fitter.kinematics.revealed.sought_by_default` leaves them out.
+
+    Raises
+    ------
+    ConfigError
+        If a name is not that of a parameter, or bounds are the wrong way round.
+    """
+
+    def __init__(
+        self,
+        arm: Arm,
+        seed: int | np.random.Generator,
+        *,
+        population: int | None = None,
+        bounds: Mapping[str, tuple[float, float]] | None = None,
+        fixed: Mapping[str, float] | None = None,
+        free: Collection[str] = (),
+    ) -> None:
+        names = geometry_names(arm.n_joint)
+        unknown = sorted({*(bounds or {}), *(fixed or {}), *free} - set(names))
+        if unknown:
+            raise ConfigError(
+                f"no geometric parameter is called {', '.join(unknown)}; there are {', '.join(names)}"
+            )
+        self.arm = arm
+        self._revolute = turning(arm)
+        self._best = geometry_of(arm)
+        sought = sought_by_default(arm).ravel()
+        for name in free:
+            sought[names.index(name)] = True
+        for name, value in (fixed or {}).items():
+            sought[names.index(name)] = False
+            self._best.flat[names.index(name)] = value
+        self._prior = self._best.copy()
+        self._genes = np.flatnonzero(sought)
+        lower, upper = _bounds(names, self._prior.ravel(), bounds or {})
+        self._range = (upper - lower)[self._genes]
+        self.population = population or max(POPULATION, INDIVIDUALS_PER_GENE * len(self._genes))
+        rng = np.random.default_rng(seed)
+        #: A geometry like any other, in which nothing is parallel or zero by chance.
+        self._anyhow = self._prior.copy()
+        self._anyhow.flat[self._genes] = lower[self._genes] + self._range * rng.uniform(0.2, 0.8, len(self._genes))
+        self._search = GeneticAlgorithm(lower[self._genes], upper[self._genes], rng, self.population)
+        self._told = np.zeros(len(self._genes), dtype=bool)
+        self._parts: list[TipSums] = []
+        self._total = no_sums(arm)
+        self._whitened = self._total.whitened()
+        self._changed = False
+        self._tip_rms_m = np.nan
+
+    @property
+    def best(self) -> Floats:
+        """Best geometry so far, (n_joint, 5): alpha, a, d, beta, theta offset; the prior where it is not told."""
+        return self._best.copy()
+
+    @property
+    def told(self) -> NDArray[np.bool_]:
+        """Which of these numbers the frames so far have told, (n_joint, 5)."""
+        told = np.zeros(self._best.size, dtype=bool)
+        told[self._genes] = self._told
+        return told.reshape(self._best.shape)
+
+    @property
+    def generations(self) -> int:
+        """Generations so far; none passes before anything can be told."""
+        return self._search.generation
+
+    @property
+    def samples(self) -> int:
+        """Frames so far."""
+        return self._total.samples
+
+    @property
+    def tip_rms_m(self) -> float:
+        """Error of the best one's tip displacement, rms over all frames that there were in its generation."""
+        return self._tip_rms_m
+
+    def add(self, q: Floats, displacement: Floats, rest: Floats | None, trial: int = 0) -> None:
+        """Add some frames.
+
+        Parameters
+        ----------
+        q : (n_sample, n_joint) [rad or m]
+        displacement : (n_sample, 3) [m]
+            Of the tip since the rest at the start of its trial.
+        rest : (n_joint,) or (n_rest, n_joint)
+            Joint angles at that rest. None where ``q`` is a whole trial: then angles and tip are compared
+            with their means.
+        trial : int
+            Stretches of one trial come one after the other.
+        """
+        if not len(q):
+            return
+        new = tip_sums(self.arm, q, displacement, rest, trial, blocks=-(-len(q) // _BLOCK_SAMPLES))
+        self._total = (self._total + new).total()
+        last = self._parts[-1] if self._parts else None
+        if last is not None and last.samples < _BLOCK_SAMPLES and last.trial[-1] == trial and len(new.trial) == 1:
+            joined = add_up([last, new]).total()
+            self._parts[-1] = TipSums(joined.gram, joined.moment, joined.power, joined.count, new.trial)
+        else:
+            self._parts.append(new)
+        self._changed = True
+
+    def generation(self) -> float:
+        """Breed one generation on all frames so far.
+
+        Returns
+        -------
+        float
+            Error of the best one's tip displacement, rms [m]; NaN as long as nothing can be told.
+        """
+        if self._changed:
+            self._whitened = self._total.whitened()
+            self._changed = False
+        if self._search.generation % _LOOK_AGAIN == 0:
+            self._look()
+        if not np.any(self._told):
+            return np.nan
+        genes = self._search.ask()
+        costs = self._cost(genes)
+        self._search.tell(costs)
+        self._best = self._geometries(self._search.best[None])[0]
+        self._tip_rms_m = float(np.sqrt(self._search.best_cost / self._total.samples))
+        return self._tip_rms_m
+
+    def standard_errors(self) -> Floats:
+        """Return the standard errors of the best geometry, NaN where it is not told, (n_joint, 5)."""
+        std = np.full(self._best.size, np.nan)
+        which = self._genes[self._told]
+        if len(which):
+            sums = add_up(self._parts).thinned()
+            self._parts = [sums]
+            J = jacobian(self._revolute, self._best, which)[:, :, 1:]
+            C = coefficients(self._revolute, self._best[None])[0, :, 1:]
+            grams = np.einsum("kxa,bac,lxc->bkl", J, sums.gram, J, optimize=True)
+            scores = np.einsum("kxa,bax->bk", J, sums.moment - sums.gram @ C.T)
+            W = np.asarray(np.linalg.qr(self._slopes(J).T).R)
+            std[which] = np.sqrt(np.diag(sandwich_covariance(W, grams, scores, sums.trial)))
+        return std.reshape(self._best.shape)
+
+    def promise(self) -> float:
+        """Return the share by which a Gauss-Newton step would lower the cost of the best one."""
+        J = jacobian(self._revolute, self._best, self._genes[self._told])[:, :, 1:]
+        residual = self._residual(self._best[None])[0].ravel()
+        step, *_ = np.linalg.lstsq(self._slopes(J).T, residual, rcond=None)
+        lowered = float(np.sum((self._slopes(J).T @ step) ** 2))
+        floor = 1e-18 * float(self._total.power.sum())
+        return lowered / max(float(residual @ residual) + float(np.sum(self._whitened.rest)), floor, 1e-300)
+
+    def _look(self) -> None:
+        """Find out which genes the sums tell."""
+        told = self._revealed(self._anyhow, np.ones(len(self._genes), dtype=bool))
+        if self._search.generation:
+            told = self._revealed(self._best, told)
+        self._told = told
+        self._search.hold(~told)
+
+    def _revealed(self, geometry: Floats, among: NDArray[np.bool_]) -> NDArray[np.bool_]:
+        which = self._genes[among]
+        effects = self._slopes(jacobian(self._revolute, geometry, which)[:, :, 1:])
+        effects *= self._range[among, None] / np.sqrt(max(self.samples, 1))
+        told = np.zeros(len(among), dtype=bool)
+        told[among] = revealed(effects, which)
+        return told
+
+    def _slopes(self, J: Floats) -> Floats:
+        return np.asarray((J @ self._whitened.W.T).reshape(len(J), -1), dtype=np.float64)
+
+    def _geometries(self, genes: Floats) -> Floats:
+        flat = np.tile(self._prior.ravel(), (len(genes), 1))
+        flat[:, self._genes[self._told]] = genes[:, self._told]
+        return flat.reshape(len(genes), *self._prior.shape)
+
+    def _residual(self, geometries: Floats) -> Floats:
+        C = coefficients(self._revolute, geometries)[:, :, 1:]
+        return np.asarray(C @ self._whitened.W.T - self._whitened.z.T, dtype=np.float64)
+
+    def _cost(self, genes: Floats) -> Floats:
+        residual = self._residual(self._geometries(genes)).reshape(len(genes), -1)
+        return np.asarray(np.einsum("ij,ij->i", residual, residual) + self._whitened.rest.sum())
+
+
+def _bounds(
+    names: tuple[str, ...], prior: Floats, given: Mapping[str, tuple[float, float]]
+) -> tuple[Floats, Floats]:
+    bounds = np.empty((2, len(names)))
+    for k, name in enumerate(names):
+        kind = GEOMETRY[k % len(GEOMETRY)]
+        around = _AROUND.get(kind, 0.0)
+        default = (prior[k] - around, prior[k] + around)
+        if kind == "a":
+            default = (min(0.0, 2.0 * prior[k]), max(LONGEST_LINK_M, 2.0 * prior[k]))
+        low, high = given.get(name, default)
+        if not -np.inf < low <= high < np.inf:
+            raise ConfigError(f"bounds of {name} are {low} and {high}, expected finite and ordered")
+        bounds[:, k] = low, high
+    return bounds[0], bounds[1]

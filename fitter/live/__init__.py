@@ -1,0 +1,1 @@
+"""Calibration of an arm while its motion comes in."""

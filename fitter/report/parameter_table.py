@@ -1,0 +1,30 @@
+"""Fitted parameters at the terminal, other arms beside them."""
+
+from collections.abc import Mapping
+
+from rich.table import Table
+
+from fitter.search.fitted_parameter import FittedParameter
+
+
+def parameter_table(
+    title: str, parameters: Mapping[str, FittedParameter], beside: Mapping[str, Mapping[str, float]]
+) -> Table:
+    """Return a table of parameters; ``beside`` holds the values of other arms by the arm's name.
+
+    A parameter that the data said nothing of is shown without a standard error, in brackets.
+    """
+    table = Table(title=title, title_justify="left", caption="(in brackets: not revealed by this data)")
+    for column in ("parameter", "value", "std"):
+        table.add_column(column, justify="left" if column == "parameter" else "right", no_wrap=True)
+    for name in beside:
+        table.add_column(name, justify="right", overflow="fold", min_width=9)
+    table.add_column("unit", no_wrap=True)
+    for name, p in parameters.items():
+        known = [f"{values[name]:.6f}" if name in values else "–" for values in beside.values()]
+        value = f"{p.value:.6f}"
+        if p.identifiable:
+            table.add_row(name, value, f"{p.std:.2g}", *known, p.unit)
+        else:
+            table.add_row(name, f"({value})", "–", *known, p.unit)
+    return table

@@ -1,0 +1,1 @@
+"""Searches, least squares from sums, and standard errors."""

@@ -1,0 +1,1 @@
+"""From accelerations to joint motion, and what the sensors themselves are."""

@@ -1,0 +1,139 @@
+"""A recording of raw accelerations, tracked from end to end."""
+
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from arm.kinematics import tip_position
+from arm.model import Arm
+from fitter.data.drift import dead_reckoned, without_drift
+from fitter.data.measured_tip import measured_tip
+from fitter.data.raw import RawRun
+from fitter.sensing.followed import Followed, follow, smoothed
+from fitter.sensing.verdict import Verdict
+from tracking.frames import Phase
+from tracking.integrator import Zero
+from tracking.tracker import tracker_of
+
+Floats = NDArray[np.float64]
+Bools = NDArray[np.bool_]
+Method = Literal["integrate", "filter", "smooth"]
+
+#: An angle is held to be within so many of its own standard deviations.
+_SIGMAS = 3.0
+
+
+@dataclass(frozen=True)
+class Tracked:
+    """Joint motion that was tracked.
+
+    Attributes
+    ----------
+    columns : dict of str to ndarray
+        t [s] on the clock of the readings, q, dq, ddq, and ref where the readings had it; tip, measured: from
+        where the arm file has it at first, moved by what the accelerations say; trial, by the readings' own
+        labels or else by the rests that were recognised. By the filter and the smoother also q_std, how well the
+        angles are known by their own claim, and gap, 1 where samples were lost and the frame was predicted.
+    verdict : Verdict
+        What the tracker says of itself.
+    error_deg : ndarray of shape (n, n_joint), or None
+        How far each angle is from the true one, where the readings come with it: degrees, or mm for a sliding
+        joint.
+    within_3_std : ndarray of bool, shape (n, n_joint), or None
+        Whether that is at most three of its standard deviations, where the tracker claims any.
+    """
+
+    columns: dict[str, NDArray[np.generic]]
+    verdict: Verdict
+    error_deg: Floats | None
+    within_3_std: Bools | None
+
+    @property
+    def frames(self) -> int:
+        """Number of frames."""
+        return len(self.columns["t"])
+
+
+def track_run(
+    run: RawRun,
+    arm: Arm,
+    initial_q_rad: Floats | None,
+    frame_rate_hz: float,
+    method: Method = "smooth",
+    zero: Zero = "each-rest",
+) -> Tracked:
+    """Track one run of readings.
+
+    Parameters
+    ----------
+    run : RawRun
+    arm : Arm
+    initial_q_rad : ndarray of shape (n_joint,), or None
+        Where the arm rests at the first reading. Without it gravity is asked; where gravity doesn't show it, and
+        by the paper's method, it is zero.
+    frame_rate_hz : float
+    method : {"integrate", "filter", "smooth"}
+        The paper's, the Kalman filter, or the smoother, for which every reading counts at every instant.
+    zero : {"each-rest", "first-rest"}
+        Of the paper's method, see `tracking.integrator.Integrator`.
+
+    Raises
+    ------
+    ConfigError
+        If the arm's sensors cannot give its angles.
+    """
+    rate_hz = min(frame_rate_hz, run.rate_hz)
+    if method == "smooth":
+        motion = smoothed(run, arm, initial_q_rad, rate_hz)
+    else:
+        motion = follow(run, tracker_of(arm, method, run.rate_hz, initial_q_rad, rate_hz, zero))
+    t, q = motion.t, motion.column("q")
+    columns: dict[str, NDArray[np.generic]] = {"t": t}
+    columns |= {name: motion.column(name) for name in ("q", "dq", "ddq")}
+    q_std = motion.q_std
+    if q_std is not None:
+        columns["q_std"] = q_std
+        if run.gaps:
+            columns["gap"] = motion.predicted(run).astype(np.int64)
+    if arm.tip is not None:
+        columns["tip"] = _tip(arm, motion, method)
+    row = np.clip(np.searchsorted(run.t, t, side="right") - 1, 0, len(run.t) - 1)
+    if run.ref is not None:
+        columns["ref"] = run.ref[row]
+    columns["trial"] = run.trial[row] if run.trial is not None else trials_of(t, motion.phases)
+    if run.q is None:
+        return Tracked(columns, motion.verdict, None, None)
+    error = np.abs(q - np.column_stack([np.interp(t, run.t, run.q[:, j]) for j in range(arm.n_joint)]))
+    unit = np.array([180.0 / np.pi if joint.type == "revolute" else 1e3 for joint in arm.joints])
+    within = None if q_std is None else error <= _SIGMAS * q_std
+    return Tracked(columns, motion.verdict, error * unit, within)
+
+
+def trials_of(t: Floats, phases: list[Phase]) -> NDArray[np.int64]:
+    """Return each frame's motion: from the end of the one before to its own end; the last takes what follows.
+
+    Parameters
+    ----------
+    t : ndarray of shape (n,)
+        Times [s].
+    phases : list of Phase
+
+    Returns
+    -------
+    ndarray of shape (n,)
+        From 1.
+    """
+    ends = np.array([1e-9 * phase.t_ns for phase in phases if phase.kind == "end"])
+    motions = max(1, sum(phase.kind == "begin" for phase in phases))
+    return np.minimum(np.searchsorted(ends, t, side="right") + 1, motions)
+
+
+def _tip(arm: Arm, motion: Followed, method: Method) -> Floats:
+    points = {"points": motion.column("points")}
+    points = without_drift(motion.t, points, motion.motions, dead_reckoned(method))
+    q = motion.column("q")
+    moved = measured_tip(arm, q, points["points"])
+    tip: Floats = tip_position(arm, q[:1]) + moved - moved[0]
+    return tip

@@ -1,0 +1,92 @@
+"""Filters and derivatives: accuracy, zero phase, ends."""
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from hypothesis.extra import numpy as arrays
+
+from fitter.data.derivatives import differentiate, lowpass, settling_samples
+
+DT_S = 0.002
+T = DT_S * np.arange(2000)
+
+
+@st.composite
+def swings(draw):
+    """Make sums of sines up to 12 Hz: value, first and second derivative at some times."""
+    n = draw(st.integers(1, 4))
+    amplitude = np.array(draw(st.lists(st.floats(0.1, 2.0), min_size=n, max_size=n)))
+    omega = 2 * np.pi * np.array(draw(st.lists(st.floats(0.1, 12.0), min_size=n, max_size=n)))
+    phase = np.array(draw(st.lists(st.floats(0.0, 6.3), min_size=n, max_size=n)))
+
+    def at(t, order):
+        return (amplitude * omega**order * np.sin(np.multiply.outer(t, omega) + phase + order * np.pi / 2)).sum(-1)
+
+    return at, float(omega.max()), float(amplitude.sum())
+
+
+@given(swings(), st.sampled_from([1, 2]))
+def test_derivatives_of_band_limited_motion_are_exact(swing, order):
+    at, omega, amplitude = swing
+    found = differentiate(at(T, 0)[:, None], DT_S, order)[:, 0]
+    scale = amplitude * omega**order
+    assert np.abs(found - at(T, order))[10:-10].max() < 2e-5 * scale
+    assert np.abs(found - at(T, order)).max() < 5e-3 * scale
+
+
+@given(swings())
+def test_a_filter_far_above_the_motion_changes_neither_size_nor_phase(swing):
+    at, _, amplitude = swing
+    filtered = lowpass(at(T, 0), DT_S, 60.0)
+    trim = settling_samples(DT_S, 60.0)
+    assert np.abs(filtered - at(T, 0))[trim:-trim].max() < 1e-3 * amplitude
+
+
+@given(st.floats(1.0, 30.0), st.floats(0.3, 2.5), st.floats(0.0, 6.3))
+def test_gain_is_that_of_the_filter_and_phase_is_zero(cutoff_hz, ratio, phase):
+    t = DT_S * np.arange(8000)
+    sine = np.sin(2 * np.pi * ratio * cutoff_hz * t + phase)
+    inner = slice(3000, 5000)
+    basis = np.column_stack([sine, np.cos(2 * np.pi * ratio * cutoff_hz * t + phase)])
+    in_phase, out_of_phase = np.linalg.lstsq(basis[inner], lowpass(sine, DT_S, cutoff_hz)[inner])[0]
+    warped = np.tan(np.pi * ratio * cutoff_hz * DT_S) / np.tan(np.pi * cutoff_hz * DT_S)
+    assert np.isclose(in_phase, 1 / (1 + warped**8), atol=2e-3)
+    assert abs(out_of_phase) < 2e-3
+
+
+@given(arrays.arrays(np.float64, 300, elements=st.floats(-10, 10)), st.floats(2.0, 100.0))
+def test_time_turned_round_gives_the_same_turned_round(values, cutoff_hz):
+    forth = lowpass(values, DT_S, cutoff_hz)
+    back = lowpass(values[::-1], DT_S, cutoff_hz)[::-1]
+    trim = min(settling_samples(DT_S, cutoff_hz), 100)
+    assert np.allclose(forth[trim:-trim], back[trim:-trim], atol=0.2 if trim == 100 else 0.03)
+
+
+@settings(max_examples=20)
+@given(st.floats(3.0, 20.0))
+def test_what_lies_beyond_the_ends_is_forgotten_after_the_settling_time(cutoff_hz):
+    """The same motion, once cut off and once going on: after the settling time both look alike."""
+    rng = np.random.default_rng(1)
+    whole = lowpass(rng.normal(size=6000).cumsum() * 0.01, DT_S, cutoff_hz)
+    cut = slice(2000, 4000)
+    trim = settling_samples(DT_S, cutoff_hz)
+    difference = lowpass(whole[cut], DT_S, cutoff_hz) - lowpass(whole, DT_S, cutoff_hz)[cut]
+    assert np.abs(difference[trim:-trim]).max() < 0.02 * whole[cut].std()
+
+
+def test_a_constant_and_a_slope_pass_unchanged():
+    line = np.column_stack([np.full(500, 3.0), np.linspace(-1, 4, 500)])
+    assert np.allclose(lowpass(line, DT_S, 5.0), line, atol=1e-6)
+
+
+def test_columns_of_any_shape_are_filtered_alike():
+    values = np.random.default_rng(0).normal(size=(400, 2, 3))
+    assert np.allclose(lowpass(values, DT_S, 5.0)[:, 1, 2], lowpass(values[:, 1, 2], DT_S, 5.0))
+
+
+@pytest.mark.parametrize("cutoff_hz", [np.inf, 500.0, 240.0])
+def test_a_corner_beyond_the_range_does_nothing(cutoff_hz):
+    values = np.random.default_rng(0).normal(size=100)
+    assert lowpass(values, DT_S, cutoff_hz) is values
+    assert settling_samples(DT_S, cutoff_hz) == 0

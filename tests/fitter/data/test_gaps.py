@@ -1,0 +1,42 @@
+"""Gaps in time stamps, under jitter."""
+
+import numpy as np
+from hypothesis import given
+from hypothesis import strategies as st
+
+from fitter.data.gaps import Gap, find_gaps
+
+
+def test_an_even_clock_has_no_gap():
+    dt_s, gaps = find_gaps(7.0 + np.arange(1000) / 32000)
+    assert gaps == ()
+    assert np.isclose(dt_s, 1 / 32000, rtol=1e-9)
+
+
+def test_a_single_late_stamp_is_no_gap():
+    t = np.arange(100.0)
+    t[50] += 0.9
+    t[70:73] += 0.8
+    assert find_gaps(t)[1] == ()
+
+
+def test_gaps_next_to_each_other_and_at_the_ends():
+    t = np.delete(np.arange(60.0), [1, 30, 31, 33, 58])
+    assert find_gaps(t)[1] == (Gap(1, 1), Gap(29, 2), Gap(30, 1), Gap(54, 1))
+
+
+@given(
+    st.sets(st.integers(100, 900).map(lambda k: 20 * (k // 20)), max_size=8),
+    st.integers(1, 200),
+    st.floats(0.0, 0.2),
+    st.integers(0, 2**32 - 1),
+)
+def test_gaps_are_found_and_counted_under_jitter(places, lost, jitter, seed):
+    dt_s, index = 1 / 32000, np.arange(1000)
+    for place in places:
+        index[place:] += lost
+    t = dt_s * (index + jitter * np.random.default_rng(seed).uniform(-1, 1, len(index)))
+    found_dt_s, gaps = find_gaps(t)
+    assert [gap.row for gap in gaps] == sorted(places)
+    assert {gap.samples for gap in gaps} <= {lost}
+    assert np.isclose(found_dt_s, dt_s, rtol=1e-3)

@@ -1,0 +1,144 @@
+"""Arrays within names: NPZ, MATLAB and JSON."""
+
+import json
+
+import numpy as np
+import pytest
+import scipy.io
+
+from fitter.data.nested import NestedFile
+from limbcal.errors import DataError
+
+
+def read(path, *addresses):
+    return [table.groups["x"] for table in NestedFile(path).read({"x": addresses}, None)]
+
+
+@pytest.fixture
+def mat(tmp_path):
+    """Cells of two motions, a struct, a table, as MATLAB would save them."""
+    path = tmp_path / "run.mat"
+    cells = np.empty((2, 1), dtype=object)
+    cells[0, 0] = np.arange(20.0).reshape(4, 5)
+    cells[1, 0] = 100.0 + np.arange(24.0).reshape(4, 6)
+    stamps = np.empty((2, 1), dtype=object)
+    stamps[0, 0], stamps[1, 0] = np.arange(5.0)[:, None], np.arange(6.0)[:, None]
+    log = {"time": np.arange(3.0)[:, None], "angles": np.array([[1.0, 2.0], [3.0, 4.0], [5.0, 6.0]]), "dt": 0.5}
+    scipy.io.savemat(path, {"Y": cells, "T": stamps, "log": log, "name": "a run"})
+    return path
+
+
+def test_cells_are_motions(mat):
+    first, second = read(mat, "T", "Y[1]", "Y[4]")
+    assert first[:, 1].tolist() == [0, 1, 2, 3, 4]
+    assert first[:, 2].tolist() == [15, 16, 17, 18, 19]
+    assert second.shape == (6, 3)
+
+
+def test_one_cell_can_be_picked(mat):
+    (only,) = read(mat, "T(2)", "Y(2)[1]")
+    assert only[:, 1].tolist() == [100, 101, 102, 103, 104, 105]
+
+
+def test_fields_of_a_struct(mat):
+    (table,) = read(mat, "log.time", "log.angles[2]")
+    assert table[:, 1].tolist() == [2, 4, 6]
+    assert set(NestedFile(mat).names) >= {"Y", "T", "log.time", "log.angles"}
+
+
+@pytest.mark.parametrize(
+    ("addresses", "said"),
+    [
+        (["log.velocity"], "no 'velocity', expected one of time, angles, dt"),
+        (["Y[5]"], "[5] of a table with 4 rows, expected 1 to 4"),
+        (["Y[0]"], "expected 1 to 4"),
+        (["Y[x]"], "'x' is no index"),
+        (["Y(3)[1]"], "(3) of something with 2 cells"),
+        (["log(1)"], "no cells"),
+        (["log"], "expected an array"),
+        (["log.angles"], "has shape (3, 2)"),
+        (["log.dt"], "has shape ()"),
+        (["name"], "expected"),
+        (["Y[1]{2}"], "cannot read '{2}'"),
+        (["log.time", "T(1)"], "lengths log.time 3, T(1) 5"),
+        (["[1]"], "name of an array first"),
+    ],
+)
+def test_an_address_that_leads_nowhere(mat, addresses, said):
+    with pytest.raises(DataError) as caught:
+        read(mat, *addresses)
+    assert said in str(caught.value)
+    assert str(mat) in str(caught.value)
+
+
+def test_arrays_with_other_numbers_of_cells(mat, tmp_path):
+    three = np.empty((1, 3), dtype=object)
+    for k in range(3):
+        three[0, k] = np.arange(5.0)
+    scipy.io.savemat(mat, {"A": three, **{k: v for k, v in scipy.io.loadmat(mat).items() if k == "T"}})
+    with pytest.raises(DataError, match="A 3, T 2 cells"):
+        read(mat, "A", "T")
+
+
+def test_records_become_columns(tmp_path):
+    path = tmp_path / "run.json"
+    entries = [{"at": k / 10, "q": [k, -k], "on": True} for k in range(4)]
+    path.write_text(json.dumps({"mass": 0.5, "entries": entries, "table": [[1, 2, 3], [4, 5, 6]]}))
+    (table,) = read(path, "entries.at", "entries.on")
+    assert table.tolist() == [[0.0, 1.0], [0.1, 1.0], [0.2, 1.0], [0.3, 1.0]]
+    assert read(path, "table[2]")[0][:, 0].tolist() == [4, 5, 6]
+    assert "entries.at" in NestedFile(path).names
+
+
+@pytest.mark.parametrize(
+    ("content", "said"),
+    [
+        ("", "cannot be read as .json"),
+        ("{", "cannot be read as .json"),
+        ("[1, 2]", "bare list"),
+        ('{"a": [1, null, 3]}', "a, row 2: found nothing or NaN"),
+        ('{"a": [1, "two", 3]}', "expected numbers"),
+        ('{"a": [{"b": 1}, {"c": 1}]}', "record 2 has no 'b'"),
+        ('{"a": {"b": [1, 2]}}', "there is no 'b'"),
+    ],
+)
+def test_json_that_does_not_fit(tmp_path, content, said):
+    path = tmp_path / "run.json"
+    path.write_text(content)
+    address = "a.b" if '"b": 1' in content else "a.b.b" if "{" in content[4:] else "a"
+    with pytest.raises(DataError) as caught:
+        read(path, address)
+    assert said in str(caught.value)
+
+
+def test_npz_holds_arrays_by_name(tmp_path):
+    path = tmp_path / "run.npz"
+    np.savez(path, t=np.arange(3), q=np.arange(6.0).reshape(3, 2), trial=np.array(["a", "a", "b"]))
+    source = NestedFile(path)
+    (table,) = source.read({"x": ["t", "q[2]"]}, "trial")
+    assert table.groups["x"].tolist() == [[0, 1], [1, 3], [2, 5]]
+    assert table.labels.tolist() == ["a", "a", "b"]
+
+
+def test_nothing_is_unpickled(tmp_path):
+    path = tmp_path / "run.npz"
+    np.savez(path, t=np.array([{"a": 1}], dtype=object), allow_pickle=True)
+    with pytest.raises(DataError, match="cannot be read as .npz"):
+        NestedFile(path)
+
+
+@pytest.mark.parametrize("name", ["run.npz", "run.mat"])
+@pytest.mark.parametrize("content", [b"", b"no such thing at all"])
+def test_files_that_are_something_else(tmp_path, name, content):
+    path = tmp_path / name
+    path.write_bytes(content)
+    with pytest.raises(DataError, match=name):
+        NestedFile(path)
+
+
+def test_a_bare_array_is_no_npz(tmp_path):
+    path = tmp_path / "run.npz"
+    with path.open("wb") as file:
+        np.save(file, np.arange(3))
+    with pytest.raises(DataError, match="one bare array"):
+        NestedFile(path)

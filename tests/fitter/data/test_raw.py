@@ -1,0 +1,104 @@
+"""Raw accelerations from files, with gaps."""
+
+import numpy as np
+import pytest
+
+from fitter.data.motion_file import write_motion
+from fitter.data.raw import load_raw
+from limbcal.errors import ConfigError, DataError
+
+SENSORS = ("s1", "s2")
+AXES = [f"{sensor}{axis}" for sensor in SENSORS for axis in "xyz"]
+RATE_HZ = 32000.0
+
+
+def raw_columns(index, extra=()):
+    """Make readings that tell their own number, on a clock of 32 kHz."""
+    index = np.asarray(index)
+    columns = {"t": index / RATE_HZ, **{axis: 10.0 * index + k for k, axis in enumerate(AXES)}}
+    return columns | {name: index * 0.001 for name in extra}
+
+
+@pytest.mark.parametrize("suffix", [".csv", ".parquet", ".npz"])
+def test_readings_with_truth_and_target(tmp_path, suffix):
+    path = tmp_path / f"raw{suffix}"
+    write_motion(path, raw_columns(np.arange(1000), extra=("q1", "q2", "ref1", "ref2")))
+    (run,) = load_raw([path], SENSORS, 2)
+    assert run.a.shape == (1000, 6)
+    assert run.a.flags.c_contiguous
+    assert run.a[7].tolist() == [70, 71, 72, 73, 74, 75]
+    assert np.isclose(run.rate_hz, RATE_HZ)
+    assert run.q.shape == run.ref.shape == (1000, 2)
+    assert run.gaps == () and run.notes == () and run.trial is None
+
+
+def test_blocks_cover_everything_once_and_end_at_gaps(tmp_path):
+    path = tmp_path / "raw.parquet"
+    index = np.delete(np.arange(2000), slice(500, 820))
+    write_motion(path, raw_columns(index))
+    (run,) = load_raw([path], SENSORS, 2)
+    blocks = list(run.blocks(300))
+    assert [(block.row, len(block.a), block.lost) for block in blocks] == [
+        (0, 300, 0),
+        (300, 200, 0),
+        (500, 100, 320),
+        (600, 300, 0),
+        (900, 300, 0),
+        (1200, 300, 0),
+        (1500, 180, 0),
+    ]
+    assert np.array_equal(np.concatenate([block.a for block in blocks]), run.a)
+    assert blocks[2].t0_ns == round(820 / RATE_HZ * 1e9)
+    assert run.lost == 320
+    assert run.notes == ("320 samples lost in 1 gap(s), nothing put in their place",)
+    assert np.isclose(run.rate_hz, RATE_HZ)
+
+
+def test_trials_on_one_clock_are_one_run_and_else_several(tmp_path):
+    one, several = tmp_path / "one.csv", tmp_path / "several.csv"
+    columns = raw_columns(np.arange(200))
+    labels = np.repeat([1, 2], 100)
+    write_motion(one, columns | {"trial": labels})
+    write_motion(several, columns | {"t": np.tile(columns["t"][:100], 2), "trial": labels})
+    (run,) = load_raw([one], SENSORS, 2)
+    assert run.trial.tolist() == ["1"] * 100 + ["2"] * 100
+    first, second = load_raw([several], SENSORS, 2)
+    assert [first.name, second.name] == ["several/1", "several/2"]
+    assert second.a[0, 0] == 1000.0
+
+
+def test_foreign_names_are_mapped_and_time_may_be_a_rate(tmp_path):
+    path = tmp_path / "raw.csv"
+    write_motion(path, {f"Acc_{axis}": np.arange(20.0) for axis in "XYZ"})
+    (run,) = load_raw([path], ("s1",), 1, "s1x=Acc_X,s1y=Acc_Y,s1z=Acc_Z", rate_hz=60.0)
+    assert np.isclose(run.rate_hz, 60.0)
+    assert run.a.shape == (20, 3)
+
+
+@pytest.mark.parametrize(
+    ("change", "said"),
+    [
+        ({"s2z": None}, "no column 's2z' beside s1x, s1y, s1z, s2x, s2y among its columns"),
+        ({"t": None}, "no column 't' among its columns"),
+        ({"s1y": [0.0, np.nan] + [0.0] * 18}, "column 's1y', row 2: found nothing or NaN"),
+        ({"t": [0.0, 2.0, 1.0] + list(range(3, 20))}, "in row 3 time runs backwards from 2 s to 1 s"),
+        ({"t": [0.0, 1.0, 1.0] + list(range(3, 20))}, "in row 3 time stands still at 1 s"),
+    ],
+)
+def test_what_is_wrong_is_said(tmp_path, change, said):
+    path = tmp_path / "raw.csv"
+    columns = raw_columns(np.arange(20)) | {k: None if v is None else np.array(v) for k, v in change.items()}
+    write_motion(path, {name: values for name, values in columns.items() if values is not None})
+    with pytest.raises(DataError) as caught:
+        load_raw([path], SENSORS, 2)
+    assert said in str(caught.value)
+    assert "raw.csv" in str(caught.value)
+
+
+def test_too_few_samples_and_roles_that_do_not_exist(tmp_path):
+    path = tmp_path / "raw.npz"
+    write_motion(path, raw_columns(np.arange(3)))
+    with pytest.raises(DataError, match="run 'raw' has 3 samples, expected at least 16"):
+        load_raw([path], SENSORS, 2)
+    with pytest.raises(ConfigError, match="'s3x' is no role"):
+        load_raw([path], SENSORS, 2, "s3x=a")

@@ -1,0 +1,162 @@
+"""What the daemon recorded, back as motions."""
+
+import numpy as np
+import pytest
+
+from fitter.data.raw import load_raw
+from fitter.data.recordings import read_frames
+from fitter.data.trials import load_trials
+from limbcal.errors import DataError
+from protocol.message import FRAMES, RAW, TRIAL, encode
+from protocol.recording import RecordingWriter
+
+START_NS = 5_000_000_000
+DT_S = 0.001
+BLOCK = 10
+
+
+def frames(frame0, gap=False, n_joint=2):
+    """Ten frames whose angles tell their number."""
+    number = frame0 + np.arange(BLOCK, dtype=float)
+    q = np.repeat(number[:, None], n_joint, axis=1) * 1e-3
+    return {
+        "frame0": frame0,
+        "t0_ns": START_NS + frame0 * 1_000_000,
+        "dt_s": DT_S,
+        "n": BLOCK,
+        "method": "integrate",
+        "q": q,
+        "dq": np.ones_like(q),
+        "ddq": np.zeros_like(q),
+        "tip": np.zeros((BLOCK, 3)),
+        "points": np.zeros((BLOCK, 4, 3)),
+        "gap": gap,
+    }
+
+
+def raw(sample0, n=64, channels=6):
+    number = sample0 + np.arange(n, dtype=float)
+    a = number[:, None] + np.arange(channels) / 10
+    t0_ns = START_NS + round(sample0 / 32000 * 1e9)
+    return {"sample0": sample0, "t0_ns": t0_ns, "dt_s": 1 / 32000, "n": n, "a": a}
+
+
+def phase(trial, state, frame, role):
+    return {"trial": trial, "t_ns": START_NS + frame * 1_000_000, "state": state, "role": role}
+
+
+def record(path, messages):
+    with RecordingWriter(path, "schema = 1", "", clock=lambda: 0.0) as writer:
+        for number, (topic, fields) in enumerate(messages):
+            writer.write(topic, encode(topic, fields)[1], number)
+    return path
+
+
+def recorded_motions(folder, method, slide=False):
+    """Record two motions in which all joints move at 1 rad/s, and all sensors at 1 m/s if they are to slide."""
+    blocks = [(FRAMES, {**frames(k), "method": method}) for k in range(0, 1000, BLOCK)]
+    for _, fields in blocks if slide else []:
+        fields["points"] = np.repeat(fields["q"][:, :1], 12, axis=1).reshape(BLOCK, 4, 3)
+    blocks.insert(12, (TRIAL, phase(1, "begin", 100, "learn")))
+    blocks.insert(45, (TRIAL, phase(1, "end", 400, "learn")))
+    blocks.insert(60, (TRIAL, phase(2, "begin", 550, "evaluate")))
+    return record(folder / "day.mcap", blocks)
+
+
+@pytest.fixture
+def two_motions(tmp_path):
+    return recorded_motions(tmp_path, "integrate")
+
+
+def test_motions_are_cut_out_as_announced(two_motions):
+    first, second = read_frames(two_motions, 2)
+    assert (first.name, first.role, len(first.t)) == ("day/1", "learn", 301)
+    assert (second.name, second.role, len(second.t)) == ("day/2", "evaluate", 450)
+    assert np.isclose(first.columns["q"][0, 0], 0.100)
+    assert first.columns["points"].shape == (301, 4, 3)
+
+
+def test_dead_reckoning_loses_its_drift(two_motions):
+    """Every joint moves at 1 rad/s until the rest at the end: all of that is drift, and is taken out."""
+    first, _ = read_frames(two_motions, 2)
+    assert np.isclose(np.diff(first.columns["q"][:-1, 0])[-1], 0.0, atol=1e-5)
+    assert first.notes == ("drift taken out by the rest at the end of each motion (q, dq, ddq, points)",)
+
+
+def test_of_a_filter_only_the_points_are_dead_reckoned(tmp_path):
+    first, _ = read_frames(recorded_motions(tmp_path, "filter", slide=True), 2)
+    assert np.allclose(first.columns["q"][:, 0], 1e-3 * (100 + np.arange(301)))
+    assert np.array_equal(first.columns["dq"], np.ones((301, 2)))
+    speed = np.diff(first.columns["points"][:, 0, 0]) / DT_S
+    assert speed[0] == pytest.approx(1.0, abs=0.01) and speed[-2] == pytest.approx(0.0, abs=0.01)
+    assert first.notes == ("drift taken out by the rest at the end of each motion (points)",)
+
+
+def test_trials_of_one_role_are_taken_as_they_are(tmp_path):
+    (trial,) = load_trials([recorded_motions(tmp_path, "filter")], 2, role="evaluate")
+    assert trial.role == "evaluate"
+    assert trial.dt_s == DT_S
+    assert np.array_equal(trial.q[:, 0], 1e-3 * (550 + np.arange(450)))
+    assert np.array_equal(trial.dq, np.ones((450, 2)))
+    assert trial.points.shape == (450, 4, 3)
+    assert trial.notes == ("drift taken out by the rest at the end of each motion (points)",)
+
+
+def test_a_recording_without_announcements_is_one_motion(tmp_path):
+    path = record(tmp_path / "run.mcap", [(FRAMES, frames(k)) for k in range(0, 100, BLOCK)])
+    (motion,) = read_frames(path, 2)
+    assert motion.name == "run" and motion.role is None and len(motion.t) == 100
+
+
+def test_no_trial_of_a_role(tmp_path):
+    path = record(tmp_path / "run.mcap", [(FRAMES, frames(k)) for k in range(0, 100, BLOCK)])
+    with pytest.raises(DataError, match="no trial with role 'learn'"):
+        load_trials([path], 2, role="learn")
+
+
+def test_lost_samples_are_said_and_long_gaps_part_a_motion(tmp_path):
+    messages = [(FRAMES, frames(k)) for k in range(0, 100, BLOCK)]
+    messages += [(FRAMES, frames(500, gap=True)), (FRAMES, frames(510))]
+    trials = load_trials([record(tmp_path / "run.mcap", messages)], 2)
+    assert [trial.name for trial in trials] == ["run#1", "run#2"]
+    assert "1 block(s) of frames after lost samples" in trials[0].notes
+
+
+def test_a_recording_cut_short_is_read_to_the_cut(two_motions, tmp_path):
+    cut = tmp_path / "cut.mcap"
+    with RecordingWriter(cut, "", "", clock=iter(range(10**6)).__next__) as writer:
+        for number, k in enumerate(range(0, 2000, BLOCK)):
+            writer.write(FRAMES, encode(FRAMES, frames(k))[1], number)
+    content = cut.read_bytes()
+    cut.write_bytes(content[: len(content) // 2])
+    (motion,) = read_frames(cut, 2)
+    assert 100 < len(motion.t) < 2000
+    assert "cut" in motion.notes[0]
+
+
+def test_raw_blocks_are_a_run_with_its_gaps(tmp_path):
+    path = record(tmp_path / "run.mcap", [(RAW, raw(k)) for k in (0, 64, 128, 320, 384)])
+    (run,) = load_raw([path], ("s1", "s2"), 2)
+    assert run.a.shape == (320, 6)
+    assert np.isclose(run.rate_hz, 32000)
+    assert [(gap.row, gap.samples) for gap in run.gaps] == [(192, 128)]
+    assert run.a[192, 0] == 320.0
+
+
+def test_recordings_of_something_else(tmp_path):
+    path = record(tmp_path / "run.mcap", [(FRAMES, frames(0)), (RAW, raw(0))])
+    with pytest.raises(DataError, match="expected 3 as the arm has"):
+        read_frames(path, 3)
+    with pytest.raises(DataError, match="expected 12"):
+        load_raw([path], ("s1", "s2", "s3", "s4"), 2)
+    empty = record(tmp_path / "empty.mcap", [])
+    with pytest.raises(DataError, match="no limb/frames"):
+        read_frames(empty, 2)
+    with pytest.raises(DataError, match="no limb/raw"):
+        load_raw([empty], ("s1",), 2)
+    odd = record(tmp_path / "odd.mcap", [(FRAMES, frames(0) | {"q": "none"})])
+    with pytest.raises(DataError, match="q of a block is str"):
+        read_frames(odd, 2)
+    timeless = record(tmp_path / "timeless.mcap", [(FRAMES, frames(0) | {"t0_ns": None})])
+    with pytest.raises(DataError, match="t0_ns of a block is None"):
+        read_frames(timeless, 2)

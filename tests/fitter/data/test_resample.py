@@ -1,0 +1,116 @@
+"""Uniform grids out of uneven stamps."""
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from fitter.data.motions import Measured
+from fitter.data.resample import resample, split_at_holes, time_step
+from limbcal.errors import ConfigError, DataError
+
+
+def measured(t, **columns):
+    return Measured("run", "run.csv", 0, np.asarray(t, dtype=float), columns)
+
+
+def sine(t, hz=2.0):
+    return np.column_stack([np.sin(2 * np.pi * hz * t), np.cos(2 * np.pi * hz * t)])
+
+
+@pytest.mark.parametrize("dt_s", [0.001, 0.002, 1 / 32000, 0.0125, 1 / 3])
+def test_an_even_clock_keeps_its_samples(dt_s):
+    t = 12.5 + dt_s * np.arange(1000)
+    q = np.random.default_rng(0).normal(size=(1000, 2))
+    uniform = resample(measured(t, q=q))
+    assert uniform.measured.columns["q"] is q
+    assert uniform.measured.notes == ()
+    assert np.isclose(uniform.dt_s, dt_s, rtol=1e-5)
+    assert uniform.measured.t[0] == 0.0
+
+
+def test_stamps_rounded_in_a_text_file_are_an_even_clock():
+    for rate_hz, decimals in ((32000, 6), (480, 3), (10, 1)):
+        step, uniform = time_step(np.round(3.0 + np.arange(5000) / rate_hz, decimals))
+        assert uniform
+        assert np.isclose(step, 1 / rate_hz, rtol=1e-3)
+
+
+def test_uneven_stamps_in_few_digits_are_no_even_clock():
+    t = np.round(np.cumsum(np.random.default_rng(0).uniform(0.008, 0.012, 500)), 3)
+    assert not time_step(t)[1]
+
+
+def test_the_step_of_an_uneven_clock_is_the_median_in_few_digits():
+    t = np.concatenate([[0.0], np.cumsum(np.r_[0.0037, np.full(500, 0.002000093)])])
+    assert time_step(t) == (0.002, False)
+
+
+@given(st.floats(0.0, 0.9), st.integers(0, 2**32 - 1), st.floats(0.5, 5.0))
+def test_a_smooth_motion_survives_uneven_stamps(jitter, seed, hz):
+    steps = 0.002 * (1 + jitter * np.random.default_rng(seed).uniform(-0.8, 0.8, 1000))
+    t = np.concatenate([[0.0], np.cumsum(steps)])
+    uniform = resample(measured(t, q=sine(t, hz)), rate_hz=500.0)
+    assert (
+        np.abs(uniform.measured.columns["q"] - sine(uniform.measured.t, hz)).max() < 1e-4 + 6e-5 * hz
+    )  # a twohundredth of a step
+    assert np.allclose(np.diff(uniform.measured.t), 0.002)
+
+
+@given(st.sampled_from([125.0, 200.0, 333.0, 1000.0, 1500.0]), st.floats(0.5, 5.0))
+def test_a_band_limited_motion_is_the_same_at_another_rate(rate_hz, hz):
+    t = 0.002 * np.arange(1000)
+    uniform = resample(measured(t, q=sine(t, hz), tau=sine(t, hz)), rate_hz=rate_hz)
+    assert uniform.dt_s == 1 / rate_hz
+    inner = (uniform.measured.t > 0.1) & (uniform.measured.t < uniform.measured.t[-1] - 0.1)
+    for role, bound in (("q", 1e-4), ("tau", 2e-3)):
+        difference = uniform.measured.columns[role] - sine(uniform.measured.t, hz)
+        assert np.abs(difference[inner]).max() < bound
+
+
+def test_a_lower_rate_does_not_fold_what_it_cannot_carry():
+    t = 0.001 * np.arange(4000)
+    disturbed = sine(t, 1.0) + sine(t, 90.0)
+    uniform = resample(measured(t, q=disturbed), rate_hz=100.0)
+    assert np.abs(uniform.measured.columns["q"] - sine(uniform.measured.t, 1.0))[20:-20].max() < 5e-3
+
+
+def test_a_target_that_jumps_does_not_overshoot():
+    t = np.cumsum(np.random.default_rng(3).uniform(0.5, 1.5, 300)) * 0.01
+    step = np.where(t > 1.0, 2.0, -1.0)[:, None]
+    uniform = resample(measured(t, ref=step, tau=step))
+    for role in ("ref", "tau"):
+        values = uniform.measured.columns[role]
+        assert values.min() > -1.0 - 1e-12 and values.max() < 2.0 + 1e-12
+
+
+def test_crowded_stamps_do_not_make_the_curve_swing_out():
+    t = np.sort(np.concatenate([0.01 * np.arange(200), 0.01 * np.arange(0, 200, 7) + 1e-6]))
+    noisy = np.random.default_rng(0).uniform(-1, 1, (len(t), 1))
+    assert np.abs(resample(measured(t, q=noisy)).measured.columns["q"]).max() <= 1.0
+
+
+def test_resampling_is_said():
+    t = np.concatenate([0.01 * np.arange(50), 0.505 + 0.01 * np.arange(50)])
+    (note,) = resample(measured(t, q=sine(t))).measured.notes
+    assert note == "irregular steps of 10 to 15 ms resampled to 10 ms"
+
+
+def test_too_few_samples_and_wrong_rates():
+    with pytest.raises(DataError, match="run.csv: trial 'run' has 5 samples, expected at least 16"):
+        resample(measured(np.arange(5.0), q=np.zeros((5, 1))))
+    with pytest.raises(DataError, match="2 samples at 1 Hz"):
+        resample(measured(0.1 * np.arange(20), q=np.zeros((20, 1))), rate_hz=1.0)
+    with pytest.raises(ConfigError, match="rate_hz is -1"):
+        resample(measured(np.arange(20.0), q=np.zeros((20, 1))), rate_hz=-1.0)
+
+
+def test_a_hole_parts_a_motion_and_nothing_is_made_up():
+    t = np.concatenate([np.arange(100), 500 + np.arange(50), 700 + np.arange(5)]) * 0.01
+    first, second = split_at_holes(measured(t, q=t[:, None]))
+    assert (len(first.t), len(second.t)) == (100, 50)
+    assert second.first_row == 100
+    assert second.name == "run#2"
+    assert second.notes == ("parted at 2 hole(s) of up to 4.01 s, 2 piece(s) kept",)
+    whole = measured(0.01 * np.arange(9), q=np.zeros((9, 1)))
+    assert split_at_holes(whole) == [whole]

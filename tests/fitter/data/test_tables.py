@@ -1,0 +1,110 @@
+"""CSV and Parquet, good and bad."""
+
+import numpy as np
+import pyarrow as pa
+import pyarrow.parquet
+import pytest
+
+from fitter.data.tables import TableFile
+from limbcal.errors import DataError
+
+
+def csv(tmp_path, text, name="run.csv"):
+    path = tmp_path / name
+    path.write_text(text, encoding="utf-8")
+    return path
+
+
+def numbers(path, *names):
+    return TableFile(path).read({"x": names}, None)[0].groups["x"]
+
+
+def test_only_wanted_columns_are_read(tmp_path):
+    path = csv(tmp_path, "t,q1,remark\n0,1.5,ok\n1,-2e-3,not so\n")
+    assert numbers(path, "q1", "t").tolist() == [[1.5, 0.0], [-2e-3, 1.0]]
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "a;b\n1;2\n",
+        "a\tb\n1\t2\n",
+        ' a , "b" \n 1, 2 \n',
+        "// by a device\n\n# of theirs\na,b\n1,2\n",
+        "\ufeffa,b\r\n1,2\r\n\r\n",
+    ],
+)
+def test_what_other_programs_write(tmp_path, text):
+    assert numbers(csv(tmp_path, text), "a", "b").tolist() == [[1.0, 2.0]]
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ("", "empty"),
+        ("// only a remark\n", "empty"),
+        ("0.0,1.0\n1.0,2.0\n", "names of columns"),
+        ("a,b,a\n1,2,3\n", "'a' is there 2 times"),
+        ("a,b\n1,2\n3,NaN\n", "column 'b', row 2: found nothing or NaN"),
+        ("a,b\n1,2\n3,\n", "column 'b', row 2: found nothing or NaN"),
+        ("a,b\n1,2\n3,4\n-inf,5\n", "column 'a', row 3: found -inf"),
+        ("a,b\n1,2\n3,four\n", "row 2: column 'b' holds 'four', expected a number"),
+        ("// hm\na,b\n1,2\n3,four\n", "row 2: column 'b' holds 'four', expected a number"),
+        ("a,b\n1,2\n3\n", "row 2: 1 cells, expected 2"),
+    ],
+)
+def test_what_is_wrong_is_said_with_column_and_row(tmp_path, text, said):
+    path = csv(tmp_path, text)
+    with pytest.raises(DataError) as caught:
+        numbers(path, "a", "b")
+    assert said in str(caught.value)
+    assert str(path) in str(caught.value)
+    assert "\n" not in str(caught.value)
+
+
+def test_a_header_without_rows_has_no_rows(tmp_path):
+    assert numbers(csv(tmp_path, "a,b\n"), "a", "b").shape == (0, 2)
+
+
+def test_bytes_that_are_no_text(tmp_path):
+    path = tmp_path / "run.csv"
+    path.write_bytes(b"a,b\n\xff\xfe,1\n")
+    with pytest.raises(DataError, match="run.csv"):
+        numbers(path, "a", "b")
+
+
+@pytest.mark.parametrize("name", ["none.csv", "none.parquet"])
+def test_a_file_that_is_not_there(tmp_path, name):
+    with pytest.raises(DataError, match="there is no such file"):
+        TableFile(tmp_path / name)
+
+
+@pytest.mark.parametrize("content", [b"", b"this is no parquet"])
+def test_a_parquet_file_that_is_none(tmp_path, content):
+    path = tmp_path / "run.parquet"
+    path.write_bytes(content)
+    with pytest.raises(DataError, match="run.parquet"):
+        TableFile(path)
+
+
+def test_parquet_of_any_number_type(tmp_path):
+    path = tmp_path / "run.parquet"
+    columns = {"a": pa.array([1, 2], pa.int16()), "b": pa.array([0.5, 0.25], pa.float32()), "c": ["x", "y"]}
+    pyarrow.parquet.write_table(pa.table(columns), path)
+    assert numbers(path, "a", "b").tolist() == [[1.0, 0.5], [2.0, 0.25]]
+    with pytest.raises(DataError, match="column 'c' holds string, expected numbers"):
+        numbers(path, "c")
+
+
+def test_a_missing_value_in_parquet(tmp_path):
+    path = tmp_path / "run.parquet"
+    pyarrow.parquet.write_table(pa.table({"a": pa.array([1.0, None])}), path)
+    with pytest.raises(DataError, match="column 'a', row 2"):
+        numbers(path, "a")
+
+
+def test_labels_come_as_text_beside_numbers(tmp_path):
+    path = csv(tmp_path, "trial,a\nfirst,1\n02,2\n")
+    (table,) = TableFile(path).read({"x": ["a"], "again": ["a"]}, "trial")
+    assert table.labels.tolist() == ["first", "02"]
+    assert np.array_equal(table.groups["x"], table.groups["again"])

@@ -1,0 +1,72 @@
+"""Scores of a calibrated arm."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from arm.arm_file import load_arm
+from arm.model import Control, Friction
+from fitter.dynamics.evaluation import motion_error, score, torque_rms
+from fitter.kinematics.evaluation import tip_score
+from limbcal.errors import DataError
+
+ARM = load_arm("dd-arm")
+MEASURED = replace(ARM, control=Control())
+
+
+def heavier(arm, friction=0.05):
+    joints = [replace(joint, friction=Friction(viscous_N_m_s=friction)) for joint in arm.joints]
+    return replace(arm, joints=tuple(joints))
+
+
+def test_the_true_arm_moves_like_itself(bench_trials):
+    own = score(ARM, bench_trials)
+    assert own.angle_max_deg < 1e-3
+    assert max(own.torque_rms_N_m) < 1e-9
+    measured = score(MEASURED, bench_trials)
+    assert measured.angle_max_deg < 0.03  # torque between samples is taken for a straight line; it jumps once
+
+
+def test_another_arm_does_not(bench_trials):
+    other = score(heavier(ARM), bench_trials)
+    assert 0.01 < other.angle_mean_deg < other.angle_max_deg
+    trial = bench_trials[0]
+    expected = np.sqrt(np.mean(((0.05 + 0.002409) * trial.dq[:, 0] - 0.010918 * np.sign(trial.dq[:, 0])) ** 2))
+    moving = np.mean(trial.dq[:, 0] != 0.0)
+    assert np.isclose(torque_rms(heavier(ARM), [trial])[0], expected / np.sqrt(moving), rtol=1e-6)
+
+
+def test_restarts_keep_the_error_of_a_measured_torque_small(bench_trials):
+    trial = bench_trials[0]
+    short, long = (np.abs(motion_error(heavier(MEASURED), trial, horizon)).max() for horizon in (0.1, 3.0))
+    assert 0.0 < short < long
+    stride = 50
+    assert np.all(motion_error(heavier(MEASURED), trial, 0.1)[0] == 0.0)
+    assert np.any(motion_error(heavier(MEASURED), trial, 0.1)[stride::stride] != 0.0)
+
+
+def test_a_target_that_nobody_tells_is_estimated(bench_trials):
+    assert score(ARM, [replace(trial, ref=None) for trial in bench_trials]).angle_max_deg < 0.1
+
+
+def test_an_arm_that_runs_away_is_infinitely_wrong(bench_trials):
+    assert score(heavier(ARM, -100.0), bench_trials[:1]).angle_max_deg == np.inf
+
+
+def test_the_tip(bench_trials):
+    assert tip_score(ARM, bench_trials).max_mm < 1e-9
+    assert tip_score(ARM, bench_trials, "mean").max_mm < 1e-9
+    shifted = [replace(trial, tip=trial.tip + 5.0) for trial in bench_trials]  # a base that stands elsewhere
+    assert tip_score(ARM, shifted).max_mm < 1e-9
+    longer = ARM.with_joints(a_m=np.array([0.25, 0.31]))
+    assert 0.1 < tip_score(longer, bench_trials).mean_mm < tip_score(longer, bench_trials).max_mm < 20.0
+
+
+def test_says_what_is_missing(bench_trials):
+    with pytest.raises(DataError, match="no trial"):
+        score(ARM, [])
+    with pytest.raises(DataError, match="no trial"):
+        tip_score(ARM, [])
+    with pytest.raises(DataError, match="has no tip"):
+        tip_score(ARM, [replace(bench_trials[0], tip=None)])
