@@ -2,9 +2,10 @@
 
 import numpy as np
 import pytest
-from fitter.data.drift import DriftCorrection, dead_reckoned, without_drift
 from hypothesis import given, settings
 from hypothesis import strategies as st
+
+from fitter.data.drift import DriftCorrection, dead_reckoned, without_drift
 
 DT_S = 0.001
 ALL = dead_reckoned("integrate")
