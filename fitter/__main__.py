@@ -3,7 +3,7 @@
 import sys
 from types import ModuleType
 
-from fitter.commands import dynamics, kinematics, sensors, simulate, subscribe, track
+from fitter.commands import dynamics, excite, kinematics, reproduce, sensors, simulate, subscribe, sums, track
 from limbcal.command import Parser, common_options, run_command
 
 COMMANDS: dict[str, tuple[ModuleType, str]] = {
@@ -11,8 +11,11 @@ COMMANDS: dict[str, tuple[ModuleType, str]] = {
     "track": (track, "accelerations to joint motion"),
     "sensors": (sensors, "ordinary motions to what the sensors read and where they sit"),
     "kinematics": (kinematics, "joint angles and a measured tip to the arm's geometry"),
+    "sums": (sums, "trials of any length to sums that add up, for `fitter dynamics`"),
     "dynamics": (dynamics, "motion and torque to dynamic parameters"),
+    "excite": (excite, "a reference that reveals the dynamic parameters"),
     "simulate": (simulate, "the motion of a calibrated arm"),
+    "reproduce": (reproduce, "the paper's experiments, side by side with its numbers"),
 }
 
 

@@ -2,13 +2,14 @@
 
 import argparse
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 from rich.progress import Progress
 
 from arm.arm_file import load_arm, save_arm
-from arm.model import Arm
+from arm.model import Arm, Control
 from fitter.commands.options import (
     add_arm,
     add_columns,
@@ -21,9 +22,11 @@ from fitter.commands.options import (
 )
 from fitter.commands.trial_sets import trial_sets
 from fitter.data.sources import RECORDINGS, expand
-from fitter.data.trials import Role, Trial, load_trials
+from fitter.data.trials import Role, Trial, load_trials, undriven
+from fitter.dynamics.dynamics_fit import DynamicsFit, Objective, document
 from fitter.dynamics.evaluation import HORIZON_S, Score, score
-from fitter.dynamics.fit import GENERATIONS, DynamicsFit, document, fit_dynamics
+from fitter.dynamics.fit import fit_dynamics
+from fitter.dynamics.torque_search import GENERATIONS
 from fitter.report.compared import Compared, load_compared
 from fitter.report.parameter_table import parameter_table
 from limbcal.command import Document, console, say
@@ -42,6 +45,21 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--cutoff-hz", type=positive, metavar="F", help="corner of the fit (found in the data)")
     add_search(parser, "100, or 8 a parameter", GENERATIONS)
     parser.add_argument("--method", choices=["ga", "least-squares"], default="ga")
+    parser.add_argument(
+        "--objective",
+        choices=["auto", "torque", "weighted", "robust", "motion"],
+        default="auto",
+        help="what is made small: eq. (9); with joints weighted by their noise; with outliers drawn in as well; "
+        "the error of the simulated motion (auto: motion under a control law, torque where that is measured)",
+    )
+    parser.add_argument(
+        "--physical", action="store_true", help="only masses that can exist, and friction that brakes"
+    )
+    parser.add_argument(
+        "--no-torque",
+        action="store_true",
+        help="nothing drove the arm; one mass, moment or inertia must be given by --fix",
+    )
     parser.add_argument("--bounds", metavar="P=LOW:HIGH,…", help="where to search (wide, from the torque's size)")
     parser.add_argument("--fix", metavar="P=VALUE,…", help="parameters that are known")
     parser.add_argument(
@@ -61,23 +79,14 @@ def dynamics(arguments: argparse.Namespace) -> Document:
     arm = load_arm(arguments.arm)
     compared = load_compared(arguments.compare, arm)
     learn, evaluate = _trials(arguments, arm)
+    if arguments.no_torque:
+        arm = replace(arm, control=Control())
+        learn, evaluate = ([undriven(trial) for trial in trials] for trials in (learn, evaluate))
     make_room(arguments.out)
     for trial in (*learn, *evaluate):
         for note in trial.notes:
             say(f"{trial.name}: {note}")
-    with Progress(console=console, transient=True) as progress:
-        task = progress.add_task("searching", total=arguments.generations)
-        fit = fit_dynamics(
-            arm,
-            learn,
-            seed=arguments.seed,
-            population=arguments.population,
-            generations=arguments.generations,
-            bounds=bounds_of(arguments.bounds),
-            fixed=fixed_of(arguments.fix),
-            method=arguments.method,
-            progress=lambda done, _cost: progress.update(task, completed=done),
-        )
+    fit = _fit(arguments, arm, learn)
     learnt = score(fit.arm, learn, arguments.horizon)
     evaluated = score(fit.arm, evaluate, arguments.horizon) if evaluate else None
     save_arm(fit.arm, arguments.out)
@@ -87,6 +96,31 @@ def dynamics(arguments: argparse.Namespace) -> Document:
         answer["compared"] = {c.name: c.document(learn, evaluate, arguments.horizon) for c in compared}
         _print_compared(answer["compared"])
     return answer
+
+
+def _fit(arguments: argparse.Namespace, arm: Arm, learn: Sequence[Trial]) -> DynamicsFit:
+    objective: Objective = arguments.objective
+    if arguments.objective == "auto":
+        objective = "torque" if arm.control.law == "measured" else "motion"
+    with Progress(console=console, transient=True) as progress:
+        task = progress.add_task("searching", total=arguments.generations)
+        polish = progress.add_task("fitting the motion", total=None, visible=False)
+        fit = fit_dynamics(
+            arm,
+            learn,
+            objective=objective,
+            seed=arguments.seed,
+            population=arguments.population,
+            generations=arguments.generations,
+            bounds=bounds_of(arguments.bounds),
+            fixed=fixed_of(arguments.fix),
+            method=arguments.method,
+            window_s=arguments.horizon,
+            physical=arguments.physical,
+            progress=lambda done, _cost: progress.update(task, completed=done),
+            polishing=lambda done, _rms: progress.update(polish, completed=done, visible=True),
+        )
+    return fit
 
 
 def _trials(arguments: argparse.Namespace, arm: Arm) -> tuple[list[Trial], list[Trial]]:
@@ -121,6 +155,8 @@ def _print(fit: DynamicsFit, compared: list[Compared], learn: Score, evaluate: S
                 f"{role}: torque rms {torque} N·m a joint; simulated angle off by "
                 f"{s.angle_mean_deg:.3g}° mean, {s.angle_max_deg:.3g}° max"
             )
+    for note in fit.notes:
+        say(note)
 
 
 def _print_compared(compared: object) -> None:

@@ -17,16 +17,18 @@ from fitter.commands.options import (
     add_search,
     bounds_of,
     fixed_of,
+    joint_values,
     make_room,
 )
 from fitter.commands.trial_sets import trial_sets
 from fitter.data.measured_tip import with_measured_tip
 from fitter.data.trials import Role, Trial, load_trials
 from fitter.kinematics.evaluation import TipScore, tip_score
-from fitter.kinematics.fit import GENERATIONS, KinematicsFit, document, fit_kinematics
+from fitter.kinematics.fit import GENERATIONS, KinematicsFit, angle_noise_deg, document, fit_kinematics
 from fitter.report.compared import geometry_by_name
 from fitter.report.parameter_table import parameter_table
 from limbcal.command import Document, console, say
+from limbcal.errors import ConfigError
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -47,9 +49,17 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument(
         "--about",
-        choices=["rest", "mean"],
-        default="rest",
-        help="count displacements from the rest at the start (dead reckoning) or from their mean (a tracker)",
+        choices=["auto", "rest", "mean"],
+        default="auto",
+        help="count displacements from the rest at the start (dead reckoning) or from their mean (a tracker); "
+        "auto: the rest, where there is one that can be told from noise",
+    )
+    parser.add_argument(
+        "--angle-noise-deg",
+        metavar="auto|S|S1,S2,…",
+        default="auto",
+        help="standard deviation of white noise in the angles (mm where a joint slides), which is undone; 0: none "
+        "(auto: estimated)",
     )
     parser.add_argument("--compare", action="append", default=[], metavar="A", help="another arm to print beside")
     add_out(parser, "the arm with the geometry found, as an arm file")
@@ -62,7 +72,7 @@ def kinematics(arguments: argparse.Namespace) -> Document:
     compared = {Path(source).stem: geometry_by_name(load_arm(source)) for source in arguments.compare}
     learn, evaluate = _trials(arguments, arm)
     make_room(arguments.out)
-    about: Literal["rest", "mean"] = "mean" if arguments.about == "mean" else "rest"
+    angle_noise = angle_noise_of(arguments.angle_noise_deg, arm)
     with Progress(console=console, transient=True) as progress:
         task = progress.add_task("searching", total=arguments.generations)
         fit = fit_kinematics(
@@ -74,11 +84,12 @@ def kinematics(arguments: argparse.Namespace) -> Document:
             bounds=bounds_of(arguments.bounds),
             fixed=fixed_of(arguments.fix),
             free=[name for name in arguments.free.split(",") if name],
-            about=about,
+            about=arguments.about,
+            angle_noise=angle_noise,
             progress=lambda done, _rms: progress.update(task, completed=done),
         )
-    learnt = tip_score(fit.arm, learn, about)
-    evaluated = tip_score(fit.arm, evaluate, about) if evaluate else None
+    learnt = tip_score(fit.arm, learn, fit.about)
+    evaluated = tip_score(fit.arm, evaluate, fit.about) if evaluate else None
     save_arm(fit.arm, arguments.out)
     _print(fit, compared, learnt, evaluated)
     answer = document(fit, learnt, evaluated)
@@ -87,10 +98,27 @@ def kinematics(arguments: argparse.Namespace) -> Document:
     return answer
 
 
+def angle_noise_of(text: str, arm: Arm) -> Literal["auto"] | None | list[float]:
+    """Read ``--angle-noise-deg``: one number for all joints, or one each.
+
+    Raises
+    ------
+    ConfigError
+        If it is neither ``auto`` nor numbers that are not below zero.
+    """
+    if text == "auto":
+        return "auto"
+    values = joint_values(text if "," in text else ",".join([text] * arm.n_joint), arm, "--angle-noise-deg")
+    if np.any(values < 0.0):
+        raise ConfigError(f"--angle-noise-deg is {text!r}, expected numbers that are not below 0")
+    if not np.any(values):
+        return None
+    turns = np.array([joint.type == "revolute" for joint in arm.joints])
+    return [float(value) for value in np.where(turns, np.deg2rad(values), 1e-3 * values)]
+
+
 def _trials(arguments: argparse.Namespace, arm: Arm) -> tuple[list[Trial], list[Trial]]:
-    def load(
-        sources: Sequence[Path], role: Role | None, _filters: tuple[float, float] | None
-    ) -> list[Trial]:
+    def load(sources: Sequence[Path], role: Role | None, _filters: tuple[float, float] | None) -> list[Trial]:
         return load_trials(
             sources, arm.n_joint, arguments.columns, rate_hz=arguments.rate_hz, cutoff_hz=np.inf, role=role
         )
@@ -108,6 +136,24 @@ def _print(
 ) -> None:
     title = f"{fit.arm.name}: {fit.samples} samples, {fit.generations} generations"
     console.print(parameter_table(title, fit.parameters, compared))
+    say(f"displacements counted from the {'rest at the start' if fit.about == 'rest' else 'mean'}")
+    say(_noise_in_words(fit))
+    for freedom in fit.gauge:
+        say(f"not told: {', '.join(freedom.parameters)}: {freedom.why}")
     for role, s in (("learning", learn), ("evaluating", evaluate)):
         if s is not None:
             say(f"{role}: tip displacement off by {s.mean_mm:.3g} mm mean, {s.max_mm:.3g} mm max")
+
+
+def _noise_in_words(fit: KinematicsFit) -> str:
+    noise = [value for value in angle_noise_deg(fit) if value is not None]
+    if not noise or fit.angle_noise_source is None:
+        return "noise of the angles: not told by this data, and not undone"
+    how = {
+        "known": "as given",
+        "spectrum": "the floor of the angles' spectra",
+        "moments": "estimated together with the geometry",
+    }[fit.angle_noise_source]
+    units = ["°" if joint.type == "revolute" else " mm" for joint in fit.arm.joints]
+    sizes = ", ".join(f"{value:.3g}{unit}" for value, unit in zip(noise, units, strict=True))
+    return f"noise of the angles: {sizes} ({how})"

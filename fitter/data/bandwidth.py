@@ -58,8 +58,9 @@ def motion_edge_hz(signals: Sequence[Signal]) -> float | None:
     -------
     float or None
         The highest frequency [Hz] at which the power of the acceleration is ten times the floor of the valley
-        between motion and noise. None if the motion fills the measured range (noise is no matter), or if no
-        motion stands out.
+        between motion and noise. Where the valley's floor is motion itself, which falls off slowly after a jump
+        of the acceleration: ten times the white noise seen beyond the valley. None if the motion fills the
+        measured range, so that noise is no matter.
     """
     nyquist = min(0.5 / signal.dt_s for signal in signals)
     longest = max(len(signal.values) * signal.dt_s for signal in signals)
@@ -84,7 +85,7 @@ def motion_edge_hz(signals: Sequence[Signal]) -> float | None:
     strong = level >= SIGNAL_TO_NOISE * floor
     k = int(np.argmax(level / centre**2))  # where the velocity has most of its power: certainly motion
     if not strong[k]:
-        return None
+        return _edge_above_white_noise(centre, level, 2 * max(signal.missing for signal in signals))
     while (further := np.flatnonzero(strong & (centre > centre[k]) & (centre <= HARMONIC * centre[k]))).size:
         k = int(further[-1])
     if k + 1 == len(level):
@@ -93,6 +94,17 @@ def motion_edge_hz(signals: Sequence[Signal]) -> float | None:
     share = np.log(level[k] / threshold) / np.log(level[k] / level[k + 1])
     edge = float(centre[k] * (centre[k + 1] / centre[k]) ** share)
     return None if edge > FULL_RANGE * nyquist else edge
+
+
+def _edge_above_white_noise(centre: Floats, level: Floats, power: int) -> float | None:
+    """Return where acceleration sinks to ten times the noise that rises with a power of the frequency."""
+    valley = int(np.argmin(level))
+    noisy = np.flatnonzero((np.arange(len(level)) > valley) & (level > SIGNAL_TO_NOISE * level[valley]))
+    if not len(noisy) and level[valley] > 0.0:
+        return None
+    noise = np.median(level[noisy] / centre[noisy] ** power) * centre**power
+    sunk = np.flatnonzero(level < SIGNAL_TO_NOISE * noise)
+    return float(centre[max(int(sunk[0]) - 1, 0)]) if len(sunk) else None
 
 
 def _acceleration_spectrum(signal: Signal) -> tuple[Floats, Floats]:

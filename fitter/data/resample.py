@@ -132,12 +132,12 @@ def resample(motion: Measured, rate_hz: float | None = None) -> Uniform:
         grid = _grid(t[-1], own_step)
         corner_hz = ANTI_ALIAS / dt_s
         columns = {
-            role: lowpass(_curve(role, t, values, crowded)(grid), own_step, corner_hz)
+            role: lowpass(curve_through(role, t, values, crowded)(grid), own_step, corner_hz)
             for role, values in columns.items()
         }
         t = grid
     grid = _grid(t[-1], dt_s)
-    columns = {role: _curve(role, t, values, crowded)(grid) for role, values in columns.items()}
+    columns = {role: curve_through(role, t, values, crowded)(grid) for role, values in columns.items()}
     was = "steps of" if uniform else "irregular steps of"
     note = f"{was} {1e3 * steps.min():.4g} to {1e3 * steps.max():.4g} ms resampled to {1e3 * dt_s:.6g} ms"
     if len(grid) < MINIMUM_SAMPLES:
@@ -156,8 +156,8 @@ def _stamps(n: int, dt_s: float) -> Floats:
     return dt_s * np.arange(n, dtype=np.float64)
 
 
-def _curve(role: str, t: Floats, values: Floats, crowded: bool) -> Curve:
-    """Return the curve through a column that suits what it is."""
+def curve_through(role: str, t: Floats, values: Floats, crowded: bool) -> Curve:
+    """Return the curve through a column that suits what it is, by the column's role."""
     if role == "ref":
         line = make_interp_spline(t, values, k=1, axis=0)
         return lambda at: np.asarray(line(np.minimum(at, t[-1])))

@@ -3,14 +3,14 @@
 from collections.abc import Collection, Mapping, Sequence
 
 from fitter.data.columns import JOINT_ROLES, Address, ColumnMap
-from fitter.data.tables import Source
+from fitter.data.tables import Columns
 from limbcal.errors import DataError
 
 Roles = dict[str, list[str]]
 
 
 def find_roles(
-    source: Source,
+    source: Columns,
     n_joint: int,
     mapping: ColumnMap,
     required: Collection[str],
@@ -20,7 +20,7 @@ def find_roles(
 
     Parameters
     ----------
-    source : Source
+    source : Columns
         The opened file.
     n_joint : int
         Number of joints of the arm.
@@ -61,12 +61,12 @@ def find_roles(
     return roles
 
 
-def listed(source: Source) -> str:
+def listed(source: Columns) -> str:
     """Return the names of a file's columns in words."""
     return "its columns " + ", ".join(source.names) if source.names else "its columns (there are none)"
 
 
-def _present(source: Source, addresses: Sequence[Address], required: bool) -> list[str]:
+def _present(source: Columns, addresses: Sequence[Address], required: bool) -> list[str]:
     """Return the addresses if all of them are there; if one is, none may be missing."""
     missing = [address for address in addresses if not source.has(address.text)]
     here = [address.text for address in addresses if address not in missing]

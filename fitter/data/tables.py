@@ -40,8 +40,8 @@ class Table:
     labels: Labels | None
 
 
-class Source(Protocol):
-    """A file with columns in it, opened far enough to know their names."""
+class Columns(Protocol):
+    """What has columns in it, opened far enough to know their names."""
 
     path: Path
 
@@ -51,6 +51,10 @@ class Source(Protocol):
 
     def has(self, address: str) -> bool:
         """Say whether there is such a column."""
+
+
+class Source(Columns, Protocol):
+    """A file that is read whole."""
 
     def read(self, groups: Groups, label: str | None) -> list[Table]:
         """Return groups of columns of equal length, a table for every motion that the file itself keeps apart."""
@@ -105,27 +109,42 @@ class TableFile:
         DataError
             If a column holds text or a value that is not finite, naming column and row (data rows, from 1).
         """
-        numbers = [name for group in groups.values() for name in group]
-        table = self._read(list(dict.fromkeys(numbers if label is None else [*numbers, label])), label)
+        table = self._read(wanted(groups, label), label)
+        return [self._table(table, groups, label, 0)]
+
+    def blocks(self, groups: Groups, label: str | None, rows: int) -> Iterator[Table]:
+        """Return the same, about so many rows at a time, in the order of the file and in bounded memory.
+
+        Raises
+        ------
+        DataError
+            As `read` does, once the row is reached.
+        """
+        names, first = wanted(groups, label), 0
+        for batch in self._batches(names, label, rows):
+            yield self._table(pa.Table.from_batches([batch]), groups, label, first)
+            first += batch.num_rows
+
+    def _table(self, table: pa.Table, groups: Groups, label: str | None, first_row: int) -> Table:
         labels = None if label is None else _texts(table.column(label))
-        left = Counter(numbers)
+        left = Counter(name for group in groups.values() for name in group)
         matrices: dict[str, Floats] = {}
         for key, group in groups.items():
             matrix = np.empty((table.num_rows, len(group)))
             for place, name in enumerate(group):
-                matrix[:, place] = self._floats(table.column(name), name)
+                matrix[:, place] = self._floats(table.column(name), name, first_row)
                 left[name] -= 1
                 if not left[name]:
                     table = table.drop_columns([name])
             matrices[key] = matrix
-        return [Table(matrices, labels)]
+        return Table(matrices, labels)
 
-    def _floats(self, column: pa.ChunkedArray, name: str) -> Floats:
+    def _floats(self, column: pa.ChunkedArray, name: str, first_row: int) -> Floats:
         kind = column.type
         if not (pa.types.is_integer(kind) or pa.types.is_floating(kind) or pa.types.is_boolean(kind)):
             raise DataError(f"{self.path}: column {name!r} holds {kind}, expected numbers")
         values = np.asarray(column.cast(pa.float64()).to_numpy(), dtype=np.float64)
-        require_finite(values, f"{self.path}: column {name!r}")
+        require_finite(values, f"{self.path}: column {name!r}", first_row)
         return values
 
     def _read_parquet(self, names: Sequence[str], label: str | None) -> pa.Table:
@@ -133,19 +152,32 @@ class TableFile:
             return pyarrow.parquet.read_table(self.path, columns=list(names))
 
     def _read_csv(self, names: Sequence[str], label: str | None, threads: bool = True) -> pa.Table:
-        types = {name: pa.string() if name == label else pa.float64() for name in names}
         try:
-            return pyarrow.csv.read_csv(
-                self.path,
-                read_options=pyarrow.csv.ReadOptions(
-                    column_names=list(self._names), skip_rows=self._skip + 1, use_threads=threads
-                ),
-                parse_options=pyarrow.csv.ParseOptions(delimiter=self._delimiter),
-                convert_options=pyarrow.csv.ConvertOptions(column_types=types, include_columns=list(names)),
-            )
+            return pyarrow.csv.read_csv(self.path, **self._csv_options(names, label, threads))
         except pa.ArrowInvalid as error:
             if threads:  # row numbers are only known to a single thread
                 return self._read_csv(names, label, threads=False)
+            raise DataError(f"{self.path}: {self._explain(str(error))}") from error
+
+    def _csv_options(self, names: Sequence[str], label: str | None, threads: bool) -> dict[str, object]:
+        types = {name: pa.string() if name == label else pa.float64() for name in names}
+        return {
+            "read_options": pyarrow.csv.ReadOptions(
+                column_names=list(self._names), skip_rows=self._skip + 1, use_threads=threads
+            ),
+            "parse_options": pyarrow.csv.ParseOptions(delimiter=self._delimiter),
+            "convert_options": pyarrow.csv.ConvertOptions(column_types=types, include_columns=list(names)),
+        }
+
+    def _batches(self, names: Sequence[str], label: str | None, rows: int) -> Iterator[pa.RecordBatch]:
+        if self.path.suffix.lower() != ".csv":
+            with _readable(self.path), pyarrow.parquet.ParquetFile(self.path, pre_buffer=False) as file:
+                yield from file.iter_batches(rows, columns=list(names), use_threads=False)
+            return
+        try:  # row numbers are only known to a single thread
+            with pyarrow.csv.open_csv(self.path, **self._csv_options(names, label, threads=False)) as reader:
+                yield from reader
+        except pa.ArrowInvalid as error:
             raise DataError(f"{self.path}: {self._explain(str(error))}") from error
 
     def _explain(self, reason: str) -> str:
@@ -160,6 +192,12 @@ class TableFile:
         if cells:
             return f"{row}{cells[2]} cells, expected {cells[1]} as in the header"
         return f"{row}cannot be read as CSV ({' '.join(reason.split())})"
+
+
+def wanted(groups: Groups, label: str | None) -> list[str]:
+    """Return the addresses of all columns of some groups, each once, and of the one of text."""
+    names = [name for group in groups.values() for name in group]
+    return list(dict.fromkeys(names if label is None else [*names, label]))
 
 
 def require_finite(values: Floats, where: str, first_row: int = 0) -> None:

@@ -1,7 +1,7 @@
 """Trials: one motion each, on a uniform grid, with every derivative that a fit needs."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Literal
 
@@ -23,9 +23,13 @@ Role = Literal["learn", "evaluate"]
 #: Derived columns are cut off this far above the edge of the motion, so that nothing of the motion is lost.
 COLUMN_CORNER = 1.5
 #: A fit is cut off this far below that, so that hardly anything but motion is left.
-FIT_CORNER = 4.0 / 9.0
+FIT_CORNER = 2.0 / 3.0 / COLUMN_CORNER
 #: At most this share of a trial is trimmed at each end, and a corner needs this many periods in a trial.
 TRIM_SHARE = 0.1
+#: A torque that changes from one sample to the next by so many times its usual change has jumped.
+JUMP = 20.0
+#: … and by so many times the changes before and after it: what changes fast for a while has not.
+ALONE = 4.0
 
 
 @dataclass(frozen=True)
@@ -61,6 +65,11 @@ class Trial:
         law's torque. A simulation is given ``ref`` itself, which is known exactly.
     tau_measured : ndarray of shape (n, n_joint), or None
         The torque as it was measured, on the same grid, before any filter: what a simulation is to be judged by.
+    whole : dict from name to ndarray of shape (n + 2 * trimmed, n_joint)
+        Angles, target and torque as they were measured, unfiltered, ends included: what a simulation is fitted
+        to, with nothing but its own noise in it. Empty where the trial was never filtered.
+    trimmed : int
+        Samples that were taken off at each end.
     """
 
     name: str
@@ -79,6 +88,8 @@ class Trial:
     role: str | None = None
     ref_filtered: Floats | None = None
     tau_measured: Floats | None = None
+    whole: dict[str, Floats] = field(default_factory=dict)
+    trimmed: int = 0
 
     def lowpass(self, values: Floats) -> Floats:
         """Pass something that was computed from this trial through the one filter of a fit.
@@ -178,7 +189,7 @@ def to_trials(
             f"cutoff_hz is {cutoff_hz:g}, expected at least {1.0 / longest_s:.3g}: one period in the longest trial"
         )
     band_hz = FIT_CORNER * cutoff_hz if band_hz is None else band_hz
-    return [_derive(motion, cutoff_hz, band_hz) for motion in uniform]
+    return [derive(motion, cutoff_hz, band_hz) for motion in uniform]
 
 
 def choose_cutoff_hz(motions: Sequence[Uniform]) -> float:
@@ -223,10 +234,42 @@ def lowpass_trial(trial: Trial, cutoff_hz: float) -> Trial:
         tip=filtered(trial.tip),
         points=filtered(trial.points),
         tau_measured=None if trial.tau_measured is None else trial.tau_measured[inner],
+        trimmed=trial.trimmed + trim,
         cutoff_hz=np.inf,
         band_hz=np.inf,
         notes=(*trial.notes, f"all columns low-passed at {cutoff_hz:.4g} Hz (zero phase)"),
     )
+
+
+def undriven(trial: Trial) -> Trial:
+    """Return a trial as of an arm that swings freely: its torque is known, and zero."""
+    zero = np.zeros_like(trial.q)
+    whole = trial.whole | {"tau": np.zeros_like(trial.whole["q"])} if trial.whole else {}
+    return replace(trial, tau=zero, tau_measured=zero, ref=None, ref_filtered=None, whole=whole)
+
+
+def midway_at_jumps(torque: Floats) -> Floats:
+    """Return a sampled torque that jumps at the instant of a sample, not half a step before it.
+
+    A controller that is given a new target asks for another torque from that sample on. Between the samples of a
+    filter or an integration the jump would lie midway, half a step early: a percent of every inertia where
+    samples are two milliseconds apart and most of the motion's impulse is in the jump.
+
+    Parameters
+    ----------
+    torque : ndarray of shape (n, n_joint)
+
+    Returns
+    -------
+    ndarray of shape (n, n_joint)
+    """
+    steps = np.abs(np.diff(torque, axis=0))
+    edge = np.vstack([np.zeros(torque.shape[1]), steps, np.zeros(torque.shape[1])])
+    jumped = steps > JUMP * np.maximum(np.median(steps, axis=0), np.mean(steps, axis=0))
+    jumped &= steps > ALONE * np.maximum(edge[:-2], edge[2:])
+    midway = torque.copy()
+    midway[1:][jumped] = 0.5 * (torque[1:] + torque[:-1])[jumped]
+    return midway
 
 
 def _signal(motion: Uniform) -> Signal:
@@ -238,14 +281,18 @@ def _signal(motion: Uniform) -> Signal:
     return Signal(columns["q"], motion.dt_s, 2)
 
 
-def _derive(motion: Uniform, cutoff_hz: float, band_hz: float) -> Trial:
-    """Fill in what is missing and filter all columns alike, if anything was."""
+def derive(motion: Uniform, cutoff_hz: float, band_hz: float) -> Trial:
+    """Fill in what a motion on a uniform grid lacks, and filter all columns alike if anything was."""
     measured, dt_s = motion.measured, motion.dt_s
     given = dict(measured.columns)
     notes = list(measured.notes)
     derived = [name for name in ("dq", "ddq") if name not in given]
     trim = 0
+    whole = {name: measured.columns[name] for name in ("q", "ref", "tau") if name in measured.columns}
+    if "tau" in whole:
+        whole["tau"] = midway_at_jumps(whole["tau"])
     if derived:
+        given |= {name: whole[name] for name in ("tau",) if name in whole}
         trim = _trim(len(measured.t), dt_s, cutoff_hz)
         reference = given.pop("ref", None)  # a command is known exactly
         given = {name: lowpass(values, dt_s, cutoff_hz) for name, values in given.items()}
@@ -282,6 +329,8 @@ def _derive(motion: Uniform, cutoff_hz: float, band_hz: float) -> Trial:
         role=measured.role,
         ref_filtered=kept.get("ref_filtered"),
         tau_measured=tau_measured,
+        whole=whole,
+        trimmed=trim,
     )
 
 

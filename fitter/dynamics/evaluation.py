@@ -4,12 +4,15 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
+import scipy.optimize
 
 from arm.model import Arm, Floats
 from arm.newton_euler import inverse_dynamics
 from arm.simulation import simulate
+from fitter.data.derivatives import lowpass
 from fitter.data.trials import Trial
 from fitter.dynamics.learned_torque import learned_torque, target_of
+from fitter.dynamics.stretches import LONGEST_STEP_S, stretches
 from limbcal.errors import DataError
 
 #: With measured torque nothing pulls a simulation back to the data, so it is restarted this often.
@@ -25,13 +28,14 @@ class Score:
     torque_rms_N_m : tuple of float
         Of every joint: measured (or the law's) torque against that of eq. (4) for the same motion. N for a
         joint that slides.
-    angle_mean_deg, angle_max_deg : float
+    angle_mean_deg, angle_max_deg, angle_rms_deg : float
         Simulated against measured angles of all joints that turn.
     """
 
     torque_rms_N_m: tuple[float, ...]
     angle_mean_deg: float
     angle_max_deg: float
+    angle_rms_deg: float
 
 
 def score(arm: Arm, trials: Sequence[Trial], horizon_s: float = HORIZON_S) -> Score:
@@ -53,8 +57,12 @@ def score(arm: Arm, trials: Sequence[Trial], horizon_s: float = HORIZON_S) -> Sc
         raise DataError("no trial to compare the arm with; expected at least one")
     turning = np.array([joint.type == "revolute" for joint in arm.joints])
     errors = np.concatenate([np.abs(motion_error(arm, trial, horizon_s)) for trial in trials])[:, turning]
-    mean, worst = (float(np.rad2deg(f(errors))) if errors.size else np.nan for f in (np.mean, np.max))
-    return Score(tuple(torque_rms(arm, trials).tolist()), mean, worst)
+    mean, worst, rms = (float(np.rad2deg(f(errors))) if errors.size else np.nan for f in (np.mean, np.max, _rms))
+    return Score(tuple(torque_rms(arm, trials).tolist()), mean, worst, rms)
+
+
+def _rms(values: Floats) -> float:
+    return float(np.sqrt(np.mean(values**2)))
 
 
 def torque_rms(arm: Arm, trials: Sequence[Trial]) -> Floats:
@@ -83,8 +91,10 @@ def torque_rms(arm: Arm, trials: Sequence[Trial]) -> Floats:
 def motion_error(arm: Arm, trial: Trial, horizon_s: float = HORIZON_S) -> Floats:
     """Return simulated minus measured joint angles.
 
-    Under a control law the simulation starts from the trial's first state and runs to its end. With measured
-    torque it runs for ``horizon_s`` at a time, so every sample but the first is compared once.
+    Under a control law the simulation starts from the trial's first state and runs to its end. Where the ends were
+    trimmed by a filter, it runs through them too, and starts from the state that goes best with the angles as they
+    were measured: what a filter says of the first instant is no state to start from; both then pass the filter.
+    With measured torque it runs for ``horizon_s`` at a time, so every sample but the first is compared once.
 
     Returns
     -------
@@ -107,6 +117,36 @@ def motion_error(arm: Arm, trial: Trial, horizon_s: float = HORIZON_S) -> Floats
                 torque=torque[window],
             )
             simulated[start + 1 : window.stop] = motion.q[1:]
+    elif trial.trimmed and {"q", "ref"} <= set(trial.whole):
+        whole = simulate(arm, trial.whole["ref"], trial.dt_s, *best_start(arm, trial)).q
+        off = np.where(np.isfinite(whole), whole, np.inf) - trial.whole["q"]
+        if not np.isfinite(off).all():
+            return off[trial.trimmed : trial.trimmed + n]
+        return lowpass(off, trial.dt_s, trial.cutoff_hz)[trial.trimmed : trial.trimmed + n]
     else:
         simulated = simulate(arm, target_of(arm, trial), trial.dt_s, trial.q[0], trial.dq[0]).q
     return np.where(np.isfinite(simulated), simulated, np.inf) - trial.q
+
+
+def best_start(arm: Arm, trial: Trial) -> Floats:
+    """Return the first state of a whole trial, ends included, that the law turns into the measured motion.
+
+    Parameters
+    ----------
+    arm : Arm
+        With a control law.
+    trial : Trial
+
+    Returns
+    -------
+    (2, n_joint)
+        Angles and velocities.
+    """
+    stretch = stretches(arm, [trial], LONGEST_STEP_S)[0]
+
+    def off(start: Floats) -> Floats:
+        q = simulate(arm, stretch.drive, stretch.dt_s, *start.reshape(2, -1)).q
+        return np.nan_to_num(q - stretch.measured, nan=1e3, posinf=1e3, neginf=-1e3).ravel()
+
+    found = scipy.optimize.least_squares(off, stretch.start[: 2 * arm.n_joint], max_nfev=20)
+    return np.asarray(found.x, dtype=np.float64).reshape(2, -1)

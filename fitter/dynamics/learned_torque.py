@@ -5,6 +5,7 @@ import numpy as np
 from arm.control import control_torque, gains
 from arm.model import Arm, Floats
 from arm.newton_euler import inverse_dynamics
+from fitter.data.derivatives import settling_samples
 from fitter.data.trials import Trial
 from limbcal.errors import DataError
 
@@ -61,6 +62,16 @@ def motion_begins(trial: Trial) -> int:
         return first
     since = trial.dq[first, joint] / trial.ddq[first, joint] / trial.dt_s  # as if from rest, evenly
     return int(np.clip(np.ceil(first - since), 0, first)) if since > 0.0 else first
+
+
+def target_holds_from(trial: Trial) -> int:
+    """Return the sample from which on an unknown target surely is one constant.
+
+    A filter smears the motion's start over its own settling time, to either side.
+    """
+    settling = settling_samples(trial.dt_s, trial.cutoff_hz) if np.isfinite(trial.cutoff_hz) else 0
+    begin = motion_begins(trial)
+    return begin + settling if begin + settling < len(trial.q) // 2 else begin
 
 
 def target_of(arm: Arm, trial: Trial) -> Floats:

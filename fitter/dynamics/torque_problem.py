@@ -86,13 +86,16 @@ class TorqueProblem:
         upper = 2.0 * size * np.sqrt(np.diag(self.inverse))
         return -upper, upper
 
-    def standard_errors(self, values: Floats) -> Floats:
-        """Return the standard errors of all base parameters, NaN where they are not learnt, (n_base,)."""
+    def covariance(self, values: Floats) -> Floats:
+        """Return the covariance of the free parameters at given base parameters, (n_free, n_free)."""
         grams = self.sums.gram.sum(axis=1)[:, self.free[:, None], self.free]
         scores = self.sums.scores(values)[:, self.free]
-        covariance = sandwich_covariance(self.W, grams, scores, self.sums.trial)
+        return sandwich_covariance(self.W, grams, scores, self.sums.trial)
+
+    def standard_errors(self, values: Floats) -> Floats:
+        """Return the standard errors of all base parameters, NaN where they are not learnt, (n_base,)."""
         std = np.full(len(self.prior), np.nan)
-        std[self.free] = np.sqrt(np.maximum(np.diag(covariance), 0.0))
+        std[self.free] = np.sqrt(np.maximum(np.diag(self.covariance(values)), 0.0))
         return std
 
 
@@ -120,9 +123,10 @@ def torque_problem(sums: TorqueSums, prior: Floats, held: Mapping[int, float] | 
     sought = np.setdiff1d(np.arange(len(start)), given)
     if not np.any(sums.gram):
         raise NotIdentifiable(f"no base parameter can be told from {sums.samples} samples: no joint moved")
-    if not np.any(sums.power):
+    if not np.any(sums.power) and not np.any(start[given]):
         raise NotIdentifiable(
-            f"the torque is zero in all {sums.samples} samples: a free motion tells no masses, only ratios"
+            f"the torque is zero in all {sums.samples} samples: a free motion tells no masses, only ratios; "
+            "expected one mass, moment or inertia that is known (--fix), which sets the scale of all others"
         )
     gram, moment, power = sums.gram.sum(axis=(0, 1)), sums.moment.sum(axis=(0, 1)), sums.power.sum()
     power = power - 2.0 * moment[given] @ start[given] + start[given] @ gram[np.ix_(given, given)] @ start[given]

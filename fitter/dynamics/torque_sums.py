@@ -5,7 +5,6 @@ the data only through ``W^T W``, ``W^T tau`` and ``tau^T tau``. They are kept fo
 blocks of consecutive samples: added up they give the cost, side by side the scatter of the answer.
 """
 
-import itertools
 from collections.abc import Sequence
 from dataclasses import dataclass, fields
 
@@ -15,12 +14,9 @@ from numpy.typing import NDArray
 from arm.base_parameters import BaseParameters
 from arm.chain import chain_of, joint_rows
 from arm.model import Arm, Floats
-from fitter.dynamics.row_sums import add_rows
+from fitter.dynamics.running_sums import RunningSums
 from limbcal.errors import DataError
 
-#: Blocks of one trial: enough to measure how residuals hang together, and never more memory than this.
-_BLOCKS = 128
-_BLOCK_BYTES = 8_000_000
 #: A column that varies by less than this share of itself within a trial is constant there.
 _CONSTANT = 1e-2
 
@@ -201,13 +197,9 @@ def torque_sums(
     lengths = {len(array) for array in (q, dq, ddq, tau)}
     if len(lengths) != 1:
         raise DataError(f"q, dq, ddq and tau have {sorted(lengths)} samples, expected as many of each")
-    sums = _zeros(len(q), arm.n_joint, len(base.independent))
-    columns, out = (
-        np.array(base.independent),
-        (sums.gram, sums.moment, sums.power, sums.row, sums.torque, sums.count),
-    )
-    add_rows(chain_of(arm), columns, _ends(sums), q, dq, ddq, tau, rest_speed, *out)
-    return sums
+    running = RunningSums(arm.n_joint, len(base.independent), len(q))
+    running.add_motion(chain_of(arm), np.array(base.independent), q, dq, ddq, tau, rest_speed)
+    return finished(running)
 
 
 def row_sums(rows: Floats, tau: Floats, moving: NDArray[np.bool_]) -> TorqueSums:
@@ -225,27 +217,12 @@ def row_sums(rows: Floats, tau: Floats, moving: NDArray[np.bool_]) -> TorqueSums
     TorqueSums
         One trial.
     """
-    sums = _zeros(*rows.shape)
-    ends = _ends(sums)
-    for block, (start, stop) in enumerate(itertools.pairwise(ends)):
-        W = np.swapaxes(np.where(moving[start:stop, :, None], rows[start:stop], 0.0), 0, 1)
-        t = np.where(moving[start:stop], tau[start:stop], 0.0).T
-        sums.gram[block] = np.swapaxes(W, 1, 2) @ W
-        sums.moment[block] = np.einsum("jka,jk->ja", W, t)
-        sums.power[block] = np.einsum("jk,jk->j", t, t)
-        sums.row[block], sums.torque[block] = W.sum(axis=1), t.sum(axis=1)
-        sums.count[block] = np.count_nonzero(moving[start:stop], axis=0)
-    return sums
+    running = RunningSums(rows.shape[1], rows.shape[2], len(rows))
+    running.add_equations(rows, tau, moving)
+    return finished(running)
 
 
-def _zeros(n_sample: int, n_joint: int, n_base: int) -> TorqueSums:
-    room = _BLOCK_BYTES // (8 * n_joint * n_base * (n_base + 2))
-    n_block = max(1, min(_BLOCKS, room, n_sample))
-    gram = np.zeros((n_block, n_joint, n_base, n_base))
-    moment, row = np.zeros((2, n_block, n_joint, n_base))
-    power, torque, count = np.zeros((3, n_block, n_joint))
-    return TorqueSums(gram, moment, power, row, torque, count, np.zeros(n_block, dtype=np.intp), n_sample)
-
-
-def _ends(sums: TorqueSums) -> NDArray[np.intp]:
-    return np.linspace(0, sums.samples, len(sums.trial) + 1).astype(np.intp)
+def finished(running: RunningSums) -> TorqueSums:
+    """Return the sums of a trial that was read in portions."""
+    arrays = dict(zip(_SUMS, running.arrays(), strict=True))
+    return TorqueSums(**arrays, trial=np.zeros(len(arrays["count"]), dtype=np.intp), samples=running.samples)

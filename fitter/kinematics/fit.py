@@ -7,12 +7,15 @@ from typing import Literal
 
 import numpy as np
 
-from arm.model import Arm
-from fitter.data.first_rest import displacement
+from arm.model import Arm, Floats
 from fitter.data.trials import Trial
+from fitter.kinematics.angle_noise import Source, fit_from_moments, noise_from_moments, told_noise
 from fitter.kinematics.evaluation import TipScore
+from fitter.kinematics.gauge import Gauge
 from fitter.kinematics.incremental import IncrementalKinematics
-from fitter.kinematics.tip_basis import UNITS, geometry_names, with_geometry
+from fitter.kinematics.moment_fit import MomentFit, MomentProblem, enough
+from fitter.kinematics.origin import About, choose_about, counted_from_rest
+from fitter.kinematics.tip_basis import UNITS, geometry_names, turning, with_geometry
 from fitter.search.fitted_parameter import FittedParameter, fitted_parameters
 from limbcal.errors import DataError, NotConverged, NotIdentifiable
 
@@ -34,7 +37,14 @@ class KinematicsFit:
     generations, population, samples : int
     seconds : float
     tip_rms_m : float
-        What the fit leaves of the tip's displacement.
+        What the fit leaves of the tip's displacement, without the share of the angles' noise that was undone.
+    about : {"rest", "mean"}
+        What displacements were counted from.
+    angle_noise_rad : (n_joint,) or None
+        Standard deviation of the angles' noise (m where a joint slides); None where it could not be told.
+    angle_noise_source : {"known", "spectrum", "moments"} or None
+    gauge : tuple of Gauge
+        What the data leaves open.
     """
 
     arm: Arm
@@ -44,6 +54,10 @@ class KinematicsFit:
     samples: int
     seconds: float
     tip_rms_m: float
+    about: About = "rest"
+    angle_noise_rad: Floats | None = None
+    angle_noise_source: Source | None = None
+    gauge: tuple[Gauge, ...] = ()
 
 
 def fit_kinematics(
@@ -56,7 +70,8 @@ def fit_kinematics(
     bounds: Mapping[str, tuple[float, float]] | None = None,
     fixed: Mapping[str, float] | None = None,
     free: Collection[str] = (),
-    about: Literal["rest", "mean"] = "rest",
+    about: Literal["auto"] | About = "auto",
+    angle_noise: Literal["auto"] | None | Sequence[float] = "auto",
     progress: Callable[[int, float], None] | None = None,
     clock: Callable[[], float] = time.perf_counter,
 ) -> KinematicsFit:
@@ -73,9 +88,13 @@ def fit_kinematics(
     generations : int
     bounds, fixed, free
         See `IncrementalKinematics`, as for the default population.
-    about : {"rest", "mean"}
+    about : {"auto", "rest", "mean"}
         What displacements are counted from. "rest", the start of the trial, suits dead reckoning, whose error
-        is zero there; "mean", their mean over the trial, suits samples that are measured one by one.
+        is zero there; "mean", their mean over the trial, suits samples that are measured one by one. "auto":
+        see `fitter.kinematics.origin.choose_about`.
+    angle_noise : "auto", None or (n_joint,) [rad, or m where a joint slides]
+        Standard deviation of white Gaussian noise in the angles, which is undone. None: there is none. "auto":
+        what their spectra show, or what the moments of independent samples tell.
     progress : callable, optional
         Told after every generation: how many are done, and the rms error of the best [m].
     clock : callable
@@ -94,22 +113,86 @@ def fit_kinematics(
     if not learn:
         raise DataError("no learning trial; expected at least one")
     start = clock()
-    search = IncrementalKinematics(arm, seed, population=population, bounds=bounds, fixed=fixed, free=free)
-    for number, trial in enumerate(learn):
-        moved, rest = displacement(arm, trial)
-        search.add(trial.q, moved, rest if about == "rest" else None, trial=number)
+    noise = told_noise(arm, learn, angle_noise)
+    about = choose_about(learn, noise.rad) if about == "auto" else about
+
+    def searched() -> IncrementalKinematics:
+        search = IncrementalKinematics(
+            arm, seed, population=population, bounds=bounds, fixed=fixed, free=free, angle_noise=noise.undone
+        )
+        for number, trial in enumerate(learn):
+            moved, rest = counted_from_rest(arm, trial, np.zeros(1) if noise.undone is None else noise.undone)
+            search.add(trial.q, moved, rest if about == "rest" else None, trial=number)
+        _breed(search, generations, progress)
+        return search
+
+    search, fit = searched(), None
+    samples = search.samples
+    if about == "mean" and enough(turning(arm), samples) and (noise.rad is None or noise.undone is not None):
+        problem = MomentProblem(turning(arm), learn)
+        estimated = np.zeros(arm.n_joint, dtype=bool)
+        if noise.rad is None:
+            noise, estimated = noise_from_moments(search, problem, _spread_m(learn))
+            search = search if noise.undone is None else searched()
+        if noise.undone is not None or np.any(estimated):
+            fit = fit_from_moments(search, problem, noise, estimated)
+            noise = replace(noise, rad=np.sqrt(np.maximum(fit.variance, 0.0)))
+    if fit is None:
+        search.polish()
+    found = replace(fit_of(search), about=about, angle_noise_rad=noise.rad, angle_noise_source=noise.source)
+    return replace(found if fit is None else _by_moments(found, search, fit), seconds=clock() - start)
+
+
+def _breed(search: IncrementalKinematics, generations: int, progress: Callable[[int, float], None] | None) -> None:
+    """Let a search run.
+
+    Raises
+    ------
+    NotIdentifiable
+        If nothing can be told.
+    NotConverged
+        If the generations were too few.
+    """
     for _ in range(generations):
         rms = search.generation()
         if progress is not None:
             progress(search.generations, rms)
-    fit = fit_of(search)
+    _require_told(search)
     promise = search.promise()
     if not promise <= _NOT_CONVERGED:
         raise NotConverged(
             f"after {generations} generations of {search.population} one more step would still lower the cost by "
             f"{100 * promise:.3g} %; expected less than {100 * _NOT_CONVERGED:g} %, so give it more generations"
         )
-    return replace(fit, seconds=clock() - start)
+
+
+def _spread_m(trials: Sequence[Trial]) -> float:
+    tips = [np.asarray(trial.tip) - np.mean(np.asarray(trial.tip), axis=0) for trial in trials]
+    return float(np.sqrt(np.mean(np.concatenate(tips) ** 2) * 3.0))
+
+
+def _by_moments(found: KinematicsFit, search: IncrementalKinematics, fit: MomentFit) -> KinematicsFit:
+    """Return what was found with the answer of the method of moments in the place of the search's."""
+    std = np.full(fit.geometry.size, np.nan)
+    std[search.sought] = np.sqrt(np.diag(fit.covariance))
+    return replace(
+        found,
+        arm=with_geometry(search.arm, fit.geometry),
+        parameters=_parameters(search, fit.geometry, std),
+        tip_rms_m=float(np.sqrt(3.0) * fit.tip_noise_m),
+    )
+
+
+def _parameters(search: IncrementalKinematics, geometry: Floats, std: Floats) -> dict[str, FittedParameter]:
+    n = search.arm.n_joint
+    return fitted_parameters(geometry_names(n), geometry.ravel(), std.ravel(), UNITS * n, search.told.ravel())
+
+
+def _require_told(search: IncrementalKinematics) -> None:
+    if not np.any(search.told):
+        raise NotIdentifiable(
+            f"no geometric parameter can be told from {search.samples} samples: the tip or the joints don't move"
+        )
 
 
 def fit_of(search: IncrementalKinematics) -> KinematicsFit:
@@ -120,24 +203,16 @@ def fit_of(search: IncrementalKinematics) -> KinematicsFit:
     NotIdentifiable
         If nothing can be told yet.
     """
-    if not np.any(search.told):
-        raise NotIdentifiable(
-            f"no geometric parameter can be told from {search.samples} samples: the tip or the joints don't move"
-        )
+    _require_told(search)
     return KinematicsFit(
         arm=with_geometry(search.arm, search.best),
-        parameters=fitted_parameters(
-            geometry_names(search.arm.n_joint),
-            search.best.ravel(),
-            search.standard_errors().ravel(),
-            UNITS * search.arm.n_joint,
-            search.told.ravel(),
-        ),
+        parameters=_parameters(search, search.best, search.standard_errors()),
         generations=search.generations,
         population=search.population,
         samples=search.samples,
         seconds=0.0,
         tip_rms_m=search.tip_rms_m,
+        gauge=search.gauge(),
     )
 
 
@@ -151,5 +226,19 @@ def document(fit: KinematicsFit, learn: TipScore, evaluate: TipScore | None = No
         "samples": fit.samples,
         "seconds": fit.seconds,
         "tip_error_mm": {role: s and {"mean": s.mean_mm, "max": s.max_mm} for role, s in scores.items()},
-        "angle_noise_deg": [None] * fit.arm.n_joint,
+        "angle_noise_deg": angle_noise_deg(fit),
+        "angle_noise_source": fit.angle_noise_source,
+        "about": fit.about,
+        "gauge": [freedom.document() for freedom in fit.gauge],
     }
+
+
+def angle_noise_deg(fit: KinematicsFit) -> list[float | None]:
+    """Return the angles' noise in degrees, in millimetres where a joint slides, null where it is not told."""
+    if fit.angle_noise_rad is None:
+        return [None] * fit.arm.n_joint
+    turns = turning(fit.arm)
+    return [
+        float(np.rad2deg(noise) if turning_too else 1e3 * noise)
+        for noise, turning_too in zip(fit.angle_noise_rad, turns, strict=True)
+    ]

@@ -3,20 +3,20 @@
 from collections.abc import Collection, Mapping
 
 import numpy as np
+import scipy.optimize
 from numpy.typing import NDArray
 
 from arm.model import Arm, Floats
-from fitter.kinematics.revealed import revealed, sought_by_default
-from fitter.kinematics.tip_basis import GEOMETRY, coefficients, geometry_names, geometry_of, jacobian, turning
+from fitter.kinematics.gauge import Gauge, gauge
+from fitter.kinematics.reliable import reliable
+from fitter.kinematics.revealed import revealed, sought_by_default, with_parallel_axes
+from fitter.kinematics.search_bounds import search_bounds
+from fitter.kinematics.tip_basis import coefficients, geometry_names, geometry_of, jacobian, turning
 from fitter.kinematics.tip_sums import TipSums, add_up, no_sums, tip_sums
 from fitter.search.genetic import INDIVIDUALS_PER_GENE, POPULATION, GeneticAlgorithm
 from fitter.search.standard_errors import sandwich_covariance
 from limbcal.errors import ConfigError
 
-#: Where nothing is known: lengths up to a metre, angles to 30 degrees and offsets to half a metre around the
-#: arm file's.
-LONGEST_LINK_M = 1.0
-_AROUND = {"alpha": np.pi / 6, "d": 0.5, "beta": np.pi / 6, "theta_offset": np.pi / 6}
 #: What can be told is looked at again every so many generations.
 _LOOK_AGAIN = 25
 #: Stretches of one trial are joined to blocks of at least so many samples: 50 ms of frames.
@@ -40,6 +40,9 @@ class IncrementalKinematics:
     free : collection of str, optional
         Parameters to search although `fitter.kinematics.revealed.sought_by_default` leaves them out.
 
+    angle_noise : (n_joint,) [rad or m], optional
+        Standard deviation of white noise in the angles, which is undone in the sums.
+
     Raises
     ------
     ConfigError
@@ -55,6 +58,7 @@ class IncrementalKinematics:
         bounds: Mapping[str, tuple[float, float]] | None = None,
         fixed: Mapping[str, float] | None = None,
         free: Collection[str] = (),
+        angle_noise: Floats | None = None,
     ) -> None:
         names = geometry_names(arm.n_joint)
         unknown = sorted({*(bounds or {}), *(fixed or {}), *free} - set(names))
@@ -73,7 +77,9 @@ class IncrementalKinematics:
             self._best.flat[names.index(name)] = value
         self._prior = self._best.copy()
         self._genes = np.flatnonzero(sought)
-        lower, upper = _bounds(names, self._prior.ravel(), bounds or {})
+        lower, upper = search_bounds(names, self._prior.ravel(), bounds or {})
+        self._every_range = upper - lower
+        self._bounds = lower[self._genes], upper[self._genes]
         self._range = (upper - lower)[self._genes]
         self.population = population or max(POPULATION, INDIVIDUALS_PER_GENE * len(self._genes))
         rng = np.random.default_rng(seed)
@@ -83,7 +89,8 @@ class IncrementalKinematics:
         self._search = GeneticAlgorithm(lower[self._genes], upper[self._genes], rng, self.population)
         self._told = np.zeros(len(self._genes), dtype=bool)
         self._parts: list[TipSums] = []
-        self._total = no_sums(arm)
+        self._angle_noise = angle_noise
+        self._measured = self._total = no_sums(arm)
         self._whitened = self._total.whitened()
         self._changed = False
         self._tip_rms_m = np.nan
@@ -99,6 +106,16 @@ class IncrementalKinematics:
         told = np.zeros(self._best.size, dtype=bool)
         told[self._genes] = self._told
         return told.reshape(self._best.shape)
+
+    @property
+    def sought(self) -> NDArray[np.intp]:
+        """Where the numbers that are told stand in the flattened geometry, (n_told,)."""
+        return self._genes[self._told]
+
+    @property
+    def bounds(self) -> tuple[Floats, Floats]:
+        """Bounds of the numbers that are told, lower and upper, (n_told,) each."""
+        return self._bounds[0][self._told], self._bounds[1][self._told]
 
     @property
     def generations(self) -> int:
@@ -131,7 +148,10 @@ class IncrementalKinematics:
         """
         if not len(q):
             return
-        new = tip_sums(self.arm, q, displacement, rest, trial, blocks=-(-len(q) // _BLOCK_SAMPLES))
+        blocks = -(-len(q) // _BLOCK_SAMPLES)
+        new = tip_sums(self.arm, q, displacement, rest, trial, blocks, self._angle_noise)
+        if self._angle_noise is not None:
+            self._measured = (self._measured + tip_sums(self.arm, q, displacement, rest, trial, 1)).total()
         self._total = (self._total + new).total()
         last = self._parts[-1] if self._parts else None
         if last is not None and last.samples < _BLOCK_SAMPLES and last.trial[-1] == trial and len(new.trial) == 1:
@@ -150,8 +170,7 @@ class IncrementalKinematics:
             Error of the best one's tip displacement, rms [m]; NaN as long as nothing can be told.
         """
         if self._changed:
-            self._whitened = self._total.whitened()
-            self._changed = False
+            self._whiten()
         if self._search.generation % _LOOK_AGAIN == 0:
             self._look()
         if not np.any(self._told):
@@ -162,6 +181,28 @@ class IncrementalKinematics:
         self._best = self._geometries(self._search.best[None])[0]
         self._tip_rms_m = float(np.sqrt(self._search.best_cost / self._total.samples))
         return self._tip_rms_m
+
+    def polish(self) -> None:
+        """Move the best geometry to the optimum next to it, by Gauss-Newton steps within the bounds."""
+        which, found = self._genes[self._told], self._best.copy()
+
+        def residual(genes: Floats) -> Floats:
+            found.flat[which] = genes
+            return np.asarray(self._residual(found[None])[0].ravel())
+
+        def slopes(genes: Floats) -> Floats:
+            found.flat[which] = genes
+            return self._slopes(jacobian(self._revolute, found, which)[:, :, 1:]).T
+
+        low, high = self.bounds
+        inside = np.clip(self._best.flat[which], low, high)
+        answer = scipy.optimize.least_squares(
+            residual, inside, slopes, (low, high), xtol=1e-15, ftol=1e-15, gtol=1e-15
+        )
+        cost = 2.0 * answer.cost + float(self._whitened.rest.sum())
+        if cost <= self._tip_rms_m**2 * self._total.samples:
+            found.flat[which] = answer.x
+            self._best, self._tip_rms_m = found, float(np.sqrt(cost / self._total.samples))
 
     def standard_errors(self) -> Floats:
         """Return the standard errors of the best geometry, NaN where it is not told, (n_joint, 5)."""
@@ -178,6 +219,17 @@ class IncrementalKinematics:
             std[which] = np.sqrt(np.diag(sandwich_covariance(W, grams, scores, sums.trial)))
         return std.reshape(self._best.shape)
 
+    def gauge(self) -> tuple[Gauge, ...]:
+        """Return which parameters show only together, or not at all, in the frames so far."""
+        everything = np.arange(self._best.size)
+        scale = 1.0 / np.sqrt(max(self.samples, 1))
+        geometry = with_parallel_axes(self.arm, self._best)
+        effects = self._slopes(jacobian(self._revolute, geometry, everything)[:, :, 1:])
+        C = coefficients(self._revolute, geometry[None])[0, :, 1:]
+        base = self._slopes(np.cross(np.eye(3)[:, :, None], C[None], axis=1)) * np.pi / 3.0
+        ranges = np.where(self._every_range > 0.0, self._every_range, 1.0)
+        return gauge(geometry_names(self.arm.n_joint), effects * ranges[:, None] * scale, base * scale)
+
     def promise(self) -> float:
         """Return the share by which a Gauss-Newton step would lower the cost of the best one."""
         J = jacobian(self._revolute, self._best, self._genes[self._told])[:, :, 1:]
@@ -186,6 +238,14 @@ class IncrementalKinematics:
         lowered = float(np.sum((self._slopes(J).T @ step) ** 2))
         floor = 1e-18 * float(self._total.power.sum())
         return lowered / max(float(residual @ residual) + float(np.sum(self._whitened.rest)), floor, 1e-300)
+
+    def _whiten(self) -> None:
+        total, self._changed = self._total, False
+        if self._angle_noise is None:
+            self._whitened = total.whitened()
+            return
+        parts = total.gram[0], total.moment[0], total.power[0]
+        self._whitened = reliable(self._measured.whitened(), *parts, total.samples)
 
     def _look(self) -> None:
         """Find out which genes the sums tell."""
@@ -218,20 +278,3 @@ class IncrementalKinematics:
     def _cost(self, genes: Floats) -> Floats:
         residual = self._residual(self._geometries(genes)).reshape(len(genes), -1)
         return np.asarray(np.einsum("ij,ij->i", residual, residual) + self._whitened.rest.sum())
-
-
-def _bounds(
-    names: tuple[str, ...], prior: Floats, given: Mapping[str, tuple[float, float]]
-) -> tuple[Floats, Floats]:
-    bounds = np.empty((2, len(names)))
-    for k, name in enumerate(names):
-        kind = GEOMETRY[k % len(GEOMETRY)]
-        around = _AROUND.get(kind, 0.0)
-        default = (prior[k] - around, prior[k] + around)
-        if kind == "a":
-            default = (min(0.0, 2.0 * prior[k]), max(LONGEST_LINK_M, 2.0 * prior[k]))
-        low, high = given.get(name, default)
-        if not -np.inf < low <= high < np.inf:
-            raise ConfigError(f"bounds of {name} are {low} and {high}, expected finite and ordered")
-        bounds[:, k] = low, high
-    return bounds[0], bounds[1]

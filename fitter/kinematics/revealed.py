@@ -20,7 +20,7 @@ NEARLY_PARALLEL_RAD = float(np.deg2rad(10.0))
 #: A parameter that moves the tip by less than this (rms) over its whole range can't be told.
 RESOLUTION_M = 2e-3
 #: The same as a share of what the parameter would do if it were the only one.
-_SMALLEST_SHARE = 1e-4
+SMALLEST_SHARE = 1e-4
 
 
 def sought_by_default(arm: Arm) -> NDArray[np.bool_]:
@@ -30,7 +30,7 @@ def sought_by_default(arm: Arm) -> NDArray[np.bool_]:
     are nearly parallel; not beta between axes that are not.
     """
     sought = np.ones((arm.n_joint, len(GEOMETRY)), dtype=bool)
-    parallel = np.abs(np.sin(geometry_of(arm)[:, 0])) < np.sin(NEARLY_PARALLEL_RAD)
+    parallel = _nearly_parallel(arm)
     sought[:, GEOMETRY.index("d")] = ~parallel
     sought[:, GEOMETRY.index("beta")] = parallel
     sought[0, [GEOMETRY.index(name) for name in ("alpha", "d", "beta")]] = False
@@ -52,16 +52,33 @@ def revealed(effects: Floats, which: NDArray[np.intp]) -> NDArray[np.bool_]:
     -------
     (n_parameter,) bool
     """
-    order = sorted(
-        range(len(which)), key=lambda k: (_PREFERENCE.index(GEOMETRY[which[k] % len(GEOMETRY)]), which[k])
-    )
     told, known = np.zeros(len(which), dtype=bool), np.zeros((0, effects.shape[1]))
-    for k in order:
+    for k in by_preference(which):
         new = effects[k]
         for _ in range(2):  # once more, for the rounding of the first time
             new = new - known.T @ (known @ new)
         size = float(np.linalg.norm(new))
-        if size > max(RESOLUTION_M, _SMALLEST_SHARE * float(np.linalg.norm(effects[k]))):
+        if size > max(RESOLUTION_M, SMALLEST_SHARE * float(np.linalg.norm(effects[k]))):
             told[k] = True
             known = np.vstack([known, new / size])
     return told
+
+
+def with_parallel_axes(arm: Arm, geometry: Floats) -> Floats:
+    """Return a geometry in which the axes that are nearly parallel in an arm are so exactly, (n_joint, 5)."""
+    parallel, exactly = _nearly_parallel(arm), geometry.copy()
+    alpha, beta = GEOMETRY.index("alpha"), GEOMETRY.index("beta")
+    exactly[parallel, alpha] = np.pi * np.round(geometry[parallel, alpha] / np.pi)
+    exactly[parallel, beta] = 0.0
+    return exactly
+
+
+def _nearly_parallel(arm: Arm) -> NDArray[np.bool_]:
+    return np.asarray(np.abs(np.sin(geometry_of(arm)[:, 0])) < np.sin(NEARLY_PARALLEL_RAD))
+
+
+def by_preference(which: NDArray[np.intp]) -> list[int]:
+    """Return the order in which parameters at these places of the flattened geometry are taken."""
+    return sorted(
+        range(len(which)), key=lambda k: (_PREFERENCE.index(GEOMETRY[which[k] % len(GEOMETRY)]), which[k])
+    )

@@ -12,6 +12,8 @@ from numpy.typing import NDArray
 
 from arm.model import Arm, Floats
 
+Complexes = NDArray[np.complex128]
+
 #: The geometry of one joint, in the order of `arm.chain.Chain.geometry`, and its units.
 GEOMETRY = ("alpha", "a", "d", "beta", "theta_offset")
 UNITS = ("rad", "m", "m", "rad", "rad")

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from arm.chain import joint_rows
 from arm.model import Arm, Floats
+from fitter.kinematics.angle_products import basis_factor, undone_gram
 from fitter.kinematics.tip_basis import basis, turning
 from fitter.search.whitened import Whitened, whiten
 from limbcal.errors import DataError
@@ -103,6 +104,7 @@ def tip_sums(
     rest: Floats | None = None,
     trial: int = 0,
     blocks: int = _BLOCKS,
+    angle_noise: Floats | None = None,
 ) -> TipSums:
     """Reduce a stretch of one trial to its sums.
 
@@ -120,6 +122,10 @@ def tip_sums(
         Number of the trial.
     blocks : int
         How many blocks to part the stretch into, at most.
+    angle_noise : (n_joint,) [rad or m], optional
+        Standard deviation of white Gaussian noise in ``q``: the sums are then those that angles without it
+        would have, in expectation. They may fail to be sums of any angles, see
+        `fitter.kinematics.reliable.reliable`.
 
     Returns
     -------
@@ -134,18 +140,56 @@ def tip_sums(
     if tip.shape != (len(angles), 3):
         raise DataError(f"tip has shape {tip.shape}, expected ({len(angles)}, 3) to go with q")
     revolute = turning(arm)
+    if angle_noise is not None and np.any(angle_noise > 0.0):
+        at_rest = None if rest is None else joint_rows(arm, "rest", rest)
+        return _corrected(revolute, angles, tip, at_rest, trial, blocks, np.square(angle_noise))
     if rest is None:
         origin = _mean_basis(revolute, angles)
         tip = tip - tip.mean(axis=0)
     else:
         origin = _mean_basis(revolute, joint_rows(arm, "rest", rest))
-    sums = _zeros(len(origin) - 1, max(1, min(blocks, _BLOCKS, len(angles))), trial)
-    n_block = len(sums.trial)
-    ends = np.linspace(0, len(angles), n_block + 1).astype(np.intp)
-    for block in range(n_block):
+    return _summed(revolute, angles, tip, origin[1:], trial, blocks)
+
+
+def _corrected(
+    revolute: tuple[bool, ...],
+    q: Floats,
+    tip: Floats,
+    rest: Floats | None,
+    trial: int,
+    blocks: int,
+    variance: Floats,
+) -> TipSums:
+    """Return the sums with the noise of the angles undone, and only then counted from the origin."""
+    factor = basis_factor(revolute, variance)
+    tip = tip - tip.mean(axis=0) if rest is None else tip
+    sums = _summed(revolute, q, tip, np.zeros(len(factor)), trial, blocks)
+    gram, moment = undone_gram(revolute, sums.gram, variance), factor[:, None] * sums.moment
+    if rest is None:
+        there, clean, n_origin = sums.gram.sum(axis=0), gram.sum(axis=0), len(q)
+    else:
+        there = _summed(revolute, rest, np.zeros((len(rest), 3)), np.zeros(len(factor)), trial, 1).gram[0]
+        clean, n_origin = undone_gram(revolute, there[None], variance)[0], len(rest)
+    origin = clean[0] / n_origin
+    # The origin's own noise, squared, counts once too often where it is foreign, and is lacking in a mean.
+    own = (factor[:, None] * there * factor - clean) / n_origin**2
+    about = np.outer(origin, origin) + (own if rest is None else -own)
+    cross = gram[:, :, :1] * origin
+    gram = gram - cross - np.swapaxes(cross, 1, 2) + sums.count[:, None, None] * about
+    moment = moment - origin[:, None] * moment[:, :1]
+    return TipSums(gram[:, 1:, 1:], moment[:, 1:], sums.power, sums.count, sums.trial)
+
+
+def _summed(
+    revolute: tuple[bool, ...], q: Floats, tip: Floats, origin: Floats, trial: int, blocks: int
+) -> TipSums:
+    """Return the sums of as many of the basis functions, from the last, as the origin has, less the origin."""
+    sums = _zeros(len(origin), max(1, min(blocks, _BLOCKS, len(q))), trial)
+    ends = np.linspace(0, len(q), len(sums.trial) + 1).astype(np.intp)
+    for block in range(len(sums.trial)):
         for start in range(ends[block], ends[block + 1], _CHUNK):
             part = slice(start, min(start + _CHUNK, ends[block + 1]))
-            phi = basis(revolute, angles[part])[:, 1:] - origin[1:]
+            phi = basis(revolute, q[part])[:, -len(origin) :] - origin
             sums.gram[block] += phi.T @ phi
             sums.moment[block] += phi.T @ tip[part]
             sums.power[block] += np.einsum("ki,ki->i", tip[part], tip[part])

@@ -10,8 +10,9 @@ from fitter.data.first_rest import displacement
 from fitter.data.measured_tip import with_measured_tip
 from fitter.data.motions import Measured, require_rising
 from fitter.data.trials import Trial, to_trials
+from fitter.dynamics.dynamics_fit import DynamicsFit
 from fitter.dynamics.evaluation import Score, score
-from fitter.dynamics.fit import DynamicsFit, fit_dynamics
+from fitter.dynamics.fit import fit_dynamics
 from fitter.kinematics.evaluation import TipScore, tip_score
 from fitter.kinematics.fit import KinematicsFit, fit_of
 from fitter.kinematics.incremental import IncrementalKinematics

@@ -60,6 +60,11 @@ def angles_figure(motions: Sequence[Comparison]) -> bytes:
     bytes
         PNG.
     """
+    return png(draw_angles(motions))
+
+
+def draw_angles(motions: Sequence[Comparison], labels: tuple[str, str] = ("measured", "simulated")) -> Figure:
+    """Draw two sets of angles of all motions, one after the other, and how far they are apart."""
     n_joint = motions[0].measured.shape[1]
     figure = Figure(figsize=(12, 2.6 * n_joint + 1.6), layout="constrained")
     rows = figure.subplots(n_joint + 1, 1, sharex=True, height_ratios=[*[3] * n_joint, 1.6])
@@ -74,14 +79,14 @@ def angles_figure(motions: Sequence[Comparison]) -> bytes:
                 color=MEASURED,
                 lw=4.5,
                 alpha=0.4,
-                label="measured" if first else None,
+                label=labels[0] if first else None,
             )
             rows[joint].plot(
                 t,
                 motion.shown[:, joint] * motion.scale[joint],
                 color=SIMULATED,
                 lw=1.0,
-                label="simulated" if first else None,
+                label=labels[1] if first else None,
             )
         rows[-1].plot(t, motion.error.max(axis=1), color=ERROR, lw=0.8)
         start = float(t[-1])
@@ -93,7 +98,7 @@ def angles_figure(motions: Sequence[Comparison]) -> bytes:
     rows[-1].set_xlabel("time, motions one after the other [s]")
     rows[-1].grid(alpha=0.25)
     _mark_parts(rows, motions)
-    return png(figure)
+    return figure
 
 
 def error_figure(motions: Sequence[Comparison]) -> bytes:

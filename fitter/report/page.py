@@ -11,11 +11,12 @@ from limbcal.errors import DeviceError
 _STYLE = """
 body { font: 16px/1.5 system-ui, sans-serif; color: #1c1c1c; max-width: 62rem; margin: 2rem auto; padding: 0 1rem }
 h1 { font-size: 1.6rem; margin-bottom: 0 } h2 { font-size: 1.15rem; margin: 2rem 0 .4rem }
+h3 { font-size: 1rem; margin: 1.2rem 0 .2rem } summary { color: #555; cursor: pointer }
 p.lead { color: #555; margin-top: .2rem } img { max-width: 100% }
 table { border-collapse: collapse; margin: .6rem 0; font-variant-numeric: tabular-nums }
 th, td { padding: .25rem .8rem; text-align: right; border-bottom: 1px solid #ddd }
 th:first-child, td:first-child { text-align: left } th { border-bottom: 2px solid #888; font-weight: 600 }
-td.quiet { color: #999 }
+td.quiet { color: #999 } div.wide { overflow-x: auto } td { white-space: nowrap }
 """
 
 Row = Sequence[str | float | None]
@@ -34,11 +35,27 @@ class Page:
         if text:
             self._parts.append(f"<p>{html.escape(text)}</p>")
 
-    def table(self, header: Sequence[str], rows: Sequence[Row]) -> None:
+    def points(self, sentences: Sequence[str]) -> None:
+        """Add sentences one below the other."""
+        if sentences:
+            self._parts.append(f"<ul>{''.join(f'<li>{html.escape(text)}</li>' for text in sentences)}</ul>")
+
+    def note(self, title: str, sentences: Sequence[str]) -> None:
+        """Add sentences that are folded away until somebody asks for them."""
+        if sentences:
+            self._parts.append(f"<details><summary>{html.escape(title)}</summary>")
+            self.points(sentences)
+            self._parts.append("</details>")
+
+    def table(self, header: Sequence[str], rows: Sequence[Row], title: str = "") -> None:
         """Add a table; numbers are rounded, what is missing is a dash."""
+        if title:
+            self._parts.append(f"<h3>{html.escape(title)}</h3>")
         head = "".join(f"<th>{html.escape(cell)}</th>" for cell in header)
         body = "".join(f"<tr>{''.join(_cell(cell) for cell in row)}</tr>" for row in rows)
-        self._parts.append(f"<table><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table>")
+        self._parts.append(
+            f'<div class="wide"><table><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table></div>'
+        )
 
     def picture(self, png: bytes, caption: str) -> None:
         """Add a picture; it is inside the file."""

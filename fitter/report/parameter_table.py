@@ -15,7 +15,7 @@ def parameter_table(
     A parameter that the data said nothing of is shown without a standard error, in brackets.
     """
     table = Table(title=title, title_justify="left", caption="(in brackets: not revealed by this data)")
-    for column in ("parameter", "value", "std"):
+    for column in ("parameter", "value", "std", "95 % interval"):
         table.add_column(column, justify="left" if column == "parameter" else "right", no_wrap=True)
     for name in beside:
         table.add_column(name, justify="right", overflow="fold", min_width=9)
@@ -24,7 +24,8 @@ def parameter_table(
         known = [f"{values[name]:.6f}" if name in values else "–" for values in beside.values()]
         value = f"{p.value:.6f}"
         if p.identifiable:
-            table.add_row(name, value, f"{p.std:.2g}", *known, p.unit)
+            ci95 = "–" if p.ci95 is None else f"{p.ci95[0]:.5g} … {p.ci95[1]:.5g}"
+            table.add_row(name, value, f"{p.std:.2g}", ci95, *known, p.unit)
         else:
-            table.add_row(name, f"({value})", "–", *known, p.unit)
+            table.add_row(name, f"({value})", "–", "–", *known, p.unit)
     return table

@@ -10,7 +10,7 @@ from arm.arm_file import save_arm
 from arm.model import Arm
 from fitter.data.motion_file import write_motion
 from fitter.data.trials import Trial
-from fitter.dynamics import fit as dynamics
+from fitter.dynamics import dynamics_fit as dynamics
 from fitter.dynamics.evaluation import motion_error
 from fitter.dynamics.learned_torque import target_of
 from fitter.kinematics import fit as kinematics

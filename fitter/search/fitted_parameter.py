@@ -8,6 +8,8 @@ from numpy.typing import NDArray
 
 from arm.model import Floats
 
+_NORMAL_95 = 1.959964
+
 
 @dataclass(frozen=True)
 class FittedParameter:
@@ -27,6 +29,13 @@ class FittedParameter:
     unit: str
     identifiable: bool
 
+    @property
+    def ci95(self) -> tuple[float, float] | None:
+        """The interval that holds the truth in 95 of 100 cases; None where nothing is known of it."""
+        if not np.isfinite(self.std):
+            return None
+        return self.value - _NORMAL_95 * self.std, self.value + _NORMAL_95 * self.std
+
     def document(self) -> dict[str, object]:
         """Return the parameter as it stands in a fit's JSON document."""
         return {
@@ -34,6 +43,7 @@ class FittedParameter:
             "std": self.std,
             "unit": self.unit,
             "identifiable": self.identifiable,
+            "ci95": self.ci95,
         }
 
 

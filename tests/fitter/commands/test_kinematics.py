@@ -10,7 +10,12 @@ from arm.kinematics import tip_position
 from fitter.data.motion_file import write_motion
 
 NAMES = [f"{name}{j}" for j in (1, 2) for name in ("alpha", "a", "d", "beta", "theta_offset")]
-KEYS = {"parameters", "method", "generations", "samples", "seconds", "tip_error_mm", "angle_noise_deg"}
+KEYS = {"parameters", "method", "generations", "samples", "seconds", "tip_error_mm"} | {
+    "angle_noise_deg",
+    "angle_noise_source",
+    "about",
+    "gauge",
+}
 
 
 @pytest.fixture(scope="module")
@@ -39,14 +44,17 @@ def test_the_document_is_the_contracts(fitter, files, guess, tmp_path):
     document = outcome.document
     assert set(document) == KEYS
     assert list(document["parameters"]) == NAMES
-    assert all(set(p) == {"value", "std", "unit", "identifiable"} for p in document["parameters"].values())
+    assert all(set(p) == {"value", "std", "unit", "identifiable", "ci95"} for p in document["parameters"].values())
     assert document["method"] == "ga" and document["generations"] == 500 and document["samples"] == 1350
     assert set(document["tip_error_mm"]) == {"learn", "evaluate"}
     assert all(set(error) == {"mean", "max"} for error in document["tip_error_mm"].values())
-    assert document["angle_noise_deg"] == [None, None]
+    assert document["angle_noise_deg"] == pytest.approx([0.0, 0.0], abs=0.05)
+    assert document["angle_noise_source"] == "spectrum" and document["about"] == "rest"
+    assert ["theta_offset1"] in [freedom["parameters"] for freedom in document["gauge"]]
+    assert "not told: d1" in outcome.said
     a1, d1 = document["parameters"]["a1"], document["parameters"]["d1"]
     assert a1["value"] == pytest.approx(0.25, abs=1e-6) and a1["identifiable"] and a1["unit"] == "m"
-    assert d1 == {"value": 0.0, "std": None, "unit": "m", "identifiable": False}
+    assert d1 == {"value": 0.0, "std": None, "unit": "m", "identifiable": False, "ci95": None}
     assert document["tip_error_mm"]["evaluate"]["max"] < 1e-2
     arm = load_arm(out)
     assert [joint.a_m for joint in arm.joints] == pytest.approx([0.25, 0.3], abs=1e-6)
@@ -105,3 +113,40 @@ def test_an_arm_without_a_tip_cannot_say_what_a_recording_measured(fitter, recor
     assert outcome.code == 2
     assert outcome.errors == ["error: arm 'dd-arm' has no [tip], expected the sensor that measures it"]
     assert not (tmp_path / "arm.toml").exists()
+
+
+@pytest.fixture(scope="module")
+def one_by_one(short_run, tmp_path_factory):
+    """Write samples as table 1 has them: angles at random, with 15 degrees of noise, and a tip with 30 mm."""
+    rng = np.random.default_rng(0)
+    q = rng.uniform(-np.pi, np.pi, (20_000, 2))
+    tip = tip_position(short_run.arm, q) + 0.03 * rng.normal(size=(20_000, 3))
+    noisy = q + np.deg2rad(15.0) * rng.normal(size=q.shape)
+    path = tmp_path_factory.mktemp("table1") / "samples.npz"
+    write_motion(path, {"t": 0.001 * np.arange(20_000), "q": noisy, "tip": tip})
+    return path
+
+
+def test_table_1_with_no_further_option(fitter, one_by_one, tmp_path):
+    outcome = fitter("kinematics", one_by_one, "--arm", "dd-arm", "--out", tmp_path / "arm.toml")
+    assert outcome.code == 0
+    assert outcome.document["angle_noise_source"] == "moments" and outcome.document["about"] == "mean"
+    assert outcome.document["angle_noise_deg"] == pytest.approx([15.0, 15.0], abs=1.0)
+    assert outcome.document["parameters"]["a1"]["value"] == pytest.approx(0.25, abs=1.5e-3)
+    assert outcome.document["parameters"]["a2"]["value"] == pytest.approx(0.3, abs=1.5e-3)
+    assert "estimated together with the geometry" in outcome.said
+
+
+def test_noise_that_is_given(fitter, one_by_one, tmp_path):
+    def lengths(*options):
+        outcome = fitter("kinematics", one_by_one, "--arm", "dd-arm", "--out", tmp_path / "arm.toml", *options)
+        return [outcome.document["parameters"][name]["value"] for name in ("a1", "a2")], outcome
+
+    plain, outcome = lengths("--angle-noise-deg", "0")
+    assert plain[1] < 0.29 and outcome.document["angle_noise_deg"] == [0.0, 0.0]
+    known, outcome = lengths("--angle-noise-deg", "15,15")
+    assert known == pytest.approx([0.25, 0.3], abs=2e-3)
+    assert outcome.document["angle_noise_source"] == "known"
+    for wrong in ("-1", "1,2,3", "much"):
+        arguments = ("--arm", "dd-arm", "--out", tmp_path / "arm.toml", f"--angle-noise-deg={wrong}")
+        assert fitter("kinematics", one_by_one, *arguments).code == 2

@@ -12,8 +12,10 @@ from arm.model import Arm, Control, Joint, Link
 from arm.regressor import standard_parameters
 from fitter.data.motion_file import write_motion
 from fitter.data.trials import load_trials
+from fitter.dynamics.dynamics_fit import document
 from fitter.dynamics.evaluation import score
-from fitter.dynamics.fit import document, fit_dynamics, fit_sums
+from fitter.dynamics.fit import fit_dynamics
+from fitter.dynamics.torque_search import fit_sums
 from fitter.dynamics.torque_sums import add_up
 from fitter.dynamics.trial_sums import trial_sums
 from limbcal.command import to_json
@@ -133,6 +135,8 @@ def test_progress_and_document(bench_trials):
         "condition_number",
         "torque_rms_N_m",
         "angle_error_deg",
+        "objective",
+        "notes",
     ]
     assert list(result["parameters"]) == [*BASE.names, "F1", "F2"]
     assert result["parameters"]["F1"] == {

@@ -110,11 +110,17 @@ def test_document(bench_trials):
         "seconds",
         "tip_error_mm",
         "angle_noise_deg",
+        "angle_noise_source",
+        "about",
+        "gauge",
     ]
     assert list(result["parameters"]) == [f"{name}{i}" for i in (1, 2) for name in GEOMETRY]
     assert result["method"] == "ga"
     assert result["parameters"]["a1"]["unit"] == "m"
     assert result["parameters"]["theta_offset2"]["unit"] == "rad"
     assert set(result["tip_error_mm"]["evaluate"]) == {"mean", "max"}
-    assert result["angle_noise_deg"] == [None, None]
+    assert result["angle_noise_deg"] == pytest.approx([0.0, 0.0], abs=0.05)
+    assert result["angle_noise_source"] == "spectrum"
+    assert result["about"] == "rest"
+    assert {"parameters": ["d1"], "why": "the displacement of the tip shows nothing of it"} in result["gauge"]
     assert document(fit, tip_score(fit.arm, bench_trials))["tip_error_mm"]["evaluate"] is None

@@ -1,0 +1,138 @@
+"""Base parameters from the sums of some trials: eq. (9), searched by the genetic algorithm, then polished."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import astuple, replace
+
+import numpy as np
+
+from arm.base_parameters import BaseParameters, with_base_values
+from arm.model import Arm, Estimate, Floats
+from arm.regressor import standard_parameters
+from fitter.dynamics.dynamics_fit import DynamicsFit, Method
+from fitter.dynamics.torque_problem import TorqueProblem, torque_problem
+from fitter.dynamics.torque_sums import TorqueSums
+from fitter.search.fitted_parameter import FittedParameter, fitted_parameters
+from fitter.search.genetic import INDIVIDUALS_PER_GENE, POPULATION, GeneticAlgorithm
+from limbcal.errors import ConfigError, NotConverged
+
+#: Told after every generation: how many are done, and the best cost.
+Progress = Callable[[int, float], None]
+
+GENERATIONS = 1000
+#: The search has ended too soon if it is worse than the optimum within its bounds by more than this share.
+_NOT_CONVERGED = 1e-3
+
+
+def fit_sums(
+    arm: Arm,
+    base: BaseParameters,
+    sums: TorqueSums,
+    *,
+    seed: int | np.random.Generator = 0,
+    population: int | None = None,
+    generations: int = GENERATIONS,
+    bounds: Mapping[str, tuple[float, float]] | None = None,
+    fixed: Mapping[str, float] | None = None,
+    method: Method = "ga",
+    progress: Progress | None = None,
+) -> DynamicsFit:
+    """Learn the base parameters from sums that may have come from anywhere; see `fitter.dynamics.fit`."""
+    _check_names(base, bounds or {}, fixed or {})
+    index = {name: k for k, name in enumerate(base.names)}
+    prior = base.combination @ standard_parameters(arm)
+    problem = torque_problem(sums, prior, {index[name]: value for name, value in (fixed or {}).items()})
+    size = population or max(POPULATION, INDIVIDUALS_PER_GENE * len(problem.free))
+    optimum = genes = problem.optimum()
+    if method == "ga":
+        lower, upper = _bounds(base, problem, bounds or {})
+        genes = _search(problem, lower, upper, np.random.default_rng(seed), size, generations, progress)
+        if np.all((lower <= optimum) & (optimum <= upper)):
+            genes = optimum  # the local polish: on the sums one Newton step ends it
+    return assembled(
+        DynamicsFit(
+            arm=arm,
+            parameters={},
+            method=method,
+            objective="torque",
+            generations=generations if method == "ga" else 0,
+            population=size if method == "ga" else 0,
+            samples=sums.samples,
+            seconds=0.0,
+            condition_number=problem.condition_number,
+            cost=float(problem.cost(genes[None])[0]),
+            base=base,
+            problem=problem,
+            covariance=problem.covariance(problem.complete(genes)),
+        ),
+        genes,
+    )
+
+
+def assembled(fit: DynamicsFit, genes: Floats) -> DynamicsFit:
+    """Return a fit whose arm and parameters have these values of the free parameters, (n_free,)."""
+    base, problem, arm = fit.base, fit.problem, fit.arm
+    values = problem.complete(genes)
+    std = np.full(len(values), np.nan)
+    std[problem.free] = np.sqrt(np.maximum(np.diag(fit.covariance), 0.0))
+    parameters = fitted_parameters(base.names, values, std, base.units, problem.revealed)
+    learnt = {base.names[k]: Estimate(*astuple(parameters[base.names[k]])[:2]) for k in problem.free}
+    static = {name: p for name, p in fit.parameters.items() if name not in parameters} or _static_friction(arm)
+    return replace(
+        fit,
+        arm=replace(with_base_values(arm, base, values), base_parameters=learnt),
+        parameters=parameters | static,
+    )
+
+
+def _check_names(base: BaseParameters, *named: Mapping[str, object]) -> None:
+    unknown = sorted({name for names in named for name in names} - set(base.names))
+    if unknown:
+        raise ConfigError(
+            f"no base parameter is called {', '.join(unknown)}; this arm has {', '.join(base.names)}"
+        )
+
+
+def _bounds(
+    base: BaseParameters, problem: TorqueProblem, given: Mapping[str, tuple[float, float]]
+) -> tuple[Floats, Floats]:
+    lower, upper = problem.bounds()
+    for gene, k in enumerate(problem.free):
+        low, high = given.get(base.names[k], (lower[gene], upper[gene]))
+        if not -np.inf < low <= high < np.inf:
+            raise ConfigError(f"bounds of {base.names[k]} are {low} and {high}, expected finite and ordered")
+        lower[gene], upper[gene] = low, high
+    return lower, upper
+
+
+def _search(
+    problem: TorqueProblem,
+    lower: Floats,
+    upper: Floats,
+    rng: np.random.Generator,
+    population: int,
+    generations: int,
+    progress: Progress | None,
+) -> Floats:
+    algorithm = GeneticAlgorithm(lower, upper, rng, population)
+    for _ in range(generations):
+        algorithm.tell(problem.cost(algorithm.ask()))
+        if progress is not None:
+            progress(algorithm.generation, algorithm.best_cost)
+    optimum = problem.optimum()
+    excess = algorithm.best_cost - float(problem.cost(optimum[None])[0])
+    allowed = _NOT_CONVERGED * problem.rest + 1e-9 * float(problem.z @ problem.z)
+    if np.all((lower <= optimum) & (optimum <= upper)) and not excess <= allowed:
+        raise NotConverged(
+            f"after {generations} generations of {population} the cost {algorithm.best_cost:.6g} is still "
+            f"{excess:.3g} above the optimum; expected no more than {allowed:.3g}, so give it more generations"
+        )
+    return algorithm.best
+
+
+def _static_friction(arm: Arm) -> dict[str, FittedParameter]:
+    return {
+        f"F{i + 1}": FittedParameter(
+            joint.friction.static_N_m, np.nan, "N m" if joint.type == "revolute" else "N", False
+        )
+        for i, joint in enumerate(arm.joints)
+    }

@@ -1,0 +1,1 @@
+"""Motions that reveal an arm: what to ask of it, within what it may do."""

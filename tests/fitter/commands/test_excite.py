@@ -1,0 +1,95 @@
+"""`fitter excite`."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from arm.arm_file import load_arm, save_arm
+from arm.model import Control
+
+QUICK = ("--trials", "2", "--rate-hz", "200", "--population", "12", "--generations", "3")
+
+
+@pytest.fixture
+def suggested(fitter, tmp_path):
+    out = tmp_path / "reference.npz"
+    return fitter("excite", "--arm", "dd-arm", "--kind", "points", *QUICK, "--out", out), out
+
+
+def test_the_document(suggested):
+    outcome, out = suggested
+    assert outcome.code == 0
+    document = outcome.document
+    assert list(document) == [
+        *("out", "arm", "kind", "law", "trials", "seconds", "rate_hz", "samples", "torque_noise"),
+        *("condition_number", "relative_std", "limits", "reached"),
+    ]
+    assert document["out"] == str(out)
+    assert document["samples"] == 2700
+    assert document["torque_noise"]["share"] == 0.01
+    assert set(document["relative_std"]["I2"]) == set(document["condition_number"]) == {"suggested", "random"}
+    for name in ("angle_deg", "speed", "torque"):
+        assert np.all(np.array(document["reached"][name]) <= np.array(document["limits"][name]))
+        assert document["limits"]["given"][name] is False
+    assert "predicted standard errors, 1% noise of the torque" in " ".join(outcome.said.split())
+
+
+def test_the_file_is_what_simulate_reads(fitter, suggested, tmp_path):
+    out = tmp_path / "motion.npz"
+    outcome = fitter("simulate", "--arm", "dd-arm", "--reference", suggested[1], "--out", out)
+    assert outcome.code == 0
+    asked, moved = np.load(suggested[1]), np.load(out)
+    assert outcome.document["trials"] == 2
+    for name in ("ref1", "ref2"):
+        assert np.array_equal(asked[name], moved[name])
+    for name in ("q1", "q2"):
+        assert np.allclose(asked[name], moved[name], atol=1e-9)
+
+
+def test_the_same_seed_gives_the_same_bytes(fitter, tmp_path):
+    outs = [tmp_path / "1.csv", tmp_path / "2.csv"]
+    for out in outs:
+        arguments = (
+            "--trials",
+            "1",
+            "--rate-hz",
+            "100",
+            "--population",
+            "10",
+            "--generations",
+            "2",
+            "--seed",
+            "3",
+        )
+        assert fitter("excite", "--arm", "dd-arm", *arguments, "--out", out).code == 0
+    assert outs[0].read_bytes() == outs[1].read_bytes()
+
+
+def test_measured_torque_drives_the_suggestion(fitter, tmp_path):
+    save_arm(replace(load_arm("dd-arm"), control=Control()), tmp_path / "arm.toml")
+    ref, out = tmp_path / "ref.parquet", tmp_path / "motion.npz"
+    arguments = ("--arm", tmp_path / "arm.toml")
+    assert fitter("excite", *arguments, *QUICK, "--kind", "points", "--out", ref).code == 0
+    assert fitter("simulate", *arguments, "--reference", ref, "--out", out).code == 0
+    moved = np.load(out)
+    assert np.abs(moved["q1"] - moved["ref1"]).max() < 0.05
+
+
+def test_limits_and_names(fitter, tmp_path):
+    out = tmp_path / "ref.npz"
+    given = ("--max-angle-deg", "40,20", "--max-speed", "0.5", "--max-torque", "4", "--reveal", "I2,m2*sx2")
+    outcome = fitter("excite", "--arm", "dd-arm", *QUICK, *given, "--out", out)
+    assert outcome.code == 0
+    assert outcome.document["limits"]["angle_deg"] == pytest.approx([40.0, 20.0])
+    assert outcome.document["limits"]["speed"] == [0.5, 0.5]
+    assert outcome.document["limits"]["given"] == {"angle_deg": True, "speed": True, "torque": True}
+    for wrong, said in (
+        (("--reveal", "I9"), "no base parameter is called I9"),
+        (("--max-speed", "1,2,3"), "--max-speed has 3 numbers"),
+        (("--max-torque", "-1"), "expected numbers above 0"),
+    ):
+        outcome = fitter("excite", "--arm", "dd-arm", *QUICK, *wrong, "--out", out)
+        assert outcome.code == 2
+        assert said in outcome.errors[0]
+    assert fitter("excite", "--arm", "dd-arm", *QUICK, "--out", tmp_path / "ref.txt").code == 2
