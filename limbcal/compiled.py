@@ -12,6 +12,6 @@ def compiled(kernel: Kernel) -> Kernel:
     """Compile a function of plain floats and arrays to machine code, cached on disk.
 
     Division by zero follows IEEE 754 (``error_model="numpy"``) and the order of additions is kept, so that
-    the same input gives the same bytes.
+    the same input gives the same bytes. Other threads go on while a kernel runs.
     """
-    return cast(Kernel, numba.njit(cache=True, error_model="numpy")(kernel))
+    return cast(Kernel, numba.njit(cache=True, nogil=True, error_model="numpy")(kernel))

@@ -10,32 +10,41 @@ from rich.progress import Progress
 
 from arm.arm_file import load_arm, save_arm
 from arm.model import Arm, Control
+from fitter.commands.dynamics_said import say_compared, say_controller, say_fit
 from fitter.commands.options import (
     add_arm,
     add_columns,
     add_out,
     add_search,
+    at_least,
     bounds_of,
     fixed_of,
     make_room,
     positive,
 )
 from fitter.commands.trial_sets import trial_sets
+from fitter.data.first_rest import REST_SPEED
 from fitter.data.sources import RECORDINGS, expand
 from fitter.data.trials import Role, Trial, load_trials, undriven
+from fitter.dynamics import controller
+from fitter.dynamics.consistency import made_possible, with_warnings
 from fitter.dynamics.dynamics_fit import DynamicsFit, Objective, document
-from fitter.dynamics.evaluation import HORIZON_S, Score, score
+from fitter.dynamics.evaluation import HORIZON_S, score
 from fitter.dynamics.fit import fit_dynamics
-from fitter.dynamics.torque_search import GENERATIONS
-from fitter.report.compared import Compared, load_compared
-from fitter.report.parameter_table import parameter_table
+from fitter.dynamics.identifiability import report
+from fitter.dynamics.reduction import reduce_trials
+from fitter.dynamics.saved_sums import ArmSums, add_sums, equation_of, is_sums, load_sums
+from fitter.dynamics.structure import structural_parameters
+from fitter.dynamics.torque_search import GENERATIONS, fit_sums
+from fitter.report.compared import load_compared, scores_document
 from limbcal.command import Document, console, say
+from limbcal.errors import ConfigError
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Say what `fitter dynamics` takes."""
     parser.add_argument(
-        "learn", nargs="+", type=Path, metavar="LEARN", help="trials to learn from: files, folders"
+        "learn", nargs="+", type=Path, metavar="LEARN", help="trials to learn from: files, folders, or their sums"
     )
     parser.add_argument(
         "--evaluate", nargs="+", type=Path, default=[], metavar="EVAL", help="trials not learnt from"
@@ -63,6 +72,13 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--bounds", metavar="P=LOW:HIGH,…", help="where to search (wide, from the torque's size)")
     parser.add_argument("--fix", metavar="P=VALUE,…", help="parameters that are known")
     parser.add_argument(
+        "--unknown-gains",
+        action="store_true",
+        help="learn the law's gains too; one number given by --fix (kp1, I2, …) sets the scale of all others",
+    )
+    parser.add_argument("--workers", type=at_least(1), default=1, metavar="N", help="processes that reduce (1)")
+    parser.add_argument("--dask", metavar="tcp://…", help="scheduler of a Dask cluster that reduces them instead")
+    parser.add_argument(
         "--horizon",
         type=positive,
         default=HORIZON_S,
@@ -77,24 +93,29 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def dynamics(arguments: argparse.Namespace) -> Document:
     """Learn, evaluate, and write the calibrated arm."""
     arm = load_arm(arguments.arm)
+    make_room(arguments.out)
+    if arguments.workers > 1 or arguments.dask or any(is_sums(path) for path in arguments.learn):
+        return _from_sums(arguments, arm)
     compared = load_compared(arguments.compare, arm)
     learn, evaluate = _trials(arguments, arm)
     if arguments.no_torque:
         arm = replace(arm, control=Control())
         learn, evaluate = ([undriven(trial) for trial in trials] for trials in (learn, evaluate))
-    make_room(arguments.out)
     for trial in (*learn, *evaluate):
         for note in trial.notes:
             say(f"{trial.name}: {note}")
+    if arguments.unknown_gains:
+        return _with_gains(arguments, arm, learn, evaluate)
     fit = _fit(arguments, arm, learn)
     learnt = score(fit.arm, learn, arguments.horizon)
     evaluated = score(fit.arm, evaluate, arguments.horizon) if evaluate else None
     save_arm(fit.arm, arguments.out)
-    _print(fit, compared, learnt, evaluated)
-    answer = document(fit, learnt, evaluated)
+    revealed = report(arm, fit.base, fit.problem)
+    say_fit(fit, compared, learnt, evaluated, revealed)
+    answer = document(fit, learnt, evaluated) | {"identifiability": revealed.document()}
     if compared:
         answer["compared"] = {c.name: c.document(learn, evaluate, arguments.horizon) for c in compared}
-        _print_compared(answer["compared"])
+        say_compared(answer["compared"])
     return answer
 
 
@@ -105,7 +126,7 @@ def _fit(arguments: argparse.Namespace, arm: Arm, learn: Sequence[Trial]) -> Dyn
     with Progress(console=console, transient=True) as progress:
         task = progress.add_task("searching", total=arguments.generations)
         polish = progress.add_task("fitting the motion", total=None, visible=False)
-        fit = fit_dynamics(
+        return fit_dynamics(
             arm,
             learn,
             objective=objective,
@@ -120,7 +141,83 @@ def _fit(arguments: argparse.Namespace, arm: Arm, learn: Sequence[Trial]) -> Dyn
             progress=lambda done, _cost: progress.update(task, completed=done),
             polishing=lambda done, _rms: progress.update(polish, completed=done, visible=True),
         )
-    return fit
+
+
+def _from_sums(arguments: argparse.Namespace, arm: Arm) -> Document:
+    """Learn from sums, saved ones or those of many files, without ever holding the motion itself."""
+    if arguments.objective not in ("auto", "torque") or arguments.unknown_gains or arguments.no_torque:
+        raise ConfigError("sums know of the torque only: expected --objective torque, and no other way to learn")
+    saved, evaluate = _sums(arguments, arm), []
+    if arguments.evaluate:
+        evaluate = load_trials(
+            arguments.evaluate,
+            arm.n_joint,
+            arguments.columns,
+            rate_hz=arguments.rate_hz,
+            cutoff_hz=arguments.cutoff_hz,
+        )
+    base = structural_parameters(arm)
+    fit = fit_sums(
+        arm,
+        base,
+        saved.sums,
+        seed=arguments.seed,
+        population=arguments.population,
+        generations=arguments.generations,
+        bounds=bounds_of(arguments.bounds),
+        fixed=fixed_of(arguments.fix),
+        method=arguments.method,
+    )
+    fit = made_possible(fit) if arguments.physical else with_warnings(fit)
+    evaluated = score(fit.arm, evaluate, arguments.horizon) if evaluate else None
+    save_arm(fit.arm, arguments.out)
+    revealed = report(arm, base, fit.problem)
+    say_fit(fit, [], None, evaluated, revealed)
+    answer = document(fit, None, evaluated) | {"identifiability": revealed.document()}
+    values = np.array([fit.parameters[name].value for name in base.names])
+    rms = answer["torque_rms_N_m"]
+    assert isinstance(rms, dict)
+    rms["learn"] = saved.sums.rms(values).tolist()
+    return answer
+
+
+def _sums(arguments: argparse.Namespace, arm: Arm) -> ArmSums:
+    held = [is_sums(path) for path in arguments.learn]
+    if all(held):
+        saved = add_sums([load_sums(path) for path in arguments.learn], [str(path) for path in arguments.learn])
+        saved.require(equation_of(arm, REST_SPEED), str(arguments.learn[0]))
+        return saved
+    if any(held):
+        raise ConfigError(f"{arguments.learn[held.index(True)]}: sums among motions, expected one or the other")
+    with Progress(console=console, transient=True) as progress:
+        task = progress.add_task("reducing", total=None)
+        reduction = reduce_trials(
+            arm,
+            arguments.learn,
+            columns=arguments.columns,
+            rate_hz=arguments.rate_hz,
+            cutoff_hz=arguments.cutoff_hz,
+            workers=arguments.workers,
+            dask=arguments.dask,
+            progress=lambda done, files: progress.update(task, completed=done, total=files),
+        )
+    for note in reduction.notes:
+        say(note)
+    return reduction.saved
+
+
+def _with_gains(
+    arguments: argparse.Namespace, arm: Arm, learn: Sequence[Trial], evaluate: Sequence[Trial]
+) -> Document:
+    """Learn the gains of the law along with the arm."""
+    found = controller.fit_controller(arm, learn, fixed=fixed_of(arguments.fix))
+    save_arm(found.arm, arguments.out)
+    scores = {
+        role: score(found.arm, trials, arguments.horizon) if trials else None
+        for role, trials in (("learn", learn), ("evaluate", evaluate))
+    }
+    say_controller(found, scores)
+    return controller.document(found) | scores_document(scores)
 
 
 def _trials(arguments: argparse.Namespace, arm: Arm) -> tuple[list[Trial], list[Trial]]:
@@ -143,27 +240,3 @@ def _trials(arguments: argparse.Namespace, arm: Arm) -> tuple[list[Trial], list[
         )
 
     return trial_sets(load, arguments.learn, arguments.evaluate)
-
-
-def _print(fit: DynamicsFit, compared: list[Compared], learn: Score, evaluate: Score | None) -> None:
-    title = f"{fit.arm.name}: {fit.samples} samples, condition {fit.condition_number:.3g}"
-    console.print(parameter_table(title, fit.parameters, {c.name: c.parameters for c in compared}))
-    for role, s in (("learning", learn), ("evaluating", evaluate)):
-        if s is not None:
-            torque = ", ".join(f"{value:.4g}" for value in s.torque_rms_N_m)
-            say(
-                f"{role}: torque rms {torque} N·m a joint; simulated angle off by "
-                f"{s.angle_mean_deg:.3g}° mean, {s.angle_max_deg:.3g}° max"
-            )
-    for note in fit.notes:
-        say(note)
-
-
-def _print_compared(compared: object) -> None:
-    assert isinstance(compared, dict)
-    for name, fields in compared.items():
-        for role, title in (("learn", "learning"), ("evaluate", "evaluating")):
-            torque = fields["torque_rms_N_m"][role]
-            if torque is not None:
-                said = ", ".join(f"{value:.4g}" for value in torque)
-                say(f"{name}, {title}: torque rms {said} N·m a joint")

@@ -21,7 +21,7 @@ from limbcal.errors import DataError
 Floats = NDArray[np.float64]
 
 #: Rows read at a time.
-_BLOCK = 65_536
+BLOCK_ROWS = 65_536
 #: Joint values of a stretch, samples times joints: some 200 bytes each while it is filtered and reduced.
 STRETCH_VALUES = 500_000
 #: Joint values in which the corner is looked for, so that this is of bounded memory too.
@@ -91,7 +91,7 @@ def stretches_of(path: Path, n_joint: int, reading: Reading, only_nearest: bool 
             if motion.role != "evaluate":
                 yield Stretch(motion, slice(0, len(motion.t)), True, True)
         return
-    blocks = read_blocks(path, n_joint, parse_mapping(reading.columns, n_joint), reading.rate_hz, _BLOCK)
+    blocks = read_blocks(path, n_joint, parse_mapping(reading.columns, n_joint), reading.rate_hz, BLOCK_ROWS)
     if only_nearest:
         blocks = (replace(block, columns=_nearest(block)) for block in blocks)
 

@@ -5,9 +5,8 @@ factor give the same motion. One number that is known fixes the factor; nothing 
 """
 
 from collections.abc import Collection, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
-
-import numpy as np
 
 from arm.base_parameters import BaseParameters
 from arm.model import Arm, Estimate, Law
@@ -127,16 +126,16 @@ def fit_controller(
     anchors = () if known else anchors_of(arm, columns, trials)
     told = known | dict(anchors)
     fits: dict[Law, LawFit] = {law: _fitted(arm, base, columns, trials, told)}
-    if polish:
-        fits[law] = polished(fits[law], arm, base, learn)
     for other in GAINS:
         if other != law:
-            try:
+            with suppress(NotIdentifiable):  # where what is known says nothing of this form
                 fits[other] = _fitted(arm, base, widest.narrowed(other), trials, told)
-            except NotIdentifiable:
-                continue  # what is known says nothing of this form
-            if polish and len(GAINS[other]) > len(GAINS[law]) and law_form(fits[other], gram).needed:
-                fits[other] = polished(fits[other], arm, base, learn)
+    if polish:
+        wider = [other for other in fits if len(GAINS[other]) > len(GAINS[law])]
+        asked = [other for other in wider if law_form(fits[other], gram).needed]
+        fits |= {other: polished(fits[other], arm, base, learn) for other in asked}
+        if not any(law_form(fits[other], gram).needed for other in asked):
+            fits[law] = polished(fits[law], arm, base, learn)  # a form that is not the law's has no best gains
     if measured_torque:
         fits[law] = put_to_torque(fits[law], Instruments(arm, base, columns), trials)
     forms: dict[Law, LawForm] = {name: law_form(fits[name], gram) for name in GAINS if name in fits}

@@ -78,9 +78,10 @@ def document(fit: DynamicsFit, learn: Score | None, evaluate: Score | None = Non
         "condition_number": fit.condition_number,
         "torque_rms_N_m": {role: s and list(s.torque_rms_N_m) for role, s in scores.items()},
         "angle_error_deg": {
-            role: s and {"mean": s.angle_mean_deg, "max": s.angle_max_deg, "rms": s.angle_rms_deg}
-            for role, s in scores.items()
+            role: s and {"mean": s.angle_mean_deg, "max": s.angle_max_deg} for role, s in scores.items()
         },
         "objective": fit.objective,
+        "ci95": {name: parameter.ci95 for name, parameter in fit.parameters.items()},
+        "angle_rms_deg": {role: s and s.angle_rms_deg for role, s in scores.items()},
         "notes": list(fit.notes),
     }

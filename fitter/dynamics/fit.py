@@ -11,6 +11,7 @@ from arm.model import Arm
 from arm.regressor import standard_parameters
 from fitter.data.first_rest import REST_SPEED
 from fitter.data.trials import Trial
+from fitter.dynamics.break_away import static_friction
 from fitter.dynamics.consistency import made_possible, with_warnings
 from fitter.dynamics.dynamics_fit import DynamicsFit, Method, Objective
 from fitter.dynamics.evaluation import HORIZON_S
@@ -110,7 +111,21 @@ def fit_dynamics(
     else:
         fit = replace(fit, objective=objective, notes=notes)
     fit = made_possible(fit) if physical else with_warnings(fit)
-    return replace(fit, seconds=clock() - start)
+    return replace(with_break_away(fit, learn), seconds=clock() - start)
+
+
+def with_break_away(fit: DynamicsFit, trials: Sequence[Trial]) -> DynamicsFit:
+    """Return a fit with the static frictions that its trials show, and what they lack to show them."""
+    found = static_friction(fit.arm, trials)
+    joints = tuple(
+        replace(joint, friction=replace(joint.friction, static_N_m=one.parameter.value))
+        for joint, one in zip(fit.arm.joints, found, strict=True)
+    )
+    learnt = {f"F{i + 1}": one.parameter for i, one in enumerate(found)}
+    notes = (*fit.notes, *(one.why for one in found))
+    return replace(
+        fit, arm=replace(fit.arm, joints=joints), parameters={**fit.parameters, **learnt}, notes=notes
+    )
 
 
 def _reweighted(

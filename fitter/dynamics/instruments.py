@@ -14,6 +14,8 @@ from fitter.dynamics.shooting import Shooting
 #: are tried in this order until the simulated angles are off by less than this share of what they vary.
 _LENGTHS_S = (np.inf, 2.0, 0.5)
 _RESEMBLES = 0.1
+#: With less than this share of a simulation anywhere near the motion, it is not a simulation of it.
+_ENOUGH = 0.5
 
 
 class Instruments:
@@ -51,7 +53,8 @@ class Instruments:
     def rows(self, values: Floats, equations: LawEquations) -> Floats:
         """Return the columns of a trial's simulated motion, (n_step, n_joint, n_column).
 
-        They count where the trial's equations do, and where the simulation did not run away.
+        They count where the trial's equations do, and where the simulation did not run away; all are zero where
+        it mostly did.
         """
         n = len(self._columns.names)
         law = self._columns.law_table(values)
@@ -63,6 +66,8 @@ class Instruments:
             sane = np.isfinite(motion).all(axis=(0, 2)) & (off < 1.0).all(axis=1)
             if sane.all() and np.all(np.sqrt(np.mean(off**2, axis=0)) < _RESEMBLES):
                 break
+        if np.mean(sane) < _ENOUGH:
+            sane[:] = False
         q, dq, ddq = np.where(sane[:, None], motion[:3], 0.0)
         rows = law_rows(self._arm, self._base, q, dq, ddq, target - q)[..., :n]
         return equations.counted(np.where(sane[:, None, None], rows, 0.0))

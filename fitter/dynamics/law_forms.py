@@ -100,7 +100,7 @@ def misfit(assumed: Law, forms: Mapping[Law, LawForm], fits: Mapping[Law, LawFit
     if asked is not None:
         missing = tuple(dict.fromkeys(_kind(name) for other in wider for name in other.needed))
         gains = ", ".join(_estimate(fits[asked.law], name) for name in asked.needed)
-        left = ", ".join(f"{100 * share:.2g} %" for share in form.torque_share)
+        left = ", ".join(f"{100 * share:.3g} %" for share in form.torque_share)
         sentence = (
             f"the law is not of the form {own}: it leaves {left} of the joints' torque unexplained (mean square), "
             f"and the missing term looks like {' and '.join(TERMS[gain] for gain in missing)} ({gains})"

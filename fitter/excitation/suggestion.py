@@ -29,6 +29,8 @@ Kind = Literal["fourier", "points"]
 POPULATION, GENERATIONS = 40, 30
 #: A search keeps this far from the limits, because its steps are coarse.
 _SAFE = 0.01
+#: Random motions that show how far the arm usually goes: as many as the bench has.
+_USUAL = Bench().trials
 #: Random motion may be at its furthest where the arm just hangs; there must be room on both sides of that.
 _BEYOND = 1.1
 #: What a reference costs that exceeds a limit, beside a hundred times its excess.
@@ -90,7 +92,8 @@ def suggest(
         ``learning`` trials of ``trial_s`` at ``rate_hz``; random motion is drawn from ``span_rad``.
     seed : int
     angle, speed, torque : (n_joint,), optional
-        Limits. By default what the random motion reaches; of angles a tenth beyond that, at least ``span_rad``.
+        Limits. By default what the bench's 22 random motions reach; of angles a tenth beyond that, at least
+        ``span_rad``.
     reveal : sequence of str
         Names of base parameters; all by default.
     population, generations : int
@@ -116,9 +119,10 @@ def suggest(
             f"a trial of {bench.trial_s:g} s has no time to move: {bench.rest_s:g} s rest at each end"
         )
     step_s = search_step_s(arm)
-    random = _random_motions(arm, bench, seed)
+    drawn = _random_motions(arm, replace(bench, learning=max(bench.learning, _USUAL)), seed)
+    random = drawn[: bench.learning]
     noise = np.maximum(NOISE * np.sqrt(np.mean(np.concatenate([m.tau for m in random]) ** 2, axis=0)), 1e-12)
-    usual = furthest([reached(m) for m in random])
+    usual = furthest([reached(m) for m in drawn])
     limits = Limits(
         np.maximum(_BEYOND * usual.angle, bench.span_rad) if angle is None else angle,
         usual.speed if speed is None else speed,
@@ -129,7 +133,7 @@ def suggest(
     search = _Search(
         arm,
         base,
-        _shape(kind, arm, bench, limits.angle),
+        _shape(kind, arm, bench, (1.0 - 2.0 * _SAFE) * limits.angle),
         replace(bench, rate_hz=1.0 / step_s),
         limits,
         noise,

@@ -20,6 +20,7 @@ from fitter.experiments.motion_pair import (
     motion_by_motion,
     under_the_same_control,
 )
+from fitter.experiments.parameter_rows import NORMAL_95
 from fitter.experiments.sensed_bench import sensed_one_by_one
 from fitter.experiments.table2 import QUICK_BENCH, bench_of
 from fitter.report.published import ANGLE_ERROR_OTHER_LAW_DEG
@@ -84,23 +85,18 @@ def assumed_law(settings: Settings, geometry: Arm, real_pd: Sequence[Trial]) -> 
     return AssumedLaw(
         assumptions=(
             "Law (7) damps nothing and the arm goes on swinging, so each motion begins with the arm held still at "
-            "the "
-            "target before, and is a recording of its own. The lengths are those of Table 2.",
+            "the target before, and is a recording of its own. The lengths are those of Table 2.",
         ),
         grid=Grid("Law (7): virtual against true angles [deg]", header, tuple(rows)),
         findings=(
             _of_gains(found, errors),
             "Law (7), never held still: the swing grows with every new target. The arm that was calibrated with "
-            "kp2 "
-            f"found, begun anew with each motion, is off by {swinging.learn[0]:.2f}° mean and "
-            f"{swinging.learn[1]:.1f}° "
-            f"max learning, by {swinging.evaluate[0]:.2f}° and {swinging.evaluate[1]:.0f}° evaluating: once the "
-            "arm turns "
-            "over, a motion's end hangs on the last digit of its beginning. That, and no delay of the "
-            "integration, is what 102.7° looks like.",
+            f"kp2 found, begun anew with each motion, is off by {swinging.learn[0]:.2f}° mean and "
+            f"{swinging.learn[1]:.1f}° max learning, by {swinging.evaluate[0]:.2f}° and "
+            f"{swinging.evaluate[1]:.0f}° evaluating: once the arm turns over, a motion's end hangs on the last "
+            "digit of its beginning. An error like the paper's 102.7° needs no delay of the integration.",
             "Driven by (5) with (7) assumed, no residual betrays the law: a damping of the controller and one of "
-            "the "
-            f"joint are the same term, and the fit finds D = {alike.parameters['D1'].value:.2f} and "
+            f"the joint are the same term, and the fit finds D = {alike.parameters['D1'].value:.2f} and "
             f"{alike.parameters['D2'].value:.2f} N m s/rad, which is -kv. The motion comes out as well as with "
             "(5).",
             "With the joints' own friction held, as it shows under law (7) "
@@ -123,8 +119,7 @@ def _of_gains(found: ControllerFit, errors: dict[str, AngleErrors]) -> str:
     blind, best = errors[_BLIND].evaluate, errors[_FOUND].evaluate
     return (
         f"Law (7) with gains taken for 11.5 and 7.5 (truly 9.5 and 9.5): plain eq. (9) is off by {blind[0]:.1f}° "
-        "mean and "
-        f"{blind[1]:.0f}° max evaluating. With the gains found up to their common factor, kp2 = {kp2.value:.3f} ± "
-        f"{1.96 * kp2.std:.1g} where kp1 counts as 11.5, it is {best[0]:.2f}° and {best[1]:.2f}° (goal: 5° max): "
-        f"{found.fixed_by}."
+        f"mean and {blind[1]:.0f}° max evaluating. With the gains found up to their common factor, kp2 = "
+        f"{kp2.value:.3f} ± {NORMAL_95 * kp2.std:.1g} where kp1 counts as 11.5, it is {best[0]:.2f}° and "
+        f"{best[1]:.2f}° (goal: 5° max): {found.fixed_by}."
     )

@@ -95,19 +95,16 @@ def run(settings: Settings) -> Experiment:
         title="Fig. 6: convergence of the searches",
         assumptions=(
             f"The problem is eq. (3) of the DD arm: mean square error of the tip over {samples} positions with 1 "
-            "mm "
-            f"and 1° of noise (Table 1). Sought are the six numbers that tip positions tell ({_NAMES}), lengths "
-            "within 0 to 1 m, angles within the box that is named; starts are drawn evenly from that box.",
+            f"mm and 1° of noise (Table 1). Sought are the six numbers that tip positions tell ({_NAMES}), "
+            "lengths within 0 to 1 m, angles within the box that is named; starts are drawn evenly from that "
+            "box.",
             f"A search has reached the optimum when the tip it predicts is within {1e3 * REACHED_M:g} mm (rms "
-            "over all "
-            f"samples) of the optimum's, which is the best that a trust region finds from {_SCOUTS} starts of its "
-            "own; "
-            f"within {1e3 * _CLOSE_M:g} mm it is stopped.",
+            f"over all samples) of the optimum's, which is the best that a trust region finds from {_SCOUTS} "
+            f"starts of its own; within {1e3 * _CLOSE_M:g} mm it is stopped.",
             f"Each search may evaluate {budget} geometries, 500 generations of 100; slopes are differences and "
-            "count. "
-            "The samples are reduced to sums beforehand for all of them. Newton–Raphson is "
-            "the plain iteration x + J⁺Δr, without damping or bounds. GA and differential evolution draw their "
-            "populations from the box and take no start.",
+            "count. The samples are reduced to sums beforehand for all of them. Newton–Raphson is the plain "
+            "iteration x + J⁺Δr, without damping or bounds. GA and differential evolution draw their populations "
+            "from the box and take no start.",
             "The paper prints one run each, with neither data nor start.",
         ),
         grids=tuple(grids),

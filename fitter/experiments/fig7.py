@@ -24,11 +24,9 @@ def run(settings: Settings) -> Experiment:
         assumptions=(
             "The paper's arm is real; ours is the standard bench: dd-arm under law (5) at 9.5 / -9.5, "
             f"{len(bench.sensed)} motions of 6.75 s on one clock, sensors with 0.02 m/s² of noise and of offset "
-            "(rms) "
-            "and 16 bits.",
+            "(rms) and 16 bits.",
             "Nothing is known of the arm but its joints' kinds, its sensors' places, its control and where it "
-            "rests at "
-            "first. The angles are never measured otherwise, and never set right from outside.",
+            "rests at first. The angles are never measured otherwise, and never set right from outside.",
             "The paper shows these motions without saying how true they are.",
         ),
         grids=(

@@ -78,12 +78,11 @@ def run(settings: Settings) -> Experiment:
         title="Fig. 8: the virtual arm under the same control",
         assumptions=(
             f"The real arm is the standard bench of Fig. 7. The virtual one is calibrated from the {learning} "
-            "learning "
-            "motions as its accelerometers show them: geometry as in Table 2, dynamics by eq. (9) with "
+            "learning motions as its accelerometers show them: geometry as in Table 2, dynamics by eq. (9) with "
             f"{GENERATIONS} generations of {POPULATION} and law (5). The evaluating motions are used for nothing.",
             "The virtual arm is given the same targets and runs through all motions on its own, from its first "
-            "rest "
-            "to the end. Its angles are held against the real arm's true ones, at 4 kHz, both joints together.",
+            "rest to the end. Its angles are held against the real arm's true ones, at 4 kHz, both joints "
+            "together.",
             "Plain: angles by double integration. Targets not told: each learning motion's target is one more "
             "unknown.",
             "Whether the paper's virtual arm began each motion anew it does not say.",
@@ -114,12 +113,11 @@ def run(settings: Settings) -> Experiment:
         ),
         findings=(
             f"Learning {_said(best.errors.learn)}, evaluating {_said(best.errors.evaluate)}; the goals, 0.10° / "
-            "0.5° and "
-            f"0.20° / 1.0°, are {'met' if met else 'missed'}. The paper: 0.73° / 3.51° and 1.91° / 12.7°.",
+            f"0.5° and 0.20° / 1.0°, are {'met' if met else 'missed'}. The paper: 0.73° / 3.51° and 1.91° / "
+            "12.7°.",
             "With the gains taken for 11.5 / -11.5 every parameter is 11.5 / 9.5 too large, and under the same "
-            "wrong gains "
-            f"the arm moves as well: {_said(virtuals[_OTHER].errors.evaluate)} evaluating (paper: 3.93° / 18.2°). "
-            "Motion alone does not tell the gains' size.",
+            f"wrong gains the arm moves as well: {_said(virtuals[_OTHER].errors.evaluate)} evaluating (paper: "
+            "3.93° / 18.2°). Motion alone does not tell the gains' size.",
             *other.findings,
         ),
         document={

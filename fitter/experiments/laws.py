@@ -11,6 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from arm.base_parameters import base_parameters, with_base_values
+from arm.bench import Bench
 from arm.model import Arm, Law
 from fitter.data.trials import Trial
 from fitter.dynamics.controller import ControllerFit, fit_controller
@@ -24,7 +25,8 @@ from fitter.report.published import PARAMETERS, TRUE
 from fitter.search.fitted_parameter import FittedParameter
 
 #: Table 6 has the same figures for 300 000 data as Table 4 has in its first row.
-SAMPLES, QUICK_SAMPLES = 300_000, 13_500
+SAMPLES, QUICK_SAMPLES = 300_000, 5_400
+QUICK_BENCH = Bench(learning=2, evaluating=1)
 #: The gains that section 8.1 says the arm stood under.
 TRUE_KP, TRUE_KV = 9.5, -9.5
 #: In C angles have this much noise, as a share of their own spread; A and B are without any.
@@ -33,7 +35,6 @@ NOISE = 0.01
 KNOWN = "I2"
 #: Rate at which evaluating motions are simulated and compared [Hz]; targets change on its grid.
 _RATE_HZ = 400.0
-_TRIAL_S = 6.75
 POPULATION = 100
 #: Gains of the arm file in C: no one's.
 _FILE_KP, _FILE_KV, _FILE_KA = 1.0, -1.0, -1.0
@@ -105,7 +106,7 @@ class Benches:
     evaluate: Sequence[Trial]
 
 
-def benches(arm: Arm, samples: int, seed: int, evaluating: int) -> Benches:
+def benches(arm: Arm, samples: int, seed: int, size: Bench) -> Benches:
     """Return learning and evaluating motions of an arm under its law.
 
     Parameters
@@ -114,14 +115,17 @@ def benches(arm: Arm, samples: int, seed: int, evaluating: int) -> Benches:
     samples : int
         Of the learning motions together.
     seed : int
-    evaluating : int
-        How many motions to evaluate with.
+    size : Bench
+        How many motions.
     """
-    coarse = bench_trials(arm, round(5 * _RATE_HZ * _TRIAL_S), seed, evaluating=evaluating)
-    return Benches(bench_trials(arm, samples, seed), [trial for trial in coarse if trial.role == "evaluate"])
+    rough = round(size.learning * _RATE_HZ * size.trial_s)
+    coarse = bench_trials(arm, rough, seed, size.learning, size.evaluating)
+    return Benches(
+        bench_trials(arm, samples, seed, size.learning), [trial for trial in coarse if trial.role == "evaluate"]
+    )
 
 
-def row(arm: Arm, own: Benches, gains: Gains, samples: int, seed: int) -> Row:
+def row(arm: Arm, own: Benches, gains: Gains, samples: int, seed: int, size: Bench) -> Row:
     """Work one row out, all three ways.
 
     Parameters
@@ -133,9 +137,10 @@ def row(arm: Arm, own: Benches, gains: Gains, samples: int, seed: int) -> Row:
     gains : Gains
     samples : int
     seed : int
+    size : Bench
     """
     truly = gains.drive(arm)
-    there = benches(truly, samples, seed, len(own.evaluate))
+    there = benches(truly, samples, seed, size)
     driven = fit_dynamics(truly, there.learn, seed=seed, population=POPULATION)
     assumed = fit_dynamics(truly, own.learn, seed=seed, population=POPULATION)
     kv, ka = (None if gain is None else value for gain, value in ((gains.kv, _FILE_KV), (gains.ka, _FILE_KA)))

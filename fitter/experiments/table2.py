@@ -62,20 +62,18 @@ def run(settings: Settings) -> Experiment:
         title="Table 2: geometry of the real arm, from its accelerometers",
         assumptions=(
             "The paper's arm is real; ours is the bench's: dd-arm under law (5) at 9.5 / -9.5, four triaxial "
-            "sensors at "
-            "32 kHz with 0.02 m/s² of noise and of offset (rms) and 16 bits, all motions on one clock.",
+            "sensors at 32 kHz with 0.02 m/s² of noise and of offset (rms) and 16 bits, all motions on one clock.",
             "Known beforehand: how the joints turn, where the sensors sit on their links, where the arm rests at "
-            "first. "
-            "Lengths start as 0.5 m. The tip is dead-reckoned from the tip sensor; its drift is taken out "
+            "first. Lengths start as 0.5 m. The tip is dead-reckoned from the tip sensor; its drift is taken out "
             "between recognised rests. The fit learns from the learning motions only.",
             f"Plain: the paper's double integration gives the angles. Ours: the smoother. Both: {GENERATIONS} "
-            f"generations of {POPULATION}. What parallel axes don't show (d), and how joint 1 stands in "
-            "its base, is held, as in the paper.",
+            f"generations of {POPULATION}. What parallel axes don't show (d), and how joint 1 stands in its base, "
+            "is held, as in the paper.",
         ),
         grids=(_grid(fits, true), _tip_grid(scores)),
         findings=(
-            f"The larger error of a length: paper {worst['paper']:.1f} mm, plain {worst['plain']:.2f} mm, "
-            f"ours {worst['ours']:.2f} mm.",
+            f"The larger error of a length: paper {worst['paper']:.1f} mm, plain {worst['plain']:.2f} mm, ours "
+            f"{worst['ours']:.2f} mm.",
         ),
         document={
             "true": {name: true[name] for name in _NAMES},

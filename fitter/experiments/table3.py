@@ -60,18 +60,16 @@ def run(settings: Settings) -> Experiment:
         title="Table 3: dynamics from angles with noise",
         assumptions=(
             "What “error [%]” is a percentage of is not printed. Here it is the standard deviation of white "
-            "Gaussian "
-            "noise in every sample of every angle, as a share of that angle's rms about its mean "
+            "Gaussian noise in every sample of every angle, as a share of that angle's rms about its mean "
             f"({', '.join(f'{x:.1f}°' for x in spread)}), so 10 % is about {spread.mean() / 10:.0f}°.",
             f"{sum(len(trial.t) for trial in trials)} samples of the five learning motions; targets and law (5) "
-            "with its "
-            "gains are known.",
+            "with its gains are known.",
             "Where velocities and accelerations come from is not printed either. A: they are computed from the "
             "noisy angles. B: the noise is on the angles alone, derivatives are exact; nobody can measure so, but "
             "the paper's figures change so little with the noise that it may have been done.",
-            f"Plain: eq. (9), {GENERATIONS} generations of {POPULATION}; under A with the moving "
-            "average of four (section 2.2) and differences. Ours: the simulated motion fitted to the angles, "
-            "which needs no derivatives. ± is half of a 95 % interval.",
+            f"Plain: eq. (9), {GENERATIONS} generations of {POPULATION}; under A with the moving average of four "
+            "(section 2.2) and differences. Ours: the simulated motion fitted to the angles, which needs no "
+            "derivatives. ± is half of a 95 % interval.",
             "Least possible: the Cramér–Rao bound for these motions and this noise, each trial's start unknown, "
             "as half of a 95 % interval. No unbiased estimate from the same angles can be surer.",
         ),
@@ -140,8 +138,7 @@ def _findings(rows: Sequence[Row], true: Mapping[str, float]) -> tuple[str, ...]
     hardest = max(bound, key=lambda name: bound[name])
     return (
         f"A, at {last.percent} %: differences of noisy angles tell nothing; the largest error of an inertial "
-        "parameter "
-        f"is {worst_inertial_percent(last.fits[_PLAIN_A].parameters, true):.0f} %, since noise in the "
+        f"parameter is {worst_inertial_percent(last.fits[_PLAIN_A].parameters, true):.0f} %, since noise in the "
         "accelerations shrinks all that they are multiplied with, and friction takes up the law's own damping.",
         f"B, at {last.percent} %: the largest error of an inertial parameter is "
         f"{worst_inertial_percent(exact, true):.2f} % with the plain fit.",

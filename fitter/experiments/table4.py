@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 
+from arm.bench import Bench
 from fitter.experiments.bench_data import true_arm
 from fitter.experiments.experiment import Experiment, Settings
 from fitter.experiments.laws import (
@@ -12,6 +13,7 @@ from fitter.experiments.laws import (
     NOISE,
     PAPER,
     PAPER_INERTIAL,
+    QUICK_BENCH,
     QUICK_SAMPLES,
     SAMPLES,
     TRUE_KP,
@@ -30,7 +32,6 @@ from fitter.experiments.laws import (
 from fitter.report.published import ANGLE_ERROR_OTHER_GAINS_DEG, TABLE4
 
 _QUICK_ROWS = [(1.5, -1.5)]
-_EVALUATING, _QUICK_EVALUATING = 17, 1
 #: The row for which section 8.2 gives errors of the angles.
 _PRINTED = (11.5, -11.5)
 _CASES = (CASE_A, CASE_B, CASE_B_TRUE, PAPER, PAPER_INERTIAL)
@@ -41,11 +42,12 @@ def run(settings: Settings) -> Experiment:
     arm = true_arm()
     samples = settings.samples or (QUICK_SAMPLES if settings.quick else SAMPLES)
     chosen = _QUICK_ROWS if settings.quick else list(TABLE4)
-    own = benches(arm, samples, settings.seed, _QUICK_EVALUATING if settings.quick else _EVALUATING)
+    size = QUICK_BENCH if settings.quick else Bench()
+    own = benches(arm, samples, settings.seed, size)
     rows = []
     for kp, kv in chosen:
         settings.progress(f"table4: gains {kp:g} / {kv:g}")
-        rows.append(row(arm, own, Gains("pd", kp, kv, None, TABLE4[kp, kv]), samples, settings.seed))
+        rows.append(row(arm, own, Gains("pd", kp, kv, None, TABLE4[kp, kv]), samples, settings.seed, size))
     return Experiment(
         name="table4",
         title="Table 4: other gains",
@@ -54,7 +56,8 @@ def run(settings: Settings) -> Experiment:
             "assumed, so both are done. A: driven with them, and they are known. B: driven with 9.5 / -9.5, "
             f"the row's are assumed. C: driven with the row's; its gains are unknown, {KNOWN} is known, and "
             f"the angles have white noise of {100 * NOISE:g} % of their spread. A and B have no noise.",
-            f"{samples} samples of the five learning motions: Table 6 has this table's first row for 300 000.",
+            f"{samples} samples of {size.learning} learning motions: Table 6 has this table's first row for "
+            "300 000.",
             "Errors of angles are those of the evaluating motions, simulated from their first state to their end.",
             "± is half of a 95 % interval.",
         ),

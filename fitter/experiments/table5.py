@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 
+from arm.bench import Bench
 from arm.model import Arm, Law
 from fitter.dynamics.controller import ControllerFit, fit_controller
 from fitter.dynamics.law_columns import EQUATIONS
@@ -14,6 +15,7 @@ from fitter.experiments.laws import (
     KNOWN,
     NOISE,
     PAPER,
+    QUICK_BENCH,
     QUICK_SAMPLES,
     SAMPLES,
     TRUE_KP,
@@ -31,8 +33,7 @@ from fitter.experiments.laws import (
 )
 from fitter.report.published import ANGLE_ERROR_OTHER_LAW_DEG, PARAMETERS, TABLE5, TRUE
 
-_QUICK_ROWS = [(9.5, -9.5, -1.5), (5.5, None, None)]
-_EVALUATING, _QUICK_EVALUATING = 17, 1
+_QUICK_ROWS: list[tuple[float, float | None, float | None]] = [(5.5, None, None)]
 #: What an arm is driven by where forms of the law are told apart.
 _DRIVES: dict[Law, tuple[float, float | None, float | None]] = {
     "pd": (TRUE_KP, TRUE_KV, None),
@@ -49,7 +50,7 @@ _FORMS: tuple[tuple[Law, Law, bool], ...] = (
     ("pda", "p", True),
     ("p", "pd", True),
 )
-_QUICK_FORMS = _FORMS[2:3]
+_QUICK_FORMS = _FORMS[3:4]
 
 
 def run(settings: Settings) -> Experiment:
@@ -57,14 +58,15 @@ def run(settings: Settings) -> Experiment:
     arm = true_arm()
     samples = settings.samples or (QUICK_SAMPLES if settings.quick else SAMPLES)
     chosen = _QUICK_ROWS if settings.quick else list(TABLE5)
-    own = benches(arm, samples, settings.seed, _QUICK_EVALUATING if settings.quick else _EVALUATING)
+    size = QUICK_BENCH if settings.quick else Bench()
+    own = benches(arm, samples, settings.seed, size)
     rows = []
     for kp, kv, ka in chosen:
         law: Law = "p" if kv is None else "pda"
         settings.progress(f"table5: law {EQUATIONS[law]}, kp {kp:g}")
-        rows.append(row(arm, own, Gains(law, kp, kv, ka, TABLE5[kp, kv, ka]), samples, settings.seed))
+        rows.append(row(arm, own, Gains(law, kp, kv, ka, TABLE5[kp, kv, ka]), samples, settings.seed, size))
     settings.progress("table5: forms of the law")
-    forms = told_forms(arm, _QUICK_FORMS if settings.quick else _FORMS, samples, settings.seed)
+    forms = told_forms(arm, _QUICK_FORMS if settings.quick else _FORMS, samples, settings.seed, size)
     return Experiment(
         name="table5",
         title="Table 5: other laws",
@@ -73,7 +75,7 @@ def run(settings: Settings) -> Experiment:
             "both are done. A: driven by it, and it is known. B: driven by (5) with 9.5 / -9.5, the row's law "
             f"is assumed. C: driven by the row's; its form and {KNOWN} are known, its gains are not, and the "
             f"angles have white noise of {100 * NOISE:g} % of their spread. A and B have no noise.",
-            f"{samples} samples of the five learning motions, as for Table 4.",
+            f"{samples} samples of {size.learning} learning motions, as for Table 4.",
             "Errors of angles are those of the evaluating motions, simulated from their first state to their end.",
             f"Forms of the law: driven as named, {KNOWN} known; once with friction unknown, and once with the "
             "viscous frictions D known as well. ± is half of a 95 % interval.",
@@ -106,13 +108,14 @@ def run(settings: Settings) -> Experiment:
 
 
 def told_forms(
-    arm: Arm, asked: Sequence[tuple[Law, Law, bool]], samples: int, seed: int
+    arm: Arm, asked: Sequence[tuple[Law, Law, bool]], samples: int, seed: int, size: Bench
 ) -> dict[tuple[Law, Law, bool], ControllerFit]:
     """Return fits by what drove the arm, what was assumed, and whether the viscous friction was known."""
     true = dict(zip(PARAMETERS, TRUE, strict=True))
     found = {}
     for drive, assumed, known in asked:
-        trials = noisy_trials(bench_trials(under(arm, drive, *_DRIVES[drive]), samples, seed), NOISE, seed)
+        exact = bench_trials(under(arm, drive, *_DRIVES[drive]), samples, seed, size.learning)
+        trials = noisy_trials(exact, NOISE, seed)
         fixed = {name: true[name] for name in (KNOWN, *(_FRICTION if known else ()))}
         kv, ka = (-1.0 if assumed in laws else None for laws in (("pd", "pda"), ("pda",)))
         found[drive, assumed, known] = fit_controller(under(arm, assumed, 1.0, kv, ka), trials, fixed=fixed)
@@ -122,7 +125,7 @@ def told_forms(
 def _form_grid(forms: Mapping[tuple[Law, Law, bool], ControllerFit]) -> Grid:
     cells: list[tuple[Cell, ...]] = []
     for (drive, assumed, known), fit in forms.items():
-        left = ", ".join(f"{100 * share:.2g} %" for share in fit.law_misfit.torque_share)
+        left = ", ".join(f"{100 * share:.3g} %" for share in fit.law_misfit.torque_share)
         cells.append(
             (
                 EQUATIONS[drive],

@@ -40,16 +40,13 @@ def run(settings: Settings) -> Experiment:
         title="Table 6: dynamics from more and more data",
         assumptions=(
             "Which data make up the 1000 is not printed. The first 1000 at 32 µs are 32 ms of rest; so the five "
-            "learning "
-            "motions are taken whole each time, at the rate that gives so many samples.",
+            "learning motions are taken whole each time, at the rate that gives so many samples.",
             f"Without noise any number of data gives the same answer. The angles have {100 * _SHARE:.0f} % of "
-            "white noise "
-            f"({', '.join(f'{x:.2f}°' for x in spread)}), as in Table 3; targets, law (5) and its gains are "
-            "known.",
-            f"Plain: eq. (9), {GENERATIONS} generations of {POPULATION}, velocities and "
-            "accelerations by the moving average of four and differences, or exact. Ours: the simulated motion "
-            "fitted to "
-            "the angles. ± is half of a 95 % interval.",
+            f"white noise ({', '.join(f'{x:.2f}°' for x in spread)}), as in Table 3; targets, law (5) and its "
+            "gains are known.",
+            f"Plain: eq. (9), {GENERATIONS} generations of {POPULATION}, velocities and accelerations by the "
+            "moving average of four and differences, or exact. Ours: the simulated motion fitted to the angles. "
+            "± is half of a 95 % interval.",
         ),
         grids=(_grid(found), _error_grid(found, true)),
         findings=_findings(found, true),
@@ -117,8 +114,7 @@ def _findings(found: Mapping[int, Fits], true: Mapping[str, float]) -> tuple[str
     }
     return (
         f"Ours: the standard error of I2 falls from {width[fewest]:.2g} with {fewest} data to {width[most]:.2g} "
-        "with "
-        f"{most}, by {width[fewest] / width[most]:.1f} where the square root of the numbers' ratio is "
+        f"with {most}, by {width[fewest] / width[most]:.1f} where the square root of the numbers' ratio is "
         f"{np.sqrt(most / fewest):.1f}.",
         "Plain, with differences: the largest error of an inertial parameter is "
         + ", ".join(f"{x:.0f} %" for x in errors[_PLAIN])

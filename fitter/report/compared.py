@@ -45,8 +45,7 @@ def scores_document(scores: dict[str, Score | None]) -> dict[str, object]:
     return {
         "torque_rms_N_m": {role: s and list(s.torque_rms_N_m) for role, s in scores.items()},
         "angle_error_deg": {
-            role: s and {"mean": s.angle_mean_deg, "max": s.angle_max_deg, "rms": s.angle_rms_deg}
-            for role, s in scores.items()
+            role: s and {"mean": s.angle_mean_deg, "max": s.angle_max_deg} for role, s in scores.items()
         },
     }
 

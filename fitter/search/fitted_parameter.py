@@ -43,7 +43,6 @@ class FittedParameter:
             "std": self.std,
             "unit": self.unit,
             "identifiable": self.identifiable,
-            "ci95": self.ci95,
         }
 
 

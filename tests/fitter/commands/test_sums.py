@@ -31,7 +31,7 @@ def test_sums_are_made_and_added(trial_files, tmp_path, capsys):
     assert "3 trial(s)" in said
     assert is_sums(tmp_path / "c.npz")
     both = tmp_path / "both.npz"
-    command = ("sums", "make", learn, other, "--arm", "dd-arm", "--cutoff-hz", 20, "--workers", 2, "--out", both)
+    command = ("sums", "make", learn, other, "--arm", "dd-arm", "--cutoff-hz", 20, "--out", both)
     assert run(capsys, *command)[:2] == (0, "")
     assert both.read_bytes() == (tmp_path / "c.npz").read_bytes()
 

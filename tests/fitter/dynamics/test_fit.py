@@ -136,6 +136,8 @@ def test_progress_and_document(bench_trials):
         "torque_rms_N_m",
         "angle_error_deg",
         "objective",
+        "ci95",
+        "angle_rms_deg",
         "notes",
     ]
     assert list(result["parameters"]) == [*BASE.names, "F1", "F2"]

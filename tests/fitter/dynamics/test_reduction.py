@@ -1,5 +1,6 @@
 """Files to sums: in stretches, by several processes and on a cluster, always the same."""
 
+import tracemalloc
 from dataclasses import replace
 
 import numpy as np
@@ -76,6 +77,27 @@ def test_a_file_in_stretches_gives_the_sums_of_the_whole(tmp_path, long_motion, 
     for name in SUMS:
         found, expected = getattr(parted.sums.total(), name), getattr(whole.total(), name)
         assert np.abs(found - expected).max() < 1e-10 * np.abs(expected).max()
+
+
+def test_a_longer_file_takes_no_more_memory(tmp_path, monkeypatch):
+    monkeypatch.setattr("fitter.data.reading.BLOCK_ROWS", 4096)
+    peaks = []
+    for repeats in (1, 6):
+        part = motion(20_000, 0)
+        stamps = np.arange(20_000 * repeats) / RATE_HZ
+        columns = {name: np.tile(part[name], (repeats, 1)) for name in ("q", "dq", "ddq", "tau")}
+        np.savez(
+            tmp_path / "long.npz",
+            t=stamps,
+            **{f"{name}{j + 1}": values[:, j] for name, values in columns.items() for j in (0, 1)},
+        )
+        tracemalloc.start()
+        reading = Reading(cutoff_hz=30.0, band_hz=13.0, stretch=10_000)
+        reduced = reduce_file(MEASURED, REST, reading, tmp_path / "long.npz")
+        peaks.append(tracemalloc.get_traced_memory()[1])
+        tracemalloc.stop()
+        assert reduced.sums.samples == len(stamps)
+    assert peaks[1] < 1.2 * peaks[0]
 
 
 def test_jitter_and_holes_in_a_long_file(tmp_path, long_motion):

@@ -76,3 +76,17 @@ def test_a_row_holds_estimate_error_truth_and_paper():
 def test_a_place_that_cannot_be_written_to(tmp_path):
     with pytest.raises(DeviceError, match="nowhere/page.html: cannot be written: No such file"):
         Page("x", "y").write(tmp_path / "nowhere" / "page.html")
+
+
+def test_sentences_notes_and_titled_tables_are_escaped(tmp_path):
+    page = Page("x", "y")
+    page.points(["1 < 2", "3 & 4"])
+    page.points([])
+    page.note("How <it>", ["by & by"])
+    page.note("Nothing", [])
+    page.table(("a",), [("b",)], "Of <c>")
+    text = text_of(page, tmp_path)
+    assert "<ul><li>1 &lt; 2</li><li>3 &amp; 4</li></ul>" in text
+    assert "<details><summary>How &lt;it&gt;</summary><ul><li>by &amp; by</li></ul></details>" in text
+    assert "<h3>Of &lt;c&gt;</h3>" in text
+    assert "Nothing" not in text and text.count("<ul>") == 2

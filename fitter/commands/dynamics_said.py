@@ -1,0 +1,58 @@
+"""What `fitter dynamics` says at the terminal."""
+
+from collections.abc import Mapping, Sequence
+
+from fitter.dynamics.controller import ControllerFit
+from fitter.dynamics.dynamics_fit import DynamicsFit
+from fitter.dynamics.evaluation import Score
+from fitter.dynamics.identifiability import Identifiability
+from fitter.report.compared import Compared
+from fitter.report.parameter_table import parameter_table
+from limbcal.command import console, say
+
+_ROLES = {"learn": "learning", "evaluate": "evaluating"}
+
+
+def say_fit(
+    fit: DynamicsFit,
+    compared: Sequence[Compared],
+    learn: Score | None,
+    evaluate: Score | None,
+    revealed: Identifiability,
+) -> None:
+    """Print the parameters of a fit, how well it does, and what the user should know of it."""
+    title = f"{fit.arm.name}: {fit.samples} samples, condition {fit.condition_number:.3g}, by {fit.objective}"
+    console.print(parameter_table(title, fit.parameters, {c.name: c.parameters for c in compared}))
+    _say_scores({"learn": learn, "evaluate": evaluate})
+    for sentence in (*fit.notes, *revealed.sentences()):
+        say(sentence)
+
+
+def say_controller(fit: ControllerFit, scores: Mapping[str, Score | None]) -> None:
+    """Print gains and parameters, what sets their scale, and whether the law is of this form at all."""
+    title = f"{fit.arm.name}: {fit.samples} samples, gains of law {fit.law!r} learnt along"
+    console.print(parameter_table(title, {**fit.gains, **fit.parameters}, {}))
+    _say_scores(scores)
+    for sentence in (fit.fixed_by, *fit.only_together, fit.law_misfit.sentence, *fit.notes):
+        say(sentence)
+
+
+def say_compared(compared: object) -> None:
+    """Print how well other arms do on the same trials."""
+    assert isinstance(compared, dict)
+    for name, fields in compared.items():
+        for role, title in _ROLES.items():
+            torque = fields["torque_rms_N_m"][role]
+            if torque is not None:
+                said = ", ".join(f"{value:.4g}" for value in torque)
+                say(f"{name}, {title}: torque rms {said} N·m a joint")
+
+
+def _say_scores(scores: Mapping[str, Score | None]) -> None:
+    for role, s in scores.items():
+        if s is not None:
+            torque = ", ".join(f"{value:.4g}" for value in s.torque_rms_N_m)
+            say(
+                f"{_ROLES[role]}: torque rms {torque} N·m a joint; simulated angle off by "
+                f"{s.angle_mean_deg:.3g}° mean, {s.angle_max_deg:.3g}° max"
+            )
