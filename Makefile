@@ -3,6 +3,7 @@ PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
 STAMP := $(VENV)/.installed
+BENCH_STAMP := $(VENV)/.installed-bench
 
 .DEFAULT_GOAL := help
 .PHONY: help run test check bench lock clean
@@ -26,17 +27,21 @@ check: $(STAMP) ## lint, types, import rules
 	$(BIN)/mypy
 	$(BIN)/lint-imports
 
-bench: $(STAMP) ## the torque fit's speed; a minute of acquisition at 32 kHz; the trackers compared
-	$(BIN)/python -m benchmarks.torque_fit
+$(BENCH_STAMP): $(STAMP)
+	$(BIN)/python -m pip install --quiet --constraint constraints.txt --editable '.[bench]'
+	@touch $@
+
+bench: $(BENCH_STAMP) ## the torque fit beside its peers (docs/benchmarks.md); acquisition; the trackers compared
+	$(BIN)/python -m benchmarks.speed --out docs/benchmarks.md
 	$(BIN)/python -m benchmarks.acquisition --seconds 60
 	$(BIN)/python -m benchmarks.tracking --seeds 0-2
 
 lock: ## rewrite constraints.txt from the newest versions that fit
 	rm -rf $(VENV)
 	$(PYTHON) -m venv $(VENV)
-	$(BIN)/python -m pip install --quiet --editable '.[dev,view]'
+	$(BIN)/python -m pip install --quiet --editable '.[dev,view,cluster,bench]'
 	$(BIN)/python -m pip freeze --exclude-editable > constraints.txt
-	@touch $(STAMP)
+	@touch $(STAMP) $(BENCH_STAMP)
 
 clean: ## remove what the targets made
 	rm -rf $(VENV) out build *.egg-info

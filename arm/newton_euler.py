@@ -8,6 +8,7 @@ passes on.
 """
 
 import numpy as np
+from numpy.typing import NDArray
 
 from arm.chain import Chain, chain_of, joint_rows, link_step, motion_rows
 from arm.model import Arm, Floats
@@ -160,6 +161,23 @@ def poses(chain: Chain, q: Floats, R: Floats, p: Floats) -> None:
 
 
 @compiled
+def move(revolute: NDArray[np.bool_], q: Floats, R0: Floats, p0: Floats, R: Floats, p: Floats) -> None:
+    """Turn or slide every joint from the arm's zero pose to q.
+
+    Where there are many samples the constant angles of eq. (1) are so evaluated once.
+    """
+    for i in range(q.size):
+        if revolute[i]:
+            c, s = np.cos(q[i]), np.sin(q[i])
+            for row in range(3):
+                x, y = R0[i, row, 0], R0[i, row, 1]
+                R[i, row, 0], R[i, row, 1] = c * x + s * y, c * y - s * x
+        else:
+            for row in range(3):
+                p[i, row] = p0[i, row] + q[i] * R0[i, row, 2]
+
+
+@compiled
 def rigid_motion(
     chain: Chain, gravity: Floats, R: Floats, p: Floats, dq: Floats, ddq: Floats, motion: Floats
 ) -> None:
@@ -251,10 +269,11 @@ def mass_columns(chain: Chain, R: Floats, p: Floats, motion: Floats, zero: Float
 @compiled
 def _inverse_dynamics(chain: Chain, q: Floats, dq: Floats, ddq: Floats, wrench: Floats, tau: Floats) -> None:
     n = q.shape[1]
-    R, p, motion = np.empty((n, 3, 3)), np.empty((n, 3)), np.empty((n, 3, 3))
-    tip = np.empty(6)
+    R0, p0 = np.empty((n, 3, 3)), np.empty((n, 3))
+    poses(chain, np.zeros(n), R0, p0)
+    R, p, motion, tip = R0.copy(), p0.copy(), np.empty((n, 3, 3)), np.empty(6)
     for k in range(q.shape[0]):
-        poses(chain, q[k], R, p)
+        move(chain.revolute, q[k], R0, p0, R, p)
         rigid_motion(chain, chain.gravity, R, p, dq[k], ddq[k], motion)
         tip_load(R, wrench[k], tip)
         rigid_torque(chain, R, p, motion, tip, tau[k])

@@ -5,16 +5,14 @@ joint-axis frame's origin, ``m*sx m*sy m*sz``, ``m``; then the viscous frictions
 frictions ``fc`` of all joints.
 
 A torque about joint j is the power that a link's force and moment would have if joint j alone moved at unit
-speed. That unit motion is carried outwards from link to link, six numbers a joint; and poses are turned from the
-arm's zero pose, so the constant angles of eq. (1) are evaluated once.
+speed. That unit motion is carried outwards from link to link, six numbers a joint.
 """
 
 import numpy as np
-from numpy.typing import NDArray
 
 from arm.chain import Chain, chain_of, motion_rows
 from arm.model import Arm, Floats
-from arm.newton_euler import Triple, cross, poses, rigid_motion, turned_back
+from arm.newton_euler import Triple, cross, move, poses, rigid_motion, turned_back
 from limbcal.compiled import compiled
 
 INERTIAL = ("I{}xx", "I{}yy", "I{}zz", "I{}xy", "I{}xz", "I{}yz", "m{}*sx{}", "m{}*sy{}", "m{}*sz{}", "m{}")
@@ -87,20 +85,6 @@ def torque_rows(chain: Chain, q: Floats, dq: Floats, ddq: Floats, Y: Floats) -> 
         for joint in range(n):
             Y[s, joint, 10 * n + joint] = dq[s, joint]
             Y[s, joint, 11 * n + joint] = np.sign(dq[s, joint])
-
-
-@compiled
-def move(revolute: NDArray[np.bool_], q: Floats, R0: Floats, p0: Floats, R: Floats, p: Floats) -> None:
-    """Turn or slide every joint from the arm's zero pose to q."""
-    for i in range(q.size):
-        if revolute[i]:
-            c, s = np.cos(q[i]), np.sin(q[i])
-            for row in range(3):
-                x, y = R0[i, row, 0], R0[i, row, 1]
-                R[i, row, 0], R[i, row, 1] = c * x + s * y, c * y - s * x
-        else:
-            for row in range(3):
-                p[i, row] = p0[i, row] + q[i] * R0[i, row, 2]
 
 
 @compiled

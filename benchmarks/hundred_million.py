@@ -1,8 +1,8 @@
 """A hundred million samples from motion to parameters, made and reduced block by block and never all in memory.
 
-The motion of the two-joint arm is a sum of sinusoids for each joint; the torque is that of eq. (4) with white noise
-on it. Each thread makes and reduces a part at a time, as it would a file; the sums are added and fitted. Time and
-memory are those of the whole process, the making of the data included.
+The motion of the two-joint arm is a sum of sinusoids for each joint; the torque is that of eq. (4) with white
+noise on it. Each thread makes and reduces a part at a time, as it would a file; the sums are added and fitted.
+Time and memory are those of the whole process, the making of the data included.
 """
 
 import argparse
@@ -36,8 +36,6 @@ NOISE_N_M = 0.02
 SINUSOIDS, HIGHEST_HZ = 5, 2.0
 #: Samples that are in memory at a time, in each thread.
 BLOCK = 32_768
-#: What the job may take.
-MOST_SECONDS, MOST_MEGABYTES = 60.0, 500.0
 
 
 @dataclass(frozen=True)

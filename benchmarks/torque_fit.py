@@ -15,13 +15,14 @@ import numpy as np
 from rich.table import Table
 
 from arm.arm_file import load_arm
-from arm.base_parameters import base_parameters
 from arm.bench import Bench, motions
 from arm.model import Arm, Control, Floats
 from arm.regressor import standard_parameters
 from fitter.data.trials import Trial
-from fitter.dynamics.fit import fit_dynamics
+from fitter.dynamics.dynamics_fit import DynamicsFit
+from fitter.dynamics.structure import structural_parameters
 from fitter.dynamics.torque_problem import torque_problem
+from fitter.dynamics.torque_search import fit_sums
 from fitter.dynamics.torque_sums import TorqueSums, add_up
 from fitter.dynamics.trial_sums import trial_sums
 from fitter.search.genetic import GeneticAlgorithm
@@ -69,19 +70,20 @@ def measure(_options: argparse.Namespace) -> Document:
     """Measure, show the table and return its numbers."""
     arm = replace(load_arm("dd-arm"), control=Control())
     trials = bench_trials(load_arm("dd-arm"), SAMPLES)
-    base = base_parameters(arm)
+    base = structural_parameters(arm)
     prior = base.combination @ standard_parameters(arm)
-    fit_dynamics(arm, [thinned(trials[0], 100)])  # compiles
 
     def reduce() -> TorqueSums:
         return add_up([trial_sums(arm, base, trial) for trial in trials])
 
-    sums = reduce()
-    fit = fit_dynamics(arm, trials)
+    def answer() -> DynamicsFit:
+        return fit_sums(arm, base, reduce(), population=POPULATION, generations=GENERATIONS)
+
+    sums, fit = reduce(), answer()  # compiles
     stages = {
         "arrays to sums": seconds(reduce),
         f"{GENERATIONS} generations of {POPULATION}": seconds(partial(breed, sums, prior)),
-        "arrays to answer": seconds(partial(fit_dynamics, arm, trials)),
+        "arrays to answer": seconds(answer),
     }
     worst = max(abs(fit.parameters[name].value - true) for name, true in zip(base.names, prior, strict=True))
     sizes = {}

@@ -22,6 +22,7 @@ from fitter.dynamics.law_forms import LawForm, LawMisfit, law_form, misfit
 from fitter.dynamics.law_sentences import fixed_by, only_together
 from fitter.dynamics.structure import structural_parameters
 from fitter.dynamics.torque_factor import put_to_torque
+from fitter.dynamics.wider_band import with_wider_band
 from fitter.search.fitted_parameter import FittedParameter
 from limbcal.errors import ConfigError, DataError, NotIdentifiable
 
@@ -121,7 +122,7 @@ def fit_controller(
     known = known_numbers(arm, columns, fixed or {}, free_gains)
     if measured_torque and known:
         raise ConfigError(f"{', '.join(known)} and measured torque are given; expected only one to fix the factor")
-    trials = [law_equations(arm, base, trial, rest_speed) for trial in learn]
+    trials = [law_equations(arm, base, trial, rest_speed) for trial in with_wider_band(learn)]
     gram = equations_gram(trials)
     anchors = () if known else anchors_of(arm, columns, trials)
     told = known | dict(anchors)
@@ -130,12 +131,9 @@ def fit_controller(
         if other != law:
             with suppress(NotIdentifiable):  # where what is known says nothing of this form
                 fits[other] = _fitted(arm, base, widest.narrowed(other), trials, told)
-    if polish:
-        wider = [other for other in fits if len(GAINS[other]) > len(GAINS[law])]
-        asked = [other for other in wider if law_form(fits[other], gram).needed]
-        fits |= {other: polished(fits[other], arm, base, learn) for other in asked}
-        if not any(law_form(fits[other], gram).needed for other in asked):
-            fits[law] = polished(fits[law], arm, base, learn)  # a form that is not the law's has no best gains
+    wider = [fits[other] for other in fits if len(GAINS[other]) > len(GAINS[law])]
+    if polish and not any(law_form(other, gram).needed for other in wider):
+        fits[law] = polished(fits[law], arm, base, learn)  # a form that is not the law's has no best gains
     if measured_torque:
         fits[law] = put_to_torque(fits[law], Instruments(arm, base, columns), trials)
     forms: dict[Law, LawForm] = {name: law_form(fits[name], gram) for name in GAINS if name in fits}

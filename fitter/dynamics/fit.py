@@ -25,8 +25,8 @@ from fitter.dynamics.trial_sums import trial_sums
 from limbcal.errors import DataError
 
 #: Outliers are drawn in until no parameter moves by more than this share of its standard error.
-_SETTLED = 0.01
-_ROUNDS = 30
+_SETTLED = 1e-3
+_ROUNDS = 200
 
 
 def fit_dynamics(
@@ -147,8 +147,8 @@ def _reweighted(
         pseudo = draw_in(arm, base, trials, values)
         problem = torque_problem(pseudo.sums, prior, held)
         before, values = values, problem.complete(problem.optimum())
-        std = problem.standard_errors(values)
-        if np.nanmax(np.abs(values - before) / std, initial=0.0) < _SETTLED:
+        std = problem.standard_errors(values)[problem.free]
+        if np.all(np.abs(values - before)[problem.free] <= _SETTLED * std):
             break
     share = ", ".join(f"{100 * bent:.2g} %" for bent in pseudo.bent)
     return pseudo.sums, (f"outlying torques drawn in: {share} of the samples a joint",)

@@ -29,7 +29,8 @@ class Ambiguity:
     Attributes
     ----------
     factors : (n_factor, n_column)
-        Directions in which the gains kp move along, each with a 1 at a kp of its own (`leaders`).
+        Directions in which the gains kp move along, each with a 1 at a kp of its own (`leaders`), and without what
+        trades.
     leaders : tuple of int
     trades : (n_trade, n_column)
         Directions in which no kp moves; each with a 1 at a parameter of its own (`folded`), where others have 0.
@@ -90,9 +91,8 @@ class LawNullSpace:
         self._seen = scale > 0.0
         self._scale = np.where(self._seen, scale, 1.0)
         eigenvalues, vectors = np.linalg.eigh(exact / np.outer(self._scale, self._scale))
-        self._basis = vectors[
-            :, eigenvalues < _NEW_PART * n
-        ].T  # (n_null, n_column), in units of the columns' sizes
+        # (n_null, n_column), in units of the columns' sizes
+        self._basis = np.asarray(vectors[:, eigenvalues < _NEW_PART * n].T, dtype=np.float64)
 
     def given(self, known: Sequence[int]) -> Ambiguity:
         """Return what stays open when some parameters are known."""
@@ -100,10 +100,12 @@ class LawNullSpace:
         kp = [place for place in self._columns.kp if self._seen[place]]
         factors, leaders = _reduced(basis, kp)
         trades, folded = _reduced(_vanishing(basis, kp), self._fold_order())
-        factors, trades = factors / self._scale, trades / self._scale
+        factors = factors - factors[:, folded] @ trades  # a factor takes no part in what trades
+        factors = np.where(np.abs(factors) > _PART, factors, 0.0) / self._scale
+        trades = trades / self._scale
         factors *= self._scale[leaders][:, None]
         trades *= self._scale[folded][:, None]
-        return Ambiguity(factors[: len(leaders)], tuple(leaders), trades, tuple(folded))
+        return Ambiguity(factors, tuple(leaders), trades, tuple(folded))
 
     def _fold_order(self) -> list[int]:
         """Return who is held first where parameters trade.

@@ -26,7 +26,7 @@ from limbcal.errors import NotIdentifiable
 
 #: Instruments are renewed until no parameter moves by more than this share of its standard error, or of itself.
 _SETTLED, _ROUNDING = 0.02, 1e-9
-_ROUNDS = 30
+_ROUNDS = 15
 #: Blocks of consecutive equations of a trial, whose scores tell the answer's scatter.
 _BLOCKS = 100
 #: Poses of a trial at which inertia must be positive.

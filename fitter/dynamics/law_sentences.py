@@ -48,5 +48,5 @@ def only_together(fit: LawFit) -> tuple[str, ...]:
         said.append(f"{text} = {told}; {held} keeps the arm file's value")
     trades = zip(fit.ambiguity.folded, fit.ambiguity.trades, strict=True)
     silent = [k for k, row in trades if np.count_nonzero(row) == 1]
-    said += [f"{names[k]} does not show at all and keeps the arm file's value" for k in silent]
+    said += [f"{names[k]} does not show by itself in this motion and keeps the arm file's value" for k in silent]
     return tuple(said)

@@ -112,6 +112,9 @@ def fit_motion(
     while np.isfinite(noise).all():
         linear = _linearised(shooting, stretches, complete, here, over, noise)
         J, r = np.vstack(linear.J), np.concatenate(linear.r)
+        if not np.isfinite(J).all():  # the arm beside this one runs away: there is no slope to go down
+            noise = np.full_like(noise, np.inf)
+            break
         promise = float(r @ r) - float(np.sum((r - J @ _damped_step(J, r, 0.0)) ** 2))
         told = 1.0 / np.maximum(np.linalg.norm(J, axis=0), 1e-300)
         over = np.clip(told, _LEAST_SLOPE_STEP * scale, _MOST_SLOPE_STEP * scale)
@@ -181,12 +184,14 @@ def _moved(
 
 def _noise(residuals: Sequence[Floats]) -> Floats:
     """Return the rms of each joint, not below rounding: a joint that is met exactly would outweigh the others."""
-    rms = np.sqrt(np.mean(np.concatenate(residuals) ** 2, axis=0))
+    with np.errstate(over="ignore"):  # an arm that runs away is infinitely far off
+        rms = np.sqrt(np.mean(np.concatenate(residuals) ** 2, axis=0))
     return np.asarray(np.maximum(rms, max(1e-9, 1e-6 * float(rms.max()))), dtype=np.float64)
 
 
 def _cost(residual: Floats, noise: Floats) -> float:
-    return float(np.sum((residual / noise) ** 2))
+    with np.errstate(over="ignore"):
+        return float(np.sum((residual / noise) ** 2))
 
 
 def _damped_step(J: Floats, r: Floats, damping: float) -> Floats:
@@ -215,6 +220,9 @@ def _linearised(
             [shooting.angles(chain, stretch, start + move) for move in np.diag(moves)], simulated, moves, noise
         )
         r = (residual / noise).ravel()
+        if not np.isfinite(Js).all():
+            Js = np.zeros_like(Js)
+            Jx = np.full_like(Jx, np.inf)
         U, size, Vt = np.linalg.svd(Js, full_matrices=False)
         told = size > _NO_EFFECT * size[0]
         U, back = U[:, told], Vt[told].T / size[told]

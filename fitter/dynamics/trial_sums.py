@@ -84,8 +84,8 @@ def add_stretch(
 def moving_all_along(trial: Trial, part: slice, rest_speed: float) -> NDArray[np.bool_]:
     """Return which equations hold behind the fit's filter, (n_sample, n_joint).
 
-    A joint that sticks is held by a torque of any size, which the filter spreads over the moments before and after:
-    they count as little as the moment itself.
+    A joint that sticks is held by a torque of any size, which the filter spreads over the moments before and
+    after: they count as little as the moment itself.
     """
     fast = np.abs(trial.dq[part]) > rest_speed
     reach = int(SPREAD / (trial.band_hz * trial.dt_s))

@@ -8,8 +8,8 @@ import numpy as np
 from fitter.data.motions import Measured
 from fitter.data.trials import Trial, to_trials
 
-#: Where instruments are used, noise in the columns shifts nothing, but a filter does: it bends products. Its corner
-#: is put so much higher.
+#: Where instruments are used, noise in the columns shifts nothing, but a filter does: it bends products. Its
+#: corner is put so much higher.
 _WIDER = 2.0
 
 
@@ -25,7 +25,7 @@ def with_wider_band(trials: Sequence[Trial]) -> list[Trial]:
 
 
 def _wider(trial: Trial) -> Trial:
-    t = np.arange(len(trial.whole["q"])) * trial.dt_s
+    t = np.arange(len(trial.whole["q"]), dtype=np.float64) * trial.dt_s
     measured = Measured(trial.name, trial.name, 0, t, dict(trial.whole))
     found = to_trials([measured], cutoff_hz=_WIDER * trial.cutoff_hz, band_hz=_WIDER * trial.band_hz)[0]
     return replace(found, role=trial.role)

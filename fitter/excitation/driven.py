@@ -4,7 +4,6 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from arm.bench import rest_angles
 from arm.control import gains
 from arm.model import Arm, Floats
 from arm.newton_euler import inverse_dynamics, mass_matrix
@@ -14,6 +13,8 @@ from limbcal.errors import ConfigError
 #: Steps of a simulation: never longer than these, while searching and at the end [s], nor than this share of the
 #: arm's shortest time constant under its law.
 _SEARCH_STEP_S, _STEP_S, _SHARE = 5e-3, 1e-3, 0.25
+#: After this time an arm rests [s].
+_SETTLED_S = 60.0
 
 
 @dataclass(frozen=True)
@@ -99,5 +100,9 @@ def finely_driven(arm: Arm, reference: Floats, dt_s: float, start: Floats) -> Mo
 
 
 def rest_at(arm: Arm, target: Floats) -> Floats:
-    """Return where the arm comes to rest at a target."""
-    return target if arm.control.law == "measured" else rest_angles(arm, target)
+    """Return where the arm comes to rest at a target: there, but for what gravity and friction add."""
+    if arm.control.law == "measured":
+        return target
+    step_s = search_step_s(arm)
+    settled: Floats = simulate(arm, np.tile(target, (round(_SETTLED_S / step_s), 1)), step_s, target).q[-1]
+    return settled

@@ -2,8 +2,9 @@
 
 Each trial is chosen to complete those before it. The cost is ``log max e + mean log e + log k``. e are the
 predicted standard errors of the wanted parameters in units of their sizes, so the worst of them counts, and all
-besides; k is the condition number of the regressor with its columns scaled to length one. References that exceed a
-limit cost more than any that does not, and the more the further they do.
+besides; k is the condition number of the regressor with its columns scaled to length one, left out where only some
+parameters are wanted. References that exceed a limit are made smaller; where that is not enough they cost more
+than any other, and the more the further they do.
 """
 
 from collections.abc import Callable, Sequence
@@ -29,10 +30,14 @@ Kind = Literal["fourier", "points"]
 POPULATION, GENERATIONS = 40, 30
 #: A search keeps this far from the limits, because its steps are coarse.
 _SAFE = 0.01
+#: Steps a second of the random motions' simulation.
+_SIMULATION_HZ = 1000.0
 #: Random motions that show how far the arm usually goes: as many as the bench has.
 _USUAL = Bench().trials
 #: Random motion may be at its furthest where the arm just hangs; there must be room on both sides of that.
 _BEYOND = 1.1
+#: How often a reference that exceeds a limit is made smaller as a whole.
+_EASINGS = 4
 #: What a reference costs that exceeds a limit, beside a hundred times its excess.
 _FORBIDDEN = 1e3
 #: Errors and condition numbers larger than this are as good as infinite.
@@ -190,19 +195,27 @@ class _Search:
             algorithm.tell(costs)
             if progress is not None:
                 progress()
-        return algorithm.best
+        return self._eased(algorithm.best, before, start)[0]
+
+    def _eased(self, genes: Floats, before: Floats, start: Floats) -> tuple[Floats, Motion, float]:
+        """Return genes made smaller, all alike, until no limit is exceeded; their motion, and the excess left."""
+        for easing in range(_EASINGS + 1):
+            reference = self.shape.trial(genes, _times(self.bench), before)
+            motion = driven(self.arm, reference, 1.0 / self.bench.rate_hz, start)
+            excess = self.limits.excess(reached(motion)) + _SAFE if np.isfinite(motion.q).all() else np.inf
+            if excess <= 0.0 or easing == _EASINGS:
+                break
+            genes = genes * max(1.0 / (1.0 + excess) - _SAFE, 0.1)
+        return genes, motion, excess
 
     def _cost(self, genes: Floats, gram: Floats, before: Floats, start: Floats) -> float:
-        t = _times(self.bench)
-        motion = driven(self.arm, self.shape.trial(genes, t, before), 1.0 / self.bench.rate_hz, start)
-        if not np.isfinite(motion.q).all():
-            return np.inf
-        excess = self.limits.excess(reached(motion)) + _SAFE
-        if excess > 0.0:
+        motion, excess = self._eased(genes, before, start)[1:]
+        if not excess <= 0.0:
             return _FORBIDDEN + 100.0 * excess
         both = told(gram + self.samples * information(self.arm, self.base, motion, self.noise))
         errors = np.log(np.minimum(both.std / self.size, _NEVER))[self.wanted]
-        return float(errors.max() + errors.mean() + np.log(min(both.condition_number, _NEVER)))
+        alike = np.log(min(both.condition_number, _NEVER)) if self.wanted.all() else 0.0
+        return float(errors.max() + errors.mean() + alike)
 
 
 def _shape(kind: Kind, arm: Arm, bench: Bench, span: Floats) -> Shape:
@@ -222,7 +235,7 @@ def _gram(arm: Arm, base: BaseParameters, moved: Sequence[Motion], noise: Floats
 def _random_motions(arm: Arm, bench: Bench, seed: int) -> list[Motion]:
     """Return the bench's motions; with measured torque, random points that are gone to smoothly."""
     if arm.control.law != "measured":
-        return list(motions(arm, replace(bench, evaluating=0), seed))
+        return list(motions(arm, replace(bench, evaluating=0, simulation_hz=_SIMULATION_HZ), seed))
     shape = Points(bench.trial_s, bench.rest_s, np.full(arm.n_joint, bench.span_rad), smooth=True)
     rng, ends, moved = np.random.default_rng([seed, 1]), np.zeros(arm.n_joint), []
     for _ in range(bench.learning):

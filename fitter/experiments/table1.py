@@ -83,8 +83,9 @@ def run(settings: Settings) -> Experiment:
         f"{max(row.worst_mm(row.plain, true) for _, row in worst):.1f} mm."
     )
     findings.append(
-        "Over full turns the plain fit follows a1 exp(-s²/2), a2 exp(-s²). The paper's a2 does so too: what it "
-        "calls the chance of its search is this law. Its a1 does not."
+        "Over full turns the plain fit follows a1 exp(-s²/2), a2 exp(-s²). The paper's a2 shrinks with the noise "
+        "too, by a little more, which is its method and no chance of its search; its a1 grows, which no such law "
+        "explains."
     )
     return Experiment(
         name="table1",

@@ -8,17 +8,12 @@ import pytest
 from arm.arm_file import load_arm, save_arm
 from arm.model import Control
 
-QUICK = ("--trials", "2", "--rate-hz", "200", "--population", "12", "--generations", "3")
+QUICK = ("--trials", "2", "--seconds", "2.5", "--rate-hz", "200", "--population", "10", "--generations", "2")
 
 
-@pytest.fixture
-def suggested(fitter, tmp_path):
-    out = tmp_path / "reference.npz"
-    return fitter("excite", "--arm", "dd-arm", "--kind", "points", *QUICK, "--out", out), out
-
-
-def test_the_document(suggested):
-    outcome, out = suggested
+def test_the_file_is_what_simulate_reads_and_the_document_what_is_promised(fitter, tmp_path):
+    out, moved = tmp_path / "reference.npz", tmp_path / "motion.npz"
+    outcome = fitter("excite", "--arm", "dd-arm", "--kind", "points", *QUICK, "--out", out)
     assert outcome.code == 0
     document = outcome.document
     assert list(document) == [
@@ -26,7 +21,7 @@ def test_the_document(suggested):
         *("condition_number", "relative_std", "limits", "reached"),
     ]
     assert document["out"] == str(out)
-    assert document["samples"] == 2700
+    assert document["samples"] == 1000
     assert document["torque_noise"]["share"] == 0.01
     assert set(document["relative_std"]["I2"]) == set(document["condition_number"]) == {"suggested", "random"}
     for name in ("angle_deg", "speed", "torque"):
@@ -34,35 +29,21 @@ def test_the_document(suggested):
         assert document["limits"]["given"][name] is False
     assert "predicted standard errors, 1% noise of the torque" in " ".join(outcome.said.split())
 
-
-def test_the_file_is_what_simulate_reads(fitter, suggested, tmp_path):
-    out = tmp_path / "motion.npz"
-    outcome = fitter("simulate", "--arm", "dd-arm", "--reference", suggested[1], "--out", out)
-    assert outcome.code == 0
-    asked, moved = np.load(suggested[1]), np.load(out)
-    assert outcome.document["trials"] == 2
+    simulated = fitter("simulate", "--arm", "dd-arm", "--reference", out, "--out", moved)
+    assert simulated.code == 0
+    assert simulated.document["trials"] == 2
+    asked, came = np.load(out), np.load(moved)
     for name in ("ref1", "ref2"):
-        assert np.array_equal(asked[name], moved[name])
+        assert np.array_equal(asked[name], came[name])
     for name in ("q1", "q2"):
-        assert np.allclose(asked[name], moved[name], atol=1e-9)
+        assert np.allclose(asked[name], came[name], atol=1e-9)
 
 
 def test_the_same_seed_gives_the_same_bytes(fitter, tmp_path):
     outs = [tmp_path / "1.csv", tmp_path / "2.csv"]
     for out in outs:
-        arguments = (
-            "--trials",
-            "1",
-            "--rate-hz",
-            "100",
-            "--population",
-            "10",
-            "--generations",
-            "2",
-            "--seed",
-            "3",
-        )
-        assert fitter("excite", "--arm", "dd-arm", *arguments, "--out", out).code == 0
+        arguments = ("--arm", "dd-arm", *QUICK, "--kind", "points", "--seed", "3")
+        assert fitter("excite", *arguments, "--out", out).code == 0
     assert outs[0].read_bytes() == outs[1].read_bytes()
 
 

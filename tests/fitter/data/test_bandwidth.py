@@ -65,7 +65,6 @@ def test_where_nothing_is_to_be_filtered_there_is_no_edge():
     rng = np.random.default_rng(0)
     t = DT_S * np.arange(N)
     assert motion_edge_hz([Signal(np.zeros((N, 2)), DT_S, 2)]) is None
-    assert motion_edge_hz([Signal(rng.normal(size=(N, 2)), DT_S, 2)]) is None
     assert motion_edge_hz([Signal(rng.normal(size=(16, 2)), DT_S, 2)]) is None
     step = np.exp(-5 * t)[:, None]  # a clean transient fills the whole range
     assert motion_edge_hz([Signal(step, DT_S, 2)]) is None
@@ -77,3 +76,17 @@ def test_trials_of_other_rates_count_together():
     coarse = swing(4.0, 1) + 1e-5 * rng.normal(size=(N, 1))
     edge = motion_edge_hz([Signal(fine, DT_S, 2), Signal(coarse[::4], 4 * DT_S, 2)])
     assert 3.0 < edge < 6.0
+
+
+def test_of_noise_alone_nothing_is_kept():
+    assert motion_edge_hz([Signal(np.random.default_rng(0).normal(size=(N, 2)), DT_S, 2)]) < 1.0
+
+
+@pytest.mark.parametrize("noise", [2e-4, 1e-3, 6e-2])
+def test_a_motion_that_begins_with_a_jump_has_an_edge_too(noise):
+    """Its spectrum falls so slowly that nothing stands far above the valley."""
+    t, rng = DT_S * np.arange(3375), np.random.default_rng(3)
+    late = np.maximum(t - 0.5, 0.0)
+    q = 1.0 - (1.0 + 3.0 * late) * np.exp(-3.0 * late)  # a critically damped answer to a step
+    edge = motion_edge_hz([Signal((q + noise * rng.normal(size=len(t)))[:, None], DT_S, 2) for _ in range(5)])
+    assert edge is not None and 0.5 < edge < 8.0

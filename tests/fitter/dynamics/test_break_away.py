@@ -75,7 +75,10 @@ def test_all_joints_at_once_with_measured_and_noisy_torque(name, static):
 @pytest.mark.parametrize("coulomb", [0.0, 0.06])
 def test_nothing_is_invented(name, coulomb):
     arm = rubbing(0.0, coulomb, name)
-    slow, jumping = ramped(arm, 0.1, 20.0, 0.4), next(motions(arm, replace(Bench(), rate_hz=1000.0), 1))
+    slow, jumping = (
+        ramped(arm, 0.1, 20.0, 0.4),
+        next(motions(arm, replace(Bench(), rate_hz=1000.0, simulation_hz=1000.0), 1)),
+    )
     step = Trial("step", jumping.t, DT, jumping.q, jumping.dq, jumping.ddq, jumping.tau, jumping.ref)
     measured = replace(arm, control=Control())
     for model, trials in ((arm, [slow, step]), (measured, [noisy(slow), noisy(step)])):

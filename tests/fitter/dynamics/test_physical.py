@@ -25,7 +25,7 @@ INDEX = {name: k for k, name in enumerate(BASE.names)}
 
 
 def moved(arm):
-    return list(motions(arm, replace(Bench(), rate_hz=200.0, learning=3, evaluating=0), 1))
+    return list(motions(arm, replace(Bench(), rate_hz=200.0, learning=3, evaluating=0, simulation_hz=1000.0), 1))
 
 
 def problem_of(arm, noise, seed=0, held=None):

@@ -31,7 +31,7 @@ def off_by_std(fit):
 
 @pytest.mark.parametrize("reach", [np.pi, 1.2])
 def test_table_1_without_its_attenuation(reach):
-    trial = poses(20_000, 15.0, 0.03, 0, reach)
+    trial = poses(12_000, 15.0, 0.03, 0, reach)
     plain = fit_kinematics(PRIOR, [trial], angle_noise=None)
     assert geometry_of(plain.arm)[1, 1] < 0.29  # what the paper has
     fit = fit_kinematics(PRIOR, [trial])
