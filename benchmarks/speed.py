@@ -21,10 +21,11 @@ PACKAGES = ("numpy", "scipy", "numba", "pin", "figaroh", "pymoo", "deap", "cma")
 SINGLE = {"OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1", "MKL_NUM_THREADS": "1"}
 _TEXT = """# How fast
 
-`make bench` writes this page: {cores} cores of {processor}, Python {python}; {packages}.
+`make bench` writes this page: {cores} cores of {processor}, Python {python};
+{packages}.
 Everything was measured in one run, each benchmark by itself. Times are the processor's, of one thread, except
-where it says otherwise. The seconds are this machine's, and a busy machine stretches them; the ratios are what to
-look at.
+where it says otherwise. The seconds are this machine's, and a busy machine stretches them (on average {load:.1f}
+programs wanted its {cores} cores); the ratios are what to look at.
 
 ## From {samples:,} samples to {parameters} parameters
 
@@ -58,8 +59,8 @@ the settings that their documentation begins with.
 
 How far the searches on the sums came, as the excess of the cost above the optimum:
 
-| search | evaluations | excess |
-|---|---|---|
+| search | evaluations | seconds | excess |
+|---|---|---|---|
 {ends}
 
 ## A hundred million samples
@@ -91,19 +92,17 @@ def page(peers: Mapping[str, Any], million: Mapping[str, Any], sizes: Mapping[st
     ours = peers["ours"]
     whole = ours["samples to parameters"]
     regressors = [
-        f"| {name} | {took:.3g} | {took / ours['regressor']:.3g} | {took / ours['regressor and sums']:.3g} |"
+        f"| {name} | {number(took)} | {number(took / ours['regressor'])} "
+        f"| {number(took / ours['regressor and sums'])} |"
         for name, took in peers["regressors"].items()
     ]
-    searches = [
-        f"| {name} | "
-        + " | ".join(f"{timed['seconds']:.3g} ({timed['seconds'] / whole:,.3g}×)" for timed in kinds.values())
-        + " |"
-        for name, kinds in peers["searches"].items()
-    ]
-    ends = [
-        f"| {name} | {kinds['sums']['evaluations']:,} | {kinds['sums']['excess']:.1e} |"
-        for name, kinds in peers["searches"].items()
-    ]
+    searches, ends = [], []
+    for name, kinds in peers["searches"].items():
+        times = [timed["seconds"] for timed in kinds.values()]
+        searches.append(f"| {name} | " + " | ".join(f"{number(t)} ({number(t / whole)}×)" for t in times) + " |")
+        sums = kinds["sums"]
+        took = sums["seconds"] * sums["evaluations"] / (GENERATIONS * POPULATION)
+        ends.append(f"| {name} | {sums['evaluations']:,} | {number(took)} | {sums['excess']:.1e} |")
     return _TEXT.format(
         cores=os.cpu_count(),
         processor=processor(),
@@ -119,6 +118,7 @@ def page(peers: Mapping[str, Any], million: Mapping[str, Any], sizes: Mapping[st
         population=POPULATION,
         evaluations=GENERATIONS * POPULATION,
         some=peers["some_samples"],
+        load=peers["load"],
         cap=cap_s,
         regressors="\n".join(regressors),
         searches="\n".join(searches),
@@ -132,6 +132,11 @@ def page(peers: Mapping[str, Any], million: Mapping[str, Any], sizes: Mapping[st
     )
 
 
+def number(value: float) -> str:
+    """Return a number as a table has it: three digits, and no powers of ten."""
+    return f"{value:,.0f}" if value >= 100.0 else f"{value:.3g}"
+
+
 def processor() -> str:
     """Return what the machine calls its processor."""
     for line in Path("/proc/cpuinfo").read_text(encoding="utf-8").splitlines():
@@ -142,7 +147,7 @@ def processor() -> str:
 
 def measure(options: argparse.Namespace) -> Document:
     """Run all and write the page."""
-    peers = run("peers", "--cap", str(options.cap))
+    peers = run("peers", "--cap", str(options.cap)) | {"load": os.getloadavg()[1]}
     million = run("hundred_million")
     fit = run("torque_fit")
     text = page(peers, million, fit["us_per_generation"], options.cap)

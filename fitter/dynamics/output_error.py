@@ -220,9 +220,10 @@ def _linearised(
             [shooting.angles(chain, stretch, start + move) for move in np.diag(moves)], simulated, moves, noise
         )
         r = (residual / noise).ravel()
-        if not np.isfinite(Js).all():
-            Js = np.zeros_like(Js)
-            Jx = np.full_like(Jx, np.inf)
+        if not (np.isfinite(Jx).all() and np.isfinite(Js).all()):
+            linear.J.append(np.full_like(Jx, np.inf))
+            linear.r.append(r)
+            continue
         U, size, Vt = np.linalg.svd(Js, full_matrices=False)
         told = size > _NO_EFFECT * size[0]
         U, back = U[:, told], Vt[told].T / size[told]
