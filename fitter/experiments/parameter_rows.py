@@ -4,6 +4,7 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
+from fitter.dynamics.dynamics_fit import DynamicsFit, Objective
 from fitter.experiments.experiment import Cell
 from fitter.report.published import PARAMETERS
 from fitter.search.fitted_parameter import FittedParameter
@@ -25,6 +26,11 @@ def fitted_row(labels: Sequence[Cell], parameters: Mapping[str, FittedParameter]
     An arm whose axes were found to be askew has other combinations; theirs stay empty.
     """
     return (*labels, *(interval(parameters[name]) if name in parameters else None for name in PARAMETERS))
+
+
+def method_said(name: str, fit: DynamicsFit, asked: Objective) -> str:
+    """Return what a fit is to be called; one that fell back from the motion on the torque says so."""
+    return name if fit.objective == asked else f"{name}, came to nothing: {fit.objective}"
 
 
 def interval(parameter: FittedParameter) -> str:

@@ -6,25 +6,26 @@ import queue
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
 from dataclasses import dataclass, replace
-from importlib import import_module
+from types import ModuleType
 from typing import Any
 
+from fitter.experiments import fig6, fig7, fig8, table1, table2, table3, table4, table5, table6
 from fitter.experiments.experiment import Experiment, Settings
 from fitter.report.figures import png
 from limbcal.errors import LimbcalError
 
 #: In the paper's order.
-EXPERIMENTS = (
-    "table1",
-    "table2",
-    "table3",
-    "table4",
-    "table5",
-    "table6",
-    "fig6",
-    "fig7",
-    "fig8",
-)
+EXPERIMENTS: dict[str, ModuleType] = {
+    "table1": table1,
+    "table2": table2,
+    "table3": table3,
+    "table4": table4,
+    "table5": table5,
+    "table6": table6,
+    "fig6": fig6,
+    "fig7": fig7,
+    "fig8": fig8,
+}
 #: Those that share the readings of the sensed bench run in one process, which keeps them; the longest come first.
 _TOGETHER = (
     ("table1",),
@@ -87,12 +88,13 @@ def reproduce(names: Sequence[str], settings: Settings, jobs: int, progress: Pro
         found = list(_side_by_side(groups, settings, min(jobs, len(groups)), progress))
     else:
         found = [outcome for group in groups for outcome in _run_group(group, settings, progress)]
-    return sorted(found, key=lambda outcome: EXPERIMENTS.index(outcome.name))
+    order = list(EXPERIMENTS)
+    return sorted(found, key=lambda outcome: order.index(outcome.name))
 
 
 def run_one(name: str, settings: Settings) -> Outcome:
     """Run one experiment and render its pictures."""
-    run: Callable[[Settings], Experiment] = import_module(f"fitter.experiments.{name}").run
+    run: Callable[[Settings], Experiment] = EXPERIMENTS[name].run
     try:
         found = run(settings)
     except LimbcalError as error:

@@ -17,6 +17,7 @@ from fitter.experiments.parameter_rows import (
     INERTIAL,
     NORMAL_95,
     fitted_row,
+    method_said,
     numbers,
     off_percent,
     outside,
@@ -106,10 +107,14 @@ def _grid(rows: Sequence[Row], true: Mapping[str, float]) -> Grid:
     for row in rows:
         percent = f"{row.percent} %"
         cells.append(plain_row((percent, "paper"), TABLE3[row.percent]))
-        cells += [fitted_row((percent, name), fit.parameters) for name, fit in row.fits.items()]
+        cells += [fitted_row((percent, _said(name, fit)), fit.parameters) for name, fit in row.fits.items()]
         least = (f"{true[name]:.6f} ± {NORMAL_95 * row.least[name]:.2g}" for name in PARAMETERS)
         cells.append((percent, "least possible", *least))
     return Grid("Dynamic parameters", ("noise", "method", *PARAMETERS), tuple(cells))
+
+
+def _said(name: str, fit: DynamicsFit) -> str:
+    return method_said(name, fit, "motion" if name == _MOTION else "torque")
 
 
 def _error_grid(rows: Sequence[Row], true: Mapping[str, float]) -> Grid:
@@ -123,7 +128,7 @@ def _error_grid(rows: Sequence[Row], true: Mapping[str, float]) -> Grid:
         for method, fit in row.fits.items():
             errors = off_percent(fit.parameters, true)
             missed = ", ".join(outside(fit.parameters, true)) or "none"
-            cells.append((percent, method, *(f"{errors[name]:+.2f}" for name in INERTIAL), missed))
+            cells.append((percent, _said(method, fit), *(f"{errors[name]:+.2f}" for name in INERTIAL), missed))
         least = (f"±{100 * NORMAL_95 * row.least[name] / true[name]:.2f}" for name in INERTIAL)
         cells.append((percent, "least possible", *least, None))
     return Grid("Errors of the inertial parameters, in percent of their true values", header, tuple(cells))

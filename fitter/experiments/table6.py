@@ -12,6 +12,7 @@ from fitter.experiments.bench_data import angle_spread, bench_trials, noisy_tria
 from fitter.experiments.experiment import Cell, Experiment, Grid, Settings
 from fitter.experiments.parameter_rows import (
     fitted_row,
+    method_said,
     numbers,
     outside,
     plain_row,
@@ -86,7 +87,12 @@ def _grid(found: Mapping[int, Fits]) -> Grid:
     cells: list[tuple[Cell, ...]] = [plain_row(("", "true"), TRUE)]
     for count, fits in found.items():
         cells.append(plain_row((str(count), "paper"), TABLE6[count]))
-        cells += [fitted_row((str(count), name), fit.parameters) for name, fit in fits.items()]
+        cells += [
+            fitted_row(
+                (str(count), method_said(name, fit, "motion" if name == _MOTION else "torque")), fit.parameters
+            )
+            for name, fit in fits.items()
+        ]
     return Grid("Dynamic parameters", ("data", "method", *PARAMETERS), tuple(cells))
 
 

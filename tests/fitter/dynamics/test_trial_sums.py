@@ -38,3 +38,13 @@ def test_slow_joints_are_left_out(bench_trials):
     trial = bench_trials[2]
     counts = trial_sums(ARM, BASE, trial, rest_speed=0.1).count.sum(axis=0)
     assert counts.tolist() == np.count_nonzero(np.abs(trial.dq) > 0.1, axis=0).tolist()
+
+
+def test_a_trial_filtered_in_windows_has_the_sums_of_the_whole(bench_trials, monkeypatch):
+    trial = replace(bench_trials[0], band_hz=40.0)
+    whole = trial_sums(ARM, BASE, trial)
+    monkeypatch.setattr("fitter.dynamics.trial_sums._ROW_BYTES", 1)
+    parted = trial_sums(ARM, BASE, trial)
+    for name in ("gram", "moment", "power", "row", "torque", "count"):
+        found, expected = getattr(parted, name), getattr(whole, name)
+        assert np.abs(found - expected).max() <= 1e-11 * np.abs(expected).max()

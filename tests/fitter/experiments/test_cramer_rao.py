@@ -16,7 +16,7 @@ SIGMA, TARGET = 0.01, 1.0
 
 
 def closed_form(t, inertia, viscous, coulomb, q0, v0):
-    """An overdamped joint that only ever moves forwards: a linear equation with a constant push."""
+    """Return the angle of an overdamped joint that only ever moves forwards: friction is a constant push."""
     end = TARGET - coulomb / KP
     fast, slow = np.roots([inertia, viscous - KV, KP])
     a = (v0 - slow * (q0 - end)) / (fast - slow)

@@ -20,7 +20,8 @@ def test_the_calibrated_arm_moves_as_the_real_one(found):
 
 def test_wrong_gains_scale_every_parameter_and_leave_the_motion(found):
     ours, other = (
-        found.document["calibrations"][name] for name in ("ours: smoother, eq. (9)", "ours, gains 11.5 / -11.5 assumed")
+        found.document["calibrations"][name]
+        for name in ("ours: smoother, eq. (9)", "ours, gains 11.5 / -11.5 assumed")
     )
     for name, p in ours["parameters"].items():
         np.testing.assert_allclose(other["parameters"][name]["value"], 11.5 / 9.5 * p["value"], rtol=1e-3)

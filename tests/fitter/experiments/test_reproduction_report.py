@@ -20,16 +20,31 @@ def outcomes() -> list[Outcome]:
     figure = Figure(figsize=(2, 1))
     figure.subplots().plot([0, 1])
     found = Experiment(
-        "table6", "Table 6", ("It was assumed.",), (GRID,), (), ("It was found.",), {"x": np.arange(2), "y": np.nan}
+        "table6",
+        "Table 6",
+        ("It was assumed.",),
+        (GRID,),
+        (),
+        ("It was found.",),
+        {"x": np.arange(2), "y": np.nan},
     )
-    return [Outcome("table6", found, ((png(figure), "A picture"),)), Outcome("fig8", None, error=NotConverged("no"))]
+    return [
+        Outcome("table6", found, ((png(figure), "A picture"),)),
+        Outcome("fig8", None, error=NotConverged("no")),
+    ]
 
 
 def test_page_text_figures_and_pictures_are_written(tmp_path: Path):
     found = outcomes()
     write_report(found, document_of(found, 7), "fitter reproduce table6 fig8 --out DIR", tmp_path)
     text = (tmp_path / "reproduction.md").read_text()
-    for line in ("| who | a\\|b |", "| paper | 1.25 |", "| ours | – |", "| x \\| y | <b> |", "![A picture](table6.png)"):
+    for line in (
+        "| who | a\\|b |",
+        "| paper | 1.25 |",
+        "| ours | – |",
+        "| x \\| y | <b> |",
+        "![A picture](table6.png)",
+    ):
         assert line in text.splitlines() or line in text
     assert "It was assumed." in text
     assert "**It was found.**" in text

@@ -9,7 +9,7 @@ TRUE = np.array([0.3, -1.2, 0.8])
 
 
 def bowl(genes):
-    """A bent valley: residuals that are zero at TRUE only."""
+    """Return the residuals of a bent valley, zero at TRUE only."""
     x = genes - TRUE
     return np.column_stack([x[:, 0] + 0.3 * x[:, 1] ** 2, 3.0 * x[:, 1], x[:, 2] + x[:, 0] * x[:, 1]])
 

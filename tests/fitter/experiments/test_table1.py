@@ -39,5 +39,10 @@ def test_the_worst_row_is_repeated_with_other_seeds(found):
 
 
 def test_the_papers_rows_stand_beside_ours(found):
-    assert found.document["drawn"][-1]["paper"] == {"a1": 0.24974, "a2": 0.27923, "alpha2": 0.01176, "beta2": -0.03088}
+    assert found.document["drawn"][-1]["paper"] == {
+        "a1": 0.24974,
+        "a2": 0.27923,
+        "alpha2": 0.01176,
+        "beta2": -0.03088,
+    }
     assert "0.27923" in found.grids[0].rows[-1]
