@@ -13,11 +13,14 @@ import numpy as np
 from arm.base_parameters import base_parameters, with_base_values
 from arm.bench import Bench
 from arm.model import Arm, Law
+from arm.regressor import standard_parameters
 from fitter.data.trials import Trial
 from fitter.dynamics.controller import ControllerFit, fit_controller
 from fitter.dynamics.dynamics_fit import DynamicsFit
 from fitter.dynamics.evaluation import motion_error
 from fitter.dynamics.fit import fit_dynamics
+from fitter.dynamics.instruments import Instruments
+from fitter.dynamics.law_columns import law_columns
 from fitter.experiments.bench_data import bench_trials, noisy_trials, under
 from fitter.experiments.experiment import Cell, Grid
 from fitter.experiments.parameter_rows import INERTIAL, fitted_row, interval, numbers, plain_row
@@ -36,6 +39,8 @@ KNOWN = "I2"
 #: Rate at which evaluating motions are simulated and compared [Hz]; targets change on its grid.
 _RATE_HZ = 400.0
 POPULATION = 100
+#: Poses of each motion at which the inertia is looked at.
+_POSES = 50
 #: Gains of the arm file in C: no one's.
 _FILE_KP, _FILE_KV, _FILE_KA = 1.0, -1.0, -1.0
 
@@ -165,7 +170,16 @@ def row(arm: Arm, own: Benches, gains: Gains, samples: int, seed: int, size: Ben
 
 
 def angle_error(arm: Arm, trials: Sequence[Trial]) -> AngleError:
-    """Return how far an arm's simulation is from some motions."""
+    """Return how far an arm's simulation is from some motions.
+
+    Infinitely far, if its inertia under its law isn't positive: no simulation of it means anything.
+    """
+    base = base_parameters(arm)
+    columns = law_columns(arm, base, arm.control.law)
+    values = columns.start(base.combination @ standard_parameters(arm), arm.control)
+    somewhere = np.concatenate([trial.q[:: max(1, len(trial.q) // _POSES)] for trial in trials])
+    if not Instruments(arm, base, columns).possible(values, somewhere):
+        return AngleError(np.inf, np.inf)
     with np.errstate(over="ignore", invalid="ignore"):  # an arm that no masses can have may run away
         off = np.rad2deg(np.abs(np.concatenate([motion_error(arm, trial) for trial in trials])))
     return AngleError(float(np.mean(off)), float(np.max(off)))
