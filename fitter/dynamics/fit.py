@@ -43,6 +43,7 @@ def fit_dynamics(
     rest_speed: float = REST_SPEED,
     window_s: float = HORIZON_S,
     physical: bool = False,
+    examine: bool = True,
     progress: Progress | None = None,
     polishing: Progress | None = None,
     clock: Callable[[], float] = time.perf_counter,
@@ -72,6 +73,8 @@ def fit_dynamics(
         With the objective "motion" and measured torque: how long a simulation runs before it starts anew.
     physical : bool
         Whether the answer must be one that masses can have, with friction that brakes.
+    examine : bool
+        Whether to look for what no masses can have and for static friction, too: not while more motion comes in.
     progress, polishing : callable, optional
         Told after every generation, and every iteration of a fit of the motion: how many are done, and the cost.
     clock : callable
@@ -110,8 +113,11 @@ def fit_dynamics(
         fit = polished_by_motion(fit, learn, window_s, polishing)
     else:
         fit = replace(fit, objective=objective, notes=notes)
-    fit = made_possible(fit) if physical else with_warnings(fit)
-    return replace(with_break_away(fit, learn), seconds=clock() - start)
+    if physical or examine:
+        fit = made_possible(fit) if physical else with_warnings(fit)
+    if examine:
+        fit = with_break_away(fit, learn)
+    return replace(fit, seconds=clock() - start)
 
 
 def with_break_away(fit: DynamicsFit, trials: Sequence[Trial]) -> DynamicsFit:

@@ -104,7 +104,11 @@ class Calibration:
         fit = self.kinematics()
         try:
             self.dynamics = fit_dynamics(
-                self.arm if fit is None else fit.arm, self.learn, seed=self.seed, progress=progress
+                self.arm if fit is None else fit.arm,
+                self.learn,
+                seed=self.seed,
+                examine=False,
+                progress=progress,
             )
             self.doubt = ""
         except LimbcalError as error:  # one motion may tell too little; the next one may tell more
