@@ -59,7 +59,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         choices=["auto", "torque", "weighted", "robust", "motion"],
         default="auto",
         help="what is made small: eq. (9); with joints weighted by their noise; with outliers drawn in as well; "
-        "the error of the simulated motion (auto: motion under a control law, torque where that is measured)",
+        "the error of the simulated motion (auto: motion where a law drives and angles alone were measured)",
     )
     parser.add_argument(
         "--physical", action="store_true", help="only masses that can exist, and friction that brakes"
@@ -122,7 +122,9 @@ def dynamics(arguments: argparse.Namespace) -> Document:
 def _fit(arguments: argparse.Namespace, arm: Arm, learn: Sequence[Trial]) -> DynamicsFit:
     objective: Objective = arguments.objective
     if arguments.objective == "auto":
-        objective = "torque" if arm.control.law == "measured" else "motion"
+        # A tracker knows accelerations better than angles, which drift: they are worth more to the fit of torque.
+        angles_alone = all(trial.whole for trial in learn)
+        objective = "motion" if arm.control.law != "measured" and angles_alone else "torque"
     with Progress(console=console, transient=True) as progress:
         task = progress.add_task("searching", total=arguments.generations)
         polish = progress.add_task("fitting the motion", total=None, visible=False)

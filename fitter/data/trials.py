@@ -67,7 +67,7 @@ class Trial:
         The torque as it was measured, on the same grid, before any filter: what a simulation is to be judged by.
     whole : dict from name to ndarray of shape (n + 2 * trimmed, n_joint)
         Angles, target and torque as they were measured, unfiltered, ends included: what a simulation is fitted
-        to, with nothing but its own noise in it. Empty where the trial was never filtered.
+        to, with nothing but its own noise in it. Empty where the derivatives came with the motion.
     trimmed : int
         Samples that were taken off at each end.
     """
@@ -329,7 +329,7 @@ def derive(motion: Uniform, cutoff_hz: float, band_hz: float) -> Trial:
         role=measured.role,
         ref_filtered=kept.get("ref_filtered"),
         tau_measured=tau_measured,
-        whole=whole,
+        whole=whole if derived else {},
         trimmed=trim,
     )
 
