@@ -74,11 +74,10 @@ def _in_processes(
     except BrokenProcessPool as error:
         raise DeviceError("a worker process ended without a word; perhaps memory ran out") from error
     finally:
-        pool.shutdown(wait=done, cancel_futures=True)
         if not done:  # stopped or failed: nobody waits for what the others are at
             for process in set(multiprocessing.active_children()) - others:
                 process.terminate()
-                process.join()
+        pool.shutdown(wait=True, cancel_futures=True)  # its own thread joins them; two would race
 
 
 def _be_worker() -> None:
