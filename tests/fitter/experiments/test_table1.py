@@ -35,7 +35,7 @@ def test_noise_shrinks_a_plain_fit_and_not_ours(found, kind):
 def test_the_worst_row_is_repeated_with_other_seeds(found):
     errors = found.document["worst_row_over_seeds_mm"]
     assert len(set(errors)) == len(errors) == 2
-    assert len(found.grids[-1].rows) == 2
+    assert [len(grid.rows) for grid in found.grids if grid.title.startswith("The worst row")] == [2]
 
 
 def test_the_papers_rows_stand_beside_ours(found):
