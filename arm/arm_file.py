@@ -86,9 +86,13 @@ def format_arm(arm: Arm) -> str:
         blocks.append(_table("[tip]", vars(arm.tip)))
     if arm.base_parameters:
         blocks.append(_table("[base_parameters]", {name: _finite(e) for name, e in arm.base_parameters.items()}))
-    blocks += [_table("[[effect]]", vars(effect)) for effect in arm.effects]
-    blocks.append(_table("[control]", {name: v for name, v in vars(arm.control).items() if v != ()}))
+    blocks += [_table("[[effect]]", _given(vars(effect))) for effect in arm.effects]
+    blocks.append(_table("[control]", _given(vars(arm.control))))
     return "\n".join(blocks)
+
+
+def _given(fields: Mapping[str, object]) -> dict[str, object]:
+    return {name: value for name, value in fields.items() if value != ()}
 
 
 def _finite(estimate: Estimate) -> dict[str, float]:

@@ -5,6 +5,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
+from arm.effects.check import mistakes_in
 from arm.model import (
     STANDARD_GRAVITY_M_S2,
     Arm,
@@ -77,6 +78,8 @@ class _Estimate(_Table):
 
 class _Effect(_Table):
     name: str
+    joints: tuple[Annotated[int, Field(strict=True)], ...] = ()
+    sensors: tuple[str, ...] = ()
     parameters: dict[str, object] = {}
 
 
@@ -168,6 +171,8 @@ def contradictions(raw: Mapping[str, Any], where: str) -> list[str]:
         sentences.append(
             f"{where}: tip.sensor is {tip['sensor']!r}, expected one of {', '.join(known) or 'no sensor'}"
         )
+    effects = _tables(raw.get("effect"))
+    sentences += [f"{where}: {mistake}" for mistake in mistakes_in(effects, n_joint, known)]
     control = raw.get("control")
     if isinstance(control, dict) and n_joint:
         for gain in _GAINS.get(str(control.get("law")), ()):

@@ -1,10 +1,11 @@
 """The standard bench: point-to-point motions by seed, and accelerometers with their errors.
 
 A trial begins with a rest at the target before it and then is driven to the next one; trials follow each
-other on one clock. The motion is simulated at 4 kHz and interpolated to the sensors' rate by the quintic
-polynomial through angle, velocity and acceleration, which keeps all three consistent.
+other on one clock, and so do the arm's effects. The motion is simulated at 4 kHz and interpolated to the sensors'
+rate by a polynomial through angle, velocity and acceleration, which keeps all three consistent.
 """
 
+import itertools
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
@@ -12,9 +13,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from arm.accelerometer import specific_force
+from arm.effects.effect_table import changed
+from arm.effects.sensor_effects import SensorEffects
 from arm.highpass import HighPass
 from arm.model import STANDARD_GRAVITY_M_S2, Arm, Floats
-from arm.simulation import Motion, simulate
+from arm.simulation import GearedMotion, Motion, simulate
 from limbcal.errors import ConfigError
 
 #: What 16 bits span, to either side.
@@ -77,10 +80,10 @@ def motions(arm: Arm, bench: Bench, seed: int) -> Iterator[Motion]:
     step = 1.0 / bench.simulation_hz
     n, rest = round(bench.trial_s / step), round(bench.rest_s / step)
     q, dq = rest_angles(arm, goals[0]), np.zeros(arm.n_joint)
-    for before, goal in zip(goals[:-1], goals[1:], strict=True):
+    for trial, (before, goal) in enumerate(itertools.pairwise(goals)):
         # One sample more than the trial has: where it ends, the next one begins.
         ref = np.vstack([np.tile(before, (rest, 1)), np.tile(goal, (n - rest + 1, 1))])
-        motion = simulate(arm, ref, step, q, dq)
+        motion = simulate(arm, ref, step, q, dq, t0_s=trial * bench.trial_s, trial=trial + 1)
         q, dq = motion.q[-1], motion.dq[-1]
         yield densify(motion, bench.rate_hz, round(bench.trial_s * bench.rate_hz))
 
@@ -97,7 +100,8 @@ def rest_angles(arm: Arm, target: Floats) -> Floats:
     -------
     (n_joint,) [rad or m]
     """
-    settled: Floats = simulate(arm, np.tile(target, (60_000, 1)), 1e-3, target).q[-1]
+    ref = np.tile(target, (60_000, 1))
+    settled: Floats = simulate(arm, ref, 1e-3, target, t0_s=-60.0).q[-1]  # before the run begins
     return settled
 
 
@@ -116,19 +120,31 @@ def densify(motion: Motion, rate_hz: float, n_sample: int) -> Motion:
     k = np.floor(t / step + 1e-9).astype(np.intp)
     if k[-1] > len(motion.t) - 1:
         raise ConfigError(f"a motion of {motion.t[-1]:.6g} s cannot give {n_sample} samples at {rate_hz:g} Hz")
-    after = np.minimum(k + 1, len(motion.t) - 1)
     s = (t / step - k)[:, None]
+    seen = _quintic(motion.q, motion.dq, motion.ddq, k, s, step)
+    if not isinstance(motion, GearedMotion):
+        return Motion(t, *seen, motion.tau[k], motion.ref[k])
+    links = _quintic(motion.link_q, motion.link_dq, motion.link_ddq, k, s, step)
+    return GearedMotion(t, *seen, motion.tau[k], motion.ref[k], *links)
+
+
+def _quintic(
+    q: Floats, dq: Floats, ddq: Floats, k: NDArray[np.intp], s: Floats, step: float
+) -> tuple[Floats, Floats, Floats]:
+    """Return angle, velocity and acceleration a share s (n_sample, 1) of a step after samples k."""
+    after = np.minimum(k + 1, len(q) - 1)
     s2, s3 = s * s, s * s * s
-    d1 = motion.q[after] - motion.q[k]
-    v0, v1 = motion.dq[k] * step, motion.dq[after] * step
-    a0, a1 = motion.ddq[k] * step**2 / 2, motion.ddq[after] * step**2 / 2
+    d1 = q[after] - q[k]
+    v0, v1 = dq[k] * step, dq[after] * step
+    a0, a1 = ddq[k] * step**2 / 2, ddq[after] * step**2 / 2
     c3 = 10 * d1 - 6 * v0 - 4 * v1 - 3 * a0 + a1
     c4 = -15 * d1 + 8 * v0 + 7 * v1 + 3 * a0 - 2 * a1
     c5 = 6 * d1 - 3 * v0 - 3 * v1 - a0 + a1
-    q = motion.q[k] + s * v0 + s2 * a0 + s3 * (c3 + s * (c4 + s * c5))
-    dq = (v0 + 2 * s * a0 + s2 * (3 * c3 + s * (4 * c4 + s * 5 * c5))) / step
-    ddq = (2 * a0 + s * (6 * c3 + s * (12 * c4 + s * 20 * c5))) / step**2
-    return Motion(t, q, dq, ddq, motion.tau[k], motion.ref[k])
+    return (
+        q[k] + s * v0 + s2 * a0 + s3 * (c3 + s * (c4 + s * c5)),
+        (v0 + 2 * s * a0 + s2 * (3 * c3 + s * (4 * c4 + s * 5 * c5))) / step,
+        (2 * a0 + s * (6 * c3 + s * (12 * c4 + s * 20 * c5))) / step**2,
+    )
 
 
 def draw_sensor_errors(
@@ -180,7 +196,7 @@ class Sensors:
     Parameters
     ----------
     arm : Arm
-        As its file has it; scale, bias and corner of its sensors count as well.
+        As its file has it; scale, bias and corner of its sensors count as well, and so do its effects.
     errors : SensorErrors
     rate_hz : float
         Of the motions' samples.
@@ -189,10 +205,11 @@ class Sensors:
     """
 
     def __init__(self, arm: Arm, errors: SensorErrors, rate_hz: float, rng: np.random.Generator) -> None:
-        self._arm = with_errors(arm, errors)
+        self._arm = with_errors(changed(arm), errors)
+        self._effects = SensorEffects(self._arm, rate_hz)
         self._scale = np.ravel([sensor.scale for sensor in self._arm.sensors])
         self._bias_m_s2 = np.ravel([sensor.bias_m_s2 for sensor in self._arm.sensors])
-        self._high_pass = HighPass(np.repeat([sensor.highpass_hz for sensor in arm.sensors], 3), rate_hz)
+        self._high_pass = HighPass(np.repeat([sensor.highpass_hz for sensor in self._arm.sensors], 3), rate_hz)
         self._noise_m_s2 = errors.noise_m_s2
         self._rng = rng
 
@@ -204,10 +221,16 @@ class Sensors:
         (n_sample, 3 * n_sensor)
             Multiply by `COUNT_M_S2` for m/s^2.
         """
-        a = specific_force(self._arm, motion.q, motion.dq, motion.ddq).reshape(len(motion.q), -1)
+        links = (motion.q, motion.dq, motion.ddq)
+        if isinstance(motion, GearedMotion):
+            links = (motion.link_q, motion.link_dq, motion.link_ddq)
+        force = self._effects.felt(specific_force(self._arm, *links), links[0])
+        a = force.reshape(len(force), -1)
         a *= self._scale
         self._high_pass.apply(a)
         a += self._bias_m_s2
+        a = self._effects.read(force).reshape(len(force), -1)
         if self._noise_m_s2 > 0.0:
             a += self._noise_m_s2 * self._rng.standard_normal(a.shape)
+        a = self._effects.converted(force).reshape(len(force), -1)
         return np.clip(np.rint(a / COUNT_M_S2), -32768, 32767).astype(np.int16)

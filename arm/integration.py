@@ -1,44 +1,91 @@
 """The compiled steps of `arm.simulation`.
 
-``law`` (3, n_joint) holds kp, kv, ka. ``drive`` (n_sample, n_joint) is the target where the law is known and
-the torque where it is measured. ``state`` (2, n_joint) is q, dq. ``motion`` (4, n_sample, n_joint) takes
-q, dq, ddq, tau.
+``state`` (2, n_joint) is q, dq of the links. ``motion`` (4, n_sample, n_joint) takes their q, dq, ddq and the
+torque that is asked for; ``lead`` (2, n_sample, n_joint), or without samples, takes by how much the motors' angles
+lead those of the links, and how fast that grows.
 """
 
 import numpy as np
 
 from arm.chain import Chain
+from arm.drive import (
+    COMMAND,
+    GUESS,
+    PLAY,
+    PLAY_SPEED,
+    TWIST,
+    TWIST_SPEED,
+    Commands,
+    begin_stretch,
+    end_stretch,
+    next_jump,
+)
+from arm.effects.effect_table import EffectTable, no_effects
 from arm.model import Floats
-from arm.motion_equations import Room, acceleration, equations, make_room
-from arm.sticking import choose_modes, pull_beyond, reversed_joint
-from limbcal.compiled import compiled
+from arm.motion_equations import acceleration, equations
+from arm.resistance import friction_alone, take_up
+from arm.room import Room, make_room
+from arm.sticking import choose_modes, pull_beyond, reversed_joint, stop_reversed
+from limbcal.compiled import compiled, inlined
 
 #: How often one step may be cut by joints that come to rest or let go.
 _CUTS = 16
 #: How exactly a cut is placed, as a share of the step.
 _CUT_AT = 1e-13
+#: How often an acceleration is sought on which its own torque depends otherwise than linearly, and how exactly.
+_ROUNDS, _FOUND = 20, 1e-12
 
 
-@compiled
-def drive_at(drive: Floats, k: int, share: float, given: bool, out: Floats) -> None:
-    """Fill in target (held) or torque (linear) at a share of the step after sample ``k``."""
-    last = drive.shape[0] - 1
-    for i in range(out.size):
-        out[i] = drive[k, i]
-        if given and k < last:
-            out[i] += share * (drive[k + 1, i] - drive[k, i])
+@inlined
+def accelerate(
+    chain: Chain,
+    commands: Commands,
+    effects: EffectTable,
+    k: int,
+    share: float,
+    h: float,
+    q: Floats,
+    dq: Floats,
+    mode: Floats,
+    choose: bool,
+    room: Room,
+    ddq: Floats,
+) -> None:
+    """Set up the equations at a share of step ``k``, ``h`` seconds into a stretch, and solve them.
+
+    ``choose`` says that the modes are to be found, and not as they are. Where law (6) feeds the acceleration back,
+    limits and friction depend on it too: then it is found in rounds.
+    """
+    implicit = False
+    if effects.driven or effects.joint.size > 0:
+        for i in range(q.size):
+            implicit = implicit or commands.law[2, i] != 0.0
+    guess = room.way.state[GUESS]
+    for _ in range(_ROUNDS if implicit else 1):
+        if choose:
+            for i in range(q.size):
+                mode[i] = np.sign(dq[i])
+        equations(chain, commands, effects, k, share, h, q, dq, mode, room)
+        if choose:
+            choose_modes(dq, mode, room, ddq)
+        acceleration(mode, room, ddq)
+        if implicit:
+            off = 0.0
+            for i in range(q.size):
+                off = max(off, abs(ddq[i] - guess[i]) / (1.0 + abs(ddq[i])))
+                guess[i] = ddq[i]
+            if not off > _FOUND:
+                break
 
 
-@compiled
+@inlined
 def runge_kutta_stages(
     chain: Chain,
-    law: Floats,
-    given: bool,
-    drive: Floats,
+    commands: Commands,
+    effects: EffectTable,
     k: int,
     start: float,
     share: float,
-    dt: float,
     q: Floats,
     dq: Floats,
     mode: Floats,
@@ -50,7 +97,7 @@ def runge_kutta_stages(
 
     ``slopes`` (2, 4, n) are the derivatives of q and dq at the four stages; dq's first one is given.
     """
-    h = share * dt
+    h = share * commands.dt
     slopes[0, 0] = dq
     for stage in range(1, 4):
         part = 1.0 if stage == 3 else 0.5
@@ -58,110 +105,131 @@ def runge_kutta_stages(
             after[0, i] = q[i] + part * h * slopes[0, stage - 1, i]
             after[1, i] = dq[i] + part * h * slopes[1, stage - 1, i]
             slopes[0, stage, i] = after[1, i]
-        drive_at(drive, k, start + part * share, given, room.now)
-        equations(chain, law, given, after[0], after[1], room.now, room)
-        acceleration(chain, mode, room, slopes[1, stage])
+        at = start + part * share
+        accelerate(
+            chain, commands, effects, k, at, part * h, after[0], after[1], mode, False, room, slopes[1, stage]
+        )
     for i in range(q.size):
         v, a = slopes[0], slopes[1]
         after[0, i] = q[i] + h / 6.0 * (v[0, i] + 2.0 * v[1, i] + 2.0 * v[2, i] + v[3, i])
         after[1, i] = dq[i] + h / 6.0 * (a[0, i] + 2.0 * a[1, i] + 2.0 * a[2, i] + a[3, i])
 
 
-@compiled
+@inlined
 def mode_changed(
     chain: Chain,
-    law: Floats,
-    given: bool,
-    drive: Floats,
+    commands: Commands,
+    effects: EffectTable,
     k: int,
     share: float,
+    h: float,
     state: Floats,
     mode: Floats,
     room: Room,
 ) -> bool:
-    """Say whether in a state (2, n), a share of step ``k`` on, a joint has reversed or a stuck one lets go."""
+    """Say whether in a state (2, n), a share of step ``k`` on, a joint has reversed or a stuck one lets go.
+
+    The stretch began ``h`` seconds before.
+    """
     stuck = False
     for i in range(mode.size):
-        if reversed_joint(chain, i, mode, state[1]):
+        if reversed_joint(i, mode, state[1], room):
             return True
         stuck = stuck or mode[i] == 0.0
     if stuck:
-        drive_at(drive, k, share, given, room.now)
-        equations(chain, law, given, state[0], state[1], room.now, room)
-        acceleration(chain, mode, room, room.bias)
+        accelerate(chain, commands, effects, k, share, h, state[0], state[1], mode, False, room, room.bias)
         for i in range(mode.size):
-            if mode[i] == 0.0 and pull_beyond(chain, i, room, room.bias) != 0.0:
+            if mode[i] == 0.0 and pull_beyond(i, room, room.bias) != 0.0:
                 return True
     return False
+
+
+@compiled
+def effect_steps(
+    chain: Chain,
+    commands: Commands,
+    effects: EffectTable,
+    room: Room,
+    state: Floats,
+    motion: Floats,
+    lead: Floats,
+) -> None:
+    """Fill in a motion by fourth-order Runge-Kutta steps, cut where a joint comes to rest or lets go.
+
+    ``room.way`` must be as it was before the first sample. Loads that the arm takes up become part of ``chain``.
+    """
+    n_sample, n = commands.drive.shape
+    friction_alone(chain, effects, room)
+    q, dq, mode = state[0].copy(), state[1].copy(), np.zeros(n)
+    slopes, after, taken = np.empty((2, 4, n)), np.empty((2, n)), 0
+    for k in range(n_sample):
+        done = 0.0
+        taken = take_up(effects, chain, commands.t0 + k * commands.dt, taken)
+        for cut in range(_CUTS):
+            accelerate(chain, commands, effects, k, done, 0.0, q, dq, mode, True, room, slopes[1, 0])
+            if cut == 0:
+                record(commands, effects, room, k, q, dq, slopes[1, 0], motion, lead)
+            whole = 1.0 - done
+            if effects.driven:
+                begin_stretch(commands, room.way, k, cut == 0, dq, slopes[1, 0])
+                if cut < _CUTS - 1:
+                    whole = next_jump(commands, effects, room.way, k, done) - done
+            share, before, late, found = whole, 0.0, whole, False
+            while True:  # the first time through to the end; then bisection, if a mode changes on the way
+                h = share * commands.dt
+                runge_kutta_stages(chain, commands, effects, k, done, share, q, dq, mode, room, slopes, after)
+                if found or cut == _CUTS - 1:
+                    break
+                changed = mode_changed(chain, commands, effects, k, done + share, h, after, mode, room)
+                if changed:
+                    late = share
+                elif share == whole:
+                    break
+                else:
+                    before = share
+                found = late - before <= _CUT_AT
+                share = late if found else (before + late) / 2.0
+            if found:
+                stop_reversed(mode, after[1], room)
+            q[:], dq[:] = after[0], after[1]
+            done += share
+            if effects.driven:
+                end_stretch(commands, effects, room.way, k, done, h, q, dq, slopes[1, 3], room.now)
+            if done >= 1.0 - _CUT_AT:
+                break
 
 
 @compiled
 def runge_kutta_steps(
     chain: Chain, law: Floats, given: bool, drive: Floats, dt: float, state: Floats, motion: Floats
 ) -> None:
-    """Fill in a motion by fourth-order Runge-Kutta steps, cut where a joint comes to rest or lets go."""
-    n_sample, n = drive.shape
-    room = make_room(n)
-    q, dq, mode = state[0].copy(), state[1].copy(), np.zeros(n)
-    slopes, after = np.empty((2, 4, n)), np.empty((2, n))
-    for k in range(n_sample):
-        done = 0.0
-        for cut in range(_CUTS):
-            drive_at(drive, k, done, given, room.now)
-            equations(chain, law, given, q, dq, room.now, room)
-            choose_modes(chain, dq, mode, room, slopes[1, 0])
-            acceleration(chain, mode, room, slopes[1, 0])
-            if cut == 0:
-                record(law, given, room.now, q, dq, slopes[1, 0], motion[:, k])
-            share, before, late = 1.0 - done, 0.0, 1.0 - done
-            runge_kutta_stages(chain, law, given, drive, k, done, share, dt, q, dq, mode, room, slopes, after)
-            if cut < _CUTS - 1 and mode_changed(chain, law, given, drive, k, 1.0, after, mode, room):
-                while late - before > _CUT_AT:  # bisection
-                    share = (before + late) / 2.0
-                    runge_kutta_stages(
-                        chain, law, given, drive, k, done, share, dt, q, dq, mode, room, slopes, after
-                    )
-                    if mode_changed(chain, law, given, drive, k, done + share, after, mode, room):
-                        late = share
-                    else:
-                        before = share
-                share = late
-                runge_kutta_stages(chain, law, given, drive, k, done, share, dt, q, dq, mode, room, slopes, after)
-                for i in range(n):
-                    if reversed_joint(chain, i, mode, after[1]):
-                        after[1, i] = 0.0
-            q[:], dq[:] = after[0], after[1]
-            done += share
-            if done >= 1.0 - _CUT_AT:
-                break
+    """Fill in a motion without effects as `effect_steps` does; the rest is as in `Commands`."""
+    n = drive.shape[1]
+    lead = np.empty((2, 0, n))
+    effect_steps(chain, Commands(law, given, drive, dt, 0.0), no_effects(n), make_room(n, 0), state, motion, lead)
 
 
-@compiled
-def record(law: Floats, given: bool, drive: Floats, q: Floats, dq: Floats, ddq: Floats, row: Floats) -> None:
-    """Fill in one sample of a motion: row (4, n)."""
-    for i in range(q.size):
-        row[0, i], row[1, i], row[2, i] = q[i], dq[i], ddq[i]
-        tau = law[0, i] * (drive[i] - q[i]) + law[1, i] * dq[i] + law[2, i] * ddq[i]  # eq. (5), (6), (7)
-        row[3, i] = drive[i] if given else tau
-
-
-@compiled
-def paper_steps(
-    chain: Chain, law: Floats, given: bool, drive: Floats, dt: float, state: Floats, motion: Floats
+@inlined
+def record(
+    commands: Commands,
+    effects: EffectTable,
+    room: Room,
+    k: int,
+    q: Floats,
+    dq: Floats,
+    ddq: Floats,
+    motion: Floats,
+    lead: Floats,
 ) -> None:
-    """Fill in a motion as section 7 prints it: Runge-Kutta on the velocity alone, then Euler on the angle."""
-    n_sample, n = drive.shape
-    room = make_room(n)
-    q, dq, mode, trial = state[0].copy(), state[1].copy(), np.zeros(n), np.empty(n)
-    slope, part = np.empty((4, n)), (0.0, 0.5, 0.5, 1.0)
-    for k in range(n_sample):
-        for stage in range(4):
-            for i in range(n):
-                trial[i] = dq[i] + part[stage] * dt * slope[max(stage - 1, 0), i] if stage else dq[i]
-            equations(chain, law, given, q, trial, drive[k], room)  # theta is frozen within the step
-            choose_modes(chain, trial, mode, room, slope[stage])
-            acceleration(chain, mode, room, slope[stage])
-        record(law, given, drive[k], q, dq, slope[0], motion[:, k])
-        for i in range(n):
-            dq[i] += dt / 6.0 * (slope[0, i] + 2.0 * slope[1, i] + 2.0 * slope[2, i] + slope[3, i])
-            q[i] += dt * dq[i]  # theta^(t+1) = theta^t + dtheta^(t+1) h
+    """Fill in sample ``k`` of a motion."""
+    law, drive, x = commands.law, room.now, room.way.state
+    for i in range(q.size):
+        motion[0, k, i], motion[1, k, i], motion[2, k, i] = q[i], dq[i], ddq[i]
+        if effects.driven:
+            motion[3, k, i] = x[COMMAND, i] + law[2, i] * ddq[i]
+        else:
+            tau = law[0, i] * (drive[i] - q[i]) + law[1, i] * dq[i] + law[2, i] * ddq[i]  # eq. (5), (6), (7)
+            motion[3, k, i] = drive[i] if commands.given else tau
+        if lead.shape[1] > 0:
+            lead[0, k, i] = x[PLAY, i] + x[TWIST, i]
+            lead[1, k, i] = x[PLAY_SPEED, i] + x[TWIST_SPEED, i]

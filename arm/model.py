@@ -89,10 +89,15 @@ class Estimate:
 
 @dataclass(frozen=True)
 class Effect:
-    """What a diagnosis added to the simulation."""
+    """What a diagnosis added to the simulation.
+
+    ``joints``, counted from 1, and ``sensors`` say on what it acts; one of the arm as a whole has neither.
+    """
 
     name: str
     parameters: Mapping[str, object] = field(default_factory=dict)
+    joints: tuple[int, ...] = ()
+    sensors: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)

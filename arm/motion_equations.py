@@ -1,43 +1,13 @@
 """The equations of motion as `arm.integration` solves them, step by step and without making arrays."""
 
-from typing import NamedTuple
-
-import numpy as np
-
 from arm.chain import Chain
+from arm.drive import SHARE, TORQUE, Commands, drive_at, go_its_way
+from arm.effects.effect_table import ROTOR, EffectTable
 from arm.model import Floats
 from arm.newton_euler import mass_columns, poses, rigid_motion, rigid_torque
-from limbcal.compiled import compiled
-
-
-class Room(NamedTuple):
-    """Arrays to work in, made once a simulation."""
-
-    R: Floats
-    p: Floats
-    motion: Floats
-    zero: Floats
-    A: Floats
-    M: Floats
-    net: Floats
-    bias: Floats
-    now: Floats
-
-
-@compiled
-def make_room(n: int) -> Room:
-    """Return the working arrays for ``n`` joints."""
-    return Room(
-        np.empty((n, 3, 3)),
-        np.empty((n, 3)),
-        np.empty((n, 3, 3)),
-        np.zeros(n + 6),
-        np.empty((n, n)),
-        np.empty((n, n)),
-        np.empty(n),
-        np.empty(n),
-        np.empty(n),
-    )
+from arm.resistance import resist
+from arm.room import Room
+from limbcal.compiled import compiled, inlined
 
 
 @compiled
@@ -64,22 +34,47 @@ def solve(A: Floats, x: Floats) -> None:
         x[k] /= A[k, k]
 
 
-@compiled
-def equations(chain: Chain, law: Floats, given: bool, q: Floats, dq: Floats, drive: Floats, room: Room) -> None:
-    """Set up ``M ddq = net``: the law's share of ddq is on the left, Coulomb friction is not in it."""
-    n = q.size
+@inlined
+def equations(
+    chain: Chain,
+    commands: Commands,
+    effects: EffectTable,
+    k: int,
+    share: float,
+    h: float,
+    q: Floats,
+    dq: Floats,
+    mode: Floats,
+    room: Room,
+) -> None:
+    """Set up ``M ddq = net``: the law's share of ddq is on the left, Coulomb friction is not in it.
+
+    That is at a share of step ``k``, ``h`` seconds into a stretch. A joint at rest that may go either way must
+    have ``mode`` 0 where there are effects.
+    """
+    n, law, way = q.size, commands.law, room.way.state
+    drive_at(commands, k, share, room.now)
     poses(chain, q, room.R, room.p)
     mass_columns(chain, room.R, room.p, room.motion, room.zero, room.M)
     rigid_motion(chain, chain.gravity, room.R, room.p, dq, room.zero[:n], room.motion)
     rigid_torque(chain, room.R, room.p, room.motion, room.zero[-6:], room.bias)
+    if effects.driven:
+        go_its_way(commands, effects, room.way, k, share, h, q, dq, room.now)
     for i in range(n):
-        tau = drive[i] if given else law[0, i] * (drive[i] - q[i]) + law[1, i] * dq[i]  # eq. (5), (7)
-        room.net[i] = tau - room.bias[i] - chain.friction[i, 0] * dq[i]
-        room.M[i, i] -= law[2, i]  # eq. (6): ka ddq belongs with M ddq
+        if not effects.driven:
+            drive = room.now[i]
+            way[TORQUE, i] = (
+                drive if commands.given else law[0, i] * (drive - q[i]) + law[1, i] * dq[i]
+            )  # (5), (7)
+        room.net[i] = way[TORQUE, i] - room.bias[i] - chain.friction[i, 0] * dq[i]
+        room.M[i, i] -= way[SHARE, i] * law[2, i]  # eq. (6): ka ddq belongs with M ddq
+        room.M[i, i] += effects.numbers[ROTOR, i]
+    if effects.joint.size > 0:
+        resist(chain, commands, effects, commands.t0 + (k + share) * commands.dt, q, dq, mode, room)
 
 
-@compiled
-def acceleration(chain: Chain, mode: Floats, room: Room, ddq: Floats) -> None:
+@inlined
+def acceleration(mode: Floats, room: Room, ddq: Floats) -> None:
     """Solve the equations with every joint in its mode; a stuck joint does not accelerate."""
     for i in range(ddq.size):
         if mode[i] == 0.0:
@@ -88,7 +83,7 @@ def acceleration(chain: Chain, mode: Floats, room: Room, ddq: Floats) -> None:
             ddq[i] = 0.0
         else:
             room.A[i] = room.M[i]
-            ddq[i] = room.net[i] - chain.friction[i, 1] * mode[i]
+            ddq[i] = room.net[i] - room.slip[i] * mode[i]
     solve(room.A, ddq)
     for i in range(ddq.size):
         if mode[i] == 0.0:

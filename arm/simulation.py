@@ -1,10 +1,13 @@
-"""The motion of an arm under its control or under given torques (section 7).
+"""The motion of an arm under its control or under given torques (section 7), with its effects.
 
 The default is a Runge-Kutta step on the full state. Friction makes the equations change at a standstill, so
 every joint is in one of three modes, sliding forwards, sliding backwards or stuck; within a step the modes
 are fixed and the equations smooth, and a step in which a joint comes to rest is cut there. A stuck joint
 starts to slide when what pulls at it exceeds its static (or Coulomb) friction. The paper's own scheme
 (docs/errata.md, slip 7) is ``scheme="paper"``.
+
+All effects of `arm.effects` act in it but those of sensors. What is given and returned is what data have: the
+angle on the motor's side of a transmission, and the torque that is asked for.
 """
 
 from dataclasses import dataclass
@@ -14,8 +17,13 @@ import numpy as np
 
 from arm.chain import chain_of, joint_rows
 from arm.control import gains
-from arm.integration import paper_steps, runge_kutta_steps
+from arm.drive import Commands
+from arm.effects.effect_table import DELAY, changed, effect_table
+from arm.integration import effect_steps
 from arm.model import Arm, Floats
+from arm.printed_scheme import paper_steps
+from arm.room import make_room
+from arm.way_before import set_way
 from limbcal.errors import ConfigError, DataError
 
 Scheme = Literal["rk4", "paper"]
@@ -33,6 +41,15 @@ class Motion:
     ref: Floats
 
 
+@dataclass(frozen=True)
+class GearedMotion(Motion):
+    """A motion of motors, and that of the links beyond their transmissions, (n_sample, n_joint)."""
+
+    link_q: Floats
+    link_dq: Floats
+    link_ddq: Floats
+
+
 def simulate(
     arm: Arm,
     ref: Floats,
@@ -41,6 +58,8 @@ def simulate(
     dq0: Floats | None = None,
     scheme: Scheme = "rk4",
     torque: Floats | None = None,
+    t0_s: float = 0.0,
+    trial: int = 1,
 ) -> Motion:
     """Simulate an arm from a state on.
 
@@ -57,16 +76,22 @@ def simulate(
     scheme : {"rk4", "paper"}
     torque : (n_sample, n_joint), optional
         Measured torque in place of a control law; between samples it changes linearly.
+    t0_s : float
+        The run's time at the first sample, for effects that depend on it.
+    trial : int
+        Which of the run's trials this is, counted from 1.
 
     Returns
     -------
     Motion
-        As many samples as ``ref`` has. An arm that no masses can have may run away to infinity.
+        As many samples as ``ref`` has; a `GearedMotion` where a transmission has play or twists. An arm that no
+        masses can have may run away to infinity.
 
     Raises
     ------
     ConfigError
-        If the law is "measured" and no torque is given.
+        If the law is "measured" and no torque is given, an effect is not as the catalogue has it, or the scheme or
+        law does not go with one.
     DataError
         If shapes don't fit.
     """
@@ -85,8 +110,24 @@ def simulate(
             if np.shape(start) != (arm.n_joint,):
                 raise DataError(f"{name} has shape {np.shape(start)}, expected ({arm.n_joint},)")
             part[:] = start
-    motion = np.empty((4, *targets.shape))
-    steps = runge_kutta_steps if scheme == "rk4" else paper_steps
-    steps(chain_of(arm), law, torque is not None, drive, dt_s, state, motion)
+    if scheme == "paper" and arm.effects:
+        raise ConfigError("the paper's scheme knows no effects; expected scheme 'rk4' for an arm that has some")
+    arm = changed(arm)
+    effects = effect_table(arm, trial)
+    if effects.geared and law[2].any():
+        raise ConfigError(
+            "control.law is 'pda', which does not go with backlash or joint_elasticity; expected 'pd'"
+        )
+    commands = Commands(law, torque is not None, drive, float(dt_s), float(t0_s))
+    room = make_room(arm.n_joint, len(drive) if effects.numbers[DELAY].any() and torque is None else 0)
+    if effects.driven:
+        set_way(arm, commands, effects, trial, state, room.way)
+    motion, lead = np.empty((4, *drive.shape)), np.empty((2, len(drive) if effects.geared else 0, arm.n_joint))
+    steps = effect_steps if scheme == "rk4" else paper_steps
+    steps(chain_of(arm), commands, effects, room, state, motion, lead)
     t = np.arange(len(targets), dtype=np.float64) * dt_s
-    return Motion(t, motion[0], motion[1], motion[2], motion[3], targets)
+    if not effects.geared:
+        return Motion(t, motion[0], motion[1], motion[2], motion[3], targets)
+    surge = np.gradient(lead[1], dt_s, axis=0) if len(lead[1]) > 1 else np.zeros_like(lead[1])
+    seen = (motion[0] + lead[0], motion[1] + lead[1], motion[2] + surge)
+    return GearedMotion(t, *seen, motion[3], targets, motion[0], motion[1], motion[2])

@@ -3,7 +3,19 @@
 import sys
 from types import ModuleType
 
-from fitter.commands import dynamics, excite, kinematics, reproduce, sensors, simulate, subscribe, sums, track
+from fitter.commands import (
+    diagnose,
+    dynamics,
+    effects,
+    excite,
+    kinematics,
+    reproduce,
+    sensors,
+    simulate,
+    subscribe,
+    sums,
+    track,
+)
 from limbcal.command import Parser, common_options, run_command
 
 COMMANDS: dict[str, tuple[ModuleType, str]] = {
@@ -13,8 +25,10 @@ COMMANDS: dict[str, tuple[ModuleType, str]] = {
     "kinematics": (kinematics, "joint angles and a measured tip to the arm's geometry"),
     "sums": (sums, "trials of any length to sums that add up, for `fitter dynamics`"),
     "dynamics": (dynamics, "motion and torque to dynamic parameters"),
+    "diagnose": (diagnose, "what the simulation gets wrong, why, and the gain of putting it right"),
     "excite": (excite, "a reference that reveals the dynamic parameters"),
     "simulate": (simulate, "the motion of a calibrated arm"),
+    "effects": (effects, "what a simulation may get wrong, and by what it is known"),
     "reproduce": (reproduce, "the paper's experiments, side by side with its numbers"),
 }
 

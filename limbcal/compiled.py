@@ -15,3 +15,8 @@ def compiled(kernel: Kernel) -> Kernel:
     the same input gives the same bytes. Other threads go on while a kernel runs.
     """
     return cast(Kernel, numba.njit(cache=True, nogil=True, error_model="numpy")(kernel))
+
+
+def inlined(kernel: Kernel) -> Kernel:
+    """Compile as `compiled` does, into each of its callers: kernels that hand many arrays on cost them no time."""
+    return cast(Kernel, numba.njit(cache=True, nogil=True, error_model="numpy", forceinline=True)(kernel))

@@ -38,10 +38,13 @@ class Uniform:
         Columns on the grid; ``t`` starts at 0.
     dt_s : float
         Step of the grid [s].
+    began_s : float
+        The first stamp as the file had it: trials may follow one another on one clock.
     """
 
     measured: Measured
     dt_s: float
+    began_s: float = 0.0
 
 
 def split_at_holes(motion: Measured) -> list[Measured]:
@@ -123,7 +126,7 @@ def resample(motion: Measured, rate_hz: float | None = None) -> Uniform:
     t = motion.t - motion.t[0]
     dt_s = own_step if rate_hz is None else 1.0 / rate_hz
     if uniform and abs(dt_s - own_step) <= 1e-6 * own_step:
-        return Uniform(replace(motion, t=_stamps(len(t), own_step)), own_step)
+        return Uniform(replace(motion, t=_stamps(len(t), own_step)), own_step, float(motion.t[0]))
 
     steps = np.diff(t)
     crowded = bool(steps.min() < CROWDED * np.median(steps))
@@ -145,7 +148,8 @@ def resample(motion: Measured, rate_hz: float | None = None) -> Uniform:
             f"{motion.where}: trial {motion.name!r} has {len(grid)} samples at {1.0 / dt_s:.6g} Hz, "
             f"expected at least {MINIMUM_SAMPLES}"
         )
-    return Uniform(replace(motion, t=grid, columns=columns, notes=(*motion.notes, note)), dt_s)
+    resampled = replace(motion, t=grid, columns=columns, notes=(*motion.notes, note))
+    return Uniform(resampled, dt_s, float(motion.t[0]))
 
 
 def _grid(end_s: float, dt_s: float) -> Floats:

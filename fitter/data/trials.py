@@ -70,6 +70,8 @@ class Trial:
         to, with nothing but its own noise in it. Empty where the derivatives came with the motion.
     trimmed : int
         Samples that were taken off at each end.
+    began_s : float
+        The file's time at ``t = 0`` [s]: trials may follow one another on one clock.
     """
 
     name: str
@@ -90,6 +92,7 @@ class Trial:
     tau_measured: Floats | None = None
     whole: dict[str, Floats] = field(default_factory=dict)
     trimmed: int = 0
+    began_s: float = 0.0
 
     def lowpass(self, values: Floats) -> Floats:
         """Pass something that was computed from this trial through the one filter of a fit.
@@ -235,6 +238,7 @@ def lowpass_trial(trial: Trial, cutoff_hz: float) -> Trial:
         points=filtered(trial.points),
         tau_measured=None if trial.tau_measured is None else trial.tau_measured[inner],
         trimmed=trial.trimmed + trim,
+        began_s=trial.began_s + trim * trial.dt_s,
         cutoff_hz=np.inf,
         band_hz=np.inf,
         notes=(*trial.notes, f"all columns low-passed at {cutoff_hz:.4g} Hz (zero phase)"),
@@ -331,6 +335,7 @@ def derive(motion: Uniform, cutoff_hz: float, band_hz: float) -> Trial:
         tau_measured=tau_measured,
         whole=whole if derived else {},
         trimmed=trim,
+        began_s=motion.began_s + trim * dt_s,
     )
 
 

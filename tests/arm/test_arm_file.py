@@ -10,6 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from arm.arm_file import format_arm, load_arm, parse_arm, preset_names, save_arm
+from arm.effects.catalogue import catalogue
 from arm.model import Arm, Control, Effect, Estimate, Friction, Joint, Link, Sensor, Tip
 from limbcal.errors import ConfigError, DeviceError
 
@@ -29,11 +30,25 @@ JOINT = st.builds(
 )
 SCALE = st.tuples(*[st.floats(0.0, exclude_min=True, allow_infinity=False)] * 3)
 NAME = st.text(min_size=1)
-PARAMETER = st.recursive(
-    NUMBER | st.integers(-(2**63), 2**63 - 1) | st.booleans() | st.text(),
-    lambda inner: st.lists(inner, max_size=3) | st.dictionaries(st.text(), inner, max_size=3),
-    max_leaves=5,
-)
+
+
+def parameters(kind):
+    """Return what draws the numbers of an effect."""
+    required, optional = {}, {}
+    for p in kind.parameters:
+        one = st.integers(int(p.low), int(p.high)) if p.several else st.floats(p.low, p.high)
+        (optional if p.optional else required)[p.name] = st.lists(one, max_size=3) if p.several else one
+    return st.fixed_dictionaries(required, optional=optional)
+
+
+@st.composite
+def effects(draw, n_joint, sensors):
+    kinds = [kind for kind in catalogue().values() if sensors or kind.whole or kind.place != "sensor"]
+    kind = draw(st.sampled_from(kinds))
+    on = st.sampled_from(sensors) if kind.place == "sensor" and sensors else st.integers(1, n_joint)
+    some = () if kind.whole else tuple(draw(st.lists(on, min_size=1, unique=True)))
+    acts_on = {"sensors" if kind.place == "sensor" else "joints": some}
+    return Effect(kind.name, draw(parameters(kind)), **acts_on)
 
 
 @st.composite
@@ -50,7 +65,7 @@ def arms(draw):
         tuple(sensors),
         draw(st.builds(Tip, st.sampled_from(names), VECTOR)) if names else None,
         draw(st.dictionaries(st.text(), st.builds(Estimate, NUMBER, NUMBER), max_size=3)),
-        tuple(draw(st.lists(st.builds(Effect, st.text(), st.dictionaries(st.text(), PARAMETER, max_size=3))))),
+        tuple(draw(st.lists(effects(len(joints), names), unique_by=lambda effect: effect.name))),
         draw(
             st.just(Control())
             | st.builds(Control, st.just("pd"), gains, gains)
@@ -94,11 +109,17 @@ def test_numbers_of_numpy_are_numbers(dd_arm):
         dd_arm,
         gravity_m_s2=tuple(np.array([0.0, 1.0, -9.5])),
         base_parameters={"I2": Estimate(np.float64(0.47), np.float32(0.5))},
-        effects=(Effect("viscous", {"level": np.array([1.0, 2.5]), "joint": np.int64(2), "on": np.bool_(True)}),),
+        effects=(
+            Effect("payload", {"mass_kg": np.float32(0.5), "trials": np.array([1, 3])}),
+            Effect("viscous", {"viscous_N_m_s": np.int64(2)}, joints=(np.int64(2),)),
+        ),
     )
     again = parse_arm(format_arm(arm), "it")
     assert again.gravity_m_s2 == (0.0, 1.0, -9.5) and again.base_parameters == {"I2": Estimate(0.47, 0.5)}
-    assert again.effects[0].parameters == {"level": [1.0, 2.5], "joint": 2, "on": True}
+    assert again.effects == (
+        Effect("payload", {"mass_kg": 0.5, "trials": [1, 3]}),
+        Effect("viscous", {"viscous_N_m_s": 2}, (2,)),
+    )
 
 
 def test_presets_are_known_by_name():

@@ -106,9 +106,7 @@ def test_roll_pitch_yaw_turn_as_elsewhere(roll, pitch, yaw):
 def test_roll_pitch_yaw_are_found_again(roll, pitch, yaw):
     found = rpy_from_rotation(rotation_from_rpy(roll, pitch, yaw))
     assert found.shape == (3,) and abs(found[1]) <= np.pi / 2
-    np.testing.assert_allclose(
-        rotation_from_rpy(*found), rotation_from_rpy(roll, pitch, yaw), rtol=0, atol=1e-7
-    )
+    np.testing.assert_allclose(rotation_from_rpy(*found), rotation_from_rpy(roll, pitch, yaw), rtol=0, atol=1e-7)
     if abs(pitch) < 1.5:  # away from the pole there is only one answer
         expected = np.array([roll, pitch, yaw])
         np.testing.assert_allclose(np.exp(1j * found), np.exp(1j * expected), rtol=0, atol=1e-8)

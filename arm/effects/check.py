@@ -1,0 +1,113 @@
+"""What an arm's effects must be to be those of the catalogue: every mistake is a sentence."""
+
+from collections.abc import Iterator, Mapping, Sequence
+from numbers import Integral, Real
+from typing import Any
+
+import numpy as np
+
+from arm.effects.catalogue import catalogue
+from arm.effects.effect import EffectKind, Parameter
+from arm.model import Arm
+
+#: Between controller and link a joint has one of each of these at most.
+_ONCE = ("drive", "transmission")
+
+
+def effect_mistakes(arm: Arm) -> list[str]:
+    """Return what is wrong with an arm's effects, one sentence a mistake."""
+    return list(
+        mistakes_in([vars(effect) for effect in arm.effects], arm.n_joint, [sensor.name for sensor in arm.sensors])
+    )
+
+
+def mistakes_in(effects: Sequence[Mapping[str, Any]], n_joint: int, sensors: Sequence[str]) -> Iterator[str]:
+    """Yield the mistakes in effects as an arm file has them; what has the wrong type is passed over.
+
+    Parameters
+    ----------
+    effects : sequence of mapping
+        With name, parameters, joints, sensors.
+    n_joint : int
+    sensors : sequence of str
+        Names of the arm's sensors.
+    """
+    there: set[tuple[str, int]] = set()
+    for k, effect in enumerate(effects):
+        where, name = f"effect[{k}]", effect.get("name")
+        if not isinstance(name, str):
+            continue
+        kind = catalogue().get(name)
+        if kind is None:
+            yield f"{where}.name is {name!r}, expected one of {', '.join(catalogue())}"
+            continue
+        yield from _on_what(where, kind, effect, n_joint, sensors)
+        parameters = effect.get("parameters", {})
+        if isinstance(parameters, Mapping):
+            yield from _numbers(f"{where}.parameters", kind, parameters)
+        for joint in _listed(effect, "joints", int) if kind.place in _ONCE else ():
+            if (name, joint) in there:
+                yield f"{where}: joint {joint} has the effect {name} already"
+            there.add((name, joint))
+
+
+def _on_what(
+    where: str, kind: EffectKind, effect: Mapping[str, Any], n_joint: int, sensors: Sequence[str]
+) -> Iterator[str]:
+    """Yield what is wrong with an effect's joints and sensors."""
+    wanted = None if kind.whole else "sensors" if kind.place == "sensor" else "joints"
+    for field in ("joints", "sensors"):
+        given = effect.get(field) or []
+        if field == wanted and not given:
+            yield f"{where}.{field} is missing: {kind.name} acts on {field}"
+        elif field != wanted and given:
+            on = f"acts on {wanted}" if wanted else "acts on the arm as a whole"
+            yield f"{where}.{field} is {given!r}, but {kind.name} {on}"
+    if wanted == "joints" and n_joint:
+        for joint in _listed(effect, "joints", int):
+            if not 1 <= joint <= n_joint:
+                yield f"{where}.joints has {joint}, expected 1 to {n_joint}"
+    if wanted == "sensors":
+        for sensor in _listed(effect, "sensors", str):
+            if sensor not in sensors:
+                yield f"{where}.sensors has {sensor!r}, expected one of {', '.join(sensors) or 'no sensor'}"
+
+
+def _numbers(where: str, kind: EffectKind, values: Mapping[str, Any]) -> Iterator[str]:
+    """Yield what is wrong with an effect's parameters."""
+    known = {parameter.name: parameter for parameter in kind.parameters}
+    for name in values:
+        if name not in known:
+            yield f"{where}.{name} is not known, expected {', '.join(known)}"
+    for name, parameter in known.items():
+        if name in values:
+            yield from _number(f"{where}.{name}", parameter, values[name])
+        elif not parameter.optional:
+            yield f"{where}.{name} is missing"
+
+
+def _number(where: str, parameter: Parameter, value: object) -> Iterator[str]:
+    """Yield what is wrong with one parameter."""
+    between = f"from {parameter.low:g} to {parameter.high:g}"
+    if parameter.several:
+        items: Sequence[Any] = list(value) if isinstance(value, list | tuple | np.ndarray) else [None]
+        if not all(_is_whole(item) and parameter.low <= item <= parameter.high for item in items):
+            yield f"{where} is {value!r}, expected a list of whole numbers {between}"
+        return
+    if not isinstance(value, bool) and isinstance(value, Real):
+        number = float(value)
+        if number == parameter.neutral or parameter.low <= number <= parameter.high:
+            return
+    yield f"{where} is {value!r}, expected a number {between}"
+
+
+def _listed(effect: Mapping[str, Any], field: str, kind: type) -> list[Any]:
+    """Return the items of a list that have the right type."""
+    given = effect.get(field)
+    if not isinstance(given, list | tuple):
+        return []
+    return [item for item in given if (_is_whole(item) if kind is int else isinstance(item, kind))]
+
+
+def _is_whole(value: object) -> bool:
+    return isinstance(value, Integral) and not isinstance(value, bool)

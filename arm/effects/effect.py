@@ -1,0 +1,122 @@
+"""What every effect of the catalogue says of itself."""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from numbers import Real
+from typing import Literal
+
+from arm.model import Arm, Effect, Floats, Joint, Sensor, Vector3
+
+#: Where an effect acts: it resists one joint's motion; it changes links, joints or gravity; it changes the torque
+#: on its way from the controller to the joint; it lies between the angle that is measured and that of the link;
+#: or it changes what a sensor reads.
+Place = Literal["joint", "arm", "drive", "transmission", "sensor"]
+
+#: What an effect has in an arm file.
+Values = Mapping[str, object]
+#: Returns the arm that has an effect, in other numbers of the arm itself.
+Change = Callable[[Arm, Effect], Arm]
+#: Returns what a sensor has in place of ``a`` (n_sample, 3) [m/s^2] at the run's times ``t`` (n_sample,) [s], with
+#: its axes (n_sample, 3, 3) as columns in the base frame: ``reading(a, t, axes, parameters)``.
+Reading = Callable[[Floats, Floats, Floats, Values], Floats]
+
+
+@dataclass(frozen=True)
+class Parameter:
+    """A number of an effect.
+
+    Attributes
+    ----------
+    name : str
+        It carries its unit, such as ``stiffness_N_m_rad``.
+    unit : str
+    low, high : float
+        What it may be.
+    linear : bool
+        The torque, or what a sensor reads, is linear in it, the others given.
+    neutral : float, optional
+        With it the effect does nothing, whatever its other numbers are (of several such, all must be neutral).
+        An arm file may have it even where it is infinite.
+    optional : bool
+        It may be left out.
+    several : bool
+        It is a list of whole numbers.
+    """
+
+    name: str
+    unit: str
+    low: float
+    high: float
+    linear: bool = False
+    neutral: float | None = None
+    optional: bool = False
+    several: bool = False
+
+
+@dataclass(frozen=True)
+class EffectKind:
+    """One entry of the catalogue.
+
+    Attributes
+    ----------
+    name : str
+    sentence : str
+        What it is, in plain words, after "…, because".
+    place : {"joint", "arm", "drive", "transmission", "sensor"}
+    parameters : tuple of Parameter
+        Of each joint or sensor that it acts on.
+    taken_for : tuple of str
+        Other effects that look like it in some data.
+    whole : bool
+        It acts on the arm as a whole: it has neither joints nor sensors.
+    torque : callable, optional
+        For those that act at a joint: a C function of `arm.effects.joint_torque`, the torque with which the joint
+        resists.
+    change : callable, optional
+        For those that are other numbers of the arm, of its joints or its sensors: returns the arm that has it.
+    force, reading, converted : callable, optional
+        For those that change what sensors read: what acts on the specific force that a sensor feels, on what it
+        makes of it, and on that once it has its noise.
+    """
+
+    name: str
+    sentence: str
+    place: Place
+    parameters: tuple[Parameter, ...]
+    taken_for: tuple[str, ...] = ()
+    whole: bool = False
+    torque: Callable[..., float] | None = None
+    change: Change | None = None
+    force: Reading | None = None
+    reading: Reading | None = None
+    converted: Reading | None = None
+
+
+def number(values: Values, name: str) -> float:
+    """Return a parameter as a float."""
+    value = values[name]
+    assert isinstance(value, Real)
+    return float(value)
+
+
+def vector(values: Values, *names: str) -> Vector3:
+    """Return three parameters as a vector."""
+    x, y, z = (number(values, name) for name in names)
+    return x, y, z
+
+
+def total(a: Vector3, b: Vector3) -> Vector3:
+    """Return ``a + b``."""
+    return a[0] + b[0], a[1] + b[1], a[2] + b[2]
+
+
+def with_joints(arm: Arm, which: Sequence[int], change: Callable[[Joint], Joint]) -> Arm:
+    """Return the arm with some of its joints, counted from 1, changed."""
+    joints = (change(joint) if number in which else joint for number, joint in enumerate(arm.joints, 1))
+    return replace(arm, joints=tuple(joints))
+
+
+def with_sensors(arm: Arm, which: Sequence[str], change: Callable[[Sensor], Sensor]) -> Arm:
+    """Return the arm with some of its sensors changed."""
+    sensors = (change(sensor) if sensor.name in which else sensor for sensor in arm.sensors)
+    return replace(arm, sensors=tuple(sensors))

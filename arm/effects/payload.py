@@ -1,0 +1,47 @@
+"""A mass at the tip, in some trials or from some time on: a point at the far end of the last link.
+
+With ``trials`` it is there in those, counted from 1 over the run, and in no others; with ``since_s`` from that
+time on; with neither, always.
+"""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+
+from arm.effects.effect import EffectKind, Parameter, Values, number
+from arm.model import Arm, Link
+
+
+def loaded_from(values: Values, trial: int) -> float:
+    """Return the run's time from which the mass is there in a trial [s]; infinite where it is not."""
+    trials = values.get("trials")
+    if trials is not None and trial not in np.ravel(trials):  # type: ignore[call-overload]
+        return math.inf
+    return number(values, "since_s") if "since_s" in values else -math.inf
+
+
+def with_load(arm: Arm, mass_kg: float) -> Arm:
+    """Return the arm with a point mass at its tip."""
+    last = arm.joints[-1]
+    xx, yy, zz, xy, xz, yz = last.link.inertia_kg_m2
+    mass, a = last.link.mass_kg + mass_kg, last.a_m
+    x, y, z = (last.link.mass_kg * s for s in last.link.com_m)
+    com = ((x + mass_kg * a) / mass, y / mass, z / mass) if mass else last.link.com_m
+    turning = mass_kg * a * a
+    link = Link(mass, com, (xx, yy + turning, zz + turning, xy, xz, yz))
+    return replace(arm, joints=(*arm.joints[:-1], replace(last, link=link)))
+
+
+EFFECT = EffectKind(
+    name="payload",
+    sentence="the tip carries a mass",
+    place="arm",
+    parameters=(
+        Parameter("mass_kg", "kg", 0.0, 1e3, linear=True, neutral=0.0),
+        Parameter("trials", "1", 1.0, 1e6, optional=True, several=True),
+        Parameter("since_s", "s", 0.0, 1e6, optional=True),
+    ),
+    taken_for=("external_push", "gain_error", "rotor_inertia"),
+    whole=True,
+)

@@ -1,0 +1,131 @@
+"""`fitter diagnose`: what the simulation gets wrong, why, and the gain of putting it right."""
+
+import argparse
+from collections.abc import Sequence
+from pathlib import Path
+
+from rich.progress import Progress
+from rich.table import Table
+
+from arm.arm_file import load_arm, save_arm
+from arm.effects.catalogue import catalogue
+from arm.model import Arm
+from fitter.commands.options import add_arm, add_columns
+from fitter.data.columns import parse_mapping
+from fitter.data.motions import Measured, read_motions
+from fitter.data.recordings import read_frames
+from fitter.data.sources import RECORDINGS, expand
+from fitter.diagnosis.diagnosis import diagnose
+from fitter.diagnosis.finding import Finding, NamedCause
+from fitter.report.diagnosis_report import write_report
+from limbcal.command import Document, console, say, to_json
+from limbcal.errors import ConfigError, DeviceError
+
+#: What the base model can be denied, and how its parameters' names begin.
+_DENIABLE = {"viscous": "D", "coulomb": "fc"}
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Say what `fitter diagnose` takes."""
+    parser.add_argument("learn", nargs="+", type=Path, metavar="LEARN", help="trials to learn from")
+    parser.add_argument(
+        "--evaluate", nargs="+", type=Path, required=True, metavar="EVAL", help="trials to judge on, held back"
+    )
+    add_arm(parser)
+    add_columns(parser)
+    parser.add_argument(
+        "--deny", metavar="LIST", help="frictions that the base model is to do without: viscous,coulomb"
+    )
+    parser.add_argument("--no-torque", action="store_true", help="nothing drives the arm: it swings freely")
+    parser.add_argument("--out", type=Path, required=True, metavar="DIR", help="report, JSON, pictures, extended arm")
+    parser.set_defaults(action=diagnose_command)
+
+
+def diagnose_command(arguments: argparse.Namespace) -> Document:
+    """Diagnose, write everything, and say it."""
+    arm = load_arm(arguments.arm)
+    denied = _denied(arguments.deny)
+    try:
+        arguments.out.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise DeviceError(f"{arguments.out}: cannot be made: {error.strerror}") from error
+    _require_apart(arguments.learn, arguments.evaluate)
+    learn, evaluate = (_read(some, arm, arguments) for some in (arguments.learn, arguments.evaluate))
+    with Progress(console=console, transient=True) as progress:
+        task = progress.add_task("reading", total=1.0)
+        found = diagnose(
+            arm,
+            learn,
+            evaluate,
+            rate_hz=arguments.rate_hz,
+            denied=denied,
+            free=arguments.no_torque,
+            progress=lambda what, done: progress.update(task, description=what, completed=done),
+        )
+    document = found.finding.document()
+    out: Path = arguments.out
+    try:
+        (out / "diagnosis.json").write_text(to_json(document), encoding="utf-8")
+    except OSError as error:
+        raise DeviceError(f"{out}: cannot be written: {error.strerror}") from error
+    save_arm(found.finding.arm, out / "extended.toml")
+    write_report(found, out)
+    _say(found.finding, out)
+    return document
+
+
+def _read(sources: Sequence[Path], arm: Arm, arguments: argparse.Namespace) -> list[Measured]:
+    mapping = parse_mapping(arguments.columns, arm.n_joint)
+    motions: list[Measured] = []
+    for path in expand(sources):
+        if path.suffix.lower() in RECORDINGS:
+            motions += read_frames(path, arm.n_joint)
+        else:
+            motions += read_motions(path, arm.n_joint, mapping, arguments.rate_hz, required=("q",))
+    return motions
+
+
+def _require_apart(learn: Sequence[Path], evaluate: Sequence[Path]) -> None:
+    held_back = {path.resolve() for path in expand(evaluate)}
+    both = [str(path) for path in expand(learn) if path.resolve() in held_back]
+    if both:
+        raise ConfigError(f"--evaluate: {both[0]} is learnt from, expected trials that are not")
+
+
+def _denied(text: str | None) -> tuple[str, ...]:
+    names = [part.strip() for part in (text or "").split(",") if part.strip()]
+    for name in names:
+        if name not in _DENIABLE:
+            raise ConfigError(f"--deny is {text!r}, expected some of {', '.join(_DENIABLE)}")
+    return tuple(_DENIABLE[name] for name in names)
+
+
+def _say(finding: Finding, out: Path) -> None:
+    sentences = {
+        "named": "The simulation is wrong, and this is why:",
+        "ambiguous": "The simulation is wrong; these explain it equally well:",
+        "none": "Nothing above the noise: the simulation is as good as the data.",
+        "unexplained": "The simulation is wrong, and no effect of the catalogue explains it.",
+    }
+    say(sentences[finding.verdict])
+    for cause in finding.causes:
+        say(f"  {told(cause)}")
+    if finding.remainder.depends_on:
+        say(f"what is left depends on {', '.join(finding.remainder.depends_on)} {finding.remainder.formula}".strip())
+    table = Table("on the evaluating trials", "before", "after")
+    before, after = finding.before, finding.after
+    for j, (was, became) in enumerate(zip(before.torque_rms, after.torque_rms, strict=True)):
+        table.add_row(f"torque {j + 1}, rms [N m]", f"{was:.4g}", f"{became:.4g}")
+    table.add_row("angle, mean [deg]", f"{before.angle_mean_deg:.3g}", f"{after.angle_mean_deg:.3g}")
+    table.add_row("angle, max [deg]", f"{before.angle_max_deg:.3g}", f"{after.angle_max_deg:.3g}")
+    console.print(table)
+    say(f"next: {finding.next_experiment}")
+    say(f"{out / 'report.html'}")
+
+
+def told(cause: NamedCause) -> str:
+    """Return a cause in plain words, with its size."""
+    where = "".join(f", joint {j}" for j in cause.joints)
+    numbers = ", ".join(f"{name} {p.value:.4g} ± {p.std:.2g}" for name, p in cause.parameters.items())
+    more = "".join(f", {name} {value}" for name, value in cause.where.items())
+    return f"{cause.effect}{where}: {catalogue()[cause.effect].sentence} ({numbers}{more})"

@@ -1,0 +1,61 @@
+"""`fitter effects`: what a simulation may get wrong, and by what each effect is known."""
+
+import argparse
+
+from rich.markup import escape
+from rich.table import Table
+
+from arm.effects.catalogue import catalogue
+from arm.effects.effect import EffectKind, Parameter
+from limbcal.command import Document, console
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Say what `fitter effects` takes: nothing of its own."""
+    parser.set_defaults(action=list_effects)
+
+
+def list_effects(arguments: argparse.Namespace) -> Document:
+    """List the catalogue of effects."""
+    kinds = list(catalogue().values())
+    if not arguments.json:
+        table = Table(show_lines=True, title="what a simulation may get wrong, because …", title_justify="left")
+        for name, fixed in (("effect", True), ("because", False), ("parameters", True), ("acts on", True)):
+            table.add_column(name, no_wrap=fixed)
+        table.add_column("can be taken for", overflow="fold")
+        for kind in kinds:
+            numbers = "\n".join(_words(parameter) for parameter in kind.parameters)
+            table.add_row(kind.name, kind.sentence, numbers, _acts_on(kind), ", ".join(kind.taken_for))
+        console.print(table)
+    return {"effects": [_entry(kind) for kind in kinds]}
+
+
+def _acts_on(kind: EffectKind) -> str:
+    """Return what an effect acts on, as its entry in an arm file says it."""
+    return "arm" if kind.whole else "sensors" if kind.place == "sensor" else "joints"
+
+
+def _words(parameter: Parameter) -> str:
+    unit = "" if parameter.unit == "1" else f" [{parameter.unit}]"
+    return f"{parameter.name}{escape(unit)}{', if wanted' if parameter.optional else ''}"
+
+
+def _entry(kind: EffectKind) -> Document:
+    return {
+        "name": kind.name,
+        "sentence": kind.sentence,
+        "place": kind.place,
+        "acts_on": _acts_on(kind),
+        "parameters": [
+            {
+                "name": parameter.name,
+                "unit": parameter.unit,
+                "low": parameter.low,
+                "high": parameter.high,
+                "linear": parameter.linear,
+                "optional": parameter.optional,
+            }
+            for parameter in kind.parameters
+        ],
+        "taken_for": kind.taken_for,
+    }

@@ -1,0 +1,191 @@
+"""Effects that resist a joint's motion: whatever the catalogue says of their torque is all that is needed.
+
+Parameters in which the torque is linear become columns. So does one more, without being linear, if all the
+torques that it can make lie in one plane: the phase of a ripple (sine and cosine), the rest angle of a spring
+(angle and constant). The rest are psi, searched on a grid that the motion suggests.
+"""
+
+from collections.abc import Sequence
+from dataclasses import replace
+from functools import cached_property
+
+import numpy as np
+import scipy.optimize
+
+from arm.effects.effect import EffectKind, Parameter
+from arm.effects.joint_torque import N_STATE, torque_along
+from arm.model import Floats
+from fitter.diagnosis.hypothesis import Hypothesis
+from fitter.diagnosis.motion import Motion
+from fitter.diagnosis.view import View
+
+#: Values tried of a number whose scale the motion does not tell.
+_GRID = 12
+#: Ripples a turn.
+_PERIODS = np.arange(1.0, 81.0)
+#: Angles at which a stop may be, as shares of the range that the joint moves through.
+_SHARES = np.linspace(0.04, 0.96, 24)
+_ROUNDING = 1e-9
+
+
+class AtJoint(Hypothesis):
+    """An effect that resists the motion of one joint.
+
+    Parameters
+    ----------
+    kind : EffectKind
+    joint : int
+        From 0.
+    choice : mapping from name to float
+        Parameters that are given, such as the side of a stop.
+    """
+
+    def __init__(self, kind: EffectKind, joint: int, choice: dict[str, float] | None = None) -> None:
+        super().__init__(kind, (joint,))
+        self._joint = joint
+        self._choice = choice or {}
+        names = [parameter.name for parameter in kind.parameters]
+        free = [k for k, name in enumerate(names) if name not in self._choice]
+        self._linear = [k for k in free if kind.parameters[k].linear]
+        self._folded = self._plane([k for k in free if k not in self._linear])
+        self._psi = [k for k in free if k not in self._linear and k not in self._folded]
+        self.n_column = max(1, len(self._linear)) + len(self._folded)
+
+    @property
+    def psi_names(self) -> tuple[str, ...]:
+        """Names of what is in psi."""
+        return tuple(self.kind.parameters[k].name for k in self._psi)
+
+    @cached_property
+    def low(self) -> Floats:
+        """Least values of psi, (n_psi,)."""
+        return np.array([self.kind.parameters[k].low for k in self._psi])
+
+    @cached_property
+    def high(self) -> Floats:
+        """Greatest values of psi, (n_psi,)."""
+        return np.array([self.kind.parameters[k].high for k in self._psi])
+
+    def starts(self, motions: Sequence[Motion]) -> Floats:
+        """Return values of psi to try first, (n_start, n_psi)."""
+        if not self._psi:
+            return np.zeros((1, 0))
+        axes = [self._grid(self.kind.parameters[k], motions) for k in self._psi]
+        mesh = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1)
+        return np.asarray(mesh.reshape(-1, len(axes)), dtype=np.float64)
+
+    def act(self, view: View, psi: Floats) -> View:
+        """Return a motion with this effect's columns."""
+        n, n_joint = view.q.shape
+        columns = np.zeros((n, n_joint, self.n_column))
+        columns[:, self._joint, :] = self._columns(psi, view.states(self._joint))
+        return replace(view, columns=(*view.columns, columns))
+
+    def numbers(self, psi: Floats, factors: Floats) -> Floats:
+        """Return the effect's own parameters from psi and the columns' factors."""
+        values = self._values(psi)
+        if not self._folded:
+            for k, factor in zip(self._linear, factors, strict=True):
+                values[k] = factor
+            return values
+        (k,), (linear,) = self._folded, self._linear
+        states = self._probe()
+        wanted = self._columns(psi, states) @ factors
+        parameter = self.kind.parameters[k]
+        low, high = max(parameter.low, -1e3), min(parameter.high, 1e3)
+
+        def torque(at: float) -> Floats:
+            values[k], values[linear] = at, 1.0
+            return torque_along(self.kind, values, states)
+
+        def missed(at: float) -> float:
+            shape = torque(at)
+            size = float(shape @ wanted) / max(float(shape @ shape), 1e-300)
+            return float(np.sum((wanted - size * shape) ** 2))
+
+        tried = (
+            np.linspace(low, high, 400)
+            if high - low < 20
+            else np.concatenate([-np.geomspace(1e-3, -low, 200)[::-1], [0.0], np.geomspace(1e-3, high, 200)])
+        )
+        best = int(np.argmin([missed(at) for at in tried]))
+        around = (tried[max(best - 1, 0)], tried[min(best + 1, len(tried) - 1)])
+        at = float(
+            scipy.optimize.minimize_scalar(missed, bounds=around, method="bounded", options={"xatol": 1e-9}).x
+        )
+        shape = torque(at)
+        values[k], values[linear] = at, float(shape @ wanted) / max(float(shape @ shape), 1e-300)
+        if values[linear] < 0.0 and parameter.name == "phase_rad":
+            values[linear] = -values[linear]
+            values[k] = (values[k] + 2.0 * np.pi) % (2.0 * np.pi) - np.pi
+        return values
+
+    def _columns(self, psi: Floats, states: Floats) -> Floats:
+        values = self._values(psi)
+        columns = []
+        if not self._linear:
+            return torque_along(self.kind, values, states)[:, None]
+        for k in self._linear:
+            unit = values.copy()
+            unit[self._linear] = 0.0
+            unit[k] = 1.0
+            if self._folded:
+                for at in self._two_values(self._folded[0]):
+                    unit[self._folded[0]] = at
+                    columns.append(torque_along(self.kind, unit, states))
+            else:
+                columns.append(torque_along(self.kind, unit, states))
+        return np.stack(columns, axis=1)
+
+    def _values(self, psi: Floats) -> Floats:
+        values = np.zeros(len(self.kind.parameters))
+        for k, parameter in enumerate(self.kind.parameters):
+            if parameter.name in self._choice:
+                values[k] = self._choice[parameter.name]
+        values[self._psi] = psi
+        return values
+
+    def _two_values(self, k: int) -> tuple[float, float]:
+        return (0.0, np.pi / 2.0) if self.kind.parameters[k].name == "phase_rad" else (0.0, 1.0)
+
+    def _probe(self) -> Floats:
+        rng = np.random.default_rng(0)
+        states = rng.normal(size=(64, N_STATE))
+        states[:, 3] = np.sign(states[:, 2])
+        return states
+
+    def _plane(self, others: list[int]) -> list[int]:
+        """Return the one parameter, if any, whose torques all lie in the plane of two of them."""
+        if len(self._linear) != 1:
+            return []
+        for k in others:
+            values = np.zeros(len(self.kind.parameters))
+            for i, parameter in enumerate(self.kind.parameters):
+                values[i] = self._choice.get(parameter.name, 0.7 * min(parameter.high, 2.0))
+            values[self._linear[0]] = 1.0
+            shapes = []
+            for at in (0.2, 0.5, 0.9, 1.3):
+                values[k] = at
+                shapes.append(torque_along(self.kind, values, self._probe()))
+            size = np.linalg.svd(np.stack(shapes), compute_uv=False)
+            if size[1] > _ROUNDING * size[0] >= size[2]:
+                return [k]
+        return []
+
+    def _grid(self, parameter: Parameter, motions: Sequence[Motion]) -> Floats:
+        q = np.concatenate([motion.q[:, self._joint] for motion in motions])
+        dq = np.concatenate([motion.dq[:, self._joint] for motion in motions])
+        name = parameter.name
+        if name.endswith("_rad_s"):
+            top = float(np.abs(dq).max())
+            grid = np.geomspace(0.01 * top, 1.0 * top, _GRID)
+        elif name.startswith("periods"):
+            grid = _PERIODS
+        elif name.endswith("_rad"):
+            grid = q.min() + _SHARES * np.ptp(q)
+        elif np.isfinite(parameter.low) and parameter.low > 0.0:
+            grid = np.geomspace(parameter.low, parameter.high, _GRID)
+        else:
+            grid = np.linspace(parameter.low, parameter.high, _GRID)
+        inside = (grid >= parameter.low) & (grid <= parameter.high)
+        return np.asarray(grid[inside] if np.any(inside) else grid, dtype=np.float64)

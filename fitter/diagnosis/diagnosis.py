@@ -1,0 +1,241 @@
+"""`diagnose`: from trials to a verdict."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from arm.model import Arm, Floats
+from fitter.data.motions import Measured
+from fitter.data.resample import Uniform, resample, split_at_holes
+from fitter.data.trials import FIT_CORNER, Trial, derive, undriven
+from fitter.diagnosis.causes import Search, find_causes
+from fitter.diagnosis.estimates import Estimates, estimates, extended_arm
+from fitter.diagnosis.events import Pushes
+from fitter.diagnosis.finding import Finding, NamedCause, Tried, Verdict
+from fitter.diagnosis.hypotheses import hypotheses
+from fitter.diagnosis.in_arm import Payload
+from fitter.diagnosis.judgement import gain, judged
+from fitter.diagnosis.motion import Motion, corner_hz, run_of
+from fitter.diagnosis.next_experiment import next_experiment
+from fitter.diagnosis.regression import Model, Regression
+from fitter.diagnosis.screening import Candidate, fitted
+from fitter.diagnosis.unknown import WORTH, Remainder, describe
+from limbcal.errors import DataError
+
+Progress = Callable[[str, float], None]
+
+#: If a smooth function explains more than this share of what the base model leaves, and the causes do not, the
+#: causes are not it.
+_UNEXPLAINED = 0.12
+
+
+@dataclass(frozen=True)
+class Diagnosis:
+    """A finding, and what pictures of it need.
+
+    Attributes
+    ----------
+    finding : Finding
+    regression : Regression
+    search : Search
+    motions : list of Motion
+        All trials, not thinned.
+    final : Candidate
+        The model that was accepted.
+    """
+
+    finding: Finding
+    regression: Regression
+    search: Search
+    motions: list[Motion]
+    final: Candidate
+
+
+def diagnose(
+    arm: Arm,
+    learn: Sequence[Measured],
+    evaluate: Sequence[Measured],
+    *,
+    rate_hz: float | None = None,
+    denied: tuple[str, ...] = (),
+    free: bool = False,
+    progress: Progress | None = None,
+) -> Diagnosis:
+    """Find out what a calibrated simulation gets wrong, and why.
+
+    Parameters
+    ----------
+    arm : Arm
+        Geometry, gravity and control law; what it has of dynamics is not used.
+    learn, evaluate : sequence of Measured
+        Joint motion with torque, or with the target of a known law.
+    rate_hz : float, optional
+        To resample to.
+    denied : tuple of str
+        Frictions that the base model is denied: ``D``, ``fc``.
+    free : bool
+        The arm swings freely: its torque is zero.
+    progress : callable, optional
+        Told what is being done, and how much of all is done (0 to 1).
+
+    Raises
+    ------
+    DataError
+        If a set is empty, or nothing says which torque drove a trial.
+    """
+    for name, motions in (("learning", learn), ("evaluating", evaluate)):
+        if not motions:
+            raise DataError(f"no {name} trial; expected at least one: what is learnt from cannot judge")
+    grids = [
+        [resample(part, rate_hz) for one in some for part in split_at_holes(one)] for some in (learn, evaluate)
+    ]
+    say = progress or (lambda _what, _done: None)
+    corner = corner_hz(min(1.0 / grid.dt_s for some in grids for grid in some))
+    learning, evaluating = _trials(grids, corner, free)
+    regression = Regression(arm, run_of(arm, learning, evaluating), denied)
+    search = find_causes(regression, hypotheses(arm.n_joint, denied), lambda what, done: say(what, 0.8 * done))
+    search = replace(search, final=_settled(regression, search.final))
+    say("describing what is left", 0.8)
+    remainder = describe(regression, search.final)
+    verdict = _verdict(search, remainder)
+    final = search.final
+    if verdict == "unexplained" and search.causes:
+        final = search.base
+        remainder = describe(regression, final)
+    say("judging on the evaluating trials", 0.92)
+    finding, motions_ = _told(regression, search, final, remainder, verdict, run_of(arm, learning, evaluating, thin=False))
+    say("done", 1.0)
+    return Diagnosis(finding, regression, search, motions_, final)
+
+
+def _settled(regression: Regression, final: Candidate) -> Candidate:
+    """Return a model with the times of pushes refined along with everything else, if there are any."""
+    if not any(isinstance(hypothesis, Pushes) for hypothesis in final.model.hypotheses):
+        return final
+    model = Model()
+    for hypothesis, psi in zip(final.model.hypotheses, final.model.psi, strict=True):
+        one, start = hypothesis, psi
+        if isinstance(hypothesis, Pushes):
+            one = Pushes(hypothesis.kind, hypothesis.joints[0], hypothesis.found, free=True)
+            start = one.starts([])[0]
+        model = model.plus(one, start)
+    return fitted(regression, model)
+
+
+def _trials(grids: Sequence[Sequence[Uniform]], cutoff_hz: float, free: bool) -> list[list[Trial]]:
+    sets = [[derive(grid, cutoff_hz, FIT_CORNER * cutoff_hz) for grid in some] for some in grids]
+    return [[undriven(trial) for trial in some] for some in sets] if free else sets
+
+
+def _verdict(search: Search, remainder: Remainder) -> Verdict:
+    noise = float(search.told.sum())
+    beyond = float(search.base.squares.sum()) - search.noise
+    left = remainder.worth * noise
+    if not search.causes:
+        return "unexplained" if remainder.worth > WORTH else "none"
+    if left > _UNEXPLAINED * beyond:
+        return "unexplained"
+    return "ambiguous" if any(cause.rivals for cause in search.causes) else "named"
+
+
+def _told(
+    regression: Regression,
+    search: Search,
+    final: Candidate,
+    remainder: Remainder,
+    verdict: Verdict,
+    motions: list[Motion],
+) -> tuple[Finding, list[Motion]]:
+    arm = regression.arm
+    plain = estimates(regression, search.base)
+    base_arm = extended_arm(regression, search.base, plain)
+    found = plain if final is search.base else estimates(regression, final)
+    extended = base_arm if final is search.base else extended_arm(regression, final, found)
+    judging = [motion for motion in motions if not motion.learn]
+    before = judged(regression, search.base, base_arm, judging)
+    after = before if final is search.base else judged(regression, final, extended, judging)
+    causes = [] if final is search.base else _causes(regression, search, found)
+    alike = sorted({cause.effect for cause in causes})
+    confusable = [] if final is search.base else _confusable(search)
+    joints = [j for cause in causes for j in cause.joints] or list(range(1, arm.n_joint + 1))
+    finding = Finding(
+        verdict=verdict,
+        causes=causes,
+        candidates=_tried(regression, search),
+        confusable=confusable,
+        next_experiment=next_experiment(verdict, alike, joints, remainder.depends_on),
+        before=before,
+        after=after,
+        gain=gain(before, after),
+        remainder=remainder,
+        structure=search.structure,
+        explained=search.explained,
+        base_arm=base_arm,
+        arm=extended,
+        notes=sorted({note for motion in motions for note in motion.trial.notes}),
+    )
+    return finding, motions
+
+
+def _causes(regression: Regression, search: Search, found: Estimates) -> list[NamedCause]:
+    """Return the accepted causes, each with those that explain as much in its stead right behind it."""
+    listed = []
+    inflation = max(1.0, float(search.final.squares.sum() / search.told.sum()))
+    for cause in search.causes:
+        odds = [float(np.exp(-_worse(search, rival) / (2.0 * inflation))) for rival in cause.rivals]
+        share = 1.0 / (1.0 + sum(odds))
+        hypothesis = search.final.model.hypotheses[cause.place]
+        listed.append(_named(hypothesis, found.effects[cause.place], share))
+        for rival, odd in zip(cause.rivals, odds, strict=True):
+            numbers = estimates(regression, rival).effects[-1]
+            listed.append(_named(rival.hypothesis, numbers, odd * share))
+    return listed
+
+
+def _worse(search: Search, rival: Candidate) -> float:
+    return max(0.0, float(rival.squares.sum() - search.final.squares.sum()))
+
+
+def _named(hypothesis: object, numbers: object, support: float) -> NamedCause:
+    where: dict[str, object] = {}
+    if isinstance(hypothesis, Payload):
+        where = (
+            {"since_s": hypothesis.since_s}
+            if hypothesis.since_s is not None
+            else {"trials": sorted(hypothesis.trials)}
+        )
+    joints = tuple(j + 1 for j in hypothesis.joints)  # type: ignore[attr-defined]
+    return NamedCause(hypothesis.kind.name, joints, numbers, support, where)  # type: ignore[attr-defined, arg-type]
+
+
+def _confusable(search: Search) -> list[tuple[str, str]]:
+    pairs = {
+        tuple(sorted((search.final.model.hypotheses[cause.place].kind.name, rival.hypothesis.kind.name)))
+        for cause in search.causes
+        for rival in cause.rivals
+    }
+    return sorted((a, b) for a, b in pairs)
+
+
+def _tried(regression: Regression, search: Search) -> list[Tried]:
+    """Return every hypothesis that was tried beside the base model, by what it gains on the evaluating trials."""
+    held_out = np.array([not motion.learn for motion in regression.motions])
+    was = float(search.base.squares[held_out].sum())
+    gains: Floats = np.array([1.0 - float(one.squares[held_out].sum()) / was for one in search.first])
+    inflation = max(1.0, float(search.final.squares.sum() / search.told.sum()))
+    total = np.array([float(one.squares.sum()) for one in search.first])
+    odds = np.exp(-(total - total.min(initial=np.inf)) / (2.0 * inflation)) if len(total) else total
+    support = odds / max(float(odds.sum()), 1e-300)
+    if not search.causes:
+        support = np.zeros(len(total))
+    listed = [
+        Tried(
+            one.hypothesis.kind.name,
+            tuple(j + 1 for j in one.hypothesis.joints),
+            float(np.clip(gain_, 0.0, 1.0)),
+            float(share),
+        )
+        for one, gain_, share in zip(search.first, gains, support, strict=True)
+    ]
+    return sorted(listed, key=lambda one: -one.gain)

@@ -1,0 +1,161 @@
+r"""The equation of motion of a whole run, weighted so that its noise is white.
+
+A joint's row is ``Y p + C c = u``. Its noise is that of the torque, white, and that of the angles differentiated
+twice, with a power spectrum
+
+    S(f) = diag(s_u^2) + mean(M diag(s_q^2) M^T) (2 pi f)^4,
+
+a matrix, for the noise of one angle enters the equations of all joints. Both sides pass the zero-phase filter
+``L^-1`` with ``L L^T = S``, and what lies beyond the columns' corner is cut off. The residual of the true model is
+then white with variance 1, so that plain least squares is all but maximum likelihood, and no
+frequency is thrown away that tells something. A slower grid holds all that is left. While a joint is stuck its
+friction may be anything: unknown torques there, of a few shapes each, are eliminated from both sides
+(`motion.holding_shapes`), which costs what the rest could have told and leaves the noise of everything else white.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+import scipy.fft
+import scipy.linalg
+from numpy.typing import NDArray
+
+from arm.model import Arm, Floats
+from arm.regressor import regressor
+from fitter.diagnosis.motion import Motion, end_weight, holding_shapes, noise_of_angles, white_noise
+
+#: The band ends here [Hz], or at this share of the columns' corner, where their filter still lets all through.
+_BAND_HZ, _BAND_SHARE = 18.0, 0.6
+#: Samples a period of the band's end on the slower grid.
+_SAMPLES = 2.5
+#: A perfect torque or angle has at least the noise of rounding, as a share of its rms.
+_LEAST_NOISE = 1e-4
+#: Holding torques that the filter leaves less than this of, beside the largest, hold nothing.
+_LITTLE = 1e-6
+
+
+@dataclass(frozen=True)
+class Weighting:
+    """The filter that makes the noise of a run white.
+
+    Attributes
+    ----------
+    torque_noise : (n_joint,)
+        White part of the noise, as rms a sample.
+    acceleration_noise : (n_joint, n_joint)
+        Factor of ``(2 pi f)^4`` in the noise's covariance a sample.
+    band_hz : float
+    stride : int
+        Every so manieth sample is kept.
+    """
+
+    torque_noise: Floats
+    acceleration_noise: Floats
+    band_hz: float
+    stride: int
+    _held: dict[int, Floats] = field(default_factory=dict, repr=False)
+    _gains: dict[tuple[int, float], Floats] = field(default_factory=dict, repr=False)
+
+    @property
+    def seen_hz(self) -> float:
+        """Where the noise of differentiated angles outgrows that of the torque, at the joint where it does last."""
+        rate = np.sqrt(np.max(self.torque_noise / np.sqrt(np.maximum(np.diag(self.acceleration_noise), 1e-300))))
+        return float(np.clip(rate / (2.0 * np.pi), 1.0, self.band_hz))
+
+    def filtered(self, motion: Motion, rows: Floats) -> Floats:
+        """Return rows (n_sample, n_joint, …), filtered and on the slower grid, without what may hold a joint."""
+        white = self._white(rows, motion.dt_s)
+        shapes, flat = self._shapes(motion), white.reshape(white.shape[0] * white.shape[1], -1)
+        return np.asarray((flat - shapes @ (shapes.T @ flat)).reshape(white.shape), dtype=np.float64)
+
+    def told(self, motion: Motion) -> int:
+        """Return how many numbers a motion's equations tell."""
+        shapes = self._shapes(motion)
+        return int(shapes.shape[0] - shapes.shape[1])
+
+    def _shapes(self, motion: Motion) -> Floats:
+        """Return an orthonormal basis of the holding torques, filtered."""
+        if motion.number not in self._held:
+            n, n_joint = motion.q.shape
+            shapes = [holding_shapes(motion.stuck[:, j], motion.dt_s) for j in range(n_joint)]
+            rows = np.zeros((n, n_joint, sum(one.shape[1] for one in shapes)))
+            at = 0
+            for j, one in enumerate(shapes):
+                rows[:, j, at : at + one.shape[1]] = one / end_weight(n, motion.dt_s)[:, None]
+                at += one.shape[1]
+            white = self._white(rows, motion.dt_s).reshape(-1, rows.shape[2])
+            white /= np.linalg.norm(white, axis=0)
+            Q, R, _ = scipy.linalg.qr(white, mode="economic", pivoting=True, check_finite=False)
+            size = np.abs(np.diag(R))
+            self._held[motion.number] = np.ascontiguousarray(Q[:, : len(size)][:, size > _LITTLE * size[0]])
+        return self._held[motion.number]
+
+    def _white(self, rows: Floats, dt_s: float) -> Floats:
+        n = len(rows)
+        size = scipy.fft.next_fast_len(n + round(1.0 / dt_s), real=True)
+        gain = self._gain(scipy.fft.rfftfreq(size, dt_s), dt_s)
+        kept = len(gain)  # nothing is left beyond the band
+        flat = (rows * end_weight(n, dt_s).reshape(n, *([1] * (rows.ndim - 1)))).reshape(n, -1)
+        part = scipy.fft.rfft(flat, size, axis=0)[:kept].reshape(kept, rows.shape[1], -1)
+        spectrum = np.zeros((size // 2 + 1, flat.shape[1]), dtype=np.complex128)
+        spectrum[:kept] = (gain @ part).reshape(kept, -1)
+        white = scipy.fft.irfft(spectrum, size, axis=0)[:n][:: self.stride]
+        return np.asarray(white, dtype=np.float64).reshape(-1, *rows.shape[1:])
+
+    def _gain(self, f: Floats, dt_s: float) -> Floats:
+        key = len(f), dt_s
+        if key not in self._gains:
+            edge = np.clip((self.band_hz - f) / (0.2 * self.band_hz), 0.0, 1.0)
+            band = np.sin(np.pi / 2.0 * edge) ** 2
+            passes = 2.0 * dt_s * np.trapezoid(band**2, f)  # variance of white noise that passes
+            f, band = f[band > 0.0], band[band > 0.0]
+            noise = np.diag(self.torque_noise**2) + self.acceleration_noise * (2 * np.pi * f[:, None, None]) ** 4
+            root = np.linalg.inv(np.linalg.cholesky(noise))
+            self._gains[key] = root * (band / np.sqrt(passes))[:, None, None]
+        return self._gains[key]
+
+
+def weighting(arm: Arm, motions: Sequence[Motion], inertia: Floats) -> Weighting:
+    """Return the filter for a run.
+
+    Parameters
+    ----------
+    arm : Arm
+        Its law says how the noise of the angles enters a torque that was not measured.
+    motions : sequence of Motion
+    inertia : (n_pose, n_joint, n_joint)
+        The mass matrix in some poses.
+    """
+    angle = noise_of_angles([motion.trial for motion in motions])
+    u = np.concatenate([motion.u for motion in motions])
+    if all("tau" in motion.trial.whole for motion in motions):
+        torque = white_noise([motion.trial.whole["tau"] for motion in motions])
+    elif arm.control.kp and motions[0].trial.tau is None:
+        torque = np.abs(arm.control.kp) * angle
+    else:
+        torque = np.zeros(arm.n_joint)
+    # What counts is the noise's density; the slower grid has the same with fewer samples.
+    thinned = np.sqrt(np.mean([motion.trial.dt_s / motion.dt_s for motion in motions]))
+    torque, angle = thinned * torque, thinned * angle
+    torque = np.maximum(torque, _LEAST_NOISE * np.maximum(np.sqrt(np.mean(u**2, axis=0)), 1e-9))
+    q = np.concatenate([motion.q for motion in motions])
+    angle = np.maximum(angle, 1e-9 * np.maximum(np.std(q, axis=0), 1.0))
+    acceleration = np.mean(inertia * angle**2 @ inertia.transpose(0, 2, 1), axis=0)
+    dt_s = max(motion.dt_s for motion in motions)
+    corner = min(min(motion.trial.cutoff_hz for motion in motions), 0.4 / dt_s)
+    band = min(_BAND_HZ, _BAND_SHARE * corner)
+    return Weighting(torque, acceleration, band, max(1, int(1.0 / (dt_s * _SAMPLES * band))))
+
+
+def mass_matrices(arm: Arm, columns: NDArray[np.intp], values: Floats, q: Floats) -> Floats:
+    """Return the mass matrix of base parameters in some poses, (n_pose, n_joint, n_joint)."""
+    n = arm.n_joint
+    M = np.zeros((len(q), n, n))
+    still = np.zeros_like(q)
+    rest = regressor(arm, q, still, still)[..., columns] @ values
+    for j in range(n):
+        unit = still.copy()
+        unit[:, j] = 1.0
+        M[:, :, j] = regressor(arm, q, still, unit)[..., columns] @ values - rest
+    return M

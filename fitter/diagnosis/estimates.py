@@ -1,0 +1,180 @@
+"""What was found in numbers: base parameters and effects with standard errors, and the arm that has them."""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from arm.base_parameters import BaseParameters, with_base_values
+from arm.model import Arm, Effect, Estimate, Floats
+from fitter.diagnosis.hypothesis import Hypothesis
+from fitter.diagnosis.in_arm import Payload
+from fitter.diagnosis.motion import Motion
+from fitter.diagnosis.regression import Regression
+from fitter.diagnosis.screening import Candidate
+from fitter.dynamics.structure import structural_parameters
+from fitter.search.fitted_parameter import FittedParameter
+from fitter.search.standard_errors import sandwich_covariance
+
+#: Blocks of neighbouring equations whose scores tell the answer's scatter, over all trials.
+_BLOCKS = 240
+_SLOPE = 1e-4
+
+
+@dataclass(frozen=True)
+class Estimates:
+    """The numbers of a model.
+
+    Attributes
+    ----------
+    base : BaseParameters
+        Of the arm with its effects.
+    values, std : (n_base,)
+        NaN where a parameter was denied.
+    effects : tuple of dict from name to FittedParameter
+        One for each hypothesis.
+    """
+
+    base: BaseParameters
+    values: Floats
+    std: Floats
+    effects: tuple[dict[str, FittedParameter], ...]
+
+
+def estimates(regression: Regression, fitted: Candidate) -> Estimates:
+    """Return a fitted model's numbers, with standard errors that allow for residuals that resemble each other.
+
+    psi, the columns' factors and the base parameters scatter together; the parameters of an effect follow by the
+    slopes of what it makes of them.
+    """
+    model = fitted.model
+    motions = regression.motions if model.is_event else regression.learning
+    covariance = _covariance(regression, fitted, motions)
+    n_base = len(fitted.x) - sum(hypothesis.n_column for hypothesis in model.hypotheses)
+    std = np.sqrt(np.maximum(np.diag(covariance), 0.0))
+    view = regression.view(model, regression.motions[0])
+    base = structural_parameters(_generic(regression.arm, view.arm))
+    kept = regression.independent(view.arm)
+    values, errors = np.full((2, len(base.names)), np.nan)
+    where = [base.independent.index(int(column)) for column in kept]
+    values[where], errors[where] = fitted.x[:n_base], std[:n_base]
+
+    effects, at, psi_at = [], n_base, len(fitted.x)
+    for hypothesis, psi in zip(model.hypotheses, model.psi, strict=True):
+        own = np.r_[at : at + hypothesis.n_column, psi_at : psi_at + len(psi)]
+        factors = fitted.x[at : at + hypothesis.n_column]
+        effects.append(_numbers(hypothesis, psi, factors, covariance[np.ix_(own, own)]))
+        at, psi_at = at + hypothesis.n_column, psi_at + len(psi)
+    return Estimates(base, values, errors, tuple(effects))
+
+
+def extended_arm(regression: Regression, fitted: Candidate, found: Estimates) -> Arm:
+    """Return the arm with the base parameters that were learnt, and with its effects."""
+    arm = regression.arm
+    learnt = np.nan_to_num(found.values)
+    tilted = regression.view(fitted.model, regression.motions[0]).arm
+    moved = with_base_values(replace(arm, gravity_m_s2=tilted.gravity_m_s2), found.base, learnt)
+    effects = tuple(
+        _effect(hypothesis, numbers)
+        for hypothesis, numbers in zip(fitted.model.hypotheses, found.effects, strict=True)
+    )
+    static = {effect.joints: effect for effect in effects if effect.name == "stiction"}
+    assert not static or all(len(joints) == 1 for joints in static)
+    split = [one for effect in effects for one in _single(effect)]
+    parameters = {
+        name: Estimate(float(value), float(std))
+        for name, value, std in zip(found.base.names, found.values, found.std, strict=True)
+        if np.isfinite(value)
+    }
+    return replace(
+        moved,
+        gravity_m_s2=arm.gravity_m_s2,
+        base_parameters=parameters,
+        effects=(*arm.effects, *split),
+    )
+
+
+def _generic(arm: Arm, tilted: Arm) -> Arm:
+    """Return the arm in a gravity that hides nothing that the tilted one shows."""
+    gravity = tuple(
+        float(g0 if g == g0 else g0 + 0.7 + 0.1 * k)
+        for k, (g, g0) in enumerate(zip(tilted.gravity_m_s2, arm.gravity_m_s2, strict=True))
+    )
+    return replace(arm, gravity_m_s2=gravity)
+
+
+def _effect(hypothesis: Hypothesis, numbers: dict[str, FittedParameter]) -> Effect:
+    values: dict[str, object] = {name: number.value for name, number in numbers.items()}
+    if isinstance(hypothesis, Payload):
+        values |= (
+            {"since_s": hypothesis.since_s}
+            if hypothesis.since_s is not None
+            else {"trials": sorted(hypothesis.trials)}
+        )
+    return Effect(hypothesis.kind.name, values, joints=tuple(j + 1 for j in hypothesis.joints))
+
+
+def _single(effect: Effect) -> list[Effect]:
+    """Return one effect for each of several pushes."""
+    if "start_s_1" not in effect.parameters:
+        return [effect]
+    pushes = []
+    k = 1
+    while f"start_s_{k}" in effect.parameters:
+        names = ("start_s", "duration_s", "torque_N_m")
+        pushes.append(replace(effect, parameters={name: effect.parameters[f"{name}_{k}"] for name in names}))
+        k += 1
+    return pushes
+
+
+def _numbers(
+    hypothesis: Hypothesis, psi: Floats, factors: Floats, covariance: Floats
+) -> dict[str, FittedParameter]:
+    values = hypothesis.numbers(psi, factors)
+    both = np.concatenate([factors, psi])
+    n = len(factors)
+    slopes = np.empty((len(values), len(both)))
+    for k in range(len(both)):
+        step = np.zeros(len(both))
+        step[k] = _SLOPE * max(abs(both[k]), 1e-6)
+        ahead, behind = (hypothesis.numbers((both + s)[n:], (both + s)[:n]) for s in (step, -step))
+        slopes[:, k] = (ahead - behind) / (2.0 * step[k])
+    std = np.sqrt(np.maximum(np.einsum("ij,jk,ik->i", slopes, covariance, slopes), 0.0))
+    return {
+        name: FittedParameter(float(value), float(error), unit, bool(np.isfinite(error)))
+        for name, value, error, unit in zip(hypothesis.names, values, std, hypothesis.units, strict=True)
+    }
+
+
+def _covariance(regression: Regression, fitted: Candidate, motions: list[Motion]) -> Floats:
+    """Return the covariance of factors and psi together."""
+    model, flat = fitted.model, fitted.model.flat
+    designs, residuals, groups = [], [], []
+    total = sum(len(motion.t) for motion in motions)
+    for motion in motions:
+        r = regression.residual(model, fitted.x, motion).ravel()
+        columns = [regression.rows(model, motion).design]
+        for k in range(len(flat)):
+            step = _SLOPE * max(abs(float(flat[k])), 1e-3)
+            moved = flat.copy()
+            moved[k] += step
+            slope = (r - regression.residual(model.at(moved), fitted.x, motion).ravel()) / step
+            columns.append(slope[:, None])
+        blocks = max(2, round(_BLOCKS * len(motion.t) / total))
+        A = np.hstack(columns)
+        for rows in np.array_split(np.arange(len(r)), blocks):
+            designs.append(A[rows])
+            residuals.append(r[rows])
+            groups.append(motion.number)
+    size = np.sqrt(sum(np.sum(A**2, axis=0) for A in designs))
+    told = size > 0.0
+    designs = [A[:, told] / size[told] for A in designs]
+    W = np.linalg.qr(np.vstack(designs)).R
+    grams = np.array([A.T @ A for A in designs])
+    scores = np.array([A.T @ r for A, r in zip(designs, residuals, strict=True)])
+    of_trial: NDArray[np.intp] = np.array(groups, dtype=np.intp)
+    covariance = np.full((len(size), len(size)), np.nan)
+    if np.min(np.abs(np.diag(W))) > 1e-10 * np.max(np.abs(np.diag(W))):
+        part = sandwich_covariance(np.asarray(W), grams, scores, of_trial)
+        covariance[np.ix_(told, told)] = part / np.outer(size[told], size[told])
+    return covariance

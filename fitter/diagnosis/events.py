@@ -1,0 +1,240 @@
+"""Effects that are there at some times or trials only: which ones is part of the finding.
+
+They are sought over the whole run, learning and evaluating trials alike, for a trial that was not affected says
+nothing of them, and one that was cannot be predicted from others.
+"""
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from arm.effects.effect import EffectKind
+from arm.model import Floats
+from fitter.diagnosis.hypothesis import Hypothesis
+from fitter.diagnosis.in_arm import Payload, tip_mass_column
+from fitter.diagnosis.motion import Motion
+from fitter.diagnosis.regression import Model, Regression, scaled_lstsq
+from fitter.diagnosis.view import View
+
+#: Pushes are sought in steps of this length, and up to so many of them [s].
+_TILE_S, _LONGEST = 0.1, 20
+#: No more pushes than this are sought at a joint, and none that explains less than this share of the first one's.
+_MOST_PUSHES, _LEAST_SHARE = 6, 0.05
+#: While a joint is stuck nobody can tell a push: of runs that explain this share of the most the shortest is taken.
+_NEARLY = 0.99
+#: … and it is moved and stretched only where that explains so many times what it did.
+_CLEARLY = 1.002
+
+
+class Pushes(Hypothesis):
+    """Some pushes at one joint.
+
+    Parameters
+    ----------
+    kind : EffectKind
+    joint : int
+    found : (n_push, 2)
+        Starts and durations [s].
+    free : bool
+        Whether psi holds starts and durations, to be refined; otherwise there is none.
+    """
+
+    is_event = True
+
+    def __init__(self, kind: EffectKind, joint: int, found: Floats, free: bool = False) -> None:
+        super().__init__(kind, (joint,))
+        self.found = np.asarray(found, dtype=np.float64)
+        self.free = free
+        self.n_column = len(found)
+
+    @property
+    def n_number(self) -> int:
+        """Start, duration and torque of each."""
+        return 3 * self.n_column
+
+    @property
+    def low(self) -> Floats:
+        """Least values of psi: no push moves by more than two tiles."""
+        if not self.free:
+            return np.zeros(0)
+        return np.ravel(np.stack([self.found[:, 0] - 2 * _TILE_S, np.full(len(self.found), 0.01)], axis=1))
+
+    @property
+    def high(self) -> Floats:
+        """Greatest values of psi."""
+        if not self.free:
+            return np.zeros(0)
+        return np.ravel(np.stack([self.found[:, 0] + 2 * _TILE_S, self.found[:, 1] + 4 * _TILE_S], axis=1))
+
+    def starts(self, motions: Sequence[Motion]) -> Floats:
+        """Return what was found."""
+        return self.found.reshape(1, -1) if self.free else np.zeros((1, 0))
+
+    def act(self, view: View, psi: Floats) -> View:
+        """Return a motion with a column a push."""
+        columns = np.zeros((*view.q.shape, self.n_column))
+        for k, (start, duration) in enumerate(self._times(psi)):
+            columns[:, self.joints[0], k] = -_box(view.motion, start, duration)
+        return replace(view, columns=(*view.columns, columns))
+
+    def numbers(self, psi: Floats, factors: Floats) -> Floats:
+        """Return start, duration and torque of each push."""
+        return np.column_stack([self._times(psi), factors]).ravel()
+
+    def _times(self, psi: Floats) -> Floats:
+        return np.reshape(psi, (-1, 2)) if self.free else self.found
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Numbered where there are several pushes."""
+        names = [parameter.name for parameter in self.kind.parameters]
+        if self.n_column == 1:
+            return tuple(names)
+        return tuple(f"{name}_{k + 1}" for k in range(self.n_column) for name in names)
+
+    @property
+    def units(self) -> tuple[str, ...]:
+        """Of each."""
+        return tuple(parameter.unit for parameter in self.kind.parameters) * self.n_column
+
+
+def find_pushes(kind: EffectKind, regression: Regression, model: Model, x: Floats) -> list[Hypothesis]:
+    """Return the pushes that explain most of what a model leaves, one hypothesis a joint.
+
+    Torque is made of tiles; the gain of any run of tiles with one height is ``(sum of s)^2 / (sum of G)``, s and G
+    being the tiles' products with the residual and with each other.
+    """
+    n_joint = regression.arm.n_joint
+    found: list[list[tuple[float, float, float]]] = [[] for _ in range(n_joint)]
+    for motion in regression.motions:
+        residual = regression.residual(model, x, motion).ravel()
+        edges = np.arange(motion.t[0], motion.t[-1], _TILE_S)
+        tiles = (motion.t[:, None] >= edges) & (motion.t[:, None] < edges + _TILE_S)
+        for j in range(n_joint):
+            rows = np.zeros((len(motion.t), n_joint, len(edges)))
+            rows[:, j] = tiles
+            T = regression.weighting.filtered(motion, rows).reshape(-1, len(edges))
+            G, left = T.T @ T, residual
+            for _ in range(_MOST_PUSHES):
+                gain, first, last = _best_run(G, T.T @ left)
+                if found[j] and gain < _LEAST_SHARE * max(found[j])[0]:
+                    break
+                start, duration = float(edges[first]), _TILE_S * (last - first + 1)
+                gain, start, duration, column = _placed(regression, motion, j, left, start, duration)
+                found[j].append((gain, start, duration))
+                left = left - column * (column @ left) / max(float(column @ column), 1e-300)
+    hypotheses: list[Hypothesis] = []
+    for j in range(n_joint):
+        best = sorted(found[j], reverse=True)[:_MOST_PUSHES]
+        if not best:
+            continue
+        kept = [(start, duration) for gain, start, duration in best if gain > _LEAST_SHARE * best[0][0]]
+        if kept:
+            hypotheses.append(Pushes(kind, j, np.array(sorted(kept))))
+    return hypotheses
+
+
+def _placed(
+    regression: Regression, motion: Motion, joint: int, left: Floats, start: float, duration: float
+) -> tuple[float, float, float, Floats]:
+    """Return gain, start, duration and column of a push, moved and stretched until it explains most."""
+
+    def tried(at: float, lasting: float) -> tuple[float, Floats]:
+        rows = np.zeros((len(motion.t), regression.arm.n_joint, 1))
+        rows[:, joint, 0] = _box(motion, at, lasting)
+        column = regression.weighting.filtered(motion, rows).ravel()
+        return float(column @ left) ** 2 / max(float(column @ column), 1e-300), column
+
+    best, column = tried(start, duration)
+    step = _TILE_S / 2.0
+    while step > motion.dt_s / 2.0:
+        for begin, end in ((-step, 0.0), (step, 0.0), (0.0, -step), (0.0, step)):
+            at, lasting = start + begin, duration - begin + end
+            if lasting < 2.0 * motion.dt_s:
+                continue
+            gain, other = tried(at, lasting)
+            if gain > _CLEARLY * best:
+                best, column, start, duration = gain, other, at, lasting
+        step /= 2.0
+    return best, start, duration, column
+
+
+def _box(motion: Motion, start: float, duration: float) -> Floats:
+    """Return 1 during a push and 0 before and after; the first and last sample count by their part."""
+    t, dt_s = motion.t, motion.dt_s
+    begun = np.clip((t - start) / dt_s + 0.5, 0.0, 1.0)
+    return np.asarray(begun * np.clip((start + duration - t) / dt_s + 0.5, 0.0, 1.0), dtype=np.float64)
+
+
+def _best_run(G: Floats, s: Floats) -> tuple[float, int, int]:
+    """Return gain, first and last tile of the shortest run of tiles that explains all but a little of the most."""
+    area = np.zeros((len(s) + 1, len(s) + 1))
+    area[1:, 1:] = np.cumsum(np.cumsum(G, axis=0), axis=1)
+    reach = np.concatenate([[0.0], np.cumsum(s)])
+    runs = []
+    floor = 1e-6 * float(np.max(np.diag(G)))
+    for length in range(1, min(_LONGEST, len(s)) + 1):
+        first = np.arange(len(s) - length + 1)
+        last = first + length
+        size = area[last, last] - area[first, last] - area[last, first] + area[first, first]
+        gain = (reach[last] - reach[first]) ** 2 / np.maximum(size, floor)
+        k = int(np.argmax(gain))
+        runs.append((float(gain[k]), int(first[k]), int(last[k] - 1)))
+    most = max(gain for gain, _, _ in runs)
+    return next(run for run in runs if run[0] >= _NEARLY * most)
+
+
+def find_payloads(kind: EffectKind, regression: Regression, model: Model) -> list[Hypothesis]:
+    """Return the set of trials, and the moment, whose load at the tip would explain most of what a model leaves."""
+    designs, columns, targets, times = [], [], [], []
+    for motion in regression.motions:
+        rows = regression.rows(model, motion)
+        column = regression.weighting.filtered(motion, tip_mass_column(regression.view(model, motion)))
+        designs.append(rows.design)
+        columns.append(column.ravel())
+        targets.append(rows.target.ravel())
+        n_slow = column.shape[0]
+        times.append(np.repeat(motion.t[:: regression.weighting.stride][:n_slow], column.shape[1]))
+    A, y, t = np.vstack(designs), np.concatenate(targets), np.concatenate(times)
+    r = y - A @ scaled_lstsq(A, y)
+    c = np.concatenate(columns)
+    size = np.linalg.norm(A, axis=0)
+    size[size == 0.0] = 1.0
+    A = A / size
+    inverse = np.linalg.pinv(A.T @ A, rcond=1e-12, hermitian=True)
+
+    bounds = np.cumsum([0, *(len(one) for one in columns)])
+    per_trial = [slice(a, b) for a, b in zip(bounds[:-1], bounds[1:], strict=True)]
+    s = np.array([c[one] @ r[one] for one in per_trial])
+    q = np.array([c[one] @ c[one] for one in per_trial])
+    B = np.array([A[one].T @ c[one] for one in per_trial])
+    masses = _masses(s, q, B, inverse)
+    order = np.argsort(masses)[::-1]
+    gains = [
+        _gain(s[some].sum(), q[some].sum(), B[some].sum(axis=0), inverse)
+        for some in (order[: k + 1] for k in range(len(order) - 1))
+    ]
+    best = order[: int(np.argmax(gains)) + 1] if gains else order[:0]
+    trials = frozenset(regression.motions[k].number for k in best)
+
+    late = np.argsort(t)[::-1]
+    moments = t[late]
+    suffix_s, suffix_q = np.cumsum((c * r)[late]), np.cumsum((c * c)[late])
+    suffix_B = np.cumsum((A * c[:, None])[late], axis=0)
+    since = np.array(_gain(suffix_s, suffix_q, suffix_B, inverse))
+    k = int(np.argmax(since))
+    hypotheses: list[Hypothesis] = [Payload(kind, trials)] if trials else []
+    return [*hypotheses, Payload(kind, since_s=float(moments[k]))]
+
+
+def _masses(s: Floats, q: Floats, B: Floats, inverse: Floats) -> Floats:
+    """Return each trial's load when every trial may have one of its own; a common part is the arm's."""
+    normal = np.diag(q) - B @ inverse @ B.T
+    return np.asarray(np.linalg.lstsq(normal, s, rcond=1e-8)[0], dtype=np.float64)
+
+
+def _gain(s: Floats, q: Floats, B: Floats, inverse: Floats) -> Floats:
+    """Return by how much a column lowers the sum of squares, once the base has been fitted anew."""
+    left = q - np.einsum("...i,ij,...j->...", B, inverse, B)
+    return np.where(left > 1e-6 * np.max(q), s**2 / np.maximum(left, 1e-300), 0.0)

@@ -1,0 +1,133 @@
+"""What a diagnosis has found, and how it is told."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Literal
+
+from arm.model import Arm
+from fitter.diagnosis.judgement import Errors, Gain
+from fitter.diagnosis.unknown import Remainder
+from fitter.search.fitted_parameter import FittedParameter
+
+Verdict = Literal["named", "ambiguous", "none", "unexplained"]
+
+
+@dataclass(frozen=True)
+class NamedCause:
+    """One cause.
+
+    Attributes
+    ----------
+    effect : str
+    joints : tuple of int
+        From 1; empty for an effect of the whole arm.
+    parameters : mapping from name to FittedParameter
+    support : float
+        How much of the belief it has among its equals, 0 to 1.
+    where : mapping
+        Trials or time, where it is not always there.
+    """
+
+    effect: str
+    joints: tuple[int, ...]
+    parameters: Mapping[str, FittedParameter]
+    support: float
+    where: Mapping[str, object] = field(default_factory=dict)
+
+    def document(self) -> dict[str, object]:
+        """Return it as JSON has it."""
+        numbers: dict[str, object] = {
+            name: {"value": p.value, "std": p.std, "unit": p.unit} for name, p in self.parameters.items()
+        }
+        for name, value in self.where.items():
+            numbers[name] = {"value": value, "std": None, "unit": "s" if name.endswith("_s") else "1"}
+        return {
+            "effect": self.effect,
+            "joints": list(self.joints),
+            "parameters": numbers,
+            "support": self.support,
+        }
+
+
+@dataclass(frozen=True)
+class Tried:
+    """One candidate: the share of the squared residual that it takes away on the evaluating trials."""
+
+    effect: str
+    joints: tuple[int, ...]
+    gain: float
+    support: float
+
+    def document(self) -> dict[str, object]:
+        """Return it as JSON has it."""
+        return {
+            "effect": self.effect,
+            "joints": list(self.joints),
+            "gain": self.gain,
+            "support": self.support,
+        }
+
+
+@dataclass(frozen=True)
+class Finding:
+    """What a diagnosis has found.
+
+    Attributes
+    ----------
+    verdict : {"named", "ambiguous", "none", "unexplained"}
+    causes, candidates : sequence
+        Candidates ranked, all that were tried.
+    confusable : sequence of pairs of effects
+        That this data cannot tell apart.
+    next_experiment : str
+    before, after : Errors
+        On the evaluating trials.
+    gain : Gain
+    remainder : Remainder
+        What is left, described.
+    structure : float
+        What the base model leaves beyond noise, in units of the noise.
+    explained : float
+        The causes' share of it.
+    base_arm, arm : Arm
+        Learnt without, and with the causes.
+    notes : sequence of str
+    """
+
+    verdict: Verdict
+    causes: Sequence[NamedCause]
+    candidates: Sequence[Tried]
+    confusable: Sequence[tuple[str, str]]
+    next_experiment: str
+    before: Errors
+    after: Errors
+    gain: Gain
+    remainder: Remainder
+    structure: float
+    explained: float
+    base_arm: Arm
+    arm: Arm
+    notes: Sequence[str] = ()
+
+    def document(self) -> dict[str, object]:
+        """Return the JSON document of ``fitter diagnose``."""
+        return {
+            "verdict": self.verdict,
+            "causes": [cause.document() for cause in self.causes],
+            "candidates": [candidate.document() for candidate in self.candidates],
+            "confusable": [list(pair) for pair in self.confusable],
+            "next_experiment": self.next_experiment,
+            "before": self.before.document(),
+            "after": self.after.document(),
+            "gain": self.gain.document(),
+            "residual": {
+                "explained": self.remainder.explained,
+                "white": self.remainder.white,
+                "depends_on": list(self.remainder.depends_on),
+                "joint": self.remainder.joint or None,
+                "formula": self.remainder.formula or None,
+                "dependences": [vars(one) for one in self.remainder.dependences],
+            },
+            "structure": {"beyond_noise": self.structure, "explained": self.explained},
+            "notes": list(self.notes),
+        }

@@ -1,0 +1,86 @@
+"""A hypothesis: one effect at some joints, with numbers that are sought on a grid first and then refined."""
+
+from abc import ABC, abstractmethod
+from collections.abc import Sequence
+
+from arm.effects.effect import EffectKind
+from arm.model import Floats
+from fitter.diagnosis.motion import Motion
+from fitter.diagnosis.view import View
+
+
+class Hypothesis(ABC):
+    """One effect of the catalogue, somewhere.
+
+    The numbers in which the torque is not linear are called ``psi``; the factors of the columns are found by
+    least squares together with the base parameters.
+
+    Parameters
+    ----------
+    kind : EffectKind
+    joints : tuple of int
+        From 0; empty for effects of the whole arm.
+    """
+
+    #: How many columns it adds to the equation of motion.
+    n_column = 0
+    #: It acts at certain times or trials only, so these are sought over the whole run.
+    is_event = False
+    #: A few steps from a start near nothing tell what it can explain; the start itself does not.
+    is_gradual = False
+
+    def __init__(self, kind: EffectKind, joints: Sequence[int]) -> None:
+        self.kind = kind
+        self.joints = tuple(joints)
+
+    @property
+    def key(self) -> tuple[str, tuple[int, ...]]:
+        """What it is called: effect and joints."""
+        return self.kind.name, self.joints
+
+    @property
+    def n_number(self) -> int:
+        """How many numbers it is free to choose."""
+        return self.n_column + len(self.low)
+
+    @property
+    @abstractmethod
+    def low(self) -> Floats:
+        """Least values of psi, (n_psi,)."""
+
+    @property
+    @abstractmethod
+    def high(self) -> Floats:
+        """Greatest values of psi, (n_psi,)."""
+
+    @abstractmethod
+    def starts(self, motions: Sequence[Motion]) -> Floats:
+        """Return values of psi to try first, (n_start, n_psi)."""
+
+    @abstractmethod
+    def act(self, view: View, psi: Floats) -> View:
+        """Return a motion as it is if this hypothesis holds too."""
+
+    @abstractmethod
+    def numbers(self, psi: Floats, factors: Floats) -> Floats:
+        """Return the effect's own parameters, in the catalogue's order, from psi and the columns' factors."""
+
+    def possible(self, psi: Floats, factors: Floats) -> bool:
+        """Say whether the catalogue allows these numbers: friction brakes, springs pull back, masses weigh."""
+        values = self.numbers(psi, factors)
+        kinds = {parameter.name: parameter for parameter in self.kind.parameters}
+        return all(
+            kinds[name].low <= value <= kinds[name].high
+            for name, value in zip(self.names, values, strict=True)
+            if name in kinds
+        )
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Names of the parameters that `numbers` returns."""
+        return tuple(parameter.name for parameter in self.kind.parameters)
+
+    @property
+    def units(self) -> tuple[str, ...]:
+        """Units of the parameters that `numbers` returns."""
+        return tuple(parameter.unit for parameter in self.kind.parameters)

@@ -1,0 +1,185 @@
+"""Effects that change the arm itself: gravity, a joint's zero, a rotor, a load."""
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from arm.effects.effect import EffectKind
+from arm.model import Floats
+from arm.regressor import regressor
+from fitter.diagnosis.hypothesis import Hypothesis
+from fitter.diagnosis.motion import Motion
+from fitter.diagnosis.view import View
+
+#: Tilts that are tried first [m/s^2], and zeros [rad].
+_TILTS = (-0.1, 0.1)
+_ZEROS = (-0.02, 0.02)
+
+
+class GravityTilt(Hypothesis):
+    """Gravity has a part in the plane that the arm file does not know of."""
+
+    is_gradual = True
+
+    @property
+    def low(self) -> Floats:
+        """Least values, (2,)."""
+        return np.array([-9.8, -9.8])
+
+    @property
+    def high(self) -> Floats:
+        """Greatest values, (2,)."""
+        return np.array([9.8, 9.8])
+
+    def starts(self, motions: Sequence[Motion]) -> Floats:
+        """Return values to try first."""
+        return np.array([[x, y] for x in _TILTS for y in _TILTS])
+
+    def act(self, view: View, psi: Floats) -> View:
+        """Return a motion in another gravity."""
+        x, y, z = view.arm.gravity_m_s2
+        return replace(view, arm=replace(view.arm, gravity_m_s2=(x + psi[0], y + psi[1], z)))
+
+    def numbers(self, psi: Floats, factors: Floats) -> Floats:
+        """Return the two components."""
+        return np.array(psi)
+
+
+class JointZero(Hypothesis):
+    """The angle of a link is off by a constant."""
+
+    is_gradual = True
+
+    @property
+    def low(self) -> Floats:
+        """Least value, (1,)."""
+        return np.array([-1.5])
+
+    @property
+    def high(self) -> Floats:
+        """Greatest value, (1,)."""
+        return np.array([1.5])
+
+    def starts(self, motions: Sequence[Motion]) -> Floats:
+        """Return values to try first."""
+        return np.array(_ZEROS)[:, None]
+
+    def act(self, view: View, psi: Floats) -> View:
+        """Return a motion with another angle."""
+        q = view.q.copy()
+        q[:, self.joints[0]] += psi[0]
+        return replace(view, q=q)
+
+    def numbers(self, psi: Floats, factors: Floats) -> Floats:
+        """Return the offset."""
+        return np.array(psi)
+
+
+class RotorInertia(Hypothesis):
+    """Something turns with a joint that no link carries."""
+
+    n_column = 1
+
+    @property
+    def low(self) -> Floats:
+        """No psi."""
+        return np.zeros(0)
+
+    @property
+    def high(self) -> Floats:
+        """No psi."""
+        return np.zeros(0)
+
+    def starts(self, motions: Sequence[Motion]) -> Floats:
+        """Return the empty psi."""
+        return np.zeros((1, 0))
+
+    def act(self, view: View, psi: Floats) -> View:
+        """Return a motion with the joint's acceleration as a column of its own."""
+        j = self.joints[0]
+        column = np.zeros((*view.q.shape, 1))
+        column[:, j, 0] = view.ddq[:, j]
+        return replace(view, columns=(*view.columns, column))
+
+    def numbers(self, psi: Floats, factors: Floats) -> Floats:
+        """Return the inertia."""
+        return np.array(factors)
+
+
+class Payload(Hypothesis):
+    """A point mass at the tip, in some trials or from some time on.
+
+    Parameters
+    ----------
+    kind : EffectKind
+    trials : frozenset of int
+        The trials in which it is there, from 1 over the run; or
+    since_s : float, optional
+        from when on.
+    """
+
+    n_column = 1
+    is_event = True
+
+    def __init__(
+        self, kind: EffectKind, trials: frozenset[int] = frozenset(), since_s: float | None = None
+    ) -> None:
+        super().__init__(kind, ())
+        self.trials = trials
+        self.since_s = since_s
+
+    @property
+    def low(self) -> Floats:
+        """No psi."""
+        return np.zeros(0)
+
+    @property
+    def high(self) -> Floats:
+        """No psi."""
+        return np.zeros(0)
+
+    def starts(self, motions: Sequence[Motion]) -> Floats:
+        """Return the empty psi."""
+        return np.zeros((1, 0))
+
+    def act(self, view: View, psi: Floats) -> View:
+        """Return a motion with what a kilogram at the tip would ask of the joints while it is there."""
+        column = tip_mass_column(view)
+        if self.since_s is not None:
+            column = column * (view.motion.t >= self.since_s)[:, None, None]
+        elif view.motion.number not in self.trials:
+            column = np.zeros_like(column)
+        return replace(view, columns=(*view.columns, column))
+
+    def numbers(self, psi: Floats, factors: Floats) -> Floats:
+        """Return the mass."""
+        return np.array(factors)
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """The mass alone is a number with an error."""
+        return ("mass_kg",)
+
+    @property
+    def units(self) -> tuple[str, ...]:
+        """Of the mass."""
+        return ("kg",)
+
+
+def tip_mass_column(view: View) -> Floats:
+    """Return the torque of one kilogram at the tip, (n_sample, n_joint, 1)."""
+    n = view.arm.n_joint
+    a = view.arm.joints[-1].a_m
+    mass = np.zeros(12 * n)
+    mass[10 * (n - 1) : 10 * n] = [0.0, a * a, a * a, 0.0, 0.0, 0.0, a, 0.0, 0.0, 1.0]
+    torque = regressor(view.arm, view.q, view.dq, view.ddq) @ mass
+    return np.asarray(torque[..., None] * view.factor[:, None], dtype=np.float64)
+
+
+def arm_hypotheses(kind: EffectKind, n_joint: int) -> list[Hypothesis]:
+    """Return the places where an effect of the arm may be; loads are sought elsewhere, for they are events."""
+    if kind.name == "gravity_tilt":
+        return [GravityTilt(kind, ())]
+    makers = {"joint_zero": JointZero, "rotor_inertia": RotorInertia}
+    return [makers[kind.name](kind, (j,)) for j in range(n_joint)] if kind.name in makers else []

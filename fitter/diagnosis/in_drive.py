@@ -1,0 +1,95 @@
+"""Effects between the torque that is asked for and the joint: it comes late, slowly, cut off or too large."""
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+from scipy.interpolate import make_interp_spline
+from scipy.signal import lfilter
+
+from arm.effects.effect import EffectKind
+from arm.model import Floats
+from fitter.diagnosis.hypothesis import Hypothesis
+from fitter.diagnosis.motion import Motion
+from fitter.diagnosis.view import View
+
+_GRID = 10
+#: Shares of the greatest torque that a limit may be.
+_LIMITS = np.linspace(0.98, 0.3, 18)
+
+
+class InDrive(Hypothesis):
+    """An effect with one number, the same at all its joints."""
+
+    @property
+    def is_gradual(self) -> bool:  # type: ignore[override]
+        """A gain is, what comes late is not."""
+        return self.kind.name == "gain_error"
+
+    @property
+    def low(self) -> Floats:
+        """Least value, (1,)."""
+        return np.array([max(self.kind.parameters[0].low, 1e-6)])
+
+    @property
+    def high(self) -> Floats:
+        """Greatest value, (1,)."""
+        return np.array([self.kind.parameters[0].high])
+
+    def starts(self, motions: Sequence[Motion]) -> Floats:
+        """Return values to try first, (n_start, 1)."""
+        if self.kind.name == "torque_saturation":
+            u = np.concatenate([np.abs(motion.u[:, self.joints]) for motion in motions])
+            return (_LIMITS * np.quantile(u, 0.9995))[:, None]
+        if self.kind.name == "gain_error":
+            return np.array([[0.95], [1.05]])
+        step = motions[0].trial.dt_s
+        return np.geomspace(step, min(0.15, float(self.high[0])), _GRID)[:, None]
+
+    def act(self, view: View, psi: Floats) -> View:
+        """Return a motion whose joints get another torque than was asked for."""
+        if self.kind.name == "gain_error":
+            factor = view.factor.copy()
+            factor[list(self.joints)] /= psi[0]
+            return replace(view, factor=factor)
+        u = view.u.copy()
+        for j in self.joints:
+            u[:, j] = _DRIVES[self.kind.name](view.u[:, j], float(psi[0]), view.motion.dt_s)
+        return replace(view, u=u)
+
+    def numbers(self, psi: Floats, factors: Floats) -> Floats:
+        """Return the number itself."""
+        return np.array(psi)
+
+
+def delayed(u: Floats, delay_s: float, dt_s: float) -> Floats:
+    """Return a torque that comes late; before its first sample it was what it is there."""
+    steps = np.arange(len(u), dtype=np.float64)
+    curve = make_interp_spline(steps, u, k=3)
+    return np.asarray(curve(np.maximum(steps - delay_s / dt_s, 0.0)), dtype=np.float64)
+
+
+def lagging(u: Floats, time_constant_s: float, dt_s: float) -> Floats:
+    """Return a torque that follows slowly: ``T x' = u - x`` for a u that runs straight between samples."""
+    h = dt_s / time_constant_s
+    fade = np.exp(-h)
+    new = 1.0 - (1.0 - fade) / h  # exact for a ramp
+    old = (1.0 - fade) - new
+    followed, _ = lfilter([new, old], [1.0, -fade], u, zi=[u[0] * (1.0 - new)])
+    return np.asarray(followed, dtype=np.float64)
+
+
+def limited(u: Floats, limit: float, dt_s: float) -> Floats:
+    """Return a torque that is cut off."""
+    return np.clip(u, -limit, limit)
+
+
+_DRIVES = {"actuator_delay": delayed, "actuator_lag": lagging, "torque_saturation": limited}
+
+
+def drive_hypotheses(kind: EffectKind, n_joint: int) -> list[Hypothesis]:
+    """Return the places where an effect of the drive may be: at one joint, or alike at all."""
+    places = [(j,) for j in range(n_joint)]
+    if n_joint > 1 and kind.name in ("actuator_delay", "actuator_lag"):
+        places.append(tuple(range(n_joint)))
+    return [InDrive(kind, place) for place in places]

@@ -1,0 +1,231 @@
+"""Trials as a diagnosis sees them: on the run's own clock, with the drive's torque, and where friction is known."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.ndimage import gaussian_filter1d
+
+from arm.control import control_torque
+from arm.model import Arm, Floats
+from fitter.data.trials import Trial
+from limbcal.errors import DataError
+
+#: Columns are cut off at this frequency, if the sampling allows it: above it hardly any motion is left, and the
+#: noise of an angle that was differentiated twice is large enough to bend the regressors.
+CORNER_HZ = 30.0
+#: … and at this share of the sampling rate.
+_SHARE_OF_RATE = 0.2
+#: The direction in which a joint moves is told behind a Gaussian of this width [s]: unlike a sharp filter it does
+#: not ring, so nothing seems to move the other way before it starts.
+_DIRECTION_S = 0.006
+#: A joint is taken to be stuck below this share of its top speed in the run, or below so many times the noise.
+_STUCK_SHARE, _STUCK_SIGMAS = 0.004, 4.0
+#: How long the weight of an equation takes to rise from 0 to 1 at an end, and how long a joint must be stuck [s].
+RISE_S = 0.06
+#: Samples a period of the corner that are kept of a motion.
+SAMPLES = 5.0
+#: What holds a stuck joint changes no faster than hats this far apart can follow [s].
+HAT_S = 0.12
+#: The file's clocks go on from trial to trial if none begins more than this before the end of the one before [s].
+_OVERLAP_S = 0.05
+
+
+@dataclass(frozen=True)
+class Motion:
+    """One trial of a run.
+
+    Attributes
+    ----------
+    trial : Trial
+    number : int
+        From 1 over the run.
+    learn : bool
+        Whether it may be learnt from.
+    t : (n_sample,) [s]
+        The run's time.
+    q, dq, ddq, u : (n_sample, n_joint)
+        Angles, derivatives, and the torque that the drive was asked for.
+    direction : (n_sample, n_joint)
+        -1, 0 or 1.
+    stuck : (n_sample, n_joint) bool
+        Where a joint stands still for a while: any torque up to its friction may hold it there.
+    dt_s : float
+        Step of its grid: `SAMPLES` a period of the columns' corner are enough.
+    u_noise : (n_joint,)
+        Rms of what is noise in u.
+    """
+
+    trial: Trial
+    number: int
+    learn: bool
+    t: Floats
+    q: Floats
+    dq: Floats
+    ddq: Floats
+    u: Floats
+    direction: Floats
+    stuck: NDArray[np.bool_]
+    dt_s: float
+    u_noise: Floats
+
+    @property
+    def corner_hz(self) -> float:
+        """Corner that its columns are cut off at; what is derived from them must be, too."""
+        return self.trial.cutoff_hz
+
+
+def corner_hz(rate_hz: float) -> float:
+    """Return the corner that columns of this rate are cut off at."""
+    return min(CORNER_HZ, _SHARE_OF_RATE * rate_hz)
+
+
+def run_of(arm: Arm, learn: Sequence[Trial], evaluate: Sequence[Trial], thin: bool = True) -> list[Motion]:
+    """Return all trials of a run, learning ones first, on one clock.
+
+    Parameters
+    ----------
+    arm : Arm
+        Its control law gives the torque where none was measured.
+    learn, evaluate : sequence of Trial
+    thin : bool
+        Whether samples may be left out that the corner of the columns makes superfluous.
+
+    Raises
+    ------
+    DataError
+        If a trial has neither torque nor a target for the law.
+    """
+    trials = [*learn, *evaluate]
+    angles = noise_of_angles(trials)
+    slow = [_velocity(trial) for trial in trials]
+    top = np.max([np.max(np.abs(dq), axis=0) for dq in slow], axis=0)
+    motions = []
+    for k, (trial, dq, t0) in enumerate(zip(trials, slow, _starts(trials), strict=True)):
+        noise = angles * _velocity_gain(trial.dt_s)
+        still = np.abs(dq) <= np.maximum(_STUCK_SHARE * top, _STUCK_SIGMAS * noise)
+        t, u, stuck = t0 + trial.t, drive_torque(arm, trial), lasting(still, trial.dt_s)
+        step = max(1, int(1.0 / (SAMPLES * trial.cutoff_hz * trial.dt_s))) if thin else 1
+        columns = (
+            part[::step] for part in (t, trial.q, trial.dq, trial.ddq, u, np.where(stuck, 0.0, np.sign(dq)), stuck)
+        )
+        motions.append(
+            Motion(trial, k + 1, k < len(learn), *columns, dt_s=step * trial.dt_s, u_noise=_noise_of(u))
+        )
+    return motions
+
+
+def drive_torque(arm: Arm, trial: Trial) -> Floats:
+    """Return the torque that the drive was asked for: measured, or by the law, eq. (5), (6), (7).
+
+    Raises
+    ------
+    DataError
+        If there is neither.
+    """
+    if trial.tau is not None:
+        return trial.tau
+    if arm.control.law == "measured" or trial.ref is None:
+        missing = "columns tau1…, or a control law in the arm file" if trial.ref is not None else "columns tau1…"
+        raise DataError(f"trial {trial.name}: nothing says which torque drove it; expected {missing}")
+    target = trial.ref if trial.ref_filtered is None else trial.ref_filtered
+    return control_torque(arm.control, trial.q, trial.dq, trial.ddq, target)
+
+
+def noise_of_angles(trials: Sequence[Trial]) -> Floats:
+    """Return the rms of the white noise in the measured angles, (n_joint,) [rad or m]."""
+    return white_noise([trial.whole.get("q", trial.q) for trial in trials])
+
+
+def white_noise(columns: Sequence[Floats]) -> Floats:
+    """Return the rms of what is white in some columns: that of their third differences, robustly.
+
+    Motion has next to nothing in a third difference at these rates; it enlarges white noise by sqrt(20).
+    """
+    third = np.concatenate([np.diff(values, 3, axis=0) for values in columns])
+    return np.asarray(1.4826 * np.median(np.abs(third), axis=0) / np.sqrt(20.0), dtype=np.float64)
+
+
+def _noise_of(u: Floats) -> Floats:
+    """Return the rms of the noise that is left in a filtered torque: that of its quick changes, robustly."""
+    step = max(1, len(u) // 400)
+    second = np.diff(u[::step], 2, axis=0)
+    return np.asarray(1.4826 * np.median(np.abs(second), axis=0) / np.sqrt(6.0), dtype=np.float64)
+
+
+def _velocity(trial: Trial) -> Floats:
+    """Return the velocity behind a Gaussian, (n_sample, n_joint)."""
+    width = _width(trial.dt_s) / trial.dt_s
+    if "q" not in trial.whole:
+        return np.asarray(gaussian_filter1d(trial.dq, width, axis=0, mode="nearest"), dtype=np.float64)
+    slopes = gaussian_filter1d(trial.whole["q"], width, axis=0, order=1, mode="nearest") / trial.dt_s
+    return np.asarray(slopes[trial.trimmed : trial.trimmed + len(trial.t)], dtype=np.float64)
+
+
+def _width(dt_s: float) -> float:
+    return max(_DIRECTION_S, 1.5 * dt_s)
+
+
+def _velocity_gain(dt_s: float) -> float:
+    """Return the rms of `_velocity` per rms of white noise in the angle [1/s]."""
+    return float(np.sqrt(dt_s / (4.0 * np.sqrt(np.pi) * _width(dt_s) ** 3)))
+
+
+def end_weight(n: int, dt_s: float) -> Floats:
+    """Return a weight that rises smoothly from 0 at one end of a motion and falls to 0 at the other, (n_sample,)."""
+    rise = min(max(1, round(RISE_S / dt_s)), n // 2)
+    weight = np.ones(n)
+    weight[:rise] = np.sin(np.pi / 2.0 * (np.arange(rise) + 0.5) / rise) ** 2
+    weight[n - rise :] = weight[:rise][::-1]
+    return weight
+
+
+def holding_shapes(stuck: NDArray[np.bool_], dt_s: float) -> Floats:
+    """Return the shapes of which the unknown torque on one joint is made up, (n_sample, n_shape).
+
+    What holds a stuck joint can be any torque, smooth as the drive's is meanwhile: hats `HAT_S` apart. At both
+    ends of the motion the weight makes of the angles' noise an impulse and its derivative.
+    """
+    n = len(stuck)
+    weight = end_weight(n, dt_s)
+    first, second = np.gradient(weight), np.gradient(np.gradient(weight))
+    halves = np.arange(n) < n // 2
+    shapes = [first * halves, second * halves, first * ~halves, second * ~halves]
+    for begin, end in _intervals(stuck):
+        knots = np.linspace(begin, end - 1, max(2, round((end - begin) * dt_s / HAT_S) + 1))
+        samples = np.arange(begin, end)
+        for k in range(len(knots)):
+            hat = np.zeros(n)
+            hat[begin:end] = np.interp(samples, knots, np.eye(len(knots))[k])
+            shapes.append(hat)
+    return np.stack(shapes, axis=1)
+
+
+def lasting(stuck: NDArray[np.bool_], dt_s: float) -> NDArray[np.bool_]:
+    """Return what of a mask (n_sample, n_joint) lasts: a joint that passes through zero speed is not stuck."""
+    kept = np.zeros(stuck.shape, dtype=np.bool_)
+    for j in range(stuck.shape[1]):
+        for begin, end in _intervals(stuck[:, j]):
+            if end - begin >= RISE_S / dt_s:
+                kept[begin:end, j] = True
+    return kept
+
+
+def _intervals(mask: NDArray[np.bool_]) -> list[tuple[int, int]]:
+    edges = np.diff(np.concatenate([[0], mask.astype(np.int8), [0]]))
+    return list(zip(np.flatnonzero(edges == 1).tolist(), np.flatnonzero(edges == -1).tolist(), strict=True))
+
+
+def _starts(trials: Sequence[Trial]) -> list[float]:
+    """Return each trial's first instant on the run's clock [s]."""
+    began = [trial.began_s for trial in trials]
+    ends = [trial.began_s + trial.t[-1] for trial in trials]
+    if all(b >= e - _OVERLAP_S for b, e in zip(began[1:], ends[:-1], strict=True)):
+        return began
+    starts, t = [], 0.0
+    for trial in trials:
+        ends_cut = trial.trimmed * trial.dt_s
+        starts.append(t + ends_cut)
+        t += trial.t[-1] + trial.dt_s + 2 * ends_cut
+    return starts

@@ -1,0 +1,87 @@
+"""The motion that would tell apart what this one could not, or show what it could not show."""
+
+from collections.abc import Sequence
+
+#: For effects that look alike: what to do, the first entry that has all of them.
+_SPLITS: tuple[tuple[frozenset[str], str], ...] = (
+    (
+        frozenset({"torque_offset", "coulomb_asymmetry"}),
+        "move {joints} slowly both ways and let it come to rest without friction holding it (by tapping, or on a "
+        "slow ramp of torque until it lets go): an offset pulls at rest too, asymmetric friction does not",
+    ),
+    (
+        frozenset({"actuator_delay", "actuator_lag"}),
+        "give {joints} steps and a fast sine of some 10 Hz: a lag makes the torque smaller with the frequency, a delay "
+        "only later",
+    ),
+    (
+        frozenset({"actuator_delay", "joint_elasticity"}),
+        "hold {joints} by hand and give it a slow torque: an elastic transmission twists at rest, a delay does not show",
+    ),
+    (
+        frozenset({"gravity_tilt", "joint_zero"}),
+        "move joint 1 through as much of a turn as it has, and tilt the base by a known angle: only gravity follows",
+    ),
+    (
+        frozenset({"gain_error"}),
+        "hang a known mass at the tip, or measure one joint's torque: angles alone tell the ratio of the joints' gains, "
+        "not which one is off",
+    ),
+    (
+        frozenset({"stribeck", "backlash"}),
+        "reverse {joints} slowly under a constant load: play jumps at the reversal, friction does not",
+    ),
+    (
+        frozenset({"joint_spring", "end_stop"}),
+        "move {joints} slowly through all of its range: a spring pulls everywhere, a stop on one side only",
+    ),
+    (
+        frozenset({"load_friction", "gain_error"}),
+        "repeat the motions with a known mass at the tip: friction that grows with the load grows, a gain does not",
+    ),
+    (
+        frozenset({"payload", "gain_error"}),
+        "repeat the motions without load: a payload goes away, a gain stays",
+    ),
+)
+
+
+def next_experiment(verdict: str, alike: Sequence[str], joints: Sequence[int], depends_on: Sequence[str]) -> str:
+    """Return what to do next, in one sentence.
+
+    Parameters
+    ----------
+    verdict : {"named", "ambiguous", "none", "unexplained"}
+    alike : sequence of str
+        Effects that explain the data equally well.
+    joints : sequence of int
+        Where, from 1.
+    depends_on : sequence of str
+        What an unexplained remainder depends on.
+    """
+    where = " and ".join(f"joint {j}" for j in sorted(set(joints))) or "the arm"
+    if verdict == "ambiguous":
+        for effects, sentence in _SPLITS:
+            if effects <= set(alike):
+                return _sentence(sentence.format(joints=where))
+        return _sentence(
+            f"drive {where} with other motions (`fitter excite` suggests one): faster, slower, through the whole range, "
+            f"and with another load, until {' and '.join(sorted(set(alike)))} no longer look alike"
+        )
+    if verdict == "unexplained":
+        what = ", ".join(depends_on) or "time"
+        return _sentence(
+            f"vary {what} alone, with everything else held as it is: slow sweeps, both ways, several times over"
+        )
+    if verdict == "none":
+        return _sentence(
+            "nothing more is needed for these motions; faster and wider ones, another load and longer runs would show "
+            "smaller effects"
+        )
+    return _sentence(
+        f"repeat some motions with the cause at {where} put right or changed: the effect should follow it"
+    )
+
+
+def _sentence(text: str) -> str:
+    return text[0].upper() + text[1:] + "."

@@ -1,0 +1,249 @@
+"""Base parameters and hypotheses fitted together, by least squares on white rows.
+
+The columns' factors and the base parameters follow from psi by linear least squares (variable projection, Golub
+and Pereyra 1973), so only psi is searched. What was learnt from the learning trials is then held against trials
+that it has not seen.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+import scipy.optimize
+from numpy.typing import NDArray
+
+from arm.model import Arm, Floats
+from arm.regressor import standard_parameters
+from fitter.diagnosis.equation import Weighting, mass_matrices, weighting
+from fitter.diagnosis.hypothesis import Hypothesis
+from fitter.diagnosis.motion import Motion
+from fitter.diagnosis.view import View, view_of
+from fitter.dynamics.structure import structural_parameters
+
+#: Slopes with respect to psi are taken over this share of its size.
+_SLOPE = 1e-4
+_ROUNDS, _FEW_ROUNDS = 25, 8
+#: Poses in which the mass matrix is looked at.
+_POSES = 64
+#: Columns that are this near to depending on others, in terms of the normal equations, do so.
+_DEPENDENT = 1e-12
+
+
+@dataclass(frozen=True)
+class Rows:
+    """A motion's equations on the slower grid: ``[base, columns] x = target``, noise white with variance 1."""
+
+    base: Floats
+    columns: Floats
+    target: Floats
+
+    @property
+    def design(self) -> Floats:
+        """All columns side by side, one row a sample and joint."""
+        both = np.concatenate([self.base, self.columns], axis=2)
+        return np.asarray(both.reshape(-1, both.shape[2]), dtype=np.float64)
+
+
+@dataclass(frozen=True)
+class Model:
+    """Hypotheses with the values of their psi."""
+
+    hypotheses: tuple[Hypothesis, ...] = ()
+    psi: tuple[Floats, ...] = ()
+
+    def plus(self, hypothesis: Hypothesis, psi: Floats) -> "Model":
+        """Return this model with one hypothesis more."""
+        return Model((*self.hypotheses, hypothesis), (*self.psi, np.asarray(psi, dtype=np.float64)))
+
+    def without(self, k: int) -> "Model":
+        """Return this model without its k-th hypothesis."""
+        keep = [i for i in range(len(self.hypotheses)) if i != k]
+        return Model(tuple(self.hypotheses[i] for i in keep), tuple(self.psi[i] for i in keep))
+
+    def at(self, flat: Floats) -> "Model":
+        """Return this model with other values of psi, one after the other."""
+        sizes = np.cumsum([len(one) for one in self.psi])[:-1]
+        return replace(self, psi=tuple(np.split(np.asarray(flat, dtype=np.float64), sizes)))
+
+    @property
+    def flat(self) -> Floats:
+        """All psi, one after the other."""
+        return np.concatenate([np.zeros(0), *self.psi])
+
+    @property
+    def is_event(self) -> bool:
+        """Whether something in it happens at certain times or trials only."""
+        return any(hypothesis.is_event for hypothesis in self.hypotheses)
+
+
+class Regression:
+    """The equations of a run, under any model.
+
+    Parameters
+    ----------
+    arm : Arm
+        Geometry, gravity, law.
+    motions : sequence of Motion
+        Learning ones first.
+    denied : tuple of str
+        Beginnings of names of base parameters that are left out, such as ``D`` and ``fc``.
+    """
+
+    def __init__(self, arm: Arm, motions: Sequence[Motion], denied: tuple[str, ...] = ()) -> None:
+        self.arm = arm
+        self.motions = list(motions)
+        self.denied = denied
+        self.friction = np.zeros((arm.n_joint, 2))
+        self._scales: dict[object, float] = {}
+        self._independent: dict[tuple[float, ...], NDArray[np.intp]] = {}
+        self.weighting = self._first_weighting()
+        self._weighted: dict[int, tuple[Floats, Floats]] = {}
+        self._learn_friction()
+
+    @cached_property
+    def learning(self) -> list[Motion]:
+        """The trials that may be learnt from."""
+        return [motion for motion in self.motions if motion.learn]
+
+    def independent(self, arm: Arm) -> NDArray[np.intp]:
+        """Return the columns of the standard regressor that stand for an arm's base parameters."""
+        key = (*np.sign(arm.gravity_m_s2), *(np.sign(np.subtract(arm.gravity_m_s2, self.arm.gravity_m_s2))))
+        if key not in self._independent:
+            gravity = tuple(
+                float(g if g == g0 else g0 + 0.7 + 0.1 * k)
+                for k, (g, g0) in enumerate(zip(arm.gravity_m_s2, self.arm.gravity_m_s2, strict=True))
+            )
+            base = structural_parameters(replace(arm, gravity_m_s2=gravity))
+            kept = [
+                column
+                for column, name in zip(base.independent, base.names, strict=True)
+                if not any(name.rstrip("0123456789") == start for start in self.denied)
+            ]
+            self._independent[key] = np.array(kept)
+        return self._independent[key]
+
+    def view(self, model: Model, motion: Motion) -> View:
+        """Return a motion under a model."""
+        view = view_of(motion, self.arm, self.friction)
+        for hypothesis, psi in zip(model.hypotheses, model.psi, strict=True):
+            view = hypothesis.act(view, psi)
+        return view
+
+    def rows(self, model: Model, motion: Motion) -> Rows:
+        """Return a motion's equations under a model."""
+        view = self.view(model, motion)
+        base, target = self._base(motion)
+        if not view.is_plain:
+            base = self.weighting.filtered(motion, view.base(self.independent(view.arm)))
+        if view.u is not motion.u:
+            target = self.weighting.filtered(motion, view.u)
+        return Rows(base, self.columns(view), target)
+
+    def columns(self, view: View, first: int = 0) -> Floats:
+        """Return a view's further columns, filtered, from the ``first`` hypothesis' on."""
+        added = view.columns[first:]
+        n = -(-len(view.q) // self.weighting.stride)
+        if not added:
+            return np.zeros((n, view.q.shape[1], 0))
+        return self.weighting.filtered(view.motion, np.concatenate(added, axis=2))
+
+    def solve(self, model: Model, motions: Sequence[Motion]) -> tuple[Floats, Floats, Floats]:
+        """Return the best factors x, the design A and the residual r of some motions' equations."""
+        rows = [self.rows(model, motion) for motion in motions]
+        A = np.vstack([one.design for one in rows])
+        y = np.concatenate([one.target.ravel() for one in rows])
+        x = scaled_lstsq(A, y)
+        return x, A, self.scale(model) * (y - A @ x)
+
+    def squares(self, model: Model, x: Floats) -> Floats:
+        """Return the sum of squares that factors leave in every trial, (n_trial,)."""
+        return np.array([float(np.sum(self.residual(model, x, motion) ** 2)) for motion in self.motions])
+
+    def residual(self, model: Model, x: Floats, motion: Motion) -> Floats:
+        """Return what factors leave of a motion's equations, (n_slower, n_joint), in units of the noise."""
+        rows = self.rows(model, motion)
+        return self.scale(model) * (rows.target - (rows.design @ x).reshape(rows.target.shape))
+
+    def scale(self, model: Model) -> float:
+        """Return by how much residuals of a model count more because the torque that it lets through is smaller.
+
+        The noise is that of the angles, times masses that are in proportion to the torque: one that is cut off
+        to nothing would leave nothing, and explain nothing.
+        """
+        if all(hypothesis.kind.place != "drive" for hypothesis in model.hypotheses):
+            return 1.0
+        key = tuple(
+            (hypothesis.key, psi.tobytes()) for hypothesis, psi in zip(model.hypotheses, model.psi, strict=True)
+        )
+        if key not in self._scales:
+            asked = reaches = 0.0
+            for motion in self.learning:
+                view = self.view(model, motion)
+                asked += float(np.sum(motion.u**2 * ~motion.stuck))
+                reaches += float(np.sum(view.u**2 * ~motion.stuck))
+            self._scales[key] = float(np.sqrt(asked / max(reaches, 1e-300)))
+        return self._scales[key]
+
+    def refined(self, model: Model, motions: Sequence[Motion], held: int = 0) -> Model:
+        """Return a model with the psi that leave least; those of the first ``held`` hypotheses stay as they are."""
+        free = Model(model.hypotheses[held:], model.psi[held:])
+        if not len(free.flat):
+            return model
+        low = np.concatenate([hypothesis.low for hypothesis in free.hypotheses])
+        high = np.concatenate([hypothesis.high for hypothesis in free.hypotheses])
+        start = np.clip(free.flat, low + 1e-12, high - 1e-12)
+
+        def at(flat: Floats) -> Model:
+            return replace(model, psi=(*model.psi[:held], *free.at(flat).psi))
+
+        found = scipy.optimize.least_squares(
+            lambda flat: self.solve(at(flat), motions)[2],
+            start,
+            bounds=(low, high),
+            x_scale=np.maximum(np.abs(start), 1e-3),
+            diff_step=_SLOPE,
+            max_nfev=_FEW_ROUNDS if free.is_event else _ROUNDS,
+            xtol=1e-5,
+            ftol=1e-7,
+        )
+        return at(found.x)
+
+    def _base(self, motion: Motion) -> tuple[Floats, Floats]:
+        if motion.number not in self._weighted:
+            view = view_of(motion, self.arm, self.friction)
+            base = self.weighting.filtered(motion, view.base(self.independent(self.arm)))
+            self._weighted[motion.number] = base, self.weighting.filtered(motion, motion.u)
+        return self._weighted[motion.number]
+
+    def _first_weighting(self) -> Weighting:
+        """Return the filter for a run whose mass matrix is only guessed from a first fit."""
+        crude = weighting(self.arm, self.motions, np.eye(self.arm.n_joint)[None])
+        self.weighting, self._weighted = crude, {}
+        values = self.solve(Model(), self.learning)[0]
+        self._weighted = {}
+        q = np.concatenate([motion.q for motion in self.learning])
+        some = q[:: max(1, len(q) // _POSES)]
+        inertia = mass_matrices(self.arm, self.independent(self.arm), values, some)
+        return weighting(self.arm, self.motions, inertia)
+
+    def _learn_friction(self) -> None:
+        n = self.arm.n_joint
+        x = self.solve(Model(), self.learning)[0]
+        standard = standard_parameters(self.arm)
+        standard[self.independent(self.arm)] = x
+        self.friction = np.stack([standard[10 * n : 11 * n], standard[11 * n :]], axis=1)
+
+
+def scaled_lstsq(A: Floats, y: Floats) -> Floats:
+    """Return the least-squares answer by the normal equations, columns scaled to length one first.
+
+    Where columns depend on one another it is the shortest answer.
+    """
+    size = np.sqrt(np.einsum("ij,ij->j", A, A))
+    size[size == 0.0] = 1.0
+    G = (A.T @ A) / np.outer(size, size)
+    told, axes = np.linalg.eigh(G)
+    kept = told > _DEPENDENT * max(float(told.max(initial=0.0)), 1e-300)
+    axes = axes[:, kept]
+    return np.asarray(axes @ ((axes.T @ ((A.T @ y) / size)) / told[kept]) / size, dtype=np.float64)

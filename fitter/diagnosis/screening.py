@@ -1,0 +1,218 @@
+"""Every hypothesis tried beside what is accepted already: first on a grid of psi, the promising ones then refined."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+import scipy.linalg
+
+from arm.effects.catalogue import catalogue
+from arm.model import Floats
+from fitter.diagnosis.at_joint import AtJoint
+from fitter.diagnosis.events import find_payloads, find_pushes
+from fitter.diagnosis.hypothesis import Hypothesis
+from fitter.diagnosis.regression import Model, Regression, scaled_lstsq
+
+#: A hypothesis is refined if it explains this share of what the best one does on the learning trials …
+_PROMISING = 0.3
+#: … or if it is among so many of the best.
+_AT_LEAST = 4
+#: … as long as it explains this share of what is left.
+_WORTH = 0.04
+#: Events are found in coarse steps; they are refined if they explain this share of what the best one does.
+_COMPETES = 0.6
+#: One that explains less than this share of what the best one does is not looked at any further.
+_LITTLE = 0.02
+#: … nor one that explains less than this share of a trial's residual.
+_NOTHING = 0.02
+#: Peaks of the spectrum that may be a disturbance's frequency.
+_PEAKS = 4
+
+
+@dataclass(frozen=True)
+class Candidate:
+    """A model with one hypothesis more, and what it leaves.
+
+    Attributes
+    ----------
+    model : Model
+        What was accepted before, and the hypothesis as its last.
+    x : (n_factor,)
+        Base parameters and the columns' factors.
+    squares : (n_trial,)
+        Sum of squares that is left in each trial, in units of the noise.
+    """
+
+    model: Model
+    x: Floats
+    squares: Floats
+
+    @property
+    def hypothesis(self) -> Hypothesis:
+        """What was added."""
+        return self.model.hypotheses[-1]
+
+
+def fitted(regression: Regression, model: Model, refine: bool = True, held: int = 0) -> Candidate:
+    """Return a model fitted to the trials that may be learnt from, and what it leaves in all of them.
+
+    Parameters
+    ----------
+    regression : Regression
+    model : Model
+    refine : bool
+        Whether psi is sought, too.
+    held : int
+        So many hypotheses, from the first on, keep their psi.
+    """
+    motions = regression.motions if model.is_event else regression.learning
+    if refine:
+        model = regression.refined(model, motions, held)
+    x = regression.solve(model, motions)[0]
+    return Candidate(model, x, regression.squares(model, x))
+
+
+def screen(
+    regression: Regression,
+    accepted: Candidate,
+    tried: Sequence[Hypothesis],
+    progress: Callable[[int, int], None] | None = None,
+) -> list[Candidate]:
+    """Return all hypotheses, fitted beside what is accepted, the most explaining first.
+
+    Parameters
+    ----------
+    regression : Regression
+    accepted : Candidate
+        What they are added to.
+    tried : sequence of Hypothesis
+        Those that are no events; these are found here.
+    progress : callable, optional
+        Told how many are done, and how many there are.
+    """
+    grid = _Grid(regression, accepted.model)
+    first = []
+    total = len(tried) + 2
+    for k, hypothesis in enumerate(tried):
+        first.append(grid.best(hypothesis, accepted))
+        if progress is not None:
+            progress(k + 1, total)
+    events = _events(regression, accepted)
+    explained = np.array([gain for gain, _ in first])
+    best = float(explained.max(initial=0.0))
+    rank = np.argsort(np.argsort(-explained))
+    candidates, held = [], len(accepted.model.hypotheses)
+    for (gain, model), place in zip(first, rank, strict=True):
+        if gain < max(_NOTHING * accepted.squares.sum() / len(regression.motions), _LITTLE * best):
+            candidates.append(Candidate(model, accepted.x, accepted.squares))
+            continue
+        refine = gain >= _WORTH * grid.left and (gain >= _PROMISING * best or place < _AT_LEAST)
+        candidates.append(fitted(regression, model, refine, held))
+    leading = min((float(one.squares.sum()) for one in candidates), default=float(accepted.squares.sum()))
+    alike = _fair(regression, accepted)
+    for one in events:
+        candidate = alike(fitted(regression, accepted.model.plus(one, one.starts([])[0]), refine=False))
+        gain = float(accepted.squares.sum() - candidate.squares.sum())
+        if gain > max(_WORTH * accepted.squares.sum(), _COMPETES * (accepted.squares.sum() - leading)):
+            candidate = alike(fitted(regression, candidate.model, held=held))
+        candidates.append(candidate)
+    if progress is not None:
+        progress(total, total)
+    possible = [one if _possible(one) else Candidate(one.model, one.x, accepted.squares) for one in candidates]
+    return sorted(possible, key=lambda one: float(one.squares.sum()))
+
+
+def _fair(regression: Regression, accepted: Candidate) -> Callable[[Candidate], Candidate]:
+    """Return what makes events comparable: they are fitted to the whole run, and gain by that alone."""
+    if accepted.model.is_event:
+        return lambda candidate: candidate
+    x = regression.solve(accepted.model, regression.motions)[0]
+    advantage = accepted.squares - regression.squares(accepted.model, x)
+    return lambda candidate: replace(candidate, squares=candidate.squares + advantage)
+
+
+def _possible(candidate: Candidate) -> bool:
+    hypothesis = candidate.hypothesis
+    factors = candidate.x[len(candidate.x) - hypothesis.n_column :]
+    return hypothesis.possible(candidate.model.psi[-1], factors)
+
+
+def _events(regression: Regression, accepted: Candidate) -> list[Hypothesis]:
+    known = {hypothesis.key for hypothesis in accepted.model.hypotheses}
+    kinds = catalogue()
+    found: list[Hypothesis] = []
+    if ("payload", ()) not in known:
+        found += find_payloads(kinds["payload"], regression, accepted.model)
+    pushes = find_pushes(kinds["external_push"], regression, accepted.model, accepted.x)
+    return found + [one for one in pushes if one.key not in known]
+
+
+class _Grid:
+    """What each start of a hypothesis would explain on the learning trials."""
+
+    def __init__(self, regression: Regression, model: Model) -> None:
+        self._regression, self._model = regression, model
+        rows = [regression.rows(model, motion) for motion in regression.learning]
+        self._views = [regression.view(model, motion) for motion in regression.learning]
+        A = np.vstack([one.design for one in rows])
+        self._target = np.concatenate([one.target.ravel() for one in rows])
+        size = np.linalg.norm(A, axis=0)
+        Q, R, _ = scipy.linalg.qr(A / np.where(size > 0.0, size, 1.0), mode="economic", pivoting=True)
+        told = np.abs(np.diag(R)) > 1e-9 * abs(R[0, 0])
+        self._Q = Q[:, told]
+        self._residual = self._target - self._Q @ (self._Q.T @ self._target)
+        self.left = float(self._residual @ self._residual)
+
+    def best(self, hypothesis: Hypothesis, accepted: Candidate) -> tuple[float, Model]:
+        """Return by how much the best start lowers the sum of squares, and the model with it."""
+        starts = hypothesis.starts(self._regression.learning)
+        if isinstance(hypothesis, AtJoint) and "frequency_hz" in hypothesis.psi_names:
+            starts = self._peaks(hypothesis)
+        gains = [self._gain(hypothesis, psi) for psi in starts]
+        k = int(np.argmax(gains))
+        model = self._model.plus(hypothesis, starts[k])
+        if not hypothesis.is_gradual:
+            return gains[k], model
+        model = self._regression.refined(model, self._regression.learning, len(self._model.hypotheses))
+        r = self._regression.solve(model, self._regression.learning)[2]
+        return self.left - float(r @ r), model
+
+    def _gain(self, hypothesis: Hypothesis, psi: Floats) -> float:
+        if not isinstance(hypothesis, AtJoint) and hypothesis.n_column == 0:
+            model = self._model.plus(hypothesis, psi)
+            r = self._regression.solve(model, self._regression.learning)[2]
+            return self.left - float(r @ r)
+        first = len(self._views[0].columns)
+        C = np.vstack(
+            [
+                self._regression.columns(hypothesis.act(view, psi), first).reshape(-1, hypothesis.n_column)
+                for view in self._views
+            ]
+        )
+        size = np.linalg.norm(C, axis=0)
+        C = C - self._Q @ (self._Q.T @ C)
+        fresh = np.linalg.norm(C, axis=0) > 1e-4 * size
+        if not np.any(fresh):
+            return 0.0
+        C = C[:, fresh]
+        r = self._residual - C @ scaled_lstsq(C, self._residual)
+        return self.left - float(r @ r)
+
+    def _peaks(self, hypothesis: AtJoint) -> Floats:
+        """Return the frequencies at which the residual swings most, (n_peak, 1)."""
+        regression = self._regression
+        stride, n_joint = regression.weighting.stride, regression.arm.n_joint
+        t = np.concatenate([motion.t[::stride] for motion in regression.learning])
+        left = self._residual.reshape(-1, n_joint)[:, hypothesis.joints[0]]
+        span = float(t[-1] - t[0])
+        f = np.arange(0.05, regression.weighting.band_hz, 0.25 / span)
+        power = np.empty(len(f))
+        for some in np.array_split(np.arange(len(f)), max(1, len(f) // 256)):
+            power[some] = np.abs(np.exp(-2j * np.pi * f[some, None] * t) @ left)
+        found = []
+        for k in np.argsort(power)[::-1]:
+            if all(abs(f[k] - other) > 1.0 / span for other in found):
+                found.append(float(f[k]))
+            if len(found) == _PEAKS:
+                break
+        return np.array(found)[:, None]

@@ -1,0 +1,213 @@
+"""Do the sensors contradict a rigid arm, whatever drove it, and why: the sensor half of `fitter diagnose`."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from itertools import combinations
+
+import numpy as np
+
+from arm.model import Arm, Effect, Floats
+from fitter.data.raw import RawRun
+from fitter.diagnosis.sensors.advice import next_experiment
+from fitter.diagnosis.sensors.contradiction import judging_residuals
+from fitter.diagnosis.sensors.finding import (
+    Course,
+    Number,
+    SensorCandidate,
+    SensorCause,
+    SensorFinding,
+    Verdict,
+)
+from fitter.diagnosis.sensors.fit import Fitted, Trials
+from fitter.diagnosis.sensors.frames import trials_of
+from fitter.diagnosis.sensors.linearisation import Linearisation
+from fitter.diagnosis.sensors.remaining import remaining
+from fitter.diagnosis.sensors.search import Search, Tried
+from fitter.diagnosis.sensors.suspects import Suspect
+from fitter.diagnosis.sensors.verdict import Cause, Decision, decide
+from limbcal.errors import ConfigError, DataError, NotIdentifiable
+
+#: Causes that leave more than this share of what contradicted don't explain it.
+_UNEXPLAINED = 0.05
+#: Standard deviations from which on more than noise is left.
+_SIGMAS = 4.0
+
+
+def diagnose_sensors(
+    arm: Arm,
+    learn: Sequence[RawRun],
+    evaluate: Sequence[RawRun],
+    progress: Callable[[], None] | None = None,
+    *,
+    seed: int = 0,
+) -> SensorFinding:
+    """Say whether the sensors contradict a rigid arm, which of them, and why.
+
+    Parameters
+    ----------
+    arm : Arm
+        With its sensors; the run begins with the arm at its zero where gravity doesn't show its angles.
+    learn, evaluate : sequence of RawRun
+        Trials to learn from and to judge by, each beginning with a rest. Angles that come with them are not used.
+    progress : callable, optional
+        Told after every fit.
+    seed : int
+        Of the draws that the support and the residual's description need.
+
+    Raises
+    ------
+    ConfigError
+        If the arm has no sensors, or there is no trial of either kind.
+    DataError
+        If readings don't fit the sensors.
+    NotIdentifiable
+        If the sensors have no more channels than the arm has joints.
+    """
+    if not arm.sensors:
+        raise ConfigError(f"arm {arm.name!r} has no [[sensor]], expected those whose readings are to be diagnosed")
+    if 3 * len(arm.sensors) <= arm.n_joint:
+        raise NotIdentifiable(
+            f"{len(arm.sensors)} sensor(s) cannot contradict an arm of {arm.n_joint} joints, expected more channels"
+        )
+    learned = trials_of(arm, learn)
+    trials = trials_of(arm, [*learn, *evaluate])
+    if not learned or len(trials) == len(learned):
+        raise DataError(f"{len(learned)} trials to learn from, {len(trials) - len(learned)} to judge by, expected both")
+    search = Search(Trials(arm, trials, len(learned)), progress)
+    rng = np.random.default_rng(seed)
+    decision = decide(search, rng)
+    return _finding(arm, search, decision, rng)
+
+
+def _finding(arm: Arm, search: Search, decision: Decision, rng: np.random.Generator) -> SensorFinding:
+    before, after = search.left(_unhelped(search, decision)), search.left(decision.fitted)
+    contradicts = before.excess > 0.0 and before.sigmas > _SIGMAS
+    white = after.sigmas < _SIGMAS
+    verdict: Verdict = "none"
+    if decision.causes:
+        verdict = "ambiguous" if any(cause.equals for cause in decision.causes) else "named"
+        if not white and after.excess > _UNEXPLAINED * before.excess:
+            verdict = "unexplained"
+    elif not white:
+        verdict = "unexplained"
+    causes = tuple(told for cause in decision.causes for told in _causes(arm, search, decision, cause))
+    confusable = {
+        tuple(sorted((a.suspect.effect, b.suspect.effect)))
+        for cause in decision.causes
+        for a, b in combinations((cause.tried, *cause.equals), 2)
+    }
+    pairs = tuple(sorted((a, b) for a, b in confusable))
+    judged = judging_residuals(search.trials, decision.fitted)
+    unhelped = judging_residuals(search.trials, _unhelped(search, decision))
+    left = remaining(judged, white, rng)
+    return SensorFinding(
+        verdict,
+        causes if verdict != "unexplained" else (),
+        _candidates(arm, search, decision),
+        pairs,
+        next_experiment(verdict, pairs, causes, left),
+        _rms(arm, unhelped),
+        _rms(arm, judged),
+        max(0.0, 1.0 - max(after.excess, 0.0) / before.excess) if contradicts else 0.0,
+        before.sigmas,
+        left,
+        _extended(arm, [told for told in causes if told.support > 0.0]) if verdict == "named" else arm,
+        _course(unhelped, judged),
+    )
+
+
+def _unhelped(search: Search, decision: Decision) -> Fitted:
+    """Return the arm file's own sensors, with usual biases but for sensors whose bias is a cause: those have none."""
+    odd = [
+        cause.tried.suspect.sensor for cause in decision.causes if cause.tried.suspect.effect == "sensor_bias"
+    ]
+    if not odd:
+        return search.base
+    bias = search.base.hypothesis.bias.copy()
+    bias[odd] = 0.0
+    return search.trials.judge(replace(search.base, hypothesis=replace(search.base.hypothesis, bias=bias)))
+
+
+def _causes(arm: Arm, search: Search, decision: Decision, cause: Cause) -> list[SensorCause]:
+    found = []
+    for tried in (cause.tried, *cause.equals):
+        fitted = decision.fitted if tried.suspect in decision.fitted.hypothesis.suspects else tried.fitted
+        assert fitted is not None, "what was accepted was fitted"
+        wider = np.sqrt(search.noise * max(1.0, 1.0 + search.left(fitted).excess))
+        support = cause.support / (1 + len(cause.equals))
+        found.append(
+            SensorCause(
+                tried.suspect.effect, _sensors(arm, tried.suspect), _numbers(fitted, tried.suspect, wider), support
+            )
+        )
+    return found
+
+
+def _sensors(arm: Arm, suspect: Suspect) -> tuple[str, ...]:
+    return () if suspect.sensor is None else (arm.sensors[suspect.sensor].name,)
+
+
+def _numbers(fitted: Fitted, suspect: Suspect, wider: float) -> dict[str, Number]:
+    place = fitted.hypothesis.suspects.index(suspect)
+    value, std = fitted.hypothesis.values[place], wider * fitted.std(place)
+    if suspect.effect != "base_motion":
+        rows = zip(suspect.kind.parameters, value, std, strict=True)
+        return {name: Number(float(v), float(s), unit) for (name, unit), v, s in rows}
+    c, s = value[:3], value[3:6]
+    size = np.maximum(np.hypot(c, s), 1e-12)
+    rms = np.where(s < 0.0, -1.0, 1.0) * size / np.sqrt(2.0)
+    spread = np.sqrt(((c * std[:3]) ** 2 + (s * std[3:6]) ** 2) / 2.0) / size
+    numbers = {f"{axis}_m_s2": Number(float(rms[k]), float(spread[k]), "m/s^2") for k, axis in enumerate("xyz")}
+    return numbers | {"frequency_hz": Number(float(value[6]), float(std[6]), "Hz")}
+
+
+def _candidates(arm: Arm, search: Search, decision: Decision) -> tuple[SensorCandidate, ...]:
+    start = search.score(search.base)
+    best = min((tried.score for tried in decision.first if tried.fitted is not None), default=start)
+    whole = max(start - best, search.left(search.base).beyond, 1e-12)
+    supports = {
+        tried.suspect: cause.support / (1 + len(cause.equals))
+        for cause in decision.causes
+        for tried in (cause.tried, *cause.equals)
+    }
+
+    def gain(tried: Tried) -> float:
+        return float(np.clip((start - tried.score) / whole, 0.0, 1.0))
+
+    return tuple(
+        SensorCandidate(
+            tried.suspect.effect, _sensors(arm, tried.suspect), gain(tried), supports.get(tried.suspect, 0.0)
+        )
+        for tried in decision.first
+    )
+
+
+def _rms(arm: Arm, judged: list[Linearisation]) -> dict[str, float]:
+    left = np.concatenate([at.residual for at in judged]).reshape(-1, len(arm.sensors), 3)
+    rms = np.sqrt((left**2).sum(axis=2).mean(axis=0))
+    return {sensor.name: float(value) for sensor, value in zip(arm.sensors, rms, strict=True)}
+
+
+def _extended(arm: Arm, causes: Sequence[SensorCause]) -> Arm:
+    effects = [
+        Effect(
+            cause.effect,
+            {name: number.value for name, number in cause.parameters.items()},
+            sensors=cause.sensors,
+        )
+        for cause in causes
+    ]
+    return replace(arm, effects=(*arm.effects, *effects))
+
+
+def _course(before: list[Linearisation], after: list[Linearisation]) -> Course:
+    def columns(found: list[Floats]) -> Floats:
+        whole = np.concatenate(found)
+        return whole.reshape(len(whole), -1, 3)
+
+    return Course(
+        np.concatenate([at.trial.t for at in after]),
+        columns([at.residual for at in before]),
+        columns([at.residual for at in after]),
+        columns([at.expected for at in after]),
+    )

@@ -1,0 +1,295 @@
+"""Fitting a hypothesis about the sensors together with the motion, on some trials, and judging it on others.
+
+Gauss and Newton's method: along the motion and sensors found so far readings are linearised, the motion is
+eliminated trial by trial, what is left is solved for the hypothesis' parameters, and the motion follows. Every
+sensor has a small bias of its own besides, as every real one has, held to be no larger than is usual.
+"""
+
+import os
+from collections.abc import Iterable, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from arm.model import Arm, Floats
+from fitter.diagnosis.sensors.elimination import eliminate, go_back
+from fitter.diagnosis.sensors.frames import TrialFrames
+from fitter.diagnosis.sensors.instruments import Instruments, added, instruments_of
+from fitter.diagnosis.sensors.linearisation import Linearisation, linearise
+from fitter.diagnosis.sensors.suspects import Suspect, bias_columns
+
+#: Biases up to about this are usual (DESIGN section 5) and no finding [m/s^2].
+ORDINARY_BIAS = 0.02
+#: Where the offset of a sensor that forgot may begin, and a free base's step from frame to frame [m/s^2].
+_FORGOTTEN, _FREE = 20.0, 30.0
+_PASSES, _HALVINGS = 12, 3
+#: How well an angle is the zero where nothing else says what it is [rad or m].
+_ANCHOR = 1e-3
+_THREADS = ThreadPoolExecutor(os.cpu_count())
+#: A pass that promises less than this much of the squared residual, in units of the noise, was the last.
+_LITTLE = 0.05
+
+
+@dataclass(frozen=True)
+class Hypothesis:
+    """What the sensors may be.
+
+    Attributes
+    ----------
+    suspects : tuple of Suspect
+    values : tuple of (n_parameter,)
+    bias : (n_sensor, 3) [m/s^2]
+        The small one that every sensor has.
+    without : (n_sensor,) bool
+        Sensors that are not looked at.
+    free_base : bool
+        The base may accelerate in any way.
+    """
+
+    suspects: tuple[Suspect, ...]
+    values: tuple[Floats, ...]
+    bias: Floats
+    without: NDArray[np.bool_]
+    free_base: bool = False
+
+    def instruments(self, nominal: Instruments) -> Instruments:
+        """Return the sensors as it has them."""
+        found = nominal
+        for s, bias in enumerate(self.bias):
+            found = found.with_sensor(s, bias_m_s2=added(found.arm.sensors[s].bias_m_s2, bias))
+        for suspect, value in zip(self.suspects, self.values, strict=True):
+            found = suspect.changed(found, value)
+        return found
+
+
+@dataclass(frozen=True)
+class Fitted:
+    """A hypothesis with its best parameters.
+
+    Attributes
+    ----------
+    hypothesis : Hypothesis
+    motions : list of (n + 2, n_joint)
+        Spline coefficients of every trial.
+    cost : float
+        Squared residual of the learning trials that contradicts rigidity, in units of the noise, with what is
+        held of the parameters before.
+    covariance : (n_theta, n_theta)
+        Of the biases, then of the suspects' parameters; for noise of unit variance.
+    squares : (n_trial,)
+        Each trial's squared residual; NaN where it was not judged.
+    """
+
+    hypothesis: Hypothesis
+    motions: list[Floats]
+    cost: float
+    covariance: Floats
+    squares: Floats
+
+    @property
+    def usual(self) -> float:
+        """What the small biases cost by being larger than none, squared and in units of what is usual."""
+        return float(np.sum((self.hypothesis.bias / ORDINARY_BIAS) ** 2))
+
+    def std(self, place: int) -> Floats:
+        """Return the standard errors of one suspect's parameters."""
+        begin = self.hypothesis.bias.size + sum(value.size for value in self.hypothesis.values[:place])
+        diagonal = np.diag(self.covariance)[begin : begin + self.hypothesis.values[place].size]
+        std: Floats = np.sqrt(diagonal)
+        return std
+
+
+class Trials:
+    """The trials of a diagnosis: the first ones are learnt from, the others judge.
+
+    Parameters
+    ----------
+    arm : Arm
+    trials : sequence of TrialFrames
+    n_learn : int
+    """
+
+    def __init__(self, arm: Arm, trials: Sequence[TrialFrames], n_learn: int) -> None:
+        self.arm, self.trials, self.n_learn = arm, list(trials), n_learn
+        self.nominal = instruments_of(arm)
+
+        self._anchored = _gauge(self.arm, self.trials[0])
+
+    def nothing(self) -> Hypothesis:
+        """Return the arm file's own sensors as a hypothesis."""
+        n = len(self.arm.sensors)
+        return Hypothesis((), (), np.zeros((n, 3)), np.zeros(n, dtype=np.bool_))
+
+    def columns(self, at: Linearisation, hypothesis: Hypothesis, suspects: Sequence[Suspect]) -> Floats:
+        """Return all columns by the biases and some suspects, and the residual: (n, n_row, p), of unit noise."""
+        n_joint = self.arm.n_joint
+        blocks = [bias_columns(at, s) for s in range(len(hypothesis.bias))]
+        blocks += [suspect.columns(at) for suspect in suspects]
+        block = np.concatenate(blocks, axis=2)
+        X = np.zeros((len(block), block.shape[1] + n_joint, block.shape[2] + 1))
+        X[:, : block.shape[1], :-1] = block * at.weight[..., None]
+        return X
+
+    def linearised(self, number: int, hypothesis: Hypothesis, c: Floats) -> Linearisation:
+        """Return a trial along a motion with the sensors of a hypothesis."""
+        return linearise(self.trials[number], hypothesis.instruments(self.nominal), c, hypothesis.without)
+
+    def eliminated(
+        self, number: int, hypothesis: Hypothesis, c: Floats, suspects: Sequence[Suspect]
+    ) -> tuple[Floats, Floats]:
+        """Linearise a trial and eliminate its motion.
+
+        Returns
+        -------
+        gram : (p, p)
+        back : ndarray
+            As `elimination.eliminate` leaves them.
+        """
+        at = self.linearised(number, hypothesis, c)
+        X = self.columns(at, hypothesis, suspects)
+        S, X[..., -1] = at.motion_rows()
+        if number == 0:  # angles that no reading shows are the zero where the run begins
+            n_channel = at.weight.shape[1]
+            for j in np.flatnonzero(self._anchored):
+                S[0, n_channel + j] = 0.0
+                S[0, n_channel + j, 3 * j] = 1.0 / _ANCHOR
+                X[0, n_channel + j, -1] = -at.q[0, j] / _ANCHOR
+        E, walk, first = self._walks(at, hypothesis)
+        n_joint, m, p = self.arm.n_joint, len(walk), X.shape[2]
+        gram = np.empty((p, p))
+        back = np.empty((len(X) + 2, n_joint + m, 3 * n_joint + 2 * m + p))
+        eliminate(S, E, X, at.trial.dt_s, walk, first, gram, back)
+        return gram, back
+
+    def _walks(self, at: Linearisation, hypothesis: Hypothesis) -> tuple[Floats, Floats, Floats]:
+        n, n_channel = at.weight.shape
+        forgetful = np.flatnonzero(np.repeat(at.instruments.corner_hz, 3))
+        if hypothesis.without.any():
+            forgetful = forgetful[~np.repeat(hypothesis.without, 3)[forgetful]]
+        m = len(forgetful) + 3 * hypothesis.free_base
+        E, walk, first = np.zeros((n, n_channel + self.arm.n_joint, m)), np.empty(m), np.empty(m)
+        for k, channel in enumerate(forgetful.tolist()):
+            E[:, channel, k] = at.weight[:, channel]
+            step = 2.0 * np.pi * at.instruments.corner_hz[channel // 3] * at.trial.std[channel] * at.trial.dt_s
+            walk[k], first[k] = 1.0 / max(step, 1e-7), 1.0 / _FORGOTTEN
+        if hypothesis.free_base:
+            E[:, :n_channel, m - 3 :] = at.from_base() * at.weight[..., None]
+            walk[m - 3 :] = first[m - 3 :] = 1.0 / _FREE
+        return E, walk, first
+
+    def fit(self, hypothesis: Hypothesis, motions: Sequence[Floats], passes: int = _PASSES) -> Fitted:
+        """Return a hypothesis with its best parameters, by the learning trials.
+
+        Parameters
+        ----------
+        hypothesis : Hypothesis
+            With where its parameters start; one whose neutral value is infinite is held to be near there.
+        motions : sequence of (n + 2, n_joint)
+            Where the motions start; those of the judging trials are passed on.
+        passes : int
+            At the most.
+        """
+        suspects, learn = hypothesis.suspects, range(self.n_learn)
+        mean, std = self.before(hypothesis)
+        theta = np.concatenate([hypothesis.bias.ravel(), *hypothesis.values])
+        motions = [c.copy() for c in motions]
+        before: tuple[float, Floats, list[Floats], list[Floats], Floats] | None = None
+        halved = 0
+        covariance = np.diag(std**2)
+        for _ in range(passes):
+            now = with_theta(hypothesis, theta)
+            done = self.all_eliminated(learn, now, motions, suspects)
+            gram = np.sum([g for g, _ in done], axis=0)
+            cost = float(gram[-1, -1] + np.sum(((theta - mean) / std) ** 2))
+            if before is not None and not cost < before[0] + _LITTLE and halved < _HALVINGS:
+                halved += 1
+                _, theta_was, motions_was, backs, step = before
+                step = 0.5 * step
+                theta = theta_was + step
+                motions = self._moved(motions_was, backs, step)
+                before = (*before[:4], step)
+                continue
+            halved = 0
+            information = gram[:-1, :-1] + np.diag(1.0 / std**2)
+            right = gram[:-1, -1] + (mean - theta) / std**2
+            covariance = np.linalg.inv(information)
+            step = covariance @ right
+            backs = [back for _, back in done]
+            before = cost, theta, list(motions), backs, step
+            motions = self._moved(motions, backs, step)
+            theta = theta + step
+            if right @ step < _LITTLE and self._still(before[2], motions):
+                break
+        assert before is not None
+        return Fitted(
+            with_theta(hypothesis, theta), motions, before[0], covariance, np.full(len(self.trials), np.nan)
+        )
+
+    def _still(self, before: list[Floats], now: list[Floats]) -> bool:
+        return max(float(np.abs(now[k] - before[k]).max()) for k in range(self.n_learn)) < 1e-3
+
+    def _moved(self, motions: list[Floats], backs: list[Floats], step: Floats) -> list[Floats]:
+        return [self._gone_back(c, back, step) for c, back in zip(motions, backs, strict=False)] + motions[len(backs) :]
+
+    def _gone_back(self, c: Floats, back: Floats, step: Floats) -> Floats:
+        change, walked = np.zeros_like(c), np.zeros((len(c) - 2, back.shape[1] - c.shape[1]))
+        go_back(back, step, c.shape[1], change, walked)
+        moved: Floats = c + change
+        return moved
+
+    def judge(self, fitted: Fitted, passes: int = _PASSES) -> Fitted:
+        """Return a fit with the squared residual of every judging trial, its parameters as they are."""
+        motions, squares = list(fitted.motions), fitted.squares.copy()
+        going = list(range(self.n_learn, len(self.trials)))
+        squares[going] = np.inf
+        for _ in range(passes):
+            done = self.all_eliminated(going, fitted.hypothesis, motions, ())
+            left = []
+            for number, (gram, back) in zip(going, done, strict=True):
+                now = float(gram[-1, -1])
+                if squares[number] - now > _LITTLE:
+                    left.append(number)
+                    motions[number] = self._gone_back(motions[number], back, np.zeros(len(gram) - 1))
+                squares[number] = min(now, squares[number])
+            going = left
+            if not going:
+                break
+        return Fitted(fitted.hypothesis, motions, fitted.cost, fitted.covariance, squares)
+
+    def all_eliminated(
+        self, numbers: Iterable[int], hypothesis: Hypothesis, motions: Sequence[Floats], suspects: Sequence[Suspect]
+    ) -> list[tuple[Floats, Floats]]:
+        """Return what `eliminated` does of several trials, on as many threads as there are processors."""
+        return list(
+            _THREADS.map(lambda number: self.eliminated(number, hypothesis, motions[number], suspects), numbers)
+        )
+
+    def before(self, hypothesis: Hypothesis) -> tuple[Floats, Floats]:
+        """Return what is held of all parameters before: mean and standard deviation."""
+        mean, std = [np.zeros(hypothesis.bias.size)], [np.full(hypothesis.bias.size, ORDINARY_BIAS)]
+        for suspect, value in zip(hypothesis.suspects, hypothesis.values, strict=True):
+            neutral = np.array(suspect.kind.neutral)
+            mean.append(np.where(np.isfinite(neutral), neutral, value))
+            std.append(np.array(suspect.kind.spread))
+        return np.concatenate(mean), np.concatenate(std)
+
+
+def with_theta(hypothesis: Hypothesis, theta: Floats) -> Hypothesis:
+    """Return a hypothesis with other parameters."""
+    n = hypothesis.bias.size
+    ends = np.cumsum([n, *(value.size for value in hypothesis.values)])
+    values = tuple(theta[begin:end].copy() for begin, end in zip(ends[:-1], ends[1:], strict=True))
+    return Hypothesis(
+        hypothesis.suspects, values, theta[:n].reshape(-1, 3).copy(), hypothesis.without, hypothesis.free_base
+    )
+
+
+def _gauge(arm: Arm, trial: TrialFrames) -> NDArray[np.bool_]:
+    """Return the joints whose angle no reading depends on, as that of one that turns about the vertical."""
+    rng = np.random.default_rng(0)  # any motion will do
+    c = rng.normal(size=(len(trial.values) + 2, arm.n_joint)) * 1e-2
+    slope = linearise(trial, instruments_of(arm), c).slope[:, :, : 3 * arm.n_joint : 3]
+    found: NDArray[np.bool_] = np.abs(slope).max(axis=(0, 1)) < 1e-9
+    return found

@@ -1,0 +1,181 @@
+"""Readings of one trial against what they should be along a motion, and how the difference changes.
+
+What can be undone in the readings themselves is undone there: a late sensor's frames are taken earlier, and an
+AC-coupled one's are given back what it forgot, ``x = y + wc ∫ y dt + x(0)``; so everything else depends on the
+motion at the frame's own instant only. What was forgotten before the trial is unknown, and noise was integrated
+with the readings: such a sensor's offset walks.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from arm.kinematics import axis_frames, rotation_from_rpy
+from arm.model import Floats
+from fitter.diagnosis.sensors.elimination import motion_at_knots
+from fitter.diagnosis.sensors.frames import CREEP_STD, TrialFrames
+from fitter.diagnosis.sensors.instruments import Instruments
+from limbcal.compiled import compiled
+from tracking.observation import Observation, observation_of, observe, room_of
+
+#: A frame is taken as clipped, or left out, where its largest reading is within this much of the level: so many
+#: standard deviations of one reading.
+_NEAR = 4.0
+
+
+@dataclass(frozen=True)
+class Linearisation:
+    """A trial along a motion; rows are channels, and noise is not yet made unit.
+
+    Attributes
+    ----------
+    trial : TrialFrames
+    instruments : Instruments
+    of : Observation
+    q : (n, n_joint)
+    dq : (n, n_joint)
+    readings : (n, n_channel) [m/s^2]
+        With delay and forgetting undone.
+    expected : (n, n_channel) [m/s^2]
+    slope : (n, n_channel, n_state)
+        By the state of `tracking.observation`.
+    integral : (n, n_channel) [m/s]
+        Of the readings without bias, since the trial began.
+    clipped : (n, n_channel)
+        Sign of the level where a sensor clips, else 0.
+    weight : (n, n_channel)
+        One over the standard deviation; 0 for what is not looked at.
+    """
+
+    trial: TrialFrames
+    instruments: Instruments
+    of: Observation
+    q: Floats
+    dq: Floats
+    readings: Floats
+    expected: Floats
+    slope: Floats
+    integral: Floats
+    clipped: Floats
+    weight: Floats
+
+    @property
+    def residual(self) -> Floats:
+        """What is read beyond what is expected, (n, n_channel) [m/s^2]; 0 where nothing is looked at."""
+        left: Floats = np.where(self.weight > 0.0, self.readings - self.expected, 0.0)
+        return left
+
+    def from_base(self) -> Floats:
+        """Return what every channel reads of an acceleration of the base, (n, n_channel, 3)."""
+        frames = axis_frames(self.instruments.arm, self.q)
+        columns = np.empty((*self.expected.shape, 3))
+        for s, sensor in enumerate(self.instruments.arm.sensors):
+            turned = frames[:, sensor.joint - 1, :3, :3] @ rotation_from_rpy(*sensor.rotation_rad)
+            columns[:, 3 * s : 3 * s + 3] = np.swapaxes(turned, 1, 2) * np.array(sensor.scale)[:, None]
+        return np.where(self.clipped[..., None] != 0.0, 0.0, columns)
+
+    def motion_rows(self) -> tuple[Floats, Floats]:
+        """Return slopes (n, n_channel + n_joint, 3 n_joint) by the motion, and the residual, both with unit noise.
+
+        The last rows say that velocities are zero in a rest.
+        """
+        n, n_channel = self.expected.shape
+        n_joint = self.q.shape[1]
+        S, r = np.zeros((n, n_channel + n_joint, 3 * n_joint)), np.zeros((n, n_channel + n_joint))
+        S[:, :n_channel] = self.slope[:, :, : 3 * n_joint] * self.weight[..., None]
+        r[:, :n_channel] = self.residual * self.weight
+        rest = self.trial.resting
+        sure = 1.0 / (CREEP_STD * np.sqrt(max(rest, 1)))
+        for j in range(n_joint):
+            S[:rest, n_channel + j, 3 * j + 1] = sure
+            r[:rest, n_channel + j] = -self.dq[:rest, j] * sure
+        return S, r
+
+
+def linearise(
+    trial: TrialFrames, instruments: Instruments, c: Floats, without: NDArray[np.bool_] | None = None
+) -> Linearisation:
+    """Return a trial along the motion with spline coefficients c (n + 2, n_joint).
+
+    Parameters
+    ----------
+    trial : TrialFrames
+    instruments : Instruments
+    c : (n + 2, n_joint)
+    without : (n_sensor,) bool, optional
+        Sensors that are not looked at.
+    """
+    arm = instruments.arm
+    n, n_channel = trial.values.shape
+    of, size = observation_of(arm, mountings=True)
+    q, dq, ddq = np.empty((3, n, arm.n_joint))
+    motion_at_knots(c, trial.dt_s, q, dq, ddq)
+    readings = trial.values.copy()
+    for s in np.flatnonzero(instruments.delay_s).tolist():
+        readings[:, 3 * s : 3 * s + 3] = trial.advanced(s, instruments.delay_s[s])
+    lost = np.isnan(readings)
+    readings[lost] = 0.0
+    since = (trial.t - trial.t[0] + 0.5 * trial.dt_s)[:, None]
+    integral = trial.integral - instruments.bias * since
+    readings += 2.0 * np.pi * np.repeat(instruments.corner_hz, 3) * integral
+    expected, slope = np.empty((n, n_channel)), np.zeros((n, n_channel, size))
+    x = np.zeros(size)
+    x[3 * arm.n_joint : 3 * arm.n_joint + n_channel] = instruments.bias
+    _observe_along(of, x, q, dq, ddq, expected, slope)
+    expected += instruments.drift.ravel() * trial.t[:, None]
+    weight = np.where(lost, 0.0, 1.0 / trial.std)
+    if without is not None:
+        weight *= ~np.repeat(without, 3)
+    clipped = _clip(trial, instruments, readings, expected, slope, weight)
+    found = Linearisation(
+        trial, instruments, of, q, dq, readings, expected, slope, integral, clipped, weight
+    )
+    if instruments.base.any():
+        phase = 2.0 * np.pi * instruments.base_hz * trial.t
+        wave = np.column_stack([np.cos(phase), np.sin(phase)]) @ instruments.base.T
+        expected += np.einsum("kcx,kx->kc", found.from_base(), wave)
+        _turn_base(found, wave)
+    return found
+
+
+def _turn_base(at: Linearisation, wave: Floats) -> None:
+    """Add to the slopes that a joint turns the sensors beyond it against the base's acceleration (n, 3)."""
+    arm, felt = at.instruments.arm, at.from_base()
+    axes = axis_frames(arm, at.q)[:, :, :3, 2]
+    for j, joint in enumerate(arm.joints):
+        if joint.type == "revolute":
+            turned = np.einsum("kcx,kx->kc", felt, np.cross(wave, axes[:, j]))
+            beyond = np.repeat([sensor.joint > j for sensor in arm.sensors], 3)
+            at.slope[:, beyond, 3 * j] += turned[:, beyond]
+
+
+def _clip(
+    trial: TrialFrames, instruments: Instruments, readings: Floats, expected: Floats, slope: Floats, weight: Floats
+) -> Floats:
+    """Let clipped frames say no more than that they read the level; return which those are."""
+    clipped = np.zeros_like(expected)
+    level = np.repeat(instruments.level, 3)
+    if not np.isfinite(level).any():
+        return clipped
+    margin = _NEAR * trial.std * np.sqrt(trial.factor)
+    near = trial.largest >= level - margin
+    flat = np.abs(readings) >= level - _NEAR * trial.std
+    weight[near & ~flat] = 0.0  # partly clipped, or about to be
+    clipped[near & flat] = np.sign(readings[near & flat])
+    where = clipped != 0.0
+    expected[where] = (clipped * np.where(np.isfinite(level), level, 0.0))[where]
+    slope[where] = 0.0
+    return clipped
+
+
+@compiled
+def _observe_along(
+    of: Observation, x: Floats, q: Floats, dq: Floats, ddq: Floats, expected: Floats, slope: Floats
+) -> None:
+    n_joint = q.shape[1]
+    room = room_of(n_joint)
+    for k in range(q.shape[0]):
+        for j in range(n_joint):
+            x[3 * j], x[3 * j + 1], x[3 * j + 2] = q[k, j], dq[k, j], ddq[k, j]
+        observe(of, room, x, expected[k], slope[k])

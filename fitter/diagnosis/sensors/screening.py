@@ -1,0 +1,87 @@
+"""What every effect of a sensor would explain, to first order: all of them from one elimination of the motion.
+
+The readings are linearised along the motion that the other sensors show. The Gram matrix of what is left of all
+columns tells each effect's best parameters by the learning trials, and what these leave of the judging trials.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from arm.model import Floats
+from fitter.diagnosis.sensors.fit import ORDINARY_BIAS, Hypothesis, Trials
+from fitter.diagnosis.sensors.suspects import Suspect
+
+
+@dataclass(frozen=True)
+class Screened:
+    """What a suspect would explain.
+
+    Attributes
+    ----------
+    suspect : Suspect
+    value : (n_parameter,)
+        Its best parameters, to first order.
+    motions : list of (n + 2, n_joint)
+        The motions that the other sensors show.
+    learn, judge : float
+        Squared residual of the learning and of the judging trials that it leaves, with what the small biases cost.
+    """
+
+    suspect: Suspect
+    value: Floats
+    motions: list[Floats]
+    learn: float
+    judge: float
+
+
+def with_suspect(hypothesis: Hypothesis, suspect: Suspect, value: Floats) -> Hypothesis:
+    """Return a hypothesis with one suspect more."""
+    return replace(
+        hypothesis, suspects=(*hypothesis.suspects, suspect), values=(*hypothesis.values, np.asarray(value))
+    )
+
+
+def screened(
+    trials: Trials, known: Hypothesis, new: Sequence[tuple[Suspect, Floats]], motions: list[Floats]
+) -> list[Screened]:
+    """Return what each of several suspects would explain on top of what is known.
+
+    Parameters
+    ----------
+    trials : Trials
+    known : Hypothesis
+    new : sequence of (Suspect, value)
+        With where their parameters start; together they must leave everything as it is.
+    motions : list of (n + 2, n_joint)
+    """
+    whole = known
+    for suspect, value in new:
+        whole = with_suspect(whole, suspect, value)
+    done = trials.all_eliminated(range(len(trials.trials)), whole, motions, whole.suspects)
+    grams = [gram for gram, _ in done]
+    mean, std = trials.before(whole)
+    theta = np.concatenate([whole.bias.ravel(), *whole.values])
+    learn, judge = (np.sum(part, axis=0) for part in (grams[: trials.n_learn], grams[trials.n_learn :]))
+    n_known = known.bias.size + sum(value.size for value in known.values)
+    found, begin = [], n_known
+    for suspect, value in new:
+        at = np.r_[0:n_known, begin : begin + value.size]
+        begin += value.size
+        step = np.linalg.solve(
+            learn[np.ix_(at, at)] + np.diag(1.0 / std[at] ** 2), learn[at, -1] + (mean - theta)[at] / std[at] ** 2
+        )
+        usual = float(np.sum(((theta + _at(step, at, theta.size))[: known.bias.size] / ORDINARY_BIAS) ** 2))
+        left = [
+            float(gram[-1, -1] - 2.0 * step @ gram[at, -1] + step @ gram[np.ix_(at, at)] @ step) + usual
+            for gram in (learn, judge)
+        ]
+        found.append(Screened(suspect, value + step[n_known:], motions, *left))
+    return found
+
+
+def _at(step: Floats, places: Floats, size: int) -> Floats:
+    whole = np.zeros(size)
+    whole[places] = step
+    return whole

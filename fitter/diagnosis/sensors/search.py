@@ -1,0 +1,190 @@
+"""The search for causes: every suspect is tried with those accepted before, and judged on other trials.
+
+A fit starts from the motion that the other sensors show, so that a sensor's gross fault does not spoil the motion
+against which it is seen. All suspects are tried to first order; those that come near the best are fitted in full.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from arm.model import Floats
+from fitter.diagnosis.sensors.base_frequency import base_frequencies
+from fitter.diagnosis.sensors.contradiction import Contradiction, contradiction, noise_factor
+from fitter.diagnosis.sensors.fit import ORDINARY_BIAS, Fitted, Hypothesis, Trials
+from fitter.diagnosis.sensors.screening import Screened, screened, with_suspect
+from fitter.diagnosis.sensors.start import first_motions
+from fitter.diagnosis.sensors.suspects import EFFECTS, Suspect
+
+#: Effects of one sensor that are tried together, all to first order in parameters that begin as neutral.
+_TOGETHER = ("sensor_bias", "sensor_drift", "sensor_scale", "sensor_misalignment", "mounting_radius", "time_skew")
+#: Where the search for a corner starts [Hz].
+_FIRST_CORNER_HZ = 0.05
+#: Passes of the fits that only show which sensor is the odd one.
+_ROUGH = 5
+#: Suspects that are fitted in full: at least, and at most; those that explain this share of what the best does.
+_FEWEST, _MOST, _NEAR_BEST = 3, 7, 0.5
+#: More than noise is left from so many standard deviations on; a sensor's bias is more than usual from this sum
+#: of three squares on, which one sensor in a thousand has.
+_SIGMAS, _UNUSUAL = 4.0, 16.3
+#: What explains less than this of the squared residual, in units of the noise, explains nothing.
+_NOTHING = 8.0
+#: A fit that leaves this share of excess may have begun with motions too far off, and begins anew with its sensors.
+_BEGUN_FAR_OFF = 0.01
+
+
+@dataclass(frozen=True)
+class Tried:
+    """One suspect on top of what was known.
+
+    Attributes
+    ----------
+    suspect : Suspect
+    score : float
+        Squared residual of the judging trials that contradicts rigidity, and what the small biases cost; in units of
+        the noise. The smaller the better.
+    fitted : Fitted or None
+        None where it was tried to first order only.
+    each : (n_judging,)
+        The squared residual by trial; empty where it was tried to first order only.
+    """
+
+    suspect: Suspect
+    score: float
+    fitted: Fitted | None
+    each: Floats
+
+
+class Search:
+    """Tries suspects on the trials.
+
+    Parameters
+    ----------
+    trials : Trials
+    progress : callable, optional
+        Told after every fit.
+    """
+
+    def __init__(self, trials: Trials, progress: Callable[[], None] | None = None) -> None:
+        self.trials = trials
+        self._tell = progress or (lambda: None)
+        motions = first_motions(trials.arm, trials.trials)
+        self.base = trials.judge(trials.fit(trials.nothing(), motions))
+        self.noise = noise_factor(trials, self.base)
+
+    def score(self, fitted: Fitted) -> float:
+        """Return the score of a judged fit."""
+        return float(self.each(fitted).sum() + fitted.usual)
+
+    def each(self, fitted: Fitted) -> Floats:
+        """Return the squared residual of every judging trial in units of the noise."""
+        squares: Floats = fitted.squares[self.trials.n_learn :] / self.noise
+        return squares
+
+    def left(self, fitted: Fitted) -> Contradiction:
+        """Return what of a fit contradicts a rigid arm."""
+        return contradiction(self.trials, fitted, self.noise)
+
+    def full(self, suspect: Suspect, fitted: Fitted) -> Tried:
+        """Judge a fit in full."""
+        fitted = self.trials.judge(fitted)
+        self._tell()
+        return Tried(suspect, self.score(fitted), fitted, self.each(fitted))
+
+    def settle(self, fitted: Fitted) -> Fitted:
+        """Measure the noise anew, now that less contradicts, and return the fit."""
+        self.noise = noise_factor(self.trials, fitted)
+        return fitted
+
+    def doubtful(self, fitted: Fitted) -> bool:
+        """Return whether something may still be wrong: more than noise is left, or a bias is larger than usual."""
+        worst = float(np.sum((fitted.hypothesis.bias / ORDINARY_BIAS) ** 2, axis=1).max())
+        return self.left(fitted).sigmas > _SIGMAS or worst > _UNUSUAL
+
+    def fit_again(self, hypothesis: Hypothesis, motions: list[Floats]) -> Fitted:
+        """Return a hypothesis fitted and judged."""
+        return self.trials.judge(self.trials.fit(hypothesis, motions))
+
+    def _begun_anew(self, fitted: Fitted) -> Fitted:
+        instruments = fitted.hypothesis.instruments(self.trials.nominal)
+        sensors = [
+            replace(sensor, highpass_hz=float(corner))
+            for sensor, corner in zip(instruments.arm.sensors, instruments.corner_hz, strict=True)
+        ]
+        motions = first_motions(replace(instruments.arm, sensors=tuple(sensors)), self.trials.trials)
+        again = self.trials.judge(self.trials.fit(fitted.hypothesis, motions))
+        if again.cost > fitted.cost + _NOTHING:
+            return fitted
+        better = fitted.squares < again.squares
+        motions = [old if keep else new for old, new, keep in zip(fitted.motions, again.motions, better, strict=True)]
+        squares = np.where(better, fitted.squares, again.squares)
+        return replace(again, motions=motions, squares=squares)
+
+    def try_all(self, known: Fitted) -> list[Tried]:
+        """Return every suspect that may come on top of what is known, the best first."""
+        candidates = self._screen(known)
+        start = known.cost
+        candidates.sort(key=lambda one: one.learn)
+        most = start - candidates[0].learn
+        found = []
+        for rank, one in enumerate(candidates):
+            near = rank < _FEWEST or (rank < _MOST and start - one.learn > _NEAR_BEST * most)
+            if near and start - one.learn > _NOTHING:
+                hypothesis = with_suspect(known.hypothesis, one.suspect, one.value)
+                found.append(self.full(one.suspect, self.trials.fit(hypothesis, one.motions)))
+            else:
+                found.append(Tried(one.suspect, one.judge / self.noise, None, np.empty(0)))
+        # What was not fitted in full keeps its place behind what was.
+        found.sort(key=lambda tried: (tried.fitted is None, tried.score))
+        best = found[0].fitted
+        if best is not None and self.left(best).excess > _BEGUN_FAR_OFF:
+            found[0] = self.full(found[0].suspect, self._begun_anew(best))
+        return found
+
+    def _screen(self, known: Fitted) -> list[Screened]:
+        there, found = known.hypothesis.suspects, []
+        for s in range(len(self.trials.arm.sensors)):
+            motions = self._without(known, s)
+            new = [(Suspect(name, s), np.array(EFFECTS[name].neutral)) for name in _TOGETHER]
+            single = [[one for one in new if one[0] not in there]]
+            for name, value in (("sensor_highpass", self._corner(s)), ("sensor_clipping", self._level(s))):
+                if value is not None and Suspect(name, s) not in there:
+                    single.append([(Suspect(name, s), value)])
+            for group in single:
+                found += screened(self.trials, known.hypothesis, group, motions)
+            self._tell()
+        return found + self._screen_base(known)
+
+    def _without(self, known: Fitted, sensor: int) -> list[Floats]:
+        """Return the motions that the other sensors show."""
+        odd = np.zeros(len(self.trials.arm.sensors), dtype=np.bool_)
+        odd[sensor] = True
+        blind = self.trials.fit(replace(known.hypothesis, without=odd), known.motions, _ROUGH)
+        return self.trials.judge(blind, _ROUGH).motions
+
+    def _corner(self, sensor: int) -> Floats | None:
+        return None if self.trials.nominal.corner_hz[sensor] > 0.0 else np.array([_FIRST_CORNER_HZ])
+
+    def _level(self, sensor: int) -> Floats:
+        """Return the largest frame that a sensor reads, less what noise adds to it."""
+        learn = self.trials.trials[: self.trials.n_learn]
+        channels = slice(3 * sensor, 3 * sensor + 3)
+        top = max(float(np.nanmax(np.abs(trial.values[:, channels]))) for trial in learn)
+        return np.array([top - 2.0 * float(learn[0].std[channels].max())])
+
+    def _screen_base(self, known: Fitted) -> list[Screened]:
+        there = {suspect.effect for suspect in known.hypothesis.suspects}
+        free = self.trials.fit(replace(known.hypothesis, free_base=True), known.motions, _ROUGH)
+        free = self.trials.judge(free, _ROUGH)
+        found = []
+        if "base_motion" not in there:
+            waves = []
+            for frequency in base_frequencies(self.trials, free):
+                value = np.array([*EFFECTS["base_motion"].neutral[:6], frequency])
+                waves += screened(self.trials, known.hypothesis, [(Suspect("base_motion"), value)], free.motions)
+            found += [min(waves, key=lambda one: one.learn)] if waves else []
+        if "gravity_tilt" not in there:
+            value = np.array(EFFECTS["gravity_tilt"].neutral)
+            found += screened(self.trials, known.hypothesis, [(Suspect("gravity_tilt"), value)], free.motions)
+        return found

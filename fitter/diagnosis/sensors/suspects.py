@@ -1,0 +1,209 @@
+"""The effects that a sensor may show, as the diagnosis fits them: what each changes, and its columns.
+
+A column is the slope of the expected reading by a parameter, or minus that of the reading where the effect is
+undone there.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from arm.model import Floats
+from fitter.diagnosis.sensors.instruments import Instruments, added, turn_by_angles
+from fitter.diagnosis.sensors.linearisation import Linearisation
+from tracking.observation import MOUNTING
+
+Change = Callable[[Instruments, int, Floats], Instruments]
+Columns = Callable[[Linearisation, int], Floats]
+
+
+@dataclass(frozen=True)
+class SensorEffect:
+    """How an effect is fitted.
+
+    Attributes
+    ----------
+    name : str
+    parameters : tuple of (name, unit)
+    neutral : tuple of float
+        Parameters without effect, from which a fit starts; infinite for one that has to be found beforehand.
+    spread : tuple of float
+        How far from there they may be: standard deviation of what is held before.
+    change : callable
+        ``change(instruments, sensor, parameters)``.
+    columns : callable
+        ``columns(linearisation, sensor)`` is (n, n_channel, n_parameter).
+    """
+
+    name: str
+    parameters: tuple[tuple[str, str], ...]
+    neutral: tuple[float, ...]
+    spread: tuple[float, ...]
+    change: Change
+    columns: Columns
+
+
+@dataclass(frozen=True)
+class Suspect:
+    """An effect of one sensor, or of the whole arm where ``sensor`` is None."""
+
+    effect: str
+    sensor: int | None = None
+
+    @property
+    def kind(self) -> SensorEffect:
+        """How it is fitted."""
+        return EFFECTS[self.effect]
+
+    def changed(self, instruments: Instruments, value: Floats) -> Instruments:
+        """Return the sensors with it."""
+        return self.kind.change(instruments, -1 if self.sensor is None else self.sensor, value)
+
+    def columns(self, at: Linearisation) -> Floats:
+        """Return its columns, (n, n_channel, n_parameter)."""
+        return self.kind.columns(at, -1 if self.sensor is None else self.sensor)
+
+
+def bias_columns(at: Linearisation, sensor: int) -> Floats:
+    """Return the slopes by what a sensor reads too much; one that forgets makes a ramp of it when undone."""
+    columns = np.zeros((*at.expected.shape, 3))
+    corner = 2.0 * np.pi * at.instruments.corner_hz[sensor]
+    ramp = 1.0 + corner * (at.trial.t - at.trial.t[0] + 0.5 * at.trial.dt_s)
+    for axis in range(3):
+        columns[:, 3 * sensor + axis, axis] = ramp
+    columns[at.clipped != 0.0] = 0.0
+    return columns
+
+
+def _drift_columns(at: Linearisation, sensor: int) -> Floats:
+    return bias_columns(at, sensor) * at.trial.t[:, None, None]
+
+
+def _mounting_columns(at: Linearisation, sensor: int, first: int) -> Floats:
+    begin = int(at.of.mounting_column[sensor]) + first
+    return at.slope[:, :, begin : begin + 3]
+
+
+def _scale_columns(at: Linearisation, sensor: int) -> Floats:
+    return _mounting_columns(at, sensor, 0) * np.array(at.instruments.arm.sensors[sensor].scale)
+
+
+def _turn_columns(at: Linearisation, sensor: int) -> Floats:
+    return _mounting_columns(at, sensor, 3) @ turn_by_angles(at.instruments.arm.sensors[sensor])
+
+
+def _place_columns(at: Linearisation, sensor: int) -> Floats:
+    return _mounting_columns(at, sensor, MOUNTING - 3)
+
+
+def _single(at: Linearisation, sensor: int, of_channels: Floats) -> Floats:
+    column = np.zeros((*at.expected.shape, 1))
+    column[:, 3 * sensor : 3 * sensor + 3, 0] = of_channels[:, 3 * sensor : 3 * sensor + 3]
+    return column
+
+
+def _delay_columns(at: Linearisation, sensor: int) -> Floats:
+    return _single(at, sensor, -np.gradient(at.readings, at.trial.dt_s, axis=0))
+
+
+def _corner_columns(at: Linearisation, sensor: int) -> Floats:
+    return _single(at, sensor, -2.0 * np.pi * at.integral)
+
+
+def _level_columns(at: Linearisation, sensor: int) -> Floats:
+    return _single(at, sensor, at.clipped)
+
+
+def _base_columns(at: Linearisation, _sensor: int) -> Floats:
+    phase = 2.0 * np.pi * at.instruments.base_hz * at.trial.t
+    felt = at.from_base()
+    c, s = np.cos(phase)[:, None, None], np.sin(phase)[:, None, None]
+    wave = 2.0 * np.pi * at.trial.t[:, None] * (
+        -np.sin(phase)[:, None] * at.instruments.base[:, 0] + np.cos(phase)[:, None] * at.instruments.base[:, 1]
+    )
+    by_frequency = np.einsum("kcx,kx->kc", felt, wave)[..., None]
+    return np.concatenate([felt * c, felt * s, by_frequency], axis=2)
+
+
+def _changed_base(instruments: Instruments, _sensor: int, value: Floats) -> Instruments:
+    return replace(instruments, base=value[:6].reshape(2, 3).T.copy(), base_hz=float(value[6]))
+
+
+def _tilt_columns(at: Linearisation, _sensor: int) -> Floats:
+    return -at.from_base()[..., :2]
+
+
+def _changed_gravity(instruments: Instruments, _sensor: int, value: Floats) -> Instruments:
+    gravity = added(instruments.arm.gravity_m_s2, np.array([value[0], value[1], 0.0]))
+    return replace(instruments, arm=replace(instruments.arm, gravity_m_s2=gravity))
+
+
+def _changed_bias(instruments: Instruments, sensor: int, value: Floats) -> Instruments:
+    return instruments.with_sensor(sensor, bias_m_s2=added(instruments.arm.sensors[sensor].bias_m_s2, value))
+
+
+def _changed_drift(instruments: Instruments, sensor: int, value: Floats) -> Instruments:
+    return instruments.with_entry("drift", sensor, instruments.drift[sensor] + value)
+
+
+def _changed_scale(instruments: Instruments, sensor: int, value: Floats) -> Instruments:
+    was = np.array(instruments.arm.sensors[sensor].scale)
+    return instruments.with_sensor(sensor, scale=added((0.0, 0.0, 0.0), was * value))
+
+
+def _changed_rotation(instruments: Instruments, sensor: int, value: Floats) -> Instruments:
+    return instruments.with_sensor(sensor, rotation_rad=added(instruments.arm.sensors[sensor].rotation_rad, value))
+
+
+def _changed_place(instruments: Instruments, sensor: int, value: Floats) -> Instruments:
+    return instruments.with_sensor(sensor, position_m=added(instruments.arm.sensors[sensor].position_m, value))
+
+
+def _changed_corner(instruments: Instruments, sensor: int, value: Floats) -> Instruments:
+    return instruments.with_entry("corner_hz", sensor, max(float(value[0]), 0.0))
+
+
+def _changed_level(instruments: Instruments, sensor: int, value: Floats) -> Instruments:
+    return instruments.with_entry("level", sensor, float(value[0]))
+
+
+def _changed_delay(instruments: Instruments, sensor: int, value: Floats) -> Instruments:
+    return instruments.with_entry("delay_s", sensor, float(value[0]))
+
+
+def _three(names: str, unit: str, neutral: float, spread: float, *kind: object) -> tuple[object, ...]:
+    return tuple((name, unit) for name in names.split()), (neutral,) * 3, (spread,) * 3, *kind
+
+
+_KINDS = (
+    SensorEffect("sensor_bias", *_three("x_m_s2 y_m_s2 z_m_s2", "m/s^2", 0.0, 3.0, _changed_bias, bias_columns)),  # type: ignore[arg-type]
+    SensorEffect("sensor_drift", *_three("x_m_s3 y_m_s3 z_m_s3", "m/s^3", 0.0, 1.0, _changed_drift, _drift_columns)),  # type: ignore[arg-type]
+    SensorEffect("sensor_scale", *_three("x y z", "1", 1.0, 1.0, _changed_scale, _scale_columns)),  # type: ignore[arg-type]
+    SensorEffect(
+        "sensor_misalignment",
+        *_three("roll_rad pitch_rad yaw_rad", "rad", 0.0, 1.0, _changed_rotation, _turn_columns),  # type: ignore[arg-type]
+    ),
+    SensorEffect("mounting_radius", *_three("x_m y_m z_m", "m", 0.0, 0.3, _changed_place, _place_columns)),  # type: ignore[arg-type]
+    SensorEffect("sensor_highpass", (("corner_hz", "Hz"),), (0.0,), (5.0,), _changed_corner, _corner_columns),
+    SensorEffect("sensor_clipping", (("level_m_s2", "m/s^2"),), (np.inf,), (50.0,), _changed_level, _level_columns),
+    SensorEffect("time_skew", (("delay_s", "s"),), (0.0,), (0.1,), _changed_delay, _delay_columns),
+    SensorEffect(
+        "base_motion",
+        tuple((f"{axis}_{part}", "m/s^2") for part in ("cos", "sin") for axis in "xyz") + (("frequency_hz", "Hz"),),
+        (0.0,) * 6 + (np.inf,),
+        (5.0,) * 6 + (0.1,),
+        _changed_base,
+        _base_columns,
+    ),
+    SensorEffect(
+        "gravity_tilt",
+        (("gx_m_s2", "m/s^2"), ("gy_m_s2", "m/s^2")),
+        (0.0, 0.0),
+        (3.0, 3.0),
+        _changed_gravity,
+        _tilt_columns,
+    ),
+)
+#: By name.
+EFFECTS = {kind.name: kind for kind in _KINDS}

@@ -1,0 +1,143 @@
+"""Which suspects are accepted, and which cannot be told apart.
+
+A cause is accepted if it explains more of trials that it was not fitted to than chance would, in units of the
+noise. A rival is its equal if these trials don't tell the two apart; then the one with fewer numbers that differ
+from nothing is preferred, and if they have as many, both are named.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from arm.model import Floats
+from fitter.diagnosis.sensors.fit import Fitted, Hypothesis
+from fitter.diagnosis.sensors.search import Search, Tried
+
+#: What a cause must explain, and by what it must beat a rival: squared, in units of the noise. On the bench without
+#: any effect (seeds 1000 to 1039, which nothing else uses) no suspect of 680 explained more than 12.
+ACCEPTED, EQUAL = 20.0, 12.0
+#: A number differs from nothing if it is so many standard errors away.
+_SIGNIFICANT = 4.0
+#: A corner below this forgets nothing in the time of a trial [Hz].
+_LEAST_CORNER_HZ = 0.003
+_MOST_CAUSES = 4
+
+
+@dataclass(frozen=True)
+class Cause:
+    """An accepted suspect, with those that explain as much.
+
+    Attributes
+    ----------
+    tried : Tried
+    equals : tuple of Tried
+        Rivals that can't be told from it; empty if there are none.
+    support : float
+        In which share of the ways to draw the judging trials anew it beats every rival that is not its equal.
+    """
+
+    tried: Tried
+    equals: tuple[Tried, ...]
+    support: float
+
+
+@dataclass(frozen=True)
+class Decision:
+    """What the search came to.
+
+    Attributes
+    ----------
+    causes : tuple of Cause
+    first : list of Tried
+        All suspects, tried on the arm file's own sensors.
+    fitted : Fitted
+        With all causes.
+    """
+
+    causes: tuple[Cause, ...]
+    first: list[Tried]
+    fitted: Fitted
+
+
+def decide(search: Search, rng: np.random.Generator) -> Decision:
+    """Add causes one at a time until nothing more is explained, then ask again whether each is needed.
+
+    Parameters
+    ----------
+    search : Search
+    rng : Generator
+        Draws trials anew for the causes' support.
+    """
+    known, causes, first = search.base, [], []
+    while len(causes) < _MOST_CAUSES:
+        tried = search.try_all(known)
+        first = first or tried
+        found = _accepted(search, known, tried, rng)
+        if found is None or found.tried.fitted is None:
+            break
+        causes.append(found)
+        known = search.settle(found.tried.fitted)
+        if not search.doubtful(known):
+            break
+    for cause in list(causes) if len(causes) > 1 else []:
+        others = [one for one in causes if one is not cause]
+        known_less = search.fit_again(_without(known.hypothesis, cause.tried), known.motions)
+        if search.score(known_less) - search.score(known) < ACCEPTED:
+            causes, known = others, known_less
+    return Decision(tuple(causes), first, known)
+
+
+def significant(tried: Tried, noise: float) -> int:
+    """Return how many of a suspect's numbers differ from nothing."""
+    if tried.fitted is None:
+        return 0
+    place = tried.fitted.hypothesis.suspects.index(tried.suspect)
+    value, std = tried.fitted.hypothesis.values[place], tried.fitted.std(place) * np.sqrt(noise)
+    neutral = np.array(tried.suspect.kind.neutral)
+    if tried.suspect.effect == "sensor_highpass" and value[0] < _LEAST_CORNER_HZ:
+        return 0
+    there = np.abs(value - np.where(np.isfinite(neutral), neutral, 0.0)) > _SIGNIFICANT * std
+    return int(np.count_nonzero(there))
+
+
+def _accepted(search: Search, known: Fitted, tried: Sequence[Tried], rng: np.random.Generator) -> Cause | None:
+    score = search.score(known)
+    able = [one for one in tried if significant(one, search.noise) and score - one.score > ACCEPTED]
+    if not able:
+        return None
+    best = min(able, key=lambda one: one.score)
+    equals = [one for one in able if _beats(best, one) <= 0.0]
+    fewest = min(significant(one, search.noise) for one in equals)
+    equals = [one for one in equals if significant(one, search.noise) == fewest]
+    best = min(equals, key=lambda one: one.score)
+    others = [one for one in able if one not in equals]
+    return Cause(best, tuple(one for one in equals if one is not best), _support(best, search.each(known), others, rng))
+
+
+def _beats(one: Tried, other: Tried) -> float:
+    """Return by how much more one explains than another, beyond what leaves them equal."""
+    each = other.each - one.each
+    spread = 2.0 * np.sqrt(each.size) * float(each.std(ddof=1)) if each.size > 1 else 0.0
+    whole = other.score - one.score
+    return whole - (EQUAL + min(spread, 0.5 * whole))
+
+
+def _support(best: Tried, nothing: Floats, others: Sequence[Tried], rng: np.random.Generator) -> float:
+    n = best.each.size
+    drawn = rng.integers(0, n, (1000, n))
+    usual = best.score - best.each.sum()
+    won = np.ones(len(drawn), dtype=np.bool_)
+    for other in others:
+        won &= (other.each - best.each)[drawn].sum(axis=1) + (other.score - other.each.sum()) > usual
+    return float(np.mean(won))
+
+
+def _without(hypothesis: Hypothesis, tried: Tried) -> Hypothesis:
+    place = hypothesis.suspects.index(tried.suspect)
+    keep = [k for k in range(len(hypothesis.suspects)) if k != place]
+    return replace(
+        hypothesis,
+        suspects=tuple(hypothesis.suspects[k] for k in keep),
+        values=tuple(hypothesis.values[k] for k in keep),
+    )

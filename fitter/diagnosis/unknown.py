@@ -1,0 +1,263 @@
+"""What no effect of the catalogue explains: on what it depends, how much of it could be known, and a formula as a hint.
+
+Smooth functions of a few variables (products of splines) are fitted beside the base parameters to every other
+trial and judged on the trials between them. The fewest variables whose function explains nearly as much as any
+are what the remainder depends on. The base parameters are fitted along, for what is left of a torque after a fit
+is bent by all that the fit could shift.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import combinations
+
+import numpy as np
+from scipy.interpolate import BSpline
+
+from arm.model import Floats
+from fitter.diagnosis.dependence import Dependence, dependences
+from fitter.diagnosis.motion import Motion
+from fitter.diagnosis.regression import Regression, scaled_lstsq
+from fitter.diagnosis.screening import Candidate
+
+#: Splines a variable, by how many variables a function has.
+_SPLINES = {1: 8, 2: 5, 3: 4}
+#: A further variable must explain this share of what is explained then.
+_NEEDED = 0.04
+#: A function must lower the sum of squares on trials that it has not seen by this share of what noise would leave.
+WORTH = 0.05
+#: A formula is told if it explains this share of what the function does.
+_TELLING = 0.9
+
+
+@dataclass(frozen=True)
+class Remainder:
+    """What is left, described.
+
+    Attributes
+    ----------
+    explained : float
+        Share of the remaining sum of squares that a smooth function explains on trials it has not seen, 0 to 1.
+    worth : float
+        The same in units of what noise would leave.
+    white : bool
+    depends_on : tuple of str
+        Such as ``q2``, ``sign(dq1)``, ``t``.
+    joint : int
+        At whose torque, from 1; 0 where nothing was found.
+    formula : str
+    dependences : list of Dependence
+        Of the remaining torque on each variable alone, with a permutation test.
+    """
+
+    explained: float
+    worth: float
+    white: bool
+    depends_on: tuple[str, ...]
+    joint: int
+    formula: str
+    dependences: list[Dependence]
+
+
+def describe(regression: Regression, final: Candidate) -> Remainder:
+    """Describe what a model leaves."""
+    fold = _Folds(regression, final)
+    variables = names(regression.arm.n_joint)
+    best, found = fold.left, ((), 0)
+    alone: dict[tuple[tuple[str, ...], int], float] = {}
+    for joint in range(regression.arm.n_joint):
+        for size in (1, 2):
+            for some in combinations(variables, size):
+                if not _sensible(some):
+                    continue
+                alone[some, joint] = fold.squares(some, joint)
+    if alone:
+        found = min(alone, key=lambda key: alone[key])
+        best = alone[found]
+    some, joint = found
+    for third in variables:
+        more = (*some, third)
+        if len(some) == 2 and third not in some and _sensible(more):
+            alone[more, joint] = fold.squares(more, joint)
+            if alone[more, joint] < best:
+                best, found = alone[more, joint], (more, joint)
+    gain = fold.left - best
+    for fewer in sorted((key for key in alone if key[1] == joint), key=lambda key: len(key[0])):
+        if fold.left - alone[fewer] >= (1.0 - _NEEDED) * gain:
+            found = min(
+                (key for key in alone if key[1] == joint and len(key[0]) == len(fewer[0])),
+                key=lambda key: alone[key],
+            )
+            break
+    some, joint = found
+    noise = float(sum(regression.weighting.told(motion) for motion in regression.motions))
+    worth = gain / noise
+    told = worth > WORTH
+    return Remainder(
+        explained=float(np.clip(gain / fold.left, 0.0, 1.0)),
+        worth=worth,
+        white=_white(regression, final),
+        depends_on=some if told else (),
+        joint=joint + 1 if told else 0,
+        formula=fold.formula(some, joint, gain) if told else "",
+        dependences=dependences(regression, final),
+    )
+
+
+def names(n_joint: int) -> list[str]:
+    """Return the names of the variables that a remainder may depend on."""
+    return [f"{kind}{j + 1}" for kind in ("q", "dq", "u") for j in range(n_joint)] + [
+        *(f"sign(dq{j + 1})" for j in range(n_joint)),
+        "t",
+    ]
+
+
+def variable(motion: Motion, name: str) -> Floats:
+    """Return a variable along a motion, (n_sample,)."""
+    if name == "t":
+        return motion.t
+    if name.startswith("sign("):
+        return np.sign(motion.dq[:, int(name[7:-1]) - 1])
+    kind, j = name.rstrip("0123456789"), int(name[len(name.rstrip("0123456789")) :]) - 1
+    columns: dict[str, Floats] = {"q": motion.q, "dq": motion.dq, "u": motion.u}
+    return columns[kind][:, j]
+
+
+def _sensible(some: Sequence[str]) -> bool:
+    """Say whether a set does not hold a velocity and its own sign: the function of the velocity knows it."""
+    return not any(f"sign({name})" in some for name in some)
+
+
+class _Folds:
+    """Every other trial to fit, the others to judge, and the other way round."""
+
+    def __init__(self, regression: Regression, final: Candidate) -> None:
+        self._regression, self._model = regression, final.model
+        rows = [regression.rows(final.model, motion) for motion in regression.motions]
+        self._known = [one.design for one in rows]
+        self._target = [one.target.ravel() for one in rows]
+        self._span = {
+            name: self._range([variable(motion, name) for motion in regression.motions])
+            for name in names(regression.arm.n_joint)
+        }
+        self._fitted: dict[tuple[str, int], list[Floats]] = {}
+        self.left = self._judged([np.zeros((len(one), 0)) for one in self._target])
+
+    def squares(self, some: Sequence[str], joint: int) -> float:
+        """Return the sum of squares that a function of some variables leaves in trials it has not seen."""
+        return self._judged(
+            [self._filtered(motion, self._function(motion, some), joint) for motion in self._motions]
+        )
+
+    def formula(self, some: Sequence[str], joint: int, gain: float) -> str:
+        """Return the product of simple functions of the variables that explains most, if it is telling."""
+        best, text = 0.0, ""
+        for shapes in _products(some):
+            columns, parts = [], []
+            for motion in self._motions:
+                column = np.ones(len(motion.t))
+                for name, shape in zip(some, shapes, strict=True):
+                    column = column * _SHAPES[shape](variable(motion, name))
+                columns.append(self._filtered(motion, column[:, None], joint))
+            parts = [_spelled(name, shape) for name, shape in zip(some, shapes, strict=True)]
+            explained = self.left - self._judged(columns)
+            if explained > best:
+                A, y = np.vstack(self._known), np.concatenate(self._target)
+                factor = scaled_lstsq(np.hstack([A, np.vstack(columns)]), y)[-1]
+                best, text = explained, f"tau{joint + 1} has {factor:+.3g} {' '.join(parts)}"
+        return text if best > _TELLING * gain else ""
+
+    @property
+    def _motions(self) -> list[Motion]:
+        return self._regression.motions
+
+    def _filtered(self, motion: Motion, features: Floats, joint: int) -> Floats:
+        rows = np.zeros((len(features), self._regression.arm.n_joint, features.shape[1]))
+        rows[:, joint] = features
+        return self._regression.weighting.filtered(motion, rows).reshape(-1, features.shape[1])
+
+    def _judged(self, added: Sequence[Floats]) -> float:
+        designs = [np.hstack([known, more]) for known, more in zip(self._known, added, strict=True)]
+        total = 0.0
+        for fold in (0, 1):
+            A = np.vstack(designs[fold::2])
+            x = scaled_lstsq(A, np.concatenate(self._target[fold::2]))
+            for design, target in zip(designs[1 - fold :: 2], self._target[1 - fold :: 2], strict=True):
+                total += float(np.sum((target - design @ x) ** 2))
+        return total
+
+    def _function(self, motion: Motion, some: Sequence[str]) -> Floats:
+        product = np.ones((len(motion.t), 1))
+        for name in some:
+            one = self._splines(motion, name, _SPLINES[len(some)])
+            product = (product[:, :, None] * one[:, None, :]).reshape(len(product), -1)
+        return product
+
+    def _splines(self, motion: Motion, name: str, count: int) -> Floats:
+        values = variable(motion, name)
+        if name.startswith("sign("):
+            return np.stack([np.ones(len(values)), values], axis=1)
+        low, high = self._span[name]
+        degree = min(3, count - 1)
+        inner = np.linspace(low, high, count - degree + 1)
+        knots = np.concatenate([[low] * degree, inner, [high] * degree])
+        at = np.clip(values, low, high - 1e-9 * (high - low))
+        return np.asarray(BSpline.design_matrix(at, knots, degree).toarray(), dtype=np.float64)
+
+    @staticmethod
+    def _range(columns: Sequence[Floats]) -> tuple[float, float]:
+        everything = np.concatenate(columns)
+        low, high = np.quantile(everything, [0.002, 0.998])
+        return float(low), float(max(high, low + 1e-9))
+
+
+_SHAPES = {
+    "": lambda x: x,
+    "sin": np.sin,
+    "cos": np.cos,
+    "^2": np.square,
+    "^3": lambda x: x**3,
+    "||": lambda x: x * np.abs(x),
+}
+
+
+def _products(some: Sequence[str]) -> list[tuple[str, ...]]:
+    choices: list[tuple[str, ...]] = [()]
+    for name in some:
+        own = ("",) if name.startswith("sign(") else ("", "sin", "cos", "^2", "^3", "||")
+        choices = [(*before, shape) for before in choices for shape in own]
+    return choices
+
+
+def _spelled(name: str, shape: str) -> str:
+    if shape in ("sin", "cos"):
+        return f"{shape}({name})"
+    return f"{name}|{name}|" if shape == "||" else f"{name}{shape}"
+
+
+def _white(regression: Regression, final: Candidate) -> bool:
+    """Say whether neighbouring residuals have nothing to do with one another, by the spectrum of each trial.
+
+    Of white noise every frequency has the same share; the largest departure of its running sum from a straight
+    line follows Kolmogorov's law (Bartlett 1954).
+    """
+    worst = 0.0
+    for joint in range(regression.arm.n_joint):
+        power = 0.0
+        for motion in regression.motions:
+            residual = regression.residual(final.model, final.x, motion)[:, joint]
+            spectrum = np.abs(np.fft.rfft(residual, 256))[1:] ** 2
+            power = power + spectrum
+        f = np.arange(1, 129) / 128.0
+        # The band ends before the slower grid's own limit, and its edge is soft: only its flat part is looked at.
+        inside = f < _FLAT
+        running = np.cumsum(power[inside]) / np.sum(power[inside])
+        expected = np.arange(1, len(running) + 1) / len(running)
+        n = sum(len(motion.t) for motion in regression.motions) / regression.weighting.stride * _FLAT / 2.0
+        worst = max(worst, float(np.max(np.abs(running - expected)) * np.sqrt(n)))
+    return worst < _KOLMOGOROV
+
+
+#: The flat part of the band, as a share of the slower grid's limit.
+_FLAT = 0.6
+#: Kolmogorov's law leaves 1 % above this; the noise is known to a few percent only, which bends it a little.
+_KOLMOGOROV = 3.0

@@ -1,0 +1,73 @@
+"""What a motion looks like if some hypotheses hold: another arm, another angle, another torque, further columns."""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from arm.effects.joint_torque import N_STATE
+from arm.model import Arm, Floats
+from arm.regressor import regressor
+from fitter.diagnosis.motion import Motion
+
+
+@dataclass(frozen=True)
+class View:
+    """A motion under hypotheses.
+
+    Attributes
+    ----------
+    motion : Motion
+        As it was measured.
+    arm : Arm
+        Its geometry and gravity.
+    q, dq, ddq, u : (n_sample, n_joint)
+        Of the links, and the torque that reaches the joints.
+    factor : (n_joint,)
+        By which each row of the regressor counts: 1 over a gain of the drive.
+    friction : (n_joint, 2)
+        Viscous and Coulomb friction as far as they are known by now.
+    columns : tuple of ndarray of shape (n_sample, n_joint, n_column)
+        What stands in the equation of motion beside the regressor.
+    """
+
+    motion: Motion
+    arm: Arm
+    q: Floats
+    dq: Floats
+    ddq: Floats
+    u: Floats
+    factor: Floats
+    friction: Floats
+    columns: tuple[Floats, ...] = field(default=())
+
+    def states(self, joint: int) -> Floats:
+        """Return what a joint's resisting torque may depend on, (n_sample, 7), as in `arm.effects.joint_torque`."""
+        n = len(self.q)
+        states = np.empty((n, N_STATE))
+        dq = self.dq[:, joint]
+        states[:, 0], states[:, 1], states[:, 2] = self.motion.t, self.q[:, joint], dq
+        states[:, 3], states[:, 4] = self.motion.direction[:, joint], self.u[:, joint]
+        states[:, 5], states[:, 6] = self.friction[joint]
+        return states
+
+    def base(self, independent: NDArray[np.intp]) -> Floats:
+        """Return the base regressor's rows, (n_sample, n_joint, n_base)."""
+        Y = regressor(self.arm, self.q, self.dq, self.ddq)
+        for j in range(self.arm.n_joint):
+            Y[:, j, 11 * self.arm.n_joint + j] = self.motion.direction[:, j]
+        rows = Y[..., independent]
+        return np.asarray(rows * self.factor[:, None], dtype=np.float64)
+
+    @property
+    def is_plain(self) -> bool:
+        """Whether nothing but columns was added: the regressor is that of the motion as it was measured."""
+        return self.arm is self.plain_arm and self.q is self.motion.q and bool(np.all(self.factor == 1.0))
+
+    plain_arm: Arm | None = None
+
+
+def view_of(motion: Motion, arm: Arm, friction: Floats) -> View:
+    """Return a motion as it was measured."""
+    n = motion.q.shape[1]
+    return View(motion, arm, motion.q, motion.dq, motion.ddq, motion.u, np.ones(n), friction, plain_arm=arm)

@@ -1,0 +1,120 @@
+"""The cases themselves: repeatable, of the right size, as the definitions say, and without the truth."""
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from arm.arm_file import load_arm
+from benchmarks.diagnosis_oracle import Known, Set, left_by_oracle, true_effects
+from benchmarks.diagnosis_score import score
+from tests.diagnosis.hidden_arm import LENGTH
+from tests.diagnosis.hidden_cases import ANGLE_NOISE_RAD, Case, draw_case
+from tests.diagnosis.hidden_effects import EFFECTS, OUTSIDE
+from tests.diagnosis.hiding import Bench
+
+SHORT = Bench(trial_s=4.0, learning=3, evaluating=3)
+
+
+def noise_free_sets(case: Case) -> tuple[Known, Set, Set]:
+    gravity, noise = (np.array(part) for part in (case.truth["arm"]["gravity"], case.truth["torque_noise_N_m"]))
+    learning = case.trial <= SHORT.learning
+    learn, evaluate = (
+        Set(case.t[rows], case.trial[rows], case.recorded.q[rows], case.recorded.u[rows], SHORT.rate_hz)
+        for rows in (learning, ~learning)
+    )
+    return Known(case.hidden.links[:, LENGTH], gravity, 0.1 * noise), learn, evaluate
+
+
+def answer(case: Case) -> dict[str, Any]:
+    """Return the document of a diagnosis that is right in everything."""
+    causes = [
+        {
+            "effect": effect["effect"],
+            "joints": entry.get("joints", []),
+            "parameters": {name: {"value": x, "std": 0.01, "unit": ""} for name, x in entry["parameters"].items()},
+            "support": 1.0,
+        }
+        for effect in case.truth["effects"]
+        for entry in effect["entries"]
+    ]
+    return {"verdict": "named", "causes": causes, "residual": {"depends_on": []}}
+
+
+def test_the_same_seed_gives_the_same_case() -> None:
+    one, again = (draw_case(5, "one", "joint_spring", SHORT) for _ in range(2))
+    other = draw_case(6, "one", "joint_spring", SHORT)
+    assert one.truth == again.truth != other.truth
+    np.testing.assert_array_equal(one.tau, again.tau)
+
+
+def test_the_truth_is_not_handed_out(tmp_path: Path) -> None:
+    case = draw_case(7, "one", "gain_error", SHORT)
+    learn, evaluate, arm = case.write(tmp_path)
+    assert {path.name for path in tmp_path.iterdir()} == {"learn.npz", "evaluate.npz", "arm.toml"}
+    given = load_arm(arm)
+    assert not given.effects
+    for joint, link in zip(given.joints, case.hidden.links, strict=True):
+        assert joint.a_m == link[LENGTH]
+        assert joint.link.mass_kg == 1.0
+        assert not any(vars(joint.friction).values())
+    with np.load(learn) as first, np.load(evaluate) as second:
+        n = given.n_joint
+        names = {"t", "trial", *(f"{name}{i + 1}" for name in ("q", "tau", "ref") for i in range(n))}
+        assert set(first.files) == set(second.files) == names
+        assert second["t"][0] == pytest.approx(first["t"][-1] + 1.0 / SHORT.rate_hz)
+        assert set(first["trial"]) == {1, 2, 3} and set(second["trial"]) == {4, 5, 6}
+    off = case.q - case.recorded.q
+    assert np.std(off) == pytest.approx(ANGLE_NOISE_RAD, rel=0.05)
+
+
+@pytest.mark.parametrize("effect", EFFECTS)
+def test_an_effect_is_hidden_as_it_is_defined(effect: str) -> None:
+    """What the definitions say of the torque explains most of what a base model leaves."""
+    case = draw_case(42, "one", effect, SHORT)
+    assert case.truth["effects"][0]["unexplained"] >= (0.02 if effect == "stiction" else 0.04)
+    known, learn, evaluate = noise_free_sets(case)
+    without = left_by_oracle(known, learn, evaluate, [])
+    with_it = left_by_oracle(known, learn, evaluate, true_effects(case.truth))
+    own = [joint - 1 for joint in case.truth["effects"][0]["joints"]] or slice(None)
+    if effect == "stiction":
+        np.testing.assert_allclose(with_it, without)  # it is no torque of a joint that moves
+    elif effect == "joint_zero":
+        assert np.min(with_it / without) < 0.1  # it shows at other joints than its own
+    else:
+        most = 0.9 if effect == "backlash" else 0.5  # how a motor crosses its play nobody sees
+        assert np.max((with_it / without)[own]) < most
+
+
+@pytest.mark.parametrize("effect", OUTSIDE)
+def test_variables_are_asked_for_of_what_is_in_no_catalogue(effect: str) -> None:
+    case = draw_case(43, "outside", effect, SHORT)
+    variables = case.truth["effects"][0]["variables"]
+    found = {"verdict": "unexplained", "causes": [], "residual": {"depends_on": variables}}
+    assert score(case.truth, found)["right"]
+    assert not score(case.truth, found | {"verdict": "none"})["right"]
+    assert not score(case.truth, found | {"residual": {"depends_on": ["t"]}})["right"]
+
+
+@pytest.mark.parametrize("effect", ["external_push", "actuator_delay", "payload", "cogging"])
+def test_a_right_answer_counts_as_right(effect: str) -> None:
+    case = draw_case(44, "one", effect, SHORT)
+    found = answer(case)
+    told = score(case.truth, found)
+    assert told["right"] and told["joint"]
+    assert told["inside"] == told["asked"] > 0
+    also = found["causes"][0] | {"effect": "viscous"}
+    assert not score(case.truth, found | {"causes": [*found["causes"], also]})["right"]
+    assert score(case.truth, found | {"causes": [*found["causes"], also], "verdict": "ambiguous"})["right"]
+    assert not score(case.truth, found | {"verdict": "none", "causes": []})["right"]
+
+
+def test_a_wrong_joint_or_size_is_told() -> None:
+    case = draw_case(45, "one", "quadratic_drag", SHORT)
+    found = answer(case)
+    cause = found["causes"][0]
+    assert not score(case.truth, found | {"causes": [cause | {"joints": [9]}]})["joint"]
+    off = {"drag_N_m_s2": {"value": 2.0 + cause["parameters"]["drag_N_m_s2"]["value"], "std": 0.5}}
+    told = score(case.truth, found | {"causes": [cause | {"parameters": off}]})
+    assert (told["inside"], told["asked"], len(told["outliers"])) == (0, 1, 1)

@@ -1,0 +1,49 @@
+"""Hidden effects found by the command: name, joint and size; it is shown neither the seed nor the truth."""
+
+from pathlib import Path
+
+import pytest
+
+from benchmarks.diagnosis_case import diagnose
+from benchmarks.diagnosis_score import score
+from tests.diagnosis.hidden_cases import draw_case
+from tests.diagnosis.hiding import Bench
+
+#: Shorter than the benchmark, so that a case takes seconds.
+SHORT = Bench(trial_s=4.0, learning=4, evaluating=4)
+#: In standard errors; wider than an interval of 95 %, for which the benchmark counts the share.
+REACH = 3.5
+
+
+@pytest.mark.parametrize(
+    ("effect", "seed"),
+    [
+        ("quadratic_drag", 11),
+        ("joint_spring", 12),
+        ("torque_offset", 13),
+        ("cogging", 14),
+        ("gain_error", 15),
+        ("actuator_lag", 16),
+        ("payload", 17),
+        ("gravity_tilt", 18),
+    ],
+)
+def test_a_hidden_effect_is_named(effect: str, seed: int, tmp_path: Path) -> None:
+    case = draw_case(seed, "one", effect, SHORT)
+    told = score(case.truth, diagnose(*case.write(tmp_path), tmp_path / "out"), REACH)
+    assert told["right"], (told, case.truth["effects"])
+    assert told["joint"], (told, case.truth["effects"])
+    assert told["inside"] == told["asked"] > 0, (told, case.truth["effects"])
+
+
+@pytest.mark.parametrize("seed", [21, 22])
+def test_nothing_is_named_where_nothing_is_hidden(seed: int, tmp_path: Path) -> None:
+    case = draw_case(seed, "nothing", bench=SHORT)
+    told = score(case.truth, diagnose(*case.write(tmp_path), tmp_path / "out"))
+    assert told["verdict"] == "none", told
+
+
+def test_what_is_in_no_catalogue_is_not_named(tmp_path: Path) -> None:
+    case = draw_case(31, "outside", "coupled_drag", SHORT)
+    told = score(case.truth, diagnose(*case.write(tmp_path), tmp_path / "out"))
+    assert told["right"], (told, case.truth["effects"])
