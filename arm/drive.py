@@ -208,16 +208,19 @@ def go_its_way(
 
 
 @compiled
-def begin_stretch(commands: Commands, way: Way, k: int, first: bool, dq: Floats, ddq: Floats) -> None:
-    """Take what `go_its_way` found as the start of a stretch; ``first`` if it is the first of step ``k``."""
+def begin_stretch(
+    commands: Commands, effects: EffectTable, way: Way, k: int, share: float, dq: Floats, ddq: Floats
+) -> float:
+    """Begin a stretch at a share of step ``k``, as `go_its_way` found it; return where it must end at last."""
     x = way.state
     for i in range(dq.size):
         fed_back = commands.law[2, i] * ddq[i]
         x[ENTERED0, i] = x[ENTERED, i] + x[THROUGH, i] * fed_back
         x[TARGET0, i] = x[TARGET, i]
-        if first and way.past.shape[0] > 0:
+        if share == 0.0 and way.past.shape[0] > 0:
             way.past[k, 0, i] = x[COMMAND, i] + fed_back
             x[SLOPE, i] = commands.law[1, i] * ddq[i] - commands.law[0, i] * dq[i]
+    return next_jump(commands, effects, way, k, share)
 
 
 @compiled

@@ -18,7 +18,6 @@ from arm.drive import (
     Commands,
     begin_stretch,
     end_stretch,
-    next_jump,
 )
 from arm.effects.effect_table import EffectTable, no_effects
 from arm.model import Floats
@@ -47,13 +46,12 @@ def accelerate(
     q: Floats,
     dq: Floats,
     mode: Floats,
-    choose: bool,
     room: Room,
     ddq: Floats,
 ) -> None:
     """Set up the equations at a share of step ``k``, ``h`` seconds into a stretch, and solve them.
 
-    ``choose`` says that the modes are to be found, and not as they are. Where law (6) feeds the acceleration back,
+    At its start (``h`` is 0) the modes are chosen, for all of it. Where law (6) feeds the acceleration back,
     limits and friction depend on it too: then it is found in rounds.
     """
     implicit = False
@@ -62,11 +60,11 @@ def accelerate(
             implicit = implicit or commands.law[2, i] != 0.0
     guess = room.way.state[GUESS]
     for _ in range(_ROUNDS if implicit else 1):
-        if choose:
+        if h == 0.0:
             for i in range(q.size):
                 mode[i] = np.sign(dq[i])
         equations(chain, commands, effects, k, share, h, q, dq, mode, room)
-        if choose:
+        if h == 0.0:
             choose_modes(dq, mode, room, ddq)
         acceleration(mode, room, ddq)
         if implicit:
@@ -106,9 +104,7 @@ def runge_kutta_stages(
             after[1, i] = dq[i] + part * h * slopes[1, stage - 1, i]
             slopes[0, stage, i] = after[1, i]
         at = start + part * share
-        accelerate(
-            chain, commands, effects, k, at, part * h, after[0], after[1], mode, False, room, slopes[1, stage]
-        )
+        accelerate(chain, commands, effects, k, at, part * h, after[0], after[1], mode, room, slopes[1, stage])
     for i in range(q.size):
         v, a = slopes[0], slopes[1]
         after[0, i] = q[i] + h / 6.0 * (v[0, i] + 2.0 * v[1, i] + 2.0 * v[2, i] + v[3, i])
@@ -137,7 +133,7 @@ def mode_changed(
             return True
         stuck = stuck or mode[i] == 0.0
     if stuck:
-        accelerate(chain, commands, effects, k, share, h, state[0], state[1], mode, False, room, room.bias)
+        accelerate(chain, commands, effects, k, share, h, state[0], state[1], mode, room, room.bias)
         for i in range(mode.size):
             if mode[i] == 0.0 and pull_beyond(i, room, room.bias) != 0.0:
                 return True
@@ -166,14 +162,11 @@ def effect_steps(
         done = 0.0
         taken = take_up(effects, chain, commands.t0 + k * commands.dt, taken)
         for cut in range(_CUTS):
-            accelerate(chain, commands, effects, k, done, 0.0, q, dq, mode, True, room, slopes[1, 0])
+            accelerate(chain, commands, effects, k, done, 0.0, q, dq, mode, room, slopes[1, 0])
             if cut == 0:
                 record(commands, effects, room, k, q, dq, slopes[1, 0], motion, lead)
-            whole = 1.0 - done
-            if effects.driven:
-                begin_stretch(commands, room.way, k, cut == 0, dq, slopes[1, 0])
-                if cut < _CUTS - 1:
-                    whole = next_jump(commands, effects, room.way, k, done) - done
+            ends = begin_stretch(commands, effects, room.way, k, done, dq, slopes[1, 0]) if effects.driven else 1.0
+            whole = (ends if cut < _CUTS - 1 else 1.0) - done
             share, before, late, found = whole, 0.0, whole, False
             while True:  # the first time through to the end; then bisection, if a mode changes on the way
                 h = share * commands.dt

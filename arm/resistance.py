@@ -6,10 +6,10 @@ from arm.effects.effect_table import EffectTable
 from arm.effects.joint_torque import COULOMB, DIRECTION, DQ, TAU, VISCOUS, Q, T, torque_at
 from arm.model import Floats
 from arm.room import Room
-from limbcal.compiled import compiled
+from limbcal.compiled import compiled, inlined
 
 
-@compiled
+@inlined
 def resist(
     chain: Chain,
     commands: Commands,

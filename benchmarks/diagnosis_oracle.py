@@ -41,7 +41,19 @@ class Set:
     trial: NDArray[np.int64]
     q: Floats
     tau: Floats
+    ref: Floats
     rate_hz: float
+
+    def of_trial(self, number: int) -> "Set":
+        """Return one trial of the set."""
+        rows = self.trial == number
+        parts = (column[rows] for column in (self.t, self.trial, self.q, self.tau, self.ref))
+        return Set(*parts, rate_hz=self.rate_hz)
+
+    @property
+    def jumps(self) -> NDArray[np.bool_]:
+        """Where the target has just jumped, and the torque with it (n_sample,)."""
+        return np.any(np.diff(self.ref, axis=0, prepend=self.ref[:1]) != 0.0, axis=1)
 
 
 @dataclass(frozen=True)
@@ -56,9 +68,11 @@ class Known:
 def read_set(path: Path, n: int) -> Set:
     """Read what a case wrote."""
     with np.load(path) as file:
-        q, tau = (np.stack([file[f"{name}{i + 1}"] for i in range(n)], axis=1) for name in ("q", "tau"))
+        q, tau, ref = (
+            np.stack([file[f"{name}{i + 1}"] for i in range(n)], axis=1) for name in ("q", "tau", "ref")
+        )
         t, trial = file["t"], file["trial"]
-    return Set(t, trial, q, tau, float(1.0 / np.median(np.diff(t))))
+    return Set(t, trial, q, tau, ref, float(1.0 / np.median(np.diff(t))))
 
 
 def equations(known: Known, data: Set, effects: Sequence[Entry]) -> tuple[Floats, Floats, NDArray[np.bool_]]:
@@ -70,9 +84,7 @@ def equations(known: Known, data: Set, effects: Sequence[Entry]) -> tuple[Floats
     """
     parts = []
     for number in np.unique(data.trial):
-        rows = data.trial == number
-        one = Set(data.t[rows], data.trial[rows], data.q[rows], data.tau[rows], data.rate_hz)
-        Y, tau, moving = _of_trial(known, one, int(number), effects)
+        Y, tau, moving = _of_trial(known, data.of_trial(number), int(number), effects)
         ends = slice(round(ENDS_S * data.rate_hz), len(Y) - round(ENDS_S * data.rate_hz))
         parts.append((Y[ends], tau[ends], moving[ends]))
     Y, tau, moving = (np.concatenate(columns) for columns in zip(*parts, strict=True))
@@ -82,8 +94,8 @@ def equations(known: Known, data: Set, effects: Sequence[Entry]) -> tuple[Floats
 def _of_trial(
     known: Known, data: Set, number: int, effects: Sequence[Entry]
 ) -> tuple[Floats, Floats, NDArray[np.bool_]]:
-    drive, scale = _drive(known, data, effects)
-    q, dq, ddq = _derivatives(data.q - _lead(known, data.rate_hz, drive, effects), data.rate_hz)
+    drive, scale = _drive(data, effects)
+    q, dq, ddq = _derivatives(data.q - _lead(known, data, drive, effects), data.rate_hz)
     offset, gravity = np.zeros(q.shape[1]), known.gravity.copy()
     for effect in effects:
         p = effect["parameters"]
@@ -98,21 +110,23 @@ def _of_trial(
     return lowpass(Y, data.rate_hz, BAND_HZ) / scale[:, None], lowpass(tau, data.rate_hz, BAND_HZ) / scale, moving
 
 
-def _drive(known: Known, data: Set, effects: Sequence[Entry]) -> tuple[Floats, Floats]:
+def _drive(data: Set, effects: Sequence[Entry]) -> tuple[Floats, Floats]:
     """Return the torque that reaches the joints, and how large it is beside what was asked for."""
-    drive, scale = data.tau.copy(), np.ones(data.tau.shape[1])
+    n = data.tau.shape[1]
+    late, scale = np.zeros(n), np.ones(n)
     for effect in effects:
-        p = effect["parameters"]
-        for i in (joint - 1 for joint in effect["joints"]):
-            if effect["name"] == "actuator_delay":
-                drive[:, i] = np.interp(data.t - p["delay_s"], data.t, drive[:, i])
-            elif effect["name"] == "actuator_lag":
-                keep = np.exp(-1.0 / (data.rate_hz * p["time_constant_s"]))
-                start = [keep * drive[0, i]]
-                drive[:, i] = scipy.signal.lfilter([1.0 - keep], [1.0, -keep], drive[:, i], zi=start)[0]
-            elif effect["name"] == "gain_error":
-                drive[:, i] *= p["factor"]
-                scale[i] *= p["factor"]
+        own = [joint - 1 for joint in effect["joints"]]
+        if effect["name"] == "actuator_delay":
+            late[own] += effect["parameters"]["delay_s"]
+        elif effect["name"] == "gain_error":
+            scale[own] *= effect["parameters"]["factor"]
+    drive = np.stack([_around(data, data.tau[:, i], late[i]) for i in range(n)], axis=1)
+    for effect in effects:
+        if effect["name"] == "actuator_lag":
+            for i in (joint - 1 for joint in effect["joints"]):
+                asked = drive[:, i] if late[i] > 0.0 else data.tau[:, i]
+                drive[:, i] = _following(data, asked, effect["parameters"]["time_constant_s"])
+    drive *= scale
     for effect in effects:
         if effect["name"] == "torque_saturation":
             i, limit = effect["joints"][0] - 1, effect["parameters"]["limit_N_m"]
@@ -120,7 +134,28 @@ def _drive(known: Known, data: Set, effects: Sequence[Entry]) -> tuple[Floats, F
     return drive, scale
 
 
-def _lead(known: Known, rate_hz: float, drive: Floats, effects: Sequence[Entry]) -> Floats:
+def _around(data: Set, tau: Floats, late_s: float) -> Floats:
+    """Return a torque so much later, each sample the mean over the interval about it; jumps have no width."""
+    before = np.flatnonzero(data.jumps)
+    before = before[before > 0]
+    at = np.insert(data.t, before, data.t[before] - 1e-9)
+    values = np.insert(tau, before, tau[before - 1])
+    parts = (np.arange(8) - 3.5) / (8.0 * data.rate_hz)
+    return np.mean([np.interp(data.t - late_s + part, at, values) for part in parts], axis=0)
+
+
+def _following(data: Set, tau: Floats, time_constant_s: float) -> Floats:
+    """Return what follows a torque with a time constant, exact where that is linear between samples or jumps."""
+    step = 1.0 / (data.rate_hz * time_constant_s)
+    keep = np.exp(-step)
+    part = (1.0 - keep) / step
+    previous = np.concatenate([tau[:1], tau[:-1]])
+    reached = np.where(data.jumps, previous, tau)
+    driving = (1.0 - part) * reached + (part - keep) * previous
+    return scipy.signal.lfilter([1.0], [1.0, -keep], driving, zi=[keep * tau[0]])[0]
+
+
+def _lead(known: Known, data: Set, drive: Floats, effects: Sequence[Entry]) -> Floats:
     """Return by how much the motor's side leads the link."""
     lead = np.zeros_like(drive)
     for effect in effects:
@@ -133,9 +168,7 @@ def _lead(known: Known, rate_hz: float, drive: Floats, effects: Sequence[Entry])
                 lead[:, i] = np.interp(np.arange(len(drive)), touching, side)
         elif effect["name"] == "joint_elasticity":
             i, k, d = effect["joints"][0] - 1, p["stiffness_N_m_rad"], p["damping_N_m_s"]
-            keep = np.exp(-k / (rate_hz * d)) if d > 0.0 else 0.0
-            yielding = scipy.signal.lfilter([1.0 - keep], [1.0, -keep], drive[:, i], zi=[keep * drive[0, i]])[0]
-            lead[:, i] = yielding / k
+            lead[:, i] = (_following(data, drive[:, i], d / k) if d > 0.0 else drive[:, i]) / k
     return lead
 
 

@@ -28,8 +28,9 @@ TRIAL = "limb/trial"
 HEALTH = "limb/health"
 KINEMATICS = "limb/kinematics"
 DYNAMICS = "limb/dynamics"
+DIAGNOSIS = "limb/diagnosis"
 PLAY = "limb/play"
-TOPICS = (FRAMES, RAW, PLOT, TRIAL, HEALTH, KINEMATICS, DYNAMICS, PLAY)
+TOPICS = (FRAMES, RAW, PLOT, TRIAL, HEALTH, KINEMATICS, DYNAMICS, DIAGNOSIS, PLAY)
 
 _DTYPES = {text: np.dtype(text) for text in ("<f8", "<f4", "<i8", "<i4", "<i2", "|b1")}
 _ARRAY_KEYS = {"dtype", "shape", "data"}

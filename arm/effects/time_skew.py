@@ -7,7 +7,6 @@ the newest, so readings can be delayed block by block. Before its first sample t
 import math
 
 import numpy as np
-import scipy.signal
 
 from arm.effects.effect import EffectKind, Parameter
 from arm.model import Floats
@@ -31,19 +30,25 @@ class Skew:
     """
 
     def __init__(self, delay: float) -> None:
-        first = max(int(delay) - 1, 0)  # the polynomial's newest sample, in samples back
-        share = delay - first
-        weights = [
+        self._newest = max(int(delay) - 1, 0)  # of the four, in samples back
+        share = delay - self._newest
+        self._weights = [
             math.prod([(share - other) / (node - other) for other in range(4) if other != node])
             for node in range(4)
         ]
-        self._weights: Floats = np.concatenate([np.zeros(first), weights])
-        self._state: Floats | None = None
+        self._before: Floats | None = None
 
     def apply(self, readings: Floats) -> Floats:
         """Return readings (n_sample, n_channel), which follow those before them, as they come late."""
-        if self._state is None:
-            resting = scipy.signal.lfilter_zi(self._weights, [1.0])
-            self._state = resting[:, None] * readings[:1]
-        late, self._state = scipy.signal.lfilter(self._weights, [1.0], readings, axis=0, zi=self._state)
-        return np.asarray(late, dtype=np.float64)
+        if not len(readings):
+            return readings
+        reach = self._newest + 3
+        if self._before is None:
+            self._before = np.repeat(readings[:1], reach, axis=0)
+        known = np.vstack([self._before, readings])
+        self._before = known[len(readings) :]
+        late = np.zeros_like(readings)
+        for node, weight in enumerate(self._weights):
+            first = reach - self._newest - node
+            late += weight * known[first : first + len(readings)]
+        return late

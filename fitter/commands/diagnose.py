@@ -7,7 +7,7 @@ from pathlib import Path
 from rich.progress import Progress
 from rich.table import Table
 
-from arm.arm_file import load_arm, save_arm
+from arm.arm_file import load_arm
 from arm.effects.catalogue import catalogue
 from arm.model import Arm
 from fitter.commands.options import add_arm, add_columns
@@ -17,8 +17,8 @@ from fitter.data.recordings import read_frames
 from fitter.data.sources import RECORDINGS, expand
 from fitter.diagnosis.diagnosis import diagnose
 from fitter.diagnosis.finding import Finding, NamedCause
-from fitter.report.diagnosis_report import write_report
-from limbcal.command import Document, console, say, to_json
+from fitter.report.diagnosis_report import write_diagnosis
+from limbcal.command import Document, console, say
 from limbcal.errors import ConfigError, DeviceError
 
 #: What the base model can be denied, and how its parameters' names begin.
@@ -37,7 +37,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--deny", metavar="LIST", help="frictions that the base model is to do without: viscous,coulomb"
     )
     parser.add_argument("--no-torque", action="store_true", help="nothing drives the arm: it swings freely")
-    parser.add_argument("--out", type=Path, required=True, metavar="DIR", help="report, JSON, pictures, extended arm")
+    parser.add_argument(
+        "--out", type=Path, required=True, metavar="DIR", help="report, JSON, pictures, extended arm"
+    )
     parser.set_defaults(action=diagnose_command)
 
 
@@ -62,16 +64,10 @@ def diagnose_command(arguments: argparse.Namespace) -> Document:
             free=arguments.no_torque,
             progress=lambda what, done: progress.update(task, description=what, completed=done),
         )
-    document = found.finding.document()
     out: Path = arguments.out
-    try:
-        (out / "diagnosis.json").write_text(to_json(document), encoding="utf-8")
-    except OSError as error:
-        raise DeviceError(f"{out}: cannot be written: {error.strerror}") from error
-    save_arm(found.finding.arm, out / "extended.toml")
-    write_report(found, out)
+    write_diagnosis(found, out)
     _say(found.finding, out)
-    return document
+    return found.finding.document()
 
 
 def _read(sources: Sequence[Path], arm: Arm, arguments: argparse.Namespace) -> list[Measured]:
@@ -111,7 +107,8 @@ def _say(finding: Finding, out: Path) -> None:
     for cause in finding.causes:
         say(f"  {told(cause)}")
     if finding.remainder.depends_on:
-        say(f"what is left depends on {', '.join(finding.remainder.depends_on)} {finding.remainder.formula}".strip())
+        variables, formula = ", ".join(finding.remainder.depends_on), finding.remainder.formula
+        say(f"what is left depends on {variables} {formula}".strip())
     table = Table("on the evaluating trials", "before", "after")
     before, after = finding.before, finding.after
     for j, (was, became) in enumerate(zip(before.torque_rms, after.torque_rms, strict=True)):

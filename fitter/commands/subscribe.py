@@ -9,7 +9,9 @@ import zmq
 from rich.live import Live
 
 from arm.arm_file import load_arm, preset_names
+from fitter.commands.live_diagnosis import diagnosis_fields, live_diagnosis, write_live_diagnosis
 from fitter.commands.options import at_least, positive
+from fitter.diagnosis.diagnosis import Diagnosis
 from fitter.live.calibration import Calibration
 from fitter.live.live_table import live_table
 from fitter.live.progress_message import dynamics_fields, kinematics_fields
@@ -18,7 +20,7 @@ from fitter.report.compared import load_compared
 from fitter.report.results import write_results
 from limbcal.command import Document, console, say
 from limbcal.errors import ConfigError, DataError, DeviceError, LimbcalError, NotIdentifiable
-from protocol.message import DYNAMICS, FRAMES, HEALTH, KINEMATICS, TRIAL
+from protocol.message import DIAGNOSIS, DYNAMICS, FRAMES, HEALTH, KINEMATICS, TRIAL
 from protocol.publisher import Publisher
 from protocol.subscriber import Subscriber
 
@@ -43,6 +45,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--idle", type=positive, metavar="S", help="stop when no motion has ended for so long")
     parser.add_argument("--seed", type=at_least(0), default=0, help="of the genetic algorithms (0)")
     parser.add_argument("--compare", action="append", default=[], metavar="A", help="another arm to print beside")
+    parser.add_argument("--diagnose", action="store_true", help="at the end, say why the simulation is wrong")
     parser.add_argument("--out", type=Path, metavar="DIR", help="write the calibrated arm, JSON and a report here")
     parser.set_defaults(action=subscribe)
 
@@ -71,6 +74,8 @@ def subscribe(arguments: argparse.Namespace) -> Document | None:
                 except LimbcalError as error:  # what was learnt until then is not lost
                     trouble = error
                 session.conclude()
+                if arguments.diagnose and session.calibration.learnt:
+                    session.diagnose()
     finally:
         context.destroy(linger=0)  # also what an interrupt left open
     if not session.calibration.learnt:
@@ -80,6 +85,10 @@ def subscribe(arguments: argparse.Namespace) -> Document | None:
             raise trouble
         return {"stream": session.report()}
     document = write_results(session.calibration, compared, session.report(), arguments.out)
+    if session.diagnosis is not None:
+        document["diagnosis"] = session.diagnosis.finding.document()
+        if arguments.out is not None:
+            write_live_diagnosis(session.diagnosis, arguments.out)
     if trouble is not None:
         raise trouble
     return document
@@ -122,6 +131,7 @@ class _Session:
 
     def __init__(self, calibration: Calibration, publisher: Publisher, subscriber: Subscriber) -> None:
         self.calibration = calibration
+        self.diagnosis: Diagnosis | None = None
         self._publisher = publisher
         self._subscriber = subscriber
         self._assembler = MotionAssembler()
@@ -148,6 +158,12 @@ class _Session:
         self.calibration.conclude()
         self._publish_dynamics()
         self._publish()
+
+    def diagnose(self) -> None:
+        """Find out why the calibrated simulation is wrong, and tell it."""
+        self.diagnosis = live_diagnosis(self.calibration)
+        if self.diagnosis is not None:
+            self._publisher.publish(DIAGNOSIS, diagnosis_fields(self.diagnosis))
 
     def _over(self, seconds: float | None, trials: int | None, idle: float | None) -> bool:
         now = time.monotonic()

@@ -43,9 +43,9 @@ class AtJoint(Hypothesis):
     def __init__(self, kind: EffectKind, joint: int, choice: dict[str, float] | None = None) -> None:
         super().__init__(kind, (joint,))
         self._joint = joint
-        self._choice = choice or {}
+        self.choice = choice or {}
         names = [parameter.name for parameter in kind.parameters]
-        free = [k for k, name in enumerate(names) if name not in self._choice]
+        free = [k for k, name in enumerate(names) if name not in self.choice]
         self._linear = [k for k in free if kind.parameters[k].linear]
         self._folded = self._plane([k for k in free if k not in self._linear])
         self._psi = [k for k in free if k not in self._linear and k not in self._folded]
@@ -140,8 +140,8 @@ class AtJoint(Hypothesis):
     def _values(self, psi: Floats) -> Floats:
         values = np.zeros(len(self.kind.parameters))
         for k, parameter in enumerate(self.kind.parameters):
-            if parameter.name in self._choice:
-                values[k] = self._choice[parameter.name]
+            if parameter.name in self.choice:
+                values[k] = self.choice[parameter.name]
         values[self._psi] = psi
         return values
 
@@ -161,7 +161,7 @@ class AtJoint(Hypothesis):
         for k in others:
             values = np.zeros(len(self.kind.parameters))
             for i, parameter in enumerate(self.kind.parameters):
-                values[i] = self._choice.get(parameter.name, 0.7 * min(parameter.high, 2.0))
+                values[i] = self.choice.get(parameter.name, 0.7 * min(parameter.high, 2.0))
             values[self._linear[0]] = 1.0
             shapes = []
             for at in (0.2, 0.5, 0.9, 1.3):

@@ -5,7 +5,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from arm.model import Arm, Floats
+from arm.model import Arm, Effect, Floats
+from arm.regressor import standard_parameters
 from fitter.data.motions import Measured
 from fitter.data.resample import Uniform, resample, split_at_holes
 from fitter.data.trials import FIT_CORNER, Trial, derive, undriven
@@ -13,6 +14,7 @@ from fitter.diagnosis.causes import Search, find_causes
 from fitter.diagnosis.estimates import Estimates, estimates, extended_arm
 from fitter.diagnosis.events import Pushes
 from fitter.diagnosis.finding import Finding, NamedCause, Tried, Verdict
+from fitter.diagnosis.holding import Holding, holdings
 from fitter.diagnosis.hypotheses import hypotheses
 from fitter.diagnosis.in_arm import Payload
 from fitter.diagnosis.judgement import gain, judged
@@ -21,13 +23,16 @@ from fitter.diagnosis.next_experiment import next_experiment
 from fitter.diagnosis.regression import Model, Regression
 from fitter.diagnosis.screening import Candidate, fitted
 from fitter.diagnosis.unknown import WORTH, Remainder, describe
-from limbcal.errors import DataError
+from fitter.dynamics.structure import structural_parameters
+from limbcal.errors import DataError, NotIdentifiable
 
 Progress = Callable[[str, float], None]
 
 #: If a smooth function explains more than this share of what the base model leaves, and the causes do not, the
 #: causes are not it.
 _UNEXPLAINED = 0.12
+#: Effects in proportion to the joint's friction, which is fitted along; so many rounds settle both.
+_OF_FRICTION, _ROUNDS = ("thermal_drift",), 4
 
 
 @dataclass(frozen=True)
@@ -93,26 +98,47 @@ def diagnose(
     say = progress or (lambda _what, _done: None)
     corner = corner_hz(min(1.0 / grid.dt_s for some in grids for grid in some))
     learning, evaluating = _trials(grids, corner, free)
-    regression = Regression(arm, run_of(arm, learning, evaluating), denied)
-    search = find_causes(regression, hypotheses(arm.n_joint, denied), lambda what, done: say(what, 0.8 * done))
+    regression = Regression(arm, run_of(arm, learning, evaluating), denied, _scale_of(arm) if free else None)
+    search = find_causes(regression, hypotheses(arm.n_joint, denied, driven=not free), lambda what, done: say(what, 0.8 * done))
     search = replace(search, final=_settled(regression, search.final))
     say("describing what is left", 0.8)
     remainder = describe(regression, search.final)
+    held = holdings(regression, search.final)
     verdict = _verdict(search, remainder)
+    if verdict == "none" and held:
+        verdict = "named"
     final = search.final
     if verdict == "unexplained" and search.causes:
         final = search.base
         remainder = describe(regression, final)
     say("judging on the evaluating trials", 0.92)
-    finding, motions_ = _told(regression, search, final, remainder, verdict, run_of(arm, learning, evaluating, thin=False))
+    finding, motions_ = _told(regression, search, final, remainder, verdict, held, run_of(arm, learning, evaluating, thin=False))
     say("done", 1.0)
     return Diagnosis(finding, regression, search, motions_, final)
 
 
+def _scale_of(arm: Arm) -> tuple[int, float]:
+    """Return the standard parameter, and its value in the arm file, that tells the scale of an undriven arm.
+
+    It is the last link's inertia about its axis.
+
+    Raises
+    ------
+    NotIdentifiable
+        If the arm file has none.
+    """
+    base = structural_parameters(arm)
+    values = base.combination @ standard_parameters(arm)
+    inertial = [k for k, column in enumerate(base.independent) if column < 10 * arm.n_joint and column % 10 < 6]
+    if not inertial or not values[inertial[-1]] > 0.0:
+        raise NotIdentifiable(
+            f"arm {arm.name}: nothing drives it, so only ratios can be told; expected the last link's inertia in its file"
+        )
+    return base.independent[inertial[-1]], float(values[inertial[-1]])
+
+
 def _settled(regression: Regression, final: Candidate) -> Candidate:
-    """Return a model with the times of pushes refined along with everything else, if there are any."""
-    if not any(isinstance(hypothesis, Pushes) for hypothesis in final.model.hypotheses):
-        return final
+    """Return a model with all that was held while it was sought refined too: times of pushes, and friction."""
     model = Model()
     for hypothesis, psi in zip(final.model.hypotheses, final.model.psi, strict=True):
         one, start = hypothesis, psi
@@ -120,7 +146,13 @@ def _settled(regression: Regression, final: Candidate) -> Candidate:
             one = Pushes(hypothesis.kind, hypothesis.joints[0], hypothesis.found, free=True)
             start = one.starts([])[0]
         model = model.plus(one, start)
-    return fitted(regression, model)
+    if len(model.flat) > len(final.model.flat):
+        final = fitted(regression, model)
+    if any(hypothesis.kind.name in _OF_FRICTION for hypothesis in model.hypotheses):
+        for _ in range(_ROUNDS):
+            regression.learn_friction(final.model, final.x)
+            final = fitted(regression, final.model)
+    return final
 
 
 def _trials(grids: Sequence[Sequence[Uniform]], cutoff_hz: float, free: bool) -> list[list[Trial]]:
@@ -145,6 +177,7 @@ def _told(
     final: Candidate,
     remainder: Remainder,
     verdict: Verdict,
+    held: list[Holding],
     motions: list[Motion],
 ) -> tuple[Finding, list[Motion]]:
     arm = regression.arm
@@ -153,16 +186,19 @@ def _told(
     found = plain if final is search.base else estimates(regression, final)
     extended = base_arm if final is search.base else extended_arm(regression, final, found)
     judging = [motion for motion in motions if not motion.learn]
-    before = judged(regression, search.base, base_arm, judging)
-    after = before if final is search.base else judged(regression, final, extended, judging)
     causes = [] if final is search.base else _causes(regression, search, found)
+    if verdict in ("named", "ambiguous"):
+        causes += [NamedCause("stiction", (one.joint + 1,), {"static_N_m": one.parameter}, 1.0) for one in held]
+        extended = _sticking(extended, held)
+    before = judged(regression, search.base, base_arm, judging)
+    after = before if extended is base_arm else judged(regression, final, extended, judging)
     alike = sorted({cause.effect for cause in causes})
     confusable = [] if final is search.base else _confusable(search)
-    joints = [j for cause in causes for j in cause.joints] or list(range(1, arm.n_joint + 1))
+    joints = [j for cause in causes for j in cause.joints]
     finding = Finding(
         verdict=verdict,
         causes=causes,
-        candidates=_tried(regression, search),
+        candidates=_tried(regression, search, held),
         confusable=confusable,
         next_experiment=next_experiment(verdict, alike, joints, remainder.depends_on),
         before=before,
@@ -218,7 +254,7 @@ def _confusable(search: Search) -> list[tuple[str, str]]:
     return sorted((a, b) for a, b in pairs)
 
 
-def _tried(regression: Regression, search: Search) -> list[Tried]:
+def _tried(regression: Regression, search: Search, held: Sequence[Holding]) -> list[Tried]:
     """Return every hypothesis that was tried beside the base model, by what it gains on the evaluating trials."""
     held_out = np.array([not motion.learn for motion in regression.motions])
     was = float(search.base.squares[held_out].sum())
@@ -238,4 +274,10 @@ def _tried(regression: Regression, search: Search) -> list[Tried]:
         )
         for one, gain_, share in zip(search.first, gains, support, strict=True)
     ]
+    listed += [Tried("stiction", (one.joint + 1,), float(np.clip(one.gain, 0.0, 1.0)), 1.0) for one in held]
     return sorted(listed, key=lambda one: -one.gain)
+
+
+def _sticking(arm: Arm, held: Sequence[Holding]) -> Arm:
+    effects = tuple(Effect("stiction", {"static_N_m": one.parameter.value}, joints=(one.joint + 1,)) for one in held)
+    return replace(arm, effects=(*arm.effects, *effects)) if effects else arm

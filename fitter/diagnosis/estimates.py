@@ -19,6 +19,9 @@ from fitter.search.standard_errors import sandwich_covariance
 #: Blocks of neighbouring equations whose scores tell the answer's scatter, over all trials.
 _BLOCKS = 240
 _SLOPE = 1e-4
+#: What is left beyond noise shifts a parameter by at most sqrt(excess (J^T J)^-1) (Cauchy and Schwarz), if it
+#: points its way altogether; an interval allows for half of that.
+_LEANING = 0.25
 
 
 @dataclass(frozen=True)
@@ -58,6 +61,8 @@ def estimates(regression: Regression, fitted: Candidate) -> Estimates:
     values, errors = np.full((2, len(base.names)), np.nan)
     where = [base.independent.index(int(column)) for column in kept]
     values[where], errors[where] = fitted.x[:n_base], std[:n_base]
+    if regression.known is not None:
+        values[base.independent.index(regression.known[0])] = regression.known[1]
 
     effects, at, psi_at = [], n_base, len(fitted.x)
     for hypothesis, psi in zip(model.hypotheses, model.psi, strict=True):
@@ -96,11 +101,11 @@ def extended_arm(regression: Regression, fitted: Candidate, found: Estimates) ->
 
 def _generic(arm: Arm, tilted: Arm) -> Arm:
     """Return the arm in a gravity that hides nothing that the tilted one shows."""
-    gravity = tuple(
+    x, y, z = (
         float(g0 if g == g0 else g0 + 0.7 + 0.1 * k)
         for k, (g, g0) in enumerate(zip(tilted.gravity_m_s2, arm.gravity_m_s2, strict=True))
     )
-    return replace(arm, gravity_m_s2=gravity)
+    return replace(arm, gravity_m_s2=(x, y, z))
 
 
 def _effect(hypothesis: Hypothesis, numbers: dict[str, FittedParameter]) -> Effect:
@@ -176,5 +181,9 @@ def _covariance(regression: Regression, fitted: Candidate, motions: list[Motion]
     covariance = np.full((len(size), len(size)), np.nan)
     if np.min(np.abs(np.diag(W))) > 1e-10 * np.max(np.abs(np.diag(W))):
         part = sandwich_covariance(np.asarray(W), grams, scores, of_trial)
+        told_by_all = sum(regression.weighting.told(motion) for motion in motions)
+        excess = sum(float(r @ r) for r in residuals) - told_by_all
+        root = np.linalg.inv(W)
+        part = part + _LEANING**2 * max(excess, 0.0) * (root @ root.T)
         covariance[np.ix_(told, told)] = part / np.outer(size[told], size[told])
     return covariance

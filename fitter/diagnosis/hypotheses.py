@@ -13,7 +13,7 @@ EVENTS = ("external_push", "payload")
 _IN_BASE = {"viscous": "D", "coulomb": "fc"}
 
 
-def hypotheses(n_joint: int, denied: tuple[str, ...] = ()) -> list[Hypothesis]:
+def hypotheses(n_joint: int, denied: tuple[str, ...] = (), driven: bool = True) -> list[Hypothesis]:
     """Return every hypothesis about the joints that is no event.
 
     Parameters
@@ -21,10 +21,14 @@ def hypotheses(n_joint: int, denied: tuple[str, ...] = ()) -> list[Hypothesis]:
     n_joint : int
     denied : tuple of str
         Frictions that the base model leaves out: ``D``, ``fc``.
+    driven : bool
+        Whether a torque drives the arm: without one nothing can go wrong on its way.
     """
     found: list[Hypothesis] = []
     for name, kind in catalogue().items():
         if kind.place == "sensor" or name in EVENTS or (name in _IN_BASE and _IN_BASE[name] not in denied):
+            continue
+        if not driven and (kind.place in ("drive", "transmission") or name == "load_friction"):
             continue
         if kind.place == "joint":
             sides = [{"side": -1.0}, {"side": 1.0}] if any(p.name == "side" for p in kind.parameters) else [{}]

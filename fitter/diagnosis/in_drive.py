@@ -9,13 +9,14 @@ from scipy.signal import lfilter
 
 from arm.effects.effect import EffectKind
 from arm.model import Floats
+from fitter.data.derivatives import lowpass
 from fitter.diagnosis.hypothesis import Hypothesis
-from fitter.diagnosis.motion import Motion
+from fitter.diagnosis.motion import Motion, sharp_torque
 from fitter.diagnosis.view import View
 
 _GRID = 10
 #: Shares of the greatest torque that a limit may be.
-_LIMITS = np.linspace(0.98, 0.3, 18)
+_LIMITS = np.linspace(0.98, 0.3, 12)
 
 
 class InDrive(Hypothesis):
@@ -25,6 +26,11 @@ class InDrive(Hypothesis):
     def is_gradual(self) -> bool:  # type: ignore[override]
         """A gain is, what comes late is not."""
         return self.kind.name == "gain_error"
+
+    @property
+    def is_event(self) -> bool:  # type: ignore[override]
+        """A limit may be reached in few trials, and in none of those that are learnt from."""
+        return self.kind.name == "torque_saturation"
 
     @property
     def low(self) -> Floats:
@@ -40,7 +46,7 @@ class InDrive(Hypothesis):
         """Return values to try first, (n_start, 1)."""
         if self.kind.name == "torque_saturation":
             u = np.concatenate([np.abs(motion.u[:, self.joints]) for motion in motions])
-            return (_LIMITS * np.quantile(u, 0.9995))[:, None]
+            return np.asarray((_LIMITS * np.quantile(u, 0.9995))[:, None], dtype=np.float64)
         if self.kind.name == "gain_error":
             return np.array([[0.95], [1.05]])
         step = motions[0].trial.dt_s
@@ -53,6 +59,9 @@ class InDrive(Hypothesis):
             factor[list(self.joints)] /= psi[0]
             return replace(view, factor=factor)
         u = view.u.copy()
+        if self.kind.name == "torque_saturation":
+            u[:, self.joints] = _limited(view, float(psi[0]))[:, self.joints]
+            return replace(view, u=u)
         for j in self.joints:
             u[:, j] = _DRIVES[self.kind.name](view.u[:, j], float(psi[0]), view.motion.dt_s)
         return replace(view, u=u)
@@ -79,17 +88,21 @@ def lagging(u: Floats, time_constant_s: float, dt_s: float) -> Floats:
     return np.asarray(followed, dtype=np.float64)
 
 
-def limited(u: Floats, limit: float, dt_s: float) -> Floats:
-    """Return a torque that is cut off."""
-    return np.clip(u, -limit, limit)
+def _limited(view: View, limit: float) -> Floats:
+    """Return a torque that was cut off where it is as sharp as it was, and then filtered as the columns are."""
+    trial, motion = view.motion.trial, view.motion
+    whole = sharp_torque(view.arm, trial)
+    cut = lowpass(np.clip(whole, -limit, limit) - whole, trial.dt_s, trial.cutoff_hz)
+    inner = cut[trial.trimmed : trial.trimmed + len(trial.t)]
+    return np.asarray(view.u + inner[:: round(motion.dt_s / trial.dt_s)], dtype=np.float64)
 
 
-_DRIVES = {"actuator_delay": delayed, "actuator_lag": lagging, "torque_saturation": limited}
+_DRIVES = {"actuator_delay": delayed, "actuator_lag": lagging}
 
 
 def drive_hypotheses(kind: EffectKind, n_joint: int) -> list[Hypothesis]:
     """Return the places where an effect of the drive may be: at one joint, or alike at all."""
-    places = [(j,) for j in range(n_joint)]
+    places: list[tuple[int, ...]] = [(j,) for j in range(n_joint)]
     if n_joint > 1 and kind.name in ("actuator_delay", "actuator_lag"):
         places.append(tuple(range(n_joint)))
     return [InDrive(kind, place) for place in places]

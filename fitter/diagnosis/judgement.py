@@ -1,13 +1,13 @@
-"""How wrong a simulation is on trials that it was not fitted to: by torque, and by motion under the control law."""
+"""How wrong a simulation is on trials that it was not fitted to: by torque, and by motion under the law."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.ndimage import binary_erosion, gaussian_filter1d
 
 from arm.model import Arm, Floats
 from arm.simulation import simulate
-from fitter.data.derivatives import lowpass
 from fitter.diagnosis.motion import Motion
 from fitter.diagnosis.regression import Regression
 from fitter.diagnosis.screening import Candidate
@@ -17,6 +17,10 @@ from fitter.dynamics.evaluation import HORIZON_S
 _RESAMPLED = 1000
 #: The first state of a trial at rest is the mean over this long [s].
 _REST_S = 0.04
+#: Next to a gap the columns' own filter still has part of what is in it [s].
+_MARGIN_S = 0.05
+#: Width of the Gaussian that halves the power at 1 Hz [s].
+_WIDTH_S = np.sqrt(np.log(2.0)) / (2.0 * np.pi)
 
 
 @dataclass(frozen=True)
@@ -86,10 +90,10 @@ class Gain:
 
 
 def torque_left(regression: Regression, fitted: Candidate, motion: Motion) -> Floats:
-    """Return the torque that a model leaves of what was measured, NaN while a joint is stuck, (n_sample, n_joint)."""
+    """Return the torque that a model leaves of what was measured, NaN while stuck, (n_sample, n_joint)."""
     view = regression.view(fitted.model, motion)
     rows = np.concatenate([view.base(regression.independent(view.arm)), *view.columns], axis=2)
-    return np.where(motion.stuck, np.nan, view.u - rows @ fitted.x)
+    return np.where(motion.stuck, np.nan, view.target(regression.known) - rows @ fitted.x)
 
 
 def simulated(arm: Arm, motion: Motion, horizon_s: float = HORIZON_S) -> Floats:
@@ -140,7 +144,7 @@ def judged(regression: Regression, fitted: Candidate, arm: Arm, motions: Sequenc
     torque, angle = [], []
     for motion in motions:
         left = torque_left(regression, fitted, motion)
-        seen = np.where(motion.stuck, np.nan, smooth(left, motion.dt_s, regression.weighting.seen_hz))
+        seen = smooth(left, motion.dt_s, regression.weighting.seen_hz)
         torque.append((np.nansum(seen**2, axis=0), np.sum(np.isfinite(seen), axis=0)))
         off = np.abs(simulated(arm, motion) - motion.trial.q)[:, turning]
         off = np.where(np.isfinite(off), off, np.inf)
@@ -172,11 +176,11 @@ def gain(before: Errors, after: Errors) -> Gain:
     return Gain(float(fell(was.sum(), became.sum())), angle, (float(low), float(high)))
 
 
-def smooth(values: Floats, dt_s: float, corner_hz: float) -> Floats:
-    """Return what of a torque is slower than a corner; gaps are bridged by straight lines first."""
-    filled = values.copy()
-    for column in filled.T:
-        known = np.isfinite(column)
-        if known.any():
-            column[~known] = np.interp(np.flatnonzero(~known), np.flatnonzero(known), column[known])
-    return lowpass(filled, dt_s, corner_hz)
+def smooth(left: Floats, dt_s: float, corner_hz: float) -> Floats:
+    """Return what of a torque is slower than a corner, as a mean of what is known: gaps are not bridged."""
+    margin = np.ones((2 * max(1, round(_MARGIN_S / dt_s)) + 1, 1), dtype=np.bool_)
+    known = binary_erosion(np.isfinite(left), margin, border_value=True)
+    width = _WIDTH_S / corner_hz / dt_s
+    total = gaussian_filter1d(np.where(known, left, 0.0), width, axis=0, mode="constant")
+    weight = gaussian_filter1d(known.astype(np.float64), width, axis=0, mode="constant")
+    return np.where(known, total / np.maximum(weight, 1e-12), np.nan)

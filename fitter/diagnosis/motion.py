@@ -133,6 +133,27 @@ def drive_torque(arm: Arm, trial: Trial) -> Floats:
     return control_torque(arm.control, trial.q, trial.dq, trial.ddq, target)
 
 
+def sharp_torque(arm: Arm, trial: Trial) -> Floats:
+    """Return the torque that was asked for with its jumps, before the column filter, ends included.
+
+    Parameters
+    ----------
+    arm : Arm
+    trial : Trial
+
+    Returns
+    -------
+    (n_sample + 2 * trimmed, n_joint)
+        Measured, or the law's for the smooth motion and the target as it was held.
+    """
+    if "tau" in trial.whole:
+        return trial.whole["tau"]
+    u = drive_torque(arm, trial)
+    if trial.ref is not None and trial.ref_filtered is not None and trial.tau is None:
+        u = u + np.asarray(arm.control.kp) * (trial.ref - trial.ref_filtered)
+    return np.pad(u, ((trial.trimmed, trial.trimmed), (0, 0)), mode="edge")
+
+
 def noise_of_angles(trials: Sequence[Trial]) -> Floats:
     """Return the rms of the white noise in the measured angles, (n_joint,) [rad or m]."""
     return white_noise([trial.whole.get("q", trial.q) for trial in trials])

@@ -11,21 +11,23 @@ _SPLITS: tuple[tuple[frozenset[str], str], ...] = (
     ),
     (
         frozenset({"actuator_delay", "actuator_lag"}),
-        "give {joints} steps and a fast sine of some 10 Hz: a lag makes the torque smaller with the frequency, a delay "
-        "only later",
+        "give {joints} steps and a fast sine of some 10 Hz: a lag makes the torque smaller with the frequency, "
+        "a delay only later",
     ),
     (
         frozenset({"actuator_delay", "joint_elasticity"}),
-        "hold {joints} by hand and give it a slow torque: an elastic transmission twists at rest, a delay does not show",
+        "hold {joints} by hand and give it a slow torque: an elastic transmission twists at rest, a delay does "
+        "not show",
     ),
     (
         frozenset({"gravity_tilt", "joint_zero"}),
-        "move joint 1 through as much of a turn as it has, and tilt the base by a known angle: only gravity follows",
+        "move joint 1 through as much of a turn as it has, and tilt the base by a known angle: only gravity "
+        "follows",
     ),
     (
         frozenset({"gain_error"}),
-        "hang a known mass at the tip, or measure one joint's torque: angles alone tell the ratio of the joints' gains, "
-        "not which one is off",
+        "hang a known mass at the tip, or measure one joint's torque: angles alone tell the ratio of the joints' "
+        "gains, not which one is off",
     ),
     (
         frozenset({"stribeck", "backlash"}),
@@ -37,7 +39,8 @@ _SPLITS: tuple[tuple[frozenset[str], str], ...] = (
     ),
     (
         frozenset({"load_friction", "gain_error"}),
-        "repeat the motions with a known mass at the tip: friction that grows with the load grows, a gain does not",
+        "repeat the motions with a known mass at the tip: friction that grows with the load grows, a gain does "
+        "not",
     ),
     (
         frozenset({"payload", "gain_error"}),
@@ -65,8 +68,8 @@ def next_experiment(verdict: str, alike: Sequence[str], joints: Sequence[int], d
             if effects <= set(alike):
                 return _sentence(sentence.format(joints=where))
         return _sentence(
-            f"drive {where} with other motions (`fitter excite` suggests one): faster, slower, through the whole range, "
-            f"and with another load, until {' and '.join(sorted(set(alike)))} no longer look alike"
+            f"drive {where} with other motions (`fitter excite` suggests one): faster, slower, through the whole "
+            f"range, and with another load, until {' and '.join(sorted(set(alike)))} no longer look alike"
         )
     if verdict == "unexplained":
         what = ", ".join(depends_on) or "time"
@@ -75,8 +78,8 @@ def next_experiment(verdict: str, alike: Sequence[str], joints: Sequence[int], d
         )
     if verdict == "none":
         return _sentence(
-            "nothing more is needed for these motions; faster and wider ones, another load and longer runs would show "
-            "smaller effects"
+            "nothing more is needed for these motions; faster and wider ones, another load and longer runs would "
+            "show smaller effects"
         )
     return _sentence(
         f"repeat some motions with the cause at {where} put right or changed: the effect should follow it"

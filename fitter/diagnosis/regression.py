@@ -88,18 +88,27 @@ class Regression:
         Learning ones first.
     denied : tuple of str
         Beginnings of names of base parameters that are left out, such as ``D`` and ``fc``.
+    known : (column, value), optional
+        A standard parameter that is not sought: where no torque tells the scale of all the others, it does.
     """
 
-    def __init__(self, arm: Arm, motions: Sequence[Motion], denied: tuple[str, ...] = ()) -> None:
+    def __init__(
+        self,
+        arm: Arm,
+        motions: Sequence[Motion],
+        denied: tuple[str, ...] = (),
+        known: tuple[int, float] | None = None,
+    ) -> None:
         self.arm = arm
         self.motions = list(motions)
         self.denied = denied
+        self.known = known
         self.friction = np.zeros((arm.n_joint, 2))
         self._scales: dict[object, float] = {}
         self._independent: dict[tuple[float, ...], NDArray[np.intp]] = {}
         self.weighting = self._first_weighting()
         self._weighted: dict[int, tuple[Floats, Floats]] = {}
-        self._learn_friction()
+        self.learn_friction(Model(), self.solve(Model(), self.learning)[0])
 
     @cached_property
     def learning(self) -> list[Motion]:
@@ -119,6 +128,7 @@ class Regression:
                 column
                 for column, name in zip(base.independent, base.names, strict=True)
                 if not any(name.rstrip("0123456789") == start for start in self.denied)
+                and not (self.known is not None and column == self.known[0])
             ]
             self._independent[key] = np.array(kept)
         return self._independent[key]
@@ -136,8 +146,8 @@ class Regression:
         base, target = self._base(motion)
         if not view.is_plain:
             base = self.weighting.filtered(motion, view.base(self.independent(view.arm)))
-        if view.u is not motion.u:
-            target = self.weighting.filtered(motion, view.u)
+        if view.u is not motion.u or (self.known is not None and not view.is_plain):
+            target = self.weighting.filtered(motion, view.target(self.known))
         return Rows(base, self.columns(view), target)
 
     def columns(self, view: View, first: int = 0) -> Floats:
@@ -213,7 +223,7 @@ class Regression:
         if motion.number not in self._weighted:
             view = view_of(motion, self.arm, self.friction)
             base = self.weighting.filtered(motion, view.base(self.independent(self.arm)))
-            self._weighted[motion.number] = base, self.weighting.filtered(motion, motion.u)
+            self._weighted[motion.number] = base, self.weighting.filtered(motion, view.target(self.known))
         return self._weighted[motion.number]
 
     def _first_weighting(self) -> Weighting:
@@ -227,11 +237,12 @@ class Regression:
         inertia = mass_matrices(self.arm, self.independent(self.arm), values, some)
         return weighting(self.arm, self.motions, inertia)
 
-    def _learn_friction(self) -> None:
+    def learn_friction(self, model: Model, x: Floats) -> None:
+        """Take over the joints' friction from factors, for effects that are in proportion to it."""
         n = self.arm.n_joint
-        x = self.solve(Model(), self.learning)[0]
+        kept = self.independent(self.view(model, self.motions[0]).arm)
         standard = standard_parameters(self.arm)
-        standard[self.independent(self.arm)] = x
+        standard[kept] = x[: len(kept)]
         self.friction = np.stack([standard[10 * n : 11 * n], standard[11 * n :]], axis=1)
 
 

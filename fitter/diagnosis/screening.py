@@ -102,14 +102,15 @@ def screen(
     best = float(explained.max(initial=0.0))
     rank = np.argsort(np.argsort(-explained))
     candidates, held = [], len(accepted.model.hypotheses)
+    alike = _fair(regression, accepted)
     for (gain, model), place in zip(first, rank, strict=True):
         if gain < max(_NOTHING * accepted.squares.sum() / len(regression.motions), _LITTLE * best):
             candidates.append(Candidate(model, accepted.x, accepted.squares))
             continue
         refine = gain >= _WORTH * grid.left and (gain >= _PROMISING * best or place < _AT_LEAST)
-        candidates.append(fitted(regression, model, refine, held))
+        candidate = fitted(regression, model, refine, held)
+        candidates.append(alike(candidate) if candidate.model.is_event else candidate)
     leading = min((float(one.squares.sum()) for one in candidates), default=float(accepted.squares.sum()))
-    alike = _fair(regression, accepted)
     for one in events:
         candidate = alike(fitted(regression, accepted.model.plus(one, one.starts([])[0]), refine=False))
         gain = float(accepted.squares.sum() - candidate.squares.sum())
@@ -152,6 +153,7 @@ class _Grid:
 
     def __init__(self, regression: Regression, model: Model) -> None:
         self._regression, self._model = regression, model
+        self._left_of_run: float | None = None
         rows = [regression.rows(model, motion) for motion in regression.learning]
         self._views = [regression.view(model, motion) for motion in regression.learning]
         A = np.vstack([one.design for one in rows])
@@ -165,6 +167,8 @@ class _Grid:
 
     def best(self, hypothesis: Hypothesis, accepted: Candidate) -> tuple[float, Model]:
         """Return by how much the best start lowers the sum of squares, and the model with it."""
+        if hypothesis.is_event:
+            return self._best_of_run(hypothesis)
         starts = hypothesis.starts(self._regression.learning)
         if isinstance(hypothesis, AtJoint) and "frequency_hz" in hypothesis.psi_names:
             starts = self._peaks(hypothesis)
@@ -176,6 +180,20 @@ class _Grid:
         model = self._regression.refined(model, self._regression.learning, len(self._model.hypotheses))
         r = self._regression.solve(model, self._regression.learning)[2]
         return self.left - float(r @ r), model
+
+    def _best_of_run(self, hypothesis: Hypothesis) -> tuple[float, Model]:
+        """Return the same of what need not show in the learning trials, by all trials."""
+        motions = self._regression.motions
+        starts = hypothesis.starts(motions)
+        if self._left_of_run is None:
+            r = self._regression.solve(self._model, motions)[2]
+            self._left_of_run = float(r @ r)
+        gains = []
+        for psi in starts:
+            r = self._regression.solve(self._model.plus(hypothesis, psi), motions)[2]
+            gains.append(self._left_of_run - float(r @ r))
+        k = int(np.argmax(gains))
+        return gains[k], self._model.plus(hypothesis, starts[k])
 
     def _gain(self, hypothesis: Hypothesis, psi: Floats) -> float:
         if not isinstance(hypothesis, AtJoint) and hypothesis.n_column == 0:

@@ -1,4 +1,4 @@
-"""What a motion looks like if some hypotheses hold: another arm, another angle, another torque, further columns."""
+"""What a motion looks like if some hypotheses hold: another arm, angle or torque, further columns."""
 
 from dataclasses import dataclass, field
 
@@ -42,7 +42,7 @@ class View:
     columns: tuple[Floats, ...] = field(default=())
 
     def states(self, joint: int) -> Floats:
-        """Return what a joint's resisting torque may depend on, (n_sample, 7), as in `arm.effects.joint_torque`."""
+        """Return what a joint's torque may depend on, (n_sample, 7), as in `arm.effects.joint_torque`."""
         n = len(self.q)
         states = np.empty((n, N_STATE))
         dq = self.dq[:, joint]
@@ -58,6 +58,14 @@ class View:
             Y[:, j, 11 * self.arm.n_joint + j] = self.motion.direction[:, j]
         rows = Y[..., independent]
         return np.asarray(rows * self.factor[:, None], dtype=np.float64)
+
+    def target(self, known: tuple[int, float] | None) -> Floats:
+        """Return the right-hand side of the equation: the torque, less what a known parameter asks for."""
+        if known is None:
+            return self.u
+        column, value = known
+        Y = regressor(self.arm, self.q, self.dq, self.ddq)[..., column]
+        return np.asarray(self.u - value * Y * self.factor, dtype=np.float64)
 
     @property
     def is_plain(self) -> bool:

@@ -304,3 +304,81 @@ def test_the_presets_are_written_as_people_would(dd_arm):
     text = format_arm(dd_arm)
     assert tomllib.loads(text)["joint"][1]["a_m"] == 0.3
     assert "np." not in text and max(map(len, text.splitlines())) < 160
+
+
+EFFECT = """[[effect]]                                  # what a diagnosis added to the simulation
+name = "gravity_tilt"
+parameters = { gx_m_s2 = 0.31, gy_m_s2 = -0.12 }
+"""
+
+
+@pytest.mark.parametrize(
+    ("effect", "sentence"),
+    [
+        ('name = "magic"', "effect[0].name is 'magic', expected one of actuator_delay, actuator_lag, backlash"),
+        ("name = 3", "effect[0].name is 3; input should be a valid string"),
+        ('name = "viscous"\njoints = [3]\nparameters = { viscous_N_m_s = 0.1 }', "joints has 3, expected 1 to 2"),
+        (
+            'name = "viscous"\nparameters = { viscous_N_m_s = 0.1 }',
+            "effect[0].joints is missing: viscous acts on joints",
+        ),
+        ('name = "viscous"\njoints = [1]', "effect[0].parameters.viscous_N_m_s is missing"),
+        (
+            'name = "viscous"\njoints = [1]\nparameters = { viscous_N_m_s = true }',
+            "is True, expected a number from -1000",
+        ),
+        (
+            'name = "viscous"\njoints = ["1"]\nparameters = { viscous_N_m_s = 1 }',
+            "joints[0] is '1'; input should be",
+        ),
+        (
+            'name = "backlash"\njoints = [1]\nparameters = { gap_rad = -0.1 }',
+            "gap_rad is -0.1, expected a number from 0 to",
+        ),
+        (
+            'name = "backlash"\njoints = [1]\nparameters = { gap_m = 0.1, gap_rad = 0.1 }',
+            "gap_m is not known, expected gap_r",
+        ),
+        (
+            'name = "time_skew"\nsensors = ["s9"]\nparameters = { delay_s = 0.1 }',
+            "has 's9', expected one of s1, s4",
+        ),
+        (
+            'name = "time_skew"\nparameters = { delay_s = 0.1 }',
+            "effect[0].sensors is missing: time_skew acts on sensors",
+        ),
+        (
+            'name = "time_skew"\njoints = [1]\nsensors = ["s1"]\nparameters = { delay_s = 0.1 }',
+            "effect[0].joints is [1], but time_skew acts on sensors",
+        ),
+        (
+            'name = "payload"\njoints = [2]\nparameters = { mass_kg = 0.1 }',
+            "but payload acts on the arm as a whole",
+        ),
+        (
+            'name = "payload"\nparameters = { mass_kg = 0.1, trials = 2 }',
+            "trials is 2, expected a list of whole numbers",
+        ),
+        (
+            'name = "payload"\nparameters = { mass_kg = 0.1, trials = [0] }',
+            "trials is [0], expected a list of whole numbers",
+        ),
+        (
+            'name = "gain_error"\njoints = [1]\nparameters = { factor = 0.5 }\n[[effect]]\n'
+            'name = "gain_error"\njoints = [2, 1]\nparameters = { factor = 0.5 }',
+            "effect[1]: joint 1 has the effect gain_error already",
+        ),
+    ],
+)
+def test_a_mistake_in_an_effect_is_a_sentence(effect, sentence):
+    assert EFFECT in EVERYTHING
+    (found,) = mistakes(EVERYTHING.replace(EFFECT, f"[[effect]]\n{effect}\n"), "it")
+    assert found.startswith("it: effect[") and sentence in found
+
+
+def test_effects_may_be_as_small_as_nothing():
+    """Numbers that make an effect neutral are numbers it may have, even if they are infinite."""
+    limit = '[[effect]]\nname = "torque_saturation"\njoints = [1, 2]\nparameters = { limit_N_m = inf }\n'
+    arm = parse_arm(EVERYTHING.replace(EFFECT, limit), "it")
+    assert arm.effects == (Effect("torque_saturation", {"limit_N_m": math.inf}, (1, 2)),)
+    assert parse_arm(format_arm(arm), "it") == arm

@@ -10,7 +10,7 @@ from tests.diagnosis.hidden_cases import draw_case
 from tests.diagnosis.hiding import Bench
 
 #: Shorter than the benchmark, so that a case takes seconds.
-SHORT = Bench(trial_s=4.0, learning=4, evaluating=4)
+SHORT = Bench(trial_s=3.0, learning=3, evaluating=3)
 #: In standard errors; wider than an interval of 95 %, for which the benchmark counts the share.
 REACH = 3.5
 

@@ -4,7 +4,7 @@ import json
 
 import pytest
 
-from protocol.message import DYNAMICS, FRAMES, HEALTH, KINEMATICS, PLAY, PLOT, RAW, TOPICS, TRIAL
+from protocol.message import DIAGNOSIS, DYNAMICS, FRAMES, HEALTH, KINEMATICS, PLAY, PLOT, RAW, TOPICS, TRIAL
 from protocol.schemas import SCHEMAS, schema_json
 
 MOTION = "frame0 t0_ns dt_s n method q dq ddq tip points gap"
@@ -17,6 +17,7 @@ FIELDS = {
     "latency_ms delay_ms tracking connected recording recording_lost disk_free_bytes",
     KINEMATICS: "generation frames parameters error",
     DYNAMICS: "generation samples parameters error",
+    DIAGNOSIS: "verdict causes candidates confusable next_experiment before after gain residual structure notes",
 }
 
 

@@ -9,8 +9,8 @@ from fitter.diagnosis.sensors.remaining import Remaining
 _SPLITS: tuple[tuple[frozenset[str], str], ...] = (
     (
         frozenset({"sensor_bias", "sensor_scale", "sensor_clipping"}),
-        "lay the arm's plane at another angle to gravity and record again: a bias stays, a wrong scale changes with "
-        "what gravity shows, and a clipped axis still reads its level",
+        "lay the arm's plane at another angle to gravity and record again: a bias stays, a wrong scale changes "
+        "with what gravity shows, and a clipped axis still reads its level",
     ),
     (
         frozenset({"sensor_bias", "sensor_misalignment", "gravity_tilt"}),
@@ -18,8 +18,8 @@ _SPLITS: tuple[tuple[frozenset[str], str], ...] = (
     ),
     (
         frozenset({"mounting_radius", "sensor_scale", "sensor_misalignment"}),
-        "rest the arm where gravity shows in the sensor's plane, and turn it fast: a wrong place shows only when it "
-        "turns, a wrong scale or angle at rest as well",
+        "rest the arm where gravity shows in the sensor's plane, and turn it fast: a wrong place shows only when "
+        "it turns, a wrong scale or angle at rest as well",
     ),
     (
         frozenset({"sensor_drift", "sensor_highpass", "sensor_bias"}),
@@ -39,16 +39,19 @@ def next_experiment(
     if verdict == "none":
         return "none is needed for the sensors: they agree with a rigid arm as well as their noise lets them"
     if verdict == "ambiguous":
-        effects = frozenset(effect for pair in confusable for effect in pair)
-        for known, sentence in _SPLITS:
-            if effects <= known:
-                return sentence
-        if len(effects) == 1:
-            return f"move every joint by itself, slowly and fast: it shows whose {min(effects)} it is"
-        return "move every joint by itself, slowly and fast, and rest in many poses between"
+        return _splits(frozenset(effect for pair in confusable for effect in pair))
     if verdict == "named":
         whose = " and ".join(sorted({" of ".join((cause.effect, *cause.sensors)) for cause in causes}))
         return f"put right the {whose} and record once more: the sensors must then agree with a rigid arm"
     if left.depends_on:
         return f"repeat the motion with {left.depends_on[0]} over a wider range, the other joints at rest"
     return "repeat one motion several times: what comes back is the arm's, what does not is the surroundings'"
+
+
+def _splits(effects: frozenset[str]) -> str:
+    for known, sentence in _SPLITS:
+        if effects <= known:
+            return sentence
+    if len(effects) == 1:
+        return f"move every joint by itself, slowly and fast: it shows whose {min(effects)} it is"
+    return "move every joint by itself, slowly and fast, and rest in many poses between"

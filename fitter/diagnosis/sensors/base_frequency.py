@@ -1,7 +1,7 @@
 """The frequencies at which a base may move.
 
-What is slower than a trial cannot be told from an arm that rests at another angle, so each trial's own trend is left
-out.
+What is slower than a trial cannot be told from an arm that rests at another angle, so each trial's own trend is
+left out.
 """
 
 from dataclasses import replace

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from fitter.diagnosis.sensors.fit import Fitted, Trials
-from fitter.diagnosis.sensors.linearisation import Linearisation
+from fitter.diagnosis.sensors.linearisation import Linearisation, linearise
 
 #: Median of a mean of ten squares of unit variance: what a frame's differences are made of, nearly enough.
 _MEDIAN_OF_TEN = 0.934
@@ -33,7 +33,7 @@ class Contradiction:
 def judging_residuals(trials: Trials, fitted: Fitted) -> list[Linearisation]:
     """Return the judging trials along their fitted motions."""
     return [
-        trials.linearised(number, fitted.hypothesis, fitted.motions[number])
+        trials.explained(number, fitted.hypothesis, fitted.motions[number])
         for number in range(trials.n_learn, len(trials.trials))
     ]
 
@@ -54,6 +54,24 @@ def noise_factor(trials: Trials, fitted: Fitted) -> float:
     return float(np.median(np.concatenate(squares)) / _MEDIAN_OF_TEN)
 
 
+def beyond_level(trials: Trials, fitted: Fitted, sensor: int) -> float:
+    """Return how far beyond its level a clipped sensor should read on average, in standard deviations of a frame.
+
+    One that truly clips should have read more; a level drawn through a sound one's peaks is what it should read.
+    """
+    instruments = fitted.hypothesis.instruments(trials.nominal)
+    level = float(instruments.level[sensor])
+    channels = slice(3 * sensor, 3 * sensor + 3)
+    further = []
+    for number in range(trials.n_learn):
+        trial, c = trials.trials[number], fitted.motions[number]
+        clipped = linearise(trial, instruments, c).clipped[:, channels]
+        expected = linearise(trial, instruments.with_entry("level", sensor, np.inf), c).expected[:, channels]
+        further.append(((clipped * expected - level) / trial.std[channels])[clipped != 0.0])
+    found = np.concatenate(further)
+    return float(found.mean()) if found.size else 0.0
+
+
 def contradiction(trials: Trials, fitted: Fitted, noise: float) -> Contradiction:
     """Return how far a judged fit is from mere noise."""
     free = 0
@@ -61,6 +79,7 @@ def contradiction(trials: Trials, fitted: Fitted, noise: float) -> Contradiction
         trial = trials.trials[number]
         there = np.isfinite(trial.values)
         free += int(there.sum() - trials.arm.n_joint * np.count_nonzero(there.any(axis=1)))
+        free -= trials.dropped(number, fitted.hypothesis, fitted.motions[number])
     beyond = float(fitted.squares[trials.n_learn :].sum()) / noise - free
     # The noise itself was measured in about as many numbers, by a median, which knows it half as well.
     return Contradiction(beyond, beyond / free, beyond / np.sqrt(2.0 * free * (1.0 + 2.0)))

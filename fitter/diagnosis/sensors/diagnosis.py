@@ -26,6 +26,7 @@ from fitter.diagnosis.sensors.search import Search, Tried
 from fitter.diagnosis.sensors.suspects import Suspect
 from fitter.diagnosis.sensors.verdict import Cause, Decision, decide
 from limbcal.errors import ConfigError, DataError, NotIdentifiable
+from tracking.noise import step_of
 
 #: Causes that leave more than this share of what contradicted don't explain it.
 _UNEXPLAINED = 0.05
@@ -67,12 +68,13 @@ def diagnose_sensors(
         raise ConfigError(f"arm {arm.name!r} has no [[sensor]], expected those whose readings are to be diagnosed")
     if 3 * len(arm.sensors) <= arm.n_joint:
         raise NotIdentifiable(
-            f"{len(arm.sensors)} sensor(s) cannot contradict an arm of {arm.n_joint} joints, expected more channels"
+            f"{len(arm.sensors)} sensor(s) can't contradict an arm of {arm.n_joint} joints, expected more channels"
         )
     learned = trials_of(arm, learn)
     trials = trials_of(arm, [*learn, *evaluate])
     if not learned or len(trials) == len(learned):
-        raise DataError(f"{len(learned)} trials to learn from, {len(trials) - len(learned)} to judge by, expected both")
+        judging = len(trials) - len(learned)
+        raise DataError(f"{len(learned)} trials to learn from, {judging} to judge by, expected some of both")
     search = Search(Trials(arm, trials, len(learned)), progress)
     rng = np.random.default_rng(seed)
     decision = decide(search, rng)
@@ -111,16 +113,15 @@ def _finding(arm: Arm, search: Search, decision: Decision, rng: np.random.Genera
         max(0.0, 1.0 - max(after.excess, 0.0) / before.excess) if contradicts else 0.0,
         before.sigmas,
         left,
-        _extended(arm, [told for told in causes if told.support > 0.0]) if verdict == "named" else arm,
+        _extended(arm, causes) if verdict == "named" else arm,
         _course(unhelped, judged),
     )
 
 
 def _unhelped(search: Search, decision: Decision) -> Fitted:
-    """Return the arm file's own sensors, with usual biases but for sensors whose bias is a cause: those have none."""
-    odd = [
-        cause.tried.suspect.sensor for cause in decision.causes if cause.tried.suspect.effect == "sensor_bias"
-    ]
+    """Return the arm file's own sensors with usual biases; those whose bias is a cause have none."""
+    suspects = [cause.tried.suspect for cause in decision.causes]
+    odd = [one.sensor for one in suspects if one.effect == "sensor_bias" and one.sensor is not None]
     if not odd:
         return search.base
     bias = search.base.hypothesis.bias.copy()
@@ -137,7 +138,10 @@ def _causes(arm: Arm, search: Search, decision: Decision, cause: Cause) -> list[
         support = cause.support / (1 + len(cause.equals))
         found.append(
             SensorCause(
-                tried.suspect.effect, _sensors(arm, tried.suspect), _numbers(fitted, tried.suspect, wider), support
+                tried.suspect.effect,
+                _sensors(arm, tried.suspect),
+                _numbers(fitted, tried.suspect, wider, _grain(search.trials, tried.suspect)),
+                support,
             )
         )
     return found
@@ -147,9 +151,18 @@ def _sensors(arm: Arm, suspect: Suspect) -> tuple[str, ...]:
     return () if suspect.sensor is None else (arm.sensors[suspect.sensor].name,)
 
 
-def _numbers(fitted: Fitted, suspect: Suspect, wider: float) -> dict[str, Number]:
+def _grain(trials: Trials, suspect: Suspect) -> float:
+    """Return what a converter leaves unknown of a level or a delay: a step or an interval, evenly distributed."""
+    raw = trials.trials[0].raw
+    if suspect.sensor is not None and suspect.effect == "sensor_clipping":
+        step = step_of(raw.a[:, 3 * suspect.sensor : 3 * suspect.sensor + 3])
+        return float(step[np.isfinite(step)].max(initial=0.0) / np.sqrt(12.0))
+    return 1.0 / raw.rate_hz / np.sqrt(12.0) if suspect.effect == "time_skew" else 0.0
+
+
+def _numbers(fitted: Fitted, suspect: Suspect, wider: float, grain: float) -> dict[str, Number]:
     place = fitted.hypothesis.suspects.index(suspect)
-    value, std = fitted.hypothesis.values[place], wider * fitted.std(place)
+    value, std = fitted.hypothesis.values[place], np.hypot(wider * fitted.std(place), grain)
     if suspect.effect != "base_motion":
         rows = zip(suspect.kind.parameters, value, std, strict=True)
         return {name: Number(float(v), float(s), unit) for (name, unit), v, s in rows}

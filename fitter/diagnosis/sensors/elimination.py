@@ -5,11 +5,12 @@ coefficients a joint and the acceleration is free from frame to frame. The linea
 
     r_k = S_k δ(q, dq, ddq)_k + E_k e_k + X_k θ + noise,     e_k = e_{k-1} + step
 
-with e a random walk, for what wanders (a forgetful sensor) or is free (a moving base). Frame after frame Householder
-reflections triangularise the window of coefficients in use: finished rows are set aside for going back, and rows
-that are left without any motion in them contradict a rigid arm. Under the right θ those are white noise of unit
-variance, as an orthogonal transformation of white noise is, whatever the motion was. All that a fit needs of them
-is their Gram matrix. (G. J. Bierman, *Factorization Methods for Discrete Sequential Estimation*, 1977.)
+with e a random walk, for what wanders (a forgetful sensor) or is free (a moving base). Frame after frame
+Householder reflections triangularise the window of coefficients in use: finished rows are set aside for going
+back, and rows that are left without any motion in them contradict a rigid arm. Under the right θ those are white
+noise of unit variance, as an orthogonal transformation of white noise is, whatever the motion was. All that a fit
+needs of them is their Gram matrix. (G. J. Bierman, *Factorization Methods for Discrete Sequential
+Estimation*, 1977.)
 """
 
 import numpy as np
@@ -23,7 +24,7 @@ _FAINT = 1.0
 
 @compiled
 def motion_at_knots(c: Floats, h: float, q: Floats, dq: Floats, ddq: Floats) -> None:
-    """Fill in angles, velocities and accelerations (n, n_joint) of a spline with coefficients c (n + 2, n_joint)."""
+    """Fill in q, dq, ddq (n, n_joint) of a spline with coefficients c (n + 2, n_joint)."""
     for k in range(q.shape[0]):
         for j in range(c.shape[1]):
             a, b, d = c[k, j], c[k + 1, j], c[k + 2, j]
@@ -54,7 +55,7 @@ def eliminate(
         Filled in: Gram matrix of what is left of X.
     back : (n, n_joint + m, 3 n_joint + 2 m + p)
         Filled in: finished rows over e_{k-1}, c_{k-1}, c_k, c_{k+1}, e_k, X; the last frame has those of the end
-        in ``back[n]`` and ``back[n + 1]``, so the first dimension is n + 3.
+        in ``back[n]`` and ``back[n + 1]``, so the first dimension is n + 2.
     """
     n, n_row, n_joint = S.shape[0], S.shape[1], S.shape[2] // 3
     m, p = E.shape[2], X.shape[2]
@@ -75,28 +76,17 @@ def eliminate(
             A[kept + i, m + 3 * n_joint + i] = walk[i]
         for row in range(n_row):
             line = A[kept + m + row]
-            for j in range(n_joint):
-                s0, s1, s2 = S[k, row, 3 * j], S[k, row, 3 * j + 1], S[k, row, 3 * j + 2]
-                line[m + j] = s0 / 6.0 - s1 / (2.0 * h) + s2 / (h * h)
-                line[m + n_joint + j] = 4.0 * s0 / 6.0 - 2.0 * s2 / (h * h)
-                line[m + 2 * n_joint + j] = s0 / 6.0 + s1 / (2.0 * h) + s2 / (h * h)
+            window_row(S[k, row], h, line[m : m + 3 * n_joint])
             line[m + 3 * n_joint : wide] = E[k, row]
             line[wide:] = X[k, row]
         triangularise(A, wide)
         back[k] = A[:done]
-        carried[:] = 0.0  # the next window begins with e_k, c_k, c_{k+1}
-        for i in range(kept):
-            for j in range(2 * n_joint):
-                carried[i, m + j] = A[done + i, done + j]
-            for j in range(m):
-                carried[i, j] = A[done + i, m + 3 * n_joint + j]
-            carried[i, wide:] = A[done + i, wide:]
-        for row in range(wide, rows):
-            for a in range(p):
-                x = A[row, wide + a]
-                if x != 0.0:
-                    for b in range(a + 1):
-                        gram[a, b] += x * A[row, wide + b]
+        # The next window begins with e_k, c_k, c_{k+1}.
+        carried[:, :m] = A[done : done + kept, m + 3 * n_joint : wide]
+        carried[:, m:kept] = A[done : done + kept, done : done + 2 * n_joint]
+        carried[:, kept:wide] = 0.0
+        carried[:, wide:] = A[done : done + kept, wide:]
+        add_products(A[wide:, wide:], gram)
     triangularise(carried, kept)
     back[n:] = 0.0
     for i in range(kept):
@@ -104,6 +94,27 @@ def eliminate(
     for a in range(p):
         for b in range(a):
             gram[b, a] = gram[a, b]
+
+
+@compiled
+def add_products(rows: Floats, gram: Floats) -> None:
+    """Add the products of the columns of some rows to the lower half of their Gram matrix."""
+    for line in rows:
+        for a in range(line.size):
+            if line[a] != 0.0:
+                for b in range(a + 1):
+                    gram[a, b] += line[a] * line[b]
+
+
+@compiled
+def window_row(s: Floats, h: float, line: Floats) -> None:
+    """Fill in a row's slopes by c_{k-1}, c_k, c_{k+1}, from those by q, dq, ddq of every joint (3 n_joint,)."""
+    n_joint = s.size // 3
+    for j in range(n_joint):
+        s0, s1, s2 = s[3 * j], s[3 * j + 1] / (2.0 * h), s[3 * j + 2] / (h * h)
+        line[j] = s0 / 6.0 - s1 + s2
+        line[n_joint + j] = 4.0 * s0 / 6.0 - 2.0 * s2
+        line[2 * n_joint + j] = s0 / 6.0 + s1 + s2
 
 
 @compiled
@@ -143,7 +154,7 @@ def go_back(back: Floats, theta: Floats, n_joint: int, c: Floats, e: Floats) -> 
 
     Parameters
     ----------
-    back : (n + 3, n_joint + m, …)
+    back : (n + 2, n_joint + m, …)
         From `eliminate`.
     theta : (p - 1,)
     n_joint : int
@@ -174,9 +185,10 @@ def go_back(back: Floats, theta: Floats, n_joint: int, c: Floats, e: Floats) -> 
 @compiled
 def solved(line: Floats, theta: Floats, x: Floats, i: int, end: int, wide: int) -> float:
     """Return the unknown on the diagonal of one finished row."""
-    total = line[line.size - 1]
+    total: float = line[line.size - 1]
     for a in range(theta.size):
         total -= line[wide + a] * theta[a]
     for j in range(i + 1, end):
         total -= line[j] * x[j]
-    return total / line[i]
+    found: float = total / line[i]
+    return found

@@ -8,7 +8,7 @@ sensor has a small bias of its own besides, as every real one has, held to be no
 import os
 from collections.abc import Iterable, Sequence
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -80,6 +80,8 @@ class Fitted:
         Of the biases, then of the suspects' parameters; for noise of unit variance.
     squares : (n_trial,)
         Each trial's squared residual; NaN where it was not judged.
+    surprise : float
+        What it takes beyond that for the judging trials to be as the learning trials foretold, see `Trials.judge`.
     """
 
     hypothesis: Hypothesis
@@ -87,6 +89,7 @@ class Fitted:
     cost: float
     covariance: Floats
     squares: Floats
+    surprise: float = 0.0
 
     @property
     def usual(self) -> float:
@@ -135,6 +138,16 @@ class Trials:
     def linearised(self, number: int, hypothesis: Hypothesis, c: Floats) -> Linearisation:
         """Return a trial along a motion with the sensors of a hypothesis."""
         return linearise(self.trials[number], hypothesis.instruments(self.nominal), c, hypothesis.without)
+
+    def dropped(self, number: int, hypothesis: Hypothesis, c: Floats) -> int:
+        """Return how many readings of a trial a hypothesis doesn't look at, as those near a level.
+
+        What is not looked at leaves no residual; a hypothesis must not win by that.
+        """
+        if not any(suspect.effect == "sensor_clipping" for suspect in hypothesis.suspects):
+            return 0
+        looked_at = self.linearised(number, hypothesis, c).weight > 0.0
+        return int(np.count_nonzero((self.trials[number].weight > 0.0) & ~looked_at))
 
     def eliminated(
         self, number: int, hypothesis: Hypothesis, c: Floats, suspects: Sequence[Suspect]
@@ -231,7 +244,21 @@ class Trials:
         return max(float(np.abs(now[k] - before[k]).max()) for k in range(self.n_learn)) < 1e-3
 
     def _moved(self, motions: list[Floats], backs: list[Floats], step: Floats) -> list[Floats]:
-        return [self._gone_back(c, back, step) for c, back in zip(motions, backs, strict=False)] + motions[len(backs) :]
+        moved = [self._gone_back(c, back, step) for c, back in zip(motions, backs, strict=False)]
+        return moved + motions[len(backs) :]
+
+    def explained(self, number: int, hypothesis: Hypothesis, c: Floats) -> Linearisation:
+        """Return a trial along a motion; what is expected holds where offsets of forgetful sensors walk."""
+        at = self.linearised(number, hypothesis, c)
+        E, _, _ = self._walks(at, hypothesis)
+        if not E.shape[2]:
+            return at
+        gram, back = self.eliminated(number, hypothesis, c, ())
+        change, walked = np.zeros_like(c), np.zeros((len(c) - 2, E.shape[2]))
+        go_back(back, np.zeros(len(gram) - 1), c.shape[1], change, walked)
+        n_channel = at.weight.shape[1]
+        offset = np.einsum("kcm,km->kc", E[:, :n_channel], walked)
+        return replace(at, expected=at.expected + offset / np.where(at.weight > 0.0, at.weight, 1.0))
 
     def _gone_back(self, c: Floats, back: Floats, step: Floats) -> Floats:
         change, walked = np.zeros_like(c), np.zeros((len(c) - 2, back.shape[1] - c.shape[1]))
@@ -240,7 +267,14 @@ class Trials:
         return moved
 
     def judge(self, fitted: Fitted, passes: int = _PASSES) -> Fitted:
-        """Return a fit with the squared residual of every judging trial, its parameters as they are."""
+        """Return a fit with the squared residual of every judging trial.
+
+        Parameters that the learning trials show poorly are not held against a hypothesis where the judging trials
+        show them well: the probability of these is foretold with all that the learning trials leave open. With H
+        the information of the learning trials, G that of the judging ones and x by how much the parameters would
+        have to move, minus twice its logarithm is ``squares(x) + x^T H x + log det(1 + H^-1 G)``; the latter two
+        are the surprise.
+        """
         motions, squares = list(fitted.motions), fitted.squares.copy()
         going = list(range(self.n_learn, len(self.trials)))
         squares[going] = np.inf
@@ -256,10 +290,23 @@ class Trials:
             going = left
             if not going:
                 break
-        return Fitted(fitted.hypothesis, motions, fitted.cost, fitted.covariance, squares)
+        suspects, judging = fitted.hypothesis.suspects, range(self.n_learn, len(self.trials))
+        grams = [gram for gram, _ in self.all_eliminated(judging, fitted.hypothesis, motions, suspects)]
+        gram = np.sum(grams, axis=0)
+        open_to = fitted.covariance
+        x = open_to @ np.linalg.solve(np.eye(len(open_to)) + gram[:-1, :-1] @ open_to, gram[:-1, -1])
+        for number, one in zip(judging, grams, strict=True):
+            squares[number] = one[-1, -1] - 2.0 * x @ one[:-1, -1] + x @ one[:-1, :-1] @ x
+        _, volume = np.linalg.slogdet(np.eye(len(open_to)) + gram[:-1, :-1] @ open_to)
+        surprise = float(x @ np.linalg.solve(open_to, x) + volume)
+        return replace(fitted, motions=motions, squares=squares, surprise=surprise)
 
     def all_eliminated(
-        self, numbers: Iterable[int], hypothesis: Hypothesis, motions: Sequence[Floats], suspects: Sequence[Suspect]
+        self,
+        numbers: Iterable[int],
+        hypothesis: Hypothesis,
+        motions: Sequence[Floats],
+        suspects: Sequence[Suspect],
     ) -> list[tuple[Floats, Floats]]:
         """Return what `eliminated` does of several trials, on as many threads as there are processors."""
         return list(

@@ -1,9 +1,9 @@
 """Raw readings cut into trials on the run's clock, and averaged to the rate at which they are judged.
 
 A frame is the plain mean of the readings within it: white noise stays white, which a sharper low-pass would not
-leave it, and what is faster than the frames is the same mean of the same motion for all sensors alike. The rest at the start of a trial is
-recognised by the readings alone: it lasts until two sensors of a link, or the only one it has, leave what they
-showed at first; a single sensor that wanders by itself is a suspect, not a motion.
+leave it, and what is faster than the frames is the same mean of the same motion for all sensors alike. The rest at
+the start of a trial is recognised by the readings alone: it lasts until two sensors of a link, or the only one it
+has, leave what they showed at first; a single sensor that wanders by itself is a suspect, not a motion.
 """
 
 from collections.abc import Iterator, Sequence
@@ -19,12 +19,14 @@ from fitter.data.raw import RawRun
 from limbcal.errors import DataError
 from tracking.noise import noise_of
 
-#: A frame every hundredth of a second: an arm's own motion is slower, and what is faster shows in its accelerations.
+#: An arm's own motion is slower, and what is faster is left to its accelerations.
 FRAME_RATE_HZ = 100.0
 #: A rest is looked for in cells of so many frames, compared with the first so many cells.
 _CELL, _FIRST_CELLS = 5, 4
 #: How many standard deviations a cell may be off in a rest.
 _STRAYS = 5.0
+#: So many standard deviations of one reading between two in a row are a jump.
+_JUMPS = 7.0
 #: How far from zero a velocity may be in a rest all the same: an arm creeps for long [rad/s or m/s].
 CREEP_STD = 2e-3
 
@@ -68,15 +70,13 @@ class TrialFrames:
     def t(self) -> Floats:
         """Times of the frames on the run's clock, (n,) [s]."""
         middle = 0.5 * (self.factor - 1) / self.raw.rate_hz
-        times: Floats = self.start_s + middle + self.dt_s * np.arange(len(self.values))
-        return times
+        times = self.start_s + middle + self.dt_s * np.arange(len(self.values))
+        return np.asarray(times, dtype=np.float64)
 
     @cached_property
     def largest(self) -> Floats:
         """Largest magnitude within each frame, (n, n_channel) [m/s^2]: what clipping is recognised by."""
-        n = len(self.values)
-        most: Floats = np.abs(in_frames(self.raw, self.raw.a, self.factor)).max(axis=1)
-        return most
+        return np.asarray(np.abs(in_frames(self.raw, self.raw.a, self.factor)).max(axis=1), dtype=np.float64)
 
     @cached_property
     def integral(self) -> Floats:
@@ -87,6 +87,22 @@ class TrialFrames:
         mean: Floats = dt * sums.reshape(len(self.values), self.factor, -1).mean(axis=1)
         return mean
 
+    @cached_property
+    def weight(self) -> Floats:
+        """One over the standard deviation of every frame, (n, n_channel); 0 where readings were lost.
+
+        Where a reading jumps between two samples nobody knows when in between it did, so a frame may be off by
+        half the jump's share of a frame. Jumps count that noise doesn't make.
+        """
+        noise = self.std * np.sqrt(self.factor)
+        after = np.concatenate([self.raw.a[1:], self.raw.a[-1:]])
+        change = in_frames(self.raw, np.abs(after - self.raw.a), self.factor).max(axis=1)
+        jump = np.where(change > _JUMPS * noise, change, 0.0)
+        jump[1:] = np.maximum(jump[1:], jump[:-1])  # the sample after it may lie in the next frame
+        spread: Floats = np.sqrt(self.std**2 + (0.5 * jump / self.factor) ** 2)
+        weight: Floats = np.where(np.isnan(self.values), 0.0, 1.0 / spread)
+        return weight
+
     def advanced(self, sensor: int, delay_s: float) -> Floats:
         """Return one sensor's frames, (n, 3), as they were had it not read ``delay_s`` late."""
         a = self.raw.a[:, 3 * sensor : 3 * sensor + 3]
@@ -95,7 +111,8 @@ class TrialFrames:
         at = np.clip(np.arange(len(a)) + delay_s * self.raw.rate_hz, 0.0, len(a) - 1.0)
         low = np.minimum(at.astype(np.intp), len(a) - 2)
         share = (at - low)[:, None]
-        return in_frames(self.raw, (1.0 - share) * a[low] + share * a[low + 1], self.factor).mean(axis=1)
+        read = (1.0 - share) * a[low] + share * a[low + 1]
+        return np.asarray(in_frames(self.raw, read, self.factor).mean(axis=1), dtype=np.float64)
 
 
 def trials_of(arm: Arm, runs: Sequence[RawRun]) -> list[TrialFrames]:
@@ -185,7 +202,8 @@ def _rest(arm: Arm, values: Floats, std: Floats) -> int:
         turned = [rotation_from_rpy(*arm.sensors[s].rotation_rad) for s in there]
         on_link = np.stack([cells[:, s] @ R.T for s, R in zip(there, turned, strict=True)], axis=1)
         apart = on_link[:, 1:] - on_link[:, :1]
-        alike &= _strays(apart, np.full((len(there) - 1, 3), np.sqrt(2.0) * noise[there].max())).min(axis=1) <= _STRAYS
+        twice = np.full((len(there) - 1, 3), np.sqrt(2.0) * noise[there].max())
+        alike &= _strays(apart, twice).min(axis=1) <= _STRAYS
     return _CELL * _until_moved(alike)
 
 

@@ -111,9 +111,15 @@ def linearise(
     of, size = observation_of(arm, mountings=True)
     q, dq, ddq = np.empty((3, n, arm.n_joint))
     motion_at_knots(c, trial.dt_s, q, dq, ddq)
-    readings = trial.values.copy()
+    readings, weight = trial.values.copy(), trial.weight.copy()
     for s in np.flatnonzero(instruments.delay_s).tolist():
-        readings[:, 3 * s : 3 * s + 3] = trial.advanced(s, instruments.delay_s[s])
+        channels, late = slice(3 * s, 3 * s + 3), instruments.delay_s[s] / trial.dt_s
+        readings[:, channels] = trial.advanced(s, instruments.delay_s[s])
+        rows = [np.clip(np.arange(n) + int(step), 0, n - 1) for step in (np.floor(late), np.ceil(late))]
+        weight[:, channels] = np.minimum(*(trial.weight[row, channels] for row in rows))
+        # Reading between two samples, at the ends of a frame, takes a little off its noise.
+        share = (instruments.delay_s[s] * trial.raw.rate_hz) % 1.0
+        weight[:, channels] /= np.sqrt(1.0 - 2.0 * share * (1.0 - share) / trial.factor)
     lost = np.isnan(readings)
     readings[lost] = 0.0
     since = (trial.t - trial.t[0] + 0.5 * trial.dt_s)[:, None]
@@ -124,7 +130,7 @@ def linearise(
     x[3 * arm.n_joint : 3 * arm.n_joint + n_channel] = instruments.bias
     _observe_along(of, x, q, dq, ddq, expected, slope)
     expected += instruments.drift.ravel() * trial.t[:, None]
-    weight = np.where(lost, 0.0, 1.0 / trial.std)
+    weight[lost] = 0.0
     if without is not None:
         weight *= ~np.repeat(without, 3)
     clipped = _clip(trial, instruments, readings, expected, slope, weight)

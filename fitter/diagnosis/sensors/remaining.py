@@ -1,8 +1,8 @@
 """What is left when all causes are taken into account: whether it is mere noise, and if not, on what it depends.
 
-Dependence is asked for without a form: means over bins of a variable, taken from every other judging trial, say how
-much of the residual of the others they explain. What chance explains is found by shifting the residual in time,
-which keeps its own course.
+Dependence is asked for without a form: means over bins of a variable, taken from every other judging trial, say
+how much of the residual of the others they explain. What chance explains is found by shifting the residual in
+time, which keeps its own course.
 """
 
 from dataclasses import dataclass

@@ -61,6 +61,8 @@ def screened(
         whole = with_suspect(whole, suspect, value)
     done = trials.all_eliminated(range(len(trials.trials)), whole, motions, whole.suspects)
     grams = [gram for gram, _ in done]
+    for number, gram in enumerate(grams):
+        gram[-1, -1] += trials.dropped(number, whole, motions[number])
     mean, std = trials.before(whole)
     theta = np.concatenate([whole.bias.ravel(), *whole.values])
     learn, judge = (np.sum(part, axis=0) for part in (grams[: trials.n_learn], grams[trials.n_learn :]))

@@ -30,7 +30,7 @@ _FEWEST, _MOST, _NEAR_BEST = 3, 7, 0.5
 _SIGMAS, _UNUSUAL = 4.0, 16.3
 #: What explains less than this of the squared residual, in units of the noise, explains nothing.
 _NOTHING = 8.0
-#: A fit that leaves this share of excess may have begun with motions too far off, and begins anew with its sensors.
+#: A fit that leaves this share of excess may have begun with motions too far off; it begins anew with its sensors.
 _BEGUN_FAR_OFF = 0.01
 
 
@@ -42,8 +42,8 @@ class Tried:
     ----------
     suspect : Suspect
     score : float
-        Squared residual of the judging trials that contradicts rigidity, and what the small biases cost; in units of
-        the noise. The smaller the better.
+        Squared residual of the judging trials that contradicts rigidity, and what the small biases cost; in units
+        of the noise. The smaller the better.
     fitted : Fitted or None
         None where it was tried to first order only.
     each : (n_judging,)
@@ -75,11 +75,13 @@ class Search:
 
     def score(self, fitted: Fitted) -> float:
         """Return the score of a judged fit."""
-        return float(self.each(fitted).sum() + fitted.usual)
+        return float(self.each(fitted).sum() + fitted.usual + fitted.surprise)
 
     def each(self, fitted: Fitted) -> Floats:
-        """Return the squared residual of every judging trial in units of the noise."""
-        squares: Floats = fitted.squares[self.trials.n_learn :] / self.noise
+        """Return the squared residual of every judging trial in units of the noise, what was dropped as noise."""
+        judging = range(self.trials.n_learn, len(self.trials.trials))
+        dropped = [self.trials.dropped(k, fitted.hypothesis, fitted.motions[k]) for k in judging]
+        squares: Floats = fitted.squares[self.trials.n_learn :] / self.noise + np.array(dropped)
         return squares
 
     def left(self, fitted: Fitted) -> Contradiction:
@@ -117,7 +119,8 @@ class Search:
         if again.cost > fitted.cost + _NOTHING:
             return fitted
         better = fitted.squares < again.squares
-        motions = [old if keep else new for old, new, keep in zip(fitted.motions, again.motions, better, strict=True)]
+        both = zip(fitted.motions, again.motions, better, strict=True)
+        motions = [old if keep else new for old, new, keep in both]
         squares = np.where(better, fitted.squares, again.squares)
         return replace(again, motions=motions, squares=squares)
 

@@ -86,11 +86,13 @@ def _mounting_columns(at: Linearisation, sensor: int, first: int) -> Floats:
 
 
 def _scale_columns(at: Linearisation, sensor: int) -> Floats:
-    return _mounting_columns(at, sensor, 0) * np.array(at.instruments.arm.sensors[sensor].scale)
+    scaled: Floats = _mounting_columns(at, sensor, 0) * np.array(at.instruments.arm.sensors[sensor].scale)
+    return scaled
 
 
 def _turn_columns(at: Linearisation, sensor: int) -> Floats:
-    return _mounting_columns(at, sensor, 3) @ turn_by_angles(at.instruments.arm.sensors[sensor])
+    turned: Floats = _mounting_columns(at, sensor, 3) @ turn_by_angles(at.instruments.arm.sensors[sensor])
+    return turned
 
 
 def _place_columns(at: Linearisation, sensor: int) -> Floats:
@@ -104,7 +106,7 @@ def _single(at: Linearisation, sensor: int, of_channels: Floats) -> Floats:
 
 
 def _delay_columns(at: Linearisation, sensor: int) -> Floats:
-    return _single(at, sensor, -np.gradient(at.readings, at.trial.dt_s, axis=0))
+    return _single(at, sensor, -np.gradient(at.expected, at.trial.dt_s, axis=0))
 
 
 def _corner_columns(at: Linearisation, sensor: int) -> Floats:
@@ -172,25 +174,35 @@ def _changed_delay(instruments: Instruments, sensor: int, value: Floats) -> Inst
     return instruments.with_entry("delay_s", sensor, float(value[0]))
 
 
-def _three(names: str, unit: str, neutral: float, spread: float, *kind: object) -> tuple[object, ...]:
-    return tuple((name, unit) for name in names.split()), (neutral,) * 3, (spread,) * 3, *kind
+def _of_three(
+    name: str, parameters: str, unit: str, neutral: float, spread: float, change: Change, columns: Columns
+) -> SensorEffect:
+    """Return an effect with three numbers of the same kind."""
+    named = tuple((parameter, unit) for parameter in parameters.split())
+    return SensorEffect(name, named, (neutral,) * 3, (spread,) * 3, change, columns)
+
+
+def _of_one(
+    name: str, parameter: str, unit: str, neutral: float, spread: float, change: Change, columns: Columns
+) -> SensorEffect:
+    """Return an effect with one number."""
+    return SensorEffect(name, ((parameter, unit),), (neutral,), (spread,), change, columns)
 
 
 _KINDS = (
-    SensorEffect("sensor_bias", *_three("x_m_s2 y_m_s2 z_m_s2", "m/s^2", 0.0, 3.0, _changed_bias, bias_columns)),  # type: ignore[arg-type]
-    SensorEffect("sensor_drift", *_three("x_m_s3 y_m_s3 z_m_s3", "m/s^3", 0.0, 1.0, _changed_drift, _drift_columns)),  # type: ignore[arg-type]
-    SensorEffect("sensor_scale", *_three("x y z", "1", 1.0, 1.0, _changed_scale, _scale_columns)),  # type: ignore[arg-type]
-    SensorEffect(
-        "sensor_misalignment",
-        *_three("roll_rad pitch_rad yaw_rad", "rad", 0.0, 1.0, _changed_rotation, _turn_columns),  # type: ignore[arg-type]
+    _of_three("sensor_bias", "x_m_s2 y_m_s2 z_m_s2", "m/s^2", 0.0, 3.0, _changed_bias, bias_columns),
+    _of_three("sensor_drift", "x_m_s3 y_m_s3 z_m_s3", "m/s^3", 0.0, 1.0, _changed_drift, _drift_columns),
+    _of_three("sensor_scale", "x y z", "1", 1.0, 1.0, _changed_scale, _scale_columns),
+    _of_three(
+        "sensor_misalignment", "roll_rad pitch_rad yaw_rad", "rad", 0.0, 1.0, _changed_rotation, _turn_columns
     ),
-    SensorEffect("mounting_radius", *_three("x_m y_m z_m", "m", 0.0, 0.3, _changed_place, _place_columns)),  # type: ignore[arg-type]
-    SensorEffect("sensor_highpass", (("corner_hz", "Hz"),), (0.0,), (5.0,), _changed_corner, _corner_columns),
-    SensorEffect("sensor_clipping", (("level_m_s2", "m/s^2"),), (np.inf,), (50.0,), _changed_level, _level_columns),
-    SensorEffect("time_skew", (("delay_s", "s"),), (0.0,), (0.1,), _changed_delay, _delay_columns),
+    _of_three("mounting_radius", "x_m y_m z_m", "m", 0.0, 0.3, _changed_place, _place_columns),
+    _of_one("sensor_highpass", "corner_hz", "Hz", 0.0, 5.0, _changed_corner, _corner_columns),
+    _of_one("sensor_clipping", "level_m_s2", "m/s^2", np.inf, 50.0, _changed_level, _level_columns),
+    _of_one("time_skew", "delay_s", "s", 0.0, 0.1, _changed_delay, _delay_columns),
     SensorEffect(
         "base_motion",
-        tuple((f"{axis}_{part}", "m/s^2") for part in ("cos", "sin") for axis in "xyz") + (("frequency_hz", "Hz"),),
+        (*((f"{axis}_{part}", "m/s^2") for part in ("cos", "sin") for axis in "xyz"), ("frequency_hz", "Hz")),
         (0.0,) * 6 + (np.inf,),
         (5.0,) * 6 + (0.1,),
         _changed_base,

@@ -10,15 +10,16 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from arm.model import Floats
+from fitter.diagnosis.sensors.contradiction import beyond_level
 from fitter.diagnosis.sensors.fit import Fitted, Hypothesis
 from fitter.diagnosis.sensors.search import Search, Tried
 
-#: What a cause must explain, and by what it must beat a rival: squared, in units of the noise. On the bench without
-#: any effect (seeds 1000 to 1039, which nothing else uses) no suspect of 680 explained more than 12.
+#: What a cause must explain, and by what it must beat a rival: squared, in units of the noise.
 ACCEPTED, EQUAL = 20.0, 12.0
 #: A number differs from nothing if it is so many standard errors away.
 _SIGNIFICANT = 4.0
+#: A sensor that clips should read this many standard deviations of a frame beyond its level, on average.
+_BEYOND_LEVEL = 3.0
 #: A corner below this forgets nothing in the time of a trial [Hz].
 _LEAST_CORNER_HZ = 0.003
 _MOST_CAUSES = 4
@@ -69,7 +70,9 @@ def decide(search: Search, rng: np.random.Generator) -> Decision:
     rng : Generator
         Draws trials anew for the causes' support.
     """
-    known, causes, first = search.base, [], []
+    known = search.base
+    causes: list[Cause] = []
+    first: list[Tried] = []
     while len(causes) < _MOST_CAUSES:
         tried = search.try_all(known)
         first = first or tried
@@ -88,31 +91,33 @@ def decide(search: Search, rng: np.random.Generator) -> Decision:
     return Decision(tuple(causes), first, known)
 
 
-def significant(tried: Tried, noise: float) -> int:
+def significant(search: Search, tried: Tried) -> int:
     """Return how many of a suspect's numbers differ from nothing."""
     if tried.fitted is None:
         return 0
     place = tried.fitted.hypothesis.suspects.index(tried.suspect)
-    value, std = tried.fitted.hypothesis.values[place], tried.fitted.std(place) * np.sqrt(noise)
+    value, std = tried.fitted.hypothesis.values[place], tried.fitted.std(place) * np.sqrt(search.noise)
     neutral = np.array(tried.suspect.kind.neutral)
     if tried.suspect.effect == "sensor_highpass" and value[0] < _LEAST_CORNER_HZ:
         return 0
+    if tried.suspect.effect == "sensor_clipping" and tried.suspect.sensor is not None:
+        return int(beyond_level(search.trials, tried.fitted, tried.suspect.sensor) > _BEYOND_LEVEL)
     there = np.abs(value - np.where(np.isfinite(neutral), neutral, 0.0)) > _SIGNIFICANT * std
     return int(np.count_nonzero(there))
 
 
 def _accepted(search: Search, known: Fitted, tried: Sequence[Tried], rng: np.random.Generator) -> Cause | None:
     score = search.score(known)
-    able = [one for one in tried if significant(one, search.noise) and score - one.score > ACCEPTED]
+    able = [one for one in tried if significant(search, one) and score - one.score > ACCEPTED]
     if not able:
         return None
     best = min(able, key=lambda one: one.score)
     equals = [one for one in able if _beats(best, one) <= 0.0]
-    fewest = min(significant(one, search.noise) for one in equals)
-    equals = [one for one in equals if significant(one, search.noise) == fewest]
+    fewest = min(significant(search, one) for one in equals)
+    equals = [one for one in equals if significant(search, one) == fewest]
     best = min(equals, key=lambda one: one.score)
     others = [one for one in able if one not in equals]
-    return Cause(best, tuple(one for one in equals if one is not best), _support(best, search.each(known), others, rng))
+    return Cause(best, tuple(one for one in equals if one is not best), _support(best, others, rng))
 
 
 def _beats(one: Tried, other: Tried) -> float:
@@ -123,7 +128,7 @@ def _beats(one: Tried, other: Tried) -> float:
     return whole - (EQUAL + min(spread, 0.5 * whole))
 
 
-def _support(best: Tried, nothing: Floats, others: Sequence[Tried], rng: np.random.Generator) -> float:
+def _support(best: Tried, others: Sequence[Tried], rng: np.random.Generator) -> float:
     n = best.each.size
     drawn = rng.integers(0, n, (1000, n))
     usual = best.score - best.each.sum()

@@ -1,0 +1,81 @@
+"""The JSON schema of a diagnosis, as `limb/diagnosis` carries it."""
+
+from protocol.schema_parts import Schema, by_name, one
+
+_ERRORS: Schema = {
+    "torque_rms_N_m": {"type": "array", "items": {"type": "number"}, "description": "one a joint [N m or N]"},
+    "angle_error_deg": {
+        **one("object", "of simulated against measured angles; null where the simulation ran away", "deg"),
+        "properties": {
+            "mean": {"type": ["number", "null"], "description": "over all evaluating trials [deg]"},
+            "max": {"type": ["number", "null"], "description": "over all evaluating trials [deg]"},
+        },
+    },
+}
+
+_SUPPORT = one("number", "how much of the belief it has among those that explain as much, 0 to 1")
+_EFFECT: Schema = {
+    "effect": one("string", "name in the catalogue, as `fitter effects` lists it"),
+    "joints": {
+        "type": "array",
+        "items": {"type": "integer"},
+        "description": "where, from 1; empty: the whole arm",
+    },
+}
+
+#: Fields of `limb/diagnosis` beside those of every message.
+DIAGNOSIS_FIELDS: Schema = {
+    "verdict": {
+        "enum": ["named", "ambiguous", "none", "unexplained"],
+        "description": "whether there is anything above noise, and whether its cause is known",
+    },
+    "causes": {
+        "type": "array",
+        "description": "what was accepted; in the ambiguous case all that explain as much",
+        "items": {
+            "type": "object",
+            "properties": {
+                **_EFFECT,
+                "parameters": by_name(
+                    "its size, by name of the parameter",
+                    {
+                        "type": "object",
+                        "properties": {
+                            "value": {"description": "the estimate, in the unit"},
+                            "std": {"type": ["number", "null"], "description": "its standard error"},
+                            "unit": one("string", "unit of both"),
+                        },
+                    },
+                ),
+                "support": _SUPPORT,
+            },
+        },
+    },
+    "candidates": {
+        "type": "array",
+        "description": "all effects that were tried, best first",
+        "items": {
+            "type": "object",
+            "properties": {
+                **_EFFECT,
+                "gain": one("number", "share of the squared residual that it takes away, evaluating trials"),
+                "support": _SUPPORT,
+            },
+        },
+    },
+    "confusable": {"type": "array", "description": "pairs of effects that this data cannot tell apart"},
+    "next_experiment": one("string", "the motion that would"),
+    "before": {**one("object", "errors without the causes, evaluating trials"), "properties": _ERRORS},
+    "after": {**one("object", "errors with the causes, evaluating trials"), "properties": _ERRORS},
+    "gain": {
+        **one("object", "share by which the rms errors fell"),
+        "properties": {
+            "torque": one("number", "of the torque"),
+            "angle": {"type": ["number", "null"], "description": "of the simulated angles"},
+            "ci95": {"type": "array", "items": {"type": "number"}, "description": "interval of the torque's"},
+        },
+    },
+    "residual": one("object", "what is left: how much of it is explained by what, and whether it is white"),
+    "structure": one("object", "what the base model leaves beyond noise, and how much of it the causes explain"),
+    "notes": {"type": "array", "items": {"type": "string"}, "description": "what was done to the data"},
+}

@@ -1,0 +1,105 @@
+"""`fitter diagnose`, from files to a page."""
+
+import json
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from arm.arm_file import load_arm, save_arm
+from arm.model import Control, Effect
+from fitter.data.motion_file import write_motion
+from tests.fitter.pendulum import columns, pendulum, swings
+
+STIFFNESS, REST = 1.0, 0.3
+SPRING = (Effect("joint_spring", {"stiffness_N_m_rad": STIFFNESS, "rest_angle_rad": REST}, joints=(1,)),)
+FIELDS = "verdict causes candidates confusable next_experiment before after gain residual"
+
+
+@pytest.fixture(scope="module")
+def files(tmp_path_factory):
+    """Write a pendulum with a spring that its arm file knows nothing of."""
+    folder = tmp_path_factory.mktemp("pendulum")
+    motions = swings(SPRING)
+    write_motion(folder / "learn.npz", columns(motions[:3]))
+    write_motion(folder / "evaluate.csv", columns(motions[3:]))
+    save_arm(pendulum(), folder / "arm.toml")
+    return folder
+
+
+def arguments(files, out, *more):
+    learn, evaluate = files / "learn.npz", files / "evaluate.csv"
+    return learn, "--evaluate", evaluate, "--arm", files / "arm.toml", "--out", out, *more
+
+
+def test_the_cause_is_named_added_and_measured(fitter, files, tmp_path):
+    outcome = fitter("diagnose", *arguments(files, tmp_path / "new" / "out"))
+    assert outcome.code == 0
+    out, document = tmp_path / "new" / "out", outcome.document
+    assert set(FIELDS.split()) <= set(document)
+    assert json.loads((out / "diagnosis.json").read_text()) == document
+    assert document["verdict"] == "named"
+    (cause,) = document["causes"]
+    assert (cause["effect"], cause["joints"]) == ("joint_spring", [1])
+    for name, true in (("stiffness_N_m_rad", STIFFNESS), ("rest_angle_rad", REST)):
+        found = cause["parameters"][name]
+        assert abs(found["value"] - true) < 4.0 * found["std"] + 0.02
+    assert document["after"]["angle_error_deg"]["mean"] < 0.3 * document["before"]["angle_error_deg"]["mean"]
+    assert document["candidates"][0]["effect"] == "joint_spring"
+    low, high = document["gain"]["ci95"]
+    assert low <= document["gain"]["torque"] <= high
+
+    extended = load_arm(out / "extended.toml")
+    assert [effect.name for effect in extended.effects] == ["joint_spring"]
+    assert sorted(path.suffix for path in out.iterdir()) == [".html", ".json", *[".png"] * 4, ".toml"]
+    for words in ("joint_spring, joint 1", "before", "after", "next: ", "report.html"):
+        assert words in outcome.said
+
+
+def test_what_is_learnt_from_cannot_judge(fitter, files, tmp_path):
+    given = arguments(files, tmp_path)
+    outcome = fitter("diagnose", *given[:2], files / "learn.npz", *given[3:])
+    assert outcome.code == 2
+    assert outcome.errors == [
+        f"error: --evaluate: {files / 'learn.npz'} is learnt from, expected trials that are not"
+    ]
+
+
+def test_a_friction_that_nobody_knows(fitter, files, tmp_path):
+    outcome = fitter("diagnose", *arguments(files, tmp_path, "--deny", "viscous,air"))
+    assert outcome.code == 2
+    assert outcome.errors == ["error: --deny is 'viscous,air', expected some of viscous, coulomb"]
+
+
+def test_trials_without_torque_and_law_say_nothing(fitter, files, tmp_path):
+    save_arm(replace(pendulum(), control=Control("measured")), tmp_path / "arm.toml")
+    given = list(arguments(files, tmp_path / "out"))
+    given[4] = tmp_path / "arm.toml"
+    outcome = fitter("diagnose", *given)
+    assert outcome.code == 2 and len(outcome.errors) == 1
+    assert "nothing says which torque drove it" in outcome.errors[0]
+    assert not (tmp_path / "out" / "diagnosis.json").exists()
+
+
+def test_a_place_that_cannot_be_written_to_is_told_first(fitter, files, tmp_path):
+    (tmp_path / "file").write_text("")
+    outcome = fitter("diagnose", *arguments(files, tmp_path / "file" / "below"))
+    assert outcome.code == 3 and "cannot be made: Not a directory" in outcome.errors[0]
+
+
+def test_the_same_trials_give_the_same_bytes(fitter, files, tmp_path):
+    for name in ("first", "second"):
+        assert fitter("diagnose", *arguments(files, tmp_path / name)).code == 0
+    for name in ("diagnosis.json", "extended.toml", "report.html"):
+        assert (tmp_path / "first" / name).read_bytes() == (tmp_path / "second" / name).read_bytes(), name
+
+
+def test_friction_that_the_model_was_denied_is_found(fitter, tmp_path):
+    motions = swings(())
+    write_motion(tmp_path / "learn.npz", columns(motions[:3]))
+    write_motion(tmp_path / "evaluate.csv", columns(motions[3:]))
+    save_arm(pendulum(), tmp_path / "arm.toml")
+    outcome = fitter("diagnose", *arguments(tmp_path, tmp_path / "out", "--deny", "viscous"))
+    assert outcome.code == 0
+    found = {cause["effect"]: cause["parameters"] for cause in outcome.document["causes"]}
+    assert np.isclose(found["viscous"]["viscous_N_m_s"]["value"], 0.3, rtol=0.05)

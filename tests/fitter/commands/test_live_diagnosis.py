@@ -1,0 +1,89 @@
+"""`fitter subscribe --diagnose`: why the simulation is wrong, said when the last motion has ended."""
+
+import json
+import tempfile
+
+import pytest
+import zmq
+
+from arm.arm_file import load_arm
+from fitter.commands.live_diagnosis import parted
+from limbcal.errors import DataError
+from protocol.message import DIAGNOSIS, TRIAL
+from protocol.subscriber import Subscriber
+
+FIELDS = "verdict causes candidates confusable next_experiment before after gain residual structure notes"
+
+
+@pytest.fixture
+def place():
+    """Make a folder whose name is short enough for sockets in it."""
+    with tempfile.TemporaryDirectory() as folder:
+        yield folder
+
+
+def heard(subscriber, topic):
+    messages = []
+    while (message := subscriber.receive(200)) is not None:
+        messages += [message[1]] if message[0] == topic else []
+    return messages
+
+
+def test_the_diagnosis_is_published_and_written(fitter, stream, place, short_run, tmp_path):
+    endpoint = f"ipc://{place}/fits"
+    with (
+        zmq.Context() as context,
+        Subscriber(context, endpoint, (DIAGNOSIS,)) as subscriber,
+        stream("tcp://127.0.0.1:*") as daemon,
+    ):
+        common = ("--connect", daemon.endpoint, "--endpoint", endpoint, "--arm", "dd-arm", "--seconds", "120")
+        outcome = fitter("subscribe", *common, "--trials", 3, "--diagnose", "--out", tmp_path)
+        published = heard(subscriber, DIAGNOSIS)
+    assert outcome.code == 0
+    found = outcome.document["diagnosis"]
+    assert found["verdict"] in ("named", "ambiguous", "none", "unexplained")
+    assert f"diagnosis: {found['verdict']}" in outcome.said
+
+    (message,) = published
+    assert set(message) == {"v", "arm", "run", "seq", *FIELDS.split()} and message["arm"] == "dd-arm"
+    assert {name: message[name] for name in FIELDS.split()} == found
+
+    folder = tmp_path / "diagnosis"
+    assert json.loads((folder / "diagnosis.json").read_text()) == found
+    assert load_arm(folder / "extended.toml").name == "dd-arm"
+    assert (folder / "report.html").exists() and (tmp_path / "report.html").exists()
+
+
+def test_a_diagnosis_that_fails_leaves_the_calibration_alone(fitter, stream, place, short_run, tmp_path):
+    ended = next(
+        k
+        for k, (topic, fields) in enumerate(short_run.messages)
+        if topic == TRIAL and (fields["trial"], fields["state"]) == (1, "end")
+    )
+    with stream("tcp://127.0.0.1:*", short_run.messages[: ended + 1]) as daemon:
+        common = ("--connect", daemon.endpoint, "--endpoint", f"ipc://{place}/fits", "--arm", "dd-arm")
+        outcome = fitter("subscribe", *common, "--seconds", "60", "--trials", 1, "--diagnose", "--out", tmp_path)
+    assert outcome.code == 0
+    assert (
+        "the diagnosis is left out: 1 motion(s), expected at least 2: what is learnt from cannot" in outcome.said
+    )
+    assert "dynamics" in outcome.document and "diagnosis" not in outcome.document
+    assert not (tmp_path / "diagnosis").exists()
+
+
+@pytest.mark.parametrize(
+    ("learn", "evaluate", "expected"),
+    [
+        ("abc", "de", ("abc", "de")),
+        ("abcde", "", ("abc", "de")),
+        ("", "abcd", ("ab", "cd")),
+    ],
+)
+def test_motions_are_parted_by_role_or_in_halves(learn, evaluate, expected):
+    assert tuple("".join(part) for part in parted(list(learn), list(evaluate))) == expected
+
+
+@pytest.mark.parametrize("alone", [("a", ""), ("", "a"), ("", "")])
+def test_one_motion_cannot_be_parted(alone):
+    with pytest.raises(DataError, match="expected at least 2"):
+        parted(list(alone[0]), list(alone[1]))
