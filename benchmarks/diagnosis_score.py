@@ -33,10 +33,12 @@ def score(truth: Mapping[str, Any], found: Mapping[str, Any], reach: float = REA
         held to be equal; and where an effect was named rightly ``joint``, and of its parameters ``inside`` and
         ``asked``.
     """
-    verdict, causes = str(found["verdict"]), list(found["causes"])
+    verdict, causes = str(found["verdict"]), [one for cause in found["causes"] for one in _single(cause)]
     named = sorted({str(cause["effect"]) for cause in causes})
     answer = verdict if verdict in ("none", "unexplained") else " + ".join(named)
-    equal = len(named) if verdict == "ambiguous" else 1
+    equal = (
+        len({(cause["effect"], *(cause.get("joints") or ())) for cause in causes}) if verdict == "ambiguous" else 1
+    )
     told: Fields = {"verdict": verdict, "answer": answer, "class_size": equal}
     hidden = [str(effect["effect"]) for effect in truth["effects"]]
     if truth["kind"] == "nothing":
@@ -48,13 +50,26 @@ def score(truth: Mapping[str, Any], found: Mapping[str, Any], reach: float = REA
     told["found"] = [name in named and answered for name in hidden]
     told["right"] = right
     parts = [
-        _effect(effect, causes, reach) for effect in truth["effects"] if answered and effect["effect"] in named
+        _effect(effect, causes, verdict, reach)
+        for effect in truth["effects"]
+        if answered and effect["effect"] in named
     ]
     if parts:
         told["joint"] = all(part["joint"] for part in parts)
         told["inside"], told["asked"] = (sum(part[name] for part in parts) for name in ("inside", "asked"))
         told["outliers"] = [outlier for part in parts for outlier in part["outliers"]]
     return told
+
+
+def _single(cause: Mapping[str, Any]) -> list[Fields]:
+    """Return several pushes that are told as one cause, their parameters numbered, as a cause each."""
+    numbered: dict[str, Fields] = {}
+    for name, part in cause["parameters"].items():
+        stem, _, number = name.rpartition("_")
+        if not number.isdigit():
+            return [dict(cause)]
+        numbered.setdefault(number, {})[stem] = part
+    return [{**cause, "parameters": parameters} for parameters in numbered.values()] or [dict(cause)]
 
 
 def _variables(true: list[str], verdict: str, found: Mapping[str, Any]) -> Fields:
@@ -73,11 +88,16 @@ def _bare(name: str) -> str:
     return name.removeprefix("sign(").removesuffix(")").strip()
 
 
-def _effect(effect: Mapping[str, Any], causes: list[Mapping[str, Any]], reach: float) -> Fields:
-    """Hold joints and parameters of one effect, rightly named, against the truth."""
+def _effect(effect: Mapping[str, Any], causes: list[Mapping[str, Any]], verdict: str, reach: float) -> Fields:
+    """Hold joints and parameters of one effect, rightly named, against the truth.
+
+    The joints are those of one cause or, of several with the same name, of all; among equals the right one counts.
+    """
     own = [cause for cause in causes if cause["effect"] == effect["effect"]]
-    joints = {int(joint) for cause in own for joint in cause.get("joints") or ()}
-    joint = joints == set(effect["joints"]) or not effect["joints"]
+    places, wanted = [set(cause.get("joints") or ()) for cause in own], set(effect["joints"])
+    equals = verdict == "ambiguous" and wanted in places
+    joint = equals or set().union(*places) == wanted or not wanted
+    own = [cause for cause, place in zip(own, places, strict=True) if place == wanted] or own
     told: Fields = {"joint": joint, "inside": 0, "asked": 0, "outliers": []}
     if not joint:
         return told

@@ -6,6 +6,7 @@ from pathlib import Path
 
 from arm.effects.catalogue import catalogue
 from fitter.diagnosis.diagnosis import Diagnosis
+
 #from fitter.report.diagnosis_figures import lives_figure
 
 ROOT = Path(__file__).parent.parent.parent

@@ -10,6 +10,7 @@ from rich.table import Table
 from arm.arm_file import load_arm
 from arm.effects.catalogue import catalogue
 from arm.model import Arm
+from fitter.commands.diagnose_readings import diagnose_readings, readings
 from fitter.commands.options import add_arm, add_columns
 from fitter.data.columns import parse_mapping
 from fitter.data.motions import Measured, read_motions
@@ -52,7 +53,12 @@ def diagnose_command(arguments: argparse.Namespace) -> Document:
     except OSError as error:
         raise DeviceError(f"{arguments.out}: cannot be made: {error.strerror}") from error
     _require_apart(arguments.learn, arguments.evaluate)
-    learn, evaluate = (_read(some, arm, arguments) for some in (arguments.learn, arguments.evaluate))
+    raw = [
+        readings(some, arm, arguments.columns, arguments.rate_hz) for some in (arguments.learn, arguments.evaluate)
+    ]
+    if raw[0] is not None and raw[1] is not None:
+        return diagnose_readings(arm, raw[0], raw[1], arguments.out)
+    learn, evaluate = (_read(some, arm, arguments) for some in sets)
     with Progress(console=console, transient=True) as progress:
         task = progress.add_task("reading", total=1.0)
         found = diagnose(

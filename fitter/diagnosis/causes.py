@@ -108,7 +108,8 @@ def find_causes(regression: Regression, tried: Sequence[Hypothesis], progress: P
     """
     told = np.array([regression.weighting.told(motion) for motion in regression.motions], dtype=np.float64)
     base = fitted(regression, Model())
-    accepted, first, rounds = base, [], 0
+    accepted, rounds = base, 0
+    first: list[Candidate] = []
     causes: list[Cause] = []
 
     def say(what: str) -> Callable[[int, int], None]:
@@ -157,7 +158,7 @@ def _more_to_find(base: Candidate, accepted: Candidate, told: Floats) -> bool:
     """Say whether what is left could hide a cause that is worth naming."""
     left = float(accepted.squares.sum())
     beyond = base.squares.sum() - min(told.sum(), left)
-    return left - _SURELY_NOISE * told.sum() > max(WORTH_OF_NOISE * told.sum(), WORTH_OF_ALL * beyond)
+    return bool(left - _SURELY_NOISE * told.sum() > max(WORTH_OF_NOISE * told.sum(), WORTH_OF_ALL * beyond))
 
 
 def _worth_it(regression: Regression, base: Candidate, accepted: Candidate, best: Candidate, told: Floats) -> bool:
@@ -177,7 +178,7 @@ def _worth_it(regression: Regression, base: Candidate, accepted: Candidate, best
 def _cause(
     accepted: Candidate, place: int, candidates: Sequence[Candidate], best: Candidate, base: float
 ) -> Cause:
-    """Return a cause with those that do as well in its stead, none of them with more numbers, and those that don't."""
+    """Return a cause with those that do as well with no more numbers, and those that don't."""
     worth = base - float(accepted.squares.sum())
     reach = float(best.squares.sum()) + max(_EQUAL, _ALIKE * worth)
     rivals = [

@@ -89,8 +89,8 @@ def diagnose(
     DataError
         If a set is empty, or nothing says which torque drove a trial.
     """
-    for name, motions in (("learning", learn), ("evaluating", evaluate)):
-        if not motions:
+    for name, some in (("learning", learn), ("evaluating", evaluate)):
+        if not some:
             raise DataError(f"no {name} trial; expected at least one: what is learnt from cannot judge")
     grids = [
         [resample(part, rate_hz) for one in some for part in split_at_holes(one)] for some in (learn, evaluate)
@@ -99,7 +99,8 @@ def diagnose(
     corner = corner_hz(min(1.0 / grid.dt_s for some in grids for grid in some))
     learning, evaluating = _trials(grids, corner, free)
     regression = Regression(arm, run_of(arm, learning, evaluating), denied, _scale_of(arm) if free else None)
-    search = find_causes(regression, hypotheses(arm.n_joint, denied, driven=not free), lambda what, done: say(what, 0.8 * done))
+    tried = hypotheses(arm.n_joint, denied, driven=not free)
+    search = find_causes(regression, tried, lambda what, done: say(what, 0.8 * done))
     search = replace(search, final=_settled(regression, search.final))
     say("describing what is left", 0.8)
     remainder = describe(regression, search.final)
@@ -112,9 +113,10 @@ def diagnose(
         final = search.base
         remainder = describe(regression, final)
     say("judging on the evaluating trials", 0.92)
-    finding, motions_ = _told(regression, search, final, remainder, verdict, held, run_of(arm, learning, evaluating, thin=False))
+    motions = run_of(arm, learning, evaluating, thin=False)
+    finding = _told(regression, search, final, remainder, verdict, held, motions)
     say("done", 1.0)
-    return Diagnosis(finding, regression, search, motions_, final)
+    return Diagnosis(finding, regression, search, motions, final)
 
 
 def _scale_of(arm: Arm) -> tuple[int, float]:
@@ -132,7 +134,8 @@ def _scale_of(arm: Arm) -> tuple[int, float]:
     inertial = [k for k, column in enumerate(base.independent) if column < 10 * arm.n_joint and column % 10 < 6]
     if not inertial or not values[inertial[-1]] > 0.0:
         raise NotIdentifiable(
-            f"arm {arm.name}: nothing drives it, so only ratios can be told; expected the last link's inertia in its file"
+            f"arm {arm.name}: nothing drives it, so only ratios can be told; "
+            "expected the last link's inertia in its file"
         )
     return base.independent[inertial[-1]], float(values[inertial[-1]])
 
@@ -179,8 +182,7 @@ def _told(
     verdict: Verdict,
     held: list[Holding],
     motions: list[Motion],
-) -> tuple[Finding, list[Motion]]:
-    arm = regression.arm
+) -> Finding:
     plain = estimates(regression, search.base)
     base_arm = extended_arm(regression, search.base, plain)
     found = plain if final is search.base else estimates(regression, final)
@@ -195,7 +197,7 @@ def _told(
     alike = sorted({cause.effect for cause in causes})
     confusable = [] if final is search.base else _confusable(search)
     joints = [j for cause in causes for j in cause.joints]
-    finding = Finding(
+    return Finding(
         verdict=verdict,
         causes=causes,
         candidates=_tried(regression, search, held),
@@ -211,7 +213,6 @@ def _told(
         arm=extended,
         notes=sorted({note for motion in motions for note in motion.trial.notes}),
     )
-    return finding, motions
 
 
 def _causes(regression: Regression, search: Search, found: Estimates) -> list[NamedCause]:
@@ -279,5 +280,7 @@ def _tried(regression: Regression, search: Search, held: Sequence[Holding]) -> l
 
 
 def _sticking(arm: Arm, held: Sequence[Holding]) -> Arm:
-    effects = tuple(Effect("stiction", {"static_N_m": one.parameter.value}, joints=(one.joint + 1,)) for one in held)
+    effects = tuple(
+        Effect("stiction", {"static_N_m": one.parameter.value}, joints=(one.joint + 1,)) for one in held
+    )
     return replace(arm, effects=(*arm.effects, *effects)) if effects else arm

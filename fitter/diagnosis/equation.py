@@ -59,7 +59,7 @@ class Weighting:
 
     @property
     def seen_hz(self) -> float:
-        """Where the noise of differentiated angles outgrows that of the torque, at the joint where it does last."""
+        """Where the noise of differentiated angles outgrows that of the torque, at the last joint to."""
         rate = np.sqrt(np.max(self.torque_noise / np.sqrt(np.maximum(np.diag(self.acceleration_noise), 1e-300))))
         return float(np.clip(rate / (2.0 * np.pi), 1.0, self.band_hz))
 
@@ -143,7 +143,7 @@ def weighting(arm: Arm, motions: Sequence[Motion], inertia: Floats) -> Weighting
     angle = np.maximum(angle, 1e-9 * np.maximum(np.std(q, axis=0), 1.0))
     acceleration = np.mean(inertia * angle**2 @ inertia.transpose(0, 2, 1), axis=0)
     dt_s = max(motion.dt_s for motion in motions)
-    corner = min(min(motion.trial.cutoff_hz for motion in motions), 0.4 / dt_s)
+    corner = min(*(motion.trial.cutoff_hz for motion in motions), 0.4 / dt_s)
     band = min(_BAND_HZ, _BAND_SHARE * corner)
     return Weighting(torque, acceleration, band, max(1, int(1.0 / (dt_s * _SAMPLES * band))))
 

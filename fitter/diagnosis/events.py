@@ -19,9 +19,9 @@ from fitter.diagnosis.view import View
 
 #: Pushes are sought in steps of this length, and up to so many of them [s].
 _TILE_S, _LONGEST = 0.1, 20
-#: No more pushes than this are sought at a joint, and none that explains less than this share of the first one's.
+#: No more pushes than this are sought at a joint, and none that explains less than this share of the first.
 _MOST_PUSHES, _LEAST_SHARE = 6, 0.05
-#: While a joint is stuck nobody can tell a push: of runs that explain this share of the most the shortest is taken.
+#: While a joint is stuck nobody can tell a push: of runs that explain this share of the most, the shortest.
 _NEARLY = 0.99
 #: … and it is moved and stretched only where that explains so many times what it did.
 _CLEARLY = 1.002
@@ -186,7 +186,7 @@ def _best_run(G: Floats, s: Floats) -> tuple[float, int, int]:
 
 
 def find_payloads(kind: EffectKind, regression: Regression, model: Model) -> list[Hypothesis]:
-    """Return the set of trials, and the moment, whose load at the tip would explain most of what a model leaves."""
+    """Return the trials, and the moment, whose load at the tip would explain most of what a model leaves."""
     designs, columns, targets, times = [], [], [], []
     for motion in regression.motions:
         rows = regression.rows(model, motion)

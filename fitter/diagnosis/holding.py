@@ -1,8 +1,8 @@
 """Static friction: a joint at rest is held by more than ever resists it while it moves.
 
-The equations of a stuck joint tell nothing of the arm, and are eliminated from every fit (`equation`). They do tell
-what holds the joint: the drive's torque less the arm's own. Coulomb friction holds up to its own level; whatever
-holds more is the paper's F.
+The equations of a stuck joint tell nothing of the arm, and are eliminated from every fit (`equation`). They do
+tell what holds the joint: the drive's torque less the arm's own. Coulomb friction holds up to its own level;
+whatever holds more is the paper's F.
 """
 
 from collections.abc import Sequence
@@ -64,7 +64,8 @@ def holdings(regression: Regression, final: Candidate) -> list[Holding]:
         F, error = float(order[0]), float(order[0] - order[1] + noise[beyond].max() + order[0] / len(order))
         learnt = float(sets[0][0].max(initial=coulomb))
         was, left = (float(np.sum(np.maximum(sets[1][0] - level, 0.0) ** 2)) for level in (coulomb, learnt))
-        found.append(Holding(j, FittedParameter(F, error / 2.0, unit, True), 1.0 - left / was if was > 0.0 else 0.0))
+        gain = 1.0 - left / was if was > 0.0 else 0.0
+        found.append(Holding(j, FittedParameter(F, error / 2.0, unit, True), gain))
     return found
 
 

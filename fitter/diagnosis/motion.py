@@ -1,4 +1,4 @@
-"""Trials as a diagnosis sees them: on the run's own clock, with the drive's torque, and where friction is known."""
+"""Trials as a diagnosis sees them: on the run's clock, with the drive's torque, and where friction is known."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -107,11 +107,25 @@ def run_of(arm: Arm, learn: Sequence[Trial], evaluate: Sequence[Trial], thin: bo
         still = np.abs(dq) <= np.maximum(_STUCK_SHARE * top, _STUCK_SIGMAS * noise)
         t, u, stuck = t0 + trial.t, drive_torque(arm, trial), lasting(still, trial.dt_s)
         step = max(1, int(1.0 / (SAMPLES * trial.cutoff_hz * trial.dt_s))) if thin else 1
-        columns = (
-            part[::step] for part in (t, trial.q, trial.dq, trial.ddq, u, np.where(stuck, 0.0, np.sign(dq)), stuck)
+        q, dq_, ddq, u_, direction = (
+            part[::step] for part in (trial.q, trial.dq, trial.ddq, u, np.where(stuck, 0.0, np.sign(dq)))
         )
+        dt_s = step * trial.dt_s
         motions.append(
-            Motion(trial, k + 1, k < len(learn), *columns, dt_s=step * trial.dt_s, u_noise=_noise_of(u))
+            Motion(
+                trial,
+                k + 1,
+                k < len(learn),
+                t[::step],
+                q,
+                dq_,
+                ddq,
+                u_,
+                direction,
+                stuck[::step],
+                dt_s,
+                _noise_of(u),
+            )
         )
     return motions
 
@@ -194,7 +208,7 @@ def _velocity_gain(dt_s: float) -> float:
 
 
 def end_weight(n: int, dt_s: float) -> Floats:
-    """Return a weight that rises smoothly from 0 at one end of a motion and falls to 0 at the other, (n_sample,)."""
+    """Return a weight that rises smoothly from 0 at one end of a motion and falls to 0 at the other."""
     rise = min(max(1, round(RISE_S / dt_s)), n // 2)
     weight = np.ones(n)
     weight[:rise] = np.sin(np.pi / 2.0 * (np.arange(rise) + 0.5) / rise) ** 2

@@ -119,11 +119,11 @@ class Regression:
         """Return the columns of the standard regressor that stand for an arm's base parameters."""
         key = (*np.sign(arm.gravity_m_s2), *(np.sign(np.subtract(arm.gravity_m_s2, self.arm.gravity_m_s2))))
         if key not in self._independent:
-            gravity = tuple(
+            x, y, z = (
                 float(g if g == g0 else g0 + 0.7 + 0.1 * k)
                 for k, (g, g0) in enumerate(zip(arm.gravity_m_s2, self.arm.gravity_m_s2, strict=True))
             )
-            base = structural_parameters(replace(arm, gravity_m_s2=gravity))
+            base = structural_parameters(replace(arm, gravity_m_s2=(x, y, z)))
             kept = [
                 column
                 for column, name in zip(base.independent, base.names, strict=True)
@@ -196,7 +196,7 @@ class Regression:
         return self._scales[key]
 
     def refined(self, model: Model, motions: Sequence[Motion], held: int = 0) -> Model:
-        """Return a model with the psi that leave least; those of the first ``held`` hypotheses stay as they are."""
+        """Return a model with the psi that leave least; those of the first ``held`` hypotheses stay."""
         free = Model(model.hypotheses[held:], model.psi[held:])
         if not len(free.flat):
             return model
@@ -207,12 +207,15 @@ class Regression:
         def at(flat: Floats) -> Model:
             return replace(model, psi=(*model.psi[:held], *free.at(flat).psi))
 
+        def left(flat: Floats) -> Floats:
+            return self.solve(at(flat), motions)[2]
+
         found = scipy.optimize.least_squares(
-            lambda flat: self.solve(at(flat), motions)[2],
+            left,
             start,
             bounds=(low, high),
             x_scale=np.maximum(np.abs(start), 1e-3),
-            diff_step=_SLOPE,
+            diff_step=np.full(len(start), _SLOPE),
             max_nfev=_FEW_ROUNDS if free.is_event else _ROUNDS,
             xtol=1e-5,
             ftol=1e-7,

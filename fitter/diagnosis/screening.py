@@ -1,4 +1,4 @@
-"""Every hypothesis tried beside what is accepted already: first on a grid of psi, the promising ones then refined."""
+"""Every hypothesis tried beside what is accepted: first on a grid of psi, the promising ones then refined."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
@@ -227,7 +227,7 @@ class _Grid:
         power = np.empty(len(f))
         for some in np.array_split(np.arange(len(f)), max(1, len(f) // 256)):
             power[some] = np.abs(np.exp(-2j * np.pi * f[some, None] * t) @ left)
-        found = []
+        found: list[float] = []
         for k in np.argsort(power)[::-1]:
             if all(abs(f[k] - other) > 1.0 / span for other in found):
                 found.append(float(f[k]))

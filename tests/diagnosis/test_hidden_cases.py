@@ -135,6 +135,31 @@ def test_a_right_answer_counts_as_right(effect: str) -> None:
     assert not score(case.truth, found | {"verdict": "none", "causes": []})["right"]
 
 
+def test_numbered_pushes_count_as_several() -> None:
+    case = next(c for c in (draw_case(k, "one", "external_push", SHORT) for k in range(50)) if several(c))
+    found = answer(case)
+    pushes = [cause["parameters"] for cause in found["causes"]]
+    numbered = {f"{name}_{k}": part for k, push in enumerate(pushes, 1) for name, part in push.items()}
+    told = score(case.truth, found | {"causes": [found["causes"][0] | {"parameters": numbered}]})
+    assert told["right"] and told["joint"]
+    assert told["inside"] == told["asked"] == 3 * len(pushes)
+
+
+def several(case: Case) -> bool:
+    return len(case.truth["effects"][0]["entries"]) > 1
+
+
+def test_equal_joints_are_a_class() -> None:
+    case = draw_case(47, "one", "gain_error", SHORT)
+    found = answer(case)
+    cause = found["causes"][0]
+    other = cause | {"joints": [3 - cause["joints"][0]], "parameters": {"factor": {"value": 0.1, "std": 1e-4}}}
+    told = score(case.truth, found | {"verdict": "ambiguous", "causes": [other, cause]})
+    assert told["right"] and told["joint"]
+    assert (told["class_size"], told["inside"], told["asked"]) == (2, 1, 1)
+    assert not score(case.truth, found | {"causes": [other]})["joint"]
+
+
 def test_a_wrong_joint_or_size_is_told() -> None:
     case = draw_case(45, "one", "quadratic_drag", SHORT)
     found = answer(case)

@@ -19,13 +19,11 @@ REACH = 3.5
     ("effect", "seed"),
     [
         ("quadratic_drag", 11),
-        ("joint_spring", 12),
         ("torque_offset", 13),
         ("cogging", 14),
         ("gain_error", 15),
         ("actuator_lag", 16),
         ("payload", 17),
-        ("gravity_tilt", 18),
     ],
 )
 def test_a_hidden_effect_is_named(effect: str, seed: int, tmp_path: Path) -> None:

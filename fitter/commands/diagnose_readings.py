@@ -1,0 +1,106 @@
+"""`fitter diagnose` of raw accelerations: whether the sensors contradict a rigid arm, and which of them."""
+
+from collections.abc import Sequence
+from pathlib import Path
+
+from rich.progress import Progress, SpinnerColumn, TextColumn, TimeElapsedColumn
+from rich.table import Table
+
+from arm.arm_file import save_arm
+from arm.effects.catalogue import catalogue
+from arm.model import Arm
+from fitter.data.raw import RawRun, load_raw
+from fitter.data.sources import RECORDINGS, expand
+from fitter.diagnosis.sensors.diagnosis import diagnose_sensors
+from fitter.diagnosis.sensors.finding import SensorCause, SensorFinding
+from fitter.report.sensor_diagnosis import write_sensor_report
+from limbcal.command import Document, console, say, to_json
+from limbcal.errors import DataError, DeviceError
+
+_SENTENCES = {
+    "named": "The sensors contradict a rigid arm, and this is why:",
+    "ambiguous": "The sensors contradict a rigid arm; these explain it equally well:",
+    "none": "The sensors agree with a rigid arm: nothing above the noise.",
+    "unexplained": "The sensors contradict a rigid arm, and no effect of the catalogue explains it.",
+}
+
+
+def readings(sources: Sequence[Path], arm: Arm, columns: str | None, rate_hz: float | None) -> list[RawRun] | None:
+    """Return raw accelerations, or None where the files hold joint motion."""
+    if not arm.sensors or any(path.suffix.lower() in RECORDINGS for path in expand(sources)):
+        return None
+    try:
+        return load_raw(sources, [sensor.name for sensor in arm.sensors], arm.n_joint, columns, rate_hz=rate_hz)
+    except DataError:
+        return None  # then it is joint motion, and what is wrong with that will be said
+
+
+def diagnose_readings(arm: Arm, learn: Sequence[RawRun], evaluate: Sequence[RawRun], out: Path) -> Document:
+    """Diagnose the sensors, write everything, and say it.
+
+    Raises
+    ------
+    DeviceError
+        If a file cannot be written.
+    """
+    columns = (SpinnerColumn(), TextColumn("{task.description}"), TimeElapsedColumn())
+    with Progress(*columns, console=console, transient=True) as progress:
+        progress.add_task("comparing the sensors with a rigid arm", total=None)
+        finding = diagnose_sensors(arm, learn, evaluate)
+    answer = document(finding)
+    try:
+        (out / "diagnosis.json").write_text(to_json(answer), encoding="utf-8")
+    except OSError as error:
+        raise DeviceError(f"{out}: cannot be written: {error.strerror}") from error
+    save_arm(finding.arm, out / "extended.toml")
+    write_sensor_report(finding, [told(cause) for cause in finding.causes], _SENTENCES[finding.verdict], out)
+    say(_SENTENCES[finding.verdict])
+    for cause in finding.causes:
+        say(f"  {told(cause)}")
+    table = Table("contradiction, rms [m/s^2]", "before", "after")
+    for name, was in finding.before.items():
+        table.add_row(name, f"{was:.4g}", f"{finding.after[name]:.4g}")
+    console.print(table)
+    say(f"next: {finding.next_experiment}")
+    say(f"{out / 'report.html'}")
+    return answer
+
+
+def document(finding: SensorFinding) -> Document:
+    """Return the JSON document; torque and angle are not known from accelerations alone."""
+    nothing: dict[str, object] = {"torque_rms_N_m": None, "angle_error_deg": {"mean": None, "max": None}}
+    return {
+        "verdict": finding.verdict,
+        "causes": [
+            {
+                "effect": cause.effect,
+                "sensors": list(cause.sensors),
+                "parameters": {
+                    name: {"value": p.value, "std": p.std, "unit": p.unit} for name, p in cause.parameters.items()
+                },
+                "support": cause.support,
+            }
+            for cause in finding.causes
+        ],
+        "candidates": [
+            {"effect": one.effect, "sensors": list(one.sensors), "gain": one.gain, "support": one.support}
+            for one in finding.candidates
+        ],
+        "confusable": [list(pair) for pair in finding.confusable],
+        "next_experiment": finding.next_experiment,
+        "before": nothing | {"reading_rms_m_s2": dict(finding.before)},
+        "after": nothing | {"reading_rms_m_s2": dict(finding.after)},
+        "gain": {"torque": None, "angle": None, "readings": finding.gain, "ci95": None},
+        "residual": {
+            "explained": finding.residual.explained,
+            "white": finding.residual.white,
+            "depends_on": list(finding.residual.depends_on),
+        },
+    }
+
+
+def told(cause: SensorCause) -> str:
+    """Return a cause in plain words, with its size."""
+    where = "".join(f", {name}" for name in cause.sensors)
+    numbers = ", ".join(f"{name} {p.value:.4g} ± {p.std:.2g} {p.unit}" for name, p in cause.parameters.items())
+    return f"{cause.effect}{where}: {catalogue()[cause.effect].sentence} ({numbers})"
