@@ -53,9 +53,8 @@ def diagnose_command(arguments: argparse.Namespace) -> Document:
     except OSError as error:
         raise DeviceError(f"{arguments.out}: cannot be made: {error.strerror}") from error
     _require_apart(arguments.learn, arguments.evaluate)
-    raw = [
-        readings(some, arm, arguments.columns, arguments.rate_hz) for some in (arguments.learn, arguments.evaluate)
-    ]
+    sets = (arguments.learn, arguments.evaluate)
+    raw = [readings(some, arm, arguments.columns, arguments.rate_hz) for some in sets]
     if raw[0] is not None and raw[1] is not None:
         return diagnose_readings(arm, raw[0], raw[1], arguments.out)
     learn, evaluate = (_read(some, arm, arguments) for some in sets)
