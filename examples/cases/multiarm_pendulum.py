@@ -1,7 +1,7 @@
 """A double pendulum that swings freely, diagnosed: what its published, viscous model lacks.
 
 ``python -m examples.cases.multiarm_pendulum`` writes ``docs/cases/multiarm-pendulum.md`` and its picture. The
-recording is that of the MultiArm-Pendulum repository (MIT): 70 s to learn from, 10 s held back.
+recording is that of the MultiArm-Pendulum repository (MIT): 69 s to learn from, 11 s held back.
 """
 
 import argparse
@@ -10,82 +10,118 @@ from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
-import scipy.io
 
 from arm.arm_file import load_arm
 from arm.model import Arm, Floats
-from examples.cases.case_page import DATA, DOCS, write_page
+from arm.simulation import simulate
+from examples.cases.case_page import DATA, DOCS, FigureTable, Page, write_page
+from examples.cases.motion_fit import refined
+from examples.cases.steps import steps
+from examples.free_pendulum import HORIZON_S, RECORDING, prediction_rms_mrad, swings
 from fitter.data.motions import Measured
-from fitter.diagnosis.diagnosis import Diagnosis, diagnose
-from fitter.diagnosis.judgement import simulated
+from fitter.data.trials import Trial
+from fitter.diagnosis.diagnosis import diagnose
+from fitter.report.diagnosis_words import candidate_name
 from limbcal.command import Document, Parser, common_options, run_command
-from limbcal.errors import DataError
 
 ARMS = Path(__file__).parent.parent
-RECORDING = Path("multiarm_pendulum") / "DoublePendulumDataForParameterEstimation.mat"
-STEP_S, HORIZON_S = 1e-3, 2.0
+RATE_HZ = 200.0
 #: The swing is cut into motions of this length, so that whole motions can be held out [s].
 PIECE_S = 2.5
+#: Every so manieth sample is simulated and compared while numbers are fitted to the motion.
+STRIDE = 4
+ASKED_MRAD, PUBLISHED_MRAD = 1.25, 3.23
 
 
-def swings(path: Path, cells: str) -> list[Measured]:
-    """Return the recording's cells, joined and cut into pieces; angles relative, 0 hanging down.
-
-    Raises
-    ------
-    DataError
-        If the file is missing.
-    """
-    if not path.exists():
-        raise DataError(f"{path}: there is no such file; set LIMBCAL_DATA to the folder of the recordings")
-    theta = np.hstack([cell[:2] for cell in scipy.io.loadmat(path)[cells].ravel()])
-    q = np.column_stack([theta[0] - np.pi, theta[1] - theta[0]])
-    size = round(PIECE_S / STEP_S)
-    starts = range(0, len(q) - size + 1, size)
+def pieces(trial: Trial, every: int = 1) -> list[Measured]:
+    """Return a swing cut into motions, all or every so manieth."""
+    q = trial.whole["q"]
+    size = round(PIECE_S / trial.dt_s)
+    starts = range(0, len(q) - size + 1, size * every)
     return [
-        Measured(f"{cells}-{k + 1}", str(path), s, STEP_S * np.arange(s, s + size), {"q": q[s : s + size]})
-        for k, s in enumerate(starts)
+        Measured(f"{trial.name}-{s // size + 1}", "", s, trial.dt_s * np.arange(s, s + size), {"q": q[s : s + size]})
+        for s in starts
     ]
 
 
-def prediction_rms_mrad(found: Diagnosis, arm: Arm, learn: bool) -> float:
-    """Return the rms error of both absolute angles, simulated for two seconds at a time [mrad]."""
-    square: list[Floats] = []
-    for motion in found.motions:
-        if motion.learn == learn:
-            off = np.cumsum(simulated(arm, motion, HORIZON_S) - motion.trial.q, axis=1)
-            square.append(np.mean(off**2, axis=0))
-    return float(1e3 * np.sqrt(np.mean(square)))
+def prediction_errors(arm: Arm, trial: Trial, every: int = 1) -> Floats:
+    """Return simulated less measured absolute angles, two seconds at a time, flat [rad].
+
+    Parameters
+    ----------
+    arm : Arm
+    trial : Trial
+    every : int
+        Only every so manieth stretch of two seconds counts.
+    """
+    size = STRIDE * round(HORIZON_S / trial.dt_s / STRIDE)
+    off = []
+    for start in range(0, len(trial.q) - size, size * every):
+        q = trial.q[start : start + size + 1 : STRIDE]
+        motion = simulate(
+            arm, q, STRIDE * trial.dt_s, q[0], trial.dq[start], torque=np.zeros_like(q), t0_s=trial.t[start]
+        )
+        off.append(np.cumsum(motion.q - q, axis=1))
+    return np.concatenate(off).ravel()
 
 
 def case(options: argparse.Namespace) -> Document:
     """Diagnose, predict, compare with the published model, write the page."""
     published = load_arm(str(ARMS / "free-pendulum-published.toml"))
-    learn, evaluate = (swings(options.data / RECORDING, cells) for cells in ("Y_id", "Y_vad"))
-    found = diagnose(published, learn, evaluate, denied=("fc",), free=True)
-    finding = found.finding
-    rows = [
-        (name, prediction_rms_mrad(found, arm, True), prediction_rms_mrad(found, arm, False))
-        for name, arm in (
-            ("published, viscous", published),
-            ("viscous, learnt again", finding.base_arm),
-            ("with what was found", finding.arm),
-        )
-    ]
-    write_page(
-        options.out / "multiarm-pendulum.md",
-        title="A free double pendulum",
-        lead=(
-            "A passive double pendulum (MultiArm-Pendulum, MIT), encoders only, 70 s to learn from and 10 s held back. "
-            "The published model has viscous friction and nothing else. No torque drives it, so everything is in "
-            "units of the second link's inertia, taken as published."
-        ),
-        command="python -m examples.cases.multiarm_pendulum",
-        found=found,
-        table=(("model", "learnt from [mrad]", "held back [mrad]"), rows),
-        caption="Error of a prediction of 2 s, rms over both absolute angles.",
+    learn, held_back = (swings(options.data / RECORDING, cells) for cells in ("Y_id", "Y_vad"))
+    found = diagnose(
+        published,
+        pieces(learn, options.every),
+        pieces(held_back),
+        denied=("fc",),
+        free=True,
+        rate_hz=options.rate_hz,
     )
-    return {"prediction_rms_mrad": {name: {"learn": a, "evaluate": b} for name, a, b in rows}} | finding.document()
+    listed = steps(found)
+    models = [("published, viscous", published)]
+    models += [
+        (f"+ {candidate_name(step.hypothesis)}" if step.hypothesis else "viscous, fitted anew", step.arm)
+        for step in listed
+    ]
+    moved = refined(listed[-1].arm, lambda arm: prediction_errors(arm, learn, options.every), known_inertia=True)
+    models.append(("the same causes, numbers fitted to the motion", moved))
+    errors = [(name, *(_rms(arm, trial) for trial in (learn, held_back))) for name, arm in models]
+    last = errors[-1][2]
+    page = Page(
+        name="multiarm-pendulum",
+        title="A free double pendulum: what its published model lacks",
+        lead=(
+            "A passive double pendulum ([MultiArm-Pendulum](https://github.com/dynamicslab/MultiArm-Pendulum), MIT), "
+            "encoders only, 69 s to learn from (`Y_id`) and 11 s held back (`Y_vad`). The published model has viscous "
+            "friction and nothing else. No torque drives it, so everything is in units of the second link's inertia, "
+            "taken as published."
+        ),
+        module="multiarm_pendulum",
+        tables=[
+            FigureTable(
+                "Error of a prediction of 2 s, rms over both absolute angles [mrad]. Up to the last row, numbers are "
+                "those of the equation of motion, which is what a diagnosis fits; in the last row the same causes "
+                "have their numbers, and those of the links, moved until predictions of 2 s on `Y_id` are best "
+                "(`examples/cases/motion_fit.py`). "
+                f"Published, seen elsewhere: {PUBLISHED_MRAD} held back. Asked: no worse than {ASKED_MRAD}; measured: "
+                f"{last:.2f}, {'which is met' if last <= ASKED_MRAD else 'which is missed'}.",
+                ("model", "learnt from", "held back"),
+                [(name, f"{a:.2f}", f"{b:.2f}") for name, a, b in errors],
+            )
+        ],
+        left=[
+            "The recording tells nothing of absolute masses, and angles of both links are read by encoders whose own "
+            "faults (eccentric discs, say) would look like ripples of torque."
+        ],
+    )
+    write_page(page, found, listed, options.out)
+    return {"prediction_rms_mrad": {name: {"learn": a, "evaluate": b} for name, a, b in errors}} | dict(
+        found.finding.document()
+    )
+
+
+def _rms(arm: Arm, trial: Trial) -> float:
+    return float(np.sqrt(np.mean(prediction_rms_mrad(arm, trial) ** 2)))
 
 
 def main(argv: Sequence[str] | None = None) -> int:
@@ -93,6 +129,8 @@ def main(argv: Sequence[str] | None = None) -> int:
     parser = Parser(prog="multiarm_pendulum", description=__doc__, parents=[common_options()])
     parser.add_argument("--data", type=Path, default=DATA, metavar="DIR", help="folder of the recordings")
     parser.add_argument("--out", type=Path, default=DOCS, metavar="DIR", help="where the page goes (docs/cases)")
+    parser.add_argument("--rate-hz", type=float, default=RATE_HZ, help=f"to resample to ({RATE_HZ:g})")
+    parser.add_argument("--every", type=int, default=1, metavar="N", help="learn from every N-th piece only (1)")
     parser.set_defaults(action=case)
     return run_command(parser, argv)
 

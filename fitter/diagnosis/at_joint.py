@@ -115,9 +115,10 @@ class AtJoint(Hypothesis):
         )
         shape = torque(at)
         values[k], values[linear] = at, float(shape @ wanted) / max(float(shape @ shape), 1e-300)
-        if values[linear] < 0.0 and parameter.name == "phase_rad":
-            values[linear] = -values[linear]
-            values[k] = (values[k] + 2.0 * np.pi) % (2.0 * np.pi) - np.pi
+        if parameter.name == "phase_rad":
+            turned = np.pi if values[linear] < 0.0 else 0.0
+            values[linear] = abs(values[linear])
+            values[k] = (values[k] + turned + np.pi) % (2.0 * np.pi) - np.pi
         return values
 
     def _columns(self, psi: Floats, states: Floats) -> Floats:

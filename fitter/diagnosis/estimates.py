@@ -22,6 +22,8 @@ _SLOPE = 1e-4
 #: What is left beyond noise shifts a parameter by at most sqrt(excess (J^T J)^-1) (Cauchy and Schwarz), if it
 #: points its way altogether; an interval allows for half of that.
 _LEANING = 0.25
+#: Columns this near to depending on one another do so.
+_SINGULAR = 1e-9
 
 
 @dataclass(frozen=True)
@@ -178,12 +180,15 @@ def _covariance(regression: Regression, fitted: Candidate, motions: list[Motion]
     grams = np.array([A.T @ A for A in designs])
     scores = np.array([A.T @ r for A, r in zip(designs, residuals, strict=True)])
     of_trial: NDArray[np.intp] = np.array(groups, dtype=np.intp)
-    covariance = np.full((len(size), len(size)), np.nan)
-    if np.min(np.abs(np.diag(W))) > 1e-10 * np.max(np.abs(np.diag(W))):
+    left = sum(float(r @ r) for r in residuals)
+    told_by = float(sum(regression.weighting.told(motion) for motion in motions))
+    diagonal = np.abs(np.diag(W))
+    if diagonal.min() > _SINGULAR * diagonal.max():
         part = sandwich_covariance(np.asarray(W), grams, scores, of_trial)
-        told_by_all = sum(regression.weighting.told(motion) for motion in motions)
-        excess = sum(float(r @ r) for r in residuals) - told_by_all
         root = np.linalg.inv(W)
-        part = part + _LEANING**2 * max(excess, 0.0) * (root @ root.T)
-        covariance[np.ix_(told, told)] = part / np.outer(size[told], size[told])
+        part = part + _LEANING**2 * max(left - told_by, 0.0) * (root @ root.T)
+    else:  # something is not told at all, such as how long a stuck joint was pushed: the rest still is
+        part = np.linalg.pinv(grams.sum(axis=0), rcond=_SINGULAR, hermitian=True) * max(left / told_by, 1.0)
+    covariance = np.full((len(size), len(size)), np.nan)
+    covariance[np.ix_(told, told)] = part / np.outer(size[told], size[told])
     return covariance

@@ -1,0 +1,78 @@
+"""From trials to a verdict, on a pendulum small enough to be diagnosed in a second."""
+
+import numpy as np
+import pytest
+
+from arm.model import Effect
+from fitter.diagnosis.diagnosis import diagnose
+from limbcal.errors import DataError
+from tests.fitter.pendulum import pendulum, swings
+
+DRAG = Effect("quadratic_drag", {"drag_N_m_s2": 0.6}, joints=(1,))
+
+
+@pytest.fixture(scope="module")
+def dragged():
+    motions = swings((DRAG,), trials=8)
+    return diagnose(pendulum(), motions[:4], motions[4:])
+
+
+def test_the_cause_is_named_with_its_size(dragged):
+    finding = dragged.finding
+    assert finding.verdict == "named"
+    (cause,) = finding.causes
+    assert (cause.effect, cause.joints) == ("quadratic_drag", (1,))
+    found = cause.parameters["drag_N_m_s2"]
+    assert abs(found.value - 0.6) < 3.0 * found.std < 0.3
+
+
+def test_the_extended_arm_moves_like_the_real_one(dragged):
+    finding = dragged.finding
+    assert [effect.name for effect in finding.arm.effects] == ["quadratic_drag"]
+    assert finding.after.angle_mean_deg < 0.5 * finding.before.angle_mean_deg
+    assert finding.gain.ci95[0] < finding.gain.torque < finding.gain.ci95[1]
+
+
+def test_rivals_are_ranked_behind_the_cause(dragged):
+    candidates = dragged.finding.candidates
+    assert candidates[0].effect == "quadratic_drag"
+    assert all(0.0 <= one.gain <= 1.0 and 0.0 <= one.support <= 1.0 for one in candidates)
+    assert [one.gain for one in candidates] == sorted((one.gain for one in candidates), reverse=True)
+
+
+def test_the_document_has_the_contracts_fields(dragged):
+    document = dragged.finding.document()
+    assert {
+        "verdict",
+        "causes",
+        "candidates",
+        "confusable",
+        "next_experiment",
+        "before",
+        "after",
+        "gain",
+        "residual",
+    } <= set(document)
+    assert {"explained", "white", "depends_on"} <= set(document["residual"])
+    assert {"torque", "angle", "ci95"} == set(document["gain"])
+
+
+def test_nothing_is_named_where_nothing_is_wrong():
+    motions = swings((), trials=8, seed=3)
+    finding = diagnose(pendulum(), motions[:4], motions[4:]).finding
+    assert finding.verdict == "none"
+    assert not finding.causes
+    assert finding.before is finding.after
+
+
+def test_noise_in_the_regressors_does_not_pass_for_physics():
+    rng = np.random.default_rng(8)
+    motions = swings((), trials=8, seed=5)
+    for motion in motions:
+        motion.columns["q"][:] += 1e-3 * rng.normal(size=motion.columns["q"].shape)  # three times the noise
+    assert diagnose(pendulum(), motions[:4], motions[4:]).finding.verdict == "none"
+
+
+def test_an_empty_set_is_refused():
+    with pytest.raises(DataError, match="no evaluating trial"):
+        diagnose(pendulum(), swings((), trials=1), [])
