@@ -1,8 +1,8 @@
 """A small servo that holds a pendulum, diagnosed under its own position control.
 
-``python -m examples.cases.bam_xl330`` writes ``docs/cases/bam-xl330.md`` and its picture. The recordings are those of
-the BAM repository (Apache-2.0): an XL330 with 0.49 kg at 0.1 m, three gains; two are learnt from, the third is held
-back.
+``python -m examples.cases.bam_xl330`` writes ``docs/cases/bam-xl330.md`` and its picture. The recordings are those
+of the BAM repository (Apache-2.0): an XL330 with 0.49 kg at 0.1 m, three gains; two are learnt from, the third is
+held back.
 """
 
 import argparse
@@ -19,9 +19,8 @@ from arm.model import Arm, Control, Floats
 from arm.simulation import simulate
 from examples.cases.case_page import DATA, DOCS, FigureTable, Page, write_page
 from examples.cases.motion_fit import refined
-from examples.cases.steps import steps
+from examples.cases.search import MOST, find
 from fitter.data.motions import Measured
-from fitter.diagnosis.diagnosis import diagnose
 from fitter.report.diagnosis_words import candidate_name
 from limbcal.command import Document, Parser, common_options, run_command
 from limbcal.errors import DataError
@@ -34,6 +33,7 @@ UNIT_KP = 800.0
 #: Mass and length of the pendulum as they were weighed and measured, and gravity: what the drive's unit is worth.
 WEIGHT_N_M = 0.49 * 9.81 * 0.1
 RATE_HZ = 190.0
+SET_ASIDE = ("load_friction",)
 #: The simulation's step, and the interval of what is compared [s].
 STEP_S = 0.005
 PUBLISHED_MRAD = 34.8
@@ -113,8 +113,15 @@ def case(options: argparse.Namespace) -> Document:
     learn = [log for kp in LEARN_KP for log in logs(folder, kp)][:: options.every]
     evaluate = logs(folder, EVALUATE_KP)
     arm = load_arm(str(ARM))
-    found = diagnose(arm, [one.measured for one in learn], [one.measured for one in evaluate], rate_hz=options.rate_hz)
-    listed = steps(found)
+    found = find(
+        arm,
+        [one.measured for one in learn],
+        [one.measured for one in evaluate],
+        rate_hz=options.rate_hz,
+        most=options.most,
+        set_aside=SET_ASIDE if options.without_load else (),
+    )
+    listed = found.steps
     models = [
         (f"+ {candidate_name(step.hypothesis)}" if step.hypothesis else "rigid, viscous and Coulomb", step.arm)
         for step in listed
@@ -130,38 +137,45 @@ def case(options: argparse.Namespace) -> Document:
         title="A servo under position control",
         lead=(
             "An XL330 servo holds 0.49 kg at 0.1 m and follows its own position control ([BAM]"
-            "(https://github.com/Rhoban/bam), Apache-2.0). Nobody measured a torque: the drive is `kp (goal - q)`, in "
+            "(https://github.com/Rhoban/bam), Apache-2.0). Nobody measured a torque: the drive is `kp (goal - "
+            "q)`, in "
             f"units of what kp {UNIT_KP:g} gives for 1 rad, and nothing while the motor is let go. Learnt from: "
-            f"{len(learn)} logs at kp {' and '.join(map(str, LEARN_KP))}; judged on the {len(evaluate)} logs at kp "
-            f"{EVALUATE_KP}. The model it starts from is a rigid pendulum with viscous and Coulomb friction whose motor "
+            f"{len(learn)} logs at kp {' and '.join(map(str, LEARN_KP))}; judged on the {len(evaluate)} logs at "
+            "kp "
+            f"{EVALUATE_KP}. The model it starts from is a rigid pendulum with viscous and Coulomb friction "
+            "whose motor "
             f"obeys. By the known weight of the pendulum one unit is {unit:.2f} N m."
         ),
         module="bam_xl330",
         tables=[
             FigureTable(
-                "Error of the angle simulated in closed loop over whole logs (6 s), mean absolute / rms [mrad]. Up to "
+                "Error of the angle simulated in closed loop over whole logs (6 s), mean absolute / rms [mrad]. "
+                "Up to "
                 "the last row, numbers are those of the equation of motion; in the last row the same causes have "
                 "their numbers moved until the simulated angles of the learning logs fit best "
                 "(`examples/cases/motion_fit.py`). "
-                f"Best public result, held out: {PUBLISHED_MRAD} mrad; measured: {mean:.1f} mean absolute, {rms:.1f} rms.",
+                f"Best public result, held out: {PUBLISHED_MRAD} mrad; measured: {mean:.1f} mean absolute, "
+                f"{rms:.1f} rms.",
                 ("model", "learnt from", f"held back, kp {EVALUATE_KP}"),
                 [(name, *(f"{a:.1f} / {b:.1f}" for a, b in both)) for name, *both in errors],
             )
         ],
         left=[
-            "The steps of the angle's encoder are 1.5 mrad, the log's interval 5 ms, and the servo's own loop, its "
-            "supply and its temperature are not in the model. Where its voltage limit ends and friction begins, one "
+            "The steps of the angle's encoder are 1.5 mrad, the log's interval 5 ms, and the servo's own loop, "
+            "its "
+            "supply and its temperature are not in the model. Where its voltage limit ends and friction begins, "
+            "one "
             "joint without a torque sensor tells but weakly."
         ],
         unit="unit",
     )
-    write_page(page, found, listed, options.out)
+    write_page(page, found, options.out)
     return {
         "angle_error_mrad": {
             name: {part: {"mean": a, "rms": b} for part, (a, b) in zip(("learn", "evaluate"), both, strict=True)}
             for name, *both in errors
         }
-    } | dict(found.finding.document())
+    } | found.document()
 
 
 def _sizes(arm: Arm, some: Sequence[Log]) -> tuple[float, float]:
@@ -176,6 +190,8 @@ def main(argv: Sequence[str] | None = None) -> int:
     parser.add_argument("--out", type=Path, default=DOCS, metavar="DIR", help="where the page goes (docs/cases)")
     parser.add_argument("--rate-hz", type=float, default=RATE_HZ, help=f"to resample to ({RATE_HZ:g})")
     parser.add_argument("--every", type=int, default=1, metavar="N", help="learn from every N-th log only (1)")
+    parser.add_argument("--most", type=int, default=MOST, metavar="N", help=f"causes at most ({MOST})")
+    parser.add_argument("--without-load", action="store_true", help="leave friction of the load aside")
     parser.set_defaults(action=case)
     return run_command(parser, argv)
 

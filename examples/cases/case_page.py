@@ -6,15 +6,17 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from arm.effects.catalogue import catalogue
-from examples.cases.steps import Step
-from fitter.diagnosis.diagnosis import Diagnosis
+from examples.cases.search import WORTH, Found
+from fitter.diagnosis.judgement import smooth, torque_left
 from fitter.report.diagnosis_figures import places_figure
-from fitter.report.diagnosis_traces import traces
+from fitter.report.diagnosis_traces import Trace
 from fitter.report.diagnosis_words import candidate_name, measured
 
 ROOT = Path(__file__).parent.parent.parent
 DATA = Path(os.environ.get("LIMBCAL_DATA", ROOT.parent / "shared" / "data"))
 DOCS = ROOT / "docs" / "cases"
+#: More than so many times the noise is no noise.
+_NOISE = 2.0
 
 
 @dataclass(frozen=True)
@@ -57,15 +59,13 @@ class Page:
     unit: str = "N m"
 
 
-def write_page(page: Page, found: Diagnosis, steps: Sequence[Step], folder: Path) -> None:
+def write_page(page: Page, found: Found, folder: Path) -> None:
     """Write a case's page and its picture.
 
     Parameters
     ----------
     page : Page
-    found : Diagnosis
-    steps : sequence of Step
-        As `examples.cases.steps.steps` has them.
+    found : Found
     folder : Path
         It is made.
     """
@@ -73,60 +73,78 @@ def write_page(page: Page, found: Diagnosis, steps: Sequence[Step], folder: Path
     command = f"OMP_NUM_THREADS=1 .venv/bin/python -m examples.cases.{page.module}"
     lines = [f"# {page.title}", "", page.lead, "", "This command makes the page again:", ""]
     lines += ["```sh", command, "```", "", "## What is missing, in the order found", ""]
-    lines += _causes(found, steps, page.unit)
+    lines += _causes(found, page.unit)
     lines += ["", "## What was asked, and measured", ""]
     lines += [line for table in page.tables for line in table.lines()]
     lines += ["## What stays unexplained", "", _left(found), ""]
     lines += [line for paragraph in page.left for line in (paragraph, "")]
     picture = folder / f"{page.name}.png"
-    picture.write_bytes(places_figure(found, traces(found)))
+    picture.write_bytes(places_figure(found, _traces(found)))  # type: ignore[arg-type]
     lines += [
         f"![Where the error lives]({picture.name})",
         "",
-        "The torque that is left on the evaluating trials, before (orange) and, where causes were accepted, after "
-        "(green): means over bins and the middle half of the samples; in the last column every trial's rms.",
+        "The torque that is left on the evaluating trials, before (orange) and after (green): means over bins "
+        "and the "
+        "middle half of the samples; in the last column every trial's rms.",
         "",
     ]
     (folder / f"{page.name}.md").write_text("\n".join(lines), encoding="utf-8")
 
 
-def _causes(found: Diagnosis, steps: Sequence[Step], unit: str) -> list[str]:
-    finding, lines = found.finding, [f"The verdict is `{found.finding.verdict}`.", ""]
-    if finding.verdict == "unexplained" and len(steps) > 1:
-        lines = [
-            "The verdict is `unexplained`: the causes below were found and help on motions that they were not fitted "
-            "to, but more of what they should explain is left, and hangs on the motion, than `fitter diagnose` lets "
-            "pass for a name. They are told here with that reserve.",
-            "",
-        ]
-    for number, (step, cause) in enumerate(zip(steps[1:], found.search.causes, strict=True), 1):
-        told = [f"`{name}` {' '.join(measured(p))} {p.unit}" for name, p in step.numbers.items()]
+def _traces(found: Found) -> list[Trace]:
+    seen_hz = found.regression.weighting.seen_hz
+    models = [found.steps[0].model, found.steps[-1].model]
+    return [
+        Trace(
+            motion,
+            [smooth(torque_left(found.regression, one, motion), motion.dt_s, seen_hz) for one in models],
+            [],
+        )
+        for motion in found.motions
+    ]
+
+
+def _causes(found: Found, unit: str) -> list[str]:
+    left = [float(step.model.squares.sum()) / found.told for step in found.steps]
+    lines = []
+    for number, step in enumerate(found.steps[1:], 1):
         hypothesis = step.hypothesis
         assert hypothesis is not None
-        sentence = catalogue()[hypothesis.kind.name].sentence
-        line = f"{number}. **{candidate_name(hypothesis)}**: {sentence}. {'; '.join(told).replace('N m', unit)}."
-        if cause.rivals:
-            line += f" As well: {', '.join(candidate_name(rival.hypothesis) for rival in cause.rivals)}."
+        sizes = [f"`{name}` {' '.join(measured(p))} {p.unit}" for name, p in step.numbers.items()]
+        line = (
+            f"{number}. **{candidate_name(hypothesis)}**: {catalogue()[hypothesis.kind.name].sentence}. "
+            f"{'; '.join(sizes).replace('N m', unit)}. It takes away "
+            f"{100.0 * (1.0 - left[number] / left[number - 1]):.0f} % of the squared residual."
+        )
+        if step.runner_up is not None:
+            line += f" Next best, with {100.0 * step.reaches:.0f} % of that: {candidate_name(step.runner_up)}."
         lines.append(line)
-    held = [cause for cause in finding.causes if cause.effect == "stiction"]
-    for cause in held:
-        told = [f"`{name}` {' '.join(measured(p))} {p.unit}" for name, p in cause.parameters.items()]
-        lines.append(f"- **stiction, joint {cause.joints[0]}**: {catalogue()['stiction'].sentence}. {'; '.join(told)}.")
-    return [*lines, "", "After ± is half of the 95 % interval."]
+    return [
+        *lines,
+        "",
+        "Sizes are those in the model with all causes, ± half of their 95 % interval, which allows for what is "
+        "left. "
+        "The search goes forwards only, sets pushes and loads aside, learns from the learning trials alone, and "
+        "takes "
+        f"a cause if it lowers the squares of the learning and of the evaluating trials by {100 * WORTH:.0f} % "
+        "each, or, for what need not show in all trials, does the latter no harm "
+        "(`examples/cases/search.py`).",
+    ]
 
 
-def _left(found: Diagnosis) -> str:
-    search, left = found.search, found.finding.remainder
-    noise = search.told.sum()
+def _left(found: Found) -> str:
+    first, last = (step.model.squares.sum() / found.told for step in (found.steps[0], found.steps[-1]))
+    left = found.remainder
     said = (
-        f"Squared, the starting model leaves {search.base.squares.sum() / noise:.3g} times what the sensors' noise "
-        f"alone would, and {search.final.squares.sum() / noise:.3g} times with all that was found: "
-        f"{100 * search.explained:.0f} % of what is beyond noise is explained."
+        f"Squared, the starting model leaves {first:.3g} times what the sensors' noise alone would, and "
+        f"{last:.3g} "
+        "times with all that was found."
     )
+    if last > _NOISE:
+        said += " So the model is not complete."
     if left.depends_on:
-        of = "the starting model" if found.final is search.base else "the extended model"
         said += (
-            f" What {of} leaves depends on {', '.join(left.depends_on)} (joint {left.joint}): a smooth function of that "
-            f"would explain {100 * left.explained:.0f} % of it on motions that it has not seen."
+            f" It depends on {', '.join(left.depends_on)} (joint {left.joint}): a smooth function of that would "
+            f"explain {100 * left.explained:.0f} % of it on motions that it has not seen."
         )
     return said + (f" As a formula: {left.formula}." if left.formula else "")

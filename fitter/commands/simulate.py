@@ -58,7 +58,8 @@ def simulate_reference(arguments: argparse.Namespace) -> Document:
             say(f"{measured.name}: {note}")
         given = arguments.initial_q
         q0 = _start(trial.measured, arm) if given is None else joint_values(given, arm, "--initial-q")
-        motion = _simulated(arm, trial.measured, trial.dt_s, q0, arguments.scheme)
+        place = float(measured.t[0]), _number(measured, number)
+        motion = _simulated(arm, trial.measured, trial.dt_s, q0, arguments.scheme, *place)
         if not np.isfinite(motion.q).all():
             raise DataError(
                 f"{measured.name}: the simulation runs away to infinity; expected an arm that masses can have"
@@ -89,7 +90,15 @@ def _start(measured: Measured, arm: Arm) -> Floats:
     )
 
 
-def _simulated(arm: Arm, trial: Measured, dt_s: float, q0: Floats, scheme: str) -> Motion:
+def _number(measured: Measured, place: int) -> int:
+    """Return a trial's number over the run, for effects that are there in some: its own label, or its place."""
+    label = "" if measured.labels is None else str(measured.labels[0])
+    return int(label) if label.isdecimal() else place
+
+
+def _simulated(
+    arm: Arm, trial: Measured, dt_s: float, q0: Floats, scheme: str, t0_s: float, number: int
+) -> Motion:
     """Simulate with steps that are short enough, and give back the file's own samples."""
     parts = max(1, int(np.ceil(dt_s / _LONGEST_STEP_S - 1e-9)))
     n = len(trial.t)
@@ -102,6 +111,14 @@ def _simulated(arm: Arm, trial: Measured, dt_s: float, q0: Floats, scheme: str) 
     ref = trial.columns.get("ref", np.zeros((n, arm.n_joint)))[held]
     dq = trial.columns.get("dq")
     motion = simulate(
-        arm, ref, dt_s / parts, q0, None if dq is None else dq[0], "paper" if scheme == "paper" else "rk4", torque
+        arm,
+        ref,
+        dt_s / parts,
+        q0,
+        None if dq is None else dq[0],
+        "paper" if scheme == "paper" else "rk4",
+        torque,
+        t0_s,
+        number,
     )
     return Motion(*(getattr(motion, name)[::parts] for name in ("t", "q", "dq", "ddq", "tau", "ref")))

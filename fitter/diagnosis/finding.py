@@ -92,6 +92,8 @@ class Finding:
     base_arm, arm : Arm
         Learnt without, and with the causes.
     notes : sequence of str
+    suspected : sequence of effect and joints
+        What explains much of it, but not enough to be named.
     """
 
     verdict: Verdict
@@ -108,6 +110,7 @@ class Finding:
     base_arm: Arm
     arm: Arm
     notes: Sequence[str] = ()
+    suspected: Sequence[tuple[str, tuple[int, ...]]] = ()
 
     def document(self) -> dict[str, object]:
         """Return the JSON document of ``fitter diagnose``."""
@@ -129,5 +132,6 @@ class Finding:
                 "dependences": [vars(one) for one in self.remainder.dependences],
             },
             "structure": {"beyond_noise": self.structure, "explained": self.explained},
+            "suspected": [{"effect": effect, "joints": list(joints)} for effect, joints in self.suspected],
             "notes": list(self.notes),
         }
