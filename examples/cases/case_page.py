@@ -43,8 +43,6 @@ class Page:
         Of the file, without its ending.
     title, lead, module : str
         The module's command makes the page again.
-    unit : str
-        Of what is called N m in a diagnosis, where the drive is told in other units.
     tables : sequence of FigureTable
     left : sequence of str
         Paragraphs on what stays unexplained.
@@ -56,16 +54,36 @@ class Page:
     module: str
     tables: Sequence[FigureTable]
     left: Sequence[str]
-    unit: str = "N m"
 
 
-def write_page(page: Page, found: Found, folder: Path) -> None:
+@dataclass(frozen=True)
+class Story:
+    """What was found, told: lines on the causes, a paragraph on what is left, a picture (PNG) and its caption."""
+
+    causes: Sequence[str]
+    left: str
+    picture: bytes
+    caption: str
+
+
+def story_of(found: Found, unit: str = "N m") -> Story:
+    """Tell what a search by equations has found; unit is that of the drive."""
+    return Story(
+        _causes(found, unit),
+        _left(found),
+        places_figure(found, _traces(found)),  # type: ignore[arg-type]
+        "The torque that is left on the evaluating trials, before (orange) and after (green): means over bins and "
+        "the middle half of the samples; in the last column every trial's rms.",
+    )
+
+
+def write_page(page: Page, story: Story, folder: Path) -> None:
     """Write a case's page and its picture.
 
     Parameters
     ----------
     page : Page
-    found : Found
+    story : Story
     folder : Path
         It is made.
     """
@@ -73,21 +91,14 @@ def write_page(page: Page, found: Found, folder: Path) -> None:
     command = f"OMP_NUM_THREADS=1 .venv/bin/python -m examples.cases.{page.module}"
     lines = [f"# {page.title}", "", page.lead, "", "This command makes the page again:", ""]
     lines += ["```sh", command, "```", "", "## What is missing, in the order found", ""]
-    lines += _causes(found, page.unit)
+    lines += story.causes
     lines += ["", "## What was asked, and measured", ""]
     lines += [line for table in page.tables for line in table.lines()]
-    lines += ["## What stays unexplained", "", _left(found), ""]
+    lines += ["## What stays unexplained", "", story.left, ""]
     lines += [line for paragraph in page.left for line in (paragraph, "")]
     picture = folder / f"{page.name}.png"
-    picture.write_bytes(places_figure(found, _traces(found)))  # type: ignore[arg-type]
-    lines += [
-        f"![Where the error lives]({picture.name})",
-        "",
-        "The torque that is left on the evaluating trials, before (orange) and after (green): means over bins "
-        "and the "
-        "middle half of the samples; in the last column every trial's rms.",
-        "",
-    ]
+    picture.write_bytes(story.picture)
+    lines += [f"![{page.title}]({picture.name})", "", story.caption, ""]
     (folder / f"{page.name}.md").write_text("\n".join(lines), encoding="utf-8")
 
 

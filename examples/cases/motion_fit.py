@@ -5,7 +5,7 @@ The diagnosis fits the equation of motion. Where what counts is how far a simula
 the simulated motion fits best. No cause is added or taken away.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -31,6 +31,8 @@ class Number:
     value, scale, low, high : float
     put : callable
         Returns the arm that has another value.
+    of : tuple, optional
+        The effect's place in the arm, and the parameter.
     """
 
     value: float
@@ -38,9 +40,30 @@ class Number:
     low: float
     high: float
     put: Callable[[Arm, float], Arm]
+    of: tuple[int, str] | None = None
 
 
-def refined(arm: Arm, errors: Callable[[Arm], Floats], known_inertia: bool = False) -> Arm:
+@dataclass(frozen=True)
+class Refined:
+    """An arm whose motion fits best.
+
+    Attributes
+    ----------
+    arm : Arm
+    square : float
+        Mean squared error that is left [rad^2].
+    std : mapping from (effect's place in the arm, parameter) to float
+        Standard errors, by a sandwich estimate over the stretches that were simulated.
+    """
+
+    arm: Arm
+    square: float
+    std: Mapping[tuple[int, str], float]
+
+
+def refined(
+    arm: Arm, errors: Callable[[Arm], Floats], known_inertia: bool = False, rounds: int = _ROUNDS
+) -> Refined:
     """Return the arm whose simulated motion fits best.
 
     Parameters
@@ -48,9 +71,10 @@ def refined(arm: Arm, errors: Callable[[Arm], Floats], known_inertia: bool = Fal
     arm : Arm
         To start from.
     errors : callable
-        Simulated less measured angles of an arm, flat.
+        Simulated less measured angles of an arm, (n_stretch, …) or flat.
     known_inertia : bool
         The last link's inertia stays: nothing else tells the scale of an arm that swings freely.
+    rounds : int
     """
     numbers = _numbers(arm, known_inertia)
     scale = np.array([number.scale for number in numbers])
@@ -64,14 +88,20 @@ def refined(arm: Arm, errors: Callable[[Arm], Floats], known_inertia: bool = Fal
     start = np.array([number.value for number in numbers]) / scale
     low, high = (np.array([getattr(number, side) for number in numbers]) / scale for side in ("low", "high"))
     found = scipy.optimize.least_squares(
-        lambda x: np.nan_to_num(errors(moved(x)), nan=10.0, posinf=10.0, neginf=-10.0),
+        lambda x: np.nan_to_num(errors(moved(x)).ravel(), nan=10.0, posinf=10.0, neginf=-10.0),
         np.clip(start, low + 1e-9, high - 1e-9),
         bounds=(low, high),
         diff_step=1e-3,
         x_scale=1.0,
-        max_nfev=_ROUNDS,
+        max_nfev=rounds,
     )
-    return moved(found.x)
+    count = len(np.atleast_2d(errors(arm)))
+    inverse = np.linalg.pinv(found.jac.T @ found.jac)
+    scores = [J.T @ r for J, r in zip(np.split(found.jac, count), np.split(found.fun, count), strict=True)]
+    covariance = inverse @ sum(np.outer(g, g) for g in scores) @ inverse
+    std = scale * np.sqrt(np.maximum(np.diag(covariance), 0.0))
+    named = {number.of: float(one) for number, one in zip(numbers, std, strict=True) if number.of}
+    return Refined(moved(found.x), float(np.mean(found.fun**2)), named)
 
 
 def _numbers(arm: Arm, known_inertia: bool) -> list[Number]:
@@ -95,7 +125,11 @@ def _numbers(arm: Arm, known_inertia: bool) -> list[Number]:
             value = effect.parameters.get(parameter.name)
             if isinstance(value, float) and parameter.name not in _PLACES:
                 at = max(abs(value), 1e-9)
-                numbers.append(Number(value, at, parameter.low, parameter.high, _effect(k, parameter.name)))
+                numbers.append(
+                    Number(
+                        value, at, parameter.low, parameter.high, _effect(k, parameter.name), (k, parameter.name)
+                    )
+                )
     return numbers
 
 

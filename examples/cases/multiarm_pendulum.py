@@ -10,45 +10,35 @@ from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
+from matplotlib.figure import Figure
 
 from arm.arm_file import load_arm
 from arm.model import Arm, Floats
 from arm.simulation import simulate
-from examples.cases.case_page import DATA, DOCS, FigureTable, Page, write_page
-from examples.cases.motion_fit import refined
-from examples.cases.search import MOST, find
+from examples.cases.case_page import DATA, DOCS, FigureTable, Page, Story, write_page
+from examples.cases.motion_search import MOST, causes_told, name_of, search
 from examples.free_pendulum import HORIZON_S, RECORDING, prediction_rms_mrad, swings
-from fitter.data.motions import Measured
 from fitter.data.trials import Trial
-from fitter.report.diagnosis_words import candidate_name
+from fitter.dynamics.evaluation import motion_error
+from fitter.report.diagnosis_figures import AFTER, BEFORE
+from fitter.report.figures import png
 from limbcal.command import Document, Parser, common_options, run_command
 
 ARMS = Path(__file__).parent.parent
-RATE_HZ = 200.0
-#: Column of the second link's inertia among the standard parameters, and its published value [kg m^2].
-SCALE = (12, 0.003146173824)
-#: The swing is cut into motions of this length, so that whole motions can be held out [s].
-PIECE_S = 2.5
+#: What may be missing, and where the search for its numbers starts: a torque of some 1e-4 N m at 5 rad/s.
+CANDIDATES = {
+    "coulomb": {"coulomb_N_m": 1e-4},
+    "quadratic_drag": {"drag_N_m_s2": 4e-6},
+    "torque_offset": {"torque_N_m": 1e-5},
+    "coulomb_asymmetry": {"difference_N_m": 1e-5},
+}
 #: Every so manieth sample is simulated and compared while numbers are fitted to the motion.
-STRIDE = 4
+STRIDE = 8
 ASKED_MRAD, PUBLISHED_MRAD = 1.25, 3.23
 
 
-def pieces(trial: Trial, every: int = 1) -> list[Measured]:
-    """Return a swing cut into motions, all or every so manieth."""
-    q = trial.whole["q"]
-    size = round(PIECE_S / trial.dt_s)
-    starts = range(0, len(q) - size + 1, size * every)
-    return [
-        Measured(
-            f"{trial.name}-{s // size + 1}", "", s, trial.dt_s * np.arange(s, s + size), {"q": q[s : s + size]}
-        )
-        for s in starts
-    ]
-
-
 def prediction_errors(arm: Arm, trial: Trial, every: int = 1) -> Floats:
-    """Return simulated less measured absolute angles, two seconds at a time, flat [rad].
+    """Return simulated less measured absolute angles, two seconds at a time, (n_stretch, n) [rad].
 
     Parameters
     ----------
@@ -64,33 +54,24 @@ def prediction_errors(arm: Arm, trial: Trial, every: int = 1) -> Floats:
         motion = simulate(
             arm, q, STRIDE * trial.dt_s, q[0], trial.dq[start], torque=np.zeros_like(q), t0_s=trial.t[start]
         )
-        off.append(np.cumsum(motion.q - q, axis=1))
-    return np.concatenate(off).ravel()
+        off.append(np.cumsum(motion.q - q, axis=1).ravel())
+    return np.array(off)
 
 
 def case(options: argparse.Namespace) -> Document:
-    """Diagnose, predict, compare with the published model, write the page."""
+    """Search, predict, compare with the published model, write the page."""
     published = load_arm(str(ARMS / "free-pendulum-published.toml"))
     learn, held_back = (swings(options.data / RECORDING, cells) for cells in ("Y_id", "Y_vad"))
-    found = find(
-        published,
-        pieces(learn, options.every),
-        pieces(held_back),
-        denied=("fc",),
-        known=SCALE,
-        rate_hz=options.rate_hz,
-        most=options.most,
+    found = search(
+        published, lambda arm: prediction_errors(arm, learn, options.every), CANDIDATES, options.most, True
     )
-    listed = found.steps
-    models = [("published, viscous", published)]
-    models += [
-        (f"+ {candidate_name(step.hypothesis)}" if step.hypothesis else "viscous, fitted anew", step.arm)
-        for step in listed
+    errors = [("published, viscous", _rms(published, learn), _rms(published, held_back))]
+    names = ["viscous, fitted to the motion", *map(name_of, found[1:])]
+    errors += [
+        (name, _rms(model.arm, learn), _rms(model.arm, held_back))
+        for name, model in zip(names, found, strict=True)
     ]
-    moved = refined(listed[-1].arm, lambda arm: prediction_errors(arm, learn, options.every), known_inertia=True)
-    models.append(("the same causes, numbers fitted to the motion", moved))
-    errors = [(name, *(_rms(arm, trial) for trial in (learn, held_back))) for name, arm in models]
-    last = errors[-1][2]
+    last, final = errors[-1][2], found[-1]
     page = Page(
         name="multiarm-pendulum",
         title="A free double pendulum: what its published model lacks",
@@ -101,16 +82,12 @@ def case(options: argparse.Namespace) -> Document:
             "viscous "
             "friction and nothing else. No torque drives it, so everything is in units of the second link's "
             "inertia, "
-            "taken as published."
+            f"taken as published. One in {options.every} stretches of 2 s is learnt from."
         ),
         module="multiarm_pendulum",
         tables=[
             FigureTable(
-                "Error of a prediction of 2 s, rms over both absolute angles [mrad]. Up to the last row, "
-                "numbers are "
-                "those of the equation of motion, which is what a diagnosis fits; in the last row the same causes "
-                "have their numbers, and those of the links, moved until predictions of 2 s on `Y_id` are best "
-                "(`examples/cases/motion_fit.py`). "
+                "Error of a prediction of 2 s, rms over both absolute angles [mrad]. "
                 f"Published, seen elsewhere: {PUBLISHED_MRAD} held back. Asked: no worse than {ASKED_MRAD}; "
                 "measured: "
                 f"{last:.2f}, {'which is met' if last <= ASKED_MRAD else 'which is missed'}.",
@@ -119,13 +96,43 @@ def case(options: argparse.Namespace) -> Document:
             )
         ],
         left=[
-            "The recording tells nothing of absolute masses, and angles of both links are read by encoders "
-            "whose own "
-            "faults (eccentric discs, say) would look like ripples of torque."
+            "The recording tells nothing of absolute masses, and both angles are read by encoders whose own "
+            "faults "
+            "(eccentric discs, say) would look like ripples of torque. No cause is named by its prediction "
+            "alone with "
+            "certainty: drag and dry friction in two bearings share most of what either explains.",
         ],
     )
-    write_page(page, found, options.out)
-    return {"prediction_rms_mrad": {name: {"learn": a, "evaluate": b} for name, a, b in errors}} | found.document()
+    effects = [
+        {"effect": one.name, "joints": list(one.joints), "parameters": one.parameters} for one in final.arm.effects
+    ]
+    story = Story(
+        causes_told(found, CANDIDATES),
+        f"A prediction of 2 s is still off by {last:.2f} mrad rms held back and {errors[-1][1]:.2f} on the "
+        "swing that "
+        "was learnt from, far above the encoders' noise of 0.04 mrad. More than that no effect tried "
+        "took away.",
+        _picture(published, final.arm, held_back),
+        "Error of predictions of 2 s on the swing held back, published model (orange) and with what was found "
+        "(green).",
+    )
+    write_page(page, story, options.out)
+    return {"prediction_rms_mrad": {name: {"learn": a, "evaluate": b} for name, a, b in errors}} | {
+        "causes": effects
+    }
+
+
+def _picture(before: Arm, after: Arm, trial: Trial) -> bytes:
+    figure = Figure(figsize=(9, 4), layout="constrained")
+    axes = figure.subplots(2, 1, sharex=True)
+    for arm, colour in ((before, BEFORE), (after, AFTER)):
+        off = 1e3 * np.cumsum(motion_error(arm, trial, HORIZON_S), axis=1)
+        for j, panel in enumerate(axes):
+            panel.plot(trial.t, off[:, j], color=colour, lw=1.0)
+            panel.set_ylabel(f"link {j + 1} [mrad]")
+            panel.grid(alpha=0.25)
+    axes[1].set_xlabel("time of the swing held back [s]")
+    return png(figure)
 
 
 def _rms(arm: Arm, trial: Trial) -> float:
@@ -137,8 +144,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     parser = Parser(prog="multiarm_pendulum", description=__doc__, parents=[common_options()])
     parser.add_argument("--data", type=Path, default=DATA, metavar="DIR", help="folder of the recordings")
     parser.add_argument("--out", type=Path, default=DOCS, metavar="DIR", help="where the page goes (docs/cases)")
-    parser.add_argument("--rate-hz", type=float, default=RATE_HZ, help=f"to resample to ({RATE_HZ:g})")
-    parser.add_argument("--every", type=int, default=1, metavar="N", help="learn from every N-th piece only (1)")
+    parser.add_argument("--every", type=int, default=2, metavar="N", help="learn from every N-th stretch only (2)")
     parser.add_argument("--most", type=int, default=MOST, metavar="N", help=f"causes at most ({MOST})")
     parser.set_defaults(action=case)
     return run_command(parser, argv)

@@ -1,7 +1,7 @@
 """A plain search for causes with the diagnosis' equations: forwards only, and without events.
 
 `fitter.diagnosis.diagnosis.diagnose` also looks for pushes and loads that come and go, and for drives that are
-late by any time. In these recordings nobody pushed or loaded anything, and what these can be bent into is large
+late by any time. Nothing is known of pushes or loads in these recordings, and what these can be bent into is large
 where the model that one starts from lacks gravity or friction altogether. Here they are set aside. Everything else
 is the diagnosis' own: its equations, its hypotheses, its noise. Nothing is fitted to the evaluating trials.
 """
@@ -27,6 +27,8 @@ from fitter.search.fitted_parameter import FittedParameter
 
 #: A cause must lower what is left by this share, on the learning and on the evaluating trials.
 WORTH = 0.03
+#: What takes away so much less than the best is its equal: the one with fewest numbers is taken.
+EQUAL = 0.02
 MOST = 8
 #: A drive that is later than this is none [s]: the equation then compares a motion with the mean of a torque.
 LATEST_S = 0.05
@@ -141,6 +143,7 @@ def find(
         ranked = [one for one in ranked if _worth_it(regression, models[-1], one)]
         if not ranked:
             break
+        ranked = _simplest_first(regression, models[-1], ranked)
         was = models[-1].squares.sum()
         second = ranked[1] if len(ranked) > 1 else None
         share = float((was - second.squares.sum()) / (was - ranked[0].squares.sum())) if second else 0.0
@@ -190,6 +193,15 @@ def _ranked(regression: Regression, before: Candidate, tried: Sequence[Hypothesi
         if _possible(refined) and _by_learning(regression, refined) < _by_learning(regression, one):
             candidates[k] = refined
     return sorted(candidates, key=lambda one: _by_learning(regression, one))
+
+
+def _simplest_first(regression: Regression, before: Candidate, ranked: list[Candidate]) -> list[Candidate]:
+    """Return candidates with the one of fewest numbers first among those that are equal to the best."""
+    was = _by_learning(regression, before)
+    reach = (1.0 - EQUAL) * (was - _by_learning(regression, ranked[0]))
+    equal = [one for one in ranked if was - _by_learning(regression, one) >= reach]
+    first = min(equal, key=lambda one: (one.hypothesis.n_number, _by_learning(regression, one)))
+    return [first, *(one for one in ranked if one is not first)]
 
 
 def _by_learning(regression: Regression, one: Candidate) -> float:

@@ -111,6 +111,7 @@ def find_causes(regression: Regression, tried: Sequence[Hypothesis], progress: P
     accepted, rounds = base, 0
     first: list[Candidate] = []
     causes: list[Cause] = []
+    promising: set[tuple[str, tuple[int, ...]]] = set()
 
     def say(what: str) -> Callable[[int, int], None]:
         begin, end = 1.0 - 0.5**rounds, 1.0 - 0.5 ** (rounds + 1)
@@ -119,6 +120,7 @@ def find_causes(regression: Regression, tried: Sequence[Hypothesis], progress: P
     while len(causes) < _MOST and _more_to_find(base, accepted, told):
         candidates = screen(regression, accepted, _without(tried, accepted.model), say("trying every effect"))
         first = first or candidates
+        promising |= {one.hypothesis.key for one in candidates if one.squares is not accepted.squares}
         rounds += 1
         best = _simplest(accepted, candidates)
         if best is None or not _worth_it(regression, base, accepted, best, told):
@@ -126,7 +128,8 @@ def find_causes(regression: Regression, tried: Sequence[Hypothesis], progress: P
         accepted = fitted(regression, best.model) if accepted.model.hypotheses else best
         causes.append(_cause(accepted, len(causes), candidates, best, base=_before(regression, accepted)))
         if len(causes) > 1:
-            accepted, causes, rounds = _doubted(regression, base, accepted, tried, told, rounds, say)
+            again = [one for one in tried if one.key in promising]
+            accepted, causes, rounds = _doubted(regression, base, accepted, again, told, rounds, say)
     return Search(base, accepted, causes, first, told)
 
 

@@ -32,10 +32,8 @@ Progress = Callable[[str, float], None]
 #: If a smooth function explains more than this share of what the base model leaves, beside the causes, then these
 #: are not it. True causes left less than a five-hundredth in every case that was looked at.
 _UNEXPLAINED = 0.03
-#: … nor if they leave more than this share altogether.
-_ENOUGH = 0.8
-#: Pushes can be had for anything: they must explain next to all.
-_PUSHES_ENOUGH = 0.97
+#: … nor if they explain less than this share altogether; how a motor crosses its play nobody can see.
+_ENOUGH, _PLAY_ENOUGH = 0.96, 0.75
 #: Effects in proportion to the joint's friction, which is fitted along; so many rounds settle both.
 _OF_FRICTION, _ROUNDS = ("thermal_drift",), 4
 
@@ -183,8 +181,8 @@ def _verdict(search: Search, remainder: Remainder, strict: bool) -> Verdict:
     left = remainder.worth * noise
     if not search.causes:
         return "unexplained" if remainder.worth > WORTH else "none"
-    pushed = any(isinstance(hypothesis, Pushes) for hypothesis in search.final.model.hypotheses)
-    enough = _PUSHES_ENOUGH if pushed else _ENOUGH
+    names = {hypothesis.kind.name for hypothesis in search.final.model.hypotheses}
+    enough = _PLAY_ENOUGH if "backlash" in names else _ENOUGH
     if strict and (left > _UNEXPLAINED * beyond or search.explained < enough):
         return "unexplained"
     return "ambiguous" if any(cause.rivals for cause in search.causes) else "named"

@@ -69,11 +69,9 @@ class Hypothesis(ABC):
         """Say whether the catalogue allows these numbers: friction brakes, springs pull back, masses weigh."""
         values = self.numbers(psi, factors)
         kinds = {parameter.name: parameter for parameter in self.kind.parameters}
-        return all(
-            kinds[name].low <= value <= kinds[name].high
-            for name, value in zip(self.names, values, strict=True)
-            if name in kinds
-        )
+        named = ((name.rstrip("0123456789").removesuffix("_"), name) for name in self.names)
+        bounds = (kinds.get(name, kinds.get(stem)) for stem, name in named)
+        return all(one is None or one.low <= value <= one.high for one, value in zip(bounds, values, strict=True))
 
     @property
     def names(self) -> tuple[str, ...]:

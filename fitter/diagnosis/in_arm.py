@@ -25,12 +25,12 @@ class GravityTilt(Hypothesis):
     @property
     def low(self) -> Floats:
         """Least values, (2,)."""
-        return np.array([-9.8, -9.8])
+        return np.array([-15.0, -15.0])
 
     @property
     def high(self) -> Floats:
         """Greatest values, (2,)."""
-        return np.array([9.8, 9.8])
+        return np.array([15.0, 15.0])
 
     def starts(self, motions: Sequence[Motion]) -> Floats:
         """Return values to try first."""
