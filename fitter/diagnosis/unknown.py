@@ -26,7 +26,7 @@ _NEEDED = 0.04
 #: A function must lower the sum of squares on trials that it has not seen by this share of what noise would leave.
 WORTH = 1.0
 #: How strongly a function's factors are held towards zero, in units of a column's own sum of squares.
-_RIDGE = 1e-4
+_RIDGE = 1e-3
 #: A formula is told if it explains this share of what the function does.
 _TELLING = 0.9
 
@@ -182,10 +182,12 @@ class _Folds:
 
     def _judged(self, added: Sequence[Floats]) -> float:
         designs = [np.hstack([known, more]) for known, more in zip(self._known, added, strict=True)]
+        size = np.sqrt(sum(np.einsum("ij,ij->j", one, one) for one in designs))
+        size[size == 0.0] = 1.0
         total = 0.0
         for fold in (0, 1):
             A = np.vstack(designs[fold::2])
-            x = _held_small(A, np.concatenate(self._target[fold::2]), self._known[0].shape[1])
+            x = _held_small(A, np.concatenate(self._target[fold::2]), self._known[0].shape[1], size)
             for design, target in zip(designs[1 - fold :: 2], self._target[1 - fold :: 2], strict=True):
                 total += float(np.sum((target - design @ x) ** 2))
         return total
@@ -215,13 +217,12 @@ class _Folds:
         return float(low), float(max(high, low + 1e-9))
 
 
-def _held_small(A: Floats, y: Floats, n_known: int) -> Floats:
+def _held_small(A: Floats, y: Floats, n_known: int, size: Floats) -> Floats:
     """Return the least-squares answer with all but the first columns' factors held a little towards zero.
 
-    A product of splines has cells that a few trials hardly visit, and what it makes there is anybody's guess.
+    A product of splines has cells that these trials hardly visit, though others do, and what it makes there is
+    anybody's guess: ``size`` is the columns' length over all trials.
     """
-    size = np.sqrt(np.einsum("ij,ij->j", A, A))
-    size[size == 0.0] = 1.0
     G = (A.T @ A) / np.outer(size, size)
     G[np.diag_indices(len(G))] += np.where(np.arange(len(G)) < n_known, 1e-12, _RIDGE)
     return np.asarray(np.linalg.solve(G, (A.T @ y) / size) / size, dtype=np.float64)

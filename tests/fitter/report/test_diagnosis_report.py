@@ -11,9 +11,10 @@ from arm.arm_file import load_arm
 from arm.effects.catalogue import catalogue
 from arm.model import Effect
 from fitter.diagnosis.diagnosis import diagnose
+from fitter.diagnosis.judgement import smooth
 from fitter.report.diagnosis_report import write_diagnosis
 from fitter.report.diagnosis_rivals import rivals, shown
-from fitter.report.diagnosis_traces import smoothed, traces
+from fitter.report.diagnosis_traces import traces
 from fitter.report.diagnosis_words import fell, groups, headline, measured, place, rounded
 from fitter.search.fitted_parameter import FittedParameter
 from limbcal.errors import DeviceError
@@ -143,7 +144,7 @@ def test_smoothing_keeps_gaps_and_constants_and_bridges_nothing():
     left[300:400, 0] = np.nan
     left[600:, 1] = np.nan
     left[599, 1] = 1e6  # beside a gap the columns' filter still has what was in it
-    smooth = smoothed(left, 0.002, 5.0)
+    smooth = smooth(left, 0.002, 5.0)
     assert np.all(np.isnan(smooth[300:400, 0])) and np.all(np.isnan(smooth[600:, 1]))
     assert np.nanmax(np.abs(smooth - 0.7)) < 1e-9
     assert np.isfinite(smooth[:, 0]).sum() == 1000 - 100 - 50
@@ -152,7 +153,7 @@ def test_smoothing_keeps_gaps_and_constants_and_bridges_nothing():
 def test_smoothing_halves_the_power_at_the_corner():
     t = np.arange(20000) * 1e-3
     wave = np.sin(2.0 * np.pi * 2.0 * t)[:, None]
-    assert np.mean(smoothed(wave, 1e-3, 2.0)[4000:-4000] ** 2) == pytest.approx(0.25, rel=0.01)
+    assert np.mean(smooth(wave, 1e-3, 2.0)[4000:-4000] ** 2) == pytest.approx(0.25, rel=0.01)
 
 
 @pytest.mark.parametrize(
