@@ -144,9 +144,9 @@ def test_smoothing_keeps_gaps_and_constants_and_bridges_nothing():
     left[300:400, 0] = np.nan
     left[600:, 1] = np.nan
     left[599, 1] = 1e6  # beside a gap the columns' filter still has what was in it
-    smooth = smooth(left, 0.002, 5.0)
-    assert np.all(np.isnan(smooth[300:400, 0])) and np.all(np.isnan(smooth[600:, 1]))
-    assert np.nanmax(np.abs(smooth - 0.7)) < 1e-9
+    smoothed = smooth(left, 0.002, 5.0)
+    assert np.all(np.isnan(smoothed[300:400, 0])) and np.all(np.isnan(smoothed[600:, 1]))
+    assert np.nanmax(np.abs(smoothed - 0.7)) < 1e-9
     assert np.isfinite(smooth[:, 0]).sum() == 1000 - 100 - 50
 
 
