@@ -21,6 +21,8 @@ from fitter.diagnosis.view import View
 _TILE_S, _LONGEST = 0.1, 20
 #: No more pushes than this are sought at a joint, and none that explains less than this share of the first.
 _MOST_PUSHES, _LEAST_SHARE = 6, 0.05
+#: A load that explains this share of what is left is worth being placed in time as well as can be.
+_WORTH_PLACING = 0.1
 #: While a joint is stuck nobody can tell a push: of runs that explain this share of the most, the shortest.
 _NEARLY = 0.99
 #: … and it is moved and stretched only where that explains so many times what it did.
@@ -225,7 +227,28 @@ def find_payloads(kind: EffectKind, regression: Regression, model: Model) -> lis
     since = np.array(_gain(suffix_s, suffix_q, suffix_B, inverse))
     k = int(np.argmax(since))
     hypotheses: list[Hypothesis] = [Payload(kind, trials)] if trials else []
-    return [*hypotheses, Payload(kind, since_s=float(moments[k]))]
+    moment = float(moments[k])
+    if since[k] > _WORTH_PLACING * float(r @ r):
+        moment = _placed_load(kind, regression, model, moment)
+    return [*hypotheses, Payload(kind, since_s=moment)]
+
+
+def _placed_load(kind: EffectKind, regression: Regression, model: Model, moment: float) -> float:
+    """Return the moment from which a load explains most, moved in ever smaller steps [s]."""
+
+    def left(at: float) -> float:
+        r = regression.solve(model.plus(Payload(kind, since_s=at), np.zeros(0)), regression.motions)[2]
+        return float(r @ r)
+
+    best, step = left(moment), _TILE_S / 2.0
+    least = regression.motions[0].dt_s / 2.0
+    while step > least:
+        for at in (moment - step, moment + step):
+            tried = left(at)
+            if tried < best:
+                best, moment = tried, at
+        step /= 2.0
+    return moment
 
 
 def _masses(s: Floats, q: Floats, B: Floats, inverse: Floats) -> Floats:

@@ -108,7 +108,7 @@ def describe(regression: Regression, final: Candidate) -> Remainder:
 
 def names(n_joint: int) -> list[str]:
     """Return the names of the variables that a remainder may depend on."""
-    return [f"{kind}{j + 1}" for kind in ("q", "dq", "u") for j in range(n_joint)] + [
+    return [f"{kind}{j + 1}" for kind in ("q", "dq") for j in range(n_joint)] + [
         *(f"sign(dq{j + 1})" for j in range(n_joint)),
         "t",
     ]
@@ -121,7 +121,7 @@ def variable(motion: Motion, name: str) -> Floats:
     if name.startswith("sign("):
         return np.sign(motion.dq[:, int(name[7:-1]) - 1])
     kind, j = name.rstrip("0123456789"), int(name[len(name.rstrip("0123456789")) :]) - 1
-    columns: dict[str, Floats] = {"q": motion.q, "dq": motion.dq, "u": motion.u}
+    columns: dict[str, Floats] = {"q": motion.q, "dq": motion.dq}
     return columns[kind][:, j]
 
 
