@@ -77,5 +77,6 @@ DIAGNOSIS_FIELDS: Schema = {
     },
     "residual": one("object", "what is left: how much of it is explained by what, and whether it is white"),
     "structure": one("object", "what the base model leaves beyond noise, and how much of it the causes explain"),
+    "suspected": {"type": "array", "description": "effect and joints of what explains much, but not enough"},
     "notes": {"type": "array", "items": {"type": "string"}, "description": "what was done to the data"},
 }

@@ -130,7 +130,8 @@ def find_causes(regression: Regression, tried: Sequence[Hypothesis], progress: P
             best = _simplest(accepted, [one for one in candidates if one.hypothesis.kind.name not in EVENTS])
         if best is None or not _worth_it(regression, base, accepted, best, told):
             break
-        accepted = fitted(regression, best.model) if accepted.model.hypotheses else best
+        refit = accepted.model.hypotheses or best.model.is_event
+        accepted = fitted(regression, best.model) if refit else best
         causes.append(_cause(accepted, len(causes), candidates, best, base=_before(regression, accepted)))
         if len(causes) > 1:
             again = [one for one in tried if one.key in promising]

@@ -33,7 +33,7 @@ Progress = Callable[[str, float], None]
 #: are not it. True causes left less than a five-hundredth in every case that was looked at.
 _UNEXPLAINED = 0.03
 #: … nor if they explain less than this share altogether; how a motor crosses its play nobody can see.
-_ENOUGH, _PLAY_ENOUGH = 0.96, 0.75
+_ENOUGH, _PLAY_ENOUGH = 0.93, 0.75
 #: Effects in proportion to the joint's friction, which is fitted along; so many rounds settle both.
 _OF_FRICTION, _ROUNDS = ("thermal_drift",), 4
 

@@ -17,7 +17,8 @@ FIELDS = {
     "latency_ms delay_ms tracking connected recording recording_lost disk_free_bytes",
     KINEMATICS: "generation frames parameters error",
     DYNAMICS: "generation samples parameters error",
-    DIAGNOSIS: "verdict causes candidates confusable next_experiment before after gain residual structure notes",
+    DIAGNOSIS: "verdict causes candidates confusable next_experiment before after gain residual structure "
+    "suspected notes",
 }
 
 

@@ -12,7 +12,9 @@ from limbcal.errors import DataError
 from protocol.message import DIAGNOSIS, TRIAL
 from protocol.subscriber import Subscriber
 
-FIELDS = "verdict causes candidates confusable next_experiment before after gain residual structure notes"
+FIELDS = (
+    "verdict causes candidates confusable next_experiment before after gain residual structure suspected notes"
+)
 
 
 @pytest.fixture
