@@ -30,10 +30,10 @@ WORTH_OF_ALL = 0.05
 _SURE = 3.0
 #: … or in this share of them: where a few trials gain very much, the standard error is no measure.
 _MOSTLY = 0.8
-#: A rival is its equal if it leaves at most so much more: absolutely (a likelihood ratio of e^6) …
-_EQUAL = 12.0
+#: A rival is its equal if it leaves at most so much more: absolutely (a likelihood ratio of e^10) …
+_EQUAL = 20.0
 #: … or as a share of what the cause explains, since no catalogue's formula is exact.
-_ALIKE = 0.005
+_ALIKE = 0.01
 _MOST = 3
 #: Noise leaves at least this share of what was expected of it, though its size is only estimated.
 _SURELY_NOISE = 0.6
