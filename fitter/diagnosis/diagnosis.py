@@ -25,6 +25,7 @@ from fitter.diagnosis.regression import Model, Regression
 from fitter.diagnosis.screening import Candidate, fitted
 from fitter.diagnosis.unknown import WORTH, Remainder, describe
 from fitter.dynamics.structure import structural_parameters
+from fitter.search.fitted_parameter import FittedParameter
 from limbcal.errors import DataError, NotIdentifiable
 
 Progress = Callable[[str, float], None]
@@ -248,7 +249,7 @@ def _worse(search: Search, rival: Candidate) -> float:
     return max(0.0, float(rival.squares.sum() - search.final.squares.sum()))
 
 
-def _named(hypothesis: object, numbers: object, support: float) -> NamedCause:
+def _named(hypothesis: Hypothesis, numbers: dict[str, FittedParameter], support: float) -> NamedCause:
     where: dict[str, object] = {}
     if isinstance(hypothesis, Payload):
         where = (
@@ -256,8 +257,8 @@ def _named(hypothesis: object, numbers: object, support: float) -> NamedCause:
             if hypothesis.since_s is not None
             else {"trials": sorted(hypothesis.trials)}
         )
-    joints = tuple(j + 1 for j in hypothesis.joints)  # type: ignore[attr-defined]
-    return NamedCause(hypothesis.kind.name, joints, numbers, support, where)  # type: ignore[attr-defined, arg-type]
+    joints = tuple(j + 1 for j in hypothesis.joints)
+    return NamedCause(hypothesis.kind.name, joints, numbers, support, where)
 
 
 def _confusable(search: Search) -> list[tuple[str, str]]:

@@ -85,8 +85,6 @@ def extended_arm(regression: Regression, fitted: Candidate, found: Estimates) ->
         _effect(hypothesis, numbers)
         for hypothesis, numbers in zip(fitted.model.hypotheses, found.effects, strict=True)
     )
-    static = {effect.joints: effect for effect in effects if effect.name == "stiction"}
-    assert not static or all(len(joints) == 1 for joints in static)
     split = [one for effect in effects for one in _single(effect)]
     parameters = {
         name: Estimate(float(value), float(std))

@@ -3,6 +3,8 @@
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
 
+import numpy as np
+
 from arm.effects.effect import EffectKind
 from arm.model import Floats
 from fitter.diagnosis.motion import Motion
@@ -44,18 +46,18 @@ class Hypothesis(ABC):
         return self.n_column + len(self.low)
 
     @property
-    @abstractmethod
     def low(self) -> Floats:
-        """Least values of psi, (n_psi,)."""
+        """Least values of psi, (n_psi,); none unless there is a psi."""
+        return np.zeros(0)
 
     @property
-    @abstractmethod
     def high(self) -> Floats:
         """Greatest values of psi, (n_psi,)."""
+        return np.zeros(0)
 
-    @abstractmethod
     def starts(self, motions: Sequence[Motion]) -> Floats:
         """Return values of psi to try first, (n_start, n_psi)."""
+        return np.zeros((1, 0))
 
     @abstractmethod
     def act(self, view: View, psi: Floats) -> View:

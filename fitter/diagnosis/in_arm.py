@@ -81,20 +81,6 @@ class RotorInertia(Hypothesis):
 
     n_column = 1
 
-    @property
-    def low(self) -> Floats:
-        """No psi."""
-        return np.zeros(0)
-
-    @property
-    def high(self) -> Floats:
-        """No psi."""
-        return np.zeros(0)
-
-    def starts(self, motions: Sequence[Motion]) -> Floats:
-        """Return the empty psi."""
-        return np.zeros((1, 0))
-
     def act(self, view: View, psi: Floats) -> View:
         """Return a motion with the joint's acceleration as a column of its own."""
         j = self.joints[0]
@@ -128,20 +114,6 @@ class Payload(Hypothesis):
         super().__init__(kind, ())
         self.trials = trials
         self.since_s = since_s
-
-    @property
-    def low(self) -> Floats:
-        """No psi."""
-        return np.zeros(0)
-
-    @property
-    def high(self) -> Floats:
-        """No psi."""
-        return np.zeros(0)
-
-    def starts(self, motions: Sequence[Motion]) -> Floats:
-        """Return the empty psi."""
-        return np.zeros((1, 0))
 
     def act(self, view: View, psi: Floats) -> View:
         """Return a motion with what a kilogram at the tip would ask of the joints while it is there."""
