@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from fitter.data.bandwidth import Signal, motion_edge_hz
 from fitter.data.columns import parse_mapping
 from fitter.data.derivatives import differentiate, lowpass, settling_samples
+from fitter.data.jumps import midway_at_jumps
 from fitter.data.motions import Measured, read_motions
 from fitter.data.recordings import read_frames
 from fitter.data.resample import Uniform, resample, split_at_holes
@@ -26,10 +27,6 @@ COLUMN_CORNER = 1.5
 FIT_CORNER = 2.0 / 3.0 / COLUMN_CORNER
 #: At most this share of a trial is trimmed at each end, and a corner needs this many periods in a trial.
 TRIM_SHARE = 0.1
-#: A torque that changes from one sample to the next by so many times its usual change has jumped.
-JUMP = 20.0
-#: … and by so many times the changes before and after it: what changes fast for a while has not.
-ALONE = 4.0
 
 
 @dataclass(frozen=True)
@@ -250,30 +247,6 @@ def undriven(trial: Trial) -> Trial:
     zero = np.zeros_like(trial.q)
     whole = trial.whole | {"tau": np.zeros_like(trial.whole["q"])} if trial.whole else {}
     return replace(trial, tau=zero, tau_measured=zero, ref=None, ref_filtered=None, whole=whole)
-
-
-def midway_at_jumps(torque: Floats) -> Floats:
-    """Return a sampled torque that jumps at the instant of a sample, not half a step before it.
-
-    A controller that is given a new target asks for another torque from that sample on. Between the samples of a
-    filter or an integration the jump would lie midway, half a step early: a percent of every inertia where
-    samples are two milliseconds apart and most of the motion's impulse is in the jump.
-
-    Parameters
-    ----------
-    torque : ndarray of shape (n, n_joint)
-
-    Returns
-    -------
-    ndarray of shape (n, n_joint)
-    """
-    steps = np.abs(np.diff(torque, axis=0))
-    edge = np.vstack([np.zeros(torque.shape[1]), steps, np.zeros(torque.shape[1])])
-    jumped = steps > JUMP * np.maximum(np.median(steps, axis=0), np.mean(steps, axis=0))
-    jumped &= steps > ALONE * np.maximum(edge[:-2], edge[2:])
-    midway = torque.copy()
-    midway[1:][jumped] = 0.5 * (torque[1:] + torque[:-1])[jumped]
-    return midway
 
 
 def _signal(motion: Uniform) -> Signal:

@@ -10,7 +10,10 @@ a matrix, for the noise of one angle enters the equations of all joints. Both si
 then white with variance 1, so that plain least squares is all but maximum likelihood, and no
 frequency is thrown away that tells something. A slower grid holds all that is left. While a joint is stuck its
 friction may be anything: unknown torques there, of a few shapes each, are eliminated from both sides
-(`motion.holding_shapes`), which costs what the rest could have told and leaves the noise of everything else white.
+(`unknown_torque`), which costs what the rest could have told and leaves the noise of everything else white. A
+torque that jumps does so between two samples: impulses j of known variance there make the noise's covariance
+``I + sum j j^T``, so with the singular values s of the impulses, equations count ``1 / sqrt(1 + s^2)`` times along
+each of their axes.
 """
 
 from collections.abc import Sequence
@@ -23,7 +26,8 @@ from numpy.typing import NDArray
 
 from arm.model import Arm, Floats
 from arm.regressor import regressor
-from fitter.diagnosis.motion import Motion, end_weight, holding_shapes, noise_of_angles, white_noise
+from fitter.diagnosis.motion import Motion, noise_of_angles, white_noise
+from fitter.diagnosis.unknown_torque import end_weight, holding_shapes, jump_shapes
 
 #: The band ends here [Hz], or at this share of the columns' corner, where their filter still lets all through.
 _BAND_HZ, _BAND_SHARE = 18.0, 0.6
@@ -54,7 +58,7 @@ class Weighting:
     acceleration_noise: Floats
     band_hz: float
     stride: int
-    _held: dict[int, Floats] = field(default_factory=dict, repr=False)
+    _held: dict[int, tuple[Floats, Floats]] = field(default_factory=dict, repr=False)
     _gains: dict[tuple[int, float], Floats] = field(default_factory=dict, repr=False)
 
     @property
@@ -66,30 +70,43 @@ class Weighting:
     def filtered(self, motion: Motion, rows: Floats) -> Floats:
         """Return rows (n_sample, n_joint, …), filtered and on the slower grid, without what may hold a joint."""
         white = self._white(rows, motion.dt_s)
-        shapes, flat = self._shapes(motion), white.reshape(white.shape[0] * white.shape[1], -1)
-        return np.asarray((flat - shapes @ (shapes.T @ flat)).reshape(white.shape), dtype=np.float64)
+        axes, lost = self._axes(motion)
+        flat = white.reshape(white.shape[0] * white.shape[1], -1)
+        return np.asarray((flat - (axes * lost) @ (axes.T @ flat)).reshape(white.shape), dtype=np.float64)
 
     def told(self, motion: Motion) -> int:
         """Return how many numbers a motion's equations tell."""
-        shapes = self._shapes(motion)
-        return int(shapes.shape[0] - shapes.shape[1])
+        axes, lost = self._axes(motion)
+        return int(axes.shape[0] - np.count_nonzero(lost == 1.0))
 
-    def _shapes(self, motion: Motion) -> Floats:
-        """Return an orthonormal basis of the holding torques, filtered."""
+    def _axes(self, motion: Motion) -> tuple[Floats, Floats]:
+        """Return orthonormal axes of what is not known of the torque, filtered, and how much of each is lost."""
         if motion.number not in self._held:
-            n, n_joint = motion.q.shape
-            shapes = [holding_shapes(motion.stuck[:, j], motion.dt_s) for j in range(n_joint)]
-            rows = np.zeros((n, n_joint, sum(one.shape[1] for one in shapes)))
-            at = 0
-            for j, one in enumerate(shapes):
-                rows[:, j, at : at + one.shape[1]] = one / end_weight(n, motion.dt_s)[:, None]
-                at += one.shape[1]
-            white = self._white(rows, motion.dt_s).reshape(-1, rows.shape[2])
-            white /= np.linalg.norm(white, axis=0)
-            Q, R, _ = scipy.linalg.qr(white, mode="economic", pivoting=True, check_finite=False)
-            size = np.abs(np.diag(R))
-            self._held[motion.number] = np.ascontiguousarray(Q[:, : len(size)][:, size > _LITTLE * size[0]])
+            held = self._held_axes(motion)
+            if not motion.jumps:
+                self._held[motion.number] = held, np.ones(held.shape[1])
+                return self._held[motion.number]
+            jumped = self._white(jump_shapes(motion.jumps, *motion.q.shape), motion.dt_s)
+            jumped = jumped.reshape(held.shape[0], -1)
+            U, size, _ = np.linalg.svd(jumped - held @ (held.T @ jumped), full_matrices=False)
+            lost = np.concatenate([np.ones(held.shape[1]), 1.0 - 1.0 / np.sqrt(1.0 + size**2)])
+            self._held[motion.number] = np.hstack([held, U]), lost
         return self._held[motion.number]
+
+    def _held_axes(self, motion: Motion) -> Floats:
+        """Return an orthonormal basis of the holding torques, filtered."""
+        n, n_joint = motion.q.shape
+        shapes = [holding_shapes(motion.stuck[:, j], motion.dt_s) for j in range(n_joint)]
+        rows = np.zeros((n, n_joint, sum(one.shape[1] for one in shapes)))
+        at = 0
+        for j, one in enumerate(shapes):
+            rows[:, j, at : at + one.shape[1]] = one / end_weight(n, motion.dt_s)[:, None]
+            at += one.shape[1]
+        white = self._white(rows, motion.dt_s).reshape(-1, rows.shape[2])
+        white /= np.linalg.norm(white, axis=0)
+        Q, R, _ = scipy.linalg.qr(white, mode="economic", pivoting=True, check_finite=False)
+        size = np.abs(np.diag(R))
+        return np.ascontiguousarray(Q[:, : len(size)][:, size > _LITTLE * size[0]])
 
     def _white(self, rows: Floats, dt_s: float) -> Floats:
         n = len(rows)

@@ -1,5 +1,6 @@
 """What was found in numbers: base parameters and effects with standard errors, and the arm that has them."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -70,7 +71,7 @@ def estimates(regression: Regression, fitted: Candidate) -> Estimates:
     for hypothesis, psi in zip(model.hypotheses, model.psi, strict=True):
         own = np.r_[at : at + hypothesis.n_column, psi_at : psi_at + len(psi)]
         factors = fitted.x[at : at + hypothesis.n_column]
-        effects.append(_numbers(hypothesis, psi, factors, covariance[np.ix_(own, own)]))
+        effects.append(_numbers(hypothesis, psi, factors, covariance[np.ix_(own, own)], regression.motions))
         at, psi_at = at + hypothesis.n_column, psi_at + len(psi)
     return Estimates(base, values, errors, tuple(effects))
 
@@ -133,7 +134,7 @@ def _single(effect: Effect) -> list[Effect]:
 
 
 def _numbers(
-    hypothesis: Hypothesis, psi: Floats, factors: Floats, covariance: Floats
+    hypothesis: Hypothesis, psi: Floats, factors: Floats, covariance: Floats, motions: list[Motion]
 ) -> dict[str, FittedParameter]:
     values = hypothesis.numbers(psi, factors)
     both = np.concatenate([factors, psi])
@@ -144,19 +145,25 @@ def _numbers(
         step[k] = _SLOPE * max(abs(both[k]), 1e-6)
         ahead, behind = (hypothesis.numbers((both + s)[n:], (both + s)[:n]) for s in (step, -step))
         slopes[:, k] = (ahead - behind) / (2.0 * step[k])
-    std = np.sqrt(np.maximum(np.einsum("ij,jk,ik->i", slopes, covariance, slopes), 0.0))
+    variance = np.maximum(np.einsum("ij,jk,ik->i", slopes, covariance, slopes), 0.0)
+    std = np.sqrt(variance + hypothesis.hidden(motions, values) ** 2)
     return {
         name: FittedParameter(float(value), float(error), unit, bool(np.isfinite(error)))
         for name, value, error, unit in zip(hypothesis.names, values, std, hypothesis.units, strict=True)
     }
 
 
-def _covariance(regression: Regression, fitted: Candidate, motions: list[Motion]) -> Floats:
-    """Return the covariance of factors and psi together."""
+def _covariance(regression: Regression, fitted: Candidate, learnt_from: list[Motion]) -> Floats:
+    """Return the covariance of factors and psi together.
+
+    Residuals that resemble their neighbours are seen within the trials that were learnt from; what makes whole
+    trials pull their own way, such as how a joint comes to rest, is seen in how differently all trials pull.
+    """
     model, flat = fitted.model, fitted.model.flat
-    designs, residuals, groups = [], [], []
-    total = sum(len(motion.t) for motion in motions)
-    for motion in motions:
+    used = {motion.number for motion in learnt_from}
+    total = sum(len(motion.t) for motion in learnt_from)
+    designs, residuals = [], []
+    for motion in regression.motions:
         r = regression.residual(model, fitted.x, motion).ravel()
         columns = [regression.rows(model, motion).design]
         for k in range(len(flat)):
@@ -165,28 +172,47 @@ def _covariance(regression: Regression, fitted: Candidate, motions: list[Motion]
             moved[k] += step
             slope = (r - regression.residual(model.at(moved), fitted.x, motion).ravel()) / step
             columns.append(slope[:, None])
-        blocks = max(2, round(_BLOCKS * len(motion.t) / total))
-        A = np.hstack(columns)
-        for rows in np.array_split(np.arange(len(r)), blocks):
-            designs.append(A[rows])
-            residuals.append(r[rows])
-            groups.append(motion.number)
-    size = np.sqrt(sum(np.sum(A**2, axis=0) for A in designs))
+        designs.append(np.hstack(columns))
+        residuals.append(r)
+    fitting = [k for k, motion in enumerate(regression.motions) if motion.number in used]
+    size = np.sqrt(sum(np.sum(designs[k] ** 2, axis=0) for k in fitting))
     told = size > 0.0
     designs = [A[:, told] / size[told] for A in designs]
-    W = np.linalg.qr(np.vstack(designs)).R
-    grams = np.array([A.T @ A for A in designs])
-    scores = np.array([A.T @ r for A, r in zip(designs, residuals, strict=True)])
-    of_trial: NDArray[np.intp] = np.array(groups, dtype=np.intp)
-    left = sum(float(r @ r) for r in residuals)
-    told_by = float(sum(regression.weighting.told(motion) for motion in motions))
+    W = np.linalg.qr(np.vstack([designs[k] for k in fitting])).R
+    grams, scores, groups = [], [], []
+    for k in fitting:
+        blocks = max(2, round(_BLOCKS * len(regression.motions[k].t) / total))
+        for A, r in zip(np.array_split(designs[k], blocks), np.array_split(residuals[k], blocks), strict=True):
+            grams.append(A.T @ A)
+            scores.append(A.T @ r)
+            groups.append(k)
+    left = sum(float(residuals[k] @ residuals[k]) for k in fitting)
+    told_by = float(sum(regression.weighting.told(regression.motions[k]) for k in fitting))
     diagonal = np.abs(np.diag(W))
     if diagonal.min() > _SINGULAR * diagonal.max():
-        part = sandwich_covariance(np.asarray(W), grams, scores, of_trial)
+        of_trial: NDArray[np.intp] = np.array(groups, dtype=np.intp)
+        part = sandwich_covariance(np.asarray(W), np.array(grams), np.array(scores), of_trial)
         root = np.linalg.inv(W)
         part = part + _LEANING**2 * max(left - told_by, 0.0) * (root @ root.T)
+        plain = np.einsum("ij,ij->i", root, root)
+        wider = np.sqrt(np.maximum(_between(designs, residuals) * plain / np.diag(part), 1.0))
+        part = part * np.outer(wider, wider)
     else:  # something is not told at all, such as how long a stuck joint was pushed: the rest still is
-        part = np.linalg.pinv(grams.sum(axis=0), rcond=_SINGULAR, hermitian=True) * max(left / told_by, 1.0)
+        gram = np.sum(grams, axis=0)
+        part = np.linalg.pinv(gram, rcond=_SINGULAR, hermitian=True) * max(left / told_by, 1.0)
     covariance = np.full((len(size), len(size)), np.nan)
     covariance[np.ix_(told, told)] = part / np.outer(size[told], size[told])
     return covariance
+
+
+def _between(designs: Sequence[Floats], residuals: Sequence[Floats]) -> Floats:
+    """Return how many times more variance answers have by the scatter of whole trials than by white noise of one.
+
+    It is that of the answer to all trials together (Liang and Zeger 1986), so none is foreign to what it pulls at.
+    """
+    A, r = np.vstack(designs), np.concatenate(residuals)
+    inverse = np.linalg.pinv(A.T @ A, rcond=_SINGULAR, hermitian=True)
+    change = inverse @ (A.T @ r)
+    pulls = np.stack([inverse @ (A.T @ (r - A @ change)) for A, r in zip(designs, residuals, strict=True)])
+    few = len(pulls) / max(len(pulls) - 1.0, 1.0)
+    return np.asarray(few * np.sum(pulls**2, axis=0) / np.maximum(np.diag(inverse), 1e-300), dtype=np.float64)

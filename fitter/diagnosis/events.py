@@ -27,6 +27,8 @@ _WORTH_PLACING = 0.1
 _NEARLY = 0.99
 #: … and it is moved and stretched only where that explains so many times what it did.
 _CLEARLY = 1.002
+#: A push begins in a rest if the joint is stuck within so many samples before it.
+_NEAR = 4
 
 
 class Pushes(Hypothesis):
@@ -84,6 +86,15 @@ class Pushes(Hypothesis):
         """Return start, duration and torque of each push."""
         return np.column_stack([self._times(psi), factors]).ravel()
 
+    def hidden(self, motions: Sequence[Motion], values: Floats) -> Floats:
+        """Return the error of starts and durations for a push that a stuck joint does not feel."""
+        errors = np.zeros((len(values) // 3, 3))
+        for k, (start, duration, _) in enumerate(np.reshape(values, (-1, 3))):
+            before = _unfelt(motions, self.joints[0], start, -1)
+            after = _unfelt(motions, self.joints[0], start + duration, 1)
+            errors[k, :2] = before / np.sqrt(12.0), np.hypot(before, after) / np.sqrt(12.0)
+        return errors.ravel()
+
     def _times(self, psi: Floats) -> Floats:
         return np.reshape(psi, (-1, 2)) if self.free else self.found
 
@@ -99,6 +110,18 @@ class Pushes(Hypothesis):
     def units(self) -> tuple[str, ...]:
         """Of each."""
         return tuple(parameter.unit for parameter in self.kind.parameters) * self.n_column
+
+
+def _unfelt(motions: Sequence[Motion], joint: int, at: float, way: int) -> float:
+    """Return for how long before (-1) or after (1) an instant a joint stands still, 0 if it moves then [s]."""
+    for motion in motions:
+        if motion.t[0] <= at <= motion.t[-1]:
+            k = round((at - motion.t[0]) / motion.dt_s)
+            stuck = motion.stuck[: k + 1, joint][::-1] if way < 0 else motion.stuck[k:, joint]
+            if not np.any(stuck[:_NEAR]):
+                return 0.0
+            return float(np.argmin([*stuck[int(np.argmax(stuck)) :], False])) * motion.dt_s
+    return 0.0
 
 
 def find_pushes(kind: EffectKind, regression: Regression, model: Model, x: Floats) -> list[Hypothesis]:

@@ -21,6 +21,8 @@ from fitter.search.fitted_parameter import FittedParameter
 _LASTS_S, _CUT_S = 0.1, 0.06
 #: A rest is held by more than Coulomb friction if it is so by this share of it and by so many times its noise.
 _MORE, _SIGMAS = 0.25, 6.0
+#: Effects that hold a joint by more than Coulomb friction themselves.
+_HOLDS = ("stribeck", "load_friction", "coulomb_asymmetry")
 #: So many rests must be, for one may be a hand.
 _LEAST = 3
 
@@ -53,8 +55,11 @@ def holdings(regression: Regression, final: Candidate) -> list[Holding]:
     """
     unit = catalogue()["stiction"].parameters[0].unit
     found = []
+    friction = regression.friction_of(final.model, final.x)[:, 1]
     for j in range(regression.arm.n_joint):
-        coulomb = abs(float(regression.friction[j, 1]))
+        if any(one.kind.name in _HOLDS and j in one.joints for one in final.model.hypotheses):
+            continue
+        coulomb = abs(float(friction[j]))
         sets = [_held(regression, final, j, learn) for learn in (True, False)]
         torque, noise = (np.concatenate(column) for column in zip(*sets, strict=True))
         beyond = torque > (1.0 + _MORE) * coulomb + _SIGMAS * noise

@@ -75,6 +75,10 @@ class Hypothesis(ABC):
         bounds = (kinds.get(name, kinds.get(stem)) for stem, name in named)
         return all(one is None or one.low <= value <= one.high for one, value in zip(bounds, values, strict=True))
 
+    def hidden(self, motions: Sequence[Motion], values: Floats) -> Floats:
+        """Return standard errors, (n_number,), of what these motions hide from any fit, such as times at rest."""
+        return np.zeros(len(values))
+
     @property
     def names(self) -> tuple[str, ...]:
         """Names of the parameters that `numbers` returns."""

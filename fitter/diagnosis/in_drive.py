@@ -1,5 +1,6 @@
 """Effects between the torque that is asked for and the joint: it comes late, slowly, cut off or too large."""
 
+import math
 from collections.abc import Sequence
 from dataclasses import replace
 
@@ -15,6 +16,8 @@ from fitter.diagnosis.motion import Motion, sharp_torque
 from fitter.diagnosis.view import View
 
 _GRID = 10
+#: What follows a torque slowly is computed in steps no longer than this [s].
+_FINE_S = 0.002
 #: Shares of the greatest torque that a limit may be.
 _LIMITS = np.linspace(0.98, 0.3, 12)
 
@@ -79,13 +82,16 @@ def delayed(u: Floats, delay_s: float, dt_s: float) -> Floats:
 
 
 def lagging(u: Floats, time_constant_s: float, dt_s: float) -> Floats:
-    """Return a torque that follows slowly: ``T x' = u - x`` for a u that runs straight between samples."""
-    h = dt_s / time_constant_s
+    """Return a torque that follows slowly: ``T x' = u - x``, u a cubic spline, straight between finer samples."""
+    parts = max(1, math.ceil(dt_s / _FINE_S))
+    steps = np.arange(len(u), dtype=np.float64)
+    fine = make_interp_spline(steps, u, k=3)(np.linspace(0.0, len(u) - 1.0, parts * (len(u) - 1) + 1))
+    h = dt_s / parts / time_constant_s
     fade = np.exp(-h)
     new = 1.0 - (1.0 - fade) / h  # exact for a ramp
     old = (1.0 - fade) - new
-    followed, _ = lfilter([new, old], [1.0, -fade], u, zi=[u[0] * (1.0 - new)])
-    return np.asarray(followed, dtype=np.float64)
+    followed, _ = lfilter([new, old], [1.0, -fade], fine, zi=[u[0] * (1.0 - new)])
+    return np.asarray(followed[::parts], dtype=np.float64)
 
 
 def _limited(view: View, limit: float) -> Floats:

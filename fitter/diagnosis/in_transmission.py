@@ -9,35 +9,27 @@ from dataclasses import replace
 
 import numpy as np
 
+from arm.effects.effect import EffectKind
 from arm.model import Floats
 from fitter.data.derivatives import differentiate, lowpass
 from fitter.diagnosis.hypothesis import Hypothesis
 from fitter.diagnosis.in_drive import lagging
 from fitter.diagnosis.motion import Motion
+from fitter.diagnosis.play import Play, play_of
 from fitter.diagnosis.view import View
 
 #: Twists at the greatest torque that are tried first [rad].
 _TWISTS = np.geomspace(1e-3, 0.3, 8)
 _GAPS = np.geomspace(1e-3, 0.2, 8)
 _SETTLING_S = (0.002, 0.02)
-#: A torque within so many times its noise may have either sign.
-_SIGMAS = 5.0
-
-
-def side(torque: Floats, doubt: float) -> Floats:
-    """Return where in its play a motor is, (n_sample,): from -1 to 1, 0 as long as nobody can tell.
-
-    It touches the side towards which it pulls. A motor without inertia crosses the play as fast as its controller
-    lets it, and meanwhile passes on no torque: the crossing takes as long as the torque cannot be told from zero.
-    """
-    sure = np.flatnonzero(np.abs(torque) > doubt)
-    if not len(sure):
-        return np.zeros(len(torque))
-    return np.interp(np.arange(len(torque)), sure, np.sign(torque[sure]))
 
 
 class InTransmission(Hypothesis):
     """Play (its gap), or elasticity (its compliance and the time in which it settles)."""
+
+    def __init__(self, kind: EffectKind, joints: Sequence[int]) -> None:
+        super().__init__(kind, joints)
+        self._known: dict[tuple[int, int], Play] = {}
 
     @property
     def _play(self) -> bool:
@@ -64,17 +56,21 @@ class InTransmission(Hypothesis):
     def act(self, view: View, psi: Floats) -> View:
         """Return a motion whose link lags behind the measured angle by the twist."""
         j, dt_s = self.joints[0], view.motion.dt_s
-        torque = view.u[:, j]
         if self._play:
-            twist = 0.5 * psi[0] * side(torque, _SIGMAS * float(view.motion.u_noise[j]))
+            change = self._play_in(view).change(float(psi[0]))
         else:
-            twist = psi[0] * lagging(torque, float(psi[1]), dt_s)
-        twist = lowpass(twist, dt_s, view.motion.corner_hz)
+            twist = lowpass(psi[0] * lagging(view.u[:, j], float(psi[1]), dt_s), dt_s, view.motion.corner_hz)
+            change = -np.stack([twist, differentiate(twist, dt_s), differentiate(twist, dt_s, 2)])
         q, dq, ddq = view.q.copy(), view.dq.copy(), view.ddq.copy()
-        q[:, j] -= twist
-        dq[:, j] -= differentiate(twist, dt_s)
-        ddq[:, j] -= differentiate(twist, dt_s, 2)
+        for column, added in zip((q, dq, ddq), change, strict=True):
+            column[:, j] += added
         return replace(view, q=q, dq=dq, ddq=ddq)
+
+    def _play_in(self, view: View) -> Play:
+        key = view.motion.number, len(view.motion.t)
+        if key not in self._known:
+            self._known[key] = play_of(view.arm, view.motion, self.joints[0])
+        return self._known[key]
 
     def numbers(self, psi: Floats, factors: Floats) -> Floats:
         """Return the gap, or stiffness and damping."""

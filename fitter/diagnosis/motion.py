@@ -9,7 +9,9 @@ from scipy.ndimage import gaussian_filter1d
 
 from arm.control import control_torque
 from arm.model import Arm, Floats
+from fitter.data.jumps import jumps
 from fitter.data.trials import Trial
+from fitter.diagnosis.unknown_torque import lasting
 from limbcal.errors import DataError
 
 #: Columns are cut off at this frequency, if the sampling allows it: above it hardly any motion is left, and the
@@ -22,12 +24,10 @@ _SHARE_OF_RATE = 0.2
 _DIRECTION_S = 0.006
 #: A joint is taken to be stuck below this share of its top speed in the run, or below so many times the noise.
 _STUCK_SHARE, _STUCK_SIGMAS = 0.004, 4.0
-#: How long the weight of an equation takes to rise from 0 to 1 at an end, and how long a joint must be stuck [s].
-RISE_S = 0.06
+#: The instant of a jump is known to a sample; so this is its standard error, in samples.
+_JUMPED = 0.1
 #: Samples a period of the corner that are kept of a motion.
 SAMPLES = 5.0
-#: What holds a stuck joint changes no faster than hats this far apart can follow [s].
-HAT_S = 0.12
 #: The file's clocks go on from trial to trial if none begins more than this before the end of the one before [s].
 _OVERLAP_S = 0.05
 
@@ -53,8 +53,9 @@ class Motion:
         Where a joint stands still for a while: any torque up to its friction may hold it there.
     dt_s : float
         Step of its grid: `SAMPLES` a period of the columns' corner are enough.
-    u_noise : (n_joint,)
-        Rms of what is noise in u.
+    jumps : tuple of (float, int, float)
+        Jumps of the torque: sample, joint, and the standard error of its impulse, for its instant is known to a
+        sample only; as the torque of one sample [N m or N].
     """
 
     trial: Trial
@@ -68,7 +69,7 @@ class Motion:
     direction: Floats
     stuck: NDArray[np.bool_]
     dt_s: float
-    u_noise: Floats
+    jumps: tuple[tuple[float, int, float], ...] = ()
 
     @property
     def corner_hz(self) -> float:
@@ -124,7 +125,7 @@ def run_of(arm: Arm, learn: Sequence[Trial], evaluate: Sequence[Trial], thin: bo
                 direction,
                 stuck[::step],
                 dt_s,
-                _noise_of(u),
+                _jumps(arm, trial, step),
             )
         )
     return motions
@@ -168,6 +169,17 @@ def sharp_torque(arm: Arm, trial: Trial) -> Floats:
     return np.pad(u, ((trial.trimmed, trial.trimmed), (0, 0)), mode="edge")
 
 
+def _jumps(arm: Arm, trial: Trial, step: int) -> tuple[tuple[float, int, float], ...]:
+    """Return the jumps of the torque that was asked for, on the grid of every ``step``-th sample."""
+    asked = trial.tau_measured
+    if asked is None:
+        asked = sharp_torque(arm, trial)[trial.trimmed : trial.trimmed + len(trial.t)]
+    size = jumps(asked)
+    return tuple(
+        (k / step, int(j), _JUMPED * float(abs(size[k, j])) / step) for k, j in zip(*np.nonzero(size), strict=True)
+    )
+
+
 def noise_of_angles(trials: Sequence[Trial]) -> Floats:
     """Return the rms of the white noise in the measured angles, (n_joint,) [rad or m]."""
     return white_noise([trial.whole.get("q", trial.q) for trial in trials])
@@ -180,13 +192,6 @@ def white_noise(columns: Sequence[Floats]) -> Floats:
     """
     third = np.concatenate([np.diff(values, 3, axis=0) for values in columns])
     return np.asarray(1.4826 * np.median(np.abs(third), axis=0) / np.sqrt(20.0), dtype=np.float64)
-
-
-def _noise_of(u: Floats) -> Floats:
-    """Return the rms of the noise that is left in a filtered torque: that of its quick changes, robustly."""
-    step = max(1, len(u) // 400)
-    second = np.diff(u[::step], 2, axis=0)
-    return np.asarray(1.4826 * np.median(np.abs(second), axis=0) / np.sqrt(6.0), dtype=np.float64)
 
 
 def _velocity(trial: Trial) -> Floats:
@@ -205,51 +210,6 @@ def _width(dt_s: float) -> float:
 def _velocity_gain(dt_s: float) -> float:
     """Return the rms of `_velocity` per rms of white noise in the angle [1/s]."""
     return float(np.sqrt(dt_s / (4.0 * np.sqrt(np.pi) * _width(dt_s) ** 3)))
-
-
-def end_weight(n: int, dt_s: float) -> Floats:
-    """Return a weight that rises smoothly from 0 at one end of a motion and falls to 0 at the other."""
-    rise = min(max(1, round(RISE_S / dt_s)), n // 2)
-    weight = np.ones(n)
-    weight[:rise] = np.sin(np.pi / 2.0 * (np.arange(rise) + 0.5) / rise) ** 2
-    weight[n - rise :] = weight[:rise][::-1]
-    return weight
-
-
-def holding_shapes(stuck: NDArray[np.bool_], dt_s: float) -> Floats:
-    """Return the shapes of which the unknown torque on one joint is made up, (n_sample, n_shape).
-
-    What holds a stuck joint can be any torque, smooth as the drive's is meanwhile: hats `HAT_S` apart. At both
-    ends of the motion the weight makes of the angles' noise an impulse and its derivative.
-    """
-    n = len(stuck)
-    weight = end_weight(n, dt_s)
-    first, second = np.gradient(weight), np.gradient(np.gradient(weight))
-    halves = np.arange(n) < n // 2
-    shapes = [first * halves, second * halves, first * ~halves, second * ~halves]
-    for begin, end in _intervals(stuck):
-        knots = np.linspace(begin, end - 1, max(2, round((end - begin) * dt_s / HAT_S) + 1))
-        samples = np.arange(begin, end)
-        for k in range(len(knots)):
-            hat = np.zeros(n)
-            hat[begin:end] = np.interp(samples, knots, np.eye(len(knots))[k])
-            shapes.append(hat)
-    return np.stack(shapes, axis=1)
-
-
-def lasting(stuck: NDArray[np.bool_], dt_s: float) -> NDArray[np.bool_]:
-    """Return what of a mask (n_sample, n_joint) lasts: a joint that passes through zero speed is not stuck."""
-    kept = np.zeros(stuck.shape, dtype=np.bool_)
-    for j in range(stuck.shape[1]):
-        for begin, end in _intervals(stuck[:, j]):
-            if end - begin >= RISE_S / dt_s:
-                kept[begin:end, j] = True
-    return kept
-
-
-def _intervals(mask: NDArray[np.bool_]) -> list[tuple[int, int]]:
-    edges = np.diff(np.concatenate([[0], mask.astype(np.int8), [0]]))
-    return list(zip(np.flatnonzero(edges == 1).tolist(), np.flatnonzero(edges == -1).tolist(), strict=True))
 
 
 def _starts(trials: Sequence[Trial]) -> list[float]:

@@ -115,6 +115,10 @@ class Regression:
         """The trials that may be learnt from."""
         return [motion for motion in self.motions if motion.learn]
 
+    def learn_from_all(self) -> None:
+        """Learn from all trials: where only those that judge show what is wrong, nothing else can tell it."""
+        self.learning = self.motions
+
     def independent(self, arm: Arm) -> NDArray[np.intp]:
         """Return the columns of the standard regressor that stand for an arm's base parameters."""
         key = (*np.sign(arm.gravity_m_s2), *(np.sign(np.subtract(arm.gravity_m_s2, self.arm.gravity_m_s2))))
@@ -242,11 +246,15 @@ class Regression:
 
     def learn_friction(self, model: Model, x: Floats) -> None:
         """Take over the joints' friction from factors, for effects that are in proportion to it."""
+        self.friction = self.friction_of(model, x)
+
+    def friction_of(self, model: Model, x: Floats) -> Floats:
+        """Return the joints' viscous and Coulomb friction by a model's factors, (n_joint, 2)."""
         n = self.arm.n_joint
         kept = self.independent(self.view(model, self.motions[0]).arm)
         standard = standard_parameters(self.arm)
         standard[kept] = x[: len(kept)]
-        self.friction = np.stack([standard[10 * n : 11 * n], standard[11 * n :]], axis=1)
+        return np.stack([standard[10 * n : 11 * n], standard[11 * n :]], axis=1)
 
 
 def scaled_lstsq(A: Floats, y: Floats) -> Floats:

@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from fitter.data.motion_file import write_motion
-from fitter.data.trials import Trial, load_trials, lowpass_trial, midway_at_jumps
+from fitter.data.trials import Trial, load_trials, lowpass_trial
 from limbcal.errors import ConfigError, DataError
 
 DT_S = 0.002
@@ -207,18 +207,3 @@ def test_a_corner_below_one_period_is_refused(tmp_path):
     path = written(tmp_path, {"t": T, "q": motion(T)})
     with pytest.raises(ConfigError, match="cutoff_hz is 1e-09"):
         load_trials([path], 2, cutoff_hz=1e-9)
-
-
-def test_a_jump_of_the_torque_is_put_midway_and_a_fast_change_is_not():
-    t = 0.002 * np.arange(1000)
-    after = t >= 0.5
-    torque = np.where(after, 10.0 * np.exp(-40.0 * (t - 0.5)), 0.0)[:, None]
-    midway = midway_at_jumps(torque)
-    at = int(np.argmax(after))
-    assert midway[at, 0] == pytest.approx(5.0)
-    assert np.array_equal(np.delete(midway, at, axis=0), np.delete(torque, at, axis=0))
-
-
-def test_noise_does_not_jump():
-    torque = np.random.default_rng(0).normal(size=(5000, 2))
-    assert np.array_equal(midway_at_jumps(torque), torque)

@@ -3,7 +3,8 @@
 import numpy as np
 
 from fitter.data.trials import to_trials
-from fitter.diagnosis.motion import end_weight, holding_shapes, lasting, run_of, white_noise
+from fitter.diagnosis.motion import run_of, white_noise
+from fitter.diagnosis.unknown_torque import end_weight, holding_shapes, lasting
 from tests.fitter.pendulum import pendulum, swings
 
 

@@ -1,0 +1,160 @@
+"""Where a motor is in its play, and how its link moves while the motor crosses it.
+
+The motor touches the side towards which it pulls. On its way across it passes on no torque, so the link coasts:
+its angle and velocity go on smoothly while the motor's do not. Between the instants at which the motor surely
+touched, the link's angle is the cubic that joins its angles and velocities there (Hermite). After a rest, in which
+nobody can tell where in its play the motor is, the link begins to move when it is touched, and not before.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.ndimage import binary_erosion, gaussian_filter1d
+
+from arm.model import Arm, Floats
+from fitter.data.derivatives import differentiate, lowpass
+from fitter.diagnosis.motion import Motion, sharp_torque, white_noise
+
+#: A torque within so many times its noise may have either sign.
+_SIGMAS = 5.0
+#: The torque's sign is told behind a Gaussian of this width [s]; what that brings forward of a touch is not sure.
+_WIDTH_S, _BROUGHT_FORWARD = 0.004, 2.0
+#: A torque that cannot be told from zero for so long lets the motor wander within its play; for longer, the link
+#: comes to rest, and is still at least for so long before it is touched again [s].
+_WANDERS_S, _RESTS_S, _STILL_S = 0.02, 0.8, 0.1
+#: An angle that scatters by less than so many times its noise is still, if so many samples say so.
+_STILL, _FEW = 2.0, 5
+#: Samples that a motor takes to cross when nothing holds it.
+_CROSSING = 2
+#: The link's velocity at an end of a crossing is that of a parabola through the angles of so long [s].
+_SLOPE_S = 0.03
+
+
+@dataclass(frozen=True)
+class Play:
+    """What a play does to the angle of one joint, for any gap.
+
+    The link's angle is the measured one plus ``bridge`` less half the gap times ``side``; both hold value, first
+    and second derivative, (3, n_sample), filtered as the motion's columns are.
+    """
+
+    bridge: Floats
+    side: Floats
+
+    def change(self, gap: float) -> Floats:
+        """Return by how much the link's angle and its derivatives differ from the motor's, (3, n_sample)."""
+        return np.asarray(self.bridge - 0.5 * gap * self.side, dtype=np.float64)
+
+
+def play_of(arm: Arm, motion: Motion, joint: int) -> Play:
+    """Return where in its play the motor of a joint is along a motion."""
+    trial = motion.trial
+    angle = trial.whole.get("q", trial.q)[:, joint]
+    torque = sharp_torque(arm, trial)[:, joint]
+    torque = torque[(len(torque) - len(angle)) // 2 :][: len(angle)]
+    cut = (len(angle) - len(trial.t)) // 2
+    inner = slice(cut, cut + len(trial.t))
+    step = max(1, round(motion.dt_s / trial.dt_s))
+    starts = sorted({cut + round(at * step) for at, _, _ in motion.jumps})
+    bridge, side = bridged(angle, torque, starts, trial.dt_s)
+
+    def column(values: Floats) -> Floats:
+        smooth = lowpass(values, trial.dt_s, trial.cutoff_hz) if cut else values
+        slopes = (differentiate(smooth, trial.dt_s, order) for order in (1, 2))
+        return np.stack([smooth, *slopes])[:, inner][:, ::step]
+
+    return Play(column(bridge), column(side))
+
+
+def touched(torque: Floats, noise: float, dt_s: float) -> Floats:
+    """Return the side that a motor touches, (n_sample,), 0 where it is not sure."""
+    width = max(_WIDTH_S / dt_s, 0.5)
+    smooth = gaussian_filter1d(torque, width)
+    least = _SIGMAS * noise / np.sqrt(2.0 * np.sqrt(np.pi) * width)
+    around = np.ones(2 * round(_BROUGHT_FORWARD * width) + 1, dtype=np.bool_)
+    forwards, backwards = (binary_erosion(way * smooth > least, around, border_value=True) for way in (1.0, -1.0))
+    return forwards.astype(np.float64) - backwards
+
+
+def bridged(angle: Floats, torque: Floats, starts: Sequence[int], dt_s: float) -> tuple[Floats, Floats]:
+    """Return what a link's crossing adds to a motor's angle, and the side at which the motor is (-1 to 1).
+
+    Parameters
+    ----------
+    angle, torque : (n_sample,)
+        Of the motor.
+    starts : sequence of int
+        Samples at which some drive was suddenly asked for another torque: what rested, rested till then.
+    dt_s : float
+
+    Returns
+    -------
+    (n_sample,), (n_sample,)
+    """
+    noise = float(white_noise([torque[:, None]])[0])
+    touching = touched(torque, noise, dt_s)
+    for at in starts:  # a large jump is brought forward by more
+        touching[max(0, at - round(2 * _BROUGHT_FORWARD * _WIDTH_S / dt_s)) : at] = 0.0
+    bridge, side = np.zeros((2, len(angle)))
+    sure = np.flatnonzero(touching)
+    if not len(sure):
+        return bridge, side
+    sign = touching[sure]
+    side += sign[np.clip(np.searchsorted(sure, np.arange(len(angle)), side="right") - 1, 0, None)]
+    shaking = float(white_noise([angle[:, None]])[0])
+    window, wanders, rests, still_for = (
+        max(3, round(s / dt_s)) for s in (_SLOPE_S, _WANDERS_S, _RESTS_S, _STILL_S)
+    )
+    away = np.diff(sure)
+    leaves = np.flatnonzero((away > wanders) | (np.diff(sign) != 0.0))
+    runs = np.concatenate([[0], leaves + 1, [len(sure)]])
+    for k, leave in enumerate([-1, *leaves]):
+        begin, end = int(sure[leave]) if k else 0, int(sure[leave + 1])
+        before, after = sign[leave] if k else 0.0, sign[leave + 1]
+        last = min(max(int(sure[runs[k + 1] - 1]), end + _FEW), end + window, len(angle) - 1)
+        slope = _at_end(angle[end : last + 1])[1]
+        inner = [at for at in starts if begin + _FEW <= at <= end]
+        started = [at for at in inner if np.std(angle[max(begin, at - still_for) : at]) < _STILL * shaking]
+        if started or not k or end - begin > rests:
+            start = max(started, default=begin)
+            still = max(begin, start - still_for)
+            mean = float(torque[still:start].mean()) if start > still else 0.0
+            if abs(mean) > _SIGMAS * noise / np.sqrt(max(start - still, 1)):
+                rest, where = float(np.sign(mean)), float(angle[still:start].mean())
+            else:  # somewhere in its play; the link moves when it is touched
+                start = begin + int(np.argmax(np.abs(torque[begin : end + 1]) > _SIGMAS * noise))
+                start = min(end, max(start, end - round(2 * _BROUGHT_FORWARD * _WIDTH_S / dt_s)) + _CROSSING)
+                rest, where = after, float(angle[start])
+            settled = _rising(np.linspace(0.0, 1.0, max(still - begin, 0)))
+            bridge[begin:still] = settled * (where - angle[begin:still])
+            side[begin:still] = (before or rest) + (rest - (before or rest)) * settled
+            bridge[still:start], side[still:start] = where - angle[still:start], rest
+            q0, slope0, begin, before = where, 0.0, start, rest
+        else:
+            first = max(min(int(sure[runs[k - 1]]), begin - _FEW), begin - window, 0)
+            q0, slope0 = _at_end(angle[first : begin + 1][::-1])
+        if end > begin:
+            share = (np.arange(begin, end + 1) - begin) / (end - begin)
+            side[begin : end + 1] = before + (after - before) * _rising(share)
+            path = _hermite(share, q0, -slope0 * (end - begin), float(angle[end]), slope * (end - begin))
+            bridge[begin : end + 1] = path - angle[begin : end + 1]
+    return bridge, side
+
+
+def _hermite(share: Floats, q0: float, slope0: float, q1: float, slope1: float) -> Floats:
+    """Return the cubic with these values and slopes at the ends of a way of length one."""
+    across, rest = _rising(share), 1.0 - share
+    cubic = (1.0 - across) * q0 + share * rest**2 * slope0 + across * q1 - share**2 * rest * slope1
+    return np.asarray(cubic, dtype=np.float64)
+
+
+def _rising(share: Floats) -> Floats:
+    return np.asarray(share**2 * (3.0 - 2.0 * share), dtype=np.float64)
+
+
+def _at_end(angles: Floats) -> tuple[float, float]:
+    """Return the first of some angles and the slope there, a sample: of a parabola, of few of a straight line."""
+    order = 2 if len(angles) > 2 * _FEW else min(1, len(angles) - 1)
+    slope, value = [0.0, *np.polyfit(np.arange(len(angles)), angles, order)][-2:]
+    return float(value), float(slope)
