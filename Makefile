@@ -19,8 +19,8 @@ $(STAMP): pyproject.toml constraints.txt
 run: $(STAMP) ## the main job on the virtual arm: measure, calibrate, simulate, play; writes out/report.html
 	@$(BIN)/python examples/main_job.py --out out
 
-test: $(STAMP) ## all tests
-	$(BIN)/python -m pytest
+test: $(STAMP) ## all tests, in two processes
+	$(BIN)/python -m pytest -n 2 --dist loadgroup
 
 check: $(STAMP) ## lint, types, import rules
 	$(BIN)/ruff check .

@@ -27,10 +27,10 @@ WORTH_AT_LEAST = 50.0
 #: An event can be found for anything: pushes explained up to 0.031 there.
 WORTH_OF_EVENTS = 0.3
 #: … and by this share of all that the base model leaves beyond noise.
-WORTH_OF_ALL = 0.01
-#: Beside other causes it must explain this share of what these leave: a formula that is not quite right leaves
-#: something too, of which many an effect explains a part.
-WORTH_OF_LEFT = 0.4
+WORTH_OF_ALL = 0.002
+#: Beside other causes it must explain this share of what these leave, and this share of the number of equations: a
+#: formula that is not quite right leaves something too, of which many an effect explains a part.
+WORTH_OF_LEFT, WORTH_OF_NEXT = 0.4, 0.3
 #: A cause that acts in every trial must help in the evaluating ones, by so many standard errors.
 _SURE = 3.0
 #: … or in this share of them: where a few trials gain very much, the standard error is no measure.
@@ -184,7 +184,7 @@ def _worth_it(regression: Regression, base: Candidate, accepted: Candidate, best
     if gain.sum() < max(WORTH_AT_LEAST, worth * told.sum(), WORTH_OF_ALL * beyond):
         return False
     left = accepted.squares.sum() - told.sum()
-    if accepted.model.hypotheses and gain.sum() < WORTH_OF_LEFT * left:
+    if accepted.model.hypotheses and gain.sum() < max(WORTH_OF_NEXT * told.sum(), WORTH_OF_LEFT * left):
         return False
     if best.hypothesis.is_event:
         return True

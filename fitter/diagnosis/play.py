@@ -118,6 +118,7 @@ def bridged(angle: Floats, torque: Floats, starts: Sequence[int], dt_s: float) -
         started = [at for at in inner if np.std(angle[max(begin, at - still_for) : at]) < _STILL * shaking]
         if started or not k or end - begin > rests:
             start = max(started, default=begin)
+            end = max(end, min(start + _CROSSING, len(angle) - 1)) if started else end
             still = max(begin, start - still_for)
             mean = float(torque[still:start].mean()) if start > still else 0.0
             if abs(mean) > _SIGMAS * noise / np.sqrt(max(start - still, 1)):
@@ -125,6 +126,7 @@ def bridged(angle: Floats, torque: Floats, starts: Sequence[int], dt_s: float) -
             else:  # somewhere in its play; the link moves when it is touched
                 start = begin + int(np.argmax(np.abs(torque[begin : end + 1]) > _SIGMAS * noise))
                 start = min(end, max(start, end - round(2 * _BROUGHT_FORWARD * _WIDTH_S / dt_s)) + _CROSSING)
+                still = max(begin, start - still_for) if k and not started else still
                 rest, where = after, float(angle[start])
             settled = _rising(np.linspace(0.0, 1.0, max(still - begin, 0)))
             bridge[begin:still] = settled * (where - angle[begin:still])
