@@ -21,7 +21,7 @@ Progress = Callable[[str, float], None]
 #: A cause must lower the sum of squares by this share of the number of equations (noise would leave one each). In
 #: 13 runs without effect (seeds 6000 to 6012 of the hidden arms) no cause that always acts explained more than
 #: 0.002 of it.
-WORTH_OF_NOISE = 0.02
+WORTH_OF_NOISE = 0.05
 #: … and absolutely by this, for among hundreds of starts the best one explains some noise (of one a number).
 WORTH_AT_LEAST = 50.0
 #: An event can be found for anything: pushes explained up to 0.031 there.
@@ -30,16 +30,17 @@ WORTH_OF_EVENTS = 0.3
 WORTH_OF_ALL = 0.002
 #: Beside other causes it must explain this share of what these leave, and this share of the number of equations: a
 #: formula that is not quite right leaves something too, of which many an effect explains a part.
-WORTH_OF_LEFT, WORTH_OF_NEXT = 0.4, 0.3
+WORTH_OF_LEFT, WORTH_OF_NEXT, WORTH_OF_NEXT_EVENT = 0.4, 0.3, 1.0
 #: A cause that acts in every trial must help in the evaluating ones, by so many standard errors.
 _SURE = 3.0
 #: … or in this share of them: where a few trials gain very much, the standard error is no measure.
 _MOSTLY = 0.8
 #: A rival is its equal if it leaves at most so much more, as a share of the number of equations (the noise is not
 #: known better than that) …
-_EQUAL = 0.01
-#: … or as a share of what the cause explains, since no catalogue's formula is exact.
-_ALIKE = 0.01
+_EQUAL, _EQUAL_AT_MOST = 0.01, 0.1
+#: … or as a share of what the cause explains, since no catalogue's formula is exact, but not above the second
+#: share of that number; or as half of what the best leaves beyond noise itself.
+_ALIKE = 0.025
 _MOST = 3
 #: Noise leaves at least this share of what was expected of it, though its size is only estimated.
 _SURELY_NOISE = 0.6
@@ -121,6 +122,7 @@ def find_causes(regression: Regression, tried: Sequence[Hypothesis], progress: P
     first: list[Candidate] = []
     causes: list[Cause] = []
     promising: set[tuple[str, tuple[int, ...]]] = set()
+    known: set[frozenset[tuple[str, tuple[int, ...]]]] = set()
 
     def say(what: str) -> Callable[[int, int], None]:
         begin, end = 1.0 - 0.5**rounds, 1.0 - 0.5 ** (rounds + 1)
@@ -140,9 +142,15 @@ def find_causes(regression: Regression, tried: Sequence[Hypothesis], progress: P
         refit = accepted.model.hypotheses or best.model.is_event
         accepted = fitted(regression, best.model) if refit else best
         causes.append(_cause(accepted, len(causes), candidates, best, _before(regression, accepted), told))
-        if len(causes) > 1:
+        if len(causes) == 1:
+            known.add(frozenset(one.key for one in accepted.model.hypotheses))
+        else:
             again = [one for one in tried if one.key in promising]
             accepted, causes, rounds = _doubted(regression, base, accepted, again, told, rounds, say)
+            found = frozenset(one.key for one in accepted.model.hypotheses)
+            if found in known:  # what one round takes in the next throws out
+                break
+            known.add(found)
     return Search(base, accepted, causes, first, told)
 
 
@@ -166,8 +174,15 @@ def _simplest(accepted: Candidate, candidates: Sequence[Candidate], told: Floats
 def _equals(accepted: Candidate, candidates: Sequence[Candidate], told: Floats) -> list[Candidate]:
     best = candidates[0]
     gain = float(accepted.squares.sum() - best.squares.sum())
-    reach = float(best.squares.sum()) + max(_EQUAL * told.sum(), _ALIKE * gain)
+    reach = _reach(best, gain, told)
     return [one for one in candidates if float(one.squares.sum()) <= reach]
+
+
+def _reach(best: Candidate, gain: float, told: Floats) -> float:
+    """Return the sum of squares up to which a rival is the best one's equal."""
+    left, numbers = float(best.squares.sum()), float(told.sum())
+    alike = min(_ALIKE * gain, _EQUAL_AT_MOST * numbers)
+    return left + max(_EQUAL * numbers, alike, 0.5 * (left - numbers))
 
 
 def _more_to_find(base: Candidate, accepted: Candidate, told: Floats) -> bool:
@@ -184,7 +199,8 @@ def _worth_it(regression: Regression, base: Candidate, accepted: Candidate, best
     if gain.sum() < max(WORTH_AT_LEAST, worth * told.sum(), WORTH_OF_ALL * beyond):
         return False
     left = accepted.squares.sum() - told.sum()
-    if accepted.model.hypotheses and gain.sum() < max(WORTH_OF_NEXT * told.sum(), WORTH_OF_LEFT * left):
+    following = WORTH_OF_NEXT_EVENT if worth == WORTH_OF_EVENTS else WORTH_OF_NEXT
+    if accepted.model.hypotheses and gain.sum() < max(following * told.sum(), WORTH_OF_LEFT * left):
         return False
     if best.hypothesis.is_event:
         return True
@@ -200,7 +216,7 @@ def _cause(
 ) -> Cause:
     """Return a cause with those that do as well with no more numbers, and those that don't."""
     worth = base - float(accepted.squares.sum())
-    reach = float(best.squares.sum()) + max(_EQUAL * told.sum(), _ALIKE * worth)
+    reach = _reach(best, worth, told)
     rivals = [
         one
         for one in candidates

@@ -33,15 +33,15 @@ Progress = Callable[[str, float], None]
 #: If a smooth function explains more than this share of what the base model leaves, beside the causes, then these
 #: are not it. True causes left less than a five-hundredth in every case that was looked at.
 _UNEXPLAINED = 0.03
-#: … nor if they leave more than this share of it, and more than this beside noise of one; true causes left a
-#: sixtieth at most. How a motor crosses its play nobody can see.
-_LEFT, _LEFT_BY_PLAY, _LEFT_AT_LEAST = 0.025, 0.5, 0.5
+#: … nor if they leave more than this share of it, and more than this beside noise of one; true causes left less in
+#: every case that was looked at. How a motor crosses its play nobody can see.
+_LEFT, _LEFT_BY_PLAY, _LEFT_AT_LEAST = 0.0125, 0.5, 1.0
+#: Some number of a cause must differ by so many standard errors from what it is without it.
+_TOLD_SIGMAS = 3.0
 #: Evaluating trials show what learning trials don't if they leave this much beyond noise of one, and those not
 #: more than this.
 _MUCH, _NOTHING = 0.3, 0.1
 UNSEEN = "what is wrong shows in evaluating trials only, so causes were sought in all: the gain is no prediction"
-#: Effects in proportion to the joint's friction, which is fitted along; so many rounds settle both.
-_OF_FRICTION, _ROUNDS, _SETTLED = ("thermal_drift",), 20, 1e-4
 
 
 @dataclass(frozen=True)
@@ -122,6 +122,8 @@ def diagnose(
     remainder = describe(regression, search.final)
     held = holdings(regression, search.final)
     verdict = _verdict(search, remainder, strict)
+    if strict and search.causes and not _are_told(search.final.model, estimates(regression, search.final)):
+        verdict = "unexplained"
     if verdict == "none" and held:
         verdict = "named"
     final = search.final
@@ -133,7 +135,7 @@ def diagnose(
     say("judging on the evaluating trials", 0.92)
     motions = run_of(arm, learning, evaluating, thin=False)
     finding = _told(regression, search, final, remainder, verdict, held, motions)
-    if unseen:
+    if unseen and search.causes:
         finding = replace(finding, notes=(*finding.notes, UNSEEN))
     if suspected:
         places = tuple((one.kind.name, tuple(j + 1 for j in one.joints)) for one in suspected)
@@ -173,7 +175,7 @@ def _scale_of(arm: Arm) -> tuple[int, float]:
 
 
 def _settled(regression: Regression, final: Candidate) -> Candidate:
-    """Return a model with all that was held while it was sought refined too: times of pushes, and friction."""
+    """Return a model with all that was held while it was sought refined too: the times of pushes."""
     model = Model()
     for hypothesis, psi in zip(final.model.hypotheses, final.model.psi, strict=True):
         one, start = hypothesis, psi
@@ -183,13 +185,6 @@ def _settled(regression: Regression, final: Candidate) -> Candidate:
         model = model.plus(one, start)
     if len(model.flat) > len(final.model.flat):
         final = fitted(regression, model)
-    if any(hypothesis.kind.name in _OF_FRICTION for hypothesis in model.hypotheses):
-        for _ in range(_ROUNDS):
-            was = regression.friction
-            regression.learn_friction(final.model, final.x)
-            final = fitted(regression, final.model)
-            if np.allclose(was, regression.friction, rtol=_SETTLED):
-                break
     return final
 
 
@@ -207,9 +202,25 @@ def _verdict(search: Search, remainder: Remainder, strict: bool) -> Verdict:
     names = {hypothesis.kind.name for hypothesis in search.final.model.hypotheses}
     share = _LEFT_BY_PLAY if "backlash" in names else _LEFT
     beside = float(search.final.squares.sum()) - noise
-    if strict and (left > _UNEXPLAINED * beyond or beside > max(share * beyond, _LEFT_AT_LEAST * noise)):
+    smooth = share if "backlash" in names else _UNEXPLAINED
+    if strict and (left > smooth * beyond or beside > max(share * beyond, _LEFT_AT_LEAST * noise)):
         return "unexplained"
     return "ambiguous" if any(cause.rivals for cause in search.causes) else "named"
+
+
+def _are_told(model: Model, found: Estimates) -> bool:
+    """Say whether every cause has a size: several together can imitate another, each as large as it likes."""
+    for hypothesis, numbers in zip(model.hypotheses, found.effects, strict=True):
+        neutral = {parameter.name: parameter.neutral for parameter in hypothesis.kind.parameters}
+        sizes = []
+        for name, number in numbers.items():
+            none = neutral.get(name, neutral.get(name.rstrip("0123456789").removesuffix("_")))
+            if none is not None:
+                off = abs(number.value - (none if np.isfinite(none) else 0.0))
+                sizes.append(off > _TOLD_SIGMAS * number.std)
+        if sizes and not any(sizes):
+            return False
+    return True
 
 
 def _told(

@@ -19,12 +19,15 @@ from fitter.search.fitted_parameter import FittedParameter
 
 #: A rest counts where it lasts this long once this much is cut off at both its ends [s].
 _LASTS_S, _CUT_S = 0.1, 0.06
-#: A rest is held by more than Coulomb friction if it is so by this share of it and by so many times its noise.
-_MORE, _SIGMAS = 0.25, 6.0
+#: A rest is held by more than Coulomb friction if it is so by this share of it, by so many times its noise, and by
+#: this share of the joint's rms torque: the arm's own torque is known no better.
+_MORE, _SIGMAS, _KNOWN = 0.2, 4.0, 0.01
 #: Effects that hold a joint by more than Coulomb friction themselves.
-_HOLDS = ("stribeck", "load_friction", "coulomb_asymmetry")
+_HOLDS = ("stribeck", "load_friction", "coulomb_asymmetry", "thermal_drift")
+#: F is told as so many times the largest torque that has held, and this share of that is its standard error.
+_ABOVE, _ABOVE_ERROR = 1.2, 0.12
 #: So many rests must be, for one may be a hand.
-_LEAST = 3
+_LEAST = 2
 
 
 @dataclass(frozen=True)
@@ -50,8 +53,8 @@ class Holding:
 def holdings(regression: Regression, final: Candidate) -> list[Holding]:
     """Return the joints that stick, and at what torque.
 
-    Its error says how far apart the largest torques are: the true F is not below the largest, and hardly above by
-    more than what is between it and the next.
+    The largest torque that has held is a lower bound: how much more would have held is not known unless something
+    is torn away slowly. F is told as a fifth above it, and 95 % reach from it to almost half as much again.
     """
     unit = catalogue()["stiction"].parameters[0].unit
     found = []
@@ -62,15 +65,16 @@ def holdings(regression: Regression, final: Candidate) -> list[Holding]:
         coulomb = abs(float(friction[j]))
         sets = [_held(regression, final, j, learn) for learn in (True, False)]
         torque, noise = (np.concatenate(column) for column in zip(*sets, strict=True))
-        beyond = torque > (1.0 + _MORE) * coulomb + _SIGMAS * noise
+        rms = float(np.sqrt(np.mean(np.concatenate([motion.u[:, j] for motion in regression.motions]) ** 2)))
+        beyond = torque > (1.0 + _MORE) * coulomb + _SIGMAS * noise + _KNOWN * rms
         if np.count_nonzero(beyond) < _LEAST:
             continue
-        order = np.sort(torque[beyond])[::-1]
-        F, error = float(order[0]), float(order[0] - order[1] + noise[beyond].max() + order[0] / len(order))
+        largest = float(torque.max())
+        error = float(np.hypot(_ABOVE_ERROR * largest, noise[int(np.argmax(torque))]))
         learnt = float(sets[0][0].max(initial=coulomb))
         was, left = (float(np.sum(np.maximum(sets[1][0] - level, 0.0) ** 2)) for level in (coulomb, learnt))
         gain = 1.0 - left / was if was > 0.0 else 0.0
-        found.append(Holding(j, FittedParameter(F, error / 2.0, unit, True), gain))
+        found.append(Holding(j, FittedParameter(_ABOVE * largest, error, unit, True), gain))
     return found
 
 
@@ -84,9 +88,21 @@ def _held(regression: Regression, final: Candidate, joint: int, learn: bool) -> 
         rows = np.concatenate([view.base(regression.independent(view.arm)), *view.columns], axis=2)
         held = (view.target(regression.known) - rows @ final.x)[:, joint]
         for part in _rests(motion, joint):
-            torque.append(abs(float(held[part].mean())))
-            noise.append(float(held[part].std() / np.sqrt(max(1.0, (part.stop - part.start) / 4.0))))
+            weight = np.hanning(part.stop - part.start + 2)[1:-1]
+            weight /= weight.sum()
+            torque.append(abs(float(weight @ held[part])))
+            noise.append(_noise(regression, weight, motion.dt_s, joint))
     return np.array(torque), np.array(noise)
+
+
+def _noise(regression: Regression, weight: Floats, dt_s: float, joint: int) -> float:
+    """Return the standard error of a weighted mean of a joint's equation.
+
+    The angles' noise enters it by the weight's second derivative, for a mean of differences is one of ends.
+    """
+    white, angles = regression.weighting.torque_noise[joint], regression.weighting.acceleration_noise[joint, joint]
+    bend = np.diff(np.pad(weight, 2), 2) / dt_s**2
+    return float(np.sqrt(white**2 * (weight @ weight) + angles * (bend @ bend)))
 
 
 def _rests(motion: Motion, joint: int) -> Sequence[slice]:

@@ -5,6 +5,7 @@ from fitter.diagnosis.at_joint import AtJoint
 from fitter.diagnosis.hypothesis import Hypothesis
 from fitter.diagnosis.in_arm import arm_hypotheses
 from fitter.diagnosis.in_drive import drive_hypotheses
+from fitter.diagnosis.in_friction import FrictionDrift
 from fitter.diagnosis.in_transmission import InTransmission
 
 #: These come about at certain times or trials, which are found in what the others leave.
@@ -30,7 +31,9 @@ def hypotheses(n_joint: int, denied: tuple[str, ...] = (), driven: bool = True) 
             continue
         if not driven and (kind.place in ("drive", "transmission") or name == "load_friction"):
             continue
-        if kind.place == "joint":
+        if name == "thermal_drift":
+            found += [FrictionDrift(kind, (j,)) for j in range(n_joint)]
+        elif kind.place == "joint":
             sides = [{"side": -1.0}, {"side": 1.0}] if any(p.name == "side" for p in kind.parameters) else [{}]
             found += [AtJoint(kind, j, side) for j in range(n_joint) for side in sides]
         elif kind.place == "drive":

@@ -103,12 +103,10 @@ class Regression:
         self.motions = list(motions)
         self.denied = denied
         self.known = known
-        self.friction = np.zeros((arm.n_joint, 2))
-        self._scales: dict[object, float] = {}
+        self._scales: dict[object, Floats] = {}
         self._independent: dict[tuple[float, ...], NDArray[np.intp]] = {}
         self.weighting = self._first_weighting()
         self._weighted: dict[int, tuple[Floats, Floats]] = {}
-        self.learn_friction(Model(), self.solve(Model(), self.learning)[0])
 
     @cached_property
     def learning(self) -> list[Motion]:
@@ -139,7 +137,7 @@ class Regression:
 
     def view(self, model: Model, motion: Motion) -> View:
         """Return a motion under a model."""
-        view = view_of(motion, self.arm, self.friction)
+        view = view_of(motion, self.arm)
         for hypothesis, psi in zip(model.hypotheses, model.psi, strict=True):
             view = hypothesis.act(view, psi)
         return view
@@ -168,7 +166,7 @@ class Regression:
         A = np.vstack([one.design for one in rows])
         y = np.concatenate([one.target.ravel() for one in rows])
         x = scaled_lstsq(A, y)
-        return x, A, self.scale(model) * (y - A @ x)
+        return x, A, (self.scale(model) * (y - A @ x).reshape(-1, self.arm.n_joint)).ravel()
 
     def squares(self, model: Model, x: Floats) -> Floats:
         """Return the sum of squares that factors leave in every trial, (n_trial,)."""
@@ -179,24 +177,24 @@ class Regression:
         rows = self.rows(model, motion)
         return self.scale(model) * (rows.target - (rows.design @ x).reshape(rows.target.shape))
 
-    def scale(self, model: Model) -> float:
+    def scale(self, model: Model) -> Floats:
         """Return by how much residuals of a model count more because the torque that it lets through is smaller.
 
         The noise is that of the angles, times masses that are in proportion to the torque: one that is cut off
-        to nothing would leave nothing, and explain nothing.
+        to nothing would leave nothing, and explain nothing. One number a joint, (n_joint,).
         """
         if all(hypothesis.kind.place != "drive" for hypothesis in model.hypotheses):
-            return 1.0
+            return np.ones(self.arm.n_joint)
         key = tuple(
             (hypothesis.key, psi.tobytes()) for hypothesis, psi in zip(model.hypotheses, model.psi, strict=True)
         )
         if key not in self._scales:
-            asked = reaches = 0.0
+            asked, reaches = np.zeros((2, self.arm.n_joint))
             for motion in self.learning:
                 view = self.view(model, motion)
-                asked += float(np.sum(motion.u**2 * ~motion.stuck))
-                reaches += float(np.sum(view.u**2 * ~motion.stuck))
-            self._scales[key] = float(np.sqrt(asked / max(reaches, 1e-300)))
+                asked += np.sum(motion.u**2 * ~motion.stuck, axis=0)
+                reaches += np.sum(view.u**2 * ~motion.stuck, axis=0)
+            self._scales[key] = np.sqrt(np.maximum(asked, 1e-300) / np.maximum(reaches, 1e-12 * asked + 1e-300))
         return self._scales[key]
 
     def refined(self, model: Model, motions: Sequence[Motion], held: int = 0) -> Model:
@@ -228,7 +226,7 @@ class Regression:
 
     def _base(self, motion: Motion) -> tuple[Floats, Floats]:
         if motion.number not in self._weighted:
-            view = view_of(motion, self.arm, self.friction)
+            view = view_of(motion, self.arm)
             base = self.weighting.filtered(motion, view.base(self.independent(self.arm)))
             self._weighted[motion.number] = base, self.weighting.filtered(motion, view.target(self.known))
         return self._weighted[motion.number]
@@ -243,10 +241,6 @@ class Regression:
         some = q[:: max(1, len(q) // _POSES)]
         inertia = mass_matrices(self.arm, self.independent(self.arm), values, some)
         return weighting(self.arm, self.motions, inertia)
-
-    def learn_friction(self, model: Model, x: Floats) -> None:
-        """Take over the joints' friction from factors, for effects that are in proportion to it."""
-        self.friction = self.friction_of(model, x)
 
     def friction_of(self, model: Model, x: Floats) -> Floats:
         """Return the joints' viscous and Coulomb friction by a model's factors, (n_joint, 2)."""

@@ -104,7 +104,7 @@ def screen(
     candidates, held = [], len(accepted.model.hypotheses)
     alike = _fair(regression, accepted)
     for (gain, model), place in zip(first, rank, strict=True):
-        if gain < max(_NOTHING * accepted.squares.sum() / len(regression.motions), _LITTLE * best):
+        if gain < max(_NOTHING * grid.left / len(regression.learning), _LITTLE * best):
             candidates.append(Candidate(model, accepted.x, accepted.squares))
             continue
         refine = gain >= _WORTH * grid.left and (gain >= _PROMISING * best or place < _AT_LEAST)

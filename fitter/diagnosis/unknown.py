@@ -84,6 +84,8 @@ def describe(regression: Regression, final: Candidate) -> Remainder:
             alone[more, joint] = fold.squares(more, joint)
             if alone[more, joint] < best:
                 best, found = alone[more, joint], (more, joint)
+    # A function must do better than the model does as it is, not only than one that half the trials tell less of.
+    most = min(fold.left, float(final.squares.sum()))
     gain = fold.left - best
     for fewer in sorted((key for key in alone if key[1] == joint), key=lambda key: len(key[0])):
         if fold.left - alone[fewer] >= (1.0 - _NEEDED) * gain:
@@ -94,15 +96,16 @@ def describe(regression: Regression, final: Candidate) -> Remainder:
             break
     some, joint = found
     noise = float(sum(regression.weighting.told(motion) for motion in regression.motions))
+    gain = max(most - best, 0.0)
     worth = gain / noise
     told = worth > WORTH
     return Remainder(
-        explained=float(np.clip(gain / fold.left, 0.0, 1.0)),
+        explained=float(np.clip(gain / most, 0.0, 1.0)),
         worth=worth,
         white=_white(regression, final),
         depends_on=some if told else (),
         joint=joint + 1 if told else 0,
-        formula=fold.formula(some, joint, gain) if told else "",
+        formula=fold.formula(some, joint, fold.left - best) if told else "",
         dependences=dependences(regression, final),
     )
 

@@ -11,8 +11,10 @@ from numpy.typing import NDArray
 
 from arm.model import Floats
 
-#: How long the weight of an equation takes to rise from 0 to 1 at an end, and how long a joint must be stuck [s].
+#: How long the weight of an equation takes to rise from 0 to 1 at an end [s].
 RISE_S = 0.06
+#: A joint that is this slow for so long is stuck: one that only turns round is through in a millisecond [s].
+STUCK_S = 0.02
 #: What holds a stuck joint changes no faster than hats this far apart can follow [s].
 HAT_S = 0.12
 
@@ -52,7 +54,7 @@ def lasting(stuck: NDArray[np.bool_], dt_s: float) -> NDArray[np.bool_]:
     kept = np.zeros(stuck.shape, dtype=np.bool_)
     for j in range(stuck.shape[1]):
         for begin, end in _intervals(stuck[:, j]):
-            if end - begin >= RISE_S / dt_s:
+            if end - begin >= STUCK_S / dt_s:
                 kept[begin:end, j] = True
     return kept
 

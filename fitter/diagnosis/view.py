@@ -25,8 +25,8 @@ class View:
         Of the links, and the torque that reaches the joints.
     factor : (n_joint,)
         By which each row of the regressor counts: 1 over a gain of the drive.
-    friction : (n_joint, 2)
-        Viscous and Coulomb friction as far as they are known by now.
+    drift : (n_joint,)
+        Rate at which the joints' friction grows with the run's time [1/s].
     columns : tuple of ndarray of shape (n_sample, n_joint, n_column)
         What stands in the equation of motion beside the regressor.
     """
@@ -38,24 +38,28 @@ class View:
     ddq: Floats
     u: Floats
     factor: Floats
-    friction: Floats
+    drift: Floats
     columns: tuple[Floats, ...] = field(default=())
 
     def states(self, joint: int) -> Floats:
-        """Return what a joint's torque may depend on, (n_sample, 7), as in `arm.effects.joint_torque`."""
-        n = len(self.q)
-        states = np.empty((n, N_STATE))
+        """Return what a joint's torque may depend on, (n_sample, 7), as in `arm.effects.joint_torque`.
+
+        The joint's own friction is not among it: no effect that is linear beside it depends on it.
+        """
+        states = np.zeros((len(self.q), N_STATE))
         dq = self.dq[:, joint]
         states[:, 0], states[:, 1], states[:, 2] = self.motion.t, self.q[:, joint], dq
         states[:, 3], states[:, 4] = self.motion.direction[:, joint], self.u[:, joint]
-        states[:, 5], states[:, 6] = self.friction[joint]
         return states
 
     def base(self, independent: NDArray[np.intp]) -> Floats:
         """Return the base regressor's rows, (n_sample, n_joint, n_base)."""
+        n = self.arm.n_joint
         Y = regressor(self.arm, self.q, self.dq, self.ddq)
-        for j in range(self.arm.n_joint):
-            Y[:, j, 11 * self.arm.n_joint + j] = self.motion.direction[:, j]
+        for j in range(n):
+            Y[:, j, 11 * n + j] = self.motion.direction[:, j]
+            if self.drift[j]:
+                Y[:, j, 10 * n + j :: n] *= 1.0 + self.drift[j] * np.maximum(self.motion.t, 0.0)[:, None]
         rows = Y[..., independent]
         return np.asarray(rows * self.factor[:, None], dtype=np.float64)
 
@@ -70,12 +74,13 @@ class View:
     @property
     def is_plain(self) -> bool:
         """Whether nothing but columns was added: the regressor is that of the motion as it was measured."""
-        return self.arm is self.plain_arm and self.q is self.motion.q and bool(np.all(self.factor == 1.0))
+        same = self.arm is self.plain_arm and self.q is self.motion.q
+        return same and bool(np.all(self.factor == 1.0)) and not np.any(self.drift)
 
     plain_arm: Arm | None = None
 
 
-def view_of(motion: Motion, arm: Arm, friction: Floats) -> View:
+def view_of(motion: Motion, arm: Arm) -> View:
     """Return a motion as it was measured."""
     n = motion.q.shape[1]
-    return View(motion, arm, motion.q, motion.dq, motion.ddq, motion.u, np.ones(n), friction, plain_arm=arm)
+    return View(motion, arm, motion.q, motion.dq, motion.ddq, motion.u, np.ones(n), np.zeros(n), plain_arm=arm)
