@@ -41,10 +41,10 @@ _APART = 1_000_000
 
 
 def jobs(counts: dict[str, int], seed: int, effect: str | None) -> list[Job]:
-    """Return the cases: so many of each kind, their effects in turn."""
+    """Return the cases: so many of each kind, their effects in turn from that of the seed on."""
     turns = {"one": list(EFFECTS), "outside": list(OUTSIDE), "nothing": [None], "two": list(EFFECTS)}
     return [
-        Job(kind, seed + _APART * KINDS.index(kind) + k, effect or turns[kind][k % len(turns[kind])])
+        Job(kind, seed + _APART * KINDS.index(kind) + k, effect or turns[kind][(seed + k) % len(turns[kind])])
         for kind, count in counts.items()
         for k in range(count)
     ]

@@ -39,7 +39,7 @@ _MOSTLY = 0.8
 #: known better than that) …
 _EQUAL, _EQUAL_AT_MOST = 0.01, 0.1
 #: … or as a share of what the cause explains, since no catalogue's formula is exact, but not above the second
-#: share of that number; or as half of what the best leaves beyond noise itself.
+#: share of that number or half of what the best leaves beyond noise itself.
 _ALIKE = 0.025
 _MOST = 3
 #: Noise leaves at least this share of what was expected of it, though its size is only estimated.
@@ -181,8 +181,8 @@ def _equals(accepted: Candidate, candidates: Sequence[Candidate], told: Floats) 
 def _reach(best: Candidate, gain: float, told: Floats) -> float:
     """Return the sum of squares up to which a rival is the best one's equal."""
     left, numbers = float(best.squares.sum()), float(told.sum())
-    alike = min(_ALIKE * gain, _EQUAL_AT_MOST * numbers)
-    return left + max(_EQUAL * numbers, alike, 0.5 * (left - numbers))
+    inexact = max(_EQUAL_AT_MOST * numbers, 0.5 * (left - numbers))
+    return left + max(_EQUAL * numbers, min(_ALIKE * gain, inexact))
 
 
 def _more_to_find(base: Candidate, accepted: Candidate, told: Floats) -> bool:

@@ -12,7 +12,6 @@ from fitter.data.resample import Uniform, resample, split_at_holes
 from fitter.data.trials import FIT_CORNER, Trial, derive, undriven
 from fitter.diagnosis.causes import Search, find_causes
 from fitter.diagnosis.estimates import Estimates, estimates, extended_arm
-from fitter.diagnosis.events import Pushes
 from fitter.diagnosis.finding import Finding, NamedCause, Tried, Verdict
 from fitter.diagnosis.holding import Holding, holdings
 from fitter.diagnosis.hypotheses import hypotheses
@@ -21,6 +20,7 @@ from fitter.diagnosis.in_arm import Payload
 from fitter.diagnosis.judgement import gain, judged
 from fitter.diagnosis.motion import Motion, corner_hz, run_of
 from fitter.diagnosis.next_experiment import next_experiment
+from fitter.diagnosis.pushes import Pushes
 from fitter.diagnosis.regression import Model, Regression
 from fitter.diagnosis.screening import Candidate, fitted
 from fitter.diagnosis.unknown import WORTH, Remainder, describe

@@ -9,8 +9,9 @@ import scipy.linalg
 from arm.effects.catalogue import catalogue
 from arm.model import Floats
 from fitter.diagnosis.at_joint import AtJoint
-from fitter.diagnosis.events import find_payloads, find_pushes
 from fitter.diagnosis.hypothesis import Hypothesis
+from fitter.diagnosis.loads import find_payloads
+from fitter.diagnosis.pushes import find_pushes
 from fitter.diagnosis.regression import Model, Regression, scaled_lstsq
 
 #: A hypothesis is refined if it explains this share of what the best one does on the learning trials …

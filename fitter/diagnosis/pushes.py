@@ -1,4 +1,4 @@
-"""Effects that are there at some times or trials only: which ones is part of the finding.
+"""Pushes: when there were any is part of the finding, as it is of loads (`loads`).
 
 They are sought over the whole run, learning and evaluating trials alike, for a trial that was not affected says
 nothing of them, and one that was cannot be predicted from others.
@@ -12,17 +12,14 @@ import numpy as np
 from arm.effects.effect import EffectKind
 from arm.model import Floats
 from fitter.diagnosis.hypothesis import Hypothesis
-from fitter.diagnosis.in_arm import Payload, tip_mass_column
 from fitter.diagnosis.motion import Motion
-from fitter.diagnosis.regression import Model, Regression, scaled_lstsq
+from fitter.diagnosis.regression import Model, Regression
 from fitter.diagnosis.view import View
 
 #: Pushes are sought in steps of this length, and up to so many of them [s].
 _TILE_S, _LONGEST = 0.1, 20
 #: No more pushes than this are sought at a joint, and none that explains less than this share of the first.
 _MOST_PUSHES, _LEAST_SHARE = 6, 0.05
-#: A load that explains this share of what is left is worth being placed in time as well as can be.
-_WORTH_PLACING = 0.1
 #: While a joint is stuck nobody can tell a push: of runs that explain this share of the most, the shortest.
 _NEARLY = 0.99
 #: … and it is moved and stretched only where that explains so many times what it did.
@@ -208,79 +205,3 @@ def _best_run(G: Floats, s: Floats) -> tuple[float, int, int]:
         runs.append((float(gain[k]), int(first[k]), int(last[k] - 1)))
     most = max(gain for gain, _, _ in runs)
     return next(run for run in runs if run[0] >= _NEARLY * most)
-
-
-def find_payloads(kind: EffectKind, regression: Regression, model: Model) -> list[Hypothesis]:
-    """Return the trials, and the moment, whose load at the tip would explain most of what a model leaves."""
-    designs, columns, targets, times = [], [], [], []
-    for motion in regression.motions:
-        rows = regression.rows(model, motion)
-        column = regression.weighting.filtered(motion, tip_mass_column(regression.view(model, motion)))
-        designs.append(rows.design)
-        columns.append(column.ravel())
-        targets.append(rows.target.ravel())
-        n_slow = column.shape[0]
-        times.append(np.repeat(motion.t[:: regression.weighting.stride][:n_slow], column.shape[1]))
-    A, y, t = np.vstack(designs), np.concatenate(targets), np.concatenate(times)
-    r = y - A @ scaled_lstsq(A, y)
-    c = np.concatenate(columns)
-    size = np.linalg.norm(A, axis=0)
-    size[size == 0.0] = 1.0
-    A = A / size
-    inverse = np.linalg.pinv(A.T @ A, rcond=1e-12, hermitian=True)
-
-    bounds = np.cumsum([0, *(len(one) for one in columns)])
-    per_trial = [slice(a, b) for a, b in zip(bounds[:-1], bounds[1:], strict=True)]
-    s = np.array([c[one] @ r[one] for one in per_trial])
-    q = np.array([c[one] @ c[one] for one in per_trial])
-    B = np.array([A[one].T @ c[one] for one in per_trial])
-    masses = _masses(s, q, B, inverse)
-    order = np.argsort(masses)[::-1]
-    gains = [
-        _gain(s[some].sum(), q[some].sum(), B[some].sum(axis=0), inverse)
-        for some in (order[: k + 1] for k in range(len(order) - 1))
-    ]
-    best = order[: int(np.argmax(gains)) + 1] if gains else order[:0]
-    trials = frozenset(regression.motions[k].number for k in best)
-
-    late = np.argsort(t)[::-1]
-    moments = t[late]
-    suffix_s, suffix_q = np.cumsum((c * r)[late]), np.cumsum((c * c)[late])
-    suffix_B = np.cumsum((A * c[:, None])[late], axis=0)
-    since = np.array(_gain(suffix_s, suffix_q, suffix_B, inverse))
-    k = int(np.argmax(since))
-    hypotheses: list[Hypothesis] = [Payload(kind, trials)] if trials else []
-    moment = float(moments[k])
-    if since[k] > _WORTH_PLACING * float(r @ r):
-        moment = _placed_load(kind, regression, model, moment)
-    return [*hypotheses, Payload(kind, since_s=moment)]
-
-
-def _placed_load(kind: EffectKind, regression: Regression, model: Model, moment: float) -> float:
-    """Return the moment from which a load explains most, moved in ever smaller steps [s]."""
-
-    def left(at: float) -> float:
-        r = regression.solve(model.plus(Payload(kind, since_s=at), np.zeros(0)), regression.motions)[2]
-        return float(r @ r)
-
-    best, step = left(moment), _TILE_S / 2.0
-    least = regression.motions[0].dt_s / 2.0
-    while step > least:
-        for at in (moment - step, moment + step):
-            tried = left(at)
-            if tried < best:
-                best, moment = tried, at
-        step /= 2.0
-    return moment
-
-
-def _masses(s: Floats, q: Floats, B: Floats, inverse: Floats) -> Floats:
-    """Return each trial's load when every trial may have one of its own; a common part is the arm's."""
-    normal = np.diag(q) - B @ inverse @ B.T
-    return np.asarray(np.linalg.lstsq(normal, s, rcond=1e-8)[0], dtype=np.float64)
-
-
-def _gain(s: Floats, q: Floats, B: Floats, inverse: Floats) -> Floats:
-    """Return by how much a column lowers the sum of squares, once the base has been fitted anew."""
-    left = q - np.einsum("...i,ij,...j->...", B, inverse, B)
-    return np.where(left > 1e-6 * np.max(q), s**2 / np.maximum(left, 1e-300), 0.0)

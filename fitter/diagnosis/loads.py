@@ -1,0 +1,88 @@
+"""Loads at the tip: in which trials, or from when on, one was carried.
+
+As pushes are, they are sought over the whole run, learning and evaluating trials alike.
+"""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from arm.effects.effect import EffectKind
+from arm.model import Floats
+from fitter.diagnosis.hypothesis import Hypothesis
+from fitter.diagnosis.in_arm import Payload, tip_mass_column
+from fitter.diagnosis.motion import Motion
+from fitter.diagnosis.regression import Model, Regression, scaled_lstsq
+
+#: Moments are tried so far apart, then again around the best one [s].
+_STEP_S, _FINE_STEP_S = 0.1, 0.005
+
+
+class _Sums:
+    """What a kilogram at the tip would explain, by sums over trials: any set of them, and from any moment on."""
+
+    def __init__(self, regression: Regression, model: Model) -> None:
+        self._regression, self._model = regression, model
+        self.motions = regression.motions
+        rows = [regression.rows(model, motion) for motion in self.motions]
+        A, y = np.vstack([one.design for one in rows]), np.concatenate([one.target.ravel() for one in rows])
+        size = np.linalg.norm(A, axis=0)
+        self._size = np.where(size > 0.0, size, 1.0)
+        x = scaled_lstsq(A, y)
+        self._designs = [one.design / self._size for one in rows]
+        self._left = [one.target.ravel() - one.design @ x for one in rows]
+        A = A / self._size
+        self._inverse = np.linalg.pinv(A.T @ A, rcond=1e-12, hermitian=True)
+        self.whole = [self.of(k) for k in range(len(self.motions))]
+
+    def of(self, k: int, since_s: float = -np.inf) -> tuple[float, float, Floats]:
+        """Return a trial's products of its column with what is left, itself and the design, from a moment on."""
+        motion = self.motions[k]
+        column = tip_mass_column(self._regression.view(self._model, motion))
+        column = column * (motion.t >= since_s)[:, None, None]
+        c = self._regression.weighting.filtered(motion, column).ravel()
+        return float(c @ self._left[k]), float(c @ c), self._designs[k].T @ c
+
+    def gain(self, parts: Sequence[tuple[float, float, Floats]]) -> float:
+        """Return by how much the column made of some parts lowers the sum of squares, the base fitted anew."""
+        if not parts:
+            return 0.0
+        s, q, B = (sum(column) for column in zip(*parts, strict=True))
+        alone = float(q - B @ self._inverse @ B)
+        return float(s**2 / alone) if alone > 1e-6 * q else 0.0
+
+    def masses(self) -> Floats:
+        """Return each trial's load when every trial may have one of its own; a common part is the arm's."""
+        s, q, B = (np.array(column) for column in zip(*self.whole, strict=True))
+        normal = np.diag(q) - B @ self._inverse @ B.T
+        return np.asarray(np.linalg.lstsq(normal, s, rcond=1e-8)[0], dtype=np.float64)
+
+
+def find_payloads(kind: EffectKind, regression: Regression, model: Model) -> list[Hypothesis]:
+    """Return the trials, and the moment, whose load at the tip would explain most of what a model leaves."""
+    sums = _Sums(regression, model)
+    order = np.argsort(sums.masses())[::-1]
+    gains = [sums.gain([sums.whole[k] for k in order[: count + 1]]) for count in range(len(order) - 1)]
+    heaviest = order[: int(np.argmax(gains)) + 1] if gains else order[:0]
+    trials = frozenset(sums.motions[k].number for k in heaviest)
+    found: list[Hypothesis] = [Payload(kind, trials)] if trials else []
+    return [*found, Payload(kind, since_s=_moment(sums))]
+
+
+def _moment(sums: _Sums) -> float:
+    """Return the moment from which a load explains most [s]: in the trial by which it has begun, or before it."""
+    last = max(range(len(sums.motions)), key=lambda k: sums.gain(sums.whole[k:]))
+    near = [k for k in (last - 1, last) if k >= 0]
+    tried = [(k, at) for k in near for at in _moments(sums.motions[k], _STEP_S)]
+
+    def gained(place: tuple[int, float]) -> float:
+        k, at = place
+        return sums.gain([sums.of(k, at), *sums.whole[k + 1 :]])
+
+    k, at = max(tried, key=gained)
+    around = np.arange(at - _STEP_S, at + _STEP_S, _FINE_STEP_S)
+    return max(((k, float(moment)) for moment in around), key=gained)[1]
+
+
+def _moments(motion: Motion, step_s: float) -> list[float]:
+    return [float(at) for at in np.arange(motion.t[0], motion.t[-1], step_s)]
