@@ -28,12 +28,15 @@ WORTH_AT_LEAST = 50.0
 WORTH_OF_EVENTS = 0.3
 #: … and by this share of all that the base model leaves beyond noise.
 WORTH_OF_ALL = 0.002
+#: … or this share of it beside a play, for how its motor crosses nobody can see.
+WORTH_BESIDE_PLAY = 0.1
 #: Beside other causes it must explain this share of what these leave, and this share of the number of equations: a
 #: formula that is not quite right leaves something too, of which many an effect explains a part.
-WORTH_OF_LEFT, WORTH_OF_NEXT, WORTH_OF_NEXT_EVENT = 0.4, 0.3, 1.0
+WORTH_OF_LEFT, WORTH_OF_NEXT, WORTH_OF_NEXT_EVENT = 0.4, 0.3, 3.0
 #: A cause that acts in every trial must help in the evaluating ones, by so many standard errors.
 _SURE = 3.0
-#: … or in this share of them: where a few trials gain very much, the standard error is no measure.
+#: … or in this share of them, or explain half of what they leave: where a few trials gain very much, the standard
+#: error is no measure.
 _MOSTLY = 0.8
 #: A rival is its equal if it leaves at most so much more, as a share of the number of equations (the noise is not
 #: known better than that) …
@@ -196,7 +199,9 @@ def _worth_it(regression: Regression, base: Candidate, accepted: Candidate, best
     gain = accepted.squares - best.squares
     beyond = base.squares.sum() - min(told.sum(), best.squares.sum())
     worth = WORTH_OF_EVENTS if best.hypothesis.kind.name in EVENTS else WORTH_OF_NOISE
-    if gain.sum() < max(WORTH_AT_LEAST, worth * told.sum(), WORTH_OF_ALL * beyond):
+    play = any(hypothesis.kind.name == "backlash" for hypothesis in accepted.model.hypotheses)
+    share = WORTH_BESIDE_PLAY if play else WORTH_OF_ALL
+    if gain.sum() < max(WORTH_AT_LEAST, worth * told.sum(), share * beyond):
         return False
     left = accepted.squares.sum() - told.sum()
     following = WORTH_OF_NEXT_EVENT if worth == WORTH_OF_EVENTS else WORTH_OF_NEXT
@@ -204,11 +209,13 @@ def _worth_it(regression: Regression, base: Candidate, accepted: Candidate, best
         return False
     if best.hypothesis.is_event:
         return True
-    held_out = gain[[not motion.learn for motion in regression.motions]]
+    judging = [not motion.learn for motion in regression.motions]
+    held_out = gain[judging]
     if len(held_out) < 2:
         return True
     surely = held_out.mean() > _SURE * held_out.std(ddof=1) / np.sqrt(len(held_out))
-    return bool(surely or np.mean(held_out > 0.0) >= _MOSTLY)
+    half = held_out.sum() > 0.5 * (accepted.squares - told)[judging].sum()
+    return bool(surely or half or np.mean(held_out > 0.0) >= _MOSTLY)
 
 
 def _cause(

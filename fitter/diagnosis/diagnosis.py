@@ -36,6 +36,8 @@ _UNEXPLAINED = 0.03
 #: … nor if they leave more than this share of it, and more than this beside noise of one; true causes left less in
 #: every case that was looked at. How a motor crosses its play nobody can see.
 _LEFT, _LEFT_BY_PLAY, _LEFT_AT_LEAST = 0.0125, 0.5, 1.0
+#: Where a base model leaves so many times the noise beyond it, something is there even if nothing explains it.
+_STRUCTURE = 2.0
 #: Some number of a cause must differ by so many standard errors from what it is without it.
 _TOLD_SIGMAS = 3.0
 #: Evaluating trials show what learning trials don't if they leave this much beyond noise of one, and those not
@@ -198,7 +200,7 @@ def _verdict(search: Search, remainder: Remainder, strict: bool) -> Verdict:
     beyond = float(search.base.squares.sum()) - search.noise
     left = remainder.worth * noise
     if not search.causes:
-        return "unexplained" if remainder.worth > WORTH else "none"
+        return "unexplained" if remainder.worth > WORTH or search.structure > _STRUCTURE else "none"
     names = {hypothesis.kind.name for hypothesis in search.final.model.hypotheses}
     share = _LEFT_BY_PLAY if "backlash" in names else _LEFT
     beside = float(search.final.squares.sum()) - noise

@@ -23,7 +23,7 @@ _LASTS_S, _CUT_S = 0.1, 0.06
 #: this share of the joint's rms torque: the arm's own torque is known no better.
 _MORE, _SIGMAS, _KNOWN = 0.2, 4.0, 0.01
 #: Effects that hold a joint by more than Coulomb friction themselves.
-_HOLDS = ("stribeck", "load_friction", "coulomb_asymmetry", "thermal_drift")
+_HOLDS = ("stribeck", "load_friction", "coulomb_asymmetry", "torque_offset", "thermal_drift")
 #: F is told as so many times the largest torque that has held, and this share of that is its standard error.
 _ABOVE, _ABOVE_ERROR = 1.2, 0.12
 #: So many rests must be, for one may be a hand.

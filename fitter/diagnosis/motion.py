@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.ndimage import gaussian_filter1d
+from scipy.ndimage import binary_dilation, gaussian_filter1d
 
 from arm.control import control_torque
 from arm.model import Arm, Floats
@@ -26,6 +26,8 @@ _DIRECTION_S = 0.006
 _STUCK_SHARE, _STUCK_SIGMAS = 0.004, 4.0
 #: The instant of a jump is known to a sample; so this is its standard error, in samples.
 _JUMPED = 0.1
+#: So many samples before and after a joint was seen to be stuck it may have been.
+_NEAR = 3
 #: Samples a period of the corner that are kept of a motion.
 SAMPLES = 5.0
 #: The file's clocks go on from trial to trial if none begins more than this before the end of the one before [s].
@@ -47,6 +49,8 @@ class Motion:
         The run's time.
     q, dq, ddq, u : (n_sample, n_joint)
         Angles, derivatives, and the torque that the drive was asked for.
+    speed : (n_sample, n_joint)
+        Velocity behind a filter that is quicker than that of dq: friction near rest changes within milliseconds.
     direction : (n_sample, n_joint)
         -1, 0 or 1.
     stuck : (n_sample, n_joint) bool
@@ -66,6 +70,7 @@ class Motion:
     dq: Floats
     ddq: Floats
     u: Floats
+    speed: Floats
     direction: Floats
     stuck: NDArray[np.bool_]
     dt_s: float
@@ -108,8 +113,9 @@ def run_of(arm: Arm, learn: Sequence[Trial], evaluate: Sequence[Trial], thin: bo
         still = np.abs(dq) <= np.maximum(_STUCK_SHARE * top, _STUCK_SIGMAS * noise)
         t, u, stuck = t0 + trial.t, drive_torque(arm, trial), lasting(still, trial.dt_s)
         step = max(1, int(1.0 / (SAMPLES * trial.cutoff_hz * trial.dt_s))) if thin else 1
-        q, dq_, ddq, u_, direction = (
-            part[::step] for part in (trial.q, trial.dq, trial.ddq, u, np.where(stuck, 0.0, np.sign(dq)))
+        stuck = binary_dilation(stuck, np.ones((2 * _NEAR + 1, 1), dtype=np.bool_))
+        q, dq_, ddq, u_, speed, direction = (
+            part[::step] for part in (trial.q, trial.dq, trial.ddq, u, dq, np.where(stuck, 0.0, np.sign(dq)))
         )
         dt_s = step * trial.dt_s
         motions.append(
@@ -122,6 +128,7 @@ def run_of(arm: Arm, learn: Sequence[Trial], evaluate: Sequence[Trial], thin: bo
                 dq_,
                 ddq,
                 u_,
+                speed,
                 direction,
                 stuck[::step],
                 dt_s,

@@ -14,9 +14,9 @@ from arm.model import Floats
 #: How long the weight of an equation takes to rise from 0 to 1 at an end [s].
 RISE_S = 0.06
 #: A joint that is this slow for so long is stuck: one that only turns round is through in a millisecond [s].
-STUCK_S = 0.02
-#: What holds a stuck joint changes no faster than hats this far apart can follow [s].
-HAT_S = 0.12
+STUCK_S = 0.012
+#: What holds a stuck joint is as quick as what it is held against; hats this far apart follow it up to 8 Hz [s].
+HAT_S = 0.06
 
 
 def end_weight(n: int, dt_s: float) -> Floats:

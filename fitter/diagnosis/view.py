@@ -47,7 +47,7 @@ class View:
         The joint's own friction is not among it: no effect that is linear beside it depends on it.
         """
         states = np.zeros((len(self.q), N_STATE))
-        dq = self.dq[:, joint]
+        dq = (self.motion.speed if self.dq is self.motion.dq else self.dq)[:, joint]
         states[:, 0], states[:, 1], states[:, 2] = self.motion.t, self.q[:, joint], dq
         states[:, 3], states[:, 4] = self.motion.direction[:, joint], self.u[:, joint]
         return states

@@ -1,0 +1,43 @@
+"""When a load was taken up, and in which trials it was there."""
+
+import numpy as np
+import pytest
+
+from arm.effects.catalogue import catalogue
+from arm.model import Effect
+from fitter.data.resample import resample
+from fitter.data.trials import derive
+from fitter.diagnosis.in_arm import Payload
+from fitter.diagnosis.loads import find_payloads
+from fitter.diagnosis.motion import run_of
+from fitter.diagnosis.regression import Model, Regression
+from tests.fitter.pendulum import pendulum, swings
+
+
+def regression_of(effect: Effect) -> Regression:
+    trials = [derive(resample(motion), 30.0, 40.0) for motion in swings((effect,), trials=6)]
+    return Regression(pendulum(), run_of(pendulum(), trials[:3], trials[3:]))
+
+
+def found(effect: Effect) -> list[Payload]:
+    loads = find_payloads(catalogue()["payload"], regression_of(effect), Model())
+    assert all(isinstance(load, Payload) for load in loads)
+    return loads  # type: ignore[return-value]
+
+
+@pytest.mark.parametrize("since_s", [4.4, 10.1])
+def test_the_moment_is_found(since_s):
+    moment = found(Effect("payload", {"mass_kg": 0.3, "since_s": since_s}))[-1].since_s
+    assert moment == pytest.approx(since_s, abs=0.05)
+
+
+def test_the_trials_are_found():
+    (carried, *_) = found(Effect("payload", {"mass_kg": 0.3, "trials": [2, 5]}))
+    assert carried.trials == frozenset({2, 5})
+
+
+def test_a_load_that_was_always_there_is_the_arms():
+    regression = regression_of(Effect("payload", {"mass_kg": 0.3}))
+    x, _, r = regression.solve(Model(), regression.motions)
+    told = sum(regression.weighting.told(motion) for motion in regression.motions)
+    assert np.all(np.isfinite(x)) and float(r @ r) < 1.3 * told
