@@ -57,8 +57,10 @@ def holdings(regression: Regression, final: Candidate) -> list[Holding]:
     is torn away slowly. F is told as a fifth above it, and 95 % reach from it to almost half as much again.
     """
     unit = catalogue()["stiction"].parameters[0].unit
-    found = []
+    if any(one.kind.place == "transmission" for one in final.model.hypotheses):
+        return []  # what the links do at rest is not seen
     friction = regression.friction_of(final.model, final.x)[:, 1]
+    found = []
     for j in range(regression.arm.n_joint):
         if any(one.kind.name in _HOLDS and j in one.joints for one in final.model.hypotheses):
             continue
