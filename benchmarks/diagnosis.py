@@ -137,12 +137,15 @@ def act(options: argparse.Namespace) -> Document:
     return measure(options) if options.write_case is None else write_case(options)
 
 
+def _numbers(text: str) -> list[int]:
+    return [int(number) for number in text.split(",")]
+
+
 def main(argv: list[str] | None = None) -> int:
     """Run the benchmark and return its exit code."""
     parser = Parser(prog="benchmarks.diagnosis", description=__doc__, parents=[common_options()])
     add = parser.add_argument
-    numbers = lambda text: [int(number) for number in text.split(",")]  # noqa: E731
-    add("--cases", type=numbers, default=[22], metavar="N[,N…]", help="how many of each kind")
+    add("--cases", type=_numbers, default=[22], metavar="N[,N…]", help="how many of each kind")
     add("--kinds", "--kind", type=lambda text: text.split(","), default=["one"], help=f"of {', '.join(KINDS)}")
     add("--effect", help="only this one; all in turn unless given")
     add("--seed", type=int, default=0)

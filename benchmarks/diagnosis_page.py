@@ -2,7 +2,7 @@
 
 import statistics
 from collections import Counter
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from typing import Any
 
 Line = dict[str, Any]
@@ -176,5 +176,5 @@ def _quantile(values: Sequence[float], share: float) -> str:
 
 
 def _table(header: Sequence[str], rows: Sequence[Sequence[object]]) -> str:
-    text: Callable[[Sequence[object]], str] = lambda cells: "| " + " | ".join(map(str, cells)) + " |"  # noqa: E731
-    return "\n".join([text(header), "|" + "---|" * len(header), *map(text, rows)]) + "\n"
+    lines = [header, ["---"] * len(header), *rows]
+    return "\n".join("| " + " | ".join(map(str, cells)) + " |" for cells in lines) + "\n"

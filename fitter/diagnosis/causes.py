@@ -37,7 +37,7 @@ WORTH_OF_LEFT, WORTH_OF_NEXT, WORTH_OF_NEXT_EVENT = 0.4, 0.3, 3.0
 _SURE = 3.0
 #: … or in this share of them, or explain half of what they leave: where a few trials gain very much, the standard
 #: error is no measure.
-_MOSTLY = 0.8
+_MOSTLY, _HALF = 0.8, 0.5
 #: A rival is its equal if it leaves at most so much more, as a share of the number of equations (the noise is not
 #: known better than that) …
 _EQUAL, _EQUAL_AT_MOST = 0.01, 0.1
@@ -184,7 +184,7 @@ def _equals(accepted: Candidate, candidates: Sequence[Candidate], told: Floats) 
 def _reach(best: Candidate, gain: float, told: Floats) -> float:
     """Return the sum of squares up to which a rival is the best one's equal."""
     left, numbers = float(best.squares.sum()), float(told.sum())
-    inexact = max(_EQUAL_AT_MOST * numbers, 0.5 * (left - numbers))
+    inexact = max(_EQUAL_AT_MOST * numbers, _HALF * (left - numbers))
     return left + max(_EQUAL * numbers, min(_ALIKE * gain, inexact))
 
 
@@ -214,7 +214,7 @@ def _worth_it(regression: Regression, base: Candidate, accepted: Candidate, best
     if len(held_out) < 2:
         return True
     surely = held_out.mean() > _SURE * held_out.std(ddof=1) / np.sqrt(len(held_out))
-    half = held_out.sum() > 0.5 * (accepted.squares - told)[judging].sum()
+    half = held_out.sum() > _HALF * (accepted.squares - told)[judging].sum()
     return bool(surely or half or np.mean(held_out > 0.0) >= _MOSTLY)
 
 

@@ -124,7 +124,8 @@ def diagnose(
     remainder = describe(regression, search.final)
     held = holdings(regression, search.final)
     verdict = _verdict(search, remainder, strict)
-    if strict and search.causes and not _are_told(search.final.model, estimates(regression, search.final)):
+    numbers = estimates(regression, search.final)
+    if strict and search.causes and not _are_told(search.final.model, numbers):
         verdict = "unexplained"
     if verdict == "none" and held:
         verdict = "named"
@@ -136,7 +137,7 @@ def diagnose(
         remainder = describe(regression, final)
     say("judging on the evaluating trials", 0.92)
     motions = run_of(arm, learning, evaluating, thin=False)
-    finding = _told(regression, search, final, remainder, verdict, held, motions)
+    finding = _told(regression, search, final, numbers, remainder, verdict, held, motions)
     if unseen and search.causes:
         finding = replace(finding, notes=(*finding.notes, UNSEEN))
     if suspected:
@@ -229,14 +230,15 @@ def _told(
     regression: Regression,
     search: Search,
     final: Candidate,
+    numbers: Estimates,
     remainder: Remainder,
     verdict: Verdict,
     held: list[Holding],
     motions: list[Motion],
 ) -> Finding:
-    plain = estimates(regression, search.base)
+    plain = numbers if search.final is search.base else estimates(regression, search.base)
     base_arm = extended_arm(regression, search.base, plain)
-    found = plain if final is search.base else estimates(regression, final)
+    found = plain if final is search.base else numbers
     extended = base_arm if final is search.base else extended_arm(regression, final, found)
     judging = [motion for motion in motions if not motion.learn]
     causes = [] if final is search.base else _causes(regression, search, found)

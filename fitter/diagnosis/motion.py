@@ -24,7 +24,8 @@ _SHARE_OF_RATE = 0.2
 _DIRECTION_S = 0.006
 #: A joint is taken to be stuck below this share of its top speed in the run, or below so many times the noise.
 _STUCK_SHARE, _STUCK_SIGMAS = 0.004, 4.0
-#: The instant of a jump is known to a sample; so this is its standard error, in samples.
+#: A jump comes at a sample, as far as controller and recorder share a clock; what a fast loop does within the step
+#: is not seen. This is the standard error of its instant, in samples.
 _JUMPED = 0.1
 #: So many samples before and after a joint was seen to be stuck it may have been.
 _NEAR = 3
@@ -58,8 +59,8 @@ class Motion:
     dt_s : float
         Step of its grid: `SAMPLES` a period of the columns' corner are enough.
     jumps : tuple of (float, int, float)
-        Jumps of the torque: sample, joint, and the standard error of its impulse, for its instant is known to a
-        sample only; as the torque of one sample [N m or N].
+        Jumps of the torque: sample, joint, and the standard error of its impulse, for its instant is not known
+        exactly; as the torque of one sample [N m or N].
     """
 
     trial: Trial

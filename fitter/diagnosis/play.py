@@ -119,15 +119,9 @@ def bridged(angle: Floats, torque: Floats, starts: Sequence[int], dt_s: float) -
         if started or not k or end - begin > rests:
             start = max(started, default=begin)
             end = max(end, min(start + _CROSSING, len(angle) - 1)) if started else end
-            still = max(begin, start - still_for)
-            mean = float(torque[still:start].mean()) if start > still else 0.0
-            if abs(mean) > _SIGMAS * noise / np.sqrt(max(start - still, 1)):
-                rest, where = float(np.sign(mean)), float(angle[still:start].mean())
-            else:  # somewhere in its play; the link moves when it is touched
-                start = begin + int(np.argmax(np.abs(torque[begin : end + 1]) > _SIGMAS * noise))
-                start = min(end, max(start, end - round(2 * _BROUGHT_FORWARD * _WIDTH_S / dt_s)) + _CROSSING)
-                still = max(begin, start - still_for) if k and not started else still
-                rest, where = after, float(angle[start])
+            still, start, where, rest = _rest(angle, torque, noise, (begin, start, end), still_for, after)
+            if k and not started:  # nothing says when it came to rest
+                still = max(begin, start - still_for)
             settled = _rising(np.linspace(0.0, 1.0, max(still - begin, 0)))
             bridge[begin:still] = settled * (where - angle[begin:still])
             side[begin:still] = (before or rest) + (rest - (before or rest)) * settled
@@ -142,6 +136,26 @@ def bridged(angle: Floats, torque: Floats, starts: Sequence[int], dt_s: float) -
             path = _hermite(share, q0, -slope0 * (end - begin), float(angle[end]), slope * (end - begin))
             bridge[begin : end + 1] = path - angle[begin : end + 1]
     return bridge, side
+
+
+def _rest(
+    angle: Floats, torque: Floats, noise: float, span: tuple[int, int, int], still_for: int, after: float
+) -> tuple[int, int, float, float]:
+    """Return from which sample a link was still, until when, its motor's angle then, and the side it was at.
+
+    ``span`` is when the motor left a side, was asked to start, and touched the side ``after``. A torque, small but
+    steady, that friction holds tells the side. Otherwise the motor was somewhere in its play, and the link moves
+    when it is touched.
+    """
+    begin, start, end = span
+    still = max(begin, start - still_for)
+    mean = float(torque[still:start].mean()) if start > still else 0.0
+    if abs(mean) > _SIGMAS * noise / np.sqrt(max(start - still, 1)):
+        return still, start, float(angle[still:start].mean()), float(np.sign(mean))
+    first = begin + int(np.argmax(np.abs(torque[begin : end + 1]) > _SIGMAS * noise))
+    # `end` lies behind the touch by what was eroded, so no spike of noise long before it is taken for one.
+    touch = min(end, max(first, end - round(2 * _BROUGHT_FORWARD * _WIDTH_S / _STILL_S * still_for)) + _CROSSING)
+    return still, touch, float(angle[touch]), after
 
 
 def _hermite(share: Floats, q0: float, slope0: float, q1: float, slope1: float) -> Floats:
