@@ -42,6 +42,7 @@ class _Link(_Table):
     mass_kg: Number = 0.0
     com_m: Vector = (0.0, 0.0, 0.0)
     inertia_kg_m2: tuple[Number, Number, Number, Number, Number, Number] = (0.0,) * 6
+    air_drag_N_m_s2: Annotated[Number, Field(ge=0.0)] | None = None
 
 
 class _Joint(_Table):

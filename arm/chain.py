@@ -26,6 +26,8 @@ class Chain(NamedTuple):
         viscous, Coulomb, static.
     gravity : (3,)
         In the base frame.
+    drag : (n,)
+        With which the air resists a link's turning [N m s^2/rad^2].
     """
 
     revolute: NDArray[np.bool_]
@@ -33,6 +35,7 @@ class Chain(NamedTuple):
     inertial: Floats
     friction: Floats
     gravity: Floats
+    drag: Floats
 
 
 def chain_of(arm: Arm) -> Chain:
@@ -48,6 +51,7 @@ def chain_of(arm: Arm) -> Chain:
         ),
         np.array([[j.friction.viscous_N_m_s, j.friction.coulomb_N_m, j.friction.static_N_m] for j in arm.joints]),
         np.array(arm.gravity_m_s2, dtype=float),
+        np.array([joint.link.air_drag_N_m_s2 or 0.0 for joint in arm.joints]),
     )
 
 

@@ -29,11 +29,13 @@ class Link:
     """Inertial parameters of one link, in its joint-axis frame (origin on the axis, x along the link).
 
     ``inertia_kg_m2`` is xx, yy, zz, xy, xz, yz about the frame's origin, not about the centre of mass.
+    ``air_drag_N_m_s2`` resists the link's turning in space.
     """
 
     mass_kg: float = 0.0
     com_m: Vector3 = (0.0, 0.0, 0.0)
     inertia_kg_m2: tuple[float, float, float, float, float, float] = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+    air_drag_N_m_s2: float | None = None
 
 
 @dataclass(frozen=True)

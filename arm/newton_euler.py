@@ -7,6 +7,8 @@ belongs to the frame's origin. Force and moment at the tip are what acts on the 
 passes on.
 """
 
+import math
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -205,7 +207,7 @@ def rigid_motion(
 
 @compiled
 def rigid_torque(chain: Chain, R: Floats, p: Floats, motion: Floats, wrench: Floats, tau: Floats) -> None:
-    """Fill in the torques of a motion without friction: the inverse part of the recursion.
+    """Fill in the torques of a motion without friction in its joints: the inverse part of the recursion.
 
     ``wrench`` (6,) is what the tip passes on, in frame n.
     """
@@ -223,11 +225,14 @@ def rigid_torque(chain: Chain, R: Floats, p: Floats, motion: Floats, wrench: Flo
             xz * w[0] + yz * w[1] + zz * w[2],
         )
         gyro, lever, arm_of_f = cross(W, spin), cross(s, dV), cross(at, f)
+        drag = chain.drag[i]
+        if drag != 0.0:
+            drag *= math.sqrt(w[0] * w[0] + w[1] * w[1] + w[2] * w[2])
         swing, pull = cross(dW, s), cross(W, cross(W, s))
         m = (
-            m[0] + arm_of_f[0] + gyro[0] + lever[0] + xx * dw[0] + xy * dw[1] + xz * dw[2],
-            m[1] + arm_of_f[1] + gyro[1] + lever[1] + xy * dw[0] + yy * dw[1] + yz * dw[2],
-            m[2] + arm_of_f[2] + gyro[2] + lever[2] + xz * dw[0] + yz * dw[1] + zz * dw[2],
+            m[0] + arm_of_f[0] + gyro[0] + lever[0] + xx * dw[0] + xy * dw[1] + xz * dw[2] + drag * w[0],
+            m[1] + arm_of_f[1] + gyro[1] + lever[1] + xy * dw[0] + yy * dw[1] + yz * dw[2] + drag * w[1],
+            m[2] + arm_of_f[2] + gyro[2] + lever[2] + xz * dw[0] + yz * dw[1] + zz * dw[2] + drag * w[2],
         )
         f = (
             f[0] + mass * dv[0] + swing[0] + pull[0],

@@ -160,7 +160,8 @@ def observe(of: Observation, room: Room, x: Floats, reading: Floats, slope: Floa
             room.geometry[j, 1] += x[of.length_column[j, 0]]
         if of.length_column[j, 1] >= 0:
             room.geometry[j, 2] += x[of.length_column[j, 1]]
-    chain = Chain(of.chain.revolute, room.geometry, of.chain.inertial, of.chain.friction, of.chain.gravity)
+    plain = of.chain
+    chain = Chain(plain.revolute, room.geometry, plain.inertial, plain.friction, plain.gravity, plain.drag)
     poses(chain, room.q, room.R, room.p)
     rigid_motion(chain, chain.gravity, room.R, room.p, room.dq, room.ddq, room.motion)
     motion_slopes(chain, room.R, room.p, room.motion, room.dq, room.slopes)

@@ -14,6 +14,6 @@ EFFECT = EffectKind(
     sentence="resistance grows with the speed squared",
     place="joint",
     parameters=(Parameter("drag_N_m_s2", "N m s^2/rad^2", 0.0, 1e3, linear=True, neutral=0.0),),
-    taken_for=("coulomb", "viscous"),
+    taken_for=("air_drag", "coulomb", "viscous"),
     torque=_torque,
 )

@@ -29,6 +29,7 @@ ARMS = Path(__file__).parent.parent
 CANDIDATES = {
     "coulomb": {"coulomb_N_m": 1e-4},
     "quadratic_drag": {"drag_N_m_s2": 4e-6},
+    "air_drag": {"drag_N_m_s2": 4e-6},
     "torque_offset": {"torque_N_m": 1e-5},
     "coulomb_asymmetry": {"difference_N_m": 1e-5},
 }

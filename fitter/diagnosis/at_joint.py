@@ -21,7 +21,7 @@ from fitter.diagnosis.view import View
 
 #: Values tried of a number whose scale the motion does not tell.
 _GRID = 12
-#: Ripples a turn.
+#: Ripples a turn: with less than one they would be a spring or an offset.
 _PERIODS = np.arange(1.0, 81.0)
 #: Angles at which a stop may be, as shares of the range that the joint moves through.
 _SHARES = np.linspace(0.04, 0.96, 24)
@@ -59,7 +59,8 @@ class AtJoint(Hypothesis):
     @cached_property
     def low(self) -> Floats:
         """Least values of psi, (n_psi,)."""
-        return np.array([self.kind.parameters[k].low for k in self._psi])
+        parameters = [self.kind.parameters[k] for k in self._psi]
+        return np.array([max(p.low, _PERIODS[0]) if p.name.startswith("periods") else p.low for p in parameters])
 
     @cached_property
     def high(self) -> Floats:

@@ -11,42 +11,24 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from arm.model import Floats
+from fitter.diagnosis.agreement import apart
 from fitter.diagnosis.hypotheses import EVENTS
 from fitter.diagnosis.hypothesis import Hypothesis
 from fitter.diagnosis.regression import Model, Regression
 from fitter.diagnosis.screening import Candidate, fitted, screen
+from fitter.diagnosis.worth import best_of, more_to_find, reach, simplest, worth_it
 
 Progress = Callable[[str, float], None]
+#: An effect's name and its joints.
+Key = tuple[str, tuple[int, ...]]
 
-#: A cause must lower the sum of squares by this share of the number of equations (noise would leave one each). In
-#: 13 runs without effect (seeds 6000 to 6012 of the hidden arms) no cause that always acts explained more than
-#: 0.002 of it.
-WORTH_OF_NOISE = 0.05
-#: … and absolutely by this, for among hundreds of starts the best one explains some noise (of one a number).
-WORTH_AT_LEAST = 50.0
-#: An event can be found for anything: pushes explained up to 0.031 there.
-WORTH_OF_EVENTS = 0.3
-#: … and by this share of all that the base model leaves beyond noise.
-WORTH_OF_ALL = 0.002
-#: … or this share of it beside a play, for how its motor crosses nobody can see.
-WORTH_BESIDE_PLAY = 0.1
-#: Beside other causes it must explain this share of what these leave, and this share of the number of equations: a
-#: formula that is not quite right leaves something too, of which many an effect explains a part.
-WORTH_OF_LEFT, WORTH_OF_NEXT, WORTH_OF_NEXT_EVENT = 0.4, 0.3, 3.0
-#: A cause that acts in every trial must help in the evaluating ones, by so many standard errors.
-_SURE = 3.0
-#: … or in this share of them, or explain half of what they leave: where a few trials gain very much, the standard
-#: error is no measure.
-_MOSTLY, _HALF = 0.8, 0.5
-#: A rival is its equal if it leaves at most so much more, as a share of the number of equations (the noise is not
-#: known better than that) …
-_EQUAL, _EQUAL_AT_MOST = 0.01, 0.1
-#: … or as a share of what the cause explains, since no catalogue's formula is exact, but not above the second
-#: share of that number or half of what the best leaves beyond noise itself.
-_ALIKE = 0.025
+#: No more causes than this are sought.
 _MOST = 3
-#: Noise leaves at least this share of what was expected of it, though its size is only estimated.
-_SURELY_NOISE = 0.6
+#: Causes explain too little if they leave this share of what the base model leaves beyond noise, and so much of
+#: the noise. Then so many others are begun with that explain this share of what the best one does alone, and
+#: believed if they leave this share of what that led to.
+UNEXPLAINED, UNEXPLAINED_AT_LEAST = 0.0125, 1.0
+_OTHERS, _BEGINNING, _MUCH_BETTER = 2, 0.2, 0.5
 
 
 @dataclass(frozen=True)
@@ -102,6 +84,15 @@ class Search:
         """The sum of squares that noise alone leaves, not more than anything has left."""
         return float(min(self.told.sum(), self.final.squares.sum()))
 
+    def leaves(self, share: float, least: float) -> bool:
+        """Say whether more is left beyond noise than a share of what the base model leaves, and so much noise.
+
+        Trials that stand apart do not count: whatever happened in them, it is no part of the arm.
+        """
+        common = ~apart(self.final.squares, self.told)
+        noise, left, was = (float(one[common].sum()) for one in (self.told, self.final.squares, self.base.squares))
+        return left - noise > max(share * (was - min(noise, left)), least * noise)
+
     @property
     def explained(self) -> float:
         """Share of that structure which the causes explain, 0 to 1."""
@@ -112,6 +103,9 @@ class Search:
 def find_causes(regression: Regression, tried: Sequence[Hypothesis], progress: Progress | None = None) -> Search:
     """Find the causes of what a base model leaves.
 
+    Two causes that explain little one by one may explain all together, with the best single one not among them: if
+    that leads nowhere, the next best are begun with.
+
     Parameters
     ----------
     regression : Regression
@@ -121,40 +115,98 @@ def find_causes(regression: Regression, tried: Sequence[Hypothesis], progress: P
     """
     told = np.array([regression.weighting.told(motion) for motion in regression.motions], dtype=np.float64)
     base = fitted(regression, Model())
-    accepted, rounds = base, 0
-    first: list[Candidate] = []
-    causes: list[Cause] = []
-    promising: set[tuple[str, tuple[int, ...]]] = set()
-    known: set[frozenset[tuple[str, tuple[int, ...]]]] = set()
-
-    def say(what: str) -> Callable[[int, int], None]:
-        begin, end = 1.0 - 0.5**rounds, 1.0 - 0.5 ** (rounds + 1)
-        return lambda done, total: progress(what, begin + (end - begin) * done / total) if progress else None
-
-    while len(causes) < _MOST and _more_to_find(base, accepted, told):
-        candidates = screen(regression, accepted, _without(tried, accepted.model), say("trying every effect"))
-        first = first or candidates
-        promising |= {one.hypothesis.key for one in candidates if one.squares is not accepted.squares}
-        rounds += 1
-        best = _simplest(accepted, candidates, told)
-        if best is not None and not _worth_it(regression, base, accepted, best, told):
-            lasting = [one for one in candidates if one.hypothesis.kind.name not in EVENTS]
-            best = _simplest(accepted, lasting, told)
-        if best is None or not _worth_it(regression, base, accepted, best, told):
+    search = _Ascent(regression, tried, base, told, _part(progress, 0.0, 0.5)).from_base()
+    for k, other in enumerate(_others(search)):
+        if not search.leaves(UNEXPLAINED, UNEXPLAINED_AT_LEAST):
             break
-        refit = accepted.model.hypotheses or best.model.is_event
-        accepted = fitted(regression, best.model) if refit else best
-        causes.append(_cause(accepted, len(causes), candidates, best, _before(regression, accepted), told))
-        if len(causes) == 1:
-            known.add(frozenset(one.key for one in accepted.model.hypotheses))
-        else:
-            again = [one for one in tried if one.key in promising]
-            accepted, causes, rounds = _doubted(regression, base, accepted, again, told, rounds, say)
+        again = _Ascent(regression, tried, base, told, _part(progress, 0.5 + 0.25 * k, 0.25))
+        found = again.beginning_with(search.first, other)
+        if found.final.squares.sum() < _MUCH_BETTER * search.final.squares.sum():
+            search = found
+    return search
+
+
+def _part(progress: Progress | None, begin: float, share: float) -> Progress:
+    return lambda what, done: progress(what, begin + share * done) if progress else None
+
+
+def _others(search: Search) -> list[Candidate]:
+    """Return the best of every other effect that explained something beside the base model alone."""
+    begun = {hypothesis.kind.name for hypothesis in search.final.model.hypotheses}
+    least = _BEGINNING * (search.base.squares.sum() - search.first[0].squares.sum()) if search.first else 0.0
+    others: list[Candidate] = []
+    for one in search.first:
+        name = one.hypothesis.kind.name
+        if name not in begun and name not in EVENTS and search.base.squares.sum() - one.squares.sum() > least:
+            begun.add(name)
+            others.append(one)
+    return others[:_OTHERS]
+
+
+class _Ascent:
+    """One way up: a cause at a time, and after every one all are doubted again."""
+
+    def __init__(
+        self,
+        regression: Regression,
+        tried: Sequence[Hypothesis],
+        base: Candidate,
+        told: Floats,
+        progress: Progress,
+    ) -> None:
+        self._regression, self._tried, self._base, self._told = regression, tried, base, told
+        self._progress = progress
+        self._rounds = 0
+
+    def from_base(self) -> Search:
+        """Begin with what explains most."""
+        if not more_to_find(self._base, self._base, self._told):
+            return Search(self._base, self._base, [], [], self._told)
+        return self._on(self._screened(self._base))
+
+    def beginning_with(self, first: list[Candidate], candidate: Candidate) -> Search:
+        """Begin with another candidate of a screening than the best."""
+        return self._on([candidate, *(one for one in first if one is not candidate)], candidate)
+
+    def _screened(self, accepted: Candidate) -> list[Candidate]:
+        tried = _without(self._tried, accepted.model)
+        candidates = screen(self._regression, accepted, tried, self._say("trying every effect"))
+        self._rounds += 1
+        return candidates
+
+    def _say(self, what: str) -> Callable[[int, int], None]:
+        begin, end = 1.0 - 0.5**self._rounds, 1.0 - 0.5 ** (self._rounds + 1)
+        return lambda done, total: self._progress(what, begin + (end - begin) * done / total)
+
+    def _on(self, candidates: list[Candidate], best: Candidate | None = None) -> Search:
+        regression, base, told, first = self._regression, self._base, self._told, candidates
+        accepted = base
+        causes: list[Cause] = []
+        promising: set[Key] = set()
+        known: set[frozenset[Key]] = set()
+        while True:
+            promising |= {one.hypothesis.key for one in candidates if one.squares is not accepted.squares}
+            best = best or best_of(regression, base, accepted, candidates, told)
+            if best is None:
+                break
+            refit = accepted.model.hypotheses or best.model.is_event
+            accepted = fitted(regression, best.model) if refit else best
+            causes.append(_cause(accepted, len(causes), candidates, best, _before(regression, accepted), told))
+            if len(causes) > 1:
+                # What has no psi is as quickly tried as put aside.
+                again = [one for one in self._tried if one.key in promising or not len(one.low)]
+                accepted, causes = _doubted(
+                    regression, base, accepted, again, told, self._say("doubting every cause")
+                )
+                self._rounds += 1
             found = frozenset(one.key for one in accepted.model.hypotheses)
             if found in known:  # what one round takes in the next throws out
                 break
             known.add(found)
-    return Search(base, accepted, causes, first, told)
+            if len(causes) >= _MOST or not more_to_find(base, accepted, told):
+                break
+            candidates, best = self._screened(accepted), None
+        return Search(base, accepted, causes, first, told)
 
 
 def _before(regression: Regression, accepted: Candidate) -> float:
@@ -166,70 +218,18 @@ def _without(tried: Sequence[Hypothesis], model: Model) -> list[Hypothesis]:
     return [one for one in tried if one.key not in known]
 
 
-def _simplest(accepted: Candidate, candidates: Sequence[Candidate], told: Floats) -> Candidate | None:
-    """Return the one with fewest numbers among those that are equal to the best."""
-    if not candidates:
-        return None
-    equal = _equals(accepted, candidates, told)
-    return min(equal, key=lambda one: (one.hypothesis.n_number, float(one.squares.sum())))
-
-
-def _equals(accepted: Candidate, candidates: Sequence[Candidate], told: Floats) -> list[Candidate]:
-    best = candidates[0]
-    gain = float(accepted.squares.sum() - best.squares.sum())
-    reach = _reach(best, gain, told)
-    return [one for one in candidates if float(one.squares.sum()) <= reach]
-
-
-def _reach(best: Candidate, gain: float, told: Floats) -> float:
-    """Return the sum of squares up to which a rival is the best one's equal."""
-    left, numbers = float(best.squares.sum()), float(told.sum())
-    inexact = max(_EQUAL_AT_MOST * numbers, _HALF * (left - numbers))
-    return left + max(_EQUAL * numbers, min(_ALIKE * gain, inexact))
-
-
-def _more_to_find(base: Candidate, accepted: Candidate, told: Floats) -> bool:
-    """Say whether what is left could hide a cause that is worth naming."""
-    left = float(accepted.squares.sum())
-    beyond = base.squares.sum() - min(told.sum(), left)
-    return bool(left - _SURELY_NOISE * told.sum() > max(WORTH_OF_NOISE * told.sum(), WORTH_OF_ALL * beyond))
-
-
-def _worth_it(regression: Regression, base: Candidate, accepted: Candidate, best: Candidate, told: Floats) -> bool:
-    gain = accepted.squares - best.squares
-    beyond = base.squares.sum() - min(told.sum(), best.squares.sum())
-    worth = WORTH_OF_EVENTS if best.hypothesis.kind.name in EVENTS else WORTH_OF_NOISE
-    play = any(hypothesis.kind.name == "backlash" for hypothesis in accepted.model.hypotheses)
-    share = WORTH_BESIDE_PLAY if play else WORTH_OF_ALL
-    if gain.sum() < max(WORTH_AT_LEAST, worth * told.sum(), share * beyond):
-        return False
-    left = accepted.squares.sum() - told.sum()
-    following = WORTH_OF_NEXT_EVENT if worth == WORTH_OF_EVENTS else WORTH_OF_NEXT
-    if accepted.model.hypotheses and gain.sum() < max(following * told.sum(), WORTH_OF_LEFT * left):
-        return False
-    if best.hypothesis.is_event:
-        return True
-    judging = [not motion.learn for motion in regression.motions]
-    held_out = gain[judging]
-    if len(held_out) < 2:
-        return True
-    surely = held_out.mean() > _SURE * held_out.std(ddof=1) / np.sqrt(len(held_out))
-    half = held_out.sum() > _HALF * (accepted.squares - told)[judging].sum()
-    return bool(surely or half or np.mean(held_out > 0.0) >= _MOSTLY)
-
-
 def _cause(
     accepted: Candidate, place: int, candidates: Sequence[Candidate], best: Candidate, base: float, told: Floats
 ) -> Cause:
     """Return a cause with those that do as well with no more numbers, and those that don't."""
     worth = base - float(accepted.squares.sum())
-    reach = _reach(best, worth, told)
+    most = reach(best, worth, told)
     rivals = [
         one
         for one in candidates
         if one is not best
         and one.hypothesis.n_number <= best.hypothesis.n_number
-        and float(one.squares.sum()) <= reach
+        and float(one.squares.sum()) <= most
     ]
     beaten = [one for one in candidates if one is not best and one not in rivals]
     return Cause(place, rivals, beaten, worth)
@@ -241,18 +241,17 @@ def _doubted(
     accepted: Candidate,
     tried: Sequence[Hypothesis],
     told: Floats,
-    rounds: int,
-    say: Callable[[str], Callable[[int, int], None]],
-) -> tuple[Candidate, list[Cause], int]:
+    say: Callable[[int, int], None],
+) -> tuple[Candidate, list[Cause]]:
     """Hold each cause against all others given the rest."""
     causes: list[Cause] = []
     k = 0
     while k < len(accepted.model.hypotheses):
         rest = fitted(regression, accepted.model.without(k))
-        candidates = screen(regression, rest, _without(tried, rest.model), say("doubting every cause"))
-        best = _simplest(rest, candidates, told)
+        candidates = screen(regression, rest, _without(tried, rest.model), say)
+        best = simplest(rest, candidates, told)
         assert best is not None
-        if not _worth_it(regression, base, rest, best, told):
+        if not worth_it(regression, base, rest, best, told):
             accepted = rest
             continue
         model = best.model
@@ -261,4 +260,4 @@ def _doubted(
         accepted = fitted(regression, model)
         causes.append(_cause(accepted, k, candidates, best, float(rest.squares.sum()), told))
         k += 1
-    return accepted, causes, rounds + 1
+    return accepted, causes

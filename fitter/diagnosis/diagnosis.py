@@ -10,7 +10,7 @@ from arm.regressor import standard_parameters
 from fitter.data.motions import Measured
 from fitter.data.resample import Uniform, resample, split_at_holes
 from fitter.data.trials import FIT_CORNER, Trial, derive, undriven
-from fitter.diagnosis.causes import Search, find_causes
+from fitter.diagnosis.causes import UNEXPLAINED, UNEXPLAINED_AT_LEAST, Search, find_causes
 from fitter.diagnosis.estimates import Estimates, estimates, extended_arm
 from fitter.diagnosis.finding import Finding, NamedCause, Tried, Verdict
 from fitter.diagnosis.holding import Holding, holdings
@@ -33,9 +33,9 @@ Progress = Callable[[str, float], None]
 #: If a smooth function explains more than this share of what the base model leaves, beside the causes, then these
 #: are not it. True causes left less than a five-hundredth in every case that was looked at.
 _UNEXPLAINED = 0.03
-#: … nor if they leave more than this share of it, and more than this beside noise of one; true causes left less in
-#: every case that was looked at. How a motor crosses its play nobody can see.
-_LEFT, _LEFT_BY_PLAY, _LEFT_AT_LEAST = 0.0125, 0.5, 1.0
+#: … nor if they leave more than `UNEXPLAINED` of it in any form, or this beside a play, for how its motor crosses
+#: it nobody can see; true causes left less in every case that was looked at.
+_LEFT_BY_PLAY = 0.5
 #: Where a base model leaves so many times the noise beyond it, something is there even if nothing explains it.
 _STRUCTURE = 2.0
 #: Some number of a cause must differ by so many standard errors from what it is without it.
@@ -125,7 +125,7 @@ def diagnose(
     held = holdings(regression, search.final)
     verdict = _verdict(search, remainder, strict)
     numbers = estimates(regression, search.final)
-    if strict and search.causes and not _are_told(search.final.model, numbers):
+    if strict and len(search.causes) > 1 and not _are_told(search.final.model, numbers):
         verdict = "unexplained"
     if verdict == "none" and held:
         verdict = "named"
@@ -200,13 +200,12 @@ def _verdict(search: Search, remainder: Remainder, strict: bool) -> Verdict:
     noise = float(search.told.sum())
     beyond = float(search.base.squares.sum()) - search.noise
     left = remainder.worth * noise
+    names = {hypothesis.kind.name for hypothesis in search.final.model.hypotheses}
     if not search.causes:
         return "unexplained" if remainder.worth > WORTH or search.structure > _STRUCTURE else "none"
-    names = {hypothesis.kind.name for hypothesis in search.final.model.hypotheses}
-    share = _LEFT_BY_PLAY if "backlash" in names else _LEFT
-    beside = float(search.final.squares.sum()) - noise
-    smooth = share if "backlash" in names else _UNEXPLAINED
-    if strict and (left > smooth * beyond or beside > max(share * beyond, _LEFT_AT_LEAST * noise)):
+    played = "backlash" in names
+    smooth = left > (_LEFT_BY_PLAY if played else _UNEXPLAINED) * beyond
+    if strict and (smooth or search.leaves(_LEFT_BY_PLAY if played else UNEXPLAINED, UNEXPLAINED_AT_LEAST)):
         return "unexplained"
     return "ambiguous" if any(cause.rivals for cause in search.causes) else "named"
 

@@ -1,4 +1,4 @@
-"""Effects that change the arm itself: gravity, a joint's zero, a rotor, a load."""
+"""Effects that change the arm itself: gravity, a joint's zero, a rotor, air, a load."""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -6,7 +6,8 @@ from dataclasses import replace
 import numpy as np
 
 from arm.effects.effect import EffectKind
-from arm.model import Floats
+from arm.model import Floats, Friction, Link
+from arm.newton_euler import inverse_dynamics
 from arm.regressor import regressor
 from fitter.diagnosis.hypothesis import Hypothesis
 from fitter.diagnosis.motion import Motion
@@ -93,6 +94,27 @@ class RotorInertia(Hypothesis):
         return np.array(factors)
 
 
+class AirDrag(Hypothesis):
+    """A link is resisted as it turns in space."""
+
+    n_column = 1
+
+    def act(self, view: View, psi: Floats) -> View:
+        """Return a motion with the torque of a unit of drag as a column of its own."""
+        links = [Link(air_drag_N_m_s2=1.0 if j in self.joints else 0.0) for j in range(view.arm.n_joint)]
+        joints = [
+            replace(joint, link=link, friction=Friction())
+            for joint, link in zip(view.arm.joints, links, strict=True)
+        ]
+        massless = replace(view.arm, joints=tuple(joints))
+        column = inverse_dynamics(massless, view.q, view.dq, view.ddq)[..., None]
+        return replace(view, columns=(*view.columns, column))
+
+    def numbers(self, psi: Floats, factors: Floats) -> Floats:
+        """Return the drag."""
+        return np.array(factors)
+
+
 class Payload(Hypothesis):
     """A point mass at the tip, in some trials or from some time on.
 
@@ -153,5 +175,7 @@ def arm_hypotheses(kind: EffectKind, n_joint: int) -> list[Hypothesis]:
     """Return the places where an effect of the arm may be; loads are sought elsewhere, for they are events."""
     if kind.name == "gravity_tilt":
         return [GravityTilt(kind, ())]
+    if kind.name == "air_drag":  # at the first joint it is what quadratic_drag is
+        return [AirDrag(kind, (j,)) for j in range(1, n_joint)]
     makers = {"joint_zero": JointZero, "rotor_inertia": RotorInertia}
     return [makers[kind.name](kind, (j,)) for j in range(n_joint)] if kind.name in makers else []

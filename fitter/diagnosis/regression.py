@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from arm.model import Arm, Floats
 from arm.regressor import standard_parameters
+from fitter.diagnosis.attenuation import Noise, added, compensated, noise_of, noisier
 from fitter.diagnosis.equation import Weighting, mass_matrices, weighting
 from fitter.diagnosis.hypothesis import Hypothesis
 from fitter.diagnosis.motion import Motion
@@ -28,6 +29,8 @@ _ROUNDS, _FEW_ROUNDS = 25, 8
 _POSES = 64
 #: Columns that are this near to depending on others, in terms of the normal equations, do so.
 _DEPENDENT = 1e-12
+#: No model leaves less noise than this share of what the base model does.
+_LEAST_NOISE = 0.05
 
 
 @dataclass(frozen=True)
@@ -105,6 +108,9 @@ class Regression:
         self.known = known
         self._scales: dict[object, Floats] = {}
         self._independent: dict[tuple[float, ...], NDArray[np.intp]] = {}
+        self._noises: dict[object, Noise] = {}
+        self._noisier = noisier(arm, self.motions)
+        self._plainly: Floats | None = None
         self.weighting = self._first_weighting()
         self._weighted: dict[int, tuple[Floats, Floats]] = {}
 
@@ -165,26 +171,61 @@ class Regression:
         rows = [self.rows(model, motion) for motion in motions]
         A = np.vstack([one.design for one in rows])
         y = np.concatenate([one.target.ravel() for one in rows])
-        x = scaled_lstsq(A, y)
-        return x, A, (self.scale(model) * (y - A @ x).reshape(-1, self.arm.n_joint)).ravel()
+        noise = self._noise(model, motions)
+        x = compensated(A.T @ A, A.T @ y, noise.gram.sum(axis=0), noise.pull.sum(axis=0))
+        return x, A, (self.scale(model, x) * (y - A @ x).reshape(-1, self.arm.n_joint)).ravel()
 
     def squares(self, model: Model, x: Floats) -> Floats:
         """Return the sum of squares that factors leave in every trial, (n_trial,)."""
-        return np.array([float(np.sum(self.residual(model, x, motion) ** 2)) for motion in self.motions])
+        scale = self.scale(model, x)
+        return np.array([float(np.sum(self._left(model, x, motion, scale) ** 2)) for motion in self.motions])
 
     def residual(self, model: Model, x: Floats, motion: Motion) -> Floats:
         """Return what factors leave of a motion's equations, (n_slower, n_joint), in units of the noise."""
+        return self._left(model, x, motion, self.scale(model, x))
+
+    def _left(self, model: Model, x: Floats, motion: Motion, scale: Floats) -> Floats:
         rows = self.rows(model, motion)
-        return self.scale(model) * (rows.target - (rows.design @ x).reshape(rows.target.shape))
+        return scale * (rows.target - (rows.design @ x).reshape(rows.target.shape))
 
-    def scale(self, model: Model) -> Floats:
-        """Return by how much residuals of a model count more because the torque that it lets through is smaller.
+    def scale(self, model: Model, x: Floats) -> Floats:
+        """Return by how much residuals of a model count more because it leaves less noise in them, (n_joint,).
 
-        The noise is that of the angles, times masses that are in proportion to the torque: one that is cut off
-        to nothing would leave nothing, and explain nothing. One number a joint, (n_joint,).
+        Noise of the angles enters times masses that are in proportion to the torque that is let through: a
+        torque that is cut off to nothing would leave nothing, and explain nothing.
         """
-        if all(hypothesis.kind.place != "drive" for hypothesis in model.hypotheses):
+        drives = [hypothesis.kind.name for hypothesis in model.hypotheses if hypothesis.kind.place == "drive"]
+        if not drives:
             return np.ones(self.arm.n_joint)
+        if "torque_saturation" in drives:
+            return self._let_through(model)
+        count = sum(-(-len(motion.t) // self.weighting.stride) for motion in self.learning)
+        if self._plainly is None:
+            base = Model()
+            self._plainly = self._noise(base, self.learning).left(self.solve(base, self.learning)[0])
+        now = 1.0 + (self._noise(model, self.learning).left(x) - self._plainly) / count
+        return np.asarray(1.0 / np.sqrt(np.maximum(now, _LEAST_NOISE)), dtype=np.float64)
+
+    def _noise(self, model: Model, motions: Sequence[Motion]) -> Noise:
+        """Return what one draw of noise makes of the equations of some motions."""
+        found = []
+        for motion in motions:
+            key = motion.number, *map(_noise_key, model.hypotheses, model.psi)
+            if key not in self._noises:
+                self._noises[key] = self._noise_of(model, motion)
+            found.append(self._noises[key])
+        return added(found)
+
+    def _noise_of(self, model: Model, motion: Motion) -> Noise:
+        rows, loud = (self.rows(model, one) for one in (motion, self._noisier[motion.number]))
+        columns, at = loud.columns - rows.columns, 0
+        for hypothesis, psi in zip(model.hypotheses, model.psi, strict=True):
+            if len(psi) or hypothesis.is_event:  # these columns are hardly noisy, and change with psi
+                columns[:, :, at : at + hypothesis.n_column] = 0.0
+            at += hypothesis.n_column
+        return noise_of(np.concatenate([loud.base - rows.base, columns], axis=2), loud.target - rows.target)
+
+    def _let_through(self, model: Model) -> Floats:
         key = tuple(
             (hypothesis.key, psi.tobytes()) for hypothesis, psi in zip(model.hypotheses, model.psi, strict=True)
         )
@@ -225,17 +266,20 @@ class Regression:
         return at(found.x)
 
     def _base(self, motion: Motion) -> tuple[Floats, Floats]:
-        if motion.number not in self._weighted:
+        if id(motion) not in self._weighted:
             view = view_of(motion, self.arm)
             base = self.weighting.filtered(motion, view.base(self.independent(self.arm)))
-            self._weighted[motion.number] = base, self.weighting.filtered(motion, view.target(self.known))
-        return self._weighted[motion.number]
+            self._weighted[id(motion)] = base, self.weighting.filtered(motion, view.target(self.known))
+        return self._weighted[id(motion)]
 
     def _first_weighting(self) -> Weighting:
         """Return the filter for a run whose mass matrix is only guessed from a first fit."""
         crude = weighting(self.arm, self.motions, np.eye(self.arm.n_joint)[None])
         self.weighting, self._weighted = crude, {}
-        values = self.solve(Model(), self.learning)[0]
+        rows = [self.rows(Model(), motion) for motion in self.learning]
+        values = scaled_lstsq(
+            np.vstack([one.design for one in rows]), np.concatenate([one.target.ravel() for one in rows])
+        )
         self._weighted = {}
         q = np.concatenate([motion.q for motion in self.learning])
         some = q[:: max(1, len(q) // _POSES)]
@@ -249,6 +293,11 @@ class Regression:
         standard = standard_parameters(self.arm)
         standard[kept] = x[: len(kept)]
         return np.stack([standard[10 * n : 11 * n], standard[11 * n :]], axis=1)
+
+
+def _noise_key(hypothesis: Hypothesis, psi: Floats) -> tuple[object, ...]:
+    """Return what tells hypotheses apart by what they make of noise; psi hardly matters but where it scales it."""
+    return hypothesis.key, hypothesis.n_column, psi.tobytes() if hypothesis.kind.name == "gain_error" else b""
 
 
 def scaled_lstsq(A: Floats, y: Floats) -> Floats:

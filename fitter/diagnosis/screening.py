@@ -8,6 +8,7 @@ import scipy.linalg
 
 from arm.effects.catalogue import catalogue
 from arm.model import Floats
+from fitter.diagnosis.agreement import agreed
 from fitter.diagnosis.at_joint import AtJoint
 from fitter.diagnosis.hypothesis import Hypothesis
 from fitter.diagnosis.loads import find_payloads
@@ -125,12 +126,25 @@ def screen(
 
 
 def _fair(regression: Regression, accepted: Candidate) -> Callable[[Candidate], Candidate]:
-    """Return what makes events comparable: they are fitted to the whole run, and gain by that alone."""
+    """Return what makes events comparable: they too predict the evaluating trials by what the learning ones tell.
+
+    Only the size of what the learning trials do not show is told by the others.
+    """
     if accepted.model.is_event:
         return lambda candidate: candidate
-    x = regression.solve(accepted.model, regression.motions)[0]
-    advantage = accepted.squares - regression.squares(accepted.model, x)
-    return lambda candidate: replace(candidate, squares=candidate.squares + advantage)
+
+    def learnt(candidate: Candidate) -> Candidate:
+        model = candidate.model
+        x, A, _ = regression.solve(model, regression.learning)
+        unseen = np.linalg.norm(A, axis=0) == 0.0
+        judging = [motion for motion in regression.motions if not motion.learn]
+        if np.any(unseen) and judging:
+            rows = [regression.rows(model, motion) for motion in judging]
+            left = [one.target.ravel() - one.design @ np.where(unseen, 0.0, x) for one in rows]
+            x[unseen] = scaled_lstsq(np.vstack([one.design[:, unseen] for one in rows]), np.concatenate(left))
+        return replace(candidate, squares=regression.squares(model, x))
+
+    return learnt
 
 
 def _possible(candidate: Candidate) -> bool:
@@ -145,7 +159,8 @@ def _events(regression: Regression, accepted: Candidate) -> list[Hypothesis]:
     found: list[Hypothesis] = []
     if ("payload", ()) not in known:
         found += find_payloads(kinds["payload"], regression, accepted.model)
-    pushes = find_pushes(kinds["external_push"], regression, accepted.model, accepted.x)
+    expected = agreed(regression, accepted.model)
+    pushes = find_pushes(kinds["external_push"], regression, accepted.model, expected)
     return found + [one for one in pushes if one.key not in known]
 
 

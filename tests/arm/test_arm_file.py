@@ -315,7 +315,7 @@ parameters = { gx_m_s2 = 0.31, gy_m_s2 = -0.12 }
 @pytest.mark.parametrize(
     ("effect", "sentence"),
     [
-        ('name = "magic"', "effect[0].name is 'magic', expected one of actuator_delay, actuator_lag, backlash"),
+        ('name = "magic"', "effect[0].name is 'magic', expected one of actuator_delay, actuator_lag, air_drag"),
         ("name = 3", "effect[0].name is 3; input should be a valid string"),
         ('name = "viscous"\njoints = [3]\nparameters = { viscous_N_m_s = 0.1 }', "joints has 3, expected 1 to 2"),
         (
