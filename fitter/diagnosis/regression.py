@@ -112,7 +112,7 @@ class Regression:
         self._noisier = noisier(arm, self.motions)
         self._plainly: Floats | None = None
         self.weighting = self._first_weighting()
-        self._weighted: dict[int, tuple[Floats, Floats]] = {}
+        self._weighted: dict[int, tuple[Motion, Floats, Floats]] = {}
 
     @cached_property
     def learning(self) -> list[Motion]:
@@ -269,8 +269,9 @@ class Regression:
         if id(motion) not in self._weighted:
             view = view_of(motion, self.arm)
             base = self.weighting.filtered(motion, view.base(self.independent(self.arm)))
-            self._weighted[id(motion)] = base, self.weighting.filtered(motion, view.target(self.known))
-        return self._weighted[id(motion)]
+            # With the motion itself, so that no other gets its id.
+            self._weighted[id(motion)] = motion, base, self.weighting.filtered(motion, view.target(self.known))
+        return self._weighted[id(motion)][1:]
 
     def _first_weighting(self) -> Weighting:
         """Return the filter for a run whose mass matrix is only guessed from a first fit."""

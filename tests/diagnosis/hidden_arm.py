@@ -33,6 +33,7 @@ ACTIONS = {
     "thermal_drift": 9,
     "periodic_disturbance": 10,
     "external_push": 11,
+    "air_drag": 12,
     "friction_by_place": 101,
     "friction_by_other_angle": 102,
     "coupled_drag": 103,
@@ -228,6 +229,12 @@ def feel(friction, acting, t, q, dq, drive, smooth, forwards, backwards):  # noq
             smooth[i] -= p * np.sin(2.0 * np.pi * r * t + s)
         elif kind == 11:
             smooth[i] -= s if p <= t <= p + r else 0.0
+        elif kind == 12:
+            turning = 0.0
+            for k in range(i + 1):
+                turning += dq[k]
+            for k in range(i + 1):
+                smooth[k] += p * turning * abs(turning)
         elif kind == 101:
             smooth[i] += p * np.sin(q[0]) * np.cos(q[int(r)]) * dq[i]
         elif kind == 102:

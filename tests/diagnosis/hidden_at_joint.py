@@ -25,6 +25,11 @@ def quadratic_drag(rng: Rng, scene: Scene, i: int) -> Hiding:
     return at_joint("quadratic_drag", i, lambda s: (scale * s,), "drag_N_m_s2", most=2.0)
 
 
+def air_drag(rng: Rng, scene: Scene, i: int) -> Hiding:
+    scale = scene.torque[i] / scene.speed[i] ** 2
+    return at_joint("air_drag", i, lambda s: (scale * s,), "drag_N_m_s2", most=2.0)
+
+
 def joint_spring(rng: Rng, scene: Scene, i: int) -> Hiding:
     k, rest = scene.torque[i] / 0.7, rng.uniform(-0.8, 0.8)
     return at_joint("joint_spring", i, lambda s: (k * s, rest), "stiffness_N_m_rad rest_angle_rad", most=3.0)

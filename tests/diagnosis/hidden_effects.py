@@ -3,6 +3,7 @@
 from collections.abc import Callable
 
 from tests.diagnosis.hidden_at_joint import (
+    air_drag,
     cogging,
     coulomb_asymmetry,
     end_stop,
@@ -42,6 +43,7 @@ EFFECTS: dict[str, Draw] = {
     for draw in (
         actuator_delay,
         actuator_lag,
+        air_drag,
         backlash,
         cogging,
         coulomb_asymmetry,
@@ -85,6 +87,7 @@ WHOLE = {"gravity_tilt", "payload", "joint_zero"}
 
 #: One joint alone takes these for its own inertia or weight.
 NEEDS_TWO = {
+    "air_drag",
     "gravity_tilt",
     "gain_error",
     "joint_zero",
@@ -103,7 +106,7 @@ def joints_for(name: str, scene: Scene) -> list[int]:
     if name == "joint_zero":
         seen = [] if scene.level else [0]
         return [*seen, 1] if n > 2 else seen
-    if name == "rotor_inertia":
+    if name in ("air_drag", "rotor_inertia"):
         return everywhere[1:]
     if name in ("stiction", "thermal_drift"):
         rubs = scene.arm.friction[:, 1] > 0.015 * scene.torque

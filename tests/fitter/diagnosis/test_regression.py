@@ -1,11 +1,14 @@
 """White rows: what is left of a true model is noise of variance 1, and the parameters come back."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from arm.base_parameters import base_parameters
 from arm.regressor import standard_parameters
 from fitter.data.trials import to_trials
+from fitter.diagnosis.attenuation import added, noise_of
 from fitter.diagnosis.motion import run_of
 from fitter.diagnosis.regression import Model, Regression, scaled_lstsq
 from tests.fitter.pendulum import pendulum, swings
@@ -36,3 +39,28 @@ def test_dependent_columns_get_the_shortest_answer():
     A = np.column_stack([A, A[:, 0]])
     x = scaled_lstsq(A, A[:, 0] + A[:, 1])
     np.testing.assert_allclose(x, [0.5, 1.0, 0.5], atol=1e-6)
+
+
+def test_noise_in_the_columns_is_what_it_is_expected_to_be():
+    """The same run with and without noise tells what noise makes of the columns; one draw foretells its size."""
+    quiet, rng = swings((), trials=12, seed=20), np.random.default_rng(0)
+    noisy = [
+        replace(one, columns={**one.columns, "q": one.columns["q"] + 6e-3 * rng.normal(size=(len(one.t), 1))})
+        for one in quiet
+    ]
+    loud, true = (
+        Regression(pendulum(), run_of(pendulum(), trials, trials[:1]))
+        for trials in (to_trials(noisy, cutoff_hz=25.0), to_trials(quiet, cutoff_hz=25.0))
+    )
+    true.weighting, true._weighted = loud.weighting, {}
+    pairs = list(zip(loud.motions, true.motions, strict=True))
+    found = [
+        noise_of(a.base - b.base, a.target - b.target)
+        for a, b in ((loud.rows(Model(), m), true.rows(Model(), replace(n, stuck=m.stuck))) for m, n in pairs)
+    ]
+    told = added([loud._noise(Model(), [motion]) for motion in loud.motions])
+    inertia = 2
+    gram = sum(one.gram for one in found)[0, inertia, inertia]
+    pull = sum(one.pull for one in found)[0, inertia]
+    assert told.gram[0, inertia, inertia] == pytest.approx(gram, rel=0.15)
+    assert told.pull[0, inertia] == pytest.approx(pull, rel=0.5)  # by the law the torque has the angle's noise
