@@ -25,10 +25,10 @@ Key = tuple[str, tuple[int, ...]]
 #: No more causes than this are sought.
 _MOST = 3
 #: Causes explain too little if they leave this share of what the base model leaves beyond noise, and so much of
-#: the noise. Then so many others are begun with that explain this share of what the best one does alone, and
-#: believed if they leave this share of what that led to.
+#: the noise. If it is the share of those that follow, so many others are begun with that explain the next share of
+#: what the best one does alone, and believed if they leave the last share of what that led to.
 UNEXPLAINED, UNEXPLAINED_AT_LEAST = 0.0125, 1.0
-_OTHERS, _BEGINNING, _MUCH_BETTER = 2, 0.2, 0.5
+_LEADS_NOWHERE, _OTHERS, _BEGINNING, _MUCH_BETTER = 0.05, 2, 0.2, 0.5
 
 
 @dataclass(frozen=True)
@@ -117,7 +117,7 @@ def find_causes(regression: Regression, tried: Sequence[Hypothesis], progress: P
     base = fitted(regression, Model())
     search = _Ascent(regression, tried, base, told, _part(progress, 0.0, 0.5)).from_base()
     for k, other in enumerate(_others(search)):
-        if not search.leaves(UNEXPLAINED, UNEXPLAINED_AT_LEAST):
+        if not search.leaves(_LEADS_NOWHERE, UNEXPLAINED_AT_LEAST):
             break
         again = _Ascent(regression, tried, base, told, _part(progress, 0.5 + 0.25 * k, 0.25))
         found = again.beginning_with(search.first, other)

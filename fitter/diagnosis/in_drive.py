@@ -18,12 +18,16 @@ from fitter.diagnosis.view import View
 _GRID = 10
 #: What follows a torque slowly is computed in steps no longer than this [s].
 _FINE_S = 0.002
-#: Shares of the greatest torque that a limit may be.
-_LIMITS = np.linspace(0.98, 0.3, 12)
+#: A limit may be this share of the torque that is hardly ever exceeded, or between that and the greatest.
+_USUAL = 0.9995
+_LIMITS, _ABOVE = np.linspace(0.98, 0.3, 12), np.array([0.8, 0.5, 0.2])
 
 
 class InDrive(Hypothesis):
     """An effect with one number, the same at all its joints."""
+
+    #: A gain does itself, and any other torque twists a transmission otherwise.
+    bends = True
 
     @property
     def is_gradual(self) -> bool:  # type: ignore[override]
@@ -49,7 +53,9 @@ class InDrive(Hypothesis):
         """Return values to try first, (n_start, 1)."""
         if self.kind.name == "torque_saturation":
             u = np.concatenate([np.abs(motion.u[:, self.joints]) for motion in motions])
-            return np.asarray((_LIMITS * np.quantile(u, 0.9995))[:, None], dtype=np.float64)
+            usual, most = float(np.quantile(u, _USUAL)), float(u.max())
+            starts = np.concatenate([usual + _ABOVE * (most - usual), _LIMITS * usual])
+            return np.asarray(starts[:, None], dtype=np.float64)
         if self.kind.name == "gain_error":
             return np.array([[0.95], [1.05]])
         step = motions[0].trial.dt_s

@@ -108,6 +108,7 @@ class Regression:
         self.known = known
         self._scales: dict[object, Floats] = {}
         self._independent: dict[tuple[float, ...], NDArray[np.intp]] = {}
+        self._bent: dict[int, tuple[Motion, object, Floats]] = {}
         self._noises: dict[object, Noise] = {}
         self._noisier = noisier(arm, self.motions)
         self._plainly: Floats | None = None
@@ -153,10 +154,20 @@ class Regression:
         view = self.view(model, motion)
         base, target = self._base(motion)
         if not view.is_plain:
-            base = self.weighting.filtered(motion, view.base(self.independent(view.arm)))
+            base = self._bent_base(model, motion, view)
         if view.u is not motion.u or (self.known is not None and not view.is_plain):
             target = self.weighting.filtered(motion, view.target(self.known))
         return Rows(base, self.columns(view), target)
+
+    def _bent_base(self, model: Model, motion: Motion, view: View) -> Floats:
+        """Return the base regressor's rows, the last ones again where only what stands beside them has changed."""
+        pairs = zip(model.hypotheses, model.psi, strict=True)
+        key = tuple((one.key, psi.tobytes()) for one, psi in pairs if one.bends)
+        last = self._bent.get(id(motion))
+        if last is None or last[0] is not motion or last[1] != key:
+            base = self.weighting.filtered(motion, view.base(self.independent(view.arm)))
+            last = self._bent[id(motion)] = motion, key, base
+        return last[2]
 
     def columns(self, view: View, first: int = 0) -> Floats:
         """Return a view's further columns, filtered, from the ``first`` hypothesis' on."""

@@ -8,7 +8,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from arm.model import Floats
-from fitter.diagnosis.agreement import disagreement
+from fitter.diagnosis.agreement import apart, disagreement
 from fitter.diagnosis.hypotheses import EVENTS
 from fitter.diagnosis.regression import Regression
 from fitter.diagnosis.screening import Candidate
@@ -76,6 +76,15 @@ def _lasting_first(
     return lasting if by_lasting > by_event else event
 
 
+def _settles(event: Candidate, gain: Floats, told: Floats) -> bool:
+    """Say whether most of an event's gain is in trials that are then left with no more than others are.
+
+    Where a cause gets single places wrong, a push as short and strong as it likes explains some of that.
+    """
+    settled = ~apart(event.squares, told)
+    return bool(gain[settled].sum() > _HALF * gain.sum())
+
+
 def simplest(accepted: Candidate, candidates: Sequence[Candidate], told: Floats) -> Candidate | None:
     """Return the one with fewest numbers among those that are equal to the best."""
     if not candidates:
@@ -117,6 +126,8 @@ def worth_it(regression: Regression, base: Candidate, accepted: Candidate, best:
     left = accepted.squares.sum() - told.sum()
     following = WORTH_OF_NEXT_EVENT if worth == WORTH_OF_EVENTS else WORTH_OF_NEXT
     if accepted.model.hypotheses and gain.sum() < max(following * told.sum(), WORTH_OF_LEFT * left):
+        return False
+    if accepted.model.hypotheses and best.hypothesis.kind.name in EVENTS and not _settles(best, gain, told):
         return False
     if best.hypothesis.is_event:
         return True

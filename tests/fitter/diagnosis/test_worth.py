@@ -70,6 +70,17 @@ def test_pushes_that_explain_everything_are_named():
     assert best(BASE, pushed, spring) is pushed
 
 
+def test_a_second_cause_that_patches_a_bad_place_is_no_push():
+    wild = np.where(np.arange(TRIALS) < 2, 2000.0, 3.0)
+    first = candidate(at_joint("joint_spring"), wild)
+    patched, healed = (
+        Candidate(first.model.plus(pushes(), np.zeros(0)), np.zeros(5), np.where(wild > 100.0, left, 3.0) * TOLD)
+        for left in (300.0, 3.0)
+    )
+    assert best_of(REGRESSION, BASE, first, [patched], TOLD) is None
+    assert best_of(REGRESSION, BASE, first, [healed], TOLD) is healed
+
+
 def test_noise_alone_hides_nothing():
     quiet = Candidate(Model(), np.zeros(3), 0.6 * TOLD)
     assert not more_to_find(quiet, quiet, TOLD)
