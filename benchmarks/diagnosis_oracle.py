@@ -200,6 +200,9 @@ def _resisting(
             q, dq, ddq = (column[:, i] for column in motion)
             if name == "rotor_inertia":
                 out[:, i] += p["inertia_kg_m2"] * ddq
+            elif name == "air_drag":
+                turning = motion[1][:, : i + 1].sum(axis=1)
+                out[:, : i + 1] += (p["drag_N_m_s2"] * turning * np.abs(turning))[:, None]
             elif name in RESISTING:
                 out[:, i] += RESISTING[name](p, t, q, dq, drive[:, i])
     return out

@@ -30,6 +30,7 @@ CANDIDATES = {
     "coulomb": {"coulomb_N_m": 1e-4},
     "quadratic_drag": {"drag_N_m_s2": 4e-6},
     "air_drag": {"drag_N_m_s2": 4e-6},
+    "stribeck": {"amplitude_N_m": 5e-5, "velocity_rad_s": 5.0},
     "torque_offset": {"torque_N_m": 1e-5},
     "coulomb_asymmetry": {"difference_N_m": 1e-5},
 }
@@ -83,7 +84,8 @@ def case(options: argparse.Namespace) -> Document:
             "viscous "
             "friction and nothing else. No torque drives it, so everything is in units of the second link's "
             "inertia, "
-            f"taken as published. One in {options.every} stretches of 2 s is learnt from."
+            "taken as published. "
+            + ("" if options.every == 1 else f"One in {options.every} stretches of 2 s is learnt from.")
         ),
         module="multiarm_pendulum",
         tables=[
@@ -145,7 +147,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     parser = Parser(prog="multiarm_pendulum", description=__doc__, parents=[common_options()])
     parser.add_argument("--data", type=Path, default=DATA, metavar="DIR", help="folder of the recordings")
     parser.add_argument("--out", type=Path, default=DOCS, metavar="DIR", help="where the page goes (docs/cases)")
-    parser.add_argument("--every", type=int, default=2, metavar="N", help="learn from every N-th stretch only (2)")
+    parser.add_argument("--every", type=int, default=1, metavar="N", help="learn from every N-th stretch only (1)")
     parser.add_argument("--most", type=int, default=MOST, metavar="N", help=f"causes at most ({MOST})")
     parser.set_defaults(action=case)
     return run_command(parser, argv)

@@ -19,8 +19,9 @@ from fitter.diagnosis.dependence import Dependence
 from fitter.diagnosis.estimates import estimates, extended_arm
 from fitter.diagnosis.hypotheses import hypotheses
 from fitter.diagnosis.hypothesis import Hypothesis
+from fitter.diagnosis.model import Model
 from fitter.diagnosis.motion import Motion, corner_hz, run_of
-from fitter.diagnosis.regression import Model, Regression
+from fitter.diagnosis.regression import Regression
 from fitter.diagnosis.screening import Candidate
 from fitter.diagnosis.unknown import Remainder, describe
 from fitter.search.fitted_parameter import FittedParameter

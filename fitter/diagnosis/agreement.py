@@ -4,7 +4,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from arm.model import Floats
-from fitter.diagnosis.regression import Model, Regression
+from fitter.diagnosis.model import Model
+from fitter.diagnosis.regression import Regression
 
 #: Rounds of reweighting.
 _ROUNDS = 12

@@ -14,7 +14,8 @@ from arm.model import Floats
 from fitter.diagnosis.agreement import apart
 from fitter.diagnosis.hypotheses import EVENTS
 from fitter.diagnosis.hypothesis import Hypothesis
-from fitter.diagnosis.regression import Model, Regression
+from fitter.diagnosis.model import Model
+from fitter.diagnosis.regression import Regression
 from fitter.diagnosis.screening import Candidate, fitted, screen
 from fitter.diagnosis.worth import best_of, more_to_find, reach, simplest, worth_it
 

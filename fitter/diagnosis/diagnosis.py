@@ -10,7 +10,7 @@ from arm.regressor import standard_parameters
 from fitter.data.motions import Measured
 from fitter.data.resample import Uniform, resample, split_at_holes
 from fitter.data.trials import FIT_CORNER, Trial, derive, undriven
-from fitter.diagnosis.causes import UNEXPLAINED, UNEXPLAINED_AT_LEAST, Search, find_causes
+from fitter.diagnosis.causes import Search, find_causes
 from fitter.diagnosis.estimates import Estimates, estimates, extended_arm
 from fitter.diagnosis.finding import Finding, NamedCause, Tried, Verdict
 from fitter.diagnosis.holding import Holding, holdings
@@ -18,28 +18,20 @@ from fitter.diagnosis.hypotheses import hypotheses
 from fitter.diagnosis.hypothesis import Hypothesis
 from fitter.diagnosis.in_arm import Payload
 from fitter.diagnosis.judgement import gain, judged
+from fitter.diagnosis.model import Model
 from fitter.diagnosis.motion import Motion, corner_hz, run_of
 from fitter.diagnosis.next_experiment import next_experiment
 from fitter.diagnosis.pushes import Pushes
-from fitter.diagnosis.regression import Model, Regression
+from fitter.diagnosis.regression import Regression
 from fitter.diagnosis.screening import Candidate, fitted
-from fitter.diagnosis.unknown import WORTH, Remainder, describe
+from fitter.diagnosis.unknown import Remainder, describe
+from fitter.diagnosis.verdict import verdict_of
 from fitter.dynamics.structure import structural_parameters
 from fitter.search.fitted_parameter import FittedParameter
 from limbcal.errors import DataError, NotIdentifiable
 
 Progress = Callable[[str, float], None]
 
-#: If a smooth function explains more than this share of what the base model leaves, beside the causes, then these
-#: are not it. True causes left less than a five-hundredth in every case that was looked at.
-_UNEXPLAINED = 0.03
-#: … nor if they leave more than `UNEXPLAINED` of it in any form, or this beside a play, for how its motor crosses
-#: it nobody can see; true causes left less in every case that was looked at.
-_LEFT_BY_PLAY = 0.5
-#: Where a base model leaves so many times the noise beyond it, something is there even if nothing explains it.
-_STRUCTURE = 2.0
-#: Some number of a cause must differ by so many standard errors from what it is without it.
-_TOLD_SIGMAS = 3.0
 #: Evaluating trials show what learning trials don't if they leave this much beyond noise of one, and those not
 #: more than this.
 _MUCH, _NOTHING = 0.3, 0.1
@@ -123,12 +115,8 @@ def diagnose(
     say("describing what is left", 0.8)
     remainder = describe(regression, search.final)
     held = holdings(regression, search.final)
-    verdict = _verdict(search, remainder, strict)
     numbers = estimates(regression, search.final)
-    if strict and len(search.causes) > 1 and not _are_told(search.final.model, numbers):
-        verdict = "unexplained"
-    if verdict == "none" and held:
-        verdict = "named"
+    verdict = verdict_of(search, remainder, numbers, bool(held), strict)
     final = search.final
     suspected: tuple[Hypothesis, ...] = ()
     if verdict == "unexplained" and search.causes:
@@ -194,35 +182,6 @@ def _settled(regression: Regression, final: Candidate) -> Candidate:
 def _trials(grids: Sequence[Sequence[Uniform]], cutoff_hz: float, free: bool) -> list[list[Trial]]:
     sets = [[derive(grid, cutoff_hz, FIT_CORNER * cutoff_hz) for grid in some] for some in grids]
     return [[undriven(trial) for trial in some] for some in sets] if free else sets
-
-
-def _verdict(search: Search, remainder: Remainder, strict: bool) -> Verdict:
-    noise = float(search.told.sum())
-    beyond = float(search.base.squares.sum()) - search.noise
-    left = remainder.worth * noise
-    names = {hypothesis.kind.name for hypothesis in search.final.model.hypotheses}
-    if not search.causes:
-        return "unexplained" if remainder.worth > WORTH or search.structure > _STRUCTURE else "none"
-    played = "backlash" in names
-    smooth = left > (_LEFT_BY_PLAY if played else _UNEXPLAINED) * beyond
-    if strict and (smooth or search.leaves(_LEFT_BY_PLAY if played else UNEXPLAINED, UNEXPLAINED_AT_LEAST)):
-        return "unexplained"
-    return "ambiguous" if any(cause.rivals for cause in search.causes) else "named"
-
-
-def _are_told(model: Model, found: Estimates) -> bool:
-    """Say whether every cause has a size: several together can imitate another, each as large as it likes."""
-    for hypothesis, numbers in zip(model.hypotheses, found.effects, strict=True):
-        neutral = {parameter.name: parameter.neutral for parameter in hypothesis.kind.parameters}
-        sizes = []
-        for name, number in numbers.items():
-            none = neutral.get(name, neutral.get(name.rstrip("0123456789").removesuffix("_")))
-            if none is not None:
-                off = abs(number.value - (none if np.isfinite(none) else 0.0))
-                sizes.append(off > _TOLD_SIGMAS * number.std)
-        if sizes and not any(sizes):
-            return False
-    return True
 
 
 def _told(

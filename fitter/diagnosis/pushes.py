@@ -12,8 +12,9 @@ import numpy as np
 from arm.effects.effect import EffectKind
 from arm.model import Floats
 from fitter.diagnosis.hypothesis import Hypothesis
+from fitter.diagnosis.model import Model
 from fitter.diagnosis.motion import Motion
-from fitter.diagnosis.regression import Model, Regression
+from fitter.diagnosis.regression import Regression
 from fitter.diagnosis.view import View
 
 #: Pushes are sought in steps of this length, and up to so many of them [s].

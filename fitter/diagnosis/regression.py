@@ -18,6 +18,7 @@ from arm.regressor import standard_parameters
 from fitter.diagnosis.attenuation import Noise, added, compensated, noise_of, noisier
 from fitter.diagnosis.equation import Weighting, mass_matrices, weighting
 from fitter.diagnosis.hypothesis import Hypothesis
+from fitter.diagnosis.model import Model
 from fitter.diagnosis.motion import Motion
 from fitter.diagnosis.view import View, view_of
 from fitter.dynamics.structure import structural_parameters
@@ -46,38 +47,6 @@ class Rows:
         """All columns side by side, one row a sample and joint."""
         both = np.concatenate([self.base, self.columns], axis=2)
         return np.asarray(both.reshape(-1, both.shape[2]), dtype=np.float64)
-
-
-@dataclass(frozen=True)
-class Model:
-    """Hypotheses with the values of their psi."""
-
-    hypotheses: tuple[Hypothesis, ...] = ()
-    psi: tuple[Floats, ...] = ()
-
-    def plus(self, hypothesis: Hypothesis, psi: Floats) -> "Model":
-        """Return this model with one hypothesis more."""
-        return Model((*self.hypotheses, hypothesis), (*self.psi, np.asarray(psi, dtype=np.float64)))
-
-    def without(self, k: int) -> "Model":
-        """Return this model without its k-th hypothesis."""
-        keep = [i for i in range(len(self.hypotheses)) if i != k]
-        return Model(tuple(self.hypotheses[i] for i in keep), tuple(self.psi[i] for i in keep))
-
-    def at(self, flat: Floats) -> "Model":
-        """Return this model with other values of psi, one after the other."""
-        sizes = np.cumsum([len(one) for one in self.psi])[:-1]
-        return replace(self, psi=tuple(np.split(np.asarray(flat, dtype=np.float64), sizes)))
-
-    @property
-    def flat(self) -> Floats:
-        """All psi, one after the other."""
-        return np.concatenate([np.zeros(0), *self.psi])
-
-    @property
-    def is_event(self) -> bool:
-        """Whether something in it happens at certain times or trials only."""
-        return any(hypothesis.is_event for hypothesis in self.hypotheses)
 
 
 class Regression:

@@ -12,8 +12,9 @@ from fitter.diagnosis.agreement import agreed
 from fitter.diagnosis.at_joint import AtJoint
 from fitter.diagnosis.hypothesis import Hypothesis
 from fitter.diagnosis.loads import find_payloads
+from fitter.diagnosis.model import Model
 from fitter.diagnosis.pushes import find_pushes
-from fitter.diagnosis.regression import Model, Regression, scaled_lstsq
+from fitter.diagnosis.regression import Regression, scaled_lstsq
 
 #: A hypothesis is refined if it explains this share of what the best one does on the learning trials …
 _PROMISING = 0.3

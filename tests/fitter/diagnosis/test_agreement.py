@@ -9,8 +9,9 @@ from arm.model import Effect
 from arm.regressor import standard_parameters
 from fitter.data.trials import to_trials
 from fitter.diagnosis.agreement import agreed, apart, disagreement
+from fitter.diagnosis.model import Model
 from fitter.diagnosis.motion import run_of
-from fitter.diagnosis.regression import Model, Regression
+from fitter.diagnosis.regression import Regression
 from tests.fitter.pendulum import pendulum, swings
 
 PUSHES = tuple(

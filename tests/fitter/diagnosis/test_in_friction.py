@@ -7,7 +7,7 @@ from arm.effects.catalogue import catalogue
 from arm.model import Effect
 from fitter.diagnosis.diagnosis import diagnose
 from fitter.diagnosis.in_friction import FrictionDrift
-from fitter.diagnosis.regression import Model
+from fitter.diagnosis.model import Model
 from tests.fitter.diagnosis.test_loads import regression_of
 from tests.fitter.pendulum import pendulum, swings
 

@@ -9,8 +9,9 @@ from fitter.data.resample import resample
 from fitter.data.trials import derive
 from fitter.diagnosis.in_arm import Payload
 from fitter.diagnosis.loads import find_payloads
+from fitter.diagnosis.model import Model
 from fitter.diagnosis.motion import run_of
-from fitter.diagnosis.regression import Model, Regression
+from fitter.diagnosis.regression import Regression
 from tests.fitter.pendulum import pendulum, swings
 
 

@@ -9,8 +9,9 @@ from arm.base_parameters import base_parameters
 from arm.regressor import standard_parameters
 from fitter.data.trials import to_trials
 from fitter.diagnosis.attenuation import added, noise_of
+from fitter.diagnosis.model import Model
 from fitter.diagnosis.motion import run_of
-from fitter.diagnosis.regression import Model, Regression, scaled_lstsq
+from fitter.diagnosis.regression import Regression, scaled_lstsq
 from tests.fitter.pendulum import pendulum, swings
 
 

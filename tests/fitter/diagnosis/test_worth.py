@@ -9,8 +9,9 @@ import pytest
 from arm.effects.catalogue import catalogue
 from fitter.diagnosis.at_joint import AtJoint
 from fitter.diagnosis.hypothesis import Hypothesis
+from fitter.diagnosis.model import Model
 from fitter.diagnosis.pushes import Pushes
-from fitter.diagnosis.regression import Model, Regression
+from fitter.diagnosis.regression import Regression
 from fitter.diagnosis.screening import Candidate
 from fitter.diagnosis.worth import best_of, more_to_find, reach
 

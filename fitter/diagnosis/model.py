@@ -1,0 +1,40 @@
+"""A model of what an arm does beyond its base parameters: some hypotheses, with values of their psi."""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from arm.model import Floats
+from fitter.diagnosis.hypothesis import Hypothesis
+
+
+@dataclass(frozen=True)
+class Model:
+    """Hypotheses with the values of their psi."""
+
+    hypotheses: tuple[Hypothesis, ...] = ()
+    psi: tuple[Floats, ...] = ()
+
+    def plus(self, hypothesis: Hypothesis, psi: Floats) -> "Model":
+        """Return this model with one hypothesis more."""
+        return Model((*self.hypotheses, hypothesis), (*self.psi, np.asarray(psi, dtype=np.float64)))
+
+    def without(self, k: int) -> "Model":
+        """Return this model without its k-th hypothesis."""
+        keep = [i for i in range(len(self.hypotheses)) if i != k]
+        return Model(tuple(self.hypotheses[i] for i in keep), tuple(self.psi[i] for i in keep))
+
+    def at(self, flat: Floats) -> "Model":
+        """Return this model with other values of psi, one after the other."""
+        sizes = np.cumsum([len(one) for one in self.psi])[:-1]
+        return replace(self, psi=tuple(np.split(np.asarray(flat, dtype=np.float64), sizes)))
+
+    @property
+    def flat(self) -> Floats:
+        """All psi, one after the other."""
+        return np.concatenate([np.zeros(0), *self.psi])
+
+    @property
+    def is_event(self) -> bool:
+        """Whether something in it happens at certain times or trials only."""
+        return any(hypothesis.is_event for hypothesis in self.hypotheses)

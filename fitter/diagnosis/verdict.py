@@ -1,0 +1,67 @@
+"""What is said of it all: named, ambiguous, none, or unexplained."""
+
+import numpy as np
+
+from fitter.diagnosis.causes import UNEXPLAINED, UNEXPLAINED_AT_LEAST, Search
+from fitter.diagnosis.estimates import Estimates
+from fitter.diagnosis.finding import Verdict
+from fitter.diagnosis.model import Model
+from fitter.diagnosis.unknown import WORTH, Remainder
+
+#: If a smooth function explains more than this share of what the base model leaves, beside the causes, then these
+#: are not it. True causes left less than a five-hundredth in every case that was looked at.
+_UNEXPLAINED = 0.03
+#: … nor if they leave more than `UNEXPLAINED` of it in any form, or this beside a play, for how its motor crosses
+#: it nobody can see; true causes left less in every case that was looked at.
+_LEFT_BY_PLAY = 0.5
+#: Where a base model leaves so many times the noise beyond it, something is there even if nothing explains it.
+_STRUCTURE = 2.0
+#: Some number of a cause must differ by so many standard errors from what it is without it.
+_TOLD_SIGMAS = 3.0
+
+
+def verdict_of(search: Search, remainder: Remainder, numbers: Estimates, held: bool, strict: bool) -> Verdict:
+    """Return the verdict.
+
+    Parameters
+    ----------
+    search : Search
+    remainder : Remainder
+        What its final model leaves, described.
+    numbers : Estimates
+        Of that model.
+    held : bool
+        Whether a joint that rests is held by more than its friction: that is a cause of its own.
+    strict : bool
+        Whether causes are named only if next to nothing is left that they don't explain.
+    """
+    noise = float(search.told.sum())
+    beyond = float(search.base.squares.sum()) - search.noise
+    left = remainder.worth * noise
+    names = {hypothesis.kind.name for hypothesis in search.final.model.hypotheses}
+    if not search.causes:
+        if remainder.worth > WORTH or search.structure > _STRUCTURE:
+            return "unexplained"
+        return "named" if held else "none"
+    played = "backlash" in names
+    smooth = left > (_LEFT_BY_PLAY if played else _UNEXPLAINED) * beyond
+    if strict and (smooth or search.leaves(_LEFT_BY_PLAY if played else UNEXPLAINED, UNEXPLAINED_AT_LEAST)):
+        return "unexplained"
+    if strict and len(search.causes) > 1 and not _are_told(search.final.model, numbers):
+        return "unexplained"
+    return "ambiguous" if any(cause.rivals for cause in search.causes) else "named"
+
+
+def _are_told(model: Model, found: Estimates) -> bool:
+    """Say whether every cause has a size: several together can imitate another, each as large as it likes."""
+    for hypothesis, numbers in zip(model.hypotheses, found.effects, strict=True):
+        neutral = {parameter.name: parameter.neutral for parameter in hypothesis.kind.parameters}
+        sizes = []
+        for name, number in numbers.items():
+            none = neutral.get(name, neutral.get(name.rstrip("0123456789").removesuffix("_")))
+            if none is not None:
+                off = abs(number.value - (none if np.isfinite(none) else 0.0))
+                sizes.append(off > _TOLD_SIGMAS * number.std)
+        if sizes and not any(sizes):
+            return False
+    return True
