@@ -61,6 +61,11 @@ def apart(squares: Floats, told: Floats) -> NDArray[np.bool_]:
     return alone
 
 
+def typical(squares: Floats, told: Floats) -> float:
+    """Return what trials are left with, in units of noise, as their geometric mean: no trial counts for many."""
+    return float(np.exp(np.mean(np.log(np.maximum(squares / told, 1e-300)))))
+
+
 def disagreement(squares: Floats, told: Floats) -> float:
     """Return how much trials are left with on the whole when none of them counts for many, in logarithms."""
     return float(np.sum(np.log(np.maximum(squares / told, 1.0))))

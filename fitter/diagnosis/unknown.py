@@ -1,7 +1,7 @@
 """What no effect of the catalogue explains: on what it depends, how much could be known, and a formula as a hint.
 
-Smooth functions of a few variables (products of splines) are fitted beside the base parameters to every other
-trial and judged on the trials between them. The fewest variables whose function explains nearly as much as any
+Functions of a few variables (products of hats) are fitted beside the base parameters to most trials and judged on
+the others in turn. The fewest variables whose function explains nearly as much as any
 are what the remainder depends on. The base parameters are fitted along, for what is left of a torque after a fit
 is bent by all that the fit could shift.
 """
@@ -12,6 +12,7 @@ from itertools import combinations
 
 import numpy as np
 
+from fitter.diagnosis.agreement import typical
 from fitter.diagnosis.dependence import Dependence, dependences
 from fitter.diagnosis.folds import Folds, names
 from fitter.diagnosis.regression import Regression
@@ -31,7 +32,7 @@ class Remainder:
     Attributes
     ----------
     explained : float
-        Share of the remaining sum of squares that a smooth function explains on trials it has not seen, 0 to 1.
+        Share of what trials are typically left with that a function explains where it was not fitted, 0 to 1.
     worth : float
         The same in units of what noise would leave.
     white : bool
@@ -65,7 +66,7 @@ def describe(regression: Regression, final: Candidate) -> Remainder:
             for some in combinations(variables, size):
                 if not _sensible(some):
                     continue
-                alone[some, joint] = fold.squares(some, joint)
+                alone[some, joint] = fold.typical(some, joint)
     if alone:
         found = min(alone, key=lambda key: alone[key])
         best = alone[found]
@@ -73,11 +74,12 @@ def describe(regression: Regression, final: Candidate) -> Remainder:
     for third in variables:
         more = (*some, third)
         if len(some) == 2 and third not in some and _sensible(more):
-            alone[more, joint] = fold.squares(more, joint)
+            alone[more, joint] = fold.typical(more, joint)
             if alone[more, joint] < best:
                 best, found = alone[more, joint], (more, joint)
-    # A function must do better than the model does as it is, not only than one that half the trials tell less of.
-    most = min(fold.left, float(final.squares.sum()))
+    # A function must do better than the model does as it is, not only than one that fewer trials tell less of.
+    told = np.array([regression.weighting.told(motion) for motion in regression.motions], dtype=np.float64)
+    most = min(fold.left, typical(final.squares, told))
     gain = fold.left - best
     for fewer in sorted((key for key in alone if key[1] == joint), key=lambda key: len(key[0])):
         if fold.left - alone[fewer] >= (1.0 - _NEEDED) * gain:
@@ -87,17 +89,15 @@ def describe(regression: Regression, final: Candidate) -> Remainder:
             )
             break
     some, joint = found
-    noise = float(sum(regression.weighting.told(motion) for motion in regression.motions))
-    gain = max(most - best, 0.0)
-    worth = gain / noise
-    told = worth > WORTH
+    worth = max(most - best, 0.0)
+    is_told = worth > WORTH
     return Remainder(
-        explained=float(np.clip(gain / most, 0.0, 1.0)),
+        explained=float(np.clip(worth / most, 0.0, 1.0)),
         worth=worth,
         white=_white(regression, final),
-        depends_on=some if told else (),
-        joint=joint + 1 if told else 0,
-        formula=fold.formula(some, joint, fold.left - best) if told else "",
+        depends_on=some if is_told else (),
+        joint=joint + 1 if is_told else 0,
+        formula=fold.formula(some, joint, fold.left - best) if is_told else "",
         dependences=dependences(regression, final),
     )
 
