@@ -104,6 +104,10 @@ def case(options: argparse.Namespace) -> Document:
             "(eccentric discs, say) would look like ripples of torque. No cause is named by its prediction "
             "alone with "
             "certainty: drag and dry friction in two bearings share most of what either explains.",
+            "A negative `coulomb` beside `stribeck` says that friction falls with speed further than by that "
+            "formula. "
+            "`air_drag` and `stribeck` became candidates after a first search without them (1.41 mrad) had been "
+            "seen: what is held back had no say in the fit, but in what was tried.",
         ],
     )
     effects = [

@@ -38,7 +38,10 @@ def test_nothing_is_named_where_nothing_is_hidden(seed: int, tmp_path: Path) -> 
     assert told["verdict"] == "none", told
 
 
-def test_what_is_in_no_catalogue_is_not_named(tmp_path: Path) -> None:
-    case = draw_case(31, "outside", "coupled_drag", SHORT)
+@pytest.mark.parametrize(("effect", "seed"), [("coupled_drag", 31), ("friction_by_other_speed", 32)])
+def test_what_is_in_no_catalogue_is_not_named_but_told_by_its_variables(
+    effect: str, seed: int, tmp_path: Path
+) -> None:
+    case = draw_case(seed, "outside", effect, SHORT)
     told = score(case.truth, diagnose(*case.write(tmp_path), tmp_path / "out"))
     assert told["right"], (told, case.truth["effects"])

@@ -1,6 +1,7 @@
 """What most trials agree on is not bent by what happened in a few."""
 
 import numpy as np
+import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -8,7 +9,7 @@ from arm.base_parameters import base_parameters
 from arm.model import Effect
 from arm.regressor import standard_parameters
 from fitter.data.trials import to_trials
-from fitter.diagnosis.agreement import agreed, apart, disagreement
+from fitter.diagnosis.agreement import agreed, apart, disagreement, typical
 from fitter.diagnosis.model import Model
 from fitter.diagnosis.motion import run_of
 from fitter.diagnosis.regression import Regression
@@ -46,6 +47,13 @@ def test_only_what_is_far_off_and_rare_stands_apart(ratios, place, factor):
 def test_half_of_the_trials_never_stand_apart():
     squares = np.array([1.0, 1.0, 900.0, 900.0, 900.0, 900.0, 900.0, 1.0])
     assert not np.any(apart(squares, np.ones(8)))
+
+
+def test_what_is_typical_is_not_moved_far_by_one_trial():
+    squares = np.full(20, 200.0)
+    assert typical(squares, np.full(20, 100.0)) == pytest.approx(2.0)
+    squares[7] *= 1e4
+    assert typical(squares, np.full(20, 100.0)) == pytest.approx(2.0 * 1e4**0.05)
 
 
 def test_no_trial_counts_for_many():
