@@ -93,7 +93,7 @@ def _with_parameters(link: Link, p: Floats) -> Link:
     xx, yy, zz, xy, xz, yz, sx, sy, sz, m = p.tolist()
     if m == 0.0:  # no mass can hold a first moment: only an arm without any comes here
         return replace(link, mass_kg=0.0, inertia_kg_m2=(xx, yy, zz, xy, xz, yz))
-    return Link(mass_kg=m, com_m=(sx / m, sy / m, sz / m), inertia_kg_m2=(xx, yy, zz, xy, xz, yz))
+    return replace(link, mass_kg=m, com_m=(sx / m, sy / m, sz / m), inertia_kg_m2=(xx, yy, zz, xy, xz, yz))
 
 
 def _log_triangle(parameters: Floats) -> Floats:

@@ -10,7 +10,7 @@ from dataclasses import replace
 import numpy as np
 
 from arm.effects.effect import EffectKind, Parameter, Values, number
-from arm.model import Arm, Link
+from arm.model import Arm
 
 
 def loaded_from(values: Values, trial: int) -> float:
@@ -29,7 +29,7 @@ def with_load(arm: Arm, mass_kg: float) -> Arm:
     x, y, z = (last.link.mass_kg * s for s in last.link.com_m)
     com = ((x + mass_kg * a) / mass, y / mass, z / mass) if mass else last.link.com_m
     turning = mass_kg * a * a
-    link = Link(mass, com, (xx, yy + turning, zz + turning, xy, xz, yz))
+    link = replace(last.link, mass_kg=mass, com_m=com, inertia_kg_m2=(xx, yy + turning, zz + turning, xy, xz, yz))
     return replace(arm, joints=(*arm.joints[:-1], replace(last, link=link)))
 
 
