@@ -176,7 +176,7 @@ def effect_steps(
                 changed = mode_changed(chain, commands, effects, k, done + share, h, after, mode, room)
                 if changed:
                     late = share
-                elif share == whole:
+                elif not share < whole:  # nor is it where all has run away and nothing is a number any more
                     break
                 else:
                     before = share

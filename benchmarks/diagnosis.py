@@ -27,6 +27,7 @@ from rich.progress import (
 
 from benchmarks.diagnosis_case import Job, run
 from benchmarks.diagnosis_page import goals, page
+from fitter.dynamics.parallel import be_worker
 from limbcal.command import Document, Parser, common_options, console, emit, run_command, say
 from limbcal.errors import ConfigError
 from tests.diagnosis.hidden_cases import KINDS, draw_case
@@ -41,12 +42,15 @@ _APART = 1_000_000
 
 
 def jobs(counts: dict[str, int], seed: int, effect: str | None) -> list[Job]:
-    """Return the cases: so many of each kind, their effects in turn from that of the seed on."""
+    """Return the cases: so many of each kind, their effects in turn from that of the seed on.
+
+    The kinds alternate, each as often as it has cases, so a log that was cut short holds some of all.
+    """
     turns = {"one": list(EFFECTS), "outside": list(OUTSIDE), "nothing": [None], "two": list(EFFECTS)}
+    places = sorted(((k + 0.5) / count, kind, k) for kind, count in counts.items() for k in range(count))
     return [
         Job(kind, seed + _APART * KINDS.index(kind) + k, effect or turns[kind][(seed + k) % len(turns[kind])])
-        for kind, count in counts.items()
-        for k in range(count)
+        for _, kind, k in places
     ]
 
 
@@ -56,7 +60,7 @@ def run_all(todo: list[Job], workers: int, limit_s: float) -> Iterator[dict[str,
         os.environ.update(dict.fromkeys(_THREADS, "1"))  # the processes inherit it before they load a library
     spawn, tries = multiprocessing.get_context("spawn"), dict.fromkeys(todo, 0)
     while tries:
-        with ProcessPoolExecutor(workers, mp_context=spawn) as pool:
+        with ProcessPoolExecutor(workers, mp_context=spawn, initializer=be_worker) as pool:
             futures = {pool.submit(run, job, limit_s): job for job in tries}
             for future in as_completed(futures):
                 job = futures[future]

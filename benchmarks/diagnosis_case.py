@@ -3,6 +3,7 @@
 import contextlib
 import io
 import json
+import os
 import signal
 import tempfile
 import time
@@ -78,9 +79,10 @@ def run(job: Job, limit_s: float) -> dict[str, Any]:
             case = draw_case(job.seed, job.kind, job.effect, job.bench)
             line |= {"truth": case.truth}
             learn, evaluate, arm = case.write(folder)
-            begin = time.perf_counter()
+            begin, used_s = time.perf_counter(), _processor_s()
             found = diagnose(learn, evaluate, arm, folder / "out")
-            line |= {"seconds": time.perf_counter() - begin, "found": _brief(found)}
+            took = {"seconds": time.perf_counter() - begin, "processor_s": _processor_s() - used_s}
+            line |= took | {"found": _brief(found)}
             line["score"] = score(case.truth, found) | {"placed": payload_placed(case.truth, found)}
             if line["score"].get("right") and job.kind in ("one", "two"):
                 line["score"]["beside_oracle"] = beside_oracle(
@@ -99,6 +101,12 @@ def beside_oracle(case: Case, learn: Path, evaluate: Path, extended: Path) -> fl
     learning, evaluating = read_set(learn, n), read_set(evaluate, n)
     ideal = left_by_oracle(known, learning, evaluating, true_effects(truth)) / noise
     return float(np.sqrt(np.mean((left_by_file(known, evaluating, extended) / noise) ** 2) / np.mean(ideal**2)))
+
+
+def _processor_s() -> float:
+    """Return the processor time [s] of this process and of those it has ended."""
+    times = os.times()
+    return times.user + times.system + times.children_user + times.children_system
 
 
 def _brief(found: dict[str, Any]) -> dict[str, Any]:

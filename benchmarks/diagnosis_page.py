@@ -27,7 +27,7 @@ def page(lines: Sequence[Line]) -> str:
     lines : sequence of dict
         The log's, one a case.
     """
-    parts = [OPENING, goals(lines)]
+    parts = [OPENING, _ran(lines), goals(lines)]
     one = [line for line in lines if line["kind"] in ("one", "nothing")]
     if one:
         parts += ["## Effect by effect\n", by_effect(one), "## Confusion matrix\n", confusion(one)]
@@ -36,6 +36,15 @@ def page(lines: Sequence[Line]) -> str:
         if chosen:
             parts += [title, by_effect(chosen) if kind == "outside" else pairs(chosen)]
     return "\n".join(parts)
+
+
+def _ran(lines: Sequence[Line]) -> str:
+    """Return what the page is made of."""
+    kinds = Counter(str(line["kind"]) for line in lines)
+    counts = ", ".join(f"{count} {kind}" for kind, count in kinds.items())
+    seeds = {kind: [line["seed"] for line in lines if line["kind"] == kind] for kind in kinds}
+    spans = ", ".join(f"{min(some)} to {max(some)}" for some in seeds.values())
+    return f"This page is made of {len(lines)} cases ({counts}), of the seeds {spans}.\n"
 
 
 def goals(lines: Sequence[Line]) -> str:
@@ -74,8 +83,10 @@ def goals(lines: Sequence[Line]) -> str:
         ("… median and 95th percentile", "1.1 ×", f"{_quantile(beside, 0.5)}, {_quantile(beside, 0.95)}"),
     ]
     took = [line["seconds"] for line in lines if "seconds" in line]
+    used = [line["processor_s"] for line in lines if "processor_s" in line]
     rows += [
         ("seconds a diagnosis, median and longest", "60", f"{_quantile(took, 0.5)}, {_quantile(took, 1.0)}"),
+        ("… of them a processor's", "", f"{_quantile(used, 0.5)}, {_quantile(used, 1.0)}"),
         ("crashed", "0", f"{sum('error' in line for line in lines)} of {len(lines)}"),
     ]
     return _table(("", "goal", "measured"), rows)

@@ -227,9 +227,7 @@ def _trials(arguments: argparse.Namespace, arm: Arm) -> tuple[list[Trial], list[
     if corner_hz is None and all(path.suffix.lower() in RECORDINGS for path in expand(arguments.learn)):
         corner_hz = np.inf  # a tracker's motion is smooth already, and is learnt from as it was when it was live
 
-    def load(
-        sources: Sequence[Path], role: Role | None, filters: tuple[float, float] | None
-    ) -> list[Trial]:
+    def load(sources: Sequence[Path], role: Role | None, filters: tuple[float, float] | None) -> list[Trial]:
         cutoff_hz, band_hz = filters or (corner_hz, None)
         return load_trials(
             sources,

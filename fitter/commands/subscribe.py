@@ -20,6 +20,7 @@ from fitter.report.compared import load_compared
 from fitter.report.results import write_results
 from limbcal.command import Document, console, say
 from limbcal.errors import ConfigError, DataError, DeviceError, LimbcalError, NotIdentifiable
+from protocol.curve import gate_of, load_client_key
 from protocol.message import DIAGNOSIS, DYNAMICS, FRAMES, HEALTH, KINEMATICS, TRIAL
 from protocol.publisher import Publisher
 from protocol.subscriber import Subscriber
@@ -37,6 +38,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--endpoint", default=DEFAULT_ENDPOINT, metavar="E", help=f"publish here ({DEFAULT_ENDPOINT})"
     )
+    parser.add_argument("--key", type=Path, metavar="FILE", help="NAME.limbkey, where the daemon asks for one")
+    parser.add_argument("--keys", type=Path, metavar="DIR", help="let in only whom `limbd keys new` lists here")
     parser.add_argument(
         "--arm", metavar="A", help="arm file, or built-in arm; by default the one the stream names"
     )
@@ -56,13 +59,17 @@ def subscribe(arguments: argparse.Namespace) -> Document | None:
     compared = [] if arm is None else load_compared(arguments.compare, arm)
     if arguments.out is not None:
         _make_directory(arguments.out)  # learning for an hour and then having no place to write would be a pity
+    key = None if arguments.key is None else load_client_key(arguments.key)
     context = zmq.Context()
     try:
-        with Subscriber(context, arguments.connect, (FRAMES, TRIAL, HEALTH)) as subscriber:
+        with (
+            gate_of(context, arguments.keys) as gate,
+            Subscriber(context, arguments.connect, (FRAMES, TRIAL, HEALTH), key) as subscriber,
+        ):
             if arm is None:
                 arm = load_arm(_named(subscriber, arguments))
                 compared = load_compared(arguments.compare, arm)
-            with Publisher(context, arguments.endpoint, arm.name, str(uuid.uuid4())) as publisher:
+            with Publisher(context, arguments.endpoint, arm.name, str(uuid.uuid4()), gate) as publisher:
                 session = _Session(Calibration(arm, arguments.seed), publisher, subscriber)
                 say(f"following {arguments.connect}, publishing on {publisher.endpoint}; Ctrl-C to stop")
                 stopped, trouble = False, None

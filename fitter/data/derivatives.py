@@ -1,5 +1,6 @@
 """Zero-phase low-pass filtering and differentiation on a uniform grid."""
 
+import functools
 import math
 from typing import Literal
 
@@ -45,10 +46,15 @@ def lowpass(values: Floats, dt_s: float, cutoff_hz: float, ends: Ends = "odd") -
     """
     if cutoff_hz * dt_s >= HIGHEST_CORNER:
         return values
-    sections = butter(ORDER, cutoff_hz, fs=1.0 / dt_s, output="sos")
+    sections = _sections(dt_s, cutoff_hz)
     padding = min(len(values) - 1, PADDING * settling_samples(dt_s, cutoff_hz))
     filtered: Floats = sosfiltfilt(sections, values, axis=0, padtype=ends, padlen=padding)
     return filtered
+
+
+@functools.cache
+def _sections(dt_s: float, cutoff_hz: float) -> Floats:
+    return np.asarray(butter(ORDER, cutoff_hz, fs=1.0 / dt_s, output="sos"), dtype=np.float64)
 
 
 def settling_samples(dt_s: float, cutoff_hz: float) -> int:

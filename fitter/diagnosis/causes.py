@@ -236,6 +236,18 @@ def _cause(
     return Cause(place, rivals, beaten, worth)
 
 
+def _with_itself(candidates: list[Candidate], itself: Candidate) -> list[Candidate]:
+    """Return candidates with the doubted one as it was, unless it did better when it was tried anew.
+
+    The others' psi are held where they are without it, which may be far from where they are with it.
+    """
+    again = [one for one in candidates if one.hypothesis.key == itself.hypothesis.key]
+    if any(one.squares.sum() <= itself.squares.sum() for one in again):
+        return candidates
+    others = [one for one in candidates if one.hypothesis.key != itself.hypothesis.key]
+    return sorted([itself, *others], key=lambda one: float(one.squares.sum()))
+
+
 def _doubted(
     regression: Regression,
     base: Candidate,
@@ -250,6 +262,7 @@ def _doubted(
     while k < len(accepted.model.hypotheses):
         rest = fitted(regression, accepted.model.without(k))
         candidates = screen(regression, rest, _without(tried, rest.model), say)
+        candidates = _with_itself(candidates, fitted(regression, accepted.model.with_last(k), refine=False))
         best = simplest(rest, candidates, told)
         assert best is not None
         if not worth_it(regression, base, rest, best, told):

@@ -48,9 +48,8 @@ class Dependence:
 
 def remaining_torque(regression: Regression, model: Model, x: Floats, motion: Motion) -> Floats:
     """Return the torque that a model leaves, smoothed, NaN where stuck, (n_sample, n_joint) [N m or N]."""
-    view = regression.view(model, motion)
-    rows = np.concatenate([view.base(regression.independent(view.arm)), *view.columns], axis=2)
-    left = lowpass(view.target(regression.known) - rows @ x, motion.dt_s, _SMOOTH * regression.weighting.band_hz)
+    left = regression.equations.left(model, x, motion)
+    left = lowpass(left, motion.dt_s, _SMOOTH * regression.weighting.band_hz)
     return np.where(motion.stuck, np.nan, left)
 
 

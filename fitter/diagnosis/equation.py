@@ -59,6 +59,7 @@ class Weighting:
     band_hz: float
     stride: int
     _held: dict[int, tuple[Floats, Floats]] = field(default_factory=dict, repr=False)
+    _boxes: dict[tuple[int, int, float], tuple[Floats, Floats]] = field(default_factory=dict, repr=False)
     _gains: dict[tuple[int, float], Floats] = field(default_factory=dict, repr=False)
 
     @property
@@ -72,7 +73,30 @@ class Weighting:
         white = self._white(rows, motion.dt_s)
         axes, lost = self._axes(motion)
         flat = white.reshape(white.shape[0] * white.shape[1], -1)
-        return np.asarray((flat - (axes * lost) @ (axes.T @ flat)).reshape(white.shape), dtype=np.float64)
+        return np.asarray((flat - axes @ (lost[:, None] * (axes.T @ flat))).reshape(white.shape), dtype=np.float64)
+
+    def boxes(self, motion: Motion, joint: int, length_s: float) -> tuple[Floats, Floats]:
+        """Return torques of 1 at a joint, one after the other, filtered, and their products with each other.
+
+        Parameters
+        ----------
+        motion : Motion
+        joint : int
+        length_s : float
+            How long each of them lasts; the first begins with the motion.
+
+        Returns
+        -------
+        (n_slower * n_joint, n_box), (n_box, n_box)
+        """
+        key = motion.number, joint, length_s
+        if key not in self._boxes:
+            starts = np.arange(motion.t[0], motion.t[-1], length_s)
+            rows = np.zeros((*motion.q.shape, len(starts)))
+            rows[:, joint] = (motion.t[:, None] >= starts) & (motion.t[:, None] < starts + length_s)
+            filtered = self.filtered(motion, rows).reshape(-1, len(starts))
+            self._boxes[key] = filtered, filtered.T @ filtered
+        return self._boxes[key]
 
     def told(self, motion: Motion) -> int:
         """Return how many numbers a motion's equations tell."""
@@ -110,15 +134,14 @@ class Weighting:
 
     def _white(self, rows: Floats, dt_s: float) -> Floats:
         n = len(rows)
-        size = scipy.fft.next_fast_len(n + round(1.0 / dt_s), real=True)
+        slower = scipy.fft.next_fast_len(-(-(n + round(1.0 / dt_s)) // self.stride), real=True)
+        size = slower * self.stride
         gain = self._gain(scipy.fft.rfftfreq(size, dt_s), dt_s)
         kept = len(gain)  # nothing is left beyond the band
         flat = (rows * end_weight(n, dt_s).reshape(n, *([1] * (rows.ndim - 1)))).reshape(n, -1)
         part = scipy.fft.rfft(flat, size, axis=0)[:kept].reshape(kept, rows.shape[1], -1)
-        spectrum = np.zeros((size // 2 + 1, flat.shape[1]), dtype=np.complex128)
-        spectrum[:kept] = (gain @ part).reshape(kept, -1)
-        white = scipy.fft.irfft(spectrum, size, axis=0)[:n][:: self.stride]
-        return np.asarray(white, dtype=np.float64).reshape(-1, *rows.shape[1:])
+        white = scipy.fft.irfft((gain @ part).reshape(kept, -1), slower, axis=0) / self.stride
+        return np.asarray(white[: -(-n // self.stride)], dtype=np.float64).reshape(-1, *rows.shape[1:])
 
     def _gain(self, f: Floats, dt_s: float) -> Floats:
         key = len(f), dt_s

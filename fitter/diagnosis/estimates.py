@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from arm.base_parameters import BaseParameters, with_base_values
-from arm.model import Arm, Effect, Estimate, Floats
+from arm.model import Arm, Effect, Estimate, Floats, Joint
 from fitter.diagnosis.hypothesis import Hypothesis
 from fitter.diagnosis.in_arm import Payload
 from fitter.diagnosis.motion import Motion
@@ -60,12 +60,12 @@ def estimates(regression: Regression, fitted: Candidate) -> Estimates:
     std = np.sqrt(np.maximum(np.diag(covariance), 0.0))
     view = regression.view(model, regression.motions[0])
     base = structural_parameters(_generic(regression.arm, view.arm))
-    kept = regression.independent(view.arm)
+    kept = regression.equations.independent(view.arm)
     values, errors = np.full((2, len(base.names)), np.nan)
     where = [base.independent.index(int(column)) for column in kept]
     values[where], errors[where] = fitted.x[:n_base], std[:n_base]
-    if regression.known is not None:
-        values[base.independent.index(regression.known[0])] = regression.known[1]
+    if regression.equations.known is not None:
+        values[base.independent.index(regression.equations.known[0])] = regression.equations.known[1]
 
     effects, at, psi_at = [], n_base, len(fitted.x)
     for hypothesis, psi in zip(model.hypotheses, model.psi, strict=True):
@@ -94,10 +94,17 @@ def extended_arm(regression: Regression, fitted: Candidate, found: Estimates) ->
     }
     return replace(
         moved,
+        joints=tuple(map(_braked, moved.joints)),
         gravity_m_s2=arm.gravity_m_s2,
         base_parameters=parameters,
         effects=(*arm.effects, *split),
     )
+
+
+def _braked(joint: Joint) -> Joint:
+    """Return a joint whose Coulomb friction brakes: one that is fitted to push would rattle in a simulation."""
+    friction = joint.friction
+    return replace(joint, friction=replace(friction, coulomb_N_m=max(friction.coulomb_N_m, 0.0)))
 
 
 def _generic(arm: Arm, tilted: Arm) -> Arm:

@@ -49,7 +49,7 @@ class Folds:
     def __init__(self, regression: Regression, final: Candidate) -> None:
         self._regression, self._model = regression, final.model
         rows = [regression.rows(final.model, motion) for motion in regression.motions]
-        n_base = rows[0].base.shape[2]
+        n_base = rows[0].design.shape[1] - final.model.n_column
         # What the causes were found to do stays as it is: an event in one trial cannot be learnt from others.
         self._known = [one.design[:, :n_base] for one in rows]
         self._target = [one.target.ravel() - one.design[:, n_base:] @ final.x[n_base:] for one in rows]

@@ -86,9 +86,7 @@ def _held(regression: Regression, final: Candidate, joint: int, learn: bool) -> 
     for motion in regression.motions:
         if motion.learn != learn:
             continue
-        view = regression.view(final.model, motion)
-        rows = np.concatenate([view.base(regression.independent(view.arm)), *view.columns], axis=2)
-        held = (view.target(regression.known) - rows @ final.x)[:, joint]
+        held = regression.equations.left(final.model, final.x, motion)[:, joint]
         for part in _rests(motion, joint):
             weight = np.hanning(part.stop - part.start + 2)[1:-1]
             weight /= weight.sum()

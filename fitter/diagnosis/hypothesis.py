@@ -28,8 +28,6 @@ class Hypothesis(ABC):
     n_column = 0
     #: It acts at certain times or trials only, so these are sought over the whole run.
     is_event = False
-    #: It changes the regressor, not only what stands beside it or on the other side.
-    bends = False
     #: A few steps from a start near nothing tell what it can explain; the start itself does not.
     is_gradual = False
 

@@ -22,7 +22,6 @@ class GravityTilt(Hypothesis):
     """Gravity has a part in the plane that the arm file does not know of."""
 
     is_gradual = True
-    bends = True
 
     @property
     def low(self) -> Floats:
@@ -52,7 +51,6 @@ class JointZero(Hypothesis):
     """The angle of a link is off by a constant."""
 
     is_gradual = True
-    bends = True
 
     @property
     def low(self) -> Floats:

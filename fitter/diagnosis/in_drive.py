@@ -5,7 +5,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
-from scipy.interpolate import make_interp_spline
+from scipy.ndimage import shift
 from scipy.signal import lfilter
 
 from arm.effects.effect import EffectKind
@@ -16,6 +16,8 @@ from fitter.diagnosis.motion import Motion, sharp_torque
 from fitter.diagnosis.view import View
 
 _GRID = 10
+#: What a spline does does not reach further than so many samples (to 1e-7).
+_SPLINE = 12
 #: What follows a torque slowly is computed in steps no longer than this [s].
 _FINE_S = 0.002
 #: A limit may be this share of the torque that is hardly ever exceeded, or between that and the greatest.
@@ -25,9 +27,6 @@ _LIMITS, _ABOVE = np.linspace(0.98, 0.3, 12), np.array([0.8, 0.5, 0.2])
 
 class InDrive(Hypothesis):
     """An effect with one number, the same at all its joints."""
-
-    #: A gain does itself, and any other torque twists a transmission otherwise.
-    bends = True
 
     @property
     def is_gradual(self) -> bool:  # type: ignore[override]
@@ -82,16 +81,23 @@ class InDrive(Hypothesis):
 
 def delayed(u: Floats, delay_s: float, dt_s: float) -> Floats:
     """Return a torque that comes late; before its first sample it was what it is there."""
-    steps = np.arange(len(u), dtype=np.float64)
-    curve = make_interp_spline(steps, u, k=3)
-    return np.asarray(curve(np.maximum(steps - delay_s / dt_s, 0.0)), dtype=np.float64)
+    late = _shifted(u, delay_s / dt_s)
+    late[: math.ceil(delay_s / dt_s)] = u[0]
+    return late
+
+
+def _shifted(u: Floats, samples: float) -> Floats:
+    """Return a cubic spline through a torque, so many samples later, gone on with at both ends as it is there."""
+    beyond = min(math.ceil(abs(samples)) + _SPLINE, len(u) - 1)
+    whole = np.concatenate([2.0 * u[0] - u[beyond:0:-1], u, 2.0 * u[-1] - u[-2 : -beyond - 2 : -1]])
+    return np.asarray(shift(whole, samples, order=3, mode="nearest")[beyond:-beyond], dtype=np.float64)
 
 
 def lagging(u: Floats, time_constant_s: float, dt_s: float) -> Floats:
     """Return a torque that follows slowly: ``T x' = u - x``, u a cubic spline, straight between finer samples."""
     parts = max(1, math.ceil(dt_s / _FINE_S))
-    steps = np.arange(len(u), dtype=np.float64)
-    fine = make_interp_spline(steps, u, k=3)(np.linspace(0.0, len(u) - 1.0, parts * (len(u) - 1) + 1))
+    between = [_shifted(u, -k / parts) for k in range(1, parts)]
+    fine = np.stack([u, *between], axis=1).ravel()
     h = dt_s / parts / time_constant_s
     fade = np.exp(-h)
     new = 1.0 - (1.0 - fade) / h  # exact for a ramp

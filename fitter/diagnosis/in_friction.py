@@ -18,7 +18,6 @@ class FrictionDrift(Hypothesis):
     """Viscous and Coulomb friction of one joint grow alike with the run's time."""
 
     is_gradual = True
-    bends = True
 
     @property
     def low(self) -> Floats:

@@ -27,8 +27,6 @@ _SETTLING_S = (0.002, 0.02)
 class InTransmission(Hypothesis):
     """Play (its gap), or elasticity (its compliance and the time in which it settles)."""
 
-    bends = True
-
     def __init__(self, kind: EffectKind, joints: Sequence[int]) -> None:
         super().__init__(kind, joints)
         self._known: dict[tuple[int, int], Play] = {}

@@ -91,9 +91,7 @@ class Gain:
 
 def torque_left(regression: Regression, fitted: Candidate, motion: Motion) -> Floats:
     """Return the torque that a model leaves of what was measured, NaN while stuck, (n_sample, n_joint)."""
-    view = regression.view(fitted.model, motion)
-    rows = np.concatenate([view.base(regression.independent(view.arm)), *view.columns], axis=2)
-    return np.where(motion.stuck, np.nan, view.target(regression.known) - rows @ fitted.x)
+    return np.where(motion.stuck, np.nan, regression.equations.left(fitted.model, fitted.x, motion))
 
 
 def simulated(arm: Arm, motion: Motion, horizon_s: float = HORIZON_S) -> Floats:

@@ -24,6 +24,10 @@ class Model:
         keep = [i for i in range(len(self.hypotheses)) if i != k]
         return Model(tuple(self.hypotheses[i] for i in keep), tuple(self.psi[i] for i in keep))
 
+    def with_last(self, k: int) -> "Model":
+        """Return this model with its k-th hypothesis as the last."""
+        return self.without(k).plus(self.hypotheses[k], self.psi[k])
+
     def at(self, flat: Floats) -> "Model":
         """Return this model with other values of psi, one after the other."""
         sizes = np.cumsum([len(one) for one in self.psi])[:-1]
@@ -33,6 +37,11 @@ class Model:
     def flat(self) -> Floats:
         """All psi, one after the other."""
         return np.concatenate([np.zeros(0), *self.psi])
+
+    @property
+    def n_column(self) -> int:
+        """How many columns its hypotheses add."""
+        return sum(hypothesis.n_column for hypothesis in self.hypotheses)
 
     @property
     def is_event(self) -> bool:

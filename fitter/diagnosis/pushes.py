@@ -128,34 +128,30 @@ def find_pushes(kind: EffectKind, regression: Regression, model: Model, x: Float
     Torque is made of tiles; the gain of any run of tiles with one height is ``(sum of s)^2 / (sum of G)``, s and G
     being the tiles' products with the residual and with each other.
     """
-    n_joint = regression.arm.n_joint
-    found: list[list[tuple[float, float, float]]] = [[] for _ in range(n_joint)]
-    for motion in regression.motions:
-        residual = regression.residual(model, x, motion).ravel()
-        edges = np.arange(motion.t[0], motion.t[-1], _TILE_S)
-        tiles = (motion.t[:, None] >= edges) & (motion.t[:, None] < edges + _TILE_S)
-        for j in range(n_joint):
-            rows = np.zeros((len(motion.t), n_joint, len(edges)))
-            rows[:, j] = tiles
-            T = regression.weighting.filtered(motion, rows).reshape(-1, len(edges))
-            G, left = T.T @ T, residual
-            for _ in range(_MOST_PUSHES):
-                gain, first, last = _best_run(G, T.T @ left)
-                if found[j] and gain < _LEAST_SHARE * max(found[j])[0]:
-                    break
-                start, duration = float(edges[first]), _TILE_S * (last - first + 1)
-                gain, start, duration, column = _placed(regression, motion, j, left, start, duration)
-                found[j].append((gain, start, duration))
-                left = left - column * (column @ left) / max(float(column @ column), 1e-300)
-    hypotheses: list[Hypothesis] = []
-    for j in range(n_joint):
-        best = sorted(found[j], reverse=True)[:_MOST_PUSHES]
-        if not best:
-            continue
-        kept = [(start, duration) for gain, start, duration in best if gain > _LEAST_SHARE * best[0][0]]
-        if kept:
-            hypotheses.append(Pushes(kind, j, np.array(sorted(kept))))
-    return hypotheses
+    left = [regression.residual(model, x, motion).ravel() for motion in regression.motions]
+    return [Pushes(kind, j, _pushes_at(regression, j, list(left))) for j in range(regression.arm.n_joint)]
+
+
+def _pushes_at(regression: Regression, joint: int, left: list[Floats]) -> Floats:
+    """Return starts and durations of the pushes at one joint, (n_push, 2); what is left is used up."""
+    motions = regression.motions
+    boxes = [regression.weighting.boxes(motion, joint, _TILE_S) for motion in motions]
+    runs = [_best_run(G, T.T @ r) for (T, G), r in zip(boxes, left, strict=True)]
+    found: list[tuple[float, float]] = []
+    most = 0.0
+    while len(found) < _MOST_PUSHES:
+        k = max(range(len(runs)), key=lambda k: runs[k][0])
+        gain, first, last = runs[k]
+        if found and gain < _LEAST_SHARE * most:
+            break
+        start, duration = float(motions[k].t[0]) + _TILE_S * first, _TILE_S * (last - first + 1)
+        gain, start, duration, column = _placed(regression, motions[k], joint, left[k], start, duration)
+        most = max(most, gain)
+        found.append((start, duration))
+        left[k] = left[k] - column * (column @ left[k]) / max(float(column @ column), 1e-300)
+        T, G = boxes[k]
+        runs[k] = _best_run(G, T.T @ left[k])
+    return np.array(sorted(found))
 
 
 def _placed(

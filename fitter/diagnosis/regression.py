@@ -6,12 +6,11 @@ that it has not seen.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cached_property
 
 import numpy as np
 import scipy.optimize
-from numpy.typing import NDArray
 
 from arm.model import Arm, Floats
 from arm.regressor import standard_parameters
@@ -20,8 +19,8 @@ from fitter.diagnosis.equation import Weighting, mass_matrices, weighting
 from fitter.diagnosis.hypothesis import Hypothesis
 from fitter.diagnosis.model import Model
 from fitter.diagnosis.motion import Motion
-from fitter.diagnosis.view import View, view_of
-from fitter.dynamics.structure import structural_parameters
+from fitter.diagnosis.rows import Equations, Rows
+from fitter.diagnosis.view import View
 
 #: Slopes with respect to psi are taken over this share of its size.
 _SLOPE = 1e-4
@@ -32,21 +31,6 @@ _POSES = 64
 _DEPENDENT = 1e-12
 #: No model leaves less noise than this share of what the base model does.
 _LEAST_NOISE = 0.05
-
-
-@dataclass(frozen=True)
-class Rows:
-    """A motion's equations on the slower grid: ``[base, columns] x = target``, noise white with variance 1."""
-
-    base: Floats
-    columns: Floats
-    target: Floats
-
-    @property
-    def design(self) -> Floats:
-        """All columns side by side, one row a sample and joint."""
-        both = np.concatenate([self.base, self.columns], axis=2)
-        return np.asarray(both.reshape(-1, both.shape[2]), dtype=np.float64)
 
 
 class Regression:
@@ -74,15 +58,13 @@ class Regression:
         self.arm = arm
         self.motions = list(motions)
         self.denied = denied
-        self.known = known
         self._scales: dict[object, Floats] = {}
-        self._independent: dict[tuple[float, ...], NDArray[np.intp]] = {}
-        self._bent: dict[int, tuple[Motion, object, Floats]] = {}
         self._noises: dict[object, Noise] = {}
         self._noisier = noisier(arm, self.motions)
         self._plainly: Floats | None = None
-        self.weighting = self._first_weighting()
-        self._weighted: dict[int, tuple[Motion, Floats, Floats]] = {}
+        self._last: tuple[list[Floats], Floats, Floats] = [], np.zeros(0), np.zeros(0)
+        crude = Equations(arm, weighting(arm, self.motions, np.eye(arm.n_joint)[None]), denied, known)
+        self.equations = Equations(arm, self._weighting_by(crude), denied, known)
 
     @cached_property
     def learning(self) -> list[Motion]:
@@ -93,67 +75,36 @@ class Regression:
         """Learn from all trials: where only those that judge show what is wrong, nothing else can tell it."""
         self.learning = self.motions
 
-    def independent(self, arm: Arm) -> NDArray[np.intp]:
-        """Return the columns of the standard regressor that stand for an arm's base parameters."""
-        key = (*np.sign(arm.gravity_m_s2), *(np.sign(np.subtract(arm.gravity_m_s2, self.arm.gravity_m_s2))))
-        if key not in self._independent:
-            x, y, z = (
-                float(g if g == g0 else g0 + 0.7 + 0.1 * k)
-                for k, (g, g0) in enumerate(zip(arm.gravity_m_s2, self.arm.gravity_m_s2, strict=True))
-            )
-            base = structural_parameters(replace(arm, gravity_m_s2=(x, y, z)))
-            kept = [
-                column
-                for column, name in zip(base.independent, base.names, strict=True)
-                if not any(name.rstrip("0123456789") == start for start in self.denied)
-                and not (self.known is not None and column == self.known[0])
-            ]
-            self._independent[key] = np.array(kept)
-        return self._independent[key]
+    @property
+    def weighting(self) -> Weighting:
+        """The filter that makes the noise white."""
+        return self.equations.weighting
 
     def view(self, model: Model, motion: Motion) -> View:
         """Return a motion under a model."""
-        view = view_of(motion, self.arm)
-        for hypothesis, psi in zip(model.hypotheses, model.psi, strict=True):
-            view = hypothesis.act(view, psi)
-        return view
+        return self.equations.view(model, motion)
 
     def rows(self, model: Model, motion: Motion) -> Rows:
         """Return a motion's equations under a model."""
-        view = self.view(model, motion)
-        base, target = self._base(motion)
-        if not view.is_plain:
-            base = self._bent_base(model, motion, view)
-        if view.u is not motion.u or (self.known is not None and not view.is_plain):
-            target = self.weighting.filtered(motion, view.target(self.known))
-        return Rows(base, self.columns(view), target)
-
-    def _bent_base(self, model: Model, motion: Motion, view: View) -> Floats:
-        """Return the base regressor's rows, the last ones again where only what stands beside them has changed."""
-        pairs = zip(model.hypotheses, model.psi, strict=True)
-        key = tuple((one.key, psi.tobytes()) for one, psi in pairs if one.bends)
-        last = self._bent.get(id(motion))
-        if last is None or last[0] is not motion or last[1] != key:
-            base = self.weighting.filtered(motion, view.base(self.independent(view.arm)))
-            last = self._bent[id(motion)] = motion, key, base
-        return last[2]
-
-    def columns(self, view: View, first: int = 0) -> Floats:
-        """Return a view's further columns, filtered, from the ``first`` hypothesis' on."""
-        added = view.columns[first:]
-        n = -(-len(view.q) // self.weighting.stride)
-        if not added:
-            return np.zeros((n, view.q.shape[1], 0))
-        return self.weighting.filtered(view.motion, np.concatenate(added, axis=2))
+        return self.equations.rows(model, motion)
 
     def solve(self, model: Model, motions: Sequence[Motion]) -> tuple[Floats, Floats, Floats]:
         """Return the best factors x, the design A and the residual r of some motions' equations."""
         rows = [self.rows(model, motion) for motion in motions]
-        A = np.vstack([one.design for one in rows])
+        A, gram = self._stacked([one.design for one in rows])
         y = np.concatenate([one.target.ravel() for one in rows])
         noise = self._noise(model, motions)
-        x = compensated(A.T @ A, A.T @ y, noise.gram.sum(axis=0), noise.pull.sum(axis=0))
+        x = compensated(gram, A.T @ y, noise.gram.sum(axis=0), noise.pull.sum(axis=0))
         return x, A, (self.scale(model, x) * (y - A @ x).reshape(-1, self.arm.n_joint)).ravel()
+
+    def _stacked(self, designs: list[Floats]) -> tuple[Floats, Floats]:
+        """Return designs above one another and the normal equations; the last ones again if they are the same."""
+        parts, A, gram = self._last
+        if len(parts) != len(designs) or any(a is not b for a, b in zip(parts, designs, strict=True)):
+            A = np.vstack(designs)
+            gram = A.T @ A
+            self._last = designs, A, gram
+        return A, gram
 
     def squares(self, model: Model, x: Floats) -> Floats:
         """Return the sum of squares that factors leave in every trial, (n_trial,)."""
@@ -198,12 +149,13 @@ class Regression:
 
     def _noise_of(self, model: Model, motion: Motion) -> Noise:
         rows, loud = (self.rows(model, one) for one in (motion, self._noisier[motion.number]))
-        columns, at = loud.columns - rows.columns, 0
+        columns = (loud.design - rows.design).reshape(*rows.target.shape, -1)
+        at = columns.shape[2] - model.n_column
         for hypothesis, psi in zip(model.hypotheses, model.psi, strict=True):
             if len(psi) or hypothesis.is_event:  # these columns are hardly noisy, and change with psi
                 columns[:, :, at : at + hypothesis.n_column] = 0.0
             at += hypothesis.n_column
-        return noise_of(np.concatenate([loud.base - rows.base, columns], axis=2), loud.target - rows.target)
+        return noise_of(columns, loud.target - rows.target)
 
     def _let_through(self, model: Model) -> Floats:
         key = tuple(
@@ -245,32 +197,21 @@ class Regression:
         )
         return at(found.x)
 
-    def _base(self, motion: Motion) -> tuple[Floats, Floats]:
-        if id(motion) not in self._weighted:
-            view = view_of(motion, self.arm)
-            base = self.weighting.filtered(motion, view.base(self.independent(self.arm)))
-            # With the motion itself, so that no other gets its id.
-            self._weighted[id(motion)] = motion, base, self.weighting.filtered(motion, view.target(self.known))
-        return self._weighted[id(motion)][1:]
-
-    def _first_weighting(self) -> Weighting:
+    def _weighting_by(self, crude: Equations) -> Weighting:
         """Return the filter for a run whose mass matrix is only guessed from a first fit."""
-        crude = weighting(self.arm, self.motions, np.eye(self.arm.n_joint)[None])
-        self.weighting, self._weighted = crude, {}
-        rows = [self.rows(Model(), motion) for motion in self.learning]
+        rows = [crude.rows(Model(), motion) for motion in self.learning]
         values = scaled_lstsq(
             np.vstack([one.design for one in rows]), np.concatenate([one.target.ravel() for one in rows])
         )
-        self._weighted = {}
         q = np.concatenate([motion.q for motion in self.learning])
         some = q[:: max(1, len(q) // _POSES)]
-        inertia = mass_matrices(self.arm, self.independent(self.arm), values, some)
+        inertia = mass_matrices(self.arm, crude.independent(self.arm), values, some)
         return weighting(self.arm, self.motions, inertia)
 
     def friction_of(self, model: Model, x: Floats) -> Floats:
         """Return the joints' viscous and Coulomb friction by a model's factors, (n_joint, 2)."""
         n = self.arm.n_joint
-        kept = self.independent(self.view(model, self.motions[0]).arm)
+        kept = self.equations.independent(self.view(model, self.motions[0]).arm)
         standard = standard_parameters(self.arm)
         standard[kept] = x[: len(kept)]
         return np.stack([standard[10 * n : 11 * n], standard[11 * n :]], axis=1)

@@ -218,11 +218,9 @@ class _Grid:
             r = self._regression.solve(model, self._regression.learning)[2]
             return self.left - float(r @ r)
         first = len(self._views[0].columns)
+        filtered = self._regression.equations.columns
         C = np.vstack(
-            [
-                self._regression.columns(hypothesis.act(view, psi), first).reshape(-1, hypothesis.n_column)
-                for view in self._views
-            ]
+            [filtered(hypothesis.act(view, psi), first).reshape(-1, hypothesis.n_column) for view in self._views]
         )
         size = np.linalg.norm(C, axis=0)
         C = C - self._Q @ (self._Q.T @ C)

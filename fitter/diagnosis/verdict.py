@@ -11,6 +11,8 @@ from fitter.diagnosis.unknown import WORTH, Remainder
 #: If a smooth function explains more than this share of what the base model leaves, beside the causes, then these
 #: are not it. True causes left less than a five-hundredth in every case that was looked at.
 _UNEXPLAINED = 0.03
+#: … or this share, where the function tells so much of what trials are typically left with: that is no noise.
+_PLAINLY, _UNEXPLAINED_PLAINLY = 1.0 / 3.0, 0.005
 #: … nor if they leave more than `UNEXPLAINED` of it in any form, or this beside a play, for how its motor crosses
 #: it nobody can see; true causes left less in every case that was looked at.
 _LEFT_BY_PLAY = 0.5
@@ -44,7 +46,8 @@ def verdict_of(search: Search, remainder: Remainder, numbers: Estimates, held: b
             return "unexplained"
         return "named" if held else "none"
     played = "backlash" in names
-    smooth = left > (_LEFT_BY_PLAY if played else _UNEXPLAINED) * beyond
+    share = _UNEXPLAINED_PLAINLY if remainder.explained > _PLAINLY else _UNEXPLAINED
+    smooth = left > (_LEFT_BY_PLAY if played else share) * beyond
     if strict and (smooth or search.leaves(_LEFT_BY_PLAY if played else UNEXPLAINED, UNEXPLAINED_AT_LEAST)):
         return "unexplained"
     if strict and len(search.causes) > 1 and not _are_told(search.final.model, numbers):

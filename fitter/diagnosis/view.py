@@ -71,16 +71,8 @@ class View:
         Y = regressor(self.arm, self.q, self.dq, self.ddq)[..., column]
         return np.asarray(self.u - value * Y * self.factor, dtype=np.float64)
 
-    @property
-    def is_plain(self) -> bool:
-        """Whether nothing but columns was added: the regressor is that of the motion as it was measured."""
-        same = self.arm is self.plain_arm and self.q is self.motion.q
-        return same and bool(np.all(self.factor == 1.0)) and not np.any(self.drift)
-
-    plain_arm: Arm | None = None
-
 
 def view_of(motion: Motion, arm: Arm) -> View:
     """Return a motion as it was measured."""
     n = motion.q.shape[1]
-    return View(motion, arm, motion.q, motion.dq, motion.ddq, motion.u, np.ones(n), np.zeros(n), plain_arm=arm)
+    return View(motion, arm, motion.q, motion.dq, motion.ddq, motion.u, np.ones(n), np.zeros(n))

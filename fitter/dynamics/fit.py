@@ -129,9 +129,7 @@ def with_break_away(fit: DynamicsFit, trials: Sequence[Trial]) -> DynamicsFit:
     )
     learnt = {f"F{i + 1}": one.parameter for i, one in enumerate(found)}
     notes = (*fit.notes, *(one.why for one in found))
-    return replace(
-        fit, arm=replace(fit.arm, joints=joints), parameters={**fit.parameters, **learnt}, notes=notes
-    )
+    return replace(fit, arm=replace(fit.arm, joints=joints), parameters={**fit.parameters, **learnt}, notes=notes)
 
 
 def _reweighted(

@@ -64,7 +64,7 @@ def _in_processes(
     # Spawned, not forked: a fork of a program with threads may hang, and copies what it should not have.
     context = multiprocessing.get_context("spawn")
     others = set(multiprocessing.active_children())
-    pool = ProcessPoolExecutor(workers, mp_context=context, initializer=_be_worker)
+    pool = ProcessPoolExecutor(workers, mp_context=context, initializer=be_worker)
     done = False
     try:
         futures = [pool.submit(work, job) for job in jobs]
@@ -80,7 +80,7 @@ def _in_processes(
         pool.shutdown(wait=True, cancel_futures=True)  # its own thread joins them; two would race
 
 
-def _be_worker() -> None:
+def be_worker() -> None:
     """Leave Ctrl-C to the process that hands out the jobs, and end with it however it ends."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     signal.signal(signal.SIGTERM, signal.SIG_DFL)

@@ -134,9 +134,7 @@ def linearise(
     if without is not None:
         weight *= ~np.repeat(without, 3)
     clipped = _clip(trial, instruments, readings, expected, slope, weight)
-    found = Linearisation(
-        trial, instruments, of, q, dq, readings, expected, slope, integral, clipped, weight
-    )
+    found = Linearisation(trial, instruments, of, q, dq, readings, expected, slope, integral, clipped, weight)
     if instruments.base.any():
         phase = 2.0 * np.pi * instruments.base_hz * trial.t
         wave = np.column_stack([np.cos(phase), np.sin(phase)]) @ instruments.base.T

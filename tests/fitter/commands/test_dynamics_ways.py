@@ -31,9 +31,7 @@ def test_sums_are_learnt_from_like_the_motion(fitter, trial_files, tmp_path):
 
 def test_sums_of_another_arm_are_refused(fitter, trial_files, tmp_path):
     fitter("sums", "make", trial_files[0], "--arm", "dd-arm", "--out", tmp_path / "sums.npz")
-    outcome = fitter(
-        "dynamics", tmp_path / "sums.npz", "--arm", "dd-arm-vertical", "--out", tmp_path / "arm.toml"
-    )
+    outcome = fitter("dynamics", tmp_path / "sums.npz", "--arm", "dd-arm-vertical", "--out", tmp_path / "arm.toml")
     assert outcome.code == 2
     assert "of another arm or law" in outcome.said
 

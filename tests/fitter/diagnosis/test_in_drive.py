@@ -13,7 +13,7 @@ DT = 0.002
 def test_a_delayed_sine_is_a_sine_that_is_late(delay):
     t = np.arange(1000) * DT
     late = delayed(np.sin(7.0 * t), delay, DT)
-    after = t > delay + 3 * DT
+    after = (t > delay + 3 * DT) & (t < t[-1] - 3 * DT)  # the last samples' curvature is not known
     np.testing.assert_allclose(late[after], np.sin(7.0 * (t - delay))[after], atol=1e-6)
 
 

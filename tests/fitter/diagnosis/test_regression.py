@@ -12,6 +12,7 @@ from fitter.diagnosis.attenuation import added, noise_of
 from fitter.diagnosis.model import Model
 from fitter.diagnosis.motion import run_of
 from fitter.diagnosis.regression import Regression, scaled_lstsq
+from fitter.diagnosis.rows import Equations
 from tests.fitter.pendulum import pendulum, swings
 
 
@@ -53,10 +54,10 @@ def test_noise_in_the_columns_is_what_it_is_expected_to_be():
         Regression(pendulum(), run_of(pendulum(), trials, trials[:1]))
         for trials in (to_trials(noisy, cutoff_hz=25.0), to_trials(quiet, cutoff_hz=25.0))
     )
-    true.weighting, true._weighted = loud.weighting, {}
+    true.equations = Equations(true.arm, loud.weighting)
     pairs = list(zip(loud.motions, true.motions, strict=True))
     found = [
-        noise_of(a.base - b.base, a.target - b.target)
+        noise_of((a.design - b.design).reshape(*a.target.shape, -1), a.target - b.target)
         for a, b in ((loud.rows(Model(), m), true.rows(Model(), replace(n, stuck=m.stuck))) for m, n in pairs)
     ]
     told = added([loud._noise(Model(), [motion]) for motion in loud.motions])

@@ -42,7 +42,8 @@ def measured(
     q, dq, ddq = motion(name, seed)
     t = np.arange(len(q)) / RATE_HZ
     sensors: list[Sensor] = [
-        replace(one, **changed.get(k, {})) for k, one in enumerate(arm.sensors)  # type: ignore[arg-type]
+        replace(one, **changed.get(k, {}))
+        for k, one in enumerate(arm.sensors)  # type: ignore[arg-type]
     ]
     rng = np.random.default_rng([seed, 8])
     a = specific_force(replace(arm, sensors=tuple(sensors)), q, dq, ddq) * np.array([one.scale for one in sensors])

@@ -1,0 +1,157 @@
+"""A motion's equations under a model; what two models in a row have in common is computed once.
+
+A model's hypotheses act one after the other, so those that a search holds while it tries another one leave the
+motion as it was: every stage keeps what follows from it.
+"""
+
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from arm.model import Arm, Floats
+from fitter.diagnosis.equation import Weighting
+from fitter.diagnosis.hypothesis import Hypothesis
+from fitter.diagnosis.model import Model
+from fitter.diagnosis.motion import Motion
+from fitter.diagnosis.view import View, view_of
+from fitter.dynamics.structure import structural_parameters
+
+#: What of a view the regressor is made of.
+_MAKES_REGRESSOR = ("arm", "q", "dq", "ddq", "factor", "drift")
+
+
+@dataclass(frozen=True)
+class Rows:
+    """A motion's equations on the slower grid, ``design x = target``, noise white with variance 1.
+
+    Attributes
+    ----------
+    design : (n_slower * n_joint, n_factor)
+        The base parameters' columns, and then all others; the same array as long as nothing has changed in it.
+    target : (n_slower, n_joint)
+    """
+
+    design: Floats
+    target: Floats
+
+
+class _Stage:
+    """A motion under the first hypotheses of a model; ``by`` is the last of them, with its psi."""
+
+    def __init__(
+        self, of: "Equations", view: View, before: "_Stage | None", by: tuple[Hypothesis, Floats] | None
+    ) -> None:
+        self._of, self.view, self._before, self.by = of, view, before, by
+
+    @cached_property
+    def base(self) -> Floats:
+        """The base regressor's rows."""
+        if self._before is not None and self._moves_as_before:
+            return self._before.base
+        rows = self.view.base(self._of.independent(self.view.arm))
+        return self._of.weighting.filtered(self.view.motion, rows)
+
+    @cached_property
+    def columns(self) -> tuple[Floats, ...]:
+        """All further columns' rows."""
+        if self._before is None:
+            return ()
+        first = len(self._before.view.columns)
+        added = (self._of.weighting.filtered(self.view.motion, one) for one in self.view.columns[first:])
+        return (*self._before.columns, *added)
+
+    @cached_property
+    def design(self) -> Floats:
+        """Base and further columns side by side."""
+        before = self._before
+        if before is not None and self.base is before.base and len(self.columns) == len(before.columns):
+            return before.design
+        both = np.concatenate([self.base, *self.columns], axis=2)
+        return np.asarray(both.reshape(-1, both.shape[2]), dtype=np.float64)
+
+    @cached_property
+    def target(self) -> Floats:
+        """The right-hand side's rows."""
+        before, known = self._before, self._of.known
+        if before is not None and self.view.u is before.view.u and (known is None or self._moves_as_before):
+            return before.target
+        return self._of.weighting.filtered(self.view.motion, self.view.target(known))
+
+    @property
+    def _moves_as_before(self) -> bool:
+        """Whether the last hypothesis has left all that the regressor is made of."""
+        now, was = self.view, self._before.view if self._before is not None else None
+        return was is not None and all(getattr(now, name) is getattr(was, name) for name in _MAKES_REGRESSOR)
+
+
+class Equations:
+    """The equations of motions, under any model.
+
+    Parameters
+    ----------
+    arm : Arm
+        Geometry, gravity, law.
+    weighting : Weighting
+    denied : tuple of str
+        Beginnings of names of base parameters that are left out, such as ``D`` and ``fc``.
+    known : (column, value), optional
+        A standard parameter that is not sought: where no torque tells the scale of all the others, it does.
+    """
+
+    def __init__(
+        self, arm: Arm, weighting: Weighting, denied: tuple[str, ...] = (), known: tuple[int, float] | None = None
+    ) -> None:
+        self.arm, self.weighting, self.denied, self.known = arm, weighting, denied, known
+        self._independent: dict[tuple[float, ...], NDArray[np.intp]] = {}
+        self._stages: dict[int, list[_Stage]] = {}
+
+    def independent(self, arm: Arm) -> NDArray[np.intp]:
+        """Return the columns of the standard regressor that stand for an arm's base parameters."""
+        key = (*np.sign(arm.gravity_m_s2), *(np.sign(np.subtract(arm.gravity_m_s2, self.arm.gravity_m_s2))))
+        if key not in self._independent:
+            x, y, z = (
+                float(g if g == g0 else g0 + 0.7 + 0.1 * k)
+                for k, (g, g0) in enumerate(zip(arm.gravity_m_s2, self.arm.gravity_m_s2, strict=True))
+            )
+            base = structural_parameters(replace(arm, gravity_m_s2=(x, y, z)))
+            kept = [
+                column
+                for column, name in zip(base.independent, base.names, strict=True)
+                if not any(name.rstrip("0123456789") == start for start in self.denied)
+                and not (self.known is not None and column == self.known[0])
+            ]
+            self._independent[key] = np.array(kept)
+        return self._independent[key]
+
+    def view(self, model: Model, motion: Motion) -> View:
+        """Return a motion under a model."""
+        return self._stage(model, motion).view
+
+    def rows(self, model: Model, motion: Motion) -> Rows:
+        """Return a motion's equations under a model."""
+        stage = self._stage(model, motion)
+        return Rows(stage.design, stage.target)
+
+    def left(self, model: Model, x: Floats, motion: Motion) -> Floats:
+        """Return the torque that factors leave, as it is on the motion's own grid, (n_sample, n_joint)."""
+        view = self.view(model, motion)
+        columns = np.concatenate([view.base(self.independent(view.arm)), *view.columns], axis=2)
+        return view.target(self.known) - columns @ x
+
+    def columns(self, view: View, first: int) -> Floats:
+        """Return a view's further columns, filtered, from the ``first`` one's on."""
+        return self.weighting.filtered(view.motion, np.concatenate(view.columns[first:], axis=2))
+
+    def _stage(self, model: Model, motion: Motion) -> _Stage:
+        stages = self._stages.get(id(motion))
+        if stages is None or stages[0].view.motion is not motion:  # another may have got its id
+            stages = self._stages[id(motion)] = [_Stage(self, view_of(motion, self.arm), None, None)]
+        for k, (hypothesis, psi) in enumerate(zip(model.hypotheses, model.psi, strict=True), start=1):
+            by = stages[k].by if k < len(stages) else None
+            if by is None or by[0] is not hypothesis or not np.array_equal(by[1], psi):
+                del stages[k:]
+                view = hypothesis.act(stages[-1].view, psi)
+                stages.append(_Stage(self, view, stages[-1], (hypothesis, np.array(psi))))
+        return stages[len(model.hypotheses)]

@@ -1,0 +1,40 @@
+"""What a fitted model becomes as an arm."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from fitter.data.trials import to_trials
+from fitter.diagnosis.estimates import estimates, extended_arm
+from fitter.diagnosis.model import Model
+from fitter.diagnosis.motion import run_of
+from fitter.diagnosis.regression import Regression
+from fitter.diagnosis.screening import fitted
+from tests.fitter.pendulum import pendulum, swings
+
+
+@pytest.fixture(scope="module")
+def regression():
+    trials = to_trials(swings((), trials=6, seed=2), cutoff_hz=25.0)
+    return Regression(pendulum(), run_of(pendulum(), trials[:3], trials[3:]))
+
+
+def test_numbers_lie_within_their_errors(regression):
+    base = fitted(regression, Model())
+    found = extended_arm(regression, base, estimates(regression, base))
+    for name, true in (("D1", 0.3), ("fc1", 0.05)):
+        estimate = found.base_parameters[name]
+        assert abs(estimate.value - true) < 4.0 * estimate.std < 0.2 * true
+
+
+def test_friction_that_would_push_is_none_in_a_simulation(regression):
+    base = fitted(regression, Model())
+    x = base.x.copy()
+    x[-1] = -0.02
+    found = estimates(regression, replace(base, x=x))
+    arm = extended_arm(regression, replace(base, x=x), found)
+    assert arm.joints[0].friction.coulomb_N_m == 0.0
+    assert arm.base_parameters["fc1"].value == pytest.approx(-0.02)
+    assert arm.joints[0].friction.viscous_N_m_s == pytest.approx(0.3, abs=0.02)
+    assert np.isfinite(found.std).all()
