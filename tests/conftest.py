@@ -1,5 +1,6 @@
 """A short run of the bench, as a daemon would stream, record and save it, and a stand-in that publishes it."""
 
+import signal
 import threading
 import uuid
 from collections.abc import Callable, Iterator, Sequence
@@ -32,6 +33,11 @@ Message = tuple[str, dict[str, Any]]
 PATIENCE_S = 60.0
 BLOCK_S, TAIL_S = 0.1, 5.0
 START_NS = 7_000_000_000
+
+
+# What a shell starts in the background ignores SIGINT, and so would all that a test starts and interrupts.
+if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
+    signal.signal(signal.SIGINT, signal.default_int_handler)
 
 
 @dataclass(frozen=True)
