@@ -4,9 +4,10 @@ import argparse
 import json
 import math
 import sys
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from pathlib import Path
 
+from daemon.fault_schedule import KINDS, faults_of
 from limbcal.command import Parser, common_options, console, emit, run_command
 from limbcal.errors import ConfigError
 
@@ -14,6 +15,8 @@ from limbcal.errors import ConfigError
 # only one of them has a use for the tracker's compiler.
 # ruff: noqa: PLC0415
 
+AddCommand = Callable[..., argparse.ArgumentParser]
+DEFAULT_ENDPOINT = "tcp://127.0.0.1:5770"
 #: Of `limbd zero`: a few stretches to compare, and what is kept in memory.
 _SHORTEST_S, _LONGEST_S = 0.5, 60.0
 
@@ -41,16 +44,23 @@ def _parser() -> argparse.ArgumentParser:
 
     run = commands.add_parser("run", parents=[common], help="acquire, track, publish and record until stopped")
     _add_device_options(run)
+    run.add_argument("--wait", action="store_true", help="wait for a device that is not there yet")
     run.add_argument("--method", metavar="M", help="how motion is tracked: filter (default) or integrate")
-    run.add_argument("--endpoint", metavar="E", help="where to publish (default tcp://127.0.0.1:5770)")
+    run.add_argument("--endpoint", metavar="E", help=f"where to publish (default {DEFAULT_ENDPOINT})")
     run.add_argument("--record", metavar="DIR", help="record into this directory")
     run.set_defaults(action=_run)
 
-    check = commands.add_parser("check", parents=[common], help="list every mistake in a config file")
+    _add_tools(commands.add_parser, common)
+    _add_virtual(commands.add_parser, common)
+    return parser
+
+
+def _add_tools(add_command: AddCommand, common: argparse.ArgumentParser) -> None:
+    check = add_command("check", parents=[common], help="list every mistake in a config file")
     check.add_argument("file", type=Path, metavar="FILE")
     check.set_defaults(action=_check)
 
-    zero = commands.add_parser(
+    zero = add_command(
         "zero", parents=[common], help="measure the sensors' biases while the arm rests at initial_q_rad"
     )
     _add_device_options(zero)
@@ -58,7 +68,37 @@ def _parser() -> argparse.ArgumentParser:
     zero.add_argument("--out", type=Path, metavar="FILE", help="where the arm goes (default: its own file)")
     zero.set_defaults(action=_zero)
 
-    virtual = commands.add_parser("virtual", parents=[common], help="be a device: the virtual arm on a pty")
+    recovery = add_command(
+        "recover", parents=[common], help="make a clean file of a recording whose writer was killed"
+    )
+    recovery.add_argument("file", type=Path, metavar="FILE")
+    recovery.add_argument("--out", type=Path, metavar="FILE", help="default NAME.recovered.mcap beside it")
+    recovery.set_defaults(action=_recover)
+
+    keys = add_command("keys", parents=[common], help="let clients on other machines in, by their keys")
+    keys.add_argument("what", choices=["new"], help="new: make a key for one more client")
+    keys.add_argument("name", metavar="NAME")
+    keys.add_argument("--dir", type=Path, default=Path("keys"), metavar="DIR", help="publish.keys (default keys)")
+    keys.add_argument("--out", type=Path, metavar="FILE", help="what the client gets (default NAME.limbkey)")
+    keys.set_defaults(action=_keys)
+
+    setup = add_command(
+        "install", parents=[common], help="lay down units, udev rule and a first config for systemd"
+    )
+    setup.add_argument("--prefix", type=Path, default=Path("/"), metavar="DIR", help="root to install under")
+    setup.add_argument("--dry-run", action="store_true", help="only say what would be done")
+    setup.add_argument("--remove", action="store_true", help="take away what was laid down; configs stay")
+    setup.set_defaults(action=_install)
+
+    status = add_command("status", parents=[common], help="how a running daemon is doing: a live view")
+    status.add_argument("--endpoint", default=DEFAULT_ENDPOINT, metavar="E", help=f"default {DEFAULT_ENDPOINT}")
+    status.add_argument("--key", type=Path, metavar="FILE", help="NAME.limbkey, where the daemon asks for one")
+    status.add_argument("--once", action="store_true", help="one report and no more")
+    status.set_defaults(action=_status)
+
+
+def _add_virtual(add_command: AddCommand, common: argparse.ArgumentParser) -> None:
+    virtual = add_command("virtual", parents=[common], help="be a device: the virtual arm on a pty")
     virtual.add_argument("--link", type=Path, metavar="PATH", help="make a symbolic link to the port")
     virtual.add_argument("--arm", default="dd-arm", metavar="A", help="arm file or built-in arm (default dd-arm)")
     virtual.add_argument("--seed", type=_whole, default=0, metavar="N", help="draws motions and sensors' errors")
@@ -80,9 +120,14 @@ def _parser() -> argparse.ArgumentParser:
         metavar="F",
         help="AC-couple all sensors, with this corner (default: as the arm file says)",
     )
+    virtual.add_argument(
+        "--fault",
+        default="",
+        metavar="SCHEDULE",
+        help="what goes wrong and when, as in 'unplug@5+1/3, flip@0+60*1e-5'; kinds: " + ", ".join(KINDS),
+    )
     virtual.add_argument("--truth", type=Path, metavar="FILE", help="write the true motion here (.npz) at the end")
     virtual.set_defaults(action=_virtual)
-    return parser
 
 
 def _add_device_options(parser: argparse.ArgumentParser) -> None:
@@ -106,7 +151,7 @@ def _run(arguments: argparse.Namespace) -> None:
             if arguments.json:
                 emit(json.dumps(announced))
 
-        Supervisor(setup, stop, started, progress.health, progress.trouble).run()
+        Supervisor(setup, stop, started, progress.health, progress.trouble, wait=arguments.wait).run()
 
 
 def _check(arguments: argparse.Namespace) -> Mapping[str, object]:
@@ -129,6 +174,32 @@ def _zero(arguments: argparse.Namespace) -> Mapping[str, object]:
     return zero_sensors(load_setup(arguments.config, _given(arguments)), arguments.seconds, arguments.out)
 
 
+def _recover(arguments: argparse.Namespace) -> Mapping[str, object]:
+    from daemon.recover import recover
+
+    return recover(arguments.file, arguments.out)
+
+
+def _keys(arguments: argparse.Namespace) -> Mapping[str, object]:
+    from protocol.curve import new_client
+
+    out = new_client(arguments.dir, arguments.name, arguments.out)
+    console.print(f"{out}: give it to {arguments.name}; the daemon lets it in from its next start on")
+    return {"client": arguments.name, "key": str(out), "keys": str(arguments.dir)}
+
+
+def _install(arguments: argparse.Namespace) -> Mapping[str, object]:
+    from daemon.install import install
+
+    return install(arguments.prefix, arguments.dry_run, arguments.remove)
+
+
+def _status(arguments: argparse.Namespace) -> None:
+    from daemon.status import status
+
+    status(arguments.endpoint, arguments.key, arguments.once, arguments.json)
+
+
 def _virtual(arguments: argparse.Namespace) -> None:
     from arm.arm_file import load_arm
     from daemon.virtual import VirtualOptions, serve
@@ -143,7 +214,8 @@ def _virtual(arguments: argparse.Namespace) -> None:
         imperfect_mounting=arguments.imperfect_mounting,
         highpass_hz=arguments.highpass_hz,
     )
-    serve(VirtualOptions(plan, arguments.speed, arguments.link, arguments.truth, arguments.json))
+    faults = faults_of(arguments.fault)
+    serve(VirtualOptions(plan, arguments.speed, arguments.link, arguments.truth, arguments.json, faults))
 
 
 def _given(arguments: argparse.Namespace) -> dict[str, dict[str, object]]:

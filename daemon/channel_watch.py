@@ -1,16 +1,41 @@
 """What single channels give away about their sensor: readings at the end of the range, and none that move."""
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
+from arm.model import Floats
 from protocol.serial_frame import Channel
 
 Counts = NDArray[np.int16]
+Counted = NDArray[np.int64]
 
 #: A living accelerometer's noise never holds one count for so long.
 _FLAT_S = 0.1
+
+
+@dataclass(frozen=True)
+class Reading:
+    """What channels read for a while; arrays are (n_channel,), in m/s^2 or samples.
+
+    Attributes
+    ----------
+    samples : int
+    mean, spread, noise : ndarray
+        ``spread`` is the rms about the mean, ``noise`` that of white noise with the same second differences.
+    saturated, clipped, flat : ndarray
+        Samples beyond the declared range, at the ends of what 16 bits can say, and of a reading that stood still.
+    """
+
+    samples: int
+    mean: Floats
+    spread: Floats
+    noise: Floats
+    saturated: Counted
+    clipped: Counted
+    flat: Counted
 
 
 class ChannelWatch:
@@ -33,6 +58,10 @@ class ChannelWatch:
         self._flat_samples = round(_FLAT_S * rate_hz)
         self._last = np.zeros(len(channels), dtype=np.int16)
         self._still = np.zeros(len(channels), dtype=np.int64)
+        self._scale, self._offset = (
+            np.array([getattr(c, name) for c in channels]) for name in ("scale", "offset")
+        )
+        self._clear()
 
     def watch(self, counts: Counts) -> None:
         """Take the next samples, (n_sample, n_channel)."""
@@ -42,3 +71,42 @@ class ChannelWatch:
         self._still = np.where(held, self._still + len(counts), 0)
         self.flat += np.where(self._still >= self._flat_samples, len(counts), 0)
         self._last = counts[-1].copy()
+        self._add(counts.astype(np.float64))
+
+    def take(self) -> Reading:
+        """Return what the channels read since the last time.
+
+        The noise is that of second differences, of which the motion of an arm has next to nothing.
+        """
+        n = max(self._n, 1)
+        mean = self._sum / n
+        spread = np.sqrt(np.maximum(self._square / n - mean**2, 0.0))
+        noise = np.sqrt(self._bend / (6.0 * max(self._bends, 1)))
+        reading = Reading(
+            self._n,
+            self._scale * mean + self._offset,
+            np.abs(self._scale) * spread,
+            np.abs(self._scale) * noise,
+            self.saturated - self._saturated_before,
+            self._clipped,
+            self.flat - self._flat_before,
+        )
+        self._clear()
+        return reading
+
+    def _add(self, counts: Floats) -> None:
+        self._n += len(counts)
+        self._sum += counts.sum(axis=0)
+        self._square += np.einsum("ij,ij->j", counts, counts)
+        if len(counts) > 2:
+            bend = np.diff(counts, 2, axis=0)
+            self._bend += np.einsum("ij,ij->j", bend, bend)
+            self._bends += len(bend)
+        limits = np.iinfo(np.int16)
+        self._clipped += np.count_nonzero((counts <= limits.min) | (counts >= limits.max), axis=0)
+
+    def _clear(self) -> None:
+        self._n = self._bends = 0
+        self._sum, self._square, self._bend = np.zeros((3, len(self.flat)))
+        self._clipped = np.zeros(len(self.flat), dtype=np.int64)
+        self._saturated_before, self._flat_before = self.saturated.copy(), self.flat.copy()

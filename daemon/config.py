@@ -14,6 +14,7 @@ from arm.arm_file import load_arm
 from arm.arm_schema import mistakes_of
 from arm.model import Arm, Floats
 from limbcal.errors import ConfigError
+from protocol.curve import is_local, needs_keys
 
 Number = Annotated[float, Field(allow_inf_nan=False)]
 Flags = Mapping[str, Mapping[str, object]]
@@ -53,16 +54,28 @@ class TrackingTable(_Table):
 
 
 class PublishTable(_Table):
-    """`[publish]`: where subscribers connect, and whether raw accelerations are sent to them."""
+    """`[publish]`: where subscribers connect, and whether raw accelerations are sent to them.
+
+    ``keys`` is the folder of those that are let in (`limbd keys new`); an endpoint that other machines can reach
+    must have it.
+    """
 
     endpoint: Annotated[str, Field(pattern=r"^(tcp|ipc)://.+")] = "tcp://127.0.0.1:5770"
     raw: bool = False
+    keys: Annotated[str, Field(min_length=1)] | None = None
 
 
 class RecordTable(_Table):
-    """`[record]`: absent, nothing is recorded."""
+    """`[record]`: absent, nothing is recorded.
+
+    A file that has grown to ``file_mb``, or was begun ``file_minutes`` ago, is closed and the next one begun;
+    while less than ``free_mb`` is free on the disk nothing is recorded.
+    """
 
     directory: Annotated[str, Field(min_length=1)]
+    file_mb: Annotated[Number, Field(ge=1)] = 2000.0
+    file_minutes: Annotated[Number, Field(gt=0)] = 60.0
+    free_mb: Annotated[Number, Field(ge=0)] = 100.0
 
 
 class TrialsTable(_Table):
@@ -128,6 +141,9 @@ def load_setup(path: Path | None, flags: Flags) -> Setup:
         mistakes.append(
             f"{where}: tracking.zero is {tracking['zero']!r}, expected it only with tracking.method = 'integrate'"
         )
+    publish = config.publish if config is not None else PublishTable()
+    if publish.keys is None and not is_local(publish.endpoint):
+        mistakes.append(f"{where}: publish.{needs_keys(publish.endpoint)} in publish.keys")
     given = _given_angles(tracking)
     if arm is not None and given is not None and given != arm.n_joint:
         mistakes.append(

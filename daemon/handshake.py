@@ -4,7 +4,7 @@ import time
 from collections.abc import Sequence
 
 from arm.model import Arm
-from daemon.ring import Chunk
+from daemon.ring import Chunk, Mark
 from limbcal.errors import ConfigError, DeviceError
 from protocol.serial_frame import Channel, DeviceInfo, InfoFrame
 from protocol.serial_parser import FrameParser
@@ -41,6 +41,9 @@ class Handshake:
             If the time is over.
         """
         for chunk in chunks:
+            if chunk.mark is not Mark.DATA:
+                self._parser.reset()
+                continue
             self._bytes += len(chunk.data)
             for frame in self._parser.feed(chunk.data):
                 if isinstance(frame, InfoFrame):
@@ -80,9 +83,9 @@ def check_channels(info: DeviceInfo, arm: Arm, port: str) -> None:
 
 
 def same_device(first: DeviceInfo, second: DeviceInfo) -> bool:
-    """Tell whether two INFOs describe samples in the same way."""
+    """Tell whether two INFOs are of one device, and describe samples in the same way."""
 
-    def essence(info: DeviceInfo) -> tuple[float, float, tuple[Channel, ...]]:
-        return info.rate_hz, info.tick_hz, info.channels
+    def essence(info: DeviceInfo) -> tuple[str, str, float, float, tuple[Channel, ...]]:
+        return info.device, info.serial, info.rate_hz, info.tick_hz, info.channels
 
     return essence(first) == essence(second)

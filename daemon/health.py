@@ -2,14 +2,13 @@
 
 import shutil
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import asdict, dataclass, field
 from typing import Any
 
 import numpy as np
 
-from daemon.channel_watch import ChannelWatch
-from daemon.sample_ledger import SampleLedger
-from protocol.serial_parser import ParserCounters
+from daemon.device_clock import ClockState
+from daemon.reception import Reception
 from tracking.consistency import Consistency
 from tracking.frames import Frames
 
@@ -65,9 +64,7 @@ def health_fields(
     *,
     uptime_s: float,
     last_seq: Mapping[str, int],
-    ledger: SampleLedger,
-    counters: ParserCounters,
-    watch: ChannelWatch,
+    reception: Reception,
     channel_names: Sequence[str],
     latency: Latency,
     delay: Delay,
@@ -79,6 +76,8 @@ def health_fields(
     directory: str | None,
 ) -> dict[str, Any]:
     """Return the fields of `limb/health`; ``saturated`` and ``flat`` count samples by channel."""
+    ledger, counters, watch, host = reception.ledger, reception.parser.counters, reception.watch, reception.host
+    clock = ClockState(None, None, None) if reception.clock is None else reception.clock.state
     return {
         "uptime_s": uptime_s,
         "last_seq": dict(last_seq),
@@ -86,10 +85,20 @@ def health_fields(
         "lost_samples": ledger.lost_samples,
         "crc_errors": counters.crc_errors,
         "resyncs": counters.resyncs,
-        "reconnects": 0,
+        "reconnects": reception.reconnects,
+        "doubled": reception.sequencer.doubled,
+        "late": reception.sequencer.late,
+        "strangers": reception.strangers,
+        "gaps": {"causes": dict(ledger.causes), "last": [asdict(gap) for gap in ledger.gaps]},
         "saturated": dict(zip(channel_names, watch.saturated.tolist(), strict=True)),
         "flat": dict(zip(channel_names, watch.flat.tolist(), strict=True)),
-        "clock_ppm": None,
+        "clock_ppm": clock.ppm,
+        "clock": {
+            "ppm_std": clock.ppm_std,
+            "error_ms": clock.error_ms,
+            "host_ahead_s": 1e-9 * host.ahead_ns,
+            "host_jumps": len(host.jumps),
+        },
         "latency_ms": latency.take(),
         "delay_ms": delay.take(),
         "tracking": {

@@ -2,6 +2,7 @@
 
 import time
 from collections.abc import Mapping, Sequence
+from dataclasses import asdict
 from typing import Any
 
 from daemon.health import Delay
@@ -15,7 +16,8 @@ from daemon.motion_blocks import (
     raw_message,
 )
 from daemon.record_link import RecordLink
-from protocol.message import FRAMES, HEALTH, PLOT, RAW, TRIAL, encode
+from daemon.sample_ledger import Gap
+from protocol.message import FRAMES, GAP, HEALTH, PLOT, RAW, TRIAL, encode
 from protocol.publisher import Publisher
 from tracking.frames import Frames, Phase
 
@@ -92,6 +94,10 @@ class Outlet:
         role = "learn" if phase.trial <= self._learning else "evaluate"
         fields = {"trial": phase.trial, "t_ns": phase.t_ns, "state": phase.kind, "role": role}
         self._send(TRIAL, fields, phase.t_ns)
+
+    def send_gap(self, gap: Gap) -> None:
+        """Send `limb/gap`."""
+        self._send(GAP, {**asdict(gap), "t_ns": max(gap.t_ns, 0)}, max(gap.t_ns, 0))
 
     def send_health(self, fields: Mapping[str, Any], t_ns: int) -> None:
         """Send `limb/health`."""

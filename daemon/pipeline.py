@@ -3,13 +3,16 @@
 import time
 from collections.abc import Sequence
 
+from daemon.alarms import Alarms
 from daemon.config import Setup
 from daemon.health import Delay, Latency, health_fields
 from daemon.motion_blocks import RawSamples
 from daemon.outlet import Outlet
-from daemon.reception import Reception
+from daemon.reception import Reception, Run
 from daemon.record_link import RecordLink
 from daemon.ring import Chunk
+from daemon.sample_ledger import Gap
+from daemon.symptoms import Symptoms
 from daemon.warm_up import warm_up
 from protocol.publisher import Publisher
 from tracking.frames import Frames, Phase
@@ -62,21 +65,53 @@ class Pipeline:
         self._names = [channel.name for channel in reception.info.channels]
         record = setup.config.record
         self._directory = None if record is None else record.directory
+        free_bytes = 0 if record is None else int(1e6 * record.free_mb)
+        self._symptoms = Symptoms(reception, self._names, free_bytes)
+        self._alarms = Alarms()
+        self._dropped = 0
+        self._frames_sent = False
         self._began_s = time.monotonic()
 
-    def accept(self, chunks: Sequence[Chunk]) -> None:
-        """Take what arrived; send what it completes."""
-        for run in self._reception.take(chunks):
+    @property
+    def awaits_info(self) -> bool:
+        """Whether the device must say again what it is."""
+        return self._reception.awaits_info
+
+    @property
+    def streaming(self) -> bool:
+        """Whether there is a device, and frames of its samples have been sent."""
+        return self._reception.connected and self._frames_sent
+
+    def accept(self, chunks: Sequence[Chunk], dropped: int = 0) -> None:
+        """Take what arrived, if anything; send what it completes.
+
+        Parameters
+        ----------
+        chunks : sequence of Chunk
+        dropped : int
+            Chunks so far for which there was no room.
+        """
+        if dropped > self._dropped:
+            self._dropped = dropped
+            self._reception.dropped()
+        arrived_ns = chunks[-1].stamp_ns if chunks else None
+        self._follow(self._reception.take(chunks), arrived_ns)
+
+    def _follow(self, runs: Sequence[Run], arrived_ns: int | None) -> None:
+        for run in runs:
             if run.lost:
                 frames, phases = self._tracker.gap(run.lost)
                 self._outlet.send_bridge(frames)
                 self._send((), phases)
             self._outlet.send_raw(RawSamples(run.sample0, run.t0_ns, self._dt_s, run.a, run.lost > 0))
-            if self._send(*self._tracker.push(run.t0_ns, run.a)):
-                self._latency.note(1e-9 * (time.monotonic_ns() - chunks[-1].stamp_ns))
+            if self._send(*self._tracker.push(run.t0_ns, run.a)) and arrived_ns is not None:
+                self._latency.note(1e-9 * (time.monotonic_ns() - arrived_ns))
+        for gap in self._reception.new_gaps():
+            self._outlet.send_gap(gap)
 
     def finish(self) -> None:
         """Send what waited for more samples or did not fill a block."""
+        self._follow(self._reception.finish(), None)
         self._send(*self._tracker.flush())
         self._outlet.flush()
 
@@ -84,29 +119,39 @@ class Pipeline:
         """Send `limb/health`; return what of it the person at the terminal wants to know."""
         if self._link is not None:
             self._link.check()
+        jump = self._reception.host.look()
+        if jump is not None:
+            why = f"the host's clock was set by {1e-9 * jump.by_ns:+.3f} s"
+            self._outlet.send_gap(Gap(self._reception.ledger.position, 0, jump.t_ns, why, True))
         fields = health_fields(
             uptime_s=time.monotonic() - self._began_s,
             last_seq=self._publisher.last_seq,
-            ledger=self._reception.ledger,
-            counters=self._reception.parser.counters,
-            watch=self._reception.watch,
+            reception=self._reception,
             channel_names=self._names,
             latency=self._latency,
             delay=self._delay,
             method=self._tracker.method,
             consistency=consistency_of(self._tracker),
-            connected=connected,
+            connected=connected and self._reception.connected,
             recording=None if self._link is None else self._link.recording,
             recording_lost=0 if self._link is None else self._link.lost,
             directory=self._directory,
         )
-        self._outlet.send_health(fields, time.time_ns())
-        counts = ("uptime_s", "samples", "lost_samples", "crc_errors", "recording", "recording_lost")
-        return {key: fields[key] for key in (*counts, "latency_ms", "tracking")}
+        now_ns = time.monotonic_ns() + self._reception.host.offset_ns
+        begun, ended = self._alarms.report(self._symptoms.look(fields, self._link is not None), now_ns)
+        fields["alarms"] = [alarm.document() for alarm in self._alarms.raised.values()]
+        self._outlet.send_health(fields, now_ns)
+        counts = ("uptime_s", "samples", "lost_samples", "crc_errors", "reconnects", "recording", "recording_lost")
+        words = [
+            *(f"alarm: {one.sentence}" for one in begun),
+            *(f"over: {one.name} {one.subject}" for one in ended),
+        ]
+        return {"words": words, **{key: fields[key] for key in (*counts, "latency_ms", "tracking")}}
 
     def _send(self, frames: Sequence[Frames], phases: Sequence[Phase]) -> int:
         """Send what the tracker gave out; return how many blocks of frames that completed."""
         blocks = self._outlet.send_frames(frames)
+        self._frames_sent = self._frames_sent or blocks > 0
         for phase in phases:
             self._outlet.send_phase(phase)
         return blocks

@@ -2,6 +2,7 @@
 
 import time
 from contextlib import ExitStack
+from pathlib import Path
 
 import zmq
 
@@ -12,6 +13,7 @@ from daemon.pipeline import Pipeline
 from daemon.reception import Reception
 from daemon.record_link import Context, RecordLink
 from daemon.ring import Memory, Ring
+from protocol.curve import gate_of
 from protocol.publisher import Publisher
 from protocol.serial_frame import InfoFrame
 from protocol.serial_parser import FrameParser
@@ -19,6 +21,8 @@ from protocol.serial_parser import FrameParser
 #: How long the ring may gather between two looks into it.
 _LOOK_S = 0.004
 _HEALTH_S = 1.0
+#: A device that has come back is asked so often what it is.
+_ASK_S = 1.0
 #: After a stop the reader closes the ring; one that was killed never does.
 _ABANDONED_S = 5.0
 
@@ -52,7 +56,9 @@ def run_pipeline(
     with ExitStack() as stack:
         context: Context = zmq.Context()
         stack.callback(context.term)
-        publisher = Publisher(context, setup.config.publish.endpoint, setup.arm.name, run)
+        publish = setup.config.publish
+        gate = stack.enter_context(gate_of(context, None if publish.keys is None else Path(publish.keys)))
+        publisher = Publisher(context, publish.endpoint, setup.arm.name, run, gate)
         stack.callback(publisher.close)
         link = None
         if recorder is not None:
@@ -64,7 +70,7 @@ def run_pipeline(
         if introduction is None:
             return
         check_channels(introduction.info, setup.arm, port)
-        reception = Reception(parser, introduction, port)
+        reception = Reception(parser, introduction)
         pipeline = Pipeline(setup, run, reception, publisher, link)
         line.tell("tracking", rate_hz=introduction.info.rate_hz, device=introduction.info.device)
         try:
@@ -95,13 +101,19 @@ def _introduction(line: ControlLine, ring: Ring, parser: FrameParser, port: str)
 def _stream(line: ControlLine, ring: Ring, pipeline: Pipeline) -> None:
     next_health_s = time.monotonic() + _HEALTH_S
     abandoned_s: float | None = None
+    asked_s, told = 0.0, False
     while True:
         closed = ring.closed  # asked before reading: what was written before the close is then in it
         chunks = ring.read()
         now_s = time.monotonic()
-        if chunks:
-            pipeline.accept(chunks)
-        elif closed or (abandoned_s is not None and now_s > abandoned_s):
+        pipeline.accept(chunks, ring.dropped_chunks)
+        if pipeline.streaming and not told:
+            line.tell("streaming")
+        told = pipeline.streaming
+        if pipeline.awaits_info and now_s > asked_s + _ASK_S:
+            asked_s = now_s
+            line.tell("ask")
+        if not chunks and (closed or (abandoned_s is not None and now_s > abandoned_s)):
             break
         if now_s >= next_health_s:
             line.tell("health", **pipeline.report(connected=not closed))

@@ -1,9 +1,10 @@
-"""The reader process: bytes from the tty into the ring as they arrive, and nothing else.
+"""The reader process: bytes from the tty into the ring, and the port opened again when it went away.
 
 It shares its interpreter with nobody, so that no computation makes it late; a tty holds some 20 ms of the
 stream and then loses it.
 """
 
+import os
 import time
 from collections.abc import Iterator
 from select import select
@@ -11,7 +12,7 @@ from select import select
 import serial
 
 from daemon.control_line import ControlLine, SupervisorGone
-from daemon.ring import Memory, Ring
+from daemon.ring import Mark, Memory, Ring
 from daemon.serial_port import open_port
 from limbcal.errors import DeviceError
 
@@ -26,63 +27,145 @@ _READS_AT_ONCE = 64
 #: After STOP the line is drained until it was quiet for so long, and no longer than the limit.
 _QUIET_S = 0.1
 _DRAIN_LIMIT_S = 1.0
+#: A port that went away is tried after the first time, then after twice as long each time up to the second.
+_FIRST_TRY_S, _LAST_TRY_S = 0.05, 1.0
+#: A device that is silent for so long is told to start again, as one that was restarted must be.
+_SILENT_S = 0.5
+#: The name of a port may come to mean another device file: looked at so often.
+_LOOK_S = 0.5
 
 
-def run_reader(line: ControlLine, memory: Memory, port: str, baud: int) -> None:
+def run_reader(line: ControlLine, memory: Memory, port: str, baud: int, wait: bool = False) -> None:
     """Read until told to stop, then send STOP and drain the tty.
 
-    A device that a killed daemon left streaming is stopped first: what it held back is of the past.
+    A device that a killed daemon left streaming is stopped first: what it held back is of the past. One that goes
+    away after it was started is waited for, and started again.
 
-    The supervisor may say ``ask`` (INFO is sent), ``start`` (START is sent) and ``stop``.
+    The supervisor may say ``ask`` (INFO is sent), ``start`` (START is sent) and ``stop``; it hears ``ready``, and
+    ``waiting`` with a sentence while there is no device.
 
     Raises
     ------
     DeviceError
-        If the port cannot be opened or the device goes away.
+        If the port cannot be opened and is not waited for, or the device goes away before it was started.
     """
     ring = Ring(memory)
+    port_keeper = _PortKeeper(line, ring, port, baud, wait)
     try:
-        with open_port(port, baud) as tty:
-            try:
-                _silence(tty)
-                line.tell("ready")
-                _follow(line, tty, ring)
-            except (OSError, serial.SerialException) as error:
-                raise DeviceError(f"port {port}: the device went away while it was read: {error}") from error
+        port_keeper.follow()
     finally:
+        port_keeper.close()
         ring.close()
 
 
-def _follow(line: ControlLine, tty: serial.Serial, ring: Ring) -> None:
-    while True:
-        readable, _, _ = select([tty, line], [], [], _IDLE_S)
-        if line in readable:
+class _PortKeeper:
+    def __init__(self, line: ControlLine, ring: Ring, port: str, baud: int, wait: bool) -> None:
+        self._line, self._ring, self._port, self._baud, self._wait = line, ring, port, baud, wait
+        self._tty: serial.Serial | None = None
+        self._known = self._started = False
+        self._said = ""
+        self._try_s, self._pause_s = 0.0, _FIRST_TRY_S
+        self._heard_s, self._nudge_s, self._look_s = 0.0, _SILENT_S, 0.0
+
+    def follow(self) -> None:
+        """Serve the line and the port until told to stop."""
+        while True:
             try:
-                said = line.hear()
-            except SupervisorGone:
-                break
-            what = None if said is None else said["what"]
-            if what == "stop":
-                break
-            if what == "ask":
-                tty.write(b"INFO\n")
-            elif what == "start":
-                tty.write(b"START\n")
-        if tty in readable:
-            time.sleep(_GATHER_S)
-            _take(tty, ring)
-    _send_stop(tty)
-    for data in _until_quiet(tty):
-        ring.write(data, time.monotonic_ns())
+                if self._tty is None and time.monotonic() >= self._try_s:
+                    self._open()
+                waited = [self._line] if self._tty is None else [self._line, self._tty]
+                timeout_s = _IDLE_S if self._tty is not None else max(0.0, self._try_s - time.monotonic())
+                readable, _, _ = select(waited, [], [], timeout_s)
+                if self._line in readable and self._told_to_stop():
+                    break
+                if self._tty is not None:
+                    self._serve(self._tty, self._tty in readable)
+            except (OSError, ValueError, serial.SerialException) as error:
+                self._lose(error)
+        if self._tty is not None:
+            try:
+                _send_stop(self._tty)
+                for data in _until_quiet(self._tty):
+                    self._ring.write(data, time.monotonic_ns())
+            except (OSError, serial.SerialException):
+                return  # it went away in the last moment; what it had sent is in the ring
 
+    def close(self) -> None:
+        """Close the port."""
+        if self._tty is not None:
+            self._tty.close()
+            self._tty = None
 
-def _take(tty: serial.Serial, ring: Ring) -> None:
-    for _ in range(_READS_AT_ONCE):
-        data: bytes = tty.read(_READ_BYTES)
-        if data:
-            ring.write(data, time.monotonic_ns())
-        if len(data) < _FULL_READ_BYTES:
+    def _open(self) -> None:
+        try:
+            self._tty = open_port(self._port, self._baud)
+            if not self._known:
+                _silence(self._tty)
+        except (DeviceError, OSError, serial.SerialException) as error:
+            self.close()
+            if not (self._known or self._wait):
+                raise error if isinstance(error, DeviceError) else self._gone(error) from error
+            self._pause_s = min(2.0 * self._pause_s, _LAST_TRY_S)
+            self._try_s = time.monotonic() + self._pause_s
+            self._line.tell("trying")
+            if str(error) != self._said:
+                self._said = str(error)
+                self._line.tell("waiting", sentence=self._said)
             return
+        self._heard_s, self._nudge_s, self._pause_s = time.monotonic(), _SILENT_S, _FIRST_TRY_S
+        if not self._known:
+            self._known = True
+            self._line.tell("ready")
+        if self._started:
+            self._ring.write(b"", time.monotonic_ns(), Mark.OPENED)
+            self._tty.write(b"START\n")
+            self._line.tell("reopened")
+
+    def _lose(self, error: Exception) -> None:
+        if not self._started and not self._wait:
+            raise self._gone(error) from error
+        self.close()
+        self._said = f"port {self._port}: the device went away ({error})"
+        self._ring.write(self._said.encode(), time.monotonic_ns(), Mark.LOST)
+        self._line.tell("waiting", sentence=self._said)
+        self._try_s, self._pause_s = time.monotonic() + _FIRST_TRY_S, _FIRST_TRY_S
+
+    def _gone(self, error: Exception) -> DeviceError:
+        return DeviceError(f"port {self._port}: the device went away while it was read: {error}")
+
+    def _told_to_stop(self) -> bool:
+        try:
+            said = self._line.hear()
+        except SupervisorGone:
+            return True
+        what = None if said is None else said["what"]
+        if what == "start":
+            self._started, self._heard_s = True, time.monotonic()
+        if self._tty is not None and what in ("ask", "start"):
+            self._tty.write(b"INFO\n" if what == "ask" else b"START\n")
+        return what == "stop"
+
+    def _serve(self, tty: serial.Serial, readable: bool) -> None:
+        if readable:
+            time.sleep(_GATHER_S)
+            self._take(tty)
+        now_s = time.monotonic()
+        if self._started and now_s > self._heard_s + self._nudge_s:
+            self._nudge_s *= 2.0
+            tty.write(b"START\n")
+        if now_s > self._look_s + _LOOK_S:
+            self._look_s = now_s
+            if os.stat(self._port).st_rdev != os.fstat(tty.fileno()).st_rdev:
+                raise OSError("its name has come to mean another device file")
+
+    def _take(self, tty: serial.Serial) -> None:
+        for _ in range(_READS_AT_ONCE):
+            data: bytes = tty.read(_READ_BYTES)
+            if data:
+                self._heard_s, self._nudge_s = time.monotonic(), _SILENT_S
+                self._ring.write(data, time.monotonic_ns())
+            if len(data) < _FULL_READ_BYTES:
+                return
 
 
 def _silence(tty: serial.Serial) -> None:

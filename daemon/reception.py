@@ -1,6 +1,7 @@
-"""From bytes to accelerations: frames, their numbers accounted for, runs of samples without a hole."""
+"""From bytes to accelerations: frames in order, every sample accounted for, runs of them without a hole."""
 
 import time
+from collections import deque
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -10,11 +11,21 @@ from arm.model import Floats
 from daemon.channel_watch import ChannelWatch, Counts
 from daemon.device_clock import DeviceClock
 from daemon.handshake import same_device
-from daemon.ring import Chunk
-from daemon.sample_ledger import SampleLedger
-from limbcal.errors import DeviceError
+from daemon.host_clock import HostClock
+from daemon.ring import Chunk, Mark
+from daemon.sample_ledger import Gap, SampleLedger
+from daemon.sequencer import Sequencer
 from protocol.serial_frame import InfoFrame, SamplesFrame
-from protocol.serial_parser import FrameParser
+from protocol.serial_parser import Frame, FrameParser
+
+#: Frames that wait for the INFO of a device that has come back: some seconds of them.
+_UNKNOWN = 8192
+#: A frame that waits for one before it waits no longer than this [ns].
+_PATIENCE_NS = 20_000_000
+#: Damage explains a gap that is found in so many looks at what came since.
+_HURTS = 16
+#: Nothing for so long is silence [ns].
+_SILENCE_NS = 300_000_000
 
 
 @dataclass(frozen=True)
@@ -37,6 +48,7 @@ class _Group:
 
     lost: int
     sample0: int
+    t0_ns: int
     frames: list[SamplesFrame]
 
 
@@ -48,66 +60,179 @@ class Reception:
     parser : FrameParser
     introduction : InfoFrame
         The INFO by which counts are understood.
-    port : str
-        For the sentences.
+    host : HostClock, optional
+
+    Attributes
+    ----------
+    connected : bool
+        Whether there is a port to read from.
+    reconnects : int
+        How often it came back.
+    strangers : int
+        Frames that were not of this device, or not what its INFO says.
+    stranger : str or None
+        What the device is that is there instead, if there is one.
     """
 
-    def __init__(self, parser: FrameParser, introduction: InfoFrame, port: str) -> None:
+    def __init__(self, parser: FrameParser, introduction: InfoFrame, host: HostClock | None = None) -> None:
         self.info = introduction.info
         self.parser = parser
+        self.sequencer = Sequencer()
         self.ledger = SampleLedger(self.info.rate_hz, self.info.tick_hz)
         self.watch = ChannelWatch(self.info.channels, self.info.rate_hz)
-        self._port = port
-        self._clock: DeviceClock | None = None
+        self.host = host or HostClock()
+        self.strangers = 0
+        self.stranger: str | None = None
+        self.clock: DeviceClock | None = None
+        self.connected = True
+        self.reconnects = 0
         self._scale = np.array([channel.scale for channel in self.info.channels])
         self._offset = np.array([channel.offset for channel in self.info.channels])
+        self._known = True
+        self._unknown: deque[Frame] = deque(maxlen=_UNKNOWN)
+        self._why: str | None = None
+        self._errors = self._parses = 0
+        self._hurt_at = -_HURTS
+        self._arrival_ns = 0
+        self._groups: list[_Group] = []
+        self._new_gaps: list[Gap] = []
         self.ledger.pass_over(introduction.sequence)
 
-    def take(self, chunks: Sequence[Chunk]) -> list[Run]:
-        """Take what arrived and return its samples.
+    @property
+    def awaits_info(self) -> bool:
+        """Whether the device must say again what it is."""
+        return not self._known
 
-        Raises
-        ------
-        DeviceError
-            If the device was restarted, or its frames are not what its INFO said.
-        """
-        groups: list[_Group] = []
-        for frame in self.parser.feed(b"".join(chunk.data for chunk in chunks)):
-            self._check(frame)
-            if isinstance(frame, InfoFrame):
-                self.ledger.pass_over(frame.sequence)
+    def take(self, chunks: Sequence[Chunk], now_ns: int | None = None) -> list[Run]:
+        """Take what arrived, if anything, and return the samples whose turn it is."""
+        data: list[Chunk] = []
+        for chunk in chunks:
+            if chunk.mark is Mark.DATA:
+                data.append(chunk)
                 continue
-            lost = self.ledger.enter(frame)
-            if lost or not groups:
-                groups.append(_Group(lost, self.ledger.position - len(frame.counts), []))
-            groups[-1].frames.append(frame)
-        if not groups:
-            return []
-        counts = [np.concatenate([frame.counts for frame in group.frames]) for group in groups]
-        if self._clock is None:
-            self._clock = self._started_clock(groups[0], sum(map(len, counts)), chunks[-1].stamp_ns)
-        return [self._run(group, c, self._clock) for group, c in zip(groups, counts, strict=True)]
+            self._parse(data)
+            data = []
+            if chunk.mark is Mark.LOST:
+                self._pass_on(self.sequencer.release(), chunk.stamp_ns)
+                self._why, self.connected = "unplugged", False
+                self.strangers += len(self._unknown)
+                self._unknown.clear()
+            else:
+                self.parser.reset()
+                self._errors = self._damaged()
+                self._known, self.connected, self.stranger = False, True, None
+                self.reconnects += 1
+        if chunks:
+            self._parse(data)
+        elif self.sequencer.waiting and (now_ns or time.monotonic_ns()) > self._arrival_ns + _PATIENCE_NS:
+            self._pass_on(self.sequencer.release(), self._arrival_ns)
+        groups, self._groups = self._groups, []
+        return [self._run(group) for group in groups]
 
-    def _run(self, group: _Group, counts: Counts, clock: DeviceClock) -> Run:
+    def finish(self) -> list[Run]:
+        """Give up what is missing before the frames that still wait for it, and return their samples."""
+        self._pass_on(self.sequencer.release(), self._arrival_ns)
+        groups, self._groups = self._groups, []
+        return [self._run(group) for group in groups]
+
+    def new_gaps(self) -> list[Gap]:
+        """Return the gaps since the last time."""
+        gaps, self._new_gaps = self._new_gaps, []
+        return gaps
+
+    def dropped(self) -> None:
+        """Note that the daemon itself had no room for what came."""
+        self._why = "the daemon fell behind"
+
+    def _parse(self, chunks: list[Chunk]) -> None:
+        if not chunks:
+            return
+        arrival_ns = chunks[-1].stamp_ns
+        frames = self.parser.feed(b"".join(chunk.data for chunk in chunks))
+        self._parses += 1
+        if self._damaged() > self._errors:
+            self._errors, self._hurt_at = self._damaged(), self._parses
+        if self._why is None and self._arrival_ns and arrival_ns - self._arrival_ns > _SILENCE_NS:
+            self._why = "the device was silent"
+        self._pass_on([one for frame in frames for one in self.sequencer.put(frame)], arrival_ns)
+        self._arrival_ns = arrival_ns
+
+    def _pass_on(self, frames: list[Frame], arrival_ns: int) -> None:
+        """Enter frames in their order; those of a device that has come back wait until it said what it is."""
+        last = next((frame for frame in reversed(frames) if isinstance(frame, SamplesFrame)), None)
+        for frame in frames:
+            if isinstance(frame, InfoFrame):
+                self._meet(frame, arrival_ns)
+            elif self.stranger is not None:
+                self.strangers += 1
+            elif not self._known:
+                self._unknown.append(frame)
+            elif frame.counts.shape[1] != len(self._scale):
+                self.strangers += 1
+            else:
+                self._enter(frame, last or frame, arrival_ns)
+        if last is not None and self._known and self.clock is not None and self.ledger.due_ticks is not None:
+            self.clock.note(self.ledger.due_ticks, arrival_ns)
+
+    def _meet(self, frame: InfoFrame, arrival_ns: int) -> None:
+        if not same_device(frame.info, self.info):
+            self.stranger = f"{frame.info.device} {frame.info.serial}"
+            self.strangers += 1 + len(self._unknown)
+            self._known = False
+            self._unknown.clear()
+            return
+        waiting = list(self._unknown)
+        self._unknown.clear()
+        self._known, self.stranger = True, None
+        self._pass_on(waiting, arrival_ns)
+        self.ledger.pass_over(frame.sequence)
+
+    def _enter(self, frame: SamplesFrame, last: SamplesFrame, arrival_ns: int) -> None:
+        lost = self.ledger.missing(frame)
+        begun_anew = lost is None
+        if self.clock is None or lost is None:
+            lost = self._start_clock(frame, last, arrival_ns)
+        t0_ns = self.clock.utc_ns(frame.ticks) if self.clock is not None else 0
+        if lost or begun_anew:
+            why = "the device was restarted" if begun_anew else self._cause(frame)
+            rate_hz = self.info.rate_hz
+            gap = Gap(self.ledger.position, lost, t0_ns - round(1e9 * lost / rate_hz), why, not begun_anew)
+            self.ledger.note(gap)
+            self._new_gaps.append(gap)
+        if lost or not self._groups:
+            self._groups.append(_Group(lost, self.ledger.position + lost, t0_ns, []))
+        self.ledger.enter(frame, lost)
+        self._groups[-1].frames.append(frame)
+        self._why = None
+
+    def _cause(self, frame: SamplesFrame) -> str:
+        if self._why is not None:
+            return self._why
+        if self._parses - self._hurt_at < _HURTS:
+            return "damaged on the line"
+        return "lost in the device" if self.ledger.follows(frame) else "frames missing"
+
+    def _damaged(self) -> int:
+        counters = self.parser.counters
+        return counters.crc_errors + counters.discarded_bytes + counters.malformed
+
+    def _start_clock(self, first: SamplesFrame, last: SamplesFrame, arrival_ns: int) -> int:
+        """Start a clock; return how many samples were lost since the one before it, by the host's clock.
+
+        The last sample that came with the first one was taken, at the latest, when it arrived.
+        """
+        before, due = self.clock, self.ledger.due_ticks
+        span_s = (last.ticks - first.ticks) / self.info.tick_hz + len(last.counts) / self.info.rate_hz
+        first_ns = arrival_ns - round(1e9 * span_s)
+        lost = 0
+        if before is not None and due is not None:
+            ended_ns = before.monotonic_ns(due)
+            lost = max(0, round((first_ns - ended_ns) * self.info.rate_hz / 1e9))
+            first_ns = max(first_ns, ended_ns)
+        self.clock = DeviceClock(self.info.tick_hz, first.ticks, first_ns, self.host.offset_ns)
+        return lost
+
+    def _run(self, group: _Group) -> Run:
+        counts: Counts = np.concatenate([frame.counts for frame in group.frames])
         self.watch.watch(counts)
-        t0_ns = clock.utc_ns(group.frames[0].ticks)
-        return Run(group.lost, group.sample0, t0_ns, counts * self._scale + self._offset)
-
-    def _started_clock(self, first: _Group, n_sample: int, arrival_ns: int) -> DeviceClock:
-        """Start the clock: the last of the first samples was taken, at the latest, when it arrived."""
-        utc_of_arrival_ns = time.time_ns() - (time.monotonic_ns() - arrival_ns)
-        first_utc_ns = utc_of_arrival_ns - round(n_sample * 1e9 / self.info.rate_hz)
-        return DeviceClock(self.info.tick_hz, first.frames[0].ticks, first_utc_ns)
-
-    def _check(self, frame: SamplesFrame | InfoFrame) -> None:
-        if isinstance(frame, InfoFrame):
-            if not same_device(frame.info, self.info):
-                raise DeviceError(
-                    f"port {self._port}: INFO frame {frame.sequence} differs from the first one, "
-                    "expected the same rate and channels for as long as the device streams"
-                )
-        elif frame.counts.shape[1] != len(self._scale):
-            raise DeviceError(
-                f"port {self._port}: frame {frame.sequence} has {frame.counts.shape[1]} channels, "
-                f"expected {len(self._scale)} as the device's INFO says"
-            )
+        return Run(group.lost, group.sample0, group.t0_ns, counts * self._scale + self._offset)

@@ -10,7 +10,7 @@ Context = zmq.Context[zmq.Socket[bytes]]
 #: A minute of all topics. A disk that stalls for longer costs messages, which are counted, not the stream.
 _QUEUE = 30_000
 _LINGER_MS = 10_000
-_HELLO, _END, _FAILED = b"hello", b"end", b"failed"
+_HELLO, _END = b"hello", b"end"
 
 
 class Entry(NamedTuple):
@@ -27,7 +27,7 @@ class RecordLink:
     Attributes
     ----------
     recording : str or None
-        Path of the recording; None once the recorder said that it had to give up.
+        Path of the recording; None while nothing can be recorded.
     lost : int
         Messages that the recorder did not get.
     """
@@ -46,10 +46,9 @@ class RecordLink:
         self._send([*parts, t_ns.to_bytes(8, "little", signed=True)])
 
     def check(self) -> None:
-        """Hear whether the recorder gave up."""
+        """Hear what the recorder writes to now, if to anything."""
         while self._socket.poll(0):
-            self._socket.recv()
-            self.recording = None
+            self.recording = self._socket.recv().decode() or None
 
     def close(self) -> None:
         """Say that this was all, and close; what was handed over still leaves."""
@@ -91,9 +90,9 @@ class RecordInlet:
         topic, payload, t_ns = parts
         return Entry(topic.decode(), payload, int.from_bytes(t_ns, "little", signed=True))
 
-    def give_up(self) -> None:
-        """Tell the pipeline that nothing is recorded any more."""
-        self._socket.send(_FAILED, zmq.NOBLOCK)
+    def tell(self, recording: str | None) -> None:
+        """Tell the pipeline what is recorded to now, if to anything."""
+        self._socket.send((recording or "").encode(), zmq.NOBLOCK)
 
     def close(self) -> None:
         """Close the socket."""

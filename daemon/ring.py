@@ -2,6 +2,7 @@
 
 import ctypes
 from collections.abc import Iterator
+from enum import Enum
 from multiprocessing.context import BaseContext
 from typing import NamedTuple
 
@@ -12,8 +13,18 @@ Memory = ctypes.Array[ctypes.c_char]
 
 _WORD = 8
 _STATE_BYTES = 64
-_HEADER_BYTES = 2 * _WORD  # length of the chunk, its stamp
+_HEADER_BYTES = 3 * _WORD  # length of the chunk, its stamp, what it is
 _WRITTEN, _READ, _DROPPED_BYTES, _DROPPED_CHUNKS, _CLOSED = range(5)
+
+
+class Mark(Enum):
+    """What a chunk is: bytes of the device, or what became of the port they came from."""
+
+    DATA = 0
+    #: The port was opened again: what follows is of a device that must say what it is.
+    OPENED = 1
+    #: The port went away; the bytes are a sentence.
+    LOST = 2
 
 
 class Chunk(NamedTuple):
@@ -21,6 +32,7 @@ class Chunk(NamedTuple):
 
     stamp_ns: int
     data: bytes
+    mark: Mark = Mark.DATA
 
 
 def ring_memory(context: BaseContext, capacity: int) -> Memory:
@@ -59,7 +71,7 @@ class Ring:
         """Whether the writer has written its last chunk."""
         return bool(self._state[_CLOSED])
 
-    def write(self, data: bytes, stamp_ns: int) -> bool:
+    def write(self, data: bytes, stamp_ns: int, mark: Mark = Mark.DATA) -> bool:
         """Put a chunk in; where there is no room for all of it, drop and count it and return False."""
         start = int(self._state[_WRITTEN])
         size = _HEADER_BYTES + len(data)
@@ -67,7 +79,7 @@ class Ring:
             self._state[_DROPPED_BYTES] += len(data)
             self._state[_DROPPED_CHUNKS] += 1
             return False
-        header = np.array([len(data), stamp_ns], dtype=np.int64).tobytes()
+        header = np.array([len(data), stamp_ns, mark.value], dtype=np.int64).tobytes()
         self._put(start, header)
         self._put(start + _HEADER_BYTES, data)
         self._state[_WRITTEN] = start + size
@@ -84,11 +96,11 @@ class Ring:
     def _take(self, end: int) -> Iterator[Chunk]:
         start = int(self._state[_READ])
         while start < end:
-            length, stamp_ns = np.frombuffer(self._get(start, _HEADER_BYTES), dtype=np.int64)
+            length, stamp_ns, mark = np.frombuffer(self._get(start, _HEADER_BYTES), dtype=np.int64)
             data = self._get(start + _HEADER_BYTES, int(length))
             start += _HEADER_BYTES + int(length)
             self._state[_READ] = start
-            yield Chunk(int(stamp_ns), data)
+            yield Chunk(int(stamp_ns), data, Mark(int(mark)))
 
     def _put(self, position: int, data: bytes) -> None:
         begin = position % self._capacity

@@ -9,7 +9,7 @@ from arm.model import Arm, Floats
 from daemon.child import Child, raise_failure, wait_for_any
 from daemon.handshake import Handshake, check_channels
 from daemon.reception import Reception
-from daemon.ring import Ring, ring_memory
+from daemon.ring import Mark, Ring, ring_memory
 from limbcal.errors import DeviceError
 from protocol.serial_frame import InfoFrame
 from protocol.serial_parser import FrameParser
@@ -58,7 +58,7 @@ def sample_burst(port: str, baud: int, arm: Arm, seconds: float) -> tuple[float,
         introduction = _introduction(reader, ring, Handshake(parser, port))
         check_channels(introduction.info, arm, port)
         reader.line.tell("start")
-        rate_hz, reception = introduction.info.rate_hz, Reception(parser, introduction, port)
+        rate_hz, reception = introduction.info.rate_hz, Reception(parser, introduction)
         return rate_hz, _gathered(reader, ring, reception, round(seconds * rate_hz), port)
     finally:
         reader.end(_PATIENCE_S)
@@ -83,6 +83,9 @@ def _gathered(reader: Child, ring: Ring, reception: Reception, wanted: int, port
     while reception.ledger.samples < wanted:
         _heard(reader, _LOOK_S)
         chunks = ring.read()
+        gone = next((chunk.data.decode() for chunk in chunks if chunk.mark is Mark.LOST), None)
+        if gone is not None:
+            raise DeviceError(gone)
         runs = reception.take(chunks) if chunks else []
         pieces += [run.a for run in runs]
         if runs:

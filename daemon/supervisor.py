@@ -15,8 +15,10 @@ from daemon.child import Child, raise_failure, wait_for_any
 from daemon.config import Setup, format_config
 from daemon.control_line import Said
 from daemon.ring import ring_memory
+from daemon.segments import Limits
 from daemon.stop_signal import StopSignal
 from limbcal.errors import DeviceError, LimbcalError
+from limbcal.notify import notify
 
 #: 40 s of twelve channels at 32 kHz.
 _RING_BYTES = 32 * 1024 * 1024
@@ -42,6 +44,8 @@ class Supervisor:
     stop : StopSignal
     on_start, on_health, on_trouble : callable
         Told what began, how it goes, and what went wrong without ending the run.
+    wait : bool
+        Whether a device that is not there at the start is waited for.
     """
 
     def __init__(
@@ -51,12 +55,14 @@ class Supervisor:
         on_start: Listener,
         on_health: Listener,
         on_trouble: Callable[[str], None],
+        wait: bool = False,
     ) -> None:
         self._setup = setup
         self._stop = stop
         self._on_start = on_start
         self._on_health = on_health
         self._on_trouble = on_trouble
+        self._wait = wait
         self._run = str(uuid.uuid4())
         self._children: dict[str, Child] = {}
         self._heard: dict[tuple[str, str], Said] = {}
@@ -89,7 +95,7 @@ class Supervisor:
         context = get_context("spawn")
         config = self._setup.config
         memory = ring_memory(context, _RING_BYTES)
-        port = (config.device.port, config.device.baud)
+        port = (config.device.port, config.device.baud, self._wait)
         # The port first: it fails most often, and the others need a second to start.
         self._children["reader"] = Child(context, "reader", "daemon.reader:run_reader", memory, *port)
         self._until("reader", "ready")
@@ -97,8 +103,10 @@ class Supervisor:
         if config.record is not None:
             recorder, recording = self._room(), self._recording_path(config.record.directory)
             texts = (format_arm(self._setup.arm), format_config(config))
+            table = config.record
+            limits = Limits(int(1e6 * table.file_mb), 60.0 * table.file_minutes, int(1e6 * table.free_mb))
             self._children["recorder"] = Child(
-                context, "recorder", "daemon.recorder:run_recorder", recorder, recording, *texts
+                context, "recorder", "daemon.recorder:run_recorder", recorder, recording, *texts, limits
             )
             self._until("recorder", "ready")
         self._children["pipeline"] = Child(
@@ -160,12 +168,28 @@ class Supervisor:
         self._heard[child.name, what] = said
         raise_failure(child, said)
         if what == "health":
+            notify(WATCHDOG=1)
             self._on_health(said)
-        elif what == "disk-failed":
+            for sentence in said["words"]:
+                self._on_trouble(sentence)
+        elif what == "streaming":
+            notify(READY=1, WATCHDOG=1, STATUS=f"streaming from {self._setup.config.device.port}")
+        elif what == "trying" and "pipeline" not in self._children:
+            notify(WATCHDOG=1)
+        elif what == "waiting":
+            notify(READY=1, WATCHDOG=1, STATUS=f"waiting for a device: {said['sentence']}")
             self._on_trouble(said["sentence"])
+        elif what == "disk-failed":
+            notify(STATUS=said["sentence"])
+            self._on_trouble(said["sentence"])
+        elif what == "recording":
+            self._on_trouble(f"recording to {said['path']}")
+        elif what == "ask":
+            self._children["reader"].line.tell("ask")
 
     def _shut_down(self) -> LimbcalError | None:
         """Stop the processes in the order in which data flows; return what went wrong in that."""
+        notify(STOPPING=1, STATUS="stopping")
         trouble: LimbcalError | None = None
         for name in ("reader", "pipeline", "recorder"):
             child = self._children.get(name)
@@ -181,8 +205,9 @@ class Supervisor:
                     trouble = trouble or error
             child.close()
         self._clear_rooms()
-        failed = self._heard.get(("recorder", "disk-failed"))
-        if failed is not None:
+        closed = self._heard.get(("recorder", "closed"))
+        if closed is not None and closed["lost"]:
+            failed = self._heard["recorder", "disk-failed"]
             trouble = trouble or DeviceError(f"the recording is incomplete: {failed['sentence']}")
         return trouble
 

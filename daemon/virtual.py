@@ -9,8 +9,11 @@ from select import select
 
 import numpy as np
 
+from daemon.fault_schedule import Fault
+from daemon.faulty_line import FaultyLine
 from daemon.motion_source import MotionSource
 from daemon.stop_signal import StopSignal
+from daemon.trouble import Trouble
 from daemon.virtual_device import FrameFifo, VirtualDevice, device_info
 from daemon.virtual_motion import BenchPlan
 from daemon.virtual_port import VirtualPort
@@ -34,6 +37,7 @@ class VirtualOptions:
     link: Path | None
     truth: Path | None
     as_json: bool
+    faults: tuple[Fault, ...] = ()
 
 
 def serve(options: VirtualOptions) -> None:
@@ -50,26 +54,36 @@ def serve(options: VirtualOptions) -> None:
     info = device_info(plan.arm, plan.rate_hz, plan.seed)
     stream_bytes_s = plan.rate_hz * options.speed * len(info.channels) * _BYTES_PER_SAMPLE_OF_A_CHANNEL
     fifo = FrameFifo(round(_FIFO_S * stream_bytes_s) + 65536)
+    line = FaultyLine(fifo, plan.seed)
     with StopSignal() as stop, VirtualPort(options.link) as port:
         _announce(options, port.path)
         device = VirtualDevice(
-            info, lambda: MotionSource(plan, options.truth is not None), fifo, options.speed, time.monotonic()
+            info, lambda: MotionSource(plan, options.truth is not None), line, options.speed, time.monotonic()
         )
+        trouble = Trouble(options.faults, info, device, line, port)
         try:
-            _serve(device, fifo, port, stop)
+            _serve(device, fifo, port, stop, trouble)
         finally:
             device.close()
+            if line.done:
+                hits = ", ".join(f"{count} by {kind}" for kind, count in line.done.items())
+                console.print(f"frames hit by faults: {hits}")
             if options.truth is not None:
                 _write_truth(options.truth, device)
 
 
-def _serve(device: VirtualDevice, fifo: FrameFifo, port: VirtualPort, stop: StopSignal) -> None:
+def _serve(device: VirtualDevice, fifo: FrameFifo, port: VirtualPort, stop: StopSignal, trouble: Trouble) -> None:
     ticker = Ticker(_BEAT_S, time.monotonic, _attend(device, fifo, port, stop))
     said = 0
     while not stop.came:
         ticker.wait()
         ticker.skip_missed()
-        device.advance(time.monotonic())
+        now_s = time.monotonic()
+        trouble.make(now_s)
+        device.advance(now_s)
+        if not port.plugged:
+            fifo.clear()
+            continue
         fifo.drain(port.write)
         if fifo.dropped and not said:
             said = fifo.dropped
@@ -82,8 +96,8 @@ def _attend(
     """Return a sleep that meanwhile hears the host and sends it what waits; it may end early."""
 
     def sleep(seconds: float) -> None:
-        waited_for: list[VirtualPort | StopSignal] = [port, stop]
-        readable, writable, _ = select(waited_for, [port] if len(fifo) else [], [], seconds)
+        waited_for: list[VirtualPort | StopSignal] = [port, stop] if port.plugged else [stop]
+        readable, writable, _ = select(waited_for, [port] if port.plugged and len(fifo) else [], [], seconds)
         if port in readable:
             device.receive(port.read(), time.monotonic())
         if port in readable or port in writable:

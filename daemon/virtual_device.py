@@ -1,6 +1,7 @@
 """The virtual device without its wire: commands in, frames out, by the clock."""
 
 from collections.abc import Callable
+from typing import Protocol
 
 from arm.bench import COUNT_M_S2, FULL_SCALE_M_S2
 from arm.model import Arm
@@ -38,6 +39,10 @@ class FrameFifo:
         else:
             self._held += frame
 
+    def clear(self) -> None:
+        """Lose all that is held."""
+        self._held.clear()
+
     def drain(self, write: Callable[[bytes], int]) -> None:
         """Write for as long as everything is accepted; ``write`` returns how many bytes it took."""
         while self._held:
@@ -58,6 +63,13 @@ def device_info(arm: Arm, rate_hz: float, seed: int) -> DeviceInfo:
     return DeviceInfo("limbcal virtual arm", f"seed-{seed}", "1", rate_hz, TICK_HZ, channels)
 
 
+class Line(Protocol):
+    """What takes a device's frames."""
+
+    def put(self, frame: bytes) -> None:
+        """Take a whole frame."""
+
+
 class VirtualDevice:
     """Answers INFO, START and STOP, and makes the frames that are due.
 
@@ -68,7 +80,8 @@ class VirtualDevice:
     info : DeviceInfo
     new_source : callable
         Returns the motions, from their beginning.
-    fifo : FrameFifo
+    line : Line
+        Where frames go.
     speed : float
         How much faster than the host's clock the device's runs.
     now_s : float
@@ -81,13 +94,14 @@ class VirtualDevice:
     """
 
     def __init__(
-        self, info: DeviceInfo, new_source: Callable[[], MotionSource], fifo: FrameFifo, speed: float, now_s: float
+        self, info: DeviceInfo, new_source: Callable[[], MotionSource], line: Line, speed: float, now_s: float
     ) -> None:
         self.waited_s = 0.0
         self._info = info
         self._new_source = new_source
         self._source = new_source()
-        self._fifo = fifo
+        self._out = line
+        self._awaits_start = False
         self._speed = speed
         self._on_s = now_s
         self._line = b""
@@ -109,6 +123,8 @@ class VirtualDevice:
             command = line.strip()
             if command in (b"INFO", b"START"):
                 self._put(encode_info(self._info, self._sequence, self._ticks(now_s)))
+            if command == b"START":
+                self._awaits_start = False
             if command == b"START" and not self._streaming:
                 self._streaming = True
                 self._started_s = now_s
@@ -134,7 +150,21 @@ class VirtualDevice:
             if counts is None:
                 self._stand_still(now_s - first_s)
                 return
-            self._put(encode_samples(counts, self._sequence, self._ticks(first_s)))
+            if not self._awaits_start:
+                self._put(encode_samples(counts, self._sequence, self._ticks(first_s)))
+
+    @property
+    def started_s(self) -> float | None:
+        """When the stream began, by the host's clock; None where there is none."""
+        return self._started_s if self._streaming else None
+
+    def restart(self, now_s: float) -> None:
+        """Begin clock and numbers anew and wait for START; the arm does not care."""
+        self._on_s, self._sequence, self._line, self._awaits_start = now_s, 0, b"", True
+
+    def become(self, info: DeviceInfo) -> None:
+        """Be another device from now on."""
+        self._info = info
 
     def close(self) -> None:
         """Stop computing motions."""
@@ -155,7 +185,7 @@ class VirtualDevice:
 
     def _put(self, frame: bytes) -> None:
         self._sequence += 1
-        self._fifo.put(frame)
+        self._out.put(frame)
 
     def _ticks(self, at_s: float) -> int:
         return round((at_s - self._on_s) * self._speed * TICK_HZ)

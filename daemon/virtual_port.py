@@ -22,6 +22,8 @@ class VirtualPort:
     ----------
     path : str
         What the host opens.
+    plugged : bool
+        Whether there is a pty.
 
     Raises
     ------
@@ -30,18 +32,41 @@ class VirtualPort:
     """
 
     def __init__(self, link: Path | None) -> None:
+        self.path = ""
+        self.plugged = False
+        self._link = link
+        self._master = self._slave = -1
+        self.plug()
+
+    def plug(self) -> None:
+        """Be there; on a new pty, as a device that was plugged in again is.
+
+        Raises
+        ------
+        ConfigError
+            If the link cannot be made.
+        """
         self._master, self._slave = os.openpty()
         self.path = os.ttyname(self._slave)
-        self._link = link
+        self.plugged = True
         try:
             tty.setraw(self._slave)
             os.set_blocking(self._master, False)
-            if link is not None:
-                _make_link(link, self.path)
+            if self._link is not None:
+                _make_link(self._link, self.path)
         except BaseException:
-            os.close(self._master)
-            os.close(self._slave)
+            self.unplug()
             raise
+
+    def unplug(self) -> None:
+        """Be gone, and the link with it; harmless when repeated."""
+        if not self.plugged:
+            return
+        self.plugged = False
+        if self._link is not None and self._link.is_symlink() and os.readlink(self._link) == self.path:
+            self._link.unlink()
+        os.close(self._master)
+        os.close(self._slave)
 
     def fileno(self) -> int:
         """Return the device's end."""
@@ -63,10 +88,7 @@ class VirtualPort:
 
     def close(self) -> None:
         """Take the port and its link away."""
-        if self._link is not None and self._link.is_symlink() and os.readlink(self._link) == self.path:
-            self._link.unlink()
-        os.close(self._master)
-        os.close(self._slave)
+        self.unplug()
 
     def __enter__(self) -> "VirtualPort":
         return self

@@ -5,6 +5,7 @@ from collections.abc import Callable, Sequence
 import zmq
 
 from protocol.binding import bind
+from protocol.curve import Gate
 
 Answer = Callable[[Sequence[bytes]], bytes]
 
@@ -24,6 +25,8 @@ class ControlSocket:
         Where to bind; ``tcp://127.0.0.1:*`` takes any free port.
     answer : callable
         Takes the parts of a request and returns its reply; it must not raise.
+    gate : Gate, optional
+        Lets in only whom it knows; needed where other machines can reach the endpoint.
 
     Raises
     ------
@@ -33,13 +36,15 @@ class ControlSocket:
         If the endpoint is not one.
     """
 
-    def __init__(self, context: "zmq.Context[zmq.Socket[bytes]]", endpoint: str, answer: Answer) -> None:
+    def __init__(
+        self, context: "zmq.Context[zmq.Socket[bytes]]", endpoint: str, answer: Answer, gate: Gate | None = None
+    ) -> None:
         self._answer = answer
         self._socket = context.socket(zmq.ROUTER)
         self._socket.set(zmq.LINGER, LINGER_MS)
         self._socket.set(zmq.MAXMSGSIZE, MESSAGE_LIMIT)
         try:
-            self.endpoint = bind(self._socket, endpoint)
+            self.endpoint = bind(self._socket, endpoint, gate)
         except BaseException:
             self._socket.close(0)
             raise

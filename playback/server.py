@@ -7,10 +7,12 @@ from types import TracebackType
 import zmq
 
 from limbcal.errors import LimbcalError
+from limbcal.notify import notify
 from playback.control_message import Request, decode_request, encode_refusal, encode_reply
 from playback.control_socket import ControlSocket
 from playback.lateness import Lateness
 from playback.player import Clocks, Player
+from protocol.curve import Gate
 from protocol.message import HEALTH, PLAY
 from protocol.publisher import Publisher
 
@@ -29,6 +31,8 @@ class Server:
         Waits so many seconds; needed for what is left of a wait below one millisecond.
     endpoint, control : str
         Where to bind the PUB and the ROUTER socket.
+    gate : Gate, optional
+        Lets in only whom it knows; needed where other machines can reach an endpoint.
 
     Raises
     ------
@@ -46,14 +50,15 @@ class Server:
         sleep: Callable[[float], None],
         endpoint: str,
         control: str,
+        gate: Gate | None = None,
     ) -> None:
         self.player = player
         self._clocks = clocks
         self._sleep = sleep
         self._run = str(uuid.uuid4())
-        self._publisher = Publisher(context, endpoint, player.source.arm.name, self._run)
+        self._publisher = Publisher(context, endpoint, player.source.arm.name, self._run, gate)
         try:
-            self._control = ControlSocket(context, control, self.answer)
+            self._control = ControlSocket(context, control, self.answer, gate)
         except BaseException:
             self._publisher.close()
             raise
@@ -88,6 +93,7 @@ class Server:
         uptime_s = self._clocks.monotonic() - self._start_s
         if uptime_s >= self._heartbeats * HEARTBEAT_S:
             self._publisher.publish(HEALTH, self._health(uptime_s))
+            notify(WATCHDOG=1)
             self._heartbeats = int(uptime_s / HEARTBEAT_S) + 1  # after a hold-up one is enough
 
     def state(self) -> dict[str, object]:

@@ -7,18 +7,30 @@ from pathlib import Path
 import zmq
 
 from limbcal.errors import ConfigError, DeviceError
+from protocol.curve import Gate, is_local, needs_keys
 
 
-def bind(socket: "zmq.Socket[bytes]", endpoint: str) -> str:
+def bind(socket: "zmq.Socket[bytes]", endpoint: str, gate: Gate | None = None) -> str:
     """Bind a socket and return where it really is bound, with the port that a ``*`` became.
+
+    Parameters
+    ----------
+    socket : zmq.Socket
+    endpoint : str
+    gate : Gate, optional
+        Lets in only whom it knows; without one nobody but this machine may reach the endpoint.
 
     Raises
     ------
     DeviceError
         If the endpoint is taken or cannot be bound.
     ConfigError
-        If the endpoint is not one.
+        If the endpoint is not one, or others can reach it and there is no gate.
     """
+    if gate is not None:
+        gate.guard(socket)
+    elif endpoint.partition("://")[0] == "tcp" and not is_local(endpoint):
+        raise ConfigError(needs_keys(endpoint))
     if not _port_in_range(endpoint):  # libzmq would take it modulo 65536
         raise ConfigError(f"endpoint is {endpoint!r}, expected a port of at most 65535")
     taken = f"endpoint {endpoint} is already taken, expected a free one"

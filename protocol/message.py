@@ -25,12 +25,13 @@ FRAMES = "limb/frames"
 RAW = "limb/raw"
 PLOT = "limb/plot"
 TRIAL = "limb/trial"
+GAP = "limb/gap"
 HEALTH = "limb/health"
 KINEMATICS = "limb/kinematics"
 DYNAMICS = "limb/dynamics"
 DIAGNOSIS = "limb/diagnosis"
 PLAY = "limb/play"
-TOPICS = (FRAMES, RAW, PLOT, TRIAL, HEALTH, KINEMATICS, DYNAMICS, DIAGNOSIS, PLAY)
+TOPICS = (FRAMES, RAW, PLOT, TRIAL, GAP, HEALTH, KINEMATICS, DYNAMICS, DIAGNOSIS, PLAY)
 
 _DTYPES = {text: np.dtype(text) for text in ("<f8", "<f4", "<i8", "<i4", "<i2", "|b1")}
 _ARRAY_KEYS = {"dtype", "shape", "data"}

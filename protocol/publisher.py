@@ -7,6 +7,7 @@ from typing import Any
 import zmq
 
 from protocol.binding import bind
+from protocol.curve import Gate
 from protocol.message import encode
 
 #: Messages kept for a subscriber that is slow; beyond that it loses its own and nobody else's.
@@ -26,6 +27,8 @@ class Publisher:
     arm_name : str
     run : str
         UUID of this process.
+    gate : Gate, optional
+        Lets in only whom it knows; needed where other machines can reach the endpoint.
 
     Attributes
     ----------
@@ -41,7 +44,12 @@ class Publisher:
     """
 
     def __init__(
-        self, context: "zmq.Context[zmq.Socket[bytes]]", endpoint: str, arm_name: str, run: str
+        self,
+        context: "zmq.Context[zmq.Socket[bytes]]",
+        endpoint: str,
+        arm_name: str,
+        run: str,
+        gate: Gate | None = None,
     ) -> None:
         self.last_seq: dict[str, int] = {}
         self._arm = arm_name
@@ -50,7 +58,7 @@ class Publisher:
         self._socket.set(zmq.SNDHWM, SEND_QUEUE)
         self._socket.set(zmq.LINGER, LINGER_MS)
         try:
-            self._endpoint = bind(self._socket, endpoint)
+            self._endpoint = bind(self._socket, endpoint, gate)
         except BaseException:
             self._socket.close(0)
             raise

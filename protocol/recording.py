@@ -37,6 +37,11 @@ class RecordingWriter:
     clock : callable
         Returns the time [s] by which chunks are flushed, never going back.
 
+    Attributes
+    ----------
+    unsafe : int
+        Messages written last that the kernel does not have yet.
+
     Raises
     ------
     DeviceError
@@ -56,6 +61,7 @@ class RecordingWriter:
         self._channels: dict[str, int] = {}
         self._sequences: dict[str, int] = {}
         self._finished = False
+        self.unsafe = 0
         with self._disk():
             self._file = self.path.open("xb")
         self._writer = Writer(self._file, chunk_size=CHUNK_BYTES, compression=CompressionType.ZSTD)
@@ -101,6 +107,7 @@ class RecordingWriter:
             sequence = self._sequences.get(topic, 0)
             self._writer.add_message(channel, t_ns, payload, t_ns, sequence % (1 << 32))
             self._sequences[topic] = sequence + 1
+            self.unsafe += 1
         self.poll()
 
     def poll(self) -> None:
@@ -112,7 +119,7 @@ class RecordingWriter:
                 self._flushed_s = self._synced_s = now
             elif now - self._flushed_s >= FLUSH_PERIOD_S:
                 self._writer.flush()  # type: ignore[no-untyped-call]
-                self._flushed_s = now
+                self._flushed_s, self.unsafe = now, 0
 
     def close(self) -> None:
         """Write the index, make the disk have it all and close the file; harmless when repeated."""
@@ -122,6 +129,7 @@ class RecordingWriter:
         with self._disk():
             self._writer.finish()  # type: ignore[no-untyped-call]
             self._file.flush()
+            self.unsafe = 0
             os.fsync(self._file.fileno())
             self._file.close()
 
@@ -135,6 +143,7 @@ class RecordingWriter:
 
     def _sync(self) -> None:
         self._writer.flush()  # type: ignore[no-untyped-call]
+        self.unsafe = 0
         os.fsync(self._file.fileno())
 
     @contextmanager

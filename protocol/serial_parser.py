@@ -150,6 +150,10 @@ class FrameParser:
 
     def _hunt(self, block: bytes, position: int) -> int:
         """Return where the next magic begins, or may begin with what is still to come."""
+        if self._offset + position == self._due:
+            if position + HEADER_BYTES > len(block):
+                return position
+            self._judge_magic(block, position)
         start = block.find(MAGIC, position)
         if start < 0:
             start = len(block)
@@ -157,6 +161,17 @@ class FrameParser:
                 start -= 1
         self.counters.discarded_bytes += start - position
         return start
+
+    def _judge_magic(self, block: bytes, position: int) -> None:
+        """Count a frame that is due and whose magic alone is damaged: nothing else would tell of it."""
+        covered = block[position : position + HEADER.size]
+        if covered[: len(MAGIC)] == MAGIC:
+            return
+        (crc,) = HEADER_CRC.unpack_from(block, position + HEADER.size)
+        if header_crc(MAGIC + covered[len(MAGIC) :]) == crc:
+            size = HEADER.unpack(covered)[-1]
+            self.counters.crc_errors += 1
+            self._due += HEADER_BYTES + size + PAYLOAD_CRC_BYTES
 
     def _header_good(self, block: bytes, covered: memoryview, position: int, due: bool) -> bool:
         (crc,) = HEADER_CRC.unpack_from(block, position + HEADER.size)

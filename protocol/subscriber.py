@@ -7,6 +7,7 @@ from typing import Any
 import zmq
 
 from limbcal.errors import ConfigError
+from protocol.curve import ClientKey
 from protocol.message import HEALTH, MAX_PAYLOAD_BYTES, decode
 
 #: Messages kept while the reader is busy; what comes after is lost, and counted.
@@ -29,6 +30,8 @@ class Subscriber:
         Where to connect; the publisher may come up later.
     topics : iterable of str
         Topics or beginnings of topics; ``""`` is all.
+    key : ClientKey, optional
+        Where the publisher lets in only whom it knows.
 
     Attributes
     ----------
@@ -46,7 +49,11 @@ class Subscriber:
     """
 
     def __init__(
-        self, context: "zmq.Context[zmq.Socket[bytes]]", endpoint: str, topics: Iterable[str]
+        self,
+        context: "zmq.Context[zmq.Socket[bytes]]",
+        endpoint: str,
+        topics: Iterable[str],
+        key: ClientKey | None = None,
     ) -> None:
         self.missed: dict[str, int] = {}
         self.restarts = 0
@@ -57,6 +64,8 @@ class Subscriber:
         self._socket.set(zmq.RCVHWM, RECEIVE_QUEUE)
         self._socket.set(zmq.RECONNECT_IVL, RECONNECT_MS)
         self._socket.set(zmq.MAXMSGSIZE, 2 * MAX_PAYLOAD_BYTES)  # nothing of ours comes near
+        if key is not None:
+            key.apply(self._socket)
         for topic in topics:
             self._socket.setsockopt_string(zmq.SUBSCRIBE, topic)
         try:

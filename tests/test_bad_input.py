@@ -342,7 +342,6 @@ def test_how_far_off_sensors_are_is_a_positive_number(said, a_second, tmp_path, 
         assert said(2, *common, text).endswith(f"argument {option}: '{text}' is not a number above 0")
 
 
-
 def test_a_trial_too_short(said, columns, short_run, tmp_path):
     path = tmp_path / "motion.csv"
     write_motion(path, {name: values[:10] for name, values in columns.items()})

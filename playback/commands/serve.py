@@ -3,6 +3,7 @@
 import argparse
 import math
 import time
+from contextlib import ExitStack
 from pathlib import Path
 
 import zmq
@@ -10,12 +11,14 @@ import zmq
 from arm.arm_file import load_arm
 from limbcal.command import Document, console
 from limbcal.errors import ConfigError
+from limbcal.notify import notify
 from playback.file_source import file_source
 from playback.player import Clocks, Player
 from playback.recording_source import recording_source
 from playback.server import Server
 from playback.simulated_source import simulated_source
 from playback.source import Source
+from protocol.curve import gate_of
 from protocol.motion_file import SUFFIXES
 
 DEFAULT_ENDPOINT = "tcp://127.0.0.1:5772"
@@ -52,6 +55,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--control", default=DEFAULT_CONTROL, metavar="E", help=f"where to take requests ({DEFAULT_CONTROL})"
     )
+    parser.add_argument(
+        "--keys", type=Path, metavar="DIR", help="let in only whom `limbd keys new` has listed here"
+    )
     parser.add_argument("--play", action="store_true", help="start at once, without waiting for a request")
     parser.add_argument("--once", action="store_true", help="leave when a trial was played to its end")
     parser.set_defaults(action=serve)
@@ -65,13 +71,16 @@ def serve(arguments: argparse.Namespace) -> Document:
     source = _open_source(arguments.source, arguments.reference, arguments.arm)
     clocks = Clocks(time.monotonic, time.time_ns)
     player = Player(source, rate_hz, clocks, arguments.trial)
-    with (
-        zmq.Context() as context,
-        Server(context, player, clocks, time.sleep, arguments.endpoint, arguments.control) as server,
-    ):
+    with ExitStack() as stack:
+        context = stack.enter_context(zmq.Context())
+        gate = stack.enter_context(gate_of(context, arguments.keys))
+        server = stack.enter_context(
+            Server(context, player, clocks, time.sleep, arguments.endpoint, arguments.control, gate)
+        )
         _say(f"{source.name}: {len(source.trials)} trial(s) on {server.endpoint}, control on {server.control}")
         if arguments.play:
             player.play()
+        notify(READY=1, STATUS=f"serving {source.name} on {server.endpoint}")
         try:
             server.serve(once=arguments.once)
         except KeyboardInterrupt:  # a stop that was asked for still has an answer

@@ -88,7 +88,7 @@ class Program:
 class PtyDevice:
     """A device under the test's control, on a real pty: answers INFO and writes what it is told to.
 
-    ``on_start`` is written when START comes, ``chatter`` all the time.
+    ``on_start`` is written when START comes for the first time, ``chatter`` all the time.
     """
 
     def __init__(self, info: DeviceInfo | None, on_start: bytes = b"", chatter: bytes = b"") -> None:
@@ -147,6 +147,7 @@ class PtyDevice:
             answer += encode_info(self._info, 0, 0)
         if command == b"START":
             answer += self._on_start
+            self._on_start = b""
         with self._lock:
             self._outgoing += answer
 

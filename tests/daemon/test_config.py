@@ -22,7 +22,12 @@ def mistakes_in(tmp_path: Path, text: str, **flags: dict[str, object]) -> list[s
 def test_the_example_is_right_and_shows_every_field() -> None:
     setup = load_setup(EXAMPLE, {})
     shown = setup.config.model_dump()
-    assert shown["record"] == {"directory": "recordings"}
+    assert shown["record"] == {
+        "directory": "recordings",
+        "file_mb": 2000.0,
+        "file_minutes": 60.0,
+        "free_mb": 100.0,
+    }
     text = EXAMPLE.read_text()
     for table, fields in shown.items():
         assert f"[{table}]" in text
@@ -106,9 +111,7 @@ TRACKED = '[device]\nport = "/dev/ttyX"\n[arm]\nfile = "dd-arm"\n[tracking]\n'
 @pytest.mark.parametrize("method", ["", 'method = "filter"\n'])
 def test_the_filter_has_no_zero(tmp_path: Path, method: str) -> None:
     (mistake,) = mistakes_in(tmp_path, f'{TRACKED}{method}zero = "each-rest"\n')
-    assert mistake.endswith(
-        "tracking.zero is 'each-rest', expected it only with tracking.method = 'integrate'"
-    )
+    assert mistake.endswith("tracking.zero is 'each-rest', expected it only with tracking.method = 'integrate'")
 
 
 def test_the_integrator_has_a_zero(tmp_path: Path) -> None:
@@ -154,3 +157,11 @@ def test_the_attached_config_gives_the_same_again(tmp_path: Path) -> None:
     again = tmp_path / "again.toml"
     again.write_text(format_config(setup.config), encoding="utf-8")
     assert load_setup(again, {}).config == setup.config
+
+
+def test_an_endpoint_that_others_can_reach_needs_keys(tmp_path: Path) -> None:
+    flags = {"device": {"port": "/dev/x"}, "arm": {"file": "dd-arm"}, "publish": {"endpoint": "tcp://*:5770"}}
+    with pytest.raises(ConfigError, match="other machines can reach; .*in publish.keys"):
+        load_setup(None, flags)
+    flags["publish"]["keys"] = str(tmp_path)
+    assert load_setup(None, flags).config.publish.keys == str(tmp_path)

@@ -54,7 +54,7 @@ class Room:
     def close(self) -> None:
         self.publisher.close()
         self.inlet.close()
-        self.context.term()
+        self.context.destroy(linger=0)
 
 
 @pytest.fixture(params=[False, True], ids=["raw-private", "raw-published"])
@@ -110,7 +110,7 @@ def test_what_bridges_a_gap_is_marked_and_has_no_delay(room: Room) -> None:
 def test_a_recorder_that_gave_up_is_heard(room: Room) -> None:
     room.outlet.send_frames([frames(0, 10)])
     assert room.inlet.receive(PATIENCE_S) is None  # hello
-    room.inlet.give_up()
+    room.inlet.tell(None)
     while room.link.recording is not None:
         room.link.check()
     assert len(room.recorded()) == 2

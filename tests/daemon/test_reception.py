@@ -11,8 +11,7 @@ from hypothesis import strategies as st
 from numpy.typing import NDArray
 
 from daemon.reception import Reception, Run
-from daemon.ring import Chunk
-from limbcal.errors import DeviceError
+from daemon.ring import Chunk, Mark
 from protocol.serial_frame import DeviceInfo, InfoFrame, encode_info, encode_samples
 from protocol.serial_parser import FrameParser
 
@@ -22,16 +21,16 @@ TICKS_PER_FRAME = 4000
 
 
 def reception(info: DeviceInfo) -> Reception:
-    return Reception(FrameParser(), InfoFrame(0, 0, info), "/dev/ttyX")
+    return Reception(FrameParser(), InfoFrame(0, 0, info))
 
 
 def chunk(*frames: bytes) -> list[Chunk]:
     return [Chunk(time.monotonic_ns(), b"".join(frames))]
 
 
-def encoded(counts: NDArray[np.int16]) -> list[bytes]:
+def encoded(counts: NDArray[np.int16], ticks0: int = 50) -> list[bytes]:
     parts = counts.reshape(-1, 32, counts.shape[1])
-    return [encode_samples(part, k + 1, 50 + k * TICKS_PER_FRAME) for k, part in enumerate(parts)]
+    return [encode_samples(part, k + 1, ticks0 + k * TICKS_PER_FRAME) for k, part in enumerate(parts)]
 
 
 def joined(runs: Sequence[Run]) -> NDArray[np.float64]:
@@ -59,6 +58,7 @@ def test_every_hole_begins_a_run(
     runs = []
     for part in (range(cut), range(cut, 20)):
         runs += taker.take(chunk(*(frames[k] for k in part if k not in lost)))
+    runs += taker.finish()
     for run in runs:
         expected = counts[run.sample0 : run.sample0 + len(run.a)] * make_info().channels[0].scale
         np.testing.assert_array_equal(run.a, expected)
@@ -85,15 +85,110 @@ def test_an_info_in_between_is_no_loss(
     assert (run.lost, len(run.a)) == (0, 64)
 
 
-def test_a_device_that_describes_itself_otherwise(make_info: MakeInfo) -> None:
-    with pytest.raises(DeviceError, match="INFO frame 9 differs from the first one"):
-        reception(make_info(RATE_HZ)).take(chunk(encode_info(make_info(16000.0), 9, 0)))
+def test_another_device_is_not_listened_to(
+    make_info: MakeInfo, random_counts: Callable[[int], NDArray[np.int16]]
+) -> None:
+    info, counts = make_info(RATE_HZ), random_counts(320)
+    frames, taker = encoded(counts), reception(info)
+    other = encode_info(replace(info, serial="other"), 2, 0)
+    runs = taker.take(chunk(frames[0], other, *frames[2:5]))
+    assert taker.awaits_info and taker.stranger == "test device other"
+    runs += taker.take(chunk(encode_info(info, 6, 0), *frames[6:]))
+    assert not taker.awaits_info and taker.stranger is None
+    assert [(run.sample0, run.lost, len(run.a)) for run in runs] == [(0, 0, 32), (192, 160, 128)]
+    assert taker.strangers == 4
 
 
-def test_frames_of_another_width(make_info: MakeInfo) -> None:
+def test_frames_of_another_width_are_passed_over(make_info: MakeInfo) -> None:
     narrow = encode_samples(np.zeros((32, 6), dtype=np.int16), 4, 0)
-    with pytest.raises(DeviceError, match="frame 4 has 6 channels, expected 12 as the device's INFO says"):
-        reception(make_info(RATE_HZ)).take(chunk(narrow))
+    taker = reception(make_info(RATE_HZ))
+    assert taker.take(chunk(narrow)) == []
+    assert taker.strangers == 1
+
+
+def test_a_device_that_comes_back_says_first_what_it_is(
+    make_info: MakeInfo, random_counts: Callable[[int], NDArray[np.int16]]
+) -> None:
+    info, counts = make_info(RATE_HZ), random_counts(320)
+    frames, taker = encoded(counts), reception(info)
+    lost = Chunk(time.monotonic_ns(), b"pulled", Mark.LOST)
+    opened = Chunk(time.monotonic_ns(), b"", Mark.OPENED)
+    runs = taker.take([*chunk(*frames[:3], frames[3][:50]), lost, opened, *chunk(*frames[5:7])])
+    assert taker.awaits_info and taker.connected and taker.reconnects == 1
+    runs += taker.take(chunk(encode_info(info, 8, 0), *frames[8:]))
+    assert [(run.sample0, run.lost, len(run.a)) for run in runs] == [(0, 0, 96), (160, 64, 64), (256, 32, 64)]
+    assert [(gap.sample0, gap.samples, gap.why, gap.exact) for gap in taker.new_gaps()] == [
+        (96, 64, "unplugged", True),
+        (224, 32, "lost in the device", True),
+    ]
+
+
+def test_a_device_that_was_restarted_costs_what_the_hosts_clock_says(
+    make_info: MakeInfo, random_counts: Callable[[int], NDArray[np.int16]]
+) -> None:
+    counts, taker = random_counts(640), reception(make_info(RATE_HZ))
+    now_ns = time.monotonic_ns()
+    taker.take([Chunk(now_ns, b"".join(encoded(counts[:320])))])
+    (run,) = taker.take([Chunk(now_ns + 540_000_000, b"".join(encoded(counts[320:], 20)))])
+    assert run.lost == pytest.approx(0.5 * RATE_HZ, abs=1)
+    (gap,) = taker.new_gaps()
+    assert (gap.why, gap.exact, gap.samples) == ("the device was restarted", False, run.lost)
+    assert gap.t_ns == pytest.approx(run.t0_ns - 0.5e9, abs=1e6)
+
+
+def test_the_cause_of_a_gap_is_told(
+    make_info: MakeInfo, random_counts: Callable[[int], NDArray[np.int16]]
+) -> None:
+    frames, taker = encoded(random_counts(1280)), reception(make_info(RATE_HZ))
+    hurt = bytes([*frames[1][:100], frames[1][100] ^ 1, *frames[1][101:]])
+    taker.take(chunk(frames[0], hurt, *frames[2:8]))
+    for _ in range(20):
+        taker.take(chunk(b""))
+    late = Chunk(time.monotonic_ns() + 10**9, b"".join(frames[20:25]))
+    taker.take([late])
+    taker.dropped()
+    taker.take([Chunk(late.stamp_ns + 1, b"".join(frames[30:35]))])
+    jumped = [encode_samples(np.zeros((32, 12), dtype=np.int16), 36, 50 + 39 * TICKS_PER_FRAME)]
+    taker.take([Chunk(late.stamp_ns + 2, b"".join(jumped))])
+    assert [(gap.why, gap.samples) for gap in taker.new_gaps()] == [
+        ("damaged on the line", 32),
+        ("the device was silent", 12 * 32),
+        ("the daemon fell behind", 5 * 32),
+        ("lost in the device", 4 * 32),
+    ]
+
+
+def test_bytes_before_a_mark_came_when_they_came(
+    make_info: MakeInfo, random_counts: Callable[[int], NDArray[np.int16]]
+) -> None:
+    """Were they thought to have come with the bytes before them, the clock would take them for the least late."""
+    frames, taker = encoded(random_counts(640)), reception(make_info(RATE_HZ))
+    now_ns = time.monotonic_ns()
+    taker.take([Chunk(now_ns, frames[0])])
+    assert taker.clock is not None
+    noted: list[int] = []
+    taker.clock.note = lambda _ticks, arrival_ns: noted.append(arrival_ns)  # type: ignore[method-assign]
+    later_ns = now_ns + 40_000_000
+    taker.take([Chunk(later_ns, b"".join(frames[1:11])), Chunk(later_ns + 5, b"pulled", Mark.LOST)])
+    assert noted == [later_ns]
+
+
+def test_what_waits_for_a_frame_is_given_out_at_the_end(
+    make_info: MakeInfo, random_counts: Callable[[int], NDArray[np.int16]]
+) -> None:
+    frames, taker = encoded(random_counts(160)), reception(make_info(RATE_HZ))
+    assert len(taker.take(chunk(frames[0], frames[2]))) == 1
+    (run,) = taker.finish()
+    assert (run.lost, len(run.a)) == (32, 32)
+
+
+def test_a_frame_does_not_wait_for_another_for_long(
+    make_info: MakeInfo, random_counts: Callable[[int], NDArray[np.int16]]
+) -> None:
+    frames, taker = encoded(random_counts(160)), reception(make_info(RATE_HZ))
+    taker.take(chunk(frames[0], frames[2]))
+    assert taker.take([], time.monotonic_ns()) == []
+    assert len(taker.take([], time.monotonic_ns() + 10**8)) == 1
 
 
 def test_nothing_comes_of_nothing(make_info: MakeInfo) -> None:

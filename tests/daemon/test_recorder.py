@@ -11,11 +11,13 @@ import zmq
 from daemon.control_line import ControlLine
 from daemon.record_link import Context, RecordLink
 from daemon.recorder import run_recorder
+from daemon.segments import Limits
 from limbcal.errors import DeviceError
 from protocol.message import TRIAL, encode
 from protocol.recording_reader import read_recording, recording_attachments
 
 PATIENCE_S = 30.0
+LIMITS = Limits(10**9, 3600.0, 0)
 
 
 @pytest.fixture
@@ -34,7 +36,8 @@ class Recorder:
         ours, theirs = get_context("spawn").Pipe()
         self.line, self._its_line = ControlLine(ours), ControlLine(theirs)
         self._thread = threading.Thread(
-            target=run_recorder, args=(self._its_line, self.endpoint, str(self.path), "arm text", "config text")
+            target=run_recorder,
+            args=(self._its_line, self.endpoint, str(self.path), "arm text", "config text", LIMITS),
         )
         self._thread.start()
         self.expect("ready")
@@ -91,6 +94,6 @@ def test_a_directory_that_cannot_be_made(tmp_path: Path) -> None:
     ours, theirs = get_context("spawn").Pipe()
     line = ControlLine(theirs)
     with pytest.raises(DeviceError, match=r"record.directory .*file/rec cannot be made: Not a directory"):
-        run_recorder(line, f"ipc://{tmp_path}/r", str(tmp_path / "file" / "rec" / "x.mcap"), "", "")
+        run_recorder(line, f"ipc://{tmp_path}/r", str(tmp_path / "file" / "rec" / "x.mcap"), "", "", LIMITS)
     line.close()
     ours.close()

@@ -238,7 +238,7 @@ def test_a_signal_ends_it_cleanly_in_the_middle_of_playing(start, motion_file, s
         with Subscriber(running.context, running.endpoint, [PLAY, HEALTH]) as subscriber:
             receive(subscriber, HEALTH)
         running.process.send_signal(signum)
-        answer, words = running.process.communicate()
+        answer, words = running.process.communicate(timeout=PATIENCE_MS / 1e3)
         assert running.process.returncode == 0
         assert json.loads(answer)["trial"] == 3
         assert "stopped" in words

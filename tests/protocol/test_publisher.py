@@ -5,6 +5,7 @@ import pytest
 import zmq
 
 from limbcal.errors import ConfigError, DeviceError, ProtocolError
+from protocol.curve import gate_of, new_client
 from protocol.message import FRAMES, HEALTH, decode
 from protocol.publisher import Publisher
 
@@ -75,9 +76,10 @@ def test_what_is_no_endpoint_is_said(context, endpoint):
         Publisher(context, endpoint, "a", "1")
 
 
-def test_an_address_of_another_machine_is_said(context):
-    with pytest.raises(DeviceError, match="cannot be bound"):
-        Publisher(context, "tcp://192.0.2.1:5770", "a", "1")
+def test_an_address_of_another_machine_is_said(context, tmp_path):
+    new_client(tmp_path, "somebody", tmp_path / "somebody.limbkey")
+    with gate_of(context, tmp_path) as gate, pytest.raises(DeviceError, match="cannot be bound"):
+        Publisher(context, "tcp://192.0.2.1:5770", "a", "1", gate)
 
 
 def test_close_may_be_repeated(context):

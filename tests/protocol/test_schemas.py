@@ -4,7 +4,7 @@ import json
 
 import pytest
 
-from protocol.message import DIAGNOSIS, DYNAMICS, FRAMES, HEALTH, KINEMATICS, PLAY, PLOT, RAW, TOPICS, TRIAL
+from protocol.message import DIAGNOSIS, DYNAMICS, FRAMES, GAP, HEALTH, KINEMATICS, PLAY, PLOT, RAW, TOPICS, TRIAL
 from protocol.schemas import SCHEMAS, schema_json
 
 MOTION = "frame0 t0_ns dt_s n method q dq ddq tip points gap"
@@ -13,8 +13,10 @@ FIELDS = {
     PLAY: MOTION + " source speed",
     RAW: "sample0 t0_ns dt_s n a",
     TRIAL: "trial t_ns state role",
-    HEALTH: "uptime_s last_seq samples lost_samples crc_errors resyncs reconnects saturated flat clock_ppm "
-    "latency_ms delay_ms tracking connected recording recording_lost disk_free_bytes",
+    GAP: "sample0 samples t_ns why exact",
+    HEALTH: "uptime_s last_seq samples lost_samples crc_errors resyncs reconnects doubled late strangers gaps "
+    "saturated flat clock_ppm clock latency_ms delay_ms tracking alarms connected recording recording_lost "
+    "disk_free_bytes",
     KINEMATICS: "generation frames parameters error",
     DYNAMICS: "generation samples parameters error",
     DIAGNOSIS: "verdict causes candidates confusable next_experiment before after gain residual structure "

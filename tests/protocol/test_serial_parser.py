@@ -130,8 +130,8 @@ def test_a_turned_bit_in_a_header_costs_one_frame(frames, data):
     broken[place] ^= 1 << data.draw(st.integers(0, 7))
     found, counters = parse(b"".join([*frames[:struck], bytes(broken), *frames[struck + 1 :]]))
     assert found == frames[:struck] + frames[struck + 1 :]
-    assert counters.crc_errors == (place >= len(MAGIC))
-    assert counters.resyncs == 1
+    assert counters.crc_errors == 1
+    assert counters.resyncs == (place >= len(MAGIC))  # where only the magic is hit, the header says what follows
 
 
 @given(st.lists(good_frames, min_size=3, max_size=5), st.data())
@@ -251,3 +251,15 @@ def test_a_long_frame_byte_by_byte_takes_linear_time():
     found = [frame for k in range(len(stream)) for frame in parser.feed(stream[k : k + 1])]
     assert time.process_time() - began < 0.5
     assert len(found) == 1
+
+
+@given(st.integers(0, 15), st.integers(1, 30))
+def test_a_frame_with_a_turned_bit_anywhere_is_counted_once(bit, every):
+    """Its magic, its header, its payload: each damaged frame is one error, and no other frame suffers."""
+    frames = [samples(k) for k in range(12)]
+    damaged = [bytearray(frame) for frame in frames]
+    for k, place in ((3, bit), (8, (72 * every + bit) % (8 * len(frames[8])))):
+        damaged[k][place // 8] ^= 1 << (place % 8)
+    good, counters = parse(b"".join(damaged), range(7, 12 * len(frames[0]), 7))
+    assert good == [frame for k, frame in enumerate(frames) if k not in (3, 8)]
+    assert counters.crc_errors == 2

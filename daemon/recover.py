@@ -1,0 +1,83 @@
+"""`limbd recover`: a recording whose writer was killed becomes a clean file, and the clean file is proved."""
+
+import hashlib
+from collections import Counter
+from collections.abc import Iterable, Mapping
+from pathlib import Path
+
+from limbcal.command import console
+from limbcal.errors import DataError, DeviceError
+from protocol.recording import ARM_ATTACHMENT, CONFIG_ATTACHMENT, RecordingWriter
+from protocol.recording_reader import read_recording, recording_attachments
+
+
+def recover(path: Path, out: Path | None = None) -> Mapping[str, object]:
+    """Write all that can be read of a recording to a clean file, and read that back.
+
+    Parameters
+    ----------
+    path : Path
+    out : Path, optional
+        Not there yet; ``NAME.recovered.mcap`` beside the recording unless given.
+
+    Returns
+    -------
+    mapping
+        What was found: ``file``, ``out``, ``messages``, ``topics``, ``seconds``, ``whole`` and ``warnings``.
+
+    Raises
+    ------
+    DataError
+        If nothing can be read of it.
+    DeviceError
+        If the clean file cannot be written, or does not hold what was read.
+    """
+    out = out or path.with_suffix(".recovered.mcap")
+    attachments = {name: data.decode(errors="replace") for name, data in recording_attachments(path).items()}
+    reader = read_recording(path)
+    counts: Counter[str] = Counter()
+    seal, first_ns, last_ns = hashlib.sha256(), 0, 0
+    writer = RecordingWriter(out, attachments.get(ARM_ATTACHMENT, ""), attachments.get(CONFIG_ATTACHMENT, ""))
+    try:
+        with writer:
+            for topic, payload, t_ns in reader.payloads():
+                writer.write(topic, payload, t_ns)
+                _seal(seal, topic, payload, t_ns)
+                first_ns = min(first_ns or t_ns, t_ns)
+                last_ns = max(last_ns, t_ns)
+                counts[topic] += 1
+        if not counts:
+            raise DataError(
+                f"recording {path}: no message can be read; {' '.join(reader.warnings) or 'it is empty'}"
+            )
+        _prove(out, seal.hexdigest(), counts.total())
+    except BaseException:
+        out.unlink(missing_ok=True)
+        raise
+    for warning in reader.warnings:
+        console.print(f"[yellow]warning:[/yellow] {warning}", soft_wrap=True)
+    seconds = 1e-9 * (last_ns - first_ns)
+    console.print(f"{out}: {counts.total()} messages, {seconds:.1f} s, written and read back", soft_wrap=True)
+    return {
+        "file": str(path),
+        "out": str(out),
+        "messages": counts.total(),
+        "topics": dict(counts),
+        "seconds": seconds,
+        "whole": not reader.cut and not reader.warnings,
+        "warnings": reader.warnings,
+    }
+
+
+def _prove(out: Path, expected: str, count: int) -> None:
+    reader, seal = read_recording(out), hashlib.sha256()
+    for topic, payload, t_ns in reader.payloads():
+        _seal(seal, topic, payload, t_ns)
+    if reader.cut or reader.warnings or seal.hexdigest() != expected:
+        raise DeviceError(f"{out} does not hold the {count} messages that were written to it; is the disk sound?")
+
+
+def _seal(seal: "hashlib._Hash", topic: str, payload: bytes, t_ns: int) -> None:
+    parts: Iterable[bytes] = (topic.encode(), payload, t_ns.to_bytes(8, "little"))
+    for part in parts:
+        seal.update(len(part).to_bytes(8, "little") + part)

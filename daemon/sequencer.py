@@ -1,0 +1,93 @@
+"""Frames in the order of their numbers: one that is early waits for those before it, one that is doubled goes."""
+
+from collections import OrderedDict
+
+from protocol.serial_parser import Frame
+
+_SEQUENCES = 1 << 32
+#: Numbers further away than this are no disorder on the line: much was lost, or the device counts anew.
+_NEAR = 64
+#: So many frames wait for one before them; then it is given up.
+_WAITING = 4
+
+
+class Sequencer:
+    """Puts frames in order.
+
+    Attributes
+    ----------
+    doubled : int
+        Frames that came a second time.
+    late : int
+        Frames that came after they had been given up.
+    """
+
+    def __init__(self) -> None:
+        self.doubled = 0
+        self.late = 0
+        self._due: int | None = None
+        self._early: dict[int, Frame] = {}
+        self._recent: OrderedDict[int, int] = OrderedDict()
+
+    @property
+    def waiting(self) -> int:
+        """How many frames wait for one before them."""
+        return len(self._early)
+
+    def put(self, frame: Frame) -> list[Frame]:
+        """Take a frame as it came; return those whose turn it is."""
+        ahead = 0 if self._due is None else _signed(frame.sequence - self._due)
+        if -_NEAR <= ahead < 0 and self._is_old(frame):
+            return []
+        if abs(ahead) > _NEAR or ahead < 0:
+            return [*self.release(), *self._in_turn(frame)]
+        if ahead == 0:
+            return self._in_turn(frame)
+        if frame.sequence in self._early:
+            self.doubled += 1
+            return []
+        self._early[frame.sequence] = frame
+        return self._given_up() if len(self._early) > _WAITING else []
+
+    def release(self) -> list[Frame]:
+        """Give up what is missing and return all that waits for it."""
+        released: list[Frame] = []
+        while self._early:
+            released += self._given_up()
+        return released
+
+    def _given_up(self) -> list[Frame]:
+        assert self._due is not None
+        due = self._due
+        return self._in_turn(self._early.pop(min(self._early, key=lambda number: (number - due) % _SEQUENCES)))
+
+    def _in_turn(self, frame: Frame) -> list[Frame]:
+        out = [frame]
+        self._note(frame)
+        while self._due in self._early:
+            out.append(self._early.pop(self._due))
+            self._note(out[-1])
+        return out
+
+    def _note(self, frame: Frame) -> None:
+        self._due = (frame.sequence + 1) % _SEQUENCES
+        self._recent[frame.sequence] = frame.ticks
+        if len(self._recent) > 2 * _NEAR:
+            self._recent.popitem(last=False)
+
+    def _is_old(self, frame: Frame) -> bool:
+        """Say whether a frame with a passed number is one of this stream, and not of a device that counts anew."""
+        if frame.sequence in self._recent:
+            if self._recent[frame.sequence] != frame.ticks:
+                return False
+            self.doubled += 1
+            return True
+        before = [self._recent[number] for number in self._recent if _signed(frame.sequence - number) > 0]
+        if before and frame.ticks < max(before):
+            return False
+        self.late += 1
+        return True
+
+
+def _signed(difference: int) -> int:
+    return (difference + _SEQUENCES // 2) % _SEQUENCES - _SEQUENCES // 2

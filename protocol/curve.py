@@ -1,0 +1,176 @@
+"""Who may connect from another machine: CURVE (RFC 26), with a list of the keys that are let in.
+
+A folder of keys holds ``server.key_secret``, the service's own, and ``clients/NAME.key``, the public keys that
+are let in; taking a file away shuts its owner out at the next start. A client needs one file, ``NAME.limbkey``.
+"""
+
+import os
+import re
+import tomllib
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from urllib.parse import urlsplit
+
+import zmq
+import zmq.auth
+from zmq.auth.thread import ThreadAuthenticator
+
+from limbcal.errors import ConfigError, DeviceError
+
+Context = zmq.Context[zmq.Socket[bytes]]
+
+_SERVER, _CLIENTS = "server", "clients"
+_NAME = re.compile(r"[A-Za-z0-9._-]{1,64}")
+_KEY_CHARACTERS = 40
+
+
+@dataclass(frozen=True)
+class ClientKey:
+    """A client's key pair and the service's public key, each 40 characters of Z85."""
+
+    public: bytes
+    secret: bytes
+    server: bytes
+
+    def apply(self, socket: zmq.Socket[bytes]) -> None:
+        """Make a socket connect with it."""
+        socket.curve_publickey, socket.curve_secretkey, socket.curve_serverkey = (
+            self.public,
+            self.secret,
+            self.server,
+        )
+
+
+def is_local(endpoint: str) -> bool:
+    """Say whether only this machine can reach an endpoint."""
+    scheme, _, _ = endpoint.partition("://")
+    if scheme in ("ipc", "inproc"):
+        return True
+    try:
+        host = urlsplit(endpoint).hostname or ""
+    except ValueError:
+        return False
+    return host in ("localhost", "::1") or re.fullmatch(r"127(\.\d{1,3}){3}", host) is not None
+
+
+def needs_keys(endpoint: str) -> str:
+    """Return the sentence for an endpoint that others can reach and that lets anybody in."""
+    return (
+        f"endpoint is {endpoint!r}, which other machines can reach; "
+        "expected tcp://127.0.0.1:…, ipc://…, or keys (`limbd keys new NAME` makes them)"
+    )
+
+
+class Gate:
+    """Lets in only clients with a listed key.
+
+    Parameters
+    ----------
+    context : zmq.Context
+        Of the sockets that are to be guarded.
+    folder : Path
+
+    Raises
+    ------
+    ConfigError
+        If the folder has no key of the service's own.
+    """
+
+    def __init__(self, context: Context, folder: Path) -> None:
+        self._public, self._secret = _load(folder / f"{_SERVER}.key_secret")
+        self._authenticator = ThreadAuthenticator(context)
+        self._authenticator.start()
+        self._authenticator.configure_curve(domain="*", location=str(folder / _CLIENTS))
+
+    def guard(self, socket: zmq.Socket[bytes]) -> None:
+        """Guard a socket that is about to be bound."""
+        socket.curve_publickey, socket.curve_secretkey, socket.curve_server = self._public, self._secret, True
+
+    def close(self) -> None:
+        """End; sockets that were guarded must be closed already."""
+        self._authenticator.stop()
+
+
+@contextmanager
+def gate_of(context: Context, folder: Path | None) -> Iterator[Gate | None]:
+    """Give the gate of a folder of keys, or none where there is no folder, and end it."""
+    if folder is None:
+        yield None
+        return
+    gate = Gate(context, folder)
+    try:
+        yield gate
+    finally:
+        gate.close()
+
+
+def new_client(folder: Path, name: str, out: Path | None = None) -> Path:
+    """Let a client in: list its public key and return the file that it needs.
+
+    The service's own key is made where there is none.
+
+    Raises
+    ------
+    ConfigError
+        If the name is none, or is listed already.
+    DeviceError
+        If the folder cannot be written.
+    """
+    if not _NAME.fullmatch(name):
+        raise ConfigError(f"name is {name!r}, expected up to 64 letters, digits, '.', '_' or '-'")
+    clients = folder / _CLIENTS
+    out = out or Path(f"{name}.limbkey")
+    for path, what in ((clients / f"{name}.key", f"{name} is let in already"), (out, f"{out} exists already")):
+        if path.exists():
+            raise ConfigError(f"{what}; expected a new name")
+    try:
+        folder.mkdir(mode=0o700, parents=True, exist_ok=True)
+        clients.mkdir(mode=0o700, exist_ok=True)
+        if not (folder / f"{_SERVER}.key_secret").exists():
+            _, own = zmq.auth.create_certificates(folder, _SERVER)
+            Path(own).chmod(0o600)
+        _, secret_file = zmq.auth.create_certificates(clients, name)
+        public, secret = _load(Path(secret_file))
+        Path(secret_file).unlink()
+        server, _ = _load(folder / f"{_SERVER}.key_secret")
+        pairs = (("public", public), ("secret", secret), ("server", server))
+        text = "".join(f'{field} = "{key.decode()}"\n' for field, key in pairs)
+        with os.fdopen(os.open(out, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o600), "w") as file:
+            file.write(f"# The key of {name}: keep it to yourself.\n{text}")
+    except OSError as error:
+        raise DeviceError(f"{error.filename}: {error.strerror}") from error
+    return out
+
+
+def load_client_key(path: Path) -> ClientKey:
+    """Return a client's key from its file.
+
+    Raises
+    ------
+    ConfigError
+        If it is none.
+    """
+    try:
+        table = tomllib.loads(path.read_text(encoding="utf-8"))
+    except OSError as error:
+        raise ConfigError(f"{path}: {error.strerror}; expected a key of `limbd keys new`") from error
+    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+        raise ConfigError(f"{path}: not TOML: {error}") from error
+    keys = [table.get(name) for name in ("public", "secret", "server")]
+    if not all(isinstance(key, str) and len(key) == _KEY_CHARACTERS and key.isascii() for key in keys):
+        raise ConfigError(f"{path}: expected public, secret and server, each of {_KEY_CHARACTERS} characters")
+    return ClientKey(*(str(key).encode() for key in keys))
+
+
+def _load(path: Path) -> tuple[bytes, bytes]:
+    try:
+        public, secret = zmq.auth.load_certificate(path)
+    except OSError as error:
+        raise ConfigError(f"{path}: {error.strerror or 'not there'}; `limbd keys new NAME` makes it") from error
+    except ValueError as error:
+        raise ConfigError(f"{path}: no key of ZeroMQ's: {error}") from error
+    if secret is None:
+        raise ConfigError(f"{path}: it has no secret key")
+    return public, secret

@@ -1,0 +1,63 @@
+"""Stamps follow the device's clock, never go back, and their rate is found in spite of all delays."""
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from daemon.device_clock import DeviceClock
+
+TICK_HZ = 1e6
+UTC_NS = 1_700_000_000_000_000_000
+START_NS = 5_000_000_000
+
+
+def stream(clock: DeviceClock, ppm: float, seconds: float, delay: np.ndarray, step_s: float = 0.01) -> np.ndarray:
+    """Send blocks whose device is fast by so many ppm; return stamps less true times [s]."""
+    off = []
+    for k in range(1, round(seconds / step_s)):
+        true_s = k * step_s
+        ticks = round(true_s * (1.0 + 1e-6 * ppm) * TICK_HZ)
+        clock.note(ticks, START_NS + round(1e9 * (true_s + delay[k])))
+        off.append((clock.utc_ns(ticks) - UTC_NS - START_NS) / 1e9 - true_s)
+    return np.array(off)
+
+
+@given(ppm=st.floats(-150.0, 150.0), seed=st.integers(0, 9))
+@settings(max_examples=10)
+def test_drift_and_offset_are_found_in_jitter(ppm: float, seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    delay = 0.003 + rng.exponential(0.004, 30_000) + 0.2 * (rng.random(30_000) < 0.01)
+    clock = DeviceClock(TICK_HZ, 0, START_NS + 30_000_000, UTC_NS)  # the first block came late
+    off = stream(clock, ppm, 120.0, delay)
+    assert np.all(np.abs(off[-3000:] - 0.003) < 1e-3)  # the shortest way is what nothing can tell
+    state = clock.state
+    assert state.ppm == pytest.approx(ppm, abs=max(5.0 * (state.ppm_std or 0.0), 2.0))
+    assert state.error_ms is not None and state.error_ms < 1.0
+
+
+@given(seed=st.integers(0, 9))
+@settings(max_examples=10)
+def test_stamps_never_go_back(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    clock = DeviceClock(TICK_HZ, 0, START_NS, UTC_NS)
+    last = 0
+    for k in range(1, 4000):
+        ticks = k * 10_000
+        clock.note(ticks, START_NS + 10_000_000 * k + int(rng.choice([0, 10**6, 10**8, 5 * 10**9])))
+        stamps = [clock.utc_ns(ticks - 10_000 + i) for i in (1, 5000, 10_000)]
+        assert last < stamps[0] < stamps[1] < stamps[2]
+        last = stamps[2]
+
+
+def test_a_clock_that_is_none_changes_no_rate() -> None:
+    clock = DeviceClock(TICK_HZ, 0, START_NS, UTC_NS)
+    off = stream(clock, -500_000.0, 60.0, np.zeros(6000))
+    assert clock.state.ppm is None
+    assert np.isfinite(off).all()
+
+
+def test_nothing_is_claimed_after_few_seconds() -> None:
+    clock = DeviceClock(TICK_HZ, 0, START_NS, UTC_NS)
+    stream(clock, 50.0, 5.0, np.zeros(500))
+    assert clock.state.ppm is None

@@ -1,0 +1,83 @@
+"""Of a recording that was cut anywhere, all whole messages are saved, and what was saved is proved."""
+
+import json
+from pathlib import Path
+
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+
+from daemon.__main__ import main
+from daemon.recover import recover
+from limbcal.errors import DataError, DeviceError
+from protocol.message import TRIAL, encode
+from protocol.recording import RecordingWriter
+from protocol.recording_reader import read_recording, recording_attachments
+
+
+def message(number: int) -> bytes:
+    return encode(TRIAL, {"trial": number, "t_ns": 5, "state": "begin", "role": "learn"})[1]
+
+
+@pytest.fixture(scope="module")
+def recording(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    path, now = tmp_path_factory.mktemp("rec") / "run.mcap", [0.0]
+    with RecordingWriter(path, "arm", "config", clock=lambda: now[0]) as writer:
+        for number in range(500):
+            now[0] += 0.02
+            writer.write(TRIAL, message(number), 10**9 + 20_000_000 * number)
+    return path
+
+
+@given(share=st.floats(0.0, 1.0))
+@settings(max_examples=40, suppress_health_check=[HealthCheck.function_scoped_fixture])
+def test_a_recording_cut_anywhere_is_saved_up_to_half_a_second(
+    recording: Path, tmp_path: Path, share: float
+) -> None:
+    data = recording.read_bytes()
+    cut, out = tmp_path / "cut.mcap", tmp_path / "clean.mcap"
+    cut.write_bytes(data[: round(share * len(data))])
+    out.unlink(missing_ok=True)
+    readable = list(read_recording(cut).payloads())
+    if not readable:
+        with pytest.raises(DataError, match="no message can be read"):
+            recover(cut, out)
+        assert not out.exists()
+        return
+    found = recover(cut, out)
+    clean = list(read_recording(out).payloads())
+    assert clean == readable == [(TRIAL, message(k), 10**9 + 20_000_000 * k) for k in range(len(clean))]
+    assert found["messages"] == len(clean)
+    assert found["whole"] == (share == 1.0 or round(share * len(data)) == len(data))
+    assert recording_attachments(out) == {"arm.toml": b"arm", "limbd.toml": b"config"}
+
+
+def test_the_command_says_what_it_saved(
+    recording: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    cut = tmp_path / "cut.mcap"
+    cut.write_bytes(recording.read_bytes()[:-200])
+    assert main(["recover", str(cut), "--json"]) == 0
+    said = capsys.readouterr()
+    document = json.loads(said.out)
+    assert document["messages"] == 500 and not document["whole"]
+    assert document["out"] == str(tmp_path / "cut.recovered.mcap")
+    assert "written and read back" in " ".join(said.err.split())
+    assert main(["recover", str(cut)]) == 3  # the clean file is there already
+    assert "exists already" in capsys.readouterr().err
+    assert main(["recover", str(tmp_path / "none.mcap")]) == 2
+
+
+def test_a_file_that_does_not_hold_what_was_written_is_no_proof(
+    recording: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    write = RecordingWriter.write
+
+    def forget(self: RecordingWriter, topic: str, payload: bytes, t_ns: int) -> None:
+        if t_ns != 10**9 + 20_000_000 * 7:
+            write(self, topic, payload, t_ns)
+
+    monkeypatch.setattr(RecordingWriter, "write", forget)
+    with pytest.raises(DeviceError, match="does not hold the 500 messages"):
+        recover(recording, tmp_path / "out.mcap")
+    assert not (tmp_path / "out.mcap").exists()

@@ -1,0 +1,110 @@
+"""Under a service manager of the test's own: ready when it is, fed by the pipeline, stopped in order."""
+
+import os
+import signal
+import socket
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from limbcal.notify import notify
+from protocol.serial_frame import DeviceInfo
+from tests.daemon.conftest import wait_until
+
+Limbd = Callable[..., Any]
+
+
+class Manager:
+    """What systemd hears."""
+
+    def __init__(self, address: str) -> None:
+        self.heard: list[dict[str, str]] = []
+        self._socket = socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM)
+        self._socket.bind(address)
+        self._socket.settimeout(0.05)
+
+    def listen(self) -> None:
+        """Take what has come."""
+        while True:
+            try:
+                text = self._socket.recv(4096).decode()
+            except TimeoutError:
+                return
+            self.heard.append(dict(line.split("=", 1) for line in text.splitlines()))
+
+    def told(self, name: str) -> list[str]:
+        self.listen()
+        return [fields[name] for fields in self.heard if name in fields]
+
+    def close(self) -> None:
+        self._socket.close()
+
+
+@pytest.fixture
+def manager(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Manager]:
+    made = Manager(str(tmp_path / "notify"))
+    monkeypatch.setenv("NOTIFY_SOCKET", str(tmp_path / "notify"))
+    yield made
+    made.close()
+
+
+def test_it_is_ready_while_it_waits_and_when_the_first_frame_is_out(
+    limbd: Limbd, manager: Manager, tmp_path: Path
+) -> None:
+    link = tmp_path / "device"
+    daemon = limbd(
+        "run", "--wait", "--port", str(link), "--arm", "dd-arm", "--endpoint", f"ipc://{tmp_path}/f", "--json"
+    )
+    wait_until(lambda: len(manager.told("WATCHDOG")) >= 3, "the waiting daemon was heard three times")
+    assert manager.told("READY")
+    assert manager.told("STATUS")[-1].startswith("waiting for a device: port ")
+    device = limbd("virtual", "--link", str(link), "--rate-hz", "8000", "--json")
+    device.announcement()
+    pipeline = daemon.announcement()["processes"]["pipeline"]
+    wait_until(lambda: f"streaming from {link}" in manager.told("STATUS"), "it said that it streams")
+    fed = len(manager.told("WATCHDOG"))
+    wait_until(lambda: len(manager.told("WATCHDOG")) >= fed + 2, "the pipeline fed the watchdog")
+    # A pipeline that hangs is not covered up by anybody else.
+    os.kill(pipeline, signal.SIGSTOP)
+    manager.listen()
+    fed = len(manager.told("WATCHDOG"))
+    with pytest.raises(AssertionError, match="waited in vain"):
+        wait_until(lambda: len(manager.told("WATCHDOG")) > fed + 1, "it was fed again", 3.0)
+    os.kill(pipeline, signal.SIGCONT)
+    wait_until(lambda: len(manager.told("WATCHDOG")) > fed + 1, "it was fed again")
+    device.stop()
+    wait_until(lambda: manager.told("STATUS")[-1].startswith("waiting for a device"), "it waits again")
+    assert daemon.stop() == 0
+    assert manager.told("STOPPING") == ["1"]
+
+
+def test_a_device_that_says_nothing_is_not_readiness(
+    limbd: Limbd,
+    manager: Manager,
+    pty_device: Callable[..., Any],
+    make_info: Callable[..., DeviceInfo],
+    tmp_path: Path,
+) -> None:
+    device = pty_device(make_info())
+    daemon = limbd("run", "--port", device.path, "--arm", "dd-arm", "--endpoint", f"ipc://{tmp_path}/f", "--json")
+    daemon.announcement()
+    wait_until(lambda: len(manager.told("WATCHDOG")) >= 2, "the pipeline was heard")
+    assert not manager.told("READY")
+    assert daemon.stop() == 0
+
+
+@pytest.mark.parametrize("address", ["", "/nowhere/at/all", "@limbcal-nobody-is-there"])
+def test_a_manager_that_is_not_there_is_no_trouble(monkeypatch: pytest.MonkeyPatch, address: str) -> None:
+    monkeypatch.setenv("NOTIFY_SOCKET", address)
+    assert not notify(READY=1)
+
+
+def test_a_manager_in_the_abstract_namespace_is_heard(monkeypatch: pytest.MonkeyPatch) -> None:
+    name = f"limbcal-test-{os.getpid()}"
+    with socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM) as listener:
+        listener.bind("\0" + name)
+        monkeypatch.setenv("NOTIFY_SOCKET", "@" + name)
+        assert notify(READY=1, STATUS="two\nlines")
+        assert listener.recv(100) == b"READY=1\nSTATUS=two lines"

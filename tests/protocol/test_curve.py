@@ -1,0 +1,95 @@
+"""Whom the list names is let in; nobody else hears a word."""
+
+import stat
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+import zmq
+
+from limbcal.errors import ConfigError
+from protocol.curve import Gate, is_local, load_client_key, new_client
+from protocol.message import TRIAL
+from protocol.publisher import Publisher
+from protocol.subscriber import Subscriber
+
+PATIENCE_MS = 20_000
+
+
+@pytest.fixture
+def context() -> Iterator[zmq.Context]:
+    with zmq.Context() as made:
+        yield made
+
+
+@pytest.mark.parametrize(
+    ("endpoint", "local"),
+    [
+        ("tcp://127.0.0.1:5770", True),
+        ("tcp://127.0.0.1:*", True),
+        ("tcp://127.8.9.1:5770", True),
+        ("tcp://localhost:5770", True),
+        ("tcp://[::1]:5770", True),
+        ("ipc:///run/limb", True),
+        ("tcp://*:5770", False),
+        ("tcp://0.0.0.0:5770", False),
+        ("tcp://192.168.0.3:5770", False),
+        ("tcp://127.0.0.1.example.org:5770", False),
+        ("tcp://eth0:5770", False),
+    ],
+)
+def test_which_endpoints_others_can_reach(endpoint: str, local: bool) -> None:
+    assert is_local(endpoint) is local
+
+
+def test_only_who_is_listed_hears(tmp_path: Path, context: zmq.Context) -> None:
+    keys = tmp_path / "keys"
+    friend = load_client_key(new_client(keys, "friend", tmp_path / "friend.limbkey"))
+    stranger = load_client_key(new_client(tmp_path / "other", "stranger", tmp_path / "stranger.limbkey"))
+    stranger = type(stranger)(stranger.public, stranger.secret, friend.server)
+    gate = Gate(context, keys)
+    try:
+        with Publisher(context, "tcp://127.0.0.1:*", "arm", "run", gate) as publisher:
+            subscribers = [
+                Subscriber(context, publisher.endpoint, [TRIAL], key) for key in (friend, stranger, None)
+            ]
+            while subscribers[0].receive(20) is None:
+                publisher.publish(TRIAL, {"trial": 1})
+            for _ in range(50):
+                publisher.publish(TRIAL, {"trial": 2})
+                assert subscribers[0].receive(PATIENCE_MS) is not None
+            assert [subscriber.receive(100) for subscriber in subscribers[1:]] == [None, None]
+            for subscriber in subscribers:
+                subscriber.close()
+    finally:
+        gate.close()
+
+
+def test_an_endpoint_for_all_needs_a_gate(context: zmq.Context) -> None:
+    with pytest.raises(ConfigError, match="which other machines can reach; expected"):
+        Publisher(context, "tcp://*:*", "arm", "run")
+
+
+def test_keys_are_their_owners_alone(tmp_path: Path) -> None:
+    keys = tmp_path / "keys"
+    first = new_client(keys, "a", tmp_path / "a.limbkey")
+    server = (keys / "server.key_secret").read_bytes()
+    new_client(keys, "b", tmp_path / "b.limbkey")
+    assert (keys / "server.key_secret").read_bytes() == server
+    assert sorted(path.name for path in (keys / "clients").iterdir()) == ["a.key", "b.key"]
+    assert "secret-key" not in (keys / "clients" / "a.key").read_text()
+    for path in (first, keys / "server.key_secret"):
+        assert stat.S_IMODE(path.stat().st_mode) & 0o077 == 0
+
+
+def test_mistakes_are_named(tmp_path: Path, context: zmq.Context) -> None:
+    new_client(tmp_path, "a", tmp_path / "a.limbkey")
+    with pytest.raises(ConfigError, match="a is let in already"):
+        new_client(tmp_path, "a", tmp_path / "again.limbkey")
+    with pytest.raises(ConfigError, match="name is '../a'"):
+        new_client(tmp_path, "../a")
+    (tmp_path / "bad").write_text("public = 3")
+    with pytest.raises(ConfigError, match="expected public, secret and server"):
+        load_client_key(tmp_path / "bad")
+    with pytest.raises(ConfigError, match=r"server.key_secret: .*; `limbd keys new NAME` makes it"):
+        Gate(context, tmp_path / "nowhere")
