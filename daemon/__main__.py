@@ -48,6 +48,8 @@ def _parser() -> argparse.ArgumentParser:
     run.add_argument("--method", metavar="M", help="how motion is tracked: filter (default) or integrate")
     run.add_argument("--endpoint", metavar="E", help=f"where to publish (default {DEFAULT_ENDPOINT})")
     run.add_argument("--record", metavar="DIR", help="record into this directory")
+    run.add_argument("--replay", type=Path, metavar="FILE", help="play a recording in place of a device")
+    run.add_argument("--speed", type=_positive, default=1.0, metavar="X", help="of --replay: times as fast")
     run.set_defaults(action=_run)
 
     _add_tools(commands.add_parser, common)
@@ -138,12 +140,16 @@ def _add_device_options(parser: argparse.ArgumentParser) -> None:
 
 
 def _run(arguments: argparse.Namespace) -> None:
-    from daemon.config import load_setup
+    from daemon.config import load_setup, replayed_setup
     from daemon.progress import Progress
     from daemon.stop_signal import StopSignal
     from daemon.supervisor import Supervisor
 
-    setup = load_setup(arguments.config, _given(arguments))
+    if arguments.replay is None:
+        setup = load_setup(arguments.config, _given(arguments))
+    else:
+        _no_device(arguments)
+        setup = replayed_setup(arguments.replay, _given(arguments), arguments.speed)
     with StopSignal() as stop, Progress(console) as progress:
 
         def started(announced: Mapping[str, object]) -> None:
@@ -152,6 +158,12 @@ def _run(arguments: argparse.Namespace) -> None:
                 emit(json.dumps(announced))
 
         Supervisor(setup, stop, started, progress.health, progress.trouble, wait=arguments.wait).run()
+
+
+def _no_device(arguments: argparse.Namespace) -> None:
+    given = [f"--{name}" for name in ("port", "baud", "config") if getattr(arguments, name) is not None]
+    if given:
+        raise ConfigError(f"--replay has its own device and config: expected it without {' and '.join(given)}")
 
 
 def _check(arguments: argparse.Namespace) -> Mapping[str, object]:

@@ -8,11 +8,11 @@ from multiprocessing.context import SpawnContext
 from typing import Any
 
 from daemon.control_line import ControlLine, Said, SupervisorGone
-from limbcal.errors import ConfigError, DeviceError, LimbcalError, ProtocolError
+from limbcal.errors import ConfigError, DataError, DeviceError, LimbcalError, ProtocolError
 
 #: What a child may end with, by the name that crosses the line.
 _FAILURES: dict[str, type[LimbcalError]] = {
-    kind.__name__: kind for kind in (ConfigError, DeviceError, ProtocolError)
+    kind.__name__: kind for kind in (ConfigError, DataError, DeviceError, ProtocolError)
 }
 _KILLED_JOIN_S = 5.0
 

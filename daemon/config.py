@@ -3,18 +3,20 @@
 import json
 import tomllib
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Annotated, Literal
 
 import numpy as np
 from pydantic import BaseModel, ConfigDict, Field, Strict, ValidationError
 
-from arm.arm_file import load_arm
+from arm.arm_file import load_arm, parse_arm
 from arm.arm_schema import mistakes_of
 from arm.model import Arm, Floats
-from limbcal.errors import ConfigError
+from limbcal.errors import ConfigError, DataError
 from protocol.curve import is_local, needs_keys
+from protocol.recording import ARM_ATTACHMENT, CONFIG_ATTACHMENT
+from protocol.recording_reader import recording_attachments
 
 Number = Annotated[float, Field(allow_inf_nan=False)]
 Flags = Mapping[str, Mapping[str, object]]
@@ -97,10 +99,15 @@ class Config(_Table):
 
 @dataclass(frozen=True)
 class Setup:
-    """A config whose arm file was read and fits."""
+    """A config whose arm file was read and fits.
+
+    ``replay`` is the recording that is played back in place of a device, if one is, ``speed`` how fast.
+    """
 
     config: Config
     arm: Arm
+    replay: Path | None = None
+    speed: float = 1.0
 
     @property
     def initial_q_rad(self) -> Floats | None:
@@ -125,17 +132,57 @@ def load_setup(path: Path | None, flags: Flags) -> Setup:
         With every mistake in the config, the flags and the arm file.
     """
     where = "arguments" if path is None else f"{path} with its flags" if flags else str(path)
-    tables: dict[str, object] = {"device": {}, "arm": {}} | ({} if path is None else _read(path))
+    return _setup(where, _with_flags({} if path is None else _read(path), flags))
+
+
+def replayed_setup(recording: Path, flags: Flags, speed: float) -> Setup:
+    """Return the setup of a recorded run, let flags win over it, and publish on this machine.
+
+    Parameters
+    ----------
+    recording : Path
+    flags : mapping of table to mapping of key to value
+        As in `load_setup`. Nothing is recorded unless they say so.
+    speed : float
+        Times as fast as it was.
+
+    Raises
+    ------
+    DataError
+        If the recording cannot be read, or has no config or arm attached.
+    ConfigError
+        As in `load_setup`.
+    """
+    attached = recording_attachments(recording)
+    if missing := {ARM_ATTACHMENT, CONFIG_ATTACHMENT} - set(attached):
+        raise DataError(f"recording {recording}: {' and '.join(sorted(missing))} are not attached to it")
+    arm_text, config_text = (
+        attached[name].decode(errors="replace") for name in (ARM_ATTACHMENT, CONFIG_ATTACHMENT)
+    )
+    tables = _parse(config_text, f"{CONFIG_ATTACHMENT} in {recording}")
+    publish = tables.pop("publish", {})
+    raw = {"raw": publish["raw"]} if isinstance(publish, dict) and "raw" in publish else {}
+    tables = _with_flags({**tables, "publish": raw, "record": None}, flags)
+    arm = None if "arm" in flags else parse_arm(arm_text, f"{ARM_ATTACHMENT} in {recording}")
+    return replace(_setup(str(recording), tables, arm), replay=recording, speed=speed)
+
+
+def _with_flags(tables: dict[str, object], flags: Flags) -> dict[str, object]:
+    merged = {"device": {}, "arm": {}} | tables
     for name, values in flags.items():
-        table = tables.get(name)
-        tables[name] = {**(table if isinstance(table, dict) else {}), **values}
+        table = merged.get(name)
+        merged[name] = {**(table if isinstance(table, dict) else {}), **values}
+    return merged
+
+
+def _setup(where: str, tables: dict[str, object], arm: Arm | None = None) -> Setup:
     mistakes: list[str] = []
     config = None
     try:
         config = Config.model_validate(tables)
     except ValidationError as error:
         mistakes += [_with_flag(sentence) for sentence in mistakes_of(error, where)]
-    arm = _load_arm(tables["arm"], where, mistakes)
+    arm = arm or _load_arm(tables["arm"], where, mistakes)
     tracking = tables.get("tracking")
     if isinstance(tracking, dict) and "zero" in tracking and tracking.get("method", "filter") == "filter":
         mistakes.append(
@@ -165,11 +212,18 @@ def format_config(config: Config) -> str:
 
 def _read(path: Path) -> dict[str, object]:
     try:
-        return tomllib.loads(path.read_text(encoding="utf-8"))
+        return _parse(path.read_text(encoding="utf-8"), str(path))
     except OSError as error:
         raise ConfigError(f"{path}: {error.strerror}; expected a limbd config file") from error
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+    except UnicodeDecodeError as error:
         raise ConfigError(f"{path}: not TOML: {error}") from error
+
+
+def _parse(text: str, where: str) -> dict[str, object]:
+    try:
+        return tomllib.loads(text)
+    except tomllib.TOMLDecodeError as error:
+        raise ConfigError(f"{where}: not TOML: {error}") from error
 
 
 def _load_arm(table: object, where: str, mistakes: list[str]) -> Arm | None:

@@ -13,6 +13,7 @@ stays, so a better line is approached by a rate that is a little off for some se
 
 from collections import deque
 from dataclasses import dataclass
+from typing import Protocol
 
 import numpy as np
 
@@ -48,8 +49,25 @@ class ClockState:
     error_ms: float | None
 
 
+class Clock(Protocol):
+    """Tells the time of a sample from the device's ticks."""
+
+    @property
+    def state(self) -> ClockState:
+        """What is known of it."""
+
+    def utc_ns(self, ticks: int) -> int:
+        """Return UTC [ns] at a tick; never less than at an earlier one."""
+
+    def monotonic_ns(self, ticks: int) -> int:
+        """Return the host's monotonic clock [ns] at a tick."""
+
+    def note(self, ticks: int, arrival_ns: int) -> None:
+        """Note when a block had arrived whose end the device stamped so."""
+
+
 class DeviceClock:
-    """Tells the time of a sample from the device's ticks.
+    """The clock of a device that runs by itself, held against the host's.
 
     Parameters
     ----------
@@ -72,7 +90,12 @@ class DeviceClock:
         self._until_s = 0.0
         #: The line in use: device's and host's seconds since the first sample where it begins, and its rate.
         self._from_s, self._from_host_s, self._rate = 0.0, 0.0, 1.0
-        self.state = ClockState(None, None, None)
+        self._state = ClockState(None, None, None)
+
+    @property
+    def state(self) -> ClockState:
+        """What is known of it."""
+        return self._state
 
     def utc_ns(self, ticks: int) -> int:
         """Return UTC [ns] at a tick; never less than at an earlier one."""
@@ -104,7 +127,7 @@ class DeviceClock:
         spread = float(np.sqrt(np.sum(distance**2) / max(len(distance) - 2, 1)))
         off_s = abs(offset + rate * now_s - self._host_s(now_s))
         lever_s = float(np.std(device) * np.sqrt(len(device)))
-        self.state = ClockState(1e6 * (1.0 / rate - 1.0), 1e6 * spread / lever_s, 1e3 * (off_s + spread))
+        self._state = ClockState(1e6 * (1.0 / rate - 1.0), 1e6 * spread / lever_s, 1e3 * (off_s + spread))
         self._approach(now_s, rate, offset)
 
     def _approach(self, now_s: float, rate: float, offset: float) -> None:

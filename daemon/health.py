@@ -80,6 +80,7 @@ def health_fields(
     clock = ClockState(None, None, None) if reception.clock is None else reception.clock.state
     return {
         "uptime_s": uptime_s,
+        "device": asdict(reception.info),
         "last_seq": dict(last_seq),
         "samples": ledger.samples,
         "lost_samples": ledger.lost_samples,

@@ -18,13 +18,21 @@ PLOT_HZ = 100.0
 
 @dataclass(frozen=True)
 class RawSamples:
-    """Consecutive samples: number and time [ns] of the first, and ``a`` (n_sample, n_channel) [m/s^2]."""
+    """Consecutive samples: number and time [ns] of the first, and ``a`` (n_sample, n_channel) [m/s^2].
+
+    ``lost`` are missing before the first.
+    """
 
     sample0: int
     t0_ns: int
     dt_s: float
     a: Floats
-    gap: bool
+    lost: int
+
+    @property
+    def gap(self) -> bool:
+        """Whether samples are missing before the first."""
+        return self.lost > 0
 
     @property
     def n(self) -> int:
@@ -37,9 +45,14 @@ def frame_cutter(dt_s: float) -> BlockCutter[Frames]:
     return BlockCutter(_frames_a_block(dt_s), _join_frames, _cut_frames)
 
 
+def raw_block_size(rate_hz: float) -> int:
+    """Return the number of samples in 10 ms."""
+    return max(1, round(BLOCK_S * rate_hz))
+
+
 def raw_cutter(rate_hz: float) -> BlockCutter[RawSamples]:
     """Return a cutter into blocks of 10 ms of samples."""
-    return BlockCutter(max(1, round(BLOCK_S * rate_hz)), _join_raw, _cut_raw)
+    return BlockCutter(raw_block_size(rate_hz), _join_raw, _cut_raw)
 
 
 def bridge_blocks(piece: Frames) -> list[Frames]:
@@ -92,7 +105,7 @@ def plot_rows(block: Frames) -> list[Fields]:
     }
     return [
         {
-            "ts": _later(block.t0_ns, i, block.dt_s) / 1e9,
+            "ts": later(block.t0_ns, i, block.dt_s) / 1e9,
             **{name: float(values[i]) for name, values in columns.items()},
         }
         for i in range(-block.frame0 % step, block.n, step)
@@ -127,7 +140,7 @@ def _join_frames(pieces: Sequence[Frames]) -> Frames:
 def _cut_frames(piece: Frames, begin: int, end: int) -> Frames:
     return Frames(
         frame0=piece.frame0 + begin,
-        t0_ns=_later(piece.t0_ns, begin, piece.dt_s),
+        t0_ns=later(piece.t0_ns, begin, piece.dt_s),
         dt_s=piece.dt_s,
         q=piece.q[begin:end],
         dq=piece.dq[begin:end],
@@ -146,12 +159,13 @@ def _join_raw(pieces: Sequence[RawSamples]) -> RawSamples:
 def _cut_raw(piece: RawSamples, begin: int, end: int) -> RawSamples:
     return RawSamples(
         sample0=piece.sample0 + begin,
-        t0_ns=_later(piece.t0_ns, begin, piece.dt_s),
+        t0_ns=later(piece.t0_ns, begin, piece.dt_s),
         dt_s=piece.dt_s,
         a=piece.a[begin:end],
-        gap=piece.gap and begin == 0,
+        lost=piece.lost if begin == 0 else 0,
     )
 
 
-def _later(t0_ns: int, rows: int, dt_s: float) -> int:
+def later(t0_ns: int, rows: int, dt_s: float) -> int:
+    """Return the time [ns] so many rows later."""
     return t0_ns + round(rows * dt_s * 1e9)

@@ -38,8 +38,8 @@ class Outlet:
         Whether subscribers get `limb/raw`; the recorder always does.
     learning : int
         So many motions are for learning, those after them for evaluating.
-    delay : Delay
-        Takes note of every block of frames that came from samples.
+    delay : Delay or None
+        Takes note of every block of frames that came from samples; None where they are of long ago.
     """
 
     def __init__(
@@ -54,7 +54,7 @@ class Outlet:
         rate_hz: float,
         publish_raw: bool,
         learning: int,
-        delay: Delay,
+        delay: Delay | None,
     ) -> None:
         self._publisher = publisher
         self._link = link
@@ -110,7 +110,7 @@ class Outlet:
 
     def _send_frame_blocks(self, blocks: Sequence[Frames], predicted: bool = False) -> None:
         for block in blocks:
-            if not predicted:
+            if not predicted and self._delay is not None:
                 self._delay.note(block, time.time_ns())
             self._send(FRAMES, frames_message(block, self._method), block.t0_ns)
             rows = plot_rows(block)

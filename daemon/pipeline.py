@@ -12,6 +12,7 @@ from daemon.reception import Reception, Run
 from daemon.record_link import RecordLink
 from daemon.ring import Chunk
 from daemon.sample_ledger import Gap
+from daemon.sample_pieces import SamplePieces
 from daemon.symptoms import Symptoms
 from daemon.warm_up import warm_up
 from protocol.publisher import Publisher
@@ -55,13 +56,13 @@ class Pipeline:
             rate_hz=rate_hz,
             publish_raw=setup.config.publish.raw,
             learning=setup.config.trials.learning,
-            delay=self._delay,
+            delay=self._delay if setup.replay is None else None,
         )
         self._reception = reception
         self._publisher = publisher
         self._link = link
         self._latency = Latency()
-        self._dt_s = 1.0 / rate_hz
+        self._pieces = SamplePieces(rate_hz)
         self._names = [channel.name for channel in reception.info.channels]
         record = setup.config.record
         self._directory = None if record is None else record.directory
@@ -99,19 +100,17 @@ class Pipeline:
 
     def _follow(self, runs: Sequence[Run], arrived_ns: int | None) -> None:
         for run in runs:
-            if run.lost:
-                frames, phases = self._tracker.gap(run.lost)
-                self._outlet.send_bridge(frames)
-                self._send((), phases)
-            self._outlet.send_raw(RawSamples(run.sample0, run.t0_ns, self._dt_s, run.a, run.lost > 0))
-            if self._send(*self._tracker.push(run.t0_ns, run.a)) and arrived_ns is not None:
-                self._latency.note(1e-9 * (time.monotonic_ns() - arrived_ns))
+            for piece in self._pieces.add(run):
+                if self._track(piece) and arrived_ns is not None:
+                    self._latency.note(1e-9 * (time.monotonic_ns() - arrived_ns))
         for gap in self._reception.new_gaps():
             self._outlet.send_gap(gap)
 
     def finish(self) -> None:
         """Send what waited for more samples or did not fill a block."""
         self._follow(self._reception.finish(), None)
+        for piece in self._pieces.flush():
+            self._track(piece)
         self._send(*self._tracker.flush())
         self._outlet.flush()
 
@@ -147,6 +146,15 @@ class Pipeline:
             *(f"over: {one.name} {one.subject}" for one in ended),
         ]
         return {"words": words, **{key: fields[key] for key in (*counts, "latency_ms", "tracking")}}
+
+    def _track(self, piece: RawSamples) -> int:
+        """Send samples and what the tracker makes of them; return how many blocks of frames that completed."""
+        if piece.lost:
+            frames, phases = self._tracker.gap(piece.lost)
+            self._outlet.send_bridge(frames)
+            self._send((), phases)
+        self._outlet.send_raw(piece)
+        return self._send(*self._tracker.push(piece.t0_ns, piece.a))
 
     def _send(self, frames: Sequence[Frames], phases: Sequence[Phase]) -> int:
         """Send what the tracker gave out; return how many blocks of frames that completed."""

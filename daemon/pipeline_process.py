@@ -8,10 +8,12 @@ import zmq
 
 from daemon.config import Setup
 from daemon.control_line import ControlLine, SupervisorGone
+from daemon.device_clock import DeviceClock
 from daemon.handshake import Handshake, check_channels
 from daemon.pipeline import Pipeline
-from daemon.reception import Reception
+from daemon.reception import NewClock, Reception
 from daemon.record_link import Context, RecordLink
+from daemon.recorded_run import RecordedClock
 from daemon.ring import Memory, Ring
 from protocol.curve import gate_of
 from protocol.publisher import Publisher
@@ -70,7 +72,7 @@ def run_pipeline(
         if introduction is None:
             return
         check_channels(introduction.info, setup.arm, port)
-        reception = Reception(parser, introduction)
+        reception = Reception(parser, introduction, new_clock=_clock_of(setup))
         pipeline = Pipeline(setup, run, reception, publisher, link)
         line.tell("tracking", rate_hz=introduction.info.rate_hz, device=introduction.info.device)
         try:
@@ -78,6 +80,12 @@ def run_pipeline(
         finally:  # also where the device failed: what was tracked until then is sent and recorded
             pipeline.finish()
             line.tell("health", **pipeline.report(connected=False))
+
+
+def _clock_of(setup: Setup) -> NewClock:
+    """Return what makes a device's clock: of a recording, it is the one that it was recorded by."""
+    path = setup.replay
+    return DeviceClock if path is None else lambda *_: RecordedClock(path)
 
 
 def _introduction(line: ControlLine, ring: Ring, parser: FrameParser, port: str) -> InfoFrame | None:

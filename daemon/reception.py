@@ -2,14 +2,14 @@
 
 import time
 from collections import deque
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from arm.model import Floats
 from daemon.channel_watch import ChannelWatch, Counts
-from daemon.device_clock import DeviceClock
+from daemon.device_clock import Clock, DeviceClock
 from daemon.handshake import same_device
 from daemon.host_clock import HostClock
 from daemon.ring import Chunk, Mark
@@ -17,6 +17,8 @@ from daemon.sample_ledger import Gap, SampleLedger
 from daemon.sequencer import Sequencer
 from protocol.serial_frame import InfoFrame, SamplesFrame
 from protocol.serial_parser import Frame, FrameParser
+
+NewClock = Callable[[float, int, int, int], Clock]
 
 #: Frames that wait for the INFO of a device that has come back: some seconds of them.
 _UNKNOWN = 8192
@@ -32,13 +34,13 @@ _SILENCE_NS = 300_000_000
 class Run:
     """Samples without a hole between them.
 
-    ``lost`` samples are missing before the first, whose number is ``sample0`` and whose time ``t0_ns``;
-    ``a`` is (n_sample, n_channel) [m/s^2].
+    ``lost`` samples are missing before the first, whose number is ``sample0``. ``stamps`` are number and UTC [ns]
+    of the first sample of each frame; ``a`` is (n_sample, n_channel) [m/s^2].
     """
 
     lost: int
     sample0: int
-    t0_ns: int
+    stamps: tuple[tuple[int, int], ...]
     a: Floats
 
 
@@ -48,7 +50,7 @@ class _Group:
 
     lost: int
     sample0: int
-    t0_ns: int
+    stamps: list[tuple[int, int]]
     frames: list[SamplesFrame]
 
 
@@ -61,6 +63,9 @@ class Reception:
     introduction : InfoFrame
         The INFO by which counts are understood.
     host : HostClock, optional
+    new_clock : callable, optional
+        Returns a device's clock from its `tick_hz`, the ticks of a sample, the host's monotonic clock [ns] then,
+        and what UTC is ahead of that.
 
     Attributes
     ----------
@@ -74,7 +79,13 @@ class Reception:
         What the device is that is there instead, if there is one.
     """
 
-    def __init__(self, parser: FrameParser, introduction: InfoFrame, host: HostClock | None = None) -> None:
+    def __init__(
+        self,
+        parser: FrameParser,
+        introduction: InfoFrame,
+        host: HostClock | None = None,
+        new_clock: NewClock = DeviceClock,
+    ) -> None:
         self.info = introduction.info
         self.parser = parser
         self.sequencer = Sequencer()
@@ -83,7 +94,8 @@ class Reception:
         self.host = host or HostClock()
         self.strangers = 0
         self.stranger: str | None = None
-        self.clock: DeviceClock | None = None
+        self.clock: Clock | None = None
+        self._new_clock = new_clock
         self.connected = True
         self.reconnects = 0
         self._scale = np.array([channel.scale for channel in self.info.channels])
@@ -200,7 +212,8 @@ class Reception:
             self.ledger.note(gap)
             self._new_gaps.append(gap)
         if lost or not self._groups:
-            self._groups.append(_Group(lost, self.ledger.position + lost, t0_ns, []))
+            self._groups.append(_Group(lost, self.ledger.position + lost, [], []))
+        self._groups[-1].stamps.append((self.ledger.position + lost, t0_ns))
         self.ledger.enter(frame, lost)
         self._groups[-1].frames.append(frame)
         self._why = None
@@ -229,10 +242,10 @@ class Reception:
             ended_ns = before.monotonic_ns(due)
             lost = max(0, round((first_ns - ended_ns) * self.info.rate_hz / 1e9))
             first_ns = max(first_ns, ended_ns)
-        self.clock = DeviceClock(self.info.tick_hz, first.ticks, first_ns, self.host.offset_ns)
+        self.clock = self._new_clock(self.info.tick_hz, first.ticks, first_ns, self.host.offset_ns)
         return lost
 
     def _run(self, group: _Group) -> Run:
         counts: Counts = np.concatenate([frame.counts for frame in group.frames])
         self.watch.watch(counts)
-        return Run(group.lost, group.sample0, group.t0_ns, counts * self._scale + self._offset)
+        return Run(group.lost, group.sample0, tuple(group.stamps), counts * self._scale + self._offset)

@@ -7,6 +7,7 @@ import uuid
 from collections.abc import Callable, Mapping
 from datetime import UTC, datetime
 from multiprocessing import get_context
+from multiprocessing.context import SpawnContext
 from pathlib import Path
 from typing import Any
 
@@ -25,14 +26,14 @@ _RING_BYTES = 32 * 1024 * 1024
 _ASK_S = 1.0
 _WAIT_S = 0.5
 #: How long each may take to stop: the reader drains the tty, the pipeline the ring, the recorder the disk.
-_PATIENCE_S = {"reader": 5.0, "pipeline": 30.0, "recorder": 60.0}
+_PATIENCE_S = {"reader": 5.0, "pipeline": 30.0, "recorder": 60.0, "replay": 5.0}
 
 #: Called with what the daemon announces when it begins, and with its health once a second.
 Listener = Callable[[Mapping[str, Any]], None]
 
 
 class _StopRequested(Exception):  # noqa: N818 - not an error
-    """A signal came."""
+    """A signal came, or a replay has ended."""
 
 
 class Supervisor:
@@ -68,6 +69,7 @@ class Supervisor:
         self._heard: dict[tuple[str, str], Said] = {}
         self._done: set[str] = set()
         self._rooms: list[str] = []
+        self._played = False
 
     def run(self) -> None:
         """Run until a stop is asked for.
@@ -95,9 +97,11 @@ class Supervisor:
         context = get_context("spawn")
         config = self._setup.config
         memory = ring_memory(context, _RING_BYTES)
-        port = (config.device.port, config.device.baud, self._wait)
+        port = self._port(context)
         # The port first: it fails most often, and the others need a second to start.
-        self._children["reader"] = Child(context, "reader", "daemon.reader:run_reader", memory, *port)
+        self._children["reader"] = Child(
+            context, "reader", "daemon.reader:run_reader", memory, port, config.device.baud, self._wait
+        )
         self._until("reader", "ready")
         recorder, recording = None, ""
         if config.record is not None:
@@ -125,7 +129,7 @@ class Supervisor:
             {
                 "run": self._run,
                 "arm": self._setup.arm.name,
-                "port": config.device.port,
+                "port": port,
                 "device": device["device"],
                 "rate_hz": device["rate_hz"],
                 "endpoint": endpoint,
@@ -133,6 +137,16 @@ class Supervisor:
                 "processes": {name: child.pid for name, child in self._children.items()},
             }
         )
+
+    def _port(self, context: SpawnContext) -> str:
+        """Return the port to read from; where a recording is replayed, have a process be the device there."""
+        replay = self._setup.replay
+        if replay is None:
+            return self._setup.config.device.port
+        device = Child(context, "replay", "daemon.replay:run_replay", str(replay), self._setup.speed)
+        self._children["replay"] = device
+        port: str = self._until("replay", "ready")["port"]
+        return port
 
     def _introduce(self) -> Said:
         """Ask the device for its INFO until it is heard; the pipeline says when that takes too long."""
@@ -150,7 +164,7 @@ class Supervisor:
         return self._heard[name, what]
 
     def _listen(self) -> None:
-        if self._stop.came:
+        if self._stop.came or self._played:
             raise _StopRequested
         heeded = [child for name, child in self._children.items() if name not in self._done]
         wait_for_any(heeded, [self._stop], _WAIT_S)
@@ -186,12 +200,14 @@ class Supervisor:
             self._on_trouble(f"recording to {said['path']}")
         elif what == "ask":
             self._children["reader"].line.tell("ask")
+        elif what == "played":
+            self._played = True
 
     def _shut_down(self) -> LimbcalError | None:
         """Stop the processes in the order in which data flows; return what went wrong in that."""
         notify(STOPPING=1, STATUS="stopping")
         trouble: LimbcalError | None = None
-        for name in ("reader", "pipeline", "recorder"):
+        for name in ("reader", "pipeline", "recorder", "replay"):
             child = self._children.get(name)
             if child is None:
                 continue

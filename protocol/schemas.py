@@ -80,6 +80,7 @@ _ESTIMATE: Schema = {
 
 _HEALTH: Schema = {
     "uptime_s": one("number", "since the process started", "s"),
+    "device": one("object", "what the device says of itself: the INFO of the serial protocol"),
     "last_seq": by_name("sequence number sent last, by topic", {"type": "integer"}),
     "samples": one("integer", "samples received"),
     "lost_samples": one("integer", "samples that the device sent and that never came"),

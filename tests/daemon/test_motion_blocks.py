@@ -101,7 +101,7 @@ def test_messages_have_the_fields_of_the_contract() -> None:
     }
     claimed = frames_message(frames(0, 10, claimed=True), "filter")
     np.testing.assert_array_equal(claimed["q_std"], frames(0, 10, claimed=True).q_std)
-    raw = raw_message(RawSamples(5, T0_NS, 1 / 32000, np.ones((7, 12)), False))
+    raw = raw_message(RawSamples(5, T0_NS, 1 / 32000, np.ones((7, 12)), 0))
     assert set(raw) == {"sample0", "t0_ns", "dt_s", "n", "a"}
     assert raw["a"].dtype == np.float32
 
@@ -109,7 +109,7 @@ def test_messages_have_the_fields_of_the_contract() -> None:
 def test_every_count_can_be_had_back_from_single_precision() -> None:
     counts = np.arange(-32768, 32768)
     scale = 5.0 * 9.80665 / 32768
-    raw = raw_message(RawSamples(0, T0_NS, 1 / 32000, (counts * scale)[:, None], False))
+    raw = raw_message(RawSamples(0, T0_NS, 1 / 32000, (counts * scale)[:, None], 0))
     np.testing.assert_array_equal(np.rint(raw["a"][:, 0] / scale), counts)
 
 
@@ -118,7 +118,7 @@ def test_raw_blocks_go_on_where_the_last_ended() -> None:
     sample, blocks = 0, []
     for n in (100, 700, 3, 1000):
         a = np.arange(sample, sample + n, dtype=float)[:, None]
-        blocks += cutter.add(RawSamples(sample, T0_NS + round(sample / 32e3 * 1e9), 1 / 32e3, a, False))
+        blocks += cutter.add(RawSamples(sample, T0_NS + round(sample / 32e3 * 1e9), 1 / 32e3, a, 0))
         sample += n
     blocks += cutter.flush()
     assert [block.n for block in blocks] == [320] * 5 + [1803 - 5 * 320]

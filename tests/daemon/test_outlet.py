@@ -71,7 +71,7 @@ def frames(first: int, n: int, gap: bool = False) -> Frames:
 
 def test_raw_samples_are_always_recorded(room: Room) -> None:
     for k in range(3):
-        room.outlet.send_raw(RawSamples(320 * k, 10**7 * k, 1 / RATE_HZ, np.full((320, 12), float(k)), False))
+        room.outlet.send_raw(RawSamples(320 * k, 10**7 * k, 1 / RATE_HZ, np.full((320, 12), float(k)), 0))
     entries = room.recorded()
     messages = [decode([entry.topic.encode(), entry.payload])[1] for entry in entries]
     assert [entry.topic for entry in entries] == [RAW] * 3

@@ -1,0 +1,58 @@
+"""Pieces of samples are the same however the stream was cut into runs."""
+
+import numpy as np
+from hypothesis import given
+from hypothesis import strategies as st
+
+from daemon.reception import Run
+from daemon.sample_pieces import SamplePieces
+
+RATE_HZ = 8000.0
+FRAME = 32
+
+
+def time_ns(sample: int) -> int:
+    """Return the time by a clock that is not quite the device's."""
+    return 10**18 + round(sample * 1e9 / RATE_HZ * (1 + 3e-5)) + sample % 7
+
+
+def runs_of(frames: list[int], cuts: set[int]) -> list[Run]:
+    """Return runs of the frames whose numbers are given; a new one at each hole and at each cut."""
+    runs: list[Run] = []
+    group: list[int] = []
+    for place, k in enumerate(frames):
+        hole = place > 0 and k != frames[place - 1] + 1
+        if group and (hole or place in cuts):
+            runs.append(run_of(group, runs))
+            group = []
+        group.append(k)
+    return [*runs, run_of(group, runs)]
+
+
+def run_of(group: list[int], before: list[Run]) -> Run:
+    due = before[-1].sample0 + len(before[-1].a) if before else FRAME * group[0]
+    stamps = tuple((FRAME * k, time_ns(FRAME * k)) for k in group)
+    a = np.arange(FRAME * group[0], FRAME * (group[-1] + 1), dtype=float)[:, None]
+    return Run(FRAME * group[0] - due, FRAME * group[0], stamps, a)
+
+
+@given(st.sets(st.integers(0, 60), min_size=2), st.sets(st.integers(1, 60)))
+def test_pieces_do_not_depend_on_the_runs(present: set[int], cuts: set[int]) -> None:
+    frames = sorted(present)
+    whole, cut = (
+        [piece for run in runs for piece in pieces.add(run)] + pieces.flush()
+        for pieces, runs in (
+            (SamplePieces(RATE_HZ), runs_of(frames, set())),
+            (SamplePieces(RATE_HZ), runs_of(frames, cuts)),
+        )
+    )
+    assert [(p.sample0, p.t0_ns, p.lost, p.a.tobytes()) for p in whole] == [
+        (p.sample0, p.t0_ns, p.lost, p.a.tobytes()) for p in cut
+    ]
+    np.testing.assert_array_equal(
+        np.concatenate([p.a[:, 0] for p in whole]), [FRAME * k + i for k in frames for i in range(FRAME)]
+    )
+    assert all(p.a[0, 0] == p.sample0 and p.n <= 40 for p in whole)
+    assert sum(p.lost for p in whole) == FRAME * (frames[-1] - frames[0] + 1 - len(frames))
+    for piece in whole:
+        assert abs(piece.t0_ns - time_ns(piece.sample0)) < 2_000
