@@ -25,10 +25,7 @@ def link_transforms(arm: Arm, q: Floats) -> Floats:
     (n_sample, n_joint, 4, 4)
         Pose of frame i, at the far end of link i, in the base frame.
     """
-    T = axis_frames(arm, q)
-    a = np.array([joint.a_m for joint in arm.joints])
-    T[..., :3, 3] += a[:, None] * T[..., :3, 0]  # Trans(a, 0, 0), the last factor of eq. (1)
-    return T
+    return far_ends(chain_of(arm), joint_rows(arm, "q", q))
 
 
 def axis_frames(arm: Arm, q: Floats) -> Floats:
@@ -43,9 +40,20 @@ def axis_frames(arm: Arm, q: Floats) -> Floats:
     -------
     (n_sample, n_joint, 4, 4)
     """
-    rows = joint_rows(arm, "q", q)
-    T = np.zeros((*rows.shape, 4, 4))
-    _axis_frames(chain_of(arm), rows, T)
+    return frames_of(chain_of(arm), joint_rows(arm, "q", q))
+
+
+def frames_of(chain: Chain, q: Floats) -> Floats:
+    """Return what `axis_frames` returns, of a chain and ``q`` that is (n_sample, n_joint) and contiguous."""
+    T = np.zeros((*q.shape, 4, 4))
+    _axis_frames(chain, q, T)
+    return T
+
+
+def far_ends(chain: Chain, q: Floats) -> Floats:
+    """Return what `link_transforms` returns, of a chain and ``q`` that is (n_sample, n_joint) and contiguous."""
+    T = frames_of(chain, q)
+    T[..., :3, 3] += chain.geometry[:, 1, None] * T[..., :3, 0]  # Trans(a, 0, 0), the last factor of eq. (1)
     return T
 
 

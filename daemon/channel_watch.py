@@ -7,11 +7,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from arm.model import Floats
+from limbcal.compiled import compiled
 from protocol.serial_frame import Channel
 
 Counts = NDArray[np.int16]
 Counted = NDArray[np.int64]
 
+_LEAST, _MOST = np.iinfo(np.int16).min, np.iinfo(np.int16).max
 #: A living accelerometer's noise never holds one count for so long.
 _FLAT_S = 0.1
 
@@ -57,6 +59,7 @@ class ChannelWatch:
         self._high = np.minimum(np.floor(ends[:, 1]), limits.max).astype(np.int16)
         self._flat_samples = round(_FLAT_S * rate_hz)
         self._last = np.zeros(len(channels), dtype=np.int16)
+        self._held = np.ones(len(channels), dtype=np.bool_)
         self._still = np.zeros(len(channels), dtype=np.int64)
         self._scale, self._offset = (
             np.array([getattr(c, name) for c in channels]) for name in ("scale", "offset")
@@ -65,13 +68,14 @@ class ChannelWatch:
 
     def watch(self, counts: Counts) -> None:
         """Take the next samples, (n_sample, n_channel)."""
-        self.saturated += np.count_nonzero((counts <= self._low) | (counts >= self._high), axis=0)
-        held = np.all(counts == self._last, axis=0)
+        n = len(counts)
+        self._held[:] = True
+        _tally(counts, self._last, self._low, self._high, self._held, self._sums, self.saturated, self._clipped)
         # To the block: a channel that moved within it has been still since, at most, the block's beginning.
-        self._still = np.where(held, self._still + len(counts), 0)
-        self.flat += np.where(self._still >= self._flat_samples, len(counts), 0)
-        self._last = counts[-1].copy()
-        self._add(counts.astype(np.float64))
+        self._still = np.where(self._held, self._still + n, 0)
+        self.flat += np.where(self._still >= self._flat_samples, n, 0)
+        self._n += n
+        self._bends += max(n - 2, 0)
 
     def take(self) -> Reading:
         """Return what the channels read since the last time.
@@ -79,9 +83,10 @@ class ChannelWatch:
         The noise is that of second differences, of which the motion of an arm has next to nothing.
         """
         n = max(self._n, 1)
-        mean = self._sum / n
-        spread = np.sqrt(np.maximum(self._square / n - mean**2, 0.0))
-        noise = np.sqrt(self._bend / (6.0 * max(self._bends, 1)))
+        total, square, bend = self._sums
+        mean = total / n
+        spread = np.sqrt(np.maximum(square / n - mean**2, 0.0))
+        noise = np.sqrt(bend / (6.0 * max(self._bends, 1)))
         reading = Reading(
             self._n,
             self._scale * mean + self._offset,
@@ -94,19 +99,35 @@ class ChannelWatch:
         self._clear()
         return reading
 
-    def _add(self, counts: Floats) -> None:
-        self._n += len(counts)
-        self._sum += counts.sum(axis=0)
-        self._square += np.einsum("ij,ij->j", counts, counts)
-        if len(counts) > 2:
-            bend = np.diff(counts, 2, axis=0)
-            self._bend += np.einsum("ij,ij->j", bend, bend)
-            self._bends += len(bend)
-        limits = np.iinfo(np.int16)
-        self._clipped += np.count_nonzero((counts <= limits.min) | (counts >= limits.max), axis=0)
-
     def _clear(self) -> None:
         self._n = self._bends = 0
-        self._sum, self._square, self._bend = np.zeros((3, len(self.flat)))
+        self._sums = np.zeros((3, len(self.flat)))
         self._clipped = np.zeros(len(self.flat), dtype=np.int64)
         self._saturated_before, self._flat_before = self.saturated.copy(), self.flat.copy()
+
+
+@compiled
+def _tally(
+    counts: Counts,
+    last: Counts,
+    low: Counts,
+    high: Counts,
+    held: NDArray[np.bool_],
+    sums: Floats,
+    saturated: Counted,
+    clipped: Counted,
+) -> None:
+    """Add samples to the sums of counts, their squares and those of their second differences, and to the rest."""
+    for k in range(counts.shape[0]):
+        for c in range(counts.shape[1]):
+            count = counts[k, c]
+            value = float(count)
+            held[c] &= count == last[c]
+            saturated[c] += count <= low[c] or count >= high[c]
+            clipped[c] += count <= _LEAST or count >= _MOST
+            sums[0, c] += value
+            sums[1, c] += value * value
+            if k >= 2:
+                bend = value - 2.0 * counts[k - 1, c] + counts[k - 2, c]
+                sums[2, c] += bend * bend
+    last[:] = counts[-1]

@@ -1,6 +1,7 @@
 """What the supervisor and a child say to each other: small JSON documents over a pipe of their own."""
 
 import json
+import select
 from multiprocessing.connection import Connection
 from typing import Any
 
@@ -20,6 +21,8 @@ class ControlLine:
 
     def __init__(self, connection: Connection) -> None:
         self._connection = connection
+        self._readable = select.poll()  # kept: making one anew for each look costs more than the look
+        self._readable.register(connection.fileno(), select.POLLIN)
 
     def fileno(self) -> int:
         """Return the descriptor to wait on."""
@@ -41,7 +44,7 @@ class ControlLine:
             If the other end is closed.
         """
         try:
-            if not self._connection.poll(timeout_s):
+            if not self._readable.poll(round(1000 * timeout_s)):
                 return None
             said: Said = json.loads(self._connection.recv_bytes())
         except (EOFError, ConnectionResetError) as error:

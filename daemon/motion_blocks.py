@@ -1,13 +1,11 @@
 """Blocks of frames and of raw samples, and the messages that they become."""
 
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 
 from arm.model import Floats
-from daemon.blocks import BlockCutter
 from tracking.frames import Frames
 
 Fields = dict[str, Any]
@@ -40,26 +38,20 @@ class RawSamples:
         return len(self.a)
 
 
-def frame_cutter(dt_s: float) -> BlockCutter[Frames]:
-    """Return a cutter into blocks of 10 ms of frames."""
-    return BlockCutter(_frames_a_block(dt_s), _join_frames, _cut_frames)
-
-
 def raw_block_size(rate_hz: float) -> int:
     """Return the number of samples in 10 ms."""
     return max(1, round(BLOCK_S * rate_hz))
 
 
-def raw_cutter(rate_hz: float) -> BlockCutter[RawSamples]:
-    """Return a cutter into blocks of 10 ms of samples."""
-    return BlockCutter(raw_block_size(rate_hz), _join_raw, _cut_raw)
+def frame_blocks(piece: Frames) -> list[Frames]:
+    """Return frames as blocks of 10 ms at the most; only the first says that samples were lost before it."""
+    size = max(1, round(BLOCK_S / piece.dt_s))
+    return [_cut_frames(piece, k, min(k + size, piece.n)) for k in range(0, piece.n, size)]
 
 
 def bridge_blocks(piece: Frames) -> list[Frames]:
     """Return frames that were predicted across a gap as blocks of 10 ms, all of them marked."""
-    size = _frames_a_block(piece.dt_s)
-    parts = [_cut_frames(piece, k, min(k + size, piece.n)) for k in range(0, piece.n, size)]
-    return [replace(part, gap=True) for part in parts]
+    return [replace(block, gap=True) for block in frame_blocks(piece)]
 
 
 def frames_message(block: Frames, method: str) -> Fields:
@@ -112,29 +104,9 @@ def plot_rows(block: Frames) -> list[Fields]:
     ]
 
 
-def _frames_a_block(dt_s: float) -> int:
-    return max(1, round(BLOCK_S / dt_s))
-
-
 def _joint_columns(block: Frames) -> list[tuple[str, Floats]]:
     columns = [("q", block.q), ("dq", block.dq), ("ddq", block.ddq)]
     return columns if block.q_std is None else [*columns, ("q_std", block.q_std)]
-
-
-def _join_frames(pieces: Sequence[Frames]) -> Frames:
-    first = pieces[0]
-    if len(pieces) == 1:
-        return first
-    q_std = [piece.q_std for piece in pieces if piece.q_std is not None]
-    return replace(
-        first,
-        q=np.concatenate([piece.q for piece in pieces]),
-        dq=np.concatenate([piece.dq for piece in pieces]),
-        ddq=np.concatenate([piece.ddq for piece in pieces]),
-        tip=np.concatenate([piece.tip for piece in pieces]),
-        points=np.concatenate([piece.points for piece in pieces]),
-        q_std=np.concatenate(q_std) if q_std else None,
-    )
 
 
 def _cut_frames(piece: Frames, begin: int, end: int) -> Frames:
@@ -149,20 +121,6 @@ def _cut_frames(piece: Frames, begin: int, end: int) -> Frames:
         points=piece.points[begin:end],
         gap=piece.gap and begin == 0,
         q_std=None if piece.q_std is None else piece.q_std[begin:end],
-    )
-
-
-def _join_raw(pieces: Sequence[RawSamples]) -> RawSamples:
-    return replace(pieces[0], a=np.concatenate([piece.a for piece in pieces]))
-
-
-def _cut_raw(piece: RawSamples, begin: int, end: int) -> RawSamples:
-    return RawSamples(
-        sample0=piece.sample0 + begin,
-        t0_ns=later(piece.t0_ns, begin, piece.dt_s),
-        dt_s=piece.dt_s,
-        a=piece.a[begin:end],
-        lost=piece.lost if begin == 0 else 0,
     )
 
 

@@ -11,8 +11,8 @@ from daemon.outlet import Outlet
 from daemon.reception import Reception, Run
 from daemon.record_link import RecordLink
 from daemon.ring import Chunk
+from daemon.sample_blocks import SampleBlocks
 from daemon.sample_ledger import Gap
-from daemon.sample_pieces import SamplePieces
 from daemon.symptoms import Symptoms
 from daemon.warm_up import warm_up
 from protocol.publisher import Publisher
@@ -52,8 +52,6 @@ class Pipeline:
             arm_name=setup.arm.name,
             run=run,
             method=self._tracker.method,
-            frame_dt_s=self._tracker.dt_s,
-            rate_hz=rate_hz,
             publish_raw=setup.config.publish.raw,
             learning=setup.config.trials.learning,
             delay=self._delay if setup.replay is None else None,
@@ -62,7 +60,7 @@ class Pipeline:
         self._publisher = publisher
         self._link = link
         self._latency = Latency()
-        self._pieces = SamplePieces(rate_hz)
+        self._blocks = SampleBlocks(rate_hz)
         self._names = [channel.name for channel in reception.info.channels]
         record = setup.config.record
         self._directory = None if record is None else record.directory
@@ -100,19 +98,22 @@ class Pipeline:
 
     def _follow(self, runs: Sequence[Run], arrived_ns: int | None) -> None:
         for run in runs:
-            for piece in self._pieces.add(run):
-                if self._track(piece) and arrived_ns is not None:
+            for block in self._blocks.add(run):
+                if self._track(block) and arrived_ns is not None:
                     self._latency.note(1e-9 * (time.monotonic_ns() - arrived_ns))
         for gap in self._reception.new_gaps():
             self._outlet.send_gap(gap)
+        if self._link is not None:
+            self._link.poll()
 
     def finish(self) -> None:
         """Send what waited for more samples or did not fill a block."""
         self._follow(self._reception.finish(), None)
-        for piece in self._pieces.flush():
-            self._track(piece)
+        for block in self._blocks.flush():
+            self._track(block)
         self._send(*self._tracker.flush())
-        self._outlet.flush()
+        if self._link is not None:
+            self._link.flush()
 
     def report(self, connected: bool) -> dict[str, object]:
         """Send `limb/health`; return what of it the person at the terminal wants to know."""
@@ -147,14 +148,14 @@ class Pipeline:
         ]
         return {"words": words, **{key: fields[key] for key in (*counts, "latency_ms", "tracking")}}
 
-    def _track(self, piece: RawSamples) -> int:
+    def _track(self, block: RawSamples) -> int:
         """Send samples and what the tracker makes of them; return how many blocks of frames that completed."""
-        if piece.lost:
-            frames, phases = self._tracker.gap(piece.lost)
+        if block.lost:
+            frames, phases = self._tracker.gap(block.lost)
             self._outlet.send_bridge(frames)
             self._send((), phases)
-        self._outlet.send_raw(piece)
-        return self._send(*self._tracker.push(piece.t0_ns, piece.a))
+        self._outlet.send_raw(block)
+        return self._send(*self._tracker.push(block.t0_ns, block.a))
 
     def _send(self, frames: Sequence[Frames], phases: Sequence[Phase]) -> int:
         """Send what the tracker gave out; return how many blocks of frames that completed."""

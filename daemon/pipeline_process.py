@@ -21,7 +21,7 @@ from protocol.serial_frame import InfoFrame
 from protocol.serial_parser import FrameParser
 
 #: How long the ring may gather between two looks into it.
-_LOOK_S = 0.004
+_LOOK_S = 0.006
 _HEALTH_S = 1.0
 #: A device that has come back is asked so often what it is.
 _ASK_S = 1.0

@@ -17,7 +17,9 @@ from daemon.serial_port import open_port
 from limbcal.errors import DeviceError
 
 #: Between the first byte and the read: taking what gathered meanwhile is cheaper than waking for each byte.
-_GATHER_S = 0.003
+_GATHER_S = 0.005
+#: … and where more than so much comes in that time, shorter: a tty holds little more.
+_MUCH_BYTES = 8192
 _IDLE_S = 0.25
 _READ_BYTES = 65536
 #: A tty hands over at most so many bytes a read: a read this long says that there is more.
@@ -65,6 +67,7 @@ class _PortKeeper:
         self._known = self._started = False
         self._said = ""
         self._try_s, self._pause_s = 0.0, _FIRST_TRY_S
+        self._gather_s = _GATHER_S
         self._heard_s, self._nudge_s, self._look_s = 0.0, _SILENT_S, 0.0
 
     def follow(self) -> None:
@@ -147,8 +150,9 @@ class _PortKeeper:
 
     def _serve(self, tty: serial.Serial, readable: bool) -> None:
         if readable:
-            time.sleep(_GATHER_S)
-            self._take(tty)
+            time.sleep(self._gather_s)
+            taken = self._take(tty)
+            self._gather_s = _GATHER_S if taken < _MUCH_BYTES else _GATHER_S * _MUCH_BYTES / taken
         now_s = time.monotonic()
         if self._started and now_s > self._heard_s + self._nudge_s:
             self._nudge_s *= 2.0
@@ -158,14 +162,20 @@ class _PortKeeper:
             if os.stat(self._port).st_rdev != os.fstat(tty.fileno()).st_rdev:
                 raise OSError("its name has come to mean another device file")
 
-    def _take(self, tty: serial.Serial) -> None:
+    def _take(self, tty: serial.Serial) -> int:
+        """Move what has come to the ring; return how many bytes that were."""
+        taken = 0
         for _ in range(_READS_AT_ONCE):
-            data: bytes = tty.read(_READ_BYTES)
+            data = os.read(tty.fileno(), _READ_BYTES)
+            if not data and not taken:
+                raise OSError("it is readable, and nothing comes")
+            taken += len(data)
             if data:
-                self._heard_s, self._nudge_s = time.monotonic(), _SILENT_S
                 self._ring.write(data, time.monotonic_ns())
             if len(data) < _FULL_READ_BYTES:
-                return
+                break
+        self._heard_s, self._nudge_s = time.monotonic(), _SILENT_S
+        return taken
 
 
 def _silence(tty: serial.Serial) -> None:

@@ -15,6 +15,7 @@ from daemon.host_clock import HostClock
 from daemon.ring import Chunk, Mark
 from daemon.sample_ledger import Gap, SampleLedger
 from daemon.sequencer import Sequencer
+from limbcal.compiled import compiled
 from protocol.serial_frame import InfoFrame, SamplesFrame
 from protocol.serial_parser import Frame, FrameParser
 
@@ -248,4 +249,13 @@ class Reception:
     def _run(self, group: _Group) -> Run:
         counts: Counts = np.concatenate([frame.counts for frame in group.frames])
         self.watch.watch(counts)
-        return Run(group.lost, group.sample0, tuple(group.stamps), counts * self._scale + self._offset)
+        a = np.empty(counts.shape)
+        _accelerations(counts, self._scale, self._offset, a)
+        return Run(group.lost, group.sample0, tuple(group.stamps), a)
+
+
+@compiled
+def _accelerations(counts: Counts, scale: Floats, offset: Floats, a: Floats) -> None:
+    for k in range(counts.shape[0]):
+        for c in range(counts.shape[1]):
+            a[k, c] = scale[c] * counts[k, c] + offset[c]

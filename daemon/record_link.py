@@ -1,5 +1,9 @@
-"""From the pipeline to the recorder: every message byte for byte, and never waiting for the disk."""
+"""From the pipeline to the recorder: every message byte for byte, and never waiting for the disk.
 
+Messages gather for a twentieth of a second, so that the recorder is not woken for each of them.
+"""
+
+import time
 from collections.abc import Sequence
 from typing import NamedTuple
 
@@ -7,8 +11,11 @@ import zmq
 
 Context = zmq.Context[zmq.Socket[bytes]]
 
-#: A minute of all topics. A disk that stalls for longer costs messages, which are counted, not the stream.
-_QUEUE = 30_000
+_GATHER_S = 0.05
+#: A minute of them. A disk that stalls for longer costs messages, which are counted, not the stream.
+_QUEUE = 1200
+#: Topic, payload, time.
+_PARTS = 3
 _LINGER_MS = 10_000
 _HELLO, _END = b"hello", b"end"
 
@@ -35,6 +42,8 @@ class RecordLink:
     def __init__(self, context: Context, endpoint: str, recording: str) -> None:
         self.recording: str | None = recording
         self.lost = 0
+        self._gathered: list[bytes] = []
+        self._due_s = 0.0
         self._socket = context.socket(zmq.PAIR)
         self._socket.set(zmq.SNDHWM, _QUEUE)
         self._socket.set(zmq.LINGER, _LINGER_MS)
@@ -43,7 +52,19 @@ class RecordLink:
 
     def write(self, parts: Sequence[bytes], t_ns: int) -> None:
         """Hand over a message, topic and payload, and its time."""
-        self._send([*parts, t_ns.to_bytes(8, "little", signed=True)])
+        self._gathered += [*parts, t_ns.to_bytes(8, "little", signed=True)]
+
+    def poll(self) -> None:
+        """Send what has gathered, if it is time."""
+        if time.monotonic() >= self._due_s:
+            self.flush()
+
+    def flush(self) -> None:
+        """Send what has gathered."""
+        self._due_s = time.monotonic() + _GATHER_S
+        if self._gathered:
+            gathered, self._gathered = self._gathered, []
+            self._send(gathered)
 
     def check(self) -> None:
         """Hear what the recorder writes to now, if to anything."""
@@ -52,6 +73,7 @@ class RecordLink:
 
     def close(self) -> None:
         """Say that this was all, and close; what was handed over still leaves."""
+        self.flush()
         self._send([_END])
         self._socket.close()
 
@@ -59,7 +81,7 @@ class RecordLink:
         try:
             self._socket.send_multipart(parts, zmq.NOBLOCK)
         except zmq.Again:
-            self.lost += 1
+            self.lost += len(parts) // _PARTS
 
 
 class RecordInlet:
@@ -78,17 +100,19 @@ class RecordInlet:
         self._socket.set(zmq.LINGER, 0)
         self._socket.bind(endpoint)
 
-    def receive(self, timeout_s: float) -> Entry | None:
-        """Return the next message, or None where none came within the time."""
+    def receive(self, timeout_s: float) -> list[Entry]:
+        """Return the next messages; none where none came within the time."""
         if not self._socket.poll(round(1000 * timeout_s)):
-            return None
+            return []
         parts = self._socket.recv_multipart()
         self.linked = True
         if parts in ([_HELLO], [_END]):
             self.ended = parts == [_END]
-            return None
-        topic, payload, t_ns = parts
-        return Entry(topic.decode(), payload, int.from_bytes(t_ns, "little", signed=True))
+            return []
+        return [
+            Entry(topic.decode(), payload, int.from_bytes(t_ns, "little", signed=True))
+            for topic, payload, t_ns in zip(*(parts[k::_PARTS] for k in range(_PARTS)), strict=True)
+        ]
 
     def tell(self, recording: str | None) -> None:
         """Tell the pipeline what is recorded to now, if to anything."""

@@ -65,15 +65,15 @@ def _follow(line: ControlLine, inlet: RecordInlet, segments: Segments) -> None:
     """Write what comes until the end is said, or nothing comes any more after a stop."""
     told, quiet_s, limit_s = False, 0.0, math.inf
     while not inlet.ended and quiet_s < limit_s:
-        entry = inlet.receive(_POLL_S)
+        entries = inlet.receive(_POLL_S)
         if inlet.linked and not told:
             told = True
             line.tell("linked")
-        if entry is None:
-            segments.poll()
-        else:
+        for entry in entries:
             segments.write(entry)
-        quiet_s = quiet_s + _POLL_S if entry is None and limit_s < math.inf else 0.0
+        if not entries:
+            segments.poll()
+        quiet_s = quiet_s + _POLL_S if not entries and limit_s < math.inf else 0.0
         if limit_s == math.inf:
             limit_s = _limit_s(line)
 

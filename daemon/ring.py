@@ -1,6 +1,7 @@
 """A ring of stamped byte chunks in shared memory: one process writes, another reads, neither ever waits."""
 
 import ctypes
+import struct
 from collections.abc import Iterator
 from enum import Enum
 from multiprocessing.context import BaseContext
@@ -13,7 +14,8 @@ Memory = ctypes.Array[ctypes.c_char]
 
 _WORD = 8
 _STATE_BYTES = 64
-_HEADER_BYTES = 3 * _WORD  # length of the chunk, its stamp, what it is
+#: Length of the chunk, its stamp, what it is.
+_HEADER = struct.Struct("<3q")
 _WRITTEN, _READ, _DROPPED_BYTES, _DROPPED_CHUNKS, _CLOSED = range(5)
 
 
@@ -74,14 +76,13 @@ class Ring:
     def write(self, data: bytes, stamp_ns: int, mark: Mark = Mark.DATA) -> bool:
         """Put a chunk in; where there is no room for all of it, drop and count it and return False."""
         start = int(self._state[_WRITTEN])
-        size = _HEADER_BYTES + len(data)
+        size = _HEADER.size + len(data)
         if size > self._capacity - (start - int(self._state[_READ])):
             self._state[_DROPPED_BYTES] += len(data)
             self._state[_DROPPED_CHUNKS] += 1
             return False
-        header = np.array([len(data), stamp_ns, mark.value], dtype=np.int64).tobytes()
-        self._put(start, header)
-        self._put(start + _HEADER_BYTES, data)
+        self._put(start, _HEADER.pack(len(data), stamp_ns, mark.value))
+        self._put(start + _HEADER.size, data)
         self._state[_WRITTEN] = start + size
         return True
 
@@ -96,11 +97,11 @@ class Ring:
     def _take(self, end: int) -> Iterator[Chunk]:
         start = int(self._state[_READ])
         while start < end:
-            length, stamp_ns, mark = np.frombuffer(self._get(start, _HEADER_BYTES), dtype=np.int64)
-            data = self._get(start + _HEADER_BYTES, int(length))
-            start += _HEADER_BYTES + int(length)
+            length, stamp_ns, mark = _HEADER.unpack(self._get(start, _HEADER.size))
+            data = self._get(start + _HEADER.size, length)
+            start += _HEADER.size + length
             self._state[_READ] = start
-            yield Chunk(int(stamp_ns), data, Mark(int(mark)))
+            yield Chunk(stamp_ns, data, Mark(mark))
 
     def _put(self, position: int, data: bytes) -> None:
         begin = position % self._capacity

@@ -8,6 +8,8 @@ lost, the next good frame begins inside the span that the broken header claims.
 import zlib
 from dataclasses import dataclass
 
+import numpy as np
+
 from limbcal.errors import ProtocolError
 from protocol.serial_frame import (
     HEADER,
@@ -27,6 +29,8 @@ from protocol.serial_frame import (
 )
 
 Frame = SamplesFrame | InfoFrame
+#: The bytes of a header that say how a frame is laid out: all but its number and its clock.
+_LAYOUT = np.r_[0:4, 16 : HEADER.size]
 
 
 @dataclass
@@ -145,6 +149,11 @@ class FrameParser:
                 counters.frames += 1
                 frames.append(frame)
             counters.resyncs += not due
+            if isinstance(frame, SamplesFrame):
+                alike = _alike(block, view, position, frame_end - position)
+                counters.frames += len(alike)
+                frames += alike
+                frame_end += len(alike) * (frame_end - position)
             position = frame_end
             self._due = self._offset + position
 
@@ -198,6 +207,41 @@ class FrameParser:
     def _reject(self, found: str) -> None:
         self.counters.malformed += 1
         self.last_error = f"serial frame: {found}"
+
+
+def _alike(block: bytes, view: memoryview, start: int, size: int) -> list[SamplesFrame]:
+    """Return the good frames that follow one of samples without a gap and are laid out as it is."""
+    first = start + size
+    count = (len(block) - first) // size
+    if count < 1:
+        return []
+    rows = np.frombuffer(block, np.uint8, (count + 1) * size, start).reshape(count + 1, size)
+    layout = rows[:, _LAYOUT]
+    sequence, ticks, header_crcs, payload_crcs = (
+        np.ascontiguousarray(rows[1:, place]).view(kind)[:, 0].tolist()
+        for place, kind in (
+            (slice(4, 8), "<u4"),
+            (slice(8, 16), "<u8"),
+            (slice(HEADER.size, HEADER_BYTES), "<u2"),
+            (slice(-PAYLOAD_CRC_BYTES, None), "<u4"),
+        )
+    )
+    n_channel = HEADER.unpack_from(block, start)[6]
+    payloads = np.ascontiguousarray(rows[1:, HEADER_BYTES:-PAYLOAD_CRC_BYTES])
+    counts = counts_from_payload(payloads.data, n_channel).reshape(count, -1, n_channel)
+    alike = (layout[1:] == layout[0]).all(axis=1).tolist()
+    good: list[SamplesFrame] = []
+    for k in range(count):
+        place = first + k * size
+        payload = view[place + HEADER_BYTES : place + size - PAYLOAD_CRC_BYTES]
+        if (
+            not alike[k]
+            or header_crc(view[place : place + HEADER.size]) != header_crcs[k]
+            or zlib.crc32(payload) != payload_crcs[k]
+        ):
+            break
+        good.append(SamplesFrame(sequence[k], ticks[k], counts[k]))
+    return good
 
 
 def _plausible(kind: int, n_sample: int, n_channel: int, size: int) -> bool:

@@ -72,7 +72,8 @@ def reckon(
     n_sensor, n_joint = state.link.size, state.q.size
     R = np.empty((n_joint, 3, 3))
     mean, a = np.empty(3 * n_sensor), np.empty(3)
-    room_R, room_p = np.empty((3, 3)), np.empty(3)
+    before, pair_angle, end = np.empty((n_joint, 3, 3)), np.empty(n_joint), np.empty(3)
+    standing(state, before, pair_angle)
     frames = 0
     for k in range(readings.shape[0]):
         sample = first + k
@@ -83,7 +84,7 @@ def reckon(
         if resting:
             state.q_before[:] = state.q
         else:
-            link_rotations(state, R, room_R, room_p)
+            link_rotations(state, before, R)
             for s in range(n_sensor):
                 turn = R[state.link[s]]
                 for row in range(3):  # sensor axes -> link axes
@@ -98,7 +99,7 @@ def reckon(
                     )
                     state.moved[s, row] += state.velocity[s, row] * dt  # x^(i+1) = x^i + dx^i dt
                     state.velocity[s, row] += acceleration * dt  # dx^(i+1) = dx^i + ddx^i dt
-            angles(state, R, room_R, room_p)
+            angles(state, before, pair_angle, R, end)
         if sample % decimation == phase:
             q[frames], moved[frames] = state.q, state.moved
             frames += 1
@@ -106,57 +107,83 @@ def reckon(
 
 
 @compiled
-def link_rotations(state: Reckoning, R: Floats, room_R: Floats, room_p: Floats) -> None:
+def standing(state: Reckoning, before: Floats, angle: Floats) -> None:
+    """Fill in what does not change: a joint's Rot(y, beta) Rot(x, alpha), and where its pair lies in its link."""
+    room = np.empty(3)
+    for i in range(state.q.size):
+        alpha, _, d, beta, _ = state.chain.geometry[i]
+        one, two = state.pair[i]
+        link_step(True, alpha, d, beta, 0.0, 0.0, before[i], room)
+        sx = state.position[two, 0] - state.position[one, 0]
+        sy = state.position[two, 1] - state.position[one, 1]
+        angle[i] = math.atan2(sy, sx)
+
+
+@compiled
+def turned(X: Floats, theta: float, out: Floats) -> None:
+    """Fill in X Rot(z, theta); ``out`` may be X."""
+    c, s = math.cos(theta), math.sin(theta)
+    for row in range(3):
+        x, y = X[row, 0], X[row, 1]
+        out[row, 0], out[row, 1], out[row, 2] = c * x + s * y, c * y - s * x, X[row, 2]
+
+
+@compiled
+def link_rotations(state: Reckoning, before: Floats, R: Floats) -> None:
     """Fill in how every link is turned, R (n_joint, 3, 3), when the reading was taken.
 
     Positions are one sample behind the reading that moves them on, so the angles are carried on by as much.
     """
     for i in range(state.q.size):
-        alpha, _, d, beta, offset = state.chain.geometry[i]
-        now = 2.0 * state.q[i] - state.q_before[i]
-        link_step(state.chain.revolute[i], alpha, d, beta, offset, now, room_R, room_p)
+        theta = state.chain.geometry[i, 4]
+        if state.chain.revolute[i]:
+            theta += 2.0 * state.q[i] - state.q_before[i]
         if i == 0:
-            R[0] = room_R
+            turned(before[0], theta, R[0])
         else:
-            multiply(R[i - 1], room_R, R[i])
+            multiply(R[i - 1], before[i], R[i])
+            turned(R[i], theta, R[i])
 
 
 @compiled
-def angles(state: Reckoning, R: Floats, room_R: Floats, room_p: Floats) -> None:
-    """Find the joint variables from where the sensors have come to, link by link from the base."""
+def angles(state: Reckoning, before: Floats, pair_angle: Floats, R: Floats, end: Floats) -> None:
+    """Find the joint variables from where the sensors have come to, link by link from the base.
+
+    ``end`` (3,) has room for the far end of the link before.
+    """
     geometry = state.chain.geometry
     state.q_before[:] = state.q
-    before_R, before_p, u = np.eye(3), np.zeros(3), np.empty(3)  # far end of the link before
+    end[:] = 0.0
     for i in range(state.q.size):
-        alpha, a, d, beta, offset = geometry[i]
+        a, d, offset = geometry[i, 1], geometry[i, 2], geometry[i, 4]
         one, two = state.pair[i]
-        link_step(state.chain.revolute[i], alpha, d, beta, offset, 0.0, room_R, room_p)
-        multiply(before_R, room_R, R[i])  # the link as it would be at q = 0
-        before_p += before_R @ room_p
-        if state.chain.revolute[i]:
-            for row in range(3):
-                u[row] = state.baseline[i, row] + state.moved[two, row] - state.moved[one, row]
-            x = R[i, 0, 0] * u[0] + R[i, 1, 0] * u[1] + R[i, 2, 0] * u[2]
-            y = R[i, 0, 1] * u[0] + R[i, 1, 1] * u[1] + R[i, 2, 1] * u[2]
-            sx = state.position[two, 0] - state.position[one, 0]
-            sy = state.position[two, 1] - state.position[one, 1]
-            angle = math.atan2(y, x) - math.atan2(sy, sx)  # the angle that turns one pair onto the other
-            turn = angle - state.q[i]
-            state.q[i] += turn - 2.0 * math.pi * math.floor(turn / (2.0 * math.pi) + 0.5)  # the nearest turn
+        if i == 0:
+            R[0] = before[0]
         else:
+            multiply(R[i - 1], before[i], R[i])  # the link but for its turning
+        if state.chain.revolute[i]:
+            x = y = 0.0
+            for row in range(3):
+                u = state.baseline[i, row] + state.moved[two, row] - state.moved[one, row]
+                x += R[i, row, 0] * u
+                y += R[i, row, 1] * u
+            # The angle that turns one pair onto the other.
+            turn = math.atan2(y, x) - pair_angle[i] - offset - state.q[i]
+            state.q[i] += turn - 2.0 * math.pi * math.floor(turn / (2.0 * math.pi) + 0.5)  # the nearest turn
+            turned(R[i], offset + state.q[i], R[i])
+            slid = d
+        else:
+            turned(R[i], offset, R[i])
             z = 0.0
             for row in range(3):
-                u[row] = before_p[row]
+                at = end[row] + d * R[i, row, 2]
                 for col in range(3):
-                    u[row] += R[i, row, col] * state.position[one, col]
-                z += R[i, row, 2] * (state.start[one, row] + state.moved[one, row] - u[row])
+                    at += R[i, row, col] * state.position[one, col]
+                z += R[i, row, 2] * (state.start[one, row] + state.moved[one, row] - at)
             state.q[i] = z
-        link_step(state.chain.revolute[i], alpha, d, beta, offset, state.q[i], room_R, room_p)
-        if not state.chain.revolute[i]:
-            before_p += R[i, :, 2] * state.q[i]
-        multiply(before_R, room_R, R[i])
-        before_R[:] = R[i]
-        before_p += R[i, :, 0] * a
+            slid = d + z
+        for row in range(3):
+            end[row] += slid * R[i, row, 2] + a * R[i, row, 0]
 
 
 @compiled

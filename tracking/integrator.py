@@ -9,7 +9,7 @@ from typing import Literal, NamedTuple
 import numpy as np
 
 from arm.chain import chain_of
-from arm.kinematics import axis_frames, sensor_positions, tip_position
+from arm.kinematics import axis_frames, far_ends, frames_of, sensor_positions
 from arm.model import Arm, Floats
 from limbcal.errors import ConfigError, DataError
 from tracking.dead_reckoning import Reckoning, reckon
@@ -89,6 +89,8 @@ class Integrator:
             np.zeros(self._n_channel),
         )
         self._rest = RestDetector(self._contrasts(), self._gravity_slack())
+        self._rest_q = q0.copy()
+        self._rest_points: Floats = start.copy()
         self._pending = np.empty((0, self._n_channel))
         self._anchor_ns, self._anchor_sample = 0, 0
         self._sample = 0
@@ -196,7 +198,7 @@ class Integrator:
                     q[:n],
                     dq,
                     ddq,
-                    tip_position(self._arm, q[:n]),
+                    far_ends(self._state.chain, q[:n])[:, -1, :3, 3],
                     moved[:n],
                     self._lost,
                 )
@@ -208,9 +210,15 @@ class Integrator:
         """Take out what integration has done to a resting arm: its speed, and the length between two sensors."""
         state = self._state
         state.velocity[:] = 0.0
-        now = sensor_positions(self._arm, state.q)[0]
+        now = self._at_rest(state.q)
         one, two = state.pair[:, 0], state.pair[:, 1]
         state.baseline[:] = now[two] - now[one] - (state.moved[two] - state.moved[one])
+
+    def _at_rest(self, q: Floats) -> Floats:
+        """Return where the sensors are, (n_sensor, 3); while the arm rests its angles stand."""
+        if not np.array_equal(q, self._rest_q):
+            self._rest_q, self._rest_points = q.copy(), sensor_positions(self._arm, q)[0]
+        return self._rest_points
 
     def _time_ns(self, sample: float) -> int:
         """Return the time of a sample, as the latest push has it."""
@@ -218,10 +226,9 @@ class Integrator:
 
     def _gravity_readings(self, q: Floats) -> Floats:
         """Return what the sensors read of gravity alone, (3 * n_sensor,)."""
-        frames = axis_frames(self._arm, q)[0, :, :3, :3]
-        up = -np.array(self._arm.gravity_m_s2)
-        turned = [self._state.rotation[s].T @ frames[link].T @ up for s, link in enumerate(self._state.link)]
-        return np.concatenate(turned)
+        turned = frames_of(self._state.chain, q[None])[0, self._state.link, :3, :3] @ self._state.rotation
+        readings: Floats = (-self._state.chain.gravity @ turned).ravel()
+        return readings
 
     def _gravity_slack(self) -> Floats:
         """Return how much a drift of the angles may change what gravity shows, (3 * n_sensor,)."""

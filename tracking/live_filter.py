@@ -7,10 +7,10 @@ the other where this takes them in at once; tests hold the two against each othe
 import math
 
 import numpy as np
-from filterpy.kalman import ExtendedKalmanFilter
 
 from arm.model import Arm, Floats
 from tracking.consistency import Consistency, Judge
+from tracking.extended_kalman import CompiledKalmanFilter
 from tracking.forward_filter import jolt_of
 from tracking.kalman_step import spread
 from tracking.noise import Noise
@@ -55,7 +55,7 @@ class LiveFilter:
         self._of, self._room, self._n, self._n_channel, self._dt = of, room_of(n), n, n_channel, dt_s
         rests = steady(first, dt_s, noise, factor)
         x, P = start_state(arm, of, size, first.mean(axis=0), rests, q, given, MountingPrior())
-        kf = ExtendedKalmanFilter(dim_x=size, dim_z=n_channel)
+        kf = CompiledKalmanFilter(dim_x=size, dim_z=n_channel)
         kf.x, kf.P, kf.F, kf.Q = x, P, np.eye(size), np.zeros((size, size))
         for j in range(n):
             kf.F[3 * j, 3 * j + 1] = kf.F[3 * j + 1, 3 * j + 2] = dt_s
@@ -67,8 +67,7 @@ class LiveFilter:
         for channel in np.flatnonzero(self._coupled):
             kf.F[3 * n + channel, of.settled_column[channel // 3] + channel % 3] = self._forget[channel]
         self._any_coupled = bool(self._coupled.any())
-        kf.B = np.eye(size) if self._any_coupled else np.zeros((size, 1))
-        self._kf, self._no_shift = kf, np.zeros(kf.B.shape[1])
+        self._kf = kf
         self._slope = np.zeros((n_channel + n, size))
         for j in range(n):
             self._slope[n_channel + j, 3 * j + 1] = 1.0
@@ -172,7 +171,7 @@ class LiveFilter:
         return self._judge.take()
 
     def _predict(self, reading: Floats) -> None:
-        kf, shift = self._kf, self._no_shift
+        kf, shift = self._kf, None
         if self._any_coupled:
             shift = np.zeros(len(kf.x))
             stands = 0.5 * (self._last + reading)
@@ -218,11 +217,8 @@ class LiveFilter:
     def _correct(self, values: Floats, at: Floats, rows: int, noise: Floats) -> float:
         """Take in readings, linearised in the state ``at``; return the innovation's squared size."""
         observe(self._of, self._room, at, self._predicted[: self._n_channel], self._slope)
-        H = self._slope[:rows]
         self._predicted[self._n_channel :] = at[1 : 3 * self._n : 3]
-        base = self._predicted[:rows]
-        self._kf.update(values, lambda x: H, lambda x: base + H @ (x - at), R=noise)
-        return float(self._kf.y @ self._kf.SI @ self._kf.y)
+        return self._kf.correct(values, self._slope[:rows], self._predicted[:rows], at, noise)
 
     def _first_window(self, first: Floats) -> bool:
         """Judge the first readings, before any is taken in."""

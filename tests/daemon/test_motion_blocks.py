@@ -8,10 +8,9 @@ from hypothesis import strategies as st
 from daemon.motion_blocks import (
     RawSamples,
     bridge_blocks,
-    frame_cutter,
+    frame_blocks,
     frames_message,
     plot_rows,
-    raw_cutter,
     raw_message,
 )
 from tracking.frames import Frames
@@ -37,26 +36,13 @@ def frames(first: int, n: int, gap: bool = False, claimed: bool = False) -> Fram
     )
 
 
-@given(
-    st.lists(st.tuples(st.integers(1, 35), st.sampled_from([0, 0, 0, 17])), min_size=1, max_size=30), st.booleans()
-)
-def test_any_cutting_gives_the_same_rows(pieces: list[tuple[int, int]], claimed: bool) -> None:
-    cutter = frame_cutter(DT_S)
-    blocks: list[Frames] = []
-    number, expected = 0, []
-    for n, lost in pieces:
-        number += lost
-        blocks += cutter.add(frames(number, n, lost > 0, claimed))
-        expected += list(range(number, number + n))
-        number += n
-    blocks += cutter.flush()
-    assert np.concatenate([block.q[:, 0] for block in blocks]).tolist() == expected
-    for block in blocks:
+@given(st.integers(1, 75), st.booleans(), st.booleans())
+def test_cutting_keeps_the_rows(n: int, gap: bool, claimed: bool) -> None:
+    blocks = frame_blocks(frames(7, n, gap, claimed))
+    assert np.concatenate([block.q[:, 0] for block in blocks]).tolist() == list(range(7, 7 + n))
+    for place, block in enumerate(blocks):
         assert 1 <= block.n <= 10
-        assert_same_rows(block, frames(block.frame0, block.n, block.gap, claimed))
-    for before, after in zip(blocks, blocks[1:], strict=False):
-        assert after.gap == (after.frame0 != before.frame0 + before.n)
-    assert not cutter.flush()
+        assert_same_rows(block, frames(block.frame0, block.n, gap and place == 0, claimed))
 
 
 def assert_same_rows(block: Frames, expected: Frames) -> None:
@@ -75,13 +61,11 @@ def test_every_block_that_bridges_a_gap_is_marked(n: int) -> None:
 
 
 def test_blocks_of_frames_are_ten_milliseconds_long() -> None:
-    cutter = frame_cutter(DT_S)
-    assert [block.n for block in cutter.add(frames(0, 34))] == [10, 10, 10]
+    assert [block.n for block in frame_blocks(frames(0, 34))] == [10, 10, 10, 4]
 
 
 def test_plot_has_a_hundred_rows_a_second() -> None:
-    cutter = frame_cutter(DT_S)
-    rows = [row for k in range(250) for block in cutter.add(frames(4 * k, 4)) for row in plot_rows(block)]
+    rows = [row for k in range(250) for block in frame_blocks(frames(4 * k, 4)) for row in plot_rows(block)]
     assert len(rows) == 100
     assert rows[3] == {
         "ts": pytest.approx(1_700_000_000.03, abs=1e-6),
@@ -111,17 +95,3 @@ def test_every_count_can_be_had_back_from_single_precision() -> None:
     scale = 5.0 * 9.80665 / 32768
     raw = raw_message(RawSamples(0, T0_NS, 1 / 32000, (counts * scale)[:, None], 0))
     np.testing.assert_array_equal(np.rint(raw["a"][:, 0] / scale), counts)
-
-
-def test_raw_blocks_go_on_where_the_last_ended() -> None:
-    cutter = raw_cutter(32000.0)
-    sample, blocks = 0, []
-    for n in (100, 700, 3, 1000):
-        a = np.arange(sample, sample + n, dtype=float)[:, None]
-        blocks += cutter.add(RawSamples(sample, T0_NS + round(sample / 32e3 * 1e9), 1 / 32e3, a, 0))
-        sample += n
-    blocks += cutter.flush()
-    assert [block.n for block in blocks] == [320] * 5 + [1803 - 5 * 320]
-    for block in blocks:
-        assert block.a[0, 0] == block.sample0
-        assert abs(block.t0_ns - T0_NS - block.sample0 / 32e3 * 1e9) <= 2

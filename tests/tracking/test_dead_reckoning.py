@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 from arm.chain import chain_of
 from arm.kinematics import axis_frames, sensor_positions
 from arm.model import Arm, Joint, Sensor
-from tracking.dead_reckoning import Reckoning, angles, link_rotations, multiply, reckon
+from tracking.dead_reckoning import Reckoning, angles, link_rotations, multiply, reckon, standing
 from tracking.layout import layout_of
 
 FEW = settings(max_examples=50, deadline=None)
@@ -59,12 +59,13 @@ def test_positions_give_the_angles_back(seed):
     n = arm.n_joint
     q0 = rng.uniform(-3.0, 3.0, n)
     state = reckoning(arm, q0)
-    R, room_R, room_p = np.empty((n, 3, 3)), np.empty((3, 3)), np.empty(3)
+    R, before, pair_angle = np.empty((n, 3, 3)), np.empty((n, 3, 3)), np.empty(n)
+    standing(state, before, pair_angle)
     q = q0.copy()
     for _ in range(4):  # in steps of less than half a turn, so that whole turns are counted
         q = q + rng.uniform(-3.0, 3.0, n)
         state.moved[:] = sensor_positions(arm, q)[0] - state.start
-        angles(state, R, room_R, room_p)
+        angles(state, before, pair_angle, R, np.empty(3))
         np.testing.assert_allclose(state.q, q, rtol=0, atol=1e-9)
         np.testing.assert_allclose(R, axis_frames(arm, q)[0, :, :3, :3], rtol=0, atol=1e-9)
 
@@ -78,8 +79,9 @@ def test_readings_are_turned_by_the_angles_of_their_own_instant(seed):
     n = arm.n_joint
     state = reckoning(arm, rng.uniform(-3.0, 3.0, n))
     state.q_before[:] = state.q - rng.uniform(-0.1, 0.1, n)
-    R = np.empty((n, 3, 3))
-    link_rotations(state, R, np.empty((3, 3)), np.empty(3))
+    R, before = np.empty((2, n, 3, 3))
+    standing(state, before, np.empty(n))
+    link_rotations(state, before, R)
     ahead = 2 * state.q - state.q_before
     np.testing.assert_allclose(R, axis_frames(arm, ahead)[0, :, :3, :3], rtol=0, atol=1e-12)
 

@@ -1,0 +1,67 @@
+"""Cutting runs of samples into blocks of 10 ms, the same whatever the chunks that they came in.
+
+A block is what the tracker is given, what `limb/raw` sends and what is recorded, and it is stamped once, by the
+frame that its first sample came in: so a recording gives the same motion again bit for bit.
+"""
+
+from collections import deque
+
+import numpy as np
+
+from arm.model import Floats
+from daemon.motion_blocks import RawSamples, later, raw_block_size
+from daemon.reception import Run
+
+
+class SampleBlocks:
+    """Cuts runs into blocks; one is shorter where samples are missing after it.
+
+    Parameters
+    ----------
+    rate_hz : float
+    """
+
+    def __init__(self, rate_hz: float) -> None:
+        self._dt_s = 1.0 / rate_hz
+        self._size = raw_block_size(rate_hz)
+        self._held: list[Floats] = []
+        self._n_held = 0
+        self._lost = 0
+        self._sample = 0
+        self._stamps: deque[tuple[int, int]] = deque()
+
+    def add(self, run: Run) -> list[RawSamples]:
+        """Take a run; return the blocks that it completes."""
+        blocks = self.flush() if run.lost else []
+        if not self._n_held:
+            self._sample = run.sample0
+            self._lost += run.lost
+            self._stamps.clear()
+        self._stamps.extend(run.stamps)
+        self._held.append(run.a)
+        self._n_held += len(run.a)
+        if self._n_held >= self._size:
+            self._held = [np.concatenate(self._held)]
+        while self._n_held >= self._size:
+            blocks.append(self._cut(self._size))
+        return blocks
+
+    def flush(self) -> list[RawSamples]:
+        """Return what is held as a block of its own."""
+        if not self._n_held:
+            return []
+        self._held = [np.concatenate(self._held)]
+        return [self._cut(self._n_held)]
+
+    def _cut(self, n: int) -> RawSamples:
+        (a,) = self._held
+        while len(self._stamps) > 1 and self._stamps[1][0] <= self._sample:
+            self._stamps.popleft()
+        sample, t_ns = self._stamps[0]
+        t0_ns = later(t_ns, self._sample - sample, self._dt_s)
+        block = RawSamples(self._sample, t0_ns, self._dt_s, a[:n], self._lost)
+        self._sample += n
+        self._lost = 0
+        self._held = [a[n:]] if n < len(a) else []
+        self._n_held -= n
+        return block
