@@ -5,96 +5,23 @@ import tomllib
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Annotated, Literal
 
 import numpy as np
-from pydantic import BaseModel, ConfigDict, Field, Strict, ValidationError
+from pydantic import ValidationError
 
 from arm.arm_file import load_arm, parse_arm
 from arm.arm_schema import mistakes_of
 from arm.model import Arm, Floats
+from daemon.config_schema import Config, PublishTable
 from limbcal.errors import ConfigError, DataError
 from protocol.curve import is_local, needs_keys
 from protocol.recording import ARM_ATTACHMENT, CONFIG_ATTACHMENT
 from protocol.recording_reader import recording_attachments
 
-Number = Annotated[float, Field(allow_inf_nan=False)]
 Flags = Mapping[str, Mapping[str, object]]
 
 #: What a field is called on the command line, for those who have no file.
 _FLAG_OF = {"device.port": "--port", "arm.file": "--arm"}
-
-
-class _Table(BaseModel):
-    model_config = ConfigDict(extra="forbid", frozen=True, strict=True)
-
-
-class DeviceTable(_Table):
-    """`[device]`: where the accelerometers' samples come from."""
-
-    port: Annotated[str, Field(min_length=1)]
-    baud: Annotated[int, Field(gt=0)] = 12_000_000
-
-
-class ArmFileTable(_Table):
-    """`[arm]`: the arm that the sensors ride on, a file or the name of a built-in one."""
-
-    file: Annotated[str, Field(min_length=1)]
-
-
-class TrackingTable(_Table):
-    """`[tracking]`: how accelerations become joint motion.
-
-    Without ``initial_q_rad`` the filter asks gravity where the arm rests, and the integrator takes zero. ``zero``
-    concerns the integrator only, which takes "each-rest" where it is left out.
-    """
-
-    method: Literal["filter", "integrate"] = "filter"
-    initial_q_rad: Annotated[tuple[Number, ...], Strict(strict=False)] | None = None
-    frame_rate_hz: Annotated[Number, Field(gt=0)] = 1000.0
-    zero: Literal["each-rest", "first-rest"] | None = None
-
-
-class PublishTable(_Table):
-    """`[publish]`: where subscribers connect, and whether raw accelerations are sent to them.
-
-    ``keys`` is the folder of those that are let in (`limbd keys new`); an endpoint that other machines can reach
-    must have it.
-    """
-
-    endpoint: Annotated[str, Field(pattern=r"^(tcp|ipc)://.+")] = "tcp://127.0.0.1:5770"
-    raw: bool = False
-    keys: Annotated[str, Field(min_length=1)] | None = None
-
-
-class RecordTable(_Table):
-    """`[record]`: absent, nothing is recorded.
-
-    A file that has grown to ``file_mb``, or was begun ``file_minutes`` ago, is closed and the next one begun;
-    while less than ``free_mb`` is free on the disk nothing is recorded.
-    """
-
-    directory: Annotated[str, Field(min_length=1)]
-    file_mb: Annotated[Number, Field(ge=1)] = 2000.0
-    file_minutes: Annotated[Number, Field(gt=0)] = 60.0
-    free_mb: Annotated[Number, Field(ge=0)] = 100.0
-
-
-class TrialsTable(_Table):
-    """`[trials]`: the first so many motions are for learning, the rest for evaluating."""
-
-    learning: Annotated[int, Field(ge=0)] = 5
-
-
-class Config(_Table):
-    """The whole file."""
-
-    device: DeviceTable
-    arm: ArmFileTable
-    tracking: TrackingTable = TrackingTable()
-    publish: PublishTable = PublishTable()
-    record: RecordTable | None = None
-    trials: TrialsTable = TrialsTable()
 
 
 @dataclass(frozen=True)

@@ -116,7 +116,7 @@ class Pipeline:
             self._link.flush()
 
     def report(self, connected: bool) -> dict[str, object]:
-        """Send `limb/health`; return what of it the person at the terminal wants to know."""
+        """Send `limb/health`; return it, and words for the person at the terminal."""
         if self._link is not None:
             self._link.check()
         jump = self._reception.host.look()
@@ -141,12 +141,11 @@ class Pipeline:
         begun, ended = self._alarms.report(self._symptoms.look(fields, self._link is not None), now_ns)
         fields["alarms"] = [alarm.document() for alarm in self._alarms.raised.values()]
         self._outlet.send_health(fields, now_ns)
-        counts = ("uptime_s", "samples", "lost_samples", "crc_errors", "reconnects", "recording", "recording_lost")
         words = [
             *(f"alarm: {one.sentence}" for one in begun),
             *(f"over: {one.name} {one.subject}" for one in ended),
         ]
-        return {"words": words, **{key: fields[key] for key in (*counts, "latency_ms", "tracking")}}
+        return {**fields, "words": words}
 
     def _track(self, block: RawSamples) -> int:
         """Send samples and what the tracker makes of them; return how many blocks of frames that completed."""

@@ -11,10 +11,12 @@ from daemon.control_line import ControlLine, SupervisorGone
 from daemon.device_clock import DeviceClock
 from daemon.handshake import Handshake, check_channels
 from daemon.pipeline import Pipeline
+from daemon.real_time import PIPELINE, ask_for_real_time
 from daemon.reception import NewClock, Reception
 from daemon.record_link import Context, RecordLink
 from daemon.recorded_run import RecordedClock
 from daemon.ring import Memory, Ring
+from limbcal.errors import DeviceError
 from protocol.curve import gate_of
 from protocol.publisher import Publisher
 from protocol.serial_frame import InfoFrame
@@ -74,6 +76,8 @@ def run_pipeline(
         check_channels(introduction.info, setup.arm, port)
         reception = Reception(parser, introduction, new_clock=_clock_of(setup))
         pipeline = Pipeline(setup, run, reception, publisher, link)
+        if setup.config.device.real_time:  # not before its kernels are compiled
+            ask_for_real_time(PIPELINE)
         line.tell("tracking", rate_hz=introduction.info.rate_hz, device=introduction.info.device)
         try:
             _stream(line, ring, pipeline)
@@ -91,6 +95,7 @@ def _clock_of(setup: Setup) -> NewClock:
 def _introduction(line: ControlLine, ring: Ring, parser: FrameParser, port: str) -> InfoFrame | None:
     """Wait for the device's INFO from the moment that the supervisor asks for it; None where a stop came."""
     handshake: Handshake | None = None
+    wait = False
     while True:
         try:
             said = line.hear(_LOOK_S)
@@ -99,8 +104,14 @@ def _introduction(line: ControlLine, ring: Ring, parser: FrameParser, port: str)
         if said is not None and said["what"] == "stop":
             return None
         if said is not None and said["what"] == "handshake":
-            handshake = Handshake(parser, port)
-        introduction = None if handshake is None else handshake.hear(ring.read())
+            handshake, wait = Handshake(parser, port), bool(said["wait"])
+        try:
+            introduction = None if handshake is None else handshake.hear(ring.read())
+        except DeviceError as error:
+            if not wait:
+                raise
+            line.tell("waiting", sentence=str(error))
+            handshake, introduction = Handshake(parser, port), None
         if introduction is not None:
             line.tell("heard")
             return introduction

@@ -12,6 +12,7 @@ from select import select
 import serial
 
 from daemon.control_line import ControlLine, SupervisorGone
+from daemon.real_time import READER, ask_for_real_time
 from daemon.ring import Mark, Memory, Ring
 from daemon.serial_port import open_port
 from limbcal.errors import DeviceError
@@ -37,7 +38,9 @@ _SILENT_S = 0.5
 _LOOK_S = 0.5
 
 
-def run_reader(line: ControlLine, memory: Memory, port: str, baud: int, wait: bool = False) -> None:
+def run_reader(
+    line: ControlLine, memory: Memory, port: str, baud: int, wait: bool = False, real_time: bool = False
+) -> None:
     """Read until told to stop, then send STOP and drain the tty.
 
     A device that a killed daemon left streaming is stopped first: what it held back is of the past. One that goes
@@ -51,6 +54,8 @@ def run_reader(line: ControlLine, memory: Memory, port: str, baud: int, wait: bo
     DeviceError
         If the port cannot be opened and is not waited for, or the device goes away before it was started.
     """
+    if real_time:
+        ask_for_real_time(READER)
     ring = Ring(memory)
     port_keeper = _PortKeeper(line, ring, port, baud, wait)
     try:

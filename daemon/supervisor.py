@@ -17,6 +17,7 @@ from daemon.config import Setup, format_config
 from daemon.control_line import Said
 from daemon.ring import ring_memory
 from daemon.segments import Limits
+from daemon.service_state import ServiceState
 from daemon.stop_signal import StopSignal
 from limbcal.errors import DeviceError, LimbcalError
 from limbcal.notify import notify
@@ -69,6 +70,8 @@ class Supervisor:
         self._heard: dict[tuple[str, str], Said] = {}
         self._done: set[str] = set()
         self._rooms: list[str] = []
+        self._said = ""
+        self._service = ServiceState(setup.config.device.port)
         self._played = False
 
     def run(self) -> None:
@@ -100,7 +103,10 @@ class Supervisor:
         port = self._port(context)
         # The port first: it fails most often, and the others need a second to start.
         self._children["reader"] = Child(
-            context, "reader", "daemon.reader:run_reader", memory, port, config.device.baud, self._wait
+            context,
+            "reader",
+            "daemon.reader:run_reader",
+            *(memory, port, config.device.baud, self._wait, config.device.real_time),
         )
         self._until("reader", "ready")
         recorder, recording = None, ""
@@ -150,7 +156,7 @@ class Supervisor:
 
     def _introduce(self) -> Said:
         """Ask the device for its INFO until it is heard; the pipeline says when that takes too long."""
-        self._children["pipeline"].line.tell("handshake")
+        self._children["pipeline"].line.tell("handshake", wait=self._wait)
         while ("pipeline", "heard") not in self._heard:
             self._children["reader"].line.tell("ask")
             asked_s = time.monotonic()
@@ -181,27 +187,27 @@ class Supervisor:
         what = said["what"]
         self._heard[child.name, what] = said
         raise_failure(child, said)
+        self._service.hear(said)
         if what == "health":
-            notify(WATCHDOG=1)
             self._on_health(said)
             for sentence in said["words"]:
                 self._on_trouble(sentence)
-        elif what == "streaming":
-            notify(READY=1, WATCHDOG=1, STATUS=f"streaming from {self._setup.config.device.port}")
-        elif what == "trying" and "pipeline" not in self._children:
-            notify(WATCHDOG=1)
-        elif what == "waiting":
-            notify(READY=1, WATCHDOG=1, STATUS=f"waiting for a device: {said['sentence']}")
-            self._on_trouble(said["sentence"])
-        elif what == "disk-failed":
-            notify(STATUS=said["sentence"])
-            self._on_trouble(said["sentence"])
+        elif what in ("waiting", "disk-failed"):
+            self._tell_once(said["sentence"])
         elif what == "recording":
             self._on_trouble(f"recording to {said['path']}")
         elif what == "ask":
             self._children["reader"].line.tell("ask")
+        elif what in ("reopened", "tracking"):
+            self._said = ""
         elif what == "played":
             self._played = True
+
+    def _tell_once(self, sentence: str) -> None:
+        """Tell of trouble, but not again while nothing else has happened."""
+        if sentence != self._said:
+            self._said = sentence
+            self._on_trouble(sentence)
 
     def _shut_down(self) -> LimbcalError | None:
         """Stop the processes in the order in which data flows; return what went wrong in that."""

@@ -12,6 +12,8 @@ from protocol.message import encode
 
 #: Messages kept for a subscriber that is slow; beyond that it loses its own and nobody else's.
 SEND_QUEUE = 1000
+#: Bytes of what a subscriber may send: topics, and what keys are exchanged with; beyond, ZeroMQ drops it.
+SUBSCRIPTION_LIMIT = 4096
 #: How long closing waits for what was sent last to leave [ms].
 LINGER_MS = 250
 
@@ -56,6 +58,7 @@ class Publisher:
         self._run = run
         self._socket = context.socket(zmq.PUB)
         self._socket.set(zmq.SNDHWM, SEND_QUEUE)
+        self._socket.set(zmq.MAXMSGSIZE, SUBSCRIPTION_LIMIT)
         self._socket.set(zmq.LINGER, LINGER_MS)
         try:
             self._endpoint = bind(self._socket, endpoint, gate)

@@ -35,6 +35,14 @@ def test_the_example_is_right_and_shows_every_field() -> None:
             assert f"\n{'# ' if value is None else ''}{field} = " in text
 
 
+def test_metrics_are_shown_as_they_would_be(tmp_path: Path) -> None:
+    text = EXAMPLE.read_text().replace("# [metrics]", "[metrics]").replace("# address", "address")
+    path = tmp_path / "limbd.toml"
+    path.write_text(text)
+    metrics = load_setup(path, {}).config.metrics
+    assert metrics is not None and metrics.address == "127.0.0.1:9464"
+
+
 def test_flags_alone_are_enough() -> None:
     setup = load_setup(None, {"device": {"port": "/dev/ttyX"}, "arm": {"file": "dd-arm"}})
     assert setup.config.device.baud == 12_000_000

@@ -95,6 +95,28 @@ def test_a_device_that_says_nothing_is_not_readiness(
     assert daemon.stop() == 0
 
 
+def test_a_silent_device_is_waited_for_where_one_is(limbd: Limbd, manager: Manager, tmp_path: Path) -> None:
+    link = tmp_path / "device"
+    master, slave = os.openpty()
+    link.symlink_to(os.ttyname(slave))
+    try:
+        arguments = ("--port", str(link), "--arm", "dd-arm", "--endpoint", f"ipc://{tmp_path}/f", "--json")
+        daemon = limbd("run", "--wait", *arguments)
+        wait_until(lambda: bool(manager.told("WATCHDOG_USEC")), "it asked for patience")
+        assert "the device sent nothing within 5 s" in manager.told("STATUS")[-1]
+        link.unlink()
+        device = limbd("virtual", "--link", str(link), "--rate-hz", "8000", "--json")
+        device.announcement()
+        daemon.announcement()
+        wait_until(lambda: f"streaming from {link}" in manager.told("STATUS"), "it streams")
+        assert len(manager.told("WATCHDOG_USEC")) >= 2
+        assert daemon.stop() == 0
+        assert device.stop() == 0
+    finally:
+        os.close(master)
+        os.close(slave)
+
+
 @pytest.mark.parametrize("address", ["", "/nowhere/at/all", "@limbcal-nobody-is-there"])
 def test_a_manager_that_is_not_there_is_no_trouble(monkeypatch: pytest.MonkeyPatch, address: str) -> None:
     monkeypatch.setenv("NOTIFY_SOCKET", address)

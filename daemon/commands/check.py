@@ -1,0 +1,31 @@
+"""`limbd check`."""
+
+import argparse
+import json
+from collections.abc import Mapping
+from pathlib import Path
+
+from limbcal.command import console, emit
+from limbcal.errors import ConfigError
+
+# ruff: noqa: PLC0415
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Add the options of the command."""
+    parser.add_argument("file", type=Path, metavar="FILE")
+    parser.set_defaults(action=check)
+
+
+def check(arguments: argparse.Namespace) -> Mapping[str, object]:
+    """List every mistake in a config."""
+    from daemon.config import load_setup
+
+    try:
+        setup = load_setup(arguments.file, {})
+    except ConfigError as error:
+        if arguments.json:
+            emit(json.dumps({"file": str(arguments.file), "ok": False, "mistakes": error.mistakes}))
+        raise
+    console.print(f"{arguments.file}: no mistakes")
+    return {"file": str(arguments.file), "ok": True, "mistakes": [], "arm": setup.arm.name}

@@ -1,0 +1,24 @@
+"""`limbd status`."""
+
+import argparse
+from pathlib import Path
+
+from daemon.commands.options import DEFAULT_ENDPOINT
+
+# ruff: noqa: PLC0415
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Add the options of the command."""
+    add = parser.add_argument
+    add("--endpoint", default=DEFAULT_ENDPOINT, metavar="E", help=f"default {DEFAULT_ENDPOINT}")
+    add("--key", type=Path, metavar="FILE", help="NAME.limbkey, where the daemon asks for one")
+    add("--once", action="store_true", help="one report and no more")
+    parser.set_defaults(action=show)
+
+
+def show(arguments: argparse.Namespace) -> None:
+    """Show how a daemon is doing."""
+    from daemon.status import status
+
+    status(arguments.endpoint, arguments.key, arguments.once, arguments.json)

@@ -1,0 +1,56 @@
+"""`limbd virtual`."""
+
+import argparse
+from pathlib import Path
+
+from daemon.commands.options import not_negative, positive, whole
+from daemon.fault_schedule import KINDS, faults_of
+
+# ruff: noqa: PLC0415
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Add the options of the command."""
+    add = parser.add_argument
+    add("--link", type=Path, metavar="PATH", help="make a symbolic link to the port")
+    add("--arm", default="dd-arm", metavar="A", help="arm file or built-in arm (default dd-arm)")
+    add("--seed", type=whole, default=0, metavar="N", help="draws motions and sensors' errors")
+    add("--rate-hz", type=positive, default=32000.0, metavar="R", help="default 32000")
+    add("--speed", type=positive, default=1.0, metavar="X", help="times faster than real time")
+    add("--trials", type=whole, default=22, metavar="N", help="motions before it rests (default 22)")
+    add("--noise", type=not_negative, default=1.0, metavar="F", help="factor on noise and bias")
+    add("--quiet-sensors", dest="noise", action="store_const", const=0.0, help="no noise and no bias")
+    add("--imperfect-mounting", action="store_true", help="sensors sit not quite where they should")
+    add(
+        "--highpass-hz",
+        type=not_negative,
+        metavar="F",
+        help="AC-couple all sensors, with this corner (default: as the arm file says)",
+    )
+    add(
+        "--fault",
+        default="",
+        metavar="SCHEDULE",
+        help="what goes wrong and when, as in 'unplug@5+1/3, flip@0+60*1e-5'; kinds: " + ", ".join(KINDS),
+    )
+    add("--truth", type=Path, metavar="FILE", help="write the true motion here (.npz) at the end")
+    parser.set_defaults(action=be_device)
+
+
+def be_device(arguments: argparse.Namespace) -> None:
+    """Be a device until a stop is asked for."""
+    from arm.arm_file import load_arm
+    from daemon.virtual import VirtualOptions, serve
+    from daemon.virtual_motion import BenchPlan
+
+    plan = BenchPlan(
+        arm=load_arm(arguments.arm),
+        seed=arguments.seed,
+        rate_hz=arguments.rate_hz,
+        trials=arguments.trials,
+        noise=arguments.noise,
+        imperfect_mounting=arguments.imperfect_mounting,
+        highpass_hz=arguments.highpass_hz,
+    )
+    faults = faults_of(arguments.fault)
+    serve(VirtualOptions(plan, arguments.speed, arguments.link, arguments.truth, arguments.json, faults))

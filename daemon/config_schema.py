@@ -1,0 +1,91 @@
+"""The tables of `limbd.toml` and their fields."""
+
+from typing import Annotated, Literal
+
+from pydantic import BaseModel, ConfigDict, Field, Strict
+
+Number = Annotated[float, Field(allow_inf_nan=False)]
+
+
+class _Table(BaseModel):
+    model_config = ConfigDict(extra="forbid", frozen=True, strict=True)
+
+
+class DeviceTable(_Table):
+    """`[device]`: where the accelerometers' samples come from.
+
+    ``real_time`` asks the kernel to serve the reader and the pipeline before others; where that is not allowed
+    they run as they are.
+    """
+
+    port: Annotated[str, Field(min_length=1)]
+    baud: Annotated[int, Field(gt=0)] = 12_000_000
+    real_time: bool = True
+
+
+class ArmFileTable(_Table):
+    """`[arm]`: the arm that the sensors ride on, a file or the name of a built-in one."""
+
+    file: Annotated[str, Field(min_length=1)]
+
+
+class TrackingTable(_Table):
+    """`[tracking]`: how accelerations become joint motion.
+
+    Without ``initial_q_rad`` the filter asks gravity where the arm rests, and the integrator takes zero. ``zero``
+    concerns the integrator only, which takes "each-rest" where it is left out.
+    """
+
+    method: Literal["filter", "integrate"] = "filter"
+    initial_q_rad: Annotated[tuple[Number, ...], Strict(strict=False)] | None = None
+    frame_rate_hz: Annotated[Number, Field(gt=0)] = 1000.0
+    zero: Literal["each-rest", "first-rest"] | None = None
+
+
+class PublishTable(_Table):
+    """`[publish]`: where subscribers connect, and whether raw accelerations are sent to them.
+
+    ``keys`` is the folder of those that are let in (`limbd keys new`); an endpoint that other machines can reach
+    must have it.
+    """
+
+    endpoint: Annotated[str, Field(pattern=r"^(tcp|ipc)://.+")] = "tcp://127.0.0.1:5770"
+    raw: bool = False
+    keys: Annotated[str, Field(min_length=1)] | None = None
+
+
+class RecordTable(_Table):
+    """`[record]`: absent, nothing is recorded.
+
+    A file that has grown to ``file_mb``, or was begun ``file_minutes`` ago, is closed and the next one begun;
+    while less than ``free_mb`` is free on the disk nothing is recorded.
+    """
+
+    directory: Annotated[str, Field(min_length=1)]
+    file_mb: Annotated[Number, Field(ge=1)] = 2000.0
+    file_minutes: Annotated[Number, Field(gt=0)] = 60.0
+    free_mb: Annotated[Number, Field(ge=0)] = 100.0
+
+
+class TrialsTable(_Table):
+    """`[trials]`: the first so many motions are for learning, the rest for evaluating."""
+
+    learning: Annotated[int, Field(ge=0)] = 5
+
+
+class MetricsTable(_Table):
+    """`[metrics]`: absent, there is no endpoint for Prometheus. It answers this machine only."""
+
+    address: Annotated[str, Field(pattern=r"^(127\.[0-9.]+|localhost|\[::1\]):[0-9]{1,5}$")]
+
+
+class Config(_Table):
+    """The whole file."""
+
+    device: DeviceTable
+    arm: ArmFileTable
+    tracking: TrackingTable = TrackingTable()
+    publish: PublishTable = PublishTable()
+    record: RecordTable | None = None
+    trials: TrialsTable = TrialsTable()
+    metrics: MetricsTable | None = None
