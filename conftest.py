@@ -5,7 +5,26 @@ from pathlib import Path
 import pytest
 
 #: Tests that look at what a machine has but one of: processes, ports, shared memory.
-ALONE = ("daemon", "playback", "examples", "protocol")
+ALONE = ("daemon", "playback", "examples", "protocol", "soak")
+
+
+def pytest_addoption(parser: pytest.Parser) -> None:
+    """Let ``make soak`` run the tests of endurance at length."""
+    parser.addoption("--long", action="store_true", help="test endurance at length, and show the figures")
+
+
+def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter) -> None:
+    """Show the figures that tests of endurance have measured."""
+    figures = [
+        text
+        for report in terminalreporter.getreports("passed") + terminalreporter.getreports("failed")
+        for name, text in report.user_properties
+        if name == "figure"
+    ]
+    if figures and terminalreporter.config.getoption("--long"):
+        terminalreporter.section("figures")
+        for text in dict.fromkeys(map(str, figures)):
+            terminalreporter.line(text)
 
 
 @pytest.hookimpl(tryfirst=True)

@@ -19,7 +19,7 @@ MAGIC = b"\x89MCAP0\r\n"
 #: No record or chunk of ours comes near; a length beyond it is damage, not data.
 MAX_RECORD_BYTES = 256 * 1024 * 1024
 
-_DAMAGE = (McapError, ZstdError, struct.error, ValueError, MemoryError)
+_DAMAGE = (McapError, ZstdError, struct.error, ValueError, OverflowError, MemoryError)
 
 
 class RecordingReader(Iterator[tuple[str, dict[str, Any], int]]):

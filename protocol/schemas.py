@@ -111,7 +111,11 @@ _HEALTH: Schema = {
     },
     "latency_ms": {
         **one("object", "from the arrival of a sample to its message", "ms"),
-        "properties": {"p50": one("number", "median", "ms"), "p99": one("number", "99th percentile", "ms")},
+        "properties": {
+            "p50": one("number", "median", "ms"),
+            "p99": one("number", "99th percentile", "ms"),
+            "p99_run": one("number", "of the run so far", "ms"),
+        },
     },
     "delay_ms": {
         **one("object", "age of the frames when they were published: UTC then, less the frame's own time", "ms"),

@@ -27,6 +27,7 @@ from protocol.message import FRAMES, HEALTH, TRIAL, encode
 from protocol.publisher import Publisher
 from protocol.recording import RecordingWriter
 from protocol.subscriber import Subscriber
+from tests.soak import Long
 from tracking.integrator import Integrator
 
 Message = tuple[str, dict[str, Any]]
@@ -38,6 +39,12 @@ START_NS = 7_000_000_000
 # What a shell starts in the background ignores SIGINT, and so would all that a test starts and interrupts.
 if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
     signal.signal(signal.SIGINT, signal.default_int_handler)
+
+
+@pytest.fixture
+def long(request: pytest.FixtureRequest, record_property: Callable[[str, object], None]) -> Long:
+    """Say whether endurance is tested at length."""
+    return Long(bool(request.config.getoption("--long")), lambda text: record_property("figure", text))
 
 
 @dataclass(frozen=True)

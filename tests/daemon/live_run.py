@@ -1,0 +1,85 @@
+"""The virtual arm and the daemon run with faults; what was published is held against what the device sent."""
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import zmq
+from numpy.typing import NDArray
+
+from arm.arm_file import load_arm
+from arm.bench import COUNT_M_S2
+from daemon.virtual_motion import BenchPlan, stretches
+from protocol.message import GAP, HEALTH, RAW
+from protocol.subscriber import Subscriber
+
+PATIENCE_MS = 30_000
+Fields = dict[str, Any]
+Heard = dict[str, list[Fields]]
+Limbd = Callable[..., Any]
+SEED = 3
+
+
+def sent(rate_hz: float, samples: int) -> NDArray[np.int16]:
+    """Return the counts that the virtual arm's device has at least so many samples of, (n_sample, n_channel)."""
+    plan = BenchPlan(load_arm("dd-arm"), seed=SEED, rate_hz=rate_hz, trials=22)
+    parts: list[NDArray[np.int16]] = []
+    for stretch in stretches(plan):
+        parts.append(stretch.counts)
+        if sum(map(len, parts)) >= samples:
+            return np.concatenate(parts)
+    raise AssertionError(f"the virtual arm moves for less than {samples} samples")
+
+
+def live_run(limbd: Limbd, folder: Path, schedule: str, rate_hz: float, samples: int) -> tuple[Heard, str]:
+    """Let the device send so many samples, faults among them; return all messages by topic, and its last words."""
+    link, endpoint = folder / "device", f"ipc://{folder}/frames"
+    arguments = (
+        "--link",
+        str(link),
+        "--rate-hz",
+        str(rate_hz),
+        "--seed",
+        str(SEED),
+        "--fault",
+        schedule,
+        "--json",
+    )
+    device = limbd("virtual", *arguments)
+    device.announcement()
+    config = folder / "limbd.toml"
+    config.write_text(
+        f'[device]\nport = "{link}"\n[arm]\nfile = "dd-arm"\n[tracking]\nmethod = "integrate"\n'
+        f'[publish]\nendpoint = "{endpoint}"\nraw = true\n'
+    )
+    heard: Heard = {RAW: [], GAP: [], HEALTH: []}
+    with zmq.Context() as context, Subscriber(context, endpoint, list(heard)) as subscriber:
+        daemon = limbd("run", "--config", str(config), "--json")
+        daemon.announcement()
+        while not heard[HEALTH] or heard[HEALTH][-1]["samples"] + heard[HEALTH][-1]["lost_samples"] < samples:
+            topic, fields = subscriber.receive(PATIENCE_MS) or pytest.fail("nothing came any more")
+            heard[topic].append(fields)
+        assert daemon.stop() == 0
+        while (message := subscriber.receive(500)) is not None:
+            heard[message[0]].append(message[1])
+        assert not subscriber.missed
+    assert device.stop() == 0
+    return heard, device.said
+
+
+def check(heard: Heard, truth: NDArray[np.int16]) -> None:
+    """Every published sample is right and in its place; what is missing is in the ledger, to the sample."""
+    place, stamp = 0, 0
+    gaps = {gap["sample0"]: gap["samples"] for gap in heard[GAP]}
+    for block in heard[RAW]:
+        place += gaps.get(place, 0)
+        assert block["sample0"] == place
+        counts = np.rint(block["a"] / COUNT_M_S2)
+        np.testing.assert_array_equal(counts, truth[place : place + block["n"]])
+        assert block["t0_ns"] > stamp
+        place, stamp = place + block["n"], block["t0_ns"]
+    last = heard[HEALTH][-1]
+    assert last["lost_samples"] == sum(gaps.values())
+    assert last["samples"] == sum(block["n"] for block in heard[RAW])

@@ -1,0 +1,1 @@
+"""What arrives from outside, whatever it is: no crash, no hang, memory bounded."""

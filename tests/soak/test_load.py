@@ -1,0 +1,107 @@
+"""Beside others that keep the processors busy, faster than it must be, and for long."""
+
+import os
+import subprocess
+import sys
+from collections.abc import Iterator
+from contextlib import ExitStack, contextmanager
+from pathlib import Path
+from typing import Any
+
+import psutil
+import zmq
+
+from protocol.message import HEALTH
+from protocol.subscriber import Subscriber
+from tests.daemon.live_run import PATIENCE_MS, Limbd
+from tests.soak import Long
+
+MEGABYTE = 1e6
+
+
+@contextmanager
+def busy_processors() -> Iterator[None]:
+    """Keep every processor busy."""
+    with ExitStack() as stack:
+        for _ in range(os.cpu_count() or 1):
+            burner = stack.enter_context(subprocess.Popen([sys.executable, "-c", "while True: pass"]))
+            stack.callback(burner.kill)
+        yield
+
+
+def watch(limbd: Limbd, folder: Path, seconds: float, device: tuple[str, ...], config: str = "") -> Iterator[Any]:
+    """Run device and daemon; yield the announcement, then each health, and stop both."""
+    link, endpoint = folder / "device", f"ipc://{folder}/frames"
+    virtual = limbd("virtual", "--link", str(link), *device, "--json")
+    virtual.announcement()
+    file = folder / "limbd.toml"
+    file.write_text(
+        f'[device]\nport = "{link}"\n[arm]\nfile = "dd-arm"\n[tracking]\nmethod = "integrate"\n'
+        f'[publish]\nendpoint = "{endpoint}"\n[record]\ndirectory = "{folder}/rec"\n{config}'
+    )
+    with zmq.Context() as context, Subscriber(context, endpoint, [HEALTH]) as subscriber:
+        daemon = limbd("run", "--config", str(file), "--json")
+        yield daemon.announcement()
+        uptime_s = 0.0
+        while uptime_s < seconds:
+            message = subscriber.receive(PATIENCE_MS)
+            assert message is not None
+            uptime_s = message[1]["uptime_s"]
+            yield message[1]
+    assert daemon.stop() == 0
+    assert virtual.stop() == 0
+
+
+def test_beside_busy_processors_nothing_is_lost(limbd: Limbd, tmp_path: Path, long: Long) -> None:
+    seconds, rate_hz = long.of((600.0, 32_000), (8.0, 8_000))
+    with busy_processors():
+        *_, last = watch(limbd, tmp_path, seconds, ("--rate-hz", str(rate_hz), "--trials", "200"))
+    assert last["samples"] > 0.9 * seconds * rate_hz
+    assert last["lost_samples"] == 0
+    p99_ms = last["latency_ms"]["p99_run"]
+    long.note(f"{seconds:g} s at {rate_hz} Hz beside busy processors: 0 samples lost; latency p99 {p99_ms:.1f} ms")
+    if long.at_length:
+        assert p99_ms < 25.0
+
+
+def test_it_keeps_up_with_eight_times_the_rate(limbd: Limbd, tmp_path: Path, long: Long) -> None:
+    seconds, speed = long.of((30.0, 8), (4.0, 1))
+    _, *health = watch(limbd, tmp_path, seconds, ("--speed", str(speed)))
+    last = health[-1]
+    rate_hz = (last["samples"] - health[1]["samples"]) / (last["uptime_s"] - health[1]["uptime_s"])
+    assert last["lost_samples"] == 0
+    assert rate_hz > 0.9 * speed * 32_000
+    long.note(
+        f"{speed} x 32 kHz through the real path for {seconds:g} s: {rate_hz / 32_000:.2f} x 32 kHz held, "
+        f"0 samples lost, latency p99 {last['latency_ms']['p99_run']:.0f} ms"
+    )
+
+
+def test_nothing_grows(limbd: Limbd, tmp_path: Path, long: Long) -> None:
+    seconds = long.of(1800.0, 10.0)
+    faults = "unplug@7+0.5/60, flip@0+1e6*1e-6, drop@20+2*0.01/45"
+    shared = set(os.listdir("/dev/shm"))
+    following = watch(
+        limbd,
+        tmp_path,
+        seconds,
+        ("--rate-hz", str(long.of(32_000, 8_000)), "--trials", "1000", "--fault", faults),
+        f"file_minutes = {long.of(5.0, 0.1)}\n",
+    )
+    processes = [psutil.Process(pid) for pid in next(following)["processes"].values()]
+    settled: tuple[float, int] | None = None
+    held = (0.0, 0)
+    for health in following:
+        held = sum(p.memory_full_info().uss for p in processes) / MEGABYTE, sum(p.num_fds() for p in processes)
+        if settled is None and health["uptime_s"] > seconds / 3:
+            settled = held
+    assert settled is not None
+    grown_mb, handles = held[0] - settled[0], held[1] - settled[1]
+    assert handles <= 0
+    assert set(os.listdir("/dev/shm")) <= shared
+    assert grown_mb < 5.0
+    files = len(list((tmp_path / "rec").iterdir()))
+    long.note(
+        f"{seconds / 60:.1f} min with faults and {files} files: all processes together grew by {grown_mb:.2f} MB "
+        f"in the last two thirds, {handles:+d} handles"
+    )
