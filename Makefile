@@ -6,7 +6,7 @@ STAMP := $(VENV)/.installed
 BENCH_STAMP := $(VENV)/.installed-bench
 
 .DEFAULT_GOAL := help
-.PHONY: help run test check bench lock clean
+.PHONY: help run test soak check bench lock clean
 
 help: ## list the targets
 	@grep -hE '^[a-z]+:.*##' $(MAKEFILE_LIST) | sed 's/:.*## /\t/' | expand -t 10
@@ -21,6 +21,9 @@ run: $(STAMP) ## the main job on the virtual arm: measure, calibrate, simulate, 
 
 test: $(STAMP) ## all tests, in two processes
 	$(BIN)/python -m pytest -n 2 --dist loadgroup
+
+soak: $(STAMP) ## endurance at length, about two hours: hours of faults, kills, crowds, load, fuzzing; shows figures
+	$(BIN)/python -m pytest --long tests/soak tests/fuzz
 
 check: $(STAMP) ## lint, types, import rules
 	$(BIN)/ruff check .

@@ -23,8 +23,10 @@ from fitter.diagnosis.motion import Motion, corner_hz, run_of
 from fitter.diagnosis.next_experiment import next_experiment
 from fitter.diagnosis.pushes import Pushes
 from fitter.diagnosis.regression import Regression
+from fitter.diagnosis.reweighting import will_do
 from fitter.diagnosis.screening import Candidate, fitted
 from fitter.diagnosis.unknown import Remainder, describe
+from fitter.diagnosis.untold import without_untold
 from fitter.diagnosis.verdict import verdict_of
 from fitter.dynamics.structure import structural_parameters
 from fitter.search.fitted_parameter import FittedParameter
@@ -111,16 +113,23 @@ def diagnose(
         regression.learn_from_all()
     tried = hypotheses(arm.n_joint, denied, driven=not free)
     search = find_causes(regression, tried, lambda what, done: say(what, 0.8 * done))
+    weighted = regression.weighting_under(search.final.model, search.final.x)
+    if search.causes and not will_do(regression.weighting, weighted):
+        regression = regression.weighted_by(weighted)
+        search = find_causes(regression, tried, lambda what, done: say(f"once more, {what}", 0.8 * done))
     search = replace(search, final=_settled(regression, search.final))
     say("describing what is left", 0.8)
+    numbers = estimates(regression, search.final)
+    told = without_untold(regression, search, numbers) if strict else search
+    if told is not search:
+        search, numbers = told, estimates(regression, told.final)
     remainder = describe(regression, search.final)
     held = holdings(regression, search.final)
-    numbers = estimates(regression, search.final)
     verdict = verdict_of(search, remainder, numbers, bool(held), strict)
     final = search.final
     suspected: tuple[Hypothesis, ...] = ()
-    if verdict == "unexplained" and search.causes:
-        suspected = tuple(search.final.model.hypotheses)
+    if verdict in ("unexplained", "none") and search.causes:
+        suspected = tuple(search.final.model.hypotheses) if verdict == "unexplained" else ()
         final = search.base
         remainder = describe(regression, final)
     say("judging on the evaluating trials", 0.92)

@@ -22,10 +22,8 @@ from dataclasses import dataclass, field
 import numpy as np
 import scipy.fft
 import scipy.linalg
-from numpy.typing import NDArray
 
 from arm.model import Arm, Floats
-from arm.regressor import regressor
 from fitter.diagnosis.motion import Motion, noise_of_angles, white_noise
 from fitter.diagnosis.unknown_torque import end_weight, holding_shapes, jump_shapes
 
@@ -186,16 +184,3 @@ def weighting(arm: Arm, motions: Sequence[Motion], inertia: Floats) -> Weighting
     corner = min(*(motion.trial.cutoff_hz for motion in motions), 0.4 / dt_s)
     band = min(_BAND_HZ, _BAND_SHARE * corner)
     return Weighting(torque, acceleration, band, max(1, int(1.0 / (dt_s * _SAMPLES * band))))
-
-
-def mass_matrices(arm: Arm, columns: NDArray[np.intp], values: Floats, q: Floats) -> Floats:
-    """Return the mass matrix of base parameters in some poses, (n_pose, n_joint, n_joint)."""
-    n = arm.n_joint
-    M = np.zeros((len(q), n, n))
-    still = np.zeros_like(q)
-    rest = regressor(arm, q, still, still)[..., columns] @ values
-    for j in range(n):
-        unit = still.copy()
-        unit[:, j] = 1.0
-        M[:, :, j] = regressor(arm, q, still, unit)[..., columns] @ values - rest
-    return M

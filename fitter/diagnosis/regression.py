@@ -15,10 +15,11 @@ import scipy.optimize
 from arm.model import Arm, Floats
 from arm.regressor import standard_parameters
 from fitter.diagnosis.attenuation import Noise, added, compensated, noise_of, noisier
-from fitter.diagnosis.equation import Weighting, mass_matrices, weighting
+from fitter.diagnosis.equation import Weighting, weighting
 from fitter.diagnosis.hypothesis import Hypothesis
 from fitter.diagnosis.model import Model
 from fitter.diagnosis.motion import Motion
+from fitter.diagnosis.reweighting import reweighted
 from fitter.diagnosis.rows import Equations, Rows
 from fitter.diagnosis.view import View
 
@@ -46,6 +47,8 @@ class Regression:
         Beginnings of names of base parameters that are left out, such as ``D`` and ``fc``.
     known : (column, value), optional
         A standard parameter that is not sought: where no torque tells the scale of all the others, it does.
+    weighted : Weighting, optional
+        The filter that makes the noise white; by the mass matrix of a base model unless given.
     """
 
     def __init__(
@@ -54,6 +57,7 @@ class Regression:
         motions: Sequence[Motion],
         denied: tuple[str, ...] = (),
         known: tuple[int, float] | None = None,
+        weighted: Weighting | None = None,
     ) -> None:
         self.arm = arm
         self.motions = list(motions)
@@ -63,8 +67,10 @@ class Regression:
         self._noisier = noisier(arm, self.motions)
         self._plainly: Floats | None = None
         self._last: tuple[list[Floats], Floats, Floats] = [], np.zeros(0), np.zeros(0)
-        crude = Equations(arm, weighting(arm, self.motions, np.eye(arm.n_joint)[None]), denied, known)
-        self.equations = Equations(arm, self._weighting_by(crude), denied, known)
+        if weighted is None:
+            crude = Equations(arm, weighting(arm, self.motions, np.eye(arm.n_joint)[None]), denied, known)
+            weighted = self._weighting_by(crude)
+        self.equations = Equations(arm, weighted, denied, known)
 
     @cached_property
     def learning(self) -> list[Motion]:
@@ -79,6 +85,16 @@ class Regression:
     def weighting(self) -> Weighting:
         """The filter that makes the noise white."""
         return self.equations.weighting
+
+    def weighted_by(self, weighted: Weighting) -> "Regression":
+        """Return a regression of the same motions with another filter."""
+        other = Regression(self.arm, self.motions, self.denied, self.equations.known, weighted)
+        other.learning = self.learning
+        return other
+
+    def weighting_under(self, model: Model, x: Floats) -> Weighting:
+        """Return the filter that makes the noise white under a model."""
+        return reweighted(self.equations, model, x, self.learning, self._noisier)
 
     def view(self, model: Model, motion: Motion) -> View:
         """Return a motion under a model."""
@@ -198,15 +214,12 @@ class Regression:
         return at(found.x)
 
     def _weighting_by(self, crude: Equations) -> Weighting:
-        """Return the filter for a run whose mass matrix is only guessed from a first fit."""
+        """Return the filter for a run whose noise is only guessed from a first fit."""
         rows = [crude.rows(Model(), motion) for motion in self.learning]
         values = scaled_lstsq(
             np.vstack([one.design for one in rows]), np.concatenate([one.target.ravel() for one in rows])
         )
-        q = np.concatenate([motion.q for motion in self.learning])
-        some = q[:: max(1, len(q) // _POSES)]
-        inertia = mass_matrices(self.arm, crude.independent(self.arm), values, some)
-        return weighting(self.arm, self.motions, inertia)
+        return reweighted(crude, Model(), values, self.learning, self._noisier)
 
     def friction_of(self, model: Model, x: Floats) -> Floats:
         """Return the joints' viscous and Coulomb friction by a model's factors, (n_joint, 2)."""

@@ -1,12 +1,10 @@
 """What is said of it all: named, ambiguous, none, or unexplained."""
 
-import numpy as np
-
 from fitter.diagnosis.causes import UNEXPLAINED, UNEXPLAINED_AT_LEAST, Search
 from fitter.diagnosis.estimates import Estimates
 from fitter.diagnosis.finding import Verdict
-from fitter.diagnosis.model import Model
 from fitter.diagnosis.unknown import WORTH, Remainder
+from fitter.diagnosis.untold import are_told
 
 #: If a smooth function explains more than this share of what the base model leaves, beside the causes, then these
 #: are not it. True causes left less than a five-hundredth in every case that was looked at.
@@ -18,8 +16,6 @@ _PLAINLY, _UNEXPLAINED_PLAINLY = 1.0 / 3.0, 0.005
 _LEFT_BY_PLAY = 0.5
 #: Where a base model leaves so many times the noise beyond it, something is there even if nothing explains it.
 _STRUCTURE = 2.0
-#: Some number of a cause must differ by so many standard errors from what it is without it.
-_TOLD_SIGMAS = 3.0
 
 
 def verdict_of(search: Search, remainder: Remainder, numbers: Estimates, held: bool, strict: bool) -> Verdict:
@@ -50,21 +46,6 @@ def verdict_of(search: Search, remainder: Remainder, numbers: Estimates, held: b
     smooth = left > (_LEFT_BY_PLAY if played else share) * beyond
     if strict and (smooth or search.leaves(_LEFT_BY_PLAY if played else UNEXPLAINED, UNEXPLAINED_AT_LEAST)):
         return "unexplained"
-    if strict and len(search.causes) > 1 and not _are_told(search.final.model, numbers):
-        return "unexplained"
+    if strict and not all(are_told(search.final.model, numbers)):
+        return "unexplained" if len(search.causes) > 1 or search.structure > _STRUCTURE else "none"
     return "ambiguous" if any(cause.rivals for cause in search.causes) else "named"
-
-
-def _are_told(model: Model, found: Estimates) -> bool:
-    """Say whether every cause has a size: several together can imitate another, each as large as it likes."""
-    for hypothesis, numbers in zip(model.hypotheses, found.effects, strict=True):
-        neutral = {parameter.name: parameter.neutral for parameter in hypothesis.kind.parameters}
-        sizes = []
-        for name, number in numbers.items():
-            none = neutral.get(name, neutral.get(name.rstrip("0123456789").removesuffix("_")))
-            if none is not None:
-                off = abs(number.value - (none if np.isfinite(none) else 0.0))
-                sizes.append(off > _TOLD_SIGMAS * number.std)
-        if sizes and not any(sizes):
-            return False
-    return True
