@@ -22,7 +22,7 @@ run: $(STAMP) ## the main job on the virtual arm: measure, calibrate, simulate, 
 test: $(STAMP) ## all tests, in two processes
 	$(BIN)/python -m pytest -n 2 --dist loadgroup
 
-soak: $(STAMP) ## endurance at length, about two hours: hours of faults, kills, crowds, load, fuzzing; shows figures
+soak: $(STAMP) ## endurance at length (two hours): faults, kills, crowds, load, fuzzing; shows figures
 	$(BIN)/python -m pytest --long tests/soak tests/fuzz
 
 check: $(STAMP) ## lint, types, import rules

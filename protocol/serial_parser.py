@@ -159,17 +159,22 @@ class FrameParser:
 
     def _hunt(self, block: bytes, position: int) -> int:
         """Return where the next magic begins, or may begin with what is still to come."""
-        if self._offset + position == self._due:
-            if position + HEADER_BYTES > len(block):
-                return position
-            self._judge_magic(block, position)
-        start = block.find(MAGIC, position)
-        if start < 0:
-            start = len(block)
-            if start > position and block[-1] == MAGIC[0]:
-                start -= 1
-        self.counters.discarded_bytes += start - position
-        return start
+        while True:
+            if position == self._due - self._offset:
+                if position + HEADER_BYTES > len(block):
+                    return position
+                self._judge_magic(block, position)
+            start = block.find(MAGIC, position)
+            if start < 0:
+                start = len(block)
+                if start > position and block[-1] == MAGIC[0]:
+                    start -= 1
+            due = self._due - self._offset  # a frame that is due on the way there is looked at, too
+            reached = due if position < due < start else start
+            self.counters.discarded_bytes += reached - position
+            if reached == start:
+                return start
+            position = reached
 
     def _judge_magic(self, block: bytes, position: int) -> None:
         """Count a frame that is due and whose magic alone is damaged: nothing else would tell of it."""

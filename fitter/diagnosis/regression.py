@@ -94,7 +94,7 @@ class Regression:
 
     def weighting_under(self, model: Model, x: Floats) -> Weighting:
         """Return the filter that makes the noise white under a model."""
-        return reweighted(self.equations, model, x, self.learning, self._noisier)
+        return reweighted(self.equations, model, x, self.motions, self._noisier)
 
     def view(self, model: Model, motion: Motion) -> View:
         """Return a motion under a model."""
@@ -219,7 +219,7 @@ class Regression:
         values = scaled_lstsq(
             np.vstack([one.design for one in rows]), np.concatenate([one.target.ravel() for one in rows])
         )
-        return reweighted(crude, Model(), values, self.learning, self._noisier)
+        return reweighted(crude, Model(), values, self.motions, self._noisier)
 
     def friction_of(self, model: Model, x: Floats) -> Floats:
         """Return the joints' viscous and Coulomb friction by a model's factors, (n_joint, 2)."""

@@ -7,7 +7,8 @@ import zmq
 from limbcal.errors import ConfigError, DeviceError, ProtocolError
 from protocol.curve import gate_of, new_client
 from protocol.message import FRAMES, HEALTH, decode
-from protocol.publisher import Publisher
+from protocol.publisher import SUBSCRIPTION_LIMIT, Publisher
+from protocol.subscriber import Subscriber
 
 
 @pytest.fixture
@@ -86,3 +87,19 @@ def test_close_may_be_repeated(context):
     publisher = Publisher(context, "tcp://127.0.0.1:*", "a", "1")
     publisher.close()
     publisher.close()
+
+
+def test_a_subscriber_that_sends_too_much_is_dropped_and_no_other(context, publisher):
+    with Subscriber(context, publisher.endpoint, [HEALTH]) as good, context.socket(zmq.SUB) as greedy:
+        monitor = greedy.get_monitor_socket(zmq.EVENT_DISCONNECTED)
+        greedy.set(zmq.LINGER, 0)
+        greedy.connect(publisher.endpoint)
+        greedy.subscribe(b"x" * (2 * SUBSCRIPTION_LIMIT))
+        assert monitor.poll(30_000), "it was not dropped"
+        greedy.disable_monitor()
+        monitor.close(0)
+        received = 0
+        while received < 20:
+            publisher.publish(HEALTH, {"uptime_s": 1.0})
+            received += good.receive(100) is not None
+        assert not good.missed

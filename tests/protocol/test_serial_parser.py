@@ -263,3 +263,14 @@ def test_a_frame_with_a_turned_bit_anywhere_is_counted_once(bit, every):
     good, counters = parse(b"".join(damaged), range(7, 12 * len(frames[0]), 7))
     assert good == [frame for k, frame in enumerate(frames) if k not in (3, 8)]
     assert counters.crc_errors == 2
+
+
+@pytest.mark.parametrize("cut", [None, 40, 52, 53, 76, 100])
+def test_a_damaged_magic_behind_a_damaged_frame_is_counted(cut):
+    """The hunt for the next magic starts before the place where a frame is due, and must not run past it."""
+    one, two, three = (bytearray(samples(k)) for k in (1, 2, 3))
+    one[30] ^= 1
+    two[0] ^= 1
+    good, counters = parse(bytes(one + two + three), [] if cut is None else [cut])
+    assert good == [bytes(three)]
+    assert counters.crc_errors == 2

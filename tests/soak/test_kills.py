@@ -54,7 +54,8 @@ def test_a_kill_costs_a_second_at_most(
         found = json.loads(capfd.readouterr().out)
         kept_ns = max((end_ns(fields) for _, fields, _ in read_recording(out, [FRAMES])), default=first_ns)
         lost_s.append(1e-9 * (heard_ns - kept_ns))
-        assert lost_s[-1] <= 1.0 and found["messages"] > 0
+        assert lost_s[-1] <= 1.0
+        assert found["messages"] > 0 or heard_ns < first_ns + 1e9
         recording.unlink()
         out.unlink()
     assert device.stop() == 0

@@ -1,0 +1,45 @@
+"""The noise of the equations is measured under the model that explains them."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from fitter.data.trials import to_trials
+from fitter.diagnosis.model import Model
+from fitter.diagnosis.motion import noise_of_angles, run_of
+from fitter.diagnosis.regression import Regression
+from fitter.diagnosis.reweighting import will_do
+from tests.fitter.pendulum import pendulum, swings
+
+
+@pytest.fixture(scope="module")
+def regression() -> Regression:
+    trials = to_trials(swings((), trials=8, seed=2), cutoff_hz=25.0)
+    return Regression(pendulum(), run_of(pendulum(), trials[:4], trials[4:]))
+
+
+def test_noise_is_that_of_the_angles_times_the_mass(regression: Regression) -> None:
+    x = regression.solve(Model(), regression.learning)[0]
+    right = regression.weighting_under(Model(), x)
+    assert will_do(regression.weighting, right)
+    motions = regression.learning
+    thinned = np.mean([motion.trial.dt_s / motion.dt_s for motion in motions])
+    angle = noise_of_angles([motion.trial for motion in motions])
+    expected = thinned * (x[0] * angle) ** 2
+    np.testing.assert_allclose(right.acceleration_noise.ravel(), expected, rtol=0.35)
+
+
+@pytest.mark.parametrize(
+    ("factor", "good"), [(0.1, False), (0.6, False), (1.0, True), (10.0, False), (1e-5, True)]
+)
+def test_a_filter_that_takes_the_noise_for_less_is_found_out(
+    regression: Regression, factor: float, good: bool
+) -> None:
+    """What would need masses beyond all sense is left as it is."""
+    used = regression.weighting
+    wrong = replace(used, acceleration_noise=factor * used.acceleration_noise, _held={}, _boxes={}, _gains={})
+    other = regression.weighted_by(wrong)
+    right = other.weighting_under(Model(), other.solve(Model(), other.learning)[0])
+    assert will_do(wrong, right) == good
+    np.testing.assert_allclose(right.acceleration_noise, used.acceleration_noise, rtol=0.05)
