@@ -28,7 +28,7 @@ def recover(path: Path, out: Path | None = None) -> Mapping[str, object]:
     Raises
     ------
     DataError
-        If nothing can be read of it, not even the arm at its beginning.
+        If nothing can be read of it, not even the arm and the config at its beginning.
     DeviceError
         If the clean file cannot be written, or does not hold what was read.
     """
@@ -46,7 +46,7 @@ def recover(path: Path, out: Path | None = None) -> Mapping[str, object]:
                 first_ns = min(first_ns or t_ns, t_ns)
                 last_ns = max(last_ns, t_ns)
                 counts[topic] += 1
-        if not counts and not attachments:
+        if not counts and not {ARM_ATTACHMENT, CONFIG_ATTACHMENT} <= set(attachments):
             raise DataError(
                 f"recording {path}: no message can be read; {' '.join(reader.warnings) or 'it is empty'}"
             )

@@ -39,7 +39,7 @@ def test_a_recording_cut_anywhere_is_saved_up_to_half_a_second(
     cut.write_bytes(data[: round(share * len(data))])
     out.unlink(missing_ok=True)
     readable = list(read_recording(cut).payloads())
-    if not readable and not recording_attachments(cut):
+    if not readable and len(recording_attachments(cut)) < 2:
         with pytest.raises(DataError, match="no message can be read"):
             recover(cut, out)
         assert not out.exists()
