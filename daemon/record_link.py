@@ -96,6 +96,7 @@ class RecordInlet:
     def __init__(self, context: Context, endpoint: str) -> None:
         self.linked = False
         self.ended = False
+        self._untold: bytes | None = None
         self._socket = context.socket(zmq.PAIR)
         self._socket.set(zmq.LINGER, 0)
         self._socket.bind(endpoint)
@@ -106,6 +107,7 @@ class RecordInlet:
             return []
         parts = self._socket.recv_multipart()
         self.linked = True
+        self._tell()
         if parts in ([_HELLO], [_END]):
             self.ended = parts == [_END]
             return []
@@ -115,9 +117,19 @@ class RecordInlet:
         ]
 
     def tell(self, recording: str | None) -> None:
-        """Tell the pipeline what is recorded to now, if to anything."""
-        self._socket.send((recording or "").encode(), zmq.NOBLOCK)
+        """Tell the pipeline what is recorded to now, if to anything; one that is not there yet hears it later."""
+        self._untold = (recording or "").encode()
+        self._tell()
 
     def close(self) -> None:
         """Close the socket."""
         self._socket.close()
+
+    def _tell(self) -> None:
+        if self._untold is None:
+            return
+        try:
+            self._socket.send(self._untold, zmq.NOBLOCK)
+        except zmq.Again:
+            return
+        self._untold = None

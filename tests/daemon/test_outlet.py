@@ -108,3 +108,16 @@ def test_a_recorder_that_gave_up_is_heard(room: Room) -> None:
     while room.link.recording is not None:
         room.link.check()
     assert len(room.recorded()) == 2
+
+
+def test_what_is_told_before_anybody_listens_is_heard_later(tmp_path: Path) -> None:
+    with zmq.Context() as context:
+        inlet = RecordInlet(context, f"ipc://{tmp_path}/recorder")
+        inlet.tell("second.mcap")
+        link = RecordLink(context, f"ipc://{tmp_path}/recorder", "first.mcap")
+        assert inlet.receive(PATIENCE_S) == []  # hello
+        while link.recording == "first.mcap":
+            link.check()
+        assert link.recording == "second.mcap"
+        link.close()
+        inlet.close()

@@ -16,7 +16,7 @@ FIELDS = {
     GAP: "sample0 samples t_ns why exact",
     HEALTH: "uptime_s last_seq samples lost_samples crc_errors resyncs reconnects doubled late strangers gaps "
     "saturated flat clock_ppm clock latency_ms delay_ms tracking alarms connected recording recording_lost "
-    "disk_free_bytes",
+    "disk_free_bytes device",
     KINEMATICS: "generation frames parameters error",
     DYNAMICS: "generation samples parameters error",
     DIAGNOSIS: "verdict causes candidates confusable next_experiment before after gain residual structure "
