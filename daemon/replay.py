@@ -8,7 +8,7 @@ from select import select
 
 from daemon.control_line import ControlLine, SupervisorGone
 from daemon.recorded_run import TICKS_PER_SAMPLE, Block, blocks_of, counts_of, device_of
-from daemon.virtual_device import FRAME_SAMPLES, FrameFifo
+from daemon.virtual_device import FRAME_SAMPLES, CommandLine, FrameFifo
 from daemon.virtual_port import VirtualPort
 from limbcal.errors import DataError
 from protocol.deadline import Ticker
@@ -19,7 +19,6 @@ _BEAT_S = 0.005
 _AHEAD_BYTES, _FIFO_BYTES = 1 << 18, 1 << 24
 #: After the last byte has left the tty still has some.
 _LINGER_S = 0.5
-_LONGEST_COMMAND = 64
 
 
 def run_replay(line: ControlLine, path: str, speed: float) -> None:
@@ -58,14 +57,12 @@ class _ReplayedDevice:
         self._rate_hz = speed * self._info.rate_hz
         self._started_s: float | None = None
         self._sequence = 0
-        self._heard = b""
+        self._commands = CommandLine()
         self.out = FrameFifo(_FIFO_BYTES)
         self.played = False
 
     def receive(self, data: bytes, now_s: float) -> None:
-        *lines, self._heard = (self._heard + data).split(b"\n")
-        self._heard = self._heard[-_LONGEST_COMMAND:]
-        for command in (one.strip() for one in lines):
+        for command in self._commands.take(data):
             if command in (b"INFO", b"START"):
                 self.out.put(encode_info(self._info, self._number(), 0))
             if command == b"START" and self._started_s is None:

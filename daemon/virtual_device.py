@@ -63,6 +63,23 @@ def device_info(arm: Arm, rate_hz: float, seed: int) -> DeviceInfo:
     return DeviceInfo("limbcal virtual arm", f"seed-{seed}", "1", rate_hz, TICK_HZ, channels)
 
 
+class CommandLine:
+    """What a device hears. Only whole lines are commands."""
+
+    def __init__(self) -> None:
+        self._rest = b""
+
+    def take(self, data: bytes) -> list[bytes]:
+        """Take bytes of the host; return the commands that they complete."""
+        *lines, rest = (self._rest + data).split(b"\n")
+        self._rest = rest[-_LONGEST_COMMAND:]
+        return [line.strip() for line in lines]
+
+    def forget(self) -> None:
+        """Forget what is not a whole line yet."""
+        self._rest = b""
+
+
 class Line(Protocol):
     """What takes a device's frames."""
 
@@ -104,7 +121,7 @@ class VirtualDevice:
         self._awaits_start = False
         self._speed = speed
         self._on_s = now_s
-        self._line = b""
+        self._commands = CommandLine()
         self._sequence = 0
         self._streaming = False
         self._started_s = 0.0
@@ -116,11 +133,8 @@ class VirtualDevice:
         return self._source.truth() if self._streaming else self._truth
 
     def receive(self, data: bytes, now_s: float) -> None:
-        """Take what the host sent. Only whole lines are commands; what is none is passed over."""
-        *lines, rest = (self._line + data).split(b"\n")
-        self._line = rest[-_LONGEST_COMMAND:]
-        for line in lines:
-            command = line.strip()
+        """Take what the host sent; what is no command is passed over."""
+        for command in self._commands.take(data):
             if command in (b"INFO", b"START"):
                 self._put(encode_info(self._info, self._sequence, self._ticks(now_s)))
             if command == b"START":
@@ -160,7 +174,8 @@ class VirtualDevice:
 
     def restart(self, now_s: float) -> None:
         """Begin clock and numbers anew and wait for START; the arm does not care."""
-        self._on_s, self._sequence, self._line, self._awaits_start = now_s, 0, b"", True
+        self._on_s, self._sequence, self._awaits_start = now_s, 0, True
+        self._commands.forget()
 
     def become(self, info: DeviceInfo) -> None:
         """Be another device from now on."""

@@ -8,8 +8,6 @@ from pathlib import Path
 from limbcal.command import console, emit
 from limbcal.errors import ConfigError
 
-# ruff: noqa: PLC0415
-
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the options of the command."""

@@ -4,8 +4,6 @@ import argparse
 from collections.abc import Mapping
 from pathlib import Path
 
-# ruff: noqa: PLC0415
-
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the options of the command."""

@@ -6,8 +6,6 @@ from pathlib import Path
 
 from limbcal.command import console
 
-# ruff: noqa: PLC0415
-
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the options of the command."""

@@ -10,8 +10,6 @@ from daemon.commands.options import DEFAULT_ENDPOINT, add_device_options, given,
 from limbcal.command import console, emit
 from limbcal.errors import ConfigError
 
-# ruff: noqa: PLC0415
-
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the options of the command."""

@@ -5,8 +5,6 @@ from pathlib import Path
 
 from daemon.commands.options import DEFAULT_ENDPOINT
 
-# ruff: noqa: PLC0415
-
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the options of the command."""

@@ -6,8 +6,6 @@ from pathlib import Path
 from daemon.commands.options import not_negative, positive, whole
 from daemon.fault_schedule import KINDS, faults_of
 
-# ruff: noqa: PLC0415
-
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the options of the command."""

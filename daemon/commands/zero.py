@@ -6,8 +6,6 @@ from pathlib import Path
 
 from daemon.commands.options import add_device_options, given, not_negative
 
-# ruff: noqa: PLC0415
-
 #: A few stretches to compare, and what is kept in memory.
 _SHORTEST_S, _LONGEST_S = 0.5, 60.0
 

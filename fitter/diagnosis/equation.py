@@ -154,16 +154,14 @@ class Weighting:
         return self._gains[key]
 
 
-def weighting(arm: Arm, motions: Sequence[Motion], inertia: Floats) -> Weighting:
-    """Return the filter for a run.
+def weighting(arm: Arm, motions: Sequence[Motion]) -> Weighting:
+    """Return the filter for a run of which no more is known: every joint turns a mass of one by itself.
 
     Parameters
     ----------
     arm : Arm
         Its law says how the noise of the angles enters a torque that was not measured.
     motions : sequence of Motion
-    inertia : (n_pose, n_joint, n_joint)
-        The mass matrix in some poses.
     """
     angle = noise_of_angles([motion.trial for motion in motions])
     u = np.concatenate([motion.u for motion in motions])
@@ -179,7 +177,7 @@ def weighting(arm: Arm, motions: Sequence[Motion], inertia: Floats) -> Weighting
     torque = np.maximum(torque, _LEAST_NOISE * np.maximum(np.sqrt(np.mean(u**2, axis=0)), 1e-9))
     q = np.concatenate([motion.q for motion in motions])
     angle = np.maximum(angle, 1e-9 * np.maximum(np.std(q, axis=0), 1.0))
-    acceleration = np.mean(inertia * angle**2 @ inertia.transpose(0, 2, 1), axis=0)
+    acceleration = np.diag(angle**2)
     dt_s = max(motion.dt_s for motion in motions)
     corner = min(*(motion.trial.cutoff_hz for motion in motions), 0.4 / dt_s)
     band = min(_BAND_HZ, _BAND_SHARE * corner)

@@ -26,8 +26,6 @@ from fitter.diagnosis.view import View
 #: Slopes with respect to psi are taken over this share of its size.
 _SLOPE = 1e-4
 _ROUNDS, _FEW_ROUNDS = 25, 8
-#: Poses in which the mass matrix is looked at.
-_POSES = 64
 #: Columns that are this near to depending on others, in terms of the normal equations, do so.
 _DEPENDENT = 1e-12
 #: No model leaves less noise than this share of what the base model does.
@@ -68,7 +66,7 @@ class Regression:
         self._plainly: Floats | None = None
         self._last: tuple[list[Floats], Floats, Floats] = [], np.zeros(0), np.zeros(0)
         if weighted is None:
-            crude = Equations(arm, weighting(arm, self.motions, np.eye(arm.n_joint)[None]), denied, known)
+            crude = Equations(arm, weighting(arm, self.motions), denied, known)
             weighted = self._weighting_by(crude)
         self.equations = Equations(arm, weighted, denied, known)
 

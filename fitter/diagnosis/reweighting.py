@@ -46,9 +46,7 @@ def reweighted(
     total, count = np.zeros((n_joint, n_joint)), 0
     white = np.diag(used.torque_noise**2)
     for motion in motions:
-        # Friction turns where the joint does: that noise may turn it elsewhere is not of this kind.
-        louder = replace(noisier[motion.number], speed=motion.speed)
-        plain, noisy = (equations.left(model, x, one) for one in (motion, louder))
+        plain, noisy = (equations.left(model, x, one) for one in (motion, noisier[motion.number]))
         window = np.hanning(len(plain))[:, None]
         f = np.fft.rfftfreq(len(plain), motion.dt_s)
         inside = (f >= _FROM * used.band_hz) & (f <= used.band_hz)
