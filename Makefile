@@ -13,7 +13,7 @@ help: ## list the targets
 
 $(STAMP): pyproject.toml constraints.txt
 	$(PYTHON) -m venv $(VENV)
-	$(BIN)/python -m pip install --quiet --constraint constraints.txt --editable '.[dev]'
+	$(BIN)/python -m pip install --quiet --constraint constraints.txt --editable '.[dev,view]'
 	@touch $@
 
 run: $(STAMP) ## the main job on the virtual arm: measure, calibrate, simulate, play; writes out/report.html

@@ -11,12 +11,12 @@ from daemon.control_line import ControlLine, SupervisorGone
 from daemon.device_clock import DeviceClock
 from daemon.handshake import Handshake, check_channels
 from daemon.pipeline import Pipeline
-from daemon.real_time import PIPELINE, ask_for_real_time
 from daemon.reception import NewClock, Reception
 from daemon.record_link import Context, RecordLink
 from daemon.recorded_run import RecordedClock
 from daemon.ring import Memory, Ring
 from limbcal.errors import DeviceError
+from limbcal.real_time import PIPELINE, ask_for_real_time
 from protocol.curve import gate_of
 from protocol.publisher import Publisher
 from protocol.serial_frame import InfoFrame

@@ -12,10 +12,10 @@ from select import select
 import serial
 
 from daemon.control_line import ControlLine, SupervisorGone
-from daemon.real_time import READER, ask_for_real_time
 from daemon.ring import Mark, Memory, Ring
 from daemon.serial_port import open_port
 from limbcal.errors import DeviceError
+from limbcal.real_time import READER, ask_for_real_time
 
 #: Between the first byte and the read: taking what gathered meanwhile is cheaper than waking for each byte.
 _GATHER_S = 0.005

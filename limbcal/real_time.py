@@ -3,7 +3,7 @@
 import os
 
 #: Of the processes that must not be late; the reader's tty holds the least.
-READER, PIPELINE = 20, 10
+READER, PIPELINE, TOUCH = 20, 10, 15
 
 
 def ask_for_real_time(priority: int) -> bool:

@@ -6,11 +6,11 @@ import sys
 
 import pytest
 
-from daemon.real_time import READER, ask_for_real_time
+from limbcal.real_time import READER, ask_for_real_time
 
 ASK = (
     "import os, sys\n"
-    "from daemon.real_time import READER, ask_for_real_time\n"
+    "from limbcal.real_time import READER, ask_for_real_time\n"
     "os.setuid(int(sys.argv[1]))\n"
     "print(ask_for_real_time(READER), os.sched_getscheduler(0) & ~os.SCHED_RESET_ON_FORK == os.SCHED_FIFO)"
 )
