@@ -1,0 +1,118 @@
+"""The arm as meshes: closed, outward, and where the joints are."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import trimesh
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from arm.arm_file import load_arm
+from arm.kinematics import link_transforms, sensor_positions
+from arm.model import Arm, Joint, Sensor
+from playback.shape import Mesh, base_mesh, link_meshes, link_poses, reach_m, sensor_mesh
+
+ARMS = ("dd-arm", "dd-arm-vertical", "spatial-arm", "examples/human-arm.toml")
+
+
+@pytest.fixture(params=ARMS)
+def arm(request: pytest.FixtureRequest) -> Arm:
+    return load_arm(request.param)
+
+
+def meshes_of(arm: Arm) -> list[Mesh]:
+    return [base_mesh(arm), *link_meshes(arm), *(sensor_mesh(arm, sensor) for sensor in arm.sensors)]
+
+
+def check_solid(mesh: Mesh) -> None:
+    """Every shell of it is closed, and turned outward."""
+    assert np.isfinite(mesh.vertices).all() and mesh.faces.dtype.kind == "i"
+    surface = trimesh.Trimesh(mesh.vertices, mesh.faces, process=False)
+    assert surface.is_watertight and surface.is_winding_consistent
+    for shell in surface.split(only_watertight=False):
+        assert shell.volume > 0.0
+        assert shell.euler_number == 2
+
+
+def test_meshes_are_closed_and_outward(arm: Arm) -> None:
+    meshes = meshes_of(arm)
+    assert len(meshes) == 1 + arm.n_joint + len(arm.sensors)
+    for mesh in meshes:
+        check_solid(mesh)
+
+
+finite = st.floats(-1.0, 1.0).map(lambda x: round(x, 3))
+joints = st.builds(
+    Joint,
+    type=st.sampled_from(["revolute", "prismatic"]),
+    a_m=st.one_of(st.just(0.0), finite),
+    d_m=st.one_of(st.just(0.0), finite),
+    alpha_rad=finite,
+    beta_rad=finite,
+)
+
+
+@settings(deadline=None, max_examples=40)
+@given(st.lists(joints, min_size=1, max_size=7), st.tuples(finite, finite, finite))
+def test_any_chain_is_drawn_solid_and_no_larger_than_its_reach_allows(
+    chain: list[Joint], place: tuple[float, float, float]
+) -> None:
+    arm = Arm("any", tuple(chain), sensors=(Sensor("s1", len(chain), place),))
+    reach = reach_m(arm)
+    assert reach > 0.0
+    for mesh in meshes_of(arm):
+        check_solid(mesh)
+        assert np.abs(mesh.vertices).max() <= 2.0 * reach + np.linalg.norm(place) + 1e-9
+
+
+def test_every_link_reaches_from_its_axis_to_the_next(arm: Arm) -> None:
+    """The arm looks connected: both ends of a link are inside its mesh, and so is the axis of the next."""
+    q = np.random.default_rng(0).uniform(-1.0, 1.0, (1, arm.n_joint))
+    poses = link_poses(arm, q)[0]
+    for i, mesh in enumerate(link_meshes(arm)):
+        surface = trimesh.Trimesh(mesh.vertices, mesh.faces, process=False)
+        near_end, far_end = np.zeros(3), np.array([arm.joints[i].a_m, 0.0, 0.0])
+        points = [near_end, far_end]
+        if i + 1 < arm.n_joint:
+            points.append(np.linalg.solve(poses[i], poses[i + 1][:, 3])[:3])
+        for point in points:
+            assert min(shell_distance(shell, point) for shell in surface.split()) < 0.02 * reach_m(arm)
+    assert np.allclose(link_transforms(arm, q)[0, :, :3, :3], poses[:, :3, :3])
+
+
+def shell_distance(shell: trimesh.Trimesh, point: np.ndarray) -> float:
+    """Distance to a convex shell: 0 inside."""
+    normals, corners = shell.face_normals, shell.triangles[:, 0]
+    return float(max(0.0, np.max(np.sum(normals * (point - corners), axis=1))))
+
+
+def test_sensors_are_where_they_ride(arm: Arm) -> None:
+    q = np.full((1, arm.n_joint), 0.3)
+    poses, places = link_poses(arm, q)[0], sensor_positions(arm, q)[0]
+    for sensor, place in zip(arm.sensors, places, strict=True):
+        centre = sensor_mesh(arm, sensor).vertices.mean(axis=0)
+        T = poses[sensor.joint - 1]
+        assert T[:3, :3] @ centre + T[:3, 3] == pytest.approx(place, abs=1e-12)
+
+
+def test_size_goes_with_the_reach() -> None:
+    arm = load_arm("dd-arm")
+    assert reach_m(arm) == pytest.approx(0.55)
+    large = replace(arm, sensors=()).with_joints(a_m=np.array([2.5, 3.0]))
+    small = replace(arm, sensors=())
+    for ten_times, mesh in zip(link_meshes(large), link_meshes(small), strict=True):
+        assert ten_times.vertices == pytest.approx(10.0 * mesh.vertices)
+
+
+def test_a_last_link_of_no_length_reaches_to_what_rides_on_it() -> None:
+    arm = load_arm("examples/human-arm.toml")
+    wrist = np.array(arm.sensors[-1].position_m) + np.array(arm.tip.offset_m if arm.tip else 0.0)
+    hand = link_meshes(arm)[-1].vertices
+    assert np.min(np.linalg.norm(hand - wrist, axis=1)) < 0.05 * reach_m(arm)
+
+
+def test_a_wrist_is_only_a_hub() -> None:
+    arm = Arm("wrist", (Joint(a_m=0.3), Joint(alpha_rad=1.0), Joint(alpha_rad=-1.0, a_m=0.1)))
+    hub = link_meshes(arm)[1].vertices
+    assert np.linalg.norm(hub, axis=1).max() < 0.1 * reach_m(arm)
