@@ -1,0 +1,67 @@
+"""`limbplay view`: the arm in a browser, with its twin and the controls of what is played."""
+
+import argparse
+from importlib import import_module
+from pathlib import Path
+
+from limbcal.command import emit, say, to_json
+from limbcal.errors import ConfigError
+from playback.commands.serve import DEFAULT_CONTROL, DEFAULT_ENDPOINT, DEFAULT_LIVE
+from playback.commands.source_options import add_source_arguments
+
+DEFAULT_PORT = 8780
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Say what `limbplay view` takes."""
+    add_source_arguments(parser)
+    parser.add_argument(
+        "--live", nargs="?", const=DEFAULT_LIVE, metavar="E", help=f"show what a daemon publishes ({DEFAULT_LIVE})"
+    )
+    parser.add_argument("--trial", type=int, metavar="N", help="trial to load first, by default the lowest")
+    parser.add_argument("--rate-hz", type=float, default=100.0, metavar="R", help="messages a second (100)")
+    parser.add_argument("--play", action="store_true", help="start at once, without waiting for the button")
+    parser.add_argument(
+        "--connect",
+        metavar="E",
+        help=f"in place of SOURCE: a playback that runs already, by default the one on {DEFAULT_ENDPOINT}",
+    )
+    parser.add_argument("--control", metavar="E", help=f"where that one is controlled ({DEFAULT_CONTROL})")
+    parser.add_argument("--key", type=Path, metavar="FILE", help="client's key, where it asks for one")
+    parser.add_argument("--host", default="127.0.0.1", metavar="H", help="address of the page (127.0.0.1)")
+    parser.add_argument(
+        "--port", type=int, default=DEFAULT_PORT, metavar="P", help=f"port of the page ({DEFAULT_PORT}); 0: any"
+    )
+    parser.add_argument("--no-open", dest="open", action="store_false", help="open no browser")
+    parser.set_defaults(action=view)
+
+
+def view(arguments: argparse.Namespace) -> None:
+    """Show the page until stopped."""
+    stored = [name for name in ("source", "reference", "live") if getattr(arguments, name) is not None]
+    if stored and (arguments.connect is not None or arguments.control is not None):
+        raise ConfigError(f"--connect and {stored[0]} are both given: expected one, what runs or what is to be played")
+    if not stored and arguments.connect is None:
+        arguments.connect = DEFAULT_ENDPOINT
+        arguments.control = arguments.control or DEFAULT_CONTROL
+    if not 0 <= arguments.port < 1 << 16:
+        raise ConfigError(f"--port is {arguments.port}, expected 0 to 65535")
+    names = ("source", "reference", "live", "arm", "twin", "trial", "rate_hz", "play", "key")
+    arguments.playback = argparse.Namespace(
+        **{name: getattr(arguments, name) for name in names}, keys=None, once=False
+    )
+    try:
+        session = import_module("playback.view.session")
+    except ModuleNotFoundError as error:
+        if error.name != "viser":
+            raise
+        raise ConfigError(
+            "limbplay view needs the package viser, which is not installed; pip install 'limbcal[view]' adds it"
+        ) from error
+
+    def announce(facts: dict[str, object]) -> None:
+        if arguments.json:
+            emit(to_json(facts))
+        say(f"{facts['arm']}: page at {facts['url']}")
+
+    session.run(arguments, announce)

@@ -1,0 +1,47 @@
+"""The web server of the page, kept to itself: quiet, and never shared beyond this machine."""
+
+import contextlib
+import socket
+from collections.abc import Iterator
+
+import rich
+import viser
+
+from limbcal.errors import DeviceError
+
+
+class QuietServer(viser.ViserServer):
+    """viser's server without its button, and its request, for a public address of the page."""
+
+    def request_share_url(self, verbose: bool = True) -> str | None:
+        """Refuse: whoever sees the page can move the arm."""
+        return None
+
+
+@contextlib.contextmanager
+def web_server(host: str, port: int, title: str) -> Iterator[viser.ViserServer]:
+    """Serve a page until left.
+
+    Raises
+    ------
+    DeviceError
+        If the port is taken or the host is none of this machine's.
+    """
+    _require_free(host, port)
+    rich.reconfigure(quiet=True)  # viser tells of itself on stdout, which belongs to the answer
+    server = QuietServer(host, port, title, verbose=False)
+    try:
+        yield server
+    finally:
+        server.stop()
+
+
+def _require_free(host: str, port: int) -> None:
+    """Viser takes the next port where this one is taken, and waits for ever for a host that is not there."""
+    try:
+        found = socket.getaddrinfo(host, port, type=socket.SOCK_STREAM)
+        with socket.socket(found[0][0], socket.SOCK_STREAM) as probe:
+            probe.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+            probe.bind(found[0][4])
+    except OSError as error:
+        raise DeviceError(f"the page's address {host}:{port} cannot be had: {error.strerror}") from error

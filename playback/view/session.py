@@ -1,0 +1,68 @@
+"""One showing of the page: what it follows is started or found, and all of it is ended again."""
+
+import argparse
+import webbrowser
+from collections.abc import Callable
+from contextlib import ExitStack, closing
+
+import zmq
+
+from arm.arm_file import load_arm, parse_arm
+from arm.model import Arm
+from limbcal.errors import ConfigError, DeviceError
+from playback.view.feed import Feed
+from playback.view.page import Page
+from playback.view.playback_process import PlaybackProcess
+from playback.view.remote import Remote
+from playback.view.server import web_server
+from protocol.curve import load_client_key
+
+#: How long a playback that runs already may take to answer [s].
+PATIENCE_S = 5.0
+
+
+def run(arguments: argparse.Namespace, announce: Callable[[dict[str, object]], None]) -> None:
+    """Show the page until interrupted; where it is, is announced as soon as it can be opened.
+
+    Raises
+    ------
+    LimbcalError
+        If what is to be shown cannot be, or ends.
+    """
+    with ExitStack() as stack:
+        context = stack.enter_context(zmq.Context())
+        process, endpoint, control = None, arguments.connect, arguments.control
+        if endpoint is None:
+            process = stack.enter_context(PlaybackProcess(context, arguments.playback))
+            endpoint, control = process.endpoint, process.control
+        key = None if arguments.key is None or process is not None else load_client_key(arguments.key)
+        feed = stack.enter_context(closing(Feed(context, endpoint, key)))
+        remote = None
+        if control is not None:
+            remote = stack.enter_context(closing(Remote(context, control, key)))
+        arm, twin = _arms(arguments.arm, remote)
+        server = stack.enter_context(web_server(arguments.host, arguments.port, f"limbplay: {arm.name}"))
+        page = Page(server, feed, remote, arm, twin)
+        url = f"http://{arguments.host}:{server.get_port()}"
+        announce({"url": url, "endpoint": endpoint, "control": control, "arm": arm.name})
+        if arguments.open:
+            webbrowser.open(url)
+        page.run(lambda: process is not None and not process.alive())
+        raise DeviceError("the playback's process has ended")
+
+
+def _arms(given: str | None, remote: Remote | None) -> tuple[Arm, Arm | None]:
+    """Return the arm and the twin that are to be shown."""
+    if remote is None:
+        if given is None:
+            raise ConfigError("--arm is missing: a stream without control does not say which arm it moves")
+        return load_arm(given), None
+    if not remote.answered.wait(PATIENCE_S):
+        raise DeviceError(
+            f"control endpoint {remote.endpoint}: no answer within {PATIENCE_S:g} s, expected a `limbplay serve`"
+        )
+    if remote.arms is None:
+        raise ConfigError(f"control endpoint {remote.endpoint}: it does not say which arm it moves: {remote.refusal}")
+    arm, twin = remote.arms
+    shown = parse_arm(arm, f"the arm of {remote.endpoint}")
+    return shown, None if twin is None else parse_arm(twin, f"the twin of {remote.endpoint}")
