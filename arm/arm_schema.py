@@ -53,6 +53,7 @@ class _Joint(_Table):
     beta_rad: Number = 0.0
     theta_offset_rad: Number = 0.0
     length_std_m: Annotated[Number, Field(ge=0.0)] | None = None
+    limits: tuple[Number, Number] | None = None
     friction: _Friction = _Friction()
     link: _Link = _Link()
 
@@ -167,6 +168,10 @@ def contradictions(raw: Mapping[str, Any], where: str) -> list[str]:
         for k, name in enumerate(names)
         if isinstance(name, str) and names.index(name) < k
     ]
+    for k, joint in enumerate(_tables(raw.get("joint"))):
+        match joint.get("limits"):
+            case [int() | float() as least, int() | float() as most] if not least < most:
+                sentences.append(f"{where}: joint[{k}].limits is {[least, most]}, expected the least one first")
     tip, known = raw.get("tip"), [name for name in names if isinstance(name, str)]
     if isinstance(tip, dict) and isinstance(tip.get("sensor"), str) and tip["sensor"] not in known:
         sentences.append(

@@ -42,7 +42,8 @@ class Link:
 class Joint:
     """One joint with its link, placed by eq. (1). A prismatic joint's variable is added to ``d_m``.
 
-    ``length_std_m`` says how well ``a_m`` and ``d_m`` are known; without it they may be mere guesses.
+    ``length_std_m`` says how well ``a_m`` and ``d_m`` are known; without it they may be mere guesses. ``limits``
+    are the least and greatest position [rad or m] that the joint can take.
     """
 
     type: JointType = "revolute"
@@ -52,6 +53,7 @@ class Joint:
     beta_rad: float = 0.0
     theta_offset_rad: float = 0.0
     length_std_m: float | None = None
+    limits: tuple[float, float] | None = None
     friction: Friction = Friction()
     link: Link = Link()
 

@@ -1,7 +1,8 @@
 """Requests and replies of the control socket: msgpack maps with ``"v": 1``."""
 
+import math
 import reprlib
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
 from limbcal.errors import ProtocolError
@@ -9,28 +10,57 @@ from protocol.message import decode_payload, encode
 
 REQUEST_LIMIT = 64 * 1024  # bytes; a request is some tens
 
-#: Every command with the fields that it takes besides v and cmd.
-COMMANDS: Mapping[str, frozenset[str]] = {
-    "play": frozenset(),
-    "stop": frozenset(),
-    "state": frozenset(),
-    "list": frozenset(),
-    "load": frozenset({"trial"}),
+Value = int | float | bool
+#: A whole number that is sent as one in msgpack.
+_WORD = 2**63
+
+
+def _whole(value: object) -> bool:
+    return isinstance(value, int) and not isinstance(value, bool) and abs(value) < _WORD
+
+
+def _number(value: object) -> bool:
+    return isinstance(value, int | float) and not isinstance(value, bool) and math.isfinite(value)
+
+
+@dataclass(frozen=True)
+class Field:
+    """What a command takes: its name, what it may be, and that in words."""
+
+    name: str
+    fits: Callable[[object], bool]
+    words: str
+
+
+#: Every command with what it takes besides v and cmd.
+COMMANDS: Mapping[str, Field | None] = {
+    "play": None,
+    "pause": None,
+    "stop": None,
+    "seek": Field("position_s", _number, "a number of seconds"),
+    "speed": Field("speed", _number, "a number"),
+    "loop": Field("loop", lambda value: isinstance(value, bool), "true or false"),
+    "step": Field("frames", _whole, "a whole number"),
+    "load": Field("trial", _whole, "a whole number"),
+    "list": None,
+    "state": None,
+    "arm": None,
+    "motion": None,
 }
 
 
 @dataclass(frozen=True)
 class Request:
-    """What a client asks for; ``trial`` comes with `load` only."""
+    """What a client asks for, with the value of the command's field where it has one."""
 
     cmd: str
-    trial: int | None = None
+    value: Value | None = None
 
 
 def encode_request(request: Request) -> bytes:
     """Return a request as it travels."""
-    fields = {"cmd": request.cmd} | ({} if request.trial is None else {"trial": request.trial})
-    return _pack(fields)
+    field = COMMANDS[request.cmd]
+    return _pack({"cmd": request.cmd} | ({} if field is None else {field.name: request.value}))
 
 
 def decode_request(parts: Sequence[bytes]) -> Request:
@@ -49,16 +79,18 @@ def decode_request(parts: Sequence[bytes]) -> Request:
     cmd = fields.get("cmd")
     if not isinstance(cmd, str) or cmd not in COMMANDS:
         raise ProtocolError(f"request: cmd is {reprlib.repr(cmd)}, expected one of {', '.join(COMMANDS)}")
-    if unknown := fields.keys() - {"v", "cmd"} - COMMANDS[cmd]:
+    field = COMMANDS[cmd]
+    taken = set() if field is None else {field.name}
+    if unknown := fields.keys() - {"v", "cmd"} - taken:
         raise ProtocolError(f"request: {cmd} takes no field {reprlib.repr(min(unknown))}")
-    if missing := COMMANDS[cmd] - fields.keys():
-        raise ProtocolError(f"request: {cmd} needs the field {min(missing)!r}")
-    if cmd != "load":
+    if field is None:
         return Request(cmd)
-    trial = fields["trial"]
-    if not isinstance(trial, int) or isinstance(trial, bool):
-        raise ProtocolError(f"request: trial is {reprlib.repr(trial)}, expected a whole number")
-    return Request(cmd, trial)
+    if field.name not in fields:
+        raise ProtocolError(f"request: {cmd} needs the field {field.name!r}")
+    value = fields[field.name]
+    if not field.fits(value):
+        raise ProtocolError(f"request: {field.name} is {reprlib.repr(value)}, expected {field.words}")
+    return Request(cmd, value)
 
 
 def encode_reply(state: Mapping[str, object], **more: object) -> bytes:

@@ -49,16 +49,20 @@ class ControlSocket:
             self._socket.close(0)
             raise
 
-    def serve(self, timeout_ms: int) -> bool:
-        """Answer one request if one comes in time, and say whether it did."""
-        if not self._socket.poll(timeout_ms, zmq.POLLIN):
-            return False
+    @property
+    def socket(self) -> "zmq.Socket[bytes]":
+        """The socket, to be waited on."""
+        return self._socket
+
+    def serve(self) -> None:
+        """Answer one request if there is one."""
+        if not self._socket.poll(0, zmq.POLLIN):
+            return
         parts = self._socket.recv_multipart()
         # REQ puts an empty part between address and payload, DEALER need not; the reply goes the way back.
         n_envelope = 2 if len(parts) > 2 and not parts[1] else 1
         reply = self._answer(parts[n_envelope:])
         self._socket.send_multipart([*parts[:n_envelope], reply])
-        return True
 
     def close(self) -> None:
         """Let the last replies go and free the endpoint."""

@@ -1,5 +1,6 @@
 """A joint-motion file as something to play."""
 
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -11,10 +12,12 @@ from playback.trajectory import Floats, Trajectory
 from protocol.motion_trials import Signals, read_trials
 
 
-def file_source(path: Path, arm: Arm) -> Source:
+def file_source(path: Path, arm: Arm, say: Callable[[str], None]) -> Source:
     """Read a joint-motion file (CSV, Parquet or NPZ with t, q1…, and where known dq1…, ddq1…, trial).
 
-    A derivative that the file does not hold is taken by central differences, which shift nothing in time.
+    A derivative that the file does not hold is taken by central differences, which shift nothing in time. A
+    turning joint whose angle jumps by more than half a turn between two samples was written modulo a turn: it is
+    made to go on, so that what lies between is the short way.
 
     Raises
     ------
@@ -27,6 +30,12 @@ def file_source(path: Path, arm: Arm) -> Source:
     n_joint = next(iter(trials.values()))["q"].shape[1]
     if n_joint != arm.n_joint:
         raise ConfigError(f"{path}: it moves {n_joint} joint(s), but the arm {arm.name!r} has {arm.n_joint}")
+    turns = np.array([joint.type == "revolute" for joint in arm.joints])
+    for number, signals in trials.items():
+        unwrapped = np.where(turns, np.unwrap(signals["q"], axis=0), signals["q"])
+        if not np.array_equal(unwrapped, signals["q"]):
+            say(f"{path}: trial {number}: angles jump by a turn, so they are taken to go on")
+            signals["q"] = unwrapped
     motions = {number: _trajectory(signals) for number, signals in trials.items()}
     durations = {number: motion.duration_s for number, motion in motions.items()}
     return Source(path.name, arm, durations, motions.__getitem__)

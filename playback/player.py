@@ -1,38 +1,26 @@
-"""What is being played, and which frame is due when."""
+"""What is being played, frame by frame."""
 
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections import deque
 
 import numpy as np
 
+from arm.arm_file import format_arm
 from arm.kinematics import sensor_positions, tip_position
+from arm.model import Arm
+from playback.control_message import Request
+from playback.playable import Frame
+from playback.playhead import Clocks, Due, Playhead
 from playback.source import Source
-from playback.trajectory import Trajectory
+from playback.trajectory import Floats, Trajectory
 
-NOMINAL_SPEED = 1.0
-
-
-@dataclass(frozen=True)
-class Clocks:
-    """The time of deadlines [s] and the time of day that subscribers are told (UTC) [ns]."""
-
-    monotonic: Callable[[], float]
-    wall_ns: Callable[[], int]
-
-
-@dataclass(frozen=True)
-class _Run:
-    """One time through a trial: when it began, on both clocks."""
-
-    start_s: float
-    start_ns: int
+#: Frames that are computed in one go.
+_AHEAD = 32
+#: Rows of the overview of a motion at the most.
+_OVERVIEW = 2000
 
 
 class Player:
-    """Plays a source's trials from beginning to end, frame by frame.
-
-    Frame k of a trial is due k periods after `play`, never one period after the frame before it; so delays do
-    not add up, and after a hold-up every frame is still sent, with the time at which it was due.
+    """Plays a source's trials, and beside each its twin's where there is one.
 
     Parameters
     ----------
@@ -49,13 +37,33 @@ class Player:
         If there is no such trial.
     """
 
+    waits_on = None
+
     def __init__(self, source: Source, rate_hz: float, clocks: Clocks, trial: int | None = None) -> None:
         self.source = source
-        self.rate_hz = rate_hz
-        self.finished = 0  # how many times a trial was played to its end
-        self._clocks = clocks
-        self._run: _Run | None = None
+        self.head = Playhead(rate_hz, clocks)
+        self._ahead: deque[tuple[float, Frame]] = deque()
         self.load(trial)
+
+    @property
+    def name(self) -> str:
+        """What subscribers are told as the source of the motion."""
+        return self.source.name
+
+    @property
+    def arm(self) -> Arm:
+        """The arm that moves."""
+        return self.source.arm
+
+    @property
+    def playing(self) -> bool:
+        """Whether frames are due one after the other."""
+        return self.head.playing
+
+    @property
+    def finished(self) -> int:
+        """How many times a trial was played to its end."""
+        return self.head.finished
 
     def load(self, trial: int | None = None) -> None:
         """Take another trial, stopping what plays; nothing changes where that fails.
@@ -68,80 +76,146 @@ class Player:
             If its motion cannot be made.
         """
         motion = self.source.load(trial)
+        number = self.source.trials[0] if trial is None else trial
+        twin = None if self.source.twin is None else self.source.twin.load(number)
         self._motion: Trajectory = motion
-        self._trial = self.source.trials[0] if trial is None else trial
-        # a frame beyond the last node by rounding alone is the last node
-        self._n_frame = int(motion.duration_s * self.rate_hz + 1e-6) + 1
-        self.stop()
-        self._frame(0, 0)  # loads the compiled kernels, which would make the first frames late
+        self._twin: Trajectory | None = twin
+        self._trial = number
+        self._ahead.clear()
+        self.head.load(motion.duration_s)
+        self._frames(np.zeros(1))  # loads the compiled kernels, which would make the first frames late
 
     def play(self) -> None:
-        """Start from the beginning; what plays already goes on undisturbed."""
-        if self._run is None:
-            self._run = _Run(self._clocks.monotonic(), self._clocks.wall_ns())
-            self._next = 0
+        """Go on, at the end from the beginning; what plays already goes on undisturbed."""
+        self.head.play()
 
     def stop(self) -> None:
         """Stop and go back to the beginning."""
-        self._run = None
-        self._next = 0
-
-    @property
-    def playing(self) -> bool:
-        """Whether frames are due."""
-        return self._run is not None
+        self.head.rewind()
 
     def deadline_s(self) -> float | None:
-        """Return when the next frame is due on the monotonic clock, None while nothing plays."""
-        return None if self._run is None else self._run.start_s + self._next / self.rate_hz
+        """Return when the next frame is due on the monotonic clock, None while none is."""
+        return self.head.deadline_s()
 
-    def take_due(self) -> dict[str, object] | None:
+    def take_due(self) -> Frame | None:
         """Return the fields of the frame that is due, or None while none is.
 
         ``tip`` and ``points`` come from the arm's geometry at the joint angles. A playback has no
         accelerometers, so ``points`` is not dead reckoning here, as it is in `limb/frames`.
         """
-        deadline_s = self.deadline_s()
-        if self._run is None or deadline_s is None or self._clocks.monotonic() < deadline_s:
+        due = self.head.take_due()
+        if due is None:
             return None
-        k = self._next
-        t0_ns = self._run.start_ns + round(k * 1e9 / self.rate_hz)
-        self._next += 1
-        if self._next == self._n_frame:
-            self._run = None
-            self.finished += 1
-        return self._frame(k, t0_ns)
+        if not self._ahead or self._ahead[0][0] != due.position_s:
+            further = self.head.upcoming(_AHEAD) if self.head.playing else np.empty(0)
+            places = np.concatenate([[due.position_s], further])
+            self._ahead = deque(zip(places.tolist(), self._frames(places), strict=True))
+        return self._stamped(self._ahead.popleft()[1], due)
 
     def state(self) -> dict[str, object]:
         """Return the whole state, in plain values."""
-        last = max(self._next - 1, 0)
+        head = self.head
         return {
-            "playing": self.playing,
+            "playing": head.playing,
             "trial": self._trial,
-            "position_s": min(last / self.rate_hz, self._motion.duration_s),
-            "duration_s": self._motion.duration_s,
-            "rate_hz": self.rate_hz,
-            "speed": NOMINAL_SPEED,
+            "position_s": head.position_s,
+            "duration_s": head.duration_s,
+            "rate_hz": head.rate_hz,
+            "speed": head.speed,
+            "loop": head.loop,
             "source": self.source.name,
+            "arm": self.source.arm.name,
+            "twin": self.source.twin is not None,
+            "live": False,
+            "q": self._motion.at(np.array([head.position_s]))[0][0].tolist(),
             "trials": list(self.source.trials),
-            "finished": self.finished,
+            "finished": head.finished,
         }
 
-    def _frame(self, k: int, t0_ns: int) -> dict[str, object]:
-        t = k / self.rate_hz
-        q, dq, ddq = self._motion.at(np.array([t]))
+    def carry_out(self, request: Request) -> dict[str, object]:
+        """Do what a request says; return what its reply has beside the state.
+
+        Raises
+        ------
+        LimbcalError
+            If that cannot be done; nothing has changed then.
+        """
+        value = request.value
+        match request.cmd:
+            case "play":
+                self.play()
+            case "pause":
+                self.head.pause()
+            case "stop":
+                self.stop()
+            case "seek" if value is not None:
+                self.head.seek(float(value))
+            case "speed" if value is not None:
+                self.head.set_speed(float(value))
+            case "loop":
+                self.head.loop = bool(value)
+            case "step" if value is not None:
+                self.head.step(int(value))
+            case "load" if value is not None:
+                self.load(int(value))
+            case "list":
+                durations = sorted(self.source.durations_s.items())
+                return {"trials": [{"trial": trial, "duration_s": length} for trial, length in durations]}
+            case "arm":
+                twin = self.source.twin
+                return {"arm": format_arm(self.arm), "twin": None if twin is None else format_arm(twin.arm)}
+            case "motion":
+                return {"motion": self._overview()}
+        return {}
+
+    def _overview(self) -> dict[str, object]:
+        """Return the whole trial in few rows, for a time line."""
+        n_frame = int(self._motion.duration_s * self.head.rate_hz) + 1
+        t = np.linspace(0.0, self._motion.duration_s, min(max(n_frame, 2), _OVERVIEW))
+        q = self._motion.at(t)[0]
+        overview: dict[str, object] = {"t": t, "q": q, "tip": tip_position(self.arm, q)}
+        if self._twin is None or self.source.twin is None:
+            return {**overview, "twin_q": None, "twin_tip": None}
+        q = self._twin.at(t)[0]
+        return {**overview, "twin_q": q, "twin_tip": tip_position(self.source.twin.arm, q)}
+
+    def _frames(self, places: Floats) -> list[Frame]:
+        """Return the frames at places of the motion, (k,) [s], all but their numbers and stamps."""
+        rows = _moved(self.arm, self._motion, places)
+        twin = self.source.twin
+        beside = None if self._twin is None or twin is None else _moved(twin.arm, self._twin, places)
+        frames: list[Frame] = []
+        for k, place in enumerate(places.tolist()):
+            before = max(place - self.head.speed / self.head.rate_hz, 0.0)
+            frame: Frame = {name: values[k : k + 1] for name, values in rows.items()}
+            frame["gap"] = self._motion.gap_between(before, place)
+            if beside is not None and twin is not None:
+                frame["twin"] = {
+                    "name": twin.name,
+                    **{name: values[k : k + 1] for name, values in beside.items()},
+                }
+            frames.append(frame)
+        return frames
+
+    def _stamped(self, frame: Frame, due: Due) -> Frame:
         return {
-            "frame0": k,
-            "t0_ns": t0_ns,
-            "dt_s": 1.0 / self.rate_hz,
+            "frame0": due.number,
+            "t0_ns": due.t0_ns,
+            "dt_s": 1.0 / self.head.rate_hz,
             "n": 1,
             "method": self._motion.method,
-            "q": q,
-            "dq": dq,
-            "ddq": ddq,
-            "tip": tip_position(self.source.arm, q),
-            "points": sensor_positions(self.source.arm, q),
-            "gap": self._motion.gap_between(max(t - 1.0 / self.rate_hz, 0.0), t),
+            **frame,
             "source": self.source.name,
-            "speed": NOMINAL_SPEED,
+            "speed": self.head.speed,
+            "trial": self._trial,
+            "position_s": due.position_s,
         }
+
+
+def _moved(arm: Arm, motion: Trajectory, places: Floats) -> dict[str, Floats]:
+    q, dq, ddq = motion.at(places)
+    for j, joint in enumerate(arm.joints):
+        if joint.limits is not None:  # between its nodes a cubic may go a little beyond
+            q[:, j] = np.clip(q[:, j], *joint.limits)
+    return {"q": q, "dq": dq, "ddq": ddq, "tip": tip_position(arm, q), "points": sensor_positions(arm, q)}
+

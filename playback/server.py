@@ -8,10 +8,11 @@ import zmq
 
 from limbcal.errors import LimbcalError
 from limbcal.notify import notify
-from playback.control_message import Request, decode_request, encode_refusal, encode_reply
+from playback.control_message import decode_request, encode_refusal, encode_reply
 from playback.control_socket import ControlSocket
 from playback.lateness import Lateness
-from playback.player import Clocks, Player
+from playback.playable import Playable
+from playback.playhead import Clocks
 from protocol.curve import Gate
 from protocol.message import HEALTH, PLAY
 from protocol.publisher import Publisher
@@ -25,7 +26,7 @@ class Server:
     Parameters
     ----------
     context : zmq.Context
-    player : Player
+    player : Playable
     clocks : Clocks
     sleep : callable
         Waits so many seconds; needed for what is left of a wait below one millisecond.
@@ -45,7 +46,7 @@ class Server:
     def __init__(
         self,
         context: "zmq.Context[zmq.Socket[bytes]]",
-        player: Player,
+        player: Playable,
         clocks: Clocks,
         sleep: Callable[[float], None],
         endpoint: str,
@@ -56,12 +57,16 @@ class Server:
         self._clocks = clocks
         self._sleep = sleep
         self._run = str(uuid.uuid4())
-        self._publisher = Publisher(context, endpoint, player.source.arm.name, self._run, gate)
+        self._publisher = Publisher(context, endpoint, player.arm.name, self._run, gate, hears_joins=True)
         try:
             self._control = ControlSocket(context, control, self.answer, gate)
         except BaseException:
             self._publisher.close()
             raise
+        self._poller = zmq.Poller()
+        for socket in (self._control.socket, self._publisher.socket, player.waits_on):
+            if socket is not None:
+                self._poller.register(socket, zmq.POLLIN)
         self._lateness = Lateness()
         self._start_s = clocks.monotonic()
         self._heartbeats = 0
@@ -87,12 +92,16 @@ class Server:
         """Send what is due: at most one frame and one heartbeat."""
         deadline_s = self.player.deadline_s()
         frame = self.player.take_due()
-        if deadline_s is not None and frame is not None:
+        if frame is not None:
             self._publisher.publish(PLAY, frame)
+        if frame is not None and deadline_s is not None:
             self._lateness.add(self._clocks.monotonic() - deadline_s)
         uptime_s = self._clocks.monotonic() - self._start_s
-        if uptime_s >= self._heartbeats * HEARTBEAT_S:
+        joined = self._publisher.joined()  # whoever comes late is told the state at once
+        beats = uptime_s >= self._heartbeats * HEARTBEAT_S
+        if joined or beats:
             self._publisher.publish(HEALTH, self._health(uptime_s))
+        if beats:
             notify(WATCHDOG=1)
             self._heartbeats = int(uptime_s / HEARTBEAT_S) + 1  # after a hold-up one is enough
 
@@ -109,23 +118,10 @@ class Server:
         """Carry out a request and return the reply; a bad one is refused in one sentence."""
         try:
             request = decode_request(parts)
-            more = self._carry_out(request)
+            more = self.player.carry_out(request)
         except LimbcalError as error:
             return encode_refusal(str(error))
         return encode_reply(self.state(), **more)
-
-    def _carry_out(self, request: Request) -> dict[str, object]:
-        player = self.player
-        if request.cmd == "play":
-            player.play()
-        elif request.cmd == "stop":
-            player.stop()
-        elif request.cmd == "load":
-            player.load(request.trial)
-        elif request.cmd == "list":
-            durations = sorted(player.source.durations_s.items())
-            return {"trials": [{"trial": trial, "duration_s": length} for trial, length in durations]}
-        return {}
 
     def _health(self, uptime_s: float) -> dict[str, object]:
         return {
@@ -133,15 +129,19 @@ class Server:
             "last_seq": dict(self._publisher.last_seq),
             "playing": self.player.playing,
             "lateness_ms": self._lateness.summary_ms(),
+            "state": self.player.state(),
         }
 
     def _wait(self) -> None:
-        """Answer a request if one comes before the next deadline, else wait for that deadline."""
+        """Wait for the next deadline, or until a request, a subscriber or a live frame comes."""
         until_s = self._start_s + self._heartbeats * HEARTBEAT_S
         if (frame_s := self.player.deadline_s()) is not None:
             until_s = min(until_s, frame_s)
         whole_ms = int(max(0.0, until_s - self._clocks.monotonic()) * 1e3)
-        if not self._control.serve(whole_ms):  # ZeroMQ waits whole milliseconds only
+        came = dict(self._poller.poll(whole_ms))  # ZeroMQ waits whole milliseconds only
+        if self._control.socket in came:
+            self._control.serve()
+        if not came:
             self._sleep(max(0.0, until_s - self._clocks.monotonic()))
 
     def close(self) -> None:

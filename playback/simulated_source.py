@@ -41,11 +41,11 @@ def simulated_source(path: Path, arm: Arm) -> Source:
     n_joint = next(iter(trials.values()))["ref"].shape[1]
     if n_joint != arm.n_joint:
         raise ConfigError(f"{path}: it leads {n_joint} joint(s), but the arm {arm.name!r} has {arm.n_joint}")
-    steps = {number: _even_step(trial["t"], f"{path}: trial {number}") for number, trial in trials.items()}
+    steps = {number: even_step(trial["t"], f"{path}: trial {number}") for number, trial in trials.items()}
 
     def trajectory(number: int) -> Trajectory:
         try:
-            return _simulated(arm, trials[number], steps[number])
+            return simulated(arm, trials[number], steps[number])
         except DataError as error:  # an arm that no masses can have may run away to infinity
             raise DataError(f"{path}: trial {number}: in the simulation {error}") from error
 
@@ -53,16 +53,31 @@ def simulated_source(path: Path, arm: Arm) -> Source:
     return Source(f"simulation of {arm.name} following {path.name}", arm, durations, trajectory)
 
 
-def _simulated(arm: Arm, signals: Signals, dt_s: float) -> Trajectory:
-    q0 = signals["q" if "q" in signals else "ref"][0]
+def simulated(arm: Arm, signals: Signals, dt_s: float) -> Trajectory:
+    """Return the motion of an arm that follows ``ref``, or that ``tau`` drives where there is no ``ref``.
+
+    Raises
+    ------
+    DataError
+        If it runs away to infinity.
+    """
+    torque = None if "ref" in signals else signals["tau"]
+    targets = signals["ref"] if torque is None else torque
+    q0 = signals["q"][0] if "q" in signals else targets[0]
     dq0 = signals["dq"][0] if "dq" in signals else None
-    motion = simulate(arm, signals["ref"], dt_s, q0, dq0)
+    motion = simulate(arm, targets, dt_s, q0, dq0, torque=torque)
     t = np.linspace(0.0, signals["t"][-1], len(signals["t"]))  # what was simulated, not what was printed
     return Trajectory(t, motion.q, motion.dq, motion.ddq, method="simulate")
 
 
-def _even_step(t: Floats, where: str) -> float:
-    """Return the step of time that may be printed with few digits, but leaves no sample out."""
+def even_step(t: Floats, where: str) -> float:
+    """Return the step of time that may be printed with few digits, but leaves no sample out.
+
+    Raises
+    ------
+    DataError
+        If it is not even.
+    """
     dt = float(t[-1]) / (len(t) - 1)
     off = np.abs(t - dt * np.arange(len(t)))
     off[1:] = np.maximum(off[1:], np.abs(np.diff(t) - dt))

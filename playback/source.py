@@ -22,12 +22,15 @@ class Source:
         Length of every trial [s].
     trajectory : callable
         Gives the motion of a trial; a simulation does its work here.
+    twin : Source, optional
+        The virtual arm beside this one, with the same trials on the same clock.
     """
 
     name: str
     arm: Arm
     durations_s: Mapping[int, float]
     trajectory: Callable[[int], Trajectory]
+    twin: "Source | None" = None
 
     @property
     def trials(self) -> tuple[int, ...]:

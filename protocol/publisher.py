@@ -31,6 +31,8 @@ class Publisher:
         UUID of this process.
     gate : Gate, optional
         Lets in only whom it knows; needed where other machines can reach the endpoint.
+    hears_joins : bool
+        Whether `joined` is to tell of new subscribers.
 
     Attributes
     ----------
@@ -52,11 +54,14 @@ class Publisher:
         arm_name: str,
         run: str,
         gate: Gate | None = None,
+        hears_joins: bool = False,
     ) -> None:
         self.last_seq: dict[str, int] = {}
         self._arm = arm_name
         self._run = run
-        self._socket = context.socket(zmq.PUB)
+        self._socket = context.socket(zmq.XPUB if hears_joins else zmq.PUB)
+        if hears_joins:
+            self._socket.set(zmq.XPUB_VERBOSE, 1)  # tells of the second subscriber to a topic too
         self._socket.set(zmq.SNDHWM, SEND_QUEUE)
         self._socket.set(zmq.MAXMSGSIZE, SUBSCRIPTION_LIMIT)
         self._socket.set(zmq.LINGER, LINGER_MS)
@@ -89,6 +94,18 @@ class Publisher:
         self._socket.send_multipart(parts)
         self.last_seq[topic] = seq
         return parts
+
+    @property
+    def socket(self) -> "zmq.Socket[bytes]":
+        """The socket, to be waited on where joins are heard."""
+        return self._socket
+
+    def joined(self) -> bool:
+        """Say whether anybody subscribed to something since the last time."""
+        joined = False
+        while self._socket.poll(0, zmq.POLLIN):
+            joined = self._socket.recv()[:1] == b"\x01" or joined
+        return joined
 
     def close(self) -> None:
         """Close the socket; harmless when repeated."""

@@ -38,14 +38,18 @@ _BLOCK: Schema = {
     "n": one("integer", "number of rows"),
 }
 
-_MOTION: Schema = {
-    "frame0": one("integer", "number of the first frame, counted from the start of the run"),
-    **_BLOCK,
-    "method": one("string", "how the motion was found, such as integrate or filter"),
+_MOVED: Schema = {
     "q": array("joint positions", "(n, joints)", "rad or m"),
     "dq": array("joint velocities", "(n, joints)", "rad/s or m/s"),
     "ddq": array("joint accelerations", "(n, joints)", "rad/s^2 or m/s^2"),
     "tip": array("tip position in the base frame", "(n, 3)", "m"),
+}
+
+_MOTION: Schema = {
+    "frame0": one("integer", "number of the first frame, counted from the start of the run"),
+    **_BLOCK,
+    "method": one("string", "how the motion was found, such as integrate or filter"),
+    **_MOVED,
     "points": array(
         "how far each sensor has moved in the base frame since tracking began: dead reckoning from the "
         "accelerations, never computed from the arm's lengths",
@@ -169,6 +173,12 @@ SCHEMAS: Mapping[str, Schema] = {
             "points": array("sensor positions in the base frame, by the arm's geometry", "(n, sensors, 3)", "m"),
             "source": one("string", "what is played"),
             "speed": one("number", "1 is the speed of the source"),
+            "trial": one("integer", "number of the trial; 0 where what plays is live"),
+            "position_s": one("number", "place of the first frame in the trial", "s"),
+            "twin": {
+                **one("object", "the virtual arm beside it: name, q, dq, ddq, tip, points; absent where there is none"),
+                "properties": {"name": one("string", "what it is"), **_MOVED},
+            },
         },
     ),
     RAW: _topic(

@@ -74,6 +74,11 @@ class Subscriber:
             self._socket.close()
             raise ConfigError(f"endpoint is {endpoint!r}, expected such as tcp://127.0.0.1:5770") from error
 
+    @property
+    def socket(self) -> "zmq.Socket[bytes]":
+        """The socket, to be waited on together with others."""
+        return self._socket
+
     def receive(self, timeout_ms: int) -> tuple[str, dict[str, Any]] | None:
         """Return topic and fields of the next message, or None if none came in time.
 

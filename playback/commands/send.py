@@ -9,15 +9,21 @@ from limbcal.command import emit, to_json
 from limbcal.errors import ConfigError
 from playback.client import ask
 from playback.commands.serve import DEFAULT_CONTROL
-from playback.control_message import COMMANDS, Request
+from playback.control_message import COMMANDS, Request, Value
 
 TIMEOUT_MS = 5000
+#: The option that goes with a command.
+_OPTIONS = {"load": "trial", "seek": "position", "speed": "speed", "loop": "loop", "step": "frames"}
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Say what `limbplay send` takes."""
     parser.add_argument("cmd", choices=tuple(COMMANDS), metavar="CMD", help=", ".join(COMMANDS))
-    parser.add_argument("--trial", type=int, metavar="N", help="the trial to load")
+    parser.add_argument("--trial", type=int, metavar="N", help="load: the trial")
+    parser.add_argument("--position", type=float, metavar="S", help="seek: the place, in seconds")
+    parser.add_argument("--speed", type=float, metavar="X", help="speed: 0.1 to 10")
+    parser.add_argument("--loop", choices=("on", "off"), help="loop: whether the end is followed by the beginning")
+    parser.add_argument("--frames", type=int, metavar="N", help="step: so many frames on, or back if below 0 (1)")
     parser.add_argument(
         "--control", default=DEFAULT_CONTROL, metavar="E", help=f"where playback listens ({DEFAULT_CONTROL})"
     )
@@ -26,16 +32,36 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def send(arguments: argparse.Namespace) -> None:
     """Print the reply; one that says no is an error."""
-    if (arguments.trial is not None) != (arguments.cmd == "load"):
-        raise ConfigError(f"{arguments.cmd}: --trial goes with load, and only with it")
+    request = Request(arguments.cmd, _value(arguments))
     with zmq.Context() as context:
-        reply = ask(context, arguments.control, Request(arguments.cmd, arguments.trial), TIMEOUT_MS)
+        reply = ask(context, arguments.control, request, TIMEOUT_MS)
     if arguments.json:
         emit(to_json(reply))
     if not reply["ok"]:
         raise ConfigError(f"playback refused {arguments.cmd}: {reply.get('error')}")
     if not arguments.json:
         emit(_words(reply))
+
+
+def _value(arguments: argparse.Namespace) -> Value | None:
+    """Return what goes with the request."""
+    given = {option: getattr(arguments, option) for option in _OPTIONS.values()}
+    mine = _OPTIONS.get(arguments.cmd)
+    for option, value in given.items():
+        if value is not None and option != mine:
+            owner = next(cmd for cmd, of_it in _OPTIONS.items() if of_it == option)
+            raise ConfigError(f"{arguments.cmd}: --{option} goes with {owner}, and only with it")
+    if mine is None:
+        return None
+    value = given[mine]
+    if mine == "loop":
+        return bool(value != "off")
+    if value is None and mine == "frames":
+        return 1
+    if value is None:
+        raise ConfigError(f"{arguments.cmd}: --{mine} goes with {arguments.cmd}, and is missing")
+    number: Value = value
+    return number
 
 
 def _words(reply: Mapping[str, object]) -> str:

@@ -9,44 +9,35 @@ from pathlib import Path
 import zmq
 
 from arm.arm_file import load_arm
-from limbcal.command import Document, console
+from limbcal.command import Document, say
 from limbcal.errors import ConfigError
 from limbcal.notify import notify
-from playback.file_source import file_source
-from playback.player import Clocks, Player
-from playback.recording_source import recording_source
+from playback.commands.source_options import DEFAULT_ARM, add_source_arguments, open_source
+from playback.live import LivePlayer
+from playback.player import Player
+from playback.playhead import Clocks
 from playback.server import Server
-from playback.simulated_source import simulated_source
-from playback.source import Source
-from protocol.curve import gate_of
-from protocol.motion_file import SUFFIXES
+from protocol.curve import gate_of, load_client_key
+from protocol.message import FRAMES
+from protocol.subscriber import Subscriber
 
 DEFAULT_ENDPOINT = "tcp://127.0.0.1:5772"
 DEFAULT_CONTROL = "tcp://127.0.0.1:5773"
-DEFAULT_ARM = "dd-arm"
+DEFAULT_LIVE = "tcp://127.0.0.1:5770"
 MAX_RATE_HZ = 1000.0
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Say what `limbplay serve` takes."""
+    add_source_arguments(parser)
     parser.add_argument(
-        "source",
+        "--live",
         nargs="?",
-        type=Path,
-        metavar="SOURCE",
-        help="a recording of limbd (.mcap) or joint motion (.csv, .npz, .parquet) to play",
+        const=DEFAULT_LIVE,
+        metavar="E",
+        help=f"in place of SOURCE: pass on what a daemon publishes there ({DEFAULT_LIVE})",
     )
-    parser.add_argument(
-        "--arm",
-        metavar="ARM",
-        help="arm file or built-in arm; by default the recording's own, and dd-arm for joint motion",
-    )
-    parser.add_argument(
-        "--reference",
-        type=Path,
-        metavar="FILE",
-        help="in place of SOURCE: columns t, ref1… that the arm follows in a simulation under its law",
-    )
+    parser.add_argument("--key", type=Path, metavar="FILE", help="client's key, where the daemon asks for one")
     parser.add_argument("--trial", type=int, metavar="N", help="trial to load first, by default the lowest")
     parser.add_argument("--rate-hz", type=float, default=100.0, metavar="R", help="messages a second (100)")
     parser.add_argument(
@@ -68,44 +59,41 @@ def serve(arguments: argparse.Namespace) -> Document:
     rate_hz = arguments.rate_hz
     if not (math.isfinite(rate_hz) and 0.0 < rate_hz <= MAX_RATE_HZ):
         raise ConfigError(f"--rate-hz is {rate_hz:g}, expected above 0 and at most {MAX_RATE_HZ:g}")
-    source = _open_source(arguments.source, arguments.reference, arguments.arm)
     clocks = Clocks(time.monotonic, time.time_ns)
-    player = Player(source, rate_hz, clocks, arguments.trial)
     with ExitStack() as stack:
         context = stack.enter_context(zmq.Context())
+        player = _player(arguments, rate_hz, clocks, context, stack)
         gate = stack.enter_context(gate_of(context, arguments.keys))
         server = stack.enter_context(
             Server(context, player, clocks, time.sleep, arguments.endpoint, arguments.control, gate)
         )
-        _say(f"{source.name}: {len(source.trials)} trial(s) on {server.endpoint}, control on {server.control}")
+        trials = f": {len(player.source.trials)} trial(s)" if isinstance(player, Player) else ""
+        say(f"{player.name}{trials} on {server.endpoint}, control on {server.control}")
         if arguments.play:
             player.play()
-        notify(READY=1, STATUS=f"serving {source.name} on {server.endpoint}")
+        notify(READY=1, STATUS=f"serving {player.name} on {server.endpoint}")
         try:
             server.serve(once=arguments.once)
         except KeyboardInterrupt:  # a stop that was asked for still has an answer
-            _say("stopped")
+            say("stopped")
         return server.state()
 
 
-def _open_source(path: Path | None, reference: Path | None, arm: str | None) -> Source:
-    if (path is None) == (reference is None):
-        found = "neither is given" if path is None else "both are given"
-        raise ConfigError(f"limbplay serve takes either SOURCE or --reference, but {found}")
-    if reference is not None:
-        if arm is None:
-            raise ConfigError("--arm is missing: --reference needs the arm that is to be simulated")
-        return simulated_source(reference, load_arm(arm))
-    assert path is not None  # the first check leaves nothing else
-    if path.suffix.lower() == ".mcap":
-        return recording_source(path, None if arm is None else load_arm(arm), _say)
-    if path.suffix.lower() not in SUFFIXES:
-        expected = ", ".join((".mcap", *SUFFIXES))
-        raise ConfigError(f"{path}: the suffix is {path.suffix!r}, expected one of {expected}")
-    if arm is None:
-        _say(f"no --arm given: tip and points are those of {DEFAULT_ARM}")
-    return file_source(path, load_arm(arm or DEFAULT_ARM))
-
-
-def _say(sentence: str) -> None:
-    console.print(sentence, markup=False, soft_wrap=True)
+def _player(
+    arguments: argparse.Namespace,
+    rate_hz: float,
+    clocks: Clocks,
+    context: "zmq.Context[zmq.Socket[bytes]]",
+    stack: ExitStack,
+) -> Player | LivePlayer:
+    if arguments.live is None:
+        return Player(open_source(arguments), rate_hz, clocks, arguments.trial)
+    for name in ("source", "reference", "twin", "trial"):
+        if getattr(arguments, name) is not None:
+            raise ConfigError(f"--live and {name} are both given: a live stream is played as it comes")
+    if arguments.arm is None:
+        say(f"no --arm given: what moves is taken for {DEFAULT_ARM}")
+    arm = load_arm(arguments.arm or DEFAULT_ARM)
+    key = None if arguments.key is None else load_client_key(arguments.key)
+    subscriber = stack.enter_context(Subscriber(context, arguments.live, [FRAMES], key))
+    return LivePlayer(subscriber, arguments.live, arm)

@@ -16,7 +16,7 @@ from arm.arm_file import load_arm
 from arm.model import Arm
 from playback.client import ask
 from playback.control_message import Request
-from playback.player import Clocks
+from playback.playhead import Clocks
 from playback.source import Source
 from playback.trajectory import Trajectory
 
@@ -78,8 +78,8 @@ class Running:
     control: str
     context: zmq.Context[zmq.Socket[bytes]]
 
-    def ask(self, cmd: str, trial: int | None = None) -> dict[str, Any]:
-        return ask(self.context, self.control, Request(cmd, trial), 30_000)
+    def ask(self, cmd: str, value: float | None = None) -> dict[str, Any]:
+        return ask(self.context, self.control, Request(cmd, value), 30_000)
 
 
 @pytest.fixture(scope="session")

@@ -25,7 +25,14 @@ plain = st.recursive(
 requests = st.dictionaries(st.sampled_from(["v", "cmd", "trial", "x"]) | st.text(max_size=3), plain)
 
 
-@pytest.mark.parametrize("request_", [*map(Request, sorted(COMMANDS.keys() - {"load"})), Request("load", 17)])
+@pytest.mark.parametrize(
+    "request_",
+    [
+        *(Request(cmd) for cmd, field in COMMANDS.items() if field is None),
+        *(Request("load", 17), Request("seek", 1.5), Request("speed", 2), Request("loop", True)),
+        *(Request("step", -3), Request("seek", 0)),
+    ],
+)
 def test_requests_come_back(request_: Request) -> None:
     assert decode_request([encode_request(request_)]) == request_
 
@@ -42,7 +49,7 @@ def test_replies_come_back() -> None:
         ({"v": 2, "cmd": "play"}, "version is 2, expected 1"),
         ({"cmd": "play"}, "version is None, expected 1"),
         ({"v": True, "cmd": "play"}, "version is True"),
-        ({"v": 1}, "cmd is None, expected one of play, stop, state, list, load"),
+        ({"v": 1}, "cmd is None, expected one of play, pause, stop, seek, speed, loop, step"),
         ({"v": 1, "cmd": "dance"}, "cmd is 'dance', expected one of play"),
         ({"v": 1, "cmd": ["play"]}, r"cmd is \['play'\]"),
         ({"v": 1, "cmd": "x" * 1000}, "cmd is 'xxx"),
@@ -51,6 +58,13 @@ def test_replies_come_back() -> None:
         ({"v": 1, "cmd": "load", "trial": True}, "trial is True, expected a whole number"),
         ({"v": 1, "cmd": "load", "trial": "1"}, "trial is '1'"),
         ({"v": 1, "cmd": "load", "trial": None}, "trial is None"),
+        ({"v": 1, "cmd": "load", "trial": 2**63}, "trial is 9223372036854775808"),
+        ({"v": 1, "cmd": "seek"}, "seek needs the field 'position_s'"),
+        ({"v": 1, "cmd": "seek", "position_s": float("nan")}, "position_s is nan, expected a number of seconds"),
+        ({"v": 1, "cmd": "seek", "trial": 1}, "seek takes no field 'trial'"),
+        ({"v": 1, "cmd": "speed", "speed": "2"}, "speed is '2', expected a number"),
+        ({"v": 1, "cmd": "loop", "loop": 1}, "loop is 1, expected true or false"),
+        ({"v": 1, "cmd": "step", "frames": 1.0}, "frames is 1.0, expected a whole number"),
         ([1, "play"], "is a list, expected a map"),
         (7, "is a int, expected a map"),
     ],

@@ -12,7 +12,7 @@ from playback.source import Source
 
 
 def test_a_file_plays_what_it_holds(motion_file: Path, source: Source, arm: Arm) -> None:
-    found = file_source(motion_file, arm)
+    found = file_source(motion_file, arm, print)
     assert found.trials == source.trials
     assert found.name == "waves.npz"
     for trial in source.trials:
@@ -26,7 +26,7 @@ def test_missing_derivatives_are_taken_without_a_shift_in_time(tmp_path: Path, a
     t = np.linspace(0.0, 1.0, 201)
     path = tmp_path / "parabola.npz"
     np.savez(path, t=t + 3.0, q1=t**2, q2=-(t**2))
-    motion = file_source(path, arm).load()
+    motion = file_source(path, arm, print).load()
     np.testing.assert_allclose(motion.dq, np.column_stack([2 * t, -2 * t]), atol=1e-12)
     np.testing.assert_allclose(motion.ddq, np.tile([2.0, -2.0], (201, 1)), atol=1e-9)
 
@@ -34,16 +34,16 @@ def test_missing_derivatives_are_taken_without_a_shift_in_time(tmp_path: Path, a
 def test_two_rows_are_a_motion(tmp_path: Path, arm: Arm) -> None:
     path = tmp_path / "two.csv"
     path.write_text("t,q1,q2\n0,0,0\n0.5,1,2\n", encoding="utf-8")
-    np.testing.assert_array_equal(file_source(path, arm).load().dq, [[2.0, 4.0], [2.0, 4.0]])
+    np.testing.assert_array_equal(file_source(path, arm, print).load().dq, [[2.0, 4.0], [2.0, 4.0]])
 
 
 def test_what_does_not_fit_is_refused(tmp_path: Path, arm: Arm, motion_file: Path) -> None:
     path = tmp_path / "one.csv"
     path.write_text("t,q1\n0,0\n0.5,1\n", encoding="utf-8")
     with pytest.raises(ConfigError, match="it moves 1 joint.*'dd-arm' has 2"):
-        file_source(path, arm)
+        file_source(path, arm, print)
     path.write_text("t,q1\n0,0\n0,1\n", encoding="utf-8")
     with pytest.raises(DataError, match="expected rising time"):
-        file_source(path, arm)
+        file_source(path, arm, print)
     with pytest.raises(ConfigError, match="waves.npz: there is no trial 4, expected one of 1, 2, 3"):
-        file_source(motion_file, arm).load(4)
+        file_source(motion_file, arm, print).load(4)

@@ -65,9 +65,14 @@ def test_send_asks_a_running_playback(start, motion_file: Path, capsys: pytest.C
 @pytest.mark.parametrize(
     ("arguments", "said"),
     [
-        (["serve"], "either SOURCE or --reference, but neither is given"),
-        (["serve", "a.csv", "--reference", "b.csv"], "but both are given"),
+        (["serve"], "a motion is missing: expected SOURCE or --reference"),
+        (["serve", "a.csv", "--reference", "b.csv"], "SOURCE and --reference are both given"),
         (["serve", "--reference", "b.csv"], "--arm is missing"),
+        (["serve", "--reference", "b.csv", "--twin", "dd-arm"], "--twin is given without SOURCE"),
+        (["serve", "a.csv", "--live"], "--live and source are both given"),
+        (["serve", "{motion}", "--twin", "dd-arm"], "no column ref1 among its columns"),
+        (["send", "seek"], "seek: --position goes with seek, and is missing"),
+        (["send", "play", "--speed", "2"], "play: --speed goes with speed, and only with it"),
         (["serve", "a.avi"], "a.avi: the suffix is '.avi', expected one of .mcap, .csv, .npz, .parquet"),
         (["serve", "nowhere.csv"], "nowhere.csv: there is no such file"),
         (["serve", "nowhere.mcap"], "nowhere.mcap cannot be read"),

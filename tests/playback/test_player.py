@@ -9,7 +9,8 @@ from hypothesis import strategies as st
 
 from arm.kinematics import sensor_positions, tip_position
 from limbcal.errors import ConfigError
-from playback.player import Clocks, Player
+from playback.player import Player
+from playback.playhead import Clocks
 from playback.source import Source
 from playback.trajectory import Trajectory
 
@@ -60,7 +61,7 @@ def test_a_frame_says_what_the_trajectory_and_the_arm_say(source: Source, fake_t
     plain = {"dt_s": 1 / 80, "n": 1, "method": "file", "gap": False, "source": "waves", "speed": 1.0}
     for frame in frames:
         assert {name: frame[name] for name in plain} == plain
-        assert frame.keys() == known.keys() | plain.keys() | {"frame0", "t0_ns"}
+        assert frame.keys() == known.keys() | plain.keys() | {"frame0", "t0_ns", "trial", "position_s"}
 
 
 def test_play_stop_and_load_move_the_state(source: Source, fake_time: Any) -> None:

@@ -173,7 +173,9 @@ BAD = [
     (b"\x82\xa3cmd\xa4play\xa1v" + b"\x91" * 1000 + b"\x01", "request: "),
     (msgpack.packb("play"), "expected a map"),
     (msgpack.packb({"v": 2, "cmd": "play"}), "version is 2"),
-    (msgpack.packb({"v": 1, "cmd": "seek"}), "cmd is 'seek'"),
+    (msgpack.packb({"v": 1, "cmd": "dance"}), "cmd is 'dance'"),
+    (msgpack.packb({"v": 1, "cmd": "seek", "position_s": 9.0}), "position_s is 9, expected 0 to "),
+    (msgpack.packb({"v": 1, "cmd": "speed", "speed": 11}), "speed is 11, expected 0.1 to 10"),
     (msgpack.packb({"v": 1, "cmd": "load", "trial": 99}), "there is no trial 99, expected one of 1, 2, 3"),
     (msgpack.packb({"v": 1, "cmd": "load", "trial": 2**60}), "there is no trial"),
     (msgpack.packb({"v": 1, "cmd": "play", "x": bytes(20_000_000)}), "expected at most 65536"),
@@ -245,3 +247,65 @@ def test_a_signal_ends_it_cleanly_in_the_middle_of_playing(start, motion_file, s
         assert "Traceback" not in words
         with running.context.socket(zmq.REP) as socket:
             socket.bind(running.control)  # free again
+
+
+def test_whoever_comes_late_is_told_the_state_at_once(context, server: Server, fake_time) -> None:
+    server.player.play()
+    fake_time.now_s += 0.2
+    while server.player.deadline_s() <= fake_time.now_s:
+        server.step()
+    for _ in range(2):  # a second one to the same topic too
+        with Subscriber(context, server.endpoint, [HEALTH]) as late:
+            while (message := late.receive(20)) is None:
+                server.step()
+            state = message[1]["state"]
+            assert (state["playing"], state["position_s"]) == (True, pytest.approx(0.2))
+            assert state["q"] == server.player.source.load().at(np.array([state["position_s"]]))[0][0].tolist()
+
+
+def test_requests_steer_what_plays(playback) -> None:
+    playback.ask("load", 3)
+    assert playback.ask("seek", 0.75)["state"]["position_s"] == 0.75
+    assert playback.ask("step", -5)["state"]["position_s"] == pytest.approx(0.70)
+    assert playback.ask("loop", True)["state"]["loop"] is True
+    assert playback.ask("speed", 10.0)["state"]["speed"] == 10.0
+    with Subscriber(playback.context, playback.endpoint, [PLAY, HEALTH]) as subscriber:
+        receive(subscriber, HEALTH)
+        playback.ask("play")
+        frames = [receive(subscriber, PLAY) for _ in range(30)]
+    places = np.array([frame["position_s"] for frame in frames])
+    assert places[0] == pytest.approx(0.70)
+    assert (np.diff(places) < 0.0).sum() >= 1  # round it went
+    assert {frame["speed"] for frame in frames} == {10.0}
+    paused = playback.ask("pause")["state"]
+    assert playback.ask("state")["state"]["position_s"] == paused["position_s"]
+    for cmd, value in (("loop", False), ("speed", 1.0), ("stop", None)):
+        playback.ask(cmd, value)
+
+
+def test_the_whole_motion_comes_in_few_rows(playback, source) -> None:
+    playback.ask("load", 2)
+    motion = playback.ask("motion")["motion"]
+    assert motion["t"][-1] == 1.0
+    np.testing.assert_array_equal(motion["q"], source.load(2).at(motion["t"])[0])
+    assert motion["twin_q"] is None
+    assert "dd-arm" in playback.ask("arm")["arm"]
+
+
+def test_a_thousand_frames_a_second(start, tmp_path, long) -> None:
+    seconds = long.of(60.0, 2.0)
+    t = np.linspace(0.0, seconds, 200)
+    np.savez(tmp_path / "wave.npz", t=t, q1=np.sin(t), q2=np.cos(t))
+    with start(tmp_path / "wave.npz", "--arm", "dd-arm", "--rate-hz", 1000, "--once", "--json") as running:
+        with Subscriber(running.context, running.endpoint, [PLAY, HEALTH]) as subscriber:
+            receive(subscriber, HEALTH)
+            running.ask("play")
+            stamps = [receive(subscriber, PLAY)["t0_ns"] for _ in range(round(1000 * seconds) + 1)]
+            assert not subscriber.missed
+        answer, _ = running.process.communicate(timeout=PATIENCE_MS / 1e3)
+    assert set(np.diff(stamps)) <= {999_999, 1_000_000, 1_000_001}
+    late = json.loads(answer)["lateness_ms"]
+    words = ", ".join(f"{name} {value:.3f}" for name, value in late.items())
+    long.note(f"{len(stamps)} frames in {seconds:g} s, none lost; lateness [ms] {words}")
+    if long.at_length:
+        assert late["p99"] < 1.0
