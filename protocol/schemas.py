@@ -176,7 +176,7 @@ SCHEMAS: Mapping[str, Schema] = {
             "trial": one("integer", "number of the trial; 0 where what plays is live"),
             "position_s": one("number", "place of the first frame in the trial", "s"),
             "twin": {
-                **one("object", "the virtual arm beside it: name, q, dq, ddq, tip, points; absent where there is none"),
+                **one("object", "the virtual arm beside it; absent where there is none"),
                 "properties": {"name": one("string", "what it is"), **_MOVED},
             },
         },
