@@ -19,6 +19,7 @@ from daemon.virtual_motion import BenchPlan
 from daemon.virtual_port import VirtualPort
 from limbcal.command import console, emit
 from limbcal.errors import DeviceError
+from limbcal.real_time import DEVICE, ask_for_real_time
 from protocol.deadline import Ticker
 
 #: How often frames that are due are made: rarely enough to cost little, often enough for what a tty holds.
@@ -61,6 +62,7 @@ def serve(options: VirtualOptions) -> None:
             info, lambda: MotionSource(plan, options.truth is not None), line, options.speed, time.monotonic()
         )
         trouble = Trouble(options.faults, info, device, line, port)
+        ask_for_real_time(DEVICE)  # it stands for hardware, which nothing else on the host slows down
         try:
             _serve(device, fifo, port, stop, trouble)
         finally:

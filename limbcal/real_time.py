@@ -2,8 +2,8 @@
 
 import os
 
-#: Of the processes that must not be late; the reader's tty holds the least.
-READER, PIPELINE, TOUCH = 20, 10, 15
+#: Of the processes that must not be late; the reader's tty holds the least, and a device waits for nobody.
+DEVICE, READER, PIPELINE, TOUCH = 25, 20, 10, 15
 
 
 def ask_for_real_time(priority: int) -> bool:
