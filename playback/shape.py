@@ -140,7 +140,7 @@ def _far_end(arm: Arm, index: int) -> Floats:
         return np.array([joint.a_m, 0.0, 0.0])
     riding = {sensor.name: np.array(sensor.position_m) for sensor in arm.sensors if sensor.joint == index + 1}
     if arm.tip is not None and arm.tip.sensor in riding:
-        return riding[arm.tip.sensor] + np.array(arm.tip.offset_m)
+        return np.asarray(riding[arm.tip.sensor] + np.array(arm.tip.offset_m))
     return max(riding.values(), key=_length, default=np.zeros(3))
 
 

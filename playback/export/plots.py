@@ -1,0 +1,83 @@
+"""The joints over time, drawn once, and where a time is in the drawing."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
+
+from playback.export.raster import Picture
+from playback.export.sampled import Mover, Sampled
+from playback.export.scene import PAPER
+from playback.trajectory import Floats
+
+INK, FAINT = "#30343b", "#d9dce3"
+
+
+@dataclass(frozen=True)
+class Plots:
+    """A drawing of curves, and the way of a dot along each.
+
+    Parameters
+    ----------
+    picture : ndarray of uint8 of shape (height, width, 3)
+    x : ndarray of shape (n,)
+        Of every frame [px].
+    rows : list of (top, bottom)
+        Of the plots [px].
+    dots : list of (y, colour)
+        Of every curve: y (n,) [px].
+    """
+
+    picture: Picture
+    x: Floats
+    rows: list[tuple[float, float]]
+    dots: list[tuple[Floats, Floats]]
+
+
+def draw_plots(motion: Sampled, width: int, height: int) -> Plots:
+    """Draw every joint's position over time, in degrees or millimetres, a twin's beside the arm's."""
+    n_joint, dpi = motion.movers[0].arm.n_joint, 100.0 * min(1.0, height / 540.0)
+    figure = Figure(figsize=(width / dpi, height / dpi), dpi=dpi, facecolor=np.array(PAPER) / 255.0)
+    canvas = FigureCanvasAgg(figure)
+    axes = figure.subplots(n_joint, 1, sharex=True, squeeze=False)[:, 0]
+    margins = {"left": 62.0 / width, "right": 1.0 - 24.0 / width, "top": 1.0 - 34.0 / height}
+    figure.subplots_adjust(**margins, bottom=min(0.2, 52.0 * dpi / 100.0 / height), hspace=0.28)
+    for j, ax in enumerate(axes):
+        for mover in reversed(motion.movers):  # the arm's own curve lies on top
+            style = {
+                "color": _rgb(mover),
+                "linewidth": 1.6,
+                "linestyle": "-" if mover is motion.movers[0] else "--",
+            }
+            ax.plot(motion.t, _shown(mover, j), **style)
+        unit = "°" if motion.movers[0].arm.joints[j].type == "revolute" else "mm"
+        ax.set_ylabel(f"$q_{{{j + 1}}}$ [{unit}]", color=INK, fontsize=10)
+        ax.set_facecolor("white")
+        ax.grid(color=FAINT, linewidth=0.7)
+        ax.tick_params(colors=INK, labelsize=8, length=0)
+        ax.locator_params(axis="y", nbins=4)
+        ax.set_xlim(motion.t[0], max(motion.t[-1], 1e-3))
+        for spine in ax.spines.values():
+            spine.set_color(FAINT)
+    axes[-1].set_xlabel("time [s]", color=INK, fontsize=10)
+    canvas.draw()
+    picture = np.asarray(canvas.buffer_rgba())[:height, :width, :3].copy()
+    rows, dots, x = [], [], np.empty(0)
+    for j, ax in enumerate(axes):
+        box = ax.get_window_extent()
+        rows.append((height - box.y1, height - box.y0))
+        for mover in reversed(motion.movers):
+            seen = ax.transData.transform(np.column_stack([motion.t, _shown(mover, j)]))
+            x = seen[:, 0]
+            dots.append((height - seen[:, 1], np.array(mover.colours.trace, dtype=float)))
+    return Plots(picture, x, rows, dots)
+
+
+def _shown(mover: Mover, joint: int) -> Floats:
+    q = mover.q[:, joint]
+    return np.asarray(np.degrees(q) if mover.arm.joints[joint].type == "revolute" else 1e3 * q)
+
+
+def _rgb(mover: Mover) -> tuple[float, ...]:
+    return tuple(value / 255.0 for value in mover.colours.trace)
