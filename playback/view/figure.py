@@ -36,10 +36,10 @@ class Figure:
             name = f"{root}/link{index + 1}"
             self._links.append(server.scene.add_frame(name, show_axes=False))
             self._mesh(f"{name}/body", mesh, colours.link)
-            length = 0.16 * reach
+            length = 0.2 * reach
             self._axes.append(
                 server.scene.add_frame(
-                    f"{name}/axes", axes_length=length, axes_radius=0.022 * length, origin_radius=0.05 * length
+                    f"{name}/axes", axes_length=length, axes_radius=0.025 * length, origin_radius=0.05 * length
                 )
             )
         self._sensors: list[viser.MeshHandle] = []

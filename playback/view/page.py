@@ -50,14 +50,16 @@ class Page:
         self._shown: Picture | None = None
         self._motion: Motion | None = None
         gui = server.gui
-        gui.configure_theme(control_width="large", show_logo=False, show_share_button=False, brand_color=(47, 93, 140))
+        gui.configure_theme(
+            control_width="large", show_logo=False, show_share_button=False, brand_color=(47, 93, 140)
+        )
         gui.main_panel.dock_right()
         gui.main_panel.set_width(390.0)
         self._head = gui.add_html("")
         self._controls = None if remote is None else Controls(server, remote)
         self._timeline = Timeline(server, arm, twin is not None)
         self._numbers = gui.add_html("")
-        self._stage = Stage(server, arm)
+        self._stage = Stage(server, arm, _tips(remote))
         self._stage.look(two=twin is not None)
         self._figures = [Figure(server, "/arm", arm, REAL)]
         self._traces = [Trace(server, "/arm trace", REAL.trace)]
@@ -100,7 +102,9 @@ class Page:
                 figure.show(pose.q)
         past = self._feed.history(SPAN_S)
         for trace, name in zip(self._traces, ("real", "twin"), strict=False):
-            known = [(then.position_s, pose.tip) for then in [*past, row] if (pose := getattr(then, name)) is not None]
+            known = [
+                (then.position_s, pose.tip) for then in [*past, row] if (pose := getattr(then, name)) is not None
+            ]
             trace.show([at for at, _ in known], [tip for _, tip in known])
 
     def _tell(self) -> None:
@@ -133,20 +137,26 @@ class Page:
     def _add_choices(self) -> None:
         with self._server.gui.add_folder("Show"):
             gui = self._server.gui
-            self._place = gui.add_dropdown("Twin", (BESIDE, ON_TOP, ALONE), initial_value=BESIDE) if self._twin is not None else None
+            self._place = (
+                gui.add_dropdown("Twin", (BESIDE, ON_TOP, ALONE), initial_value=BESIDE)
+                if self._twin is not None
+                else None
+            )
             self._sensors = gui.add_checkbox("Sensors", True)
             self._labels = gui.add_checkbox("Sensor names", True)
             self._axes = gui.add_checkbox("Joint frames", True)
             self._paths = gui.add_checkbox("Tip traces", True)
-        for widget in (self._place, self._sensors, self._labels, self._axes, self._paths):
+            self._shadows = gui.add_checkbox("Shadows", False, hint="needs a graphics processor")
+        for widget in (self._place, self._sensors, self._labels, self._axes, self._paths, self._shadows):
             if widget is not None:
+                widget.on_update(self._on_choice)
 
-                @widget.on_update
-                async def _(_event: object) -> None:
-                    self._arrange()
+    async def _on_choice(self, _event: object) -> None:
+        self._arrange()
 
     def _arrange(self) -> None:
         """Put the arms where they are wanted, with what is wanted of them."""
+        self._stage.shade(self._shadows.value)
         place = ALONE if self._place is None else self._place.value
         beside: Floats = self._stage.beside if place == BESIDE else np.zeros(3)
         for index, (figure, trace) in enumerate(zip(self._figures, self._traces, strict=True)):
@@ -156,3 +166,11 @@ class Page:
             figure.stand_at(index * beside)
             trace.stand_at(index * beside)
             trace.wanted = here and self._paths.value
+
+
+def _tips(remote: Remote | None) -> Floats | None:
+    """Return where the tips get to in the trial that is loaded, (k, 3) [m], where that is known."""
+    motion = None if remote is None else remote.motion
+    if motion is None:
+        return None
+    return motion.tip if motion.twin_tip is None else np.concatenate([motion.tip, motion.twin_tip])

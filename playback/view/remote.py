@@ -124,9 +124,7 @@ class Remote:
         due_s = time.monotonic()
         while True:
             with self._wanted:
-                self._wanted.wait_for(
-                    lambda: self._over or bool(self._wishes), max(0.0, due_s - time.monotonic())
-                )
+                self._wanted.wait_for(lambda: self._over or bool(self._wishes), max(0.0, due_s - time.monotonic()))
                 if self._over:
                     return
                 wishes, self._wishes = self._wishes, {}
@@ -173,8 +171,9 @@ class Remote:
                 reply = decode_reply(self._socket.recv())
             except ProtocolError:
                 reply = {"ok": False, "error": "what answers there is no playback"}
-            if isinstance(reply.get("state"), dict):
-                self.state = reply["state"]
+            state = reply.get("state")
+            if isinstance(state, dict):
+                self.state = state
             return reply
         self.state = None
         self._socket.close(0)  # a REQ socket that waits for an answer cannot ask anew

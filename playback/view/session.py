@@ -41,7 +41,7 @@ def run(arguments: argparse.Namespace, announce: Callable[[dict[str, object]], N
         if control is not None:
             remote = stack.enter_context(closing(Remote(context, control, key)))
         arm, twin = _arms(arguments.arm, remote)
-        server = stack.enter_context(web_server(arguments.host, arguments.port, f"limbplay: {arm.name}"))
+        server = stack.enter_context(web_server(arguments.host, arguments.port, "limbplay"))
         page = Page(server, feed, remote, arm, twin)
         url = f"http://{arguments.host}:{server.get_port()}"
         announce({"url": url, "endpoint": endpoint, "control": control, "arm": arm.name})
@@ -62,7 +62,9 @@ def _arms(given: str | None, remote: Remote | None) -> tuple[Arm, Arm | None]:
             f"control endpoint {remote.endpoint}: no answer within {PATIENCE_S:g} s, expected a `limbplay serve`"
         )
     if remote.arms is None:
-        raise ConfigError(f"control endpoint {remote.endpoint}: it does not say which arm it moves: {remote.refusal}")
+        raise ConfigError(
+            f"control endpoint {remote.endpoint}: it does not say which arm it moves: {remote.refusal}"
+        )
     arm, twin = remote.arms
     shown = parse_arm(arm, f"the arm of {remote.endpoint}")
     return shown, None if twin is None else parse_arm(twin, f"the twin of {remote.endpoint}")

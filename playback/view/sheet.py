@@ -56,5 +56,3 @@ def numbers(arm: Arm, picture: Picture, state: Mapping[str, Any] | None) -> list
 def _joint(arm: Arm, index: int, value: float) -> str:
     revolute = arm.joints[index].type == "revolute"
     return f"{np.degrees(value):.2f}°" if revolute else f"{1e3 * value:.2f} mm"
-
-

@@ -8,10 +8,13 @@ from arm.model import Arm
 from playback.shape import reach_m
 from playback.trajectory import Floats
 
-BACKGROUND = (246, 247, 249)
+BACKGROUND = (255, 255, 255)
 CELL, SECTION = (222, 226, 231), (198, 205, 213)
 #: Poses that say how much room an arm needs.
 DRAWS = 400
+FIELD_OF_VIEW, ASPECT = np.radians(38.0), 1.2
+#: How much the camera looks down: the tangent of the angle.
+SLANT = 0.9
 
 
 def upwards(arm: Arm) -> int:
@@ -27,6 +30,8 @@ class Stage:
     ----------
     server : viser.ViserServer
     arm : Arm
+    tips : (k, 3), optional
+        Where the tip gets to [m]; without it, anywhere that joints may be.
 
     Attributes
     ----------
@@ -34,31 +39,40 @@ class Stage:
         From an arm to one that stands clear of it [m].
     """
 
-    def __init__(self, server: viser.ViserServer, arm: Arm) -> None:
+    def __init__(self, server: viser.ViserServer, arm: Arm, tips: Floats | None = None) -> None:
         self._server, self._reach = server, reach_m(arm)
         self._axis = upwards(arm)
         self._up = np.zeros(3)
         self._up[self._axis] = -np.sign(arm.gravity_m_s2[self._axis]) or 1.0
-        self._low, self._high = _room(arm, self._reach)
-        self._right = np.roll(np.array([1.0, 0.0, 0.0]), self._axis + 1)
-        self.beside = 1.9 * self._reach * self._right
-        server.scene.set_background_image(np.full((2, 2, 3), BACKGROUND, np.uint8), format="png")
-        server.scene.set_up_direction(tuple(self._up))
+        self._right = np.roll(np.array([1.0, 0.0, 0.0]), self._axis - 2)
+        self._back = np.cross(self._right, self._up)
+        margin = 0.12 * self._reach
+        tips = _anywhere(arm, self._reach) if tips is None else tips
+        self._low, self._high = tips.min(axis=0, initial=0.0) - margin, tips.max(axis=0, initial=0.0) + margin
+        self.beside = float((self._high - self._low) @ np.abs(self._right)) * self._right
+        server.scene.set_up_direction(self._up)
         self._ground()
         self._light()
 
     def look(self, two: bool) -> None:
         """Have pages that open look at one arm, or at two beside each other."""
-        middle = 0.5 * (self._low + self._high)
+        middle, size = 0.5 * (self._low + self._high), self._high - self._low
         if two:
-            middle = middle + 0.5 * self.beside
-        back = np.cross(self._right, self._up)
-        away = (2.9 if two else 2.1) * self._reach
+            middle, size = middle + 0.5 * self.beside, size + np.abs(self.beside)
+        width, height = float(size @ np.abs(self._right)), float(size @ np.abs(self._up))
+        depth = float(size @ np.abs(self._back))
         camera = self._server.initial_camera
         camera.look_at = middle
         camera.up = self._up
-        camera.fov = np.radians(40.0)
-        camera.position = middle + away * (0.95 * back + 0.8 * self._up + 0.12 * self._right)
+        camera.fov = FIELD_OF_VIEW
+        # as far as makes the width fit into a window that is somewhat wider than high
+        away = 0.5 * max(width / ASPECT, height + 0.6 * depth) / np.tan(0.5 * FIELD_OF_VIEW) + 0.45 * depth
+        slant = self._back + SLANT * self._up + 0.18 * self._right
+        camera.position = middle + away * slant / np.linalg.norm(slant)
+
+    def shade(self, wanted: bool) -> None:
+        """Have the arm cast a shadow, which takes a page without a graphics processor most of its time."""
+        self._key.cast_shadow = wanted
 
     def _ground(self) -> None:
         cell = 10.0 ** np.floor(np.log10(self._reach)) / 2.0
@@ -84,17 +98,24 @@ class Stage:
     def _light(self) -> None:
         scene, far = self._server.scene, 4.0 * self._reach
         scene.configure_default_lights(enabled=False)
-        scene.add_light_hemisphere("/light/sky", sky_color=(255, 255, 255), ground_color=(205, 205, 210), intensity=1.4)
+        scene.add_light_hemisphere(
+            "/light/sky", sky_color=(255, 255, 255), ground_color=(205, 205, 210), intensity=1.4
+        )
         key = far * (self._up + 0.5 * self._right + 0.35 * np.cross(self._right, self._up))
-        scene.add_light_directional("/light/key", color=(255, 252, 246), intensity=1.7, cast_shadow=True, position=key)
+        self._key = scene.add_light_directional(
+            "/light/key", color=(255, 252, 246), intensity=1.7, cast_shadow=False, position=_triple(key)
+        )
         fill = far * (0.4 * self._up - self._right)
-        scene.add_light_directional("/light/fill", color=(235, 242, 255), intensity=0.5, position=fill)
+        scene.add_light_directional("/light/fill", color=(235, 242, 255), intensity=0.5, position=_triple(fill))
 
 
-def _room(arm: Arm, reach: float) -> tuple[Floats, Floats]:
-    """Return the corners of what the arm may get to."""
+def _anywhere(arm: Arm, reach: float) -> Floats:
+    """Return places of the tip, (k, 3) [m], drawn from all that the joints allow."""
     rng = np.random.default_rng(0)
     span = np.where([joint.type == "revolute" for joint in arm.joints], np.pi, 0.3 * reach)
-    tips = tip_position(arm, rng.uniform(-1.0, 1.0, (DRAWS, arm.n_joint)) * span)
-    margin = 0.14 * reach
-    return tips.min(axis=0, initial=0.0) - margin, tips.max(axis=0, initial=0.0) + margin
+    return tip_position(arm, rng.uniform(-1.0, 1.0, (DRAWS, arm.n_joint)) * span)
+
+
+def _triple(place: Floats) -> tuple[float, float, float]:
+    x, y, z = place.tolist()
+    return x, y, z

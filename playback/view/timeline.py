@@ -12,11 +12,11 @@ from playback.view.feed import Row
 from playback.view.remote import Motion
 
 #: Points a line has: one for each pixel or so.
-POINTS = 360
+POINTS = 220
 #: How much of a stream without an end is drawn [s].
 LIVE_SPAN_S = 10.0
 PALETTE = ("#2f5d8c", "#d9822b", "#3d9970", "#b04a5a", "#7b5ea7", "#8c6d46", "#5b8fa8", "#9aa23c")
-CURSOR, FAINT = "#20262e", "#8a94a0"
+NOW = "#20262e"
 
 
 class Timeline:
@@ -36,14 +36,14 @@ class Timeline:
         self._turns = np.array([joint.type == "revolute" for joint in arm.joints])
         unit = "°" if self._turns.all() else "° or mm"
         names = [f"q{k + 1}" for k in range(arm.n_joint)]
-        series = [_line(name, PALETTE[k % len(PALETTE)]) for k, name in enumerate(names)]
+        lines = [(name, PALETTE[k % len(PALETTE)], False) for k, name in enumerate(names)]
         if twin:
-            series += [_line(f"{name} twin", PALETTE[k % len(PALETTE)], dash=True) for k, name in enumerate(names)]
-        self._angles = _plot(server, f"joints ({unit})", series, 190)
+            lines += [(f"{name} twin", PALETTE[k % len(PALETTE)], True) for k, name in enumerate(names)]
+        self._angles = _Plot(server, f"joints ({unit})", lines, 210, zero=False)
         self._errors = None
         if twin:
-            lines = [_line(f"joints ({unit})", "#b04a5a"), _line("tip (mm)", "#3d9970")]
-            self._errors = _plot(server, "between the two", lines, 130)
+            lines = [(f"joints ({unit})", "#b04a5a", False), ("tip (mm)", "#3d9970", False)]
+            self._errors = _Plot(server, "apart", lines, 150, zero=True)
         self._lines: tuple[Floats, list[Floats], list[Floats]] | None = None
 
     def take(self, motion: Motion | None) -> None:
@@ -67,12 +67,14 @@ class Timeline:
             columns = [np.array([row.real.q for row in rows]), np.array([row.real.tip for row in rows])]
             twins = [row.twin for row in rows if row.twin is not None]
             both = len(twins) == len(rows)
-            others = [np.array([twin.q for twin in twins]), np.array([twin.tip for twin in twins])] if both else None
+            others = (
+                [np.array([twin.q for twin in twins]), np.array([twin.tip for twin in twins])] if both else None
+            )
             lines = self._curves(np.array([row.position_s for row in rows]), columns, others)
         t, angles, errors = lines
-        self._angles.data = _with_cursor(t, angles, position_s)
+        self._angles.draw(t, angles, position_s)
         if self._errors is not None:
-            self._errors.data = _with_cursor(t, errors, position_s, zero=True)
+            self._errors.draw(t, errors, position_s)
 
     def remove(self) -> None:
         """Take the plots off the page."""
@@ -86,7 +88,7 @@ class Timeline:
         """Return time, joint values of both arms, and what is between the two."""
         scale = np.where(self._turns, np.degrees(1.0), 1e3)
         angles = list((columns[0] * scale).T)
-        nothing = np.full(len(t), np.nan)
+        nothing = np.zeros(len(t))
         if not self._twin:
             return t, angles, []
         if others is None:
@@ -100,37 +102,68 @@ def _at(t: Floats, known_t: Floats, values: Floats) -> Floats:
     return np.column_stack([np.interp(t, known_t, column) for column in values.T])
 
 
-def _with_cursor(t: Floats, lines: list[Floats], now: float, zero: bool = False) -> tuple[Floats, ...]:
-    """Return the lines with an upright one at the present, as two points that are at the same time."""
-    now = min(max(now, float(t[0])), float(t[-1]))
-    k = int(np.searchsorted(t, now))
-    drawn = [np.insert(line, k, [np.interp(now, t, line)] * 2) for line in lines]
-    values = np.concatenate(lines)
-    values = values[np.isfinite(values)]
-    low, high = (float(values.min()), float(values.max())) if values.size else (0.0, 1.0)
-    cursor = np.full(len(t) + 2, np.nan)
-    cursor[k : k + 2] = 0.0 if zero else low, high if high > low else low + 1.0
-    return (np.insert(t, k, [now, now]), *drawn, cursor)
+class _Plot:
+    """Lines over time, with an upright one at the present.
+
+    That one is a line like the others: along the lower edge of the plot, and once up and down.
+    """
+
+    def __init__(
+        self,
+        server: viser.ViserServer,
+        title: str,
+        names: Sequence[tuple[str, str, bool]],
+        height: int,
+        zero: bool,
+    ) -> None:
+        self._zero = zero
+        self._range = (0.0, 1.0)
+        series = [
+            uplot.Series(label=name, stroke=colour, width=1.4 if dash else 1.8) for name, colour, dash in names
+        ]
+        for line, (_, _, dash) in zip(series, names, strict=True):
+            line["points"] = {"show": False}
+            if dash:
+                line["dash"] = (5.0, 4.0)
+        now = uplot.Series(label="now", stroke=NOW, width=1.2, points={"show": False})
+        self._handle = server.gui.add_uplot(
+            data=(np.array([0.0, 1.0]), *[np.zeros(2) for _ in range(len(series) + 1)]),
+            series=(uplot.Series(label="t (s)"), *series, now),
+            scales=self._scales(),
+            axes=(uplot.Axis(size=34.0), uplot.Axis(size=42.0)),
+            legend=uplot.Legend(show=True, live=False),
+            cursor=uplot.Cursor(show=False),
+            title=title,
+            height=height,
+        )
+
+    def draw(self, t: Floats, lines: Sequence[Floats], now: float) -> None:
+        low, high = min(map(np.min, lines)), max(map(np.max, lines))
+        if not self._holds(float(low), float(high)):
+            self._range = _round_range(0.0 if self._zero else float(low), float(high))
+            self._handle.scales = self._scales()
+        now = min(max(now, float(t[0])), float(t[-1]))
+        k = int(np.searchsorted(t, now))
+        drawn = [np.insert(line, k, [np.interp(now, t, line)] * 3) for line in lines]
+        upright = np.full(len(t) + 3, self._range[0])
+        upright[k + 1] = self._range[1]
+        self._handle.data = (np.insert(t, k, [now] * 3), *drawn, upright)
+
+    def remove(self) -> None:
+        self._handle.remove()
+
+    def _holds(self, low: float, high: float) -> bool:
+        """Say whether lines fit and fill the range; another range is another plot, so it is kept if it can be."""
+        bottom, top = self._range
+        return bottom <= low and high <= top and (high - (0.0 if self._zero else low)) > 0.3 * (top - bottom)
+
+    def _scales(self) -> dict[str, uplot.Scale]:
+        return {"x": uplot.Scale(time=False), "y": uplot.Scale(range=self._range)}
 
 
-def _line(label: str, colour: str, dash: bool = False) -> uplot.Series:
-    series = uplot.Series(label=label, stroke=colour, width=1.8, points={"show": False})
-    if dash:
-        series["dash"] = (5.0, 4.0)
-        series["width"] = 1.4
-    return series
-
-
-def _plot(server: viser.ViserServer, title: str, series: list[uplot.Series], height: int) -> viser.GuiUplotHandle:
-    cursor = uplot.Series(label="now", stroke=CURSOR, width=1.2, points={"show": False})
-    t = np.array([0.0, 1.0])
-    return server.gui.add_uplot(
-        data=(t, *[np.full(2, np.nan) for _ in range(len(series) + 1)]),
-        series=(uplot.Series(label="t (s)"), *series, cursor),
-        scales={"x": uplot.Scale(time=False), "y": uplot.Scale(auto=True)},
-        axes=(uplot.Axis(size=26.0), uplot.Axis(size=44.0)),
-        legend=uplot.Legend(show=True, live=False),
-        cursor=uplot.Cursor(show=False),
-        title=title,
-        height=height,
-    )
+def _round_range(low: float, high: float) -> tuple[float, float]:
+    """Return a range with some room, and few digits."""
+    span = max(high - low, 1e-6)
+    step = 10.0 ** np.floor(np.log10(span)) / 2.0
+    bottom = low if low == 0.0 else step * np.floor((low - 0.03 * span) / step)
+    return float(bottom), float(step * np.ceil((high + 0.05 * span) / step))

@@ -44,7 +44,7 @@ class Trace:
         path, at = np.array(tips), np.array(t)
         wanted = np.linspace(at[-1] - SPAN_S, at[-1], SEGMENTS + 1)
         points = np.column_stack([np.interp(wanted, at, path[:, k]) for k in range(3)])
-        self._line.points = _pairs(points)
+        self._line.points = _pairs(points).astype(np.float32)
 
     def stand_at(self, place: Floats) -> None:
         """Move the line as its arm's base is moved, (3,) [m]."""
