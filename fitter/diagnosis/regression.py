@@ -229,8 +229,13 @@ class Regression:
 
 
 def _noise_key(hypothesis: Hypothesis, psi: Floats) -> tuple[object, ...]:
-    """Return what tells hypotheses apart by what they make of noise; psi hardly matters but where it scales it."""
-    return hypothesis.key, hypothesis.n_column, psi.tobytes() if hypothesis.kind.name == "gain_error" else b""
+    """Return what tells hypotheses apart by what they make of noise.
+
+    psi hardly matters but where it scales it, or turns the columns among themselves: noise that stayed behind would
+    make one zero of a joint seem better than another where they all are the same.
+    """
+    matters = hypothesis.kind.name in ("gain_error", "joint_zero")
+    return hypothesis.key, hypothesis.n_column, psi.tobytes() if matters else b""
 
 
 def scaled_lstsq(A: Floats, y: Floats) -> Floats:
