@@ -66,6 +66,10 @@ class Weighting:
         rate = np.sqrt(np.max(self.torque_noise / np.sqrt(np.maximum(np.diag(self.acceleration_noise), 1e-300))))
         return float(np.clip(rate / (2.0 * np.pi), 1.0, self.band_hz))
 
+    def covariance(self, f: float) -> Floats:
+        """Return the noise's covariance a sample at a frequency [Hz], (n_joint, n_joint)."""
+        return np.diag(self.torque_noise**2) + self.acceleration_noise * (2.0 * np.pi * f) ** 4
+
     def filtered(self, motion: Motion, rows: Floats) -> Floats:
         """Return rows (n_sample, n_joint, …), filtered and on the slower grid, without what may hold a joint."""
         white = self._white(rows, motion.dt_s)

@@ -9,6 +9,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
+import scipy.linalg
 
 from arm.model import Floats
 from fitter.diagnosis.equation import Weighting
@@ -18,8 +19,9 @@ from fitter.diagnosis.rows import Equations
 
 #: Noise is measured in this part of the band, where differentiated angles are all of it.
 _FROM = 0.5
-#: A filter will not do if a joint has so many times more noise than it takes it to have, for then noise passes for
-#: causes; nor if it has so much less.
+#: A filter will not do if along any direction of the joints' torques there is so many times more noise than it
+#: takes there to be, for then noise passes for causes; nor if there is so much less. Noise of one angle enters all
+#: joints, so where masses couple them there is little along one direction, however much each joint has alone.
 _MORE, _LESS = 1.1, 1.0 / 1.5
 #: … but a model under which noise is so much larger has masses that make no sense.
 _NONSENSE = 1e3
@@ -63,5 +65,10 @@ def reweighted(
 
 def will_do(used: Weighting, right: Weighting) -> bool:
     """Say whether a filter is near enough to the right one, or what is held to be right makes no sense."""
-    ratio = np.diag(right.acceleration_noise) / np.diag(used.acceleration_noise)
+    ratio = np.concatenate(
+        [
+            scipy.linalg.eigh(right.covariance(f), used.covariance(f), eigvals_only=True)
+            for f in (_FROM * used.band_hz, used.band_hz)
+        ]
+    )
     return bool(np.all((ratio < _MORE) & (ratio > _LESS)) or np.any(ratio > _NONSENSE))

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from fitter.data.trials import to_trials
+from fitter.diagnosis.equation import Weighting
 from fitter.diagnosis.model import Model
 from fitter.diagnosis.motion import noise_of_angles, run_of
 from fitter.diagnosis.regression import Regression
@@ -45,3 +46,13 @@ def test_a_filter_that_takes_the_noise_for_less_is_found_out(
     right = other.weighting_under(Model(), other.solve(Model(), other.learning)[0])
     assert will_do(wrong, right) == good
     np.testing.assert_allclose(right.acceleration_noise, used.acceleration_noise, rtol=0.05)
+
+
+def test_noise_that_couples_joints_is_looked_at_along_every_direction() -> None:
+    """Each joint alone has as much as it was taken to have; what they have not in common is ten times as much."""
+    torque = np.full(2, 1e-6)
+    used, right = (Weighting(torque, np.array([[1.0, c], [c, 1.0]]), 18.0, 3) for c in (0.99, 0.9))
+    assert not will_do(used, right)
+    assert will_do(used, used)
+    loud = Weighting(np.full(2, 1e6), right.acceleration_noise, 18.0, 3)
+    assert will_do(replace(used, torque_noise=loud.torque_noise), loud)  # it is drowned by the torque's own
