@@ -56,9 +56,7 @@ def test_it_is_the_transposed_jacobian(random_arm, random_motion, peer, seed):
     q, _, _ = random_motion(arm, rng, 1)
     force, moment = rng.normal(size=(2, 3))
     other = peer(arm)
-    frame = other.model.addFrame(
-        pin.Frame("touched", joint, 0, pin.SE3(np.eye(3), point), pin.FrameType.OP_FRAME)
-    )
+    frame = other.model.addFrame(pin.Frame("touched", joint, 0, pin.SE3(np.eye(3), point), pin.FrameType.OP_FRAME))
     data = other.model.createData()
     J = pin.computeFrameJacobian(other.model, data, q[0], frame, pin.LOCAL_WORLD_ALIGNED)
     close(outer_joint_torque(arm, q, joint, point, force, moment)[0], J.T @ np.concatenate([force, moment]))
