@@ -118,14 +118,15 @@ def base_mesh(arm: Arm) -> Mesh:
 
 def sensor_mesh(arm: Arm, sensor: Sensor) -> Mesh:
     """Return a small box where a sensor is, turned as it is, in its link's joint-axis frame."""
-    size = 0.5 * _hub_radius(arm, sensor.joint - 1, reach_m(arm))
-    box = _box(np.array([1.0, 1.0, 0.6]) * size)
-    # outside of the beam it would be hidden in, so that it is seen: as wide across as the link is
-    lateral = np.hypot(*sensor.position_m[1:])
-    if lateral < size:
-        box = _box(np.array([0.6, 1.0, 1.0]) * BEAM * 1.12 * _hub_radius(arm, sensor.joint - 1, reach_m(arm)))
-    turn = rotation_from_rpy(*sensor.rotation_rad)
-    return Mesh(box.vertices @ turn.T + np.array(sensor.position_m), box.faces)
+    radius = _hub_radius(arm, sensor.joint - 1, reach_m(arm))
+    turn, place = rotation_from_rpy(*sensor.rotation_rad), np.array(sensor.position_m)
+    half = 0.5 * radius * np.array([1.0, 1.0, 0.6])
+    ahead = int(np.argmax(np.abs(place)))
+    if _length(np.delete(place, ahead)) < 0.5 * radius:  # inside of a beam it would not be seen, so it is a collar
+        half = np.full(3, 1.12 * BEAM * radius)
+        half[int(np.argmax(np.abs(turn[ahead])))] *= 0.6
+    box = _box(half)
+    return Mesh(box.vertices @ turn.T + place, box.faces)
 
 
 def _hub_radius(arm: Arm, index: int, reach: float) -> float:

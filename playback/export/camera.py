@@ -4,16 +4,17 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from arm.kinematics import axis_frames, link_transforms
+from arm.kinematics import axis_frames
 from arm.model import Arm
 from playback.export.gravity import upward
 from playback.export.sampled import Mover
-from playback.shape import HUB, base_mesh, reach_m
+from playback.shape import base_mesh, link_meshes, link_poses
 from playback.trajectory import Floats
 
 TILT_DEG = 24.0  # from the axis of a planar arm, so that it looks solid
 AROUND_DEG, ABOVE_DEG = -55.0, 22.0  # where the viewer of any other arm stands
 FILLED = 0.9  # of the picture's smaller side
+LOOKS = 200  # how many instants decide on what must be seen
 
 
 @dataclass(frozen=True)
@@ -45,8 +46,11 @@ class Camera:
         return np.asarray(seen)
 
 
-def look_at(movers: tuple[Mover, ...], width: int, height: int) -> Camera:
-    """Return a camera that sees all of a motion: along the axis of a planar arm, else from the side and above."""
+def look_at(movers: tuple[Mover, ...], width: int, height: int, head: int = 0) -> Camera:
+    """Return a camera that sees all of a motion: along the axis of a planar arm, else from the side and above.
+
+    ``head`` is what is kept free above [px].
+    """
     arm, up = movers[0].arm, upward(movers[0].arm)
     axis = _common_axis(arm)
     if axis is None:
@@ -55,19 +59,26 @@ def look_at(movers: tuple[Mover, ...], width: int, height: int) -> Camera:
         axes, normal = _above(axis, up), axis
     base = base_mesh(arm).vertices
     places = [base @ axes.T]
-    margin = 1.6 * HUB * reach_m(arm)
     for mover in movers:
-        points = np.concatenate([axis_frames(mover.arm, mover.q), link_transforms(mover.arm, mover.q)], axis=1)
-        seen = points[..., :3, 3].reshape(-1, 3) @ axes.T
-        places += [seen - margin, seen + margin]
+        every = max(1, len(mover.q) // LOOKS)
+        poses = link_poses(mover.arm, mover.q[::every])
+        for i, mesh in enumerate(link_meshes(mover.arm)):
+            corners = _box_corners(mesh.vertices)
+            at = np.einsum("nij,kj->nki", poses[:, i, :3, :3], corners) + poses[:, i, None, :3, 3]
+            places.append(at.reshape(-1, 3) @ axes.T)
     seen = np.concatenate(places)[:, :2]
     low, high = seen.min(axis=0), seen.max(axis=0)
-    scale = FILLED * float(np.min(np.array([width, height]) / (high - low)))
+    scale = FILLED * float(np.min(np.array([width, height - head]) / (high - low)))
     centre = 0.5 * (low + high) * [1.0, -1.0]
     across = np.cross(normal, axes[0] if abs(normal @ axes[0]) < 0.9 else axes[1])
     across /= np.linalg.norm(across)
     floor = np.array([np.cross(across, normal), across, normal * float((base @ normal).min())])
-    return Camera(axes, scale, np.array([width, height]) / 2.0 - scale * centre, floor)
+    return Camera(axes, scale, np.array([width, height + head]) / 2.0 - scale * centre, floor)
+
+
+def _box_corners(points: Floats) -> Floats:
+    low, high = points.min(axis=0), points.max(axis=0)
+    return np.array([[x, y, z] for x in (low[0], high[0]) for y in (low[1], high[1]) for z in (low[2], high[2])])
 
 
 def _common_axis(arm: Arm) -> Floats | None:

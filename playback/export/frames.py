@@ -14,15 +14,17 @@ from playback.export.sampled import Sampled
 from playback.export.scene import Scene
 
 ARM_SHARE = 0.56  # of the width
+HEAD_LINES = 4  # in letters' heights, for title and legend
 CURSOR = np.array([120.0, 126.0, 138.0])
 
 
 def pictures(motion: Sampled, width: int, height: int) -> Iterator[Picture]:
     """Yield the picture of every frame, (height, width, 3) of uint8; each is valid until the next."""
     left = round(ARM_SHARE * width)
-    scene, plots = Scene(motion.movers, left, height), draw_plots(motion, width - left, height)
-    picture = np.empty((height, width, 3), np.uint8)
     size = max(11, round(height / 42))
+    scene = Scene(motion.movers, left, height, HEAD_LINES * size)
+    plots = draw_plots(motion, width - left, height, HEAD_LINES * size)
+    picture = np.empty((height, width, 3), np.uint8)
     words = _Words(motion, scene.grid_m, left, height, size)
     graph = plots.picture.astype(np.float32)
     for k, t in enumerate(motion.t):
@@ -54,11 +56,11 @@ class _Words:
         pen.text((size, size), self._motion.title, INK, self._bold)
         pen.text((size, 2.4 * size), f"trial {self._motion.trial}     t = {t:.2f} s", INK, self._plain)
         pen.text((width - size, height - size), self._grid, CURSOR_INK, self._plain, anchor="rs")
-        if len(self._motion.movers) > 1:
-            for k, mover in enumerate(self._motion.movers):
-                y = height - (2.5 - 1.5 * k) * size
-                pen.rectangle((size, y - 0.8 * size, 1.8 * size, y), fill=mover.colours.link)
-                pen.text((2.3 * size, y), mover.name, INK, self._plain, anchor="ls")
+        x = float(width + size)
+        for mover in self._motion.movers if len(self._motion.movers) > 1 else ():
+            pen.rectangle((x, 1.1 * size, x + 0.8 * size, 1.9 * size), fill=mover.colours.link)
+            pen.text((x + 1.3 * size, size), mover.name, INK, self._plain)
+            x += 3.0 * size + pen.textlength(mover.name, self._plain)
         return np.asarray(page)
 
 

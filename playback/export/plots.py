@@ -9,6 +9,7 @@ from matplotlib.figure import Figure
 from playback.export.raster import Picture
 from playback.export.sampled import Mover, Sampled
 from playback.export.scene import PAPER
+from playback.shape import Rgb
 from playback.trajectory import Floats
 
 INK, FAINT = "#30343b", "#d9dce3"
@@ -35,18 +36,21 @@ class Plots:
     dots: list[tuple[Floats, Floats]]
 
 
-def draw_plots(motion: Sampled, width: int, height: int) -> Plots:
-    """Draw every joint's position over time, in degrees or millimetres, a twin's beside the arm's."""
+def draw_plots(motion: Sampled, width: int, height: int, head: int) -> Plots:
+    """Draw every joint's position over time, in degrees or millimetres, a twin's beside the arm's.
+
+    ``head`` is what is kept free above [px].
+    """
     n_joint, dpi = motion.movers[0].arm.n_joint, 100.0 * min(1.0, height / 540.0)
-    figure = Figure(figsize=(width / dpi, height / dpi), dpi=dpi, facecolor=np.array(PAPER) / 255.0)
+    figure = Figure(figsize=(width / dpi, height / dpi), dpi=dpi, facecolor=_unit(PAPER))
     canvas = FigureCanvasAgg(figure)
     axes = figure.subplots(n_joint, 1, sharex=True, squeeze=False)[:, 0]
-    margins = {"left": 62.0 / width, "right": 1.0 - 24.0 / width, "top": 1.0 - 34.0 / height}
-    figure.subplots_adjust(**margins, bottom=min(0.2, 52.0 * dpi / 100.0 / height), hspace=0.28)
+    margins = {"left": 62.0 / width, "right": 1.0 - 24.0 / width, "top": 1.0 - head / height}
+    figure.subplots_adjust(**margins, bottom=min(0.2, 52.0 * dpi / 100.0 / height), hspace=0.1)
     for j, ax in enumerate(axes):
         for mover in reversed(motion.movers):  # the arm's own curve lies on top
             style = {
-                "color": _rgb(mover),
+                "color": _unit(mover.colours.trace),
                 "linewidth": 1.6,
                 "linestyle": "-" if mover is motion.movers[0] else "--",
             }
@@ -61,8 +65,9 @@ def draw_plots(motion: Sampled, width: int, height: int) -> Plots:
         for spine in ax.spines.values():
             spine.set_color(FAINT)
     axes[-1].set_xlabel("time [s]", color=INK, fontsize=10)
-    canvas.draw()
-    picture = np.asarray(canvas.buffer_rgba())[:height, :width, :3].copy()
+    canvas.draw()  # type: ignore[no-untyped-call]
+    picture = np.asarray(canvas.buffer_rgba())  # type: ignore[no-untyped-call]
+    picture = picture[:height, :width, :3].copy()
     rows, dots, x = [], [], np.empty(0)
     for j, ax in enumerate(axes):
         box = ax.get_window_extent()
@@ -79,5 +84,6 @@ def _shown(mover: Mover, joint: int) -> Floats:
     return np.asarray(np.degrees(q) if mover.arm.joints[joint].type == "revolute" else 1e3 * q)
 
 
-def _rgb(mover: Mover) -> tuple[float, ...]:
-    return tuple(value / 255.0 for value in mover.colours.trace)
+def _unit(colour: Rgb) -> tuple[float, float, float]:
+    red, green, blue = colour
+    return red / 255.0, green / 255.0, blue / 255.0

@@ -13,6 +13,7 @@ Image = NDArray[np.float32]
 Picture = NDArray[np.uint8]
 FINER = 2  # pixels drawn across one of the picture, against jagged edges
 FAR = -1e30
+SAME = 1.0  # [px]: two arms that lie in each other must not flicker
 
 # towards the light, in the camera's frame: right, up, towards the viewer
 _LIGHT = (-0.39, 0.59, 0.71)
@@ -47,10 +48,13 @@ def draw_mesh(corners: Floats, normals: Floats, faces: Faces, colour: Floats, im
             continue
         left, right = max(0, math.ceil(min(ax, bx, cx))), min(width - 1, math.floor(max(ax, bx, cx)))
         top, bottom = max(0, math.ceil(min(ay, by, cy))), min(height - 1, math.floor(max(ay, by, cy)))
+        u_step, v_step = (by - cy) / area, (cy - ay) / area  # of the shares of a and b, a pixel to the right
         for y in range(top, bottom + 1):
+            u = ((bx - left) * (cy - y) - (cx - left) * (by - y)) / area - u_step
+            v = ((cx - left) * (ay - y) - (ax - left) * (cy - y)) / area - v_step
             for x in range(left, right + 1):
-                u = ((bx - x) * (cy - y) - (cx - x) * (by - y)) / area
-                v = ((cx - x) * (ay - y) - (ax - x) * (cy - y)) / area
+                u += u_step
+                v += v_step
                 w = 1.0 - u - v
                 if u < 0.0 or v < 0.0 or w < 0.0:
                     continue
@@ -90,10 +94,10 @@ def draw_stroke(start: Floats, end: Floats, radius: float, colour: Floats, opaci
 
 @compiled
 def lay_over(upper: Image, upper_depth: Image, opacity: float, image: Image, depth: Image) -> None:
-    """Blend what was drawn in another image over this one, where it is nearer."""
+    """Blend what was drawn in another image over this one, where it is nearer by more than rounding."""
     for y in range(depth.shape[0]):
         for x in range(depth.shape[1]):
-            if upper_depth[y, x] > depth[y, x]:
+            if upper_depth[y, x] > depth[y, x] + SAME:
                 for k in range(3):
                     image[y, x, k] += opacity * (upper[y, x, k] - image[y, x, k])
 

@@ -15,7 +15,7 @@ from playback.trajectory import Floats
 
 PAPER, GRID, GRID_AXIS = (250, 250, 252), (228, 230, 235), (205, 209, 217)
 TWIN_OPACITY = 0.62
-TRACE_PX, TRACE_OPACITY = 1.3, 0.75
+TRACE_PX, PALE = 1.3, 0.3  # of the tip's path
 
 
 @dataclass(frozen=True)
@@ -38,6 +38,8 @@ class Scene:
         The first is solid, one more is seen through.
     width, height : int
         Of the pictures [px].
+    head : int
+        What is kept free above for words [px].
 
     Attributes
     ----------
@@ -45,11 +47,11 @@ class Scene:
         Between two lines of the grid.
     """
 
-    def __init__(self, movers: tuple[Mover, ...], width: int, height: int) -> None:
+    def __init__(self, movers: tuple[Mover, ...], width: int, height: int, head: int = 0) -> None:
         self._movers = movers
-        self._camera = look_at(movers, FINER * width, FINER * height)
+        self._camera = look_at(movers, FINER * width, FINER * height, FINER * head)
         self._poses = [link_poses(mover.arm, mover.q) for mover in movers]
-        self._parts = [_parts(mover) for mover in movers]
+        self._parts = [_parts(mover, k == 0) for k, mover in enumerate(movers)]
         self._tips = [self._camera.project(mover.tip)[:, :2] for mover in movers]
         self.grid_m = _round_length(0.25 * reach_m(movers[0].arm))
         self._ground = _ground(self._camera, self.grid_m, FINER * width, FINER * height)
@@ -61,9 +63,9 @@ class Scene:
     def draw(self, frame: int) -> Picture:
         """Return the picture of a frame, to be asked for in their order: the path of the tip grows."""
         for mover, tip in zip(self._movers, self._tips, strict=True):
-            colour = np.array(mover.colours.trace, dtype=float)
+            colour = PALE * np.array(PAPER) + (1.0 - PALE) * np.array(mover.colours.trace)
             last = max(frame - 1, 0)
-            draw_stroke(tip[last], tip[frame], FINER * TRACE_PX, colour, TRACE_OPACITY, self._ground)
+            draw_stroke(tip[last], tip[frame], FINER * TRACE_PX, colour, 1.0, self._ground)
         self._image[:] = self._ground
         self._depth[:] = FAR
         self._draw(0, frame, self._image, self._depth)
@@ -83,9 +85,9 @@ class Scene:
             draw_mesh(corners, normals, part.faces, part.colour, image, depth)
 
 
-def _parts(mover: Mover) -> list[_Part]:
+def _parts(mover: Mover, with_base: bool) -> list[_Part]:
     arm, colours = mover.arm, mover.colours
-    meshes = [(-1, base_mesh(arm), colours.base)]
+    meshes = [(-1, base_mesh(arm), colours.base)] if with_base else []  # the two stand on one base
     meshes += [(i, mesh, colours.link) for i, mesh in enumerate(link_meshes(arm))]
     meshes += [(sensor.joint - 1, sensor_mesh(arm, sensor), colours.sensor) for sensor in arm.sensors]
     parts = []

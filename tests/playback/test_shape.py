@@ -53,7 +53,7 @@ joints = st.builds(
 )
 
 
-@settings(deadline=None, max_examples=40)
+@settings(deadline=None, max_examples=20)
 @given(st.lists(joints, min_size=1, max_size=7), st.tuples(finite, finite, finite))
 def test_any_chain_is_drawn_solid_and_no_larger_than_its_reach_allows(
     chain: list[Joint], place: tuple[float, float, float]

@@ -1,0 +1,99 @@
+"""Films, decoded again."""
+
+from collections.abc import Iterator
+from pathlib import Path
+
+import imageio_ffmpeg
+import numpy as np
+import pytest
+from PIL import Image
+
+from limbcal.errors import DeviceError
+from playback.export.film import write_gif, write_mp4
+from playback.export.frames import pictures
+from playback.export.sampled import Sampled
+from playback.export.scene import PAPER, Scene
+
+SIZE = (320, 180)
+
+
+def coloured(n: int) -> Iterator[np.ndarray]:
+    """Yield pictures, each of one grey of its own."""
+    for k in range(n):
+        yield np.full((SIZE[1], SIZE[0], 3), 40 + 7 * k, np.uint8)
+
+
+def decode(path: Path) -> tuple[dict[str, object], list[np.ndarray]]:
+    reader = imageio_ffmpeg.read_frames(str(path))
+    about = next(reader)
+    return about, [np.frombuffer(frame, np.uint8).reshape(SIZE[1], SIZE[0], 3) for frame in reader]
+
+
+def test_an_mp4_has_every_frame_in_its_place_and_time(tmp_path: Path) -> None:
+    path = tmp_path / "film.mp4"
+    write_mp4(path, coloured(25), SIZE, 50.0)
+    about, frames = decode(path)
+    assert imageio_ffmpeg.count_frames_and_secs(str(path)) == (25, pytest.approx(0.5, abs=0.011))
+    assert (about["size"], about["fps"], about["codec"]) == (SIZE, 50.0, "h264")
+    assert "yuv420p" in str(about["pix_fmt"])
+    assert [float(frame.mean()) for frame in frames] == pytest.approx([40 + 7 * k for k in range(25)], abs=2.5)
+    assert [found.name for found in tmp_path.iterdir()] == ["film.mp4"]
+    assert path.read_bytes().index(b"moov") < path.read_bytes().index(b"mdat")  # plays while it loads
+
+
+@pytest.mark.parametrize("rate_hz", [25.0, 30.0])
+def test_a_gif_keeps_the_time(tmp_path: Path, rate_hz: float) -> None:
+    path = tmp_path / "film.gif"
+    write_gif(path, coloured(20), rate_hz)
+    with Image.open(path) as film:
+        assert (film.size, film.n_frames, film.info["loop"]) == (SIZE, 20, 0)
+        durations = []
+        for k in range(20):
+            film.seek(k)
+            durations.append(film.info["duration"])
+            assert abs(int(np.asarray(film.convert("RGB")).mean()) - (40 + 7 * k)) <= 110
+    assert sum(durations) == pytest.approx(20e3 / rate_hz, abs=5.0)
+    assert set(durations) <= {30, 40}
+
+
+def test_what_breaks_off_leaves_nothing(tmp_path: Path) -> None:
+    def broken() -> Iterator[np.ndarray]:
+        yield from coloured(3)
+        raise KeyboardInterrupt
+
+    kept = tmp_path / "film.mp4"
+    kept.write_bytes(b"the one before")
+    for write in (lambda: write_mp4(kept, broken(), SIZE, 25.0), lambda: write_gif(kept, broken(), 25.0)):
+        with pytest.raises(KeyboardInterrupt):
+            write()
+        assert [found.name for found in tmp_path.iterdir()] == ["film.mp4"]
+    assert kept.read_bytes() == b"the one before"
+
+
+def test_a_full_disk_is_said(tmp_path: Path) -> None:
+    (tmp_path / "not-a-folder").write_bytes(b"")
+    with pytest.raises(DeviceError, match="film.gif cannot be written"):
+        write_gif(tmp_path / "not-a-folder" / "film.gif", coloured(2), 25.0)
+
+
+def test_pictures_show_arm_and_curves(pair: Sampled) -> None:
+    drawn = [picture.copy() for picture in pictures(pair, 640, 360)]
+    assert len(drawn) == len(pair.t)
+    assert {picture.shape for picture in drawn} == {(360, 640, 3)}
+    first, last = drawn[0].astype(int), drawn[-1].astype(int)
+    left = round(0.56 * 640)
+    assert np.any(first[:, :left] != last[:, :left]) and np.any(first[:, left:] != last[:, left:])
+
+
+@pytest.mark.parametrize(("width", "height"), [(400, 300), (160, 300)])
+def test_all_of_the_arm_is_in_the_picture_all_the_time(motion: Sampled, width: int, height: int) -> None:
+    bare = Scene(motion.movers, width, height)
+    empty = np.array(PAPER, dtype=np.float32)
+    for k in (0, 10, len(motion.t) - 1):
+        bare.draw(k)
+        bare._image[:] = empty
+        bare._depth[:] = -1e30
+        bare._draw(0, k, bare._image, bare._depth)
+        drawn = np.any(bare._image != empty, axis=2)
+        assert drawn.mean() > 0.01
+        assert not drawn[[0, -1]].any() and not drawn[:, [0, -1]].any()
