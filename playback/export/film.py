@@ -1,7 +1,6 @@
 """Pictures into MP4, by the ffmpeg that imageio-ffmpeg brings, and GIF, by Pillow."""
 
 from collections.abc import Iterator
-from itertools import chain
 from pathlib import Path
 
 import imageio_ffmpeg
@@ -13,7 +12,7 @@ from playback.export.raster import Picture
 from playback.export.whole_file import whole_file
 
 GIF_TICK_HZ = 100.0  # a GIF counts time in hundredths of a second
-GIF_COLOURS = 128
+GIF_COLOURS = 256
 
 
 def write_mp4(path: Path, pictures: Iterator[Picture], size: tuple[int, int], rate_hz: float) -> None:
@@ -45,17 +44,16 @@ def write_mp4(path: Path, pictures: Iterator[Picture], size: tuple[int, int], ra
 
 
 def write_gif(path: Path, pictures: Iterator[Picture], rate_hz: float) -> None:
-    """Write a GIF that repeats for ever. Its palette is that of the first picture; its pace keeps the time.
+    """Write a GIF that repeats for ever. Every picture has a palette of its own; the pace keeps the time.
 
     Raises
     ------
     DeviceError
         If the disk fails.
     """
-    first = Pil.fromarray(next(pictures)).quantize(GIF_COLOURS, dither=Pil.Dither.NONE)
-    rest = (Pil.fromarray(picture).quantize(palette=first, dither=Pil.Dither.NONE) for picture in pictures)
+    few = (Pil.fromarray(picture).quantize(GIF_COLOURS, Pil.Quantize.FASTOCTREE) for picture in pictures)
     with whole_file(path) as part:
-        frames = list(chain([first], rest))
+        frames = list(few)
         ticks = np.round(np.arange(len(frames) + 1) * GIF_TICK_HZ / rate_hz)
         durations = (np.diff(ticks) * 1000.0 / GIF_TICK_HZ).astype(int).tolist()
         frames[0].save(part, save_all=True, append_images=frames[1:], duration=durations, loop=0, disposal=1)

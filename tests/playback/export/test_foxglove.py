@@ -33,7 +33,7 @@ def read(path: Path) -> Topics:
 
 
 def check(value: object, schema: dict[str, Any], where: str) -> None:
-    """A document holds exactly what its schema names, of the types that it names."""
+    """Hold a document against its schema: exactly what that names, of the types that it names."""
     kinds = {"object": dict, "array": list, "number": float | int, "integer": int, "string": str, "boolean": bool}
     assert isinstance(value, kinds[schema["type"]]), where
     if isinstance(value, dict) and "properties" in schema:
