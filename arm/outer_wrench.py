@@ -1,8 +1,8 @@
 """Force and moment from outside at any point of any link, as the Newton-Euler equations take them up.
 
 In the inverse part of the recursion each link passes on to the one before it what it gets from the one after it,
-less what acts on it from outside. That is linear, so the outer part is a recursion of its own: it begins at the row
-of the link that is touched and ends at the base. Links beyond the touched one do not notice.
+less what acts on it from outside. That is linear, so the outer part is a recursion of its own: it begins at the
+row of the link that is touched and ends at the base. Links beyond the touched one do not notice.
 """
 
 import numpy as np

@@ -4,7 +4,7 @@ import argparse
 import sys
 
 from limbcal.command import Parser, common_options, run_command
-from playback.commands import send, serve
+from playback.commands import export, send, serve, touch, view
 
 
 def build_parser() -> argparse.ArgumentParser:
@@ -13,6 +13,9 @@ def build_parser() -> argparse.ArgumentParser:
     commands = parser.add_subparsers(required=True, metavar="COMMAND")
     for name, words, add_arguments in (
         ("serve", "stream a recorded or simulated motion as limb/play", serve.add_arguments),
+        ("view", "show the arm in a browser, with its twin and the controls", view.add_arguments),
+        ("export", "write a motion as glTF, CSV, MP4, GIF, or MCAP for Foxglove", export.add_arguments),
+        ("touch", "simulate the arm in real time and let a haptic device feel it", touch.add_arguments),
         ("send", "ask a running playback for something", send.add_arguments),
     ):
         add_arguments(commands.add_parser(name, parents=[common_options()], help=words, description=words))

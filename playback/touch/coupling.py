@@ -28,7 +28,7 @@ from playback.touch.rotation import turned_between, turned_on
 ) = range(11)  # fmt: skip
 N_NUMBER = 11
 #: What `Touch.account` has [J]: work that the hand did, work that the arm got, what changed stiffness brought in,
-#: what the device's own damping took at least, what is stored; and in how many ticks there was too little of it all.
+#: what the device's own damping took at least, what is stored; and in how many ticks it did not add up.
 HAND, ARM, INJECTED, CREDIT, STORED, BRAKED = range(6)
 N_ACCOUNT = 6
 
@@ -141,7 +141,7 @@ def pull(
 
 @inlined
 def couple(chain: Chain, touch: Touch, R: Floats, p: Floats, dq: Floats, share: float, net: Floats) -> float:
-    """Add to ``net`` what the hand does at the joints, a share of a step on, and return its power on the arm [W]."""
+    """Add to ``net`` what the hand does at the joints, a share of a step on; return its power on the arm [W]."""
     joint = touch.joint[0]
     if joint < 0:
         return 0.0
@@ -178,4 +178,4 @@ def depth(touch: Touch, part: float) -> float:
     inside = n[3]
     for row in range(3):
         inside -= n[row] * (touch.path[0, row] + part * (touch.path[1, row] - touch.path[0, row]))
-    return max(inside, 0.0)
+    return float(max(inside, 0.0))

@@ -1,7 +1,7 @@
 """How stiff and how damped a coupling may be so that no energy comes out of it (docs/touch.md, sections 3 and 4).
 
-b is the damping that device and hand have of their own, B that of the coupling, K its stiffness, and T the interval
-from one force to the next, with twice the delay between a place and the force that answers it.
+b is the damping that device and hand have of their own, B that of the coupling, K its stiffness, and T the
+interval from one force to the next, with twice the delay between a place and the force that answers it.
 """
 
 import math
@@ -121,7 +121,7 @@ class Coupling:
 
 
 def _passive(stiffness: float, damping: float, device: float, interval_s: float) -> tuple[float, float]:
-    """Return the coupling as it was asked for if it is passive; else the damping at which most stiffness is left."""
+    """Return the coupling as it was asked for if it is passive; else with the damping that leaves most."""
     if damping <= device and stiffness <= stiffness_limit(device, damping, interval_s):
         return stiffness, damping
     best = device / 4.0

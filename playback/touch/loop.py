@@ -1,4 +1,4 @@
-"""The haptic loop: what devices say goes in, the arm steps, what the hand feels goes out, a thousand times a second."""
+"""The haptic loop: a thousand times a second devices are heard, the arm steps, and hands feel it."""
 
 import time
 import uuid

@@ -62,7 +62,7 @@ def first_reversal(mode: Floats, dq: Floats, after: Floats, room: Room) -> float
 
 @inlined
 def runge_kutta_state(q: Floats, dq: Floats, slopes: Floats, stage: int, h: float, after: Floats) -> None:
-    """Fill in the state ``after`` at which a stage (0 to 3) of a stretch of ``h`` seconds is evaluated, or its end (4)."""
+    """Fill in the state ``after`` at a stage (0 to 3) of a stretch of ``h`` seconds, or at its end (4)."""
     v, a = slopes[0], slopes[1]
     for i in range(q.size):
         after[0, i], after[1, i] = q[i], dq[i]
@@ -87,17 +87,106 @@ def come_to_rest(again: bool, mode: Floats, dq: Floats, after: Floats, room: Roo
 
 
 @compiled
-def advance(
+def hear(touch: Touch, heard: bool) -> None:
+    """Put down what has changed since the last tick: stiffness, and where the hand is if it was ``heard``."""
+    account, x = touch.account, touch.numbers
+    account[INJECTED] += stored(touch, 0.0) - account[STORED]
+    if heard:
+        moved, turned = 0.0, 0.0
+        for row in range(3):
+            d = touch.path[1, row] - touch.path[0, row]
+            account[HAND] -= touch.sent[0, row] * d + touch.sent[1, row] * touch.twist[row]
+            moved += d * d
+            turned += touch.twist[row] * touch.twist[row]
+        account[CREDIT] += (x[DEVICE] * moved + x[TURN_DEVICE] * turned) / x[INTERVAL]
+
+
+@compiled
+def feel(parts: Parts, heard: bool) -> None:
+    """Fill in what the hand feels and what is stored; the hand's move is over, and it is told if ``heard``."""
+    chain, touch, room, state = parts.chain, parts.touch, parts.room, parts.state
+    account, x = touch.account, touch.numbers
+    touch.felt[:] = 0.0
+    if touch.joint[0] >= 0:
+        poses(chain, state[0], room.R, room.p)
+        point_motion(chain, room.R, room.p, state[1], touch.joint[0], touch.point, touch.axes, touch.moving)
+        v, w = touch.seen[0], touch.seen[1]
+        f, m = pull(touch, 1.0, v[0], v[1], v[2], w[0], w[1], w[2])
+        push = min(x[WALL_STIFFNESS] * depth(touch, 1.0), x[WALL_LIMIT])
+        for row in range(3):
+            touch.felt[0, row] = push * touch.wall[row] - f[row]
+            touch.felt[1, row] = -m[row]
+    account[STORED] = stored(touch, 1.0)
+    touch.path[0] = touch.path[1]
+    if touch.joint[0] >= 0:
+        turned_on(touch.frame, touch.twist, 1.0, touch.room[0], touch.room[1])
+        touch.frame[:] = touch.room[1]
+        touch.twist[:] = 0.0
+        brake(touch)
+    if heard:
+        touch.sent[:] = touch.felt
+
+
+@compiled
+def brake(touch: Touch) -> None:
+    """Resist the hand where more energy has come out than went in: the passivity controller.
+
+    The account is short by so much; a damper on the hand takes it within one tick, if the device's own damping is
+    at least as strong.
+    """
+    account, x = touch.account, touch.numbers
+    slack = account[HAND] + account[INJECTED] + account[CREDIT] - account[ARM] - account[STORED]
+    if slack >= -_ROUNDING * (1.0 + abs(account[HAND]) + abs(account[ARM])):
+        return
+    account[BRAKED] += 1.0
+    for part, damping, limit in (
+        (0, x[DEVICE], x[LIMIT] + x[WALL_LIMIT]),
+        (1, x[TURN_DEVICE], x[TURN_LIMIT]),
+    ):
+        v = touch.seen[part]
+        square = v[0] * v[0] + v[1] * v[1] + v[2] * v[2]
+        if square == 0.0:
+            continue
+        f = touch.felt[part]
+        resistance = min(-slack / (x[INTERVAL] * square), damping)
+        for row in range(3):
+            f[row] -= resistance * v[row]
+        strength = length((f[0], f[1], f[2]))
+        if strength > limit:
+            for row in range(3):
+                f[row] *= limit / strength
+
+
+@compiled
+def begin_step(parts: Parts) -> None:
+    """Take up what the arm carries from now on, and move the commands that a delay looks back on one step away."""
+    past = parts.room.way.past
+    parts.counts[0] = take_up(parts.effects, parts.chain, parts.clock[0], parts.counts[0])
+    for j in range(past.shape[0] - 1):
+        past[j] = past[j + 1]
+
+
+@compiled
+def tick(  # noqa: PLR0915 - each kernel that calls another is compiled with all of it once more
     floats: Floats,
     whole: NDArray[np.int64],
     flags: NDArray[np.bool_],
     sizes: NDArray[np.int64],
     n_step: int,
+    heard: bool,
 ) -> None:
-    """Take the arm some steps on by Runge-Kutta, the hand moving on its path meanwhile.
+    """Take the arm some steps on by Runge-Kutta, the hand moving meanwhile, and say what it feels then.
 
-    The modes of the joints are chosen at the start of a stretch, for all of it. A stretch is gone through twice where
-    a joint comes to rest in it: the first time shows where. Parameters are those of `playback.touch.memory`.
+    The modes of the joints are chosen at the start of a stretch, for all of it. A stretch is gone through twice
+    where a joint comes to rest in it: the first time shows where.
+
+    Parameters
+    ----------
+    floats, whole, flags, sizes
+        As `playback.touch.memory` has them.
+    n_step : int
+    heard : bool
+        Whether ``touch.path[1]`` is a new place, and its sender is told what it feels there.
     """
     parts = laid_out(floats, whole, flags, sizes)
     chain, effects, touch, room, state, slopes, after, clock = (
@@ -110,6 +199,7 @@ def advance(
         parts.after,
         parts.clock,
     )
+    hear(touch, heard)
     q, dq, mode, commands = state[0], state[1], after[2], parts.commands
     k, dt = commands.drive.shape[0] - 1, clock[1]
     touch.span[1], touch.span[2] = n_step, dt
@@ -159,89 +249,4 @@ def advance(
             clock[0] += dt
             step, fresh = step + 1, True
     state[2] = slopes[1, 3]
-
-
-@compiled
-def begin_step(parts: Parts) -> None:
-    """Take up what the arm carries from now on, and move the commands that a delay looks back on one step away."""
-    past = parts.room.way.past
-    parts.counts[0] = take_up(parts.effects, parts.chain, parts.clock[0], parts.counts[0])
-    for j in range(past.shape[0] - 1):
-        past[j] = past[j + 1]
-
-
-@compiled
-def hear(
-    floats: Floats, whole: NDArray[np.int64], flags: NDArray[np.bool_], sizes: NDArray[np.int64], heard: bool
-) -> None:
-    """Put down what has changed since the last tick: stiffness, and where the hand is if it was ``heard``."""
-    touch = laid_out(floats, whole, flags, sizes).touch
-    account, x = touch.account, touch.numbers
-    account[INJECTED] += stored(touch, 0.0) - account[STORED]
-    if heard:
-        moved, turned = 0.0, 0.0
-        for row in range(3):
-            d = touch.path[1, row] - touch.path[0, row]
-            account[HAND] -= touch.sent[0, row] * d + touch.sent[1, row] * touch.twist[row]
-            moved += d * d
-            turned += touch.twist[row] * touch.twist[row]
-        account[CREDIT] += (x[DEVICE] * moved + x[TURN_DEVICE] * turned) / x[INTERVAL]
-
-
-@compiled
-def feel(
-    floats: Floats, whole: NDArray[np.int64], flags: NDArray[np.bool_], sizes: NDArray[np.int64], heard: bool
-) -> None:
-    """Fill in force and moment on the hand, and what is stored; the hand's move is over, and it is told if ``heard``."""
-    parts = laid_out(floats, whole, flags, sizes)
-    chain, touch, room, state = parts.chain, parts.touch, parts.room, parts.state
-    account, x = touch.account, touch.numbers
-    touch.felt[:] = 0.0
-    if touch.joint[0] >= 0:
-        poses(chain, state[0], room.R, room.p)
-        point_motion(chain, room.R, room.p, state[1], touch.joint[0], touch.point, touch.axes, touch.moving)
-        v, w = touch.seen[0], touch.seen[1]
-        f, m = pull(touch, 1.0, v[0], v[1], v[2], w[0], w[1], w[2])
-        push = min(x[WALL_STIFFNESS] * depth(touch, 1.0), x[WALL_LIMIT])
-        for row in range(3):
-            touch.felt[0, row] = push * touch.wall[row] - f[row]
-            touch.felt[1, row] = -m[row]
-    account[STORED] = stored(touch, 1.0)
-    touch.path[0] = touch.path[1]
-    if touch.joint[0] >= 0:
-        turned_on(touch.frame, touch.twist, 1.0, touch.room[0], touch.room[1])
-        touch.frame[:] = touch.room[1]
-        touch.twist[:] = 0.0
-        brake(touch)
-    if heard:
-        touch.sent[:] = touch.felt
-
-
-@compiled
-def brake(touch: Touch) -> None:
-    """Resist the hand where more energy has come out than went in: the passivity controller.
-
-    The account is short by so much; the hand is slowed down by a damper that takes it within one tick, if the device's
-    own damping is at least as strong.
-    """
-    account, x = touch.account, touch.numbers
-    slack = account[HAND] + account[INJECTED] + account[CREDIT] - account[ARM] - account[STORED]
-    if slack >= -_ROUNDING * (1.0 + abs(account[HAND]) + abs(account[ARM])):
-        return
-    account[BRAKED] += 1.0
-    for part, damping, limit in (
-        (0, x[DEVICE], x[LIMIT] + x[WALL_LIMIT]),
-        (1, x[TURN_DEVICE], x[TURN_LIMIT]),
-    ):
-        v = touch.seen[part]
-        square = v[0] * v[0] + v[1] * v[1] + v[2] * v[2]
-        if square == 0.0:
-            continue
-        f = touch.felt[part]
-        resistance = min(-slack / (x[INTERVAL] * square), damping)
-        for row in range(3):
-            f[row] -= resistance * v[row]
-        strength = length((f[0], f[1], f[2]))
-        if strength > limit:
-            for row in range(3):
-                f[row] *= limit / strength
+    feel(parts, heard)

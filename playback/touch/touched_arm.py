@@ -20,7 +20,7 @@ from playback.touch import coupling as c
 from playback.touch.limit import Coupling, mass_limit
 from playback.touch.memory import Memory
 from playback.touch.rotation import turned_between
-from playback.touch.tick import advance, feel, hear
+from playback.touch.tick import tick
 
 #: How fast an arm without a control law of its own returns to where it is held [rad/s].
 _HOLD_RAD_S = 2.0 * math.pi * 2.0
@@ -208,10 +208,7 @@ class TouchedArm:
                 t.seen[1] = t.twist / since
             t.numbers[c.INTERVAL] = since
             self._unheard_s = 0.0
-        arrays = self._memory.arrays
-        hear(*arrays, heard)
-        advance(*arrays, n_step)
-        feel(*arrays, heard)
+        tick(*self._memory.arrays, n_step, heard)
 
     @property
     def felt(self) -> Floats:
@@ -226,7 +223,8 @@ class TouchedArm:
     def touched_point(self, grip: Grip) -> Floats:
         """Return where a point of a link is now, (3,) [m]."""
         frame = frames_of(self._chain, self.state[:1])[0, grip.joint - 1]
-        return np.asarray(frame[:3, :3] @ np.array(grip.point_m) + frame[:3, 3])
+        place: Floats = frame[:3, :3] @ np.array(grip.point_m) + frame[:3, 3]
+        return place
 
     def energy(self) -> dict[str, object]:
         """Return the account of the coupling [J], and whether no more has come out than went in."""
