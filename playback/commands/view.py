@@ -7,7 +7,7 @@ from pathlib import Path
 from limbcal.command import emit, say, to_json
 from limbcal.errors import ConfigError
 from playback.commands.serve import DEFAULT_CONTROL, DEFAULT_ENDPOINT, DEFAULT_LIVE
-from playback.commands.source_options import add_source_arguments
+from playback.commands.source_options import DEFAULT_ARM, add_source_arguments
 
 DEFAULT_PORT = 8780
 
@@ -21,6 +21,14 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--trial", type=int, metavar="N", help="trial to load first, by default the lowest")
     parser.add_argument("--rate-hz", type=float, default=100.0, metavar="R", help="messages a second (100)")
     parser.add_argument("--play", action="store_true", help="start at once, without waiting for the button")
+    parser.add_argument(
+        "--touch",
+        action="store_true",
+        help="in place of SOURCE: simulate --arm at 1 kHz, to be pulled by its tip",
+    )
+    parser.add_argument(
+        "--q0", type=_numbers, metavar="Q1,Q2,…", help="touch: where it rests, rad or m (all zero)"
+    )
     parser.add_argument(
         "--connect",
         metavar="E",
@@ -36,16 +44,28 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.set_defaults(action=view)
 
 
+def _numbers(text: str) -> tuple[float, ...]:
+    return tuple(map(float, text.split(",")))
+
+
 def view(arguments: argparse.Namespace) -> None:
     """Show the page until stopped."""
-    stored = [name for name in ("source", "reference", "live") if getattr(arguments, name) is not None]
-    if stored and (arguments.connect is not None or arguments.control is not None):
-        raise ConfigError(
-            f"--connect and {stored[0]} are both given: expected one, what runs or what is to be played"
-        )
-    if not stored and arguments.connect is None:
-        arguments.connect = DEFAULT_ENDPOINT
-        arguments.control = arguments.control or DEFAULT_CONTROL
+    kinds = {
+        "source": arguments.source or arguments.reference,
+        "--live": arguments.live,
+        "--touch": arguments.touch or None,
+        "--connect": arguments.connect or arguments.control,
+    }
+    given = [name for name, value in kinds.items() if value is not None]
+    if len(given) > 1:
+        raise ConfigError(f"{given[0]} and {given[1]} are both given: expected one thing to show")
+    if (arguments.q0 is not None) > arguments.touch:
+        raise ConfigError("--q0 is given without --touch, which alone takes it")
+    if arguments.touch and arguments.arm is None:
+        arguments.arm = DEFAULT_ARM
+    if not given or given == ["--connect"]:
+        if arguments.connect is None:
+            arguments.connect, arguments.control = DEFAULT_ENDPOINT, arguments.control or DEFAULT_CONTROL
     if not 0 <= arguments.port < 1 << 16:
         raise ConfigError(f"--port is {arguments.port}, expected 0 to 65535")
     names = ("source", "reference", "live", "arm", "twin", "trial", "rate_hz", "play", "key")

@@ -13,6 +13,7 @@ from playback.trajectory import Floats
 from playback.view.controls import Controls
 from playback.view.feed import Feed, Picture
 from playback.view.figure import Figure
+from playback.view.handle import Handle
 from playback.view.remote import Motion, Remote
 from playback.view.sheet import heading, numbers, table
 from playback.view.stage import Stage
@@ -39,10 +40,18 @@ class Page:
         None where there is nothing to control, as with a live stream.
     arm : Arm
     twin : Arm or None
+    handle : Handle, optional
+        Where the arm can be touched.
     """
 
     def __init__(
-        self, server: viser.ViserServer, feed: Feed, remote: Remote | None, arm: Arm, twin: Arm | None
+        self,
+        server: viser.ViserServer,
+        feed: Feed,
+        remote: Remote | None,
+        arm: Arm,
+        twin: Arm | None,
+        handle: Handle | None = None,
     ) -> None:
         self._server, self._feed, self._remote = server, feed, remote
         self._arm, self._twin = arm, twin
@@ -59,6 +68,11 @@ class Page:
         self._controls = None if remote is None else Controls(server, remote)
         self._timeline = Timeline(server, arm, twin is not None)
         self._numbers = gui.add_html("")
+        self._handle, self._touch = handle, None
+        if handle is not None:
+            with gui.add_folder("Touch"):
+                gui.add_markdown("Drag the red ball: the tip is pulled by a spring.")
+                self._touch = gui.add_html("")
         self._stage = Stage(server, arm, _tips(remote))
         self._stage.look(two=twin is not None)
         self._figures = [Figure(server, "/arm", arm, REAL)]
@@ -100,6 +114,8 @@ class Page:
         for figure, pose in zip(self._figures, poses, strict=False):
             if len(pose.q) == figure.arm.n_joint:
                 figure.show(pose.q)
+        if self._handle is not None:
+            self._handle.follow(row.real.tip)
         past = self._feed.history(SPAN_S)
         for trace, name in zip(self._traces, ("real", "twin"), strict=False):
             known = [
@@ -121,6 +137,8 @@ class Page:
         self._timeline.draw(position_s, [] if self._motion is not None else self._feed.history(LIVE_SPAN_S))
         if picture is not None:
             self._numbers.content = table(numbers(self._arm, picture, state))
+        if self._touch is not None and self._handle is not None:
+            self._touch.content = table(self._handle.rows())
 
     def _status(self, picture: Picture | None, state: Mapping[str, Any] | None) -> tuple[str, str, str]:
         """Return what is played, in one word how, and the colour of that word."""

@@ -110,8 +110,6 @@ def _serve(given: dict[str, object], pipe: Connection) -> None:
     signal.signal(signal.SIGTERM, _stop)
     try:
         serve.serve(argparse.Namespace(**given))
-    except KeyboardInterrupt:
-        pass
     except LimbcalError as error:
         pipe.send(_portable(error))
     finally:
@@ -123,7 +121,7 @@ def _portable(error: LimbcalError) -> LimbcalError:
 
 
 def _stop(_signum: int, _frame: object) -> None:
-    raise KeyboardInterrupt
+    raise SystemExit  # and not KeyboardInterrupt, of which `serve` would tell the person at the terminal
 
 
 def _end_with(sentinel: int) -> None:

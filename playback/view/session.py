@@ -5,12 +5,15 @@ import webbrowser
 from collections.abc import Callable
 from contextlib import ExitStack, closing
 
+import numpy as np
 import zmq
 
 from arm.arm_file import load_arm, parse_arm
 from arm.model import Arm
 from limbcal.errors import ConfigError, DeviceError
+from playback.touch.process import TouchProcess
 from playback.view.feed import Feed
+from playback.view.handle import Handle
 from playback.view.page import Page
 from playback.view.playback_process import PlaybackProcess
 from playback.view.remote import Remote
@@ -31,24 +34,36 @@ def run(arguments: argparse.Namespace, announce: Callable[[dict[str, object]], N
     """
     with ExitStack() as stack:
         context = stack.enter_context(zmq.Context())
-        process, endpoint, control = None, arguments.connect, arguments.control
-        if endpoint is None:
+        key = None if arguments.key is None else load_client_key(arguments.key)
+        touch, process, endpoint, control = None, None, arguments.connect, arguments.control
+        if arguments.touch:
+            touch = stack.enter_context(_touched(arguments))
+            endpoint = touch.endpoint
+        elif endpoint is None:
             process = stack.enter_context(PlaybackProcess(context, arguments.playback))
-            endpoint, control = process.endpoint, process.control
-        key = None if arguments.key is None or process is not None else load_client_key(arguments.key)
+            endpoint, control, key = process.endpoint, process.control, None
         feed = stack.enter_context(closing(Feed(context, endpoint, key)))
         remote = None
         if control is not None:
             remote = stack.enter_context(closing(Remote(context, control, key)))
         arm, twin = _arms(arguments.arm, remote)
         server = stack.enter_context(web_server(arguments.host, arguments.port, "limbplay"))
-        page = Page(server, feed, remote, arm, twin)
+        handle = None
+        if touch is not None:
+            handle = stack.enter_context(closing(Handle(server, context, arm, touch)))
+        page = Page(server, feed, remote, arm, twin, handle)
         url = f"http://{arguments.host}:{server.get_port()}"
         announce({"url": url, "endpoint": endpoint, "control": control, "arm": arm.name})
         if arguments.open:
             webbrowser.open(url)
         page.run(lambda: process is not None and not process.alive())
         raise DeviceError("the playback's process has ended")
+
+
+def _touched(arguments: argparse.Namespace) -> TouchProcess:
+    """Return the arm that is to be touched, in a process to be started."""
+    q0 = None if arguments.q0 is None else np.array(arguments.q0)
+    return TouchProcess(load_arm(arguments.arm), q0)
 
 
 def _arms(given: str | None, remote: Remote | None) -> tuple[Arm, Arm | None]:

@@ -44,10 +44,12 @@ class Timeline:
         if twin:
             lines = [(f"joints ({unit})", "#b04a5a", False), ("tip (mm)", "#3d9970", False)]
             self._errors = _Plot(server, "apart", lines, 150, zero=True)
+        self._drawn: object = None
         self._lines: tuple[Floats, list[Floats], list[Floats]] | None = None
 
     def take(self, motion: Motion | None) -> None:
         """Draw a whole trial from now on, or, without one, what was heard last."""
+        self._drawn = None
         if motion is None or len(motion.t) < 2:
             self._lines = None
             return
@@ -59,6 +61,10 @@ class Timeline:
 
     def draw(self, position_s: float, rows: Sequence[Row]) -> None:
         """Draw both plots with the present at ``position_s`` [s]; ``rows`` is what was heard last."""
+        drawn = position_s, len(rows), self._lines is None
+        if drawn == self._drawn:
+            return
+        self._drawn = drawn
         lines = self._lines
         if lines is None:
             if len(rows) < 2:
