@@ -124,7 +124,7 @@ def diagnose(
     if told is not search:
         search, numbers = told, estimates(regression, told.final)
     remainder = describe(regression, search.final)
-    held = holdings(regression, search.final)
+    held = holdings(regression, search.final, numbers.covariance)
     verdict = verdict_of(search, remainder, numbers, bool(held), strict)
     final = search.final
     suspected: tuple[Hypothesis, ...] = ()

@@ -12,6 +12,7 @@ from fitter.diagnosis.hypothesis import Hypothesis
 from fitter.diagnosis.in_arm import Payload
 from fitter.diagnosis.motion import Motion
 from fitter.diagnosis.regression import Regression
+from fitter.diagnosis.rows import SLOPE
 from fitter.diagnosis.screening import Candidate
 from fitter.dynamics.structure import structural_parameters
 from fitter.search.fitted_parameter import FittedParameter
@@ -19,7 +20,6 @@ from fitter.search.standard_errors import sandwich_covariance
 
 #: Blocks of neighbouring equations whose scores tell the answer's scatter, over all trials.
 _BLOCKS = 240
-_SLOPE = 1e-4
 #: What is left beyond noise shifts a parameter by at most sqrt(excess (J^T J)^-1) (Cauchy and Schwarz), if it
 #: points its way altogether; an interval allows for half of that.
 _LEANING = 0.25
@@ -39,12 +39,15 @@ class Estimates:
         NaN where a parameter was denied.
     effects : tuple of dict from name to FittedParameter
         One for each hypothesis.
+    covariance : (n_factor + n_psi, n_factor + n_psi)
+        Of the factors and psi together; NaN for what is not told at all.
     """
 
     base: BaseParameters
     values: Floats
     std: Floats
     effects: tuple[dict[str, FittedParameter], ...]
+    covariance: Floats
 
 
 def estimates(regression: Regression, fitted: Candidate) -> Estimates:
@@ -73,7 +76,7 @@ def estimates(regression: Regression, fitted: Candidate) -> Estimates:
         factors = fitted.x[at : at + hypothesis.n_column]
         effects.append(_numbers(hypothesis, psi, factors, covariance[np.ix_(own, own)], regression.motions))
         at, psi_at = at + hypothesis.n_column, psi_at + len(psi)
-    return Estimates(base, values, errors, tuple(effects))
+    return Estimates(base, values, errors, tuple(effects), covariance)
 
 
 def extended_arm(regression: Regression, fitted: Candidate, found: Estimates) -> Arm:
@@ -149,7 +152,7 @@ def _numbers(
     slopes = np.empty((len(values), len(both)))
     for k in range(len(both)):
         step = np.zeros(len(both))
-        step[k] = _SLOPE * max(abs(both[k]), 1e-6)
+        step[k] = SLOPE * max(abs(both[k]), 1e-6)
         ahead, behind = (hypothesis.numbers((both + s)[n:], (both + s)[:n]) for s in (step, -step))
         slopes[:, k] = (ahead - behind) / (2.0 * step[k])
     variance = np.maximum(np.einsum("ij,jk,ik->i", slopes, covariance, slopes), 0.0)
@@ -174,7 +177,7 @@ def _covariance(regression: Regression, fitted: Candidate, learnt_from: list[Mot
         r = regression.residual(model, fitted.x, motion).ravel()
         columns = [regression.rows(model, motion).design]
         for k in range(len(flat)):
-            step = _SLOPE * max(abs(float(flat[k])), 1e-3)
+            step = SLOPE * max(abs(float(flat[k])), 1e-3)
             moved = flat.copy()
             moved[k] += step
             slope = (r - regression.residual(model.at(moved), fitted.x, motion).ravel()) / step

@@ -19,8 +19,9 @@ from fitter.search.fitted_parameter import FittedParameter
 
 #: A rest counts where it lasts this long once this much is cut off at both its ends [s].
 _LASTS_S, _CUT_S = 0.1, 0.06
-#: A rest is held by more than Coulomb friction if it is so by this share of it, by so many times its noise, and by
-#: this share of the joint's rms torque: the arm's own torque is known no better.
+#: A rest is held by more than Coulomb friction if it is so by this share of it, by so many times the standard
+#: error of what held it, which is the noise's and the model's, and by this share of the joint's rms torque: what
+#: no model has in it.
 _MORE, _SIGMAS, _KNOWN = 0.2, 4.0, 0.01
 #: Effects that hold a joint by more than Coulomb friction themselves.
 _HOLDS = ("stribeck", "load_friction", "coulomb_asymmetry", "torque_offset", "thermal_drift")
@@ -50,12 +51,21 @@ class Holding:
     gain: float
 
 
-def holdings(regression: Regression, final: Candidate) -> list[Holding]:
+def holdings(regression: Regression, final: Candidate, covariance: Floats) -> list[Holding]:
     """Return the joints that stick, and at what torque.
 
     The largest torque that has held is a lower bound: how much more would have held is not known unless something
     is torn away slowly. F is told as a fifth above it, and 95 % reach from it to almost half as much again.
+
+    Parameters
+    ----------
+    regression : Regression
+    final : Candidate
+        The model with all causes.
+    covariance : (n_factor + n_psi, n_factor + n_psi)
+        Of what was learnt: where the arm's own torque at rest is not known well, a rest tells little.
     """
+    known = np.nan_to_num(covariance)
     unit = catalogue()["stiction"].parameters[0].unit
     if any(one.kind.place == "transmission" for one in final.model.hypotheses):
         return []  # what the links do at rest is not seen
@@ -65,7 +75,7 @@ def holdings(regression: Regression, final: Candidate) -> list[Holding]:
         if any(one.kind.name in _HOLDS and j in one.joints for one in final.model.hypotheses):
             continue
         coulomb = abs(float(friction[j]))
-        sets = [_held(regression, final, j, learn) for learn in (True, False)]
+        sets = [_held(regression, final, known, j, learn) for learn in (True, False)]
         torque, noise = (np.concatenate(column) for column in zip(*sets, strict=True))
         rms = float(np.sqrt(np.mean(np.concatenate([motion.u[:, j] for motion in regression.motions]) ** 2)))
         beyond = torque > (1.0 + _MORE) * coulomb + _SIGMAS * noise + _KNOWN * rms
@@ -80,18 +90,26 @@ def holdings(regression: Regression, final: Candidate) -> list[Holding]:
     return found
 
 
-def _held(regression: Regression, final: Candidate, joint: int, learn: bool) -> tuple[Floats, Floats]:
-    """Return what has held a joint in each rest, and its noise, (n_rest,) each."""
+def _held(
+    regression: Regression, final: Candidate, known: Floats, joint: int, learn: bool
+) -> tuple[Floats, Floats]:
+    """Return what has held a joint in each rest, and its standard error, (n_rest,) each."""
     torque, noise = [], []
     for motion in regression.motions:
         if motion.learn != learn:
             continue
+        rests = _rests(motion, joint)
+        if not rests:
+            continue
         held = regression.equations.left(final.model, final.x, motion)[:, joint]
-        for part in _rests(motion, joint):
+        slopes = regression.equations.slopes(final.model, final.x, motion)[:, joint]
+        for part in rests:
             weight = np.hanning(part.stop - part.start + 2)[1:-1]
             weight /= weight.sum()
             torque.append(abs(float(weight @ held[part])))
-            noise.append(_noise(regression, weight, motion.dt_s, joint))
+            slope = weight @ slopes[part]
+            model_error = np.sqrt(max(float(slope @ known @ slope), 0.0))
+            noise.append(float(np.hypot(_noise(regression, weight, motion.dt_s, joint), model_error)))
     return np.array(torque), np.array(noise)
 
 

@@ -20,11 +20,9 @@ from fitter.diagnosis.hypothesis import Hypothesis
 from fitter.diagnosis.model import Model
 from fitter.diagnosis.motion import Motion
 from fitter.diagnosis.reweighting import reweighted
-from fitter.diagnosis.rows import Equations, Rows
+from fitter.diagnosis.rows import SLOPE, Equations, Rows
 from fitter.diagnosis.view import View
 
-#: Slopes with respect to psi are taken over this share of its size.
-_SLOPE = 1e-4
 _ROUNDS, _FEW_ROUNDS = 25, 8
 #: Columns that are this near to depending on others, in terms of the normal equations, do so.
 _DEPENDENT = 1e-12
@@ -204,7 +202,7 @@ class Regression:
             start,
             bounds=(low, high),
             x_scale=np.maximum(np.abs(start), 1e-3),
-            diff_step=np.full(len(start), _SLOPE),
+            diff_step=np.full(len(start), SLOPE),
             max_nfev=_FEW_ROUNDS if free.is_event else _ROUNDS,
             xtol=1e-5,
             ftol=1e-7,

@@ -18,6 +18,8 @@ from fitter.diagnosis.motion import Motion
 from fitter.diagnosis.view import View, view_of
 from fitter.dynamics.structure import structural_parameters
 
+#: Slopes with respect to psi are taken over this share of its size.
+SLOPE = 1e-4
 #: What of a view the regressor is made of.
 _MAKES_REGRESSOR = ("arm", "q", "dq", "ddq", "factor", "drift")
 
@@ -139,6 +141,23 @@ class Equations:
         view = self.view(model, motion)
         columns = np.concatenate([view.base(self.independent(view.arm)), *view.columns], axis=2)
         return view.target(self.known) - columns @ x
+
+    def slopes(self, model: Model, x: Floats, motion: Motion) -> Floats:
+        """Return by how much the torque that is left falls with each factor and each psi, unfiltered.
+
+        Returns
+        -------
+        (n_sample, n_joint, n_factor + n_psi)
+        """
+        view, flat = self.view(model, motion), model.flat
+        columns = [view.base(self.independent(view.arm)), *view.columns]
+        left = self.left(model, x, motion)
+        for k in range(len(flat)):
+            moved = flat.copy()
+            moved[k] += SLOPE * max(abs(float(flat[k])), 1e-3)
+            slope = (left - self.left(model.at(moved), x, motion)) / (moved[k] - flat[k])
+            columns.append(slope[..., None])
+        return np.concatenate(columns, axis=2)
 
     def columns(self, view: View, first: int) -> Floats:
         """Return a view's further columns, filtered, from the ``first`` one's on."""
