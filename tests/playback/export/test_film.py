@@ -1,5 +1,6 @@
 """Films, decoded again."""
 
+import subprocess
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -23,20 +24,25 @@ def coloured(n: int) -> Iterator[np.ndarray]:
         yield np.full((SIZE[1], SIZE[0], 3), 40 + 7 * k, np.uint8)
 
 
-def decode(path: Path) -> tuple[dict[str, object], list[np.ndarray]]:
-    reader = imageio_ffmpeg.read_frames(str(path))
-    about = next(reader)
-    return about, [np.frombuffer(frame, np.uint8).reshape(SIZE[1], SIZE[0], 3) for frame in reader]
+def ffmpeg(*arguments: str) -> subprocess.CompletedProcess[bytes]:
+    command = [imageio_ffmpeg.get_ffmpeg_exe(), "-hide_banner", *arguments]
+    return subprocess.run(command, capture_output=True, stdin=subprocess.DEVNULL, check=False)
+
+
+def decode(path: Path) -> tuple[str, np.ndarray]:
+    """Return what ffmpeg says of the stream, and all frames."""
+    about = ffmpeg("-i", str(path)).stderr.decode()
+    raw = ffmpeg("-i", str(path), "-f", "rawvideo", "-pix_fmt", "rgb24", "-").stdout
+    return about, np.frombuffer(raw, np.uint8).reshape(-1, SIZE[1], SIZE[0], 3)
 
 
 def test_an_mp4_has_every_frame_in_its_place_and_time(tmp_path: Path) -> None:
     path = tmp_path / "film.mp4"
     write_mp4(path, coloured(25), SIZE, 50.0)
     about, frames = decode(path)
-    assert imageio_ffmpeg.count_frames_and_secs(str(path)) == (25, pytest.approx(0.5, abs=0.011))
-    assert (about["size"], about["fps"], about["codec"]) == (SIZE, 50.0, "h264")
-    assert "yuv420p" in str(about["pix_fmt"])
-    assert [float(frame.mean()) for frame in frames] == pytest.approx([40 + 7 * k for k in range(25)], abs=2.5)
+    assert "Video: h264" in about and "yuv420p" in about
+    assert "320x180" in about and "50 fps" in about and "Duration: 00:00:00.50" in about
+    assert frames.mean(axis=(1, 2, 3)) == pytest.approx(np.array([40 + 7 * k for k in range(25)]), abs=2.5)
     assert [found.name for found in tmp_path.iterdir()] == ["film.mp4"]
     assert path.read_bytes().index(b"moov") < path.read_bytes().index(b"mdat")  # plays while it loads
 

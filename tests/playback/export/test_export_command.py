@@ -1,0 +1,112 @@
+"""`limbplay export` as it is typed."""
+
+import json
+import signal
+import subprocess
+import sys
+from pathlib import Path
+
+import imageio_ffmpeg
+import numpy as np
+import pytest
+
+from playback.__main__ import main
+from playback.commands import export
+from protocol.motion_file import read_columns
+from tests.playback.export.test_foxglove import read
+from tests.playback.export.test_gltf import Viewer
+
+
+@pytest.mark.parametrize("suffix", [".glb", ".gltf", ".csv", ".mcap", ".mp4", ".gif"])
+def test_it_writes_what_the_suffix_says(
+    suffix: str, motion_file: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    out = tmp_path / "films" / f"motion{suffix}"
+    size = ["--size", "320x180"] if suffix in (".mp4", ".gif") else []
+    options = ["--trial", "2", "--speed", "2", "--rate-hz", "20", "--arm", "dd-arm", "--json"]
+    assert main(["export", str(motion_file), "--out", str(out), *options, *size]) == 0
+    told = capsys.readouterr()
+    answer = json.loads(told.out)
+    assert (answer["format"], answer["frames"], answer["rate_hz"]) == (suffix[1:], 11, 20.0)
+    assert (answer["duration_s"], answer["trial"], answer["arm"], answer["twin"]) == (0.5, 2, "dd-arm", None)
+    assert answer["bytes"] == out.stat().st_size
+    assert "11 frames of waves.npz, trial 2" in told.err
+    assert [found.name for found in out.parent.iterdir()] == [out.name]
+
+
+def test_a_twin_goes_with_it(motion_file: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    arguments = ["export", str(motion_file), "--arm", "dd-arm", "--twin", str(motion_file), "--json"]
+    outs = [tmp_path / name for name in ("pair.glb", "pair.csv", "pair.mcap")]
+    for out in outs:
+        assert main([*arguments, "--out", str(out)]) == 0
+        assert json.loads(capsys.readouterr().out)["twin"] == "dd-arm"
+    assert "joint 2 (twin)" in Viewer(outs[0]).number
+    columns = read_columns(outs[1])
+    assert np.array_equal(columns["twin_q1"], columns["q1"])
+    assert read(outs[2])["/twin/joints"]
+
+
+def test_a_recording_is_exported_with_its_own_arm(recording: Path, tmp_path: Path) -> None:
+    out = tmp_path / "day.glb"
+    assert main(["export", str(recording), "--out", str(out), "--trial", "2", "--rate-hz", "10"]) == 0
+    assert "dd-arm" in Viewer(out).number
+
+
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [
+        (["--out", "a.avi"], "a.avi: the suffix is '.avi', expected one of .glb, .gltf, .csv, .mp4, .gif, .mcap"),
+        (["--out", "a.glb", "--rate-hz", "0"], "--rate-hz is 0, expected above 0 and at most 1000 for .glb"),
+        (["--out", "a.gif", "--rate-hz", "60"], "--rate-hz is 60, expected above 0 and at most 50 for .gif"),
+        (["--out", "a.csv", "--speed", "-1"], "--speed is -1, expected above 0"),
+        (["--out", "a.csv", "--speed", "nan"], "--speed is nan, expected above 0"),
+        (["--out", "a.csv", "--size", "640x480"], "--size is given for .csv, expected only for .mp4 and .gif"),
+        (["--out", "a.mp4", "--size", "641x480"], "--size is '641x480', expected WxH in even pixels"),
+        (["--out", "a.mp4", "--size", "64x48"], "--size is '64x48', expected WxH in even pixels"),
+        (["--out", "a.mp4", "--size", "big"], "--size is 'big', expected WxH in even pixels"),
+        (["--out", "a.glb", "--trial", "9"], "there is no trial 9, expected one of 1, 2, 3"),
+        ([], "the following arguments are required: --out"),
+    ],
+)
+def test_mistakes_are_told(
+    arguments: list[str], said: str, motion_file: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main(["export", str(motion_file), "--arm", "dd-arm", *arguments]) == 2
+    told = capsys.readouterr()
+    assert said in told.err
+    assert told.out == ""
+
+
+def test_what_is_not_installed_is_named(
+    motion_file: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    def missing(name: str) -> None:
+        raise ModuleNotFoundError(f"No module named {name!r}", name=name)
+
+    monkeypatch.setattr(export, "import_module", missing)
+    assert main(["export", str(motion_file), "--out", str(tmp_path / "a.mp4")]) == 2
+    told = capsys.readouterr().err
+    assert 'needs the package imageio-ffmpeg, which is not installed; pip install "limbcal[view]" adds it' in told
+
+
+def test_a_stop_leaves_no_file_and_no_encoder(motion_file: Path, tmp_path: Path) -> None:
+    out = tmp_path / "long.mp4"
+    command = [sys.executable, "-m", "playback", "export", str(motion_file), "--arm", "dd-arm", "--trial", "3"]
+    command += ["--out", str(out), "--rate-hz", "1000", "--size", "320x180"]
+    with subprocess.Popen(command, stderr=subprocess.PIPE, text=True) as process:
+        try:
+            while not list(tmp_path.iterdir()):  # until the encoder has begun its file
+                assert process.poll() is None
+            process.send_signal(signal.SIGTERM)
+            words = process.communicate()[1]
+        finally:
+            process.kill()
+    assert process.returncode == 0 and "stopped" in words
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_the_film_has_the_length_of_the_motion(motion_file: Path, tmp_path: Path) -> None:
+    out = tmp_path / "film.mp4"
+    options = ["--trial", "3", "--rate-hz", "10", "--size", "320x180", "--arm", "dd-arm"]
+    assert main(["export", str(motion_file), "--out", str(out), *options]) == 0
+    assert imageio_ffmpeg.count_frames_and_secs(str(out)) == (16, pytest.approx(1.6, abs=0.02))
