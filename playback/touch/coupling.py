@@ -108,7 +108,13 @@ def spring_and_damper(stiffness: float, damping: float, limit: float, e: Triple,
     sd = s[0] * d[0] + s[1] * d[1] + s[2] * d[2]
     dd = d[0] * d[0] + d[1] * d[1] + d[2] * d[2]
     left = max(limit * limit - (s[0] * s[0] + s[1] * s[1] + s[2] * s[2]), 0.0)
-    share = max((math.sqrt(sd * sd + dd * left) - sd) / dd, 0.0) if dd > 0.0 else 0.0
+    root = math.sqrt(sd * sd + dd * left)  # |s + share d| is the limit; whichever form has no difference of equals
+    share = 0.0
+    if sd > 0.0:
+        share = left / (root + sd)
+    elif dd > 0.0:
+        share = (root - sd) / dd
+    share = min(share, 1.0)
     return s[0] + share * d[0], s[1] + share * d[1], s[2] + share * d[2]
 
 

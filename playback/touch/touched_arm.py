@@ -79,8 +79,8 @@ class TouchedArm:
             )
         delay = float(effects.numbers[DELAY].max(initial=0.0))
         n_past = math.ceil(delay / step_s) + 3 if delay > 0.0 else 0
-        self._memory = Memory(chain_of(self.arm), effects, n_past, step_s)
-        parts = self._memory.parts
+        self.memory = Memory(chain_of(self.arm), effects, n_past, step_s)
+        parts = self.memory.parts
         self._chain, self._effects, self._room, self._touch = parts.chain, parts.effects, parts.room, parts.touch
         self._law, self._drive, self._clock = parts.commands.law, parts.commands.drive, parts.clock
         self._room.way.state[SHARE] = 1.0
@@ -177,11 +177,11 @@ class TouchedArm:
 
     @property
     def _free(self) -> bool:
-        return bool(self._memory.parts.counts[1])
+        return bool(self.memory.parts.counts[1])
 
     @_free.setter
     def _free(self, free: bool) -> None:
-        self._memory.parts.counts[1] = free
+        self.memory.parts.counts[1] = free
 
     def step(self, n_step: int, hand: Hand | None = None, interval_s: float | None = None) -> None:
         """Take the arm some steps on.
@@ -208,7 +208,7 @@ class TouchedArm:
                 t.seen[1] = t.twist / since
             t.numbers[c.INTERVAL] = since
             self._unheard_s = 0.0
-        tick(*self._memory.arrays, n_step, heard)
+        tick(*self.memory.arrays, n_step, heard)
 
     @property
     def felt(self) -> Floats:

@@ -1,0 +1,73 @@
+"""How much of a coupling is passive."""
+
+import math
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from limbcal.errors import ConfigError
+from playback.touch.limit import (
+    Coupling,
+    damping_needed,
+    mass_limit,
+    sampled_interval,
+    stiffness_limit,
+    wall_limit,
+)
+
+UNHURRIED = settings(deadline=None)  # the first call may compile
+
+DEVICE, SHARE, INTERVAL = st.floats(1e-3, 50.0), st.floats(0.01, 0.99), st.floats(1e-4, 0.05)
+
+
+@UNHURRIED
+@given(DEVICE, SHARE, INTERVAL)
+def test_limit_and_need_are_each_others_inverse(device: float, share: float, interval_s: float) -> None:
+    damping = share * device
+    stiffness = stiffness_limit(device, damping, interval_s)
+    assert damping_needed(stiffness, damping, interval_s) == pytest.approx(device, rel=1e-9)
+    assert stiffness <= stiffness_limit(device, device / 4.0, interval_s) * (1.0 + 1e-12)
+    assert stiffness_limit(device, device / 4.0, interval_s) == pytest.approx(device / interval_s)
+    assert stiffness <= wall_limit(device, interval_s)
+
+
+def test_without_damping_nothing_is_passive() -> None:
+    assert stiffness_limit(5.0, 0.0, 1e-3) == 0.0
+    assert stiffness_limit(0.0, 0.0, 1e-3) == 0.0
+    assert damping_needed(1.0, 0.0, 1e-3) == math.inf
+    assert damping_needed(0.0, 0.0, 1e-3) == 0.0
+    assert wall_limit(0.0, 1e-3) == 0.0
+    assert Coupling(device=0.0, wall=(1.0, 0.0, 0.0, 0.0)).within(1e-3).stiffness == 0.0
+
+
+def test_the_numbers_of_the_paper_of_colgate_and_schenkel() -> None:
+    assert wall_limit(5.0, 1e-3) == pytest.approx(10_000.0)  # b > K T / 2
+    assert wall_limit(5.0, 1e-3, 3.0) == pytest.approx(4_000.0)  # b > K T / 2 + B
+
+
+@UNHURRIED
+@given(DEVICE, st.floats(0.0, 1e5), st.floats(0.0, 60.0), INTERVAL)
+def test_what_is_given_is_passive_and_no_more_than_asked(
+    device: float, stiffness: float, damping: float, interval_s: float
+) -> None:
+    asked = Coupling(stiffness, damping, device, wall=(0.0, 0.0, 2.0, 1.0))
+    given_ = asked.within(interval_s)
+    assert given_.stiffness <= stiffness
+    needed = damping_needed(given_.stiffness, given_.damping, interval_s)
+    assert needed + given_.wall_stiffness * interval_s / 2.0 <= device * (1.0 + 1e-9)
+    assert asked.wall == (0.0, 0.0, 1.0, 0.5)
+    slower = asked.within(2.0 * interval_s)
+    assert slower.stiffness <= given_.stiffness
+
+
+def test_a_delay_costs_twice_its_length_and_a_light_arm_is_held_loosely() -> None:
+    assert sampled_interval(1e-3, 1e-3) == pytest.approx(3e-3)
+    light = Coupling(stiffness=1000.0).within(1e-3, mass_limit(1e-4, 1e-3))
+    assert light.stiffness == pytest.approx(100.0)
+
+
+def test_every_mistake_is_said() -> None:
+    with pytest.raises(ConfigError) as refused:
+        Coupling(stiffness=-1.0, damping=math.nan, wall=(0.0, 0.0, 0.0, 1.0))
+    assert len(refused.value.mistakes) == 3

@@ -1,0 +1,75 @@
+"""What devices say: read exactly, or refused in one sentence."""
+
+import msgpack
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from limbcal.errors import ProtocolError
+from playback.touch.message import Command, Input, decode_input, encode_input
+from protocol.message import encode_array
+
+UNHURRIED = settings(deadline=None)  # the first call may compile
+
+
+def test_an_input_is_read_as_it_was_written() -> None:
+    fields = {"position": [0.1, 2, -3.5], "velocity": [0, 0, 1.0], "joint": 2, "point": [0.1, 0.0, 0.0], "seq": 7}
+    said = decode_input(encode_input({**fields, "orientation": [0.5, 0.5, 0.5, 0.5]}), 3)
+    assert isinstance(said, Input)
+    assert said.position.tolist() == [0.1, 2.0, -3.5]
+    assert said.velocity.tolist() == [0.0, 0.0, 1.0]
+    assert (said.joint, said.point, said.seq) == (2, (0.1, 0.0, 0.0), 7)
+    np.testing.assert_allclose(said.orientation, [[0, 0, 1], [1, 0, 0], [0, 1, 0]], atol=1e-15)
+    bare = decode_input(encode_input({"position": np.array([1.0, 2.0, 3.0])}), 3)
+    assert (bare.position.tolist(), bare.velocity, bare.joint) == ([1.0, 2.0, 3.0], None, None)
+
+
+def test_a_command_is_read_as_it_was_written() -> None:
+    said = decode_input(encode_input({"cmd": "hold", "q": [0.1, 0.2], "seq": 1}), 2)
+    assert isinstance(said, Command)
+    assert (said.cmd, said.q.tolist(), said.seq) == ("hold", [0.1, 0.2], 1)
+    assert decode_input(encode_input({"cmd": "free"}), 2) == Command("free")
+
+
+ARRAY = encode_array(np.array([0.0, np.inf, 0.0]))
+BAD = [
+    (b"", "not msgpack"),
+    (b"\xc1", "not msgpack"),
+    (msgpack.packb([1, 2]), "expected a map"),
+    (msgpack.packb({"v": 2, "position": [0, 0, 0]}), "version is 2"),
+    (msgpack.packb({"v": 1}), "'position' is missing"),
+    (msgpack.packb({"v": 1, "position": [0, 0]}), "expected 3 numbers"),
+    (msgpack.packb({"v": 1, "position": "abc"}), "expected 3 numbers"),
+    (msgpack.packb({"v": 1, "position": [0, 0, True]}), "has True in it"),
+    (msgpack.packb({"v": 1, "position": [0, 0, float("nan")]}), "has nan in it"),
+    (msgpack.packb({"v": 1, "position": [0, 0, float("inf")]}), "has inf in it"),
+    (msgpack.packb({"v": 1, "position": ARRAY}), "has inf in it"),
+    (msgpack.packb({"v": 1, "position": [0, 0, 1e6]}), "within ±1000"),
+    (msgpack.packb({"v": 1, "position": [0, 0, 0], "joint": 0}), "joint is 0, expected a whole number 1 to 2"),
+    (msgpack.packb({"v": 1, "position": [0, 0, 0], "joint": 1.0}), "joint is 1.0"),
+    (msgpack.packb({"v": 1, "position": [0, 0, 0], "orientation": [1, 1, 0, 0]}), "expected a unit quaternion"),
+    (msgpack.packb({"v": 1, "position": [0, 0, 0], "force": [0, 0, 0]}), "no field 'force'"),
+    (msgpack.packb({"v": 1, "cmd": "fly"}), "cmd is 'fly', expected one of state, hold, free, reset"),
+    (msgpack.packb({"v": 1, "cmd": ["hold"]}), "cmd is ['hold']"),
+    (msgpack.packb({"v": 1, "cmd": "free", "q": [0, 0]}), "free takes no q"),
+    (msgpack.packb({"v": 1, "cmd": "hold", "q": [0, 0, 0]}), "expected 2 numbers"),
+    (msgpack.packb({"v": 1, "position": [0, 0, 0], "x": bytes(5000)}), "expected at most 4096"),
+]
+
+
+@pytest.mark.parametrize(("payload", "said"), BAD)
+def test_what_is_no_input_is_refused(payload: bytes, said: str) -> None:
+    with pytest.raises(ProtocolError) as refused:
+        decode_input(payload, 2)
+    assert said in str(refused.value)
+    assert "\n" not in str(refused.value)
+
+
+@UNHURRIED
+@given(st.binary(max_size=200))
+def test_no_bytes_get_past(payload: bytes) -> None:
+    try:
+        decode_input(payload, 2)
+    except ProtocolError:
+        pass

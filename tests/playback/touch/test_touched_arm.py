@@ -1,0 +1,198 @@
+"""The arm that is touched: forces against cases by hand, motion against the simulation of `arm`."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from arm.arm_file import load_arm
+from arm.model import Arm, Control, Effect, Friction
+from arm.newton_euler import mass_matrix
+from arm.outer_wrench import touched_forward_dynamics
+from arm.simulation import simulate
+from limbcal.errors import DataError
+from playback.touch.limit import Coupling
+from playback.touch.touched_arm import RAMP_S, Grip, Hand, TouchedArm
+from tests.arm.conftest import draw_arm
+
+T = 1e-3
+Q0 = np.array([0.4, -0.9])
+
+
+def frictionless(arm: Arm, **changes) -> Arm:
+    return replace(arm, joints=tuple(replace(joint, friction=Friction()) for joint in arm.joints), **changes)
+
+
+def jacobian(q: np.ndarray, a: float = 0.25, b: float = 0.3) -> np.ndarray:
+    """Return that of the tip of two links in a plane, by hand."""
+    s1, c1, s12, c12 = np.sin(q[0]), np.cos(q[0]), np.sin(q[0] + q[1]), np.cos(q[0] + q[1])
+    return np.array([[-a * s1 - b * s12, -b * s12], [a * c1 + b * c12, b * c12], [0.0, 0.0]])
+
+
+def test_pushed_at_the_tip_an_arm_comes_to_rest_where_its_control_balances_the_hand() -> None:
+    control = Control("pd", (400.0, 300.0), (-60.0, -40.0))
+    arm = TouchedArm(
+        frictionless(load_arm("dd-arm"), control=control), Q0, T, Coupling(300.0, 1.0, max_force=100.0)
+    )
+    x = arm.touched_point(arm.tip) + [0.02, -0.03, 0.0]
+    arm.take(arm.tip, Hand(x))
+    for _ in range(8000):
+        arm.step(1, Hand(x))
+    q, force = arm.state[0], arm.felt[0]
+    assert np.abs(arm.state[1]).max() < 1e-11
+    np.testing.assert_allclose(force, -300.0 * (x - arm.touched_point(arm.tip)), rtol=0, atol=1e-9)
+    held = np.array(control.kp) * (Q0 - q)
+    np.testing.assert_allclose(jacobian(q).T @ -force + held, 0.0, rtol=0, atol=1e-9)
+    assert np.linalg.norm(force) > 3.0
+
+
+@pytest.mark.parametrize("joint", [1, 4, 7])
+def test_a_chain_of_seven_starts_as_the_equations_say(joint: int) -> None:
+    rng = np.random.default_rng(joint)
+    drawn = frictionless(draw_arm(rng, 7), control=Control())
+    q, point = rng.uniform(-1.0, 1.0, 7), rng.uniform(-0.2, 0.2, 3)
+    arm = TouchedArm(drawn, q, 1e-6, Coupling(50.0, 0.0, 1e3, max_force=1e3))
+    grip = Grip(joint, tuple(point.tolist()))
+    x = arm.touched_point(grip) + [0.1, 0.2, -0.1]
+    arm.take(grip, Hand(x))
+    arm.step(1, Hand(x))
+    force = np.array([0.1, 0.2, -0.1]) * 50.0 * (1e-6 / RAMP_S)  # the coupling has only begun to grow
+    expected = touched_forward_dynamics(drawn, q[None], 0 * q[None], 0 * q[None], joint, point, force)[0]
+    np.testing.assert_allclose(arm.state[2], expected, rtol=0, atol=1e-3 * np.abs(expected).max())
+    np.testing.assert_allclose(arm.felt[0], -force, rtol=1e-3)
+    np.testing.assert_allclose(arm.felt[1], 0.0, atol=0)
+
+
+def test_a_hand_that_turns_feels_a_moment_and_turns_the_arm() -> None:
+    control = Control("pd", (40.0, 30.0), (-20.0, -10.0))
+    arm = TouchedArm(
+        frictionless(load_arm("dd-arm"), control=control),
+        Q0,
+        T,
+        Coupling(0.0, 0.0, turn_device=0.1, max_moment=5.0),
+    )
+    x = arm.touched_point(arm.tip)
+
+    def turned(angle: float) -> np.ndarray:
+        c, s = np.cos(angle), np.sin(angle)
+        return np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
+
+    arm.take(arm.tip, Hand(x, None, turned(0.5)))  # however it was when it took hold
+    for k in range(12_000):
+        arm.step(1, Hand(x, None, turned(0.5 + 0.4 * min(k / 1000.0, 1.0))))
+    twist = 0.4 - float(np.sum(arm.state[0] - Q0))
+    moment = arm.felt[1]
+    np.testing.assert_allclose(moment, [0.0, 0.0, -2.0 * twist], rtol=0, atol=1e-6)
+    np.testing.assert_allclose(np.array(control.kp) * (Q0 - arm.state[0]), moment[2], rtol=0, atol=1e-6)
+    assert arm.energy()["passive"]
+
+
+EFFECTS = {
+    "none": (),
+    "spring": (Effect("joint_spring", {"stiffness_N_m_rad": 8.0, "rest_angle_rad": 0.4}, (2,)),),
+    "late": (
+        Effect("actuator_delay", {"delay_s": 0.0123}, (1, 2)),
+        Effect("actuator_lag", {"time_constant_s": 0.02}, (2,)),
+    ),
+    "twist": (Effect("joint_elasticity", {"stiffness_N_m_rad": 300.0, "damping_N_m_s": 1.0}, (1,)),),
+    "load": (Effect("payload", {"mass_kg": 2.0, "since_s": 0.2}),),
+    "pushed": (Effect("external_push", {"start_s": 0.1003, "duration_s": 0.2, "torque_N_m": 3.0}, (2,)),),
+}
+
+
+@pytest.mark.parametrize("name", EFFECTS)
+def test_untouched_it_moves_as_the_simulation_does(name: str) -> None:
+    model = frictionless(load_arm("dd-arm-vertical"), effects=EFFECTS[name])
+    ref = np.tile([0.5, -0.3], (401, 1))
+    ref[0] = Q0
+    expected = simulate(model, ref, T, Q0)
+    arm = TouchedArm(model, Q0, T, Coupling())
+    links = expected.link_q if hasattr(expected, "link_q") else expected.q
+    for k in range(400):
+        np.testing.assert_allclose(arm.state[0], links[k], rtol=0, atol=1e-9)
+        arm.step(1)
+        arm.hold(ref[1])
+
+
+def test_friction_is_that_of_the_simulation_but_for_the_last_of_a_step() -> None:
+    joints = tuple(replace(j, friction=Friction(0.05, 0.4, 0.6)) for j in load_arm("dd-arm").joints)
+    model = replace(load_arm("dd-arm"), joints=joints)
+    ref = np.tile([0.5, -0.3], (6001, 1))
+    ref[0] = Q0
+    expected = simulate(model, ref, T, Q0)
+    arm, q = TouchedArm(model, Q0, T, Coupling()), []
+    for _ in range(6001):
+        q.append(arm.state[0].copy())
+        arm.step(1)
+        arm.hold(ref[1])
+    assert np.abs(np.array(q) - expected.q).max() < 1e-4
+    assert expected.dq[-1, 0] == arm.state[1, 0] == 0.0  # it sticks, short of its target
+    assert abs(arm.state[0, 0] - ref[1, 0]) > 1e-3
+
+
+def test_several_steps_at_once_are_as_good_as_one_by_one() -> None:
+    one, many = (TouchedArm(load_arm("dd-arm"), Q0, T, Coupling()) for _ in range(2))
+    x = one.touched_point(one.tip)
+    for arm in (one, many):
+        arm.take(arm.tip, Hand(x))
+        arm.free()
+    for k in range(100):
+        to = x + [0.0, 2e-3 * (k + 1), 0.0]
+        many.step(5, Hand(to))
+        for part in range(1, 6):
+            one.step(1, Hand(to - [0.0, 2e-3 * (1.0 - part / 5.0), 0.0]))
+    np.testing.assert_allclose(many.state[:2], one.state[:2], rtol=0, atol=0.03)
+    assert np.abs(one.state[1]).max() > 0.05
+
+
+def test_the_force_grows_from_nothing_is_limited_and_ends_when_let_go() -> None:
+    arm = TouchedArm(load_arm("dd-arm"), Q0, T, Coupling(1000.0, 1.0, max_force=7.0))
+    x = arm.touched_point(arm.tip) + [
+        0.0,
+        0.0,
+        0.3,
+    ]  # away from the plane in which the arm moves: it cannot follow
+    arm.take(arm.tip, Hand(x))
+    strength = []
+    for _ in range(400):
+        arm.step(1, Hand(x))
+        strength.append(np.linalg.norm(arm.felt[0]))
+    assert strength[0] < 7.0 * 0.3
+    assert np.diff(strength).min() > -1e-9
+    assert max(strength) == pytest.approx(7.0)
+    assert strength[2] < 6.0
+    arm.let_go()
+    arm.step(1)
+    assert not arm.felt.any()
+    assert arm.energy()["stored"] == 0.0
+
+
+def test_an_arm_whose_torque_was_measured_is_free_until_it_is_held() -> None:
+    model = frictionless(load_arm("dd-arm-vertical"), control=Control())
+    arm = TouchedArm(model, Q0, T, Coupling())
+    for _ in range(200):
+        arm.step(1)
+    assert np.abs(arm.state[0] - Q0).max() > 0.05  # it falls
+    arm.reset(Q0)
+    arm.hold()
+    for _ in range(500):
+        arm.step(1)
+    np.testing.assert_allclose(arm.state[0], Q0, rtol=0, atol=1e-9)
+    arm.hold([0.0, 0.2])
+    for _ in range(3000):
+        arm.step(1)
+    np.testing.assert_allclose(arm.state[0], [0.0, 0.2], rtol=0, atol=1e-3)
+    arm.free()
+    before = mass_matrix(arm.arm, arm.state[0])
+    arm.step(100)
+    assert np.abs(arm.state[0] - [0.0, 0.2]).max() > 1e-3
+    assert before.shape == (1, 2, 2)
+
+
+def test_what_does_not_fit_is_refused() -> None:
+    arm = TouchedArm(load_arm("dd-arm"), Q0, T, Coupling())
+    for q in ([0.0], [0.0, np.nan], [[0.0, 0.0]]):
+        with pytest.raises(DataError, match="expected 2 finite numbers"):
+            arm.reset(q)
+    with pytest.raises(DataError, match="joint is 3, expected one of 1 to 2"):
+        arm.take(Grip(3, (0.0, 0.0, 0.0)), Hand(np.zeros(3)))
