@@ -65,7 +65,8 @@ def captured(tmp_path_factory: pytest.TempPathFactory) -> list[list[bytes]]:
         try:
             assert device.stdout is not None
             assert json.loads(device.stdout.readline())
-            run = [sys.executable, "-m", "daemon", "run", "--port", str(link), "--method", "integrate", "--json"]
+            run = [sys.executable, "-m", "daemon", "run", "--port", str(link), "--json"]
+            run += ["--arm", "dd-arm", "--method", "integrate"]
             with (
                 zmq.Context() as context,
                 context.socket(zmq.SUB) as socket,
