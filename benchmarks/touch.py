@@ -16,6 +16,7 @@ from limbcal.command import Parser, run_command, say
 from limbcal.real_time import TOUCH, ask_for_real_time
 from playback.touch.hand import VirtualHand
 from playback.touch.limit import Coupling
+from playback.touch.pace import Pace
 from playback.touch.process import TouchProcess
 from playback.touch.tick import tick
 from playback.touch.touched_arm import Hand, TouchedArm
@@ -35,7 +36,7 @@ def steps(arm: Arm, n: int) -> dict[str, object]:
     touched.hold()
     tip = touched.touched_point(touched.tip)
     touched.take(touched.tip, Hand(tip))
-    took: dict[str, list[float]] = {"kernel": [], "tick": []}
+    took: dict[str, list[float]] = {"kernel": [], "tick": [], "kernel in a row": []}
     for k in range(n):
         swing = 0.05 * np.sin(2.0 * np.pi * k * 1e-3)
         hand = Hand(tip + [swing, -swing, 0.0])
@@ -46,9 +47,25 @@ def steps(arm: Arm, n: int) -> dict[str, object]:
         took["tick"].append(middle - begin)
         took["kernel"].append(time.perf_counter() - middle)
         time.sleep(2e-4)  # as in the loop, where others run in between
+    for _ in range(n):
+        begin = time.perf_counter()
+        tick(*touched.memory.arrays, 1, False)
+        took["kernel in a row"].append(time.perf_counter() - begin)
     return {
         name: dict(zip(("p50", "p99"), (1e6 * np.percentile(times[10:], (50, 99))).round(1).tolist(), strict=True))
         for name, times in took.items()
+    }
+
+
+def bare(seconds: float) -> dict[str, object]:
+    """Return how a loop of 1 kHz that does nothing keeps its rate here: what the machine allows at all."""
+    pace = Pace(1e-3)
+    while pace.now_s - pace.start_s < seconds:
+        pace.wait()
+    return {
+        "held_rate_hz": pace.held_rate_hz,
+        "overruns": pace.overruns,
+        "lateness_ms": pace.lateness.summary(1e-3),
     }
 
 
@@ -61,6 +78,8 @@ def measure(arguments: argparse.Namespace) -> dict[str, object]:
     for arm in arms:
         found[f"step_us {arm.name}"] = steps(arm, arguments.steps)
         say(f"step of {arm.name} [us]: {found[f'step_us {arm.name}']}")
+    found["loop that does nothing"] = bare(arguments.seconds)
+    say(f"loop that does nothing, {arguments.seconds:g} s: {found['loop that does nothing']}")
     for arm in arms[: 2 if arguments.both else 1]:
         with TouchProcess(arm, np.full(arm.n_joint, 0.3)) as process, VirtualHand(process.haptic) as hand:
             hand.start()

@@ -143,7 +143,7 @@ class TouchLoop:
 
     def first_frames(self) -> None:
         """Make one frame and one answer: they load the compiled kernels, which would make the first ticks late."""
-        self._stream.frame(0, self.arm.felt)
+        self._stream.frame(0, self.arm.felt, self.arm.touched_point(self._grip))
         self._felt(None, False)
 
     def close(self) -> None:
@@ -223,7 +223,9 @@ class TouchLoop:
     def _publish(self, now_s: float) -> None:
         uptime_s = now_s - self.pace.start_s
         if uptime_s * FRAME_RATE_HZ >= self._frames:
-            self._publisher.publish(PLAY, self._stream.frame(self._frames, self.arm.felt))
+            self._publisher.publish(
+                PLAY, self._stream.frame(self._frames, self.arm.felt, self.arm.touched_point(self._grip))
+            )
             self._frames = int(uptime_s * FRAME_RATE_HZ) + 1
         elif uptime_s >= self._heartbeats * HEARTBEAT_S:  # never both in one tick
             self._publisher.publish(HEALTH, self.health())
@@ -241,7 +243,7 @@ class _Stream:
         self._rides = np.array([sensor.joint - 1 for sensor in sensors], dtype=np.int64)
         self._places = np.array([sensor.position_m for sensor in sensors]).reshape(-1, 3, 1)
 
-    def frame(self, k: int, felt: Floats) -> dict[str, object]:
+    def frame(self, k: int, felt: Floats, point: Floats) -> dict[str, object]:
         state = self._touched.state
         frames = frames_of(self._chain, state[:1])
         ends = frames[:, -1, :3, 3] + self._last * frames[:, -1, :3, 0]
@@ -261,7 +263,7 @@ class _Stream:
             "gap": False,
             "source": "touch",
             "speed": 1.0,
-            "point": self._touched.point,
+            "point": point,
             "force": felt[0],
             "moment": felt[1],
         }

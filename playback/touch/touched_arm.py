@@ -89,6 +89,7 @@ class TouchedArm:
         self._turned: Floats | None = None
         self._follows = math.inf, math.inf
         self._within_s = 0.0
+        self._grown = False
         friction_alone(self._chain, self._effects, self._room)
         self.reset(q0)
 
@@ -167,7 +168,7 @@ class TouchedArm:
         self._turned = None if hand.orientation is None else hand.orientation.T @ t.axes
         self._held_s = self._unheard_s = 0.0
         self._limits()
-        self._within_s = 0.0
+        self._within_s, self._grown = 0.0, False
 
     def let_go(self) -> None:
         """Let nobody hold the arm."""
@@ -215,13 +216,12 @@ class TouchedArm:
         """Force and moment on the hand, the latter about the touched point, (2, 3) [N], [N m]."""
         return self._touch.felt
 
-    @property
-    def point(self) -> Floats:
-        """Where the touched point is, (3,) [m]; that of the last touch while nobody holds the arm."""
-        return self._touch.moving[0]
-
     def touched_point(self, grip: Grip) -> Floats:
         """Return where a point of a link is now, (3,) [m]."""
+        held = self._touch
+        if held.joint[0] == grip.joint - 1 and held.point.tolist() == list(grip.point_m):
+            at: Floats = held.moving[0]  # known already
+            return at.copy()
         frame = frames_of(self._chain, self.state[:1])[0, grip.joint - 1]
         place: Floats = frame[:3, :3] @ np.array(grip.point_m) + frame[:3, 3]
         return place
@@ -243,11 +243,14 @@ class TouchedArm:
         }
 
     def _stiffen(self, interval_s: float) -> None:
+        if interval_s == self._within_s and self._grown:
+            return
         if interval_s != self._within_s:
             self.given = self.asked.within(interval_s, *self._follows)
             self._within_s = interval_s
         given = self.given
         share, x = min(self._held_s / RAMP_S, 1.0), self._touch.numbers
+        self._grown = share == 1.0
         x[c.STIFFNESS], x[c.DAMPING] = share * given.stiffness, share * given.damping
         turns = 0.0 if self._turned is None else share
         x[c.TURN_STIFFNESS], x[c.TURN_DAMPING] = turns * given.turn_stiffness, turns * given.turn_damping
