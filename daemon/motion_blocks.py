@@ -11,7 +11,6 @@ from tracking.frames import Frames
 Fields = dict[str, Any]
 
 BLOCK_S = 0.01
-PLOT_HZ = 100.0
 
 
 @dataclass(frozen=True)
@@ -82,31 +81,6 @@ def raw_message(block: RawSamples) -> Fields:
         "n": block.n,
         "a": block.a.astype(np.float32),
     }
-
-
-def plot_rows(block: Frames) -> list[Fields]:
-    """Return the rows of `limb/plot` that fall into a block, 100 a second."""
-    step = max(1, round(1.0 / (PLOT_HZ * block.dt_s)))
-    columns = {
-        **{
-            f"{name}{j + 1}": values[:, j]
-            for name, values in _joint_columns(block)
-            for j in range(values.shape[1])
-        },
-        **{f"tip{axis}": block.tip[:, k] for k, axis in enumerate("xyz")},
-    }
-    return [
-        {
-            "ts": later(block.t0_ns, i, block.dt_s) / 1e9,
-            **{name: float(values[i]) for name, values in columns.items()},
-        }
-        for i in range(-block.frame0 % step, block.n, step)
-    ]
-
-
-def _joint_columns(block: Frames) -> list[tuple[str, Floats]]:
-    columns = [("q", block.q), ("dq", block.dq), ("ddq", block.ddq)]
-    return columns if block.q_std is None else [*columns, ("q_std", block.q_std)]
 
 
 def _cut_frames(piece: Frames, begin: int, end: int) -> Frames:

@@ -11,12 +11,12 @@ from daemon.motion_blocks import (
     bridge_blocks,
     frame_blocks,
     frames_message,
-    plot_rows,
     raw_message,
 )
 from daemon.record_link import RecordLink
 from daemon.sample_ledger import Gap
 from protocol.message import FRAMES, GAP, HEALTH, PLOT, RAW, TRIAL, encode
+from protocol.plot import plot_rows, plot_step
 from protocol.publisher import Publisher
 from tracking.frames import Frames, Phase
 
@@ -101,8 +101,9 @@ class Outlet:
         for block in blocks:
             if not predicted and self._delay is not None:
                 self._delay.note(block, time.time_ns())
-            self._send(FRAMES, frames_message(block, self._method), block.t0_ns)
-            rows = plot_rows(block)
+            fields = frames_message(block, self._method)
+            self._send(FRAMES, fields, block.t0_ns)
+            rows = plot_rows(fields, plot_step(block.dt_s))
             if rows:
                 self._send(PLOT, {"rows": rows}, block.t0_ns)
 

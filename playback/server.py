@@ -14,7 +14,8 @@ from playback.lateness import Lateness
 from playback.playable import Playable
 from playback.playhead import Clocks
 from protocol.curve import Gate
-from protocol.message import HEALTH, PLAY
+from protocol.message import HEALTH, PLAY, PLOT
+from protocol.plot import plot_rows, plot_step
 from protocol.publisher import Publisher
 
 HEARTBEAT_S = 1.0
@@ -94,6 +95,9 @@ class Server:
         frame = self.player.take_due()
         if frame is not None:
             self._publisher.publish(PLAY, frame)
+            rows = plot_rows(frame, plot_step(float(str(frame["dt_s"]))))
+            if rows:
+                self._publisher.publish(PLOT, {"rows": rows})
         if frame is not None and deadline_s is not None:
             self._lateness.add(self._clocks.monotonic() - deadline_s)
         uptime_s = self._clocks.monotonic() - self._start_s

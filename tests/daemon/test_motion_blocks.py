@@ -10,9 +10,9 @@ from daemon.motion_blocks import (
     bridge_blocks,
     frame_blocks,
     frames_message,
-    plot_rows,
     raw_message,
 )
+from protocol.plot import plot_rows, plot_step
 from tracking.frames import Frames
 
 DT_S = 1e-3
@@ -65,7 +65,8 @@ def test_blocks_of_frames_are_ten_milliseconds_long() -> None:
 
 
 def test_plot_has_a_hundred_rows_a_second() -> None:
-    rows = [row for k in range(250) for block in frame_blocks(frames(4 * k, 4)) for row in plot_rows(block)]
+    messages = [frames_message(block, "m") for k in range(250) for block in frame_blocks(frames(4 * k, 4))]
+    rows = [row for message in messages for row in plot_rows(message, plot_step(message["dt_s"]))]
     assert len(rows) == 100
     assert rows[3] == {
         "ts": pytest.approx(1_700_000_000.03, abs=1e-6),
@@ -75,7 +76,7 @@ def test_plot_has_a_hundred_rows_a_second() -> None:
 
 
 def test_plot_has_what_the_tracker_claims() -> None:
-    (row,) = plot_rows(frames(20, 10, claimed=True))
+    (row,) = plot_rows(frames_message(frames(20, 10, claimed=True), "m"), 10)
     assert (row["q_std1"], row["q_std2"]) == (80.0, 82.0)
 
 

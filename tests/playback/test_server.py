@@ -13,7 +13,7 @@ import zmq
 from limbcal.errors import DeviceError
 from playback.player import Player
 from playback.server import Server
-from protocol.message import HEALTH, PLAY
+from protocol.message import HEALTH, PLAY, PLOT
 from protocol.subscriber import Subscriber
 
 PATIENCE_MS = 30_000  # never reached where all is well
@@ -95,7 +95,7 @@ def test_the_heartbeat_comes_once_a_second_and_says_what_was_sent(
             health.append(message[1])
     assert [beat["uptime_s"] - health[0]["uptime_s"] for beat in health] == [0.0, 1.0, 2.0, 9.0, 10.0]
     assert health[0].keys() >= {"uptime_s", "last_seq", "playing", "lateness_ms", "arm", "run", "seq", "v"}
-    assert health[-1]["last_seq"] == {PLAY: 50, HEALTH: health[-1]["seq"] - 1}
+    assert health[-1]["last_seq"] == {PLAY: 50, PLOT: 50, HEALTH: health[-1]["seq"] - 1}
     assert not subscriber.missed
 
 
@@ -281,6 +281,21 @@ def test_requests_steer_what_plays(playback) -> None:
     assert playback.ask("state")["state"]["position_s"] == paused["position_s"]
     for cmd, value in (("loop", False), ("speed", 1.0), ("stop", None)):
         playback.ask(cmd, value)
+
+
+def test_plotting_programs_get_rows(context, server: Server, fake_time) -> None:
+    with Subscriber(context, server.endpoint, [PLOT, HEALTH]) as subscriber:
+        while subscriber.receive(20) is None:
+            fake_time.now_s += 1.0
+            server.step()
+        server.player.play()
+        for _ in range(3):
+            server.step()
+            fake_time.now_s += 0.01
+        rows = [receive(subscriber, PLOT)["rows"] for _ in range(3)]
+    q = server.player.source.load().at(np.arange(3) / 100.0)[0]
+    assert [[row["q1"], row["q2"]] for (row,) in rows] == q.tolist()
+    assert np.diff([row["ts"] for (row,) in rows]).tolist() == pytest.approx([0.01, 0.01], abs=1e-6)
 
 
 def test_the_whole_motion_comes_in_few_rows(playback, source) -> None:
