@@ -2,6 +2,7 @@
 
 import time
 from collections.abc import Callable, Mapping
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -15,6 +16,7 @@ from playback.view.feed import Feed, Picture
 from playback.view.figure import Figure
 from playback.view.handle import Handle
 from playback.view.remote import Motion, Remote
+from playback.view.server import on_loop
 from playback.view.sheet import heading, numbers, table
 from playback.view.stage import Stage
 from playback.view.timeline import LIVE_SPAN_S, Timeline
@@ -31,6 +33,8 @@ TWIN_OPACITY = 0.45
 
 class Page:
     """Shows the newest frame of a feed at up to 60 Hz, to every browser alike.
+
+    It is made, and changed, in the server's thread: see `on_loop`.
 
     Parameters
     ----------
@@ -87,7 +91,7 @@ class Page:
         """Keep the page up to date until it is over."""
         start_s, k = time.monotonic(), 0
         while not over():
-            self.refresh(panel=k % PANEL_EVERY == 0)
+            on_loop(self._server, partial(self.refresh, k % PANEL_EVERY == 0))
             k += 1
             wait_s = start_s + k / RATE_HZ - time.monotonic()
             if wait_s < -1.0 / RATE_HZ:  # pictures that are late are left out, not made up for
@@ -96,7 +100,7 @@ class Page:
             time.sleep(max(0.0, wait_s))
 
     def refresh(self, panel: bool) -> None:
-        """Bring the scene, and if asked for the panel, up to date with the newest frame."""
+        """Bring the scene, and if asked for the panel, up to date; for the server's thread."""
         picture = self._feed.newest()
         if picture is not None and (self._shown is None or picture.count != self._shown.count):
             self._shown = picture

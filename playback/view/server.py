@@ -1,13 +1,17 @@
 """The web server of the page, kept to itself: quiet, and never shared beyond this machine."""
 
+import asyncio
 import contextlib
 import socket
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
+from typing import TypeVar
 
 import rich
 import viser
 
 from limbcal.errors import DeviceError
+
+T = TypeVar("T")
 
 
 class QuietServer(viser.ViserServer):
@@ -16,6 +20,19 @@ class QuietServer(viser.ViserServer):
     def request_share_url(self, verbose: bool = True) -> str | None:
         """Refuse: whoever sees the page can move the arm."""
         return None
+
+
+def on_loop(server: viser.ViserServer, work: Callable[[], T]) -> T:
+    """Do what changes the page in the thread that sends to pages, and return what it returns.
+
+    viser's handles wake their senders with ``asyncio.Event.set``, which is for that thread only: from another one
+    it fails now and then, with "deque mutated during iteration", as soon as pages are connected.
+    """
+
+    async def carried_out() -> T:
+        return work()
+
+    return asyncio.run_coroutine_threadsafe(carried_out(), server.get_event_loop()).result()
 
 
 @contextlib.contextmanager

@@ -17,7 +17,7 @@ from playback.view.handle import Handle
 from playback.view.page import Page
 from playback.view.playback_process import PlaybackProcess
 from playback.view.remote import Remote
-from playback.view.server import web_server
+from playback.view.server import on_loop, web_server
 from protocol.curve import load_client_key
 
 #: How long a playback that runs already may take to answer [s].
@@ -49,9 +49,9 @@ def run(arguments: argparse.Namespace, announce: Callable[[dict[str, object]], N
         arm, twin = _arms(arguments.arm, remote)
         server = stack.enter_context(web_server(arguments.host, arguments.port, "limbplay"))
         handle = None
-        if touch is not None:
-            handle = stack.enter_context(closing(Handle(server, context, arm, touch)))
-        page = Page(server, feed, remote, arm, twin, handle)
+        if (running := touch) is not None:
+            handle = stack.enter_context(closing(on_loop(server, lambda: Handle(server, context, arm, running))))
+        page = on_loop(server, lambda: Page(server, feed, remote, arm, twin, handle))
         url = f"http://{arguments.host}:{server.get_port()}"
         announce({"url": url, "endpoint": endpoint, "control": control, "arm": arm.name})
         if arguments.open:

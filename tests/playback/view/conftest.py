@@ -42,12 +42,12 @@ FLAGS = (
 WINDOW = {"width": 800, "height": 640}
 
 
-def eventually(found: Callable[[], Any], what: str) -> Any:
+def eventually(found: Callable[[], Any], what: str, patience_s: float = PATIENCE_S) -> Any:
     """Return what is found, as soon as it is neither None nor False."""
-    until_s = time.monotonic() + PATIENCE_S
+    until_s = time.monotonic() + patience_s
     while (answer := found()) is None or answer is False:
         if time.monotonic() > until_s:
-            pytest.fail(f"{what} did not happen within {PATIENCE_S:g} s")
+            pytest.fail(f"{what} did not happen within {patience_s:g} s")
         time.sleep(0.02)
     return answer
 
