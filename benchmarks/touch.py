@@ -14,12 +14,13 @@ from arm.arm_file import load_arm
 from arm.model import Arm, Joint, Link
 from limbcal.command import Parser, run_command, say
 from limbcal.real_time import TOUCH, ask_for_real_time
+from playback.touch.grip import Hand
 from playback.touch.hand import VirtualHand
 from playback.touch.limit import Coupling
 from playback.touch.pace import Pace
 from playback.touch.process import TouchProcess
 from playback.touch.tick import tick
-from playback.touch.touched_arm import Hand, TouchedArm
+from playback.touch.touched_arm import TouchedArm
 
 
 def seven_links() -> Arm:

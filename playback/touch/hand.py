@@ -19,7 +19,7 @@ import zmq
 
 from arm.model import Floats
 from limbcal.errors import DeviceError, LimbcalError
-from limbcal.real_time import TOUCH, ask_for_real_time
+from limbcal.real_time import PIPELINE, ask_for_real_time
 from playback.touch.device import TouchDevice
 from playback.touch.holders import STALE_S
 from playback.touch.pace import Pace, Spread
@@ -136,12 +136,12 @@ class VirtualHand:
 def _be_hand(line: Connection, haptic: str, model: HandModel, rate_hz: float, key: ClientKey | None) -> None:
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # its parent ends it
     signal.signal(signal.SIGTERM, signal.SIG_IGN)
-    real_time = ask_for_real_time(TOUCH)
+    real_time = ask_for_real_time(PIPELINE)  # the loop goes first
     try:
         with zmq.Context() as context:
             if real_time:
                 context.set(zmq.THREAD_SCHED_POLICY, 1)  # SCHED_FIFO
-                context.set(zmq.THREAD_PRIORITY, TOUCH)
+                context.set(zmq.THREAD_PRIORITY, PIPELINE)
             with TouchDevice(context, haptic, key) as device:
                 _run(line, device, model, 1.0 / rate_hz)
     except (LimbcalError, zmq.ZMQError) as error:

@@ -1,5 +1,6 @@
 """The haptic loop: a thousand times a second devices are heard, the arm steps, and hands feel it."""
 
+import math
 import time
 import uuid
 from dataclasses import dataclass, field
@@ -8,21 +9,20 @@ from pathlib import Path
 import numpy as np
 import zmq
 
-from arm.chain import chain_of
-from arm.kinematics import frames_of
-from arm.model import Arm, Floats
+from arm.model import Arm
 from limbcal.errors import LimbcalError
 from playback.touch.channel import HapticChannel, Heard
+from playback.touch.frame_stream import FRAME_RATE_HZ, FrameStream
+from playback.touch.grip import Grip, Hand
 from playback.touch.holders import Holders
 from playback.touch.limit import Coupling, sampled_interval
 from playback.touch.message import Command, Input
 from playback.touch.pace import Pace, Spread
-from playback.touch.touched_arm import Grip, Hand, TouchedArm
+from playback.touch.touched_arm import TouchedArm
 from protocol.curve import Gate
 from protocol.message import HEALTH, PLAY
 from protocol.publisher import Publisher
 
-FRAME_RATE_HZ = 100.0
 HEARTBEAT_S = 1.0
 #: Steps that one tick makes up for at most; time beyond is lost to the arm.
 MOST_STEPS = 20
@@ -83,8 +83,9 @@ class TouchLoop:
             self._publisher.close()
             raise
         self.endpoint, self.haptic = self._publisher.endpoint, self._channel.endpoint
-        self._stream = _Stream(touched)
+        self._stream = FrameStream(touched)
         self._holders = Holders()
+        self._q0, self._resets = np.array(setup.q0), 0
         self._holder: bytes | None = None
         self._grip = touched.tip
         self._steps = Spread()
@@ -110,6 +111,8 @@ class TouchLoop:
         begin = time.perf_counter()
         self.arm.step(n_step, hand, sampled_interval(self._interval_s, self._loop_s))
         self._steps.add(time.perf_counter() - begin)
+        if not math.isfinite(float(self.arm.state.sum())):
+            self._run_away()
         for item, holds in answers:
             self._channel.answer(item.envelope, self._felt(item.said.seq, holds))
         self._measure(now_s, hand is not None)
@@ -134,6 +137,7 @@ class TouchLoop:
             "wall_stiffness_N_m": self.arm.given.wall_stiffness,
             "interval_ms": 1e3 * self._interval_s,
             "inputs": self._inputs,
+            "resets": self._resets,
             "devices": len(self._holders),
             "connected": self._holder is not None,
             "stale": self._holder is None,
@@ -205,6 +209,12 @@ class TouchLoop:
             "stale": self._holder is None,
         }
 
+    def _run_away(self) -> None:
+        """Put an arm that has run away to infinity back to where it began: nobody is to feel that."""
+        self.arm.reset(self._q0)
+        self._holder = None
+        self._resets += 1
+
     def _measure(self, now_s: float, heard: bool) -> None:
         """Measure the rates of loop and device that are really held: the coupling is as stiff as they allow."""
         self._window_ticks += 1
@@ -230,40 +240,3 @@ class TouchLoop:
         elif uptime_s >= self._heartbeats * HEARTBEAT_S:  # never both in one tick
             self._publisher.publish(HEALTH, self.health())
             self._heartbeats = int(uptime_s / HEARTBEAT_S) + 1
-
-
-class _Stream:
-    """The fields of `limb/play`, from arrays that are made once."""
-
-    def __init__(self, touched: TouchedArm) -> None:
-        self._touched = touched
-        self._chain = chain_of(touched.arm)
-        self._last = touched.arm.joints[-1].a_m
-        sensors = touched.arm.sensors
-        self._rides = np.array([sensor.joint - 1 for sensor in sensors], dtype=np.int64)
-        self._places = np.array([sensor.position_m for sensor in sensors]).reshape(-1, 3, 1)
-
-    def frame(self, k: int, felt: Floats, point: Floats) -> dict[str, object]:
-        state = self._touched.state
-        frames = frames_of(self._chain, state[:1])
-        ends = frames[:, -1, :3, 3] + self._last * frames[:, -1, :3, 0]
-        T = frames[0, self._rides]
-        points = (T[:, :3, :3] @ self._places)[..., 0] + T[:, :3, 3]
-        return {
-            "frame0": k,
-            "t0_ns": time.time_ns(),
-            "dt_s": 1.0 / FRAME_RATE_HZ,
-            "n": 1,
-            "method": "simulate",
-            "q": state[:1],
-            "dq": state[1:2],
-            "ddq": state[2:],
-            "tip": ends,
-            "points": points[None],
-            "gap": False,
-            "source": "touch",
-            "speed": 1.0,
-            "point": point,
-            "force": felt[0],
-            "moment": felt[1],
-        }

@@ -1,13 +1,6 @@
-"""The haptic loop in a process of its own, seen from both sides.
+"""The haptic loop in a process of its own, as its parent sees it: small JSON documents over a pipe."""
 
-The two speak over a pipe in small JSON documents. The process ends when it is told to and when the pipe ends: so
-none is left behind however its parent dies.
-"""
-
-import gc
 import json
-import signal
-import traceback
 from multiprocessing import get_context
 from multiprocessing.connection import Connection
 from pathlib import Path
@@ -15,16 +8,12 @@ from types import TracebackType
 from typing import Any
 
 import numpy as np
-import zmq
 
 from arm.model import Arm, Floats
 from limbcal.errors import ConfigError, DataError, DeviceError, LimbcalError, ProtocolError
-from limbcal.real_time import TOUCH, ask_for_real_time
 from playback.touch.limit import Coupling
-from playback.touch.loop import Setup, TouchLoop
-from playback.touch.pace import Pace
-from playback.touch.touched_arm import Hand, TouchedArm
-from protocol.curve import gate_of
+from playback.touch.loop import Setup
+from playback.touch.loop_process import be_loop
 
 MAX_RATE_HZ = 5000.0
 MIN_RATE_HZ = 100.0
@@ -34,8 +23,6 @@ _FAILURES: dict[str, type[LimbcalError]] = {
 #: Compiling takes a minute on a slow machine, once; stopping takes no time.
 _START_S, _STOP_S = 900.0, 5.0
 _POLL_S = 0.25
-#: How often the loop looks at the pipe [s].
-_LOOK_S = 0.02
 
 Health = dict[str, Any]
 
@@ -100,7 +87,7 @@ class TouchProcess:
         """
         context = get_context("spawn")
         self._line, theirs = context.Pipe()
-        self._process = context.Process(target=_be_loop, args=(theirs, self._setup), name="limbplay-touch")
+        self._process = context.Process(target=be_loop, args=(theirs, self._setup), name="limbplay-touch")
         try:
             self._process.start()
             theirs.close()
@@ -212,84 +199,3 @@ class TouchProcess:
                 error_of.add_note(said["trace"])
             raise error_of
         return said
-
-
-def warmed_up(setup: Setup) -> TouchedArm:
-    """Return an arm that has been held, turned and let go: every kernel is compiled."""
-    touched = TouchedArm(setup.arm, np.array(setup.q0), 1.0 / setup.rate_hz, setup.coupling)
-    hand = Hand(touched.touched_point(touched.tip), None, np.eye(3))
-    touched.take(touched.tip, hand)
-    for _ in range(3):
-        touched.step(2, hand)
-    touched.reset(np.array(setup.q0))
-    return touched
-
-
-def _be_loop(line: Connection, setup: Setup) -> None:
-    # Ctrl-C and systemd signal the whole group; the parent acts on it and ends this process.
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
-    signal.signal(signal.SIGTERM, signal.SIG_IGN)
-    try:
-        _run(line, setup)
-    except (EOFError, OSError) as error:
-        if isinstance(error, ConnectionError | EOFError):
-            return  # nobody listens any more
-        _say(line, failed="DeviceError", sentence=f"the haptic loop failed: {error}", trace=traceback.format_exc())
-    except LimbcalError as error:
-        _say(line, failed=type(error).__name__, sentence=str(error), trace="")
-    except Exception as error:  # the parent says what happened
-        sentence = f"the haptic loop failed: {type(error).__name__}: {error}"
-        _say(line, failed="DeviceError", sentence=sentence, trace=traceback.format_exc())
-    finally:
-        line.close()
-
-
-def _run(line: Connection, setup: Setup) -> None:
-    touched = warmed_up(setup)
-    real_time = ask_for_real_time(TOUCH)
-    with zmq.Context() as context:
-        if real_time:  # what carries messages is not to be later than what answers them
-            context.set(zmq.THREAD_SCHED_POLICY, 1)  # SCHED_FIFO
-            context.set(zmq.THREAD_PRIORITY, TOUCH)
-        with gate_of(context, setup.keys) as gate:
-            pace = Pace(1.0 / setup.rate_hz)
-            loop = TouchLoop(context, setup, touched, pace, gate, real_time)
-            try:
-                loop.first_frames()
-                gc.collect()
-                gc.freeze()
-                gc.disable()
-                pace.start()
-                _say(line, endpoint=loop.endpoint, haptic=loop.haptic, health=loop.health())
-                _loop(line, loop, max(1, round(_LOOK_S * setup.rate_hz)))
-                _say(line, health=loop.health())
-            finally:
-                gc.enable()
-                loop.close()
-
-
-def _loop(line: Connection, loop: TouchLoop, look_every: int) -> None:
-    """Tick until told to stop."""
-    pace, k = loop.pace, 0
-    pace.start()
-    while True:
-        loop.tick(pace.wait())
-        k += 1
-        if k % look_every == 0:
-            if k % (50 * look_every) == 0:
-                gc.collect(0)  # what little has come since: the rest is frozen
-            if line.poll():
-                if line.recv_bytes() == b"stop":
-                    return
-                _say(line, health=loop.health())
-
-
-def _say(line: Connection, **fields: object) -> None:
-    line.send_bytes(json.dumps(fields, default=_plain).encode())
-
-
-def _plain(value: object) -> object:
-    """Turn what numpy made into what JSON has."""
-    if isinstance(value, np.ndarray | np.generic):
-        return value.tolist()
-    raise TypeError(f"found a {type(value).__name__}, expected plain values")

@@ -1,7 +1,6 @@
 """The simulated arm that is touched: its state, its effects, who holds it and where."""
 
 import math
-from dataclasses import dataclass
 
 import numpy as np
 
@@ -17,6 +16,7 @@ from arm.resistance import friction_alone
 from arm.way_before import set_way
 from limbcal.errors import ConfigError, DataError
 from playback.touch import coupling as c
+from playback.touch.grip import Grip, Hand
 from playback.touch.limit import Coupling, mass_limit
 from playback.touch.memory import Memory
 from playback.touch.rotation import turned_between
@@ -27,23 +27,6 @@ _HOLD_RAD_S = 2.0 * math.pi * 2.0
 #: For how long the coupling grows to its full stiffness after the arm was touched [s].
 RAMP_S = 0.2
 _TRIAL = 1
-
-
-@dataclass(frozen=True)
-class Grip:
-    """Where an arm is touched: the link, counted from 1, and the point in its joint-axis frame [m]."""
-
-    joint: int
-    point_m: tuple[float, float, float]
-
-
-@dataclass(frozen=True)
-class Hand:
-    """Where the hand is, in the base frame: place [m], and where known velocity and orientation (3, 3)."""
-
-    position: Floats
-    velocity: Floats | None = None
-    orientation: Floats | None = None
 
 
 class TouchedArm:

@@ -10,8 +10,9 @@ from hypothesis import strategies as st
 from arm.arm_file import load_arm
 from arm.model import Arm, Friction
 from arm.newton_euler import mass_matrix
+from playback.touch.grip import Hand
 from playback.touch.limit import Coupling, stiffness_limit, wall_limit
-from playback.touch.touched_arm import Hand, TouchedArm
+from playback.touch.touched_arm import TouchedArm
 
 T = 1e-3
 B = 5.0

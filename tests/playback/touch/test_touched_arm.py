@@ -11,8 +11,9 @@ from arm.newton_euler import mass_matrix
 from arm.outer_wrench import touched_forward_dynamics
 from arm.simulation import simulate
 from limbcal.errors import DataError
+from playback.touch.grip import Grip, Hand
 from playback.touch.limit import Coupling
-from playback.touch.touched_arm import RAMP_S, Grip, Hand, TouchedArm
+from playback.touch.touched_arm import RAMP_S, TouchedArm
 from tests.arm.conftest import draw_arm
 
 T = 1e-3
