@@ -22,8 +22,8 @@ run: $(STAMP) ## the main job on the virtual arm: measure, calibrate, simulate, 
 test: $(STAMP) ## all tests, in two processes
 	$(BIN)/python -m pytest -n 2 --dist loadgroup
 
-soak: $(STAMP) ## endurance at length (two hours): faults, kills, crowds, load, fuzzing; shows figures
-	$(BIN)/python -m pytest --long tests/soak tests/fuzz
+soak: $(STAMP) ## endurance at length (two hours and a half): faults, kills, crowds, load, fuzzing; shows figures
+	$(BIN)/python -m pytest --long tests/soak tests/fuzz tests/playback
 
 check: $(STAMP) ## lint, types, import rules
 	$(BIN)/ruff check .
@@ -37,6 +37,7 @@ $(BENCH_STAMP): $(STAMP)
 bench: $(BENCH_STAMP) ## the torque fit beside its peers (docs/benchmarks.md); acquisition; the trackers compared
 	$(BIN)/python -m benchmarks.speed --out docs/benchmarks.md
 	$(BIN)/python -m benchmarks.acquisition --seconds 60
+	$(BIN)/python -m benchmarks.touch --seconds 60
 	$(BIN)/python -m benchmarks.tracking --seeds 0-2
 
 lock: ## rewrite constraints.txt from the newest versions that fit
