@@ -22,7 +22,7 @@ from arm.arm_file import load_arm, save_arm
 from arm.bench import Bench, motions
 from arm.model import Arm
 
-WINDOW = {"width": 1440, "height": 900}
+WINDOW = {"width": 1280, "height": 860}
 FLAGS = ("--headless", "--no-sandbox", "--disable-gpu", "--use-gl=angle", "--use-angle=swiftshader")
 QUIET = ("--enable-unsafe-swiftshader", "--disable-quic", "--no-first-run", "--disable-background-networking")
 PATIENCE_MS = 300_000
@@ -40,13 +40,6 @@ def main() -> None:
         motion, twin = _motion(Path(scratch)), Path(scratch) / "twin.toml"
         save_arm(_twin(load_arm("dd-arm")), twin)
         browser = playwright.chromium.launch(executable_path=chromium, args=[*FLAGS, *QUIET])
-        with _view(str(motion), "--arm", "dd-arm", "--twin", str(twin), "--reference", str(motion)) as url:
-            page = _opened(browser, url)
-            _switch(page, "Shadows")
-            for place in ("1.1", "1.25", "1.4", "1.55", "1.7", "1.85", "2.0"):  # so that there is a trace
-                _type(page, "Time (s)", place)
-                page.wait_for_timeout(1500)
-            _shoot(page, folder / "view.png")
         with _view("--touch", "--arm", "dd-arm", "--q0", "0.4,0.9") as url:
             page = _opened(browser, url)
             x, y = page.evaluate(
@@ -62,6 +55,13 @@ def main() -> None:
                 page.wait_for_timeout(300)
             _shoot(page, folder / "view-touch.png")
             page.mouse.up()
+        with _view(str(motion), "--arm", "dd-arm", "--twin", str(twin), "--reference", str(motion)) as url:
+            page = _opened(browser, url)
+            _switch(page, "Shadows")
+            for place in ("1.1", "1.25", "1.4", "1.55", "1.7", "1.85", "2.0"):  # so that there is a trace
+                _type(page, "Time (s)", place)
+                page.wait_for_timeout(1500)
+            _shoot(page, folder / "view.png")
         browser.close()
 
 
@@ -124,8 +124,9 @@ def _switch(page: Page, label: str) -> None:
 
 
 def _shoot(page: Page, path: Path) -> None:
+    page.evaluate("document.querySelector('[role=slider]')?.scrollIntoView({block: 'center'})")
     page.wait_for_timeout(4000)
-    page.screenshot(path=path)
+    page.screenshot(path=path, timeout=PATIENCE_MS)
 
 
 if __name__ == "__main__":

@@ -66,7 +66,7 @@ class Stage:
         camera.up = self._up
         camera.fov = FIELD_OF_VIEW
         # as far as makes the width fit into a window that is somewhat wider than high
-        away = 0.5 * max(width / ASPECT, height + 0.6 * depth) / np.tan(0.5 * FIELD_OF_VIEW) + 0.45 * depth
+        away = 0.46 * max(width / ASPECT, height + 0.6 * depth) / np.tan(0.5 * FIELD_OF_VIEW) + 0.45 * depth
         slant = self._back + SLANT * self._up + 0.18 * self._right
         camera.position = middle + away * slant / np.linalg.norm(slant)
 
