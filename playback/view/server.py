@@ -3,6 +3,7 @@
 import asyncio
 import contextlib
 import socket
+import warnings
 from collections.abc import Callable, Iterator
 from typing import TypeVar
 
@@ -50,6 +51,8 @@ def web_server(host: str, port: int, title: str) -> Iterator[viser.ViserServer]:
     try:
         yield server
     finally:
+        # a picture may be on its way while the page is stopped; that it does not arrive is no news
+        warnings.filterwarnings("ignore", message="Queued a .* on a closed connection")
         server.stop()
 
 

@@ -12,7 +12,7 @@ BACKGROUND = (255, 255, 255)
 CELL, SECTION = (222, 226, 231), (198, 205, 213)
 #: Poses that say how much room an arm needs.
 DRAWS = 400
-FIELD_OF_VIEW, ASPECT = np.radians(38.0), 1.2
+FIELD_OF_VIEW, ASPECT = np.radians(38.0), 0.95
 #: How much the camera looks down: the tangent of the angle.
 SLANT = 0.9
 
@@ -65,9 +65,9 @@ class Stage:
         camera.look_at = middle
         camera.up = self._up
         camera.fov = FIELD_OF_VIEW
-        # as far as makes the width fit into a window that is somewhat wider than high
-        away = 0.46 * max(width / ASPECT, height + 0.6 * depth) / np.tan(0.5 * FIELD_OF_VIEW) + 0.45 * depth
-        slant = self._back + SLANT * self._up + 0.18 * self._right
+        # as far as makes the width fit into a window that is about as wide as high beside the panel
+        away = 0.5 * max(width / ASPECT, height + 0.6 * depth) / np.tan(0.5 * FIELD_OF_VIEW) + 0.45 * depth
+        slant = self._back + SLANT * self._up + 0.08 * self._right
         camera.position = middle + away * slant / np.linalg.norm(slant)
 
     def shade(self, wanted: bool) -> None:

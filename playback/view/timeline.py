@@ -76,11 +76,14 @@ class Timeline:
             others = (
                 [np.array([twin.q for twin in twins]), np.array([twin.tip for twin in twins])] if both else None
             )
-            lines = self._curves(np.array([row.position_s for row in rows]), columns, others)
+            # where there is no end, time is counted back from the present, so that the axis stands still
+            lines = self._curves(np.array([row.position_s for row in rows]) - position_s, columns, others)
         t, angles, errors = lines
-        self._angles.draw(t, angles, position_s)
+        span = (float(t[0]), float(t[-1])) if self._lines is not None else (-LIVE_SPAN_S, 0.0)
+        position_s = position_s if self._lines is not None else 0.0
+        self._angles.draw(t, angles, position_s, span)
         if self._errors is not None:
-            self._errors.draw(t, errors, position_s)
+            self._errors.draw(t, errors, position_s, span)
 
     def remove(self) -> None:
         """Take the plots off the page."""
@@ -123,7 +126,7 @@ class _Plot:
         zero: bool,
     ) -> None:
         self._zero = zero
-        self._range = (0.0, 1.0)
+        self._range = self._span = (0.0, 1.0)
         series = [
             uplot.Series(label=name, stroke=colour, width=1.4 if dash else 1.8) for name, colour, dash in names
         ]
@@ -143,10 +146,11 @@ class _Plot:
             height=height,
         )
 
-    def draw(self, t: Floats, lines: Sequence[Floats], now: float) -> None:
+    def draw(self, t: Floats, lines: Sequence[Floats], now: float, span: tuple[float, float]) -> None:
         low, high = min(map(np.min, lines)), max(map(np.max, lines))
-        if not self._holds(float(low), float(high)):
+        if span != self._span or not self._holds(float(low), float(high)):
             self._range = _round_range(0.0 if self._zero else float(low), float(high))
+            self._span = span
             self._handle.scales = self._scales()
         now = min(max(now, float(t[0])), float(t[-1]))
         k = int(np.searchsorted(t, now))
@@ -164,7 +168,7 @@ class _Plot:
         return bottom <= low and high <= top and (high - (0.0 if self._zero else low)) > 0.3 * (top - bottom)
 
     def _scales(self) -> dict[str, uplot.Scale]:
-        return {"x": uplot.Scale(time=False), "y": uplot.Scale(range=self._range)}
+        return {"x": uplot.Scale(time=False, range=self._span), "y": uplot.Scale(range=self._range)}
 
 
 def _round_range(low: float, high: float) -> tuple[float, float]:
