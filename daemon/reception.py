@@ -16,7 +16,7 @@ from daemon.ring import Chunk, Mark
 from daemon.sample_ledger import Gap, SampleLedger
 from daemon.sequencer import Sequencer
 from limbcal.compiled import compiled
-from protocol.serial_frame import InfoFrame, SamplesFrame
+from protocol.serial_frame import InfoFrame, SamplesFrame, SamplesRun
 from protocol.serial_parser import Frame, FrameParser
 
 NewClock = Callable[[float, int, int, int], Clock]
@@ -52,7 +52,7 @@ class _Group:
     lost: int
     sample0: int
     stamps: list[tuple[int, int]]
-    frames: list[SamplesFrame]
+    counts: list[Counts]
 
 
 class Reception:
@@ -161,31 +161,56 @@ class Reception:
         if not chunks:
             return
         arrival_ns = chunks[-1].stamp_ns
-        frames = self.parser.feed(b"".join(chunk.data for chunk in chunks))
+        found = self.parser.feed_runs(b"".join(chunk.data for chunk in chunks))
         self._parses += 1
         if self._damaged() > self._errors:
             self._errors, self._hurt_at = self._damaged(), self._parses
         if self._why is None and self._arrival_ns and arrival_ns - self._arrival_ns > _SILENCE_NS:
             self._why = "the device was silent"
-        self._pass_on([one for frame in frames for one in self.sequencer.put(frame)], arrival_ns)
+        self._pass_on([frames for one in found for frames in self.sequencer.take(one)], arrival_ns)
         self._arrival_ns = arrival_ns
 
-    def _pass_on(self, frames: list[Frame], arrival_ns: int) -> None:
+    def _pass_on(self, passed: Sequence[Frame | SamplesRun], arrival_ns: int) -> None:
         """Enter frames in their order; those of a device that has come back wait until it said what it is."""
-        last = next((frame for frame in reversed(frames) if isinstance(frame, SamplesFrame)), None)
-        for frame in frames:
-            if isinstance(frame, InfoFrame):
-                self._meet(frame, arrival_ns)
-            elif self.stranger is not None:
-                self.strangers += 1
-            elif not self._known:
-                self._unknown.append(frame)
-            elif frame.counts.shape[1] != len(self._scale):
-                self.strangers += 1
-            else:
-                self._enter(frame, last or frame, arrival_ns)
+        last = next((one for one in reversed(passed) if not isinstance(one, InfoFrame)), None)
+        if isinstance(last, SamplesRun):
+            last = last.frames()[-1]
+        for one in passed:
+            if isinstance(one, SamplesRun) and self._goes_on(one):
+                self._enter_run(one)
+                continue
+            for frame in one.frames() if isinstance(one, SamplesRun) else [one]:
+                self._pass_on_one(frame, last, arrival_ns)
         if last is not None and self._known and self.clock is not None and self.ledger.due_ticks is not None:
             self.clock.note(self.ledger.due_ticks, arrival_ns)
+
+    def _pass_on_one(self, frame: Frame, last: SamplesFrame | None, arrival_ns: int) -> None:
+        if isinstance(frame, InfoFrame):
+            self._meet(frame, arrival_ns)
+        elif self.stranger is not None:
+            self.strangers += 1
+        elif not self._known:
+            self._unknown.append(frame)
+        elif frame.counts.shape[1] != len(self._scale):
+            self.strangers += 1
+        else:
+            self._enter(frame, last or frame, arrival_ns)
+
+    def _goes_on(self, run: SamplesRun) -> bool:
+        """Say whether a run is of this device and goes on right where it was."""
+        known = self._known and self.stranger is None and self.clock is not None
+        return known and run.counts.shape[1] == len(self._scale) and self.ledger.goes_on(run)
+
+    def _enter_run(self, run: SamplesRun) -> None:
+        assert self.clock is not None
+        if not self._groups:
+            self._groups.append(_Group(0, self.ledger.position, [], []))
+        n, position, utc_ns = run.frame_samples, self.ledger.position, self.clock.utc_ns
+        group = self._groups[-1]
+        group.stamps += [(position + k * n, utc_ns(ticks)) for k, ticks in enumerate(run.ticks)]
+        group.counts.append(run.counts)
+        self.ledger.enter_run(run)
+        self._why = None
 
     def _meet(self, frame: InfoFrame, arrival_ns: int) -> None:
         if not same_device(frame.info, self.info):
@@ -216,7 +241,7 @@ class Reception:
             self._groups.append(_Group(lost, self.ledger.position + lost, [], []))
         self._groups[-1].stamps.append((self.ledger.position + lost, t0_ns))
         self.ledger.enter(frame, lost)
-        self._groups[-1].frames.append(frame)
+        self._groups[-1].counts.append(frame.counts)
         self._why = None
 
     def _cause(self, frame: SamplesFrame) -> str:
@@ -247,7 +272,7 @@ class Reception:
         return lost
 
     def _run(self, group: _Group) -> Run:
-        counts: Counts = np.concatenate([frame.counts for frame in group.frames])
+        counts: Counts = group.counts[0] if len(group.counts) == 1 else np.concatenate(group.counts)
         self.watch.watch(counts)
         a = np.empty(counts.shape)
         _accelerations(counts, self._scale, self._offset, a)
