@@ -3,19 +3,15 @@
 import time
 from collections import deque
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 
-import numpy as np
-
-from arm.model import Floats
 from daemon.channel_watch import ChannelWatch, Counts
 from daemon.device_clock import Clock, DeviceClock
 from daemon.handshake import same_device
 from daemon.host_clock import HostClock
 from daemon.ring import Chunk, Mark
 from daemon.sample_ledger import Gap, SampleLedger
+from daemon.sample_runs import Conversion, CountRun, Run
 from daemon.sequencer import Sequencer
-from limbcal.compiled import compiled
 from protocol.serial_frame import InfoFrame, SamplesFrame, SamplesRun
 from protocol.serial_parser import Frame, FrameParser
 
@@ -29,30 +25,6 @@ _PATIENCE_NS = 20_000_000
 _HURTS = 16
 #: Nothing for so long is silence [ns].
 _SILENCE_NS = 300_000_000
-
-
-@dataclass(frozen=True)
-class Run:
-    """Samples without a hole between them.
-
-    ``lost`` samples are missing before the first, whose number is ``sample0``. ``stamps`` are number and UTC [ns]
-    of the first sample of each frame; ``a`` is (n_sample, n_channel) [m/s^2].
-    """
-
-    lost: int
-    sample0: int
-    stamps: tuple[tuple[int, int], ...]
-    a: Floats
-
-
-@dataclass
-class _Group:
-    """Frames that follow each other."""
-
-    lost: int
-    sample0: int
-    stamps: list[tuple[int, int]]
-    counts: list[Counts]
 
 
 class Reception:
@@ -99,15 +71,14 @@ class Reception:
         self._new_clock = new_clock
         self.connected = True
         self.reconnects = 0
-        self._scale = np.array([channel.scale for channel in self.info.channels])
-        self._offset = np.array([channel.offset for channel in self.info.channels])
+        self._conversion = Conversion(self.info.channels)
         self._known = True
         self._unknown: deque[Frame] = deque(maxlen=_UNKNOWN)
         self._why: str | None = None
         self._errors = self._parses = 0
         self._hurt_at = -_HURTS
         self._arrival_ns = 0
-        self._groups: list[_Group] = []
+        self._counted: list[CountRun] = []
         self._new_gaps: list[Gap] = []
         self.ledger.pass_over(introduction.sequence)
 
@@ -139,14 +110,12 @@ class Reception:
             self._parse(data)
         elif self.sequencer.waiting and (now_ns or time.monotonic_ns()) > self._arrival_ns + _PATIENCE_NS:
             self._pass_on(self.sequencer.release(), self._arrival_ns)
-        groups, self._groups = self._groups, []
-        return [self._run(group) for group in groups]
+        return self._taken()
 
     def finish(self) -> list[Run]:
         """Give up what is missing before the frames that still wait for it, and return their samples."""
         self._pass_on(self.sequencer.release(), self._arrival_ns)
-        groups, self._groups = self._groups, []
-        return [self._run(group) for group in groups]
+        return self._taken()
 
     def new_gaps(self) -> list[Gap]:
         """Return the gaps since the last time."""
@@ -191,7 +160,7 @@ class Reception:
             self.strangers += 1
         elif not self._known:
             self._unknown.append(frame)
-        elif frame.counts.shape[1] != len(self._scale):
+        elif frame.counts.shape[1] != len(self.info.channels):
             self.strangers += 1
         else:
             self._enter(frame, last or frame, arrival_ns)
@@ -199,16 +168,12 @@ class Reception:
     def _goes_on(self, run: SamplesRun) -> bool:
         """Say whether a run is of this device and goes on right where it was."""
         known = self._known and self.stranger is None and self.clock is not None
-        return known and run.counts.shape[1] == len(self._scale) and self.ledger.goes_on(run)
+        return known and run.counts.shape[1] == len(self.info.channels) and self.ledger.goes_on(run)
 
     def _enter_run(self, run: SamplesRun) -> None:
         assert self.clock is not None
-        if not self._groups:
-            self._groups.append(_Group(0, self.ledger.position, [], []))
         n, position, utc_ns = run.frame_samples, self.ledger.position, self.clock.utc_ns
-        group = self._groups[-1]
-        group.stamps += [(position + k * n, utc_ns(ticks)) for k, ticks in enumerate(run.ticks)]
-        group.counts.append(run.counts)
+        self._count([(position + k * n, utc_ns(ticks)) for k, ticks in enumerate(run.ticks)], run.counts)
         self.ledger.enter_run(run)
         self._why = None
 
@@ -237,11 +202,8 @@ class Reception:
             gap = Gap(self.ledger.position, lost, t0_ns - round(1e9 * lost / rate_hz), why, not begun_anew)
             self.ledger.note(gap)
             self._new_gaps.append(gap)
-        if lost or not self._groups:
-            self._groups.append(_Group(lost, self.ledger.position + lost, [], []))
-        self._groups[-1].stamps.append((self.ledger.position + lost, t0_ns))
+        self._count([(self.ledger.position + lost, t0_ns)], frame.counts, lost)
         self.ledger.enter(frame, lost)
-        self._groups[-1].counts.append(frame.counts)
         self._why = None
 
     def _cause(self, frame: SamplesFrame) -> str:
@@ -271,16 +233,18 @@ class Reception:
         self.clock = self._new_clock(self.info.tick_hz, first.ticks, first_ns, self.host.offset_ns)
         return lost
 
-    def _run(self, group: _Group) -> Run:
-        counts: Counts = group.counts[0] if len(group.counts) == 1 else np.concatenate(group.counts)
-        self.watch.watch(counts)
-        a = np.empty(counts.shape)
-        _accelerations(counts, self._scale, self._offset, a)
-        return Run(group.lost, group.sample0, tuple(group.stamps), a)
+    def _count(self, stamps: list[tuple[int, int]], counts: Counts, lost: int = 0) -> None:
+        if lost or not self._counted:
+            self._counted.append(CountRun(lost, stamps[0][0], [], []))
+        self._counted[-1].stamps += stamps
+        self._counted[-1].counts.append(counts)
 
-
-@compiled
-def _accelerations(counts: Counts, scale: Floats, offset: Floats, a: Floats) -> None:
-    for k in range(counts.shape[0]):
-        for c in range(counts.shape[1]):
-            a[k, c] = scale[c] * counts[k, c] + offset[c]
+    def _taken(self) -> list[Run]:
+        """Return what was counted, and have it watched."""
+        counted, self._counted = self._counted, []
+        runs = []
+        for one in counted:
+            counts = one.joined()
+            self.watch.watch(counts)
+            runs.append(self._conversion.run(one, counts))
+        return runs

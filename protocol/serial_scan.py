@@ -39,7 +39,9 @@ def _crc_32_tables() -> NDArray[np.uint32]:
 _CRC_32 = _crc_32_tables()
 
 
-def scan(block: bytes, start: int, size: int, n_sample: int, n_channel: int) -> tuple[list[int], NDArray[np.int16]]:
+def scan(
+    block: bytes, start: int, size: int, n_sample: int, n_channel: int
+) -> tuple[list[int], NDArray[np.int16]]:
     """Take out a good frame of samples and the good ones right after it that are laid out and numbered on alike.
 
     Parameters
@@ -113,7 +115,7 @@ def _little(frame: Bytes, begin: int, end: int) -> np.uint64:
 def _crc_16(data: Bytes) -> np.uint64:
     crc = np.uint64(_FIRST_CRC_16)
     for byte in data:
-        crc = (crc << np.uint64(8) ^ np.uint64(_CRC_16[(crc >> np.uint64(8)) ^ np.uint64(byte)])) & np.uint64(0xFFFF)
+        crc = np.uint64(_CRC_16[crc >> np.uint64(8) ^ np.uint64(byte)]) ^ crc << np.uint64(8) & np.uint64(0xFF00)
     return crc
 
 
