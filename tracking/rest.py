@@ -66,7 +66,8 @@ class RestDetector:
         self.jolted = False
         self._creeping = False
         middle = (WINDOW - 1) / 2
-        self._trend: Floats = (np.arange(WINDOW) - middle) / (middle * WINDOW / 4)  # about the second half less the first
+        # About the second half less the first.
+        self._trend: Floats = (np.arange(WINDOW) - middle) / (middle * WINDOW / 4)
         self._trend_spread = float(np.linalg.norm(self._trend))
 
     def judge(self, cell: Floats, gravity: Floats, pinned: bool) -> bool:
