@@ -69,7 +69,14 @@ def tip_position(arm: Arm, q: Floats) -> Floats:
     -------
     (n_sample, 3) [m]
     """
-    return link_transforms(arm, q)[:, -1, :3, 3]
+    return tips_of(chain_of(arm), joint_rows(arm, "q", q))
+
+
+def tips_of(chain: Chain, q: Floats) -> Floats:
+    """Return what `tip_position` returns, of a chain and ``q`` that is (n_sample, n_joint) and contiguous."""
+    last = frames_of(chain, q)[:, -1]
+    tips: Floats = last[:, :3, 3] + chain.geometry[-1, 1] * last[:, :3, 0]
+    return tips
 
 
 def sensor_positions(arm: Arm, q: Floats) -> Floats:

@@ -59,7 +59,6 @@ class ChannelWatch:
         self._high = np.minimum(np.floor(ends[:, 1]), limits.max).astype(np.int16)
         self._flat_samples = round(_FLAT_S * rate_hz)
         self._last = np.zeros(len(channels), dtype=np.int16)
-        self._held = np.ones(len(channels), dtype=np.bool_)
         self._still = np.zeros(len(channels), dtype=np.int64)
         self._scale, self._offset = (
             np.array([getattr(c, name) for c in channels]) for name in ("scale", "offset")
@@ -69,11 +68,8 @@ class ChannelWatch:
     def watch(self, counts: Counts) -> None:
         """Take the next samples, (n_sample, n_channel)."""
         n = len(counts)
-        self._held[:] = True
-        _tally(counts, self._last, self._low, self._high, self._held, self._sums, self.saturated, self._clipped)
-        # To the block: a channel that moved within it has been still since, at most, the block's beginning.
-        self._still = np.where(self._held, self._still + n, 0)
-        self.flat += np.where(self._still >= self._flat_samples, n, 0)
+        _tally(counts, self._last, self._low, self._high, self._still, self._sums, self.saturated, self._clipped)
+        self.flat[self._still >= self._flat_samples] += n
         self._n += n
         self._bends += max(n - 2, 0)
 
@@ -112,12 +108,13 @@ def _tally(
     last: Counts,
     low: Counts,
     high: Counts,
-    held: NDArray[np.bool_],
+    still: Counted,
     sums: Floats,
     saturated: Counted,
     clipped: Counted,
 ) -> None:
     """Add samples to the sums of counts, their squares and those of their second differences, and to the rest."""
+    held = np.ones(still.size, dtype=np.bool_)
     for k in range(counts.shape[0]):
         for c in range(counts.shape[1]):
             count = counts[k, c]
@@ -130,4 +127,7 @@ def _tally(
             if k >= 2:
                 bend = value - 2.0 * counts[k - 1, c] + counts[k - 2, c]
                 sums[2, c] += bend * bend
+    for c in range(still.size):
+        # To the block: a channel that moved within it has been still since, at most, the block's beginning.
+        still[c] = still[c] + counts.shape[0] if held[c] else 0
     last[:] = counts[-1]

@@ -8,11 +8,12 @@ from daemon.config import Setup
 from daemon.health import Delay, Latency, health_fields
 from daemon.motion_blocks import RawSamples
 from daemon.outlet import Outlet
-from daemon.reception import Reception, Run
+from daemon.reception import Reception
 from daemon.record_link import RecordLink
 from daemon.ring import Chunk
 from daemon.sample_blocks import SampleBlocks
 from daemon.sample_ledger import Gap
+from daemon.sample_runs import Run
 from daemon.symptoms import Symptoms
 from daemon.warm_up import warm_up
 from protocol.publisher import Publisher

@@ -23,7 +23,7 @@ from protocol.serial_frame import InfoFrame
 from protocol.serial_parser import FrameParser
 
 #: How long the ring may gather between two looks into it.
-_LOOK_S = 0.006
+_LOOK_S = 0.010
 _HEALTH_S = 1.0
 #: A device that has come back is asked so often what it is.
 _ASK_S = 1.0
@@ -68,8 +68,8 @@ def run_pipeline(
         if recorder is not None:
             link = RecordLink(context, recorder, recording)
             stack.callback(link.close)
-        line.tell("ready", endpoint=publisher.endpoint)
         ring, parser, port = Ring(memory), FrameParser(), setup.config.device.port
+        line.tell("ready", endpoint=publisher.endpoint)
         introduction = _introduction(line, ring, parser, port)
         if introduction is None:
             return

@@ -3,20 +3,16 @@
 import time
 from collections import deque
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 
-import numpy as np
-
-from arm.model import Floats
 from daemon.channel_watch import ChannelWatch, Counts
 from daemon.device_clock import Clock, DeviceClock
 from daemon.handshake import same_device
 from daemon.host_clock import HostClock
 from daemon.ring import Chunk, Mark
 from daemon.sample_ledger import Gap, SampleLedger
+from daemon.sample_runs import Conversion, CountRun, Run
 from daemon.sequencer import Sequencer
-from limbcal.compiled import compiled
-from protocol.serial_frame import InfoFrame, SamplesFrame
+from protocol.serial_frame import InfoFrame, SamplesFrame, SamplesRun
 from protocol.serial_parser import Frame, FrameParser
 
 NewClock = Callable[[float, int, int, int], Clock]
@@ -29,30 +25,6 @@ _PATIENCE_NS = 20_000_000
 _HURTS = 16
 #: Nothing for so long is silence [ns].
 _SILENCE_NS = 300_000_000
-
-
-@dataclass(frozen=True)
-class Run:
-    """Samples without a hole between them.
-
-    ``lost`` samples are missing before the first, whose number is ``sample0``. ``stamps`` are number and UTC [ns]
-    of the first sample of each frame; ``a`` is (n_sample, n_channel) [m/s^2].
-    """
-
-    lost: int
-    sample0: int
-    stamps: tuple[tuple[int, int], ...]
-    a: Floats
-
-
-@dataclass
-class _Group:
-    """Frames that follow each other."""
-
-    lost: int
-    sample0: int
-    stamps: list[tuple[int, int]]
-    frames: list[SamplesFrame]
 
 
 class Reception:
@@ -99,15 +71,14 @@ class Reception:
         self._new_clock = new_clock
         self.connected = True
         self.reconnects = 0
-        self._scale = np.array([channel.scale for channel in self.info.channels])
-        self._offset = np.array([channel.offset for channel in self.info.channels])
+        self._conversion = Conversion(self.info.channels)
         self._known = True
         self._unknown: deque[Frame] = deque(maxlen=_UNKNOWN)
         self._why: str | None = None
         self._errors = self._parses = 0
         self._hurt_at = -_HURTS
         self._arrival_ns = 0
-        self._groups: list[_Group] = []
+        self._counted: list[CountRun] = []
         self._new_gaps: list[Gap] = []
         self.ledger.pass_over(introduction.sequence)
 
@@ -139,14 +110,12 @@ class Reception:
             self._parse(data)
         elif self.sequencer.waiting and (now_ns or time.monotonic_ns()) > self._arrival_ns + _PATIENCE_NS:
             self._pass_on(self.sequencer.release(), self._arrival_ns)
-        groups, self._groups = self._groups, []
-        return [self._run(group) for group in groups]
+        return self._taken()
 
     def finish(self) -> list[Run]:
         """Give up what is missing before the frames that still wait for it, and return their samples."""
         self._pass_on(self.sequencer.release(), self._arrival_ns)
-        groups, self._groups = self._groups, []
-        return [self._run(group) for group in groups]
+        return self._taken()
 
     def new_gaps(self) -> list[Gap]:
         """Return the gaps since the last time."""
@@ -161,31 +130,52 @@ class Reception:
         if not chunks:
             return
         arrival_ns = chunks[-1].stamp_ns
-        frames = self.parser.feed(b"".join(chunk.data for chunk in chunks))
+        found = self.parser.feed_runs(b"".join(chunk.data for chunk in chunks))
         self._parses += 1
         if self._damaged() > self._errors:
             self._errors, self._hurt_at = self._damaged(), self._parses
         if self._why is None and self._arrival_ns and arrival_ns - self._arrival_ns > _SILENCE_NS:
             self._why = "the device was silent"
-        self._pass_on([one for frame in frames for one in self.sequencer.put(frame)], arrival_ns)
+        self._pass_on([frames for one in found for frames in self.sequencer.take(one)], arrival_ns)
         self._arrival_ns = arrival_ns
 
-    def _pass_on(self, frames: list[Frame], arrival_ns: int) -> None:
+    def _pass_on(self, passed: Sequence[Frame | SamplesRun], arrival_ns: int) -> None:
         """Enter frames in their order; those of a device that has come back wait until it said what it is."""
-        last = next((frame for frame in reversed(frames) if isinstance(frame, SamplesFrame)), None)
-        for frame in frames:
-            if isinstance(frame, InfoFrame):
-                self._meet(frame, arrival_ns)
-            elif self.stranger is not None:
-                self.strangers += 1
-            elif not self._known:
-                self._unknown.append(frame)
-            elif frame.counts.shape[1] != len(self._scale):
-                self.strangers += 1
-            else:
-                self._enter(frame, last or frame, arrival_ns)
+        last = next((one for one in reversed(passed) if not isinstance(one, InfoFrame)), None)
+        if isinstance(last, SamplesRun):
+            last = last.frames()[-1]
+        for one in passed:
+            if isinstance(one, SamplesRun) and self._goes_on(one):
+                self._enter_run(one)
+                continue
+            for frame in one.frames() if isinstance(one, SamplesRun) else [one]:
+                self._pass_on_one(frame, last, arrival_ns)
         if last is not None and self._known and self.clock is not None and self.ledger.due_ticks is not None:
             self.clock.note(self.ledger.due_ticks, arrival_ns)
+
+    def _pass_on_one(self, frame: Frame, last: SamplesFrame | None, arrival_ns: int) -> None:
+        if isinstance(frame, InfoFrame):
+            self._meet(frame, arrival_ns)
+        elif self.stranger is not None:
+            self.strangers += 1
+        elif not self._known:
+            self._unknown.append(frame)
+        elif frame.counts.shape[1] != len(self.info.channels):
+            self.strangers += 1
+        else:
+            self._enter(frame, last or frame, arrival_ns)
+
+    def _goes_on(self, run: SamplesRun) -> bool:
+        """Say whether a run is of this device and goes on right where it was."""
+        known = self._known and self.stranger is None and self.clock is not None
+        return known and run.counts.shape[1] == len(self.info.channels) and self.ledger.goes_on(run)
+
+    def _enter_run(self, run: SamplesRun) -> None:
+        assert self.clock is not None
+        n, position, utc_ns = run.frame_samples, self.ledger.position, self.clock.utc_ns
+        self._count([(position + k * n, utc_ns(ticks)) for k, ticks in enumerate(run.ticks)], run.counts)
+        self.ledger.enter_run(run)
+        self._why = None
 
     def _meet(self, frame: InfoFrame, arrival_ns: int) -> None:
         if not same_device(frame.info, self.info):
@@ -212,11 +202,8 @@ class Reception:
             gap = Gap(self.ledger.position, lost, t0_ns - round(1e9 * lost / rate_hz), why, not begun_anew)
             self.ledger.note(gap)
             self._new_gaps.append(gap)
-        if lost or not self._groups:
-            self._groups.append(_Group(lost, self.ledger.position + lost, [], []))
-        self._groups[-1].stamps.append((self.ledger.position + lost, t0_ns))
+        self._count([(self.ledger.position + lost, t0_ns)], frame.counts, lost)
         self.ledger.enter(frame, lost)
-        self._groups[-1].frames.append(frame)
         self._why = None
 
     def _cause(self, frame: SamplesFrame) -> str:
@@ -246,16 +233,18 @@ class Reception:
         self.clock = self._new_clock(self.info.tick_hz, first.ticks, first_ns, self.host.offset_ns)
         return lost
 
-    def _run(self, group: _Group) -> Run:
-        counts: Counts = np.concatenate([frame.counts for frame in group.frames])
-        self.watch.watch(counts)
-        a = np.empty(counts.shape)
-        _accelerations(counts, self._scale, self._offset, a)
-        return Run(group.lost, group.sample0, tuple(group.stamps), a)
+    def _count(self, stamps: list[tuple[int, int]], counts: Counts, lost: int = 0) -> None:
+        if lost or not self._counted:
+            self._counted.append(CountRun(lost, stamps[0][0], [], []))
+        self._counted[-1].stamps += stamps
+        self._counted[-1].counts.append(counts)
 
-
-@compiled
-def _accelerations(counts: Counts, scale: Floats, offset: Floats, a: Floats) -> None:
-    for k in range(counts.shape[0]):
-        for c in range(counts.shape[1]):
-            a[k, c] = scale[c] * counts[k, c] + offset[c]
+    def _taken(self) -> list[Run]:
+        """Return what was counted, and have it watched."""
+        counted, self._counted = self._counted, []
+        runs = []
+        for one in counted:
+            counts = one.joined()
+            self.watch.watch(counts)
+            runs.append(self._conversion.run(one, counts))
+        return runs

@@ -10,7 +10,7 @@ import numpy as np
 
 from arm.model import Floats
 from daemon.motion_blocks import RawSamples, later, raw_block_size
-from daemon.reception import Run
+from daemon.sample_runs import Run
 
 
 class SampleBlocks:

@@ -2,10 +2,10 @@
 
 from collections import Counter, deque
 from dataclasses import dataclass
+from itertools import pairwise
 
-from protocol.serial_frame import SamplesFrame
+from protocol.serial_frame import SEQUENCES, SamplesFrame, SamplesRun
 
-_SEQUENCES = 1 << 32
 #: Gaps are kept, the last ones; all of them are in the recording and the sums.
 _KEPT = 16
 
@@ -84,26 +84,45 @@ class SampleLedger:
 
     def missing(self, frame: SamplesFrame) -> int | None:
         """Return how many samples are missing before a frame; None if the device has begun to count anew."""
+        return self._missing(frame.sequence, frame.ticks)
+
+    def goes_on(self, run: SamplesRun) -> bool:
+        """Say whether no sample is missing before a run, nor between its frames."""
+        if self._missing(run.sequence, run.ticks[0]) != 0:
+            return False
+        n, most = run.frame_samples, self._tolerance
+        late = ((after - before) * self._samples_per_tick - n for before, after in pairwise(run.ticks))
+        return all(-most <= samples <= most for samples in late)
+
+    def _missing(self, sequence: int, ticks: int) -> int | None:
         if self._due_ticks is None or self._sequence is None:
             return 0
-        late = (frame.ticks - self._due_ticks) * self._samples_per_tick
-        skipped = (frame.sequence - self._sequence - 1) % _SEQUENCES
+        late = (ticks - self._due_ticks) * self._samples_per_tick
+        skipped = (sequence - self._sequence - 1) % SEQUENCES
         by_number = skipped * self._frame_samples
         lost = by_number if abs(late - by_number) <= self._tolerance else round(late)
-        return None if lost < 0 or skipped > _SEQUENCES // 2 else lost
+        return None if lost < 0 or skipped > SEQUENCES // 2 else lost
 
     def follows(self, frame: SamplesFrame) -> bool:
         """Say whether a frame's number is the next one."""
-        return self._sequence is not None and frame.sequence == (self._sequence + 1) % _SEQUENCES
+        return self._sequence is not None and frame.sequence == (self._sequence + 1) % SEQUENCES
 
     def enter(self, frame: SamplesFrame, lost: int) -> None:
         """Enter a frame, and so many samples that were lost before it."""
-        n_sample = len(frame.counts)
-        self._sequence = frame.sequence
-        self._due_ticks = frame.ticks + n_sample * self._ticks_per_sample
-        self._frame_samples = n_sample
-        self.samples += n_sample
+        self._enter(frame.sequence, frame.ticks, len(frame.counts))
+        self.samples += len(frame.counts)
         self.lost_samples += lost
+
+    def enter_run(self, run: SamplesRun) -> None:
+        """Enter a run before which, and in which, nothing is missing."""
+        last = run.sequence + len(run.ticks) - 1
+        self._enter(last % SEQUENCES, run.ticks[-1], run.frame_samples)
+        self.samples += len(run.counts)
+
+    def _enter(self, sequence: int, ticks: int, n_sample: int) -> None:
+        self._sequence = sequence
+        self._due_ticks = ticks + n_sample * self._ticks_per_sample
+        self._frame_samples = n_sample
 
     def note(self, gap: Gap) -> None:
         """Note why samples are missing."""

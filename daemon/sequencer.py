@@ -2,9 +2,9 @@
 
 from collections import OrderedDict
 
-from protocol.serial_parser import Frame
+from protocol.serial_frame import SEQUENCES, SamplesRun
+from protocol.serial_parser import Found, Frame
 
-_SEQUENCES = 1 << 32
 #: Numbers further away than this are no disorder on the line: much was lost, or the device counts anew.
 _NEAR = 64
 #: So many frames wait for one before them; then it is given up.
@@ -49,6 +49,16 @@ class Sequencer:
         self._early[frame.sequence] = frame
         return self._given_up() if len(self._early) > _WAITING else []
 
+    def take(self, found: Found) -> list[Frame | SamplesRun]:
+        """Take frames as they came; return what `put` does, but a run in its turn, as most are, as it is."""
+        if not isinstance(found, SamplesRun):
+            return [*self.put(found)]
+        if found.sequence != self._due or self._early:
+            return [one for frame in found.frames() for one in self.put(frame)]
+        for k, ticks in enumerate(found.ticks):
+            self._note(found.sequence + k, ticks)
+        return [found]
+
     def release(self) -> list[Frame]:
         """Give up what is missing and return all that waits for it."""
         released: list[Frame] = []
@@ -59,19 +69,19 @@ class Sequencer:
     def _given_up(self) -> list[Frame]:
         assert self._due is not None
         due = self._due
-        return self._in_turn(self._early.pop(min(self._early, key=lambda number: (number - due) % _SEQUENCES)))
+        return self._in_turn(self._early.pop(min(self._early, key=lambda number: (number - due) % SEQUENCES)))
 
     def _in_turn(self, frame: Frame) -> list[Frame]:
         out = [frame]
-        self._note(frame)
+        self._note(frame.sequence, frame.ticks)
         while self._due in self._early:
             out.append(self._early.pop(self._due))
-            self._note(out[-1])
+            self._note(out[-1].sequence, out[-1].ticks)
         return out
 
-    def _note(self, frame: Frame) -> None:
-        self._due = (frame.sequence + 1) % _SEQUENCES
-        self._recent[frame.sequence] = frame.ticks
+    def _note(self, sequence: int, ticks: int) -> None:
+        self._due = (sequence + 1) % SEQUENCES
+        self._recent[sequence % SEQUENCES] = ticks
         if len(self._recent) > 2 * _NEAR:
             self._recent.popitem(last=False)
 
@@ -90,4 +100,4 @@ class Sequencer:
 
 
 def _signed(difference: int) -> int:
-    return (difference + _SEQUENCES // 2) % _SEQUENCES - _SEQUENCES // 2
+    return (difference + SEQUENCES // 2) % SEQUENCES - SEQUENCES // 2

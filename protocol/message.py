@@ -55,7 +55,7 @@ def encode_array(array: NDArray[Any]) -> dict[str, object]:
             f"array of {array.dtype} with {array.ndim} dimensions, expected one of {', '.join(_DTYPES)} "
             f"with at most {MAX_DIMENSIONS}"
         )
-    return {"dtype": text, "shape": list(array.shape), "data": array.astype(_DTYPES[text]).tobytes()}
+    return {"dtype": text, "shape": list(array.shape), "data": array.astype(_DTYPES[text], copy=False).tobytes()}
 
 
 def decode_array(fields: Mapping[str, Any]) -> NDArray[Any]:

@@ -25,6 +25,8 @@ KIND_SAMPLES = 2
 HEADER_BYTES = 24
 PAYLOAD_CRC_BYTES = 4
 MAX_PAYLOAD_BYTES = 0xFFFF
+#: Sequence numbers wrap here.
+SEQUENCES = 1 << 32
 
 #: magic, version, kind, sequence, ticks, samples, channels, payload bytes: what the header CRC covers.
 HEADER = struct.Struct("<2sBBIQHHH")
@@ -100,6 +102,31 @@ class SamplesFrame:
     counts: NDArray[np.int16]
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class SamplesRun:
+    """Frames of samples that are numbered on from ``sequence`` and alike but for their clocks, ``ticks``.
+
+    ``counts`` (n_sample, n_channel) are those of all of them, one frame after the other.
+    """
+
+    sequence: int
+    ticks: list[int]
+    counts: NDArray[np.int16]
+
+    @property
+    def frame_samples(self) -> int:
+        """Samples of each frame."""
+        return len(self.counts) // len(self.ticks)
+
+    def frames(self) -> list[SamplesFrame]:
+        """Return the frames one by one."""
+        n = self.frame_samples
+        return [
+            SamplesFrame((self.sequence + k) % SEQUENCES, ticks, self.counts[k * n : (k + 1) * n])
+            for k, ticks in enumerate(self.ticks)
+        ]
+
+
 @dataclass(frozen=True, slots=True)
 class InfoFrame:
     """The device's description of itself."""
@@ -157,17 +184,12 @@ def header_crc(header: bytes | memoryview) -> int:
     return binascii.crc_hqx(header, 0xFFFF)
 
 
-def counts_from_payload(payload: bytes | memoryview, n_channel: int) -> NDArray[np.int16]:
-    """Return a SAMPLES payload as an array of its own, (n_sample, n_channel) int16, aligned and writable."""
-    return np.frombuffer(payload, _COUNTS).reshape(-1, n_channel).astype(np.int16)
-
-
 def _frame(kind: int, sequence: int, ticks: int, samples: int, channels: int, payload: bytes) -> bytes:
     if len(payload) > MAX_PAYLOAD_BYTES:
         raise ProtocolError(f"frame: payload of {len(payload)} bytes, expected at most {MAX_PAYLOAD_BYTES}")
     if not 0 <= ticks < 1 << 64:
         raise ProtocolError(f"frame: device clock is {ticks} ticks, expected 0 to 2**64 - 1")
-    header = HEADER.pack(MAGIC, VERSION, kind, sequence % (1 << 32), ticks, samples, channels, len(payload))
+    header = HEADER.pack(MAGIC, VERSION, kind, sequence % SEQUENCES, ticks, samples, channels, len(payload))
     return b"".join(
         (header, HEADER_CRC.pack(header_crc(header)), payload, PAYLOAD_CRC.pack(zlib.crc32(payload)))
     )

@@ -8,8 +8,6 @@ lost, the next good frame begins inside the span that the broken header claims.
 import zlib
 from dataclasses import dataclass
 
-import numpy as np
-
 from limbcal.errors import ProtocolError
 from protocol.serial_frame import (
     HEADER,
@@ -24,13 +22,14 @@ from protocol.serial_frame import (
     DeviceInfo,
     InfoFrame,
     SamplesFrame,
-    counts_from_payload,
+    SamplesRun,
     header_crc,
 )
+from protocol.serial_scan import scan, warm_up
 
 Frame = SamplesFrame | InfoFrame
-#: The bytes of a header that say how a frame is laid out: all but its number and its clock.
-_LAYOUT = np.r_[0:4, 16 : HEADER.size]
+#: What a parser finds: as many frames at once as follow each other alike.
+Found = SamplesRun | InfoFrame
 
 
 @dataclass
@@ -82,6 +81,7 @@ class FrameParser:
         self._need = HEADER_BYTES  # bytes without which nothing more can be said
         self._offset = 0  # place in the stream of the first pending byte
         self._due = 0  # place in the stream where a frame is due, if the stream is in step
+        warm_up()  # no byte is to wait for a compiler
 
     @property
     def pending_bytes(self) -> int:
@@ -90,14 +90,19 @@ class FrameParser:
 
     def feed(self, data: bytes | bytearray | memoryview) -> list[Frame]:
         """Take the next bytes of the stream and return the frames that they complete, in order."""
+        found = self.feed_runs(data)
+        return [frame for one in found for frame in (one.frames() if isinstance(one, SamplesRun) else [one])]
+
+    def feed_runs(self, data: bytes | bytearray | memoryview) -> list[Found]:
+        """Do what `feed` does, without taking runs of frames apart."""
         self._pending += data
         if len(self._pending) < self._need:
             return []
         block = bytes(self._pending)
-        frames, used = self._parse(block)
+        found, used = self._parse(block)
         del self._pending[:used]
         self._offset += used
-        return frames
+        return found
 
     def reset(self) -> None:
         """Forget the bytes held back, as after a reconnect; the next byte fed should begin a frame."""
@@ -107,27 +112,27 @@ class FrameParser:
         self._need = HEADER_BYTES
         self._due = self._offset
 
-    def _parse(self, block: bytes) -> tuple[list[Frame], int]:
+    def _parse(self, block: bytes) -> tuple[list[Found], int]:
         """Return the frames in a block and how many of its bytes are done with."""
         counters, view = self.counters, memoryview(block)
-        frames: list[Frame] = []
+        found: list[Found] = []
         position, end = 0, len(block)
         self._need = HEADER_BYTES
         while True:
             position = self._hunt(block, position)
             payload_start = position + HEADER_BYTES
             if payload_start > end:
-                return frames, position
+                return found, position
             due = self._offset + position == self._due
             if not self._header_good(block, view[position : position + HEADER.size], position, due):
                 position = self._skip_magic(position)
                 continue
-            _, version, kind, sequence, ticks, _, n_channel, size = HEADER.unpack_from(block, position)
+            _, version, kind, sequence, ticks, n_sample, n_channel, size = HEADER.unpack_from(block, position)
             payload_end = payload_start + size
             frame_end = payload_end + PAYLOAD_CRC_BYTES
             if frame_end > end:
                 self._need = frame_end - position
-                return frames, position
+                return found, position
             payload = view[payload_start:payload_end]
             if zlib.crc32(payload) != PAYLOAD_CRC.unpack_from(block, payload_end)[0]:
                 counters.crc_errors += 1
@@ -135,25 +140,20 @@ class FrameParser:
                 if due:  # if only bits were turned, the next frame is where this header says
                     self._due = self._offset + frame_end
                 continue
-            frame: Frame | None = None
-            if version != VERSION:
-                counters.wrong_version += 1
-                self.last_error = f"serial frame {sequence}: version {version}, expected {VERSION}"
-            elif kind == KIND_SAMPLES:
-                frame = SamplesFrame(sequence, ticks, counts_from_payload(payload, n_channel))
-            else:
-                frame = self._info_frame(sequence, ticks, bytes(payload))
-            if frame is None:
-                counters.discarded_bytes += frame_end - position
-            else:
-                counters.frames += 1
-                frames.append(frame)
             counters.resyncs += not due
-            if isinstance(frame, SamplesFrame):
-                alike = _alike(block, view, position, frame_end - position)
-                counters.frames += len(alike)
-                frames += alike
-                frame_end += len(alike) * (frame_end - position)
+            if version == VERSION and kind == KIND_SAMPLES:
+                frame_bytes = frame_end - position
+                run = SamplesRun(sequence, *scan(block, position, frame_bytes, n_sample, n_channel))
+                counters.frames += len(run.ticks)
+                found.append(run)
+                frame_end = position + len(run.ticks) * frame_bytes
+            else:
+                info = self._info_frame(version, sequence, ticks, bytes(payload))
+                if info is None:
+                    counters.discarded_bytes += frame_end - position
+                else:
+                    counters.frames += 1
+                    found.append(info)
             position = frame_end
             self._due = self._offset + position
 
@@ -202,7 +202,11 @@ class FrameParser:
         self.counters.discarded_bytes += len(MAGIC)
         return position + len(MAGIC)
 
-    def _info_frame(self, sequence: int, ticks: int, payload: bytes) -> InfoFrame | None:
+    def _info_frame(self, version: int, sequence: int, ticks: int, payload: bytes) -> InfoFrame | None:
+        if version != VERSION:
+            self.counters.wrong_version += 1
+            self.last_error = f"serial frame {sequence}: version {version}, expected {VERSION}"
+            return None
         try:
             return InfoFrame(sequence, ticks, DeviceInfo.from_json(payload))
         except ProtocolError as error:
@@ -212,41 +216,6 @@ class FrameParser:
     def _reject(self, found: str) -> None:
         self.counters.malformed += 1
         self.last_error = f"serial frame: {found}"
-
-
-def _alike(block: bytes, view: memoryview, start: int, size: int) -> list[SamplesFrame]:
-    """Return the good frames that follow one of samples without a gap and are laid out as it is."""
-    first = start + size
-    count = (len(block) - first) // size
-    if count < 1:
-        return []
-    rows = np.frombuffer(block, np.uint8, (count + 1) * size, start).reshape(count + 1, size)
-    layout = rows[:, _LAYOUT]
-    sequence, ticks, header_crcs, payload_crcs = (
-        np.ascontiguousarray(rows[1:, place]).view(kind)[:, 0].tolist()
-        for place, kind in (
-            (slice(4, 8), "<u4"),
-            (slice(8, 16), "<u8"),
-            (slice(HEADER.size, HEADER_BYTES), "<u2"),
-            (slice(-PAYLOAD_CRC_BYTES, None), "<u4"),
-        )
-    )
-    n_channel = HEADER.unpack_from(block, start)[6]
-    payloads = np.ascontiguousarray(rows[1:, HEADER_BYTES:-PAYLOAD_CRC_BYTES])
-    counts = counts_from_payload(payloads.data, n_channel).reshape(count, -1, n_channel)
-    alike = (layout[1:] == layout[0]).all(axis=1).tolist()
-    good: list[SamplesFrame] = []
-    for k in range(count):
-        place = first + k * size
-        payload = view[place + HEADER_BYTES : place + size - PAYLOAD_CRC_BYTES]
-        if (
-            not alike[k]
-            or header_crc(view[place : place + HEADER.size]) != header_crcs[k]
-            or zlib.crc32(payload) != payload_crcs[k]
-        ):
-            break
-        good.append(SamplesFrame(sequence[k], ticks[k], counts[k]))
-    return good
 
 
 def _plausible(kind: int, n_sample: int, n_channel: int, size: int) -> bool:

@@ -71,7 +71,7 @@ def reckon(
     """
     n_sensor, n_joint = state.link.size, state.q.size
     R = np.empty((n_joint, 3, 3))
-    mean, a = np.empty(3 * n_sensor), np.empty(3)
+    mean, a, carried = np.empty(3 * n_sensor), np.empty(3), np.empty(n_joint)
     before, pair_angle, end = np.empty((n_joint, 3, 3)), np.empty(n_joint), np.empty(3)
     standing(state, before, pair_angle)
     frames = 0
@@ -84,7 +84,9 @@ def reckon(
         if resting:
             state.q_before[:] = state.q
         else:
-            link_rotations(state, before, R)
+            for i in range(n_joint):  # positions are one sample behind the reading that moves them on
+                carried[i] = 2.0 * state.q[i] - state.q_before[i]
+            link_rotations(state, carried, before, R)
             for s in range(n_sensor):
                 turn = R[state.link[s]]
                 for row in range(3):  # sensor axes -> link axes
@@ -104,6 +106,22 @@ def reckon(
             q[frames], moved[frames] = state.q, state.moved
             frames += 1
     return frames
+
+
+@compiled
+def gravity_readings(state: Reckoning, readings: Floats) -> None:
+    """Fill in what the sensors read of gravity alone, (3 * n_sensor,), with the joints where they are."""
+    n_joint = state.q.size
+    before, R = np.empty((n_joint, 3, 3)), np.empty((n_joint, 3, 3))
+    standing(state, before, np.empty(n_joint))
+    link_rotations(state, state.q, before, R)
+    gravity, felt = state.chain.gravity, np.empty(3)
+    for s in range(state.link.size):
+        turn, axes = R[state.link[s]], state.rotation[s]
+        for col in range(3):  # base frame -> link axes
+            felt[col] = -(gravity[0] * turn[0, col] + gravity[1] * turn[1, col] + gravity[2] * turn[2, col])
+        for col in range(3):  # link axes -> sensor axes
+            readings[3 * s + col] = felt[0] * axes[0, col] + felt[1] * axes[1, col] + felt[2] * axes[2, col]
 
 
 @compiled
@@ -129,15 +147,12 @@ def turned(X: Floats, theta: float, out: Floats) -> None:
 
 
 @compiled
-def link_rotations(state: Reckoning, before: Floats, R: Floats) -> None:
-    """Fill in how every link is turned, R (n_joint, 3, 3), when the reading was taken.
-
-    Positions are one sample behind the reading that moves them on, so the angles are carried on by as much.
-    """
-    for i in range(state.q.size):
+def link_rotations(state: Reckoning, q: Floats, before: Floats, R: Floats) -> None:
+    """Fill in how every link is turned at joint variables q, R (n_joint, 3, 3)."""
+    for i in range(q.size):
         theta = state.chain.geometry[i, 4]
         if state.chain.revolute[i]:
-            theta += 2.0 * state.q[i] - state.q_before[i]
+            theta += q[i]
         if i == 0:
             turned(before[0], theta, R[0])
         else:

@@ -1,8 +1,10 @@
 """Velocity and acceleration of a stream of angles, by central differences."""
 
 import numpy as np
+from numpy.typing import NDArray
 
 from arm.model import Floats
+from limbcal.compiled import compiled
 
 
 class CentralDifferences:
@@ -47,15 +49,8 @@ class CentralDifferences:
             first = frames[:1] if hold[0] else 2 * frames[:1] - frames[1:2]  # no jump at the start
             frames, hold = np.vstack([first, frames]), np.concatenate([hold[:1], hold])
             self._begun = True
-        before, now, after = frames[:-2], frames[1:-1], frames[2:]
-        dq = (after - before) / (2 * self._dt)
-        ddq = (after - 2 * now + before) / self._dt**2
-        dq[hold[1:-1]], ddq[hold[1:-1]] = 0.0, 0.0
-        for k in np.flatnonzero(~hold[1:-1] & hold[2:]):  # the last frame before a rest was recognised
-            dq[k] = (now[k] - before[k]) / self._dt
-            ddq[k] = ddq[k - 1] if k > 0 else self._ddq
-        if len(ddq):
-            self._ddq = ddq[-1]
+        dq, ddq = np.empty((2, len(frames) - 2, len(self._ddq)))
+        _differences(frames, hold, self._dt, self._ddq, dq, ddq)
         self._q, self._held = frames[-2:], hold[-2:]
         return dq, ddq
 
@@ -66,3 +61,22 @@ class CentralDifferences:
             dq[0], ddq[0] = (self._q[1] - self._q[0]) / self._dt, self._ddq
         self._q, self._held, self._begun = self._q[:0], self._held[:0], False
         return dq, ddq
+
+
+@compiled
+def _differences(
+    q: Floats, held: NDArray[np.bool_], dt: float, last_ddq: Floats, dq: Floats, ddq: Floats
+) -> None:
+    """Fill in the derivatives of all frames but the first and the last; carry ``last_ddq`` on."""
+    for k in range(dq.shape[0]):
+        before, now, after = q[k], q[k + 1], q[k + 2]
+        for j in range(dq.shape[1]):
+            if held[k + 1]:
+                dq[k, j] = ddq[k, j] = 0.0
+            elif held[k + 2]:  # the last frame before a rest was recognised
+                dq[k, j] = (now[j] - before[j]) / dt
+                ddq[k, j] = last_ddq[j]
+            else:
+                dq[k, j] = (after[j] - before[j]) / (2 * dt)
+                ddq[k, j] = (after[j] - 2 * now[j] + before[j]) / dt**2
+            last_ddq[j] = ddq[k, j]

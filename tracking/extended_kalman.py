@@ -18,7 +18,7 @@ class CompiledKalmanFilter(ExtendedKalmanFilter):  # type: ignore[misc] # filter
 
     def predict(self, u: Floats | None = None) -> None:
         """Carry state and covariance on by ``F`` and ``Q``; ``u`` (dim_x,) is added to the state."""
-        self.x, self.P = _predict(self.F, self.Q, self.x, self.P)
+        self.x, self.P = predict(self.F, self.Q, self.x, self.P)
         if u is not None:
             self.x += u
 
@@ -42,17 +42,18 @@ class CompiledKalmanFilter(ExtendedKalmanFilter):  # type: ignore[misc] # filter
         numpy.linalg.LinAlgError
             If the innovation has no covariance that can be inverted.
         """
-        self.x, self.P, squared = _correct(self.x, self.P, z, H, predicted, at, R)
+        self.x, self.P, squared = correct(self.x, self.P, z, H, predicted, at, R)
         return float(squared)
 
 
 @compiled
-def _predict(F: Floats, Q: Floats, x: Floats, P: Floats) -> tuple[Floats, Floats]:
+def predict(F: Floats, Q: Floats, x: Floats, P: Floats) -> tuple[Floats, Floats]:
+    """Return state and covariance a frame later."""
     return F @ x, F @ P @ F.T + Q
 
 
 @compiled
-def _correct(
+def correct(
     x: Floats, P: Floats, z: Floats, H: Floats, predicted: Floats, at: Floats, R: Floats
 ) -> tuple[Floats, Floats, np.float64]:
     """Do the steps in filterpy's order, with its form of the covariance (Joseph's), which stays positive."""

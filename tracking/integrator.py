@@ -9,10 +9,10 @@ from typing import Literal, NamedTuple
 import numpy as np
 
 from arm.chain import chain_of
-from arm.kinematics import axis_frames, far_ends, frames_of, sensor_positions
+from arm.kinematics import axis_frames, sensor_positions, tips_of
 from arm.model import Arm, Floats
 from limbcal.errors import ConfigError, DataError
-from tracking.dead_reckoning import Reckoning, reckon
+from tracking.dead_reckoning import Reckoning, gravity_readings, reckon
 from tracking.differences import CentralDifferences
 from tracking.frames import Frames, Phase
 from tracking.layout import layout_of
@@ -88,6 +88,7 @@ class Integrator:
             np.zeros((4, self._n_channel)),
             np.zeros(self._n_channel),
         )
+        self._gravity = np.zeros(self._n_channel)
         self._rest = RestDetector(self._contrasts(), self._gravity_slack())
         self._rest_q = q0.copy()
         self._rest_points: Floats = start.copy()
@@ -124,11 +125,13 @@ class Integrator:
         if accelerations.ndim != 2 or accelerations.shape[1] != self._n_channel:
             raise DataError(f"accelerations have shape {accelerations.shape}, expected (n, {self._n_channel})")
         self._anchor_ns, self._anchor_sample = t0_ns, self._sample + len(self._pending)
-        self._pending = np.vstack([self._pending, accelerations])
+        readings = np.ascontiguousarray(accelerations, dtype=float)
+        self._pending = np.concatenate([self._pending, readings]) if len(self._pending) else readings
         frames: list[Frames] = []
         phases: list[Phase] = []
         while len(self._pending) >= (size := self._cell - self._sample % self._cell):
             self._advance(size, frames, phases)
+        self._pending = self._pending.copy()  # what is left; the readings themselves are the caller's
         return frames, phases
 
     def gap(self, n_samples: int) -> tuple[list[Frames], list[Phase]]:
@@ -162,7 +165,8 @@ class Integrator:
             self._primed = True
         resting = was_resting = self._rest.resting
         if size == self._cell:
-            resting = self._rest.judge(cell, self._gravity_readings(state.q), self._zero == "first-rest")
+            gravity_readings(state, self._gravity)
+            resting = self._rest.judge(cell, self._gravity, self._zero == "first-rest")
             state.offset[:] = self._rest.offset
         if self._rest.jolted and size == self._cell:  # the motion before ended, if not in what counts as rest
             phases.append(Phase("end", self._time_ns(self._sample), self._trial))
@@ -198,7 +202,7 @@ class Integrator:
                     q[:n],
                     dq,
                     ddq,
-                    far_ends(self._state.chain, q[:n])[:, -1, :3, 3],
+                    tips_of(self._state.chain, q[:n]),
                     moved[:n],
                     self._lost,
                 )
@@ -223,12 +227,6 @@ class Integrator:
     def _time_ns(self, sample: float) -> int:
         """Return the time of a sample, as the latest push has it."""
         return self._anchor_ns + round((sample - self._anchor_sample) * self._dt_sample * 1e9)
-
-    def _gravity_readings(self, q: Floats) -> Floats:
-        """Return what the sensors read of gravity alone, (3 * n_sensor,)."""
-        turned = frames_of(self._state.chain, q[None])[0, self._state.link, :3, :3] @ self._state.rotation
-        readings: Floats = (-self._state.chain.gravity @ turned).ravel()
-        return readings
 
     def _gravity_slack(self) -> Floats:
         """Return how much a drift of the angles may change what gravity shows, (3 * n_sensor,)."""

@@ -7,16 +7,17 @@ says how well it knows them, and when its readings contradict the arm.
 
 import numpy as np
 
-from arm.kinematics import tip_position
+from arm.chain import chain_of
+from arm.kinematics import tips_of
 from arm.model import Arm, Floats
 from limbcal.errors import ConfigError, DataError
 from tracking.consistency import Consistency
 from tracking.decimation import Decimator
 from tracking.frames import Frames, Phase
-from tracking.live_filter import LiveFilter
 from tracking.noise import StepWatch, noise_of
 from tracking.sensor_paths import SensorPaths
 from tracking.stillness import window_frames
+from tracking.striding_filter import StridingFilter
 
 #: Longer gaps than this are not filled with predicted frames [s].
 _LONGEST_BRIDGE_S = 1.0
@@ -55,6 +56,7 @@ class KalmanTracker:
             raise ConfigError(f"frame_rate_hz is {frame_rate_hz:g}, expected more than 0 and at most {rate_hz:g}")
         if not arm.sensors:
             raise ConfigError(f"arm {arm.name!r}: it has no [[sensor]], expected at least one")
+        self._chain = chain_of(arm)
         self._arm, self._q0, self._given = arm, q0, initial_q_rad is not None
         self._rate_hz = rate_hz
         self._factor = max(1, round(rate_hz / frame_rate_hz))
@@ -67,7 +69,7 @@ class KalmanTracker:
         self._first_frames = cell * n_cell
         last = (self._first_frames - 1) * self._factor + self._factor // 2
         self._to_wait = last + 1 + self._decimator.delay_samples
-        self._filter: LiveFilter | None = None
+        self._filter: StridingFilter | None = None
         self._anchor_ns, self._anchor_sample = 0, 0
         self._sample = 0
         self._frame = 0
@@ -149,7 +151,7 @@ class KalmanTracker:
         self._watch = StepWatch(noise)
         frames = self._decimator.push(readings)
         first = frames[: self._first_frames] if len(frames) else readings.mean(axis=0)[None]
-        self._filter = LiveFilter(self._arm, self._q0, self._given, first, noise, self._factor, self.dt_s)
+        self._filter = StridingFilter(self._arm, self._q0, self._given, first, noise, self._factor, self.dt_s)
         self._look(readings)
         return self._follow(frames)
 
@@ -162,19 +164,14 @@ class KalmanTracker:
         if not len(readings) or self._filter is None:
             return [], []
         n, n_joint = len(readings), self._arm.n_joint
-        joint, variance = np.empty((n, 3 * n_joint)), np.empty((n, n_joint))
-        offset, still = np.empty_like(readings), np.empty(n, dtype=np.bool_)
+        course = self._filter.follow(readings)
         phases: list[Phase] = []
-        for k, reading in enumerate(readings):
-            still[k] = self._filter.step(reading)
-            x = self._filter.x
-            joint[k], offset[k] = x[: 3 * n_joint], x[3 * n_joint : 3 * n_joint + self._n_channel]
-            variance[k] = self._filter.angle_variance
-            if self._filter.resting != self._resting:
-                self._resting = self._filter.resting
-                self._trial += not self._resting
-                t_ns = self._time_ns(self._frame + k)
-                phases.append(Phase("end" if self._resting else "begin", t_ns, self._trial))
+        for k, resting in enumerate(course.resting.tolist()):
+            if resting != self._resting:
+                self._resting = resting
+                self._trial += not resting
+                phases.append(Phase("end" if resting else "begin", self._time_ns(self._frame + k), self._trial))
+        joint, offset = course.states[:, : 3 * n_joint], course.states[:, 3 * n_joint :]
         q = joint[:, ::3].copy()
         missing = np.isnan(readings[:, 0])
         frames = Frames(
@@ -184,10 +181,10 @@ class KalmanTracker:
             q,
             joint[:, 1::3].copy(),
             joint[:, 2::3].copy(),
-            tip_position(self._arm, q),
-            self._paths.follow(q, readings - offset, still),
+            tips_of(self._chain, q),
+            self._paths.follow(q, readings - offset, course.still),
             self._lost or bool(missing.any()),
-            np.sqrt(variance),
+            np.sqrt(course.variances),
         )
         self._frame += n
         self._lost = False

@@ -6,11 +6,12 @@ single cell may stand out. Where a joint's angle changes what gravity shows, the
 for; the difference of two sensors on one link does not depend on gravity at all and is always judged strictly.
 """
 
-from collections import deque
+import math
 
 import numpy as np
 
 from arm.model import Floats
+from limbcal.compiled import compiled
 
 #: Cells a window; a quarter of a second at 10 ms.
 WINDOW = 25
@@ -52,19 +53,22 @@ class RestDetector:
     def __init__(self, contrast: Floats, gravity_slack: Floats) -> None:
         self.resting = True
         self.offset = np.zeros(len(gravity_slack))
-        self._contrast = contrast
+        self._contrast = np.ascontiguousarray(contrast)
         self._slack = gravity_slack
-        self._rounded = _ROUNDING_STEPS * (np.abs(contrast) @ gravity_slack > 0.0)
-        self._cells: deque[Floats] = deque(maxlen=WINDOW)
+        self._rounded: Floats = _ROUNDING_STEPS * (np.abs(contrast) @ gravity_slack > 0.0)
+        self._cells = np.zeros((WINDOW, len(gravity_slack)))  # the latest last
+        self._n_cells = 0
         self._variances: list[float] = []
         self._sigma = 0.0
         self._step = _FINEST
-        self._found_step = np.inf
+        self._found_step = math.inf
         self._weight = 0
         self.jolted = False
         self._creeping = False
         middle = (WINDOW - 1) / 2
-        self._trend = (np.arange(WINDOW) - middle) / (middle * WINDOW / 4)  # about the second half less the first
+        # About the second half less the first.
+        self._trend: Floats = (np.arange(WINDOW) - middle) / (middle * WINDOW / 4)
+        self._trend_spread = float(np.linalg.norm(self._trend))
 
     def judge(self, cell: Floats, gravity: Floats, pinned: bool) -> bool:
         """Take in a cell of readings and say whether the arm rests in it.
@@ -81,25 +85,28 @@ class RestDetector:
         -------
         bool
         """
-        excess = cell.mean(axis=0) - gravity
-        self._measure_step(cell)
+        excess = np.empty(len(self._slack))
+        self._found_step = _look(cell, gravity, self._found_step, excess)
+        self._step = max(_FINEST, self._found_step) if self._found_step < math.inf else _FINEST
         if self._weight < WINDOW:  # the rest at the start is taken on trust: nothing to compare it with yet
             self._variances.append(float(np.mean(np.diff(cell, axis=0) ** 2) / 2.0))
             self._sigma = float(np.sqrt(np.mean(self._variances) / len(cell)))
             self._learn(excess)
             return True
         limit = _CELL_SIGMAS * self._sigma + _CELL_STEPS * self._step
-        smooth = self._calm(excess - self.offset, limit)
-        jump = float(np.max(np.abs(excess - self._cells[-1]))) if self._cells else 0.0
+        smooth = self._share(excess - self.offset, limit) <= 1.0
+        jump = _furthest(excess, self._cells[-1]) if self._n_cells else 0.0
         self.jolted = self._creeping and not self.resting and not smooth and jump > limit
         if smooth:
-            self._cells.append(excess)
+            self._cells[:-1] = self._cells[1:]
+            self._cells[-1] = excess
+            self._n_cells = min(self._n_cells + 1, WINDOW)
         else:
-            self._cells.clear()
+            self._n_cells = 0
         unrest = self._unrest()
         self._creeping = unrest <= _TO_LEAVE
         if self.resting:
-            self.resting = smooth and (unrest <= _TO_LEAVE or len(self._cells) < WINDOW)
+            self.resting = smooth and (unrest <= _TO_LEAVE or self._n_cells < WINDOW)
         else:
             self.resting = unrest <= 1.0
         if self.resting and not pinned:
@@ -108,37 +115,77 @@ class RestDetector:
 
     def forget(self) -> None:
         """Start a new window: samples were lost."""
-        self._cells.clear()
+        self._n_cells = 0
 
     def _unrest(self) -> float:
         """Return how far the window strays, as a share of what a rest may; infinite until the window is full."""
-        if len(self._cells) < WINDOW:
-            return np.inf
-        cells = np.array(self._cells, dtype=np.float64)
+        if self._n_cells < WINDOW:
+            return math.inf
         # A motion's acceleration also passes through zero: then the window's mean is small, its trend is not.
-        strays = cells.sum(axis=0) / WINDOW - self.offset, self._trend @ cells
-        spreads = np.sqrt(1.0 / WINDOW + 1.0 / self._weight), float(np.linalg.norm(self._trend))
+        strays = np.empty((2, len(self._slack)))
+        _strays(self._cells, self.offset, self._trend, strays)
+        spreads = math.sqrt(1.0 / WINDOW + 1.0 / self._weight), self._trend_spread
         return max(
             self._share(stray, _WINDOW_SIGMAS * self._sigma * spread + _WINDOW_STEPS * self._step)
             for stray, spread in zip(strays, spreads, strict=True)
         )
 
-    def _calm(self, mean: Floats, limit: float) -> bool:
-        return self._share(mean, limit) <= 1.0
-
     def _share(self, mean: Floats, limit: float) -> float:
         """Return the largest reading, beyond what gravity may do to it, as a share of its limit."""
-        strict = np.abs(self._contrast @ mean) / (np.sqrt(2.0) * (limit + self._rounded * self._step))
-        return float(max(np.max((np.abs(mean) - self._slack) / limit), np.max(strict, initial=0.0)))
-
-    def _measure_step(self, cell: Floats) -> None:
-        """Learn the converter's resolution: the least by which two readings in a row ever differed."""
-        change = np.abs(np.diff(cell, axis=0))
-        change = change[change > 0.0]
-        if change.size:
-            self._found_step = min(self._found_step, float(change.min()))
-            self._step = max(_FINEST, self._found_step)
+        return _share(mean, limit, self._step, self._slack, self._contrast, self._rounded)
 
     def _learn(self, excess: Floats) -> None:
         self._weight = min(self._weight + 1, _MEMORY)
         self.offset += (excess - self.offset) / self._weight
+
+
+@compiled
+def _look(cell: Floats, gravity: Floats, least: float, excess: Floats) -> float:
+    """Fill in by how much a cell's mean exceeds gravity; return the least by which two readings in a row differed.
+
+    That, or ``least`` where it is less, is how the converter's resolution is learnt.
+    """
+    excess[:] = 0.0
+    for k in range(cell.shape[0]):
+        for c in range(excess.size):
+            excess[c] += cell[k, c]
+            if k > 0:
+                change = abs(cell[k, c] - cell[k - 1, c])
+                if 0.0 < change < least:
+                    least = change
+    for c in range(excess.size):
+        excess[c] = excess[c] / cell.shape[0] - gravity[c]
+    return least
+
+
+@compiled
+def _strays(cells: Floats, offset: Floats, trend: Floats, strays: Floats) -> None:
+    """Fill in how far a window's mean and its trend stray, (2, n_channel)."""
+    strays[:] = 0.0
+    for k in range(cells.shape[0]):
+        for c in range(offset.size):
+            strays[0, c] += cells[k, c]
+            strays[1, c] += trend[k] * cells[k, c]
+    for c in range(offset.size):
+        strays[0, c] = strays[0, c] / cells.shape[0] - offset[c]
+
+
+@compiled
+def _share(mean: Floats, limit: float, step: float, slack: Floats, contrast: Floats, rounded: Floats) -> float:
+    worst = -math.inf
+    for c in range(mean.size):
+        worst = max(worst, (abs(mean[c]) - slack[c]) / limit)
+    for row in range(contrast.shape[0]):
+        total = 0.0
+        for c in range(mean.size):
+            total += contrast[row, c] * mean[c]
+        worst = max(worst, abs(total) / (math.sqrt(2.0) * (limit + rounded[row] * step)))
+    return worst
+
+
+@compiled
+def _furthest(one: Floats, other: Floats) -> float:
+    furthest = 0.0
+    for c in range(one.size):
+        furthest = max(furthest, abs(one[c] - other[c]))
+    return furthest

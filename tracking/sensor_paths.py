@@ -6,7 +6,8 @@ The angles say how a sensor is turned, nothing else of the arm is used: no lengt
 import numpy as np
 from numpy.typing import NDArray
 
-from arm.kinematics import axis_frames, rotation_from_rpy
+from arm.chain import chain_of
+from arm.kinematics import frames_of, rotation_from_rpy
 from arm.model import Arm, Floats
 from limbcal.compiled import compiled
 
@@ -21,7 +22,7 @@ class SensorPaths:
     """
 
     def __init__(self, arm: Arm, dt_s: float) -> None:
-        self._arm, self._dt_s = arm, dt_s
+        self._chain, self._dt_s = chain_of(arm), dt_s
         self._link = np.array([sensor.joint - 1 for sensor in arm.sensors])
         self._rotation = np.array([rotation_from_rpy(*sensor.rotation_rad) for sensor in arm.sensors])
         self._scale = np.array([sensor.scale for sensor in arm.sensors])
@@ -43,7 +44,7 @@ class SensorPaths:
             The arm rests: velocities are zero.
         """
         felt = readings.reshape(len(readings), -1, 3) / self._scale
-        turned = axis_frames(self._arm, q)[:, self._link, :3, :3] @ self._rotation
+        turned = frames_of(self._chain, q)[:, self._link, :3, :3] @ self._rotation
         acceleration = np.einsum("kscr,ksr->ksc", turned, felt) + self._gravity
         moved = np.empty(acceleration.shape)
         _integrate(acceleration, still, self._dt_s, self._acceleration, self._velocity, self._moved, moved)

@@ -10,8 +10,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
-from daemon.reception import Reception, Run
+from daemon.reception import Reception
 from daemon.ring import Chunk, Mark
+from daemon.sample_runs import Run
 from protocol.serial_frame import DeviceInfo, InfoFrame, encode_info, encode_samples
 from protocol.serial_parser import FrameParser
 

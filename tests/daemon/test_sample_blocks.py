@@ -4,8 +4,8 @@ import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
 
-from daemon.reception import Run
 from daemon.sample_blocks import SampleBlocks
+from daemon.sample_runs import Run
 
 RATE_HZ = 8000.0
 FRAME = 32

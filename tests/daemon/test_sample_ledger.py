@@ -5,7 +5,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from daemon.sample_ledger import SampleLedger
-from protocol.serial_frame import SamplesFrame
+from protocol.serial_frame import SamplesFrame, SamplesRun
 
 
 def frames(n: int, first_sequence: int, rate_hz: float, tick_hz: float, samples: int = 32) -> list[SamplesFrame]:
@@ -81,3 +81,22 @@ def test_numbers_that_begin_anew_are_a_restart_even_if_the_clock_is_ahead() -> N
     ledger = SampleLedger(32000.0, 1e6)
     entered(ledger, frames(1, 500, 32000.0, 1e6)[0])
     assert ledger.missing(SamplesFrame(1, 10**9, np.zeros((32, 12), dtype=np.int16))) is None
+
+
+@given(st.lists(st.integers(-600, 600), min_size=1, max_size=6), st.integers(-1, 2))
+def test_a_run_goes_on_where_none_of_its_frames_misses_samples(jumps: list[int], skipped: int) -> None:
+    ticks = [int(t) for t in 10_000 + 1000 * np.arange(len(jumps)) + np.cumsum(np.array(jumps) // 10)]
+    run = SamplesRun(5 + skipped, ticks, np.zeros((32 * len(ticks), 12), dtype=np.int16))
+    whole, single = SampleLedger(32000.0, 1e6), SampleLedger(32000.0, 1e6)
+    before = SamplesFrame(4, 9_000, np.zeros((32, 12), dtype=np.int16))
+    for ledger in (whole, single):
+        ledger.enter(before, 0)
+    goes_on = whole.goes_on(run)
+    missing: list[int | None] = []
+    for frame in run.frames():
+        missing.append(single.missing(frame))
+        single.enter(frame, missing[-1] or 0)
+    assert goes_on == all(lost == 0 for lost in missing)
+    if goes_on:
+        whole.enter_run(run)
+        assert vars(whole) == vars(single)

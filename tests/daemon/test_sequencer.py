@@ -5,7 +5,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from daemon.sequencer import Sequencer
-from protocol.serial_frame import SamplesFrame
+from protocol.serial_frame import SamplesFrame, SamplesRun
 
 COUNTS = np.zeros((32, 12), dtype=np.int16)
 
@@ -58,3 +58,18 @@ def test_a_device_that_counts_anew_is_believed() -> None:
 
 def test_much_that_was_lost_holds_nothing_back() -> None:
     assert through(Sequencer(), [*frames(3), *frames(3, 500, 10**6)]) == [0, 1, 2, 500, 501, 502]
+
+
+@given(st.lists(st.tuples(st.integers(0, 30), st.integers(1, 6)), max_size=12), st.sampled_from([0, 2**32 - 9]))
+def test_runs_leave_as_their_frames_would(runs: list[tuple[int, int]], first: int) -> None:
+    whole, single = Sequencer(), Sequencer()
+    for begin, n in runs:
+        ticks = [1000 * (begin + k) for k in range(n)]
+        run = SamplesRun((first + begin) % 2**32, ticks, np.zeros((32 * n, 12), dtype=np.int16))
+        left: list[SamplesFrame] = []
+        for one in whole.take(run):
+            left += one.frames() if isinstance(one, SamplesRun) else [one]
+        expected = [one for frame in run.frames() for one in single.put(frame)]
+        assert [(one.sequence, one.ticks) for one in left] == [(one.sequence, one.ticks) for one in expected]
+    assert vars(whole) | {"_early": 0} == vars(single) | {"_early": 0}
+    assert list(whole._early) == list(single._early)

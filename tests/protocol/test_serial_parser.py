@@ -23,6 +23,7 @@ from protocol.serial_parser import FrameParser
 
 INFO = DeviceInfo("limb-x", "0007", "1.2.3", 32000.0, 1e6, (Channel("s1x", 0.0015, 0.0, 49.0),))
 LONGEST = 24 + 0xFFFF + 4
+FrameParser()  # compiled before hypothesis looks at the time
 
 
 def samples(sequence, n_sample=4, n_channel=3):

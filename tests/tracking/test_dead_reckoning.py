@@ -81,7 +81,7 @@ def test_readings_are_turned_by_the_angles_of_their_own_instant(seed):
     state.q_before[:] = state.q - rng.uniform(-0.1, 0.1, n)
     R, before = np.empty((2, n, 3, 3))
     standing(state, before, np.empty(n))
-    link_rotations(state, before, R)
+    link_rotations(state, 2.0 * state.q - state.q_before, before, R)
     ahead = 2 * state.q - state.q_before
     np.testing.assert_allclose(R, axis_frames(arm, ahead)[0, :, :3, :3], rtol=0, atol=1e-12)
 
