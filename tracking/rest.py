@@ -55,7 +55,7 @@ class RestDetector:
         self.offset = np.zeros(len(gravity_slack))
         self._contrast = np.ascontiguousarray(contrast)
         self._slack = gravity_slack
-        self._rounded: Floats = _ROUNDING_STEPS * (np.abs(contrast) @ gravity_slack > 0.0)
+        self._rounded = np.where(np.abs(contrast) @ gravity_slack > 0.0, _ROUNDING_STEPS, 0.0)
         self._cells = np.zeros((WINDOW, len(gravity_slack)))  # the latest last
         self._n_cells = 0
         self._variances: list[float] = []
@@ -67,7 +67,7 @@ class RestDetector:
         self._creeping = False
         middle = (WINDOW - 1) / 2
         # About the second half less the first.
-        self._trend: Floats = (np.arange(WINDOW) - middle) / (middle * WINDOW / 4)
+        self._trend = (np.arange(WINDOW, dtype=np.float64) - middle) / (middle * WINDOW / 4)
         self._trend_spread = float(np.linalg.norm(self._trend))
 
     def judge(self, cell: Floats, gravity: Floats, pinned: bool) -> bool:
