@@ -25,6 +25,7 @@ JOINT = st.builds(
     st.sampled_from(["revolute", "prismatic"]),
     *[NUMBER] * 5,
     length_std_m=st.none() | LEAST,
+    limits=st.none() | st.sets(NUMBER, min_size=2, max_size=2).map(sorted).map(tuple),
     friction=FRICTION,
     link=LINK,
 )
@@ -382,3 +383,9 @@ def test_effects_may_be_as_small_as_nothing():
     arm = parse_arm(EVERYTHING.replace(EFFECT, limit), "it")
     assert arm.effects == (Effect("torque_saturation", {"limit_N_m": math.inf}, (1, 2)),)
     assert parse_arm(format_arm(arm), "it") == arm
+
+
+def test_limits_the_wrong_way_round_are_named(dd_arm) -> None:
+    text = format_arm(dd_arm).replace("[[joint]]", "[[joint]]\nlimits = [1.0, -1]", 1)
+    with pytest.raises(ConfigError, match=r"joint\[0\].limits is \[1.0, -1\], expected the least one first"):
+        parse_arm(text, "arm.toml")

@@ -1,9 +1,13 @@
 """Joint-motion files as something to play."""
 
+import tempfile
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
 from arm.model import Arm
 from limbcal.errors import ConfigError, DataError
@@ -35,6 +39,31 @@ def test_two_rows_are_a_motion(tmp_path: Path, arm: Arm) -> None:
     path = tmp_path / "two.csv"
     path.write_text("t,q1,q2\n0,0,0\n0.5,1,2\n", encoding="utf-8")
     np.testing.assert_array_equal(file_source(path, arm, print).load().dq, [[2.0, 4.0], [2.0, 4.0]])
+
+
+@settings(deadline=None)
+@given(turns=st.floats(-3.0, 3.0), start=st.floats(-np.pi, np.pi))
+def test_angles_that_were_written_modulo_a_turn_go_on(arm: Arm, turns: float, start: float) -> None:
+    """What lies between two samples is the short way."""
+    t = np.linspace(0.0, 1.0, 101)
+    whole = start + 2.0 * np.pi * turns * t
+    wrapped = np.angle(np.exp(1j * whole))
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "turning.npz"
+        np.savez(path, t=t, q1=wrapped, q2=0.1 * t)
+        said: list[str] = []
+        motion = file_source(path, arm, said.append).load()
+    between = motion.at(t[:-1] + 0.005)[0]
+    np.testing.assert_allclose(np.diff(between[:, 0]), 2.0 * np.pi * turns * 0.01, atol=1e-9)
+    np.testing.assert_allclose(between[:, 1], 0.1 * (t[:-1] + 0.005), atol=1e-12)
+    assert bool(said) == bool(np.any(np.abs(np.diff(wrapped)) > np.pi))
+
+
+def test_what_slides_is_not_unwrapped(tmp_path: Path, arm: Arm) -> None:
+    sliding = replace(arm, joints=(arm.joints[0], replace(arm.joints[1], type="prismatic")))
+    path = tmp_path / "slide.npz"
+    np.savez(path, t=np.arange(3.0), q1=np.zeros(3), q2=np.array([0.0, 4.0, 0.0]))
+    assert file_source(path, sliding, print).load().q[:, 1].tolist() == [0.0, 4.0, 0.0]
 
 
 def test_what_does_not_fit_is_refused(tmp_path: Path, arm: Arm, motion_file: Path) -> None:

@@ -1,5 +1,6 @@
 """Which frame is due when, by a clock that the test moves."""
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -110,3 +111,18 @@ def test_frames_that_bridge_lost_samples_say_so(source: Source, fake_time: Any) 
     player.play()
     fake_time.now_s += 1.0
     assert [frame["gap"] for frame in drain(player)] == [False] * 3 + [True] * 3 + [False]
+
+
+def test_between_its_nodes_no_motion_goes_beyond_the_joints_limits(arm, fake_time: Any) -> None:
+    t = np.array([0.0, 1.0])
+    q, dq = np.array([[0.9, 0.0], [0.9, 0.0]]), np.array([[2.0, 0.0], [-2.0, 0.0]])
+    swing = Trajectory(t, q, dq, np.zeros((2, 2)), "file")
+    joint = replace(arm.joints[0], limits=(-1.0, 1.0))
+    frames = []
+    for moving in (arm, replace(arm, joints=(joint, arm.joints[1]))):
+        player = Player(Source("swing", moving, {1: 1.0}, lambda _: swing), 50.0, fake_time.clocks)
+        player.play()
+        fake_time.now_s += 2.0
+        frames.append(np.concatenate([frame["q"] for frame in drain(player)])[:, 0])
+    assert frames[0].max() > 1.2
+    np.testing.assert_array_equal(frames[1], np.minimum(frames[0], 1.0))
