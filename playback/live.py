@@ -81,6 +81,9 @@ class LivePlayer:
         }
         return self._last if self.playing else None
 
+    def prepare(self) -> None:
+        """Do nothing: what comes is not known before."""
+
     def state(self) -> dict[str, object]:
         """Return the whole state, in plain values."""
         q = self._last.get("q")

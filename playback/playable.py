@@ -43,6 +43,9 @@ class Playable(Protocol):
     def take_due(self) -> Frame | None:
         """Return the fields of a frame that is due, or None while none is."""
 
+    def prepare(self) -> None:
+        """Use the time until the next frame is due."""
+
     def state(self) -> dict[str, object]:
         """Return the whole state, in plain values."""
 

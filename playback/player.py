@@ -107,10 +107,13 @@ class Player:
         if due is None:
             return None
         if not self._ahead or self._ahead[0][0] != due.position_s:
-            further = self.head.upcoming(_AHEAD) if self.head.playing else np.empty(0)
-            places = np.concatenate([[due.position_s], further])
-            self._ahead = deque(zip(places.tolist(), self._frames(places), strict=True))
+            self._compute(np.array([due.position_s]))
         return self._stamped(self._ahead.popleft()[1], due)
+
+    def prepare(self) -> None:
+        """Compute frames that will be due, so that none has to wait for it."""
+        if self.head.playing and not self._ahead:
+            self._compute(self.head.upcoming(_AHEAD))
 
     def state(self) -> dict[str, object]:
         """Return the whole state, in plain values."""
@@ -178,6 +181,9 @@ class Player:
             return {**overview, "twin_q": None, "twin_tip": None}
         q = self._twin.at(t)[0]
         return {**overview, "twin_q": q, "twin_tip": tip_position(self.source.twin.arm, q)}
+
+    def _compute(self, places: Floats) -> None:
+        self._ahead = deque(zip(places.tolist(), self._frames(places), strict=True))
 
     def _frames(self, places: Floats) -> list[Frame]:
         """Return the frames at places of the motion, (k,) [s], all but their numbers and stamps."""

@@ -95,11 +95,12 @@ class Server:
         frame = self.player.take_due()
         if frame is not None:
             self._publisher.publish(PLAY, frame)
+            if deadline_s is not None:
+                self._lateness.add(self._clocks.monotonic() - deadline_s)
             rows = plot_rows(frame, plot_step(float(str(frame["dt_s"]))))
             if rows:
                 self._publisher.publish(PLOT, {"rows": rows})
-        if frame is not None and deadline_s is not None:
-            self._lateness.add(self._clocks.monotonic() - deadline_s)
+            self.player.prepare()
         uptime_s = self._clocks.monotonic() - self._start_s
         joined = self._publisher.joined()  # whoever comes late is told the state at once
         beats = uptime_s >= self._heartbeats * HEARTBEAT_S
