@@ -162,9 +162,9 @@ class VirtualDevice:
             first_s = self._started_s + self._source.taken / per_s
             counts = self._source.take(FRAME_SAMPLES)
             if counts is None:
-                self._stand_still(now_s - first_s)
+                self._stand_still(first_s, now_s)
                 return
-            if not self._awaits_start:
+            if not self._awaits_start and first_s >= self._on_s:  # else it was without power when it was due
                 self._put(encode_samples(counts, self._sequence, self._ticks(first_s)))
 
     @property
@@ -191,10 +191,11 @@ class VirtualDevice:
         self._source.close()
         self._source = self._new_source()
 
-    def _stand_still(self, wait_s: float) -> None:
+    def _stand_still(self, first_s: float, now_s: float) -> None:
         """Let the arm and its clock wait for what is not computed yet, as if no time had passed."""
+        wait_s = now_s - first_s
         self._started_s += wait_s
-        self._on_s += wait_s
+        self._on_s = min(self._on_s + wait_s, now_s)  # a clock that began meanwhile has waited no longer
         if self._source.taken:
             self.waited_s += wait_s
 

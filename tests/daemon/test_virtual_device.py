@@ -167,3 +167,21 @@ def test_the_truth_outlives_a_stop(bench: Callable[..., Bench]) -> None:
     assert len(b.device.truth["t"]) == 8000
     b.device.close()
     assert all(source.closed for source in b.sources)
+
+
+@pytest.mark.parametrize("awake_s", [0.0, 0.003])
+def test_power_that_comes_back_while_the_motion_is_late_begins_a_clock_that_never_runs_backwards(
+    bench: Callable[..., Bench], awake_s: float
+) -> None:
+    one = bench(available=160)
+    one.device.receive(b"START\n", 100.0)
+    one.device.advance(100.02)
+    one.device.restart(100.07)  # 50 ms after the last sample that there was
+    one.device.receive(b"START\n", 100.07 + awake_s)
+    one.device.advance(100.07 + awake_s)
+    one.sources[-1].available = 10_000
+    one.device.advance(100.2)
+    ticks = [frame.ticks for frame in one.taken() if isinstance(frame, SamplesFrame)][5:]
+    assert len(ticks) > 10
+    assert ticks[0] >= 0
+    assert set(np.diff(ticks)) == {32 * TICK_HZ // RATE_HZ}
