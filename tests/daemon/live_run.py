@@ -60,6 +60,7 @@ def live_run(limbd: Limbd, folder: Path, schedule: str, rate_hz: float, samples:
         daemon.announcement()
         while not heard[HEALTH] or heard[HEALTH][-1]["samples"] + heard[HEALTH][-1]["lost_samples"] < samples:
             topic, fields = subscriber.receive(PATIENCE_MS) or pytest.fail("nothing came any more")
+            assert device.process.poll() is None, device.said  # heartbeats alone would go on for ever
             heard[topic].append(fields)
         assert daemon.stop() == 0
         while (message := subscriber.receive(500)) is not None:
