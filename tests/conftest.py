@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 import pytest
 import zmq
+from hypothesis import settings
 from numpy.typing import NDArray
 from zmq.utils.monitor import recv_monitor_message
 
@@ -35,6 +36,10 @@ PATIENCE_S = 60.0
 BLOCK_S, TAIL_S = 0.1, 5.0
 START_NS = 7_000_000_000
 
+
+# Kernels are compiled on first use, and machines are busy: how long an example takes says nothing.
+settings.register_profile("patient", deadline=None)
+settings.load_profile("patient")
 
 # What a shell starts in the background ignores SIGINT, and so would all that a test starts and interrupts.
 if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
