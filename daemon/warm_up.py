@@ -6,8 +6,8 @@ from arm.accelerometer import specific_force
 from arm.model import Arm, Floats
 from tracking.tracker import Tracker
 
-#: A rest until the tracker has recognised it, a jump, a gap, and as much again.
-_REST_S, _GAP_S, _AFTER_S = 0.4, 0.02, 0.4
+#: A rest until the tracker takes it on trust no more and has recognised it, a jump, a gap, and a rest again.
+_REST_S, _GAP_S, _AFTER_S = 0.6, 0.02, 0.4
 _NOISE_M_S2, _JUMP_M_S2 = 0.02, 3.0
 
 
