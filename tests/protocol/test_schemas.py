@@ -10,7 +10,7 @@ from protocol.schemas import SCHEMAS, schema_json
 MOTION = "frame0 t0_ns dt_s n method q dq ddq tip points gap"
 FIELDS = {
     FRAMES: MOTION + " q_std",
-    PLAY: MOTION + " source speed",
+    PLAY: MOTION + " source speed trial position_s twin",
     RAW: "sample0 t0_ns dt_s n a",
     TRIAL: "trial t_ns state role",
     GAP: "sample0 samples t_ns why exact",
