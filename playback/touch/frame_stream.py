@@ -44,6 +44,8 @@ class FrameStream:
             "gap": False,
             "source": "touch",
             "speed": 1.0,
+            "trial": 0,
+            "position_s": k / FRAME_RATE_HZ,
             "point": point,
             "force": felt[0],
             "moment": felt[1],
