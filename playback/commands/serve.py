@@ -12,6 +12,7 @@ from arm.arm_file import load_arm
 from limbcal.command import Document, say
 from limbcal.errors import ConfigError
 from limbcal.notify import notify
+from limbcal.real_time import PLAYER, ask_for_real_time
 from playback.commands.source_options import DEFAULT_ARM, add_source_arguments, open_source
 from playback.live import LivePlayer
 from playback.player import Player
@@ -63,6 +64,7 @@ def serve(arguments: argparse.Namespace) -> Document:
     with ExitStack() as stack:
         context = stack.enter_context(zmq.Context())
         player = _player(arguments, rate_hz, clocks, context, stack)
+        ask_for_real_time(PLAYER, context)  # what took long, reading and compiling, is done
         gate = stack.enter_context(gate_of(context, arguments.keys))
         server = stack.enter_context(
             Server(context, player, clocks, time.sleep, arguments.endpoint, arguments.control, gate)

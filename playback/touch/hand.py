@@ -136,12 +136,9 @@ class VirtualHand:
 def _be_hand(line: Connection, haptic: str, model: HandModel, rate_hz: float, key: ClientKey | None) -> None:
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # its parent ends it
     signal.signal(signal.SIGTERM, signal.SIG_IGN)
-    real_time = ask_for_real_time(PIPELINE)  # the loop goes first
     try:
         with zmq.Context() as context:
-            if real_time:
-                context.set(zmq.THREAD_SCHED_POLICY, 1)  # SCHED_FIFO
-                context.set(zmq.THREAD_PRIORITY, PIPELINE)
+            ask_for_real_time(PIPELINE, context)  # the loop goes first
             with TouchDevice(context, haptic, key) as device:
                 _run(line, device, model, 1.0 / rate_hz)
     except (LimbcalError, zmq.ZMQError) as error:

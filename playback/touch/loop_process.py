@@ -57,11 +57,8 @@ def be_loop(line: Connection, setup: Setup) -> None:
 
 def _run(line: Connection, setup: Setup) -> None:
     touched = warmed_up(setup)
-    real_time = ask_for_real_time(TOUCH)
     with zmq.Context() as context:
-        if real_time:  # what carries messages is not to be later than what answers them
-            context.set(zmq.THREAD_SCHED_POLICY, 1)  # SCHED_FIFO
-            context.set(zmq.THREAD_PRIORITY, TOUCH)
+        real_time = ask_for_real_time(TOUCH, context)
         with gate_of(context, setup.keys) as gate:
             pace = Pace(1.0 / setup.rate_hz)
             loop = TouchLoop(context, setup, touched, pace, gate, real_time)

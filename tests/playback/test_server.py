@@ -13,6 +13,7 @@ import zmq
 from limbcal.errors import DeviceError
 from playback.player import Player
 from playback.server import Server
+from playback.touch.pace import Pace
 from protocol.message import HEALTH, PLAY, PLOT
 from protocol.subscriber import Subscriber
 
@@ -311,6 +312,7 @@ def test_a_thousand_frames_a_second(start, tmp_path, long) -> None:
     seconds = long.of(60.0, 2.0)
     t = np.linspace(0.0, seconds, 200)
     np.savez(tmp_path / "wave.npz", t=t, q1=np.sin(t), q2=np.cos(t))
+    machine = what_the_machine_allows(seconds / 4)
     with start(tmp_path / "wave.npz", "--arm", "dd-arm", "--rate-hz", 1000, "--once", "--json") as running:
         with Subscriber(running.context, running.endpoint, [PLAY, HEALTH]) as subscriber:
             receive(subscriber, HEALTH)
@@ -321,6 +323,16 @@ def test_a_thousand_frames_a_second(start, tmp_path, long) -> None:
     assert set(np.diff(stamps)) <= {999_999, 1_000_000, 1_000_001}
     late = json.loads(answer)["lateness_ms"]
     words = ", ".join(f"{name} {value:.3f}" for name, value in late.items())
+    machine = max(machine, what_the_machine_allows(seconds / 4))
     long.note(f"{len(stamps)} frames in {seconds:g} s, none lost; lateness [ms] {words}")
+    long.note(f"a loop that does nothing, before and after: p99 {machine:.3f}")
     if long.at_length:
-        assert late["p99"] < 1.0
+        assert late["p99"] < max(1.0, 2.0 * machine)  # whoever lends the processors may take them back
+
+
+def what_the_machine_allows(seconds: float) -> float:
+    """Return the 99th percentile of how late a loop of 1 kHz is that does nothing [ms]."""
+    pace = Pace(1e-3)
+    while pace.now_s - pace.start_s < seconds:
+        pace.wait()
+    return pace.lateness.summary(1e-3)["p99"] or 0.0
