@@ -20,7 +20,7 @@ run: $(STAMP) ## the main job on the virtual arm: measure, calibrate, simulate, 
 	@$(BIN)/python examples/main_job.py --out out
 
 test: $(STAMP) ## all tests, in two processes
-	$(BIN)/python -m pytest -n 2 --dist loadgroup
+	$(BIN)/python -m pytest -n 2 --dist worksteal
 
 soak: $(STAMP) ## endurance at length (two hours and a half): faults, kills, crowds, load, fuzzing; shows figures
 	$(BIN)/python -m pytest --long tests/soak tests/fuzz tests/playback

@@ -1,11 +1,8 @@
-"""How the tests are shared out between processes (`make test` runs two)."""
-
-from pathlib import Path
+"""Tests of endurance: in short, or at length with their figures."""
 
 import pytest
 
-#: Tests that look at what a machine has but one of: processes, ports, shared memory.
-ALONE = ("daemon", "playback", "examples", "protocol", "soak")
+import fitter.single_thread  # noqa: F401 - before all that loads numpy, and for all that the tests start
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:
@@ -25,11 +22,3 @@ def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter) -> None:
         terminalreporter.section("figures")
         for text in dict.fromkeys(map(str, figures)):
             terminalreporter.line(text)
-
-
-@pytest.hookimpl(tryfirst=True)
-def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Keep tests of a file together, for they share fixtures, and all that look at the machine in one process."""
-    for item in items:
-        inside = Path(item.path).relative_to(item.config.rootpath / "tests").parts
-        item.add_marker(pytest.mark.xdist_group("machine" if inside[0] in ALONE else "/".join(inside)))

@@ -3,6 +3,7 @@
 import sys
 from types import ModuleType
 
+import fitter.single_thread  # noqa: F401 - before all that loads numpy
 from fitter.commands import (
     diagnose,
     dynamics,

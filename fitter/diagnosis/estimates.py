@@ -205,7 +205,9 @@ def _covariance(regression: Regression, fitted: Candidate, learnt_from: list[Mot
         root = np.linalg.inv(W)
         part = part + _LEANING**2 * max(left - told_by, 0.0) * (root @ root.T)
         plain = np.einsum("ij,ij->i", root, root)
-        wider = np.sqrt(np.maximum(_between(designs, residuals) * plain / np.diag(part), 1.0))
+        # What a single block tells, such as when a push began, is fitted to that block's noise: no score shows it.
+        scatter = np.maximum(_between(designs, residuals), max(left / told_by, 1.0))
+        wider = np.sqrt(np.maximum(scatter * plain / np.diag(part), 1.0))
         part = part * np.outer(wider, wider)
     else:  # something is not told at all, such as how long a stuck joint was pushed: the rest still is
         gram = np.sum(grams, axis=0)

@@ -5,13 +5,14 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.ndimage import binary_dilation, gaussian_filter1d
+from scipy.ndimage import binary_dilation
 
 from arm.control import control_torque
 from arm.model import Arm, Floats
 from fitter.data.jumps import jumps
 from fitter.data.trials import Trial
 from fitter.diagnosis.unknown_torque import lasting
+from fitter.diagnosis.velocity import sharper, sharper_gain, velocity, velocity_gain
 from limbcal.errors import DataError
 
 #: Columns are cut off at this frequency, if the sampling allows it: above it hardly any motion is left, and the
@@ -19,9 +20,6 @@ from limbcal.errors import DataError
 CORNER_HZ = 30.0
 #: … and at this share of the sampling rate.
 _SHARE_OF_RATE = 0.2
-#: The direction in which a joint moves is told behind a Gaussian of this width [s]: unlike a sharp filter it does
-#: not ring, so nothing seems to move the other way before it starts.
-_DIRECTION_S = 0.006
 #: A joint is taken to be stuck below this share of its top speed in the run, or below so many times the noise.
 _STUCK_SHARE, _STUCK_SIGMAS = 0.004, 4.0
 #: A jump comes at a sample, as far as controller and recorder share a clock; what a fast loop does within the step
@@ -52,6 +50,8 @@ class Motion:
         Angles, derivatives, and the torque that the drive was asked for.
     speed : (n_sample, n_joint)
         Velocity behind a filter that is quicker than that of dq: friction near rest changes within milliseconds.
+    speed_noise : (n_joint,)
+        Its rms noise, 0 where that is not known.
     direction : (n_sample, n_joint)
         -1, 0 or 1.
     stuck : (n_sample, n_joint) bool
@@ -72,6 +72,7 @@ class Motion:
     ddq: Floats
     u: Floats
     speed: Floats
+    speed_noise: Floats
     direction: Floats
     stuck: NDArray[np.bool_]
     dt_s: float
@@ -106,11 +107,11 @@ def run_of(arm: Arm, learn: Sequence[Trial], evaluate: Sequence[Trial], thin: bo
     """
     trials = [*learn, *evaluate]
     angles = noise_of_angles(trials)
-    slow = [_velocity(trial) for trial in trials]
+    slow = [velocity(trial) for trial in trials]
     top = np.max([np.max(np.abs(dq), axis=0) for dq in slow], axis=0)
     motions = []
     for k, (trial, dq, t0) in enumerate(zip(trials, slow, _starts(trials), strict=True)):
-        noise = angles * _velocity_gain(trial.dt_s)
+        noise = angles * velocity_gain(trial.dt_s)
         still = np.abs(dq) <= np.maximum(_STUCK_SHARE * top, _STUCK_SIGMAS * noise)
         t, u, stuck = t0 + trial.t, drive_torque(arm, trial), lasting(still, trial.dt_s)
         step = max(1, int(1.0 / (SAMPLES * trial.cutoff_hz * trial.dt_s))) if thin else 1
@@ -122,7 +123,7 @@ def run_of(arm: Arm, learn: Sequence[Trial], evaluate: Sequence[Trial], thin: bo
                 trial.dq,
                 trial.ddq,
                 u,
-                _sharper(dq, trial.dt_s),
+                sharper(dq, trial.dt_s),
                 np.where(stuck, 0.0, np.sign(dq)),
             )
         )
@@ -138,6 +139,7 @@ def run_of(arm: Arm, learn: Sequence[Trial], evaluate: Sequence[Trial], thin: bo
                 ddq,
                 u_,
                 speed,
+                angles * sharper_gain(trial.dt_s) * ("q" in trial.whole),
                 direction,
                 stuck[::step],
                 dt_s,
@@ -208,34 +210,6 @@ def white_noise(columns: Sequence[Floats]) -> Floats:
     """
     third = np.concatenate([np.diff(values, 3, axis=0) for values in columns])
     return np.asarray(1.4826 * np.median(np.abs(third), axis=0) / np.sqrt(20.0), dtype=np.float64)
-
-
-def _velocity(trial: Trial) -> Floats:
-    """Return the velocity behind a Gaussian, (n_sample, n_joint)."""
-    width = _width(trial.dt_s) / trial.dt_s
-    if "q" not in trial.whole:
-        return np.asarray(gaussian_filter1d(trial.dq, width, axis=0, mode="nearest"), dtype=np.float64)
-    slopes = gaussian_filter1d(trial.whole["q"], width, axis=0, order=1, mode="nearest") / trial.dt_s
-    return np.asarray(slopes[trial.trimmed : trial.trimmed + len(trial.t)], dtype=np.float64)
-
-
-def _sharper(dq: Floats, dt_s: float) -> Floats:
-    """Return a velocity with what its Gaussian took off it put back but for a little (Tukey's twicing).
-
-    Resistance by the square of a speed that was blurred would seem a percent too strong.
-    """
-    return np.asarray(
-        2.0 * dq - gaussian_filter1d(dq, _width(dt_s) / dt_s, axis=0, mode="nearest"), dtype=np.float64
-    )
-
-
-def _width(dt_s: float) -> float:
-    return max(_DIRECTION_S, 1.5 * dt_s)
-
-
-def _velocity_gain(dt_s: float) -> float:
-    """Return the rms of `_velocity` per rms of white noise in the angle [1/s]."""
-    return float(np.sqrt(dt_s / (4.0 * np.sqrt(np.pi) * _width(dt_s) ** 3)))
 
 
 def _starts(trials: Sequence[Trial]) -> list[float]:

@@ -52,6 +52,10 @@ class View:
         states[:, 3], states[:, 4] = self.motion.direction[:, joint], self.u[:, joint]
         return states
 
+    def speed_noise(self, joint: int) -> float:
+        """Return the rms noise of the velocity among `states`, 0 where that is not known."""
+        return float(self.motion.speed_noise[joint]) if self.dq is self.motion.dq else 0.0
+
     def base(self, independent: NDArray[np.intp]) -> Floats:
         """Return the base regressor's rows, (n_sample, n_joint, n_base)."""
         n = self.arm.n_joint

@@ -1,0 +1,48 @@
+"""Velocity as friction needs it: behind filters that neither ring nor are slow, with the noise that they leave."""
+
+import numpy as np
+from scipy.ndimage import gaussian_filter1d
+
+from arm.model import Floats
+from fitter.data.trials import Trial
+
+#: The direction in which a joint moves is told behind a Gaussian of this width [s]: unlike a sharp filter it does
+#: not ring, so nothing seems to move the other way before it starts.
+_DIRECTION_S = 0.006
+
+
+def velocity(trial: Trial) -> Floats:
+    """Return the velocity behind a Gaussian, (n_sample, n_joint)."""
+    width = _width(trial.dt_s) / trial.dt_s
+    if "q" not in trial.whole:
+        return np.asarray(gaussian_filter1d(trial.dq, width, axis=0, mode="nearest"), dtype=np.float64)
+    slopes = gaussian_filter1d(trial.whole["q"], width, axis=0, order=1, mode="nearest") / trial.dt_s
+    return np.asarray(slopes[trial.trimmed : trial.trimmed + len(trial.t)], dtype=np.float64)
+
+
+def velocity_gain(dt_s: float) -> float:
+    """Return the rms of `velocity` per rms of white noise in the angle [1/s]."""
+    return float(np.sqrt(dt_s / (4.0 * np.sqrt(np.pi) * _width(dt_s) ** 3)))
+
+
+def sharper(dq: Floats, dt_s: float) -> Floats:
+    """Return a velocity with what its Gaussian took off it put back but for a little (Tukey's twicing).
+
+    Resistance by the square of a speed that was blurred would seem a percent too strong.
+    """
+    return np.asarray(
+        2.0 * dq - gaussian_filter1d(dq, _width(dt_s) / dt_s, axis=0, mode="nearest"), dtype=np.float64
+    )
+
+
+def sharper_gain(dt_s: float) -> float:
+    """Return the rms of `sharper` of `velocity` per rms of white noise in the angle [1/s]."""
+    width = _width(dt_s) / dt_s
+    impulse = np.zeros((2 * round(10 * width) + 1, 1))
+    impulse[len(impulse) // 2] = 1.0
+    slopes = gaussian_filter1d(impulse, width, axis=0, order=1, mode="constant") / dt_s
+    return float(np.sqrt(np.sum(sharper(slopes, dt_s) ** 2)))
+
+
+def _width(dt_s: float) -> float:
+    return max(_DIRECTION_S, 1.5 * dt_s)
