@@ -16,6 +16,9 @@ _PLAINLY, _UNEXPLAINED_PLAINLY = 1.0 / 3.0, 0.005
 _LEFT_BY_PLAY = 0.5
 #: Where a base model leaves so many times the noise beyond it, something is there even if nothing explains it.
 _STRUCTURE = 2.0
+#: A sole cause that explains this share of the number of equations is there, even if its numbers, which may make
+#: up for one another, are not told one by one; where nothing is hidden none explains a hundredth of it (`worth`).
+_SURELY = 0.2
 
 
 def verdict_of(search: Search, remainder: Remainder, numbers: Estimates, held: bool, strict: bool) -> Verdict:
@@ -46,6 +49,7 @@ def verdict_of(search: Search, remainder: Remainder, numbers: Estimates, held: b
     smooth = left > (_LEFT_BY_PLAY if played else share) * beyond
     if strict and (smooth or search.leaves(_LEFT_BY_PLAY if played else UNEXPLAINED, UNEXPLAINED_AT_LEAST)):
         return "unexplained"
-    if strict and not all(are_told(search.final.model, numbers)):
+    sure = len(search.causes) == 1 and search.causes[0].worth > _SURELY * noise and "external_push" not in names
+    if strict and not sure and not all(are_told(search.final.model, numbers)):
         return "unexplained" if len(search.causes) > 1 or search.structure > _STRUCTURE else "none"
     return "ambiguous" if any(cause.rivals for cause in search.causes) else "named"

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from arm.effects.catalogue import catalogue
-from arm.effects.joint_torque import torque_along
+from arm.effects.joint_torque import DIRECTION, DQ, torque_along
 from fitter.diagnosis.at_joint import AtJoint
 
 
@@ -43,3 +43,25 @@ def test_friction_that_would_push_is_not_possible():
     hypothesis = AtJoint(catalogue()["quadratic_drag"], 0)
     assert hypothesis.possible(np.zeros(0), np.array([0.1]))
     assert not hypothesis.possible(np.zeros(0), np.array([-0.1]))
+
+
+def test_noise_of_the_velocity_does_not_widen_the_hump_of_friction():
+    hypothesis, psi, noise = AtJoint(catalogue()["stribeck"], 0), np.array([0.08]), 0.02
+    still = np.zeros((60, 7))
+    still[:, DQ] = np.linspace(0.005, 0.3, 60)
+    still[:, DIRECTION] = 1.0
+    rng = np.random.default_rng(0)
+    seen, told = [], []
+    for _ in range(2000):
+        noisy = still.copy()
+        noisy[:, DQ] += noise * rng.normal(size=60)
+        seen.append(hypothesis._columns(psi, noisy))
+        told.append(seen[-1] - hypothesis._bent(psi, noisy, noise))
+    true = hypothesis._columns(psi, still)
+    was, left = (float(np.abs(np.mean(some, axis=0) - true).max()) for some in (seen, told))
+    assert left < 0.25 * was
+
+
+def test_what_depends_on_the_direction_alone_does_not_bend():
+    assert not AtJoint(catalogue()["coulomb_asymmetry"], 0)._bends(np.zeros(0))
+    assert AtJoint(catalogue()["stribeck"], 0)._bends(np.array([0.1]))

@@ -5,10 +5,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from arm.effects.catalogue import catalogue
+from arm.model import Effect
 from fitter.data.trials import to_trials
 from fitter.diagnosis.estimates import estimates, extended_arm
 from fitter.diagnosis.model import Model
 from fitter.diagnosis.motion import run_of
+from fitter.diagnosis.pushes import Pushes
 from fitter.diagnosis.regression import Regression
 from fitter.diagnosis.screening import fitted
 from tests.fitter.pendulum import pendulum, swings
@@ -38,3 +41,17 @@ def test_friction_that_would_push_is_none_in_a_simulation(regression):
     assert arm.base_parameters["fc1"].value == pytest.approx(-0.02)
     assert arm.joints[0].friction.viscous_N_m_s == pytest.approx(0.3, abs=0.02)
     assert np.isfinite(found.std).all()
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_the_numbers_of_a_push_which_one_place_tells_lie_within_their_errors(seed: int) -> None:
+    """What a single block tells is fitted to its noise: the blocks' scatter does not show its error."""
+    true = {"start_s": 2.2137, "duration_s": 0.2051, "torque_N_m": 0.5}
+    pushed = Effect("external_push", true, joints=(1,))
+    trials = to_trials(swings((pushed,), trials=4, seed=seed), cutoff_hz=25.0)
+    regression = Regression(pendulum(), run_of(pendulum(), trials[:3], trials[3:]))
+    one = Pushes(catalogue()["external_push"], 0, np.array([[2.2, 0.2]]), free=True)
+    found = fitted(regression, Model().plus(one, one.starts([])[0]))
+    numbers = estimates(regression, found).effects[0]
+    for name, value in true.items():
+        assert abs(numbers[name].value - value) < 4.0 * numbers[name].std < 0.4 * value
