@@ -118,13 +118,14 @@ class Supervisor:
             self._children["recorder"] = Child(
                 context, "recorder", "daemon.recorder:run_recorder", recorder, recording, *texts, limits
             )
-            self._until("recorder", "ready")
         self._children["pipeline"] = Child(
             context,
             "pipeline",
             "daemon.pipeline_process:run_pipeline",
             *(memory, self._setup, self._run, recorder, recording),
         )
+        if config.record is not None:
+            self._until("recorder", "ready")
         endpoint = self._until("pipeline", "ready")["endpoint"]
         if config.record is not None:
             self._until("recorder", "linked")

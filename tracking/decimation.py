@@ -1,7 +1,6 @@
 """From the sensors' rate to the filter's: a linear-phase low-pass, evaluated where a frame falls due."""
 
 import numpy as np
-from scipy.signal import firwin
 
 from arm.model import Floats
 from limbcal.compiled import compiled
@@ -27,8 +26,7 @@ class Decimator:
     def __init__(self, factor: int, n_channel: int) -> None:
         self.factor = factor
         half = _REACH * factor // 2 if factor > 1 else 0
-        # The sum is 1, so gravity passes as it is.
-        self._taps = firwin(2 * half + 1, _CORNER / factor, window=("kaiser", _KAISER)) if half else np.ones(1)
+        self._taps = _low_pass(half, _CORNER / factor)
         self._half = half
         self._n_channel = n_channel
         self._kept = np.empty((0, n_channel))
@@ -72,6 +70,20 @@ class Decimator:
         due = max(0, -(-(self._first - self.factor // 2) // self.factor))  # the first frame centred on what comes
         skipped, self._next = due - self._next, due
         return skipped
+
+
+def _low_pass(half: int, corner: float) -> Floats:
+    """Return an ideal low-pass behind a Kaiser window; its sum is 1, so gravity passes as it is.
+
+    Parameters
+    ----------
+    half : int
+        Taps on either side of the middle one.
+    corner : float
+        As a share of the highest frequency that readings can hold.
+    """
+    taps = np.sinc(corner * np.arange(-half, half + 1)) * np.kaiser(2 * half + 1, _KAISER)
+    return np.asarray(taps / taps.sum(), dtype=np.float64)
 
 
 @compiled

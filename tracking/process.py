@@ -1,6 +1,6 @@
 """How an arm and its sensors may change of themselves, and what is too much to be noise."""
 
-from scipy.stats import chi2
+from scipy.special import chdtri
 
 #: By how much a joint's acceleration may wander in a second [rad/s^2 or m/s^2]. While filtering more than that is
 #: a jolt; an acceleration that may be anything would make the prediction a poor place to linearise in. In
@@ -15,4 +15,4 @@ _ALARM = 1e-6
 
 def alarm_limit(n_miss: int) -> float:
     """Return the squared size of so many misses beyond which they are not noise."""
-    return float(chi2.isf(_ALARM, n_miss))
+    return float(chdtri(n_miss, _ALARM))

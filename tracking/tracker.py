@@ -1,16 +1,18 @@
 """Choosing what turns accelerations into joint motion."""
 
-from typing import Literal
+from typing import TYPE_CHECKING, Literal, TypeAlias
 
 import numpy as np
 
 from arm.model import Arm, Floats
 from tracking.consistency import Consistency
 from tracking.integrator import Integrator, Zero
-from tracking.kalman_filter import KalmanTracker
+
+if TYPE_CHECKING:
+    from tracking.kalman_filter import KalmanTracker
 
 Method = Literal["filter", "integrate"]
-Tracker = KalmanTracker | Integrator
+Tracker: TypeAlias = "KalmanTracker | Integrator"
 
 
 def tracker_of(
@@ -41,6 +43,9 @@ def tracker_of(
         If the arm's sensors cannot be tracked by this method, or a number makes no sense.
     """
     if method == "filter":
+        # It takes filterpy and scipy.stats with it, a second that the paper's method need not wait for.
+        from tracking.kalman_filter import KalmanTracker  # noqa: PLC0415
+
         return KalmanTracker(arm, rate_hz, initial_q_rad, frame_rate_hz)
     q0 = np.zeros(arm.n_joint) if initial_q_rad is None else initial_q_rad
     return Integrator(arm, rate_hz, q0, frame_rate_hz, zero)
@@ -48,6 +53,6 @@ def tracker_of(
 
 def consistency_of(tracker: Tracker) -> Consistency:
     """Return how well the readings since the last call fit the tracker's claims; the integrator makes none."""
-    if isinstance(tracker, KalmanTracker):
-        return tracker.consistency()
-    return Consistency(None, 0, 0, False)
+    if isinstance(tracker, Integrator):
+        return Consistency(None, 0, 0, False)
+    return tracker.consistency()

@@ -13,10 +13,10 @@ from tests.diagnosis.hidden_arm import (
     Floats,
     HiddenArm,
     Recorded,
-    mass_and_bias,
-    simulate,
 )
 from tests.diagnosis.hidden_effects import NEEDS_TWO, joints_for
+from tests.diagnosis.hidden_forces import mass_and_bias
+from tests.diagnosis.hidden_simulation import simulate
 from tests.diagnosis.hiding import Bench, Rng, Scene
 
 #: Sizes are drawn and looked for on so many trials.

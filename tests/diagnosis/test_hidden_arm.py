@@ -26,9 +26,9 @@ from tests.diagnosis.hidden_arm import (
     Floats,
     HiddenArm,
     Recorded,
-    simulate,
 )
 from tests.diagnosis.hidden_arms import draw_arm, plain_arm
+from tests.diagnosis.hidden_simulation import simulate
 from tests.diagnosis.unexplained import columns, fit, rms
 
 RATE_HZ, TRIAL_S = 500.0, 4.0

@@ -9,10 +9,11 @@ import pytest
 from arm.arm_file import load_arm
 from benchmarks.diagnosis_oracle import Known, Set, left_by_oracle, true_effects
 from benchmarks.diagnosis_score import score
-from tests.diagnosis.hidden_arm import LENGTH, simulate
+from tests.diagnosis.hidden_arm import LENGTH
 from tests.diagnosis.hidden_arms import draw_scene
 from tests.diagnosis.hidden_cases import ANGLE_NOISE_RAD, Case, draw_case
 from tests.diagnosis.hidden_effects import EFFECTS, OUTSIDE, joints_for
+from tests.diagnosis.hidden_simulation import simulate
 from tests.diagnosis.hiding import Bench, Hiding, Scene
 from tests.diagnosis.unexplained import columns, fit, rms
 

@@ -1,0 +1,123 @@
+"""Streams, endpoints, ports and pipes that are not what they should be."""
+
+import json
+import os
+import select
+import subprocess
+import sys
+import tempfile
+import threading
+import tty
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+import numpy as np
+import pytest
+import zmq
+
+from protocol.message import FRAMES, encode
+from protocol.publisher import Publisher
+
+PATIENCE_S = 60.0
+
+
+@pytest.mark.parametrize("arm", [("--arm", "dd-arm"), ()], ids=["with an arm", "without"])
+def test_a_message_of_another_version(said, stream, short_run, arm):
+    topic, fields = short_run.messages[0]
+    payload = encode(topic, fields)[1].replace(b"\xa1v\x01", b"\xa1v\x07")
+    with tempfile.TemporaryDirectory() as place, stream("tcp://127.0.0.1:*", [[FRAMES.encode(), payload]]) as told:
+        common = ("--connect", told.endpoint, "--endpoint", f"ipc://{place}/fits", "--seconds", "60")
+        assert said(2, "subscribe", *common, *arm) == "limb/frames: message version is 7, expected 1"
+
+
+def test_an_endpoint_that_is_taken(said):
+    with tempfile.TemporaryDirectory() as place, zmq.Context() as context:
+        with Publisher(context, "tcp://127.0.0.1:*", "x", "y") as publisher:
+            common = ("--connect", f"ipc://{place}/frames", "--endpoint", publisher.endpoint, "--arm", "dd-arm")
+            sentence = said(3, "subscribe", *common)
+    assert sentence == f"endpoint {publisher.endpoint} is already taken, expected a free one"
+
+
+def limbd(*arguments: object) -> subprocess.CompletedProcess[str]:
+    command = [sys.executable, "-m", "daemon", *map(str, arguments)]
+    return subprocess.run(command, capture_output=True, text=True, timeout=PATIENCE_S, check=False)
+
+
+def sentence_of(process: subprocess.CompletedProcess[str]) -> str:
+    assert "Traceback" not in process.stderr
+    (error,) = [line for line in process.stderr.splitlines() if line.startswith("error: ")]
+    return error.removeprefix("error: ")
+
+
+@pytest.mark.skipif(not os.path.exists("/dev/full"), reason="there is no disk that is always full")
+def test_an_answer_that_nobody_can_take(tmp_path):
+    (tmp_path / "limbd.toml").write_text('[device]\nport = "/dev/limbcal"\n[arm]\nfile = "dd-arm"\n')
+    command = [sys.executable, "-m", "daemon", "check", str(tmp_path / "limbd.toml"), "--json"]
+    with open("/dev/full", "w", encoding="utf-8") as full:
+        process = subprocess.run(command, stdout=full, stderr=subprocess.PIPE, text=True, check=False)
+    assert process.returncode == 3
+    assert sentence_of(process) == "stdout cannot be written: No space left on device"
+
+
+def test_a_port_that_does_not_exist():
+    process = limbd("run", "--port", "/dev/nope", "--arm", "dd-arm")
+    assert process.returncode == 3
+    assert sentence_of(process) == "port /dev/nope does not exist, expected the serial port of the device"
+
+
+@contextmanager
+def babbling_port() -> Iterator[str]:
+    """Open a pseudo-terminal on which somebody sends noise, and only noise."""
+    master, slave = os.openpty()
+    tty.setraw(slave)
+    os.set_blocking(master, False)
+    over, noise = threading.Event(), np.random.default_rng(0).bytes(4096)
+
+    def babble() -> None:
+        while not over.is_set():
+            if select.select([], [master], [], 0.05)[1]:
+                os.write(master, noise)
+
+    thread = threading.Thread(target=babble)
+    thread.start()
+    try:
+        yield os.ttyname(slave)
+    finally:
+        over.set()
+        thread.join()
+        os.close(master)
+        os.close(slave)
+
+
+def test_a_device_that_sends_garbage():
+    with babbling_port() as port:
+        process = limbd("run", "--port", port, "--arm", "dd-arm", "--endpoint", "tcp://127.0.0.1:*")
+    assert process.returncode == 3
+    assert sentence_of(process).startswith(f"port {port}: no valid frame in ")
+
+
+def test_a_port_that_is_taken(tmp_path):
+    """Two daemons want the same device; the first one goes on."""
+    device = subprocess.Popen(
+        [sys.executable, "-m", "daemon", "virtual", "--rate-hz", "4000", "--trials", "1", "--json"],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.DEVNULL,
+        text=True,
+    )
+    first = None
+    try:
+        port = json.loads(device.stdout.readline())["port"]
+        command = [sys.executable, "-m", "daemon", "run", "--port", port, "--arm", "dd-arm", "--json"]
+        command += ["--endpoint", "tcp://127.0.0.1:*"]
+        first = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True)
+        assert json.loads(first.stdout.readline())["endpoint"].startswith("tcp://127.0.0.1:")
+        second = limbd("run", "--port", port, "--arm", "dd-arm", "--endpoint", "tcp://127.0.0.1:*")
+        assert second.returncode == 3
+        assert sentence_of(second).startswith(f"port {port} is already taken")
+        assert first.poll() is None
+    finally:
+        for process in (first, device):
+            if process is not None:
+                process.terminate()
+                process.communicate(timeout=PATIENCE_S)
+    assert first.returncode == device.returncode == 0
