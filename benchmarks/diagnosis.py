@@ -8,7 +8,6 @@ traceback, and the page is made of the log. ``--write-case`` writes one case's f
 import argparse
 import json
 import multiprocessing
-import os
 import sys
 from collections.abc import Iterator
 from concurrent.futures import ProcessPoolExecutor, as_completed
@@ -25,6 +24,7 @@ from rich.progress import (
     TimeRemainingColumn,
 )
 
+import fitter.single_thread  # noqa: F401 - the processes that it starts inherit it
 from benchmarks.diagnosis_case import Job, run
 from benchmarks.diagnosis_page import goals, page
 from fitter.dynamics.parallel import be_worker
@@ -33,8 +33,6 @@ from limbcal.errors import ConfigError
 from tests.diagnosis.hidden_cases import KINDS, draw_case
 from tests.diagnosis.hidden_effects import EFFECTS, OUTSIDE
 
-#: One thread a process where several cases are diagnosed at a time.
-_THREADS = ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS")
 #: A case that was under way when a process died is tried so often.
 _TRIES = 2
 #: Seeds of two kinds never meet.
@@ -56,8 +54,6 @@ def jobs(counts: dict[str, int], seed: int, effect: str | None) -> list[Job]:
 
 def run_all(todo: list[Job], workers: int, limit_s: float) -> Iterator[dict[str, Any]]:
     """Yield the lines of the cases as they are done, whatever happens to the processes that run them."""
-    if workers > 1:
-        os.environ.update(dict.fromkeys(_THREADS, "1"))  # the processes inherit it before they load a library
     spawn, tries = multiprocessing.get_context("spawn"), dict.fromkeys(todo, 0)
     while tries:
         with ProcessPoolExecutor(workers, mp_context=spawn, initializer=be_worker) as pool:

@@ -19,6 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 from rich.progress import Progress
 
+import fitter.single_thread  # noqa: F401 - the processes that it starts inherit it
 from arm.arm_file import load_arm
 from arm.bench import COUNT_M_S2, Bench, SensorErrors, Sensors, draw_sensor_errors, motions
 from arm.model import Arm, Floats
@@ -39,8 +40,6 @@ _BLOCK, _PIECE = 128, 1 << 16
 _FACTOR = 32
 #: How much of a recording is tracked to have everything compiled [s].
 _WARM_UP_S, _WARM_UP_SEED = 1.5, 1000
-#: One thread a process: what is timed is the tracker's work, not how many cores a matrix product finds.
-_THREADS = ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS")
 
 
 @dataclass(frozen=True)
@@ -186,8 +185,6 @@ def compare(options: argparse.Namespace) -> None:
     """Run all benches, print the table and write what was asked for."""
     initial = not options.no_initial
     jobs = [(case, seed, options.trials, initial) for seed in options.seeds for case in options.benches]
-    for name in _THREADS:
-        os.environ[name] = "1"
     runs: list[Run] = []
     spawn = multiprocessing.get_context("spawn")
     with Progress(console=console) as progress, ProcessPoolExecutor(options.jobs, mp_context=spawn) as pool:

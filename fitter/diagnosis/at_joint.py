@@ -80,9 +80,10 @@ class AtJoint(Hypothesis):
         n, n_joint = view.q.shape
         columns = np.zeros((n, n_joint, self.n_column))
         states, noise = view.states(self._joint), view.speed_noise(self._joint)
-        columns[:, self._joint, :] = self._columns(psi, states)
+        seen = self._columns(psi, states)
+        columns[:, self._joint, :] = seen
         if noise > 0.0 and self._bends(psi):
-            columns[:, self._joint, :] -= self._bent(psi, states, noise)
+            columns[:, self._joint, :] -= self._bent(psi, states, noise, seen)
         return replace(view, columns=(*view.columns, columns))
 
     def numbers(self, psi: Floats, factors: Floats) -> Floats:
@@ -142,8 +143,8 @@ class AtJoint(Hypothesis):
                 columns.append(torque_along(self.kind, unit, states))
         return np.stack(columns, axis=1)
 
-    def _bent(self, psi: Floats, states: Floats, noise: float) -> Floats:
-        """Return by how much the columns are too large in the mean because the velocity is noisy.
+    def _bent(self, psi: Floats, states: Floats, noise: float, seen: Floats) -> Floats:
+        """Return by how much the columns that are seen are too large in the mean because the velocity is noisy.
 
         Noise n in v makes of f(v) ``f + n f' + n^2 f'' / 2``: a steep function of the velocity seems flatter than
         it is, and a hump of friction wider (the corrected score, Stefanski 1989).
@@ -151,11 +152,13 @@ class AtJoint(Hypothesis):
         ahead, behind = states.copy(), states.copy()
         ahead[:, DQ] += noise
         behind[:, DQ] -= noise
-        return (self._columns(psi, ahead) + self._columns(psi, behind)) / 2.0 - self._columns(psi, states)
+        return (self._columns(psi, ahead) + self._columns(psi, behind)) / 2.0 - seen
 
     def _bends(self, psi: Floats) -> bool:
         """Return whether the columns depend on the velocity otherwise than straight."""
-        return bool(np.any(np.abs(self._bent(psi, self._probe(), 0.1)) > _ROUNDING))
+        states = self._probe()
+        bent = self._bent(psi, states, 0.1, self._columns(psi, states))
+        return bool(np.any(np.abs(bent) > _ROUNDING))
 
     def _values(self, psi: Floats) -> Floats:
         values = np.zeros(len(self.kind.parameters))

@@ -3,6 +3,7 @@
 from fitter.diagnosis.causes import UNEXPLAINED, UNEXPLAINED_AT_LEAST, Search
 from fitter.diagnosis.estimates import Estimates
 from fitter.diagnosis.finding import Verdict
+from fitter.diagnosis.hypotheses import EVENTS
 from fitter.diagnosis.unknown import WORTH, Remainder
 from fitter.diagnosis.untold import are_told
 
@@ -18,6 +19,7 @@ _LEFT_BY_PLAY = 0.5
 _STRUCTURE = 2.0
 #: A sole cause that explains this share of the number of equations is there, even if its numbers, which may make
 #: up for one another, are not told one by one; where nothing is hidden none explains a hundredth of it (`worth`).
+#: An event can be found for anything.
 _SURELY = 0.2
 
 
@@ -49,7 +51,7 @@ def verdict_of(search: Search, remainder: Remainder, numbers: Estimates, held: b
     smooth = left > (_LEFT_BY_PLAY if played else share) * beyond
     if strict and (smooth or search.leaves(_LEFT_BY_PLAY if played else UNEXPLAINED, UNEXPLAINED_AT_LEAST)):
         return "unexplained"
-    sure = len(search.causes) == 1 and search.causes[0].worth > _SURELY * noise and "external_push" not in names
+    sure = len(search.causes) == 1 and search.causes[0].worth > _SURELY * noise and names.isdisjoint(EVENTS)
     if strict and not sure and not all(are_told(search.final.model, numbers)):
         return "unexplained" if len(search.causes) > 1 or search.structure > _STRUCTURE else "none"
     return "ambiguous" if any(cause.rivals for cause in search.causes) else "named"

@@ -1,7 +1,6 @@
 """All of the paper's experiments: which there are, and running several of them side by side."""
 
 import multiprocessing
-import os
 import queue
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
@@ -9,6 +8,7 @@ from dataclasses import dataclass, replace
 from types import ModuleType
 from typing import Any
 
+import fitter.single_thread  # noqa: F401 - the processes that it starts inherit it
 from fitter.experiments import fig6, fig7, fig8, table1, table2, table3, table4, table5, table6
 from fitter.experiments.experiment import Experiment, Settings
 from fitter.report.figures import png
@@ -36,8 +36,6 @@ _TOGETHER = (
     ("table5",),
     ("table4",),
 )
-#: One thread a process, or two processes would fight for the same cores.
-_THREADS = ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS")
 _POLL_S = 0.1
 
 #: Told an experiment's name, and what is being done.
@@ -118,8 +116,6 @@ def _run_group(names: Sequence[str], settings: Settings, progress: Progress) -> 
 def _side_by_side(
     groups: Sequence[Sequence[str]], settings: Settings, jobs: int, progress: Progress
 ) -> Iterator[Outcome]:
-    for variable in _THREADS:
-        os.environ.setdefault(variable, "1")
     spawn = multiprocessing.get_context("spawn")
     told = spawn.Queue()
     plain = replace(settings, progress=_Told.nothing)

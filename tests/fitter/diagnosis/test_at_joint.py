@@ -56,7 +56,7 @@ def test_noise_of_the_velocity_does_not_widen_the_hump_of_friction():
         noisy = still.copy()
         noisy[:, DQ] += noise * rng.normal(size=60)
         seen.append(hypothesis._columns(psi, noisy))
-        told.append(seen[-1] - hypothesis._bent(psi, noisy, noise))
+        told.append(seen[-1] - hypothesis._bent(psi, noisy, noise, seen[-1]))
     true = hypothesis._columns(psi, still)
     was, left = (float(np.abs(np.mean(some, axis=0) - true).max()) for some in (seen, told))
     assert left < 0.25 * was
