@@ -6,17 +6,19 @@ that do as well stand beside it.
 """
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import replace
 
 import numpy as np
 
 from arm.model import Floats
-from fitter.diagnosis.agreement import apart
+from fitter.diagnosis.folds import Folds
 from fitter.diagnosis.hypotheses import EVENTS
 from fitter.diagnosis.hypothesis import Hypothesis
 from fitter.diagnosis.model import Model
 from fitter.diagnosis.regression import Regression
 from fitter.diagnosis.screening import Candidate, fitted, screen
+from fitter.diagnosis.search import UNEXPLAINED_AT_LEAST, Cause, Search
+from fitter.diagnosis.unknown import best_functions
 from fitter.diagnosis.worth import best_of, more_to_find, reach, simplest, worth_it
 
 Progress = Callable[[str, float], None]
@@ -25,80 +27,9 @@ Key = tuple[str, tuple[int, ...]]
 
 #: No more causes than this are sought.
 _MOST = 3
-#: Causes explain too little if they leave this share of what the base model leaves beyond noise, and so much of
-#: the noise. If it is the share of those that follow, so many others are begun with that explain the next share of
-#: what the best one does alone, and believed if they leave the last share of what that led to.
-UNEXPLAINED, UNEXPLAINED_AT_LEAST = 0.0125, 1.0
+#: If causes leave so large a share of what the base model leaves, so many others are begun with that explain the
+#: next share of what the best one does alone, and believed if they leave the last share of what that led to.
 _LEADS_NOWHERE, _OTHERS, _BEGINNING, _MUCH_BETTER = 0.05, 2, 0.2, 0.5
-
-
-@dataclass(frozen=True)
-class Cause:
-    """One accepted hypothesis.
-
-    Attributes
-    ----------
-    place : int
-        Its place in the model.
-    rivals : list of Candidate
-        Others that would explain as much in its stead; the model with each.
-    beaten : list of Candidate
-        All others that were tried in its stead, best first.
-    worth : float
-        By how much the sum of squares grows without it.
-    """
-
-    place: int
-    rivals: list[Candidate] = field(default_factory=list)
-    beaten: list[Candidate] = field(default_factory=list)
-    worth: float = 0.0
-
-
-@dataclass(frozen=True)
-class Search:
-    """What the search for causes has come to.
-
-    Attributes
-    ----------
-    base, final : Candidate
-        Without and with all causes.
-    causes : list of Cause
-    first : list of Candidate
-        Every hypothesis beside the base model alone, best first.
-    told : (n_trial,)
-        How many numbers each trial tells: what noise alone would leave.
-    """
-
-    base: Candidate
-    final: Candidate
-    causes: list[Cause]
-    first: list[Candidate]
-    told: Floats
-
-    @property
-    def structure(self) -> float:
-        """What the base model leaves beyond noise, as a share of the noise."""
-        return float((self.base.squares.sum() - self.noise) / self.noise)
-
-    @property
-    def noise(self) -> float:
-        """The sum of squares that noise alone leaves, not more than anything has left."""
-        return float(min(self.told.sum(), self.final.squares.sum()))
-
-    def leaves(self, share: float, least: float) -> bool:
-        """Say whether more is left beyond noise than a share of what the base model leaves, and so much noise.
-
-        Trials that stand apart do not count: whatever happened in them, it is no part of the arm.
-        """
-        common = ~apart(self.final.squares, self.told)
-        noise, left, was = (float(one[common].sum()) for one in (self.told, self.final.squares, self.base.squares))
-        return left - noise > max(share * (was - min(noise, left)), least * noise)
-
-    @property
-    def explained(self) -> float:
-        """Share of that structure which the causes explain, 0 to 1."""
-        beyond = self.base.squares.sum() - self.noise
-        return float(np.clip((self.base.squares.sum() - self.final.squares.sum()) / max(beyond, 1e-300), 0.0, 1.0))
 
 
 def find_causes(regression: Regression, tried: Sequence[Hypothesis], progress: Progress | None = None) -> Search:
@@ -117,13 +48,16 @@ def find_causes(regression: Regression, tried: Sequence[Hypothesis], progress: P
     told = np.array([regression.weighting.told(motion) for motion in regression.motions], dtype=np.float64)
     base = fitted(regression, Model())
     search = _Ascent(regression, tried, base, told, _part(progress, 0.0, 0.5)).from_base()
+    if search.causes:
+        function = best_functions(Folds(regression, base), regression.arm.n_joint).least
+        search = replace(search, function=function)
     for k, other in enumerate(_others(search)):
-        if not search.leaves(_LEADS_NOWHERE, UNEXPLAINED_AT_LEAST):
+        if search.outdone or not search.leaves(_LEADS_NOWHERE, UNEXPLAINED_AT_LEAST):
             break
         again = _Ascent(regression, tried, base, told, _part(progress, 0.5 + 0.25 * k, 0.25))
         found = again.beginning_with(search.first, other)
         if found.final.squares.sum() < _MUCH_BETTER * search.final.squares.sum():
-            search = found
+            search = replace(found, function=search.function)
     return search
 
 
@@ -236,15 +170,26 @@ def _cause(
     return Cause(place, rivals, beaten, worth)
 
 
-def _with_itself(candidates: list[Candidate], itself: Candidate) -> list[Candidate]:
+def _with_itself(
+    regression: Regression, rest: Candidate, candidates: list[Candidate], itself: Candidate, told: Floats
+) -> list[Candidate]:
     """Return candidates with the doubted one as it was, unless it did better when it was tried anew.
 
-    The others' psi are held where they are without it, which may be far from where they are with it.
+    The others' psi are held where they are without it, which may be far from where they are with it: what did as
+    well as it there is fitted anew from where they are with it, for it may do as well here, too.
     """
-    again = [one for one in candidates if one.hypothesis.key == itself.hypothesis.key]
-    if any(one.squares.sum() <= itself.squares.sum() for one in again):
+    anew = next((one for one in candidates if one.hypothesis.key == itself.hypothesis.key), None)
+    if anew is not None and anew.squares.sum() <= itself.squares.sum():
         return candidates
-    others = [one for one in candidates if one.hypothesis.key != itself.hypothesis.key]
+    most = reach(anew, float(rest.squares.sum() - anew.squares.sum()), told) if anew is not None else -np.inf
+    before, psi = itself.model.hypotheses[:-1], itself.model.psi[:-1]
+    others = []
+    for one in candidates:
+        if one.squares.sum() <= most and one is not anew:
+            model = Model((*before, one.hypothesis), (*psi, one.model.psi[-1]))
+            others.append(fitted(regression, model))
+        elif one is not anew:
+            others.append(one)
     return sorted([itself, *others], key=lambda one: float(one.squares.sum()))
 
 
@@ -262,7 +207,8 @@ def _doubted(
     while k < len(accepted.model.hypotheses):
         rest = fitted(regression, accepted.model.without(k))
         candidates = screen(regression, rest, _without(tried, rest.model), say)
-        candidates = _with_itself(candidates, fitted(regression, accepted.model.with_last(k), refine=False))
+        itself = fitted(regression, accepted.model.with_last(k), refine=False)
+        candidates = _with_itself(regression, rest, candidates, itself, told)
         best = simplest(rest, candidates, told)
         assert best is not None
         if not worth_it(regression, base, rest, best, told):

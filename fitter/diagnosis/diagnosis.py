@@ -10,7 +10,7 @@ from arm.regressor import standard_parameters
 from fitter.data.motions import Measured
 from fitter.data.resample import Uniform, resample, split_at_holes
 from fitter.data.trials import FIT_CORNER, Trial, derive, undriven
-from fitter.diagnosis.causes import Search, find_causes
+from fitter.diagnosis.causes import find_causes
 from fitter.diagnosis.estimates import Estimates, estimates, extended_arm
 from fitter.diagnosis.finding import Finding, NamedCause, Tried, Verdict
 from fitter.diagnosis.holding import Holding, holdings
@@ -25,6 +25,7 @@ from fitter.diagnosis.pushes import Pushes
 from fitter.diagnosis.regression import Regression
 from fitter.diagnosis.reweighting import will_do
 from fitter.diagnosis.screening import Candidate, fitted
+from fitter.diagnosis.search import Search
 from fitter.diagnosis.unknown import Remainder, describe
 from fitter.diagnosis.untold import without_untold
 from fitter.diagnosis.verdict import verdict_of
@@ -114,7 +115,8 @@ def diagnose(
     tried = hypotheses(arm.n_joint, denied, driven=not free)
     search = find_causes(regression, tried, lambda what, done: say(what, 0.8 * done))
     weighted = regression.weighting_under(search.final.model, search.final.x)
-    if search.causes and not will_do(regression.weighting, weighted):
+    in_vain = strict and search.outdone
+    if search.causes and not in_vain and not will_do(regression.weighting, weighted):
         regression = regression.weighted_by(weighted)
         search = find_causes(regression, tried, lambda what, done: say(f"once more, {what}", 0.8 * done))
     search = replace(search, final=_settled(regression, search.final))

@@ -3,40 +3,20 @@
 from collections.abc import Callable, Sequence
 
 import numpy as np
-from scipy.interpolate import BSpline
 
 from arm.model import Floats
 from fitter.diagnosis.agreement import typical
+from fitter.diagnosis.functions import Functions, variable
 from fitter.diagnosis.motion import Motion
 from fitter.diagnosis.regression import Regression, scaled_lstsq
 from fitter.diagnosis.screening import Candidate
 
-#: Hats a variable, by how many variables a function has: friction has kinks.
-_SPLINES = {1: 8, 2: 6, 3: 4}
-#: How strongly a function's factors are held towards zero, in units of a column's own sum of squares.
-_RIDGE = 3e-3
+#: How strongly a function's factors are held towards zero, in units of a column's own sum of squares; those of a
+#: single formula are not, as little as the base parameters.
+_RIDGE, _EXACT = 1e-4, 1e-12
 _FOLDS = 8
 #: A formula is told if it explains this share of what the function does.
 _TELLING = 0.9
-
-
-def names(n_joint: int) -> list[str]:
-    """Return the names of the variables that a remainder may depend on."""
-    return [f"{kind}{j + 1}" for kind in ("q", "dq") for j in range(n_joint)] + [
-        *(f"sign(dq{j + 1})" for j in range(n_joint)),
-        "t",
-    ]
-
-
-def variable(motion: Motion, name: str) -> Floats:
-    """Return a variable along a motion, (n_sample,)."""
-    if name == "t":
-        return motion.t
-    if name.startswith("sign("):
-        return np.sign(motion.dq[:, int(name[7:-1]) - 1])
-    kind, j = name.rstrip("0123456789"), int(name[len(name.rstrip("0123456789")) :]) - 1
-    columns: dict[str, Floats] = {"q": motion.q, "dq": motion.dq}
-    return columns[kind][:, j]
 
 
 class Folds:
@@ -53,18 +33,26 @@ class Folds:
         # What the causes were found to do stays as it is: an event in one trial cannot be learnt from others.
         self._known = [one.design[:, :n_base] for one in rows]
         self._target = [one.target.ravel() - one.design[:, n_base:] @ final.x[n_base:] for one in rows]
-        self._span = {
-            name: self._range([variable(motion, name) for motion in regression.motions])
-            for name in names(regression.arm.n_joint)
-        }
+        self._functions = Functions(regression.motions, regression.arm.n_joint)
         told = [regression.weighting.told(motion) for motion in regression.motions]
         self._told = np.array(told, dtype=np.float64)
         self.left = self._judged([np.zeros((len(one), 0)) for one in self._target])
 
-    def typical(self, some: Sequence[str], joint: int) -> float:
-        """Return what a function of some variables leaves in trials it has not seen, in units of noise."""
-        return self._judged(
-            [self._filtered(motion, self._function(motion, some), joint) for motion in self._motions]
+    def typical(self, some: Sequence[str], joint: int, smooth: bool = False) -> float:
+        """Return what a function of some variables leaves in trials it has not seen, in units of noise.
+
+        Parameters
+        ----------
+        some : sequence of str
+        joint : int
+            At whose torque, from 0.
+        smooth : bool
+            Whether the function may be a polynomial, too, where that leaves less.
+        """
+        kinds = [self._functions.hats, self._functions.polynomials][: 2 if smooth else 1]
+        return min(
+            self._judged([self._filtered(motion, kind(motion, some), joint) for motion in self._motions])
+            for kind in kinds
         )
 
     def formula(self, some: Sequence[str], joint: int, gain: float) -> str:
@@ -78,7 +66,7 @@ class Folds:
                     column = column * _SHAPES[shape](variable(motion, name))
                 columns.append(self._filtered(motion, column[:, None], joint))
             parts = [_spelled(name, shape) for name, shape in zip(some, shapes, strict=True)]
-            explained = self.left - self._judged(columns)
+            explained = self.left - self._judged(columns, _EXACT)
             if explained > best:
                 A, y = np.vstack(self._known), np.concatenate(self._target)
                 factor = scaled_lstsq(np.hstack([A, np.vstack(columns)]), y)[-1]
@@ -94,14 +82,14 @@ class Folds:
         rows[:, joint] = features
         return self._regression.weighting.filtered(motion, rows).reshape(-1, features.shape[1])
 
-    def _judged(self, added: Sequence[Floats]) -> float:
+    def _judged(self, added: Sequence[Floats], ridge: float = _RIDGE) -> float:
         designs = [np.hstack([known, more]) for known, more in zip(self._known, added, strict=True)]
         grams = np.array([one.T @ one for one in designs])
         pulls = np.array([one.T @ target for one, target in zip(designs, self._target, strict=True)])
         size = np.sqrt(np.einsum("kii->i", grams))
         size[size == 0.0] = 1.0
         # A product of splines has cells that some trials hardly visit: what it makes there is held towards zero.
-        held = np.where(np.arange(len(size)) < self._known[0].shape[1], 1e-12, _RIDGE)
+        held = np.where(np.arange(len(size)) < self._known[0].shape[1], _EXACT, ridge)
         squares, fold = np.empty(len(designs)), np.arange(len(designs)) % _FOLDS
         for k in range(min(_FOLDS, len(designs))):
             G = grams[fold != k].sum(axis=0) / np.outer(size, size)
@@ -110,28 +98,6 @@ class Folds:
             for i in np.flatnonzero(fold == k):
                 squares[i] = np.sum((self._target[i] - designs[i] @ x) ** 2)
         return typical(squares, self._told)
-
-    def _function(self, motion: Motion, some: Sequence[str]) -> Floats:
-        product = np.ones((len(motion.t), 1))
-        for name in some:
-            one = self._splines(motion, name, _SPLINES[len(some)])
-            product = (product[:, :, None] * one[:, None, :]).reshape(len(product), -1)
-        return product
-
-    def _splines(self, motion: Motion, name: str, count: int) -> Floats:
-        values = variable(motion, name)
-        if name.startswith("sign("):
-            return np.stack([np.ones(len(values)), values], axis=1)
-        low, high = self._span[name]
-        knots = np.concatenate([[low], np.linspace(low, high, count), [high]])
-        at = np.clip(values, low, high - 1e-9 * (high - low))
-        return np.asarray(BSpline.design_matrix(at, knots, 1).toarray(), dtype=np.float64)
-
-    @staticmethod
-    def _range(columns: Sequence[Floats]) -> tuple[float, float]:
-        everything = np.concatenate(columns)
-        low, high = np.quantile(everything, [0.002, 0.998])
-        return float(low), float(max(high, low + 1e-9))
 
 
 _SHAPES: dict[str, Callable[[Floats], Floats]] = {

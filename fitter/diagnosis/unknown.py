@@ -1,9 +1,8 @@
 """What no effect of the catalogue explains: on what it depends, how much could be known, and a formula as a hint.
 
-Functions of a few variables (products of hats) are fitted beside the base parameters to most trials and judged on
-the others in turn. The fewest variables whose function explains nearly as much as any
-are what the remainder depends on. The base parameters are fitted along, for what is left of a torque after a fit
-is bent by all that the fit could shift.
+Functions of a few variables are fitted beside the base parameters to most trials and judged on the others in turn.
+The fewest variables whose function explains nearly as much as any are what the remainder depends on. The base
+parameters are fitted along, for what is left of a torque after a fit is bent by all that the fit could shift.
 """
 
 from collections.abc import Sequence
@@ -14,12 +13,14 @@ import numpy as np
 
 from fitter.diagnosis.agreement import typical
 from fitter.diagnosis.dependence import Dependence, dependences
-from fitter.diagnosis.folds import Folds, names
+from fitter.diagnosis.folds import Folds
+from fitter.diagnosis.functions import names
 from fitter.diagnosis.regression import Regression
 from fitter.diagnosis.screening import Candidate
 
-#: A further variable must explain this share of what is explained then.
-_NEEDED = 0.04
+#: A further variable must explain this share of what is explained then, or leave so many times less: where a
+#: function of two explains much, little of it may still be far beyond noise.
+_NEEDED, _LEAVES_LESS = 0.04, 1.25
 #: A function must lower the sum of squares on trials that it has not seen by this share of what noise would leave;
 #: without an effect it was never more than 0.006 (`causes`).
 WORTH = 0.05
@@ -54,41 +55,66 @@ class Remainder:
     dependences: list[Dependence]
 
 
+@dataclass(frozen=True)
+class BestFunctions:
+    """What functions of few variables leave beside a model.
+
+    Attributes
+    ----------
+    joint : int
+        At whose torque the best one is, from 0.
+    of_size : dict of int to tuple of str
+        The variables of the best one there, by how many they are.
+    left : dict of int to float
+        What trials are typically left with beside it, in units of what noise would leave.
+    """
+
+    joint: int
+    of_size: dict[int, tuple[str, ...]]
+    left: dict[int, float]
+
+    @property
+    def least(self) -> float:
+        """What the best of all leaves."""
+        return min(self.left.values())
+
+
+def best_functions(fold: Folds, n_joint: int) -> BestFunctions:
+    """Seek the best function of one, two and three variables at any one joint; of three, beside the best two."""
+    variables = names(n_joint)
+    alone = {
+        (some, joint): fold.typical(some, joint)
+        for joint in range(n_joint)
+        for size in (1, 2)
+        for some in combinations(variables, size)
+        if _sensible(some)
+    }
+    some, joint = min(alone, key=lambda key: alone[key])
+    of_size = {len(some): some}
+    left = {len(some): fold.typical(some, joint, smooth=True)}
+    if len(some) == 2:
+        singles = [key for key in alone if len(key[0]) == 1 and key[1] == joint]
+        of_size[1] = min(singles, key=lambda key: alone[key])[0]
+        left[1] = fold.typical(of_size[1], joint, smooth=True)
+        triples = [(*some, third) for third in variables if third not in some]
+        by_triple: dict[tuple[str, ...], float] = {
+            triple: fold.typical(triple, joint, smooth=True) for triple in triples if _sensible(triple)
+        }
+        of_size[3] = min(by_triple, key=lambda triple: by_triple[triple])
+        left[3] = by_triple[of_size[3]]
+    return BestFunctions(joint, of_size, left)
+
+
 def describe(regression: Regression, final: Candidate) -> Remainder:
     """Describe what a model leaves."""
     fold = Folds(regression, final)
-    variables = names(regression.arm.n_joint)
-    best = fold.left
-    found: tuple[tuple[str, ...], int] = ((), 0)
-    alone: dict[tuple[tuple[str, ...], int], float] = {}
-    for joint in range(regression.arm.n_joint):
-        for size in (1, 2):
-            for some in combinations(variables, size):
-                if not _sensible(some):
-                    continue
-                alone[some, joint] = fold.typical(some, joint)
-    if alone:
-        found = min(alone, key=lambda key: alone[key])
-        best = alone[found]
-    some, joint = found
-    for third in variables:
-        more = (*some, third)
-        if len(some) == 2 and third not in some and _sensible(more):
-            alone[more, joint] = fold.typical(more, joint)
-            if alone[more, joint] < best:
-                best, found = alone[more, joint], (more, joint)
+    functions = best_functions(fold, regression.arm.n_joint)
+    best, joint = functions.least, functions.joint
+    enough = min(best + _NEEDED * max(fold.left - best, 0.0), _LEAVES_LESS * best)
+    some = functions.of_size[min(size for size, left in functions.left.items() if left <= enough)]
     # A function must do better than the model does as it is, not only than one that fewer trials tell less of.
     told = np.array([regression.weighting.told(motion) for motion in regression.motions], dtype=np.float64)
     most = min(fold.left, typical(final.squares, told))
-    gain = fold.left - best
-    for fewer in sorted((key for key in alone if key[1] == joint), key=lambda key: len(key[0])):
-        if fold.left - alone[fewer] >= (1.0 - _NEEDED) * gain:
-            found = min(
-                (key for key in alone if key[1] == joint and len(key[0]) == len(fewer[0])),
-                key=lambda key: alone[key],
-            )
-            break
-    some, joint = found
     worth = max(most - best, 0.0)
     is_told = worth > WORTH
     return Remainder(

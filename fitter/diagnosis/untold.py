@@ -8,11 +8,11 @@ from dataclasses import replace
 
 import numpy as np
 
-from fitter.diagnosis.causes import UNEXPLAINED, UNEXPLAINED_AT_LEAST, Search
 from fitter.diagnosis.estimates import Estimates
 from fitter.diagnosis.model import Model
 from fitter.diagnosis.regression import Regression
 from fitter.diagnosis.screening import fitted
+from fitter.diagnosis.search import UNEXPLAINED, UNEXPLAINED_AT_LEAST, Search
 
 #: Some number of a cause must differ by so many standard errors from what it is without it.
 _TOLD_SIGMAS = 3.0

@@ -1,9 +1,9 @@
 """What is said of it all: named, ambiguous, none, or unexplained."""
 
-from fitter.diagnosis.causes import UNEXPLAINED, UNEXPLAINED_AT_LEAST, Search
 from fitter.diagnosis.estimates import Estimates
 from fitter.diagnosis.finding import Verdict
 from fitter.diagnosis.hypotheses import EVENTS
+from fitter.diagnosis.search import UNEXPLAINED, UNEXPLAINED_AT_LEAST, Search
 from fitter.diagnosis.unknown import WORTH, Remainder
 from fitter.diagnosis.untold import are_told
 
@@ -49,7 +49,8 @@ def verdict_of(search: Search, remainder: Remainder, numbers: Estimates, held: b
     played = "backlash" in names
     share = _UNEXPLAINED_PLAINLY if remainder.explained > _PLAINLY else _UNEXPLAINED
     smooth = left > (_LEFT_BY_PLAY if played else share) * beyond
-    if strict and (smooth or search.leaves(_LEFT_BY_PLAY if played else UNEXPLAINED, UNEXPLAINED_AT_LEAST)):
+    too_much = search.leaves(_LEFT_BY_PLAY if played else UNEXPLAINED, UNEXPLAINED_AT_LEAST)
+    if strict and (search.outdone or smooth or too_much):
         return "unexplained"
     sure = len(search.causes) == 1 and search.causes[0].worth > _SURELY * noise and names.isdisjoint(EVENTS)
     if strict and not sure and not all(are_told(search.final.model, numbers)):

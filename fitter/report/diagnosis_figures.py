@@ -10,7 +10,7 @@ from scipy.signal import periodogram
 
 from arm.model import Floats
 from fitter.diagnosis.diagnosis import Diagnosis
-from fitter.diagnosis.folds import variable
+from fitter.diagnosis.functions import variable
 from fitter.report.diagnosis_traces import Trace, turns, unit_of
 from fitter.report.figures import MEASURED, png
 

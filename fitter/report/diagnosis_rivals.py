@@ -4,9 +4,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fitter.diagnosis.causes import Cause
 from fitter.diagnosis.diagnosis import Diagnosis
 from fitter.diagnosis.screening import Candidate
+from fitter.diagnosis.search import Cause
 from fitter.report.diagnosis_figures import AFTER, BEFORE
 from fitter.report.diagnosis_words import candidate_name, percent
 from fitter.report.page import Row

@@ -5,7 +5,6 @@ import pytest
 
 from arm.model import Effect
 from fitter.data.trials import to_trials
-from fitter.diagnosis.causes import Cause, Search
 from fitter.diagnosis.estimates import estimates
 from fitter.diagnosis.hypotheses import hypotheses
 from fitter.diagnosis.hypothesis import Hypothesis
@@ -13,6 +12,7 @@ from fitter.diagnosis.model import Model
 from fitter.diagnosis.motion import run_of
 from fitter.diagnosis.regression import Regression
 from fitter.diagnosis.screening import fitted
+from fitter.diagnosis.search import Cause, Search
 from fitter.diagnosis.untold import are_told, without_untold
 from tests.fitter.pendulum import pendulum, swings
 

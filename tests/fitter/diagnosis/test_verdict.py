@@ -9,10 +9,11 @@ from arm.effects.catalogue import catalogue
 from arm.model import Effect
 from fitter.data.trials import to_trials
 from fitter.diagnosis.at_joint import AtJoint
-from fitter.diagnosis.causes import Search, find_causes
+from fitter.diagnosis.causes import find_causes
 from fitter.diagnosis.estimates import Estimates, estimates
 from fitter.diagnosis.motion import run_of
 from fitter.diagnosis.regression import Regression
+from fitter.diagnosis.search import Search
 from fitter.diagnosis.unknown import describe
 from fitter.diagnosis.verdict import verdict_of
 from tests.fitter.pendulum import pendulum, swings

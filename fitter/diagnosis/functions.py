@@ -1,0 +1,108 @@
+"""Functions of some variables of a motion, as columns: hats where they bend sharply, polynomials where they don't.
+
+Between the few places that some trials go to, hats of three variables know nothing of one another; a polynomial of
+few degrees goes on from the one to the other, but has no kink.
+"""
+
+from collections.abc import Sequence
+from itertools import product
+
+import numpy as np
+from scipy.interpolate import BSpline
+
+from arm.model import Floats
+from fitter.diagnosis.motion import Motion
+
+#: Hats a variable, and degree of all variables together, by how many variables a function has. With fewer of them
+#: it is the finer one, so that a further variable never wins for being one more.
+_HATS = {1: 8, 2: 6, 3: 4}
+_DEGREE = {1: 7, 2: 5, 3: 4}
+
+
+def names(n_joint: int) -> list[str]:
+    """Return the names of the variables that a remainder may depend on."""
+    return [f"{kind}{j + 1}" for kind in ("q", "dq") for j in range(n_joint)] + [
+        *(f"sign(dq{j + 1})" for j in range(n_joint)),
+        "t",
+    ]
+
+
+def variable(motion: Motion, name: str) -> Floats:
+    """Return a variable along a motion, (n_sample,)."""
+    if name == "t":
+        return motion.t
+    if name.startswith("sign("):
+        return np.sign(motion.dq[:, int(name[7:-1]) - 1])
+    kind, j = name.rstrip("0123456789"), int(name[len(name.rstrip("0123456789")) :]) - 1
+    columns: dict[str, Floats] = {"q": motion.q, "dq": motion.dq}
+    return columns[kind][:, j]
+
+
+class Functions:
+    """Columns of functions of some variables, the same for all motions of a run.
+
+    Parameters
+    ----------
+    motions : sequence of Motion
+        Over whose range the functions reach.
+    n_joint : int
+    """
+
+    def __init__(self, motions: Sequence[Motion], n_joint: int) -> None:
+        self._span = {name: _range([variable(motion, name) for motion in motions]) for name in names(n_joint)}
+        self._known: dict[tuple[int, str, int], Floats] = {}
+
+    def hats(self, motion: Motion, some: Sequence[str]) -> Floats:
+        """Return all products of hats of some variables, (n_sample, n_function)."""
+        columns = np.ones((len(motion.t), 1))
+        for name in some:
+            one = self._hats(motion, name, _HATS[len(some)])
+            columns = (columns[:, :, None] * one[:, None, :]).reshape(len(columns), -1)
+        return columns
+
+    def polynomials(self, motion: Motion, some: Sequence[str]) -> Floats:
+        """Return all products of Legendre polynomials up to a degree of all together, (n_sample, n_function)."""
+        most = _DEGREE[len(some)]
+        powers = [self._powers(motion, name, most) for name in some]
+        kept = [
+            degrees
+            for degrees in product(*(range(one.shape[1]) for one in powers))
+            if sum(degree for degree, name in zip(degrees, some, strict=True) if not _is_sign(name)) <= most
+        ]
+        columns = np.ones((len(motion.t), len(kept)))
+        for one, chosen in zip(powers, zip(*kept, strict=True), strict=True):
+            columns *= one[:, chosen]
+        return columns
+
+    def _hats(self, motion: Motion, name: str, count: int) -> Floats:
+        key = motion.number, name, count
+        if key not in self._known:
+            values = variable(motion, name)
+            low, high = self._span[name]
+            if _is_sign(name):
+                self._known[key] = np.stack([np.ones(len(values)), values], axis=1)
+            else:
+                knots = np.linspace(low, high, count)
+                if name.startswith("dq") and low < 0.0 < high:  # friction has its kink where a joint reverses
+                    knots[1 + np.argmin(np.abs(knots[1:-1]))] = 0.0
+                knots = np.concatenate([[low], knots, [high]])
+                at = np.clip(values, low, high - 1e-9 * (high - low))
+                self._known[key] = np.asarray(BSpline.design_matrix(at, knots, 1).toarray(), dtype=np.float64)
+        return self._known[key]
+
+    def _powers(self, motion: Motion, name: str, most: int) -> Floats:
+        values = variable(motion, name)
+        if _is_sign(name):
+            return np.stack([np.ones(len(values)), values], axis=1)
+        low, high = self._span[name]
+        scaled = np.clip(2.0 * (values - low) / (high - low) - 1.0, -1.0, 1.0)
+        return np.asarray(np.polynomial.legendre.legvander(scaled, most), dtype=np.float64)
+
+
+def _is_sign(name: str) -> bool:
+    return name.startswith("sign(")
+
+
+def _range(columns: Sequence[Floats]) -> tuple[float, float]:
+    low, high = np.quantile(np.concatenate(columns), [0.002, 0.998])
+    return float(low), float(max(high, low + 1e-9))
