@@ -48,7 +48,7 @@ def verdict_of(search: Search, remainder: Remainder, numbers: Estimates, held: b
         return "named" if held else "none"
     played = "backlash" in names
     share = _UNEXPLAINED_PLAINLY if remainder.explained > _PLAINLY else _UNEXPLAINED
-    smooth = left > (_LEFT_BY_PLAY if played else share) * beyond
+    smooth = remainder.worth > WORTH and left > (_LEFT_BY_PLAY if played else share) * beyond
     too_much = search.leaves(_LEFT_BY_PLAY if played else UNEXPLAINED, UNEXPLAINED_AT_LEAST)
     if strict and (search.outdone or smooth or too_much):
         return "unexplained"

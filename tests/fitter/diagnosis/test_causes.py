@@ -1,0 +1,32 @@
+"""Causes that stand beside one another, and the rivals that each of them has."""
+
+from arm.effects.catalogue import catalogue
+from arm.model import Effect
+from fitter.data.trials import to_trials
+from fitter.diagnosis.at_joint import AtJoint
+from fitter.diagnosis.causes import find_causes
+from fitter.diagnosis.motion import run_of
+from fitter.diagnosis.regression import Regression
+from tests.fitter.pendulum import pendulum, swings
+
+DISTURBANCE = Effect(
+    "periodic_disturbance", {"amplitude_N_m": 0.2, "frequency_hz": 1.31, "phase_rad": 0.4}, joints=(1,)
+)
+
+
+def test_beside_another_cause_equals_stay_equals():
+    """Without the offset the disturbance's frequency is another; its rival was then tried with that one only."""
+    offset = Effect("torque_offset", {"torque_N_m": 0.3}, joints=(1,))
+    trials = to_trials(swings((DISTURBANCE, offset), trials=8, seed=7), cutoff_hz=25.0)
+    regression = Regression(pendulum(), run_of(pendulum(), trials[:4], trials[4:]))
+    kinds = catalogue()
+    tried = [AtJoint(kinds[name], 0) for name in ("periodic_disturbance", "torque_offset", "coulomb_asymmetry")]
+    search = find_causes(regression, tried)
+    places = {
+        search.final.model.hypotheses[cause.place].kind.name: {one.hypothesis.kind.name for one in cause.rivals}
+        for cause in search.causes
+    }
+    alike = {"torque_offset", "coulomb_asymmetry"}
+    assert "periodic_disturbance" in places
+    (name,) = set(places) - {"periodic_disturbance"}
+    assert {name} | places[name] == alike

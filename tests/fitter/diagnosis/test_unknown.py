@@ -1,0 +1,83 @@
+"""What is in no catalogue: its variables are found, and causes that only imitate it are told from it."""
+
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from arm.effects.catalogue import catalogue
+from arm.model import Effect
+from fitter.data.motions import Measured
+from fitter.data.trials import to_trials
+from fitter.diagnosis.at_joint import AtJoint
+from fitter.diagnosis.causes import find_causes
+from fitter.diagnosis.model import Model
+from fitter.diagnosis.motion import run_of
+from fitter.diagnosis.regression import Regression
+from fitter.diagnosis.screening import fitted
+from fitter.diagnosis.unknown import describe
+from tests.fitter.pendulum import pendulum, swings
+
+
+def resisted(motions: list[Measured], torque: Callable[[np.ndarray, np.ndarray], np.ndarray]) -> list[Measured]:
+    """Return motions for which the drive had to supply a torque more: its target led by so much."""
+    kp = pendulum().control.kp[0]
+    found = []
+    for motion in motions:
+        q, t = motion.columns["q"], motion.t
+        ref = motion.columns["ref"] + torque(q, np.gradient(q, t, axis=0)) / kp
+        found.append(replace(motion, columns={"q": q, "ref": ref}))
+    return found
+
+
+def regression_of(motions: list[Measured]) -> Regression:
+    trials = to_trials(motions, cutoff_hz=25.0)
+    return Regression(pendulum(), run_of(pendulum(), trials[:5], trials[5:]))
+
+
+PLAIN = swings((), trials=12, seed=4)
+
+
+@pytest.mark.parametrize(
+    ("torque", "variables", "formula"),
+    [
+        (lambda q, dq: 0.5 * np.tanh(q / 0.1), {"q1"}, ""),
+        (lambda q, dq: 0.8 * q**3, {"q1"}, "q1^3"),
+        (lambda q, dq: 0.5 * np.sin(q) * dq, {"q1", "dq1"}, "sin(q1) dq1"),
+    ],
+)
+def test_its_variables_are_found(torque, variables, formula):
+    regression = regression_of(resisted(PLAIN, torque))
+    remainder = describe(regression, fitted(regression, Model()))
+    assert set(remainder.depends_on) == variables
+    assert remainder.joint == 1
+    assert remainder.formula.endswith(formula)
+
+
+def test_nothing_depends_on_nothing():
+    regression = regression_of(PLAIN)
+    remainder = describe(regression, fitted(regression, Model()))
+    assert (remainder.depends_on, remainder.joint, remainder.formula) == ((), 0, "")
+
+
+def test_a_soft_wall_outdoes_what_imitates_it():
+    regression = regression_of(resisted(PLAIN, lambda q, dq: 0.8 * np.tanh(q / 0.15)))
+    search = find_causes(regression, [AtJoint(catalogue()["cogging"], 0)])
+    assert "cogging" in {one.kind.name for one in search.final.model.hypotheses}
+    assert search.outdone
+
+
+@pytest.mark.parametrize(
+    ("name", "numbers"),
+    [
+        ("cogging", {"amplitude_N_m": 0.5, "phase_rad": 0.3, "periods_per_turn": 7.0}),
+        ("joint_spring", {"stiffness_N_m_rad": 1.0, "rest_angle_rad": 0.2}),
+    ],
+)
+def test_a_true_cause_is_outdone_by_no_function(name, numbers):
+    regression = regression_of(swings((Effect(name, numbers, joints=(1,)),), trials=12, seed=4))
+    search = find_causes(regression, [AtJoint(catalogue()[name], 0)])
+    assert [one.kind.name for one in search.final.model.hypotheses] == [name]
+    assert not search.outdone
+    assert np.isfinite(search.function)
