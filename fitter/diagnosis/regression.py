@@ -232,7 +232,7 @@ def _noise_key(hypothesis: Hypothesis, psi: Floats) -> tuple[object, ...]:
     psi hardly matters but where it scales it, or turns the columns among themselves: noise that stayed behind
     would make one zero of a joint seem better than another where they all are the same.
     """
-    matters = hypothesis.kind.name in ("gain_error", "joint_zero")
+    matters = hypothesis.kind.name in ("gain_error", "joint_zero", "gravity_tilt")
     return hypothesis.key, hypothesis.n_column, psi.tobytes() if matters else b""
 
 

@@ -17,10 +17,11 @@ _PLAINLY, _UNEXPLAINED_PLAINLY = 1.0 / 3.0, 0.005
 _LEFT_BY_PLAY = 0.5
 #: Where a base model leaves so many times the noise beyond it, something is there even if nothing explains it.
 _STRUCTURE = 2.0
-#: A sole cause that explains this share of the number of equations is there, even if its numbers, which may make
-#: up for one another, are not told one by one; where nothing is hidden none explains a hundredth of it (`worth`).
-#: An event can be found for anything.
-_SURELY = 0.2
+#: A cause that explains this share of the number of equations is there, even if its numbers, which may make up for
+#: one another, are not told one by one; where nothing is hidden none explains a hundredth of it (`worth`). Beside
+#: other causes it must be the second share: a formula that is not quite right leaves something, too. An event can
+#: be found for anything.
+_SURELY, _SURELY_BESIDE = 0.2, 3.0
 
 
 def verdict_of(search: Search, remainder: Remainder, numbers: Estimates, held: bool, strict: bool) -> Verdict:
@@ -52,7 +53,16 @@ def verdict_of(search: Search, remainder: Remainder, numbers: Estimates, held: b
     too_much = search.leaves(_LEFT_BY_PLAY if played else UNEXPLAINED, UNEXPLAINED_AT_LEAST)
     if strict and (search.outdone or smooth or too_much):
         return "unexplained"
-    sure = len(search.causes) == 1 and search.causes[0].worth > _SURELY * noise and names.isdisjoint(EVENTS)
-    if strict and not sure and not all(are_told(search.final.model, numbers)):
+    if strict and not all(_is_there(search, numbers)):
         return "unexplained" if len(search.causes) > 1 or search.structure > _STRUCTURE else "none"
     return "ambiguous" if any(cause.rivals for cause in search.causes) else "named"
+
+
+def _is_there(search: Search, numbers: Estimates) -> list[bool]:
+    """Say of every cause whether it has a size, or explains so much that it must be there without one."""
+    surely = (_SURELY if len(search.causes) == 1 else _SURELY_BESIDE) * float(search.told.sum())
+    told = are_told(search.final.model, numbers)
+    kinds = [hypothesis.kind.name for hypothesis in search.final.model.hypotheses]
+    return [
+        told[cause.place] or (cause.worth > surely and kinds[cause.place] not in EVENTS) for cause in search.causes
+    ]
