@@ -14,6 +14,7 @@ from scipy.ndimage import binary_erosion, gaussian_filter1d
 
 from arm.model import Arm, Floats
 from fitter.data.derivatives import differentiate, lowpass
+from fitter.data.trials import Trial
 from fitter.diagnosis.motion import Motion, sharp_torque, white_noise
 
 #: A torque within so many times its noise may have either sign.
@@ -25,6 +26,8 @@ _WIDTH_S, _BROUGHT_FORWARD = 0.004, 2.0
 _WANDERS_S, _RESTS_S, _STILL_S = 0.02, 0.8, 0.1
 #: An angle that scatters by less than so many times its noise is still, if so many samples say so.
 _STILL, _FEW = 2.0, 5
+#: Noise moves an angle by no more than so many times its rms.
+_SHAKES = 3.0
 #: Samples that a motor takes to cross when nothing holds it.
 _CROSSING = 2
 #: The link's velocity at an end of a crossing is that of a parabola through the angles of so long [s].
@@ -35,16 +38,43 @@ _SLOPE_S = 0.03
 class Play:
     """What a play does to the angle of one joint, for any gap.
 
-    The link's angle is the measured one plus ``bridge`` less half the gap times ``side``; both hold value, first
-    and second derivative, (3, n_sample), filtered as the motion's columns are.
+    The link's angle is the measured one plus ``bridge`` less half the gap times ``side``, both (n_whole,), but
+    never further from it than half the gap and what noise adds to that, ``shaking`` [rad]: there it is pushed. A
+    bridge that leads further away than the whole gap is none: the motor crept on, and took the link along.
+
+    Attributes
+    ----------
+    trial : Trial
+        What was measured, and the filter that its columns passed.
+    cut, step : int
+        How many samples lie before the trial's first, and how many the motion goes on at a time.
     """
 
     bridge: Floats
     side: Floats
+    shaking: float
+    trial: Trial
+    cut: int
+    step: int
+
+    def off(self, gap: float) -> Floats:
+        """Return by how much the link's angle differs from the motor's, not filtered, (n_whole,)."""
+        sideways, noise = -0.5 * gap * self.side, _SHAKES * self.shaking
+        bridged = self.bridge != 0.0
+        edges = np.flatnonzero(np.diff(bridged, prepend=False, append=False))
+        off = sideways + self.bridge
+        for begin, end in zip(edges[::2], edges[1::2], strict=True):
+            if np.abs(off[begin:end]).max() > gap + 2.0 * noise:
+                off[begin:end] = sideways[begin:end]
+        return np.clip(off, -0.5 * gap - noise, 0.5 * gap + noise)
 
     def change(self, gap: float) -> Floats:
         """Return by how much the link's angle and its derivatives differ from the motor's, (3, n_sample)."""
-        return np.asarray(self.bridge - 0.5 * gap * self.side, dtype=np.float64)
+        off, trial = self.off(gap), self.trial
+        smooth = lowpass(off, trial.dt_s, trial.cutoff_hz) if self.cut else off
+        slopes = (differentiate(smooth, trial.dt_s, order) for order in (1, 2))
+        inner = slice(self.cut, self.cut + len(trial.t))
+        return np.asarray(np.stack([smooth, *slopes])[:, inner][:, :: self.step], dtype=np.float64)
 
 
 def play_of(arm: Arm, motion: Motion, joint: int) -> Play:
@@ -54,17 +84,10 @@ def play_of(arm: Arm, motion: Motion, joint: int) -> Play:
     torque = sharp_torque(arm, trial)[:, joint]
     torque = torque[(len(torque) - len(angle)) // 2 :][: len(angle)]
     cut = (len(angle) - len(trial.t)) // 2
-    inner = slice(cut, cut + len(trial.t))
     step = max(1, round(motion.dt_s / trial.dt_s))
     starts = sorted({cut + round(at * step) for at, _, _ in motion.jumps})
     bridge, side = bridged(angle, torque, starts, trial.dt_s)
-
-    def column(values: Floats) -> Floats:
-        smooth = lowpass(values, trial.dt_s, trial.cutoff_hz) if cut else values
-        slopes = (differentiate(smooth, trial.dt_s, order) for order in (1, 2))
-        return np.stack([smooth, *slopes])[:, inner][:, ::step]
-
-    return Play(column(bridge), column(side))
+    return Play(bridge, side, float(white_noise([angle[:, None]])[0]), trial, cut, step)
 
 
 def touched(torque: Floats, noise: float, dt_s: float) -> Floats:

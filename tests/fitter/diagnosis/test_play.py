@@ -1,9 +1,12 @@
 """Where a motor is in its play, against motions whose link is known."""
 
+from typing import cast
+
 import numpy as np
 import pytest
 
-from fitter.diagnosis.play import bridged, touched
+from fitter.data.trials import Trial
+from fitter.diagnosis.play import Play, bridged, touched
 
 DT, GAP = 0.002, 0.05
 T = np.arange(1000) * DT
@@ -47,3 +50,17 @@ def test_a_link_rests_until_it_is_touched_wherever_its_motor_rested(rests_at):
     bridge, found = bridged(motor, torque, [start, touch], DT)
     off = motor + bridge - GAP / 2.0 * found - link
     assert np.ptp(off[start - 100 :]) < 0.1 * GAP
+
+
+@pytest.mark.parametrize("gap", [1e-6, 0.0015, 0.05])
+def test_a_link_is_never_further_from_its_motor_than_half_the_gap(gap):
+    """A motor that creeps for long by a torque that drowns in noise takes its link along."""
+    rng = np.random.default_rng(2)
+    shaking = 2e-4
+    motor = 0.2 * (1.0 - np.exp(-T / 0.4)) + shaking * rng.normal(size=len(T))
+    torque = np.where(T < 0.3, -5e-3, np.where(T > 1.7, 5e-3, 0.0)) + 1e-3 * rng.normal(size=len(T))
+    bridge, side = bridged(motor, torque, [], DT)
+    assert np.abs(bridge).max() > 0.005
+    play = Play(bridge, side, shaking, cast(Trial, None), 0, 1)
+    off = play.off(gap)
+    assert np.abs(off).max() <= 0.5 * gap + 4.0 * shaking
