@@ -11,6 +11,7 @@ from fitter.data.trials import to_trials
 from fitter.diagnosis.at_joint import AtJoint
 from fitter.diagnosis.causes import find_causes
 from fitter.diagnosis.estimates import Estimates, estimates
+from fitter.diagnosis.model import Model
 from fitter.diagnosis.motion import run_of
 from fitter.diagnosis.regression import Regression
 from fitter.diagnosis.search import Search
@@ -53,3 +54,27 @@ def test_a_sole_cause_that_explains_much_is_named_though_no_number_of_it_is_told
     little = replace(search, base=base, causes=[replace(search.causes[0], worth=worth)])
     assert verdict_of(little, remainder, untold(numbers), held=False, strict=True) == verdict
     assert verdict_of(little, remainder, numbers, held=False, strict=True) == "named"
+
+
+@pytest.mark.parametrize(("share", "verdict"), [(1.0, "unexplained"), (10.0, "named")])
+def test_beside_others_a_cause_without_a_size_must_explain_more(
+    regression: Regression, search: Search, share: float, verdict: str
+) -> None:
+    remainder = describe(regression, search.final)
+    numbers = estimates(regression, search.final)
+    (cause,), (hypothesis,), (psi,) = search.causes, search.final.model.hypotheses, search.final.model.psi
+    worth = share * float(np.sum(search.told))
+    causes = [replace(cause, worth=worth), replace(cause, place=1, worth=worth)]
+    final = replace(search.final, model=Model((hypothesis, hypothesis), (psi, psi)))
+    two = replace(search, final=final, causes=causes)
+    both = untold(replace(numbers, effects=(*numbers.effects, *numbers.effects)))
+    assert verdict_of(two, remainder, both, held=False, strict=True) == verdict
+
+
+def test_causes_that_a_function_outdoes_are_not_named(regression: Regression, search: Search) -> None:
+    remainder = describe(regression, search.final)
+    numbers = estimates(regression, search.final)
+    outdone = replace(search, function=search.function / 10.0)
+    assert outdone.outdone and not search.outdone
+    assert verdict_of(outdone, remainder, numbers, held=False, strict=True) == "unexplained"
+    assert verdict_of(outdone, remainder, numbers, held=False, strict=False) == "named"
