@@ -33,8 +33,18 @@ def sent(rate_hz: float, samples: int) -> NDArray[np.int16]:
     raise AssertionError(f"the virtual arm moves for less than {samples} samples")
 
 
-def live_run(limbd: Limbd, folder: Path, schedule: str, rate_hz: float, samples: int) -> tuple[Heard, str]:
-    """Let the device send so many samples, faults among them; return all messages by topic, and its last words."""
+def live_run(
+    limbd: Limbd,
+    folder: Path,
+    schedule: str,
+    rate_hz: float,
+    samples: int,
+    hear: Callable[[str, Fields], None] = lambda _topic, _fields: None,
+) -> tuple[Heard, str]:
+    """Let the device send so many samples, faults among them; return all messages by topic, and its last words.
+
+    ``hear`` is called with every message as it comes.
+    """
     link, endpoint = folder / "device", f"ipc://{folder}/frames"
     arguments = (
         "--link",
@@ -43,8 +53,7 @@ def live_run(limbd: Limbd, folder: Path, schedule: str, rate_hz: float, samples:
         str(rate_hz),
         "--seed",
         str(SEED),
-        "--fault",
-        schedule,
+        *(("--fault", schedule) if schedule else ()),
         "--json",
     )
     device = limbd("virtual", *arguments)
@@ -62,6 +71,7 @@ def live_run(limbd: Limbd, folder: Path, schedule: str, rate_hz: float, samples:
             topic, fields = subscriber.receive(PATIENCE_MS) or pytest.fail("nothing came any more")
             assert device.process.poll() is None, device.said  # heartbeats alone would go on for ever
             heard[topic].append(fields)
+            hear(topic, fields)
         assert daemon.stop() == 0
         while (message := subscriber.receive(500)) is not None:
             heard[message[0]].append(message[1])

@@ -1,0 +1,65 @@
+"""The host's clock is set while samples come: no stamp moves, and the ledger says by how much it was set."""
+
+import shutil
+import subprocess
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from protocol.message import GAP, HEALTH, RAW
+from tests.daemon.live_run import Fields, Limbd, check, live_run, sent
+
+RATE_HZ = 8000.0
+HOUR_NS = 3600 * 10**9
+#: The clock is ahead by so many hours from the sample on.
+SET = {24_000: 1, 48_000: 0, 72_000: -1}
+
+
+@pytest.fixture(scope="module")
+def shim(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Return a library that sets the clock of the processes it is loaded into, and of no others."""
+    compiler = shutil.which("cc") or shutil.which("gcc")
+    if compiler is None:
+        pytest.skip("there is no C compiler")
+    built = tmp_path_factory.mktemp("clock") / "set_clock.so"
+    source = Path(__file__).with_name("set_clock.c")
+    strict = ["-std=gnu11", "-Wall", "-Wextra", "-Werror", "-O1", "-shared", "-fPIC"]
+    done = subprocess.run(
+        [compiler, *strict, "-o", str(built), str(source), "-ldl"], capture_output=True, text=True, check=False
+    )
+    assert done.returncode == 0, done.stderr
+    return built
+
+
+def test_a_clock_that_is_set_by_an_hour_moves_no_stamp(
+    limbd: Limbd, tmp_path: Path, shim: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    ahead, due = tmp_path / "ahead", dict(SET)
+
+    def set_clock(hours: int) -> None:
+        with ahead.open("r+b") as file:  # in place: it is looked at all the time
+            file.write((hours * HOUR_NS).to_bytes(8, "little", signed=True))
+
+    def hear(topic: str, fields: Fields) -> None:
+        for sample in [sample for sample in due if topic == RAW and fields["sample0"] >= sample]:
+            set_clock(due.pop(sample))
+
+    ahead.write_bytes(bytes(8))
+    monkeypatch.setenv("SET_CLOCK", str(ahead))
+    monkeypatch.setenv("LD_PRELOAD", str(shim))
+    heard, _ = live_run(limbd, tmp_path, "", RATE_HZ, 96_000, hear)
+    check(heard, sent(RATE_HZ, 120_000))
+    assert [gap["why"] for gap in heard[GAP]] == [
+        f"the host's clock was set by {by} s" for by in ("+3600.000", "-3600.000", "-3600.000")
+    ]
+    assert all(gap["samples"] == 0 for gap in heard[GAP])
+    stamps = np.array([block["t0_ns"] for block in heard[RAW]])
+    samples = np.array([block["n"] for block in heard[RAW]])
+    off_s = 1e-9 * np.diff(stamps) - samples[:-1] / RATE_HZ
+    assert np.max(np.abs(off_s)) < 1e-3
+    assert stamps[0] < heard[GAP][0]["t_ns"] < heard[GAP][1]["t_ns"] < heard[GAP][2]["t_ns"]
+    assert heard[GAP][2]["t_ns"] < stamps[-1] + 10**9
+    clock = heard[HEALTH][-1]["clock"]
+    assert (round(clock["host_ahead_s"]), clock["host_jumps"]) == (-3600, 3)
+    assert heard[HEALTH][-1]["lost_samples"] == 0
