@@ -23,6 +23,8 @@ _FINE_S = 0.002
 #: A limit may be this share of the torque that is hardly ever exceeded, or between that and the greatest.
 _USUAL = 0.9995
 _LIMITS, _ABOVE = np.linspace(0.98, 0.3, 12), np.array([0.8, 0.5, 0.2])
+#: Gains that are tried first. From far away no slope leads to the right one: what noise leaves changes with it.
+_GAINS = np.geomspace(0.5, 2.0, 14)
 
 
 class InDrive(Hypothesis):
@@ -56,7 +58,7 @@ class InDrive(Hypothesis):
             starts = np.concatenate([usual + _ABOVE * (most - usual), _LIMITS * usual])
             return np.asarray(starts[:, None], dtype=np.float64)
         if self.kind.name == "gain_error":
-            return np.array([[0.95], [1.05]])
+            return _GAINS[:, None]
         step = motions[0].trial.dt_s
         return np.geomspace(step, min(0.15, float(self.high[0])), _GRID)[:, None]
 

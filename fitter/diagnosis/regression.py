@@ -137,17 +137,20 @@ class Regression:
         Noise of the angles enters times masses that are in proportion to the torque that is let through: a
         torque that is cut off to nothing would leave nothing, and explain nothing.
         """
-        drives = [hypothesis.kind.name for hypothesis in model.hypotheses if hypothesis.kind.place == "drive"]
-        if not drives:
-            return np.ones(self.arm.n_joint)
+        drives = {hypothesis.kind.name for hypothesis in model.hypotheses if hypothesis.kind.place == "drive"}
+        scale = np.ones(self.arm.n_joint)
         if "torque_saturation" in drives:
-            return self._let_through(model)
-        count = sum(-(-len(motion.t) // self.weighting.stride) for motion in self.learning)
-        if self._plainly is None:
-            base = Model()
-            self._plainly = self._noise(base, self.learning).left(self.solve(base, self.learning)[0])
-        now = 1.0 + (self._noise(model, self.learning).left(x) - self._plainly) / count
-        return np.asarray(1.0 / np.sqrt(np.maximum(now, _LEAST_NOISE)), dtype=np.float64)
+            scale *= self._let_through(model)
+        if drives - {"torque_saturation"}:
+            count = sum(-(-len(motion.t) // self.weighting.stride) for motion in self.learning)
+            if self._plainly is None:
+                base = Model()
+                left = self._noise(base, self.learning).left(self.solve(base, self.learning)[0])
+                # One an equation is what a filter is made for; this one may be made for another model.
+                self._plainly = np.minimum(left, count)
+            now = 1.0 + (self._noise(model, self.learning).left(x) - self._plainly) / count
+            scale /= np.sqrt(np.maximum(now, _LEAST_NOISE))
+        return scale
 
     def _noise(self, model: Model, motions: Sequence[Motion]) -> Noise:
         """Return what one draw of noise makes of the equations of some motions."""
