@@ -129,7 +129,8 @@ class Weighting:
             rows[:, j, at : at + one.shape[1]] = one / end_weight(n, motion.dt_s)[:, None]
             at += one.shape[1]
         white = self._white(rows, motion.dt_s).reshape(-1, rows.shape[2])
-        white /= np.linalg.norm(white, axis=0)
+        size = np.linalg.norm(white, axis=0)
+        white /= np.where(size > 0.0, size, 1.0)  # a rest of one sample makes nothing of one of its hats
         Q, R, _ = scipy.linalg.qr(white, mode="economic", pivoting=True, check_finite=False)
         size = np.abs(np.diag(R))
         return np.ascontiguousarray(Q[:, : len(size)][:, size > _LITTLE * size[0]])

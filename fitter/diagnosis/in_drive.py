@@ -24,7 +24,7 @@ _FINE_S = 0.002
 _USUAL = 0.9995
 _LIMITS, _ABOVE = np.linspace(0.98, 0.3, 12), np.array([0.8, 0.5, 0.2])
 #: Gains that are tried first. From far away no slope leads to the right one: what noise leaves changes with it.
-_GAINS = np.geomspace(0.5, 2.0, 14)
+_GAINS = np.geomspace(1.0 / 3.0, 3.0, 20)
 
 
 class InDrive(Hypothesis):

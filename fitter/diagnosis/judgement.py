@@ -36,6 +36,8 @@ class Errors:
     angle_square, angle_sum, angle_max : (n_trial,)
         Of simulated against measured angles of joints that turn [rad]; infinite where the simulation ran away.
     angle_count : (n_trial,)
+    simulated : sequence of (n_sample, n_joint)
+        The angles of each trial.
     """
 
     torque_square: Floats
@@ -44,6 +46,7 @@ class Errors:
     angle_sum: Floats
     angle_max: Floats
     angle_count: Floats
+    simulated: Sequence[Floats]
 
     @property
     def torque_rms(self) -> Floats:
@@ -139,12 +142,13 @@ def judged(regression: Regression, fitted: Candidate, arm: Arm, motions: Sequenc
         Not thinned.
     """
     turning = np.array([joint.type == "revolute" for joint in arm.joints])
-    torque, angle = [], []
+    torque, angle, angles = [], [], []
     for motion in motions:
         left = torque_left(regression, fitted, motion)
         seen = smooth(left, motion.dt_s, regression.weighting.seen_hz)
         torque.append((np.nansum(seen**2, axis=0), np.sum(np.isfinite(seen), axis=0)))
-        off = np.abs(simulated(arm, motion) - motion.trial.q)[:, turning]
+        angles.append(simulated(arm, motion))
+        off = np.abs(angles[-1] - motion.trial.q)[:, turning]
         off = np.where(np.isfinite(off), off, np.inf)
         angle.append((np.sum(off**2), np.sum(off), off.max(initial=0.0), off.size))
     squares, sums, worst, count = (np.array(column) for column in zip(*angle, strict=True))
@@ -155,6 +159,7 @@ def judged(regression: Regression, fitted: Candidate, arm: Arm, motions: Sequenc
         sums,
         worst,
         count.astype(np.float64),
+        angles,
     )
 
 

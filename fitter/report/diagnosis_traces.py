@@ -6,7 +6,7 @@ import numpy as np
 
 from arm.model import Floats
 from fitter.diagnosis.diagnosis import Diagnosis
-from fitter.diagnosis.judgement import simulated, smooth, torque_left
+from fitter.diagnosis.judgement import smooth, torque_left
 from fitter.diagnosis.motion import Motion
 from fitter.diagnosis.screening import Candidate
 
@@ -48,16 +48,17 @@ class Trace:
 def traces(found: Diagnosis) -> list[Trace]:
     """Return what every trial of a run leaves, and the motion that is simulated of the evaluating ones."""
     models: list[Candidate] = [found.search.base]
-    arms = [found.finding.base_arm]
+    errors = [found.finding.before]
     if found.final is not found.search.base:
         models.append(found.final)
-        arms.append(found.finding.arm)
+        errors.append(found.finding.after)
     seen_hz = found.regression.weighting.seen_hz
+    simulated = zip(*(error.simulated for error in errors), strict=True)
     listed = []
     for motion in found.motions:
         left = [torque_left(found.regression, model, motion) for model in models]
         left = [smooth(one, motion.dt_s, seen_hz) for one in left]
-        angles = [] if motion.learn else [_kept(simulated(arm, motion)) for arm in arms]
+        angles = [] if motion.learn else [_kept(one) for one in next(simulated)]
         listed.append(Trace(motion, left, angles))
     return listed
 
