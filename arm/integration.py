@@ -20,17 +20,16 @@ from arm.drive import (
     end_stretch,
 )
 from arm.effects.effect_table import EffectTable, no_effects
+from arm.mode_end import CUT_AT, begin_bracket, narrow, next_try
 from arm.model import Floats
 from arm.motion_equations import acceleration, equations
 from arm.resistance import friction_alone, take_up
 from arm.room import Room, make_room
-from arm.sticking import choose_modes, pull_beyond, reversed_joint, stop_reversed
+from arm.sticking import choose_modes, slack_of, stop_reversed
 from limbcal.compiled import compiled, inlined
 
 #: How often one step may be cut by joints that come to rest or let go.
 _CUTS = 16
-#: How exactly a cut is placed, as a share of the step.
-_CUT_AT = 1e-13
 #: How often an acceleration is sought on which its own torque depends otherwise than linearly, and how exactly.
 _ROUNDS, _FOUND = 20, 1e-12
 
@@ -112,7 +111,7 @@ def runge_kutta_stages(
 
 
 @inlined
-def mode_changed(
+def modes_end(
     chain: Chain,
     commands: Commands,
     effects: EffectTable,
@@ -122,22 +121,22 @@ def mode_changed(
     state: Floats,
     mode: Floats,
     room: Room,
+    slack: Floats,
 ) -> bool:
     """Say whether in a state (2, n), a share of step ``k`` on, a joint has reversed or a stuck one lets go.
 
-    The stretch began ``h`` seconds before.
+    ``slack`` (n,) takes how far each joint is from that. The stretch began ``h`` seconds before.
     """
     stuck = False
     for i in range(mode.size):
-        if reversed_joint(i, mode, state[1], room):
-            return True
         stuck = stuck or mode[i] == 0.0
     if stuck:
         accelerate(chain, commands, effects, k, share, h, state[0], state[1], mode, room, room.bias)
-        for i in range(mode.size):
-            if mode[i] == 0.0 and pull_beyond(i, room, room.bias) != 0.0:
-                return True
-    return False
+    ends = False
+    for i in range(mode.size):
+        slack[i] = slack_of(i, mode, state[1], room, room.bias)
+        ends = ends or slack[i] < 0.0
+    return ends
 
 
 @compiled
@@ -158,6 +157,7 @@ def effect_steps(
     friction_alone(chain, effects, room)
     q, dq, mode = state[0].copy(), state[1].copy(), np.zeros(n)
     slopes, after, taken = np.empty((2, 4, n)), np.empty((2, n)), 0
+    slack, bracket = np.empty(n), np.empty((2, 1 + n))
     for k in range(n_sample):
         done = 0.0
         taken = take_up(effects, chain, commands.t0 + k * commands.dt, taken)
@@ -167,28 +167,27 @@ def effect_steps(
                 record(commands, effects, room, k, q, dq, slopes[1, 0], motion, lead)
             ends = begin_stretch(commands, effects, room.way, k, done, dq, slopes[1, 0]) if effects.driven else 1.0
             whole = (ends if cut < _CUTS - 1 else 1.0) - done
-            share, before, late, found = whole, 0.0, whole, False
-            while True:  # the first time through to the end; then bisection, if a mode changes on the way
+            begin_bracket(bracket, whole, mode, dq, room, slopes[1, 0])
+            share, found, rounds, side = whole, False, 0, -1
+            while True:  # the first time through to the end; then the cut is sought, if a mode ends on the way
                 h = share * commands.dt
                 runge_kutta_stages(chain, commands, effects, k, done, share, q, dq, mode, room, slopes, after)
                 if found or cut == _CUTS - 1:
                     break
-                changed = mode_changed(chain, commands, effects, k, done + share, h, after, mode, room)
-                if changed:
-                    late = share
-                elif not share < whole:  # nor is it where all has run away and nothing is a number any more
+                ended = modes_end(chain, commands, effects, k, done + share, h, after, mode, room, slack)
+                if not ended and not share < whole:  # nor where all has run away and nothing is a number any more
                     break
-                else:
-                    before = share
-                found = late - before <= _CUT_AT
-                share = late if found else (before + late) / 2.0
+                side = narrow(bracket, side, share, slack, ended)
+                rounds += 1
+                found = bracket[1, 0] - bracket[0, 0] <= CUT_AT
+                share = bracket[1, 0] if found else next_try(bracket, rounds, side)
             if found:
                 stop_reversed(mode, after[1], room)
             q[:], dq[:] = after[0], after[1]
             done += share
             if effects.driven:
                 end_stretch(commands, effects, room.way, k, done, h, q, dq, slopes[1, 3], room.now)
-            if done >= 1.0 - _CUT_AT:
+            if done >= 1.0 - CUT_AT:
                 break
 
 

@@ -21,6 +21,17 @@ def pull_beyond(i: int, room: Room, ddq: Floats) -> float:
     return float(np.sign(pull) * max(abs(pull) - room.hold[i], 0.0))
 
 
+@inlined
+def slack_of(i: int, mode: Floats, dq: Floats, room: Room, ddq: Floats) -> float:
+    """Return how far a joint is from the end of its mode, by its velocity or its hold; negative beyond."""
+    if mode[i] != 0.0:
+        return mode[i] * dq[i] if room.directed[i] else 1.0
+    pull = room.net[i]
+    for j in range(ddq.size):
+        pull -= room.M[i, j] * ddq[j]
+    return float(room.hold[i] - abs(pull))
+
+
 @compiled
 def choose_modes(dq: Floats, mode: Floats, room: Room, ddq: Floats) -> None:
     """Say which resting joints stick: those whose friction can hold them. The equations must be set up.
