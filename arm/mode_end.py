@@ -46,13 +46,13 @@ def next_try(bracket: Floats, rounds: int, side: int) -> float:
 
     It goes a little beyond, away from the ``side`` that was moved last, so that both close in.
     """
-    before, late = bracket[0, 0], bracket[1, 0]
+    before, late = float(bracket[0, 0]), float(bracket[1, 0])
     middle = 0.5 * (before + late)
     if rounds % _BISECTED == 0:
         return middle
     found = late
     for i in range(1, bracket.shape[1]):
-        first, last = bracket[0, i], bracket[1, i]
+        first, last = float(bracket[0, i]), float(bracket[1, i])
         if last < 0.0:
             part = first / (first - last) if first > 0.0 else 0.5
             found = min(found, before + part * (late - before))
