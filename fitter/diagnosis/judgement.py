@@ -15,6 +15,8 @@ from fitter.dynamics.evaluation import HORIZON_S
 
 #: Trials are drawn anew so often for an interval.
 _RESAMPLED = 1000
+#: A simulated angle that is this far off has run away [rad].
+_RUN_AWAY = 1e6
 #: The first state of a trial at rest is the mean over this long [s].
 _REST_S = 0.04
 #: Next to a gap the columns' own filter still has part of what is in it [s].
@@ -149,7 +151,7 @@ def judged(regression: Regression, fitted: Candidate, arm: Arm, motions: Sequenc
         torque.append((np.nansum(seen**2, axis=0), np.sum(np.isfinite(seen), axis=0)))
         angles.append(simulated(arm, motion))
         off = np.abs(angles[-1] - motion.trial.q)[:, turning]
-        off = np.where(np.isfinite(off), off, np.inf)
+        off = np.where(off < _RUN_AWAY, off, np.inf)
         angle.append((np.sum(off**2), np.sum(off), off.max(initial=0.0), off.size))
     squares, sums, worst, count = (np.array(column) for column in zip(*angle, strict=True))
     return Errors(
