@@ -13,11 +13,18 @@ from limbcal.compiled import compiled, inlined
 
 
 @inlined
-def pull_beyond(i: int, room: Room, ddq: Floats) -> float:
-    """Return by how much what pulls at a stuck joint exceeds what can hold it, signed as the pull; 0 if held."""
+def pull_at(i: int, room: Room, ddq: Floats) -> float:
+    """Return what pulls at a joint beside what its own acceleration takes."""
     pull = room.net[i]
     for j in range(ddq.size):
         pull -= room.M[i, j] * ddq[j]
+    return float(pull)
+
+
+@inlined
+def pull_beyond(i: int, room: Room, ddq: Floats) -> float:
+    """Return by how much what pulls at a stuck joint exceeds what can hold it, signed as the pull; 0 if held."""
+    pull = pull_at(i, room, ddq)
     return float(np.sign(pull) * max(abs(pull) - room.hold[i], 0.0))
 
 
@@ -26,10 +33,7 @@ def slack_of(i: int, mode: Floats, dq: Floats, room: Room, ddq: Floats) -> float
     """Return how far a joint is from the end of its mode, by its velocity or its hold; negative beyond."""
     if mode[i] != 0.0:
         return mode[i] * dq[i] if room.directed[i] else 1.0
-    pull = room.net[i]
-    for j in range(ddq.size):
-        pull -= room.M[i, j] * ddq[j]
-    return float(room.hold[i] - abs(pull))
+    return float(room.hold[i] - abs(pull_at(i, room, ddq)))
 
 
 @compiled
