@@ -44,7 +44,9 @@ def narrow(bracket: Floats, side: int, share: float, slack: Floats, ended: bool)
 def next_try(bracket: Floats, rounds: int, side: int) -> float:
     """Return the share at which to look next: where by straight lines the first joint's mode ends.
 
-    It goes a little beyond, away from the ``side`` that was moved last, so that both close in.
+    It goes a little beyond, away from the ``side`` that was moved last, so that both close in. A joint that has
+    no way to go may end its mode at once (masses that none can have push it against its pull); that is tried
+    first.
     """
     before, late = float(bracket[0, 0]), float(bracket[1, 0])
     middle = 0.5 * (before + late)
@@ -54,7 +56,8 @@ def next_try(bracket: Floats, rounds: int, side: int) -> float:
     for i in range(1, bracket.shape[1]):
         first, last = float(bracket[0, i]), float(bracket[1, i])
         if last < 0.0:
-            part = first / (first - last) if first > 0.0 else 0.5
-            found = min(found, before + part * (late - before))
+            if not first > 0.0:
+                return before + CUT_AT if rounds == 1 else middle
+            found = min(found, before + first / (first - last) * (late - before))
     found += 0.4 * CUT_AT * (1 - 2 * side)
     return found if before < found < late else middle

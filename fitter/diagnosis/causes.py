@@ -48,7 +48,7 @@ def find_causes(regression: Regression, tried: Sequence[Hypothesis], progress: P
     told = np.array([regression.weighting.told(motion) for motion in regression.motions], dtype=np.float64)
     base = fitted(regression, Model())
     search = _Ascent(regression, tried, base, told, _part(progress, 0.0, 0.5)).from_base()
-    if search.causes:
+    if search.may_be_outdone:
         function = best_functions(Folds(regression, base), regression.arm.n_joint).least
         search = replace(search, function=function)
     for k, other in enumerate(_others(search)):

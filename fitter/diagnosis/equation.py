@@ -73,9 +73,16 @@ class Weighting:
     def filtered(self, motion: Motion, rows: Floats) -> Floats:
         """Return rows (n_sample, n_joint, …), filtered and on the slower grid, without what may hold a joint."""
         white = self._white(rows, motion.dt_s)
+        return self._freed(motion, white.reshape(white.shape[0] * white.shape[1], -1)).reshape(white.shape)
+
+    def filtered_at(self, motion: Motion, joint: int, torques: Floats) -> Floats:
+        """Return the same of torques (n_sample, n_column) at one joint, (n_slower * n_joint, n_column)."""
+        white = self._white(torques[:, None], motion.dt_s, slice(joint, joint + 1))
+        return self._freed(motion, white.reshape(-1, torques.shape[1]))
+
+    def _freed(self, motion: Motion, flat: Floats) -> Floats:
         axes, lost = self._axes(motion)
-        flat = white.reshape(white.shape[0] * white.shape[1], -1)
-        return np.asarray((flat - axes @ (lost[:, None] * (axes.T @ flat))).reshape(white.shape), dtype=np.float64)
+        return np.asarray(flat - axes @ (lost[:, None] * (axes.T @ flat)), dtype=np.float64)
 
     def boxes(self, motion: Motion, joint: int, length_s: float) -> tuple[Floats, Floats]:
         """Return torques of 1 at a joint, one after the other, filtered, and their products with each other.
@@ -94,9 +101,8 @@ class Weighting:
         key = motion.number, joint, length_s
         if key not in self._boxes:
             starts = np.arange(motion.t[0], motion.t[-1], length_s)
-            rows = np.zeros((*motion.q.shape, len(starts)))
-            rows[:, joint] = (motion.t[:, None] >= starts) & (motion.t[:, None] < starts + length_s)
-            filtered = self.filtered(motion, rows).reshape(-1, len(starts))
+            boxes = (motion.t[:, None] >= starts) & (motion.t[:, None] < starts + length_s)
+            filtered = self.filtered_at(motion, joint, boxes.astype(np.float64))
             self._boxes[key] = filtered, filtered.T @ filtered
         return self._boxes[key]
 
@@ -135,7 +141,8 @@ class Weighting:
         size = np.abs(np.diag(R))
         return np.ascontiguousarray(Q[:, : len(size)][:, size > _LITTLE * size[0]])
 
-    def _white(self, rows: Floats, dt_s: float) -> Floats:
+    def _white(self, rows: Floats, dt_s: float, joints: slice = slice(None)) -> Floats:
+        """Return rows of some joints, filtered and on the slower grid, (n_slower, n_joint, …)."""
         n = len(rows)
         slower = scipy.fft.next_fast_len(-(-(n + round(1.0 / dt_s)) // self.stride), real=True)
         size = slower * self.stride
@@ -143,8 +150,9 @@ class Weighting:
         kept = len(gain)  # nothing is left beyond the band
         flat = (rows * end_weight(n, dt_s).reshape(n, *([1] * (rows.ndim - 1)))).reshape(n, -1)
         part = scipy.fft.rfft(flat, size, axis=0)[:kept].reshape(kept, rows.shape[1], -1)
-        white = scipy.fft.irfft((gain @ part).reshape(kept, -1), slower, axis=0) / self.stride
-        return np.asarray(white[: -(-n // self.stride)], dtype=np.float64).reshape(-1, *rows.shape[1:])
+        white = scipy.fft.irfft((gain[:, :, joints] @ part).reshape(kept, -1), slower, axis=0) / self.stride
+        shape = -1, gain.shape[1], *rows.shape[2:]
+        return np.asarray(white[: -(-n // self.stride)], dtype=np.float64).reshape(shape)
 
     def _gain(self, f: Floats, dt_s: float) -> Floats:
         key = len(f), dt_s

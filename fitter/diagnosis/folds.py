@@ -79,9 +79,7 @@ class Folds:
         return self._regression.motions
 
     def _filtered(self, motion: Motion, features: Floats, joint: int) -> Floats:
-        rows = np.zeros((len(features), self._regression.arm.n_joint, features.shape[1]))
-        rows[:, joint] = features
-        return self._regression.weighting.filtered(motion, rows).reshape(-1, features.shape[1])
+        return self._regression.weighting.filtered_at(motion, joint, features)
 
     def _judged(self, added: Sequence[Floats]) -> float:
         designs = [np.hstack([known, more]) for known, more in zip(self._known, added, strict=True)]

@@ -70,7 +70,7 @@ class InDrive(Hypothesis):
             return replace(view, factor=factor)
         u = view.u.copy()
         if self.kind.name == "torque_saturation":
-            u[:, self.joints] = _limited(view, float(psi[0]))[:, self.joints]
+            u[:, self.joints] = _limited(view, self.joints, float(psi[0]))
             return replace(view, u=u)
         for j in self.joints:
             u[:, j] = _DRIVES[self.kind.name](view.u[:, j], float(psi[0]), view.motion.dt_s)
@@ -108,13 +108,13 @@ def lagging(u: Floats, time_constant_s: float, dt_s: float) -> Floats:
     return np.asarray(followed[::parts], dtype=np.float64)
 
 
-def _limited(view: View, limit: float) -> Floats:
-    """Return a torque that was cut off where it is as sharp as it was, and then filtered as the columns are."""
+def _limited(view: View, joints: tuple[int, ...], limit: float) -> Floats:
+    """Return torques that were cut off where they are as sharp as they were, and then filtered as columns are."""
     trial, motion = view.motion.trial, view.motion
-    whole = sharp_torque(view.arm, trial)
+    whole = sharp_torque(view.arm, trial)[:, joints]
     cut = lowpass(np.clip(whole, -limit, limit) - whole, trial.dt_s, trial.cutoff_hz)
     inner = cut[trial.trimmed : trial.trimmed + len(trial.t)]
-    return np.asarray(view.u + inner[:: round(motion.dt_s / trial.dt_s)], dtype=np.float64)
+    return np.asarray(view.u[:, joints] + inner[:: round(motion.dt_s / trial.dt_s)], dtype=np.float64)
 
 
 _DRIVES = {"actuator_delay": delayed, "actuator_lag": lagging}

@@ -50,10 +50,21 @@ class _Stage:
     @cached_property
     def base(self) -> Floats:
         """The base regressor's rows."""
-        if self._before is not None and self._moves_as_before:
-            return self._before.base
+        before = self._before
+        if before is not None and self._moves_as_before:
+            return before.base
+        if before is not None and self._is_same("arm", "q", "dq", "ddq", "drift"):
+            return np.asarray(np.tensordot(self.view.factor, before.base_by_joint, 1), dtype=np.float64)
         rows = self.view.base(self._of.independent(self.view.arm))
         return self._of.weighting.filtered(self.view.motion, rows)
+
+    @cached_property
+    def base_by_joint(self) -> Floats:
+        """What each joint's own equation makes of these rows, by itself, for a factor of 1: joints first."""
+        rows = replace(self.view, factor=np.ones(self.view.q.shape[1])).base(self._of.independent(self.view.arm))
+        filtered_at = self._of.weighting.filtered_at
+        parts = [filtered_at(self.view.motion, joint, rows[:, joint]) for joint in range(rows.shape[1])]
+        return np.stack(parts).reshape(len(parts), -1, *rows.shape[1:])
 
     @cached_property
     def columns(self) -> tuple[Floats, ...]:
@@ -84,8 +95,12 @@ class _Stage:
     @property
     def _moves_as_before(self) -> bool:
         """Whether the last hypothesis has left all that the regressor is made of."""
+        return self._is_same(*_MAKES_REGRESSOR)
+
+    def _is_same(self, *names: str) -> bool:
+        """Say whether the last hypothesis has left some of the view as it was."""
         now, was = self.view, self._before.view if self._before is not None else None
-        return was is not None and all(getattr(now, name) is getattr(was, name) for name in _MAKES_REGRESSOR)
+        return was is not None and all(getattr(now, name) is getattr(was, name) for name in names)
 
 
 class Equations:
@@ -158,10 +173,6 @@ class Equations:
             slope = (left - self.left(model.at(moved), x, motion)) / (moved[k] - flat[k])
             columns.append(slope[..., None])
         return np.concatenate(columns, axis=2)
-
-    def columns(self, view: View, first: int) -> Floats:
-        """Return a view's further columns, filtered, from the ``first`` one's on."""
-        return self.weighting.filtered(view.motion, np.concatenate(view.columns[first:], axis=2))
 
     def _stage(self, model: Model, motion: Motion) -> _Stage:
         stages = self._stages.get(id(motion))

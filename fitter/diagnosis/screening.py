@@ -189,7 +189,8 @@ class _Grid:
         starts = hypothesis.starts(self._regression.learning)
         if isinstance(hypothesis, AtJoint) and "frequency_hz" in hypothesis.psi_names:
             starts = self._peaks(hypothesis)
-        gains = [self._gain(hypothesis, psi) for psi in starts]
+        linear = isinstance(hypothesis, AtJoint) or hypothesis.n_column > 0
+        gains = self._gains(hypothesis, starts) if linear else [self._gain(hypothesis, psi) for psi in starts]
         k = int(np.argmax(gains))
         model = self._model.plus(hypothesis, starts[k])
         if not hypothesis.is_gradual:
@@ -213,21 +214,27 @@ class _Grid:
         return gains[k], self._model.plus(hypothesis, starts[k])
 
     def _gain(self, hypothesis: Hypothesis, psi: Floats) -> float:
-        if not isinstance(hypothesis, AtJoint) and hypothesis.n_column == 0:
-            model = self._model.plus(hypothesis, psi)
-            r = self._regression.solve(model, self._regression.learning)[2]
-            return self.left - float(r @ r)
-        first = len(self._views[0].columns)
-        filtered = self._regression.equations.columns
-        C = np.vstack(
-            [filtered(hypothesis.act(view, psi), first).reshape(-1, hypothesis.n_column) for view in self._views]
-        )
+        model = self._model.plus(hypothesis, psi)
+        r = self._regression.solve(model, self._regression.learning)[2]
+        return self.left - float(r @ r)
+
+    def _gains(self, hypothesis: Hypothesis, starts: Floats) -> list[float]:
+        """Return the gains of columns beside all others, those of all starts filtered together."""
+        first, width = len(self._views[0].columns), hypothesis.n_column
+        parts = []
+        for view in self._views:
+            added = [one for psi in starts for one in hypothesis.act(view, psi).columns[first:]]
+            filtered = self._regression.weighting.filtered(view.motion, np.concatenate(added, axis=2))
+            parts.append(filtered.reshape(-1, len(starts) * width))
+        C = np.vstack(parts)
         size = np.linalg.norm(C, axis=0)
-        C = C - self._Q @ (self._Q.T @ C)
+        C -= self._Q @ (self._Q.T @ C)
         fresh = np.linalg.norm(C, axis=0) > 1e-4 * size
-        if not np.any(fresh):
+        return [self._gain_of(C[:, k : k + width][:, fresh[k : k + width]]) for k in range(0, len(fresh), width)]
+
+    def _gain_of(self, C: Floats) -> float:
+        if not C.shape[1]:
             return 0.0
-        C = C[:, fresh]
         r = self._residual - C @ scaled_lstsq(C, self._residual)
         return self.left - float(r @ r)
 

@@ -15,6 +15,8 @@ UNEXPLAINED, UNEXPLAINED_AT_LEAST = 0.0125, 1.0
 #: them with are none: ripples, springs and pushes together can imitate what is in no catalogue. Of true causes, if
 #: they are several, such a function explains a part only.
 _OUTDONE = 1.5
+#: No function leaves less than noise, of which the filter is sure to this much.
+_NOISE = 0.7
 
 
 @dataclass(frozen=True)
@@ -78,6 +80,11 @@ class Search:
     def outdone(self) -> bool:
         """Whether one unknown function explains clearly more than all causes together."""
         return typical(self.final.squares, self.told) > _OUTDONE * self.function
+
+    @property
+    def may_be_outdone(self) -> bool:
+        """Whether causes leave so much that a function could explain clearly more."""
+        return bool(self.causes) and typical(self.final.squares, self.told) > _OUTDONE * _NOISE
 
     def leaves(self, share: float, least: float) -> bool:
         """Say whether more is left beyond noise than a share of what the base model leaves, and so much noise.

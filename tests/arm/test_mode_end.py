@@ -59,3 +59,10 @@ def test_one_that_is_on_its_way_at_once_is_found_too():
     """A joint that was just let go has no speed yet."""
     bracket, _ = found(lambda share: np.array([share * (0.1 - share)]), [0.0])
     assert bracket[1, 0] == pytest.approx(0.1, abs=1e-12)
+
+
+def test_a_joint_that_has_no_way_to_go_ends_its_mode_at_once():
+    """Masses that none can have push a joint against its pull, whichever way it was let go."""
+    bracket, tries = found(lambda share: np.array([-share, 0.5 - share]), [0.0, 0.5])
+    assert bracket[0, 0] == 0.0 and bracket[1, 0] <= CUT_AT
+    assert tries <= 3
