@@ -82,7 +82,7 @@ class AtJoint(Hypothesis):
         states, noise = view.states(self._joint), view.speed_noise(self._joint)
         seen = self._columns(psi, states)
         columns[:, self._joint, :] = seen
-        if noise > 0.0 and self._bends(psi):
+        if np.any(noise > 0.0) and self._bends(psi):
             columns[:, self._joint, :] -= self._bent(psi, states, noise, seen)
         return replace(view, columns=(*view.columns, columns))
 
@@ -143,7 +143,7 @@ class AtJoint(Hypothesis):
                 columns.append(torque_along(self.kind, unit, states))
         return np.stack(columns, axis=1)
 
-    def _bent(self, psi: Floats, states: Floats, noise: float, seen: Floats) -> Floats:
+    def _bent(self, psi: Floats, states: Floats, noise: Floats, seen: Floats) -> Floats:
         """Return by how much the columns that are seen are too large in the mean because the velocity is noisy.
 
         Noise n in v makes of f(v) ``f + n f' + n^2 f'' / 2``: a steep function of the velocity seems flatter than
@@ -157,7 +157,7 @@ class AtJoint(Hypothesis):
     def _bends(self, psi: Floats) -> bool:
         """Return whether the columns depend on the velocity otherwise than straight."""
         states = self._probe()
-        bent = self._bent(psi, states, 0.1, self._columns(psi, states))
+        bent = self._bent(psi, states, np.full(len(states), 0.1), self._columns(psi, states))
         return bool(np.any(np.abs(bent) > _ROUNDING))
 
     def _values(self, psi: Floats) -> Floats:

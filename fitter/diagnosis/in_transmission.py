@@ -1,17 +1,19 @@
 """Effects between the motor, where the angle is measured, and the link, whose motion the equation is about.
 
 The motor's side has no inertia of its own, so the torque passes through it at once, and the link's angle is what
-was measured less the twist that this torque causes. The twist passes the same filter as the angle did.
+was measured less the twist that this torque causes. The torque has passed the same filter as the angle, and so has
+the twist. Friction acts on the link, which may still go one way while its motor goes the other.
 """
 
 from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
+from scipy.special import erf
 
 from arm.effects.effect import EffectKind
 from arm.model import Floats
-from fitter.data.derivatives import differentiate, lowpass
+from fitter.data.derivatives import differentiate
 from fitter.diagnosis.hypothesis import Hypothesis
 from fitter.diagnosis.in_drive import lagging
 from fitter.diagnosis.motion import Motion
@@ -59,12 +61,17 @@ class InTransmission(Hypothesis):
         if self._play:
             change = self._play_in(view).change(float(psi[0]))
         else:
-            twist = lowpass(psi[0] * lagging(view.u[:, j], float(psi[1]), dt_s), dt_s, view.motion.corner_hz)
+            twist = psi[0] * lagging(view.u[:, j], float(psi[1]), dt_s)
             change = -np.stack([twist, differentiate(twist, dt_s), differentiate(twist, dt_s, 2)])
         q, dq, ddq = view.q.copy(), view.dq.copy(), view.ddq.copy()
         for column, added in zip((q, dq, ddq), change, strict=True):
             column[:, j] += added
-        return replace(view, q=q, dq=dq, ddq=ddq)
+        if self._play:
+            return replace(view, q=q, dq=dq, ddq=ddq)
+        direction = view.direction.copy()
+        seen = _direction(view.motion.speed[:, j] + change[1], view.motion.speed_noise[:, j])
+        direction[:, j] = np.where(view.motion.stuck[:, j], 0.0, seen)
+        return replace(view, q=q, dq=dq, ddq=ddq, direction=direction)
 
     def _play_in(self, view: View) -> Play:
         key = view.motion.number, len(view.motion.t)
@@ -75,3 +82,9 @@ class InTransmission(Hypothesis):
     def numbers(self, psi: Floats, factors: Floats) -> Floats:
         """Return the gap, or stiffness and damping."""
         return np.array(psi) if self._play else np.array([1.0 / psi[0], psi[1] / psi[0]])
+
+
+def _direction(speed: Floats, noise: Floats) -> Floats:
+    """Return what is expected of a velocity's sign, by its noise and by how much it changes within a sample."""
+    spread = np.maximum(noise, 0.5 * np.abs(np.gradient(speed)))
+    return np.asarray(erf(speed / (np.sqrt(2.0) * np.maximum(spread, 1e-300))), dtype=np.float64)

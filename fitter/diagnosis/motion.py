@@ -12,7 +12,7 @@ from arm.model import Arm, Floats
 from fitter.data.jumps import jumps
 from fitter.data.trials import Trial
 from fitter.diagnosis.unknown_torque import lasting
-from fitter.diagnosis.velocity import sharper, sharper_gain, velocity, velocity_gain
+from fitter.diagnosis.velocity import sharper, sharper_gain, told_from_rest, velocity
 from limbcal.errors import DataError
 
 #: Columns are cut off at this frequency, if the sampling allows it: above it hardly any motion is left, and the
@@ -20,8 +20,8 @@ from limbcal.errors import DataError
 CORNER_HZ = 30.0
 #: … and at this share of the sampling rate.
 _SHARE_OF_RATE = 0.2
-#: A joint is taken to be stuck below this share of its top speed in the run, or below so many times the noise.
-_STUCK_SHARE, _STUCK_SIGMAS = 0.004, 4.0
+#: A joint is taken to be stuck below this share of its top speed in the run, or where noise hides how it moves.
+_STUCK_SHARE = 0.004
 #: A jump comes at a sample, as far as controller and recorder share a clock; what a fast loop does within the step
 #: is not seen. This is the standard error of its instant, in samples.
 _JUMPED = 0.1
@@ -50,7 +50,7 @@ class Motion:
         Angles, derivatives, and the torque that the drive was asked for.
     speed : (n_sample, n_joint)
         Velocity behind a filter that is quicker than that of dq: friction near rest changes within milliseconds.
-    speed_noise : (n_joint,)
+    speed_noise : (n_sample, n_joint)
         Its rms noise, 0 where that is not known.
     direction : (n_sample, n_joint)
         -1, 0 or 1.
@@ -111,20 +111,22 @@ def run_of(arm: Arm, learn: Sequence[Trial], evaluate: Sequence[Trial], thin: bo
     top = np.max([np.max(np.abs(dq), axis=0) for dq in slow], axis=0)
     motions = []
     for k, (trial, dq, t0) in enumerate(zip(trials, slow, _starts(trials), strict=True)):
-        noise = angles * velocity_gain(trial.dt_s)
-        still = np.abs(dq) <= np.maximum(_STUCK_SHARE * top, _STUCK_SIGMAS * noise)
-        t, u, stuck = t0 + trial.t, drive_torque(arm, trial), lasting(still, trial.dt_s)
+        seen, noise = told_from_rest(trial, angles, _STUCK_SHARE * top)
+        moves = np.where(seen == 0.0, dq, seen)
+        sharp = moves == dq
+        t, u, stuck = t0 + trial.t, drive_torque(arm, trial), lasting(seen == 0.0, trial.dt_s)
         step = max(1, int(1.0 / (SAMPLES * trial.cutoff_hz * trial.dt_s))) if thin else 1
         stuck = binary_dilation(stuck, np.ones((2 * _NEAR + 1, 1), dtype=np.bool_))
-        q, dq_, ddq, u_, speed, direction = (
+        q, dq_, ddq, u_, speed, speed_noise, direction = (
             part[::step]
             for part in (
                 trial.q,
                 trial.dq,
                 trial.ddq,
                 u,
-                sharper(dq, trial.dt_s),
-                np.where(stuck, 0.0, np.sign(dq)),
+                np.where(sharp, sharper(dq, trial.dt_s), moves),
+                np.where(sharp, angles * sharper_gain(trial.dt_s), noise) * ("q" in trial.whole),
+                np.where(stuck, 0.0, np.sign(moves)),
             )
         )
         dt_s = step * trial.dt_s
@@ -139,7 +141,7 @@ def run_of(arm: Arm, learn: Sequence[Trial], evaluate: Sequence[Trial], thin: bo
                 ddq,
                 u_,
                 speed,
-                angles * sharper_gain(trial.dt_s) * ("q" in trial.whole),
+                speed_noise,
                 direction,
                 stuck[::step],
                 dt_s,

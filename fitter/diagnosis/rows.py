@@ -21,7 +21,8 @@ from fitter.dynamics.structure import structural_parameters
 #: Slopes with respect to psi are taken over this share of its size.
 SLOPE = 1e-4
 #: What of a view the regressor is made of.
-_MAKES_REGRESSOR = ("arm", "q", "dq", "ddq", "factor", "drift")
+_MOVES = ("arm", "q", "dq", "ddq", "direction", "drift")
+_MAKES_REGRESSOR = (*_MOVES, "factor")
 
 
 @dataclass(frozen=True)
@@ -53,7 +54,7 @@ class _Stage:
         before = self._before
         if before is not None and self._moves_as_before:
             return before.base
-        if before is not None and self._is_same("arm", "q", "dq", "ddq", "drift"):
+        if before is not None and self._is_same(*_MOVES):
             return np.asarray(np.tensordot(self.view.factor, before.base_by_joint, 1), dtype=np.float64)
         rows = self.view.base(self._of.independent(self.view.arm))
         return self._of.weighting.filtered(self.view.motion, rows)

@@ -17,6 +17,8 @@ RISE_S = 0.06
 STUCK_S = 0.012
 #: What holds a stuck joint is as quick as what it is held against; hats this far apart follow it up to 8 Hz [s].
 HAT_S = 0.06
+#: Where it comes to rest, friction jumps, nobody sees when: near both ends of a rest hats are so far apart [s].
+_ENDS_S = (0.0, 0.015, 0.03)
 
 
 def end_weight(n: int, dt_s: float) -> Floats:
@@ -40,13 +42,22 @@ def holding_shapes(stuck: NDArray[np.bool_], dt_s: float) -> Floats:
     halves = np.arange(n) < n // 2
     shapes = [first * halves, second * halves, first * ~halves, second * ~halves]
     for begin, end in _intervals(stuck):
-        knots = np.linspace(begin, end - 1, max(2, round((end - begin) * dt_s / HAT_S) + 1))
+        knots = _knots(begin, end, dt_s)
         samples = np.arange(begin, end)
         for k in range(len(knots)):
             hat = np.zeros(n)
             hat[begin:end] = np.interp(samples, knots, np.eye(len(knots))[k])
             shapes.append(hat)
     return np.stack(shapes, axis=1)
+
+
+def _knots(begin: int, end: int, dt_s: float) -> Floats:
+    """Return where the hats of a rest stand, in samples: close at its ends, not so close between."""
+    near = np.array(_ENDS_S) / dt_s
+    near = near[(near == 0.0) | (near < 0.5 * (end - 1 - begin))]
+    low, high = begin + near[-1], end - 1 - near[-1]
+    count = max(1, round((high - low) * dt_s / HAT_S)) + 1
+    return np.concatenate([begin + near[:-1], np.linspace(low, high, count), end - 1 - near[:-1][::-1]])
 
 
 def lasting(stuck: NDArray[np.bool_], dt_s: float) -> NDArray[np.bool_]:

@@ -9,20 +9,53 @@ from fitter.data.trials import Trial
 #: The direction in which a joint moves is told behind a Gaussian of this width [s]: unlike a sharp filter it does
 #: not ring, so nothing seems to move the other way before it starts.
 _DIRECTION_S = 0.006
+#: … or, where it is slow, behind one so many times wider, as long as it won't change its sign within so many of
+#: its widths.
+_WIDER, _WITHIN = (4.0, 2.0), 2.0
+#: Velocities so many times the noise are told from rest; below so many times that of the narrow filter they are
+#: slow. The wider one says so: a choice by the noisier would be a choice by its noise.
+_SIGMAS, _SLOW = 4.0, 8.0
 
 
-def velocity(trial: Trial) -> Floats:
-    """Return the velocity behind a Gaussian, (n_sample, n_joint)."""
-    width = _width(trial.dt_s) / trial.dt_s
+def velocity(trial: Trial, times: float = 1.0) -> Floats:
+    """Return the velocity behind a Gaussian, (n_sample, n_joint), or behind one so many times wider."""
+    width = times * _width(trial.dt_s) / trial.dt_s
     if "q" not in trial.whole:
         return np.asarray(gaussian_filter1d(trial.dq, width, axis=0, mode="nearest"), dtype=np.float64)
     slopes = gaussian_filter1d(trial.whole["q"], width, axis=0, order=1, mode="nearest") / trial.dt_s
     return np.asarray(slopes[trial.trimmed : trial.trimmed + len(trial.t)], dtype=np.float64)
 
 
-def velocity_gain(dt_s: float) -> float:
+def told_from_rest(trial: Trial, noise: Floats, least: Floats) -> tuple[Floats, Floats]:
+    """Return the velocity where a joint is seen to move, 0 elsewhere, and its rms noise, (n_sample, n_joint) each.
+
+    A wide filter sees slow motion, and blurs when it began: so the velocity it shows counts only where it is far
+    from changing its sign.
+
+    Parameters
+    ----------
+    trial : Trial
+    noise : (n_joint,)
+        Rms of the white noise in the angles [rad or m].
+    least : (n_joint,)
+        Slower joints rest.
+    """
+    found, left = np.zeros((2, *trial.dq.shape))
+    slow = _SLOW * noise * velocity_gain(trial.dt_s)
+    for times in (*_WIDER, 1.0):
+        moves, own = velocity(trial, times), noise * velocity_gain(trial.dt_s, times)
+        sure, may = np.abs(moves), found == 0.0
+        if times > 1.0:
+            may &= sure < slow
+            sure -= _WITHIN * times * _width(trial.dt_s) * np.abs(np.gradient(moves, trial.dt_s, axis=0))
+        told = may & (sure > np.maximum(least, _SIGMAS * own))
+        found, left = np.where(told, moves, found), np.where(told, own, left)
+    return found, left
+
+
+def velocity_gain(dt_s: float, times: float = 1.0) -> float:
     """Return the rms of `velocity` per rms of white noise in the angle [1/s]."""
-    return float(np.sqrt(dt_s / (4.0 * np.sqrt(np.pi) * _width(dt_s) ** 3)))
+    return float(np.sqrt(dt_s / (4.0 * np.sqrt(np.pi) * (times * _width(dt_s)) ** 3)))
 
 
 def sharper(dq: Floats, dt_s: float) -> Floats:

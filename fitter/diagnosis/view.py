@@ -25,6 +25,8 @@ class View:
         Of the links, and the torque that reaches the joints.
     factor : (n_joint,)
         By which each row of the regressor counts: 1 over a gain of the drive.
+    direction : (n_sample, n_joint)
+        Of the links' motion, -1 to 1.
     drift : (n_joint,)
         Rate at which the joints' friction grows with the run's time [1/s].
     columns : tuple of ndarray of shape (n_sample, n_joint, n_column)
@@ -37,6 +39,7 @@ class View:
     dq: Floats
     ddq: Floats
     u: Floats
+    direction: Floats
     factor: Floats
     drift: Floats
     columns: tuple[Floats, ...] = field(default=())
@@ -49,19 +52,20 @@ class View:
         states = np.zeros((len(self.q), N_STATE))
         dq = (self.motion.speed if self.dq is self.motion.dq else self.dq)[:, joint]
         states[:, 0], states[:, 1], states[:, 2] = self.motion.t, self.q[:, joint], dq
-        states[:, 3], states[:, 4] = self.motion.direction[:, joint], self.u[:, joint]
+        states[:, 3], states[:, 4] = self.direction[:, joint], self.u[:, joint]
         return states
 
-    def speed_noise(self, joint: int) -> float:
-        """Return the rms noise of the velocity among `states`, 0 where that is not known."""
-        return float(self.motion.speed_noise[joint]) if self.dq is self.motion.dq else 0.0
+    def speed_noise(self, joint: int) -> Floats:
+        """Return the rms noise of the velocity among `states`, (n_sample,), 0 where that is not known."""
+        noise = self.motion.speed_noise[:, joint]
+        return noise if self.dq is self.motion.dq else np.zeros_like(noise)
 
     def base(self, independent: NDArray[np.intp]) -> Floats:
         """Return the base regressor's rows, (n_sample, n_joint, n_base)."""
         n = self.arm.n_joint
         Y = regressor(self.arm, self.q, self.dq, self.ddq)
         for j in range(n):
-            Y[:, j, 11 * n + j] = self.motion.direction[:, j]
+            Y[:, j, 11 * n + j] = self.direction[:, j]
             if self.drift[j]:
                 Y[:, j, 10 * n + j :: n] *= 1.0 + self.drift[j] * np.maximum(self.motion.t, 0.0)[:, None]
         rows = Y[..., independent]
@@ -79,4 +83,5 @@ class View:
 def view_of(motion: Motion, arm: Arm) -> View:
     """Return a motion as it was measured."""
     n = motion.q.shape[1]
-    return View(motion, arm, motion.q, motion.dq, motion.ddq, motion.u, np.ones(n), np.zeros(n))
+    moves = motion.q, motion.dq, motion.ddq, motion.u, motion.direction
+    return View(motion, arm, *moves, factor=np.ones(n), drift=np.zeros(n))
