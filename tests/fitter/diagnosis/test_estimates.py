@@ -43,15 +43,18 @@ def test_friction_that_would_push_is_none_in_a_simulation(regression):
     assert np.isfinite(found.std).all()
 
 
-@pytest.mark.parametrize("seed", range(6))
-def test_the_numbers_of_a_push_which_one_place_tells_lie_within_their_errors(seed: int) -> None:
+def test_the_numbers_of_a_push_which_one_place_tells_are_off_by_their_errors():
     """What a single block tells is fitted to its noise: the blocks' scatter does not show its error."""
     true = {"start_s": 2.2137, "duration_s": 0.2051, "torque_N_m": 0.5}
     pushed = Effect("external_push", true, joints=(1,))
-    trials = to_trials(swings((pushed,), trials=4, seed=seed), cutoff_hz=25.0)
-    regression = Regression(pendulum(), run_of(pendulum(), trials[:3], trials[3:]))
-    one = Pushes(catalogue()["external_push"], 0, np.array([[2.2, 0.2]]), free=True)
-    found = fitted(regression, Model().plus(one, one.starts([])[0]))
-    numbers = estimates(regression, found).effects[0]
-    for name, value in true.items():
-        assert abs(numbers[name].value - value) < 4.0 * numbers[name].std < 0.4 * value
+    off = []
+    for seed in range(12):
+        trials = to_trials(swings((pushed,), trials=4, seed=seed), cutoff_hz=25.0)
+        regression = Regression(pendulum(), run_of(pendulum(), trials[:3], trials[3:]))
+        one = Pushes(catalogue()["external_push"], 0, np.array([[2.2, 0.2]]), free=True)
+        found = fitted(regression, Model().plus(one, one.starts([])[0]))
+        numbers = estimates(regression, found).effects[0]
+        off.append([(numbers[name].value - value) / numbers[name].std for name, value in true.items()])
+        assert all(numbers[name].std < 0.2 * value for name, value in true.items())
+    # More than 1.7 in the mean square comes by chance once in a thousand times.
+    np.testing.assert_array_less(np.sqrt(np.mean(np.square(off), axis=0)), 1.7)

@@ -74,7 +74,7 @@ def test_beside_others_a_cause_without_a_size_must_explain_more(
 def test_causes_that_a_function_outdoes_are_not_named(regression: Regression, search: Search) -> None:
     remainder = describe(regression, search.final)
     numbers = estimates(regression, search.final)
-    outdone = replace(search, function=search.function / 10.0)
+    outdone = replace(search, function=0.1)
     assert outdone.outdone and not search.outdone
     assert verdict_of(outdone, remainder, numbers, held=False, strict=True) == "unexplained"
     assert verdict_of(outdone, remainder, numbers, held=False, strict=False) == "named"
