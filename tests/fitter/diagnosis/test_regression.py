@@ -5,10 +5,15 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from arm.arm_file import load_arm
 from arm.base_parameters import base_parameters
+from arm.effects.catalogue import catalogue
 from arm.regressor import standard_parameters
+from arm.simulation import simulate
+from fitter.data.motions import Measured
 from fitter.data.trials import to_trials
 from fitter.diagnosis.attenuation import added, noise_of
+from fitter.diagnosis.in_drive import InDrive
 from fitter.diagnosis.model import Model
 from fitter.diagnosis.motion import run_of
 from fitter.diagnosis.regression import Regression, scaled_lstsq
@@ -20,6 +25,23 @@ from tests.fitter.pendulum import pendulum, swings
 def regression():
     trials = to_trials(swings((), trials=8, seed=2), cutoff_hz=25.0)
     return Regression(pendulum(), run_of(pendulum(), trials[:4], trials[4:]))
+
+
+@pytest.fixture(scope="module")
+def two_joints():
+    arm, rng = load_arm("dd-arm-vertical"), np.random.default_rng(0)
+    t = np.arange(500) * 0.004
+    motions = []
+    for k in range(2):
+        ref = 0.5 * np.sin(np.outer(t, [3.0, 5.0]) + rng.uniform(0.0, 6.0, 2))
+        motion = simulate(arm, ref, 0.004, ref[0])
+        columns = {
+            "q": motion.q + 2e-4 * rng.normal(size=ref.shape),
+            "tau": motion.tau + 0.01 * rng.normal(size=ref.shape),
+        }
+        motions.append(Measured(f"{k}", "test", 0, t, columns))
+    trials = to_trials(motions, cutoff_hz=25.0)
+    return Regression(arm, run_of(arm, trials[:1], trials[1:]))
 
 
 def test_what_is_left_of_the_true_model_has_the_variance_of_noise(regression):
@@ -66,3 +88,26 @@ def test_noise_in_the_columns_is_what_it_is_expected_to_be():
     pull = sum(one.pull for one in found)[0, inertia]
     assert told.gram[0, inertia, inertia] == pytest.approx(gram, rel=0.15)
     assert told.pull[0, inertia] == pytest.approx(pull, rel=0.5)  # by the law the torque has the angle's noise
+
+
+def test_torques_at_one_joint_are_filtered_as_among_all(two_joints):
+    motion, weighting = two_joints.motions[0], two_joints.weighting
+    torques = np.random.default_rng(0).normal(size=(len(motion.t), 3))
+    for joint in range(2):
+        rows = np.zeros((len(motion.t), 2, 3))
+        rows[:, joint] = torques
+        whole = weighting.filtered(motion, rows).reshape(-1, 3)
+        np.testing.assert_allclose(weighting.filtered_at(motion, joint, torques), whole, atol=1e-9)
+
+
+def test_a_gain_makes_of_the_rows_what_it_makes_of_the_regressor(two_joints):
+    kind = catalogue()["gain_error"]
+    for joint, factor in ((0, 0.7), (1, 1.3)):
+        model = Model().plus(InDrive(kind, (joint,)), np.array([factor]))
+        motion = two_joints.motions[1]
+        view = two_joints.view(model, motion)
+        rows = view.base(two_joints.equations.independent(view.arm))
+        whole = two_joints.weighting.filtered(motion, rows)
+        np.testing.assert_allclose(
+            two_joints.rows(model, motion).design, whole.reshape(-1, rows.shape[2]), atol=1e-8
+        )

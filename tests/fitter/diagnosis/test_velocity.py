@@ -1,10 +1,16 @@
 """Velocities behind filters, and the noise that these leave."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from scipy.ndimage import gaussian_filter1d
 
-from fitter.diagnosis.velocity import sharper, sharper_gain
+from fitter.data.trials import Trial, to_trials
+from fitter.diagnosis.velocity import sharper, sharper_gain, told_from_rest, velocity, velocity_gain
+from tests.fitter.pendulum import swings
+
+NOISE = 2e-4
 
 
 @pytest.mark.parametrize("dt_s", [0.0005, 0.002, 0.01])
@@ -14,3 +20,48 @@ def test_the_noise_of_a_velocity_is_what_its_filters_leave(dt_s: float) -> None:
     angle = 1e-4 * rng.normal(size=(200_000, 1))
     slopes = gaussian_filter1d(angle, width, axis=0, order=1) / dt_s
     assert np.std(sharper(slopes, dt_s)) == pytest.approx(1e-4 * sharper_gain(dt_s), rel=0.03)
+
+
+def trial_of(q: np.ndarray, dt_s: float, seed: int = 0) -> Trial:
+    """Return a trial of one joint with these angles and noise."""
+    some = to_trials(swings((), trials=1), cutoff_hz=25.0)[0]
+    noisy = q[:, None] + NOISE * np.random.default_rng(seed).normal(size=(len(q), 1))
+    t = np.arange(len(q)) * dt_s
+    return replace(some, t=t, dt_s=dt_s, q=noisy, dq=np.zeros_like(noisy), whole={"q": noisy}, trimmed=0)
+
+
+def told(q: np.ndarray, dt_s: float) -> tuple[np.ndarray, np.ndarray]:
+    seen, noise = told_from_rest(trial_of(q, dt_s), np.array([NOISE]), np.array([1e-4]))
+    return seen[:, 0], noise[:, 0]
+
+
+def test_slow_motion_that_the_narrow_filter_hides_is_seen():
+    dt_s, speed = 0.002, 0.015
+    assert speed < 4.0 * NOISE * velocity_gain(dt_s)
+    q = speed * np.arange(4000) * dt_s
+    seen, noise = told(q, dt_s)
+    inner = slice(100, -100)
+    assert np.mean(seen[inner] > 0.0) > 0.99
+    off = seen[inner] - speed
+    assert np.std(off) == pytest.approx(np.median(noise[inner]), rel=0.2)
+    assert abs(off.mean()) < 0.05 * speed  # no choice by noise
+
+
+def test_rest_stays_rest():
+    seen, _ = told(np.zeros(20_000), 0.002)
+    assert np.mean(seen != 0.0) < 2e-3
+
+
+def test_a_reversal_is_never_taken_for_motion_the_other_way():
+    dt_s = 0.002
+    t = np.arange(5000) * dt_s
+    seen, _ = told(0.05 * np.sin(2.0 * t), dt_s)
+    true = 0.1 * np.cos(2.0 * t)
+    wrong = (np.sign(seen) == -np.sign(true)) & (np.abs(true) > 1e-3)
+    assert not wrong[100:-100].any()
+
+
+@pytest.mark.parametrize("times", [1.0, 2.0, 4.0])
+def test_the_gain_of_a_wider_filter(times):
+    trial = trial_of(np.zeros(100_000), 0.002)
+    assert np.std(velocity(trial, times)) == pytest.approx(NOISE * velocity_gain(0.002, times), rel=0.05)

@@ -1,0 +1,65 @@
+"""Between motor and link: whose motion friction brakes."""
+
+import numpy as np
+import pytest
+
+from arm.effects.catalogue import catalogue
+from arm.model import Effect
+from fitter.data.trials import to_trials
+from fitter.diagnosis.estimates import estimates
+from fitter.diagnosis.in_transmission import InTransmission
+from fitter.diagnosis.model import Model
+from fitter.diagnosis.motion import Motion, run_of
+from fitter.diagnosis.regression import Regression
+from fitter.diagnosis.screening import fitted
+from fitter.diagnosis.view import view_of
+from tests.fitter.pendulum import pendulum, swings
+
+STIFF, DAMPED = 40.0, 0.8
+
+
+@pytest.fixture(scope="module")
+def motions() -> list[Motion]:
+    soft = Effect("joint_elasticity", {"stiffness_N_m_rad": STIFF, "damping_N_m_s": DAMPED}, joints=(1,))
+    trials = to_trials(swings((soft,), trials=8, seed=3), cutoff_hz=25.0)
+    return run_of(pendulum(), trials[:6], trials[6:])
+
+
+def test_friction_follows_the_link_where_motor_and_link_part(motions):
+    spring = InTransmission(catalogue()["joint_elasticity"], (0,))
+    psi = np.array([1.0 / STIFF, DAMPED / STIFF])
+    apart = same = 0
+    for motion in motions:
+        view = spring.act(view_of(motion, pendulum()), psi)
+        sure = ~motion.stuck[:, 0] & (np.abs(view.dq[:, 0]) > 0.1)
+        np.testing.assert_array_equal(np.sign(view.direction[sure, 0]), np.sign(view.dq[sure, 0]))
+        apart += np.sum(view.direction[sure, 0] * motion.direction[sure, 0] < 0.0)
+        same += np.sum(view.direction[sure, 0] * motion.direction[sure, 0] > 0.0)
+        assert not np.any(view.direction[motion.stuck])
+    assert 0 < apart < same
+
+
+def test_spring_and_friction_behind_it_come_back(motions):
+    regression = Regression(pendulum(), motions)
+    spring = InTransmission(catalogue()["joint_elasticity"], (0,))
+    start = min(
+        (fitted(regression, Model().plus(spring, psi), refine=False) for psi in spring.starts(motions)),
+        key=lambda one: float(one.squares.sum()),
+    )
+    found = fitted(regression, start.model)
+    numbers = estimates(regression, found)
+    for name, true in (("stiffness_N_m_rad", STIFF), ("damping_N_m_s", DAMPED)):
+        number = numbers.effects[0][name]
+        assert abs(number.value - true) < 4.0 * number.std < true
+    friction = dict(zip(numbers.base.names, zip(numbers.values, numbers.std, strict=True), strict=True))
+    for name, true in (("D1", 0.3), ("fc1", 0.05)):
+        value, std = friction[name]
+        assert abs(value - true) < 4.0 * std < true
+
+
+def test_a_stiff_spring_changes_no_direction(motions):
+    spring = InTransmission(catalogue()["joint_elasticity"], (0,))
+    view = view_of(motions[0], pendulum())
+    stiff = spring.act(view, np.array([1e-7, 1e-5]))
+    fast = np.abs(motions[0].speed[:, 0]) > 0.1
+    np.testing.assert_allclose(stiff.direction[fast], view.direction[fast], atol=0.05)
