@@ -26,7 +26,7 @@ def test_friction_that_jumps_somewhere_in_a_short_rest_is_followed(first):
     stuck = np.zeros(400, dtype=np.bool_)
     stuck[begin:end] = True
     k = np.arange(400)
-    torque = np.where((k >= begin) & (k < end), np.where(k < begin + first, -1.0, 1.0), 0.0) * end_weight(400, dt_s)
+    torque = np.where(k < begin + first, -1.0, 1.0) * stuck * end_weight(400, dt_s)
     shapes = holding_shapes(stuck, dt_s)
     slow = gaussian_filter1d(np.column_stack([torque, shapes]), 5.0, axis=0)  # 15 Hz, as the filter's band
     left = slow[:, 0] - slow[:, 1:] @ np.linalg.lstsq(slow[:, 1:], slow[:, 0], rcond=1e-9)[0]
