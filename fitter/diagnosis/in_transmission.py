@@ -66,8 +66,6 @@ class InTransmission(Hypothesis):
         q, dq, ddq = view.q.copy(), view.dq.copy(), view.ddq.copy()
         for column, added in zip((q, dq, ddq), change, strict=True):
             column[:, j] += added
-        if self._play:
-            return replace(view, q=q, dq=dq, ddq=ddq)
         direction = view.direction.copy()
         seen = _direction(view.motion.speed[:, j] + change[1], view.motion.speed_noise[:, j])
         direction[:, j] = np.where(view.motion.stuck[:, j], 0.0, seen)

@@ -28,6 +28,8 @@ _ROUNDS, _FEW_ROUNDS = 25, 8
 _DEPENDENT = 1e-12
 #: No model leaves less noise than this share of what the base model does.
 _LEAST_NOISE = 0.05
+#: A torque that another differs from by this share of its rms is cut off.
+_CUT = 0.01
 
 
 class Regression:
@@ -58,7 +60,7 @@ class Regression:
         self.arm = arm
         self.motions = list(motions)
         self.denied = denied
-        self._scales: dict[object, Floats] = {}
+        self._cuts: dict[object, Floats] = {}
         self._noises: dict[object, Noise] = {}
         self._noisier = noisier(arm, self.motions)
         self._plainly: Floats | None = None
@@ -134,13 +136,15 @@ class Regression:
     def scale(self, model: Model, x: Floats) -> Floats:
         """Return by how much residuals of a model count more because it leaves less noise in them, (n_joint,).
 
-        Noise of the angles enters times masses that are in proportion to the torque that is let through: a
-        torque that is cut off to nothing would leave nothing, and explain nothing.
+        Noise of the angles enters times masses that are in proportion to the torque that is let through, that of
+        the torque where it is not cut off: a torque cut off to nothing would leave nothing, and explain nothing.
         """
         drives = {hypothesis.kind.name for hypothesis in model.hypotheses if hypothesis.kind.place == "drive"}
-        scale = np.ones(self.arm.n_joint)
-        if "torque_saturation" in drives:
-            scale *= self._let_through(model)
+        now = np.ones(self.arm.n_joint)
+        if drives:
+            noise = self._noise(model, self.learning)
+            own = noise.own / np.maximum(noise.own + np.einsum("k,jkl,l->j", x, noise.gram, x), 1e-300)
+            now -= self._cut_off(model) * own
         if drives - {"torque_saturation"}:
             count = sum(-(-len(motion.t) // self.weighting.stride) for motion in self.learning)
             if self._plainly is None:
@@ -148,9 +152,8 @@ class Regression:
                 left = self._noise(base, self.learning).left(self.solve(base, self.learning)[0])
                 # One an equation is what a filter is made for; this one may be made for another model.
                 self._plainly = np.minimum(left, count)
-            now = 1.0 + (self._noise(model, self.learning).left(x) - self._plainly) / count
-            scale /= np.sqrt(np.maximum(now, _LEAST_NOISE))
-        return scale
+            now *= 1.0 + (noise.left(x) - self._plainly) / count
+        return np.asarray(1.0 / np.sqrt(np.maximum(now, _LEAST_NOISE)))
 
     def _noise(self, model: Model, motions: Sequence[Motion]) -> Noise:
         """Return what one draw of noise makes of the equations of some motions."""
@@ -172,18 +175,21 @@ class Regression:
             at += hypothesis.n_column
         return noise_of(columns, loud.target - rows.target)
 
-    def _let_through(self, model: Model) -> Floats:
+    def _cut_off(self, model: Model) -> Floats:
+        """Return in which share of a joint's motion its torque, and the noise in it, is cut off, (n_joint,)."""
+        if not any(hypothesis.kind.name == "torque_saturation" for hypothesis in model.hypotheses):
+            return np.zeros(self.arm.n_joint)
         key = tuple(
             (hypothesis.key, psi.tobytes()) for hypothesis, psi in zip(model.hypotheses, model.psi, strict=True)
         )
-        if key not in self._scales:
-            asked, reaches = np.zeros((2, self.arm.n_joint))
+        if key not in self._cuts:
+            cut, moving = np.zeros((2, self.arm.n_joint))
             for motion in self.learning:
-                view = self.view(model, motion)
-                asked += np.sum(motion.u**2 * ~motion.stuck, axis=0)
-                reaches += np.sum(view.u**2 * ~motion.stuck, axis=0)
-            self._scales[key] = np.sqrt(np.maximum(asked, 1e-300) / np.maximum(reaches, 1e-12 * asked + 1e-300))
-        return self._scales[key]
+                off = np.abs(self.view(model, motion).u - motion.u) > _CUT * np.sqrt(np.mean(motion.u**2, axis=0))
+                cut += np.sum(off & ~motion.stuck, axis=0)
+                moving += np.sum(~motion.stuck, axis=0)
+            self._cuts[key] = cut / np.maximum(moving, 1.0)
+        return self._cuts[key]
 
     def refined(self, model: Model, motions: Sequence[Motion], held: int = 0) -> Model:
         """Return a model with the psi that leave least; those of the first ``held`` hypotheses stay."""

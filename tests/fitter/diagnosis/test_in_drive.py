@@ -1,10 +1,22 @@
 """Torque that comes late or slowly, against closed forms."""
 
+from dataclasses import replace
+
 import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
 
-from fitter.diagnosis.in_drive import delayed, lagging
+from arm.effects.catalogue import catalogue
+from arm.model import Effect
+from arm.simulation import simulate
+from fitter.data.motions import Measured
+from fitter.data.trials import to_trials
+from fitter.diagnosis.in_drive import InDrive, delayed, lagging
+from fitter.diagnosis.model import Model
+from fitter.diagnosis.motion import run_of
+from fitter.diagnosis.regression import Regression
+from fitter.diagnosis.screening import fitted
+from tests.fitter.pendulum import pendulum, swings
 
 DT = 0.002
 
@@ -28,3 +40,25 @@ def test_what_does_not_change_is_not_changed():
     constant = np.full(50, 1.7)
     np.testing.assert_allclose(delayed(constant, 0.01, DT), 1.7)
     np.testing.assert_allclose(lagging(constant, 0.01, DT), 1.7)
+
+
+def test_a_limit_that_is_reached_now_and_then_is_not_weighed_as_if_it_were_a_gain():
+    """What is cut off is much of the torque's energy, and little of its noise."""
+    limit, rng = 28.0, np.random.default_rng(0)
+    arm = replace(pendulum(), effects=(Effect("torque_saturation", {"limit_N_m": limit}, joints=(1,)),))
+    motions = []
+    for one in swings((), trials=6, seed=5):
+        moved = simulate(arm, one.columns["ref"], 0.004, one.columns["ref"][0])
+        noise = rng.normal(size=(2, len(moved.t), 1))
+        measured = {"q": moved.q + 2e-4 * noise[0], "tau": moved.tau + 0.1 * noise[1]}
+        motions.append(Measured(one.name, "test", 0, moved.t, measured))
+    trials = to_trials(motions, cutoff_hz=25.0)
+    regression = Regression(pendulum(), run_of(pendulum(), trials[:4], trials[4:]))
+    found = fitted(regression, Model().plus(InDrive(catalogue()["torque_saturation"], (0,)), np.array([27.0])))
+    asked = np.concatenate([motion.u for motion in regression.motions])
+    share = float(np.mean(np.abs(asked) > limit))
+    energy = float(np.sum(asked**2) / np.sum(np.clip(asked, -limit, limit) ** 2))
+    assert abs(found.model.psi[0][0] - limit) < 0.02 * limit
+    assert 0.02 < share < 0.2
+    scale = float(regression.scale(found.model, found.x)[0] ** 2)
+    assert 1.0 < scale < 1.0 + 0.7 * (energy - 1.0)
