@@ -11,6 +11,7 @@ from fitter.data.motions import Measured
 from fitter.data.resample import Uniform, resample, split_at_holes
 from fitter.data.trials import FIT_CORNER, Trial, derive, undriven
 from fitter.diagnosis.causes import find_causes
+from fitter.diagnosis.corner import corner_hz
 from fitter.diagnosis.estimates import Estimates, estimates, extended_arm
 from fitter.diagnosis.finding import Finding, NamedCause, Tried, Verdict
 from fitter.diagnosis.holding import Holding, holdings
@@ -19,7 +20,7 @@ from fitter.diagnosis.hypothesis import Hypothesis
 from fitter.diagnosis.in_arm import Payload
 from fitter.diagnosis.judgement import gain, judged
 from fitter.diagnosis.model import Model
-from fitter.diagnosis.motion import Motion, corner_hz, run_of
+from fitter.diagnosis.motion import Motion, run_of
 from fitter.diagnosis.next_experiment import next_experiment
 from fitter.diagnosis.pushes import Pushes
 from fitter.diagnosis.regression import Regression
@@ -106,7 +107,7 @@ def diagnose(
         [resample(part, rate_hz) for one in some for part in split_at_holes(one)] for some in (learn, evaluate)
     ]
     say = progress or (lambda _what, _done: None)
-    corner = corner_hz(min(1.0 / grid.dt_s for some in grids for grid in some))
+    corner = corner_hz([grid for some in grids for grid in some])
     learning, evaluating = _trials(grids, corner, free)
     regression = Regression(arm, run_of(arm, learning, evaluating), denied, _scale_of(arm) if free else None)
     unseen = _shows_only_where_it_is_judged(regression)

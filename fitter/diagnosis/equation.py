@@ -27,8 +27,8 @@ from arm.model import Arm, Floats
 from fitter.diagnosis.motion import Motion, noise_of_angles, white_noise
 from fitter.diagnosis.unknown_torque import end_weight, holding_shapes, jump_shapes
 
-#: The band ends here [Hz], or at this share of the columns' corner, where their filter still lets all through.
-_BAND_HZ, _BAND_SHARE = 18.0, 0.6
+#: The band ends at this share of the columns' corner, where their filter still lets all through.
+_BAND_SHARE = 0.6
 #: Samples a period of the band's end on the slower grid.
 _SAMPLES = 2.5
 #: A perfect torque or angle has at least the noise of rounding, as a share of its rms.
@@ -193,5 +193,5 @@ def weighting(arm: Arm, motions: Sequence[Motion]) -> Weighting:
     acceleration = np.diag(angle**2)
     dt_s = max(motion.dt_s for motion in motions)
     corner = min(*(motion.trial.cutoff_hz for motion in motions), 0.4 / dt_s)
-    band = min(_BAND_HZ, _BAND_SHARE * corner)
+    band = _BAND_SHARE * corner
     return Weighting(torque, acceleration, band, max(1, int(1.0 / (dt_s * _SAMPLES * band))))

@@ -15,11 +15,6 @@ from fitter.diagnosis.unknown_torque import lasting
 from fitter.diagnosis.velocity import sharper, sharper_gain, told_from_rest, velocity
 from limbcal.errors import DataError
 
-#: Columns are cut off at this frequency, if the sampling allows it: above it hardly any motion is left, and the
-#: noise of an angle that was differentiated twice is large enough to bend the regressors.
-CORNER_HZ = 30.0
-#: … and at this share of the sampling rate.
-_SHARE_OF_RATE = 0.2
 #: A joint is taken to be stuck below this share of its top speed in the run, or where noise hides how it moves.
 _STUCK_SHARE = 0.004
 #: A jump comes at a sample, as far as controller and recorder share a clock; what a fast loop does within the step
@@ -77,16 +72,6 @@ class Motion:
     stuck: NDArray[np.bool_]
     dt_s: float
     jumps: tuple[tuple[float, int, float], ...] = ()
-
-    @property
-    def corner_hz(self) -> float:
-        """Corner that its columns are cut off at; what is derived from them must be, too."""
-        return self.trial.cutoff_hz
-
-
-def corner_hz(rate_hz: float) -> float:
-    """Return the corner that columns of this rate are cut off at."""
-    return min(CORNER_HZ, _SHARE_OF_RATE * rate_hz)
 
 
 def run_of(arm: Arm, learn: Sequence[Trial], evaluate: Sequence[Trial], thin: bool = True) -> list[Motion]:
