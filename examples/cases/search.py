@@ -13,14 +13,15 @@ import numpy as np
 
 from arm.model import Arm
 from fitter.data.motions import Measured
-from fitter.data.resample import resample, split_at_holes
+from fitter.data.resample import Uniform, resample, split_at_holes
 from fitter.data.trials import FIT_CORNER, Trial, derive, undriven
+from fitter.diagnosis.corner import corner_hz
 from fitter.diagnosis.dependence import Dependence
 from fitter.diagnosis.estimates import estimates, extended_arm
 from fitter.diagnosis.hypotheses import hypotheses
 from fitter.diagnosis.hypothesis import Hypothesis
 from fitter.diagnosis.model import Model
-from fitter.diagnosis.motion import Motion, corner_hz, run_of
+from fitter.diagnosis.motion import Motion, run_of
 from fitter.diagnosis.regression import Regression
 from fitter.diagnosis.screening import Candidate
 from fitter.diagnosis.unknown import Remainder, describe
@@ -131,8 +132,11 @@ def find(
     set_aside : tuple of str
         Effects that are not tried.
     """
-    corner = corner_hz(rate_hz)
-    learning, evaluating = (_trials(some, rate_hz, corner, known is not None) for some in (learn, evaluate))
+    grids = [
+        [resample(part, rate_hz) for one in some for part in split_at_holes(one)] for some in (learn, evaluate)
+    ]
+    corner = corner_hz([grid for some in grids for grid in some])
+    learning, evaluating = (_trials(some, corner, known is not None) for some in grids)
     regression = Regression(arm, run_of(arm, learning, evaluating), denied, known)
     tried = [
         one for one in hypotheses(arm.n_joint, denied, driven=known is None) if one.kind.name not in set_aside
@@ -162,8 +166,7 @@ def find(
     return Found(regression, whole, listed, told, describe(regression, models[-1]))
 
 
-def _trials(some: Sequence[Measured], rate_hz: float, corner: float, free: bool) -> list[Trial]:
-    grids = [resample(part, rate_hz) for one in some for part in split_at_holes(one)]
+def _trials(grids: Sequence[Uniform], corner: float, free: bool) -> list[Trial]:
     trials = [derive(grid, corner, FIT_CORNER * corner) for grid in grids]
     return [undriven(trial) for trial in trials] if free else trials
 

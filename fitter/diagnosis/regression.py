@@ -60,7 +60,7 @@ class Regression:
         self.arm = arm
         self.motions = list(motions)
         self.denied = denied
-        self._cuts: dict[object, Floats] = {}
+        self._scales: dict[object, Floats] = {}
         self._noises: dict[object, Noise] = {}
         self._noisier = noisier(arm, self.motions)
         self._plainly: Floats | None = None
@@ -136,15 +136,11 @@ class Regression:
     def scale(self, model: Model, x: Floats) -> Floats:
         """Return by how much residuals of a model count more because it leaves less noise in them, (n_joint,).
 
-        Noise of the angles enters times masses that are in proportion to the torque that is let through, that of
-        the torque where it is not cut off: a torque cut off to nothing would leave nothing, and explain nothing.
+        Noise of the angles enters times masses that are in proportion to the torque that is let through: a
+        torque that is cut off to nothing would leave nothing, and explain nothing.
         """
         drives = {hypothesis.kind.name for hypothesis in model.hypotheses if hypothesis.kind.place == "drive"}
-        now = np.ones(self.arm.n_joint)
-        if drives:
-            noise = self._noise(model, self.learning)
-            own = noise.own / np.maximum(noise.own + np.einsum("k,jkl,l->j", x, noise.gram, x), 1e-300)
-            now -= self._cut_off(model) * own
+        now = self._let_through(model) if "torque_saturation" in drives else np.ones(self.arm.n_joint)
         if drives - {"torque_saturation"}:
             count = sum(-(-len(motion.t) // self.weighting.stride) for motion in self.learning)
             if self._plainly is None:
@@ -152,8 +148,9 @@ class Regression:
                 left = self._noise(base, self.learning).left(self.solve(base, self.learning)[0])
                 # One an equation is what a filter is made for; this one may be made for another model.
                 self._plainly = np.minimum(left, count)
-            now *= 1.0 + (noise.left(x) - self._plainly) / count
-        return np.asarray(1.0 / np.sqrt(np.maximum(now, _LEAST_NOISE)))
+            left = self._noise(model, self.learning).left(x)
+            now = now * np.maximum(1.0 + (left - self._plainly) / count, _LEAST_NOISE)
+        return np.asarray(1.0 / np.sqrt(now))
 
     def _noise(self, model: Model, motions: Sequence[Motion]) -> Noise:
         """Return what one draw of noise makes of the equations of some motions."""
@@ -175,21 +172,26 @@ class Regression:
             at += hypothesis.n_column
         return noise_of(columns, loud.target - rows.target)
 
-    def _cut_off(self, model: Model) -> Floats:
-        """Return in which share of a joint's motion its torque, and the noise in it, is cut off, (n_joint,)."""
-        if not any(hypothesis.kind.name == "torque_saturation" for hypothesis in model.hypotheses):
-            return np.zeros(self.arm.n_joint)
+    def _let_through(self, model: Model) -> Floats:
+        """Return the share of each joint's torque squared that a limit lets through, (n_joint,).
+
+        It counts as far as the limit is reached: of a torque that is cut off now and then nearly all noise stays.
+        """
         key = tuple(
             (hypothesis.key, psi.tobytes()) for hypothesis, psi in zip(model.hypotheses, model.psi, strict=True)
         )
-        if key not in self._cuts:
-            cut, moving = np.zeros((2, self.arm.n_joint))
+        if key not in self._scales:
+            asked, reaches, cut, moving = np.zeros((4, self.arm.n_joint))
             for motion in self.learning:
-                off = np.abs(self.view(model, motion).u - motion.u) > _CUT * np.sqrt(np.mean(motion.u**2, axis=0))
-                cut += np.sum(off & ~motion.stuck, axis=0)
-                moving += np.sum(~motion.stuck, axis=0)
-            self._cuts[key] = cut / np.maximum(moving, 1.0)
-        return self._cuts[key]
+                u, moves = self.view(model, motion).u, ~motion.stuck
+                asked += np.sum(motion.u**2 * moves, axis=0)
+                reaches += np.sum(u**2 * moves, axis=0)
+                off = np.abs(u - motion.u) > _CUT * np.sqrt(np.mean(motion.u**2, axis=0))
+                cut += np.sum(off & moves, axis=0)
+                moving += np.sum(moves, axis=0)
+            through = np.clip(reaches / np.maximum(asked, 1e-300), 1e-12, 1.0)
+            self._scales[key] = through ** (cut / np.maximum(moving, 1.0))
+        return self._scales[key]
 
     def refined(self, model: Model, motions: Sequence[Motion], held: int = 0) -> Model:
         """Return a model with the psi that leave least; those of the first ``held`` hypotheses stay."""
