@@ -111,6 +111,12 @@ class Weighting:
         axes, lost = self._axes(motion)
         return int(axes.shape[0] - np.count_nonzero(lost == 1.0))
 
+    def told_at_joints(self, motion: Motion) -> Floats:
+        """Return the same joint by joint, (n_joint,): what is eliminated counts where it would have been seen."""
+        axes, lost = self._axes(motion)
+        gone = np.sum(axes[:, lost == 1.0] ** 2, axis=1).reshape(-1, motion.q.shape[1])
+        return np.asarray(np.sum(1.0 - gone, axis=0), dtype=np.float64)
+
     def _axes(self, motion: Motion) -> tuple[Floats, Floats]:
         """Return orthonormal axes of what is not known of the torque, filtered, and how much of each is lost."""
         if motion.number not in self._held:

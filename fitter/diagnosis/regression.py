@@ -63,7 +63,6 @@ class Regression:
         self._scales: dict[object, Floats] = {}
         self._noises: dict[object, Noise] = {}
         self._noisier = noisier(arm, self.motions)
-        self._plainly: Floats | None = None
         self._last: tuple[list[Floats], Floats, Floats] = [], np.zeros(0), np.zeros(0)
         if weighted is None:
             crude = Equations(arm, weighting(arm, self.motions), denied, known)
@@ -142,15 +141,20 @@ class Regression:
         drives = {hypothesis.kind.name for hypothesis in model.hypotheses if hypothesis.kind.place == "drive"}
         now = self._let_through(model) if "torque_saturation" in drives else np.ones(self.arm.n_joint)
         if drives - {"torque_saturation"}:
-            count = sum(-(-len(motion.t) // self.weighting.stride) for motion in self.learning)
-            if self._plainly is None:
-                base = Model()
-                left = self._noise(base, self.learning).left(self.solve(base, self.learning)[0])
-                # One an equation is what a filter is made for; this one may be made for another model.
-                self._plainly = np.minimum(left, count)
             left = self._noise(model, self.learning).left(x)
-            now = now * np.maximum(1.0 + (left - self._plainly) / count, _LEAST_NOISE)
+            now = now * np.maximum(left / self._plainly, _LEAST_NOISE)
         return np.asarray(1.0 / np.sqrt(now))
+
+    @cached_property
+    def _plainly(self) -> Floats:
+        """Noise that the base model leaves, (n_joint,), but no more than one an equation that tells something.
+
+        That is what a filter is made for; this one may be made for another model.
+        """
+        base = Model()
+        count = np.sum([self.weighting.told_at_joints(motion) for motion in self.learning], axis=0)
+        left = self._noise(base, self.learning).left(self.solve(base, self.learning)[0])
+        return np.asarray(np.clip(left, 1e-300, count), dtype=np.float64)
 
     def _noise(self, model: Model, motions: Sequence[Motion]) -> Noise:
         """Return what one draw of noise makes of the equations of some motions."""
