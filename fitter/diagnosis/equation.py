@@ -25,7 +25,7 @@ import scipy.linalg
 
 from arm.model import Arm, Floats
 from fitter.diagnosis.motion import Motion, noise_of_angles, white_noise
-from fitter.diagnosis.unknown_torque import end_weight, holding_shapes, jump_shapes
+from fitter.diagnosis.unknown_torque import end_shapes, end_weight, holding_shapes, jump_shapes
 
 #: The band ends at this share of the columns' corner, where their filter still lets all through.
 _BAND_SHARE = 0.6
@@ -33,7 +33,7 @@ _BAND_SHARE = 0.6
 _SAMPLES = 2.5
 #: A perfect torque or angle has at least the noise of rounding, as a share of its rms.
 _LEAST_NOISE = 1e-4
-#: Holding torques that the filter leaves less than this of, beside the largest, hold nothing.
+#: Unknown torques that the filter leaves less than this of, beside the largest, do nothing.
 _LITTLE = 1e-6
 
 
@@ -50,12 +50,15 @@ class Weighting:
     band_hz : float
     stride : int
         Every so manieth sample is kept.
+    holding : (n_joint,) [N m or N]
+        What holds a stuck joint may be so large, as a standard deviation; inf where nothing tells.
     """
 
     torque_noise: Floats
     acceleration_noise: Floats
     band_hz: float
     stride: int
+    holding: Floats
     _held: dict[int, tuple[Floats, Floats]] = field(default_factory=dict, repr=False)
     _boxes: dict[tuple[int, int, float], tuple[Floats, Floats]] = field(default_factory=dict, repr=False)
     _gains: dict[tuple[int, float], Floats] = field(default_factory=dict, repr=False)
@@ -69,6 +72,21 @@ class Weighting:
     def covariance(self, f: float) -> Floats:
         """Return the noise's covariance a sample at a frequency [Hz], (n_joint, n_joint)."""
         return np.diag(self.torque_noise**2) + self.acceleration_noise * (2.0 * np.pi * f) ** 4
+
+    def mean_noise(self, joint: int, weight: Floats, dt_s: float) -> float:
+        """Return the noise of a weighted mean of a joint's unfiltered equation, rms [N m or N].
+
+        The angles' noise enters it by the weight's second derivative, for a mean of differences is one of ends.
+
+        Parameters
+        ----------
+        joint : int
+        weight : (n_sample,)
+        dt_s : float
+        """
+        bend = np.diff(np.pad(weight, 2), 2) / dt_s**2
+        white, angles = self.torque_noise[joint], self.acceleration_noise[joint, joint]
+        return float(np.sqrt(white**2 * (weight @ weight) + angles * (bend @ bend)))
 
     def filtered(self, motion: Motion, rows: Floats) -> Floats:
         """Return rows (n_sample, n_joint, …), filtered and on the slower grid, without what may hold a joint."""
@@ -106,46 +124,40 @@ class Weighting:
             self._boxes[key] = filtered, filtered.T @ filtered
         return self._boxes[key]
 
-    def told(self, motion: Motion) -> int:
+    def told(self, motion: Motion) -> float:
         """Return how many numbers a motion's equations tell."""
-        axes, lost = self._axes(motion)
-        return int(axes.shape[0] - np.count_nonzero(lost == 1.0))
+        return float(np.sum(self.told_at_joints(motion)))
 
     def told_at_joints(self, motion: Motion) -> Floats:
         """Return the same joint by joint, (n_joint,): what is eliminated counts where it would have been seen."""
         axes, lost = self._axes(motion)
-        gone = np.sum(axes[:, lost == 1.0] ** 2, axis=1).reshape(-1, motion.q.shape[1])
+        variance = 1.0 - (1.0 - lost) ** 2
+        gone = (axes**2 @ variance).reshape(-1, motion.q.shape[1])
         return np.asarray(np.sum(1.0 - gone, axis=0), dtype=np.float64)
 
     def _axes(self, motion: Motion) -> tuple[Floats, Floats]:
         """Return orthonormal axes of what is not known of the torque, filtered, and how much of each is lost."""
         if motion.number not in self._held:
-            held = self._held_axes(motion)
-            if not motion.jumps:
-                self._held[motion.number] = held, np.ones(held.shape[1])
-                return self._held[motion.number]
-            jumped = self._white(jump_shapes(motion.jumps, *motion.q.shape), motion.dt_s)
-            jumped = jumped.reshape(held.shape[0], -1)
-            U, size, _ = np.linalg.svd(jumped - held @ (held.T @ jumped), full_matrices=False)
+            anyhow, roughly = self._unknown(motion)
+            held = _orthonormal(anyhow)
+            U, size, _ = np.linalg.svd(roughly - held @ (held.T @ roughly), full_matrices=False)
             lost = np.concatenate([np.ones(held.shape[1]), 1.0 - 1.0 / np.sqrt(1.0 + size**2)])
             self._held[motion.number] = np.hstack([held, U]), lost
         return self._held[motion.number]
 
-    def _held_axes(self, motion: Motion) -> Floats:
-        """Return an orthonormal basis of the holding torques, filtered."""
+    def _unknown(self, motion: Motion) -> tuple[Floats, Floats]:
+        """Return torques that may have any size, and those of one standard deviation, filtered, one a column."""
         n, n_joint = motion.q.shape
-        shapes = [holding_shapes(motion.stuck[:, j], motion.dt_s) for j in range(n_joint)]
-        rows = np.zeros((n, n_joint, sum(one.shape[1] for one in shapes)))
-        at = 0
-        for j, one in enumerate(shapes):
-            rows[:, j, at : at + one.shape[1]] = one / end_weight(n, motion.dt_s)[:, None]
-            at += one.shape[1]
-        white = self._white(rows, motion.dt_s).reshape(-1, rows.shape[2])
-        size = np.linalg.norm(white, axis=0)
-        white /= np.where(size > 0.0, size, 1.0)  # a rest of one sample makes nothing of one of its hats
-        Q, R, _ = scipy.linalg.qr(white, mode="economic", pivoting=True, check_finite=False)
-        size = np.abs(np.diag(R))
-        return np.ascontiguousarray(Q[:, : len(size)][:, size > _LITTLE * size[0]])
+        ends = end_shapes(n, motion.dt_s)
+        anyhow = [_at(j, ends, n_joint) for j in range(n_joint)]
+        roughly = [jump_shapes(motion.jumps, n, n_joint)]
+        for j, holding in enumerate(self.holding):
+            shapes = holding_shapes(motion.stuck[:, j], motion.dt_s)
+            known = bool(np.isfinite(holding))
+            (roughly if known else anyhow).append(_at(j, shapes * holding if known else shapes, n_joint))
+        white = (self._white(np.concatenate(part, axis=2), motion.dt_s) for part in (anyhow, roughly))
+        first, second = (rows.reshape(rows.shape[0] * n_joint, rows.shape[2]) for rows in white)
+        return first, second
 
     def _white(self, rows: Floats, dt_s: float, joints: slice = slice(None)) -> Floats:
         """Return rows of some joints, filtered and on the slower grid, (n_slower, n_joint, …)."""
@@ -157,8 +169,8 @@ class Weighting:
         flat = (rows * end_weight(n, dt_s).reshape(n, *([1] * (rows.ndim - 1)))).reshape(n, -1)
         part = scipy.fft.rfft(flat, size, axis=0)[:kept].reshape(kept, rows.shape[1], -1)
         white = scipy.fft.irfft((gain[:, :, joints] @ part).reshape(kept, -1), slower, axis=0) / self.stride
-        shape = -1, gain.shape[1], *rows.shape[2:]
-        return np.asarray(white[: -(-n // self.stride)], dtype=np.float64).reshape(shape)
+        kept = -(-n // self.stride)
+        return np.asarray(white[:kept], dtype=np.float64).reshape(kept, gain.shape[1], *rows.shape[2:])
 
     def _gain(self, f: Floats, dt_s: float) -> Floats:
         key = len(f), dt_s
@@ -171,6 +183,22 @@ class Weighting:
             root = np.linalg.inv(np.linalg.cholesky(noise))
             self._gains[key] = root * (band / np.sqrt(passes))[:, None, None]
         return self._gains[key]
+
+
+def _at(joint: int, torques: Floats, n_joint: int) -> Floats:
+    """Return torques (n_sample, n_torque) at one joint as rows of all of them, (n_sample, n_joint, n_torque)."""
+    rows = np.zeros((len(torques), n_joint, torques.shape[1]))
+    rows[:, joint] = torques
+    return rows
+
+
+def _orthonormal(columns: Floats) -> Floats:
+    """Return an orthonormal basis of what columns span."""
+    size = np.linalg.norm(columns, axis=0)
+    scaled = columns / np.where(size > 0.0, size, 1.0)  # a rest of one sample makes nothing of one of its hats
+    Q, R, _ = scipy.linalg.qr(scaled, mode="economic", pivoting=True, check_finite=False)
+    size = np.abs(np.diag(R))
+    return np.ascontiguousarray(Q[:, : len(size)][:, size > _LITTLE * size[0]])
 
 
 def weighting(arm: Arm, motions: Sequence[Motion]) -> Weighting:
@@ -200,4 +228,5 @@ def weighting(arm: Arm, motions: Sequence[Motion]) -> Weighting:
     dt_s = max(motion.dt_s for motion in motions)
     corner = min(*(motion.trial.cutoff_hz for motion in motions), 0.4 / dt_s)
     band = _BAND_SHARE * corner
-    return Weighting(torque, acceleration, band, max(1, int(1.0 / (dt_s * _SAMPLES * band))))
+    nothing_told = np.full(arm.n_joint, np.inf)
+    return Weighting(torque, acceleration, band, max(1, int(1.0 / (dt_s * _SAMPLES * band))), nothing_told)

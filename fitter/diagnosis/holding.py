@@ -5,20 +5,17 @@ tell what holds the joint: the drive's torque less the arm's own. Coulomb fricti
 whatever holds more is the paper's F.
 """
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from arm.effects.catalogue import catalogue
 from arm.model import Floats
-from fitter.diagnosis.motion import Motion
 from fitter.diagnosis.regression import Regression
 from fitter.diagnosis.screening import Candidate
+from fitter.diagnosis.unknown_torque import inner_rests
 from fitter.search.fitted_parameter import FittedParameter
 
-#: A rest counts where it lasts this long once this much is cut off at both its ends [s].
-_LASTS_S, _CUT_S = 0.1, 0.06
 #: A rest is held by more than Coulomb friction if it is so by this share of it, by so many times the standard
 #: error of what held it, which is the noise's and the model's, and by this share of the joint's rms torque: what
 #: no model has in it.
@@ -69,7 +66,7 @@ def holdings(regression: Regression, final: Candidate, covariance: Floats) -> li
     unit = catalogue()["stiction"].parameters[0].unit
     if any(one.kind.place == "transmission" for one in final.model.hypotheses):
         return []  # what the links do at rest is not seen
-    friction = regression.friction_of(final.model, final.x)[:, 1]
+    friction = regression.equations.friction(final.model, final.x, regression.motions[0])[:, 1]
     found = []
     for j in range(regression.arm.n_joint):
         if any(one.kind.name in _HOLDS and j in one.joints for one in final.model.hypotheses):
@@ -98,7 +95,7 @@ def _held(
     for motion in regression.motions:
         if motion.learn != learn:
             continue
-        rests = _rests(motion, joint)
+        rests = inner_rests(motion.stuck[:, joint], motion.dt_s)
         if not rests:
             continue
         held = regression.equations.left(final.model, final.x, motion)[:, joint]
@@ -109,26 +106,5 @@ def _held(
             torque.append(abs(float(weight @ held[part])))
             slope = weight @ slopes[part]
             model_error = np.sqrt(max(float(slope @ known @ slope), 0.0))
-            noise.append(float(np.hypot(_noise(regression, weight, motion.dt_s, joint), model_error)))
+            noise.append(float(np.hypot(regression.weighting.mean_noise(joint, weight, motion.dt_s), model_error)))
     return np.array(torque), np.array(noise)
-
-
-def _noise(regression: Regression, weight: Floats, dt_s: float, joint: int) -> float:
-    """Return the standard error of a weighted mean of a joint's equation.
-
-    The angles' noise enters it by the weight's second derivative, for a mean of differences is one of ends.
-    """
-    white, angles = regression.weighting.torque_noise[joint], regression.weighting.acceleration_noise[joint, joint]
-    bend = np.diff(np.pad(weight, 2), 2) / dt_s**2
-    return float(np.sqrt(white**2 * (weight @ weight) + angles * (bend @ bend)))
-
-
-def _rests(motion: Motion, joint: int) -> Sequence[slice]:
-    stuck = motion.stuck[:, joint].astype(np.int8)
-    edges = np.diff(np.concatenate([[0], stuck, [0]]))
-    cut = round(_CUT_S / motion.dt_s)
-    return [
-        slice(begin + cut, end - cut)
-        for begin, end in zip(np.flatnonzero(edges == 1), np.flatnonzero(edges == -1), strict=True)
-        if (end - begin - 2 * cut) * motion.dt_s >= _LASTS_S
-    ]

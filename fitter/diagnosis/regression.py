@@ -13,9 +13,9 @@ import numpy as np
 import scipy.optimize
 
 from arm.model import Arm, Floats
-from arm.regressor import standard_parameters
 from fitter.diagnosis.attenuation import Noise, added, compensated, noise_of, noisier
 from fitter.diagnosis.equation import Weighting, weighting
+from fitter.diagnosis.holding_size import holding_sizes
 from fitter.diagnosis.hypothesis import Hypothesis
 from fitter.diagnosis.model import Model
 from fitter.diagnosis.motion import Motion
@@ -230,15 +230,9 @@ class Regression:
         values = scaled_lstsq(
             np.vstack([one.design for one in rows]), np.concatenate([one.target.ravel() for one in rows])
         )
-        return reweighted(crude, Model(), values, self.motions, self._noisier)
-
-    def friction_of(self, model: Model, x: Floats) -> Floats:
-        """Return the joints' viscous and Coulomb friction by a model's factors, (n_joint, 2)."""
-        n = self.arm.n_joint
-        kept = self.equations.independent(self.view(model, self.motions[0]).arm)
-        standard = standard_parameters(self.arm)
-        standard[kept] = x[: len(kept)]
-        return np.stack([standard[10 * n : 11 * n], standard[11 * n :]], axis=1)
+        weighted = reweighted(crude, Model(), values, self.motions, self._noisier)
+        fine = Equations(self.arm, weighted, self.denied, crude.known)
+        return replace(weighted, holding=holding_sizes(fine, Model(), values, self.motions), _held={})
 
 
 def _noise_key(hypothesis: Hypothesis, psi: Floats) -> tuple[object, ...]:

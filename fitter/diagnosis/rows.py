@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from arm.model import Arm, Floats
+from arm.regressor import standard_parameters
 from fitter.diagnosis.equation import Weighting
 from fitter.diagnosis.hypothesis import Hypothesis
 from fitter.diagnosis.model import Model
@@ -157,6 +158,14 @@ class Equations:
         view = self.view(model, motion)
         columns = np.concatenate([view.base(self.independent(view.arm)), *view.columns], axis=2)
         return view.target(self.known) - columns @ x
+
+    def friction(self, model: Model, x: Floats, motion: Motion) -> Floats:
+        """Return the joints' viscous and Coulomb friction by a model's factors, (n_joint, 2)."""
+        n = self.arm.n_joint
+        kept = self.independent(self.view(model, motion).arm)
+        standard = standard_parameters(self.arm)
+        standard[kept] = x[: len(kept)]
+        return np.stack([standard[10 * n : 11 * n], standard[11 * n :]], axis=1)
 
     def slopes(self, model: Model, x: Floats, motion: Motion) -> Floats:
         """Return by how much the torque that is left falls with each factor and each psi, unfiltered.

@@ -19,6 +19,8 @@ STUCK_S = 0.012
 HAT_S = 0.06
 #: Where it comes to rest, friction jumps, nobody sees when: near both ends of a rest hats are so far apart [s].
 _ENDS_S = (0.0, 0.015, 0.03)
+#: Well inside a rest is what lasts this long once this much is cut off at both its ends [s].
+_LASTS_S, _CUT_S = 0.1, 0.06
 
 
 def end_weight(n: int, dt_s: float) -> Floats:
@@ -30,25 +32,33 @@ def end_weight(n: int, dt_s: float) -> Floats:
     return weight
 
 
-def holding_shapes(stuck: NDArray[np.bool_], dt_s: float) -> Floats:
-    """Return the shapes of which the unknown torque on one joint is made up, (n_sample, n_shape).
+def end_shapes(n: int, dt_s: float) -> Floats:
+    """Return the torques, to be weighted, that the weight makes of the angles' noise at both ends, (n_sample, 4).
 
-    What holds a stuck joint can be any torque, smooth as the drive's is meanwhile: hats `HAT_S` apart. At both
-    ends of the motion the weight makes of the angles' noise an impulse and its derivative.
+    At each it makes an impulse and its derivative.
     """
-    n = len(stuck)
     weight = end_weight(n, dt_s)
     first, second = np.gradient(weight), np.gradient(np.gradient(weight))
     halves = np.arange(n) < n // 2
-    shapes = [first * halves, second * halves, first * ~halves, second * ~halves]
-    for begin, end in _intervals(stuck):
+    shapes = np.stack([first * halves, second * halves, first * ~halves, second * ~halves], axis=1)
+    return np.asarray(shapes / weight[:, None], dtype=np.float64)
+
+
+def holding_shapes(stuck: NDArray[np.bool_], dt_s: float) -> Floats:
+    """Return the shapes of which the torque is made up that holds one joint, (n_sample, n_shape).
+
+    It is as smooth as the drive's is meanwhile: hats `HAT_S` apart.
+    """
+    n = len(stuck)
+    shapes = [np.zeros((n, 0))]
+    for begin, end in intervals(stuck):
         knots = _knots(begin, end, dt_s)
         samples = np.arange(begin, end)
         for k in range(len(knots)):
             hat = np.zeros(n)
             hat[begin:end] = np.interp(samples, knots, np.eye(len(knots))[k])
-            shapes.append(hat)
-    return np.stack(shapes, axis=1)
+            shapes.append(hat[:, None])
+    return np.concatenate(shapes, axis=1)
 
 
 def _knots(begin: int, end: int, dt_s: float) -> Floats:
@@ -64,15 +74,26 @@ def lasting(stuck: NDArray[np.bool_], dt_s: float) -> NDArray[np.bool_]:
     """Return what of a mask (n_sample, n_joint) lasts: a joint that passes through zero speed is not stuck."""
     kept = np.zeros(stuck.shape, dtype=np.bool_)
     for j in range(stuck.shape[1]):
-        for begin, end in _intervals(stuck[:, j]):
+        for begin, end in intervals(stuck[:, j]):
             if end - begin >= STUCK_S / dt_s:
                 kept[begin:end, j] = True
     return kept
 
 
-def _intervals(mask: NDArray[np.bool_]) -> list[tuple[int, int]]:
+def intervals(mask: NDArray[np.bool_]) -> list[tuple[int, int]]:
+    """Return where a mask (n_sample,) is set: the first sample of each run, and the first behind it."""
     edges = np.diff(np.concatenate([[0], mask.astype(np.int8), [0]]))
     return list(zip(np.flatnonzero(edges == 1).tolist(), np.flatnonzero(edges == -1).tolist(), strict=True))
+
+
+def inner_rests(stuck: NDArray[np.bool_], dt_s: float) -> list[slice]:
+    """Return the samples well inside the rests of one joint, (n_sample,): there it does stand still."""
+    cut = round(_CUT_S / dt_s)
+    return [
+        slice(begin + cut, end - cut)
+        for begin, end in intervals(stuck)
+        if (end - begin - 2 * cut) * dt_s >= _LASTS_S
+    ]
 
 
 def jump_shapes(jumps: Sequence[tuple[float, int, float]], n: int, n_joint: int) -> Floats:

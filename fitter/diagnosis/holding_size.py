@@ -1,0 +1,52 @@
+"""How large the torque may be that holds a stuck joint: no larger than what was seen to hold it anywhere.
+
+A joint that is asked for 1 N m, and has never been held by more than 0.01, moves at once. Unknown torques of any
+size next to such a start could do whatever a lag, a limit or a play does to it.
+"""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from arm.model import Floats
+from fitter.diagnosis.model import Model
+from fitter.diagnosis.motion import Motion
+from fitter.diagnosis.rows import Equations
+from fitter.diagnosis.unknown_torque import inner_rests
+
+#: What holds is looked at in windows so long [s], and counts by what it exceeds so many times its noise by.
+_WINDOW_S, _SIGMAS = 0.2, 3.0
+#: So many times the largest torque that has held is allowed for, as a standard deviation: more might have held.
+_ALLOWED = 2.0
+
+
+def holding_sizes(equations: Equations, model: Model, x: Floats, motions: Sequence[Motion]) -> Floats:
+    """Return the standard deviation of what may hold each joint.
+
+    It is told by what holds it well inside its rests, where it was seen to stand still for a while: the drive's
+    torque less the arm's own. Coulomb friction is allowed for in any case.
+
+    Parameters
+    ----------
+    equations : Equations
+    model : Model
+    x : (n_factor,)
+    motions : sequence of Motion
+
+    Returns
+    -------
+    (n_joint,) [N m or N]
+        inf for a joint that never rests for long: nothing tells what would hold it.
+    """
+    largest = np.full(equations.arm.n_joint, np.nan)
+    for motion in motions:
+        held = equations.left(model, x, motion)
+        for j in range(len(largest)):
+            for rest in inner_rests(motion.stuck[:, j], motion.dt_s):
+                weight = np.hanning(min(rest.stop - rest.start, round(_WINDOW_S / motion.dt_s)) + 2)[1:-1]
+                weight /= weight.sum()
+                seen = np.abs(np.convolve(held[rest, j], weight, "valid"))
+                beyond = float(seen.max()) - _SIGMAS * equations.weighting.mean_noise(j, weight, motion.dt_s)
+                largest[j] = np.fmax(largest[j], max(beyond, 0.0))
+    coulomb = np.abs(equations.friction(model, x, motions[0])[:, 1])
+    return np.asarray(np.where(np.isnan(largest), np.inf, _ALLOWED * np.fmax(largest, coulomb)), dtype=np.float64)
