@@ -9,11 +9,11 @@ a matrix, for the noise of one angle enters the equations of all joints. Both si
 ``L^-1`` with ``L L^T = S``, and what lies beyond the columns' corner is cut off. The residual of the true model is
 then white with variance 1, so that plain least squares is all but maximum likelihood, and no
 frequency is thrown away that tells something. A slower grid holds all that is left. While a joint is stuck its
-friction may be anything: unknown torques there, of a few shapes each, are eliminated from both sides
-(`unknown_torque`), which costs what the rest could have told and leaves the noise of everything else white. A
-torque that jumps does so between two samples: impulses j of known variance there make the noise's covariance
-``I + sum j j^T``, so with the singular values s of the impulses, equations count ``1 / sqrt(1 + s^2)`` times along
-each of their axes.
+friction is not known, and a torque that jumps does so between two samples: unknown torques j there, of a few
+shapes each (`unknown_torque`) and of known variance, make the noise's covariance ``I + sum j j^T``, so with the
+singular values s of all of them, equations count ``1 / sqrt(1 + s^2)`` times along each of their axes. Those of
+any size are eliminated from both sides, which costs what they could have told and leaves the noise of everything
+else white.
 """
 
 from collections.abc import Sequence

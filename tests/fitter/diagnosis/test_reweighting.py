@@ -51,8 +51,9 @@ def test_a_filter_that_takes_the_noise_for_less_is_found_out(
 def test_noise_that_couples_joints_is_looked_at_along_every_direction() -> None:
     """Each joint alone has as much as it was taken to have; what they have not in common is ten times as much."""
     torque = np.full(2, 1e-6)
-    used, right = (Weighting(torque, np.array([[1.0, c], [c, 1.0]]), 18.0, 3, np.full(2, np.inf)) for c in (0.99, 0.9))
+    anything = np.full(2, np.inf)
+    used, right = (Weighting(torque, np.array([[1.0, c], [c, 1.0]]), 18.0, 3, anything) for c in (0.99, 0.9))
     assert not will_do(used, right)
     assert will_do(used, used)
-    loud = Weighting(np.full(2, 1e6), right.acceleration_noise, 18.0, 3)
+    loud = Weighting(np.full(2, 1e6), right.acceleration_noise, 18.0, 3, anything)
     assert will_do(replace(used, torque_noise=loud.torque_noise), loud)  # it is drowned by the torque's own
