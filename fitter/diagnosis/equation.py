@@ -25,7 +25,7 @@ import scipy.linalg
 
 from arm.model import Arm, Floats
 from fitter.diagnosis.motion import Motion, noise_of_angles, white_noise
-from fitter.diagnosis.unknown_torque import end_shapes, end_weight, holding_shapes, jump_shapes
+from fitter.diagnosis.unknown_torque import end_shapes, end_weight, holding_shapes, jump_shapes, rest_shapes
 
 #: The band ends at this share of the columns' corner, where their filter still lets all through.
 _BAND_SHARE = 0.6
@@ -153,8 +153,10 @@ class Weighting:
         roughly = [jump_shapes(motion.jumps, n, n_joint)]
         for j, holding in enumerate(self.holding):
             shapes = holding_shapes(motion.stuck[:, j], motion.dt_s)
-            known = bool(np.isfinite(holding))
-            (roughly if known else anyhow).append(_at(j, shapes * holding if known else shapes, n_joint))
+            if np.isfinite(holding):
+                roughly.append(_at(j, holding * shapes, n_joint))
+                shapes = rest_shapes(motion.stuck[:, j])
+            anyhow.append(_at(j, shapes, n_joint))
         white = (self._white(np.concatenate(part, axis=2), motion.dt_s) for part in (anyhow, roughly))
         first, second = (rows.reshape(rows.shape[0] * n_joint, rows.shape[2]) for rows in white)
         return first, second

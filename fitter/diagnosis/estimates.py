@@ -155,7 +155,9 @@ def _numbers(
         step[k] = SLOPE * max(abs(both[k]), 1e-6)
         ahead, behind = (hypothesis.numbers((both + s)[n:], (both + s)[:n]) for s in (step, -step))
         slopes[:, k] = (ahead - behind) / (2.0 * step[k])
-    variance = np.maximum(np.einsum("ij,jk,ik->i", slopes, covariance, slopes), 0.0)
+    variance = np.maximum(np.einsum("ij,jk,ik->i", slopes, np.nan_to_num(covariance), slopes), 0.0)
+    untold = np.isnan(np.diag(covariance))
+    variance[np.any(slopes[:, untold] != 0.0, axis=1)] = np.nan
     std = np.sqrt(variance + hypothesis.hidden(motions, values) ** 2)
     return {
         name: FittedParameter(float(value), float(error), unit, bool(np.isfinite(error)))

@@ -61,6 +61,14 @@ def holding_shapes(stuck: NDArray[np.bool_], dt_s: float) -> Floats:
     return np.concatenate(shapes, axis=1)
 
 
+def rest_shapes(stuck: NDArray[np.bool_]) -> Floats:
+    """Return torques that last as long as one rest of a joint each, (n_sample, n_rest)."""
+    shapes = np.zeros((len(stuck), len(rests := intervals(stuck))))
+    for k, (begin, end) in enumerate(rests):
+        shapes[begin:end, k] = 1.0
+    return shapes
+
+
 def _knots(begin: int, end: int, dt_s: float) -> Floats:
     """Return where the hats of a rest stand, in samples: close at its ends, not so close between."""
     near = np.array(_ENDS_S) / dt_s
