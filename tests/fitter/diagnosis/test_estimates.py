@@ -58,3 +58,16 @@ def test_the_numbers_of_a_push_which_one_place_tells_are_off_by_their_errors():
         assert all(numbers[name].std < 0.2 * value for name, value in true.items())
     # More than 1.7 in the mean square comes by chance once in a thousand times.
     np.testing.assert_array_less(np.sqrt(np.mean(np.square(off), axis=0)), 1.7)
+
+
+def test_a_push_that_outlasts_the_recording_hides_no_other_number():
+    """When it ended nobody knows: that is one number."""
+    pushed = Effect("external_push", {"start_s": 11.3, "duration_s": 2.0, "torque_N_m": 0.5}, joints=(1,))
+    trials = to_trials(swings((pushed,), trials=4, seed=3), cutoff_hz=25.0)
+    regression = Regression(pendulum(), run_of(pendulum(), trials[:3], trials[3:]))
+    one = Pushes(catalogue()["external_push"], 0, np.array([[11.3, 2.0]]), free=True)
+    found = fitted(regression, Model().plus(one, one.starts([])[0]), refine=False)
+    numbers = estimates(regression, found).effects[0]
+    assert not numbers["duration_s"].identifiable
+    assert numbers["torque_N_m"].value == pytest.approx(0.5, abs=4.0 * numbers["torque_N_m"].std)
+    assert numbers["start_s"].std < 0.05
