@@ -24,6 +24,7 @@ from fitter.diagnosis.model import Model
 from fitter.diagnosis.motion import Motion, run_of
 from fitter.diagnosis.regression import Regression
 from fitter.diagnosis.screening import Candidate
+from fitter.diagnosis.turned_gravity import turned
 from fitter.diagnosis.unknown import Remainder, describe
 from fitter.search.fitted_parameter import FittedParameter
 
@@ -155,6 +156,7 @@ def find(
         anew = _learnt(regression, regression.refined(ranked[0].model, regression.learning))
         beside.append((second.hypothesis if second else None, share))
         models.append(anew if _worth_it(regression, models[-1], anew) else ranked[0])
+    models = [_turned(regression, model) for model in models]
     numbers = estimates(regression, models[-1]).effects
     listed = []
     for k, (model, (second_best, share)) in enumerate(zip(models, beside, strict=True)):
@@ -175,6 +177,12 @@ def _learnt(regression: Regression, model: Model) -> Candidate:
     """Return a model whose factors the learning trials alone have told."""
     x = regression.solve(model, regression.learning)[0]
     return Candidate(model, x, regression.squares(model, x))
+
+
+def _turned(regression: Regression, model: Candidate) -> Candidate:
+    """Return a model in which gravity is no stronger than it is, unless the data says so."""
+    turning = turned(regression, model.model, estimates(regression, model))
+    return model if turning is None else _learnt(regression, regression.refined(turning, regression.learning))
 
 
 def _ranked(regression: Regression, before: Candidate, tried: Sequence[Hypothesis]) -> list[Candidate]:

@@ -22,11 +22,11 @@ from fitter.diagnosis.judgement import gain, judged
 from fitter.diagnosis.model import Model
 from fitter.diagnosis.motion import Motion, run_of
 from fitter.diagnosis.next_experiment import next_experiment
-from fitter.diagnosis.pushes import Pushes
 from fitter.diagnosis.regression import Regression
 from fitter.diagnosis.reweighting import will_do
 from fitter.diagnosis.screening import Candidate, fitted
 from fitter.diagnosis.search import Search
+from fitter.diagnosis.settled import settled
 from fitter.diagnosis.unknown import Remainder, describe
 from fitter.diagnosis.untold import without_untold
 from fitter.diagnosis.verdict import verdict_of
@@ -121,9 +121,9 @@ def diagnose(
     if search.causes and not in_vain and not will_do(regression.weighting, weighted):
         regression = regression.weighted_by(weighted)
         search = find_causes(regression, tried, lambda what, done: say(f"once more, {what}", 0.8 * done))
-    search = replace(search, final=_settled(regression, search.final))
     say("describing what is left", 0.8)
-    numbers = estimates(regression, search.final)
+    final, numbers = settled(regression, search.final)
+    search = replace(search, final=final)
     told = without_untold(regression, search, numbers) if strict else search
     if told is not search:
         search, numbers = told, estimates(regression, told.final)
@@ -176,20 +176,6 @@ def _scale_of(arm: Arm) -> tuple[int, float]:
             "expected the last link's inertia in its file"
         )
     return base.independent[inertial[-1]], float(values[inertial[-1]])
-
-
-def _settled(regression: Regression, final: Candidate) -> Candidate:
-    """Return a model with all that was held while it was sought refined too: the times of pushes."""
-    model = Model()
-    for hypothesis, psi in zip(final.model.hypotheses, final.model.psi, strict=True):
-        one, start = hypothesis, psi
-        if isinstance(hypothesis, Pushes):
-            one = Pushes(hypothesis.kind, hypothesis.joints[0], hypothesis.found, free=True)
-            start = one.starts([])[0]
-        model = model.plus(one, start)
-    if len(model.flat) > len(final.model.flat):
-        final = fitted(regression, model)
-    return final
 
 
 def _trials(grids: Sequence[Sequence[Uniform]], cutoff_hz: float, free: bool) -> list[list[Trial]]:
