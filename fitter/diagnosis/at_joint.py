@@ -77,14 +77,24 @@ class AtJoint(Hypothesis):
 
     def act(self, view: View, psi: Floats) -> View:
         """Return a motion with this effect's columns."""
-        n, n_joint = view.q.shape
-        columns = np.zeros((n, n_joint, self.n_column))
+        columns = np.zeros((*view.q.shape, self.n_column))
+        columns[:, self._joint, :] = self.torque(view, psi)
+        return replace(view, columns=(*view.columns, columns))
+
+    def torque(self, view: View, psi: Floats) -> Floats:
+        """Return its columns at its own joint, (n_sample, n_column).
+
+        At rest it is anything between what it is either way, and the mean of these stands for it.
+        """
         states, noise = view.states(self._joint), view.speed_noise(self._joint)
         seen = self._columns(psi, states)
-        columns[:, self._joint, :] = seen
+        rests = states[:, DIRECTION] == 0.0
+        if np.any(rests):
+            ahead, behind = (_moving(states[rests], way) for way in (1.0, -1.0))
+            seen[rests] = 0.5 * (self._columns(psi, ahead) + self._columns(psi, behind))
         if np.any(noise > 0.0) and self._bends(psi):
-            columns[:, self._joint, :] -= self._bent(psi, states, noise, seen)
-        return replace(view, columns=(*view.columns, columns))
+            seen = seen - self._bent(psi, states, noise, seen)
+        return seen
 
     def numbers(self, psi: Floats, factors: Floats) -> Floats:
         """Return the effect's own parameters from psi and the columns' factors."""
@@ -212,3 +222,9 @@ class AtJoint(Hypothesis):
             grid = np.linspace(parameter.low, parameter.high, _GRID)
         inside = (grid >= parameter.low) & (grid <= parameter.high)
         return np.asarray(grid[inside] if np.any(inside) else grid, dtype=np.float64)
+
+
+def _moving(states: Floats, way: float) -> Floats:
+    moved = states.copy()
+    moved[:, DIRECTION] = way
+    return moved

@@ -155,7 +155,7 @@ class Weighting:
             shapes = holding_shapes(motion.stuck[:, j], motion.dt_s)
             if np.isfinite(holding):
                 roughly.append(_at(j, holding * shapes, n_joint))
-                shapes = rest_shapes(motion.stuck[:, j])
+                shapes = rest_shapes(motion.stuck[:, j], motion.dt_s)
             anyhow.append(_at(j, shapes, n_joint))
         white = (self._white(np.concatenate(part, axis=2), motion.dt_s) for part in (anyhow, roughly))
         first, second = (rows.reshape(rows.shape[0] * n_joint, rows.shape[2]) for rows in white)

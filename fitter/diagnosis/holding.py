@@ -23,7 +23,7 @@ _MORE, _SIGMAS, _KNOWN = 0.2, 4.0, 0.01
 #: Effects that hold a joint by more than Coulomb friction themselves.
 _HOLDS = ("stribeck", "load_friction", "coulomb_asymmetry", "torque_offset", "thermal_drift")
 #: F is told as so many times the largest torque that has held, and this share of that is its standard error.
-_ABOVE, _ABOVE_ERROR = 1.2, 0.12
+ABOVE, _ABOVE_ERROR = 1.2, 0.12
 #: So many rests must be, for one may be a hand.
 _LEAST = 2
 
@@ -83,7 +83,7 @@ def holdings(regression: Regression, final: Candidate, covariance: Floats) -> li
         learnt = float(sets[0][0].max(initial=coulomb))
         was, left = (float(np.sum(np.maximum(sets[1][0] - level, 0.0) ** 2)) for level in (coulomb, learnt))
         gain = 1.0 - left / was if was > 0.0 else 0.0
-        found.append(Holding(j, FittedParameter(_ABOVE * largest, error, unit, True), gain))
+        found.append(Holding(j, FittedParameter(ABOVE * largest, error, unit, True), gain))
     return found
 
 

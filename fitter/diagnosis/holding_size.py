@@ -18,6 +18,8 @@ from fitter.diagnosis.unknown_torque import inner_rests
 _WINDOW_S, _SIGMAS = 0.2, 3.0
 #: So many times the largest torque that has held is allowed for, as a standard deviation: more might have held.
 _ALLOWED = 2.0
+#: What would hold a joint that never rests for long is taken for no more than so many times its Coulomb friction.
+_UNSEEN = 2.0
 
 
 def holding_sizes(equations: Equations, model: Model, x: Floats, motions: Sequence[Motion]) -> Floats:
@@ -36,7 +38,7 @@ def holding_sizes(equations: Equations, model: Model, x: Floats, motions: Sequen
     Returns
     -------
     (n_joint,) [N m or N]
-        inf for a joint that never rests for long: nothing tells what would hold it.
+        inf where nothing tells: a joint never rests for long, and its Coulomb friction was denied.
     """
     largest = np.full(equations.arm.n_joint, np.nan)
     for motion in motions:
@@ -49,4 +51,6 @@ def holding_sizes(equations: Equations, model: Model, x: Floats, motions: Sequen
                 beyond = float(seen.max()) - _SIGMAS * equations.weighting.mean_noise(j, weight, motion.dt_s)
                 largest[j] = np.fmax(largest[j], max(beyond, 0.0))
     coulomb = np.abs(equations.friction(model, x, motions[0])[:, 1])
-    return np.asarray(np.where(np.isnan(largest), np.inf, _ALLOWED * np.fmax(largest, coulomb)), dtype=np.float64)
+    unseen = np.inf if "fc" in equations.denied else _UNSEEN * coulomb
+    held = np.where(np.isnan(largest), unseen, np.fmax(largest, coulomb))
+    return np.asarray(_ALLOWED * held, dtype=np.float64)

@@ -61,9 +61,10 @@ def holding_shapes(stuck: NDArray[np.bool_], dt_s: float) -> Floats:
     return np.concatenate(shapes, axis=1)
 
 
-def rest_shapes(stuck: NDArray[np.bool_]) -> Floats:
-    """Return torques that last as long as one rest of a joint each, (n_sample, n_rest)."""
-    shapes = np.zeros((len(stuck), len(rests := intervals(stuck))))
+def rest_shapes(stuck: NDArray[np.bool_], dt_s: float) -> Floats:
+    """Return torques that last as long as one long rest of a joint each, (n_sample, n_rest)."""
+    rests = [(begin, end) for begin, end in intervals(stuck) if (end - begin) * dt_s >= _LASTS_S + 2.0 * _CUT_S]
+    shapes = np.zeros((len(stuck), len(rests)))
     for k, (begin, end) in enumerate(rests):
         shapes[begin:end, k] = 1.0
     return shapes

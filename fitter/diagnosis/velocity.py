@@ -1,7 +1,7 @@
 """Velocity as friction needs it: behind filters that neither ring nor are slow, with the noise that they leave."""
 
 import numpy as np
-from scipy.ndimage import gaussian_filter1d
+from scipy.ndimage import gaussian_filter1d, maximum_filter1d
 
 from arm.model import Floats
 from fitter.data.trials import Trial
@@ -15,6 +15,8 @@ _WIDER, _WITHIN = (4.0, 2.0), 2.0
 #: Velocities so many times the noise are told from rest; below so many times that of the narrow filter they are
 #: slow. The wider one says so: a choice by the noisier would be a choice by its noise.
 _SIGMAS, _SLOW = 4.0, 8.0
+#: What happens within so many widths of the narrow filter is spread into a rest.
+_AROUND = 3.0
 
 
 def velocity(trial: Trial, times: float = 1.0) -> Floats:
@@ -48,9 +50,23 @@ def told_from_rest(trial: Trial, noise: Floats, least: Floats) -> tuple[Floats, 
         if times > 1.0:
             may &= sure < slow
             sure -= _WITHIN * times * _width(trial.dt_s) * np.abs(np.gradient(moves, trial.dt_s, axis=0))
+        else:
+            sure -= _blurred(moves, own, trial.dt_s)
         told = may & (sure > np.maximum(least, _SIGMAS * own))
         found, left = np.where(told, moves, found), np.where(told, own, left)
     return found, left
+
+
+def _blurred(moves: Floats, noise: Floats, dt_s: float) -> Floats:
+    """Return the speed that a short rest seems to have behind the narrow filter, (n_sample, n_joint).
+
+    The filter spreads what happens around a rest into it: a ramp of the velocity that ends there is still seen
+    half a width times the acceleration high.
+    """
+    width = _width(dt_s)
+    steep = np.abs(np.gradient(moves, dt_s, axis=0)) - _SIGMAS * np.sqrt(1.5) / width * noise
+    around = 2 * round(_AROUND * width / dt_s) + 1
+    return np.asarray(0.5 * width * maximum_filter1d(np.maximum(steep, 0.0), around, axis=0), dtype=np.float64)
 
 
 def velocity_gain(dt_s: float, times: float = 1.0) -> float:

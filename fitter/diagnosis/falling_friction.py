@@ -1,0 +1,157 @@
+r"""What holds a joint by more than its friction: static friction, or friction that falls as the joint moves.
+
+At rest both are the same. Stribeck's hump of that height, ``A exp(-(v / v_s)^2)``, is still there while the joint
+creeps; how wide it may be, or must be, is told by the motion. Its height is told by the rests: at least what has
+held beyond Coulomb friction,
+
+    A = max(A_held, (x / s_x^2 + A_0 / s_0^2) / (1 / s_x^2 + 1 / s_0^2)),
+
+with the fit's own factor x of the hump, and the A_0 that the rests make likely.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+import scipy.optimize
+
+from arm.effects.catalogue import catalogue
+from arm.model import Floats
+from fitter.diagnosis.at_joint import AtJoint
+from fitter.diagnosis.holding import ABOVE, Holding
+from fitter.diagnosis.motion import Motion
+from fitter.diagnosis.regression import Regression
+from fitter.diagnosis.screening import Candidate, fitted
+from fitter.diagnosis.search import Cause, Search
+from fitter.diagnosis.view import View
+
+#: Less than this share of the number of equations makes no difference: the noise is not known better.
+_EQUAL = 0.01
+
+class HeldStribeck(AtJoint):
+    """Stribeck's hump of a height that rests have told: psi is its width.
+
+    Parameters
+    ----------
+    joint : int
+        From 0.
+    height : float [N m or N]
+    height_error, width_error : float
+        Standard error of the height, and what it makes of the width [rad/s].
+    """
+
+    def __init__(self, joint: int, height: float, height_error: float = 0.0, width_error: float = 0.0) -> None:
+        super().__init__(catalogue()["stribeck"], joint, {"amplitude_N_m": height})
+        self.n_column = 0
+        self._errors = np.array([height_error, width_error])
+
+    def act(self, view: View, psi: Floats) -> View:
+        """Return a motion whose drive need not overcome the hump any more."""
+        u = view.u.copy()
+        u[:, self.joints[0]] -= self.torque(view, psi)[:, 0]
+        return replace(view, u=u)
+
+    def hidden(self, motions: Sequence[Motion], values: Floats) -> Floats:
+        """Return the errors that the height brings with it."""
+        return self._errors
+
+
+@dataclass(frozen=True)
+class Hump:
+    """Friction that falls as a joint starts to move, as high as what holds it at rest.
+
+    Attributes
+    ----------
+    hypothesis : HeldStribeck
+    width : float [rad/s]
+    lowers : float
+        By how much it lowers the sum of squares; negative if it raises it, by too little to be excluded.
+    needed : bool
+        Whether it explains the motion, too, as static friction does not.
+    """
+
+    hypothesis: HeldStribeck
+    width: float
+    lowers: float
+    needed: bool
+
+
+def hump_of(regression: Regression, final: Candidate, holding: Holding) -> Hump | None:
+    """Return the hump that holds a joint; None if the motion excludes all that it could see.
+
+    Parameters
+    ----------
+    regression : Regression
+    final : Candidate
+        The model with all causes.
+    holding : Holding
+        What holds one of its joints.
+    """
+    joint, motions = holding.joint, regression.motions
+    coulomb = abs(float(regression.equations.friction(final.model, final.x, motions[0])[joint, 1]))
+    least, likely = holding.parameter.value / ABOVE - coulomb, holding.parameter.value - coulomb
+    error = holding.parameter.std
+    plain = float(np.sum(regression.solve(final.model, motions)[2] ** 2))
+    numbers = sum(regression.weighting.told(motion) for motion in motions)
+    free = AtJoint(catalogue()["stribeck"], joint)
+
+    def tried(width: float, given: float | None = None) -> tuple[float, float]:
+        """Return by how much a hump so wide raises the sum of squares, and its height."""
+        x, A, r = regression.solve(final.model.plus(free, np.array([width])), motions)
+        told = 1.0 / max(float(np.linalg.pinv(A.T @ A, hermitian=True)[-1, -1]), 1e-300)
+        height = (x[-1] * told + likely / error**2) / (told + 1.0 / error**2)
+        height = max(least, float(height)) if given is None else given
+        return float(r @ r) - plain + float((height - x[-1]) ** 2 * told), height
+
+    def best(around: tuple[float, float], given: float | None = None) -> float:
+        found = scipy.optimize.minimize_scalar(
+            lambda log: tried(float(np.exp(log)), given)[0],
+            bounds=(float(np.log(around[0])), float(np.log(around[1]))),
+            method="bounded",
+            options={"xatol": 1e-3},
+        )
+        return float(np.exp(found.x))
+
+    widths = np.sort(free.starts(motions)[:, 0])
+    raised = [tried(width)[0] for width in widths]
+    k = int(np.argmin(raised))
+    if raised[k] > _EQUAL * numbers:
+        return None
+    around = float(widths[max(k - 1, 0)]), float(widths[min(k + 1, len(widths) - 1)])
+    width = best(around)
+    raises, height = tried(width)
+    width_error = abs(best(around, height + error) - width)
+    return Hump(HeldStribeck(joint, height, error, width_error), width, -raises, -raises > _EQUAL * numbers)
+
+
+def with_humps(
+    regression: Regression, search: Search, held: Sequence[Holding]
+) -> tuple[Search, list[Holding], dict[int, Candidate]]:
+    """Return a search with the humps that hold joints, what else holds joints, and the humps that might.
+
+    Parameters
+    ----------
+    regression : Regression
+    search : Search
+    held : sequence of Holding
+        The joints that are held by more than Coulomb friction.
+
+    Returns
+    -------
+    Search, list of Holding, dict from joint to Candidate
+    """
+    others, equals = [], {}
+    for one in held:
+        hump = hump_of(regression, search.final, one)
+        if hump is None:
+            others.append(one)
+            continue
+        model = search.final.model.plus(hump.hypothesis, np.array([hump.width]))
+        final = fitted(regression, model, refine=False)
+        if hump.needed:
+            cause = Cause(len(model.hypotheses) - 1, worth=hump.lowers)
+            search = replace(search, final=final, causes=[*search.causes, cause])
+        else:
+            others.append(one)
+            equals[one.joint] = final
+    return search, others, equals
