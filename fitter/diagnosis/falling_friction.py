@@ -20,13 +20,17 @@ from arm.model import Floats
 from fitter.diagnosis.at_joint import AtJoint
 from fitter.diagnosis.holding import ABOVE, Holding
 from fitter.diagnosis.motion import Motion
-from fitter.diagnosis.regression import Regression
+from fitter.diagnosis.regression import Regression, scaled_lstsq
 from fitter.diagnosis.screening import Candidate, fitted
 from fitter.diagnosis.search import Cause, Search
 from fitter.diagnosis.view import View
 
 #: Less than this share of the number of equations makes no difference: the noise is not known better.
 _EQUAL = 0.01
+#: A hump shows in the motion if its torque is so many times its noise.
+_SHOWS = 3.0
+#: So many widths are tried for each that a search for causes tries.
+_FINER = 3
 
 class HeldStribeck(AtJoint):
     """Stribeck's hump of a height that rests have told: psi is its width.
@@ -95,13 +99,16 @@ def hump_of(regression: Regression, final: Candidate, holding: Holding) -> Hump 
     numbers = sum(regression.weighting.told(motion) for motion in motions)
     free = AtJoint(catalogue()["stribeck"], joint)
 
-    def tried(width: float, given: float | None = None) -> tuple[float, float]:
-        """Return by how much a hump so wide raises the sum of squares, and its height."""
+    def tried(width: float, given: float | None = None) -> tuple[float, float, bool]:
+        """Return by how much a hump so wide raises the sum of squares, its height, and whether it shows."""
         x, A, r = regression.solve(final.model.plus(free, np.array([width])), motions)
-        told = 1.0 / max(float(np.linalg.pinv(A.T @ A, hermitian=True)[-1, -1]), 1e-300)
+        own = A[:, -1] - A[:, :-1] @ scaled_lstsq(A[:, :-1], A[:, -1])
+        told = float(own @ own)
+        if not told * likely**2 > _SHOWS**2:
+            return 0.0, likely, False
         height = (x[-1] * told + likely / error**2) / (told + 1.0 / error**2)
         height = max(least, float(height)) if given is None else given
-        return float(r @ r) - plain + float((height - x[-1]) ** 2 * told), height
+        return float(r @ r) - plain + float((height - x[-1]) ** 2 * told), height, True
 
     def best(around: tuple[float, float], given: float | None = None) -> float:
         found = scipy.optimize.minimize_scalar(
@@ -112,14 +119,15 @@ def hump_of(regression: Regression, final: Candidate, holding: Holding) -> Hump 
         )
         return float(np.exp(found.x))
 
-    widths = np.sort(free.starts(motions)[:, 0])
-    raised = [tried(width)[0] for width in widths]
+    starts = free.starts(motions)[:, 0]
+    widths = np.geomspace(starts.min(), starts.max(), _FINER * len(starts))
+    raised = [one if seen else np.inf for one, _, seen in map(tried, widths)]
     k = int(np.argmin(raised))
     if raised[k] > _EQUAL * numbers:
         return None
     around = float(widths[max(k - 1, 0)]), float(widths[min(k + 1, len(widths) - 1)])
     width = best(around)
-    raises, height = tried(width)
+    raises, height, _ = tried(width)
     width_error = abs(best(around, height + error) - width)
     return Hump(HeldStribeck(joint, height, error, width_error), width, -raises, -raises > _EQUAL * numbers)
 

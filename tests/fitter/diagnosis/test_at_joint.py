@@ -1,11 +1,17 @@
 """Columns of an effect at a joint, and its numbers recovered from their factors."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from arm.effects.catalogue import catalogue
 from arm.effects.joint_torque import DIRECTION, DQ, torque_along
+from fitter.data.trials import to_trials
 from fitter.diagnosis.at_joint import AtJoint
+from fitter.diagnosis.motion import run_of
+from fitter.diagnosis.view import view_of
+from tests.fitter.pendulum import pendulum, swings
 
 
 def _states(n=200):
@@ -65,3 +71,13 @@ def test_noise_of_the_velocity_does_not_widen_the_hump_of_friction():
 def test_what_depends_on_the_direction_alone_does_not_bend():
     assert not AtJoint(catalogue()["coulomb_asymmetry"], 0)._bends(np.zeros(0))
     assert AtJoint(catalogue()["stribeck"], 0)._bends(np.array([0.1]))
+
+
+def test_at_rest_stands_the_mean_of_what_it_is_either_way():
+    """Friction that is stronger forwards holds around its difference; a hump holds either way."""
+    trials = to_trials(swings((), trials=2), cutoff_hz=25.0)
+    motion = run_of(pendulum(), trials[:1], trials[1:])[0]
+    view = view_of(replace(motion, direction=np.zeros_like(motion.direction)), pendulum())
+    asymmetry, hump = (AtJoint(catalogue()[name], 0) for name in ("coulomb_asymmetry", "stribeck"))
+    np.testing.assert_array_equal(asymmetry.torque(view, np.zeros(0)), 1.0)
+    np.testing.assert_array_equal(hump.torque(view, np.array([0.1])), 0.0)

@@ -7,6 +7,7 @@ import pytest
 from scipy.ndimage import gaussian_filter1d
 
 from fitter.data.trials import Trial, to_trials
+from fitter.diagnosis.unknown_torque import STUCK_S
 from fitter.diagnosis.velocity import sharper, sharper_gain, told_from_rest, velocity, velocity_gain
 from tests.fitter.pendulum import swings
 
@@ -65,3 +66,25 @@ def test_a_reversal_is_never_taken_for_motion_the_other_way():
 def test_the_gain_of_a_wider_filter(times):
     trial = trial_of(np.zeros(100_000), 0.002)
     assert np.std(velocity(trial, times)) == pytest.approx(NOISE * velocity_gain(0.002, times), rel=0.05)
+
+
+def reversing(rest_s: float) -> np.ndarray:
+    """Return angles of a joint that brakes at 40 rad/s^2, rests, and goes back at 35 rad/s^2."""
+    t = np.arange(1000) * 0.002 - 1.0
+    before, after = np.minimum(t, 0.0), np.maximum(t - rest_s, 0.0)
+    return -20.0 * np.clip(before, -0.1, 0.0) ** 2 - 17.5 * np.clip(after, 0.0, 0.1) ** 2
+
+
+def longest_rest_s(q: np.ndarray) -> float:
+    around = told(q, 0.002)[0][460:540] == 0.0
+    edges = np.flatnonzero(np.diff(np.concatenate([[False], around, [False]]).astype(np.int8)))
+    return 0.002 * float(np.max(edges[1::2] - edges[::2], initial=0))
+
+
+@pytest.mark.parametrize("rest_s", [0.016, 0.022, 0.04])
+def test_a_short_rest_that_the_filter_fills_is_seen(rest_s: float) -> None:
+    assert longest_rest_s(reversing(rest_s)) > max(STUCK_S, rest_s - 0.012)
+
+
+def test_a_joint_that_only_turns_round_does_not_rest() -> None:
+    assert longest_rest_s(reversing(0.0)) < STUCK_S
