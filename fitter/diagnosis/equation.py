@@ -29,6 +29,8 @@ from fitter.diagnosis.unknown_torque import end_shapes, end_weight, holding_shap
 
 #: The band ends at this share of the columns' corner, where their filter still lets all through.
 _BAND_SHARE = 0.6
+#: It falls off, as a squared sine, over this share of it: 3/8 of the noise in there pass.
+_EDGE = 0.2
 #: Samples a period of the band's end on the slower grid.
 _SAMPLES = 2.5
 #: A perfect torque or angle has at least the noise of rounding, as a share of its rms.
@@ -60,6 +62,7 @@ class Weighting:
     stride: int
     holding: Floats
     _held: dict[int, tuple[Floats, Floats]] = field(default_factory=dict, repr=False)
+    _told: dict[int, Floats] = field(default_factory=dict, repr=False)
     _boxes: dict[tuple[int, int, float], tuple[Floats, Floats]] = field(default_factory=dict, repr=False)
     _gains: dict[tuple[int, float], Floats] = field(default_factory=dict, repr=False)
 
@@ -130,10 +133,22 @@ class Weighting:
 
     def told_at_joints(self, motion: Motion) -> Floats:
         """Return the same joint by joint, (n_joint,): what is eliminated counts where it would have been seen."""
-        axes, lost = self._axes(motion)
-        variance = 1.0 - (1.0 - lost) ** 2
-        gone = (axes**2 @ variance).reshape(-1, motion.q.shape[1])
-        return np.asarray(np.sum(1.0 - gone, axis=0), dtype=np.float64)
+        if motion.number not in self._told:
+            axes, lost = self._axes(motion)
+            rows = axes.reshape(-1, motion.q.shape[1], axes.shape[1])
+            size = scipy.fft.next_fast_len(2 * len(rows), real=True)
+            band = self._band(scipy.fft.rfftfreq(size, self.stride * motion.dt_s))
+            # The noise is band-limited, so an axis beside the band has next to none of it to lose.
+            seen = scipy.fft.irfft(band[:, None, None] * scipy.fft.rfft(rows, size, axis=0), size, axis=0)
+            gone = np.sum(seen**2, axis=0) @ (1.0 - (1.0 - lost) ** 2)
+            passes = 2.0 * self.stride * motion.dt_s * (1.0 - 0.625 * _EDGE) * self.band_hz
+            self._told[motion.number] = passes * len(rows) - gone
+        return self._told[motion.number]
+
+    def _band(self, f: Floats) -> Floats:
+        """Return the share of an amplitude that passes at some frequencies [Hz]."""
+        edge = np.clip((self.band_hz - f) / (_EDGE * self.band_hz), 0.0, 1.0)
+        return np.asarray(np.sin(np.pi / 2.0 * edge) ** 2, dtype=np.float64)
 
     def _axes(self, motion: Motion) -> tuple[Floats, Floats]:
         """Return orthonormal axes of what is not known of the torque, filtered, and how much of each is lost."""
@@ -177,13 +192,11 @@ class Weighting:
     def _gain(self, f: Floats, dt_s: float) -> Floats:
         key = len(f), dt_s
         if key not in self._gains:
-            edge = np.clip((self.band_hz - f) / (0.2 * self.band_hz), 0.0, 1.0)
-            band = np.sin(np.pi / 2.0 * edge) ** 2
-            passes = 2.0 * dt_s * np.trapezoid(band**2, f)  # variance of white noise that passes
+            band = self._band(f)
             f, band = f[band > 0.0], band[band > 0.0]
             noise = np.diag(self.torque_noise**2) + self.acceleration_noise * (2 * np.pi * f[:, None, None]) ** 4
             root = np.linalg.inv(np.linalg.cholesky(noise))
-            self._gains[key] = root * (band / np.sqrt(passes))[:, None, None]
+            self._gains[key] = root * (np.sqrt(self.stride) * band)[:, None, None]
         return self._gains[key]
 
 

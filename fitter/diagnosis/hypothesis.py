@@ -30,6 +30,8 @@ class Hypothesis(ABC):
     is_event = False
     #: A few steps from a start near nothing tell what it can explain; the start itself does not.
     is_gradual = False
+    #: Its columns are made of angles and their derivatives, noise included.
+    is_noisy = True
 
     def __init__(self, kind: EffectKind, joints: Sequence[int]) -> None:
         self.kind = kind
@@ -78,6 +80,10 @@ class Hypothesis(ABC):
     def hidden(self, motions: Sequence[Motion], values: Floats) -> Floats:
         """Return standard errors, (n_number,), of what these motions hide from any fit, such as times at rest."""
         return np.zeros(len(values))
+
+    def part_of(self, motion: Motion) -> object:
+        """Return when it acts in a motion, in terms that compare equal where it does so alike."""
+        return None
 
     @property
     def names(self) -> tuple[str, ...]:

@@ -146,6 +146,13 @@ class Payload(Hypothesis):
             column = np.zeros_like(column)
         return replace(view, columns=(*view.columns, column))
 
+    def part_of(self, motion: Motion) -> object:
+        """Return whether it is there, or from when on."""
+        if self.since_s is None:
+            return motion.number in self.trials
+        begun = motion.t[[0, -1]] >= self.since_s
+        return bool(begun[0]) if begun[0] == begun[1] else self.since_s
+
     def numbers(self, psi: Floats, factors: Floats) -> Floats:
         """Return the mass."""
         return np.array(factors)

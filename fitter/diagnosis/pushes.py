@@ -43,6 +43,7 @@ class Pushes(Hypothesis):
     """
 
     is_event = True
+    is_noisy = False
 
     def __init__(self, kind: EffectKind, joint: int, found: Floats, free: bool = False) -> None:
         super().__init__(kind, (joint,))

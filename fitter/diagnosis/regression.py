@@ -160,7 +160,8 @@ class Regression:
         """Return what one draw of noise makes of the equations of some motions."""
         found = []
         for motion in motions:
-            key = motion.number, *map(_noise_key, model.hypotheses, model.psi)
+            parts = zip(model.hypotheses, model.psi, strict=True)
+            key = motion.number, *((one.part_of(motion), *_noise_key(one, psi)) for one, psi in parts)
             if key not in self._noises:
                 self._noises[key] = self._noise_of(model, motion)
             found.append(self._noises[key])
@@ -171,7 +172,7 @@ class Regression:
         columns = (loud.design - rows.design).reshape(*rows.target.shape, -1)
         at = columns.shape[2] - model.n_column
         for hypothesis, psi in zip(model.hypotheses, model.psi, strict=True):
-            if len(psi) or hypothesis.is_event:  # these columns are hardly noisy, and change with psi
+            if len(psi) or not hypothesis.is_noisy:  # these columns are hardly noisy, and change with psi
                 columns[:, :, at : at + hypothesis.n_column] = 0.0
             at += hypothesis.n_column
         return noise_of(columns, loud.target - rows.target)
@@ -232,7 +233,7 @@ class Regression:
         )
         weighted = reweighted(crude, Model(), values, self.motions, self._noisier)
         fine = Equations(self.arm, weighted, self.denied, crude.known)
-        return replace(weighted, holding=holding_sizes(fine, Model(), values, self.motions), _held={})
+        return replace(weighted, holding=holding_sizes(fine, Model(), values, self.motions), _held={}, _told={})
 
 
 def _noise_key(hypothesis: Hypothesis, psi: Floats) -> tuple[object, ...]:
