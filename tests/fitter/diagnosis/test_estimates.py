@@ -31,6 +31,22 @@ def test_numbers_lie_within_their_errors(regression):
         assert abs(estimate.value - true) < 4.0 * estimate.std < 0.2 * true
 
 
+def test_errors_are_as_large_as_they_are_said_to_be_and_what_is_left_is_noise():
+    """Noise is white in the band that is looked at, not from sample to sample: neighbours are no new equations."""
+    off, left = [], []
+    for seed in range(16):
+        trials = to_trials(swings((), trials=6, seed=seed), cutoff_hz=25.0)
+        one = Regression(pendulum(), run_of(pendulum(), trials[:3], trials[3:]))
+        base = fitted(one, Model())
+        found = extended_arm(one, base, estimates(one, base)).base_parameters
+        off.append([(found[name].value - true) / found[name].std for name, true in (("D1", 0.3), ("fc1", 0.05))])
+        told = [one.weighting.told(motion) for motion in one.motions[3:]]
+        left.append(base.squares[3:].sum() / sum(told))
+    assert 0.9 < np.mean(left) < 1.15
+    # Sixteen draws are off by 0.6 to 1.45 times their error in the mean square, but for once in a hundred times.
+    assert np.all(np.abs(np.sqrt(np.mean(np.square(off), axis=0)) - 1.0) < 0.45)
+
+
 def test_friction_that_would_push_is_none_in_a_simulation(regression):
     base = fitted(regression, Model())
     x = base.x.copy()
