@@ -37,6 +37,9 @@ _SAMPLES = 2.5
 _LEAST_NOISE = 1e-4
 #: Unknown torques that the filter leaves less than this of, beside the largest, do nothing.
 _LITTLE = 1e-6
+#: Those of roughly known size whose standard deviation is below this share of the noise change nothing; products
+#: of columns have no smaller ones beside a large one.
+_DROWNED, _ROUNDING = 0.01, 1e-13
 
 
 @dataclass(frozen=True)
@@ -155,7 +158,7 @@ class Weighting:
         if motion.number not in self._held:
             anyhow, roughly = self._unknown(motion)
             held = _orthonormal(anyhow)
-            U, size, _ = np.linalg.svd(roughly - held @ (held.T @ roughly), full_matrices=False)
+            U, size = _singular(roughly - held @ (held.T @ roughly))
             lost = np.concatenate([np.ones(held.shape[1]), 1.0 - 1.0 / np.sqrt(1.0 + size**2)])
             self._held[motion.number] = np.hstack([held, U]), lost
         return self._held[motion.number]
@@ -214,6 +217,17 @@ def _orthonormal(columns: Floats) -> Floats:
     Q, R, _ = scipy.linalg.qr(scaled, mode="economic", pivoting=True, check_finite=False)
     size = np.abs(np.diag(R))
     return np.ascontiguousarray(Q[:, : len(size)][:, size > _LITTLE * size[0]])
+
+
+def _singular(columns: Floats) -> tuple[Floats, Floats]:
+    """Return the left singular vectors of columns and their values, but for those that noise drowns.
+
+    By the columns' products: exact enough for what is not, in a tenth of the time.
+    """
+    squared, axes = scipy.linalg.eigh(columns.T @ columns, check_finite=False)
+    kept = squared > max(_DROWNED**2, _ROUNDING * float(squared.max(initial=0.0)))
+    size = np.sqrt(squared[kept])
+    return columns @ (axes[:, kept] / size), size
 
 
 def weighting(arm: Arm, motions: Sequence[Motion]) -> Weighting:
