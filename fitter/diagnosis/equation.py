@@ -222,7 +222,7 @@ def _orthonormal(columns: Floats) -> Floats:
 def _singular(columns: Floats) -> tuple[Floats, Floats]:
     """Return the left singular vectors of columns and their values, but for those that noise drowns.
 
-    By the columns' products: exact enough for what is not, in a tenth of the time.
+    By the columns' products: exact enough for what is not, in half the time.
     """
     squared, axes = scipy.linalg.eigh(columns.T @ columns, check_finite=False)
     kept = squared > max(_DROWNED**2, _ROUNDING * float(squared.max(initial=0.0)))

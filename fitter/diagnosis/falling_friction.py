@@ -24,9 +24,8 @@ from fitter.diagnosis.regression import Regression, scaled_lstsq
 from fitter.diagnosis.screening import Candidate, fitted
 from fitter.diagnosis.search import Cause, Search
 from fitter.diagnosis.view import View
+from fitter.diagnosis.worth import EQUAL
 
-#: Less than this share of the number of equations makes no difference: the noise is not known better.
-_EQUAL = 0.01
 #: A hump shows in the motion if its torque is so many times its noise.
 _SHOWS = 3.0
 #: So many widths are tried for each that a search for causes tries.
@@ -123,13 +122,13 @@ def hump_of(regression: Regression, final: Candidate, holding: Holding) -> Hump 
     widths = np.geomspace(starts.min(), starts.max(), _FINER * len(starts))
     raised = [one if seen else np.inf for one, _, seen in map(tried, widths)]
     k = int(np.argmin(raised))
-    if raised[k] > _EQUAL * numbers:
+    if raised[k] > EQUAL * numbers:
         return None
     around = float(widths[max(k - 1, 0)]), float(widths[min(k + 1, len(widths) - 1)])
     width = best(around)
     raises, height, _ = tried(width)
     width_error = abs(best(around, height + error) - width)
-    return Hump(HeldStribeck(joint, height, error, width_error), width, -raises, -raises > _EQUAL * numbers)
+    return Hump(HeldStribeck(joint, height, error, width_error), width, -raises, -raises > EQUAL * numbers)
 
 
 def with_humps(

@@ -16,9 +16,7 @@ from fitter.diagnosis.in_arm import GravityTilt
 from fitter.diagnosis.model import Model
 from fitter.diagnosis.regression import Regression
 from fitter.diagnosis.view import View
-
-#: Half the width of a 95 % interval, in standard errors.
-_NORMAL_95 = 1.96
+from fitter.search.fitted_parameter import NORMAL_95
 
 
 class TurnedGravity(Hypothesis):
@@ -76,7 +74,7 @@ def turned(regression: Regression, model: Model, numbers: Estimates) -> Model | 
         strength = float(np.hypot(*inside))
         errors = np.array([number.std for number in found.values()])
         error = float(np.hypot(*(errors * inside / strength))) if strength else 0.0
-        if whole and whole < strength < whole + _NORMAL_95 * error:
+        if whole and whole < strength < whole + NORMAL_95 * error:
             direction = np.array([np.arctan2(inside[1], inside[0])])
             turning = TurnedGravity(hypothesis.kind, gravity)
             hypotheses = (*model.hypotheses[:k], turning, *model.hypotheses[k + 1 :])

@@ -35,7 +35,7 @@ _SURE = 3.0
 _MOSTLY, _HALF = 0.8, 0.5
 #: A rival is its equal if it leaves at most so much more, as a share of the number of equations (the noise is not
 #: known better than that) …
-_EQUAL, _EQUAL_AT_MOST = 0.01, 0.1
+EQUAL, _EQUAL_AT_MOST = 0.01, 0.1
 #: … or as a share of what the cause explains, since no catalogue's formula is exact, but not above the second
 #: share of that number or half of what the best leaves beyond noise itself.
 _ALIKE = 0.025
@@ -104,7 +104,7 @@ def reach(best: Candidate, gain: float, told: Floats) -> float:
     """Return the sum of squares up to which a rival is the best one's equal."""
     left, numbers = float(best.squares.sum()), float(told.sum())
     inexact = max(_EQUAL_AT_MOST * numbers, _HALF * (left - numbers))
-    return left + max(_EQUAL * numbers, min(_ALIKE * gain, inexact))
+    return left + max(EQUAL * numbers, min(_ALIKE * gain, inexact))
 
 
 def more_to_find(base: Candidate, accepted: Candidate, told: Floats) -> bool:

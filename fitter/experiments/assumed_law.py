@@ -20,10 +20,10 @@ from fitter.experiments.motion_pair import (
     motion_by_motion,
     under_the_same_control,
 )
-from fitter.experiments.parameter_rows import NORMAL_95
 from fitter.experiments.sensed_bench import sensed_one_by_one
 from fitter.experiments.table2 import QUICK_BENCH, bench_of
 from fitter.report.published import ANGLE_ERROR_OTHER_LAW_DEG
+from fitter.search.fitted_parameter import NORMAL_95
 
 #: The real arm's gains, and what somebody takes them for: both too large or too small, and not alike.
 _REAL, _TAKEN = Control("p", (9.5, 9.5)), Control("p", (11.5, 7.5))

@@ -15,9 +15,9 @@ from arm.model import Arm, Floats
 from fitter.data.trials import Trial
 from fitter.experiments.bench_data import bench_trials, true_arm, unknown_arm
 from fitter.experiments.experiment import Cell, Experiment, Grid, Settings
-from fitter.experiments.parameter_rows import NORMAL_95
 from fitter.kinematics.fit import GENERATIONS, KinematicsFit, fit_kinematics
 from fitter.report.published import SAMPLES, TABLE1
+from fitter.search.fitted_parameter import NORMAL_95
 
 #: As the paper's N and generations.
 POPULATION = 100

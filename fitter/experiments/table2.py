@@ -5,12 +5,12 @@ import numpy as np
 from arm.bench import Bench
 from fitter.experiments.bench_data import true_arm
 from fitter.experiments.experiment import Cell, Experiment, Grid, Settings
-from fitter.experiments.parameter_rows import NORMAL_95
 from fitter.experiments.sensed_bench import Method, SensedBench, sensed_bench
 from fitter.kinematics.evaluation import TipScore, tip_score
 from fitter.kinematics.fit import GENERATIONS, KinematicsFit, fit_kinematics
 from fitter.kinematics.tip_basis import UNITS, geometry_names, geometry_of
 from fitter.report.published import TABLE2
+from fitter.search.fitted_parameter import NORMAL_95
 
 POPULATION = 100
 #: The bench of the quick version.

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from arm.model import Floats
 
-_NORMAL_95 = 1.959964
+NORMAL_95 = 1.959964
 
 
 @dataclass(frozen=True)
@@ -34,7 +34,7 @@ class FittedParameter:
         """The interval that holds the truth in 95 of 100 cases; None where nothing is known of it."""
         if not np.isfinite(self.std):
             return None
-        return self.value - _NORMAL_95 * self.std, self.value + _NORMAL_95 * self.std
+        return self.value - NORMAL_95 * self.std, self.value + NORMAL_95 * self.std
 
     def document(self) -> dict[str, object]:
         """Return the parameter as it stands in a fit's JSON document."""
