@@ -15,7 +15,6 @@ from fitter.experiments.cramer_rao import least_std
 from fitter.experiments.experiment import Cell, Experiment, Grid, Settings
 from fitter.experiments.parameter_rows import (
     INERTIAL,
-    NORMAL_95,
     fitted_row,
     method_said,
     numbers,
@@ -25,6 +24,7 @@ from fitter.experiments.parameter_rows import (
     worst_inertial_percent,
 )
 from fitter.report.published import PARAMETERS, SAMPLES, TABLE3, TRUE
+from fitter.search.fitted_parameter import NORMAL_95
 
 POPULATION = 100
 _QUICK_SAMPLES = 5_000
