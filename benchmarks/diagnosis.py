@@ -28,6 +28,7 @@ import fitter.single_thread  # noqa: F401 - the processes that it starts inherit
 from benchmarks.diagnosis_case import Job, run
 from benchmarks.diagnosis_page import goals, page
 from fitter.dynamics.parallel import be_worker
+from fitter.side_by_side import work_alone
 from limbcal.command import Document, Parser, common_options, console, emit, run_command, say
 from limbcal.errors import ConfigError
 from tests.diagnosis.hidden_cases import KINDS, draw_case
@@ -56,7 +57,7 @@ def run_all(todo: list[Job], workers: int, limit_s: float) -> Iterator[dict[str,
     """Yield the lines of the cases as they are done, whatever happens to the processes that run them."""
     spawn, tries = multiprocessing.get_context("spawn"), dict.fromkeys(todo, 0)
     while tries:
-        with ProcessPoolExecutor(workers, mp_context=spawn, initializer=be_worker) as pool:
+        with ProcessPoolExecutor(workers, mp_context=spawn, initializer=_begin, initargs=(workers,)) as pool:
             futures = {pool.submit(run, job, limit_s): job for job in tries}
             for future in as_completed(futures):
                 job = futures[future]
@@ -73,6 +74,12 @@ def run_all(todo: list[Job], workers: int, limit_s: float) -> Iterator[dict[str,
                 del tries[job]
                 where = {"key": job.key, "kind": job.kind, "seed": job.seed, "effect": job.effect}
                 yield where | {"error": "the process that ran it died"}
+
+
+def _begin(workers: int) -> None:
+    be_worker()
+    if workers > 1:
+        work_alone()
 
 
 def read_log(path: Path) -> list[dict[str, Any]]:

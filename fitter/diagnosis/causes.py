@@ -12,6 +12,7 @@ import numpy as np
 
 from arm.model import Floats
 from fitter.diagnosis.folds import Folds
+from fitter.diagnosis.grid import Starts
 from fitter.diagnosis.hypotheses import EVENTS
 from fitter.diagnosis.hypothesis import Hypothesis
 from fitter.diagnosis.model import Model
@@ -32,7 +33,12 @@ _MOST = 3
 _LEADS_NOWHERE, _OTHERS, _BEGINNING, _MUCH_BETTER = 0.05, 2, 0.2, 0.5
 
 
-def find_causes(regression: Regression, tried: Sequence[Hypothesis], progress: Progress | None = None) -> Search:
+def find_causes(
+    regression: Regression,
+    tried: Sequence[Hypothesis],
+    starts: Starts | None = None,
+    progress: Progress | None = None,
+) -> Search:
     """Find the causes of what a base model leaves.
 
     Two causes that explain little one by one may explain all together, with the best single one not among them: if
@@ -42,19 +48,21 @@ def find_causes(regression: Regression, tried: Sequence[Hypothesis], progress: P
     ----------
     regression : Regression
     tried : sequence of Hypothesis
+    starts : Starts, optional
+        What another search over the same motions has left.
     progress : callable, optional
         Told what is being done, and how much of all is done (0 to 1).
     """
     told = np.array([regression.weighting.told(motion) for motion in regression.motions], dtype=np.float64)
-    base = fitted(regression, Model())
-    search = _Ascent(regression, tried, base, told, _part(progress, 0.0, 0.5)).from_base()
+    base, starts = fitted(regression, Model()), starts or Starts()
+    search = _Ascent(regression, tried, starts, base, told, _part(progress, 0.0, 0.5)).from_base()
     if search.may_be_outdone:
         function = best_functions(Folds(regression, base), regression.arm.n_joint).least
         search = replace(search, function=function)
     for k, other in enumerate(_others(search)):
         if search.outdone or not search.leaves(_LEADS_NOWHERE, UNEXPLAINED_AT_LEAST):
             break
-        again = _Ascent(regression, tried, base, told, _part(progress, 0.5 + 0.25 * k, 0.25))
+        again = _Ascent(regression, tried, starts, base, told, _part(progress, 0.5 + 0.25 * k, 0.25))
         found = again.beginning_with(search.first, other)
         if found.final.squares.sum() < _MUCH_BETTER * search.final.squares.sum():
             search = replace(found, function=search.function)
@@ -85,11 +93,13 @@ class _Ascent:
         self,
         regression: Regression,
         tried: Sequence[Hypothesis],
+        starts: Starts,
         base: Candidate,
         told: Floats,
         progress: Progress,
     ) -> None:
         self._regression, self._tried, self._base, self._told = regression, tried, base, told
+        self._starts = starts
         self._progress = progress
         self._rounds = 0
 
@@ -105,7 +115,7 @@ class _Ascent:
 
     def _screened(self, accepted: Candidate) -> list[Candidate]:
         tried = _without(self._tried, accepted.model)
-        candidates = screen(self._regression, accepted, tried, self._say("trying every effect"))
+        candidates = screen(self._regression, accepted, tried, self._starts, self._say("trying every effect"))
         self._rounds += 1
         return candidates
 
@@ -131,7 +141,7 @@ class _Ascent:
                 # What has no psi is as quickly tried as put aside.
                 again = [one for one in self._tried if one.key in promising or not len(one.low)]
                 accepted, causes = _doubted(
-                    regression, base, accepted, again, told, self._say("doubting every cause")
+                    regression, base, accepted, again, self._starts, told, self._say("doubting every cause")
                 )
                 self._rounds += 1
             found = frozenset(one.key for one in accepted.model.hypotheses)
@@ -198,6 +208,7 @@ def _doubted(
     base: Candidate,
     accepted: Candidate,
     tried: Sequence[Hypothesis],
+    starts: Starts,
     told: Floats,
     say: Callable[[int, int], None],
 ) -> tuple[Candidate, list[Cause]]:
@@ -206,7 +217,7 @@ def _doubted(
     k = 0
     while k < len(accepted.model.hypotheses):
         rest = fitted(regression, accepted.model.without(k))
-        candidates = screen(regression, rest, _without(tried, rest.model), say)
+        candidates = screen(regression, rest, _without(tried, rest.model), starts, say)
         itself = fitted(regression, accepted.model.with_last(k), refine=False)
         candidates = _with_itself(regression, rest, candidates, itself, told)
         best = simplest(rest, candidates, told)

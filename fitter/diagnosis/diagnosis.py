@@ -14,6 +14,7 @@ from fitter.diagnosis.causes import find_causes
 from fitter.diagnosis.conclusion import concluded
 from fitter.diagnosis.corner import corner_hz
 from fitter.diagnosis.finding import Finding
+from fitter.diagnosis.grid import Starts
 from fitter.diagnosis.hypotheses import hypotheses
 from fitter.diagnosis.hypothesis import Hypothesis
 from fitter.diagnosis.model import Model
@@ -121,13 +122,14 @@ def _searched(
     regression: Regression, tried: Sequence[Hypothesis], strict: bool, say: Progress
 ) -> tuple[Regression, Search]:
     """Return what a search has come to, made anew with the noise under its causes where that is another."""
-    search = find_causes(regression, tried, lambda what, done: say(what, 0.8 * done))
+    starts = Starts()
+    search = find_causes(regression, tried, starts, lambda what, done: say(what, 0.8 * done))
     weighted = regression.weighting_under(search.final.model, search.final.x)
     # A wrong drive is weighed by the noise that it lets through, which the first filter may have wrong.
     in_vain = strict and search.outdone and all(one.kind.place != "drive" for one in search.final.model.hypotheses)
     if search.causes and not in_vain and not will_do(regression.weighting, weighted):
         regression = regression.weighted_by(weighted)
-        search = find_causes(regression, tried, lambda what, done: say(f"once more, {what}", 0.8 * done))
+        search = find_causes(regression, tried, starts, lambda what, done: say(f"once more, {what}", 0.8 * done))
     return regression, search
 
 

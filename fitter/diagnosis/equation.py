@@ -97,14 +97,25 @@ class Weighting:
     def filtered(self, motion: Motion, rows: Floats) -> Floats:
         """Return rows (n_sample, n_joint, …), filtered and on the slower grid, without what may hold a joint."""
         white = self._white(rows, motion.dt_s)
-        return self._freed(motion, white.reshape(white.shape[0] * white.shape[1], -1)).reshape(white.shape)
+        return self.freed(motion, white.reshape(white.shape[0] * white.shape[1], -1)).reshape(white.shape)
 
     def filtered_at(self, motion: Motion, joint: int, torques: Floats) -> Floats:
         """Return the same of torques (n_sample, n_column) at one joint, (n_slower * n_joint, n_column)."""
         white = self._white(torques[:, None], motion.dt_s, slice(joint, joint + 1))
-        return self._freed(motion, white.reshape(-1, torques.shape[1]))
+        return self.freed(motion, white.reshape(-1, torques.shape[1]))
 
-    def _freed(self, motion: Motion, flat: Floats) -> Floats:
+    def halfway_at(self, motion: Motion, joint: int, torques: Floats) -> tuple[Floats, Floats]:
+        """Return W and Z of torques at one joint: the products of what `filtered_at` returns are W'W - Z'Z.
+
+        Its products with other filtered rows are those of W with these rows, freed once more: half the work where
+        no more than products is needed.
+        """
+        white = self._white(torques[:, None], motion.dt_s, slice(joint, joint + 1)).reshape(-1, torques.shape[1])
+        axes, lost = self._axes(motion)
+        return white, np.sqrt(lost * (2.0 - lost))[:, None] * (axes.T @ white)
+
+    def freed(self, motion: Motion, flat: Floats) -> Floats:
+        """Return rows (n_slower * n_joint, n_column) without what may hold a joint."""
         axes, lost = self._axes(motion)
         return np.asarray(flat - axes @ (lost[:, None] * (axes.T @ flat)), dtype=np.float64)
 

@@ -1,6 +1,7 @@
 """Functions of some variables, fitted to most trials and judged on the others."""
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -36,11 +37,15 @@ class Folds:
         # What the causes were found to do stays as it is: an event in one trial cannot be learnt from others.
         self._known = [one.design[:, :n_base] for one in rows]
         self._target = [one.target.ravel() - one.design[:, n_base:] @ final.x[n_base:] for one in rows]
+        both = [np.column_stack(pair) for pair in zip(self._known, self._target, strict=True)]
+        self._products = np.array([one.T @ one for one in both])
+        freed = regression.weighting.freed
+        self._again = [freed(motion, one) for motion, one in zip(self._motions, both, strict=True)]
         self._functions = Functions(regression.motions, regression.arm.n_joint)
         told = [regression.weighting.told(motion) for motion in regression.motions]
         self._told = np.array(told, dtype=np.float64)
         self._fold = np.arange(len(told)) % _FOLDS
-        self.left = self._judged([np.zeros((len(one), 0)) for one in self._target])
+        self.left = self._left(self._products)
 
     def typical(self, some: Sequence[str], joint: int, smooth: bool = False) -> float:
         """Return what a function of some variables leaves in trials it has not seen, in units of noise.
@@ -53,14 +58,11 @@ class Folds:
         smooth : bool
             Whether the function may be a polynomial, or a product of simple functions, where that leaves less.
         """
-        hats = self._judged(
-            [self._filtered(motion, self._functions.hats(motion, some), joint) for motion in self._motions]
-        )
+        hats = self._judged([self._functions.hats(motion, some) for motion in self._motions], joint)
         if not smooth:
             return hats
-        polynomials = self._judged(
-            [self._filtered(motion, self._functions.polynomials(motion, some), joint) for motion in self._motions]
-        )
+        powers = [self._functions.polynomials(motion, some) for motion in self._motions]
+        polynomials = self._judged(powers, joint)
         return min(hats, polynomials, float(self._products_judged(some, joint).min()))
 
     def formula(self, some: Sequence[str], joint: int, gain: float) -> str:
@@ -69,7 +71,8 @@ class Folds:
         if not self.left - left.min() > _TELLING * gain:
             return ""
         k = int(np.argmin(left))
-        column = [self._filtered(motion, products(motion, some)[:, k : k + 1], joint) for motion in self._motions]
+        filtered_at = self._regression.weighting.filtered_at
+        column = [filtered_at(motion, joint, products(motion, some)[:, k : k + 1]) for motion in self._motions]
         design = np.hstack([np.vstack(self._known), np.vstack(column)])
         factor = scaled_lstsq(design, np.concatenate(self._target))[-1]
         return f"tau{joint + 1} has {factor:+.3g} {spelled(some)[k]}"
@@ -78,24 +81,28 @@ class Folds:
     def _motions(self) -> list[Motion]:
         return self._regression.motions
 
-    def _filtered(self, motion: Motion, features: Floats, joint: int) -> Floats:
-        return self._regression.weighting.filtered_at(motion, joint, features)
+    def _judged(self, features: Sequence[Floats], joint: int) -> float:
+        """Return what functions of all features at a joint's torque leave beside the base parameters."""
+        parts = zip(self._motions, features, self._again, strict=True)
+        sums = [_Sums.of(self._regression, motion, joint, one, again) for motion, one, again in parts]
+        whole = np.array([one.beside(products) for one, products in zip(sums, self._products, strict=True)])
+        return self._left(whole)
 
-    def _judged(self, added: Sequence[Floats]) -> float:
-        designs = [np.hstack([known, more]) for known, more in zip(self._known, added, strict=True)]
-        grams = np.array([one.T @ one for one in designs])
-        pulls = np.array([one.T @ target for one, target in zip(designs, self._target, strict=True)])
+    def _left(self, whole: Floats) -> float:
+        """Return what is left beside columns of which all products are known, those of the target among them."""
+        target = self._products.shape[1] - 1  # base parameters, the target, and what was added behind it
+        design = np.delete(np.arange(whole.shape[1]), target)
+        grams, pulls = whole[:, design[:, None], design], whole[:, design, target]
         size = np.sqrt(np.einsum("kii->i", grams))
         size[size == 0.0] = 1.0
         # A product of splines has cells that some trials hardly visit: what it makes there is held towards zero.
-        held = np.where(np.arange(len(size)) < self._known[0].shape[1], _EXACT, _RIDGE)
-        squares, fold = np.empty(len(designs)), self._fold
+        held = np.where(np.arange(len(size)) < target, _EXACT, _RIDGE)
+        squares, fold = whole[:, target, target].copy(), self._fold
         for k in range(fold.max() + 1):
             G = grams[fold != k].sum(axis=0) / np.outer(size, size)
             G[np.diag_indices(len(G))] += held
             x = np.linalg.solve(G, pulls[fold != k].sum(axis=0) / size) / size
-            for i in np.flatnonzero(fold == k):
-                squares[i] = np.sum((self._target[i] - designs[i] @ x) ** 2)
+            squares[fold == k] += x @ (grams[fold == k] @ x).T - 2.0 * pulls[fold == k] @ x
         return typical(squares, self._told)
 
     def _products_judged(self, some: Sequence[str], joint: int) -> Floats:
@@ -104,16 +111,16 @@ class Folds:
         One column beside many known ones: its factor is what it has in common with the target once the known
         ones are taken off both.
         """
-        columns = [self._filtered(motion, products(motion, some), joint) for motion in self._motions]
-        pairs = list(zip(self._known, columns, self._target, strict=True))
-        K = np.array([known.T @ known for known, _, _ in pairs])
-        U = np.array([known.T @ column for known, column, _ in pairs])
-        V = np.array([np.einsum("ij,ij->j", column, column) for _, column, _ in pairs])
-        p = np.array([known.T @ target for known, _, target in pairs])
-        w = np.array([column.T @ target for _, column, target in pairs])
+        parts = zip(self._motions, self._again, strict=True)
+        sums = [
+            _Sums.of(self._regression, motion, joint, products(motion, some), again) for motion, again in parts
+        ]
+        K, p = self._products[:, :-1, :-1], self._products[:, :-1, -1]
+        U = np.array([one.across[:, :-1].T for one in sums])
+        V, w = np.array([one.squares for one in sums]), np.array([one.across[:, -1] for one in sums])
         size = np.sqrt(np.einsum("kii->i", K))
         size[size == 0.0] = 1.0
-        squares, fold = np.empty((len(pairs), V.shape[1])), self._fold
+        squares, fold = np.repeat(self._products[:, -1:, -1], V.shape[1], axis=1), self._fold
         for k in range(fold.max() + 1):
             learnt = fold != k
             G = K[learnt].sum(axis=0) / np.outer(size, size)
@@ -124,7 +131,31 @@ class Folds:
             common = w[learnt].sum(axis=0) - both[:, 1:].T @ alone[:, 0]
             factor = np.where(rest > _TOLD * V[learnt].sum(axis=0), common / np.where(rest > 0.0, rest, 1.0), 0.0)
             x = alone[:, :1] - alone[:, 1:] * factor
-            for i in np.flatnonzero(fold == k):
-                known, column, target = pairs[i]
-                squares[i] = np.sum((target[:, None] - known @ x - column * factor) ** 2, axis=0)
+            for i in np.flatnonzero(~learnt):
+                squares[i] += np.einsum("ij,ij->j", x, K[i] @ x) + factor**2 * V[i]
+                squares[i] += 2.0 * (factor * np.einsum("ij,ij->j", U[i], x) - p[i] @ x - factor * w[i])
         return np.array([typical(one, self._told) for one in squares.T])
+
+
+@dataclass(frozen=True)
+class _Sums:
+    """Products of features at one joint in a trial, filtered: W'W - Z'Z with each other, across with the rest."""
+
+    W: Floats
+    Z: Floats
+    across: Floats
+
+    @classmethod
+    def of(cls, regression: Regression, motion: Motion, joint: int, features: Floats, again: Floats) -> "_Sums":
+        """Return those with rows that have been freed once more."""
+        W, Z = regression.weighting.halfway_at(motion, joint, features)
+        return cls(W, Z, W.T @ again)
+
+    @property
+    def squares(self) -> Floats:
+        """Of each feature, (n_feature,)."""
+        return np.asarray(np.einsum("ij,ij->j", self.W, self.W) - np.einsum("ij,ij->j", self.Z, self.Z))
+
+    def beside(self, products: Floats) -> Floats:
+        """Return these with the products of the rest in front of them, a symmetric matrix."""
+        return np.block([[products, self.across.T], [self.across, self.W.T @ self.W - self.Z.T @ self.Z]])

@@ -12,6 +12,7 @@ from fitter.diagnosis.motion import Motion
 from fitter.diagnosis.regression import Regression
 from fitter.diagnosis.screening import Candidate
 from fitter.dynamics.evaluation import HORIZON_S
+from fitter.side_by_side import side_by_side
 
 #: Trials are drawn anew so often for an interval.
 _RESAMPLED = 1000
@@ -144,13 +145,13 @@ def judged(regression: Regression, fitted: Candidate, arm: Arm, motions: Sequenc
         Not thinned.
     """
     turning = np.array([joint.type == "revolute" for joint in arm.joints])
-    torque, angle, angles = [], [], []
-    for motion in motions:
+    torque, angle = [], []
+    angles = side_by_side(lambda motion: simulated(arm, motion), motions)
+    for motion, followed in zip(motions, angles, strict=True):
         left = torque_left(regression, fitted, motion)
         seen = smooth(left, motion.dt_s, regression.weighting.seen_hz)
         torque.append((np.nansum(seen**2, axis=0), np.sum(np.isfinite(seen), axis=0)))
-        angles.append(simulated(arm, motion))
-        off = np.abs(angles[-1] - motion.trial.q)[:, turning]
+        off = np.abs(followed - motion.trial.q)[:, turning]
         off = np.where(off < _RUN_AWAY, off, np.inf)
         angle.append((np.sum(off**2), np.sum(off), off.max(initial=0.0), off.size))
     squares, sums, worst, count = (np.array(column) for column in zip(*angle, strict=True))

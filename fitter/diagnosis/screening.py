@@ -1,20 +1,23 @@
-"""Every hypothesis tried beside what is accepted: first on a grid of psi, the promising ones then refined."""
+"""Every hypothesis tried beside what is accepted: first on a grid of psi, the promising ones then refined.
+
+Each is tried for itself, so several processors share them.
+"""
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-import scipy.linalg
 
 from arm.effects.catalogue import catalogue
 from arm.model import Floats
 from fitter.diagnosis.agreement import agreed
-from fitter.diagnosis.at_joint import AtJoint
+from fitter.diagnosis.grid import Grid, Starts
 from fitter.diagnosis.hypothesis import Hypothesis
 from fitter.diagnosis.loads import find_payloads
 from fitter.diagnosis.model import Model
 from fitter.diagnosis.pushes import find_pushes
 from fitter.diagnosis.regression import Regression, scaled_lstsq
+from fitter.side_by_side import side_by_side
 
 #: A hypothesis is refined if it explains this share of what the best one does on the learning trials …
 _PROMISING = 0.3
@@ -28,8 +31,6 @@ _COMPETES = 0.6
 _LITTLE = 0.02
 #: … nor one that explains less than this share of a trial's residual.
 _NOTHING = 0.02
-#: Peaks of the spectrum that may be a disturbance's frequency.
-_PEAKS = 4
 
 
 @dataclass(frozen=True)
@@ -79,6 +80,7 @@ def screen(
     regression: Regression,
     accepted: Candidate,
     tried: Sequence[Hypothesis],
+    starts: Starts,
     progress: Callable[[int, int], None] | None = None,
 ) -> list[Candidate]:
     """Return all hypotheses, fitted beside what is accepted, the most explaining first.
@@ -90,40 +92,61 @@ def screen(
         What they are added to.
     tried : sequence of Hypothesis
         Those that are no events; these are found here.
+    starts : Starts
+        With which the search for psi begins; what does best is added.
     progress : callable, optional
         Told how many are done, and how many there are.
     """
-    grid = _Grid(regression, accepted.model)
-    first = []
-    total = len(tried) + 2
-    for k, hypothesis in enumerate(tried):
-        first.append(grid.best(hypothesis, accepted))
-        if progress is not None:
-            progress(k + 1, total)
+    grid = Grid(regression, accepted.model, starts)
+    first = side_by_side(grid.best, tried, progress)
     events = _events(regression, accepted)
-    explained = np.array([gain for gain, _ in first])
+    explained = np.array([one.gain for one in first])
     best = float(explained.max(initial=0.0))
     rank = np.argsort(np.argsort(-explained))
-    candidates, held = [], len(accepted.model.hypotheses)
+    held = len(accepted.model.hypotheses)
     alike = _fair(regression, accepted)
-    for (gain, model), place in zip(first, rank, strict=True):
+
+    def as_lasting(k: int) -> Candidate:
+        model, gain = accepted.model.plus(tried[k], first[k].psi), first[k].gain
         if gain < max(_NOTHING * grid.left / len(regression.learning), _LITTLE * best):
-            candidates.append(Candidate(model, accepted.x, accepted.squares))
-            continue
-        refine = gain >= _WORTH * grid.left and (gain >= _PROMISING * best or place < _AT_LEAST)
+            return Candidate(model, accepted.x, accepted.squares)
+        refine = gain >= _WORTH * grid.left and (gain >= _PROMISING * best or rank[k] < _AT_LEAST)
         candidate = fitted(regression, model, refine, held)
-        candidates.append(alike(candidate) if candidate.model.is_event else candidate)
+        return alike(candidate) if candidate.model.is_event else candidate
+
+    candidates = _fitted(as_lasting, accepted, tried)
+    for one, candidate in zip(first, candidates, strict=True):
+        starts.keep(accepted.model, candidate.hypothesis, np.vstack([candidate.model.psi[-1], one.best]))
     leading = min((float(one.squares.sum()) for one in candidates), default=float(accepted.squares.sum()))
-    for one in events:
-        candidate = alike(fitted(regression, accepted.model.plus(one, one.starts([])[0]), refine=False))
+
+    def as_event(k: int) -> Candidate:
+        candidate = fitted(regression, accepted.model.plus(events[k], events[k].starts([])[0]), refine=False)
+        candidate = alike(candidate)
         gain = float(accepted.squares.sum() - candidate.squares.sum())
         if gain > max(_WORTH * accepted.squares.sum(), _COMPETES * (accepted.squares.sum() - leading)):
             candidate = alike(fitted(regression, candidate.model, held=held))
-        candidates.append(candidate)
-    if progress is not None:
-        progress(total, total)
+        return candidate
+
+    candidates += _fitted(as_event, accepted, events)
     possible = [one if _possible(one) else Candidate(one.model, one.x, accepted.squares) for one in candidates]
     return sorted(possible, key=lambda one: float(one.squares.sum()))
+
+
+def _fitted(
+    fit: Callable[[int], Candidate], accepted: Candidate, hypotheses: Sequence[Hypothesis]
+) -> list[Candidate]:
+    """Return each hypothesis beside what is accepted, fitted: numbers come from other processes, no objects."""
+
+    def numbers(k: int) -> tuple[tuple[Floats, ...], Floats, Floats | None]:
+        candidate = fit(k)
+        untouched = candidate.squares is accepted.squares
+        return candidate.model.psi, candidate.x, None if untouched else candidate.squares
+
+    found, before = side_by_side(numbers, range(len(hypotheses))), accepted.model.hypotheses
+    return [
+        Candidate(Model((*before, hypothesis), psi), x, accepted.squares if squares is None else squares)
+        for hypothesis, (psi, x, squares) in zip(hypotheses, found, strict=True)
+    ]
 
 
 def _fair(regression: Regression, accepted: Candidate) -> Callable[[Candidate], Candidate]:
@@ -163,96 +186,3 @@ def _events(regression: Regression, accepted: Candidate) -> list[Hypothesis]:
     expected = agreed(regression, accepted.model)
     pushes = find_pushes(kinds["external_push"], regression, accepted.model, expected)
     return found + [one for one in pushes if one.key not in known]
-
-
-class _Grid:
-    """What each start of a hypothesis would explain on the learning trials."""
-
-    def __init__(self, regression: Regression, model: Model) -> None:
-        self._regression, self._model = regression, model
-        self._left_of_run: float | None = None
-        rows = [regression.rows(model, motion) for motion in regression.learning]
-        self._views = [regression.view(model, motion) for motion in regression.learning]
-        A = np.vstack([one.design for one in rows])
-        self._target = np.concatenate([one.target.ravel() for one in rows])
-        size = np.linalg.norm(A, axis=0)
-        Q, R, _ = scipy.linalg.qr(A / np.where(size > 0.0, size, 1.0), mode="economic", pivoting=True)
-        told = np.abs(np.diag(R)) > 1e-9 * abs(R[0, 0])
-        self._Q = Q[:, told]
-        self._residual = self._target - self._Q @ (self._Q.T @ self._target)
-        self.left = float(self._residual @ self._residual)
-
-    def best(self, hypothesis: Hypothesis, accepted: Candidate) -> tuple[float, Model]:
-        """Return by how much the best start lowers the sum of squares, and the model with it."""
-        if hypothesis.is_event:
-            return self._best_of_run(hypothesis)
-        starts = hypothesis.starts(self._regression.learning)
-        if isinstance(hypothesis, AtJoint) and "frequency_hz" in hypothesis.psi_names:
-            starts = self._peaks(hypothesis)
-        linear = isinstance(hypothesis, AtJoint) or hypothesis.n_column > 0
-        gains = self._gains(hypothesis, starts) if linear else [self._gain(hypothesis, psi) for psi in starts]
-        k = int(np.argmax(gains))
-        model = self._model.plus(hypothesis, starts[k])
-        if not hypothesis.is_gradual:
-            return gains[k], model
-        model = self._regression.refined(model, self._regression.learning, len(self._model.hypotheses))
-        r = self._regression.solve(model, self._regression.learning)[2]
-        return self.left - float(r @ r), model
-
-    def _best_of_run(self, hypothesis: Hypothesis) -> tuple[float, Model]:
-        """Return the same of what need not show in the learning trials, by all trials."""
-        motions = self._regression.motions
-        starts = hypothesis.starts(motions)
-        if self._left_of_run is None:
-            r = self._regression.solve(self._model, motions)[2]
-            self._left_of_run = float(r @ r)
-        gains = []
-        for psi in starts:
-            r = self._regression.solve(self._model.plus(hypothesis, psi), motions)[2]
-            gains.append(self._left_of_run - float(r @ r))
-        k = int(np.argmax(gains))
-        return gains[k], self._model.plus(hypothesis, starts[k])
-
-    def _gain(self, hypothesis: Hypothesis, psi: Floats) -> float:
-        model = self._model.plus(hypothesis, psi)
-        r = self._regression.solve(model, self._regression.learning)[2]
-        return self.left - float(r @ r)
-
-    def _gains(self, hypothesis: Hypothesis, starts: Floats) -> list[float]:
-        """Return the gains of columns beside all others, those of all starts filtered together."""
-        first, width = len(self._views[0].columns), hypothesis.n_column
-        parts = []
-        for view in self._views:
-            added = [one for psi in starts for one in hypothesis.act(view, psi).columns[first:]]
-            filtered = self._regression.weighting.filtered(view.motion, np.concatenate(added, axis=2))
-            parts.append(filtered.reshape(-1, len(starts) * width))
-        C = np.vstack(parts)
-        size = np.linalg.norm(C, axis=0)
-        C -= self._Q @ (self._Q.T @ C)
-        fresh = np.linalg.norm(C, axis=0) > 1e-4 * size
-        return [self._gain_of(C[:, k : k + width][:, fresh[k : k + width]]) for k in range(0, len(fresh), width)]
-
-    def _gain_of(self, C: Floats) -> float:
-        if not C.shape[1]:
-            return 0.0
-        r = self._residual - C @ scaled_lstsq(C, self._residual)
-        return self.left - float(r @ r)
-
-    def _peaks(self, hypothesis: AtJoint) -> Floats:
-        """Return the frequencies at which the residual swings most, (n_peak, 1)."""
-        regression = self._regression
-        stride, n_joint = regression.weighting.stride, regression.arm.n_joint
-        t = np.concatenate([motion.t[::stride] for motion in regression.learning])
-        left = self._residual.reshape(-1, n_joint)[:, hypothesis.joints[0]]
-        span = float(t[-1] - t[0])
-        f = np.arange(0.05, regression.weighting.band_hz, 0.25 / span)
-        power = np.empty(len(f))
-        for some in np.array_split(np.arange(len(f)), max(1, len(f) // 256)):
-            power[some] = np.abs(np.exp(-2j * np.pi * f[some, None] * t) @ left)
-        found: list[float] = []
-        for k in np.argsort(power)[::-1]:
-            if all(abs(f[k] - other) > 1.0 / span for other in found):
-                found.append(float(f[k]))
-            if len(found) == _PEAKS:
-                break
-        return np.array(found)[:, None]

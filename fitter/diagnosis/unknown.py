@@ -17,6 +17,7 @@ from fitter.diagnosis.folds import Folds
 from fitter.diagnosis.functions import names
 from fitter.diagnosis.regression import Regression
 from fitter.diagnosis.screening import Candidate
+from fitter.side_by_side import side_by_side
 
 #: A further variable must explain this share of what is explained then, or leave so many times less: where a
 #: function of two explains much, little of it may still be far beyond noise.
@@ -82,13 +83,9 @@ class BestFunctions:
 def best_functions(fold: Folds, n_joint: int) -> BestFunctions:
     """Seek the best function of one, two and three variables at any one joint; of three, beside the best two."""
     variables = names(n_joint)
-    alone = {
-        (some, joint): fold.typical(some, joint)
-        for joint in range(n_joint)
-        for size in (1, 2)
-        for some in combinations(variables, size)
-        if _sensible(some)
-    }
+    sets = [some for size in (1, 2) for some in combinations(variables, size) if _sensible(some)]
+    places = [(some, joint) for joint in range(n_joint) for some in sets]
+    alone = dict(zip(places, side_by_side(lambda place: fold.typical(*place), places), strict=True))
     some, joint = min(alone, key=lambda key: alone[key])
     of_size = {len(some): some}
     left = {len(some): fold.typical(some, joint, smooth=True)}
@@ -96,12 +93,10 @@ def best_functions(fold: Folds, n_joint: int) -> BestFunctions:
         singles = [key for key in alone if len(key[0]) == 1 and key[1] == joint]
         of_size[1] = min(singles, key=lambda key: alone[key])[0]
         left[1] = fold.typical(of_size[1], joint, smooth=True)
-        triples = [(*some, third) for third in variables if third not in some]
-        by_triple: dict[tuple[str, ...], float] = {
-            triple: fold.typical(triple, joint, smooth=True) for triple in triples if _sensible(triple)
-        }
-        of_size[3] = min(by_triple, key=lambda triple: by_triple[triple])
-        left[3] = by_triple[of_size[3]]
+        triples = [triple for third in variables if third not in some and _sensible(triple := (*some, third))]
+        by_triple = side_by_side(lambda triple: fold.typical(triple, joint, smooth=True), triples)
+        k = int(np.argmin(by_triple))
+        of_size[3], left[3] = triples[k], by_triple[k]
     return BestFunctions(joint, of_size, left)
 
 

@@ -1,5 +1,6 @@
 """The page that a diagnosis leaves behind: read from top to bottom, what is wrong and why."""
 
+from collections.abc import Callable
 from pathlib import Path
 
 from arm.arm_file import save_arm
@@ -24,6 +25,7 @@ from fitter.report.diagnosis_words import (
     whiteness,
 )
 from fitter.report.page import Page, Row
+from fitter.side_by_side import side_by_side
 from limbcal.command import to_json
 from limbcal.errors import DeviceError
 
@@ -56,46 +58,51 @@ def write_report(found: Diagnosis, out: Path) -> None:
     DeviceError
         If a file cannot be written.
     """
-    page, all_traces = Page(f"Diagnosis of {found.regression.arm.name}", _lead(found)), traces(found)
+    page, drawn = Page(f"Diagnosis of {found.regression.arm.name}", _lead(found)), _drawn(found)
 
-    def picture(name: str, png: bytes, caption: str) -> None:
+    def picture(name: str, caption: str) -> None:
+        if name not in drawn:
+            return
         path = out / f"diagnosis-{name}.png"
         try:
-            path.write_bytes(png)
+            path.write_bytes(drawn[name])
         except OSError as error:
             raise DeviceError(f"{path}: cannot be written: {error.strerror}") from error
-        page.picture(png, caption)
+        page.picture(drawn[name], caption)
 
     page.section("What is wrong", headline(found))
-    picture(
-        "residual",
-        figures.residual_figure(found, all_traces),
-        "Torque that the model leaves, in the evaluating trials in which it is largest.",
-    )
+    picture("residual", "Torque that the model leaves, in the evaluating trials in which it is largest.")
     picture(
         "places",
-        figures.places_figure(found, all_traces),
         "Where the error lives: means over the evaluating trials, and where the middle half of the samples is.",
     )
     _cause(page, found)
     _rivals(page, found)
-    if found.search.first:
-        picture("gains", _gains(found), "Share of the squared residual that each candidate takes away.")
+    picture("gains", "Share of the squared residual that each candidate takes away.")
     _gain(page, found)
-    picture(
-        "angles",
-        figures.angles_figure(found, all_traces),
-        "Measured and simulated angles, in the evaluating trials in which they part most.",
-    )
+    picture("angles", "Measured and simulated angles, in the evaluating trials in which they part most.")
     page.section("What is left", whiteness(found))
-    if found.finding.remainder.joint:
-        png = figures.remainder_figure(found, all_traces)
-        picture("remainder", png, "What is left, against what it depends on: means over bins.")
+    picture("remainder", "What is left, against what it depends on: means over bins.")
     _dependences(page, found)
     page.section("The next experiment", found.finding.next_experiment)
     page.note("What was assumed", assumptions(found))
     page.note("What was done to the data", found.finding.notes)
     page.write(out / "report.html")
+
+
+def _drawn(found: Diagnosis) -> dict[str, bytes]:
+    """Return the pictures that this diagnosis calls for, by their names."""
+    all_traces = traces(found)
+    drawing: dict[str, Callable[[], bytes]] = {
+        "places": lambda: figures.places_figure(found, all_traces),
+        "angles": lambda: figures.angles_figure(found, all_traces),
+        "residual": lambda: figures.residual_figure(found, all_traces),
+    }
+    if found.search.first:
+        drawing["gains"] = lambda: _gains(found)
+    if found.finding.remainder.joint:
+        drawing["remainder"] = lambda: figures.remainder_figure(found, all_traces)
+    return dict(zip(drawing, side_by_side(lambda name: drawing[name](), list(drawing)), strict=True))
 
 
 def _lead(found: Diagnosis) -> str:

@@ -8,6 +8,7 @@ from arm.arm_file import load_arm
 from fitter.data.columns import ColumnMap
 from fitter.data.motions import read_motions
 from fitter.data.trials import to_trials
+from fitter.diagnosis.grid import Starts
 from fitter.diagnosis.hypotheses import hypotheses
 from fitter.diagnosis.model import Model
 from fitter.diagnosis.motion import run_of
@@ -31,7 +32,7 @@ def test_it_is_found_from_afar(seed: int, bench: Bench, tmp_path: Path) -> None:
     regression = Regression(arm, run_of(arm, learning, evaluating))
     gains = [one for one in hypotheses(arm.n_joint, (), driven=True) if one.kind.name == "gain_error"]
     for _ in range(2):  # and once more, weighed by the noise that there is under the right gain
-        best = screen(regression, fitted(regression, Model()), gains)[0]
+        best = screen(regression, fitted(regression, Model()), gains, Starts())[0]
         assert [j + 1 for j in best.hypothesis.joints] == effect["joints"]
         assert best.model.psi[-1][0] == pytest.approx(factor, rel=0.05)
         assert best.squares.sum() < 2.0 * sum(regression.weighting.told(motion) for motion in regression.motions)

@@ -100,6 +100,19 @@ def test_torques_at_one_joint_are_filtered_as_among_all(two_joints):
         np.testing.assert_allclose(weighting.filtered_at(motion, joint, torques), whole, atol=1e-9)
 
 
+def test_half_the_work_gives_the_same_products(two_joints):
+    motion, weighting = two_joints.motions[0], two_joints.weighting
+    assert np.any(weighting._axes(motion)[1] < 1.0)  # something is lost in part
+    rng = np.random.default_rng(0)
+    torques, other = rng.normal(size=(len(motion.t), 3)), rng.normal(size=(len(motion.t), 2, 4))
+    for joint in range(2):
+        filtered = weighting.filtered_at(motion, joint, torques)
+        rows = weighting.filtered(motion, other).reshape(-1, 4)
+        W, Z = weighting.halfway_at(motion, joint, torques)
+        np.testing.assert_allclose(W.T @ W - Z.T @ Z, filtered.T @ filtered, rtol=1e-9)
+        np.testing.assert_allclose(W.T @ weighting.freed(motion, rows), filtered.T @ rows, rtol=1e-7, atol=1e-7)
+
+
 def test_a_gain_makes_of_the_rows_what_it_makes_of_the_regressor(two_joints):
     kind = catalogue()["gain_error"]
     for joint, factor in ((0, 0.7), (1, 1.3)):

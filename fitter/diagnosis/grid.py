@@ -1,0 +1,153 @@
+"""What each start of a hypothesis would explain on the learning trials, beside what is accepted."""
+
+from dataclasses import dataclass
+
+import numpy as np
+import scipy.linalg
+
+from arm.model import Floats
+from fitter.diagnosis.at_joint import AtJoint
+from fitter.diagnosis.hypothesis import Hypothesis
+from fitter.diagnosis.model import Model
+from fitter.diagnosis.regression import Regression, scaled_lstsq
+
+#: Peaks of the spectrum that may be a disturbance's frequency.
+_PEAKS = 4
+#: So many of the best starts are kept.
+_KEPT = 3
+
+
+@dataclass(frozen=True)
+class Best:
+    """The best start of a hypothesis.
+
+    Attributes
+    ----------
+    gain : float
+        By how much it lowers the sum of squares.
+    psi : (n_psi,)
+    best : (n, n_psi)
+        The best few, from which it may be found again.
+    """
+
+    gain: float
+    psi: Floats
+    best: Floats
+
+
+class Starts:
+    """Values of psi from which a search has come far: when the same is sought anew, it begins there.
+
+    Where only weights have changed, or the psi of what was accepted, the best of them has hardly moved.
+    """
+
+    def __init__(self) -> None:
+        self._known: dict[tuple[frozenset[Hypothesis], Hypothesis], Floats] = {}
+
+    def of(self, model: Model, hypothesis: Hypothesis) -> Floats | None:
+        """Return those of a hypothesis beside a model's, (n_start, n_psi); None if it was not tried there."""
+        return self._known.get((frozenset(model.hypotheses), hypothesis))
+
+    def keep(self, model: Model, hypothesis: Hypothesis, starts: Floats) -> None:
+        """Keep those that did best."""
+        self._known[frozenset(model.hypotheses), hypothesis] = starts
+
+
+class Grid:
+    """What each start of a hypothesis would explain on the learning trials."""
+
+    def __init__(self, regression: Regression, model: Model, starts: Starts) -> None:
+        self._regression, self._model, self._starts = regression, model, starts
+        self._left_of_run: float | None = None
+        rows = [regression.rows(model, motion) for motion in regression.learning]
+        self._views = [regression.view(model, motion) for motion in regression.learning]
+        A = np.vstack([one.design for one in rows])
+        self._target = np.concatenate([one.target.ravel() for one in rows])
+        size = np.linalg.norm(A, axis=0)
+        Q, R, _ = scipy.linalg.qr(A / np.where(size > 0.0, size, 1.0), mode="economic", pivoting=True)
+        told = np.abs(np.diag(R)) > 1e-9 * abs(R[0, 0])
+        self._Q = Q[:, told]
+        self._residual = self._target - self._Q @ (self._Q.T @ self._target)
+        self.left = float(self._residual @ self._residual)
+
+    def best(self, hypothesis: Hypothesis) -> Best:
+        """Return the start of a hypothesis that lowers the sum of squares most."""
+        regression = self._regression
+        starts = self._starts_of(hypothesis)
+        if hypothesis.is_event:
+            gains = self._gains_in_run(hypothesis, starts)
+        elif isinstance(hypothesis, AtJoint) or hypothesis.n_column > 0:
+            gains = self._gains(hypothesis, starts)
+        else:
+            gains = [self._gain(hypothesis, psi) for psi in starts]
+        order = np.argsort(-np.array(gains), kind="stable")
+        psi, gain, best = starts[order[0]], gains[order[0]], starts[order[:_KEPT]]
+        if hypothesis.is_gradual:
+            model = self._model.plus(hypothesis, psi)
+            psi = regression.refined(model, regression.learning, len(self._model.hypotheses)).psi[-1]
+            gain = self._gain(hypothesis, psi)
+        return Best(gain, psi, best)
+
+    def _starts_of(self, hypothesis: Hypothesis) -> Floats:
+        known = self._starts.of(self._model, hypothesis)
+        if known is not None:
+            return known
+        if isinstance(hypothesis, AtJoint) and "frequency_hz" in hypothesis.psi_names:
+            return self._peaks(hypothesis)
+        return hypothesis.starts(self._regression.motions if hypothesis.is_event else self._regression.learning)
+
+    def _gains_in_run(self, hypothesis: Hypothesis, starts: Floats) -> list[float]:
+        """Return the gains of what need not show in the learning trials, by all trials."""
+        motions = self._regression.motions
+        if self._left_of_run is None:
+            r = self._regression.solve(self._model, motions)[2]
+            self._left_of_run = float(r @ r)
+        gains = []
+        for psi in starts:
+            r = self._regression.solve(self._model.plus(hypothesis, psi), motions)[2]
+            gains.append(self._left_of_run - float(r @ r))
+        return gains
+
+    def _gain(self, hypothesis: Hypothesis, psi: Floats) -> float:
+        model = self._model.plus(hypothesis, psi)
+        r = self._regression.solve(model, self._regression.learning)[2]
+        return self.left - float(r @ r)
+
+    def _gains(self, hypothesis: Hypothesis, starts: Floats) -> list[float]:
+        """Return the gains of columns beside all others, those of all starts filtered together."""
+        first, width = len(self._views[0].columns), hypothesis.n_column
+        parts = []
+        for view in self._views:
+            added = [one for psi in starts for one in hypothesis.act(view, psi).columns[first:]]
+            filtered = self._regression.weighting.filtered(view.motion, np.concatenate(added, axis=2))
+            parts.append(filtered.reshape(-1, len(starts) * width))
+        C = np.vstack(parts)
+        size = np.linalg.norm(C, axis=0)
+        C -= self._Q @ (self._Q.T @ C)
+        fresh = np.linalg.norm(C, axis=0) > 1e-4 * size
+        return [self._gain_of(C[:, k : k + width][:, fresh[k : k + width]]) for k in range(0, len(fresh), width)]
+
+    def _gain_of(self, C: Floats) -> float:
+        if not C.shape[1]:
+            return 0.0
+        r = self._residual - C @ scaled_lstsq(C, self._residual)
+        return self.left - float(r @ r)
+
+    def _peaks(self, hypothesis: AtJoint) -> Floats:
+        """Return the frequencies at which the residual swings most, (n_peak, 1)."""
+        regression = self._regression
+        stride, n_joint = regression.weighting.stride, regression.arm.n_joint
+        t = np.concatenate([motion.t[::stride] for motion in regression.learning])
+        left = self._residual.reshape(-1, n_joint)[:, hypothesis.joints[0]]
+        span = float(t[-1] - t[0])
+        f = np.arange(0.05, regression.weighting.band_hz, 0.25 / span)
+        power = np.empty(len(f))
+        for some in np.array_split(np.arange(len(f)), max(1, len(f) // 256)):
+            power[some] = np.abs(np.exp(-2j * np.pi * f[some, None] * t) @ left)
+        found: list[float] = []
+        for k in np.argsort(power)[::-1]:
+            if all(abs(f[k] - other) > 1.0 / span for other in found):
+                found.append(float(f[k]))
+            if len(found) == _PEAKS:
+                break
+        return np.array(found)[:, None]

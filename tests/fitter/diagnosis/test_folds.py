@@ -1,0 +1,56 @@
+"""What a function leaves, by sums of products, against designs that are solved one by one."""
+
+import numpy as np
+import pytest
+
+from fitter.data.trials import to_trials
+from fitter.diagnosis.agreement import typical
+from fitter.diagnosis.folds import Folds
+from fitter.diagnosis.functions import Functions
+from fitter.diagnosis.model import Model
+from fitter.diagnosis.motion import run_of
+from fitter.diagnosis.products import products
+from fitter.diagnosis.regression import Regression, scaled_lstsq
+from fitter.diagnosis.screening import fitted
+from tests.fitter.pendulum import pendulum, swings
+
+
+@pytest.fixture(scope="module")
+def regression() -> Regression:
+    trials = to_trials(swings((), trials=10, seed=3), cutoff_hz=25.0)
+    return Regression(pendulum(), run_of(pendulum(), trials[:5], trials[5:]))
+
+
+def left(regression: Regression, features: list[np.ndarray], ridge: float = 0.0) -> float:
+    """Return what columns beside the base parameters leave in trials of every eighth fold."""
+    rows = [regression.rows(Model(), motion) for motion in regression.motions]
+    filtered_at = regression.weighting.filtered_at
+    columns = [filtered_at(motion, 0, one) for motion, one in zip(regression.motions, features, strict=True)]
+    designs = [np.hstack([one.design, column]) for one, column in zip(rows, columns, strict=True)]
+    targets = [one.target.ravel() for one in rows]
+    size = np.linalg.norm(np.vstack(columns), axis=0)
+    held = np.hstack([np.zeros((len(size), rows[0].design.shape[1])), np.diag(np.sqrt(ridge) * size)])
+    squares = np.empty(len(rows))
+    for k in range(8):
+        learnt = [i for i in range(len(rows)) if i % 8 != k]
+        design = np.vstack([*(designs[i] for i in learnt), held])
+        x = scaled_lstsq(design, np.concatenate([*(targets[i] for i in learnt), np.zeros(len(held))]))
+        for i in set(range(len(rows))) - set(learnt):
+            squares[i] = np.sum((targets[i] - designs[i] @ x) ** 2)
+    return typical(squares, np.array([regression.weighting.told(motion) for motion in regression.motions]))
+
+
+def test_a_function_of_one_variable(regression):
+    fold, functions = Folds(regression, fitted(regression, Model())), Functions(regression.motions, 1)
+    assert fold.left == pytest.approx(left(regression, [np.zeros((len(m.t), 1)) for m in regression.motions]))
+    hats = [functions.hats(motion, ("q1",)) for motion in regression.motions]
+    assert fold.typical(("q1",), 0) == pytest.approx(left(regression, hats, ridge=1e-4), rel=1e-4)
+
+
+def test_the_best_of_all_products(regression):
+    fold = Folds(regression, fitted(regression, Model()))
+    features = [products(motion, ("q1", "dq1")) for motion in regression.motions]
+    one_by_one = [
+        left(regression, [columns[:, k : k + 1] for columns in features]) for k in range(features[0].shape[1])
+    ]
+    assert fold._products_judged(("q1", "dq1"), 0) == pytest.approx(np.array(one_by_one), rel=1e-6)

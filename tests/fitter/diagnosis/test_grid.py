@@ -1,0 +1,49 @@
+"""Where the search for psi begins, the first time and once it has been there."""
+
+import numpy as np
+import pytest
+
+from arm.effects.catalogue import catalogue
+from arm.model import Effect
+from fitter.data.trials import to_trials
+from fitter.diagnosis.at_joint import AtJoint
+from fitter.diagnosis.grid import Grid, Starts
+from fitter.diagnosis.model import Model
+from fitter.diagnosis.motion import run_of
+from fitter.diagnosis.regression import Regression
+from fitter.diagnosis.screening import fitted, screen
+from tests.fitter.pendulum import pendulum, swings
+
+COGGING = Effect("cogging", {"amplitude_N_m": 0.3, "phase_rad": 0.3, "periods_per_turn": 7.0}, joints=(1,))
+
+
+@pytest.fixture(scope="module")
+def regression() -> Regression:
+    trials = to_trials(swings((COGGING,), trials=6, seed=2), cutoff_hz=25.0)
+    return Regression(pendulum(), run_of(pendulum(), trials[:3], trials[3:]))
+
+
+def test_the_same_is_found_again_from_few_starts(regression, monkeypatch):
+    tried = [AtJoint(catalogue()[name], 0) for name in ("cogging", "periodic_disturbance", "torque_offset")]
+    starts, base = Starts(), fitted(regression, Model())
+    first = screen(regression, base, tried, starts)
+
+    def never(*_):
+        raise AssertionError("all starts again")
+
+    monkeypatch.setattr(AtJoint, "starts", never)
+    monkeypatch.setattr(Grid, "_peaks", never)
+    again = screen(regression, base, tried, starts)
+    for one, other in zip(first, again, strict=True):
+        assert one.hypothesis.key == other.hypothesis.key
+        assert other.squares.sum() == pytest.approx(one.squares.sum(), rel=1e-4)
+    assert again[0].model.psi[-1] == pytest.approx([7.0], rel=0.02)
+
+
+def test_beside_another_model_all_starts_are_tried(regression):
+    cogging, offset = (AtJoint(catalogue()[name], 0) for name in ("cogging", "torque_offset"))
+    starts = Starts()
+    starts.keep(Model(), cogging, np.array([[3.0]]))
+    assert Grid(regression, Model(), starts).best(cogging).psi == [3.0]
+    beside = Model().plus(offset, np.zeros(0))
+    assert Grid(regression, beside, starts).best(cogging).psi == [7.0]
