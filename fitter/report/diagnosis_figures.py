@@ -92,8 +92,9 @@ def places_figure(found: Diagnosis, all_traces: Sequence[Trace]) -> bytes:
     """
     judging = [trace for trace in all_traces if not trace.motion.learn]
     n_joint = found.regression.arm.n_joint
-    figure = Figure(figsize=(15, 2.1 * n_joint + 0.9), layout="constrained")
+    figure = Figure(figsize=(15, 2.1 * n_joint + 0.3))
     axes = figure.subplots(n_joint, 7, squeeze=False)
+    _space(figure, axes.shape, (0.75, 0.55), (0.62, 0.5))
     for j in range(n_joint):
         angle, unit = ("rad", "rad/s") if turns(found, j) else ("m", "m/s")
         columns = [
@@ -118,7 +119,7 @@ def places_figure(found: Diagnosis, all_traces: Sequence[Trace]) -> bytes:
         axes[j, 6].set_xlabel("trial, rms (shaded: learnt from)", fontsize=8)
         axes[j, 0].set_ylabel(f"torque left {j + 1} [{unit_of(found, j)}]", fontsize=8)
         for panel in axes[j]:
-            panel.tick_params(labelsize=7)
+            panel.tick_params(which="both", labelsize=6.5)
             panel.grid(alpha=0.2)
     axes[0, 0].legend(frameon=False, fontsize=8)
     return png(figure)
@@ -183,7 +184,7 @@ def _worst(all_traces: Sequence[Trace], size: Callable[[Trace], float]) -> list[
 def _grid(found: Diagnosis, columns: int, heights: list[float]) -> tuple[Figure, NDArray[np.object_]]:
     """Return panels: a column a trial, for every joint rows of these heights."""
     n_joint = found.regression.arm.n_joint
-    figure = Figure(figsize=(4.2 * columns + 0.6, sum(heights) * n_joint + 0.8), layout="constrained")
+    figure = Figure(figsize=(4.2 * columns + 0.6, sum(heights) * n_joint + 0.8))
     axes = figure.subplots(
         len(heights) * n_joint,
         columns,
@@ -192,9 +193,31 @@ def _grid(found: Diagnosis, columns: int, heights: list[float]) -> tuple[Figure,
         sharey="row",
         height_ratios=heights * n_joint,
     )
+    _space(figure, axes.shape, (0.8, 0.5), (0.15, 0.15))
     for panel in axes.flat:
         panel.grid(alpha=0.25)
     return figure, axes
+
+
+def _space(
+    figure: Figure, shape: tuple[int, ...], margins: tuple[float, float], gaps: tuple[float, float]
+) -> None:
+    """Place panels by their margins at the left and below and the gaps between them, across and down [in].
+
+    Matplotlib can find these, but draws everything once more for it, and so many panels take seconds.
+    """
+    (wide, high), (rows, columns) = figure.get_size_inches(), shape
+    (left, below), (across, down), rest = margins, gaps, 0.3
+    width = (wide - left - rest / 2.0 - (columns - 1) * across) / columns
+    height = (high - below - rest - (rows - 1) * down) / rows
+    figure.subplots_adjust(
+        left=left / wide,
+        right=1.0 - rest / 2.0 / wide,
+        bottom=below / high,
+        top=1.0 - rest / high,
+        wspace=across / width,
+        hspace=down / height,
+    )
 
 
 def _binned(panel: Axes, x: Floats, left: Floats, colour: str) -> None:
