@@ -111,6 +111,8 @@ def _say(finding: Finding, out: Path) -> None:
     say(sentences[finding.verdict])
     for cause in finding.causes:
         say(f"  {told(cause)}")
+    for warning in finding.warnings:
+        say(f"but {warning}")
     if finding.remainder.depends_on:
         variables, formula = ", ".join(finding.remainder.depends_on), finding.remainder.formula
         say(f"what is left depends on {variables} {formula}".strip())

@@ -11,6 +11,7 @@ from fitter.data.motions import Measured
 from fitter.data.resample import Uniform, resample, split_at_holes
 from fitter.data.trials import FIT_CORNER, Trial, derive, undriven
 from fitter.diagnosis.causes import find_causes
+from fitter.diagnosis.chatter import chatter
 from fitter.diagnosis.conclusion import concluded
 from fitter.diagnosis.corner import corner_hz
 from fitter.diagnosis.finding import Finding
@@ -112,8 +113,8 @@ def diagnose(
     say("judging on the evaluating trials", 0.92)
     motions = run_of(arm, learning, evaluating, thin=False)
     finding = finding_of(regression, come_to, motions)
-    if unseen and come_to.search.causes:
-        finding = replace(finding, notes=(*finding.notes, UNSEEN))
+    warnings = chatter(arm, [*learning, *evaluating]) + [UNSEEN] * (unseen and bool(come_to.search.causes))
+    finding = replace(finding, warnings=tuple(warnings))
     say("done", 1.0)
     return Diagnosis(finding, regression, come_to.search, motions, come_to.final)
 

@@ -19,8 +19,9 @@ from arm.effects.catalogue import catalogue
 from arm.model import Floats
 from fitter.diagnosis.at_joint import AtJoint
 from fitter.diagnosis.holding import ABOVE, Holding
+from fitter.diagnosis.least_squares import scaled_lstsq
 from fitter.diagnosis.motion import Motion
-from fitter.diagnosis.regression import Regression, scaled_lstsq
+from fitter.diagnosis.regression import Regression
 from fitter.diagnosis.screening import Candidate, fitted
 from fitter.diagnosis.search import Cause, Search
 from fitter.diagnosis.view import View

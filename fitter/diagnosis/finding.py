@@ -91,6 +91,8 @@ class Finding:
         The causes' share of it.
     base_arm, arm : Arm
         Learnt without, and with the causes.
+    warnings : sequence of str
+        What makes less of the verdict than it says.
     notes : sequence of str
     suspected : sequence of effect and joints
         What explains much of it, but not enough to be named.
@@ -109,6 +111,7 @@ class Finding:
     explained: float
     base_arm: Arm
     arm: Arm
+    warnings: Sequence[str] = ()
     notes: Sequence[str] = ()
     suspected: Sequence[tuple[str, tuple[int, ...]]] = ()
 
@@ -133,5 +136,5 @@ class Finding:
             },
             "structure": {"beyond_noise": self.structure, "explained": self.explained},
             "suspected": [{"effect": effect, "joints": list(joints)} for effect, joints in self.suspected],
-            "notes": list(self.notes),
+            "notes": [*self.warnings, *self.notes],
         }

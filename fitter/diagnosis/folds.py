@@ -8,9 +8,10 @@ import numpy as np
 from arm.model import Floats
 from fitter.diagnosis.agreement import typical
 from fitter.diagnosis.functions import Functions
+from fitter.diagnosis.least_squares import scaled_lstsq
 from fitter.diagnosis.motion import Motion
 from fitter.diagnosis.products import products, spelled
-from fitter.diagnosis.regression import Regression, scaled_lstsq
+from fitter.diagnosis.regression import Regression
 from fitter.diagnosis.screening import Candidate
 
 #: How strongly a function's factors are held towards zero, in units of a column's own sum of squares; those of a

@@ -8,8 +8,9 @@ import scipy.linalg
 from arm.model import Floats
 from fitter.diagnosis.at_joint import AtJoint
 from fitter.diagnosis.hypothesis import Hypothesis
+from fitter.diagnosis.least_squares import scaled_lstsq
 from fitter.diagnosis.model import Model
-from fitter.diagnosis.regression import Regression, scaled_lstsq
+from fitter.diagnosis.regression import Regression
 
 #: Peaks of the spectrum that may be a disturbance's frequency.
 _PEAKS = 4

@@ -11,9 +11,10 @@ from arm.effects.effect import EffectKind
 from arm.model import Floats
 from fitter.diagnosis.hypothesis import Hypothesis
 from fitter.diagnosis.in_arm import Payload, tip_mass_column
+from fitter.diagnosis.least_squares import scaled_lstsq
 from fitter.diagnosis.model import Model
 from fitter.diagnosis.motion import Motion
-from fitter.diagnosis.regression import Regression, scaled_lstsq
+from fitter.diagnosis.regression import Regression
 
 #: Moments are tried so far apart, then again around the best one [s].
 _STEP_S, _FINE_STEP_S = 0.1, 0.005

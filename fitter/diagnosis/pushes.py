@@ -5,7 +5,7 @@ nothing of them, and one that was cannot be predicted from others.
 """
 
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -15,6 +15,7 @@ from fitter.diagnosis.hypothesis import Hypothesis
 from fitter.diagnosis.model import Model
 from fitter.diagnosis.motion import Motion
 from fitter.diagnosis.regression import Regression
+from fitter.diagnosis.unknown_torque import intervals
 from fitter.diagnosis.view import View
 
 #: Pushes are sought in steps of this length, and up to so many of them [s].
@@ -146,38 +147,69 @@ def _pushes_at(regression: Regression, joint: int, left: list[Floats]) -> Floats
         if found and gain < _LEAST_SHARE * most:
             break
         start, duration = float(motions[k].t[0]) + _TILE_S * first, _TILE_S * (last - first + 1)
-        gain, start, duration, column = _placed(regression, motions[k], joint, left[k], start, duration)
-        most = max(most, gain)
-        found.append((start, duration))
+        push = _placed(regression, motions[k], joint, left[k], start, duration)
+        most = max(most, push.gain)
+        found.append((push.start, push.duration))
+        column = push.column
         left[k] = left[k] - column * (column @ left[k]) / max(float(column @ column), 1e-300)
         T, G = boxes[k]
         runs[k] = _best_run(G, T.T @ left[k])
     return np.array(sorted(found))
 
 
+@dataclass(frozen=True)
+class _Placed:
+    """A push and what it explains: (n_row,) is its filtered column."""
+
+    gain: float
+    start: float
+    duration: float
+    column: Floats
+
+
 def _placed(
     regression: Regression, motion: Motion, joint: int, left: Floats, start: float, duration: float
-) -> tuple[float, float, float, Floats]:
-    """Return gain, start, duration and column of a push, moved and stretched until it explains most."""
+) -> _Placed:
+    """Return a push, moved and stretched until it explains most; of two that do as well, the one less at rest."""
 
-    def tried(at: float, lasting: float) -> tuple[float, Floats]:
+    def tried(at: float, lasting: float) -> _Placed:
         rows = np.zeros((len(motion.t), regression.arm.n_joint, 1))
         rows[:, joint, 0] = _box(motion, at, lasting)
         column = regression.weighting.filtered(motion, rows).ravel()
-        return float(column @ left) ** 2 / max(float(column @ column), 1e-300), column
+        gain = float(column @ left) ** 2 / max(float(column @ column), 1e-300)
+        return _Placed(gain, at, lasting, column)
 
-    best, column = tried(start, duration)
-    step = _TILE_S / 2.0
-    while step > motion.dt_s / 2.0:
-        for begin, end in ((-step, 0.0), (step, 0.0), (0.0, -step), (0.0, step)):
-            at, lasting = start + begin, duration - begin + end
-            if lasting < 2.0 * motion.dt_s:
-                continue
-            gain, other = tried(at, lasting)
-            if gain > _CLEARLY * best:
-                best, column, start, duration = gain, other, at, lasting
-        step /= 2.0
-    return best, start, duration, column
+    def moved(best: _Placed) -> _Placed:
+        step = _TILE_S / 2.0
+        while step > motion.dt_s / 2.0:
+            for begin, end in ((-step, 0.0), (step, 0.0), (0.0, -step), (0.0, step)):
+                at, lasting = best.start + begin, best.duration - begin + end
+                if lasting >= 2.0 * motion.dt_s:
+                    other = tried(at, lasting)
+                    best = other if other.gain > _CLEARLY * best.gain else best
+            step /= 2.0
+        return best
+
+    best = moved(tried(start, duration))
+    for at, lasting in _beside_rests(motion, joint, best.start, best.duration):
+        other = moved(tried(at, lasting))
+        best = other if _CLEARLY * other.gain > best.gain else best
+    return best
+
+
+def _beside_rests(motion: Motion, joint: int, start: float, duration: float) -> list[tuple[float, float]]:
+    """Return the push without the rest that it begins in, and without the one that it ends in.
+
+    No small step leads across a rest, in which nobody feels it.
+    """
+    end, near, shorter = start + duration, _NEAR * motion.dt_s, []
+    for first, last in intervals(motion.stuck[:, joint]):
+        begun, over = float(motion.t[first]), float(motion.t[last - 1])
+        if begun - near <= start < over < end:
+            shorter.append((over, end - over))
+        if start < begun < end <= over + near:
+            shorter.append((start, begun - start))
+    return shorter
 
 
 def _box(motion: Motion, start: float, duration: float) -> Floats:

@@ -5,7 +5,8 @@ and Pereyra 1973), so only psi is searched. What was learnt from the learning tr
 that it has not seen.
 """
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import replace
 from functools import cached_property
 
@@ -17,6 +18,7 @@ from fitter.diagnosis.attenuation import Noise, added, compensated, noise_of, no
 from fitter.diagnosis.equation import Weighting, weighting
 from fitter.diagnosis.holding_size import holding_sizes
 from fitter.diagnosis.hypothesis import Hypothesis
+from fitter.diagnosis.least_squares import scaled_lstsq
 from fitter.diagnosis.model import Model
 from fitter.diagnosis.motion import Motion
 from fitter.diagnosis.reweighting import reweighted
@@ -24,8 +26,6 @@ from fitter.diagnosis.rows import SLOPE, Equations, Rows
 from fitter.diagnosis.view import View
 
 _ROUNDS, _FEW_ROUNDS = 25, 8
-#: Columns that are this near to depending on others, in terms of the normal equations, do so.
-_DEPENDENT = 1e-12
 #: No model leaves less noise than this share of what the base model does.
 _LEAST_NOISE = 0.05
 #: A torque that another differs from by this share of its rms is cut off.
@@ -156,6 +156,18 @@ class Regression:
         left = self._noise(base, self.learning).left(self.solve(base, self.learning)[0])
         return np.asarray(np.clip(left, 1e-300, count), dtype=np.float64)
 
+    @contextmanager
+    def forgetting(self) -> Iterator[None]:
+        """Forget the noise that was computed within: it is that of the first psi that was tried.
+
+        What is tried in any order, or in several processes, then comes to the same.
+        """
+        known = dict(self._noises)
+        try:
+            yield
+        finally:
+            self._noises = known
+
     def _noise(self, model: Model, motions: Sequence[Motion]) -> Noise:
         """Return what one draw of noise makes of the equations of some motions."""
         found = []
@@ -244,17 +256,3 @@ def _noise_key(hypothesis: Hypothesis, psi: Floats) -> tuple[object, ...]:
     """
     matters = hypothesis.kind.name in ("gain_error", "joint_zero", "gravity_tilt")
     return hypothesis.key, hypothesis.n_column, psi.tobytes() if matters else b""
-
-
-def scaled_lstsq(A: Floats, y: Floats) -> Floats:
-    """Return the least-squares answer by the normal equations, columns scaled to length one first.
-
-    Where columns depend on one another it is the shortest answer.
-    """
-    size = np.sqrt(np.einsum("ij,ij->j", A, A))
-    size[size == 0.0] = 1.0
-    G = (A.T @ A) / np.outer(size, size)
-    told, axes = np.linalg.eigh(G)
-    kept = told > _DEPENDENT * max(float(told.max(initial=0.0)), 1e-300)
-    axes = axes[:, kept]
-    return np.asarray(axes @ ((axes.T @ ((A.T @ y) / size)) / told[kept]) / size, dtype=np.float64)

@@ -11,12 +11,13 @@ import numpy as np
 from arm.effects.catalogue import catalogue
 from arm.model import Floats
 from fitter.diagnosis.agreement import agreed
-from fitter.diagnosis.grid import Grid, Starts
+from fitter.diagnosis.grid import Best, Grid, Starts
 from fitter.diagnosis.hypothesis import Hypothesis
+from fitter.diagnosis.least_squares import scaled_lstsq
 from fitter.diagnosis.loads import find_payloads
 from fitter.diagnosis.model import Model
 from fitter.diagnosis.pushes import find_pushes
-from fitter.diagnosis.regression import Regression, scaled_lstsq
+from fitter.diagnosis.regression import Regression
 from fitter.side_by_side import side_by_side
 
 #: A hypothesis is refined if it explains this share of what the best one does on the learning trials …
@@ -98,7 +99,12 @@ def screen(
         Told how many are done, and how many there are.
     """
     grid = Grid(regression, accepted.model, starts)
-    first = side_by_side(grid.best, tried, progress)
+
+    def best_start(hypothesis: Hypothesis) -> Best:
+        with regression.forgetting():
+            return grid.best(hypothesis)
+
+    first = side_by_side(best_start, tried, progress)
     events = _events(regression, accepted)
     explained = np.array([one.gain for one in first])
     best = float(explained.max(initial=0.0))
@@ -114,7 +120,7 @@ def screen(
         candidate = fitted(regression, model, refine, held)
         return alike(candidate) if candidate.model.is_event else candidate
 
-    candidates = _fitted(as_lasting, accepted, tried)
+    candidates = _fitted(regression, as_lasting, accepted, tried)
     for one, candidate in zip(first, candidates, strict=True):
         starts.keep(accepted.model, candidate.hypothesis, np.vstack([candidate.model.psi[-1], one.best]))
     leading = min((float(one.squares.sum()) for one in candidates), default=float(accepted.squares.sum()))
@@ -127,18 +133,19 @@ def screen(
             candidate = alike(fitted(regression, candidate.model, held=held))
         return candidate
 
-    candidates += _fitted(as_event, accepted, events)
+    candidates += _fitted(regression, as_event, accepted, events)
     possible = [one if _possible(one) else Candidate(one.model, one.x, accepted.squares) for one in candidates]
     return sorted(possible, key=lambda one: float(one.squares.sum()))
 
 
 def _fitted(
-    fit: Callable[[int], Candidate], accepted: Candidate, hypotheses: Sequence[Hypothesis]
+    regression: Regression, fit: Callable[[int], Candidate], accepted: Candidate, hypotheses: Sequence[Hypothesis]
 ) -> list[Candidate]:
     """Return each hypothesis beside what is accepted, fitted: numbers come from other processes, no objects."""
 
     def numbers(k: int) -> tuple[tuple[Floats, ...], Floats, Floats | None]:
-        candidate = fit(k)
+        with regression.forgetting():
+            candidate = fit(k)
         untouched = candidate.squares is accepted.squares
         return candidate.model.psi, candidate.x, None if untouched else candidate.squares
 

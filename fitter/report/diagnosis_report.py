@@ -71,6 +71,7 @@ def write_report(found: Diagnosis, out: Path) -> None:
         page.picture(drawn[name], caption)
 
     page.section("What is wrong", headline(found))
+    page.points([f"But {warning}." for warning in found.finding.warnings])
     picture("residual", "Torque that the model leaves, in the evaluating trials in which it is largest.")
     picture(
         "places",

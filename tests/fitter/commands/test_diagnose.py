@@ -1,6 +1,7 @@
 """`fitter diagnose`, from files to a page."""
 
 import json
+import os
 from dataclasses import replace
 
 import numpy as np
@@ -87,8 +88,9 @@ def test_a_place_that_cannot_be_written_to_is_told_first(fitter, files, tmp_path
     assert outcome.code == 3 and "cannot be made: Not a directory" in outcome.errors[0]
 
 
-def test_the_same_trials_give_the_same_bytes(fitter, files, tmp_path):
-    for name in ("first", "second"):
+def test_the_same_trials_give_the_same_bytes_on_any_number_of_processors(fitter, files, tmp_path, monkeypatch):
+    for name, processors in (("first", {0}), ("second", {0, 1, 2})):
+        monkeypatch.setattr(os, "sched_getaffinity", lambda _process, some=processors: some)
         assert fitter("diagnose", *arguments(files, tmp_path / name)).code == 0
     for name in ("diagnosis.json", "extended.toml", "report.html"):
         assert (tmp_path / "first" / name).read_bytes() == (tmp_path / "second" / name).read_bytes(), name

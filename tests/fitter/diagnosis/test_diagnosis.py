@@ -61,7 +61,7 @@ def test_nothing_is_named_where_nothing_is_wrong():
     motions = swings((), trials=8, seed=3)
     finding = diagnose(pendulum(), motions[:4], motions[4:]).finding
     assert finding.verdict == "none"
-    assert not finding.causes
+    assert not finding.causes and not finding.warnings
     assert finding.before is finding.after
 
 
@@ -71,6 +71,18 @@ def test_noise_in_the_regressors_does_not_pass_for_physics():
     for motion in motions:
         motion.columns["q"][:] += 1e-3 * rng.normal(size=motion.columns["q"].shape)  # three times the noise
     assert diagnose(pendulum(), motions[:4], motions[4:]).finding.verdict == "none"
+
+
+def test_a_torque_that_is_mostly_noise_is_said_to_be():
+    rng, motions = np.random.default_rng(1), swings((), trials=8, seed=3)
+    for motion in motions:
+        torque = 20.0 * (motion.columns["ref"] - motion.columns["q"])
+        chatter = 5.0 * np.std(torque) * rng.choice([-1.0, 1.0], torque.shape)  # a drive that overdoes it
+        motion.columns["tau"] = torque + chatter
+    finding = diagnose(pendulum(), motions[:4], motions[4:]).finding
+    (warning,) = finding.warnings
+    assert warning.startswith("the torque at joint 1 changes from sample to sample like noise")
+    assert finding.document()["notes"][0] == warning
 
 
 def test_an_empty_set_is_refused():

@@ -7,10 +7,11 @@ from fitter.data.trials import to_trials
 from fitter.diagnosis.agreement import typical
 from fitter.diagnosis.folds import Folds
 from fitter.diagnosis.functions import Functions
+from fitter.diagnosis.least_squares import scaled_lstsq
 from fitter.diagnosis.model import Model
 from fitter.diagnosis.motion import run_of
 from fitter.diagnosis.products import products
-from fitter.diagnosis.regression import Regression, scaled_lstsq
+from fitter.diagnosis.regression import Regression
 from fitter.diagnosis.screening import fitted
 from tests.fitter.pendulum import pendulum, swings
 

@@ -14,9 +14,10 @@ from fitter.data.motions import Measured
 from fitter.data.trials import to_trials
 from fitter.diagnosis.attenuation import added, noise_of
 from fitter.diagnosis.in_drive import InDrive
+from fitter.diagnosis.least_squares import scaled_lstsq
 from fitter.diagnosis.model import Model
 from fitter.diagnosis.motion import run_of
-from fitter.diagnosis.regression import Regression, scaled_lstsq
+from fitter.diagnosis.regression import Regression
 from fitter.diagnosis.rows import Equations
 from tests.fitter.pendulum import pendulum, swings
 
