@@ -63,6 +63,7 @@ class Regression:
         self._scales: dict[object, Floats] = {}
         self._noises: dict[object, Noise] = {}
         self._noisier = noisier(arm, self.motions)
+        self._made_for_base = weighted is None
         self._last: tuple[list[Floats], Floats, Floats] = [], np.zeros(0), np.zeros(0)
         if weighted is None:
             crude = Equations(arm, weighting(arm, self.motions), denied, known)
@@ -147,14 +148,17 @@ class Regression:
 
     @cached_property
     def _plainly(self) -> Floats:
-        """Noise that the base model leaves, (n_joint,), but no more than one an equation that tells something.
+        """Noise that the base model leaves, (n_joint,).
 
-        That is what a filter is made for; this one may be made for another model.
+        Of a filter that was made for another model it is no more than one an equation that tells something, for
+        which a filter is made. One that was made for the base model may have it a little wrong, but for all models
+        alike: none of them explains that.
         """
         base = Model()
-        count = np.sum([self.weighting.told_at_joints(motion) for motion in self.learning], axis=0)
         left = self._noise(base, self.learning).left(self.solve(base, self.learning)[0])
-        return np.asarray(np.clip(left, 1e-300, count), dtype=np.float64)
+        if not self._made_for_base:
+            left = np.minimum(left, np.sum([self.weighting.told_at_joints(one) for one in self.learning], axis=0))
+        return np.asarray(np.maximum(left, 1e-300), dtype=np.float64)
 
     @contextmanager
     def forgetting(self) -> Iterator[None]:
