@@ -3,12 +3,13 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
+from fitter.diagnosis.cancellation import is_cancelled
 from fitter.diagnosis.estimates import Estimates, estimates
 from fitter.diagnosis.falling_friction import with_humps
 from fitter.diagnosis.finding import Verdict
 from fitter.diagnosis.holding import Holding, holdings
 from fitter.diagnosis.regression import Regression
-from fitter.diagnosis.screening import Candidate
+from fitter.diagnosis.screening import Candidate, fitted
 from fitter.diagnosis.search import Search
 from fitter.diagnosis.settled import settled
 from fitter.diagnosis.unknown import Remainder, describe
@@ -64,6 +65,13 @@ def concluded(regression: Regression, search: Search, strict: bool) -> Conclusio
     remainder = describe(regression, search.final)
     held = holdings(regression, search.final, numbers.covariance)
     verdict = verdict_of(search, remainder, numbers, bool(held), strict)
+    if verdict == "unexplained" and search.causes:
+        # Learning trials may have told their sizes only roughly. A function is fitted to trials of both kinds, so
+        # whether the causes are of the right form is asked of the model that is.
+        form = replace(search, final=fitted(regression, search.final.model, to_all=True))
+        verdict = verdict_of(form, describe(regression, form.final), numbers, bool(held), strict)
+    if strict and is_cancelled(regression, search.final):
+        verdict = "unexplained"
     if verdict == "none" and search.causes:  # they have no size
         search = replace(search, final=search.base, causes=[])
         numbers, remainder = estimates(regression, search.base), describe(regression, search.base)

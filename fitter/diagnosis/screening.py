@@ -58,7 +58,9 @@ class Candidate:
         return self.model.hypotheses[-1]
 
 
-def fitted(regression: Regression, model: Model, refine: bool = True, held: int = 0) -> Candidate:
+def fitted(
+    regression: Regression, model: Model, refine: bool = True, held: int = 0, to_all: bool = False
+) -> Candidate:
     """Return a model fitted to the trials that may be learnt from, and what it leaves in all of them.
 
     Parameters
@@ -69,8 +71,10 @@ def fitted(regression: Regression, model: Model, refine: bool = True, held: int 
         Whether psi is sought, too.
     held : int
         So many hypotheses, from the first on, keep their psi.
+    to_all : bool
+        Whether it is fitted to all trials, as a model with an event always is.
     """
-    motions = regression.motions if model.is_event else regression.learning
+    motions = regression.motions if to_all or model.is_event else regression.learning
     if refine:
         model = regression.refined(model, motions, held)
     x = regression.solve(model, motions)[0]

@@ -19,8 +19,9 @@ _LEFT_BY_PLAY = 0.5
 _STRUCTURE = 2.0
 #: A cause that explains this share of the number of equations is there, even if its numbers, which may make up for
 #: one another, are not told one by one; where nothing is hidden none explains a hundredth of it (`worth`). Beside
-#: other causes it must be the second share: a formula that is not quite right leaves something, too. An event can
-#: be found for anything.
+#: other causes it must be the second share, and one of them must be told: a formula that is not quite right leaves
+#: something, too, and two may be no more than the two halves of one that is not known. An event can be found for
+#: anything.
 _SURELY, _SURELY_BESIDE = 0.2, 3.0
 
 
@@ -63,6 +64,8 @@ def _is_there(search: Search, numbers: Estimates) -> list[bool]:
     surely = (_SURELY if len(search.causes) == 1 else _SURELY_BESIDE) * float(search.told.sum())
     told = are_told(search.final.model, numbers)
     kinds = [hypothesis.kind.name for hypothesis in search.final.model.hypotheses]
+    some = any(told) or len(search.causes) == 1
     return [
-        told[cause.place] or (cause.worth > surely and kinds[cause.place] not in EVENTS) for cause in search.causes
+        told[cause.place] or (some and cause.worth > surely and kinds[cause.place] not in EVENTS)
+        for cause in search.causes
     ]

@@ -21,7 +21,7 @@ def three_processors(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
 
 
 def children() -> set[int]:
-    """Processes of this one, waited for or not; others' tests may have left some to the end."""
+    """Return the processes of this one, waited for or not; others' tests may have left some to the end."""
     tasks = Path("/proc/self/task").glob("*/children")
     return {int(pid) for task in tasks for pid in task.read_text().split()}
 

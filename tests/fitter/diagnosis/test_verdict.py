@@ -56,9 +56,12 @@ def test_a_sole_cause_that_explains_much_is_named_though_no_number_of_it_is_told
     assert verdict_of(little, remainder, numbers, held=False, strict=True) == "named"
 
 
-@pytest.mark.parametrize(("share", "verdict"), [(1.0, "unexplained"), (10.0, "named")])
-def test_beside_others_a_cause_without_a_size_must_explain_more(
-    regression: Regression, search: Search, share: float, verdict: str
+@pytest.mark.parametrize(
+    ("share", "one_is_told", "verdict"),
+    [(1.0, True, "unexplained"), (10.0, True, "named"), (10.0, False, "unexplained")],
+)
+def test_a_cause_without_a_size_must_explain_more_beside_one_that_has_a_size(
+    regression: Regression, search: Search, share: float, one_is_told: bool, verdict: str
 ) -> None:
     remainder = describe(regression, search.final)
     numbers = estimates(regression, search.final)
@@ -67,7 +70,8 @@ def test_beside_others_a_cause_without_a_size_must_explain_more(
     causes = [replace(cause, worth=worth), replace(cause, place=1, worth=worth)]
     final = replace(search.final, model=Model((hypothesis, hypothesis), (psi, psi)))
     two = replace(search, final=final, causes=causes)
-    both = untold(replace(numbers, effects=(*numbers.effects, *numbers.effects)))
+    first = numbers.effects if one_is_told else untold(numbers).effects
+    both = replace(numbers, effects=(*first, *untold(numbers).effects))
     assert verdict_of(two, remainder, both, held=False, strict=True) == verdict
 
 
