@@ -20,12 +20,13 @@ def list_effects(arguments: argparse.Namespace) -> Document:
     kinds = list(catalogue().values())
     if not arguments.json:
         table = Table(show_lines=True, title="what a simulation may get wrong, because …", title_justify="left")
-        for name, fixed in (("effect", True), ("because", False), ("parameters", True), ("acts on", True)):
-            table.add_column(name, no_wrap=fixed)
-        table.add_column("can be taken for", overflow="fold")
+        table.add_column("effect", no_wrap=True)
+        table.add_column("what it is, in which numbers, and what it can be taken for")
         for kind in kinds:
-            numbers = "\n".join(_words(parameter) for parameter in kind.parameters)
-            table.add_row(kind.name, kind.sentence, numbers, _acts_on(kind), ", ".join(kind.taken_for))
+            numbers = "; ".join(_words(parameter) for parameter in kind.parameters)
+            about = f"{kind.sentence}\n[dim]{numbers}[/]"
+            others = f"\n[dim]or {', '.join(kind.taken_for)}?[/]" if kind.taken_for else ""
+            table.add_row(f"{kind.name}\n[dim]{_acts_on(kind)}[/]", about + others)
         console.print(table)
     return {"effects": [_entry(kind) for kind in kinds]}
 
