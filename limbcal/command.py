@@ -7,6 +7,7 @@ import os
 import signal
 import sys
 from collections.abc import Callable, Mapping
+from importlib import import_module
 from types import FrameType
 
 from rich.console import Console
@@ -23,9 +24,38 @@ Action = Callable[[argparse.Namespace], Document | None]
 class Parser(argparse.ArgumentParser):
     """An argument parser whose mistakes join the error family."""
 
+    #: The module whose ``add_arguments`` says what it takes, until it is asked.
+    module: str | None = None
+
+    def parse_known_args(self, args=None, namespace=None):  # type: ignore[no-untyped-def]
+        """Parse as ever, but load the command only now that it was chosen."""
+        if self.module is not None:
+            module, self.module = self.module, None
+            import_module(module).add_arguments(self)
+        return super().parse_known_args(args, namespace)
+
     def error(self, message: str) -> "None":  # type: ignore[override]
         """Raise a `ConfigError` in place of printing a usage text and leaving."""
         raise ConfigError(f"{self.prog}: {message}")
+
+
+def parser_of(prog: str, description: str, package: str, commands: Mapping[str, str]) -> Parser:
+    """Return the parser of a program with commands, of which only the chosen one is loaded.
+
+    Parameters
+    ----------
+    prog, description : str
+    package : str
+        Where each command has a module of its name, with ``add_arguments``.
+    commands : mapping of str to str
+        What each of them does, in a sentence.
+    """
+    parser = Parser(prog=prog, description=description)
+    chosen = parser.add_subparsers(required=True, metavar="COMMAND", parser_class=Parser)
+    for name, sentence in commands.items():
+        command = chosen.add_parser(name, help=sentence, description=sentence, parents=[common_options()])
+        command.module = f"{package}.{name}"
+    return parser
 
 
 def common_options() -> Parser:

@@ -6,6 +6,7 @@ import signal
 import subprocess
 import sys
 import textwrap
+from importlib import import_module
 
 import numpy as np
 import pytest
@@ -213,3 +214,28 @@ def test_numpys_values_are_written_as_numbers():
 def test_emit_writes_a_line(capsys):
     emit("answer")
     assert capsys.readouterr() == ("answer\n", "")
+
+
+@pytest.mark.parametrize("program", ["fitter", "daemon", "playback"])
+def test_only_the_command_that_was_chosen_is_loaded(program: str) -> None:
+    """What somebody who asks for help waits for is no more than the list of commands."""
+    seen = textwrap.dedent(f"""
+        import sys
+        from {program}.__main__ import COMMANDS, main
+        try:
+            main(["--help"])
+        except SystemExit as end:
+            assert end.code == 0
+        loaded = [name for name in COMMANDS if f"{program}.commands.{{name}}" in sys.modules]
+        assert not loaded and "scipy" not in sys.modules, loaded
+        """)
+    subprocess.run([sys.executable, "-c", seen], check=True, capture_output=True)
+
+
+@pytest.mark.parametrize("program", ["fitter", "daemon", "playback"])
+def test_every_command_in_the_list_is_there(program: str) -> None:
+    module = import_module(f"{program}.__main__")
+    for name in module.COMMANDS:
+        with pytest.raises(SystemExit) as end:
+            module.main([name, "--help"])
+        assert end.value.code == 0
