@@ -1,19 +1,10 @@
-r"""The equation of motion of a whole run, weighted so that its noise is white.
+"""The equation of motion of a whole run, weighted so that its noise is white (`whitening`).
 
-A joint's row is ``Y p + C c = u``. Its noise is that of the torque, white, and that of the angles differentiated
-twice, with a power spectrum
-
-    S(f) = diag(s_u^2) + mean(M diag(s_q^2) M^T) (2 pi f)^4,
-
-a matrix, for the noise of one angle enters the equations of all joints. Both sides pass the zero-phase filter
-``L^-1`` with ``L L^T = S``, and what lies beyond the columns' corner is cut off. The residual of the true model is
-then white with variance 1, so that plain least squares is all but maximum likelihood, and no
-frequency is thrown away that tells something. A slower grid holds all that is left. While a joint is stuck its
-friction is not known, and a torque that jumps does so between two samples: unknown torques j there, of a few
-shapes each (`unknown_torque`) and of known variance, make the noise's covariance ``I + sum j j^T``, so with the
-singular values s of all of them, equations count ``1 / sqrt(1 + s^2)`` times along each of their axes. Those of
-any size are eliminated from both sides, which costs what they could have told and leaves the noise of everything
-else white.
+While a joint is stuck its friction is not known, and a torque that jumps does so between two samples: unknown
+torques j there, of a few shapes each (`unknown_torque`) and of known variance, make the noise's covariance
+``I + sum j j^T``, so with the singular values s of all of them, equations count ``1 / sqrt(1 + s^2)`` times along
+each of their axes. Those of any size are eliminated from both sides, which costs what they could have told and
+leaves the noise of everything else white.
 """
 
 from collections.abc import Sequence
@@ -25,12 +16,11 @@ import scipy.linalg
 
 from arm.model import Arm, Floats
 from fitter.diagnosis.motion import Motion, noise_of_angles, white_noise
-from fitter.diagnosis.unknown_torque import end_shapes, end_weight, holding_shapes, jump_shapes, rest_shapes
+from fitter.diagnosis.unknown_torque import end_shapes, holding_shapes, jump_shapes, rest_shapes
+from fitter.diagnosis.whitening import Whitening
 
 #: The band ends at this share of the columns' corner, where their filter still lets all through.
 _BAND_SHARE = 0.6
-#: It falls off, as a squared sine, over this share of it: 3/8 of the noise in there pass.
-_EDGE = 0.2
 #: Samples a period of the band's end on the slower grid.
 _SAMPLES = 2.5
 #: A perfect torque or angle has at least the noise of rounding, as a share of its rms.
@@ -43,65 +33,30 @@ _DROWNED, _ROUNDING = 0.01, 1e-13
 
 
 @dataclass(frozen=True)
-class Weighting:
-    """The filter that makes the noise of a run white.
+class Weighting(Whitening):
+    """The filter that makes the noise of a run white, and takes out what may hold a joint.
 
     Attributes
     ----------
-    torque_noise : (n_joint,)
-        White part of the noise, as rms a sample.
-    acceleration_noise : (n_joint, n_joint)
-        Factor of ``(2 pi f)^4`` in the noise's covariance a sample.
-    band_hz : float
-    stride : int
-        Every so manieth sample is kept.
     holding : (n_joint,) [N m or N]
         What holds a stuck joint may be so large, as a standard deviation; inf where nothing tells.
     """
 
-    torque_noise: Floats
-    acceleration_noise: Floats
-    band_hz: float
-    stride: int
     holding: Floats
-    _held: dict[int, tuple[Floats, Floats]] = field(default_factory=dict, repr=False)
-    _told: dict[int, Floats] = field(default_factory=dict, repr=False)
-    _boxes: dict[tuple[int, int, float], tuple[Floats, Floats]] = field(default_factory=dict, repr=False)
-    _gains: dict[tuple[int, float], Floats] = field(default_factory=dict, repr=False)
-
-    @property
-    def seen_hz(self) -> float:
-        """Where the noise of differentiated angles outgrows that of the torque, at the last joint to."""
-        rate = np.sqrt(np.max(self.torque_noise / np.sqrt(np.maximum(np.diag(self.acceleration_noise), 1e-300))))
-        return float(np.clip(rate / (2.0 * np.pi), 1.0, self.band_hz))
-
-    def covariance(self, f: float) -> Floats:
-        """Return the noise's covariance a sample at a frequency [Hz], (n_joint, n_joint)."""
-        return np.diag(self.torque_noise**2) + self.acceleration_noise * (2.0 * np.pi * f) ** 4
-
-    def mean_noise(self, joint: int, weight: Floats, dt_s: float) -> float:
-        """Return the noise of a weighted mean of a joint's unfiltered equation, rms [N m or N].
-
-        The angles' noise enters it by the weight's second derivative, for a mean of differences is one of ends.
-
-        Parameters
-        ----------
-        joint : int
-        weight : (n_sample,)
-        dt_s : float
-        """
-        bend = np.diff(np.pad(weight, 2), 2) / dt_s**2
-        white, angles = self.torque_noise[joint], self.acceleration_noise[joint, joint]
-        return float(np.sqrt(white**2 * (weight @ weight) + angles * (bend @ bend)))
+    _held: dict[int, tuple[Floats, Floats]] = field(default_factory=dict, init=False, repr=False)
+    _told: dict[int, Floats] = field(default_factory=dict, init=False, repr=False)
+    _boxes: dict[tuple[int, int, float], tuple[Floats, Floats]] = field(
+        default_factory=dict, init=False, repr=False
+    )
 
     def filtered(self, motion: Motion, rows: Floats) -> Floats:
         """Return rows (n_sample, n_joint, …), filtered and on the slower grid, without what may hold a joint."""
-        white = self._white(rows, motion.dt_s)
+        white = self.white(rows, motion.dt_s)
         return self.freed(motion, white.reshape(white.shape[0] * white.shape[1], -1)).reshape(white.shape)
 
     def filtered_at(self, motion: Motion, joint: int, torques: Floats) -> Floats:
         """Return the same of torques (n_sample, n_column) at one joint, (n_slower * n_joint, n_column)."""
-        white = self._white(torques[:, None], motion.dt_s, slice(joint, joint + 1))
+        white = self.white(torques[:, None], motion.dt_s, slice(joint, joint + 1))
         return self.freed(motion, white.reshape(-1, torques.shape[1]))
 
     def halfway_at(self, motion: Motion, joint: int, torques: Floats) -> tuple[Floats, Floats]:
@@ -110,7 +65,7 @@ class Weighting:
         Its products with other filtered rows are those of W with these rows, freed once more: half the work where
         no more than products is needed.
         """
-        white = self._white(torques[:, None], motion.dt_s, slice(joint, joint + 1)).reshape(-1, torques.shape[1])
+        white = self.white(torques[:, None], motion.dt_s, slice(joint, joint + 1)).reshape(-1, torques.shape[1])
         axes, lost = self._axes(motion)
         return white, np.sqrt(lost * (2.0 - lost))[:, None] * (axes.T @ white)
 
@@ -151,18 +106,12 @@ class Weighting:
             axes, lost = self._axes(motion)
             rows = axes.reshape(-1, motion.q.shape[1], axes.shape[1])
             size = scipy.fft.next_fast_len(2 * len(rows), real=True)
-            band = self._band(scipy.fft.rfftfreq(size, self.stride * motion.dt_s))
+            band = self.band(scipy.fft.rfftfreq(size, self.stride * motion.dt_s))
             # The noise is band-limited, so an axis beside the band has next to none of it to lose.
             seen = scipy.fft.irfft(band[:, None, None] * scipy.fft.rfft(rows, size, axis=0), size, axis=0)
             gone = np.sum(seen**2, axis=0) @ (1.0 - (1.0 - lost) ** 2)
-            passes = 2.0 * self.stride * motion.dt_s * (1.0 - 0.625 * _EDGE) * self.band_hz
-            self._told[motion.number] = passes * len(rows) - gone
+            self._told[motion.number] = self.n_told(len(rows), motion.dt_s) - gone
         return self._told[motion.number]
-
-    def _band(self, f: Floats) -> Floats:
-        """Return the share of an amplitude that passes at some frequencies [Hz]."""
-        edge = np.clip((self.band_hz - f) / (_EDGE * self.band_hz), 0.0, 1.0)
-        return np.asarray(np.sin(np.pi / 2.0 * edge) ** 2, dtype=np.float64)
 
     def _axes(self, motion: Motion) -> tuple[Floats, Floats]:
         """Return orthonormal axes of what is not known of the torque, filtered, and how much of each is lost."""
@@ -186,32 +135,9 @@ class Weighting:
                 roughly.append(_at(j, holding * shapes, n_joint))
                 shapes = rest_shapes(motion.stuck[:, j], motion.dt_s)
             anyhow.append(_at(j, shapes, n_joint))
-        white = (self._white(np.concatenate(part, axis=2), motion.dt_s) for part in (anyhow, roughly))
+        white = (self.white(np.concatenate(part, axis=2), motion.dt_s) for part in (anyhow, roughly))
         first, second = (rows.reshape(rows.shape[0] * n_joint, rows.shape[2]) for rows in white)
         return first, second
-
-    def _white(self, rows: Floats, dt_s: float, joints: slice = slice(None)) -> Floats:
-        """Return rows of some joints, filtered and on the slower grid, (n_slower, n_joint, …)."""
-        n = len(rows)
-        slower = scipy.fft.next_fast_len(-(-(n + round(1.0 / dt_s)) // self.stride), real=True)
-        size = slower * self.stride
-        gain = self._gain(scipy.fft.rfftfreq(size, dt_s), dt_s)
-        kept = len(gain)  # nothing is left beyond the band
-        flat = (rows * end_weight(n, dt_s).reshape(n, *([1] * (rows.ndim - 1)))).reshape(n, -1)
-        part = scipy.fft.rfft(flat, size, axis=0)[:kept].reshape(kept, rows.shape[1], -1)
-        white = scipy.fft.irfft((gain[:, :, joints] @ part).reshape(kept, -1), slower, axis=0) / self.stride
-        kept = -(-n // self.stride)
-        return np.asarray(white[:kept], dtype=np.float64).reshape(kept, gain.shape[1], *rows.shape[2:])
-
-    def _gain(self, f: Floats, dt_s: float) -> Floats:
-        key = len(f), dt_s
-        if key not in self._gains:
-            band = self._band(f)
-            f, band = f[band > 0.0], band[band > 0.0]
-            noise = np.diag(self.torque_noise**2) + self.acceleration_noise * (2 * np.pi * f[:, None, None]) ** 4
-            root = np.linalg.inv(np.linalg.cholesky(noise))
-            self._gains[key] = root * (np.sqrt(self.stride) * band)[:, None, None]
-        return self._gains[key]
 
 
 def _at(joint: int, torques: Floats, n_joint: int) -> Floats:

@@ -15,6 +15,7 @@ import scipy.optimize
 
 from arm.model import Arm, Floats
 from fitter.diagnosis.attenuation import Noise, added, compensated, noise_of, noisier
+from fitter.diagnosis.cut_off import let_through
 from fitter.diagnosis.equation import Weighting, weighting
 from fitter.diagnosis.holding_size import holding_sizes
 from fitter.diagnosis.hypothesis import Hypothesis
@@ -28,8 +29,6 @@ from fitter.diagnosis.view import View
 _ROUNDS, _FEW_ROUNDS = 25, 8
 #: No model leaves less noise than this share of what the base model does.
 _LEAST_NOISE = 0.05
-#: A torque that another differs from by this share of its rms is cut off.
-_CUT = 0.01
 
 
 class Regression:
@@ -194,24 +193,11 @@ class Regression:
         return noise_of(columns, loud.target - rows.target)
 
     def _let_through(self, model: Model) -> Floats:
-        """Return the share of each joint's torque squared that a limit lets through, (n_joint,).
-
-        It counts as far as the limit is reached: of a torque that is cut off now and then nearly all noise stays.
-        """
-        key = tuple(
-            (hypothesis.key, psi.tobytes()) for hypothesis, psi in zip(model.hypotheses, model.psi, strict=True)
-        )
+        parts = zip(model.hypotheses, model.psi, strict=True)
+        key = tuple((hypothesis.key, psi.tobytes()) for hypothesis, psi in parts)
         if key not in self._scales:
-            asked, reaches, cut, moving = np.zeros((4, self.arm.n_joint))
-            for motion in self.learning:
-                u, moves = self.view(model, motion).u, ~motion.stuck
-                asked += np.sum(motion.u**2 * moves, axis=0)
-                reaches += np.sum(u**2 * moves, axis=0)
-                off = np.abs(u - motion.u) > _CUT * np.sqrt(np.mean(motion.u**2, axis=0))
-                cut += np.sum(off & moves, axis=0)
-                moving += np.sum(moves, axis=0)
-            through = np.clip(reaches / np.maximum(asked, 1e-300), 1e-12, 1.0)
-            self._scales[key] = through ** (cut / np.maximum(moving, 1.0))
+            views = [self.view(model, motion) for motion in self.learning]
+            self._scales[key] = let_through(views, self.learning)
         return self._scales[key]
 
     def refined(self, model: Model, motions: Sequence[Motion], held: int = 0) -> Model:
@@ -249,7 +235,7 @@ class Regression:
         )
         weighted = reweighted(crude, Model(), values, self.motions, self._noisier)
         fine = Equations(self.arm, weighted, self.denied, crude.known)
-        return replace(weighted, holding=holding_sizes(fine, Model(), values, self.motions), _held={}, _told={})
+        return replace(weighted, holding=holding_sizes(fine, Model(), values, self.motions))
 
 
 def _noise_key(hypothesis: Hypothesis, psi: Floats) -> tuple[object, ...]:

@@ -60,7 +60,7 @@ def reweighted(
     size, axes = np.linalg.eigh(total / max(count, 1))
     least = _LEAST * max(float(size.max()), 1e-300)
     noise = (axes * np.maximum(size, least)) @ axes.T
-    return replace(used, acceleration_noise=noise, _held={}, _told={}, _boxes={}, _gains={})
+    return replace(used, acceleration_noise=noise)
 
 
 def will_do(used: Weighting, right: Weighting) -> bool:

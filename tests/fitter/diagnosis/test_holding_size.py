@@ -55,7 +55,7 @@ def test_a_start_tells_of_a_lag_unless_anything_might_hold(starts):
     (lag,) = (h for h in hypotheses(1, (), driven=True) if h.kind.name == "actuator_lag")
     found = fitted(starts, Model().plus(lag, np.array([0.002])))
     assert found.model.psi[0][0] == pytest.approx(LAG_S, rel=0.15)
-    anything = starts.weighted_by(replace(starts.weighting, holding=np.array([np.inf]), _held={}, _told={}))
+    anything = starts.weighted_by(replace(starts.weighting, holding=np.array([np.inf])))
     gains = [
         1.0 - fitted(one, found.model, refine=False).squares.sum() / fitted(one, Model()).squares.sum()
         for one in (starts, anything)

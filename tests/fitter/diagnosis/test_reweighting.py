@@ -41,7 +41,7 @@ def test_a_filter_that_takes_the_noise_for_less_is_found_out(
 ) -> None:
     """What would need masses beyond all sense is left as it is."""
     used = regression.weighting
-    wrong = replace(used, acceleration_noise=factor * used.acceleration_noise, _held={}, _boxes={}, _gains={})
+    wrong = replace(used, acceleration_noise=factor * used.acceleration_noise)
     other = regression.weighted_by(wrong)
     right = other.weighting_under(Model(), other.solve(Model(), other.learning)[0])
     assert will_do(wrong, right) == good
