@@ -171,19 +171,16 @@ def _covariance(regression: Regression, fitted: Candidate, learnt_from: list[Mot
     Residuals that resemble their neighbours are seen within the trials that were learnt from; what makes whole
     trials pull their own way, such as how a joint comes to rest, is seen in how differently all trials pull.
     """
-    model, flat = fitted.model, fitted.model.flat
+    model = fitted.model
     used = {motion.number for motion in learnt_from}
     total = sum(len(motion.t) for motion in learnt_from)
     designs, residuals = [], []
     for motion in regression.motions:
         r = regression.residual(model, fitted.x, motion).ravel()
         columns = [regression.rows(model, motion).design]
-        for k in range(len(flat)):
-            step = SLOPE * max(abs(float(flat[k])), 1e-3)
-            moved = flat.copy()
-            moved[k] += step
-            slope = (r - regression.residual(model.at(moved), fitted.x, motion).ravel()) / step
-            columns.append(slope[:, None])
+        for *beside, apart in model.beside():
+            more, less = (regression.residual(one, fitted.x, motion) for one in beside)
+            columns.append((less - more).reshape(-1, 1) / apart)
         designs.append(np.hstack(columns))
         residuals.append(r)
     fitting = [k for k, motion in enumerate(regression.motions) if motion.number in used]

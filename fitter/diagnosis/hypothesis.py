@@ -32,6 +32,8 @@ class Hypothesis(ABC):
     is_gradual = False
     #: Its columns are made of angles and their derivatives, noise included.
     is_noisy = True
+    #: The share of psi over which is asked what a change of it makes: more where little changes jump.
+    stride = 1e-4
 
     def __init__(self, kind: EffectKind, joints: Sequence[int]) -> None:
         self.kind = kind

@@ -32,6 +32,8 @@ class InTransmission(Hypothesis):
     def __init__(self, kind: EffectKind, joints: Sequence[int]) -> None:
         super().__init__(kind, joints)
         self._known: dict[tuple[int, int], Play] = {}
+        if self._play:
+            self.stride = 0.05  # a crossing that a gap is just too small for is another path
 
     @property
     def _play(self) -> bool:

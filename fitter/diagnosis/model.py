@@ -1,11 +1,15 @@
 """A model of what an arm does beyond its base parameters: some hypotheses, with values of their psi."""
 
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from arm.model import Floats
 from fitter.diagnosis.hypothesis import Hypothesis
+
+#: A psi of less than this is moved as if it were this large.
+_LEAST = 1e-3
 
 
 @dataclass(frozen=True)
@@ -37,6 +41,19 @@ class Model:
     def flat(self) -> Floats:
         """All psi, one after the other."""
         return np.concatenate([np.zeros(0), *self.psi])
+
+    def beside(self) -> Iterator[tuple["Model", "Model", float]]:
+        """Yield for every psi this model with more and with less of it, and how far these are apart."""
+        for k, (hypothesis, psi) in enumerate(zip(self.hypotheses, self.psi, strict=True)):
+            for i, value in enumerate(psi):
+                step = hypothesis.stride * max(abs(float(value)), _LEAST)
+                ends = min(value + step, hypothesis.high[i]), max(value - step, hypothesis.low[i])
+                one = np.arange(len(psi)) == i
+                more, less = (self._with(k, np.where(one, end, psi)) for end in ends)
+                yield more, less, float(ends[0] - ends[1])
+
+    def _with(self, k: int, psi: Floats) -> "Model":
+        return replace(self, psi=(*self.psi[:k], psi, *self.psi[k + 1 :]))
 
     @property
     def n_column(self) -> int:

@@ -174,14 +174,11 @@ class Equations:
         -------
         (n_sample, n_joint, n_factor + n_psi)
         """
-        view, flat = self.view(model, motion), model.flat
+        view = self.view(model, motion)
         columns = [view.base(self.independent(view.arm)), *view.columns]
-        left = self.left(model, x, motion)
-        for k in range(len(flat)):
-            moved = flat.copy()
-            moved[k] += SLOPE * max(abs(float(flat[k])), 1e-3)
-            slope = (left - self.left(model.at(moved), x, motion)) / (moved[k] - flat[k])
-            columns.append(slope[..., None])
+        for *beside, apart in model.beside():
+            more, less = (self.left(one, x, motion) for one in beside)
+            columns.append((less - more)[..., None] / apart)
         return np.concatenate(columns, axis=2)
 
     def _stage(self, model: Model, motion: Motion) -> _Stage:
