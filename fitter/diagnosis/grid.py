@@ -1,4 +1,8 @@
-"""What each start of a hypothesis would explain on the learning trials, beside what is accepted."""
+"""What each start of a hypothesis would explain on the learning trials, beside what is accepted.
+
+The psi of what is accepted are where they do best alone, which may be far from where they do beside another. So
+they are free as far as a straight line goes: what they could explain, by their slopes, is taken from both sides.
+"""
 
 from dataclasses import dataclass
 
@@ -16,6 +20,8 @@ from fitter.diagnosis.regression import Regression
 _PEAKS = 4
 #: So many of the best starts are kept.
 _KEPT = 3
+#: A change of which others make all but this share is none of its own.
+_LITTLE = 1e-4
 
 
 @dataclass(frozen=True)
@@ -67,9 +73,22 @@ class Grid:
         size = np.linalg.norm(A, axis=0)
         Q, R, _ = scipy.linalg.qr(A / np.where(size > 0.0, size, 1.0), mode="economic", pivoting=True)
         told = np.abs(np.diag(R)) > 1e-9 * abs(R[0, 0])
-        self._Q = Q[:, told]
+        self._tangent = _beside(np.asarray(Q[:, told]), self._slopes())
+        self._Q = np.hstack([Q[:, told], self._tangent])
         self._residual = self._target - self._Q @ (self._Q.T @ self._target)
         self.left = float(self._residual @ self._residual)
+
+    def _slopes(self) -> Floats:
+        """Return what a change of each accepted psi makes, (n_row, n_psi)."""
+        regression, model, motions = self._regression, self._model, self._regression.learning
+        if not len(model.flat):
+            return np.zeros((len(self._target), 0))
+        x = regression.solve(model, motions)[0]
+        columns = [
+            [(regression.residual(less, x, one) - regression.residual(more, x, one)).ravel() for one in motions]
+            for more, less, _ in model.beside()
+        ]
+        return np.stack([np.concatenate(one) for one in columns], axis=1)
 
     def best(self, hypothesis: Hypothesis) -> Best:
         """Return the start of a hypothesis that lowers the sum of squares most."""
@@ -112,7 +131,8 @@ class Grid:
     def _gain(self, hypothesis: Hypothesis, psi: Floats) -> float:
         model = self._model.plus(hypothesis, psi)
         r = self._regression.solve(model, self._regression.learning)[2]
-        return self.left - float(r @ r)
+        straight = self._tangent.T @ r
+        return self.left - float(r @ r) + float(straight @ straight)
 
     def _gains(self, hypothesis: Hypothesis, starts: Floats) -> list[float]:
         """Return the gains of columns beside all others, those of all starts filtered together."""
@@ -152,3 +172,11 @@ class Grid:
             if len(found) == _PEAKS:
                 break
         return np.array(found)[:, None]
+
+
+def _beside(Q: Floats, columns: Floats) -> Floats:
+    """Return an orthonormal basis of what columns have beside others' orthonormal basis."""
+    size = np.linalg.norm(columns, axis=0)
+    columns = (columns - Q @ (Q.T @ columns)) / np.where(size > 0.0, size, 1.0)
+    U, length, _ = np.linalg.svd(columns, full_matrices=False)
+    return np.asarray(U[:, length > _LITTLE], dtype=np.float64)

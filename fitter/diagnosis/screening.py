@@ -26,6 +26,8 @@ _PROMISING = 0.3
 _AT_LEAST = 4
 #: … as long as it explains this share of what is left.
 _WORTH = 0.04
+#: What explains less than this share of what it could if the accepted psi gave way is tried with all psi free.
+_AS_PROMISED = 0.8
 #: Events are found in coarse steps; they are refined if they explain this share of what the best one does.
 _COMPETES = 0.6
 #: One that explains less than this share of what the best one does is not looked at any further.
@@ -115,6 +117,7 @@ def screen(
     rank = np.argsort(np.argsort(-explained))
     held = len(accepted.model.hypotheses)
     alike = _fair(regression, accepted)
+    learnt = [motion.learn for motion in regression.motions]
 
     def as_lasting(k: int) -> Candidate:
         model, gain = accepted.model.plus(tried[k], first[k].psi), first[k].gain
@@ -122,6 +125,10 @@ def screen(
             return Candidate(model, accepted.x, accepted.squares)
         refine = gain >= _WORTH * grid.left and (gain >= _PROMISING * best or rank[k] < _AT_LEAST)
         candidate = fitted(regression, model, refine, held)
+        gained = float((accepted.squares - candidate.squares)[learnt].sum())
+        if refine and rank[k] < _AT_LEAST and len(accepted.model.flat) and gained < _AS_PROMISED * gain:
+            free = fitted(regression, candidate.model)
+            candidate = min(candidate, free, key=lambda one: float(one.squares.sum()))
         return alike(candidate) if candidate.model.is_event else candidate
 
     candidates = _fitted(regression, as_lasting, accepted, tried)

@@ -47,3 +47,15 @@ def test_beside_another_model_all_starts_are_tried(regression):
     assert Grid(regression, Model(), starts).best(cogging).psi == [3.0]
     beside = Model().plus(offset, np.zeros(0))
     assert Grid(regression, beside, starts).best(cogging).psi == [7.0]
+
+
+def test_accepted_psi_that_are_a_little_off_leave_nothing_to_others(regression):
+    cogging = AtJoint(catalogue()["cogging"], 0)
+    learnt = [motion.learn for motion in regression.motions]
+    off = Model().plus(cogging, np.array([7.2]))
+    as_it_is, at_best = (fitted(regression, off, refine=again).squares[learnt].sum() for again in (False, True))
+    grid = Grid(regression, off, Starts())
+    assert as_it_is > 3.0 * at_best
+    assert grid.left == pytest.approx(at_best, rel=0.1)
+    others = [AtJoint(catalogue()[name], 0) for name in ("periodic_disturbance", "joint_spring", "torque_offset")]
+    assert all(grid.best(one).gain < 0.1 * at_best for one in others)
