@@ -38,7 +38,8 @@ def _acts_on(kind: EffectKind) -> str:
 
 def _words(parameter: Parameter) -> str:
     unit = "" if parameter.unit == "1" else f" [{parameter.unit}]"
-    return f"{parameter.name}{escape(unit)}{', if wanted' if parameter.optional else ''}"
+    words = f"{parameter.name}{escape(unit)}{', if wanted' if parameter.optional else ''}"
+    return words.replace(" ", "\N{NO-BREAK SPACE}")
 
 
 def _entry(kind: EffectKind) -> Document:

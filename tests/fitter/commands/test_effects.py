@@ -2,6 +2,8 @@
 
 import json
 
+import pytest
+
 from arm.effects.catalogue import catalogue
 from fitter.__main__ import main
 
@@ -22,11 +24,13 @@ def test_the_list_is_the_catalogue(capsys):
     assert acts_on["payload"] == "arm" and acts_on["sensor_bias"] == "sensors"
 
 
-def test_every_effect_has_its_row(capsys, monkeypatch):
-    monkeypatch.setenv("COLUMNS", "200")
+@pytest.mark.parametrize("columns", ["80", "200"])
+def test_every_effect_has_its_row_and_no_number_is_broken(columns, capsys, monkeypatch):
+    monkeypatch.setenv("COLUMNS", columns)
     assert main(["effects"]) == 0
     shown = capsys.readouterr()
     assert not shown.out
+    words = shown.err.replace("\N{NO-BREAK SPACE}", " ")
     for name in catalogue():
-        assert f" {name} " in shown.err
-    assert "gap_rad [rad]" in shown.err and "since_s [s], if wanted" in shown.err
+        assert f" {name} " in words
+    assert "damping_N_m_s [N m s/rad]" in words and "since_s [s], if wanted" in words
