@@ -23,7 +23,7 @@ def list_effects(arguments: argparse.Namespace) -> Document:
         table.add_column("effect", no_wrap=True)
         table.add_column("what it is, in which numbers, and what it can be taken for")
         for kind in kinds:
-            numbers = "; ".join(_words(parameter) for parameter in kind.parameters)
+            numbers = "\n".join(_words(parameter) for parameter in kind.parameters)
             about = f"{kind.sentence}\n[dim]{numbers}[/]"
             others = f"\n[dim]or {', '.join(kind.taken_for)}?[/]" if kind.taken_for else ""
             table.add_row(f"{kind.name}\n[dim]{_acts_on(kind)}[/]", about + others)
@@ -38,8 +38,7 @@ def _acts_on(kind: EffectKind) -> str:
 
 def _words(parameter: Parameter) -> str:
     unit = "" if parameter.unit == "1" else f" [{parameter.unit}]"
-    words = f"{parameter.name}{escape(unit)}{', if wanted' if parameter.optional else ''}"
-    return words.replace(" ", "\N{NO-BREAK SPACE}")
+    return f"{parameter.name}{escape(unit)}{', if wanted' if parameter.optional else ''}"
 
 
 def _entry(kind: EffectKind) -> Document:
