@@ -2,7 +2,8 @@
 
 Every case is drawn by a seed with a simulator that is not the fitter's (`tests/diagnosis`), written to files, and
 diagnosed by the command; the truth stays here. One JSON line a case goes to a log, crashed cases with their
-traceback, and the page is made of the log. ``--write-case`` writes one case's files, to look at it.
+traceback. What the page is made of is kept beside it, a short line a case with the code's commit, and the cases of
+another run are added to it. ``--write-case`` writes one case's files, to look at it.
 """
 
 import argparse
@@ -26,7 +27,7 @@ from rich.progress import (
 
 import fitter.single_thread  # noqa: F401 - the processes that it starts inherit it
 from benchmarks.diagnosis_case import Job, run
-from benchmarks.diagnosis_page import goals, page
+from benchmarks.diagnosis_page import brief, goals, page
 from fitter.dynamics.parallel import be_worker
 from fitter.side_by_side import work_alone
 from limbcal.command import Document, Parser, common_options, console, emit, run_command, say
@@ -118,8 +119,11 @@ def measure(options: argparse.Namespace) -> Document:
             done.append(line)
             right = sum(bool(one.get("score", {}).get("right")) for one in done)
             progress.update(task, advance=1, description=f"right {right} of {len(done)}")
-    options.out.write_text(page(done), encoding="utf-8")
-    say(f"{options.out}: {len(done)} cases; {options.log}: one line each")
+    record = options.out.with_suffix(".jsonl")
+    kept = list({line["key"]: line for line in [*read_log(record), *map(brief, done)]}.values())
+    record.write_text("".join(json.dumps(line) + "\n" for line in kept), encoding="utf-8")
+    options.out.write_text(page(kept), encoding="utf-8")
+    say(f"{options.out}: {len(kept)} cases; {record}: one line each; {options.log}: all about {len(done)} of them")
     if not options.json:
         emit(goals(done))
     return {"cases": len(done), "right": sum(bool(line.get("score", {}).get("right")) for line in done)}

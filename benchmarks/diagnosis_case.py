@@ -5,6 +5,7 @@ import io
 import json
 import os
 import signal
+import subprocess
 import tempfile
 import time
 import traceback
@@ -73,6 +74,7 @@ def diagnose(learn: Path, evaluate: Path, arm: Path, out: Path) -> dict[str, Any
 def run(job: Job, limit_s: float) -> dict[str, Any]:
     """Run one case and return its line of the log; a case that crashes has an ``error`` in place of a score."""
     line: dict[str, Any] = {"key": job.key, "kind": job.kind, "seed": job.seed, "effect": job.effect}
+    line["commit"] = _commit()
     try:
         with tempfile.TemporaryDirectory() as name, at_most(limit_s):
             folder = Path(name)
@@ -101,6 +103,15 @@ def beside_oracle(case: Case, learn: Path, evaluate: Path, extended: Path) -> fl
     learning, evaluating = read_set(learn, n), read_set(evaluate, n)
     ideal = left_by_oracle(known, learning, evaluating, true_effects(truth)) / noise
     return float(np.sqrt(np.mean((left_by_file(known, evaluating, extended) / noise) ** 2) / np.mean(ideal**2)))
+
+
+def _commit() -> str:
+    """Return what git calls the code that runs; "unknown" where it is no checkout."""
+    command = ["git", "-C", str(Path(__file__).parent), "describe", "--always", "--dirty"]
+    try:
+        return subprocess.run(command, capture_output=True, text=True, check=True).stdout.strip()  # noqa: S603
+    except (OSError, subprocess.CalledProcessError):
+        return "unknown"
 
 
 def _processor_s() -> float:

@@ -7,6 +7,9 @@ from typing import Any
 
 Line = dict[str, Any]
 
+#: What the page is made of.
+_KEPT = ("key", "kind", "seed", "effect", "commit", "score", "seconds", "processor_s", "error")
+
 OPENING = """# Causes found, of those that were hidden
 
 Every case is an arm drawn at random, simulated by code that is not the fitter's (`tests/diagnosis`: another
@@ -17,6 +20,12 @@ the control law. A case that crashes counts as wrong. "Beside truth" is the torq
 evaluating trials, as a multiple of that of a model that was told the effect and its numbers; both are evaluated
 below 5 Hz by code that is not the fitter's either. Made by `python -m benchmarks.diagnosis`.
 """
+
+
+def brief(line: Line) -> Line:
+    """Return what the page needs of a case's line; names of what was hidden in place of the whole truth."""
+    hidden = [{"effect": one["effect"]} for one in line.get("truth", {}).get("effects", [])]
+    return {name: line[name] for name in _KEPT if name in line} | {"truth": {"effects": hidden}}
 
 
 def page(lines: Sequence[Line]) -> str:
@@ -44,7 +53,8 @@ def _ran(lines: Sequence[Line]) -> str:
     counts = ", ".join(f"{count} {kind}" for kind, count in kinds.items())
     seeds = {kind: [line["seed"] for line in lines if line["kind"] == kind] for kind in kinds}
     spans = ", ".join(f"{min(some)} to {max(some)}" for some in seeds.values())
-    return f"This page is made of {len(lines)} cases ({counts}), of the seeds {spans}.\n"
+    commits = ", ".join(sorted({str(line["commit"]) for line in lines if "commit" in line}))
+    return f"This page is made of {len(lines)} cases ({counts}), of the seeds {spans}; commits {commits}.\n"
 
 
 def goals(lines: Sequence[Line]) -> str:

@@ -17,7 +17,7 @@ from fitter.diagnosis.hypotheses import EVENTS
 from fitter.diagnosis.hypothesis import Hypothesis
 from fitter.diagnosis.model import Model
 from fitter.diagnosis.regression import Regression
-from fitter.diagnosis.screening import Candidate, fitted, screen
+from fitter.diagnosis.screening import Candidate, fitted, fitted_all, screen
 from fitter.diagnosis.search import UNEXPLAINED_AT_LEAST, Cause, Search
 from fitter.diagnosis.unknown import best_functions
 from fitter.diagnosis.worth import best_of, more_to_find, reach, simplest, worth_it
@@ -193,13 +193,15 @@ def _with_itself(
         return candidates
     most = reach(anew, float(rest.squares.sum() - anew.squares.sum()), told) if anew is not None else -np.inf
     before, psi = itself.model.hypotheses[:-1], itself.model.psi[:-1]
-    others = []
-    for one in candidates:
-        if one.squares.sum() <= most and one is not anew:
-            model = Model((*before, one.hypothesis), (*psi, one.model.psi[-1]))
-            others.append(fitted(regression, model))
-        elif one is not anew:
-            others.append(one)
+    others = [one for one in candidates if one is not anew]
+
+    def refitted(k: int) -> Candidate:
+        one = others[k]
+        if one.squares.sum() > most:
+            return one
+        return fitted(regression, Model((*before, one.hypothesis), (*psi, one.model.psi[-1])))
+
+    others = fitted_all(regression, refitted, rest, [one.hypothesis for one in others])
     return sorted([itself, *others], key=lambda one: float(one.squares.sum()))
 
 

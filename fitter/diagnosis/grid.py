@@ -8,6 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 import scipy.linalg
+import scipy.signal
 
 from arm.model import Floats
 from fitter.diagnosis.at_joint import AtJoint
@@ -156,15 +157,20 @@ class Grid:
 
     def _peaks(self, hypothesis: AtJoint) -> Floats:
         """Return the frequencies at which the residual swings most, (n_peak, 1)."""
-        regression = self._regression
-        stride, n_joint = regression.weighting.stride, regression.arm.n_joint
-        t = np.concatenate([motion.t[::stride] for motion in regression.learning])
-        left = self._residual.reshape(-1, n_joint)[:, hypothesis.joints[0]]
-        span = float(t[-1] - t[0])
+        regression, joint = self._regression, hypothesis.joints[0]
+        motions, stride = regression.learning, regression.weighting.stride
+        ends = np.cumsum([0, *(len(motion.t[::stride]) for motion in motions)])
+        left = self._residual.reshape(-1, regression.arm.n_joint)[:, joint]
+        span = float(motions[-1].t[-1] - motions[0].t[0])
         f = np.arange(0.05, regression.weighting.band_hz, 0.25 / span)
-        power = np.empty(len(f))
-        for some in np.array_split(np.arange(len(f)), max(1, len(f) // 256)):
-            power[some] = np.abs(np.exp(-2j * np.pi * f[some, None] * t) @ left)
+        swing = np.zeros(len(f), dtype=np.complex128)
+        for motion, first, last in zip(motions, ends, ends[1:], strict=False):
+            # A chirp transform: as fine as all trials together tell frequencies apart, at their own times.
+            spectrum = scipy.signal.zoom_fft(
+                left[first:last], [f[0], f[-1]], len(f), fs=1.0 / (stride * motion.dt_s), endpoint=True
+            )
+            swing += np.exp(-2j * np.pi * f * motion.t[0]) * spectrum
+        power = np.abs(swing)
         found: list[float] = []
         for k in np.argsort(power)[::-1]:
             if all(abs(f[k] - other) > 1.0 / span for other in found):

@@ -20,6 +20,10 @@ from fitter.diagnosis.regression import Regression
 _STEP_S, _FINE_STEP_S = 0.1, 0.005
 
 
+#: Products of a column with what is left, with itself, and with the design.
+_Parts = tuple[float, float, Floats]
+
+
 class _Sums:
     """What a kilogram at the tip would explain, by sums over trials: any set of them, and from any moment on."""
 
@@ -35,17 +39,18 @@ class _Sums:
         self._left = [one.target.ravel() - one.design @ x for one in rows]
         A = A / self._size
         self._inverse = np.linalg.pinv(A.T @ A, rcond=1e-12, hermitian=True)
-        self.whole = [self.of(k) for k in range(len(self.motions))]
+        self._columns = [tip_mass_column(regression.view(model, motion)) for motion in self.motions]
+        self.whole = [self.of(k, [-np.inf])[0] for k in range(len(self.motions))]
 
-    def of(self, k: int, since_s: float = -np.inf) -> tuple[float, float, Floats]:
-        """Return a trial's products of its column with what is left, itself and the design, from a moment on."""
+    def of(self, k: int, since_s: Sequence[float] | Floats) -> list[_Parts]:
+        """Return a trial's products of its column with what is left, itself and the design, from moments on."""
         motion = self.motions[k]
-        column = tip_mass_column(self._regression.view(self._model, motion))
-        column = column * (motion.t >= since_s)[:, None, None]
-        c = self._regression.weighting.filtered(motion, column).ravel()
-        return float(c @ self._left[k]), float(c @ c), self._designs[k].T @ c
+        columns = self._columns[k] * (motion.t[:, None] >= np.asarray(since_s))[:, None, :]
+        C = self._regression.weighting.filtered(motion, columns).reshape(-1, len(since_s))
+        across = self._designs[k].T @ C
+        return list(zip(self._left[k] @ C, np.sum(C**2, axis=0), across.T, strict=True))
 
-    def gain(self, parts: Sequence[tuple[float, float, Floats]]) -> float:
+    def gain(self, parts: Sequence[_Parts]) -> float:
         """Return by how much the column made of some parts lowers the sum of squares, the base fitted anew."""
         if not parts:
             return 0.0
@@ -75,16 +80,18 @@ def _moment(sums: _Sums) -> float:
     """Return the moment from which a load explains most [s]: in the trial by which it has begun, or before it."""
     last = max(range(len(sums.motions)), key=lambda k: sums.gain(sums.whole[k:]))
     near = [k for k in (last - 1, last) if k >= 0]
-    tried = [(k, at) for k in near for at in _moments(sums.motions[k], _STEP_S)]
-
-    def gained(place: tuple[int, float]) -> float:
-        k, at = place
-        return sums.gain([sums.of(k, at), *sums.whole[k + 1 :]])
-
-    k, at = max(tried, key=gained)
-    around = np.arange(at - _STEP_S, at + _STEP_S, _FINE_STEP_S)
-    return max(((k, float(moment)) for moment in around), key=gained)[1]
+    tried = [(k, _moments(sums.motions[k], _STEP_S)) for k in near]
+    _, k, at = max(_gained(sums, k, moments) for k, moments in tried)
+    return _gained(sums, k, np.arange(at - _STEP_S, at + _STEP_S, _FINE_STEP_S))[2]
 
 
-def _moments(motion: Motion, step_s: float) -> list[float]:
-    return [float(at) for at in np.arange(motion.t[0], motion.t[-1], step_s)]
+def _gained(sums: _Sums, k: int, moments: Floats) -> tuple[float, int, float]:
+    """Return the most that a load explains from one of some moments of a trial on, the trial, and the moment."""
+    after = sums.whole[k + 1 :]
+    gains = [sums.gain([part, *after]) for part in sums.of(k, moments)]
+    best = int(np.argmax(gains))
+    return gains[best], k, float(moments[best])
+
+
+def _moments(motion: Motion, step_s: float) -> Floats:
+    return np.arange(motion.t[0], motion.t[-1], step_s)

@@ -17,6 +17,7 @@ from fitter.diagnosis.motion import Motion
 from fitter.diagnosis.regression import Regression
 from fitter.diagnosis.unknown_torque import intervals
 from fitter.diagnosis.view import View
+from fitter.side_by_side import side_by_side
 
 #: Pushes are sought in steps of this length, and up to so many of them [s].
 _TILE_S, _LONGEST = 0.1, 20
@@ -131,13 +132,18 @@ def find_pushes(kind: EffectKind, regression: Regression, model: Model, x: Float
     being the tiles' products with the residual and with each other.
     """
     left = [regression.residual(model, x, motion).ravel() for motion in regression.motions]
-    return [Pushes(kind, j, _pushes_at(regression, j, list(left))) for j in range(regression.arm.n_joint)]
+    joints = range(regression.arm.n_joint)
+    # Here, not in other processes: what is made once is used in every search.
+    boxes = [[regression.weighting.boxes(motion, j, _TILE_S) for motion in regression.motions] for j in joints]
+    found = side_by_side(lambda j: _pushes_at(regression, j, boxes[j], list(left)), joints)
+    return [Pushes(kind, j, times) for j, times in enumerate(found)]
 
 
-def _pushes_at(regression: Regression, joint: int, left: list[Floats]) -> Floats:
+def _pushes_at(
+    regression: Regression, joint: int, boxes: list[tuple[Floats, Floats]], left: list[Floats]
+) -> Floats:
     """Return starts and durations of the pushes at one joint, (n_push, 2); what is left is used up."""
     motions = regression.motions
-    boxes = [regression.weighting.boxes(motion, joint, _TILE_S) for motion in motions]
     runs = [_best_run(G, T.T @ r) for (T, G), r in zip(boxes, left, strict=True)]
     found: list[tuple[float, float]] = []
     most = 0.0
@@ -173,9 +179,7 @@ def _placed(
     """Return a push, moved and stretched until it explains most; of two that do as well, the one less at rest."""
 
     def tried(at: float, lasting: float) -> _Placed:
-        rows = np.zeros((len(motion.t), regression.arm.n_joint, 1))
-        rows[:, joint, 0] = _box(motion, at, lasting)
-        column = regression.weighting.filtered(motion, rows).ravel()
+        column = regression.weighting.filtered_at(motion, joint, _box(motion, at, lasting)[:, None]).ravel()
         gain = float(column @ left) ** 2 / max(float(column @ column), 1e-300)
         return _Placed(gain, at, lasting, column)
 

@@ -131,7 +131,7 @@ def screen(
             candidate = min(candidate, free, key=lambda one: float(one.squares.sum()))
         return alike(candidate) if candidate.model.is_event else candidate
 
-    candidates = _fitted(regression, as_lasting, accepted, tried)
+    candidates = fitted_all(regression, as_lasting, accepted, tried)
     for one, candidate in zip(first, candidates, strict=True):
         starts.keep(accepted.model, candidate.hypothesis, np.vstack([candidate.model.psi[-1], one.best]))
     leading = min((float(one.squares.sum()) for one in candidates), default=float(accepted.squares.sum()))
@@ -144,15 +144,24 @@ def screen(
             candidate = alike(fitted(regression, candidate.model, held=held))
         return candidate
 
-    candidates += _fitted(regression, as_event, accepted, events)
+    candidates += fitted_all(regression, as_event, accepted, events)
     possible = [one if _possible(one) else Candidate(one.model, one.x, accepted.squares) for one in candidates]
     return sorted(possible, key=lambda one: float(one.squares.sum()))
 
 
-def _fitted(
+def fitted_all(
     regression: Regression, fit: Callable[[int], Candidate], accepted: Candidate, hypotheses: Sequence[Hypothesis]
 ) -> list[Candidate]:
-    """Return each hypothesis beside what is accepted, fitted: numbers come from other processes, no objects."""
+    """Return each hypothesis beside what is accepted, fitted: numbers come from other processes, no objects.
+
+    Parameters
+    ----------
+    regression : Regression
+    fit : callable
+        Fits the k-th hypothesis as a model's last, behind all that are accepted.
+    accepted : Candidate
+    hypotheses : sequence of Hypothesis
+    """
 
     def numbers(k: int) -> tuple[tuple[Floats, ...], Floats, Floats | None]:
         with regression.forgetting():
