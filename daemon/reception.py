@@ -143,7 +143,7 @@ class Reception:
         """Enter frames in their order; those of a device that has come back wait until it said what it is."""
         last = next((one for one in reversed(passed) if not isinstance(one, InfoFrame)), None)
         if isinstance(last, SamplesRun):
-            last = last.frames()[-1]
+            last = last.last()
         for one in passed:
             if isinstance(one, SamplesRun) and self._goes_on(one):
                 self._enter_run(one)

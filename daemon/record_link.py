@@ -1,12 +1,13 @@
 """From the pipeline to the recorder: every message byte for byte, and never waiting for the disk.
 
-Messages gather for a twentieth of a second, so that the recorder is not woken for each of them.
+Messages gather for a twentieth of a second and leave as one, so that neither end is busy with each of them.
 """
 
 import time
 from collections.abc import Sequence
 from typing import NamedTuple
 
+import msgpack
 import zmq
 
 Context = zmq.Context[zmq.Socket[bytes]]
@@ -14,9 +15,8 @@ Context = zmq.Context[zmq.Socket[bytes]]
 _GATHER_S = 0.05
 #: A minute of them. A disk that stalls for longer costs messages, which are counted, not the stream.
 _QUEUE = 1200
-#: Topic, payload, time.
-_PARTS = 3
 _LINGER_MS = 10_000
+#: No packed list begins like these.
 _HELLO, _END = b"hello", b"end"
 
 
@@ -42,17 +42,18 @@ class RecordLink:
     def __init__(self, context: Context, endpoint: str, recording: str) -> None:
         self.recording: str | None = recording
         self.lost = 0
-        self._gathered: list[bytes] = []
+        self._gathered: list[tuple[bytes, bytes, int]] = []
         self._due_s = 0.0
         self._socket = context.socket(zmq.PAIR)
         self._socket.set(zmq.SNDHWM, _QUEUE)
         self._socket.set(zmq.LINGER, _LINGER_MS)
         self._socket.connect(endpoint)
-        self._send([_HELLO])
+        self._send(_HELLO)
 
     def write(self, parts: Sequence[bytes], t_ns: int) -> None:
         """Hand over a message, topic and payload, and its time."""
-        self._gathered += [*parts, t_ns.to_bytes(8, "little", signed=True)]
+        topic, payload = parts
+        self._gathered.append((topic, payload, t_ns))
 
     def poll(self) -> None:
         """Send what has gathered, if it is time."""
@@ -64,7 +65,8 @@ class RecordLink:
         self._due_s = time.monotonic() + _GATHER_S
         if self._gathered:
             gathered, self._gathered = self._gathered, []
-            self._send(gathered)
+            if not self._send(msgpack.packb(gathered)):
+                self.lost += len(gathered)
 
     def check(self) -> None:
         """Hear what the recorder writes to now, if to anything."""
@@ -74,14 +76,15 @@ class RecordLink:
     def close(self) -> None:
         """Say that this was all, and close; what was handed over still leaves."""
         self.flush()
-        self._send([_END])
+        self._send(_END)
         self._socket.close()
 
-    def _send(self, parts: list[bytes]) -> None:
+    def _send(self, message: bytes) -> bool:
         try:
-            self._socket.send_multipart(parts, zmq.NOBLOCK)
+            self._socket.send(message, zmq.NOBLOCK)
         except zmq.Again:
-            self.lost += len(parts) // _PARTS
+            return False
+        return True
 
 
 class RecordInlet:
@@ -105,16 +108,13 @@ class RecordInlet:
         """Return the next messages; none where none came within the time."""
         if not self._socket.poll(round(1000 * timeout_s)):
             return []
-        parts = self._socket.recv_multipart()
+        message = self._socket.recv()
         self.linked = True
         self._tell()
-        if parts in ([_HELLO], [_END]):
-            self.ended = parts == [_END]
+        if message in (_HELLO, _END):
+            self.ended = message == _END
             return []
-        return [
-            Entry(topic.decode(), payload, int.from_bytes(t_ns, "little", signed=True))
-            for topic, payload, t_ns in zip(*(parts[k::_PARTS] for k in range(_PARTS)), strict=True)
-        ]
+        return [Entry(topic.decode(), payload, t_ns) for topic, payload, t_ns in msgpack.unpackb(message)]
 
     def tell(self, recording: str | None) -> None:
         """Tell the pipeline what is recorded to now, if to anything; one that is not there yet hears it later."""

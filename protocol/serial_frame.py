@@ -120,11 +120,15 @@ class SamplesRun:
 
     def frames(self) -> list[SamplesFrame]:
         """Return the frames one by one."""
+        return [self._frame(k) for k in range(len(self.ticks))]
+
+    def last(self) -> SamplesFrame:
+        """Return the last frame."""
+        return self._frame(len(self.ticks) - 1)
+
+    def _frame(self, k: int) -> SamplesFrame:
         n = self.frame_samples
-        return [
-            SamplesFrame((self.sequence + k) % SEQUENCES, ticks, self.counts[k * n : (k + 1) * n])
-            for k, ticks in enumerate(self.ticks)
-        ]
+        return SamplesFrame((self.sequence + k) % SEQUENCES, self.ticks[k], self.counts[k * n : (k + 1) * n])
 
 
 @dataclass(frozen=True, slots=True)

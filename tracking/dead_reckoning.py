@@ -2,6 +2,9 @@
 
 What the print leaves out: a reading is turned from its sensor's axes into the base frame, by the angles known so
 far, before it is integrated, and gravity is added to the specific force.
+
+From one sample to the next a joint turns by so little that its cosine and sine follow from the positions and from
+a short series: the kernel calls no trigonometric function but once a block, and where a joint jumps.
 """
 
 import math
@@ -12,7 +15,10 @@ from numpy.typing import NDArray
 
 from arm.chain import Chain, link_step
 from arm.model import Floats
-from limbcal.compiled import compiled
+from limbcal.compiled import compiled, inlined
+
+#: Below this angle [rad] the series are exact to the last bit.
+_SMALL = 3e-3
 
 
 class Reckoning(NamedTuple):
@@ -71,9 +77,10 @@ def reckon(
     """
     n_sensor, n_joint = state.link.size, state.q.size
     R = np.empty((n_joint, 3, 3))
-    mean, a, carried = np.empty(3 * n_sensor), np.empty(3), np.empty(n_joint)
-    before, pair_angle, end = np.empty((n_joint, 3, 3)), np.empty(n_joint), np.empty(3)
-    standing(state, before, pair_angle)
+    mean, a, end = np.empty(3 * n_sensor), np.empty(3), np.empty(3)
+    before, pair = np.empty((n_joint, 3, 3)), np.empty((n_joint, 2))
+    facing, ahead = np.empty((n_joint, 2)), np.empty((n_joint, 2))
+    standing(state, before, pair, facing)
     frames = 0
     for k in range(readings.shape[0]):
         sample = first + k
@@ -84,24 +91,23 @@ def reckon(
         if resting:
             state.q_before[:] = state.q
         else:
-            for i in range(n_joint):  # positions are one sample behind the reading that moves them on
-                carried[i] = 2.0 * state.q[i] - state.q_before[i]
-            link_rotations(state, carried, before, R)
-            for s in range(n_sensor):
-                turn = R[state.link[s]]
+            carried_on(state, facing, ahead)
+            link_rotations(ahead, before, R)
+            for sensor in range(n_sensor):
+                turn = R[state.link[sensor]]
                 for row in range(3):  # sensor axes -> link axes
                     a[row] = (
-                        state.rotation[s, row, 0] * mean[3 * s]
-                        + state.rotation[s, row, 1] * mean[3 * s + 1]
-                        + state.rotation[s, row, 2] * mean[3 * s + 2]
+                        state.rotation[sensor, row, 0] * mean[3 * sensor]
+                        + state.rotation[sensor, row, 1] * mean[3 * sensor + 1]
+                        + state.rotation[sensor, row, 2] * mean[3 * sensor + 2]
                     )
                 for row in range(3):  # link axes -> base frame, gravity added
                     acceleration = (
                         turn[row, 0] * a[0] + turn[row, 1] * a[1] + turn[row, 2] * a[2] + state.chain.gravity[row]
                     )
-                    state.moved[s, row] += state.velocity[s, row] * dt  # x^(i+1) = x^i + dx^i dt
-                    state.velocity[s, row] += acceleration * dt  # dx^(i+1) = dx^i + ddx^i dt
-            angles(state, before, pair_angle, R, end)
+                    state.moved[sensor, row] += state.velocity[sensor, row] * dt  # x^(i+1) = x^i + dx^i dt
+                    state.velocity[sensor, row] += acceleration * dt  # dx^(i+1) = dx^i + ddx^i dt
+            angles(state, before, pair, R, end, facing)
         if sample % decimation == phase:
             q[frames], moved[frames] = state.q, state.moved
             frames += 1
@@ -113,8 +119,9 @@ def gravity_readings(state: Reckoning, readings: Floats) -> None:
     """Fill in what the sensors read of gravity alone, (3 * n_sensor,), with the joints where they are."""
     n_joint = state.q.size
     before, R = np.empty((n_joint, 3, 3)), np.empty((n_joint, 3, 3))
-    standing(state, before, np.empty(n_joint))
-    link_rotations(state, state.q, before, R)
+    facing = np.empty((n_joint, 2))
+    standing(state, before, np.empty((n_joint, 2)), facing)
+    link_rotations(facing, before, R)
     gravity, felt = state.chain.gravity, np.empty(3)
     for s in range(state.link.size):
         turn, axes = R[state.link[s]], state.rotation[s]
@@ -125,43 +132,76 @@ def gravity_readings(state: Reckoning, readings: Floats) -> None:
 
 
 @compiled
-def standing(state: Reckoning, before: Floats, angle: Floats) -> None:
-    """Fill in what does not change: a joint's Rot(y, beta) Rot(x, alpha), and where its pair lies in its link."""
+def standing(state: Reckoning, before: Floats, pair: Floats, facing: Floats) -> None:
+    """Fill in what stands at the begin of a block.
+
+    That is a joint's Rot(y, beta) Rot(x, alpha), (n_joint, 3, 3), and cosine and sine, (n_joint, 2) each, of where
+    its pair lies in its link and of how far its link is turned.
+    """
     room = np.empty(3)
     for i in range(state.q.size):
-        alpha, _, d, beta, _ = state.chain.geometry[i]
+        alpha, _, d, beta, offset = state.chain.geometry[i]
         one, two = state.pair[i]
         link_step(True, alpha, d, beta, 0.0, 0.0, before[i], room)
         sx = state.position[two, 0] - state.position[one, 0]
         sy = state.position[two, 1] - state.position[one, 1]
-        angle[i] = math.atan2(sy, sx)
+        angle = math.atan2(sy, sx)
+        theta = offset + state.q[i] if state.chain.revolute[i] else offset
+        pair[i, 0], pair[i, 1] = math.cos(angle), math.sin(angle)
+        facing[i, 0], facing[i, 1] = math.cos(theta), math.sin(theta)
 
 
-@compiled
-def turned(X: Floats, theta: float, out: Floats) -> None:
-    """Fill in X Rot(z, theta); ``out`` may be X."""
-    c, s = math.cos(theta), math.sin(theta)
+@inlined
+def cosine_sine(angle: float) -> tuple[float, float]:
+    """Return the cosine and the sine of an angle, most of which are small."""
+    if abs(angle) > _SMALL:
+        return math.cos(angle), math.sin(angle)
+    square = angle * angle
+    return 1.0 - square / 2.0 * (1.0 - square / 12.0), angle * (1.0 - square / 6.0 * (1.0 - square / 20.0))
+
+
+@inlined
+def direction(x: float, y: float) -> float:
+    """Return the angle at which a point lies, most of which are small."""
+    if abs(y) >= _SMALL * x:
+        return math.atan2(y, x)
+    slope = y / x
+    square = slope * slope
+    return slope * (1.0 - square * (1.0 / 3.0 - square * (1.0 / 5.0 - square / 7.0)))
+
+
+@inlined
+def turned(X: Floats, c: float, s: float, out: Floats) -> None:
+    """Fill in X Rot(z, theta), by the cosine and the sine of theta; ``out`` may be X."""
     for row in range(3):
         x, y = X[row, 0], X[row, 1]
         out[row, 0], out[row, 1], out[row, 2] = c * x + s * y, c * y - s * x, X[row, 2]
 
 
-@compiled
-def link_rotations(state: Reckoning, q: Floats, before: Floats, R: Floats) -> None:
-    """Fill in how every link is turned at joint variables q, R (n_joint, 3, 3)."""
-    for i in range(q.size):
-        theta = state.chain.geometry[i, 4]
+@inlined
+def carried_on(state: Reckoning, facing: Floats, ahead: Floats) -> None:
+    """Fill in where links will face one sample on: positions are one behind the reading that moves them on."""
+    for i in range(len(facing)):
+        c, s = 1.0, 0.0
         if state.chain.revolute[i]:
-            theta += q[i]
+            c, s = cosine_sine(state.q[i] - state.q_before[i])
+        ahead[i, 0] = facing[i, 0] * c - facing[i, 1] * s
+        ahead[i, 1] = facing[i, 1] * c + facing[i, 0] * s
+
+
+@inlined
+def link_rotations(facing: Floats, before: Floats, R: Floats) -> None:
+    """Fill in how every link is turned, R (n_joint, 3, 3), by the cosines and sines of how each one is."""
+    for i in range(len(facing)):
         if i == 0:
-            turned(before[0], theta, R[0])
+            turned(before[0], facing[0, 0], facing[0, 1], R[0])
         else:
             multiply(R[i - 1], before[i], R[i])
-            turned(R[i], theta, R[i])
+            turned(R[i], facing[i, 0], facing[i, 1], R[i])
 
 
-@compiled
-def angles(state: Reckoning, before: Floats, pair_angle: Floats, R: Floats, end: Floats) -> None:
+@inlined
+def angles(state: Reckoning, before: Floats, pair: Floats, R: Floats, end: Floats, facing: Floats) -> None:
     """Find the joint variables from where the sensors have come to, link by link from the base.
 
     ``end`` (3,) has room for the far end of the link before.
@@ -170,7 +210,7 @@ def angles(state: Reckoning, before: Floats, pair_angle: Floats, R: Floats, end:
     state.q_before[:] = state.q
     end[:] = 0.0
     for i in range(state.q.size):
-        a, d, offset = geometry[i, 1], geometry[i, 2], geometry[i, 4]
+        a, d = geometry[i, 1], geometry[i, 2]
         one, two = state.pair[i]
         if i == 0:
             R[0] = before[0]
@@ -182,13 +222,16 @@ def angles(state: Reckoning, before: Floats, pair_angle: Floats, R: Floats, end:
                 u = state.baseline[i, row] + state.moved[two, row] - state.moved[one, row]
                 x += R[i, row, 0] * u
                 y += R[i, row, 1] * u
-            # The angle that turns one pair onto the other.
-            turn = math.atan2(y, x) - pair_angle[i] - offset - state.q[i]
-            state.q[i] += turn - 2.0 * math.pi * math.floor(turn / (2.0 * math.pi) + 0.5)  # the nearest turn
-            turned(R[i], offset + state.q[i], R[i])
+            length = math.sqrt(x * x + y * y)
+            if length > 0.0:  # the angle that turns one pair onto the other
+                c = (x * pair[i, 0] + y * pair[i, 1]) / length
+                s = (y * pair[i, 0] - x * pair[i, 1]) / length
+                was_c, was_s = facing[i]
+                state.q[i] += direction(was_c * c + was_s * s, was_c * s - was_s * c)  # by the nearest turn
+                facing[i, 0], facing[i, 1] = c, s
             slid = d
-        else:
-            turned(R[i], offset, R[i])
+        turned(R[i], facing[i, 0], facing[i, 1], R[i])
+        if not state.chain.revolute[i]:
             z = 0.0
             for row in range(3):
                 at = end[row] + d * R[i, row, 2]
@@ -201,7 +244,7 @@ def angles(state: Reckoning, before: Floats, pair_angle: Floats, R: Floats, end:
             end[row] += slid * R[i, row, 2] + a * R[i, row, 0]
 
 
-@compiled
+@inlined
 def multiply(A: Floats, B: Floats, out: Floats) -> None:
     """Fill in the product of two 3 x 3 matrices; ``out`` is neither of them."""
     for row in range(3):

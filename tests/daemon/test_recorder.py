@@ -5,6 +5,7 @@ from collections.abc import Iterator
 from multiprocessing import get_context
 from pathlib import Path
 
+import msgpack
 import pytest
 import zmq
 
@@ -81,7 +82,7 @@ def test_a_pipeline_that_says_no_goodbye_is_not_waited_for(tmp_path: Path, conte
     socket = context.socket(zmq.PAIR)
     socket.connect(recorder.endpoint)
     for number in range(20):
-        socket.send_multipart([*trial_message(number), bytes(8)])
+        socket.send(msgpack.packb([(*trial_message(number), 0)]))
     recorder.expect("linked")
     recorder.line.tell("stop")
     assert recorder.expect("closed")["messages"] == 20

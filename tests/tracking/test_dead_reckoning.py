@@ -8,7 +8,17 @@ from hypothesis import strategies as st
 from arm.chain import chain_of
 from arm.kinematics import axis_frames, sensor_positions
 from arm.model import Arm, Joint, Sensor
-from tracking.dead_reckoning import Reckoning, angles, link_rotations, multiply, reckon, standing
+from tracking.dead_reckoning import (
+    Reckoning,
+    angles,
+    carried_on,
+    cosine_sine,
+    direction,
+    link_rotations,
+    multiply,
+    reckon,
+    standing,
+)
 from tracking.layout import layout_of
 
 FEW = settings(max_examples=50, deadline=None)
@@ -59,13 +69,13 @@ def test_positions_give_the_angles_back(seed):
     n = arm.n_joint
     q0 = rng.uniform(-3.0, 3.0, n)
     state = reckoning(arm, q0)
-    R, before, pair_angle = np.empty((n, 3, 3)), np.empty((n, 3, 3)), np.empty(n)
-    standing(state, before, pair_angle)
+    R, before, pair, facing = np.empty((n, 3, 3)), np.empty((n, 3, 3)), np.empty((n, 2)), np.empty((n, 2))
+    standing(state, before, pair, facing)
     q = q0.copy()
     for _ in range(4):  # in steps of less than half a turn, so that whole turns are counted
         q = q + rng.uniform(-3.0, 3.0, n)
         state.moved[:] = sensor_positions(arm, q)[0] - state.start
-        angles(state, before, pair_angle, R, np.empty(3))
+        angles(state, before, pair, R, np.empty(3), facing)
         np.testing.assert_allclose(state.q, q, rtol=0, atol=1e-9)
         np.testing.assert_allclose(R, axis_frames(arm, q)[0, :, :3, :3], rtol=0, atol=1e-9)
 
@@ -79,11 +89,12 @@ def test_readings_are_turned_by_the_angles_of_their_own_instant(seed):
     n = arm.n_joint
     state = reckoning(arm, rng.uniform(-3.0, 3.0, n))
     state.q_before[:] = state.q - rng.uniform(-0.1, 0.1, n)
-    R, before = np.empty((2, n, 3, 3))
-    standing(state, before, np.empty(n))
-    link_rotations(state, 2.0 * state.q - state.q_before, before, R)
-    ahead = 2 * state.q - state.q_before
-    np.testing.assert_allclose(R, axis_frames(arm, ahead)[0, :, :3, :3], rtol=0, atol=1e-12)
+    (R, before), (pair, facing, ahead) = np.empty((2, n, 3, 3)), np.empty((3, n, 2))
+    standing(state, before, pair, facing)
+    carried_on(state, facing, ahead)
+    link_rotations(ahead, before, R)
+    q = 2 * state.q - state.q_before
+    np.testing.assert_allclose(R, axis_frames(arm, q)[0, :, :3, :3], rtol=0, atol=1e-12)
 
 
 def slide():
@@ -162,6 +173,14 @@ def test_every_so_many_samples_make_a_frame(first, decimation, phase, due):
     q, _ = reckoned(state, readings, 0.1, first=first, decimation=decimation, phase=phase)
     whole, _ = reckoned(every, readings, 0.1, first=first)
     np.testing.assert_array_equal(q, whole[due])
+
+
+@pytest.mark.parametrize("size", [0.0, 1e-9, 1e-4, 0.0029999, 0.0030001, 1.0, 3.0])
+@pytest.mark.parametrize("sign", [-1.0, 1.0])
+def test_what_stands_for_trigonometry_is_as_exact(size, sign):
+    angle = sign * size
+    assert cosine_sine(angle) == pytest.approx((np.cos(angle), np.sin(angle)), rel=0, abs=2.3e-16)
+    assert direction(1.7 * np.cos(angle), 1.7 * np.sin(angle)) == pytest.approx(angle, rel=4e-16)
 
 
 @FEW
