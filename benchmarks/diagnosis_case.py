@@ -11,6 +11,7 @@ import time
 import traceback
 from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
 from types import FrameType
 from typing import Any
@@ -105,11 +106,15 @@ def beside_oracle(case: Case, learn: Path, evaluate: Path, extended: Path) -> fl
     return float(np.sqrt(np.mean((left_by_file(known, evaluating, extended) / noise) ** 2) / np.mean(ideal**2)))
 
 
+@cache
 def _commit() -> str:
-    """Return what git calls the code that runs; "unknown" where it is no checkout."""
+    """Return what git calls the code that runs; "unknown" where it is no checkout.
+
+    Asked once: what is checked out later is not what runs.
+    """
     command = ["git", "-C", str(Path(__file__).parent), "describe", "--always", "--dirty"]
     try:
-        return subprocess.run(command, capture_output=True, text=True, check=True).stdout.strip()  # noqa: S603
+        return subprocess.run(command, capture_output=True, text=True, check=True).stdout.strip()  # noqa: S603 - no part of it is given
     except (OSError, subprocess.CalledProcessError):
         return "unknown"
 

@@ -17,7 +17,7 @@ from arm.chain import Chain, link_step
 from arm.model import Floats
 from limbcal.compiled import compiled, inlined
 
-#: Below this angle [rad] the series are exact to the last bit.
+#: Below this angle [rad] the series are exact to rounding.
 _SMALL = 3e-3
 
 
