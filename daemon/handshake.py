@@ -2,6 +2,7 @@
 
 import time
 from collections.abc import Sequence
+from dataclasses import replace
 
 from arm.model import Arm
 from daemon.ring import Chunk, Mark
@@ -35,11 +36,15 @@ class Handshake:
     def hear(self, chunks: Sequence[Chunk]) -> InfoFrame | None:
         """Take what arrived; return the INFO once it is there.
 
+        A device that streams already may have sent samples after it: the INFO then bears the number and the clock
+        of the last of them, for the stream is what the device sends from here on.
+
         Raises
         ------
         DeviceError
             If the time is over.
         """
+        introduction: InfoFrame | None = None
         for chunk in chunks:
             if chunk.mark is not Mark.DATA:
                 self._parser.reset()
@@ -47,7 +52,11 @@ class Handshake:
             self._bytes += len(chunk.data)
             for frame in self._parser.feed(chunk.data):
                 if isinstance(frame, InfoFrame):
-                    return frame
+                    introduction = frame
+                elif introduction is not None:
+                    introduction = replace(introduction, sequence=frame.sequence, ticks=frame.ticks)
+        if introduction is not None:
+            return introduction
         if time.monotonic() > self._end:
             raise DeviceError(
                 f"port {self._port}: {self._seen()} within {self._limit_s:g} s, expected the device's INFO frame"

@@ -80,7 +80,8 @@ class Reception:
         self._arrival_ns = 0
         self._counted: list[CountRun] = []
         self._new_gaps: list[Gap] = []
-        self.ledger.pass_over(introduction.sequence)
+        self.sequencer.put(introduction)
+        self.ledger.pass_over(introduction.sequence, introduction.ticks)
 
     @property
     def awaits_info(self) -> bool:
@@ -188,13 +189,14 @@ class Reception:
         self._unknown.clear()
         self._known, self.stranger = True, None
         self._pass_on(waiting, arrival_ns)
-        self.ledger.pass_over(frame.sequence)
+        self.ledger.pass_over(frame.sequence, frame.ticks)
 
     def _enter(self, frame: SamplesFrame, last: SamplesFrame, arrival_ns: int) -> None:
         lost = self.ledger.missing(frame)
         begun_anew = lost is None
         if self.clock is None or lost is None:
-            lost = self._start_clock(frame, last, arrival_ns)
+            by_host = self._start_clock(frame, last, arrival_ns)
+            lost = by_host if lost is None else lost
         t0_ns = self.clock.utc_ns(frame.ticks) if self.clock is not None else 0
         if lost or begun_anew:
             why = "the device was restarted" if begun_anew else self._cause(frame)

@@ -65,6 +65,8 @@ class SampleLedger:
         #: A clock that is read in whole ticks may be one off at either end; half a sample is nobody's.
         self._tolerance = 0.5 + 1.5 * self._samples_per_tick
         self._sequence: int | None = None
+        self._skipped = 0
+        self._told_ticks = 0
         self._due_ticks: float | None = None
         self._frame_samples = 0
 
@@ -78,12 +80,19 @@ class SampleLedger:
         """Device clock at the next sample; None before the first."""
         return None if self._due_ticks is None else round(self._due_ticks)
 
-    def pass_over(self, sequence: int) -> None:
-        """Note a frame that has a number and no samples, such as INFO."""
+    def pass_over(self, sequence: int, ticks: int) -> None:
+        """Note a frame that has a number and no samples, such as INFO; frames may be missing before it, too."""
+        skipped = None if self._sequence is None else (sequence - self._sequence - 1) % SEQUENCES
+        if skipped is None or skipped > SEQUENCES // 2:  # it begins to count, or anew
+            self._skipped, self._told_ticks = 0, ticks
+        else:
+            self._skipped += skipped
         self._sequence = sequence
 
     def missing(self, frame: SamplesFrame) -> int | None:
         """Return how many samples are missing before a frame; None if the device has begun to count anew."""
+        if self._due_ticks is None:
+            return self._missing_at_first(frame)
         return self._missing(frame.sequence, frame.ticks)
 
     def goes_on(self, run: SamplesRun) -> bool:
@@ -94,12 +103,20 @@ class SampleLedger:
         late = ((after - before) * self._samples_per_tick - n for before, after in pairwise(run.ticks))
         return all(-most <= samples <= most for samples in late)
 
+    def _missing_at_first(self, frame: SamplesFrame) -> int:
+        """Return how many samples the device numbered since it said what it is, and before the first that came."""
+        if self._sequence is None:
+            return 0
+        lost = (self._skipped + (frame.sequence - self._sequence - 1) % SEQUENCES) * len(frame.counts)
+        most = (frame.ticks - self._told_ticks) * self._samples_per_tick + len(frame.counts) + self._tolerance
+        return lost if lost <= most else 0  # else it has begun to count anew meanwhile
+
     def _missing(self, sequence: int, ticks: int) -> int | None:
         if self._due_ticks is None or self._sequence is None:
             return 0
         late = (ticks - self._due_ticks) * self._samples_per_tick
         skipped = (sequence - self._sequence - 1) % SEQUENCES
-        by_number = skipped * self._frame_samples
+        by_number = (self._skipped + skipped) * self._frame_samples
         lost = by_number if abs(late - by_number) <= self._tolerance else round(late)
         return None if lost < 0 or skipped > SEQUENCES // 2 else lost
 
@@ -120,7 +137,7 @@ class SampleLedger:
         self.samples += len(run.counts)
 
     def _enter(self, sequence: int, ticks: int, n_sample: int) -> None:
-        self._sequence = sequence
+        self._sequence, self._skipped = sequence, 0
         self._due_ticks = ticks + n_sample * self._ticks_per_sample
         self._frame_samples = n_sample
 

@@ -48,3 +48,11 @@ def test_channels_must_be_the_arms_sensors(make_info: MakeInfo) -> None:
 def test_only_what_samples_mean_makes_another_device(make_info: MakeInfo) -> None:
     assert same_device(make_info(), make_info())
     assert not same_device(make_info(8000.0), make_info(16000.0))
+
+
+def test_the_stream_is_what_comes_after_what_came_with_the_info(make_info: MakeInfo) -> None:
+    handshake = Handshake(FrameParser(), "/dev/ttyX")
+    samples = encode_samples(np.zeros((2, 12), dtype=np.int16), 4, 700)
+    found = handshake.hear([Chunk(0, encode_info(make_info(), 3, 0)), Chunk(1, samples)])
+    assert found is not None
+    assert (found.sequence, found.ticks, found.info) == (4, 700, make_info())

@@ -102,7 +102,7 @@ def test_another_device_is_not_listened_to(
 
 
 def test_frames_of_another_width_are_passed_over(make_info: MakeInfo) -> None:
-    narrow = encode_samples(np.zeros((32, 6), dtype=np.int16), 4, 0)
+    narrow = encode_samples(np.zeros((32, 6), dtype=np.int16), 1, 0)
     taker = reception(make_info(RATE_HZ))
     assert taker.take(chunk(narrow)) == []
     assert taker.strangers == 1
@@ -123,6 +123,31 @@ def test_a_device_that_comes_back_says_first_what_it_is(
         (96, 64, "unplugged", True),
         (224, 32, "lost in the device", True),
     ]
+
+
+def test_what_was_sent_before_the_first_sample_that_came_is_missing(
+    make_info: MakeInfo, random_counts: Callable[[int], NDArray[np.int16]]
+) -> None:
+    info, counts = make_info(RATE_HZ), random_counts(640)
+    frames, taker = encoded(counts), reception(info)
+    lost = Chunk(time.monotonic_ns(), b"pulled", Mark.LOST)
+    opened = Chunk(time.monotonic_ns(), b"", Mark.OPENED)
+    said = encode_info(info, 11, 50 + 10 * TICKS_PER_FRAME)
+    after = [encode_samples(counts[32 * k : 32 * k + 32], k + 2, 50 + k * TICKS_PER_FRAME) for k in range(12, 20)]
+    runs = taker.take([*chunk(frames[0][:50]), lost, opened, *chunk(said, *after)])
+    assert [(run.sample0, run.lost, len(run.a)) for run in runs] == [(384, 384, 256)]
+    (gap,) = taker.new_gaps()
+    assert (gap.sample0, gap.samples, gap.why, gap.exact) == (0, 384, "unplugged", True)
+    assert gap.t_ns == pytest.approx(runs[0].stamps[0][1] - 384 / RATE_HZ * 1e9, abs=1e6)
+
+
+def test_a_device_that_counts_anew_before_its_first_sample_has_lost_none(
+    make_info: MakeInfo, random_counts: Callable[[int], NDArray[np.int16]]
+) -> None:
+    taker = Reception(FrameParser(), InfoFrame(5, 10**9, make_info(RATE_HZ)))
+    frames = encoded(random_counts(320))
+    runs = [*taker.take(chunk(*frames[6:])), *taker.finish()]
+    assert (runs[0].sample0, sum(run.lost for run in runs)) == (0, 0) and taker.new_gaps() == []
 
 
 def test_a_device_that_was_restarted_costs_what_the_hosts_clock_says(

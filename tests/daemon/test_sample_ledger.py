@@ -45,7 +45,7 @@ def test_a_frame_without_samples_is_no_loss() -> None:
     two_late = SamplesFrame(three.sequence, round(1000 + 1000), three.counts)  # its number was an INFO's
     ledger = SampleLedger(32000.0, 1e6)
     entered(ledger, one)
-    ledger.pass_over(1)
+    ledger.pass_over(1, 2000)
     assert entered(ledger, two_late) == 0
 
 
