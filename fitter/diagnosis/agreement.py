@@ -36,7 +36,7 @@ def agreed(regression: Regression, model: Model) -> Floats:
     size = np.sqrt(np.einsum("kii->i", grams))
     size[size == 0.0] = 1.0
     grams, pulls = grams / np.outer(size, size), pulls / size
-    told = np.array([regression.weighting.told(motion) for motion in regression.motions], dtype=np.float64)
+    told = regression.told
     weight = np.ones(len(rows))
     x = np.zeros(len(size))
     for _ in range(_ROUNDS):

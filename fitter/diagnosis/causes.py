@@ -5,10 +5,9 @@ every rival given the others: one that is no longer needed goes, one that a riva
 that do as well stand beside it.
 """
 
+import math
 from collections.abc import Callable, Sequence
-from dataclasses import replace
-
-import numpy as np
+from dataclasses import dataclass, replace
 
 from arm.model import Floats
 from fitter.diagnosis.folds import Folds
@@ -33,11 +32,32 @@ _MOST = 3
 _LEADS_NOWHERE, _OTHERS, _BEGINNING, _MUCH_BETTER = 0.05, 2, 0.2, 0.5
 
 
+@dataclass(frozen=True)
+class Beginning:
+    """The base model, every hypothesis beside it alone (none if it leaves nothing), and the best if worth it."""
+
+    base: Candidate
+    candidates: list[Candidate]
+    best: Candidate | None
+
+
+def begin(
+    regression: Regression, tried: Sequence[Hypothesis], starts: Starts, progress: Progress
+) -> Beginning:
+    """Try every hypothesis beside the base model alone; see `find_causes`."""
+    base, told = fitted(regression, Model()), regression.told
+    if not more_to_find(base, base, told):
+        return Beginning(base, [], None)
+    first = _Ascent(regression, tried, starts, base, progress).screened(base)
+    return Beginning(base, first, best_of(regression, base, base, first, told))
+
+
 def find_causes(
     regression: Regression,
     tried: Sequence[Hypothesis],
     starts: Starts | None = None,
     progress: Progress | None = None,
+    begun: Beginning | None = None,
 ) -> Search:
     """Find the causes of what a base model leaves.
 
@@ -52,18 +72,24 @@ def find_causes(
         What another search over the same motions has left.
     progress : callable, optional
         Told what is being done, and how much of all is done (0 to 1).
+    begun : Beginning, optional
+        Of `begin`; it is made here unless given.
     """
-    told = np.array([regression.weighting.told(motion) for motion in regression.motions], dtype=np.float64)
-    base, starts = fitted(regression, Model()), starts or Starts()
-    search = _Ascent(regression, tried, starts, base, told, _part(progress, 0.0, 0.5)).from_base()
+    starts = starts or Starts()
+    part = _part(progress, 0.0, 0.5)
+    begun = begun or begin(regression, tried, starts, part)
+    base = begun.base
+    search = Search(base, base, [], [], regression.told)
+    if begun.candidates:
+        search = _Ascent(regression, tried, starts, base, part).on(begun.candidates, begun.best)
     if search.may_be_outdone:
         function = best_functions(Folds(regression, base), regression.arm.n_joint).least
         search = replace(search, function=function)
     for k, other in enumerate(_others(search)):
         if search.outdone or not search.leaves(_LEADS_NOWHERE, UNEXPLAINED_AT_LEAST):
             break
-        again = _Ascent(regression, tried, starts, base, told, _part(progress, 0.5 + 0.25 * k, 0.25))
-        found = again.beginning_with(search.first, other)
+        again = _Ascent(regression, tried, starts, base, _part(progress, 0.5 + 0.25 * k, 0.25))
+        found = again.on([other, *(one for one in search.first if one is not other)], other)
         if found.final.squares.sum() < _MUCH_BETTER * search.final.squares.sum():
             search = replace(found, function=search.function)
     return search
@@ -95,25 +121,13 @@ class _Ascent:
         tried: Sequence[Hypothesis],
         starts: Starts,
         base: Candidate,
-        told: Floats,
         progress: Progress,
     ) -> None:
-        self._regression, self._tried, self._base, self._told = regression, tried, base, told
-        self._starts = starts
-        self._progress = progress
-        self._rounds = 0
+        self._regression, self._tried, self._starts, self._base = regression, tried, starts, base
+        self._progress, self._rounds = progress, 0
 
-    def from_base(self) -> Search:
-        """Begin with what explains most."""
-        if not more_to_find(self._base, self._base, self._told):
-            return Search(self._base, self._base, [], [], self._told)
-        return self._on(self._screened(self._base))
-
-    def beginning_with(self, first: list[Candidate], candidate: Candidate) -> Search:
-        """Begin with another candidate of a screening than the best."""
-        return self._on([candidate, *(one for one in first if one is not candidate)], candidate)
-
-    def _screened(self, accepted: Candidate) -> list[Candidate]:
+    def screened(self, accepted: Candidate) -> list[Candidate]:
+        """Try everything beside what is accepted."""
         tried = _without(self._tried, accepted.model)
         candidates = screen(self._regression, accepted, tried, self._starts, self._say("trying every effect"))
         self._rounds += 1
@@ -123,17 +137,16 @@ class _Ascent:
         begin, end = 1.0 - 0.5**self._rounds, 1.0 - 0.5 ** (self._rounds + 1)
         return lambda done, total: self._progress(what, begin + (end - begin) * done / total)
 
-    def _on(self, candidates: list[Candidate], best: Candidate | None = None) -> Search:
-        regression, base, told, first = self._regression, self._base, self._told, candidates
+    def on(self, candidates: list[Candidate], best: Candidate | None) -> Search:
+        """Go on from everything beside the base model, with one of it as the first cause."""
+        regression, base, told, first = self._regression, self._base, self._regression.told, candidates
+        self._rounds = 1
         accepted = base
         causes: list[Cause] = []
         promising: set[Key] = set()
         known: set[frozenset[Key]] = set()
-        while True:
+        while best is not None:
             promising |= {one.hypothesis.key for one in candidates if one.squares is not accepted.squares}
-            best = best or best_of(regression, base, accepted, candidates, told)
-            if best is None:
-                break
             refit = accepted.model.hypotheses or best.model.is_event
             accepted = fitted(regression, best.model) if refit else best
             causes.append(_cause(accepted, len(causes), candidates, best, _before(regression, accepted), told))
@@ -150,7 +163,8 @@ class _Ascent:
             known.add(found)
             if len(causes) >= _MOST or not more_to_find(base, accepted, told):
                 break
-            candidates, best = self._screened(accepted), None
+            candidates = self.screened(accepted)
+            best = best_of(regression, base, accepted, candidates, told)
         return Search(base, accepted, causes, first, told)
 
 
@@ -191,7 +205,7 @@ def _with_itself(
     anew = next((one for one in candidates if one.hypothesis.key == itself.hypothesis.key), None)
     if anew is not None and anew.squares.sum() <= itself.squares.sum():
         return candidates
-    most = reach(anew, float(rest.squares.sum() - anew.squares.sum()), told) if anew is not None else -np.inf
+    most = reach(anew, float(rest.squares.sum() - anew.squares.sum()), told) if anew is not None else -math.inf
     before, psi = itself.model.hypotheses[:-1], itself.model.psi[:-1]
     others = [one for one in candidates if one is not anew]
 

@@ -10,7 +10,7 @@ from arm.regressor import standard_parameters
 from fitter.data.motions import Measured
 from fitter.data.resample import Uniform, resample, split_at_holes
 from fitter.data.trials import FIT_CORNER, Trial, derive, undriven
-from fitter.diagnosis.causes import find_causes
+from fitter.diagnosis.causes import Beginning, begin, find_causes
 from fitter.diagnosis.chatter import chatter
 from fitter.diagnosis.conclusion import concluded
 from fitter.diagnosis.corner import corner_hz
@@ -122,9 +122,22 @@ def diagnose(
 def _searched(
     regression: Regression, tried: Sequence[Hypothesis], strict: bool, say: Progress
 ) -> tuple[Regression, Search]:
-    """Return what a search has come to, made anew with the noise under its causes where that is another."""
+    """Return what a search has come to.
+
+    It is made with the noise under the first cause, and made anew with that under all causes where it is another.
+    """
     starts = Starts()
-    search = find_causes(regression, tried, starts, lambda what, done: say(what, 0.8 * done))
+
+    def begun() -> Beginning:
+        return begin(regression, tried, starts, lambda what, done: say(what, 0.4 * done))
+
+    beginning = begun()
+    if beginning.best is not None:
+        weighted = regression.weighting_under(beginning.best.model, beginning.best.x)
+        if not will_do(regression.weighting, weighted):
+            regression = regression.weighted_by(weighted)
+            beginning = begun()
+    search = find_causes(regression, tried, starts, lambda what, done: say(what, 0.8 * done), beginning)
     weighted = regression.weighting_under(search.final.model, search.final.x)
     # A wrong drive is weighed by the noise that it lets through, which the first filter may have wrong.
     in_vain = strict and search.outdone and all(one.kind.place != "drive" for one in search.final.model.hypotheses)
@@ -137,7 +150,7 @@ def _searched(
 def _shows_only_where_it_is_judged(regression: Regression) -> bool:
     """Say whether the learning trials fit the base model, and the evaluating ones don't."""
     base = fitted(regression, Model())
-    told = np.array([regression.weighting.told(motion) for motion in regression.motions], dtype=np.float64)
+    told = regression.told
     learnt = np.array([motion.learn for motion in regression.motions])
     excess = [base.squares[some].sum() / told[some].sum() - 1.0 for some in (learnt, ~learnt)]
     return bool(excess[1] > _MUCH and excess[0] < _NOTHING)

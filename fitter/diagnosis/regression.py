@@ -83,6 +83,11 @@ class Regression:
         """The filter that makes the noise white."""
         return self.equations.weighting
 
+    @property
+    def told(self) -> Floats:
+        """How many numbers each trial tells, (n_trial,): what noise alone would leave."""
+        return np.array([self.weighting.told(motion) for motion in self.motions], dtype=np.float64)
+
     def weighted_by(self, weighted: Weighting) -> "Regression":
         """Return a regression of the same motions with another filter."""
         other = Regression(self.arm, self.motions, self.denied, self.equations.known, weighted)

@@ -108,7 +108,7 @@ def describe(regression: Regression, final: Candidate) -> Remainder:
     enough = min(best + _NEEDED * max(fold.left - best, 0.0), _LEAVES_LESS * best)
     some = functions.of_size[min(size for size, left in functions.left.items() if left <= enough)]
     # A function must do better than the model does as it is, not only than one that fewer trials tell less of.
-    told = np.array([regression.weighting.told(motion) for motion in regression.motions], dtype=np.float64)
+    told = regression.told
     most = min(fold.left, typical(final.squares, told))
     worth = max(most - best, 0.0)
     is_told = worth > WORTH
