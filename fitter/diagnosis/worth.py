@@ -11,7 +11,7 @@ from arm.model import Floats
 from fitter.diagnosis.agreement import apart, disagreement
 from fitter.diagnosis.hypotheses import EVENTS
 from fitter.diagnosis.regression import Regression
-from fitter.diagnosis.screening import Candidate
+from fitter.diagnosis.screening import Candidate, fitted
 
 #: A cause must lower the sum of squares by this share of the number of equations (noise would leave one each). In
 #: 13 runs without effect (seeds 6000 to 6012 of the hidden arms) no cause that always acts explained more than
@@ -127,8 +127,11 @@ def worth_it(regression: Regression, base: Candidate, accepted: Candidate, best:
     following = WORTH_OF_NEXT_EVENT if worth == WORTH_OF_EVENTS else WORTH_OF_NEXT
     if accepted.model.hypotheses and gain.sum() < max(following * told.sum(), WORTH_OF_LEFT * left):
         return False
-    if accepted.model.hypotheses and best.hypothesis.kind.name in EVENTS and not _settles(best, gain, told):
-        return False
+    if accepted.model.hypotheses and best.hypothesis.kind.name in EVENTS:
+        # The psi of what was accepted made up for it as far as they could: they must give way first.
+        anew = fitted(regression, best.model)
+        if not _settles(anew, accepted.squares - anew.squares, told):
+            return False
     if best.hypothesis.is_event:
         return True
     judging = [not motion.learn for motion in regression.motions]
