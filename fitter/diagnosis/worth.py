@@ -49,11 +49,10 @@ def best_of(
     """Return the candidate to accept, if any is worth it."""
     best = simplest(accepted, candidates, told)
     lasting = simplest(accepted, [one for one in candidates if one.hypothesis.kind.name not in EVENTS], told)
-    if best is None or not worth_it(regression, base, accepted, best, told):
-        best = lasting
-    elif best.hypothesis.kind.name in EVENTS:
-        best = _lasting_first(regression, base, accepted, best, lasting, told)
-    return best if best is not None and worth_it(regression, base, accepted, best, told) else None
+    if best is not None and worth_it(regression, base, accepted, best, told):
+        event = best.hypothesis.kind.name in EVENTS
+        return _lasting_first(regression, base, accepted, best, lasting, told) if event else best
+    return lasting if lasting is not None and worth_it(regression, base, accepted, lasting, told) else None
 
 
 def _lasting_first(
@@ -127,8 +126,8 @@ def worth_it(regression: Regression, base: Candidate, accepted: Candidate, best:
     following = WORTH_OF_NEXT_EVENT if worth == WORTH_OF_EVENTS else WORTH_OF_NEXT
     if accepted.model.hypotheses and gain.sum() < max(following * told.sum(), WORTH_OF_LEFT * left):
         return False
-    if accepted.model.hypotheses and best.hypothesis.kind.name in EVENTS:
-        # The psi of what was accepted made up for it as far as they could: they must give way first.
+    if accepted.model.hypotheses and best.hypothesis.kind.name in EVENTS and not _settles(best, gain, told):
+        # The psi of what was accepted made up for it as far as they could: they may have to give way first.
         anew = fitted(regression, best.model)
         if not _settles(anew, accepted.squares - anew.squares, told):
             return False

@@ -71,14 +71,20 @@ def test_pushes_that_explain_everything_are_named():
     assert best(BASE, pushed, spring) is pushed
 
 
-def test_a_second_cause_that_patches_a_bad_place_is_no_push():
-    wild = np.where(np.arange(TRIALS) < 2, 2000.0, 3.0)
-    first = candidate(at_joint("joint_spring"), wild)
-    patched, healed = (
-        Candidate(first.model.plus(pushes(), np.zeros(0)), np.zeros(5), np.where(wild > 100.0, left, 3.0) * TOLD)
-        for left in (300.0, 3.0)
-    )
-    assert best_of(REGRESSION, BASE, first, [patched], TOLD) is None
+def beside(first: Candidate, left: float) -> Candidate:
+    """Return pushes beside a cause that gets some trials wrong, and what they leave in those."""
+    wild = first.squares > 100.0 * TOLD
+    return Candidate(first.model.plus(pushes(), np.zeros(0)), np.zeros(5), np.where(wild, left, 3.0) * TOLD)
+
+
+@pytest.mark.parametrize(("given_way", "accepted"), [(300.0, False), (3.0, True)])
+def test_a_second_cause_that_patches_a_bad_place_is_no_push_unless_the_first_gives_way(
+    given_way: float, accepted: bool, monkeypatch: pytest.MonkeyPatch
+):
+    first = candidate(at_joint("joint_spring"), np.where(np.arange(TRIALS) < 2, 2000.0, 3.0))
+    patched, healed, anew = (beside(first, left) for left in (300.0, 3.0, given_way))
+    monkeypatch.setattr("fitter.diagnosis.worth.fitted", lambda _regression, _model: anew)
+    assert (best_of(REGRESSION, BASE, first, [patched], TOLD) is patched) == accepted
     assert best_of(REGRESSION, BASE, first, [healed], TOLD) is healed
 
 
