@@ -143,7 +143,9 @@ def _searched(
     in_vain = strict and search.outdone and all(one.kind.place != "drive" for one in search.final.model.hypotheses)
     if search.causes and not in_vain and not will_do(regression.weighting, weighted):
         regression = regression.weighted_by(weighted)
-        search = find_causes(regression, tried, starts, lambda what, done: say(f"once more, {what}", 0.8 * done))
+        search = find_causes(
+            regression, tried, starts, lambda what, done: say(f"once more, {what}", 0.8 * done), before=search
+        )
     return regression, search
 
 

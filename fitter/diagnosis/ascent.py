@@ -1,0 +1,194 @@
+"""One way up to the causes: the best is accepted beside those before it, then all are doubted again.
+
+Two effects may hide each other, so after every acceptance all psi are fitted anew, and each cause is held against
+every rival given the others: one that is no longer needed goes, one that a rival beats is replaced, and rivals
+that do as well stand beside it.
+"""
+
+import math
+from collections.abc import Callable, Sequence
+
+from arm.model import Floats
+from fitter.diagnosis.grid import Starts
+from fitter.diagnosis.hypothesis import Hypothesis
+from fitter.diagnosis.model import Model
+from fitter.diagnosis.regression import Regression
+from fitter.diagnosis.screening import Candidate, fitted, fitted_all, screen
+from fitter.diagnosis.search import Cause, Search
+from fitter.diagnosis.worth import best_of, more_to_find, reach, simplest, worth_it
+
+Progress = Callable[[str, float], None]
+#: An effect's name and its joints.
+Key = tuple[str, tuple[int, ...]]
+
+#: No more causes than this are sought.
+_MOST = 3
+
+
+class Ascent:
+    """One way up: a cause at a time, and after every one all are doubted again."""
+
+    def __init__(
+        self,
+        regression: Regression,
+        tried: Sequence[Hypothesis],
+        starts: Starts,
+        base: Candidate,
+        progress: Progress,
+    ) -> None:
+        self._regression, self._tried, self._starts, self._base = regression, tried, starts, base
+        self._progress, self._rounds = progress, 0
+
+    def screened(self, accepted: Candidate) -> list[Candidate]:
+        """Try everything beside what is accepted."""
+        tried = _without(self._tried, accepted.model)
+        candidates = screen(self._regression, accepted, tried, self._starts, self._say("trying every effect"))
+        self._rounds += 1
+        return candidates
+
+    def _say(self, what: str) -> Callable[[int, int], None]:
+        begin, end = 1.0 - 0.5**self._rounds, 1.0 - 0.5 ** (self._rounds + 1)
+        return lambda done, total: self._progress(what, begin + (end - begin) * done / total)
+
+    def on(self, first: list[Candidate], best: Candidate | None) -> Search:
+        """Go on from everything beside the base model, with one of it as the first cause."""
+        self._rounds = 1
+        return self._higher(first, self._base, [], first, best)
+
+    def from_causes(self, first: list[Candidate], model: Model) -> Search:
+        """Go on from causes that another search has found, once each of them is doubted."""
+        self._rounds = 1
+        accepted, causes = self._all_doubted(fitted(self._regression, model), _explaining(first, self._base))
+        if self._is_at_top(accepted, causes):
+            return Search(self._base, accepted, causes, first, self._regression.told)
+        candidates = self.screened(accepted)
+        best = best_of(self._regression, self._base, accepted, candidates, self._regression.told)
+        return self._higher(first, accepted, causes, candidates, best)
+
+    def _higher(
+        self,
+        first: list[Candidate],
+        accepted: Candidate,
+        causes: list[Cause],
+        candidates: list[Candidate],
+        best: Candidate | None,
+    ) -> Search:
+        regression, base, told = self._regression, self._base, self._regression.told
+        promising = _explaining(first, base)
+        known = {_found(accepted)} if causes else set()
+        while best is not None:
+            promising |= _explaining(candidates, accepted)
+            refit = accepted.model.hypotheses or best.model.is_event
+            accepted = fitted(regression, best.model) if refit else best
+            without = _before(regression, accepted)
+            causes = [*causes, _cause(accepted, len(causes), candidates, best, without, told)]
+            if len(causes) > 1:
+                accepted, causes = self._all_doubted(accepted, promising)
+            if _found(accepted) in known:  # what one round takes in the next throws out
+                break
+            known.add(_found(accepted))
+            if self._is_at_top(accepted, causes):
+                break
+            candidates = self.screened(accepted)
+            best = best_of(regression, base, accepted, candidates, told)
+        return Search(base, accepted, causes, first, told)
+
+    def _is_at_top(self, accepted: Candidate, causes: Sequence[Cause]) -> bool:
+        return len(causes) >= _MOST or not more_to_find(self._base, accepted, self._regression.told)
+
+    def _all_doubted(self, accepted: Candidate, promising: set[Key]) -> tuple[Candidate, list[Cause]]:
+        # What has no psi is as quickly tried as put aside.
+        again = [one for one in self._tried if one.key in promising or not len(one.low)]
+        say = self._say("doubting every cause")
+        self._rounds += 1
+        return _doubted(self._regression, self._base, accepted, again, self._starts, self._regression.told, say)
+
+
+def _explaining(candidates: Sequence[Candidate], beside: Candidate) -> set[Key]:
+    return {one.hypothesis.key for one in candidates if one.squares is not beside.squares}
+
+
+def _found(accepted: Candidate) -> frozenset[Key]:
+    return frozenset(one.key for one in accepted.model.hypotheses)
+
+
+def _before(regression: Regression, accepted: Candidate) -> float:
+    return float(fitted(regression, accepted.model.without(len(accepted.model.hypotheses) - 1)).squares.sum())
+
+
+def _without(tried: Sequence[Hypothesis], model: Model) -> list[Hypothesis]:
+    known = {hypothesis.key for hypothesis in model.hypotheses}
+    return [one for one in tried if one.key not in known]
+
+
+def _cause(
+    accepted: Candidate, place: int, candidates: Sequence[Candidate], best: Candidate, base: float, told: Floats
+) -> Cause:
+    """Return a cause with those that do as well with no more numbers, and those that don't."""
+    worth = base - float(accepted.squares.sum())
+    most = reach(best, worth, told)
+    rivals = [
+        one
+        for one in candidates
+        if one is not best
+        and one.hypothesis.n_number <= best.hypothesis.n_number
+        and float(one.squares.sum()) <= most
+    ]
+    beaten = [one for one in candidates if one is not best and one not in rivals]
+    return Cause(place, rivals, beaten, worth)
+
+
+def _with_itself(
+    regression: Regression, rest: Candidate, candidates: list[Candidate], itself: Candidate, told: Floats
+) -> list[Candidate]:
+    """Return candidates with the doubted one as it was, unless it did better when it was tried anew.
+
+    The others' psi are held where they are without it, which may be far from where they are with it: what did as
+    well as it there is fitted anew from where they are with it, for it may do as well here, too.
+    """
+    anew = next((one for one in candidates if one.hypothesis.key == itself.hypothesis.key), None)
+    if anew is not None and anew.squares.sum() <= itself.squares.sum():
+        return candidates
+    most = reach(anew, float(rest.squares.sum() - anew.squares.sum()), told) if anew is not None else -math.inf
+    before, psi = itself.model.hypotheses[:-1], itself.model.psi[:-1]
+    others = [one for one in candidates if one is not anew]
+
+    def refitted(k: int) -> Candidate:
+        one = others[k]
+        if one.squares.sum() > most:
+            return one
+        return fitted(regression, Model((*before, one.hypothesis), (*psi, one.model.psi[-1])))
+
+    others = fitted_all(regression, refitted, rest, [one.hypothesis for one in others])
+    return sorted([itself, *others], key=lambda one: float(one.squares.sum()))
+
+
+def _doubted(
+    regression: Regression,
+    base: Candidate,
+    accepted: Candidate,
+    tried: Sequence[Hypothesis],
+    starts: Starts,
+    told: Floats,
+    say: Callable[[int, int], None],
+) -> tuple[Candidate, list[Cause]]:
+    """Hold each cause against all others given the rest."""
+    causes: list[Cause] = []
+    k = 0
+    while k < len(accepted.model.hypotheses):
+        rest = fitted(regression, accepted.model.without(k))
+        candidates = screen(regression, rest, _without(tried, rest.model), starts, say)
+        itself = fitted(regression, accepted.model.with_last(k), refine=False)
+        candidates = _with_itself(regression, rest, candidates, itself, told)
+        best = simplest(rest, candidates, told)
+        assert best is not None
+        if not worth_it(regression, base, rest, best, told):
+            accepted = rest
+            continue
+        model = best.model
+        order = [*range(k), len(model.hypotheses) - 1, *range(k, len(model.hypotheses) - 1)]
+        model = Model(tuple(model.hypotheses[i] for i in order), tuple(model.psi[i] for i in order))
+        accepted = fitted(regression, model)
+        causes.append(_cause(accepted, k, candidates, best, float(rest.squares.sum()), told))
+        k += 1
+    return accepted, causes
