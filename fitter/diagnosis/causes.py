@@ -11,13 +11,13 @@ from fitter.diagnosis.hypothesis import Hypothesis
 from fitter.diagnosis.model import Model
 from fitter.diagnosis.regression import Regression
 from fitter.diagnosis.screening import Candidate, fitted
-from fitter.diagnosis.search import UNEXPLAINED_AT_LEAST, Search
+from fitter.diagnosis.search import Search
 from fitter.diagnosis.unknown import best_functions
 from fitter.diagnosis.worth import best_of, more_to_find
 
-#: If causes leave so large a share of what the base model leaves, so many others are begun with that explain the
-#: next share of what the best one does alone, and believed if they leave the last share of what that led to.
-_LEADS_NOWHERE, _OTHERS, _BEGINNING, _MUCH_BETTER = 0.05, 2, 0.2, 0.5
+#: If causes lead nowhere, so many others are begun with that explain this share of what the best one does alone,
+#: and believed if they leave the last share of what that led to.
+_OTHERS, _BEGINNING, _MUCH_BETTER = 2, 0.2, 0.5
 
 
 @dataclass(frozen=True)
@@ -71,15 +71,16 @@ def find_causes(
     begun = begun or begin(regression, tried, starts, part)
     base = begun.base
     search = Search(base, base, [], [], regression.told)
-    if before is not None and len(before.causes) > 1 and not before.leaves(_LEADS_NOWHERE, UNEXPLAINED_AT_LEAST):
+    if begun.candidates and before is not None and before.is_nearly_all:
         search = Ascent(regression, tried, starts, base, part).from_causes(begun.candidates, before.final.model)
-    if begun.candidates and (not search.causes or search.leaves(_LEADS_NOWHERE, UNEXPLAINED_AT_LEAST)):
-        search = Ascent(regression, tried, starts, base, part).on(begun.candidates, begun.best)
+    if begun.candidates and (not search.causes or search.leads_nowhere):
+        anew = Ascent(regression, tried, starts, base, part).on(begun.candidates, begun.best)
+        search = anew if anew.final.squares.sum() < search.final.squares.sum() or not search.causes else search
     if search.may_be_outdone:
         function = best_functions(Folds(regression, base), regression.arm.n_joint).least
         search = replace(search, function=function)
     for k, other in enumerate(_others(search)):
-        if search.outdone or not search.leaves(_LEADS_NOWHERE, UNEXPLAINED_AT_LEAST):
+        if search.outdone or not search.leads_nowhere:
             break
         again = Ascent(regression, tried, starts, base, _part(progress, 0.5 + 0.25 * k, 0.25))
         found = again.on([other, *(one for one in search.first if one is not other)], other)

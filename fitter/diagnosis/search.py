@@ -11,6 +11,8 @@ from fitter.diagnosis.screening import Candidate
 #: Causes explain too little if they leave this share of what the base model leaves beyond noise, and so much of
 #: the noise.
 UNEXPLAINED, UNEXPLAINED_AT_LEAST = 0.0125, 1.0
+#: Causes that leave so large a share of it lead nowhere.
+_LEADS_NOWHERE = 0.05
 #: Causes of which trials are typically left with so many times what one unknown function of few variables leaves
 #: them with are none: ripples, springs and pushes together can imitate what is in no catalogue. Of true causes, if
 #: they are several, such a function explains a part only.
@@ -85,6 +87,16 @@ class Search:
     def may_be_outdone(self) -> bool:
         """Whether causes leave so much that a function could explain clearly more."""
         return bool(self.causes) and typical(self.final.squares, self.told) > _OUTDONE * _NOISE
+
+    @property
+    def leads_nowhere(self) -> bool:
+        """Whether causes leave much of what the base model leaves."""
+        return self.leaves(_LEADS_NOWHERE, UNEXPLAINED_AT_LEAST)
+
+    @property
+    def is_nearly_all(self) -> bool:
+        """Whether several causes explain nearly all."""
+        return len(self.causes) > 1 and not self.leads_nowhere
 
     def leaves(self, share: float, least: float) -> bool:
         """Say whether more is left beyond noise than a share of what the base model leaves, and so much noise.

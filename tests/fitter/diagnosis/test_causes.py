@@ -1,12 +1,20 @@
 """Causes that stand beside one another, and the rivals that each of them has."""
 
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
 from arm.effects.catalogue import catalogue
 from arm.model import Effect
 from fitter.data.trials import to_trials
+from fitter.diagnosis.ascent import Ascent
 from fitter.diagnosis.at_joint import AtJoint
 from fitter.diagnosis.causes import find_causes
 from fitter.diagnosis.motion import run_of
 from fitter.diagnosis.regression import Regression
+from fitter.diagnosis.screening import fitted
+from fitter.diagnosis.search import Cause
 from tests.fitter.pendulum import pendulum, swings
 
 DISTURBANCE = Effect(
@@ -30,3 +38,21 @@ def test_beside_another_cause_equals_stay_equals():
     assert "periodic_disturbance" in places
     (name,) = set(places) - {"periodic_disturbance"}
     assert {name} | places[name] == alike
+
+
+def test_a_search_made_anew_goes_on_from_what_was_found_and_doubts_it(monkeypatch: pytest.MonkeyPatch):
+    drag = Effect("quadratic_drag", {"drag_N_m_s2": 0.05}, joints=(1,))
+    trials = to_trials(swings((DISTURBANCE, drag), trials=8, seed=7), cutoff_hz=25.0)
+    regression = Regression(pendulum(), run_of(pendulum(), trials[:4], trials[4:]))
+    kinds = catalogue()
+    tried = [AtJoint(kinds[name], 0) for name in ("periodic_disturbance", "quadratic_drag", "joint_spring")]
+    search = find_causes(regression, tried)
+    true = {("periodic_disturbance", (0,)), ("quadratic_drag", (0,))}
+    assert {one.key for one in search.final.model.hypotheses} == true
+    spurious = fitted(regression, search.final.model.plus(tried[2], tried[2].starts(regression.learning)[0]))
+    before = replace(search, final=spurious, causes=[*search.causes, Cause(2)])
+    monkeypatch.setattr(Ascent, "on", lambda *_: pytest.fail("it began anew"))
+    again = find_causes(regression, tried, before=before)
+    assert {one.key for one in again.final.model.hypotheses} == true
+    assert len(again.causes) == 2
+    np.testing.assert_allclose(again.final.squares, search.final.squares, rtol=1e-3)
