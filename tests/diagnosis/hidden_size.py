@@ -32,6 +32,11 @@ def unexplained(scene: Scene, hiding: Hiding, arm: HiddenArm, motion: Recorded) 
     """
     q, dq, ddq, tau = motion.link_q, motion.link_dq, motion.link_ddq, motion.u
     known, used = (scene.arm.links[:, LENGTH], scene.arm.gravity), motion.link_dq != 0.0
+    rows = slice(None, None, 3)
+    if hiding.learning_only:
+        rows = slice(0, round(scene.bench.learning * scene.bench.trial_s * scene.bench.rate_hz))
+    if not used[rows].any(axis=0).all():
+        return np.inf  # friction holds a joint all the time
     Y, scale = columns(*known, q, dq, ddq), rms(tau, used)
     if arm.transmission[:, [GAP, STIFFNESS]].any():
         # The torque is that of the link's motion; what is measured is the motor's. Both are smoothed alike.
@@ -44,9 +49,7 @@ def unexplained(scene: Scene, hiding: Hiding, arm: HiddenArm, motion: Recorded) 
             )
         )
         tau, Y = link @ fit(Y, tau, used), motor
-    rows = slice(None, None, 3)
     if hiding.learning_only:
-        rows = slice(0, round(scene.bench.learning * scene.bench.trial_s * scene.bench.rate_hz))
         scale = rms(motion.u[rows], used[rows])
     Y, tau, used = Y[rows], tau[rows], used[rows]
     share = rms(tau - Y @ fit(Y, tau, used), used) / scale

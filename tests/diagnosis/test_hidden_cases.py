@@ -113,6 +113,12 @@ def test_a_case_is_of_the_right_size(effect: str) -> None:
     assert 0.039 < left[hidden_at].max() < 0.151
 
 
+def test_where_an_effect_holds_the_arm_still_less_of_it_is_hidden() -> None:
+    """With the first limit that is tried, friction holds this arm's only joint all the time."""
+    (effect,) = draw_case(440035, "one", "torque_saturation").truth["effects"]
+    assert 0.04 < effect["unexplained"] < 0.15
+
+
 @pytest.mark.parametrize("effect", OUTSIDE)
 def test_variables_are_asked_for_of_what_is_in_no_catalogue(effect: str) -> None:
     case = draw_case(43, "outside", effect, SHORT)
