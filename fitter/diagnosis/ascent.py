@@ -58,7 +58,7 @@ class Ascent:
     def from_causes(self, first: list[Candidate], model: Model) -> Search:
         """Go on from causes that another search has found, once each of them is doubted."""
         self._rounds = 1
-        accepted, causes = self._all_doubted(fitted(self._regression, model), _explaining(first, self._base))
+        accepted, causes = self._doubted(fitted(self._regression, model), _explaining(first, self._base))
         if self._is_at_top(accepted, causes):
             return Search(self._base, accepted, causes, first, self._regression.told)
         candidates = self.screened(accepted)
@@ -83,7 +83,7 @@ class Ascent:
             without = _before(regression, accepted)
             causes = [*causes, _cause(accepted, len(causes), candidates, best, without, told)]
             if len(causes) > 1:
-                accepted, causes = self._all_doubted(accepted, promising)
+                accepted, causes = self._doubted(accepted, promising)
             if _found(accepted) in known:  # what one round takes in the next throws out
                 break
             known.add(_found(accepted))
@@ -96,12 +96,31 @@ class Ascent:
     def _is_at_top(self, accepted: Candidate, causes: Sequence[Cause]) -> bool:
         return len(causes) >= _MOST or not more_to_find(self._base, accepted, self._regression.told)
 
-    def _all_doubted(self, accepted: Candidate, promising: set[Key]) -> tuple[Candidate, list[Cause]]:
-        # What has no psi is as quickly tried as put aside.
-        again = [one for one in self._tried if one.key in promising or not len(one.low)]
-        say = self._say("doubting every cause")
+    def _doubted(self, accepted: Candidate, promising: set[Key]) -> tuple[Candidate, list[Cause]]:
+        """Hold each cause against all others given the rest."""
+        regression, told, say = self._regression, self._regression.told, self._say("doubting every cause")
         self._rounds += 1
-        return _doubted(self._regression, self._base, accepted, again, self._starts, self._regression.told, say)
+        # What has no psi is as quickly tried as put aside.
+        tried = [one for one in self._tried if one.key in promising or not len(one.low)]
+        causes: list[Cause] = []
+        k = 0
+        while k < len(accepted.model.hypotheses):
+            rest = fitted(regression, accepted.model.without(k))
+            candidates = screen(regression, rest, _without(tried, rest.model), self._starts, say)
+            itself = fitted(regression, accepted.model.with_last(k), refine=False)
+            candidates = _with_itself(regression, rest, candidates, itself, told)
+            best = simplest(rest, candidates, told)
+            assert best is not None
+            if not worth_it(regression, self._base, rest, best, told):
+                accepted = rest
+                continue
+            model = best.model
+            order = [*range(k), len(model.hypotheses) - 1, *range(k, len(model.hypotheses) - 1)]
+            model = Model(tuple(model.hypotheses[i] for i in order), tuple(model.psi[i] for i in order))
+            accepted = fitted(regression, model)
+            causes.append(_cause(accepted, k, candidates, best, float(rest.squares.sum()), told))
+            k += 1
+        return accepted, causes
 
 
 def _explaining(candidates: Sequence[Candidate], beside: Candidate) -> set[Key]:
@@ -161,34 +180,3 @@ def _with_itself(
 
     others = fitted_all(regression, refitted, rest, [one.hypothesis for one in others])
     return sorted([itself, *others], key=lambda one: float(one.squares.sum()))
-
-
-def _doubted(
-    regression: Regression,
-    base: Candidate,
-    accepted: Candidate,
-    tried: Sequence[Hypothesis],
-    starts: Starts,
-    told: Floats,
-    say: Callable[[int, int], None],
-) -> tuple[Candidate, list[Cause]]:
-    """Hold each cause against all others given the rest."""
-    causes: list[Cause] = []
-    k = 0
-    while k < len(accepted.model.hypotheses):
-        rest = fitted(regression, accepted.model.without(k))
-        candidates = screen(regression, rest, _without(tried, rest.model), starts, say)
-        itself = fitted(regression, accepted.model.with_last(k), refine=False)
-        candidates = _with_itself(regression, rest, candidates, itself, told)
-        best = simplest(rest, candidates, told)
-        assert best is not None
-        if not worth_it(regression, base, rest, best, told):
-            accepted = rest
-            continue
-        model = best.model
-        order = [*range(k), len(model.hypotheses) - 1, *range(k, len(model.hypotheses) - 1)]
-        model = Model(tuple(model.hypotheses[i] for i in order), tuple(model.psi[i] for i in order))
-        accepted = fitted(regression, model)
-        causes.append(_cause(accepted, k, candidates, best, float(rest.squares.sum()), told))
-        k += 1
-    return accepted, causes

@@ -75,7 +75,7 @@ def find_causes(
         search = Ascent(regression, tried, starts, base, part).from_causes(begun.candidates, before.final.model)
     if begun.candidates and (not search.causes or search.leads_nowhere):
         anew = Ascent(regression, tried, starts, base, part).on(begun.candidates, begun.best)
-        search = anew if anew.final.squares.sum() < search.final.squares.sum() or not search.causes else search
+        search = min(anew, search, key=lambda one: float(one.final.squares.sum()))
     if search.may_be_outdone:
         function = best_functions(Folds(regression, base), regression.arm.n_joint).least
         search = replace(search, function=function)

@@ -37,7 +37,8 @@ def unexplained(scene: Scene, hiding: Hiding, arm: HiddenArm, motion: Recorded) 
         rows = slice(0, round(scene.bench.learning * scene.bench.trial_s * scene.bench.rate_hz))
     if not used[rows].any(axis=0).all():
         return np.inf  # friction holds a joint all the time
-    Y, scale = columns(*known, q, dq, ddq), rms(tau, used)
+    Y = columns(*known, q, dq, ddq)
+    scale = rms(tau[rows], used[rows]) if hiding.learning_only else rms(tau, used)
     if arm.transmission[:, [GAP, STIFFNESS]].any():
         # The torque is that of the link's motion; what is measured is the motor's. Both are smoothed alike.
         rate = scene.bench.rate_hz
@@ -49,8 +50,6 @@ def unexplained(scene: Scene, hiding: Hiding, arm: HiddenArm, motion: Recorded) 
             )
         )
         tau, Y = link @ fit(Y, tau, used), motor
-    if hiding.learning_only:
-        scale = rms(motion.u[rows], used[rows])
     Y, tau, used = Y[rows], tau[rows], used[rows]
     share = rms(tau - Y @ fit(Y, tau, used), used) / scale
     joints = hiding.joints if hiding.name not in WHOLE else range(scene.n)

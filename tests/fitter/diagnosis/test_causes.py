@@ -22,13 +22,17 @@ DISTURBANCE = Effect(
 )
 
 
+def beside_disturbance(effect: Effect, *names: str) -> tuple[Regression, list[AtJoint]]:
+    """Return a pendulum's run with an effect beside the disturbance, and what is tried: that and others."""
+    trials = to_trials(swings((DISTURBANCE, effect), trials=8, seed=7), cutoff_hz=25.0)
+    regression = Regression(pendulum(), run_of(pendulum(), trials[:4], trials[4:]))
+    return regression, [AtJoint(catalogue()[name], 0) for name in (DISTURBANCE.name, *names)]
+
+
 def test_beside_another_cause_equals_stay_equals():
     """Without the offset the disturbance's frequency is another; its rival was then tried with that one only."""
     offset = Effect("torque_offset", {"torque_N_m": 0.3}, joints=(1,))
-    trials = to_trials(swings((DISTURBANCE, offset), trials=8, seed=7), cutoff_hz=25.0)
-    regression = Regression(pendulum(), run_of(pendulum(), trials[:4], trials[4:]))
-    kinds = catalogue()
-    tried = [AtJoint(kinds[name], 0) for name in ("periodic_disturbance", "torque_offset", "coulomb_asymmetry")]
+    regression, tried = beside_disturbance(offset, "torque_offset", "coulomb_asymmetry")
     search = find_causes(regression, tried)
     places = {
         search.final.model.hypotheses[cause.place].kind.name: {one.hypothesis.kind.name for one in cause.rivals}
@@ -42,10 +46,7 @@ def test_beside_another_cause_equals_stay_equals():
 
 def test_a_search_made_anew_goes_on_from_what_was_found_and_doubts_it(monkeypatch: pytest.MonkeyPatch):
     drag = Effect("quadratic_drag", {"drag_N_m_s2": 0.05}, joints=(1,))
-    trials = to_trials(swings((DISTURBANCE, drag), trials=8, seed=7), cutoff_hz=25.0)
-    regression = Regression(pendulum(), run_of(pendulum(), trials[:4], trials[4:]))
-    kinds = catalogue()
-    tried = [AtJoint(kinds[name], 0) for name in ("periodic_disturbance", "quadratic_drag", "joint_spring")]
+    regression, tried = beside_disturbance(drag, "quadratic_drag", "joint_spring")
     search = find_causes(regression, tried)
     true = {("periodic_disturbance", (0,)), ("quadratic_drag", (0,))}
     assert {one.key for one in search.final.model.hypotheses} == true
