@@ -33,6 +33,8 @@ Progress = Callable[[str, float], None]
 #: Evaluating trials show what learning trials don't if they leave this much beyond noise of one, and those not
 #: more than this.
 _MUCH, _NOTHING = 0.3, 0.1
+#: Beside other causes, what is learnt from all trials is believed if it leaves this share of that.
+_SEEN = 0.5
 UNSEEN = "what is wrong shows in evaluating trials only, so causes were sought in all: the gain is no prediction"
 
 
@@ -104,10 +106,18 @@ def diagnose(
     corner = corner_hz([grid for some in grids for grid in some])
     learning, evaluating = _trials(grids, corner, free)
     regression = Regression(arm, run_of(arm, learning, evaluating), denied, _scale_of(arm) if free else None)
-    unseen = _shows_only_where_it_is_judged(regression)
+    tried = hypotheses(arm.n_joint, denied, driven=not free)
+    unseen = _shows_only_where_it_is_judged(regression, fitted(regression, Model()))
     if unseen:
-        regression.learn_from_all()
-    regression, search = _searched(regression, hypotheses(arm.n_joint, denied, driven=not free), strict, say)
+        regression = regression.learning_from_all()
+    regression, search = _searched(regression, tried, strict, say)
+    if not unseen and _shows_only_where_it_is_judged(regression, search.final):
+        learning_from_all = regression.learning_from_all()
+        all_seen, found = _searched(
+            learning_from_all, tried, strict, lambda what, done: say(f"in all trials, {what}", done)
+        )
+        unseen = _excess(found) < _SEEN * _excess(search)
+        regression, search = (all_seen, found) if unseen else (regression, search)
     say("describing what is left", 0.8)
     come_to = concluded(regression, search, strict)
     say("judging on the evaluating trials", 0.92)
@@ -149,13 +159,18 @@ def _searched(
     return regression, search
 
 
-def _shows_only_where_it_is_judged(regression: Regression) -> bool:
-    """Say whether the learning trials fit the base model, and the evaluating ones don't."""
-    base = fitted(regression, Model())
-    told = regression.told
-    learnt = np.array([motion.learn for motion in regression.motions])
-    excess = [base.squares[some].sum() / told[some].sum() - 1.0 for some in (learnt, ~learnt)]
+def _shows_only_where_it_is_judged(regression: Regression, found: Candidate) -> bool:
+    """Say whether the learning trials fit a model, and the evaluating ones don't."""
+    learnt, told = np.array([motion.learn for motion in regression.motions]), regression.told
+    # What happened in single trials was fitted to all of them, and what else is in those bends the others' fit.
+    by_learning = regression.squares(found.model, regression.solve(found.model, regression.learning)[0])
+    left = np.where(learnt, by_learning, found.squares)
+    excess = [left[some].sum() / told[some].sum() - 1.0 for some in (learnt, ~learnt)]
     return bool(excess[1] > _MUCH and excess[0] < _NOTHING)
+
+
+def _excess(search: Search) -> float:
+    return float(search.final.squares.sum() - search.told.sum())
 
 
 def _scale_of(arm: Arm) -> tuple[int, float]:

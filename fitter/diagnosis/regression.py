@@ -74,9 +74,11 @@ class Regression:
         """The trials that may be learnt from."""
         return [motion for motion in self.motions if motion.learn]
 
-    def learn_from_all(self) -> None:
-        """Learn from all trials: where only those that judge show what is wrong, nothing else can tell it."""
-        self.learning = self.motions
+    def learning_from_all(self) -> "Regression":
+        """Return one that learns from all trials: what only those show that judge, nothing else can tell."""
+        other = self.weighted_by(self.weighting)
+        other.learning = other.motions
+        return other
 
     @property
     def weighting(self) -> Weighting:

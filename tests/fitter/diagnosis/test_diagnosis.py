@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from arm.model import Effect
-from fitter.diagnosis.diagnosis import diagnose
+from fitter.diagnosis.diagnosis import UNSEEN, diagnose
 from limbcal.errors import DataError
 from tests.fitter.pendulum import pendulum, swings
 
@@ -63,6 +63,17 @@ def test_nothing_is_named_where_nothing_is_wrong():
     assert finding.verdict == "none"
     assert not finding.causes and not finding.warnings
     assert finding.before is finding.after
+
+
+def test_beside_another_cause_one_is_found_that_only_the_judging_trials_show():
+    stop = Effect("end_stop", {"angle_rad": 0.8, "stiffness_N_m_rad": 6.0, "side": 1.0}, joints=(1,))
+    motions = swings((DRAG, stop), trials=16)
+    short = [motion for motion in motions if motion.columns["q"].max() < 0.75]
+    far = [motion for motion in motions if motion.columns["q"].max() >= 0.75]
+    assert len(short) >= 4 and len(far) >= 4
+    finding = diagnose(pendulum(), short[:4], short[4:] + far).finding
+    assert {cause.effect for cause in finding.causes} == {"quadratic_drag", "end_stop"}
+    assert UNSEEN in finding.warnings
 
 
 def test_noise_in_the_regressors_does_not_pass_for_physics():
