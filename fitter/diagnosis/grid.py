@@ -1,4 +1,4 @@
-"""What each start of a hypothesis would explain on the learning trials, beside what is accepted.
+"""What each start of a hypothesis would explain on the trials that it is fitted to, beside what is accepted.
 
 The psi of what is accepted are where they do best alone, which may be far from where they do beside another. So
 they are free as far as a straight line goes: what they could explain, by their slopes, is taken from both sides.
@@ -62,13 +62,14 @@ class Starts:
 
 
 class Grid:
-    """What each start of a hypothesis would explain on the learning trials."""
+    """What each start of a hypothesis would explain on the trials that it is fitted to."""
 
     def __init__(self, regression: Regression, model: Model, starts: Starts) -> None:
         self._regression, self._model, self._starts = regression, model, starts
+        self._motions = regression.motions_of(model)
         self._left_of_run: float | None = None
-        rows = [regression.rows(model, motion) for motion in regression.learning]
-        self._views = [regression.view(model, motion) for motion in regression.learning]
+        rows = [regression.rows(model, motion) for motion in self._motions]
+        self._views = [regression.view(model, motion) for motion in self._motions]
         A = np.vstack([one.design for one in rows])
         self._target = np.concatenate([one.target.ravel() for one in rows])
         size = np.linalg.norm(A, axis=0)
@@ -81,7 +82,7 @@ class Grid:
 
     def _slopes(self) -> Floats:
         """Return what a change of each accepted psi makes, (n_row, n_psi)."""
-        regression, model, motions = self._regression, self._model, self._regression.learning
+        regression, model, motions = self._regression, self._model, self._motions
         if not len(model.flat):
             return np.zeros((len(self._target), 0))
         x = regression.solve(model, motions)[0]
@@ -105,7 +106,7 @@ class Grid:
         psi, gain, best = starts[order[0]], gains[order[0]], starts[order[:_KEPT]]
         if hypothesis.is_gradual:
             model = self._model.plus(hypothesis, psi)
-            psi = regression.refined(model, regression.learning, len(self._model.hypotheses)).psi[-1]
+            psi = regression.refined(model, self._motions, len(self._model.hypotheses)).psi[-1]
             gain = self._gain(hypothesis, psi)
         return Best(gain, psi, best)
 
@@ -115,7 +116,7 @@ class Grid:
             return known
         if isinstance(hypothesis, AtJoint) and "frequency_hz" in hypothesis.psi_names:
             return self._peaks(hypothesis)
-        return hypothesis.starts(self._regression.motions if hypothesis.is_event else self._regression.learning)
+        return hypothesis.starts(self._regression.motions if hypothesis.is_event else self._motions)
 
     def _gains_in_run(self, hypothesis: Hypothesis, starts: Floats) -> list[float]:
         """Return the gains of what need not show in the learning trials, by all trials."""
@@ -131,7 +132,7 @@ class Grid:
 
     def _gain(self, hypothesis: Hypothesis, psi: Floats) -> float:
         model = self._model.plus(hypothesis, psi)
-        r = self._regression.solve(model, self._regression.learning)[2]
+        r = self._regression.solve(model, self._motions)[2]
         straight = self._tangent.T @ r
         return self.left - float(r @ r) + float(straight @ straight)
 
@@ -158,7 +159,7 @@ class Grid:
     def _peaks(self, hypothesis: AtJoint) -> Floats:
         """Return the frequencies at which the residual swings most, (n_peak, 1)."""
         regression, joint = self._regression, hypothesis.joints[0]
-        motions, stride = regression.learning, regression.weighting.stride
+        motions, stride = self._motions, regression.weighting.stride
         ends = np.cumsum([0, *(len(motion.t[::stride]) for motion in motions)])
         left = self._residual.reshape(-1, regression.arm.n_joint)[:, joint]
         span = float(motions[-1].t[-1] - motions[0].t[0])

@@ -74,6 +74,10 @@ class Regression:
         """The trials that may be learnt from."""
         return [motion for motion in self.motions if motion.learn]
 
+    def motions_of(self, model: Model) -> list[Motion]:
+        """Return the trials that a model is fitted to: all of them if it has something that single ones have."""
+        return self.motions if model.is_event else self.learning
+
     def learning_from_all(self) -> "Regression":
         """Return one that learns from all trials: what only those show that judge, nothing else can tell."""
         other = self.weighted_by(self.weighting)

@@ -20,7 +20,7 @@ from fitter.diagnosis.pushes import find_pushes
 from fitter.diagnosis.regression import Regression
 from fitter.side_by_side import side_by_side
 
-#: A hypothesis is refined if it explains this share of what the best one does on the learning trials …
+#: A hypothesis is refined if it explains this share of what the best one does on the trials it is fitted to …
 _PROMISING = 0.3
 #: … or if it is among so many of the best.
 _AT_LEAST = 4
@@ -76,7 +76,7 @@ def fitted(
     to_all : bool
         Whether it is fitted to all trials, as a model with an event always is.
     """
-    motions = regression.motions if to_all or model.is_event else regression.learning
+    motions = regression.motions if to_all else regression.motions_of(model)
     if refine:
         model = regression.refined(model, motions, held)
     x = regression.solve(model, motions)[0]
@@ -117,11 +117,13 @@ def screen(
     rank = np.argsort(np.argsort(-explained))
     held = len(accepted.model.hypotheses)
     alike = _fair(regression, accepted)
-    learnt = [motion.learn for motion in regression.motions]
+    motions = regression.motions_of(accepted.model)
+    numbers = {motion.number for motion in motions}
+    learnt = [motion.number in numbers for motion in regression.motions]
 
     def as_lasting(k: int) -> Candidate:
         model, gain = accepted.model.plus(tried[k], first[k].psi), first[k].gain
-        if gain < max(_NOTHING * grid.left / len(regression.learning), _LITTLE * best):
+        if gain < max(_NOTHING * grid.left / len(motions), _LITTLE * best):
             return Candidate(model, accepted.x, accepted.squares)
         refine = gain >= _WORTH * grid.left and (gain >= _PROMISING * best or rank[k] < _AT_LEAST)
         candidate = fitted(regression, model, refine, held)

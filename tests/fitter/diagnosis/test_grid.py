@@ -10,6 +10,7 @@ from fitter.diagnosis.at_joint import AtJoint
 from fitter.diagnosis.grid import Grid, Starts
 from fitter.diagnosis.model import Model
 from fitter.diagnosis.motion import run_of
+from fitter.diagnosis.pushes import Pushes
 from fitter.diagnosis.regression import Regression
 from fitter.diagnosis.screening import fitted, screen
 from tests.fitter.pendulum import pendulum, swings
@@ -59,3 +60,16 @@ def test_accepted_psi_that_are_a_little_off_leave_nothing_to_others(regression):
     assert grid.left == pytest.approx(at_best, rel=0.1)
     others = [AtJoint(catalogue()[name], 0) for name in ("periodic_disturbance", "joint_spring", "torque_offset")]
     assert all(grid.best(one).gain < 0.1 * at_best for one in others)
+
+
+def test_beside_an_event_a_start_is_judged_by_all_trials():
+    stop = Effect("end_stop", {"angle_rad": 0.8, "stiffness_N_m_rad": 6.0, "side": 1.0}, joints=(1,))
+    motions = sorted(swings((stop,), trials=16), key=lambda one: float(one.columns["q"].max()))
+    trials = to_trials(motions, cutoff_hz=25.0)
+    regression = Regression(pendulum(), run_of(pendulum(), trials[:4], trials[4:]))
+    assert motions[3].columns["q"].max() < 0.75
+    hypothesis = AtJoint(catalogue()["end_stop"], 0, {"side": 1.0})
+    push = Pushes(catalogue()["external_push"], 0, np.array([[1.0, 0.3]]))
+    alone, beside = (Grid(regression, model, Starts()) for model in (Model(), Model().plus(push, np.zeros(0))))
+    assert alone.best(hypothesis).gain < 0.01 * beside.best(hypothesis).gain
+    assert beside.best(hypothesis).psi == pytest.approx([0.8], abs=0.1)
