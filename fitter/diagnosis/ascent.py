@@ -15,6 +15,7 @@ from fitter.diagnosis.model import Model
 from fitter.diagnosis.regression import Regression
 from fitter.diagnosis.screening import Candidate, fitted, fitted_all, screen
 from fitter.diagnosis.search import Cause, Search
+from fitter.diagnosis.unseen import shows_only_where_it_is_judged
 from fitter.diagnosis.worth import best_of, more_to_find, reach, simplest, worth_it
 
 Progress = Callable[[str, float], None]
@@ -41,10 +42,31 @@ class Ascent:
 
     def screened(self, accepted: Candidate) -> list[Candidate]:
         """Try everything beside what is accepted."""
+        return self._screened(self._regression, accepted, self._starts)
+
+    def _screened(self, regression: Regression, accepted: Candidate, starts: Starts) -> list[Candidate]:
         tried = _without(self._tried, accepted.model)
-        candidates = screen(self._regression, accepted, tried, self._starts, self._say("trying every effect"))
+        candidates = screen(regression, accepted, tried, starts, self._say("trying every effect"))
         self._rounds += 1
         return candidates
+
+    def _next(self, accepted: Candidate) -> tuple[Candidate, list[Candidate], Candidate | None]:
+        """Return what is accepted, everything beside it, and the best of that if it is worth it.
+
+        What only the evaluating trials show is learnt from all, from then on.
+        """
+        told = self._regression.told
+        if shows_only_where_it_is_judged(self._regression, self._base, accepted):
+            by_all = self._regression.learning_from_all()
+            anew = fitted(by_all, accepted.model)
+            candidates = self._screened(by_all, anew, Starts())
+            best = best_of(by_all, self._base, anew, candidates, told)
+            if best is not None:
+                self._regression = by_all
+                self._starts.forget()
+                return anew, candidates, best
+        candidates = self.screened(accepted)
+        return accepted, candidates, best_of(self._regression, self._base, accepted, candidates, told)
 
     def _say(self, what: str) -> Callable[[int, int], None]:
         begin, end = 1.0 - 0.5**self._rounds, 1.0 - 0.5 ** (self._rounds + 1)
@@ -60,9 +82,8 @@ class Ascent:
         self._rounds = 1
         accepted, causes = self._doubted(fitted(self._regression, model), _explaining(first, self._base))
         if self._is_at_top(accepted, causes):
-            return Search(self._base, accepted, causes, first, self._regression.told)
-        candidates = self.screened(accepted)
-        best = best_of(self._regression, self._base, accepted, candidates, self._regression.told)
+            return self._come_to(accepted, causes, first)
+        accepted, candidates, best = self._next(accepted)
         return self._higher(first, accepted, causes, candidates, best)
 
     def _higher(
@@ -73,15 +94,14 @@ class Ascent:
         candidates: list[Candidate],
         best: Candidate | None,
     ) -> Search:
-        regression, base, told = self._regression, self._base, self._regression.told
-        promising = _explaining(first, base)
+        promising = _explaining(first, self._base)
         known = {_found(accepted)} if causes else set()
         while best is not None:
             promising |= _explaining(candidates, accepted)
             refit = accepted.model.hypotheses or best.model.is_event
-            accepted = fitted(regression, best.model) if refit else best
-            without = _before(regression, accepted)
-            causes = [*causes, _cause(accepted, len(causes), candidates, best, without, told)]
+            accepted = fitted(self._regression, best.model) if refit else best
+            without = _before(self._regression, accepted)
+            causes = [*causes, _cause(accepted, len(causes), candidates, best, without, self._regression.told)]
             if len(causes) > 1:
                 accepted, causes = self._doubted(accepted, promising)
             if _found(accepted) in known:  # what one round takes in the next throws out
@@ -89,9 +109,12 @@ class Ascent:
             known.add(_found(accepted))
             if self._is_at_top(accepted, causes):
                 break
-            candidates = self.screened(accepted)
-            best = best_of(regression, base, accepted, candidates, told)
-        return Search(base, accepted, causes, first, told)
+            accepted, candidates, best = self._next(accepted)
+        return self._come_to(accepted, causes, first)
+
+    def _come_to(self, accepted: Candidate, causes: list[Cause], first: list[Candidate]) -> Search:
+        regression = self._regression
+        return Search(self._base, accepted, causes, first, regression.told, from_all=regression.learns_from_all)
 
     def _is_at_top(self, accepted: Candidate, causes: Sequence[Cause]) -> bool:
         return len(causes) >= _MOST or not more_to_find(self._base, accepted, self._regression.told)

@@ -3,8 +3,6 @@
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
-import numpy as np
-
 from arm.model import Arm
 from arm.regressor import standard_parameters
 from fitter.data.motions import Measured
@@ -25,17 +23,11 @@ from fitter.diagnosis.reweighting import will_do
 from fitter.diagnosis.screening import Candidate, fitted
 from fitter.diagnosis.search import Search
 from fitter.diagnosis.telling import finding_of
+from fitter.diagnosis.unseen import UNSEEN, shows_only_where_it_is_judged
 from fitter.dynamics.structure import structural_parameters
 from limbcal.errors import DataError, NotIdentifiable
 
 Progress = Callable[[str, float], None]
-
-#: Evaluating trials show what learning trials don't if they leave this much beyond noise of one, and those not
-#: more than this.
-_MUCH, _NOTHING = 0.3, 0.1
-#: Beside other causes, what is learnt from all trials is believed if it leaves this share of that.
-_SEEN = 0.5
-UNSEEN = "what is wrong shows in evaluating trials only, so causes were sought in all: the gain is no prediction"
 
 
 @dataclass(frozen=True)
@@ -106,24 +98,18 @@ def diagnose(
     corner = corner_hz([grid for some in grids for grid in some])
     learning, evaluating = _trials(grids, corner, free)
     regression = Regression(arm, run_of(arm, learning, evaluating), denied, _scale_of(arm) if free else None)
-    tried = hypotheses(arm.n_joint, denied, driven=not free)
-    unseen = _shows_only_where_it_is_judged(regression, fitted(regression, Model()))
-    if unseen:
+    base = fitted(regression, Model())
+    if shows_only_where_it_is_judged(regression, base, base):
         regression = regression.learning_from_all()
+    tried = hypotheses(arm.n_joint, denied, driven=not free)
     regression, search = _searched(regression, tried, strict, say)
-    if not unseen and _shows_only_where_it_is_judged(regression, search.final):
-        learning_from_all = regression.learning_from_all()
-        all_seen, found = _searched(
-            learning_from_all, tried, strict, lambda what, done: say(f"in all trials, {what}", done)
-        )
-        unseen = _excess(found) < _SEEN * _excess(search)
-        regression, search = (all_seen, found) if unseen else (regression, search)
     say("describing what is left", 0.8)
     come_to = concluded(regression, search, strict)
     say("judging on the evaluating trials", 0.92)
     motions = run_of(arm, learning, evaluating, thin=False)
     finding = finding_of(regression, come_to, motions)
-    warnings = chatter(arm, [*learning, *evaluating]) + [UNSEEN] * (unseen and bool(come_to.search.causes))
+    unseen = regression.learns_from_all and come_to.search.causes
+    warnings = chatter(arm, [*learning, *evaluating]) + ([UNSEEN] if unseen else [])
     finding = replace(finding, warnings=tuple(warnings))
     say("done", 1.0)
     return Diagnosis(finding, regression, come_to.search, motions, come_to.final)
@@ -148,6 +134,8 @@ def _searched(
             regression = regression.weighted_by(weighted)
             beginning = begun()
     search = find_causes(regression, tried, starts, lambda what, done: say(what, 0.8 * done), beginning)
+    if search.from_all:
+        regression = regression.learning_from_all()
     weighted = regression.weighting_under(search.final.model, search.final.x)
     # A wrong drive is weighed by the noise that it lets through, which the first filter may have wrong.
     in_vain = strict and search.outdone and all(one.kind.place != "drive" for one in search.final.model.hypotheses)
@@ -156,21 +144,9 @@ def _searched(
         search = find_causes(
             regression, tried, starts, lambda what, done: say(f"once more, {what}", 0.8 * done), before=search
         )
+        if search.from_all:
+            regression = regression.learning_from_all()
     return regression, search
-
-
-def _shows_only_where_it_is_judged(regression: Regression, found: Candidate) -> bool:
-    """Say whether the learning trials fit a model, and the evaluating ones don't."""
-    learnt, told = np.array([motion.learn for motion in regression.motions]), regression.told
-    # What happened in single trials was fitted to all of them, and what else is in those bends the others' fit.
-    by_learning = regression.squares(found.model, regression.solve(found.model, regression.learning)[0])
-    left = np.where(learnt, by_learning, found.squares)
-    excess = [left[some].sum() / told[some].sum() - 1.0 for some in (learnt, ~learnt)]
-    return bool(excess[1] > _MUCH and excess[0] < _NOTHING)
-
-
-def _excess(search: Search) -> float:
-    return float(search.final.squares.sum() - search.told.sum())
 
 
 def _scale_of(arm: Arm) -> tuple[int, float]:

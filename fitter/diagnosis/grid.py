@@ -60,6 +60,10 @@ class Starts:
         """Keep those that did best."""
         self._known[frozenset(model.hypotheses), hypothesis] = starts
 
+    def forget(self) -> None:
+        """Forget all: they are of other trials."""
+        self._known.clear()
+
 
 class Grid:
     """What each start of a hypothesis would explain on the trials that it is fitted to."""

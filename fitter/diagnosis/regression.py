@@ -78,6 +78,11 @@ class Regression:
         """Return the trials that a model is fitted to: all of them if it has something that single ones have."""
         return self.motions if model.is_event else self.learning
 
+    @property
+    def learns_from_all(self) -> bool:
+        """Whether evaluating trials are learnt from, too."""
+        return len(self.learning) == len(self.motions)
+
     def learning_from_all(self) -> "Regression":
         """Return one that learns from all trials: what only those show that judge, nothing else can tell."""
         other = self.weighted_by(self.weighting)

@@ -59,6 +59,8 @@ class Search:
     function : float
         What trials are typically left with beside one unknown function of few variables in place of all causes,
         in units of what noise would leave.
+    from_all : bool
+        Whether evaluating trials were learnt from, too.
     """
 
     base: Candidate
@@ -67,6 +69,7 @@ class Search:
     first: list[Candidate]
     told: Floats
     function: float = np.inf
+    from_all: bool = False
 
     @property
     def structure(self) -> float:
