@@ -1,6 +1,6 @@
 """A model of what an arm does beyond its base parameters: some hypotheses, with values of their psi."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -25,7 +25,11 @@ class Model:
 
     def without(self, k: int) -> "Model":
         """Return this model without its k-th hypothesis."""
-        keep = [i for i in range(len(self.hypotheses)) if i != k]
+        return self.only([i != k for i in range(len(self.hypotheses))])
+
+    def only(self, some: Sequence[bool]) -> "Model":
+        """Return this model with some of its hypotheses."""
+        keep = [i for i, one in enumerate(some) if one]
         return Model(tuple(self.hypotheses[i] for i in keep), tuple(self.psi[i] for i in keep))
 
     def with_last(self, k: int) -> "Model":

@@ -27,7 +27,9 @@ from fitter.diagnosis.rows import SLOPE, Equations, Rows
 from fitter.diagnosis.view import View
 
 _ROUNDS, _FEW_ROUNDS = 25, 8
-#: No model leaves less noise than this share of what the base model does.
+#: A drive that is cut off lets through what is told otherwise (`cut_off`).
+_SATURATION = "torque_saturation"
+#: No drive leaves less noise than this share of what there is without it.
 _LEAST_NOISE = 0.05
 
 
@@ -61,6 +63,7 @@ class Regression:
         self.denied = denied
         self._scales: dict[object, Floats] = {}
         self._noises: dict[object, Noise] = {}
+        self._plain: dict[object, Floats] = {}
         self._noisier = noisier(arm, self.motions)
         self._made_for_base = weighted is None
         self._last: tuple[list[Floats], Floats, Floats] = [], np.zeros(0), np.zeros(0)
@@ -155,25 +158,28 @@ class Regression:
         torque that is cut off to nothing would leave nothing, and explain nothing.
         """
         drives = {hypothesis.kind.name for hypothesis in model.hypotheses if hypothesis.kind.place == "drive"}
-        now = self._let_through(model) if "torque_saturation" in drives else np.ones(self.arm.n_joint)
-        if drives - {"torque_saturation"}:
+        now = self._let_through(model) if _SATURATION in drives else np.ones(self.arm.n_joint)
+        if drives - {_SATURATION}:
             left = self._noise(model, self.learning).left(x)
-            now = now * np.maximum(left / self._plainly, _LEAST_NOISE)
+            now = now * np.maximum(left / self._plainly(model), _LEAST_NOISE)
         return np.asarray(1.0 / np.sqrt(now))
 
-    @cached_property
-    def _plainly(self) -> Floats:
-        """Noise that the base model leaves, (n_joint,).
+    def _plainly(self, model: Model) -> Floats:
+        """Return the noise that a model leaves without a drive that is late, weak or unequal, (n_joint,).
 
-        Of a filter that was made for another model it is no more than one an equation that tells something, for
-        which a filter is made. One that was made for the base model may have it a little wrong, but for all models
-        alike: none of them explains that.
+        Of a filter that was made for another model the base model leaves no more than one an equation that tells
+        something, for which a filter is made. One that was made for the base model may have it a little wrong, but
+        for all models alike: none of them explains that.
         """
-        base = Model()
-        left = self._noise(base, self.learning).left(self.solve(base, self.learning)[0])
-        if not self._made_for_base:
-            left = np.minimum(left, np.sum([self.weighting.told_at_joints(one) for one in self.learning], axis=0))
-        return np.asarray(np.maximum(left, 1e-300), dtype=np.float64)
+        plain = model.only([one.kind.place != "drive" or one.kind.name == _SATURATION for one in model.hypotheses])
+        key = tuple(hypothesis.key for hypothesis in plain.hypotheses)
+        if key not in self._plain:
+            left = self._noise(plain, self.learning).left(self.solve(plain, self.learning)[0])
+            if not key and not self._made_for_base:
+                told = [self.weighting.told_at_joints(one) for one in self.learning]
+                left = np.minimum(left, np.sum(told, axis=0))
+            self._plain[key] = np.asarray(np.maximum(left, 1e-300), dtype=np.float64)
+        return self._plain[key]
 
     @contextmanager
     def forgetting(self) -> Iterator[None]:
@@ -181,11 +187,11 @@ class Regression:
 
         What is tried in any order, or in several processes, then comes to the same.
         """
-        known = dict(self._noises)
+        known, plain = dict(self._noises), dict(self._plain)
         try:
             yield
         finally:
-            self._noises = known
+            self._noises, self._plain = known, plain
 
     def _noise(self, model: Model, motions: Sequence[Motion]) -> Noise:
         """Return what one draw of noise makes of the equations of some motions."""
