@@ -14,14 +14,14 @@ import numpy as np
 import scipy.optimize
 
 from arm.model import Arm, Floats
-from fitter.diagnosis.attenuation import Noise, added, compensated, noise_of, noisier
+from fitter.diagnosis.attenuation import compensated, noisier
 from fitter.diagnosis.cut_off import let_through
 from fitter.diagnosis.equation import Weighting, weighting
 from fitter.diagnosis.holding_size import holding_sizes
-from fitter.diagnosis.hypothesis import Hypothesis
 from fitter.diagnosis.least_squares import scaled_lstsq
 from fitter.diagnosis.model import Model
 from fitter.diagnosis.motion import Motion
+from fitter.diagnosis.noisy_rows import NoisyRows
 from fitter.diagnosis.reweighting import reweighted
 from fitter.diagnosis.rows import SLOPE, Equations, Rows
 from fitter.diagnosis.view import View
@@ -62,7 +62,6 @@ class Regression:
         self.motions = list(motions)
         self.denied = denied
         self._scales: dict[object, Floats] = {}
-        self._noises: dict[object, Noise] = {}
         self._plain: dict[object, Floats] = {}
         self._noisier = noisier(arm, self.motions)
         self._made_for_base = weighted is None
@@ -71,6 +70,7 @@ class Regression:
             crude = Equations(arm, weighting(arm, self.motions), denied, known)
             weighted = self._weighting_by(crude)
         self.equations = Equations(arm, weighted, denied, known)
+        self._noisy = NoisyRows(self.equations, self._noisier)
 
     @cached_property
     def learning(self) -> list[Motion]:
@@ -125,7 +125,7 @@ class Regression:
         rows = [self.rows(model, motion) for motion in motions]
         A, gram = self._stacked([one.design for one in rows])
         y = np.concatenate([one.target.ravel() for one in rows])
-        noise = self._noise(model, motions)
+        noise = self._noisy.of(model, motions)
         x = compensated(gram, A.T @ y, noise.gram.sum(axis=0), noise.pull.sum(axis=0))
         return x, A, (self.scale(model, x) * (y - A @ x).reshape(-1, self.arm.n_joint)).ravel()
 
@@ -160,7 +160,7 @@ class Regression:
         drives = {hypothesis.kind.name for hypothesis in model.hypotheses if hypothesis.kind.place == "drive"}
         now = self._let_through(model) if _SATURATION in drives else np.ones(self.arm.n_joint)
         if drives - {_SATURATION}:
-            left = self._noise(model, self.learning).left(x)
+            left = self._noisy.of(model, self.learning).left(x)
             now = now * np.maximum(left / self._plainly(model), _LEAST_NOISE)
         return np.asarray(1.0 / np.sqrt(now))
 
@@ -174,7 +174,7 @@ class Regression:
         plain = model.only([one.kind.place != "drive" or one.kind.name == _SATURATION for one in model.hypotheses])
         key = tuple(hypothesis.key for hypothesis in plain.hypotheses)
         if key not in self._plain:
-            left = self._noise(plain, self.learning).left(self.solve(plain, self.learning)[0])
+            left = self._noisy.of(plain, self.learning).left(self.solve(plain, self.learning)[0])
             if not key and not self._made_for_base:
                 told = [self.weighting.told_at_joints(one) for one in self.learning]
                 left = np.minimum(left, np.sum(told, axis=0))
@@ -187,32 +187,11 @@ class Regression:
 
         What is tried in any order, or in several processes, then comes to the same.
         """
-        known, plain = dict(self._noises), dict(self._plain)
+        known, plain = dict(self._noisy.known), dict(self._plain)
         try:
             yield
         finally:
-            self._noises, self._plain = known, plain
-
-    def _noise(self, model: Model, motions: Sequence[Motion]) -> Noise:
-        """Return what one draw of noise makes of the equations of some motions."""
-        found = []
-        for motion in motions:
-            parts = zip(model.hypotheses, model.psi, strict=True)
-            key = motion.number, *((one.part_of(motion), *_noise_key(one, psi)) for one, psi in parts)
-            if key not in self._noises:
-                self._noises[key] = self._noise_of(model, motion)
-            found.append(self._noises[key])
-        return added(found)
-
-    def _noise_of(self, model: Model, motion: Motion) -> Noise:
-        rows, loud = (self.rows(model, one) for one in (motion, self._noisier[motion.number]))
-        columns = (loud.design - rows.design).reshape(*rows.target.shape, -1)
-        at = columns.shape[2] - model.n_column
-        for hypothesis, psi in zip(model.hypotheses, model.psi, strict=True):
-            if len(psi) or not hypothesis.is_noisy:  # these columns are hardly noisy, and change with psi
-                columns[:, :, at : at + hypothesis.n_column] = 0.0
-            at += hypothesis.n_column
-        return noise_of(columns, loud.target - rows.target)
+            self._noisy.known, self._plain = known, plain
 
     def _let_through(self, model: Model) -> Floats:
         parts = zip(model.hypotheses, model.psi, strict=True)
@@ -258,13 +237,3 @@ class Regression:
         weighted = reweighted(crude, Model(), values, self.motions, self._noisier)
         fine = Equations(self.arm, weighted, self.denied, crude.known)
         return replace(weighted, holding=holding_sizes(fine, Model(), values, self.motions))
-
-
-def _noise_key(hypothesis: Hypothesis, psi: Floats) -> tuple[object, ...]:
-    """Return what tells hypotheses apart by what they make of noise.
-
-    psi hardly matters but where it scales it, or turns the columns among themselves: noise that stayed behind
-    would make one zero of a joint seem better than another where they all are the same.
-    """
-    matters = hypothesis.kind.name in ("gain_error", "joint_zero", "gravity_tilt")
-    return hypothesis.key, hypothesis.n_column, psi.tobytes() if matters else b""

@@ -14,6 +14,7 @@ from fitter.data.motions import Measured
 from fitter.data.trials import to_trials
 from fitter.diagnosis.attenuation import added, noise_of
 from fitter.diagnosis.in_drive import InDrive
+from fitter.diagnosis.in_transmission import InTransmission
 from fitter.diagnosis.least_squares import scaled_lstsq
 from fitter.diagnosis.model import Model
 from fitter.diagnosis.motion import run_of
@@ -83,12 +84,21 @@ def test_noise_in_the_columns_is_what_it_is_expected_to_be():
         noise_of((a.design - b.design).reshape(*a.target.shape, -1), a.target - b.target)
         for a, b in ((loud.rows(Model(), m), true.rows(Model(), replace(n, stuck=m.stuck))) for m, n in pairs)
     ]
-    told = added([loud._noise(Model(), [motion]) for motion in loud.motions])
+    told = added([loud._noisy.of(Model(), [motion]) for motion in loud.motions])
     inertia = 2
     gram = sum(one.gram for one in found)[0, inertia, inertia]
     pull = sum(one.pull for one in found)[0, inertia]
     assert told.gram[0, inertia, inertia] == pytest.approx(gram, rel=0.15)
     assert told.pull[0, inertia] == pytest.approx(pull, rel=0.5)  # by the law the torque has the angle's noise
+
+
+def test_a_drive_that_does_nothing_explains_no_noise_whatever_it_is_beside(two_joints):
+    """The gear's noise is not the base model's: a gain of one must not be paid for that."""
+    gear = InTransmission(catalogue()["joint_elasticity"], (1,))
+    alone = Model().plus(gear, np.array([0.02, 0.01]))
+    with_gain = alone.plus(InDrive(catalogue()["gain_error"], (0,)), np.ones(1))
+    x = two_joints.solve(alone, two_joints.learning)[0]
+    np.testing.assert_allclose(two_joints.squares(with_gain, x), two_joints.squares(alone, x), rtol=1e-6)
 
 
 def test_torques_at_one_joint_are_filtered_as_among_all(two_joints):
