@@ -24,6 +24,8 @@ Key = tuple[str, tuple[int, ...]]
 
 #: No more causes than this are sought.
 _MOST = 3
+#: All trials tell what learning trials don't if they leave this share of what those do.
+_BY_ALL = 0.5
 
 
 class Ascent:
@@ -62,8 +64,7 @@ class Ascent:
             candidates = self._screened(by_all, anew, Starts())
             best = best_of(by_all, self._base, anew, candidates, told)
             if best is not None:
-                self._regression = by_all
-                self._starts.forget()
+                self._learn_from_all()
                 return anew, candidates, best
         candidates = self.screened(accepted)
         return accepted, candidates, best_of(self._regression, self._base, accepted, candidates, told)
@@ -71,6 +72,10 @@ class Ascent:
     def _say(self, what: str) -> Callable[[int, int], None]:
         begin, end = 1.0 - 0.5**self._rounds, 1.0 - 0.5 ** (self._rounds + 1)
         return lambda done, total: self._progress(what, begin + (end - begin) * done / total)
+
+    def _learn_from_all(self) -> None:
+        self._regression = self._regression.learning_from_all()
+        self._starts.forget()
 
     def on(self, first: list[Candidate], best: Candidate | None) -> Search:
         """Go on from everything beside the base model, with one of it as the first cause."""
@@ -121,21 +126,23 @@ class Ascent:
 
     def _doubted(self, accepted: Candidate, promising: set[Key]) -> tuple[Candidate, list[Cause]]:
         """Hold each cause against all others given the rest."""
-        regression, told, say = self._regression, self._regression.told, self._say("doubting every cause")
+        told, say = self._regression.told, self._say("doubting every cause")
         self._rounds += 1
         # What has no psi is as quickly tried as put aside.
         tried = [one for one in self._tried if one.key in promising or not len(one.low)]
         causes: list[Cause] = []
         k = 0
         while k < len(accepted.model.hypotheses):
-            rest = fitted(regression, accepted.model.without(k))
+            regression = self._regression
+            # All trials stay: no event is needed for its trials to be learnt from.
+            rest = fitted(regression, accepted.model.without(k), to_all=accepted.model.is_event)
             candidates = screen(regression, rest, _without(tried, rest.model), self._starts, say)
             itself = fitted(regression, accepted.model.with_last(k), refine=False)
             candidates = _with_itself(regression, rest, candidates, itself, told)
             best = simplest(rest, candidates, told)
             assert best is not None
             if not worth_it(regression, self._base, rest, best, told):
-                accepted = rest
+                accepted = self._back_at(rest)
                 continue
             model = best.model
             order = [*range(k), len(model.hypotheses) - 1, *range(k, len(model.hypotheses) - 1)]
@@ -144,6 +151,14 @@ class Ascent:
             causes.append(_cause(accepted, k, candidates, best, float(rest.squares.sum()), told))
             k += 1
         return accepted, causes
+
+    def _back_at(self, rest: Candidate) -> Candidate:
+        """Return a model without the event that it was fitted to all trials for: to these still where need be."""
+        learnt = fitted(self._regression, rest.model)
+        if rest.squares.sum() > _BY_ALL * learnt.squares.sum():
+            return learnt
+        self._learn_from_all()
+        return rest
 
 
 def _explaining(candidates: Sequence[Candidate], beside: Candidate) -> set[Key]:

@@ -113,6 +113,18 @@ class Pushes(Hypothesis):
         return tuple(parameter.unit for parameter in self.kind.parameters) * self.n_column
 
 
+def with_free_times(model: Model) -> Model:
+    """Return a model whose pushes may be moved and stretched."""
+    free = Model()
+    for hypothesis, psi in zip(model.hypotheses, model.psi, strict=True):
+        if isinstance(hypothesis, Pushes):
+            one = Pushes(hypothesis.kind, hypothesis.joints[0], hypothesis.found, free=True)
+            free = free.plus(one, one.starts([])[0])
+        else:
+            free = free.plus(hypothesis, psi)
+    return free
+
+
 def _unfelt(motions: Sequence[Motion], joint: int, at: float, way: int) -> float:
     """Return for how long before (-1) or after (1) an instant a joint stands still, 0 if it moves then [s]."""
     for motion in motions:

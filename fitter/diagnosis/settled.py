@@ -1,8 +1,7 @@
 """What was held, or left free, while causes were sought, is settled once they are known."""
 
 from fitter.diagnosis.estimates import Estimates, estimates
-from fitter.diagnosis.model import Model
-from fitter.diagnosis.pushes import Pushes
+from fitter.diagnosis.pushes import with_free_times
 from fitter.diagnosis.regression import Regression
 from fitter.diagnosis.screening import Candidate, fitted
 from fitter.diagnosis.turned_gravity import turned
@@ -17,13 +16,7 @@ def settled(regression: Regression, final: Candidate) -> tuple[Candidate, Estima
     final : Candidate
         With all causes that were found.
     """
-    model = Model()
-    for hypothesis, psi in zip(final.model.hypotheses, final.model.psi, strict=True):
-        one, start = hypothesis, psi
-        if isinstance(hypothesis, Pushes):
-            one = Pushes(hypothesis.kind, hypothesis.joints[0], hypothesis.found, free=True)
-            start = one.starts([])[0]
-        model = model.plus(one, start)
+    model = with_free_times(final.model)
     if len(model.flat) > len(final.model.flat):
         final = fitted(regression, model)
     numbers = estimates(regression, final)

@@ -10,6 +10,7 @@ import numpy as np
 from arm.model import Floats
 from fitter.diagnosis.agreement import apart, disagreement
 from fitter.diagnosis.hypotheses import EVENTS
+from fitter.diagnosis.pushes import with_free_times
 from fitter.diagnosis.regression import Regression
 from fitter.diagnosis.screening import Candidate, fitted
 
@@ -27,7 +28,7 @@ WORTH_OF_ALL = 0.002
 #: formula that is not quite right leaves something too, of which many an effect explains a part. In some 50 runs
 #: with one effect, play apart (seeds 600000 on), no other that always acts explained more than 0.022 of that
 #: number beside it, and no event more than 0.25.
-WORTH_OF_LEFT, WORTH_OF_NEXT, WORTH_OF_NEXT_EVENT = 0.4, 0.07, 1.0
+WORTH_OF_LEFT, WORTH_OF_NEXT, WORTH_OF_NEXT_EVENT = 0.4, 0.07, 3.0
 #: … or beside a play this share of all that the base model leaves: how its motor crosses nobody can see.
 WORTH_BESIDE_PLAY = 0.1
 #: A cause that acts in every trial must help in the evaluating ones, by so many standard errors.
@@ -124,8 +125,8 @@ def worth_it(regression: Regression, base: Candidate, accepted: Candidate, best:
     if gain.sum() < max(WORTH_AT_LEAST, _least(base, accepted, best, told)):
         return False
     if beside and event and not _settles(best, gain, told):
-        # The psi of what was accepted made up for it as far as they could: they may have to give way first.
-        anew = fitted(regression, best.model)
+        # It was found in coarse steps, and the psi of what was accepted made up for it as far as they could.
+        anew = fitted(regression, with_free_times(best.model))
         if not _settles(anew, accepted.squares - anew.squares, told):
             return False
     if best.hypothesis.is_event:
