@@ -109,10 +109,14 @@ def lagging(u: Floats, time_constant_s: float, dt_s: float) -> Floats:
 
 
 def _limited(view: View, joints: tuple[int, ...], limit: float) -> Floats:
-    """Return torques that were cut off where they are as sharp as they were, and then filtered as columns are."""
+    """Return torques that were cut off where they are as sharp as they were, and then filtered as columns are.
+
+    A gain comes before the limit.
+    """
     trial, motion = view.motion.trial, view.motion
     whole = sharp_torque(view.arm, trial)[:, joints]
-    cut = lowpass(np.clip(whole, -limit, limit) - whole, trial.dt_s, trial.cutoff_hz)
+    limits = limit * view.factor[list(joints)]
+    cut = lowpass(np.clip(whole, -limits, limits) - whole, trial.dt_s, trial.cutoff_hz)
     inner = cut[trial.trimmed : trial.trimmed + len(trial.t)]
     return np.asarray(view.u[:, joints] + inner[:: round(motion.dt_s / trial.dt_s)], dtype=np.float64)
 

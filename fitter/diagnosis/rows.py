@@ -1,7 +1,8 @@
 """A motion's equations under a model; what two models in a row have in common is computed once.
 
-A model's hypotheses act one after the other, so those that a search holds while it tries another one leave the
-motion as it was: every stage keeps what follows from it.
+A model's hypotheses act one after the other, from the drive to the link, in whatever order they were found:
+friction by load is that of the torque that arrives. So those that a search holds while it tries another one
+further down leave the motion as it was: every stage keeps what follows from it.
 """
 
 from dataclasses import dataclass, replace
@@ -21,6 +22,9 @@ from fitter.dynamics.structure import structural_parameters
 
 #: Slopes with respect to psi are taken over this share of its size.
 SLOPE = 1e-4
+#: What acts before columns are made of motion and torque, in this order. A limit is the same before a delay and
+#: after it, but before it the torque is as sharp as it was asked for.
+_UPSTREAM = ("gain_error", "torque_saturation", "actuator_delay", "actuator_lag")
 #: What of a view the regressor is made of.
 _MOVES = ("arm", "q", "dq", "ddq", "direction", "drift")
 _MAKES_REGRESSOR = (*_MOVES, "factor")
@@ -145,13 +149,24 @@ class Equations:
         return self._independent[key]
 
     def view(self, model: Model, motion: Motion) -> View:
-        """Return a motion under a model."""
-        return self._stage(model, motion).view
+        """Return a motion under a model, with the columns in the model's order."""
+        view = self._stage(model, motion).view
+        order = _downstream(model)
+        if order == sorted(order):
+            return view
+        at = [k for k in order if model.hypotheses[k].n_column]
+        return replace(view, columns=tuple(view.columns[at.index(k)] for k in sorted(at)))
 
     def rows(self, model: Model, motion: Motion) -> Rows:
-        """Return a motion's equations under a model."""
-        stage = self._stage(model, motion)
-        return Rows(stage.design, stage.target)
+        """Return a motion's equations under a model, with the columns in the model's order."""
+        stage, order = self._stage(model, motion), _downstream(model)
+        if order == sorted(order):
+            return Rows(stage.design, stage.target)
+        widths = [model.hypotheses[k].n_column for k in order]
+        ends = np.cumsum([stage.base.shape[2], *widths])
+        placed = {k: np.arange(end - width, end) for k, width, end in zip(order, widths, ends[1:], strict=True)}
+        columns = np.concatenate([np.arange(ends[0]), *(placed[k] for k in sorted(order))])
+        return Rows(stage.design[:, columns], stage.target)
 
     def left(self, model: Model, x: Floats, motion: Motion) -> Floats:
         """Return the torque that factors leave, as it is on the motion's own grid, (n_sample, n_joint)."""
@@ -185,10 +200,24 @@ class Equations:
         stages = self._stages.get(id(motion))
         if stages is None or stages[0].view.motion is not motion:  # another may have got its id
             stages = self._stages[id(motion)] = [_Stage(self, view_of(motion, self.arm), None, None)]
-        for k, (hypothesis, psi) in enumerate(zip(model.hypotheses, model.psi, strict=True), start=1):
+        for k, i in enumerate(_downstream(model), start=1):
+            hypothesis, psi = model.hypotheses[i], model.psi[i]
             by = stages[k].by if k < len(stages) else None
             if by is None or by[0] is not hypothesis or not np.array_equal(by[1], psi):
                 del stages[k:]
                 view = hypothesis.act(stages[-1].view, psi)
                 stages.append(_Stage(self, view, stages[-1], (hypothesis, np.array(psi))))
         return stages[len(model.hypotheses)]
+
+
+def _downstream(model: Model) -> list[int]:
+    """Return the places of a model's hypotheses in the order in which they act."""
+
+    def turn(k: int) -> int:
+        hypothesis = model.hypotheses[k]
+        if hypothesis.n_column:
+            return len(_UPSTREAM) + 1
+        name = hypothesis.kind.name
+        return _UPSTREAM.index(name) if name in _UPSTREAM else len(_UPSTREAM)
+
+    return sorted(range(len(model.hypotheses)), key=turn)

@@ -12,6 +12,7 @@ from arm.regressor import standard_parameters
 from arm.simulation import simulate
 from fitter.data.motions import Measured
 from fitter.data.trials import to_trials
+from fitter.diagnosis.at_joint import AtJoint
 from fitter.diagnosis.attenuation import added, noise_of
 from fitter.diagnosis.in_drive import InDrive
 from fitter.diagnosis.in_transmission import InTransmission
@@ -99,6 +100,34 @@ def test_a_drive_that_does_nothing_explains_no_noise_whatever_it_is_beside(two_j
     with_gain = alone.plus(InDrive(catalogue()["gain_error"], (0,)), np.ones(1))
     x = two_joints.solve(alone, two_joints.learning)[0]
     np.testing.assert_allclose(two_joints.squares(with_gain, x), two_joints.squares(alone, x), rtol=1e-6)
+
+
+@pytest.mark.parametrize("column", ["load_friction", "cogging", "joint_spring"])
+@pytest.mark.parametrize("upstream", ["actuator_lag", "joint_elasticity", "torque_saturation"])
+def test_what_acts_first_does_not_depend_on_what_was_found_first(two_joints, upstream, column):
+    early = {
+        "actuator_lag": (InDrive(catalogue()["actuator_lag"], (1,)), np.array([0.02])),
+        "torque_saturation": (InDrive(catalogue()["torque_saturation"], (1,)), np.array([0.5])),
+        "joint_elasticity": (InTransmission(catalogue()["joint_elasticity"], (1,)), np.array([0.02, 0.01])),
+    }[upstream]
+    late = AtJoint(catalogue()[column], 1)
+    last = late, np.full(len(late.low), 3.0)
+    one, other = Model().plus(*early).plus(*last), Model().plus(*last).plus(*early)
+    motion, n = two_joints.motions[0], late.n_column
+    assert two_joints.view(one, motion).columns[-1].shape[-1] == n
+    np.testing.assert_array_equal(two_joints.view(other, motion).columns, two_joints.view(one, motion).columns)
+    found, again = two_joints.rows(one, motion), two_joints.rows(other, motion)
+    np.testing.assert_allclose(again.design, found.design, atol=1e-12)
+    np.testing.assert_allclose(again.target, found.target, atol=1e-12)
+
+
+def test_columns_stand_in_the_order_of_the_model(two_joints):
+    spring, cogging = (AtJoint(catalogue()[name], 1) for name in ("joint_spring", "cogging"))
+    lag = InDrive(catalogue()["actuator_lag"], (0,))
+    one = Model().plus(cogging, np.array([4.0])).plus(lag, np.array([0.02])).plus(spring, np.zeros(0))
+    other = Model().plus(lag, np.array([0.02])).plus(cogging, np.array([4.0])).plus(spring, np.zeros(0))
+    motion = two_joints.motions[0]
+    np.testing.assert_allclose(two_joints.rows(one, motion).design, two_joints.rows(other, motion).design)
 
 
 def test_torques_at_one_joint_are_filtered_as_among_all(two_joints):
