@@ -16,7 +16,7 @@ from fitter.diagnosis.regression import Regression
 from fitter.diagnosis.screening import Candidate, fitted, fitted_all, screen
 from fitter.diagnosis.search import Cause, Search
 from fitter.diagnosis.unseen import shows_only_where_it_is_judged
-from fitter.diagnosis.worth import best_of, more_to_find, reach, simplest, worth_it
+from fitter.diagnosis.worth import best_of, more_to_find, reach, rivals_of, simplest, worth_it
 
 Progress = Callable[[str, float], None]
 #: An effect's name and its joints.
@@ -183,14 +183,7 @@ def _cause(
 ) -> Cause:
     """Return a cause with those that do as well with no more numbers, and those that don't."""
     worth = base - float(accepted.squares.sum())
-    most = reach(best, worth, told)
-    rivals = [
-        one
-        for one in candidates
-        if one is not best
-        and one.hypothesis.n_number <= best.hypothesis.n_number
-        and float(one.squares.sum()) <= most
-    ]
+    rivals = rivals_of(best, candidates, base, worth, told)
     beaten = [one for one in candidates if one is not best and one not in rivals]
     return Cause(place, rivals, beaten, worth)
 

@@ -109,6 +109,33 @@ def reach(best: Candidate, gain: float, told: Floats) -> float:
     return left + max(EQUAL * numbers, min(_ALIKE * gain, inexact))
 
 
+def rivals_of(
+    best: Candidate, candidates: Sequence[Candidate], base: float, worth: float, told: Floats
+) -> list[Candidate]:
+    """Return those that do as well as the best with no more numbers; what explains nothing is none of them.
+
+    Parameters
+    ----------
+    best : Candidate
+    candidates : sequence of Candidate
+        Tried in its stead.
+    base : float
+        The sum of squares without it.
+    worth : float
+        By how much it lowers that.
+    told : (n_trial,)
+    """
+    most = reach(best, worth, told)
+    return [
+        one
+        for one in candidates
+        if one is not best
+        and one.hypothesis.n_number <= best.hypothesis.n_number
+        and float(one.squares.sum()) <= most
+        and float(one.squares.sum()) < base
+    ]
+
+
 def more_to_find(base: Candidate, accepted: Candidate, told: Floats) -> bool:
     """Say whether what is left could hide a cause that is worth naming."""
     left = float(accepted.squares.sum())

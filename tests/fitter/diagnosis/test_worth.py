@@ -13,7 +13,7 @@ from fitter.diagnosis.model import Model
 from fitter.diagnosis.pushes import Pushes
 from fitter.diagnosis.regression import Regression
 from fitter.diagnosis.screening import Candidate
-from fitter.diagnosis.worth import best_of, more_to_find, reach
+from fitter.diagnosis.worth import best_of, more_to_find, reach, rivals_of
 
 TRIALS, TOLD = 22, np.full(22, 300.0)
 REGRESSION = cast(Regression, SimpleNamespace(motions=[SimpleNamespace(learn=k < 5) for k in range(TRIALS)]))
@@ -50,6 +50,15 @@ def test_what_explains_next_to_nothing_is_not(left):
 def test_of_equals_the_one_with_fewest_numbers_is_taken():
     offset, ripple = candidate(at_joint("torque_offset"), 1.001), candidate(at_joint("cogging"), 1.0)
     assert best(BASE, ripple, offset) is offset
+
+
+def test_what_explains_nothing_is_no_rival():
+    drag, asymmetry, offset = (
+        candidate(at_joint(name), left)
+        for name, left in (("quadratic_drag", 39.9), ("coulomb_asymmetry", 39.91), ("torque_offset", 40.0))
+    )
+    base = float(BASE.squares.sum())
+    assert rivals_of(drag, [drag, asymmetry, offset], base, 0.99 * base, TOLD) == [asymmetry]
 
 
 def test_what_helps_only_where_it_was_fitted_is_not_accepted():
