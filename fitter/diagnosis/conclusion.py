@@ -3,6 +3,7 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
+from fitter.diagnosis.bodies import has_bodies
 from fitter.diagnosis.cancellation import is_cancelled
 from fitter.diagnosis.estimates import Estimates, estimates
 from fitter.diagnosis.falling_friction import with_humps
@@ -70,7 +71,7 @@ def concluded(regression: Regression, search: Search, strict: bool) -> Conclusio
         # whether the causes are of the right form is asked of the model that is.
         form = replace(search, final=fitted(regression, search.final.model, to_all=True))
         verdict = verdict_of(form, describe(regression, form.final), numbers, bool(held), strict)
-    if strict and is_cancelled(regression, search.final):
+    if strict and (is_cancelled(regression, search.final) or not has_bodies(regression, search.final)):
         verdict = "unexplained"
     if verdict == "none" and search.causes:  # they have no size
         search = replace(search, final=search.base, causes=[])
