@@ -1,9 +1,10 @@
-"""What each start of a hypothesis would explain on the trials that it is fitted to, beside what is accepted.
+"""What each start of a hypothesis would explain on some trials, beside what is accepted.
 
 The psi of what is accepted are where they do best alone, which may be far from where they do beside another. So
 they are free as far as a straight line goes: what they could explain, by their slopes, is taken from both sides.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -15,6 +16,7 @@ from fitter.diagnosis.at_joint import AtJoint
 from fitter.diagnosis.hypothesis import Hypothesis
 from fitter.diagnosis.least_squares import scaled_lstsq
 from fitter.diagnosis.model import Model
+from fitter.diagnosis.motion import Motion
 from fitter.diagnosis.regression import Regression
 
 #: Peaks of the spectrum that may be a disturbance's frequency.
@@ -66,11 +68,13 @@ class Starts:
 
 
 class Grid:
-    """What each start of a hypothesis would explain on the trials that it is fitted to."""
+    """What each start of a hypothesis would explain on some trials."""
 
-    def __init__(self, regression: Regression, model: Model, starts: Starts) -> None:
+    def __init__(
+        self, regression: Regression, model: Model, starts: Starts, motions: Sequence[Motion] | None = None
+    ) -> None:
         self._regression, self._model, self._starts = regression, model, starts
-        self._motions = regression.motions_of(model)
+        self._motions = list(motions or regression.motions_of(model))
         self._left_of_run: float | None = None
         rows = [regression.rows(model, motion) for motion in self._motions]
         self._views = [regression.view(model, motion) for motion in self._motions]

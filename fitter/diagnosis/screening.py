@@ -16,6 +16,7 @@ from fitter.diagnosis.hypothesis import Hypothesis
 from fitter.diagnosis.least_squares import scaled_lstsq
 from fitter.diagnosis.loads import find_payloads
 from fitter.diagnosis.model import Model
+from fitter.diagnosis.motion import Motion
 from fitter.diagnosis.pushes import find_pushes
 from fitter.diagnosis.regression import Regression
 from fitter.side_by_side import side_by_side
@@ -104,7 +105,8 @@ def screen(
     progress : callable, optional
         Told how many are done, and how many there are.
     """
-    grid = Grid(regression, accepted.model, starts)
+    motions = _telling(regression, accepted)
+    grid = Grid(regression, accepted.model, starts, motions)
 
     def best_start(hypothesis: Hypothesis) -> Best:
         with regression.forgetting():
@@ -117,7 +119,6 @@ def screen(
     rank = np.argsort(np.argsort(-explained))
     held = len(accepted.model.hypotheses)
     alike = _fair(regression, accepted)
-    motions = regression.motions_of(accepted.model)
     numbers = {motion.number for motion in motions}
     learnt = [motion.number in numbers for motion in regression.motions]
 
@@ -149,6 +150,18 @@ def screen(
     candidates += fitted_all(regression, as_event, accepted, events)
     possible = [one if _possible(one) else Candidate(one.model, one.x, accepted.squares) for one in candidates]
     return sorted(possible, key=lambda one: float(one.squares.sum()))
+
+
+def _telling(regression: Regression, accepted: Candidate) -> list[Motion]:
+    """Return the trials that hypotheses are begun with: those that may be learnt from.
+
+    Where these are all, they are the learning trials and as many others, those of which most is left.
+    """
+    motions = regression.motions_of(accepted.model)
+    ratio = accepted.squares / regression.told
+    judging = [k for k in np.argsort(-ratio) if not regression.motions[k].learn]
+    kept = {regression.motions[k].number for k in judging[: len(regression.motions) - len(judging)]}
+    return [motion for motion in motions if motion.learn or motion.number in kept]
 
 
 def fitted_all(
