@@ -11,11 +11,14 @@ from fitter.data.trials import to_trials
 from fitter.diagnosis.ascent import Ascent
 from fitter.diagnosis.at_joint import AtJoint
 from fitter.diagnosis.causes import find_causes
+from fitter.diagnosis.grid import Starts
+from fitter.diagnosis.model import Model
 from fitter.diagnosis.motion import run_of
+from fitter.diagnosis.pushes import Pushes
 from fitter.diagnosis.regression import Regression
 from fitter.diagnosis.screening import fitted
 from fitter.diagnosis.search import Cause
-from tests.fitter.pendulum import pendulum, swings
+from tests.fitter.pendulum import pendulum, stop_that_no_learning_trial_reaches, swings
 
 DISTURBANCE = Effect(
     "periodic_disturbance", {"amplitude_N_m": 0.2, "frequency_hz": 1.31, "phase_rad": 0.4}, joints=(1,)
@@ -57,3 +60,18 @@ def test_a_search_made_anew_goes_on_from_what_was_found_and_doubts_it(monkeypatc
     assert {one.key for one in again.final.model.hypotheses} == true
     assert len(again.causes) == 2
     np.testing.assert_allclose(again.final.squares, search.final.squares, rtol=1e-3)
+
+
+def test_no_event_is_needed_only_for_its_trials_to_be_learnt_from():
+    """With a push a model is fitted to all trials; without it, by those that tell nothing of the stop."""
+    trials = to_trials(stop_that_no_learning_trial_reaches(), cutoff_hz=25.0)
+    regression = Regression(pendulum(), run_of(pendulum(), trials[:4], trials[4:]))
+    stop = AtJoint(catalogue()["end_stop"], 0, {"side": 1.0})
+    push = Pushes(catalogue()["external_push"], 0, np.array([[1.0, 0.3]]))
+    both = fitted(regression, Model().plus(stop, np.array([0.8])).plus(push, np.zeros(0)))
+    ascent = Ascent(regression, [stop], Starts(), fitted(regression, Model()), lambda _what, _done: None)
+    accepted, causes = ascent._doubted(both, {stop.key})
+    assert [one.key for one in accepted.model.hypotheses] == [stop.key]
+    assert len(causes) == 1
+    assert accepted.squares.sum() < 1.1 * both.squares.sum()
+    assert ascent._come_to(accepted, causes, []).from_all

@@ -6,7 +6,7 @@ import pytest
 from arm.model import Effect
 from fitter.diagnosis.diagnosis import UNSEEN, diagnose
 from limbcal.errors import DataError
-from tests.fitter.pendulum import pendulum, swings
+from tests.fitter.pendulum import pendulum, stop_that_no_learning_trial_reaches, swings
 
 DRAG = Effect("quadratic_drag", {"drag_N_m_s2": 0.6}, joints=(1,))
 
@@ -66,12 +66,8 @@ def test_nothing_is_named_where_nothing_is_wrong():
 
 
 def test_beside_another_cause_one_is_found_that_only_the_judging_trials_show():
-    stop = Effect("end_stop", {"angle_rad": 0.8, "stiffness_N_m_rad": 6.0, "side": 1.0}, joints=(1,))
-    motions = swings((DRAG, stop), trials=16)
-    short = [motion for motion in motions if motion.columns["q"].max() < 0.75]
-    far = [motion for motion in motions if motion.columns["q"].max() >= 0.75]
-    assert len(short) >= 4 and len(far) >= 4
-    finding = diagnose(pendulum(), short[:4], short[4:] + far).finding
+    motions = stop_that_no_learning_trial_reaches(DRAG)
+    finding = diagnose(pendulum(), motions[:4], motions[4:]).finding
     assert {cause.effect for cause in finding.causes} == {"quadratic_drag", "end_stop"}
     assert UNSEEN in finding.warnings
 
