@@ -159,8 +159,8 @@ def case(options: argparse.Namespace) -> Document:
             "taken for "
             "the Coulomb friction of both joints.",
             "Both evaluating runs have a say in which causes are taken, and three choices were made after their "
-            "figures had been seen: to set `load_friction` aside, to take the plainest of equal candidates "
-            "(`coulomb`, not `stribeck`, at joint 1), and to let a tilt only turn gravity as long as the data "
+            "figures had been seen: to set `load_friction` aside, to try `stribeck` only where a joint has the "
+            "`coulomb` friction that it falls to, and to let a tilt only turn gravity as long as the data "
             "does not exclude that (10.5 m/s² in the plane, within its error of 9.81, had given 0.165). So "
             f"{last:.3f} is held out of the fit, but not of the choices.",
         ],

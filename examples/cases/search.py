@@ -145,7 +145,8 @@ def find(
     models = [_learnt(regression, Model())]
     beside: list[tuple[Hypothesis | None, float]] = [(None, 0.0)]
     while len(models) <= most:
-        ranked = _ranked(regression, models[-1], tried)
+        founded = [one for one in tried if _is_founded(one, models[-1].model, denied)]
+        ranked = _ranked(regression, models[-1], founded)
         ranked = [one for one in ranked if _worth_it(regression, models[-1], one)]
         if not ranked:
             break
@@ -166,6 +167,13 @@ def find(
     told = float(sum(regression.weighting.told(motion) for motion in regression.motions))
     whole = run_of(arm, learning, evaluating, thin=False)
     return Found(regression, whole, listed, told, describe(regression, models[-1]))
+
+
+def _is_founded(hypothesis: Hypothesis, model: Model, denied: tuple[str, ...]) -> bool:
+    """Say whether a joint has what a hypothesis builds on: Stribeck's friction falls to Coulomb's."""
+    if hypothesis.kind.name != "stribeck" or "fc" not in denied:
+        return True
+    return any(one.key == ("coulomb", hypothesis.joints) for one in model.hypotheses)
 
 
 def _trials(grids: Sequence[Uniform], corner: float, free: bool) -> list[Trial]:
