@@ -64,7 +64,7 @@ class Ascent:
             candidates = self._screened(by_all, anew, Starts())
             best = best_of(by_all, self._base, anew, candidates, told)
             if best is not None:
-                self._learn_from_all()
+                self._learn_by(by_all)
                 return anew, candidates, best
         candidates = self.screened(accepted)
         return accepted, candidates, best_of(self._regression, self._base, accepted, candidates, told)
@@ -73,8 +73,8 @@ class Ascent:
         begin, end = 1.0 - 0.5**self._rounds, 1.0 - 0.5 ** (self._rounds + 1)
         return lambda done, total: self._progress(what, begin + (end - begin) * done / total)
 
-    def _learn_from_all(self) -> None:
-        self._regression = self._regression.learning_from_all()
+    def _learn_by(self, by_all: Regression) -> None:
+        self._regression = by_all
         self._starts.forget()
 
     def on(self, first: list[Candidate], best: Candidate | None) -> Search:
@@ -142,7 +142,7 @@ class Ascent:
             best = simplest(rest, candidates, told)
             assert best is not None
             if not worth_it(regression, self._base, rest, best, told):
-                accepted = self._back_at(rest)
+                accepted = self._back_at(rest) if accepted.model.is_event else rest
                 continue
             model = best.model
             order = [*range(k), len(model.hypotheses) - 1, *range(k, len(model.hypotheses) - 1)]
@@ -157,7 +157,7 @@ class Ascent:
         learnt = fitted(self._regression, rest.model)
         if rest.squares.sum() > _BY_ALL * learnt.squares.sum():
             return learnt
-        self._learn_from_all()
+        self._learn_by(self._regression.learning_from_all())
         return rest
 
 

@@ -8,12 +8,13 @@ is no less than the distance ``s`` of the centre of mass.
 
 import numpy as np
 
+from arm.regressor import INERTIAL
 from fitter.diagnosis.regression import Regression
 from fitter.diagnosis.screening import Candidate
 
 #: No body turns about an axis with a radius of gyration of less than this share of the arm's longest link.
 _LEAST = 0.02
-_ZZ, _SX, _SY, _PARAMETERS = 2, 6, 7, 10
+_ZZ, _SX, _SY = (INERTIAL.index(name) for name in ("I{}zz", "m{}*sx{}", "m{}*sy{}"))
 
 
 def has_bodies(regression: Regression, candidate: Candidate) -> bool:
@@ -30,7 +31,7 @@ def has_bodies(regression: Regression, candidate: Candidate) -> bool:
     longest = max(max(abs(joint.a_m), abs(joint.d_m)) for joint in arm.joints)
     columns = regression.equations.independent(arm)
     values = dict(zip(columns.tolist(), candidate.x[: len(columns)].tolist(), strict=True))
-    for first in range(0, _PARAMETERS * arm.n_joint, _PARAMETERS):
+    for first in range(0, len(INERTIAL) * arm.n_joint, len(INERTIAL)):
         moment = np.hypot(values.get(first + _SX, 0.0), values.get(first + _SY, 0.0))
         inertia = values.get(first + _ZZ)
         if inertia is not None and _LEAST * longest * moment > max(inertia, 0.0):

@@ -88,6 +88,8 @@ class Regression:
 
     def learning_from_all(self) -> "Regression":
         """Return one that learns from all trials: what only those show that judge, nothing else can tell."""
+        if self.learns_from_all:
+            return self
         other = self.weighted_by(self.weighting)
         other.learning = other.motions
         return other

@@ -55,7 +55,6 @@ def without_untold(regression: Regression, search: Search, found: Estimates) -> 
     if all(told) or not any(told):
         return search
     kept = [k for k, is_told in enumerate(told) if is_told]
-    fewer = Model(tuple(model.hypotheses[k] for k in kept), tuple(model.psi[k] for k in kept))
     causes = [replace(cause, place=kept.index(cause.place)) for cause in search.causes if cause.place in kept]
-    reduced = replace(search, final=fitted(regression, fewer), causes=causes)
+    reduced = replace(search, final=fitted(regression, model.only(told)), causes=causes)
     return search if reduced.leaves(UNEXPLAINED, UNEXPLAINED_AT_LEAST) else reduced
