@@ -75,8 +75,13 @@ def torque_along(kind: EffectKind, parameters: Floats, states: Floats) -> Floats
     (n_sample,) [N m or N]
         Counted as friction is: what the drive must supply on top of the rigid arm's torque.
     """
-    p, out = np.zeros(MOST_PARAMETERS), np.empty(len(states))
-    p[: len(parameters)] = parameters
+    return torques_along(kind, parameters[None], states)[:, 0]
+
+
+def torques_along(kind: EffectKind, parameters: Floats, states: Floats) -> Floats:
+    """Return the same for several sets of parameters (n_set, n_parameter), (n_sample, n_set)."""
+    p, out = np.zeros((len(parameters), MOST_PARAMETERS)), np.empty((len(states), len(parameters)))
+    p[:, : parameters.shape[1]] = parameters
     assert kind.torque is not None
     _along(kind.torque.address, np.ascontiguousarray(states), p, out)  # type: ignore[attr-defined]
     return out
@@ -84,5 +89,6 @@ def torque_along(kind: EffectKind, parameters: Floats, states: Floats) -> Floats
 
 @compiled
 def _along(address: int, states: Floats, p: Floats, out: Floats) -> None:
-    for k in range(out.size):
-        out[k] = torque_at(address, states[k], p)
+    for k in range(out.shape[0]):
+        for i in range(out.shape[1]):
+            out[k, i] = torque_at(address, states[k], p[i])

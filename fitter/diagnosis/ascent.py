@@ -9,11 +9,11 @@ import math
 from collections.abc import Callable, Sequence
 
 from arm.model import Floats
-from fitter.diagnosis.grid import Starts
+from fitter.diagnosis.grid import Grid, Starts
 from fitter.diagnosis.hypothesis import Hypothesis
 from fitter.diagnosis.model import Model
 from fitter.diagnosis.regression import Regression
-from fitter.diagnosis.screening import Candidate, fitted, fitted_all, screen
+from fitter.diagnosis.screening import PROMISING, Candidate, fitted, fitted_all, screen
 from fitter.diagnosis.search import Cause, Search
 from fitter.diagnosis.unseen import shows_only_where_it_is_judged
 from fitter.diagnosis.worth import best_of, more_to_find, reach, rivals_of, simplest, worth_it
@@ -24,6 +24,9 @@ Key = tuple[str, tuple[int, ...]]
 
 #: No more causes than this are sought.
 _MOST = 3
+#: Left with so many times what it was before, a model is the same as before: what was tried beside it need not be
+#: tried again.
+_AS_BEFORE = 1.001
 #: All trials tell what learning trials don't if they leave this share of what those do.
 _BY_ALL = 0.5
 
@@ -41,6 +44,8 @@ class Ascent:
     ) -> None:
         self._regression, self._tried, self._starts, self._base = regression, tried, starts, base
         self._progress, self._rounds = progress, 0
+        #: What everything was tried beside, by its hypotheses, and what came of it.
+        self._known: dict[tuple[Key, ...], tuple[Candidate, list[Candidate]]] = {}
 
     def screened(self, accepted: Candidate) -> list[Candidate]:
         """Try everything beside what is accepted."""
@@ -67,6 +72,7 @@ class Ascent:
                 self._learn_by(by_all)
                 return anew, candidates, best
         candidates = self.screened(accepted)
+        self._known[_keys(accepted)] = accepted, candidates
         return accepted, candidates, best_of(self._regression, self._base, accepted, candidates, told)
 
     def _say(self, what: str) -> Callable[[int, int], None]:
@@ -76,6 +82,7 @@ class Ascent:
     def _learn_by(self, by_all: Regression) -> None:
         self._regression = by_all
         self._starts.forget()
+        self._known.clear()
 
     def on(self, first: list[Candidate], best: Candidate | None) -> Search:
         """Go on from everything beside the base model, with one of it as the first cause."""
@@ -100,7 +107,7 @@ class Ascent:
         best: Candidate | None,
     ) -> Search:
         promising = _explaining(first, self._base)
-        known = {_found(accepted)} if causes else set()
+        known = {frozenset(_keys(accepted))} if causes else set()
         while best is not None:
             promising |= _explaining(candidates, accepted)
             refit = accepted.model.hypotheses or best.model.is_event
@@ -109,9 +116,9 @@ class Ascent:
             causes = [*causes, _cause(accepted, len(causes), candidates, best, without, self._regression.told)]
             if len(causes) > 1:
                 accepted, causes = self._doubted(accepted, promising)
-            if _found(accepted) in known:  # what one round takes in the next throws out
+            if frozenset(_keys(accepted)) in known:  # what one round takes in the next throws out
                 break
-            known.add(_found(accepted))
+            known.add(frozenset(_keys(accepted)))
             if self._is_at_top(accepted, causes):
                 break
             accepted, candidates, best = self._next(accepted)
@@ -136,9 +143,13 @@ class Ascent:
             regression = self._regression
             # All trials stay: no event is needed for its trials to be learnt from.
             rest = fitted(regression, accepted.model.without(k), to_all=accepted.model.is_event)
-            candidates = screen(regression, rest, _without(tried, rest.model), self._starts, say)
+            before, candidates = self._known.get(_keys(rest), (rest, []))
+            if candidates and before.squares.sum() <= _AS_BEFORE * rest.squares.sum():
+                rest = before
+            else:
+                candidates = screen(regression, rest, _without(tried, rest.model), self._starts, say)
             itself = fitted(regression, accepted.model.with_last(k), refine=False)
-            candidates = _with_itself(regression, rest, candidates, itself, told)
+            candidates = _with_itself(regression, rest, candidates, itself, self._starts, told)
             best = simplest(rest, candidates, told)
             assert best is not None
             if not worth_it(regression, self._base, rest, best, told):
@@ -165,8 +176,8 @@ def _explaining(candidates: Sequence[Candidate], beside: Candidate) -> set[Key]:
     return {one.hypothesis.key for one in candidates if one.squares is not beside.squares}
 
 
-def _found(accepted: Candidate) -> frozenset[Key]:
-    return frozenset(one.key for one in accepted.model.hypotheses)
+def _keys(accepted: Candidate) -> tuple[Key, ...]:
+    return tuple(one.key for one in accepted.model.hypotheses)
 
 
 def _before(regression: Regression, accepted: Candidate) -> float:
@@ -189,12 +200,17 @@ def _cause(
 
 
 def _with_itself(
-    regression: Regression, rest: Candidate, candidates: list[Candidate], itself: Candidate, told: Floats
+    regression: Regression,
+    rest: Candidate,
+    candidates: list[Candidate],
+    itself: Candidate,
+    starts: Starts,
+    told: Floats,
 ) -> list[Candidate]:
     """Return candidates with the doubted one as it was, unless it did better when it was tried anew.
 
     The others' psi are held where they are without it, which may be far from where they are with it: what did as
-    well as it there is fitted anew from where they are with it, for it may do as well here, too.
+    well as it there may do as well here, too, and is fitted anew from here if it promises to.
     """
     anew = next((one for one in candidates if one.hypothesis.key == itself.hypothesis.key), None)
     if anew is not None and anew.squares.sum() <= itself.squares.sum():
@@ -202,12 +218,18 @@ def _with_itself(
     most = reach(anew, float(rest.squares.sum() - anew.squares.sum()), told) if anew is not None else -math.inf
     before, psi = itself.model.hypotheses[:-1], itself.model.psi[:-1]
     others = [one for one in candidates if one is not anew]
+    if any(one.squares.sum() <= most for one in others):
+        grid = Grid(regression, Model(before, psi), starts)
+        promised = PROMISING * grid.gain(itself.hypothesis, itself.model.psi[-1])
 
-    def refitted(k: int) -> Candidate:
-        one = others[k]
-        if one.squares.sum() > most:
-            return one
-        return fitted(regression, Model((*before, one.hypothesis), (*psi, one.model.psi[-1])))
+        def refitted(k: int) -> Candidate:
+            one = others[k]
+            if one.squares.sum() > most:
+                return one
+            best = grid.best(one.hypothesis)
+            if best.gain < promised:
+                return one
+            return fitted(regression, Model((*before, one.hypothesis), (*psi, best.psi)))
 
-    others = fitted_all(regression, refitted, rest, [one.hypothesis for one in others])
+        others = fitted_all(regression, refitted, rest, [one.hypothesis for one in others])
     return sorted([itself, *others], key=lambda one: float(one.squares.sum()))

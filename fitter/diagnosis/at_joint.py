@@ -13,7 +13,7 @@ import numpy as np
 import scipy.optimize
 
 from arm.effects.effect import EffectKind, Parameter
-from arm.effects.joint_torque import DIRECTION, DQ, N_STATE, torque_along
+from arm.effects.joint_torque import DIRECTION, DQ, N_STATE, torque_along, torques_along
 from arm.model import Floats
 from fitter.diagnosis.hypothesis import Hypothesis
 from fitter.diagnosis.motion import Motion
@@ -50,6 +50,7 @@ class AtJoint(Hypothesis):
         self._folded = self._plane([k for k in free if k not in self._linear])
         self._psi = [k for k in free if k not in self._linear and k not in self._folded]
         self.n_column = max(1, len(self._linear)) + len(self._folded)
+        self._asked: tuple[Floats, bool] = np.array([np.nan]), False  # whether it bends with this psi
 
     @property
     def psi_names(self) -> tuple[str, ...]:
@@ -137,21 +138,21 @@ class AtJoint(Hypothesis):
         return values
 
     def _columns(self, psi: Floats, states: Floats) -> Floats:
+        return torques_along(self.kind, self._sets(psi), states)
+
+    def _sets(self, psi: Floats) -> Floats:
+        """Return the effect's parameters of which each column is made, (n_column, n_parameter)."""
         values = self._values(psi)
-        columns = []
         if not self._linear:
-            return torque_along(self.kind, values, states)[:, None]
-        for k in self._linear:
-            unit = values.copy()
-            unit[self._linear] = 0.0
-            unit[k] = 1.0
-            if self._folded:
-                for at in self._two_values(self._folded[0]):
-                    unit[self._folded[0]] = at
-                    columns.append(torque_along(self.kind, unit, states))
-            else:
-                columns.append(torque_along(self.kind, unit, states))
-        return np.stack(columns, axis=1)
+            return values[None]
+        sets = np.repeat(values[None], self.n_column, axis=0)
+        sets[:, self._linear] = 0.0
+        each = len(sets) // len(self._linear)
+        for i, k in enumerate(self._linear):
+            sets[i * each : (i + 1) * each, k] = 1.0
+        if self._folded:
+            sets[:, self._folded[0]] = self._two_values(self._folded[0])
+        return sets
 
     def _bent(self, psi: Floats, states: Floats, noise: Floats, seen: Floats) -> Floats:
         """Return by how much the columns that are seen are too large in the mean because the velocity is noisy.
@@ -166,9 +167,11 @@ class AtJoint(Hypothesis):
 
     def _bends(self, psi: Floats) -> bool:
         """Return whether the columns depend on the velocity otherwise than straight."""
-        states = self._probe()
-        bent = self._bent(psi, states, np.full(len(states), 0.1), self._columns(psi, states))
-        return bool(np.any(np.abs(bent) > _ROUNDING))
+        if not np.array_equal(psi, self._asked[0]):  # motion after motion is asked about with the same
+            states = self._probe()
+            bent = self._bent(psi, states, np.full(len(states), 0.1), self._columns(psi, states))
+            self._asked = psi.copy(), bool(np.any(np.abs(bent) > _ROUNDING))
+        return self._asked[1]
 
     def _values(self, psi: Floats) -> Floats:
         values = np.zeros(len(self.kind.parameters))

@@ -50,17 +50,18 @@ class Noise:
     def left(self, x: Floats) -> Floats:
         """Return the sum of squares that it leaves at each joint under factors x (k,)."""
         return np.asarray(
-            np.einsum("k,jkl,l->j", x, self.gram, x) - 2.0 * self.pull @ x + self.own, dtype=np.float64
+            self.gram @ x @ x - 2.0 * self.pull @ x + self.own, dtype=np.float64
         )
+
+    def mixed(self, mixing: Floats) -> "Noise":
+        """Return the noise of columns that are mixed of these, by a matrix (k, n_column)."""
+        return Noise(mixing.T @ self.gram @ mixing, self.pull @ mixing, self.own)
 
 
 def noise_of(columns: Floats, target: Floats) -> Noise:
     """Return the products of what noise makes of columns (n, n_joint, k) and of a target (n, n_joint)."""
-    return Noise(
-        np.einsum("sjk,sjl->jkl", columns, columns),
-        np.einsum("sjk,sj->jk", columns, target),
-        np.sum(target**2, axis=0),
-    )
+    by_joint, at_joint = columns.transpose(1, 2, 0), target.T[..., None]
+    return Noise(by_joint @ by_joint.mT, (by_joint @ at_joint)[..., 0], np.sum(target**2, axis=0))
 
 
 def added(parts: Sequence[Noise]) -> Noise:

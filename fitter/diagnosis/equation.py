@@ -51,7 +51,9 @@ class Weighting(Whitening):
 
     def filtered(self, motion: Motion, rows: Floats) -> Floats:
         """Return rows (n_sample, n_joint, …), filtered and on the slower grid, without what may hold a joint."""
-        white = self.white(rows, motion.dt_s)
+        acts = np.flatnonzero(np.any(rows.reshape(*rows.shape[:2], -1), axis=(0, 2)))
+        only = slice(acts[0], acts[0] + 1) if len(acts) == 1 else slice(None)
+        white = self.white(rows[:, only], motion.dt_s, only)
         return self.freed(motion, white.reshape(white.shape[0] * white.shape[1], -1)).reshape(white.shape)
 
     def filtered_at(self, motion: Motion, joint: int, torques: Floats) -> Floats:

@@ -104,12 +104,7 @@ class Grid:
         """Return the start of a hypothesis that lowers the sum of squares most."""
         regression = self._regression
         starts = self._starts_of(hypothesis)
-        if hypothesis.is_event:
-            gains = self._gains_in_run(hypothesis, starts)
-        elif isinstance(hypothesis, AtJoint) or hypothesis.n_column > 0:
-            gains = self._gains(hypothesis, starts)
-        else:
-            gains = [self._gain(hypothesis, psi) for psi in starts]
+        gains = self._gains_of(hypothesis, starts)
         order = np.argsort(-np.array(gains), kind="stable")
         psi, gain, best = starts[order[0]], gains[order[0]], starts[order[:_KEPT]]
         if hypothesis.is_gradual:
@@ -117,6 +112,17 @@ class Grid:
             psi = regression.refined(model, self._motions, len(self._model.hypotheses)).psi[-1]
             gain = self._gain(hypothesis, psi)
         return Best(gain, psi, best)
+
+    def gain(self, hypothesis: Hypothesis, psi: Floats) -> float:
+        """Return by how much a hypothesis with some psi lowers the sum of squares."""
+        return self._gains_of(hypothesis, psi[None])[0]
+
+    def _gains_of(self, hypothesis: Hypothesis, starts: Floats) -> list[float]:
+        if hypothesis.is_event:
+            return self._gains_in_run(hypothesis, starts)
+        if isinstance(hypothesis, AtJoint) or hypothesis.n_column > 0:
+            return self._gains(hypothesis, starts)
+        return [self._gain(hypothesis, psi) for psi in starts]
 
     def _starts_of(self, hypothesis: Hypothesis) -> Floats:
         known = self._starts.of(self._model, hypothesis)
@@ -150,7 +156,8 @@ class Grid:
         parts = []
         for view in self._views:
             added = [one for psi in starts for one in hypothesis.act(view, psi).columns[first:]]
-            filtered = self._regression.weighting.filtered(view.motion, np.concatenate(added, axis=2))
+            columns = np.concatenate(added, axis=2) * view.factor[:, None]
+            filtered = self._regression.weighting.filtered(view.motion, columns)
             parts.append(filtered.reshape(-1, len(starts) * width))
         C = np.vstack(parts)
         size = np.linalg.norm(C, axis=0)

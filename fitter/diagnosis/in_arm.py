@@ -175,7 +175,7 @@ def tip_mass_column(view: View) -> Floats:
     mass = np.zeros(12 * n)
     mass[10 * (n - 1) : 10 * n] = [0.0, a * a, a * a, 0.0, 0.0, 0.0, a, 0.0, 0.0, 1.0]
     torque = regressor(view.arm, view.q, view.dq, view.ddq) @ mass
-    return np.asarray(torque[..., None] * view.factor[:, None], dtype=np.float64)
+    return np.asarray(torque[..., None], dtype=np.float64)
 
 
 def arm_hypotheses(kind: EffectKind, n_joint: int) -> list[Hypothesis]:

@@ -63,7 +63,7 @@ class InTransmission(Hypothesis):
         if self._play:
             change = self._play_in(view).change(float(psi[0]))
         else:
-            twist = psi[0] * lagging(view.u[:, j], float(psi[1]), dt_s)
+            twist = psi[0] * lagging(view.arrived[:, j], float(psi[1]), dt_s)
             change = -np.stack([twist, differentiate(twist, dt_s), differentiate(twist, dt_s, 2)])
         q, dq, ddq = view.q.copy(), view.dq.copy(), view.ddq.copy()
         for column, added in zip((q, dq, ddq), change, strict=True):

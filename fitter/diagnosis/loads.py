@@ -39,7 +39,8 @@ class _Sums:
         self._left = [one.target.ravel() - one.design @ x for one in rows]
         A = A / self._size
         self._inverse = np.linalg.pinv(A.T @ A, rcond=1e-12, hermitian=True)
-        self._columns = [tip_mass_column(regression.view(model, motion)) for motion in self.motions]
+        views = [regression.view(model, motion) for motion in self.motions]
+        self._columns = [tip_mass_column(view) * view.factor[:, None] for view in views]
         self.whole = [self.of(k, [-np.inf])[0] for k in range(len(self.motions))]
 
     def of(self, k: int, since_s: Sequence[float] | Floats) -> list[_Parts]:

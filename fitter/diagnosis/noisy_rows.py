@@ -2,12 +2,14 @@
 
 from collections.abc import Mapping, Sequence
 
+import numpy as np
+
 from arm.model import Floats
 from fitter.diagnosis.attenuation import Noise, added, noise_of
 from fitter.diagnosis.hypothesis import Hypothesis
 from fitter.diagnosis.model import Model
 from fitter.diagnosis.motion import Motion
-from fitter.diagnosis.rows import Equations
+from fitter.diagnosis.rows import Equations, scales_only
 
 
 class NoisyRows:
@@ -26,24 +28,35 @@ class NoisyRows:
 
     def of(self, model: Model, motions: Sequence[Motion]) -> Noise:
         """Return what the draw makes of the equations of some motions under a model."""
-        found = []
-        for motion in motions:
-            parts = zip(model.hypotheses, model.psi, strict=True)
-            key = motion.number, *((one.part_of(motion), *_key(one, psi)) for one, psi in parts)
-            if key not in self.known:
-                self.known[key] = self._of(model, motion)
-            found.append(self.known[key])
-        return added(found)
+        gains = [one.kind.name == "gain_error" for one in model.hypotheses]
+        if not any(gains) or not scales_only(model):
+            return added([self._noise(model, (), motion) for motion in motions])
+        weak, plain = model.only(gains), model.only([not one for one in gains])
+        joints = tuple(hypothesis.joints[0] for hypothesis in weak.hypotheses)
+        parts = added([self._noise(plain, joints, motion) for motion in motions])
+        one = np.eye(parts.pull.shape[1] // (1 + len(joints)))
+        return parts.mixed(np.vstack([one, *(one / psi[0] for psi in weak.psi)]))
 
-    def _of(self, model: Model, motion: Motion) -> Noise:
-        rows, loud = (self._equations.rows(model, one) for one in (motion, self._noisier[motion.number]))
-        columns = (loud.design - rows.design).reshape(*rows.target.shape, -1)
-        at = columns.shape[2] - model.n_column
+    def _noise(self, model: Model, apart: tuple[int, ...], motion: Motion) -> Noise:
+        parts = zip(model.hypotheses, model.psi, strict=True)
+        key = motion.number, apart, *((one.part_of(motion), *_key(one, psi)) for one, psi in parts)
+        if key not in self.known:
+            self.known[key] = self._of(model, apart, motion)
+        return self.known[key]
+
+    def _of(self, model: Model, apart: tuple[int, ...], motion: Motion) -> Noise:
+        """Return the noise of columns in parts: by equations of joints not apart, then by each that is."""
+        louder, equations = self._noisier[motion.number], self._equations
+        rows, loud = (equations.rows(model, one) for one in (motion, louder))
+        pairs = ([equations.design_at(model, one, joint) for one in (louder, motion)] for joint in apart)
+        at = [one - other for one, other in pairs]
+        columns = np.stack([np.subtract(loud.design - rows.design, sum(at)), *at], axis=1)
+        k = columns.shape[2] - model.n_column
         for hypothesis, psi in zip(model.hypotheses, model.psi, strict=True):
             if len(psi) or not hypothesis.is_noisy:  # these columns are hardly noisy, and change with psi
-                columns[:, :, at : at + hypothesis.n_column] = 0.0
-            at += hypothesis.n_column
-        return noise_of(columns, loud.target - rows.target)
+                columns[:, :, k : k + hypothesis.n_column] = 0.0
+            k += hypothesis.n_column
+        return noise_of(columns.reshape(*rows.target.shape, -1), loud.target - rows.target)
 
 
 def _key(hypothesis: Hypothesis, psi: Floats) -> tuple[object, ...]:

@@ -1,8 +1,8 @@
 """A motion's equations under a model; what two models in a row have in common is computed once.
 
 A model's hypotheses act one after the other, from the drive to the link, in whatever order they were found:
-friction by load is that of the torque that arrives. So those that a search holds while it tries another one
-further down leave the motion as it was: every stage keeps what follows from it.
+friction by load is that of the torque that arrives. Those that no other one acts on come first or last. So what a
+search holds while it tries another one further down leaves the motion as it was: every stage keeps what follows.
 """
 
 from dataclasses import dataclass, replace
@@ -22,9 +22,14 @@ from fitter.dynamics.structure import structural_parameters
 
 #: Slopes with respect to psi are taken over this share of its size.
 SLOPE = 1e-4
-#: What acts before columns are made of motion and torque, in this order. A limit is the same before a delay and
-#: after it, but before it the torque is as sharp as it was asked for.
-_UPSTREAM = ("gain_error", "torque_saturation", "actuator_delay", "actuator_lag")
+#: What no torque enters, and then what acts on the torque before columns are made of it, in this order; the rest
+#: follows. A limit is the same before a delay and after it, but before it the torque is as sharp as asked for.
+_UPSTREAM = (
+    *("gravity_tilt", "joint_zero", "thermal_drift"),
+    *("gain_error", "torque_saturation", "actuator_delay", "actuator_lag"),
+)
+#: What depends on how large the torque is that arrives. Beside nothing of these a gain comes last.
+_FEEL_TORQUE = ("torque_saturation", "joint_elasticity", "load_friction")
 #: What of a view the regressor is made of.
 _MOVES = ("arm", "q", "dq", "ddq", "direction", "drift")
 _MAKES_REGRESSOR = (*_MOVES, "factor")
@@ -66,27 +71,43 @@ class _Stage:
 
     @cached_property
     def base_by_joint(self) -> Floats:
-        """What each joint's own equation makes of these rows, by itself, for a factor of 1: joints first."""
+        """What each joint's own equation makes of these rows, by itself, for a gain of 1: joints first."""
+        if self._before is not None and self._is_same(*_MOVES):
+            return self._before.base_by_joint
         rows = replace(self.view, factor=np.ones(self.view.q.shape[1])).base(self._of.independent(self.view.arm))
-        filtered_at = self._of.weighting.filtered_at
-        parts = [filtered_at(self.view.motion, joint, rows[:, joint]) for joint in range(rows.shape[1])]
-        return np.stack(parts).reshape(len(parts), -1, *rows.shape[1:])
+        return self._by_joint(rows)
 
     @cached_property
     def columns(self) -> tuple[Floats, ...]:
         """All further columns' rows."""
+        before, now = self._before, self.view
+        if before is None:
+            return ()
+        first, factor = len(before.view.columns), now.factor
+        if factor is not before.view.factor and first:
+            return tuple(np.tensordot(factor, one, 1) for one in before.columns_by_joint)
+        filtered = self._of.weighting.filtered
+        added = (filtered(now.motion, one * factor[:, None]) for one in now.columns[first:])
+        return (*before.columns, *added)
+
+    @cached_property
+    def columns_by_joint(self) -> tuple[Floats, ...]:
+        """What each joint's own equation makes of these, by itself, for a gain of 1: joints first."""
         if self._before is None:
             return ()
-        first = len(self._before.view.columns)
-        added = (self._of.weighting.filtered(self.view.motion, one) for one in self.view.columns[first:])
-        return (*self._before.columns, *added)
+        added = (self._by_joint(one) for one in self.view.columns[len(self._before.view.columns) :])
+        return (*self._before.columns_by_joint, *added)
+
+    def _by_joint(self, rows: Floats) -> Floats:
+        motion, alone = self.view.motion, np.eye(rows.shape[1])[:, :, None]
+        return np.stack([self._of.weighting.filtered(motion, rows * one) for one in alone])
 
     @cached_property
     def design(self) -> Floats:
         """Base and further columns side by side."""
         before = self._before
         if before is not None and self.base is before.base and len(self.columns) == len(before.columns):
-            return before.design
+            return before.design  # what changes columns changes the base
         both = np.concatenate([self.base, *self.columns], axis=2)
         return np.asarray(both.reshape(-1, both.shape[2]), dtype=np.float64)
 
@@ -150,29 +171,23 @@ class Equations:
 
     def view(self, model: Model, motion: Motion) -> View:
         """Return a motion under a model, with the columns in the model's order."""
-        view = self._stage(model, motion).view
-        order = _downstream(model)
-        if order == sorted(order):
-            return view
-        at = [k for k in order if model.hypotheses[k].n_column]
-        return replace(view, columns=tuple(view.columns[at.index(k)] for k in sorted(at)))
+        return self._stage(model, motion).view
 
     def rows(self, model: Model, motion: Motion) -> Rows:
         """Return a motion's equations under a model, with the columns in the model's order."""
-        stage, order = self._stage(model, motion), _downstream(model)
-        if order == sorted(order):
-            return Rows(stage.design, stage.target)
-        widths = [model.hypotheses[k].n_column for k in order]
-        ends = np.cumsum([stage.base.shape[2], *widths])
-        placed = {k: np.arange(end - width, end) for k, width, end in zip(order, widths, ends[1:], strict=True)}
-        columns = np.concatenate([np.arange(ends[0]), *(placed[k] for k in sorted(order))])
-        return Rows(stage.design[:, columns], stage.target)
+        stage = self._stage(model, motion)
+        return Rows(stage.design, stage.target)
+
+    def design_at(self, model: Model, motion: Motion, joint: int) -> Floats:
+        """Return what a joint's own equation makes of the design, by itself, for a gain of 1, shaped like it."""
+        stage = self._stage(model, motion)
+        both = np.concatenate([one[joint] for one in (stage.base_by_joint, *stage.columns_by_joint)], axis=2)
+        return both.reshape(-1, both.shape[2])
 
     def left(self, model: Model, x: Floats, motion: Motion) -> Floats:
         """Return the torque that factors leave, as it is on the motion's own grid, (n_sample, n_joint)."""
         view = self.view(model, motion)
-        columns = np.concatenate([view.base(self.independent(view.arm)), *view.columns], axis=2)
-        return view.target(self.known) - columns @ x
+        return view.target(self.known) - view.equations(self.independent(view.arm)) @ x
 
     def friction(self, model: Model, x: Floats, motion: Motion) -> Floats:
         """Return the joints' viscous and Coulomb friction by a model's factors, (n_joint, 2)."""
@@ -190,7 +205,7 @@ class Equations:
         (n_sample, n_joint, n_factor + n_psi)
         """
         view = self.view(model, motion)
-        columns = [view.base(self.independent(view.arm)), *view.columns]
+        columns = [view.equations(self.independent(view.arm))]
         for *beside, apart in model.beside():
             more, less = (self.left(one, x, motion) for one in beside)
             columns.append((less - more)[..., None] / apart)
@@ -210,14 +225,21 @@ class Equations:
         return stages[len(model.hypotheses)]
 
 
+def scales_only(model: Model) -> bool:
+    """Say whether a gain in a model does no more than scale what its joint resists with: nothing feels it."""
+    return not any(hypothesis.kind.name in _FEEL_TORQUE for hypothesis in model.hypotheses)
+
+
 def _downstream(model: Model) -> list[int]:
-    """Return the places of a model's hypotheses in the order in which they act."""
+    """Return the places of a model's hypotheses in the order in which they act; of those with columns it stays."""
+    gain_last = scales_only(model)
 
     def turn(k: int) -> int:
         hypothesis = model.hypotheses[k]
+        if hypothesis.kind.name == "gain_error" and gain_last:
+            return len(_UPSTREAM) + 2
         if hypothesis.n_column:
             return len(_UPSTREAM) + 1
-        name = hypothesis.kind.name
-        return _UPSTREAM.index(name) if name in _UPSTREAM else len(_UPSTREAM)
+        return _UPSTREAM.index(hypothesis.kind.name) if hypothesis.kind.name in _UPSTREAM else len(_UPSTREAM)
 
     return sorted(range(len(model.hypotheses)), key=turn)

@@ -22,7 +22,7 @@ from fitter.diagnosis.regression import Regression
 from fitter.side_by_side import side_by_side
 
 #: A hypothesis is refined if it explains this share of what the best one does on the trials it is fitted to …
-_PROMISING = 0.3
+PROMISING = 0.3
 #: … or if it is among so many of the best.
 _AT_LEAST = 4
 #: … as long as it explains this share of what is left.
@@ -126,7 +126,7 @@ def screen(
         model, gain = accepted.model.plus(tried[k], first[k].psi), first[k].gain
         if gain < max(_NOTHING * grid.left / len(motions), _LITTLE * best):
             return Candidate(model, accepted.x, accepted.squares)
-        refine = gain >= _WORTH * grid.left and (gain >= _PROMISING * best or rank[k] < _AT_LEAST)
+        refine = gain >= _WORTH * grid.left and (gain >= PROMISING * best or rank[k] < _AT_LEAST)
         candidate = fitted(regression, model, refine, held)
         gained = float((accepted.squares - candidate.squares)[learnt].sum())
         if refine and rank[k] < _AT_LEAST and len(accepted.model.flat) and gained < _AS_PROMISED * gain:

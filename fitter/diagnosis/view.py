@@ -22,15 +22,15 @@ class View:
     arm : Arm
         Its geometry and gravity.
     q, dq, ddq, u : (n_sample, n_joint)
-        Of the links, and the torque that reaches the joints.
+        Of the links, and the torque at the joints but for a gain of the drive.
     factor : (n_joint,)
-        By which each row of the regressor counts: 1 over a gain of the drive.
+        By which all that a joint resists with counts beside u: 1 over that gain.
     direction : (n_sample, n_joint)
         Of the links' motion, -1 to 1.
     drift : (n_joint,)
         Rate at which the joints' friction grows with the run's time [1/s].
     columns : tuple of ndarray of shape (n_sample, n_joint, n_column)
-        What stands in the equation of motion beside the regressor.
+        What stands in the equation of motion beside the regressor, for a gain of 1.
     """
 
     motion: Motion
@@ -44,6 +44,11 @@ class View:
     drift: Floats
     columns: tuple[Floats, ...] = field(default=())
 
+    @property
+    def arrived(self) -> Floats:
+        """The torque that reaches the joints, (n_sample, n_joint)."""
+        return np.asarray(self.u / self.factor, dtype=np.float64)
+
     def states(self, joint: int) -> Floats:
         """Return what a joint's torque may depend on, (n_sample, 7), as in `arm.effects.joint_torque`.
 
@@ -52,7 +57,7 @@ class View:
         states = np.zeros((len(self.q), N_STATE))
         dq = (self.motion.speed if self.dq is self.motion.dq else self.dq)[:, joint]
         states[:, 0], states[:, 1], states[:, 2] = self.motion.t, self.q[:, joint], dq
-        states[:, 3], states[:, 4] = self.direction[:, joint], self.u[:, joint]
+        states[:, 3], states[:, 4] = self.direction[:, joint], self.arrived[:, joint]
         return states
 
     def speed_noise(self, joint: int) -> Floats:
@@ -68,8 +73,14 @@ class View:
             Y[:, j, 11 * n + j] = self.direction[:, j]
             if self.drift[j]:
                 Y[:, j, 10 * n + j :: n] *= 1.0 + self.drift[j] * np.maximum(self.motion.t, 0.0)[:, None]
-        rows = Y[..., independent]
-        return np.asarray(rows * self.factor[:, None], dtype=np.float64)
+        rows = np.take(Y, independent, axis=2)
+        rows *= self.factor[:, None]
+        return rows
+
+    def equations(self, independent: NDArray[np.intp]) -> Floats:
+        """Return base and further columns side by side, (n_sample, n_joint, n_factor)."""
+        added = (one * self.factor[:, None] for one in self.columns)
+        return np.concatenate([self.base(independent), *added], axis=2)
 
     def target(self, known: tuple[int, float] | None) -> Floats:
         """Return the right-hand side of the equation: the torque, less what a known parameter asks for."""

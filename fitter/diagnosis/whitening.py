@@ -42,7 +42,9 @@ class Whitening:
     acceleration_noise: Floats
     band_hz: float
     stride: int
-    _gains: dict[tuple[int, float], Floats] = field(default_factory=dict, init=False, repr=False)
+    _windows: dict[tuple[int, float], tuple[Floats, Floats, int]] = field(
+        default_factory=dict, init=False, repr=False
+    )
 
     @property
     def seen_hz(self) -> float:
@@ -71,26 +73,28 @@ class Whitening:
 
     def white(self, rows: Floats, dt_s: float, joints: slice = slice(None)) -> Floats:
         """Return rows of some joints, filtered and on the slower grid, (n_slower, n_joint, …)."""
-        n = len(rows)
-        slower = scipy.fft.next_fast_len(-(-(n + round(1.0 / dt_s)) // self.stride), real=True)
-        size = slower * self.stride
-        gain = self._gain(scipy.fft.rfftfreq(size, dt_s), dt_s)
+        n, n_row, rest = len(rows), rows.shape[1], rows.shape[2:]
+        gain, weight, slower = self._window(n, dt_s)
+        flat = rows.reshape(n, -1) * weight
         kept = len(gain)  # nothing is left beyond the band
-        flat = (rows * end_weight(n, dt_s).reshape(n, *([1] * (rows.ndim - 1)))).reshape(n, -1)
-        part = scipy.fft.rfft(flat, size, axis=0)[:kept].reshape(kept, rows.shape[1], -1)
-        white = scipy.fft.irfft((gain[:, :, joints] @ part).reshape(kept, -1), slower, axis=0) / self.stride
-        kept = -(-n // self.stride)
-        return np.asarray(white[:kept], dtype=np.float64).reshape(kept, gain.shape[1], *rows.shape[2:])
+        part = scipy.fft.rfft(flat, slower * self.stride, axis=0)[:kept].view(np.float64).reshape(kept, n_row, -1)
+        passed = (gain[:, :, joints] @ part).reshape(kept, -1).view(np.complex128)
+        white = scipy.fft.irfft(passed, slower, axis=0)[: -(-n // self.stride)]
+        return np.asarray(white, dtype=np.float64).reshape(len(white), gain.shape[1], *rest)
 
-    def _gain(self, f: Floats, dt_s: float) -> Floats:
-        key = len(f), dt_s
-        if key not in self._gains:
+    def _window(self, n: int, dt_s: float) -> tuple[Floats, Floats, int]:
+        """Return gains (n_frequency, n_joint, n_joint), weights (n, 1) and the size of the slower grid."""
+        key = n, dt_s
+        if key not in self._windows:
+            slower = scipy.fft.next_fast_len(-(-(n + round(1.0 / dt_s)) // self.stride), real=True)
+            f = scipy.fft.rfftfreq(slower * self.stride, dt_s)
             band = self.band(f)
             f, band = f[band > 0.0], band[band > 0.0]
             noise = np.diag(self.torque_noise**2) + self.acceleration_noise * (2 * np.pi * f[:, None, None]) ** 4
             root = np.linalg.inv(np.linalg.cholesky(noise))
-            self._gains[key] = root * (np.sqrt(self.stride) * band)[:, None, None]
-        return self._gains[key]
+            gain = root * (band / np.sqrt(self.stride))[:, None, None]
+            self._windows[key] = gain, end_weight(n, dt_s)[:, None], slower
+        return self._windows[key]
 
     def band(self, f: Floats) -> Floats:
         """Return the share of an amplitude that passes at some frequencies [Hz]."""

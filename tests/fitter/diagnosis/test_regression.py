@@ -14,6 +14,7 @@ from fitter.data.motions import Measured
 from fitter.data.trials import to_trials
 from fitter.diagnosis.at_joint import AtJoint
 from fitter.diagnosis.attenuation import added, noise_of
+from fitter.diagnosis.in_arm import GravityTilt, Payload
 from fitter.diagnosis.in_drive import InDrive
 from fitter.diagnosis.in_transmission import InTransmission
 from fitter.diagnosis.least_squares import scaled_lstsq
@@ -32,6 +33,11 @@ def regression():
 
 @pytest.fixture(scope="module")
 def two_joints():
+    return _measured(lambda tau, q: tau)
+
+
+def _measured(asked):
+    """Return two trials of an arm with the torque that was asked of a drive."""
     arm, rng = load_arm("dd-arm-vertical"), np.random.default_rng(0)
     t = np.arange(500) * 0.004
     motions = []
@@ -40,7 +46,7 @@ def two_joints():
         motion = simulate(arm, ref, 0.004, ref[0])
         columns = {
             "q": motion.q + 2e-4 * rng.normal(size=ref.shape),
-            "tau": motion.tau + 0.01 * rng.normal(size=ref.shape),
+            "tau": asked(motion.tau, motion.q) + 0.01 * rng.normal(size=ref.shape),
         }
         motions.append(Measured(f"{k}", "test", 0, t, columns))
     trials = to_trials(motions, cutoff_hz=25.0)
@@ -164,3 +170,38 @@ def test_a_gain_makes_of_the_rows_what_it_makes_of_the_regressor(two_joints):
         np.testing.assert_allclose(
             two_joints.rows(model, motion).design, whole.reshape(-1, rows.shape[2]), atol=1e-8
         )
+
+
+def test_beside_a_gain_a_spring_is_as_stiff_as_it_is():
+    """What the joint gets is a share of what was asked for; the spring pulls with all that it has."""
+    gain, stiffness = 0.7, 4.0
+    weak = np.array([1.0, gain])
+    regression = _measured(lambda tau, q: (tau + [0.0, stiffness] * q) / weak)
+    spring = AtJoint(catalogue()["joint_spring"], 1)
+    for model in (
+        Model().plus(InDrive(catalogue()["gain_error"], (1,)), np.array([gain])).plus(spring, np.zeros(0)),
+        Model().plus(spring, np.zeros(0)).plus(InDrive(catalogue()["gain_error"], (1,)), np.array([gain])),
+    ):
+        x = regression.solve(model, regression.motions)[0]
+        assert spring.numbers(np.zeros(0), x[-spring.n_column :])[0] == pytest.approx(stiffness, rel=0.1)
+
+
+@pytest.mark.parametrize("beside", ["joint_spring", "cogging", "load_friction", "gravity_tilt", "payload"])
+def test_a_gain_that_comes_last_is_as_one_that_comes_first(two_joints, beside):
+    """Whatever is scaled instead of made anew is the same."""
+    gain = InDrive(catalogue()["gain_error"], (1,))
+    other = {
+        "gravity_tilt": GravityTilt(catalogue()["gravity_tilt"], ()),
+        "payload": Payload(catalogue()["payload"], frozenset({0})),
+    }.get(beside) or AtJoint(catalogue()[beside], 1)
+    model = Model().plus(other, np.full(len(other.low), 3.0)).plus(gain, np.array([0.6]))
+    equations = two_joints.equations
+    for motion in (two_joints.motions[0], two_joints._noisier[two_joints.motions[0].number]):
+        view = equations.view(model, motion)
+        filtered = equations.weighting.filtered(motion, view.equations(equations.independent(view.arm)))
+        design = equations.rows(model, motion).design
+        np.testing.assert_allclose(design, filtered.reshape(design.shape), rtol=1e-9, atol=1e-9)
+    noisy, motions = two_joints._noisy, two_joints.motions[:1]
+    quick, whole = noisy.of(model, motions), noisy._of(model, (), motions[0])
+    np.testing.assert_allclose(quick.gram, whole.gram, rtol=1e-6, atol=1e-9)
+    np.testing.assert_allclose(quick.pull, whole.pull, rtol=1e-6, atol=1e-9)
