@@ -13,7 +13,7 @@ from scipy.special import erf
 
 from arm.effects.effect import EffectKind
 from arm.model import Floats
-from fitter.data.derivatives import differentiate
+from fitter.data.derivatives import both_derivatives
 from fitter.diagnosis.hypothesis import Hypothesis
 from fitter.diagnosis.in_drive import lagging
 from fitter.diagnosis.motion import Motion
@@ -64,7 +64,7 @@ class InTransmission(Hypothesis):
             change = self._play_in(view).change(float(psi[0]))
         else:
             twist = psi[0] * lagging(view.arrived[:, j], float(psi[1]), dt_s)
-            change = -np.stack([twist, differentiate(twist, dt_s), differentiate(twist, dt_s, 2)])
+            change = -np.stack([twist, *both_derivatives(twist, dt_s)])
         q, dq, ddq = view.q.copy(), view.dq.copy(), view.ddq.copy()
         for column, added in zip((q, dq, ddq), change, strict=True):
             column[:, j] += added

@@ -13,7 +13,7 @@ import numpy as np
 from scipy.ndimage import binary_erosion, gaussian_filter1d
 
 from arm.model import Arm, Floats
-from fitter.data.derivatives import differentiate, lowpass
+from fitter.data.derivatives import both_derivatives, lowpass
 from fitter.data.trials import Trial
 from fitter.diagnosis.motion import Motion, sharp_torque, white_noise
 
@@ -72,7 +72,7 @@ class Play:
         """Return by how much the link's angle and its derivatives differ from the motor's, (3, n_sample)."""
         off, trial = self.off(gap), self.trial
         smooth = lowpass(off, trial.dt_s, trial.cutoff_hz) if self.cut else off
-        slopes = (differentiate(smooth, trial.dt_s, order) for order in (1, 2))
+        slopes = both_derivatives(smooth, trial.dt_s)
         inner = slice(self.cut, self.cut + len(trial.t))
         return np.asarray(np.stack([smooth, *slopes])[:, inner][:, :: self.step], dtype=np.float64)
 

@@ -25,7 +25,7 @@ SLOPE = 1e-4
 #: What no torque enters, and then what acts on the torque before columns are made of it, in this order; the rest
 #: follows. A limit is the same before a delay and after it, but before it the torque is as sharp as asked for.
 _UPSTREAM = (
-    *("gravity_tilt", "joint_zero", "thermal_drift"),
+    *("backlash", "gravity_tilt", "joint_zero", "thermal_drift"),
     *("gain_error", "torque_saturation", "actuator_delay", "actuator_lag"),
 )
 #: What depends on how large the torque is that arrives. Beside nothing of these a gain comes last.

@@ -6,7 +6,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as arrays
 
-from fitter.data.derivatives import differentiate, lowpass, settling_samples
+from fitter.data.derivatives import both_derivatives, differentiate, lowpass, settling_samples
 
 DT_S = 0.002
 T = DT_S * np.arange(2000)
@@ -90,3 +90,9 @@ def test_a_corner_beyond_the_range_does_nothing(cutoff_hz):
     values = np.random.default_rng(0).normal(size=100)
     assert lowpass(values, DT_S, cutoff_hz) is values
     assert settling_samples(DT_S, cutoff_hz) == 0
+
+
+def test_both_derivatives_are_those_that_are_asked_for_one_by_one():
+    values = np.random.default_rng(0).normal(size=(40, 2))
+    for order, found in enumerate(both_derivatives(values, DT_S), start=1):
+        np.testing.assert_array_equal(found, differentiate(values, DT_S, order))

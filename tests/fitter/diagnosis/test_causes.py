@@ -1,6 +1,7 @@
 """Causes that stand beside one another, and the rivals that each of them has."""
 
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -8,6 +9,7 @@ import pytest
 from arm.effects.catalogue import catalogue
 from arm.model import Effect
 from fitter.data.trials import to_trials
+from fitter.diagnosis import ascent
 from fitter.diagnosis.ascent import Ascent
 from fitter.diagnosis.at_joint import AtJoint
 from fitter.diagnosis.causes import find_causes
@@ -16,7 +18,7 @@ from fitter.diagnosis.model import Model
 from fitter.diagnosis.motion import run_of
 from fitter.diagnosis.pushes import Pushes
 from fitter.diagnosis.regression import Regression
-from fitter.diagnosis.screening import fitted
+from fitter.diagnosis.screening import Candidate, fitted, screen
 from fitter.diagnosis.search import Cause
 from tests.fitter.pendulum import pendulum, stop_that_no_learning_trial_reaches, swings
 
@@ -60,6 +62,40 @@ def test_a_search_made_anew_goes_on_from_what_was_found_and_doubts_it(monkeypatc
     assert {one.key for one in again.final.model.hypotheses} == true
     assert len(again.causes) == 2
     np.testing.assert_allclose(again.final.squares, search.final.squares, rtol=1e-3)
+
+
+def test_what_was_tried_beside_the_same_causes_is_not_tried_again(monkeypatch: pytest.MonkeyPatch):
+    """The cause that was found last is doubted by what came of trying everything beside those before it."""
+    drag = Effect("quadratic_drag", {"drag_N_m_s2": 0.05}, joints=(1,))
+    regression, tried = beside_disturbance(drag, "quadratic_drag", "joint_spring")
+    beside: list[tuple[str, ...]] = []
+
+    def counted(regression: Regression, accepted: Candidate, *others: Any) -> list[Candidate]:
+        beside.append(tuple(one.kind.name for one in accepted.model.hypotheses))
+        return screen(regression, accepted, *others)
+
+    monkeypatch.setattr(ascent, "screen", counted)
+    search = find_causes(regression, tried)
+    assert len(search.causes) == 2
+    assert {(), ("quadratic_drag",)} <= set(beside)
+    assert len(beside) == len(set(beside))
+
+
+@pytest.mark.parametrize("promised", [True, False])
+def test_what_could_be_no_equal_is_not_fitted_anew(monkeypatch: pytest.MonkeyPatch, promised: bool):
+    """Where the other psi are far off, all candidates may look alike; only what promises to do well is fitted."""
+    offset = Effect("torque_offset", {"torque_N_m": 0.3}, joints=(1,))
+    regression, tried = beside_disturbance(offset, "torque_offset", "coulomb_asymmetry", "quadratic_drag")
+    disturbance, *others = tried
+    model = fitted(regression, Model().plus(disturbance, np.array([1.31])).plus(others[0], np.zeros(0))).model
+    itself, rest = fitted(regression, model), fitted(regression, model.without(1))
+    rival = others[1] if promised else others[2]
+    nothing = [Candidate(rest.model.plus(one, np.zeros(0)), rest.x, rest.squares) for one in (others[0], rival)]
+    found = ascent._with_itself(regression, rest, nothing, itself, Starts(), regression.told)
+    (came,) = [one for one in found if one.hypothesis is rival]
+    assert (came.squares is not rest.squares) == promised
+    if promised:
+        assert came.squares.sum() == pytest.approx(itself.squares.sum(), rel=0.02)
 
 
 def test_no_event_is_needed_only_for_its_trials_to_be_learnt_from():
