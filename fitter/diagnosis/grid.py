@@ -23,6 +23,8 @@ from fitter.diagnosis.regression import Regression
 _PEAKS = 4
 #: So many of the best starts are kept.
 _KEPT = 3
+#: So many steps from a start near nothing tell what can be explained; what promises much is refined later.
+_STEPS = 4
 #: A change of which others make all but this share is none of its own.
 _LITTLE = 1e-4
 
@@ -109,7 +111,7 @@ class Grid:
         psi, gain, best = starts[order[0]], gains[order[0]], starts[order[:_KEPT]]
         if hypothesis.is_gradual:
             model = self._model.plus(hypothesis, psi)
-            psi = regression.refined(model, self._motions, len(self._model.hypotheses)).psi[-1]
+            psi = regression.refined(model, self._motions, len(self._model.hypotheses), _STEPS).psi[-1]
             gain = self._gain(hypothesis, psi)
         return Best(gain, psi, best)
 

@@ -9,7 +9,8 @@ from fitter.diagnosis.attenuation import Noise, added, noise_of
 from fitter.diagnosis.hypothesis import Hypothesis
 from fitter.diagnosis.model import Model
 from fitter.diagnosis.motion import Motion
-from fitter.diagnosis.rows import Equations, scales_only
+from fitter.diagnosis.order import scales_only
+from fitter.diagnosis.rows import Equations
 
 
 class NoisyRows:

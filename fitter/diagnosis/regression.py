@@ -203,8 +203,11 @@ class Regression:
             self._scales[key] = let_through(views, self.learning)
         return self._scales[key]
 
-    def refined(self, model: Model, motions: Sequence[Motion], held: int = 0) -> Model:
-        """Return a model with the psi that leave least; those of the first ``held`` hypotheses stay."""
+    def refined(self, model: Model, motions: Sequence[Motion], held: int = 0, rounds: int | None = None) -> Model:
+        """Return a model with the psi that leave least, or that some rounds of the search for them come to.
+
+        Those of the first ``held`` hypotheses stay.
+        """
         free = Model(model.hypotheses[held:], model.psi[held:])
         if not len(free.flat):
             return model
@@ -224,7 +227,7 @@ class Regression:
             bounds=(low, high),
             x_scale=np.maximum(np.abs(start), 1e-3),
             diff_step=np.full(len(start), SLOPE),
-            max_nfev=_FEW_ROUNDS if free.is_event else _ROUNDS,
+            max_nfev=rounds or (_FEW_ROUNDS if free.is_event else _ROUNDS),
             xtol=1e-5,
             ftol=1e-7,
         )

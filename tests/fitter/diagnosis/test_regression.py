@@ -16,6 +16,7 @@ from fitter.diagnosis.at_joint import AtJoint
 from fitter.diagnosis.attenuation import added, noise_of
 from fitter.diagnosis.in_arm import GravityTilt, Payload
 from fitter.diagnosis.in_drive import InDrive
+from fitter.diagnosis.in_friction import FrictionDrift
 from fitter.diagnosis.in_transmission import InTransmission
 from fitter.diagnosis.least_squares import scaled_lstsq
 from fitter.diagnosis.model import Model
@@ -205,3 +206,16 @@ def test_a_gain_that_comes_last_is_as_one_that_comes_first(two_joints, beside):
     quick, whole = noisy.of(model, motions), noisy._of(model, (), motions[0])
     np.testing.assert_allclose(quick.gram, whole.gram, rtol=1e-6, atol=1e-9)
     np.testing.assert_allclose(quick.pull, whole.pull, rtol=1e-6, atol=1e-9)
+
+
+def test_friction_that_drifts_is_what_the_equations_say(two_joints):
+    """Only the columns of friction are made anew, from what they are times the run's time."""
+    kind, spring = catalogue()["thermal_drift"], AtJoint(catalogue()["joint_spring"], 0)
+    model = Model().plus(FrictionDrift(kind, (0,)), np.array([0.03])).plus(spring, np.zeros(0))
+    model = model.plus(FrictionDrift(kind, (1,)), np.array([-0.01]))
+    equations, motion = two_joints.equations, two_joints.motions[1]
+    view = equations.view(model, motion)
+    np.testing.assert_allclose(view.drift, [0.03, -0.01])
+    filtered = equations.weighting.filtered(motion, view.equations(equations.independent(view.arm)))
+    design = equations.rows(model, motion).design
+    np.testing.assert_allclose(design, filtered.reshape(design.shape), rtol=1e-9, atol=1e-9)
