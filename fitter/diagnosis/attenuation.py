@@ -49,9 +49,7 @@ class Noise:
 
     def left(self, x: Floats) -> Floats:
         """Return the sum of squares that it leaves at each joint under factors x (k,)."""
-        return np.asarray(
-            self.gram @ x @ x - 2.0 * self.pull @ x + self.own, dtype=np.float64
-        )
+        return np.asarray(self.gram @ x @ x - 2.0 * self.pull @ x + self.own, dtype=np.float64)
 
     def mixed(self, mixing: Floats) -> "Noise":
         """Return the noise of columns that are mixed of these, by a matrix (k, n_column)."""

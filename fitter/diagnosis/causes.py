@@ -29,9 +29,7 @@ class Beginning:
     best: Candidate | None
 
 
-def begin(
-    regression: Regression, tried: Sequence[Hypothesis], starts: Starts, progress: Progress
-) -> Beginning:
+def begin(regression: Regression, tried: Sequence[Hypothesis], starts: Starts, progress: Progress) -> Beginning:
     """Try every hypothesis beside the base model alone; see `find_causes`."""
     base, told = fitted(regression, Model()), regression.told
     if not more_to_find(base, base, told):

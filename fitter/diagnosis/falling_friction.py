@@ -32,6 +32,7 @@ _SHOWS = 3.0
 #: So many widths are tried for each that a search for causes tries.
 _FINER = 3
 
+
 class HeldStribeck(AtJoint):
     """Stribeck's hump of a height that rests have told: psi is its width.
 

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
-from scipy.ndimage import shift
+from scipy.ndimage import spline_filter1d
 from scipy.signal import lfilter
 
 from arm.effects.effect import EffectKind
@@ -90,15 +90,29 @@ def delayed(u: Floats, delay_s: float, dt_s: float) -> Floats:
 
 def _shifted(u: Floats, samples: float) -> Floats:
     """Return a cubic spline through a torque, so many samples later, gone on with at both ends as it is there."""
-    beyond = min(math.ceil(abs(samples)) + _SPLINE, len(u) - 1)
+    return _at_shifts(u, [samples])[0]
+
+
+def _at_shifts(u: Floats, shifts: Sequence[float]) -> list[Floats]:
+    """Return the same for several shifts, of one spline: four of its weights each, by the cubic B-spline."""
+    beyond = min(math.ceil(max(abs(samples) for samples in shifts)) + _SPLINE, len(u) - 1)
     whole = np.concatenate([2.0 * u[0] - u[beyond:0:-1], u, 2.0 * u[-1] - u[-2 : -beyond - 2 : -1]])
-    return np.asarray(shift(whole, samples, order=3, mode="nearest")[beyond:-beyond], dtype=np.float64)
+    weights, found = spline_filter1d(whole, order=3), []
+    for samples in shifts:
+        back = math.floor(-samples)
+        f = -samples - back
+        first = beyond + back - 1
+        hat = (1.0 - f) ** 3, 4.0 - 6.0 * f**2 + 3.0 * f**3, 1.0 + 3.0 * f + 3.0 * f**2 - 3.0 * f**3, f**3
+        places = (np.arange(first + k, first + k + len(u)) for k in range(len(hat)))
+        parts = (b * weights.take(at, mode="clip") for b, at in zip(hat, places, strict=True))
+        found.append(np.asarray(sum(parts) / 6.0, dtype=np.float64))
+    return found
 
 
 def lagging(u: Floats, time_constant_s: float, dt_s: float) -> Floats:
     """Return a torque that follows slowly: ``T x' = u - x``, u a cubic spline, straight between finer samples."""
     parts = max(1, math.ceil(dt_s / _FINE_S))
-    between = [_shifted(u, -k / parts) for k in range(1, parts)]
+    between = _at_shifts(u, [-k / parts for k in range(1, parts)]) if parts > 1 else []
     fine = np.stack([u, *between], axis=1).ravel()
     h = dt_s / parts / time_constant_s
     fade = np.exp(-h)

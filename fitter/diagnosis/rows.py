@@ -75,7 +75,7 @@ class Equations:
     def design_at(self, model: Model, motion: Motion, joint: int) -> Floats:
         """Return what a joint's own equation makes of the design, by itself, for a gain of 1, shaped like it."""
         stage = self._stage(model, motion)
-        both = np.concatenate([one[joint] for one in (stage.base_by_joint, *stage.columns_by_joint)], axis=2)
+        both = np.concatenate([stage.base_at(joint), *stage.columns_at(joint)], axis=2)
         return both.reshape(-1, both.shape[2])
 
     def left(self, model: Model, x: Floats, motion: Motion) -> Floats:

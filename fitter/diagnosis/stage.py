@@ -38,6 +38,8 @@ class Stage:
         self, sought: BaseColumns, weighting: Weighting, view: View, before: "Stage | None" = None, by: By = None
     ) -> None:
         self._sought, self._weighting, self.view, self._before, self.by = sought, weighting, view, before, by
+        self._base_at: dict[int, Floats] = {}
+        self._columns_at: dict[int, tuple[Floats, ...]] = {}
 
     def then(self, hypothesis: Hypothesis, psi: Floats) -> "Stage":
         """Return the motion under one hypothesis more."""
@@ -51,7 +53,7 @@ class Stage:
         if before is not None and self._is_same(*_MOVES, "drift", "factor"):
             return before.base
         if before is not None and self._is_same(*_MOVES, "drift"):
-            return np.asarray(np.tensordot(view.factor, before.base_by_joint, 1), dtype=np.float64)
+            return before.base + sum(more * before.base_at(joint) for joint, more in self._scaled(before))
         if before is not None and self._is_same(*_MOVES, "factor"):
             base = before.base.copy()
             for joint, at, more in self._grown(before):
@@ -59,19 +61,26 @@ class Stage:
             return base
         return self._weighting.filtered(view.motion, view.base(self._sought.of(view.arm)))
 
-    @cached_property
-    def base_by_joint(self) -> Floats:
-        """What each joint's own equation makes of these rows, by itself, for a gain of 1: joints first."""
+    def base_at(self, joint: int) -> Floats:
+        """Return what one joint's own equation makes of these rows, by itself, for a gain of 1."""
         before, view = self._before, self.view
         if before is not None and self._is_same(*_MOVES, "drift"):
-            return before.base_by_joint
-        if before is not None and self._is_same(*_MOVES):
-            by_joint = before.base_by_joint.copy()
-            for joint, at, more in self._grown(before):
-                by_joint[joint][:, :, at] += more
-            return by_joint
-        alone = replace(view, factor=np.ones(view.q.shape[1]))
-        return self._by_joint(alone.base(self._sought.of(view.arm)))
+            return before.base_at(joint)
+        if joint not in self._base_at:
+            if before is not None and self._is_same(*_MOVES):
+                rows = before.base_at(joint).copy()
+                for at, more in ((at, more) for one, at, more in self._grown(before) if one == joint):
+                    rows[:, :, at] += more
+                self._base_at[joint] = rows
+            else:
+                alone = replace(view, factor=(np.arange(view.q.shape[1]) == joint).astype(np.float64))
+                self._base_at[joint] = self._weighting.filtered(view.motion, alone.base(self._sought.of(view.arm)))
+        return self._base_at[joint]
+
+    def _scaled(self, before: "Stage") -> list[tuple[int, float]]:
+        """Return joints that have another gain than before, and what their equations count more for that."""
+        more = self.view.factor - before.view.factor
+        return [(int(joint), float(more[joint])) for joint in np.flatnonzero(more)]
 
     def _grown(self, before: "Stage") -> Iterator[tuple[int, NDArray[np.intp], Floats]]:
         """Yield joints whose friction drifts more, where it is in the base, and what is added there."""
@@ -98,22 +107,23 @@ class Stage:
             return ()
         first, factor = len(before.view.columns), now.factor
         if factor is not before.view.factor and first:
-            return tuple(np.tensordot(factor, one, 1) for one in before.columns_by_joint)
+            at = [(more, before.columns_at(joint)) for joint, more in self._scaled(before)]
+            return tuple(one + sum(more * rows[k] for more, rows in at) for k, one in enumerate(before.columns))
         filtered = self._weighting.filtered
         added = (filtered(now.motion, one * factor[:, None]) for one in now.columns[first:])
         return (*before.columns, *added)
 
-    @cached_property
-    def columns_by_joint(self) -> tuple[Floats, ...]:
-        """What each joint's own equation makes of these, by itself, for a gain of 1: joints first."""
-        if self._before is None:
+    def columns_at(self, joint: int) -> tuple[Floats, ...]:
+        """Return what one joint's own equation makes of these, by itself, for a gain of 1."""
+        before, now = self._before, self.view
+        if before is None:
             return ()
-        added = (self._by_joint(one) for one in self.view.columns[len(self._before.view.columns) :])
-        return (*self._before.columns_by_joint, *added)
-
-    def _by_joint(self, rows: Floats) -> Floats:
-        motion, alone = self.view.motion, np.eye(rows.shape[1])[:, :, None]
-        return np.stack([self._weighting.filtered(motion, rows * one) for one in alone])
+        if joint not in self._columns_at:
+            alone = (np.arange(now.q.shape[1]) == joint)[:, None]
+            new = now.columns[len(before.view.columns) :]
+            added = (self._weighting.filtered(now.motion, one * alone) for one in new)
+            self._columns_at[joint] = (*before.columns_at(joint), *added)
+        return self._columns_at[joint]
 
     @cached_property
     def design(self) -> Floats:

@@ -5,13 +5,14 @@ from dataclasses import replace
 import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
+from scipy.interpolate import CubicSpline
 
 from arm.effects.catalogue import catalogue
 from arm.model import Effect
 from arm.simulation import simulate
 from fitter.data.motions import Measured
 from fitter.data.trials import to_trials
-from fitter.diagnosis.in_drive import InDrive, delayed, lagging
+from fitter.diagnosis.in_drive import InDrive, _shifted, delayed, lagging
 from fitter.diagnosis.model import Model
 from fitter.diagnosis.motion import run_of
 from fitter.diagnosis.regression import Regression
@@ -66,3 +67,13 @@ def test_a_limit_that_cuts_off_everything_explains_nothing():
     limit = InDrive(catalogue()["torque_saturation"], (0,))
     nothing = fitted(regression, Model().plus(limit, np.array([1e-3])), refine=False)
     assert nothing.squares.sum() > 10.0 * fitted(regression, Model()).squares.sum()
+
+
+@given(st.floats(-3.0, 80.0), st.integers(5, 200), st.integers(0, 9))
+def test_a_shift_is_that_of_a_cubic_spline(samples: float, n: int, seed: int):
+    """Inside; how it goes on beyond its ends is our own."""
+    u = np.cumsum(np.random.default_rng(seed).normal(size=n))
+    found = _shifted(u, samples)
+    assert found.shape == u.shape and np.all(np.isfinite(found))
+    inner = np.arange(n)[(np.arange(n) - samples > 15) & (np.arange(n) - samples < n - 16)]
+    np.testing.assert_allclose(found[inner], CubicSpline(np.arange(n), u)(inner - samples), atol=1e-6)
