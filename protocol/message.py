@@ -34,6 +34,10 @@ PLAY = "limb/play"
 TOPICS = (FRAMES, RAW, PLOT, TRIAL, GAP, HEALTH, KINEMATICS, DYNAMICS, DIAGNOSIS, PLAY)
 
 _DTYPES = {text: np.dtype(text) for text in ("<f8", "<f4", "<i8", "<i4", "<i2", "|b1")}
+#: What an array's type is called on the wire, whatever its order of bytes is here.
+_TEXTS = {
+    there: text for text, dtype in _DTYPES.items() for there in (dtype.newbyteorder("<"), dtype.newbyteorder(">"))
+}
 _ARRAY_KEYS = {"dtype", "shape", "data"}
 
 
@@ -49,8 +53,8 @@ def encode_array(array: NDArray[Any]) -> dict[str, object]:
     ProtocolError
         If the array is of another type or has more dimensions.
     """
-    text = array.dtype.newbyteorder("<").str
-    if text not in _DTYPES or array.ndim > MAX_DIMENSIONS:
+    text = _TEXTS.get(array.dtype)
+    if text is None or array.ndim > MAX_DIMENSIONS:
         raise ProtocolError(
             f"array of {array.dtype} with {array.ndim} dimensions, expected one of {', '.join(_DTYPES)} "
             f"with at most {MAX_DIMENSIONS}"

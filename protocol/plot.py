@@ -1,10 +1,8 @@
 """`limb/plot`: joint and tip motion as flat rows, which is what plotting programs read."""
 
 from collections.abc import Mapping
+from itertools import chain
 from typing import Any
-
-import numpy as np
-from numpy.typing import NDArray
 
 PLOT_HZ = 100.0
 #: Signals by joint, where there are such.
@@ -26,20 +24,16 @@ def plot_rows(motion: Mapping[str, Any], step: int) -> list[dict[str, float]]:
     list of dict
         Each with ``ts`` [s, UTC], ``q1…``, ``dq1…``, ``ddq1…``, ``tipx``, ``tipy``, ``tipz``.
     """
-    columns: dict[str, NDArray[np.float64]] = {}
-    for name in _BY_JOINT:
-        if motion.get(name) is not None:
-            values = motion[name]
-            columns.update({f"{name}{j + 1}": values[:, j] for j in range(values.shape[1])})
-    columns.update({f"tip{axis}": motion["tip"][:, k] for k, axis in enumerate("xyz")})
-    first = -motion["frame0"] % step
-    return [
-        {
-            "ts": (motion["t0_ns"] + round(i * motion["dt_s"] * 1e9)) / 1e9,
-            **{name: float(values[i]) for name, values in columns.items()},
-        }
-        for i in range(first, motion["n"], step)
-    ]
+    picked = range(-motion["frame0"] % step, motion["n"], step)
+    if not picked:
+        return []
+    names, parts = ["ts"], [[[(motion["t0_ns"] + round(i * motion["dt_s"] * 1e9)) / 1e9] for i in picked]]
+    for signal in (*_BY_JOINT, "tip"):
+        if motion.get(signal) is not None:
+            values = motion[signal][picked.start :: step].tolist()
+            names += (f"{signal}{end}" for end in ("xyz" if signal == "tip" else range(1, len(values[0]) + 1)))
+            parts.append(values)
+    return [dict(zip(names, chain.from_iterable(row), strict=True)) for row in zip(*parts, strict=True)]
 
 
 def plot_step(dt_s: float) -> int:

@@ -91,7 +91,8 @@ class Publisher:
         """
         seq = self.last_seq.get(topic, -1) + 1
         parts = encode(topic, {**fields, "arm": self._arm, "run": self._run, "seq": seq})
-        self._socket.send_multipart(parts)
+        self._socket.send(parts[0], zmq.SNDMORE)
+        self._socket.send(parts[1])
         self.last_seq[topic] = seq
         return parts
 

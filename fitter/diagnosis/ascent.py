@@ -7,6 +7,7 @@ that do as well stand beside it.
 
 import math
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 
 from arm.model import Floats
 from fitter.diagnosis.grid import Grid, Starts
@@ -32,7 +33,11 @@ _BY_ALL = 0.5
 
 
 class Ascent:
-    """One way up: a cause at a time, and after every one all are doubted again."""
+    """One way up: a cause at a time, and after every one all are doubted again.
+
+    ``function`` tells what one unknown function would leave (`Search.function`): where several causes leave
+    clearly more, no other is sought. It is asked only if they may.
+    """
 
     def __init__(
         self,
@@ -41,9 +46,10 @@ class Ascent:
         starts: Starts,
         base: Candidate,
         progress: Progress,
+        function: Callable[[], float] | None = None,
     ) -> None:
         self._regression, self._tried, self._starts, self._base = regression, tried, starts, base
-        self._progress, self._rounds = progress, 0
+        self._progress, self._rounds, self._function = progress, 0, function
         #: What everything was tried beside, by its hypotheses, and what came of it.
         self._known: dict[tuple[Key, ...], tuple[Candidate, list[Candidate]]] = {}
 
@@ -93,7 +99,7 @@ class Ascent:
         """Go on from causes that another search has found, once each of them is doubted."""
         self._rounds = 1
         accepted, causes = self._doubted(fitted(self._regression, model), _explaining(first, self._base))
-        if self._is_at_top(accepted, causes):
+        if self._is_at_top(accepted, causes) or self._is_outdone(accepted, causes, first):
             return self._come_to(accepted, causes, first)
         accepted, candidates, best = self._next(accepted)
         return self._higher(first, accepted, causes, candidates, best)
@@ -119,7 +125,7 @@ class Ascent:
             if frozenset(_keys(accepted)) in known:  # what one round takes in the next throws out
                 break
             known.add(frozenset(_keys(accepted)))
-            if self._is_at_top(accepted, causes):
+            if self._is_at_top(accepted, causes) or self._is_outdone(accepted, causes, first):
                 break
             accepted, candidates, best = self._next(accepted)
         return self._come_to(accepted, causes, first)
@@ -127,6 +133,13 @@ class Ascent:
     def _come_to(self, accepted: Candidate, causes: list[Cause], first: list[Candidate]) -> Search:
         regression = self._regression
         return Search(self._base, accepted, causes, first, regression.told, from_all=regression.learns_from_all)
+
+    def _is_outdone(self, accepted: Candidate, causes: Sequence[Cause], first: list[Candidate]) -> bool:
+        """Say whether one unknown function would explain clearly more than several causes do: they are none."""
+        found = self._come_to(accepted, list(causes), first)
+        if self._function is None or len(causes) < 2 or not found.may_be_outdone:
+            return False
+        return replace(found, function=self._function()).outdone
 
     def _is_at_top(self, accepted: Candidate, causes: Sequence[Cause]) -> bool:
         return len(causes) >= _MOST or not more_to_find(self._base, accepted, self._regression.told)

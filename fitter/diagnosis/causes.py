@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import cache
 
 from fitter.diagnosis.ascent import Ascent, Progress
 from fitter.diagnosis.folds import Folds
@@ -45,6 +46,7 @@ def find_causes(
     progress: Progress | None = None,
     begun: Beginning | None = None,
     before: Search | None = None,
+    strict: bool = False,
 ) -> Search:
     """Find the causes of what a base model leaves.
 
@@ -63,24 +65,34 @@ def find_causes(
         Of `begin`; it is made here unless given.
     before : Search, optional
         What was found with another filter: several causes that explained nearly all are gone on from.
+    strict : bool
+        Whether no more causes are sought where one unknown function explains clearly more than several do: none
+        of them will be named.
     """
     starts = starts or Starts()
     part = _part(progress, 0.0, 0.5)
     begun = begun or begin(regression, tried, starts, part)
     base = begun.base
     search = Search(base, base, [], [], regression.told)
+
+    @cache
+    def function() -> float:
+        return best_functions(Folds(regression, base), regression.arm.n_joint).least
+
+    def ascent(part: Progress) -> Ascent:
+        return Ascent(regression, tried, starts, base, part, function if strict else None)
+
     if begun.candidates and before is not None and before.is_nearly_all:
-        search = Ascent(regression, tried, starts, base, part).from_causes(begun.candidates, before.final.model)
+        search = ascent(part).from_causes(begun.candidates, before.final.model)
     if begun.candidates and (not search.causes or search.leads_nowhere):
-        anew = Ascent(regression, tried, starts, base, part).on(begun.candidates, begun.best)
+        anew = ascent(part).on(begun.candidates, begun.best)
         search = min(anew, search, key=lambda one: float(one.final.squares.sum()))
     if search.may_be_outdone:
-        function = best_functions(Folds(regression, base), regression.arm.n_joint).least
-        search = replace(search, function=function)
+        search = replace(search, function=function())
     for k, other in enumerate(_others(search)):
         if search.outdone or not search.leads_nowhere:
             break
-        again = Ascent(regression, tried, starts, base, _part(progress, 0.5 + 0.25 * k, 0.25))
+        again = ascent(_part(progress, 0.5 + 0.25 * k, 0.25))
         found = again.on([other, *(one for one in search.first if one is not other)], other)
         if found.final.squares.sum() < _MUCH_BETTER * search.final.squares.sum():
             search = replace(found, function=search.function)

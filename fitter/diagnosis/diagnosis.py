@@ -133,7 +133,9 @@ def _searched(
         if not will_do(regression.weighting, weighted):
             regression = regression.weighted_by(weighted)
             beginning = begun()
-    search = find_causes(regression, tried, starts, lambda what, done: say(what, 0.8 * done), beginning)
+    search = find_causes(
+        regression, tried, starts, lambda what, done: say(what, 0.8 * done), beginning, strict=strict
+    )
     if search.from_all:
         regression = regression.learning_from_all()
     weighted = regression.weighting_under(search.final.model, search.final.x)
@@ -142,7 +144,9 @@ def _searched(
     if search.causes and not in_vain and not will_do(regression.weighting, weighted):
         regression = regression.weighted_by(weighted)
         search = find_causes(
-            regression, tried, starts, lambda what, done: say(f"once more, {what}", 0.8 * done), before=search
+            *(regression, tried, starts, lambda what, done: say(f"once more, {what}", 0.8 * done)),
+            before=search,
+            strict=strict,
         )
         if search.from_all:
             regression = regression.learning_from_all()

@@ -10,6 +10,7 @@ from arm.effects.catalogue import catalogue
 from arm.model import Effect
 from fitter.data.motions import Measured
 from fitter.data.trials import to_trials
+from fitter.diagnosis.ascent import Ascent
 from fitter.diagnosis.at_joint import AtJoint
 from fitter.diagnosis.causes import find_causes
 from fitter.diagnosis.folds import Folds
@@ -67,6 +68,18 @@ def test_a_soft_wall_outdoes_what_imitates_it():
     search = find_causes(regression, [AtJoint(catalogue()["cogging"], 0)])
     assert "cogging" in {one.kind.name for one in search.final.model.hypotheses}
     assert search.outdone
+
+
+@pytest.mark.parametrize("strict", [True, False])
+def test_nothing_is_sought_beside_causes_of_which_none_will_be_named(strict, monkeypatch):
+    """Where they are named all the same, as of a machine that was measured, whatever explains more is sought."""
+    regression = regression_of(resisted(PLAIN, lambda q, dq: 0.8 * np.tanh(q / 0.15)))
+    tried = [AtJoint(catalogue()[name], 0) for name in ("cogging", "joint_spring")]
+    beside, sought = [], Ascent._next
+    monkeypatch.setattr(Ascent, "_next", lambda self, one: beside.append(len(one.model.psi)) or sought(self, one))
+    search = find_causes(regression, tried, strict=strict)
+    assert search.outdone and len(search.causes) == 2
+    assert max(beside) == (1 if strict else 2)
 
 
 @pytest.mark.parametrize(
