@@ -36,7 +36,8 @@ class Ascent:
     """One way up: a cause at a time, and after every one all are doubted again.
 
     ``function`` tells what one unknown function would leave (`Search.function`): where several causes leave
-    clearly more, no other is sought. It is asked only if they may.
+    clearly more, no other is sought. It is asked only if they may. ``is_right`` says whether the filter is, under
+    a model: where several causes explain nearly all, and it is not, no more is sought with it.
     """
 
     def __init__(
@@ -47,9 +48,10 @@ class Ascent:
         base: Candidate,
         progress: Progress,
         function: Callable[[], float] | None = None,
+        is_right: Callable[[Candidate], bool] | None = None,
     ) -> None:
         self._regression, self._tried, self._starts, self._base = regression, tried, starts, base
-        self._progress, self._rounds, self._function = progress, 0, function
+        self._progress, self._rounds, self._function, self._is_right = progress, 0, function, is_right
         #: What everything was tried beside, by its hypotheses, and what came of it.
         self._known: dict[tuple[Key, ...], tuple[Candidate, list[Candidate]]] = {}
 
@@ -99,7 +101,7 @@ class Ascent:
         """Go on from causes that another search has found, once each of them is doubted."""
         self._rounds = 1
         accepted, causes = self._doubted(fitted(self._regression, model), _explaining(first, self._base))
-        if self._is_at_top(accepted, causes) or self._is_outdone(accepted, causes, first):
+        if self._ends(accepted, causes, first):
             return self._come_to(accepted, causes, first)
         accepted, candidates, best = self._next(accepted)
         return self._higher(first, accepted, causes, candidates, best)
@@ -125,7 +127,7 @@ class Ascent:
             if frozenset(_keys(accepted)) in known:  # what one round takes in the next throws out
                 break
             known.add(frozenset(_keys(accepted)))
-            if self._is_at_top(accepted, causes) or self._is_outdone(accepted, causes, first):
+            if self._ends(accepted, causes, first):
                 break
             accepted, candidates, best = self._next(accepted)
         return self._come_to(accepted, causes, first)
@@ -133,6 +135,13 @@ class Ascent:
     def _come_to(self, accepted: Candidate, causes: list[Cause], first: list[Candidate]) -> Search:
         regression = self._regression
         return Search(self._base, accepted, causes, first, regression.told, from_all=regression.learns_from_all)
+
+    def _ends(self, accepted: Candidate, causes: Sequence[Cause], first: list[Candidate]) -> bool:
+        """Say whether no more causes are sought, or not with this filter."""
+        if self._is_at_top(accepted, causes) or self._is_outdone(accepted, causes, first):
+            return True
+        to_be_made_anew = self._is_right is not None and self._come_to(accepted, list(causes), first).is_nearly_all
+        return to_be_made_anew and self._is_right is not None and not self._is_right(accepted)
 
     def _is_outdone(self, accepted: Candidate, causes: Sequence[Cause], first: list[Candidate]) -> bool:
         """Say whether one unknown function would explain clearly more than several causes do: they are none."""

@@ -1,6 +1,6 @@
 """Causes of what a base model leaves: up from the best hypothesis, and from others where that leads nowhere."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import cache
 
@@ -47,6 +47,7 @@ def find_causes(
     begun: Beginning | None = None,
     before: Search | None = None,
     strict: bool = False,
+    is_right: Callable[[Candidate], bool] | None = None,
 ) -> Search:
     """Find the causes of what a base model leaves.
 
@@ -68,6 +69,9 @@ def find_causes(
     strict : bool
         Whether no more causes are sought where one unknown function explains clearly more than several do: none
         of them will be named.
+    is_right : callable, optional
+        Whether the filter is, under a model: where several causes explain nearly all, and it is not, no more are
+        sought, for the search will be made anew.
     """
     starts = starts or Starts()
     part = _part(progress, 0.0, 0.5)
@@ -80,7 +84,7 @@ def find_causes(
         return best_functions(Folds(regression, base), regression.arm.n_joint).least
 
     def ascent(part: Progress) -> Ascent:
-        return Ascent(regression, tried, starts, base, part, function if strict else None)
+        return Ascent(regression, tried, starts, base, part, function if strict else None, is_right)
 
     if begun.candidates and before is not None and before.is_nearly_all:
         search = ascent(part).from_causes(begun.candidates, before.final.model)

@@ -133,16 +133,22 @@ def _searched(
         if not will_do(regression.weighting, weighted):
             regression = regression.weighted_by(weighted)
             beginning = begun()
+    first = regression
+
+    def is_right(candidate: Candidate) -> bool:
+        return will_do(first.weighting, first.weighting_under(candidate.model, candidate.x))
+
     search = find_causes(
-        regression, tried, starts, lambda what, done: say(what, 0.8 * done), beginning, strict=strict
+        *(regression, tried, starts, lambda what, done: say(what, 0.8 * done), beginning),
+        strict=strict,
+        is_right=is_right,
     )
     if search.from_all:
         regression = regression.learning_from_all()
-    weighted = regression.weighting_under(search.final.model, search.final.x)
     # A wrong drive is weighed by the noise that it lets through, which the first filter may have wrong.
     in_vain = strict and search.outdone and all(one.kind.place != "drive" for one in search.final.model.hypotheses)
-    if search.causes and not in_vain and not will_do(regression.weighting, weighted):
-        regression = regression.weighted_by(weighted)
+    if search.causes and not in_vain and not is_right(search.final):
+        regression = regression.weighted_by(regression.weighting_under(search.final.model, search.final.x))
         search = find_causes(
             *(regression, tried, starts, lambda what, done: say(f"once more, {what}", 0.8 * done)),
             before=search,

@@ -6,7 +6,9 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.ndimage import binary_erosion, gaussian_filter1d
 
+from arm.effects.effect_table import ROTOR, changed, effect_table
 from arm.model import Arm, Floats
+from arm.newton_euler import mass_matrix
 from arm.simulation import simulate
 from fitter.diagnosis.motion import Motion
 from fitter.diagnosis.regression import Regression
@@ -18,6 +20,8 @@ from fitter.side_by_side import side_by_side
 _RESAMPLED = 1000
 #: A simulated angle that is this far off has run away [rad].
 _RUN_AWAY = 1e6
+#: Whether there is mass is asked of every so manieth sample.
+_EVERY = 10
 #: The first state of a trial at rest is the mean over this long [s].
 _REST_S = 0.04
 #: Next to a gap the columns' own filter still has part of what is in it [s].
@@ -104,8 +108,11 @@ def simulated(arm: Arm, motion: Motion, horizon_s: float = HORIZON_S) -> Floats:
     """Return the angles of an arm with its effects, driven as in a trial, (n_sample, n_joint).
 
     Under a control law it runs through the whole trial; with measured torque it starts anew every ``horizon_s``.
+    Infinite where masses that none can have would run from a push towards where it comes from.
     """
     trial = motion.trial
+    if not _has_mass(arm, motion):
+        return np.where(np.arange(len(trial.q))[:, None] == 0, trial.q, np.inf)
     t0 = float(motion.t[0])
     if arm.control.law != "measured" and trial.ref is not None:
         rest = max(1, round(_REST_S / trial.dt_s))
@@ -129,6 +136,16 @@ def simulated(arm: Arm, motion: Motion, horizon_s: float = HORIZON_S) -> Floats:
             trial=motion.number,
         ).q[1:]
     return angles
+
+
+def _has_mass(arm: Arm, motion: Motion) -> bool:
+    """Say whether the mass matrix of the joints that move, rotors included, is positive definite all the way."""
+    stuck, own = motion.stuck[::_EVERY], np.arange(arm.n_joint)
+    inner = changed(arm)
+    M = mass_matrix(inner, motion.q[::_EVERY])
+    M[stuck[:, :, None] | stuck[:, None, :]] = 0.0
+    M[:, own, own] += np.where(stuck, 1.0, effect_table(inner, motion.number).numbers[ROTOR])
+    return bool(np.linalg.eigvalsh(M).min(initial=np.inf) > 0.0)
 
 
 def judged(regression: Regression, fitted: Candidate, arm: Arm, motions: Sequence[Motion]) -> Errors:

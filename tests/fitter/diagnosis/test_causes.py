@@ -98,6 +98,25 @@ def test_what_could_be_no_equal_is_not_fitted_anew(monkeypatch: pytest.MonkeyPat
         assert came.squares.sum() == pytest.approx(itself.squares.sum(), rel=0.02)
 
 
+def test_with_a_wrong_filter_no_more_is_sought_than_explains_nearly_all(monkeypatch: pytest.MonkeyPatch):
+    """It will be made anew, and everything tried beside these causes then."""
+    drag = Effect("quadratic_drag", {"drag_N_m_s2": 0.05}, joints=(1,))
+    regression, tried = beside_disturbance(drag, "quadratic_drag", "joint_spring")
+    most: list[int] = []
+
+    def counted(regression: Regression, accepted: Candidate, *others: Any) -> list[Candidate]:
+        most.append(len(accepted.model.hypotheses))
+        return screen(regression, accepted, *others)
+
+    monkeypatch.setattr(ascent, "screen", counted)
+    true = {("periodic_disturbance", (0,)), ("quadratic_drag", (0,))}
+    for is_right, beside in ((True, 2), (False, 1)):
+        most.clear()
+        search = find_causes(regression, tried, is_right=lambda _, right=is_right: right)
+        assert {one.key for one in search.final.model.hypotheses} == true
+        assert max(most) == beside
+
+
 def test_no_event_is_needed_only_for_its_trials_to_be_learnt_from():
     """With a push a model is fitted to all trials; without it, by those that tell nothing of the stop."""
     trials = to_trials(stop_that_no_learning_trial_reaches(), cutoff_hz=25.0)
