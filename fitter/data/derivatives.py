@@ -7,7 +7,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import BSpline, make_interp_spline
-from scipy.signal import butter, sosfiltfilt
+from scipy.signal import butter, sosfilt, sosfilt_zi
 
 Floats = NDArray[np.float64]
 Ends = Literal["odd", "even"]
@@ -46,15 +46,23 @@ def lowpass(values: Floats, dt_s: float, cutoff_hz: float, ends: Ends = "odd") -
     """
     if cutoff_hz * dt_s >= HIGHEST_CORNER:
         return values
-    sections = _sections(dt_s, cutoff_hz)
+    sections, settled = _sections(dt_s, cutoff_hz)
     padding = min(len(values) - 1, PADDING * settling_samples(dt_s, cutoff_hz))
-    filtered: Floats = sosfiltfilt(sections, values, axis=0, padtype=ends, padlen=padding)
-    return filtered
+    before, after = values[padding:0:-1], values[-2 : -padding - 2 : -1]
+    if ends == "odd":
+        before, after = 2.0 * values[0] - before, 2.0 * values[-1] - after
+    column = np.concatenate([before, values, after])
+    settled = settled.reshape(*settled.shape, *(1 for _ in values.shape[1:]))
+    for _ in range(2):  # forwards, and what came of that backwards
+        column = sosfilt(sections, column, axis=0, zi=settled * column[0])[0][::-1]
+    return np.asarray(column[padding : padding + len(values)], dtype=np.float64)
 
 
 @functools.cache
-def _sections(dt_s: float, cutoff_hz: float) -> Floats:
-    return np.asarray(butter(ORDER, cutoff_hz, fs=1.0 / dt_s, output="sos"), dtype=np.float64)
+def _sections(dt_s: float, cutoff_hz: float) -> tuple[Floats, Floats]:
+    """Return the filter's sections and their state when settled at one, made once: `sosfiltfilt` makes it anew."""
+    sections = np.asarray(butter(ORDER, cutoff_hz, fs=1.0 / dt_s, output="sos"), dtype=np.float64)
+    return sections, np.asarray(sosfilt_zi(sections), dtype=np.float64)
 
 
 def settling_samples(dt_s: float, cutoff_hz: float) -> int:

@@ -31,8 +31,8 @@ def agreed(regression: Regression, model: Model) -> Floats:
     (n_factor,)
     """
     rows = [regression.rows(model, motion) for motion in regression.motions]
-    grams = np.array([one.design.T @ one.design for one in rows])
-    pulls = np.array([one.design.T @ one.target.ravel() for one in rows])
+    grams = np.array([one.columns.gram for one in rows])
+    pulls = np.array([one.pull for one in rows])
     size = np.sqrt(np.einsum("kii->i", grams))
     size[size == 0.0] = 1.0
     grams, pulls = grams / np.outer(size, size), pulls / size

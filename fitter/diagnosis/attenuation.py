@@ -31,15 +31,15 @@ _DEPENDENT = 1e-12
 
 @dataclass(frozen=True)
 class Noise:
-    """What one draw of noise makes of equations, joint by joint.
+    """What one draw of noise makes of equations, joint by joint, or of all joints' together as of one.
 
     Attributes
     ----------
-    gram : (n_joint, k, k)
+    gram : (n_joint or 1, k, k)
         Products of what it makes of the columns.
-    pull : (n_joint, k)
+    pull : (n_joint or 1, k)
         Their products with what it makes of the right-hand side.
-    own : (n_joint,)
+    own : (n_joint or 1,)
         The sum of squares of that.
     """
 

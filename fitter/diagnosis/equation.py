@@ -51,30 +51,37 @@ class Weighting(Whitening):
 
     def filtered(self, motion: Motion, rows: Floats) -> Floats:
         """Return rows (n_sample, n_joint, …), filtered and on the slower grid, without what may hold a joint."""
-        acts = np.flatnonzero(np.any(rows.reshape(*rows.shape[:2], -1), axis=(0, 2)))
-        only = slice(acts[0], acts[0] + 1) if len(acts) == 1 else slice(None)
-        white = self.white(rows[:, only], motion.dt_s, only)
+        white = self.whitened(motion, rows)
         return self.freed(motion, white.reshape(white.shape[0] * white.shape[1], -1)).reshape(white.shape)
 
     def filtered_at(self, motion: Motion, joint: int, torques: Floats) -> Floats:
         """Return the same of torques (n_sample, n_column) at one joint, (n_slower * n_joint, n_column)."""
+        return self.freed(motion, self.whitened_at(motion, joint, torques))
+
+    def whitened_at(self, motion: Motion, joint: int, torques: Floats) -> Floats:
+        """Return the same with what may hold a joint."""
         white = self.white(torques[:, None], motion.dt_s, slice(joint, joint + 1))
-        return self.freed(motion, white.reshape(-1, torques.shape[1]))
+        return white.reshape(-1, torques.shape[1])
 
-    def halfway_at(self, motion: Motion, joint: int, torques: Floats) -> tuple[Floats, Floats]:
-        """Return W and Z of torques at one joint: the products of what `filtered_at` returns are W'W - Z'Z.
+    def whitened(self, motion: Motion, rows: Floats) -> Floats:
+        """Return rows (n_sample, n_joint, …), filtered and on the slower grid, with what may hold a joint."""
+        acts = np.flatnonzero(np.any(rows.reshape(*rows.shape[:2], -1), axis=(0, 2)))
+        only = slice(acts[0], acts[0] + 1) if len(acts) == 1 else slice(None)
+        return self.white(rows[:, only], motion.dt_s, only)
 
-        Its products with other filtered rows are those of W with these rows, freed once more: half the work where
-        no more than products is needed.
+    def freed(self, motion: Motion, flat: Floats, held: Floats | None = None) -> Floats:
+        """Return white rows (n_slower * n_joint, n_column) without what may hold a joint.
+
+        Parameters
+        ----------
+        motion : Motion
+        flat : (n_slower * n_joint, n_column)
+        held : (n_axis, n_column), optional
+            The same along `axes`, where it is known.
         """
-        white = self.white(torques[:, None], motion.dt_s, slice(joint, joint + 1)).reshape(-1, torques.shape[1])
-        axes, lost = self._axes(motion)
-        return white, np.sqrt(lost * (2.0 - lost))[:, None] * (axes.T @ white)
-
-    def freed(self, motion: Motion, flat: Floats) -> Floats:
-        """Return rows (n_slower * n_joint, n_column) without what may hold a joint."""
-        axes, lost = self._axes(motion)
-        return np.asarray(flat - axes @ (lost[:, None] * (axes.T @ flat)), dtype=np.float64)
+        axes, lost = self.axes(motion)
+        along = axes.T @ flat if held is None else held
+        return np.asarray(flat - axes @ (lost[:, None] * along), dtype=np.float64)
 
     def boxes(self, motion: Motion, joint: int, length_s: float) -> tuple[Floats, Floats]:
         """Return torques of 1 at a joint, one after the other, filtered, and their products with each other.
@@ -105,7 +112,7 @@ class Weighting(Whitening):
     def told_at_joints(self, motion: Motion) -> Floats:
         """Return the same joint by joint, (n_joint,): what is eliminated counts where it would have been seen."""
         if motion.number not in self._told:
-            axes, lost = self._axes(motion)
+            axes, lost = self.axes(motion)
             rows = axes.reshape(-1, motion.q.shape[1], axes.shape[1])
             size = scipy.fft.next_fast_len(2 * len(rows), real=True)
             band = self.band(scipy.fft.rfftfreq(size, self.stride * motion.dt_s))
@@ -115,7 +122,7 @@ class Weighting(Whitening):
             self._told[motion.number] = self.n_told(len(rows), motion.dt_s) - gone
         return self._told[motion.number]
 
-    def _axes(self, motion: Motion) -> tuple[Floats, Floats]:
+    def axes(self, motion: Motion) -> tuple[Floats, Floats]:
         """Return orthonormal axes of what is not known of the torque, filtered, and how much of each is lost."""
         if motion.number not in self._held:
             anyhow, roughly = self._unknown(motion)

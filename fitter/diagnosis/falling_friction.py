@@ -19,7 +19,7 @@ from arm.effects.catalogue import catalogue
 from arm.model import Floats
 from fitter.diagnosis.at_joint import AtJoint
 from fitter.diagnosis.holding import ABOVE, Holding
-from fitter.diagnosis.least_squares import scaled_lstsq
+from fitter.diagnosis.least_squares import own_square
 from fitter.diagnosis.motion import Motion
 from fitter.diagnosis.regression import Regression
 from fitter.diagnosis.screening import Candidate, fitted
@@ -96,15 +96,16 @@ def hump_of(regression: Regression, final: Candidate, holding: Holding) -> Hump 
     coulomb = abs(float(regression.equations.friction(final.model, final.x, motions[0])[joint, 1]))
     least, likely = holding.parameter.value / ABOVE - coulomb, holding.parameter.value - coulomb
     error = holding.parameter.std
-    plain = float(np.sum(regression.solve(final.model, motions)[2] ** 2))
+    plain = float(np.sum(regression.solve(final.model, motions)[1] ** 2))
     numbers = sum(regression.weighting.told(motion) for motion in motions)
     free = AtJoint(catalogue()["stribeck"], joint)
 
     def tried(width: float, given: float | None = None) -> tuple[float, float, bool]:
         """Return by how much a hump so wide raises the sum of squares, its height, and whether it shows."""
-        x, A, r = regression.solve(final.model.plus(free, np.array([width])), motions)
-        own = A[:, -1] - A[:, :-1] @ scaled_lstsq(A[:, :-1], A[:, -1])
-        told = float(own @ own)
+        model = final.model.plus(free, np.array([width]))
+        x, r = regression.solve(model, motions)
+        gram = sum(regression.rows(model, motion).columns.gram for motion in motions)
+        told = own_square(np.asarray(gram))
         if not told * likely**2 > _SHOWS**2:
             return 0.0, likely, False
         height = (x[-1] * told + likely / error**2) / (told + 1.0 / error**2)

@@ -13,6 +13,7 @@ from fitter.diagnosis.motion import Motion
 from fitter.diagnosis.products import products, spelled
 from fitter.diagnosis.regression import Regression
 from fitter.diagnosis.screening import Candidate
+from fitter.diagnosis.white_rows import Columns
 
 #: How strongly a function's factors are held towards zero, in units of a column's own sum of squares; those of a
 #: single formula are not, as little as the base parameters.
@@ -149,8 +150,9 @@ class _Sums:
     @classmethod
     def of(cls, regression: Regression, motion: Motion, joint: int, features: Floats, again: Floats) -> "_Sums":
         """Return those with rows that have been freed once more."""
-        W, Z = regression.weighting.halfway_at(motion, joint, features)
-        return cls(W, Z, W.T @ again)
+        weighting = regression.weighting
+        columns = Columns(weighting, motion, weighting.whitened_at(motion, joint, features))
+        return cls(columns.white, columns.lost, columns.white.T @ again)
 
     @property
     def squares(self) -> Floats:

@@ -14,10 +14,12 @@ import scipy.signal
 from arm.model import Floats
 from fitter.diagnosis.at_joint import AtJoint
 from fitter.diagnosis.hypothesis import Hypothesis
-from fitter.diagnosis.least_squares import scaled_lstsq
+from fitter.diagnosis.least_squares import solved
 from fitter.diagnosis.model import Model
 from fitter.diagnosis.motion import Motion
+from fitter.diagnosis.refinement import refined
 from fitter.diagnosis.regression import Regression
+from fitter.diagnosis.white_rows import Columns
 
 #: Peaks of the spectrum that may be a disturbance's frequency.
 _PEAKS = 4
@@ -25,6 +27,8 @@ _PEAKS = 4
 _KEPT = 3
 #: So many steps from a start near nothing tell what can be explained; what promises much is refined later.
 _STEPS = 4
+#: A column of which others leave no more than this share is none of its own.
+_FRESH = 1e-4
 #: A change of which others make all but this share is none of its own.
 _LITTLE = 1e-4
 
@@ -89,6 +93,10 @@ class Grid:
         self._Q = np.hstack([Q[:, told], self._tangent])
         self._residual = self._target - self._Q @ (self._Q.T @ self._target)
         self.left = float(self._residual @ self._residual)
+        ends = np.cumsum([len(one.columns.white) for one in rows])[:-1]
+        both = np.split(np.column_stack([self._Q, self._residual]), ends)
+        freed = regression.weighting.freed
+        self._again = [freed(motion, one) for motion, one in zip(self._motions, both, strict=True)]
 
     def _slopes(self) -> Floats:
         """Return what a change of each accepted psi makes, (n_row, n_psi)."""
@@ -111,7 +119,7 @@ class Grid:
         psi, gain, best = starts[order[0]], gains[order[0]], starts[order[:_KEPT]]
         if hypothesis.is_gradual:
             model = self._model.plus(hypothesis, psi)
-            psi = regression.refined(model, self._motions, len(self._model.hypotheses), _STEPS).psi[-1]
+            psi = refined(regression, model, self._motions, len(self._model.hypotheses), _STEPS).psi[-1]
             gain = self._gain(hypothesis, psi)
         return Best(gain, psi, best)
 
@@ -138,40 +146,43 @@ class Grid:
         """Return the gains of what need not show in the learning trials, by all trials."""
         motions = self._regression.motions
         if self._left_of_run is None:
-            r = self._regression.solve(self._model, motions)[2]
+            r = self._regression.solve(self._model, motions)[1]
             self._left_of_run = float(r @ r)
         gains = []
         for psi in starts:
-            r = self._regression.solve(self._model.plus(hypothesis, psi), motions)[2]
+            r = self._regression.solve(self._model.plus(hypothesis, psi), motions)[1]
             gains.append(self._left_of_run - float(r @ r))
         return gains
 
     def _gain(self, hypothesis: Hypothesis, psi: Floats) -> float:
         model = self._model.plus(hypothesis, psi)
-        r = self._regression.solve(model, self._motions)[2]
+        r = self._regression.solve(model, self._motions)[1]
         straight = self._tangent.T @ r
         return self.left - float(r @ r) + float(straight @ straight)
 
     def _gains(self, hypothesis: Hypothesis, starts: Floats) -> list[float]:
-        """Return the gains of columns beside all others, those of all starts filtered together."""
-        first, width = len(self._views[0].columns), hypothesis.n_column
-        parts = []
-        for view in self._views:
-            added = [one for psi in starts for one in hypothesis.act(view, psi).columns[first:]]
-            columns = np.concatenate(added, axis=2) * view.factor[:, None]
-            filtered = self._regression.weighting.filtered(view.motion, columns)
-            parts.append(filtered.reshape(-1, len(starts) * width))
-        C = np.vstack(parts)
-        size = np.linalg.norm(C, axis=0)
-        C -= self._Q @ (self._Q.T @ C)
-        fresh = np.linalg.norm(C, axis=0) > 1e-4 * size
-        return [self._gain_of(C[:, k : k + width][:, fresh[k : k + width]]) for k in range(0, len(fresh), width)]
+        """Return the gains of columns beside all others, those of all starts filtered together.
 
-    def _gain_of(self, C: Floats) -> float:
-        if not C.shape[1]:
-            return 0.0
-        r = self._residual - C @ scaled_lstsq(C, self._residual)
-        return self.left - float(r @ r)
+        No more than their products with each other, with all others and with what is left is needed.
+        """
+        first, width, weighting = len(self._views[0].columns), hypothesis.n_column, self._regression.weighting
+        grams, pulls = [], []
+        for view, again in zip(self._views, self._again, strict=True):
+            added = [one for psi in starts for one in hypothesis.act(view, psi).columns[first:]]
+            rows = weighting.whitened(view.motion, np.concatenate(added, axis=2) * view.factor[:, None])
+            C = Columns(weighting, view.motion, rows.reshape(-1, rows.shape[2]))
+            grams.append([C.gram[k : k + width, k : k + width] for k in range(0, len(C.gram), width)])
+            pulls.append(again.T @ C.white)
+        both = np.sum(pulls, axis=0)
+        shared, pull = both[:-1], both[-1]
+        found = []
+        for k, own in enumerate(np.sum(grams, axis=0)):
+            its = slice(k * width, (k + 1) * width)
+            others = shared[:, its]
+            alone = own - others.T @ others
+            fresh = np.diag(alone) > _FRESH**2 * np.diag(own)
+            found.append(_gain_of(alone[np.ix_(fresh, fresh)], pull[its][fresh]))
+        return found
 
     def _peaks(self, hypothesis: AtJoint) -> Floats:
         """Return the frequencies at which the residual swings most, (n_peak, 1)."""
@@ -204,3 +215,8 @@ def _beside(Q: Floats, columns: Floats) -> Floats:
     columns = (columns - Q @ (Q.T @ columns)) / np.where(size > 0.0, size, 1.0)
     U, length, _ = np.linalg.svd(columns, full_matrices=False)
     return np.asarray(U[:, length > _LITTLE], dtype=np.float64)
+
+
+def _gain_of(gram: Floats, pull: Floats) -> float:
+    """Return by how much columns lower a sum of squares, by their products with each other and what is left."""
+    return float(pull @ solved(gram, pull)) if len(pull) else 0.0

@@ -9,14 +9,29 @@ _DEPENDENT = 1e-12
 
 
 def scaled_lstsq(A: Floats, y: Floats) -> Floats:
-    """Return the least-squares answer by the normal equations, columns scaled to length one first.
+    """Return the least-squares answer by the normal equations; see `solved`."""
+    return solved(A.T @ A, A.T @ y)
+
+
+def solved(gram: Floats, pull: Floats) -> Floats:
+    """Return the answer to normal equations, columns scaled to length one first.
 
     Where columns depend on one another it is the shortest answer.
+
+    Parameters
+    ----------
+    gram : (n, n)
+    pull : (n,)
     """
-    size = np.sqrt(np.einsum("ij,ij->j", A, A))
+    size = np.sqrt(np.diag(gram))
     size[size == 0.0] = 1.0
-    G = (A.T @ A) / np.outer(size, size)
-    told, axes = np.linalg.eigh(G)
+    told, axes = np.linalg.eigh(gram / np.outer(size, size))
     kept = told > _DEPENDENT * max(float(told.max(initial=0.0)), 1e-300)
     axes = axes[:, kept]
-    return np.asarray(axes @ ((axes.T @ ((A.T @ y) / size)) / told[kept]) / size, dtype=np.float64)
+    return np.asarray(axes @ ((axes.T @ (pull / size)) / told[kept]) / size, dtype=np.float64)
+
+
+def own_square(gram: Floats) -> float:
+    """Return the square of the last column that no others make, by their products (n, n)."""
+    others = gram[:-1, :-1]
+    return max(0.0, float(gram[-1, -1] - gram[-1, :-1] @ solved(others, gram[:-1, -1])))

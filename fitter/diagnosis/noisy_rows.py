@@ -27,37 +27,55 @@ class NoisyRows:
         self._equations, self._noisier = equations, noisier
         self.known: dict[object, Noise] = {}
 
-    def of(self, model: Model, motions: Sequence[Motion]) -> Noise:
-        """Return what the draw makes of the equations of some motions under a model."""
+    def of(self, model: Model, motions: Sequence[Motion], by_joint: bool = False) -> Noise:
+        """Return what the draw makes of the equations of some motions under a model.
+
+        Joint by joint if that is asked for, or will be: a drive is held against the noise that it lets through.
+        """
+        by_joint = by_joint or any(one.kind.place == "drive" for one in model.hypotheses)
         gains = [one.kind.name == "gain_error" for one in model.hypotheses]
         if not any(gains) or not scales_only(model):
-            return added([self._noise(model, (), motion) for motion in motions])
+            return added([self._noise(model, (), by_joint, motion) for motion in motions])
         weak, plain = model.only(gains), model.only([not one for one in gains])
         joints = tuple(hypothesis.joints[0] for hypothesis in weak.hypotheses)
-        parts = added([self._noise(plain, joints, motion) for motion in motions])
+        parts = added([self._noise(plain, joints, by_joint, motion) for motion in motions])
         one = np.eye(parts.pull.shape[1] // (1 + len(joints)))
         return parts.mixed(np.vstack([one, *(one / psi[0] for psi in weak.psi)]))
 
-    def _noise(self, model: Model, apart: tuple[int, ...], motion: Motion) -> Noise:
+    def _noise(self, model: Model, apart: tuple[int, ...], by_joint: bool, motion: Motion) -> Noise:
         parts = zip(model.hypotheses, model.psi, strict=True)
-        key = motion.number, apart, *((one.part_of(motion), *_key(one, psi)) for one, psi in parts)
+        key = motion.number, apart, by_joint, *((one.part_of(motion), *_key(one, psi)) for one, psi in parts)
         if key not in self.known:
-            self.known[key] = self._of(model, apart, motion)
+            self.known[key] = self._of(model, apart, by_joint, motion)
         return self.known[key]
 
-    def _of(self, model: Model, apart: tuple[int, ...], motion: Motion) -> Noise:
+    def _of(self, model: Model, apart: tuple[int, ...], by_joint: bool, motion: Motion) -> Noise:
         """Return the noise of columns in parts: by equations of joints not apart, then by each that is."""
         louder, equations = self._noisier[motion.number], self._equations
         rows, loud = (equations.rows(model, one) for one in (motion, louder))
-        pairs = ([equations.design_at(model, one, joint) for one in (louder, motion)] for joint in apart)
-        at = [one - other for one, other in pairs]
-        columns = np.stack([np.subtract(loud.design - rows.design, sum(at)), *at], axis=1)
-        k = columns.shape[2] - model.n_column
-        for hypothesis, psi in zip(model.hypotheses, model.psi, strict=True):
-            if len(psi) or not hypothesis.is_noisy:  # these columns are hardly noisy, and change with psi
-                columns[:, :, k : k + hypothesis.n_column] = 0.0
-            k += hypothesis.n_column
-        return noise_of(columns.reshape(*rows.target.shape, -1), loud.target - rows.target)
+        kept = _noisy_columns(model, rows.columns.white.shape[1])
+        target = rows.right.noise_in(loud.right, np.ones(1))
+        columns = rows.columns.noise_in(loud.columns, kept)
+        if not by_joint:
+            return Noise(columns.gram[None], columns.times(target).T, target.gram[0])
+        whole = columns.freed
+        at = [
+            kept * np.subtract(*(equations.design_at(model, one, joint) for one in (louder, motion)))
+            for joint in apart
+        ]
+        both = np.stack([whole - sum(at), *at], axis=1)
+        return noise_of(both.reshape(*loud.target.shape, -1), target.freed.reshape(loud.target.shape))
+
+
+def _noisy_columns(model: Model, n_column: int) -> Floats:
+    """Return 1 for every column that is noisy, (n_column,): others hardly are, and change with psi."""
+    noisy = np.ones(n_column)
+    k = n_column - model.n_column
+    for hypothesis, psi in zip(model.hypotheses, model.psi, strict=True):
+        if len(psi) or not hypothesis.is_noisy:
+            noisy[k : k + hypothesis.n_column] = 0.0
+        k += hypothesis.n_column
+    return noisy
 
 
 def _key(hypothesis: Hypothesis, psi: Floats) -> tuple[object, ...]:

@@ -1,8 +1,7 @@
 """Base parameters and hypotheses fitted together, by least squares on white rows.
 
-The columns' factors and the base parameters follow from psi by linear least squares (variable projection, Golub
-and Pereyra 1973), so only psi is searched. What was learnt from the learning trials is then held against trials
-that it has not seen.
+The columns' factors and the base parameters follow from psi by linear least squares, so only psi is searched
+(`refinement`). What was learnt from the learning trials is then held against trials that it has not seen.
 """
 
 from collections.abc import Iterator, Sequence
@@ -11,10 +10,9 @@ from dataclasses import replace
 from functools import cached_property
 
 import numpy as np
-import scipy.optimize
 
 from arm.model import Arm, Floats
-from fitter.diagnosis.attenuation import compensated, noisier
+from fitter.diagnosis.attenuation import Noise, compensated, noisier
 from fitter.diagnosis.cut_off import let_through
 from fitter.diagnosis.equation import Weighting, weighting
 from fitter.diagnosis.holding_size import holding_sizes
@@ -23,10 +21,10 @@ from fitter.diagnosis.model import Model
 from fitter.diagnosis.motion import Motion
 from fitter.diagnosis.noisy_rows import NoisyRows
 from fitter.diagnosis.reweighting import reweighted
-from fitter.diagnosis.rows import SLOPE, Equations, Rows
+from fitter.diagnosis.rows import Equations
 from fitter.diagnosis.view import View
+from fitter.diagnosis.white_rows import Rows
 
-_ROUNDS, _FEW_ROUNDS = 25, 8
 #: A drive that is cut off lets through what is told otherwise (`cut_off`).
 _SATURATION = "torque_saturation"
 #: No drive leaves less noise than this share of what there is without it.
@@ -65,7 +63,6 @@ class Regression:
         self._plain: dict[object, Floats] = {}
         self._noisier = noisier(arm, self.motions)
         self._made_for_base = weighted is None
-        self._last: tuple[list[Floats], Floats, Floats] = [], np.zeros(0), np.zeros(0)
         if weighted is None:
             crude = Equations(arm, weighting(arm, self.motions), denied, known)
             weighted = self._weighting_by(crude)
@@ -122,23 +119,23 @@ class Regression:
         """Return a motion's equations under a model."""
         return self.equations.rows(model, motion)
 
-    def solve(self, model: Model, motions: Sequence[Motion]) -> tuple[Floats, Floats, Floats]:
-        """Return the best factors x, the design A and the residual r of some motions' equations."""
-        rows = [self.rows(model, motion) for motion in motions]
-        A, gram = self._stacked([one.design for one in rows])
-        y = np.concatenate([one.target.ravel() for one in rows])
-        noise = self._noisy.of(model, motions)
-        x = compensated(gram, A.T @ y, noise.gram.sum(axis=0), noise.pull.sum(axis=0))
-        return x, A, (self.scale(model, x) * (y - A @ x).reshape(-1, self.arm.n_joint)).ravel()
+    def noise(self, model: Model, motions: Sequence[Motion]) -> Noise:
+        """Return what a draw of noise makes of some motions' equations under a model."""
+        return self._noisy.of(model, motions)
 
-    def _stacked(self, designs: list[Floats]) -> tuple[Floats, Floats]:
-        """Return designs above one another and the normal equations; the last ones again if they are the same."""
-        parts, A, gram = self._last
-        if len(parts) != len(designs) or any(a is not b for a, b in zip(parts, designs, strict=True)):
-            A = np.vstack(designs)
-            gram = A.T @ A
-            self._last = designs, A, gram
-        return A, gram
+    def solve(
+        self, model: Model, motions: Sequence[Motion], noise: Noise | None = None
+    ) -> tuple[Floats, Floats]:
+        """Return the best factors x and the residual r of some motions' equations.
+
+        The noise is that of `noise`, unless it is given.
+        """
+        rows = [self.rows(model, motion) for motion in motions]
+        noise = noise or self.noise(model, motions)
+        gram, pull = sum(one.columns.gram for one in rows), sum(one.pull for one in rows)
+        x = compensated(np.asarray(gram), np.asarray(pull), noise.gram.sum(axis=0), noise.pull.sum(axis=0))
+        left = np.concatenate([one.left(x) for one in rows])
+        return x, np.ravel(self.scale(model, x) * left)
 
     def squares(self, model: Model, x: Floats) -> Floats:
         """Return the sum of squares that factors leave in every trial, (n_trial,)."""
@@ -150,8 +147,7 @@ class Regression:
         return self._left(model, x, motion, self.scale(model, x))
 
     def _left(self, model: Model, x: Floats, motion: Motion, scale: Floats) -> Floats:
-        rows = self.rows(model, motion)
-        return scale * (rows.target - (rows.design @ x).reshape(rows.target.shape))
+        return np.asarray(scale * self.rows(model, motion).left(x), dtype=np.float64)
 
     def scale(self, model: Model, x: Floats) -> Floats:
         """Return by how much residuals of a model count more because it leaves less noise in them, (n_joint,).
@@ -162,7 +158,7 @@ class Regression:
         drives = {hypothesis.kind.name for hypothesis in model.hypotheses if hypothesis.kind.place == "drive"}
         now = self._let_through(model) if _SATURATION in drives else np.ones(self.arm.n_joint)
         if drives - {_SATURATION}:
-            left = self._noisy.of(model, self.learning).left(x)
+            left = self._noisy.of(model, self.learning, by_joint=True).left(x)
             now = now * np.maximum(left / self._plainly(model), _LEAST_NOISE)
         return np.asarray(1.0 / np.sqrt(now))
 
@@ -176,7 +172,7 @@ class Regression:
         plain = model.only([one.kind.place != "drive" or one.kind.name == _SATURATION for one in model.hypotheses])
         key = tuple(hypothesis.key for hypothesis in plain.hypotheses)
         if key not in self._plain:
-            left = self._noisy.of(plain, self.learning).left(self.solve(plain, self.learning)[0])
+            left = self._noisy.of(plain, self.learning, by_joint=True).left(self.solve(plain, self.learning)[0])
             if not key and not self._made_for_base:
                 told = [self.weighting.told_at_joints(one) for one in self.learning]
                 left = np.minimum(left, np.sum(told, axis=0))
@@ -202,36 +198,6 @@ class Regression:
             views = [self.view(model, motion) for motion in self.learning]
             self._scales[key] = let_through(views, self.learning)
         return self._scales[key]
-
-    def refined(self, model: Model, motions: Sequence[Motion], held: int = 0, rounds: int | None = None) -> Model:
-        """Return a model with the psi that leave least, or that some rounds of the search for them come to.
-
-        Those of the first ``held`` hypotheses stay.
-        """
-        free = Model(model.hypotheses[held:], model.psi[held:])
-        if not len(free.flat):
-            return model
-        low = np.concatenate([hypothesis.low for hypothesis in free.hypotheses])
-        high = np.concatenate([hypothesis.high for hypothesis in free.hypotheses])
-        start = np.clip(free.flat, low + 1e-12, high - 1e-12)
-
-        def at(flat: Floats) -> Model:
-            return replace(model, psi=(*model.psi[:held], *free.at(flat).psi))
-
-        def left(flat: Floats) -> Floats:
-            return self.solve(at(flat), motions)[2]
-
-        found = scipy.optimize.least_squares(
-            left,
-            start,
-            bounds=(low, high),
-            x_scale=np.maximum(np.abs(start), 1e-3),
-            diff_step=np.full(len(start), SLOPE),
-            max_nfev=rounds or (_FEW_ROUNDS if free.is_event else _ROUNDS),
-            xtol=1e-5,
-            ftol=1e-7,
-        )
-        return at(found.x)
 
     def _weighting_by(self, crude: Equations) -> Weighting:
         """Return the filter for a run whose noise is only guessed from a first fit."""

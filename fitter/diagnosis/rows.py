@@ -4,8 +4,6 @@ What a search holds while it tries a hypothesis that acts further down leaves th
 keeps what follows from it.
 """
 
-from dataclasses import dataclass
-
 import numpy as np
 from numpy.typing import NDArray
 
@@ -18,24 +16,10 @@ from fitter.diagnosis.motion import Motion
 from fitter.diagnosis.order import downstream
 from fitter.diagnosis.stage import Stage
 from fitter.diagnosis.view import View, view_of
+from fitter.diagnosis.white_rows import Rows
 
 #: Slopes with respect to psi are taken over this share of its size.
 SLOPE = 1e-4
-
-
-@dataclass(frozen=True)
-class Rows:
-    """A motion's equations on the slower grid, ``design x = target``, noise white with variance 1.
-
-    Attributes
-    ----------
-    design : (n_slower * n_joint, n_factor)
-        The base parameters' columns, and then all others; the same array as long as nothing has changed in it.
-    target : (n_slower, n_joint)
-    """
-
-    design: Floats
-    target: Floats
 
 
 class Equations:
@@ -69,14 +53,12 @@ class Equations:
 
     def rows(self, model: Model, motion: Motion) -> Rows:
         """Return a motion's equations under a model, with the columns in the model's order."""
-        stage = self._stage(model, motion)
-        return Rows(stage.design, stage.target)
+        return self._stage(model, motion).rows
 
     def design_at(self, model: Model, motion: Motion, joint: int) -> Floats:
         """Return what a joint's own equation makes of the design, by itself, for a gain of 1, shaped like it."""
         stage = self._stage(model, motion)
-        both = np.concatenate([stage.base_at(joint), *stage.columns_at(joint)], axis=2)
-        return both.reshape(-1, both.shape[2])
+        return stage.base_at(joint).beside(*stage.columns_at(joint)).freed
 
     def left(self, model: Model, x: Floats, motion: Motion) -> Floats:
         """Return the torque that factors leave, as it is on the motion's own grid, (n_sample, n_joint)."""

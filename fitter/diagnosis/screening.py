@@ -18,6 +18,7 @@ from fitter.diagnosis.loads import find_payloads
 from fitter.diagnosis.model import Model
 from fitter.diagnosis.motion import Motion
 from fitter.diagnosis.pushes import find_pushes
+from fitter.diagnosis.refinement import refined
 from fitter.diagnosis.regression import Regression
 from fitter.side_by_side import side_by_side
 
@@ -79,7 +80,7 @@ def fitted(
     """
     motions = regression.motions if to_all else regression.motions_of(model)
     if refine:
-        model = regression.refined(model, motions, held)
+        model = refined(regression, model, motions, held)
     x = regression.solve(model, motions)[0]
     return Candidate(model, x, regression.squares(model, x))
 
@@ -201,8 +202,9 @@ def _fair(regression: Regression, accepted: Candidate) -> Callable[[Candidate], 
 
     def learnt(candidate: Candidate) -> Candidate:
         model = candidate.model
-        x, A, _ = regression.solve(model, regression.learning)
-        unseen = np.linalg.norm(A, axis=0) == 0.0
+        x = regression.solve(model, regression.learning)[0]
+        grams = [regression.rows(model, motion).columns.gram for motion in regression.learning]
+        unseen = np.all([np.diag(one) == 0.0 for one in grams], axis=0)
         judging = [motion for motion in regression.motions if not motion.learn]
         if np.any(unseen) and judging:
             rows = [regression.rows(model, motion) for motion in judging]

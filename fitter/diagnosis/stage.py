@@ -5,13 +5,13 @@ from dataclasses import replace
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
 from arm.model import Floats
 from fitter.diagnosis.base_columns import BaseColumns
 from fitter.diagnosis.equation import Weighting
 from fitter.diagnosis.hypothesis import Hypothesis
 from fitter.diagnosis.view import View
+from fitter.diagnosis.white_rows import Columns, Rows
 
 By = tuple[Hypothesis, Floats] | None
 
@@ -38,8 +38,8 @@ class Stage:
         self, sought: BaseColumns, weighting: Weighting, view: View, before: "Stage | None" = None, by: By = None
     ) -> None:
         self._sought, self._weighting, self.view, self._before, self.by = sought, weighting, view, before, by
-        self._base_at: dict[int, Floats] = {}
-        self._columns_at: dict[int, tuple[Floats, ...]] = {}
+        self._base_at: dict[int, Columns] = {}
+        self._columns_at: dict[int, tuple[Columns, ...]] = {}
 
     def then(self, hypothesis: Hypothesis, psi: Floats) -> "Stage":
         """Return the motion under one hypothesis more."""
@@ -47,34 +47,30 @@ class Stage:
         return Stage(self._sought, self._weighting, hypothesis.act(self.view, psi), self, by)
 
     @cached_property
-    def base(self) -> Floats:
+    def base(self) -> Columns:
         """The base regressor's rows."""
         before, view = self._before, self.view
         if before is not None and self._is_same(*_MOVES, "drift", "factor"):
             return before.base
         if before is not None and self._is_same(*_MOVES, "drift"):
-            return before.base + sum(more * before.base_at(joint) for joint, more in self._scaled(before))
+            return before.base.plus((more, before.base_at(joint)) for joint, more in self._scaled(before))
         if before is not None and self._is_same(*_MOVES, "factor"):
-            base = before.base.copy()
-            for joint, at, more in self._grown(before):
-                base[:, :, at] += view.factor[joint] * more
-            return base
-        return self._weighting.filtered(view.motion, view.base(self._sought.of(view.arm)))
+            grown = self._grown(before)
+            return before.base.plus(((view.factor[joint] * more, rows) for joint, more, rows in grown))
+        return self._white(view.base(self._sought.of(view.arm)))
 
-    def base_at(self, joint: int) -> Floats:
+    def base_at(self, joint: int) -> Columns:
         """Return what one joint's own equation makes of these rows, by itself, for a gain of 1."""
         before, view = self._before, self.view
         if before is not None and self._is_same(*_MOVES, "drift"):
             return before.base_at(joint)
         if joint not in self._base_at:
             if before is not None and self._is_same(*_MOVES):
-                rows = before.base_at(joint).copy()
-                for at, more in ((at, more) for one, at, more in self._grown(before) if one == joint):
-                    rows[:, :, at] += more
-                self._base_at[joint] = rows
+                grown = ((more, rows) for one, more, rows in self._grown(before) if one == joint)
+                self._base_at[joint] = before.base_at(joint).plus(grown)
             else:
                 alone = replace(view, factor=(np.arange(view.q.shape[1]) == joint).astype(np.float64))
-                self._base_at[joint] = self._weighting.filtered(view.motion, alone.base(self._sought.of(view.arm)))
+                self._base_at[joint] = self._white(alone.base(self._sought.of(view.arm)))
         return self._base_at[joint]
 
     def _scaled(self, before: "Stage") -> list[tuple[int, float]]:
@@ -82,25 +78,24 @@ class Stage:
         more = self.view.factor - before.view.factor
         return [(int(joint), float(more[joint])) for joint in np.flatnonzero(more)]
 
-    def _grown(self, before: "Stage") -> Iterator[tuple[int, NDArray[np.intp], Floats]]:
-        """Yield joints whose friction drifts more, where it is in the base, and what is added there."""
+    def _grown(self, before: "Stage") -> Iterator[tuple[int, float, Columns]]:
+        """Yield joints whose friction drifts more, by how much, and what that makes of the base."""
         for joint, more in enumerate(self.view.drift - before.view.drift):
             if more:
-                at, growing = before.growing[joint]
-                yield joint, at, more * growing
+                yield joint, float(more), before.growing[joint]
 
     @cached_property
-    def growing(self) -> list[tuple[NDArray[np.intp], Floats]]:
-        """Where each joint's friction is in the base, and its rows times the run's time, for a gain of 1."""
+    def growing(self) -> list[Columns]:
+        """What each joint's friction is in the base, times the run's time, for a gain of 1, and nothing else."""
         view, n = self.view, self.view.q.shape[1]
         kept = self._sought.of(view.arm)
         plain = replace(view, drift=np.zeros(n), factor=np.ones(n))
         rows = plain.base(kept) * np.maximum(view.motion.t, 0.0)[:, None, None]
-        places = [np.flatnonzero((kept == 10 * n + j) | (kept == 11 * n + j)) for j in range(n)]
-        return [(at, self._weighting.filtered(view.motion, rows[:, :, at])) for at in places]
+        is_its = ((kept == 10 * n + j) | (kept == 11 * n + j) for j in range(n))
+        return [self._white(rows * its) for its in is_its]
 
     @cached_property
-    def columns(self) -> tuple[Floats, ...]:
+    def columns(self) -> tuple[Columns, ...]:
         """All further columns' rows."""
         before, now = self._before, self.view
         if before is None:
@@ -108,12 +103,11 @@ class Stage:
         first, factor = len(before.view.columns), now.factor
         if factor is not before.view.factor and first:
             at = [(more, before.columns_at(joint)) for joint, more in self._scaled(before)]
-            return tuple(one + sum(more * rows[k] for more, rows in at) for k, one in enumerate(before.columns))
-        filtered = self._weighting.filtered
-        added = (filtered(now.motion, one * factor[:, None]) for one in now.columns[first:])
+            return tuple(one.plus((more, rows[k]) for more, rows in at) for k, one in enumerate(before.columns))
+        added = (self._white(one * factor[:, None]) for one in now.columns[first:])
         return (*before.columns, *added)
 
-    def columns_at(self, joint: int) -> tuple[Floats, ...]:
+    def columns_at(self, joint: int) -> tuple[Columns, ...]:
         """Return what one joint's own equation makes of these, by itself, for a gain of 1."""
         before, now = self._before, self.view
         if before is None:
@@ -121,26 +115,39 @@ class Stage:
         if joint not in self._columns_at:
             alone = (np.arange(now.q.shape[1]) == joint)[:, None]
             new = now.columns[len(before.view.columns) :]
-            added = (self._weighting.filtered(now.motion, one * alone) for one in new)
+            added = (self._white(one * alone) for one in new)
             self._columns_at[joint] = (*before.columns_at(joint), *added)
         return self._columns_at[joint]
 
     @cached_property
-    def design(self) -> Floats:
-        """Base and further columns side by side."""
-        before = self._before
-        if before is not None and self.base is before.base and len(self.columns) == len(before.columns):
-            return before.design  # what changes columns changes the base
-        both = np.concatenate([self.base, *self.columns], axis=2)
-        return np.asarray(both.reshape(-1, both.shape[2]), dtype=np.float64)
+    def rows(self) -> Rows:
+        """The motion's equations."""
+        return Rows(self.all_columns, self.right, self.view.q.shape[1])
 
     @cached_property
-    def target(self) -> Floats:
-        """The right-hand side's rows."""
+    def all_columns(self) -> Columns:
+        """Base and further columns side by side."""
+        before = self._before
+        if before is not None and self._goes_on_from(before):
+            new = self.columns[len(before.columns) :]
+            return before.all_columns.beside(*new) if new else before.all_columns
+        return self.base.beside(*self.columns) if self.columns else self.base
+
+    @cached_property
+    def right(self) -> Columns:
+        """The right-hand side."""
         before, known = self._before, self._sought.known
         if before is not None and self._is_same("u", *(() if known is None else (*_MOVES, "factor"))):
-            return before.target
-        return self._weighting.filtered(self.view.motion, self.view.target(known))
+            return before.right
+        return self._white(self.view.target(known)[:, :, None])
+
+    def _white(self, rows: Floats) -> Columns:
+        white = self._weighting.whitened(self.view.motion, rows)
+        return Columns(self._weighting, self.view.motion, white.reshape(-1, white.shape[2]))
+
+    def _goes_on_from(self, before: "Stage") -> bool:
+        """Say whether the rows are those before and maybe some more."""
+        return self.base is before.base and all(a is b for a, b in zip(before.columns, self.columns, strict=False))
 
     def _is_same(self, *names: str) -> bool:
         """Say whether the last hypothesis has left some of the view as it was."""

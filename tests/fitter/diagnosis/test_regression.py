@@ -23,6 +23,7 @@ from fitter.diagnosis.model import Model
 from fitter.diagnosis.motion import run_of
 from fitter.diagnosis.regression import Regression
 from fitter.diagnosis.rows import Equations
+from fitter.diagnosis.white_rows import Columns
 from tests.fitter.pendulum import pendulum, swings
 
 
@@ -92,7 +93,7 @@ def test_noise_in_the_columns_is_what_it_is_expected_to_be():
         noise_of((a.design - b.design).reshape(*a.target.shape, -1), a.target - b.target)
         for a, b in ((loud.rows(Model(), m), true.rows(Model(), replace(n, stuck=m.stuck))) for m, n in pairs)
     ]
-    told = added([loud._noisy.of(Model(), [motion]) for motion in loud.motions])
+    told = added([loud._noisy.of(Model(), [motion], by_joint=True) for motion in loud.motions])
     inertia = 2
     gram = sum(one.gram for one in found)[0, inertia, inertia]
     pull = sum(one.pull for one in found)[0, inertia]
@@ -149,13 +150,14 @@ def test_torques_at_one_joint_are_filtered_as_among_all(two_joints):
 
 def test_half_the_work_gives_the_same_products(two_joints):
     motion, weighting = two_joints.motions[0], two_joints.weighting
-    assert np.any(weighting._axes(motion)[1] < 1.0)  # something is lost in part
+    assert np.any(weighting.axes(motion)[1] < 1.0)  # something is lost in part
     rng = np.random.default_rng(0)
     torques, other = rng.normal(size=(len(motion.t), 3)), rng.normal(size=(len(motion.t), 2, 4))
     for joint in range(2):
         filtered = weighting.filtered_at(motion, joint, torques)
         rows = weighting.filtered(motion, other).reshape(-1, 4)
-        W, Z = weighting.halfway_at(motion, joint, torques)
+        columns = Columns(weighting, motion, weighting.whitened_at(motion, joint, torques))
+        W, Z = columns.white, columns.lost
         np.testing.assert_allclose(W.T @ W - Z.T @ Z, filtered.T @ filtered, rtol=1e-9)
         np.testing.assert_allclose(W.T @ weighting.freed(motion, rows), filtered.T @ rows, rtol=1e-7, atol=1e-7)
 
@@ -203,7 +205,7 @@ def test_a_gain_that_comes_last_is_as_one_that_comes_first(two_joints, beside):
         design = equations.rows(model, motion).design
         np.testing.assert_allclose(design, filtered.reshape(design.shape), rtol=1e-9, atol=1e-9)
     noisy, motions = two_joints._noisy, two_joints.motions[:1]
-    quick, whole = noisy.of(model, motions), noisy._of(model, (), motions[0])
+    quick, whole = noisy.of(model, motions), noisy._of(model, (), True, motions[0])
     np.testing.assert_allclose(quick.gram, whole.gram, rtol=1e-6, atol=1e-9)
     np.testing.assert_allclose(quick.pull, whole.pull, rtol=1e-6, atol=1e-9)
 
