@@ -96,21 +96,22 @@ def hump_of(regression: Regression, final: Candidate, holding: Holding) -> Hump 
     coulomb = abs(float(regression.equations.friction(final.model, final.x, motions[0])[joint, 1]))
     least, likely = holding.parameter.value / ABOVE - coulomb, holding.parameter.value - coulomb
     error = holding.parameter.std
-    plain = float(np.sum(regression.solve(final.model, motions)[1] ** 2))
+    plain = float(regression.squares(final.model, regression.solve(final.model, motions)).sum())
     numbers = sum(regression.weighting.told(motion) for motion in motions)
     free = AtJoint(catalogue()["stribeck"], joint)
 
     def tried(width: float, given: float | None = None) -> tuple[float, float, bool]:
         """Return by how much a hump so wide raises the sum of squares, its height, and whether it shows."""
         model = final.model.plus(free, np.array([width]))
-        x, r = regression.solve(model, motions)
+        x = regression.solve(model, motions)
         gram = sum(regression.rows(model, motion).columns.gram for motion in motions)
         told = own_square(np.asarray(gram))
         if not told * likely**2 > _SHOWS**2:
             return 0.0, likely, False
         height = (x[-1] * told + likely / error**2) / (told + 1.0 / error**2)
         height = max(least, float(height)) if given is None else given
-        return float(r @ r) - plain + float((height - x[-1]) ** 2 * told), height, True
+        raised = float(regression.squares(model, x).sum()) - plain
+        return raised + float((height - x[-1]) ** 2 * told), height, True
 
     def best(around: tuple[float, float], given: float | None = None) -> float:
         found = scipy.optimize.minimize_scalar(

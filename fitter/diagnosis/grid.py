@@ -103,7 +103,7 @@ class Grid:
         regression, model, motions = self._regression, self._model, self._motions
         if not len(model.flat):
             return np.zeros((len(self._target), 0))
-        x = regression.solve(model, motions)[0]
+        x = regression.solve(model, motions)
         columns = [
             [(regression.residual(less, x, one) - regression.residual(more, x, one)).ravel() for one in motions]
             for more, less, _ in model.beside()
@@ -144,19 +144,18 @@ class Grid:
 
     def _gains_in_run(self, hypothesis: Hypothesis, starts: Floats) -> list[float]:
         """Return the gains of what need not show in the learning trials, by all trials."""
-        motions = self._regression.motions
         if self._left_of_run is None:
-            r = self._regression.solve(self._model, motions)[1]
-            self._left_of_run = float(r @ r)
-        gains = []
-        for psi in starts:
-            r = self._regression.solve(self._model.plus(hypothesis, psi), motions)[1]
-            gains.append(self._left_of_run - float(r @ r))
-        return gains
+            self._left_of_run = self._in_run(self._model)
+        return [self._left_of_run - self._in_run(self._model.plus(hypothesis, psi)) for psi in starts]
+
+    def _in_run(self, model: Model) -> float:
+        """Return what a model that is fitted to all trials leaves in them."""
+        x = self._regression.solve(model, self._regression.motions)
+        return float(self._regression.squares(model, x).sum())
 
     def _gain(self, hypothesis: Hypothesis, psi: Floats) -> float:
         model = self._model.plus(hypothesis, psi)
-        r = self._regression.solve(model, self._motions)[1]
+        r = self._regression.left(model, self._regression.solve(model, self._motions), self._motions)
         straight = self._tangent.T @ r
         return self.left - float(r @ r) + float(straight @ straight)
 

@@ -12,6 +12,7 @@ import numpy as np
 import scipy.optimize
 
 from arm.model import Floats
+from fitter.diagnosis.attenuation import Noise
 from fitter.diagnosis.model import Model
 from fitter.diagnosis.motion import Motion
 from fitter.diagnosis.regression import Regression
@@ -49,8 +50,9 @@ def refined(
     def at(flat: Floats) -> Model:
         return replace(model, psi=(*model.psi[:held], *free.at(flat).psi))
 
-    def left(flat: Floats) -> Floats:
-        return regression.solve(at(flat), motions)[1]
+    def left(flat: Floats, noise: Noise | None = None) -> Floats:
+        there = at(flat)
+        return regression.left(there, regression.solve(there, motions, noise), motions)
 
     def slopes(flat: Floats) -> Floats:
         here = left(flat)
@@ -59,8 +61,8 @@ def refined(
         for k, value in enumerate(flat):
             step = SLOPE * max(abs(float(value)), _LEAST)
             step = step if value + step <= high[k] else -step
-            beside = at(np.where(np.arange(len(flat)) == k, value + step, flat))
-            columns.append((regression.solve(beside, motions, noise)[1] - here) / step)
+            beside = np.where(np.arange(len(flat)) == k, value + step, flat)
+            columns.append((left(beside, noise) - here) / step)
         return np.stack(columns, axis=1)
 
     found = scipy.optimize.least_squares(

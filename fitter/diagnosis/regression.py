@@ -123,31 +123,32 @@ class Regression:
         """Return what a draw of noise makes of some motions' equations under a model."""
         return self._noisy.of(model, motions)
 
-    def solve(
-        self, model: Model, motions: Sequence[Motion], noise: Noise | None = None
-    ) -> tuple[Floats, Floats]:
-        """Return the best factors x and the residual r of some motions' equations.
+    def solve(self, model: Model, motions: Sequence[Motion], noise: Noise | None = None) -> Floats:
+        """Return the best factors of some motions' equations, (n_factor,).
 
         The noise is that of `noise`, unless it is given.
         """
         rows = [self.rows(model, motion) for motion in motions]
         noise = noise or self.noise(model, motions)
         gram, pull = sum(one.columns.gram for one in rows), sum(one.pull for one in rows)
-        x = compensated(np.asarray(gram), np.asarray(pull), noise.gram.sum(axis=0), noise.pull.sum(axis=0))
-        left = np.concatenate([one.left(x) for one in rows])
-        return x, np.ravel(self.scale(model, x) * left)
+        return compensated(np.asarray(gram), np.asarray(pull), noise.gram.sum(axis=0), noise.pull.sum(axis=0))
 
-    def squares(self, model: Model, x: Floats) -> Floats:
-        """Return the sum of squares that factors leave in every trial, (n_trial,)."""
+    def left(self, model: Model, x: Floats, motions: Sequence[Motion]) -> Floats:
+        """Return what factors leave of some motions' equations, one after the other, in units of the noise."""
         scale = self.scale(model, x)
-        return np.array([float(np.sum(self._left(model, x, motion, scale) ** 2)) for motion in self.motions])
+        return np.concatenate([(scale * self.rows(model, motion).left(x)).ravel() for motion in motions])
+
+    def squares(self, model: Model, x: Floats, motions: Sequence[Motion] | None = None) -> Floats:
+        """Return the sum of squares that factors leave in every trial, or in some, (n_trial,)."""
+        scale = self.scale(model, x)
+        rows = (self.rows(model, motion) for motion in motions or self.motions)
+        if np.all(scale == 1.0):
+            return np.array([one.square(x) for one in rows])
+        return np.array([float(np.sum((scale * one.left(x)) ** 2)) for one in rows])
 
     def residual(self, model: Model, x: Floats, motion: Motion) -> Floats:
         """Return what factors leave of a motion's equations, (n_slower, n_joint), in units of the noise."""
-        return self._left(model, x, motion, self.scale(model, x))
-
-    def _left(self, model: Model, x: Floats, motion: Motion, scale: Floats) -> Floats:
-        return np.asarray(scale * self.rows(model, motion).left(x), dtype=np.float64)
+        return np.asarray(self.scale(model, x) * self.rows(model, motion).left(x), dtype=np.float64)
 
     def scale(self, model: Model, x: Floats) -> Floats:
         """Return by how much residuals of a model count more because it leaves less noise in them, (n_joint,).
@@ -172,7 +173,7 @@ class Regression:
         plain = model.only([one.kind.place != "drive" or one.kind.name == _SATURATION for one in model.hypotheses])
         key = tuple(hypothesis.key for hypothesis in plain.hypotheses)
         if key not in self._plain:
-            left = self._noisy.of(plain, self.learning, by_joint=True).left(self.solve(plain, self.learning)[0])
+            left = self._noisy.of(plain, self.learning, by_joint=True).left(self.solve(plain, self.learning))
             if not key and not self._made_for_base:
                 told = [self.weighting.told_at_joints(one) for one in self.learning]
                 left = np.minimum(left, np.sum(told, axis=0))

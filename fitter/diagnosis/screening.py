@@ -81,7 +81,7 @@ def fitted(
     motions = regression.motions if to_all else regression.motions_of(model)
     if refine:
         model = refined(regression, model, motions, held)
-    x = regression.solve(model, motions)[0]
+    x = regression.solve(model, motions)
     return Candidate(model, x, regression.squares(model, x))
 
 
@@ -202,7 +202,7 @@ def _fair(regression: Regression, accepted: Candidate) -> Callable[[Candidate], 
 
     def learnt(candidate: Candidate) -> Candidate:
         model = candidate.model
-        x = regression.solve(model, regression.learning)[0]
+        x = regression.solve(model, regression.learning)
         grams = [regression.rows(model, motion).columns.gram for motion in regression.learning]
         unseen = np.all([np.diag(one) == 0.0 for one in grams], axis=0)
         judging = [motion for motion in regression.motions if not motion.learn]

@@ -27,7 +27,7 @@ def shows_only_where_it_is_judged(regression: Regression, base: Candidate, found
     if regression.learns_from_all or beyond <= UNEXPLAINED * was:
         return False
     # What happened in single trials was fitted to all of them, and what else is in those bends the others' fit.
-    by_learning = regression.squares(found.model, regression.solve(found.model, regression.learning)[0])
+    by_learning = regression.squares(found.model, regression.solve(found.model, regression.learning))
     left = np.where(learnt, by_learning, found.squares)
     excess = [left[some].sum() / told[some].sum() - 1.0 for some in (learnt, ~learnt)]
     return bool(excess[1] > _MUCH and excess[0] < _NOTHING)

@@ -128,3 +128,7 @@ class Rows:
     def left(self, x: Floats) -> Floats:
         """Return what factors (n_factor,) leave, (n_slower, n_joint)."""
         return self.columns.left_by(x, self.right).freed.reshape(-1, self.n_joint)
+
+    def square(self, x: Floats) -> float:
+        """Return the sum of squares of what factors (n_factor,) leave."""
+        return float(self.columns.left_by(x, self.right).gram[0, 0])

@@ -26,7 +26,7 @@ def test_a_push_in_two_of_eight_trials_does_not_bend_what_they_agree_on():
     trials = to_trials(pushed, cutoff_hz=25.0)
     regression = Regression(pendulum(), run_of(pendulum(), trials[:4], trials[4:]))
     true = base_parameters(pendulum()).combination @ standard_parameters(pendulum())
-    bent = np.abs(regression.solve(Model(), regression.motions)[0] - true)
+    bent = np.abs(regression.solve(Model(), regression.motions) - true)
     straight = np.abs(agreed(regression, Model()) - true)
     assert straight.max() < 0.03
     assert straight.max() < 0.3 * bent.max()

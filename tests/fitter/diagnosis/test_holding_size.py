@@ -45,7 +45,7 @@ def test_what_was_seen_to_hold_limits_what_may_hold(starts):
 
 def test_a_joint_that_never_rests_for_long_is_held_by_little_more_than_friction(starts):
     moving = [replace(motion, stuck=np.zeros_like(motion.stuck)) for motion in starts.motions]
-    x = starts.solve(Model(), starts.learning)[0]
+    x = starts.solve(Model(), starts.learning)
     assert 2.0 * COULOMB < holding_sizes(starts.equations, Model(), x, moving)[0] < 8.0 * COULOMB
     denied = Equations(starts.arm, starts.weighting, ("fc",))
     assert holding_sizes(denied, Model(), x[:-1], moving)[0] == np.inf  # nothing tells of friction

@@ -56,14 +56,14 @@ def _measured(asked):
 
 
 def test_what_is_left_of_the_true_model_has_the_variance_of_noise(regression):
-    x = regression.solve(Model(), regression.learning)[0]
+    x = regression.solve(Model(), regression.learning)
     left = regression.squares(Model(), x)
     told = np.array([regression.weighting.told(motion) for motion in regression.motions])
     assert 0.5 < left[4:].sum() / told[4:].sum() < 2.0
 
 
 def test_base_parameters_come_back(regression):
-    x = regression.solve(Model(), regression.learning)[0]
+    x = regression.solve(Model(), regression.learning)
     base = base_parameters(pendulum())
     np.testing.assert_allclose(x, base.combination @ standard_parameters(pendulum()), rtol=0.02, atol=0.02)
 
@@ -106,7 +106,7 @@ def test_a_drive_that_does_nothing_explains_no_noise_whatever_it_is_beside(two_j
     gear = InTransmission(catalogue()["joint_elasticity"], (1,))
     alone = Model().plus(gear, np.array([0.02, 0.01]))
     with_gain = alone.plus(InDrive(catalogue()["gain_error"], (0,)), np.ones(1))
-    x = two_joints.solve(alone, two_joints.learning)[0]
+    x = two_joints.solve(alone, two_joints.learning)
     np.testing.assert_allclose(two_joints.squares(with_gain, x), two_joints.squares(alone, x), rtol=1e-6)
 
 
@@ -185,7 +185,7 @@ def test_beside_a_gain_a_spring_is_as_stiff_as_it_is():
         Model().plus(InDrive(catalogue()["gain_error"], (1,)), np.array([gain])).plus(spring, np.zeros(0)),
         Model().plus(spring, np.zeros(0)).plus(InDrive(catalogue()["gain_error"], (1,)), np.array([gain])),
     ):
-        x = regression.solve(model, regression.motions)[0]
+        x = regression.solve(model, regression.motions)
         assert spring.numbers(np.zeros(0), x[-spring.n_column :])[0] == pytest.approx(stiffness, rel=0.1)
 
 

@@ -21,7 +21,7 @@ def regression() -> Regression:
 
 
 def test_noise_is_that_of_the_angles_times_the_mass(regression: Regression) -> None:
-    x = regression.solve(Model(), regression.learning)[0]
+    x = regression.solve(Model(), regression.learning)
     right = regression.weighting_under(Model(), x)
     assert will_do(regression.weighting, right)
     motions = regression.learning
@@ -43,7 +43,7 @@ def test_a_filter_that_takes_the_noise_for_less_is_found_out(
     used = regression.weighting
     wrong = replace(used, acceleration_noise=factor * used.acceleration_noise)
     other = regression.weighted_by(wrong)
-    right = other.weighting_under(Model(), other.solve(Model(), other.learning)[0])
+    right = other.weighting_under(Model(), other.solve(Model(), other.learning))
     assert will_do(wrong, right) == good
     np.testing.assert_allclose(right.acceleration_noise, used.acceleration_noise, rtol=0.05)
 
