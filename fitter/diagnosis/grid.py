@@ -4,12 +4,13 @@ The psi of what is accepted are where they do best alone, which may be far from 
 they are free as far as a straight line goes: what they could explain, by their slopes, is taken from both sides.
 """
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 import scipy.linalg
-import scipy.signal
 
 from arm.model import Floats
 from fitter.diagnosis.at_joint import AtJoint
@@ -17,16 +18,18 @@ from fitter.diagnosis.hypothesis import Hypothesis
 from fitter.diagnosis.least_squares import solved
 from fitter.diagnosis.model import Model
 from fitter.diagnosis.motion import Motion
+from fitter.diagnosis.peaks import peaks
 from fitter.diagnosis.refinement import refined
 from fitter.diagnosis.regression import Regression
 from fitter.diagnosis.white_rows import Columns
 
-#: Peaks of the spectrum that may be a disturbance's frequency.
-_PEAKS = 4
 #: So many of the best starts are kept.
 _KEPT = 3
 #: So many steps from a start near nothing tell what can be explained; what promises much is refined later.
 _STEPS = 4
+#: Of more starts than this that cost a fit each, so many are tried on all trials: those that explain most of this
+#: share of the trials, those of which most is left.
+_FOREMOST, _WORST = 4, 0.25
 #: A column of which others leave no more than this share is none of its own.
 _FRESH = 1e-4
 #: A change of which others make all but this share is none of its own.
@@ -77,11 +80,16 @@ class Grid:
     """What each start of a hypothesis would explain on some trials."""
 
     def __init__(
-        self, regression: Regression, model: Model, starts: Starts, motions: Sequence[Motion] | None = None
+        self,
+        regression: Regression,
+        model: Model,
+        starts: Starts,
+        motions: Sequence[Motion] | None = None,
+        run: Sequence[Motion] | None = None,
     ) -> None:
         self._regression, self._model, self._starts = regression, model, starts
         self._motions = list(motions or regression.motions_of(model))
-        self._left_of_run: float | None = None
+        self._run = list(run or regression.motions)
         rows = [regression.rows(model, motion) for motion in self._motions]
         self._views = [regression.view(model, motion) for motion in self._motions]
         A = np.vstack([one.design for one in rows])
@@ -93,8 +101,8 @@ class Grid:
         self._Q = np.hstack([Q[:, told], self._tangent])
         self._residual = self._target - self._Q @ (self._Q.T @ self._target)
         self.left = float(self._residual @ self._residual)
-        ends = np.cumsum([len(one.columns.white) for one in rows])[:-1]
-        both = np.split(np.column_stack([self._Q, self._residual]), ends)
+        self._ends = np.cumsum([len(one.columns.white) for one in rows])[:-1]
+        both = np.split(np.column_stack([self._Q, self._residual]), self._ends)
         freed = regression.weighting.freed
         self._again = [freed(motion, one) for motion, one in zip(self._motions, both, strict=True)]
 
@@ -113,7 +121,7 @@ class Grid:
     def best(self, hypothesis: Hypothesis) -> Best:
         """Return the start of a hypothesis that lowers the sum of squares most."""
         regression = self._regression
-        starts = self._starts_of(hypothesis)
+        starts = self._foremost(hypothesis, self._starts_of(hypothesis))
         gains = self._gains_of(hypothesis, starts)
         order = np.argsort(-np.array(gains), kind="stable")
         psi, gain, best = starts[order[0]], gains[order[0]], starts[order[:_KEPT]]
@@ -130,28 +138,52 @@ class Grid:
     def _gains_of(self, hypothesis: Hypothesis, starts: Floats) -> list[float]:
         if hypothesis.is_event:
             return self._gains_in_run(hypothesis, starts)
-        if isinstance(hypothesis, AtJoint) or hypothesis.n_column > 0:
+        if hypothesis.n_column:
             return self._gains(hypothesis, starts)
         return [self._gain(hypothesis, psi) for psi in starts]
+
+    def _foremost(self, hypothesis: Hypothesis, starts: Floats) -> Floats:
+        """Return the starts to try on all trials."""
+        if len(starts) <= _FOREMOST or (hypothesis.n_column and not hypothesis.is_event):
+            return starts
+        gains = self._worst._gains_of(hypothesis, starts)  # noqa: SLF001 - of its own class
+        return np.asarray(starts[np.argsort(-np.array(gains), kind="stable")[:_FOREMOST]], dtype=np.float64)
+
+    @cached_property
+    def _worst(self) -> "Grid":
+        """The same on the trials of which most is left."""
+        parts = np.split(self._residual, self._ends)
+        motions = self._most_left(self._motions, np.array([one @ one for one in parts]))
+        run = self._most_left(self._run, self._left_of_run)
+        return Grid(self._regression, self._model, self._starts, motions, run)
+
+    def _most_left(self, motions: Sequence[Motion], left: Floats) -> list[Motion]:
+        ratio = left / [self._regression.weighting.told(motion) for motion in motions]
+        kept = np.argsort(-ratio)[: max(2, math.ceil(_WORST * len(motions)))]
+        return [motions[k] for k in sorted(kept)]
 
     def _starts_of(self, hypothesis: Hypothesis) -> Floats:
         known = self._starts.of(self._model, hypothesis)
         if known is not None:
             return known
         if isinstance(hypothesis, AtJoint) and "frequency_hz" in hypothesis.psi_names:
-            return self._peaks(hypothesis)
-        return hypothesis.starts(self._regression.motions if hypothesis.is_event else self._motions)
+            left = self._residual.reshape(-1, self._regression.arm.n_joint)[:, hypothesis.joints[0]]
+            return peaks(left, self._motions, self._regression.weighting)
+        return hypothesis.starts(self._run if hypothesis.is_event else self._motions)
 
     def _gains_in_run(self, hypothesis: Hypothesis, starts: Floats) -> list[float]:
         """Return the gains of what need not show in the learning trials, by all trials."""
-        if self._left_of_run is None:
-            self._left_of_run = self._in_run(self._model)
-        return [self._left_of_run - self._in_run(self._model.plus(hypothesis, psi)) for psi in starts]
+        was = float(self._left_of_run.sum())
+        return [was - float(self._in_run(self._model.plus(hypothesis, psi)).sum()) for psi in starts]
 
-    def _in_run(self, model: Model) -> float:
-        """Return what a model that is fitted to all trials leaves in them."""
-        x = self._regression.solve(model, self._regression.motions)
-        return float(self._regression.squares(model, x).sum())
+    @cached_property
+    def _left_of_run(self) -> Floats:
+        return self._in_run(self._model)
+
+    def _in_run(self, model: Model) -> Floats:
+        """Return what a model that is fitted to all trials leaves in each."""
+        x = self._regression.solve(model, self._run)
+        return self._regression.squares(model, x, self._run)
 
     def _gain(self, hypothesis: Hypothesis, psi: Floats) -> float:
         model = self._model.plus(hypothesis, psi)
@@ -182,30 +214,6 @@ class Grid:
             fresh = np.diag(alone) > _FRESH**2 * np.diag(own)
             found.append(_gain_of(alone[np.ix_(fresh, fresh)], pull[its][fresh]))
         return found
-
-    def _peaks(self, hypothesis: AtJoint) -> Floats:
-        """Return the frequencies at which the residual swings most, (n_peak, 1)."""
-        regression, joint = self._regression, hypothesis.joints[0]
-        motions, stride = self._motions, regression.weighting.stride
-        ends = np.cumsum([0, *(len(motion.t[::stride]) for motion in motions)])
-        left = self._residual.reshape(-1, regression.arm.n_joint)[:, joint]
-        span = float(motions[-1].t[-1] - motions[0].t[0])
-        f = np.arange(0.05, regression.weighting.band_hz, 0.25 / span)
-        swing = np.zeros(len(f), dtype=np.complex128)
-        for motion, first, last in zip(motions, ends, ends[1:], strict=False):
-            # A chirp transform: as fine as all trials together tell frequencies apart, at their own times.
-            spectrum = scipy.signal.zoom_fft(
-                left[first:last], [f[0], f[-1]], len(f), fs=1.0 / (stride * motion.dt_s), endpoint=True
-            )
-            swing += np.exp(-2j * np.pi * f * motion.t[0]) * spectrum
-        power = np.abs(swing)
-        found: list[float] = []
-        for k in np.argsort(power)[::-1]:
-            if all(abs(f[k] - other) > 1.0 / span for other in found):
-                found.append(float(f[k]))
-            if len(found) == _PEAKS:
-                break
-        return np.array(found)[:, None]
 
 
 def _beside(Q: Floats, columns: Floats) -> Floats:

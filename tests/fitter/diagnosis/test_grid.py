@@ -33,7 +33,7 @@ def test_the_same_is_found_again_from_few_starts(regression, monkeypatch):
         raise AssertionError("all starts again")
 
     monkeypatch.setattr(AtJoint, "starts", never)
-    monkeypatch.setattr(Grid, "_peaks", never)
+    monkeypatch.setattr("fitter.diagnosis.grid.peaks", never)
     again = screen(regression, base, tried, starts)
     for one, other in zip(first, again, strict=True):
         assert one.hypothesis.key == other.hypothesis.key
