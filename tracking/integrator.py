@@ -8,14 +8,13 @@ from typing import Literal, NamedTuple
 
 import numpy as np
 
-from arm.chain import chain_of
 from arm.kinematics import axis_frames, sensor_positions, tips_of
 from arm.model import Arm, Floats
 from limbcal.errors import ConfigError, DataError
-from tracking.dead_reckoning import Reckoning, gravity_readings, reckon
+from tracking.dead_reckoning import gravity_readings, reckon
 from tracking.differences import CentralDifferences
 from tracking.frames import Frames, Phase
-from tracking.layout import layout_of
+from tracking.reckoning import reckoning_of
 from tracking.rest import RestDetector
 
 Zero = Literal["each-rest", "first-rest"]
@@ -64,8 +63,6 @@ class Integrator:
             raise ConfigError(f"initial_q_rad has shape {q0.shape}, expected one angle a joint ({arm.n_joint},)")
         if not 0.0 < frame_rate_hz <= rate_hz:
             raise ConfigError(f"frame_rate_hz is {frame_rate_hz:g}, expected more than 0 and at most {rate_hz:g}")
-        layout = layout_of(arm)
-        start = sensor_positions(arm, q0)[0]
         self._arm = arm
         self._zero = zero
         self._dt_sample = 1.0 / rate_hz
@@ -73,25 +70,11 @@ class Integrator:
         self.dt_s = self._decimation * self._dt_sample
         self._cell = max(2, self._decimation * max(1, round(_CELL_S / self.dt_s)))  # one reading shows no noise
         self._n_channel = 3 * len(arm.sensors)
-        self._state = Reckoning(
-            chain_of(arm),
-            layout.link,
-            layout.position,
-            layout.rotation,
-            layout.pair,
-            start,
-            start[layout.pair[:, 1]] - start[layout.pair[:, 0]],
-            q0,
-            q0.copy(),
-            np.zeros_like(start),
-            np.zeros_like(start),
-            np.zeros((4, self._n_channel)),
-            np.zeros(self._n_channel),
-        )
+        self._state = reckoning_of(arm, q0)
         self._gravity = np.zeros(self._n_channel)
         self._rest = RestDetector(self._contrasts(), self._gravity_slack())
         self._rest_q = q0.copy()
-        self._rest_points: Floats = start.copy()
+        self._rest_points: Floats = self._state.start
         self._pending = np.empty((0, self._n_channel))
         self._anchor_ns, self._anchor_sample = 0, 0
         self._sample = 0
@@ -100,7 +83,7 @@ class Integrator:
         self._lost = False
         self._phase = self._decimation // 2
         self._differences = CentralDifferences(self.dt_s, arm.n_joint)
-        self._waiting = _Waiting(0, 0, np.empty((0, arm.n_joint)), np.empty((0, *start.shape)))
+        self._waiting = _Waiting(0, 0, np.empty((0, arm.n_joint)), np.empty((0, *self._state.moved.shape)))
 
     def push(self, t0_ns: int, accelerations: Floats) -> tuple[list[Frames], list[Phase]]:
         """Take in readings and give out the frames and phases that they complete.
