@@ -74,8 +74,8 @@ def tip_position(arm: Arm, q: Floats) -> Floats:
 
 def tips_of(chain: Chain, q: Floats) -> Floats:
     """Return what `tip_position` returns, of a chain and ``q`` that is (n_sample, n_joint) and contiguous."""
-    last = frames_of(chain, q)[:, -1]
-    tips: Floats = last[:, :3, 3] + chain.geometry[-1, 1] * last[:, :3, 0]
+    tips = np.empty((len(q), 3))
+    _tips(chain, q, tips)
     return tips
 
 
@@ -153,3 +153,13 @@ def _axis_frames(chain: Chain, q: Floats, T: Floats) -> None:
                     now[row, col] = (
                         before[row, 0] * R[0, col] + before[row, 1] * R[1, col] + before[row, 2] * R[2, col]
                     )
+
+
+@compiled
+def _tips(chain: Chain, q: Floats, tips: Floats) -> None:
+    n_sample, n_joint = q.shape
+    T = np.zeros((n_sample, n_joint, 4, 4))
+    _axis_frames(chain, q, T)
+    for k in range(n_sample):
+        for row in range(3):
+            tips[k, row] = T[k, n_joint - 1, row, 3] + chain.geometry[n_joint - 1, 1] * T[k, n_joint - 1, row, 0]

@@ -68,8 +68,18 @@ class ChannelWatch:
     def watch(self, counts: Counts) -> None:
         """Take the next samples, (n_sample, n_channel)."""
         n = len(counts)
-        _tally(counts, self._last, self._low, self._high, self._still, self._sums, self.saturated, self._clipped)
-        self.flat[self._still >= self._flat_samples] += n
+        _tally(
+            counts,
+            self._low,
+            self._high,
+            self._flat_samples,
+            self._last,
+            self._still,
+            self._sums,
+            self.saturated,
+            self._clipped,
+            self.flat,
+        )
         self._n += n
         self._bends += max(n - 2, 0)
 
@@ -105,29 +115,37 @@ class ChannelWatch:
 @compiled
 def _tally(
     counts: Counts,
-    last: Counts,
     low: Counts,
     high: Counts,
+    flat_samples: int,
+    last: Counts,
     still: Counted,
     sums: Floats,
     saturated: Counted,
     clipped: Counted,
+    flat: Counted,
 ) -> None:
     """Add samples to the sums of counts, their squares and those of their second differences, and to the rest."""
-    held = np.ones(still.size, dtype=np.bool_)
-    for k in range(counts.shape[0]):
-        for c in range(counts.shape[1]):
-            count = counts[k, c]
-            value = float(count)
-            held[c] &= count == last[c]
-            saturated[c] += count <= low[c] or count >= high[c]
-            clipped[c] += count <= _LEAST or count >= _MOST
-            sums[0, c] += value
-            sums[1, c] += value * value
+    n = counts.shape[0]
+    for c in range(counts.shape[1]):
+        was, lowest, highest = last[c], low[c], high[c]
+        total = squares = bends = beyond = at_ends = changes = 0
+        for k in range(n):
+            count = int(counts[k, c])
+            changes += count != was
+            beyond += count <= lowest or count >= highest
+            at_ends += count <= _LEAST or count >= _MOST
+            total += count
+            squares += count * count
             if k >= 2:
-                bend = value - 2.0 * counts[k - 1, c] + counts[k - 2, c]
-                sums[2, c] += bend * bend
-    for c in range(still.size):
+                bend = count - 2 * int(counts[k - 1, c]) + int(counts[k - 2, c])
+                bends += bend * bend
+        sums[0, c] += total
+        sums[1, c] += squares
+        sums[2, c] += bends
+        saturated[c] += beyond
+        clipped[c] += at_ends
         # To the block: a channel that moved within it has been still since, at most, the block's beginning.
-        still[c] = still[c] + counts.shape[0] if held[c] else 0
-    last[:] = counts[-1]
+        still[c] = still[c] + n if changes == 0 else 0
+        flat[c] += n if still[c] >= flat_samples else 0
+        last[c] = counts[n - 1, c]

@@ -10,7 +10,7 @@ from daemon.handshake import same_device
 from daemon.host_clock import HostClock
 from daemon.ring import Chunk, Mark
 from daemon.sample_ledger import Gap, SampleLedger
-from daemon.sample_runs import Conversion, CountRun, Run
+from daemon.sample_runs import Conversion, CountRun, FrameTimes, Run
 from daemon.sequencer import Sequencer
 from protocol.serial_frame import InfoFrame, SamplesFrame, SamplesRun
 from protocol.serial_parser import Frame, FrameParser
@@ -173,8 +173,7 @@ class Reception:
 
     def _enter_run(self, run: SamplesRun) -> None:
         assert self.clock is not None
-        n, position, utc_ns = run.frame_samples, self.ledger.position, self.clock.utc_ns
-        self._count([(position + k * n, utc_ns(ticks)) for k, ticks in enumerate(run.ticks)], run.counts)
+        self._count(FrameTimes(self.ledger.position, run.frame_samples, run.ticks, self.clock), run.counts)
         self.ledger.enter_run(run)
         self._why = None
 
@@ -197,14 +196,16 @@ class Reception:
         if self.clock is None or lost is None:
             by_host = self._start_clock(frame, last, arrival_ns)
             lost = by_host if lost is None else lost
-        t0_ns = self.clock.utc_ns(frame.ticks) if self.clock is not None else 0
+        assert self.clock is not None
+        t0_ns = self.clock.utc_ns(frame.ticks)
         if lost or begun_anew:
             why = "the device was restarted" if begun_anew else self._cause(frame)
             rate_hz = self.info.rate_hz
             gap = Gap(self.ledger.position, lost, t0_ns - round(1e9 * lost / rate_hz), why, not begun_anew)
             self.ledger.note(gap)
             self._new_gaps.append(gap)
-        self._count([(self.ledger.position + lost, t0_ns)], frame.counts, lost)
+        times = FrameTimes(self.ledger.position + lost, len(frame.counts), [frame.ticks], self.clock)
+        self._count(times, frame.counts, lost)
         self.ledger.enter(frame, lost)
         self._why = None
 
@@ -235,10 +236,10 @@ class Reception:
         self.clock = self._new_clock(self.info.tick_hz, first.ticks, first_ns, self.host.offset_ns)
         return lost
 
-    def _count(self, stamps: list[tuple[int, int]], counts: Counts, lost: int = 0) -> None:
+    def _count(self, times: FrameTimes, counts: Counts, lost: int = 0) -> None:
         if lost or not self._counted:
-            self._counted.append(CountRun(lost, stamps[0][0], [], []))
-        self._counted[-1].stamps += stamps
+            self._counted.append(CountRun(lost, times.sample0, [], []))
+        self._counted[-1].times.append(times)
         self._counted[-1].counts.append(counts)
 
     def _taken(self) -> list[Run]:

@@ -10,7 +10,7 @@ import numpy as np
 
 from arm.model import Floats
 from daemon.motion_blocks import RawSamples, later, raw_block_size
-from daemon.sample_runs import Run
+from daemon.sample_runs import FrameTimes, Run
 
 
 class SampleBlocks:
@@ -28,7 +28,7 @@ class SampleBlocks:
         self._n_held = 0
         self._lost = 0
         self._sample = 0
-        self._stamps: deque[tuple[int, int]] = deque()
+        self._times: deque[FrameTimes] = deque()
 
     def add(self, run: Run) -> list[RawSamples]:
         """Take a run; return the blocks that it completes."""
@@ -36,11 +36,11 @@ class SampleBlocks:
         if not self._n_held:
             self._sample = run.sample0
             self._lost += run.lost
-            self._stamps.clear()
-        self._stamps.extend(run.stamps)
+            self._times.clear()
+        self._times.extend(run.times)
         self._held.append(run.a)
         self._n_held += len(run.a)
-        if self._n_held >= self._size:
+        if self._n_held >= self._size and len(self._held) > 1:
             self._held = [np.concatenate(self._held)]
         while self._n_held >= self._size:
             blocks.append(self._cut(self._size))
@@ -55,9 +55,9 @@ class SampleBlocks:
 
     def _cut(self, n: int) -> RawSamples:
         (a,) = self._held
-        while len(self._stamps) > 1 and self._stamps[1][0] <= self._sample:
-            self._stamps.popleft()
-        sample, t_ns = self._stamps[0]
+        while len(self._times) > 1 and self._times[1].sample0 <= self._sample:
+            self._times.popleft()
+        sample, t_ns = self._times[0].before(self._sample)
         t0_ns = later(t_ns, self._sample - sample, self._dt_s)
         block = RawSamples(self._sample, t0_ns, self._dt_s, a[:n], self._lost)
         self._sample += n

@@ -2,7 +2,7 @@
 
 from collections import Counter, deque
 from dataclasses import dataclass
-from itertools import pairwise
+from operator import sub
 
 from protocol.serial_frame import SEQUENCES, SamplesFrame, SamplesRun
 
@@ -99,9 +99,11 @@ class SampleLedger:
         """Say whether no sample is missing before a run, nor between its frames."""
         if self._missing(run.sequence, run.ticks[0]) != 0:
             return False
-        n, most = run.frame_samples, self._tolerance
-        late = ((after - before) * self._samples_per_tick - n for before, after in pairwise(run.ticks))
-        return all(-most <= samples <= most for samples in late)
+        steps = [*map(sub, run.ticks[1:], run.ticks)]
+        return all(  # the others lie between these
+            abs(step * self._samples_per_tick - run.frame_samples) <= self._tolerance
+            for step in ((min(steps), max(steps)) if steps else ())
+        )
 
     def _missing_at_first(self, frame: SamplesFrame) -> int:
         """Return how many samples the device numbered since it said what it is, and before the first that came."""

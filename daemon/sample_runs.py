@@ -1,27 +1,47 @@
-"""Runs of accelerations: counts of frames that follow each other, in physical units and stamped."""
+"""Runs of accelerations: counts of frames that follow each other, in physical units and with their times."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
 from arm.model import Floats
 from daemon.channel_watch import Counts
+from daemon.device_clock import Clock
 from limbcal.compiled import compiled
 from protocol.serial_frame import Channel
+
+
+class FrameTimes(NamedTuple):
+    """When frames that follow each other were taken, which is reckoned only where it is asked.
+
+    ``sample0`` is the number of the first sample, ``frame_samples`` how many each frame has, ``ticks`` what the
+    device's clock showed at the first of each.
+    """
+
+    sample0: int
+    frame_samples: int
+    ticks: Sequence[int]
+    clock: Clock
+
+    def before(self, sample: int) -> tuple[int, int]:
+        """Return number and UTC [ns] of the first sample of the frame in which a sample came."""
+        k = min((sample - self.sample0) // self.frame_samples, len(self.ticks) - 1)
+        return self.sample0 + k * self.frame_samples, self.clock.utc_ns(self.ticks[k])
 
 
 @dataclass(frozen=True)
 class Run:
     """Samples without a hole between them.
 
-    ``lost`` samples are missing before the first, whose number is ``sample0``. ``stamps`` are number and UTC [ns]
-    of the first sample of each frame; ``a`` is (n_sample, n_channel) [m/s^2].
+    ``lost`` samples are missing before the first, whose number is ``sample0``. ``times`` are those of all of its
+    frames; ``a`` is (n_sample, n_channel) [m/s^2].
     """
 
     lost: int
     sample0: int
-    stamps: tuple[tuple[int, int], ...]
+    times: Sequence[FrameTimes]
     a: Floats
 
 
@@ -31,7 +51,7 @@ class CountRun:
 
     lost: int
     sample0: int
-    stamps: list[tuple[int, int]]
+    times: list[FrameTimes]
     counts: list[Counts]
 
     def joined(self) -> Counts:
@@ -55,7 +75,7 @@ class Conversion:
         """Return the run of what was counted."""
         a = np.empty(counts.shape)
         _accelerations(counts, self._scale, self._offset, a)
-        return Run(counted.lost, counted.sample0, tuple(counted.stamps), a)
+        return Run(counted.lost, counted.sample0, counted.times, a)
 
 
 @compiled

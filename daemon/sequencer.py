@@ -1,6 +1,7 @@
 """Frames in the order of their numbers: one that is early waits for those before it, one that is doubled goes."""
 
 from collections import OrderedDict
+from collections.abc import Sequence
 
 from protocol.serial_frame import SEQUENCES, SamplesRun
 from protocol.serial_parser import Found, Frame
@@ -55,8 +56,7 @@ class Sequencer:
             return [*self.put(found)]
         if found.sequence != self._due or self._early:
             return [one for frame in found.frames() for one in self.put(frame)]
-        for k, ticks in enumerate(found.ticks):
-            self._note(found.sequence + k, ticks)
+        self._note(found.sequence, found.ticks)
         return [found]
 
     def release(self) -> list[Frame]:
@@ -73,16 +73,18 @@ class Sequencer:
 
     def _in_turn(self, frame: Frame) -> list[Frame]:
         out = [frame]
-        self._note(frame.sequence, frame.ticks)
+        self._note(frame.sequence, [frame.ticks])
         while self._due in self._early:
             out.append(self._early.pop(self._due))
-            self._note(out[-1].sequence, out[-1].ticks)
+            self._note(out[-1].sequence, [out[-1].ticks])
         return out
 
-    def _note(self, sequence: int, ticks: int) -> None:
-        self._due = (sequence + 1) % SEQUENCES
-        self._recent[sequence % SEQUENCES] = ticks
-        if len(self._recent) > 2 * _NEAR:
+    def _note(self, sequence: int, ticks: Sequence[int]) -> None:
+        """Note frames in a row by their clocks; the first has the number ``sequence``."""
+        end = sequence + len(ticks)
+        self._due = end % SEQUENCES
+        self._recent.update(zip([number % SEQUENCES for number in range(sequence, end)], ticks, strict=True))
+        while len(self._recent) > 2 * _NEAR:
             self._recent.popitem(last=False)
 
     def _is_old(self, frame: Frame) -> bool:

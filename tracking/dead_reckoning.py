@@ -27,7 +27,8 @@ def reckon(
     """Carry the state through readings (n, 3 * n_sensor); fill in and count the frames that fall due.
 
     Sample number ``first + k`` makes a frame when it leaves the remainder ``phase`` by ``decimation``. While the
-    arm rests, velocities stay zero and nothing moves, but the moving average goes on.
+    arm rests, velocities stay zero and nothing moves, but the moving average goes on. At the end
+    ``state.gravity`` is of where the joints have come to.
     """
     n, n_joint = readings.shape[0], state.q.size
     felt = np.empty((0 if resting else n, readings.shape[1]))
@@ -50,6 +51,8 @@ def reckon(
         if (first + k) % decimation == phase:
             q[frames], moved[frames] = state.q, state.moved
             frames += 1
+    if not resting:
+        gravity_readings(state)
     return frames
 
 
@@ -95,8 +98,8 @@ def integrate(state: Reckoning, felt: Floats, k: int, R: Floats, dt: float) -> N
 
 
 @compiled
-def gravity_readings(state: Reckoning, readings: Floats) -> None:
-    """Fill in what the sensors read of gravity alone, (3 * n_sensor,), with the joints where they are."""
+def gravity_readings(state: Reckoning) -> None:
+    """Fill in what the sensors read of gravity alone, with the joints where they are."""
     n_joint = state.q.size
     before, R = np.empty((n_joint, 3, 3)), np.empty((n_joint, 3, 3))
     facing = np.empty((n_joint, 2))
@@ -108,4 +111,4 @@ def gravity_readings(state: Reckoning, readings: Floats) -> None:
         for col in range(3):  # base frame -> link axes
             felt[col] = -(gravity[0] * turn[0, col] + gravity[1] * turn[1, col] + gravity[2] * turn[2, col])
         for col in range(3):  # link axes -> sensor axes
-            readings[3 * s + col] = felt[0] * axes[0, col] + felt[1] * axes[1, col] + felt[2] * axes[2, col]
+            state.gravity[3 * s + col] = felt[0] * axes[0, col] + felt[1] * axes[1, col] + felt[2] * axes[2, col]

@@ -71,8 +71,9 @@ class Integrator:
         self._cell = max(2, self._decimation * max(1, round(_CELL_S / self.dt_s)))  # one reading shows no noise
         self._n_channel = 3 * len(arm.sensors)
         self._state = reckoning_of(arm, q0)
-        self._gravity = np.zeros(self._n_channel)
         self._rest = RestDetector(self._contrasts(), self._gravity_slack())
+        self._state = self._state._replace(offset=self._rest.offset)  # which is learnt in place
+        gravity_readings(self._state)
         self._rest_q = q0.copy()
         self._rest_points: Floats = self._state.start
         self._pending = np.empty((0, self._n_channel))
@@ -83,7 +84,7 @@ class Integrator:
         self._lost = False
         self._phase = self._decimation // 2
         self._differences = CentralDifferences(self.dt_s, arm.n_joint)
-        self._waiting = _Waiting(0, 0, np.empty((0, arm.n_joint)), np.empty((0, *self._state.moved.shape)))
+        self._waiting = _Underived(0, 0, np.empty((0, arm.n_joint)), np.empty((0, *self._state.moved.shape)))
 
     def push(self, t0_ns: int, accelerations: Floats) -> tuple[list[Frames], list[Phase]]:
         """Take in readings and give out the frames and phases that they complete.
@@ -136,7 +137,7 @@ class Integrator:
         phases: list[Phase] = []
         if len(self._pending):
             self._advance(len(self._pending), frames, phases)
-        self._emit(np.empty((0, self._arm.n_joint)), self._waiting.moved[:0], *self._differences.flush(), frames)
+        self._emit(self._waiting, *self._differences.flush(), frames)
         return frames, phases
 
     def _advance(self, size: int, frames: list[Frames], phases: list[Phase]) -> None:
@@ -148,9 +149,7 @@ class Integrator:
             self._primed = True
         resting = was_resting = self._rest.resting
         if size == self._cell:
-            gravity_readings(state, self._gravity)
-            resting = self._rest.judge(cell, self._gravity, self._zero == "first-rest")
-            state.offset[:] = self._rest.offset
+            resting = self._rest.judge(cell, state.gravity, self._zero == "first-rest")
         if self._rest.jolted and size == self._cell:  # the motion before ended, if not in what counts as rest
             phases.append(Phase("end", self._time_ns(self._sample), self._trial))
         if resting != was_resting or (self._rest.jolted and size == self._cell):
@@ -159,39 +158,38 @@ class Integrator:
         hold = resting and (self._zero == "each-rest" or self._trial == 0)
         if hold:
             self._settle()
-        q = np.empty((size // self._decimation + 1, len(state.q)))
+        waiting = len(self._waiting.q)  # with it at the front nothing has to be put together afterwards
+        q = np.empty((waiting + size // self._decimation + 1, len(state.q)))
         moved = np.empty((len(q), *state.moved.shape))
-        n = reckon(state, cell, self._dt_sample, hold, self._sample, self._decimation, self._phase, q, moved)
+        q[:waiting], moved[:waiting] = self._waiting.q, self._waiting.moved
+        n = reckon(
+            state,
+            cell,
+            self._dt_sample,
+            hold,
+            self._sample,
+            self._decimation,
+            self._phase,
+            q[waiting:],
+            moved[waiting:],
+        )
         if n:
             due = (self._phase - self._sample) % self._decimation  # the cell's first sample that makes a frame
-            dq, ddq = self._differences.push(q[:n], hold)
-            oldest = self._sample + due - len(self._waiting.q) * self._decimation
-            self._waiting = self._waiting._replace(
-                number=oldest // self._decimation, t_ns=self._time_ns(oldest - _DELAY_SAMPLES)
-            )
-            self._emit(q[:n], moved[:n], dq, ddq, frames)
+            oldest = self._sample + due - waiting * self._decimation
+            number, t_ns, whole = oldest // self._decimation, self._time_ns(oldest - _DELAY_SAMPLES), waiting + n
+            derivatives = self._differences.push(q[waiting:whole], hold)
+            self._emit(_Underived(number, t_ns, q[:whole], moved[:whole]), *derivatives, frames)
         self._sample += size
 
-    def _emit(self, q: Floats, moved: Floats, dq: Floats, ddq: Floats, frames: list[Frames]) -> None:
-        """Give out the frames whose derivatives are there; the last angle waits for the next one."""
-        waiting, n = self._waiting, len(dq)
-        q, moved = np.vstack([waiting.q, q]), np.concatenate([waiting.moved, moved])
+    def _emit(self, known: "_Underived", dq: Floats, ddq: Floats, frames: list[Frames]) -> None:
+        """Give out the frames whose derivatives are there; the last one waits for the next."""
+        number, t_ns, q, moved = known
+        n = len(dq)
         if n:
-            frames.append(
-                Frames(
-                    waiting.number,
-                    waiting.t_ns,
-                    self.dt_s,
-                    q[:n],
-                    dq,
-                    ddq,
-                    tips_of(self._state.chain, q[:n]),
-                    moved[:n],
-                    self._lost,
-                )
-            )
+            tip = tips_of(self._state.chain, q[:n])
+            frames.append(Frames(number, t_ns, self.dt_s, q[:n], dq, ddq, tip, moved[:n], self._lost))
             self._lost = False
-        self._waiting = _Waiting(waiting.number + n, waiting.t_ns + round(n * self.dt_s * 1e9), q[n:], moved[n:])
+        self._waiting = _Underived(number + n, t_ns + round(n * self.dt_s * 1e9), q[n:], moved[n:])
 
     def _settle(self) -> None:
         """Take out what integration has done to a resting arm: its speed, and the length between two sensors."""
@@ -233,8 +231,8 @@ class Integrator:
         return np.vstack(rows) if rows else np.zeros((0, self._n_channel))
 
 
-class _Waiting(NamedTuple):
-    """The frame whose derivatives need the next one: at most one row."""
+class _Underived(NamedTuple):
+    """Frames without their derivatives: the number and the time [ns] of the first, and their rows."""
 
     number: int
     t_ns: int

@@ -31,6 +31,8 @@ class Reckoning(NamedTuple):
         The last four readings, for the moving average; ``recent[count % 4]`` is overwritten next.
     offset : (3 * n_sensor,)
         What the sensors read too much.
+    gravity : (3 * n_sensor,)
+        What they read of gravity alone, with the joints where they are.
     """
 
     chain: Chain
@@ -46,10 +48,11 @@ class Reckoning(NamedTuple):
     moved: Floats
     recent: Floats
     offset: Floats
+    gravity: Floats
 
 
 def reckoning_of(arm: Arm, q: Floats) -> Reckoning:
-    """Return where dead reckoning begins: at rest, at the angles ``q`` (n_joint,).
+    """Return where dead reckoning begins, but for ``gravity``: at rest, at the angles ``q`` (n_joint,).
 
     Raises
     ------
@@ -72,5 +75,6 @@ def reckoning_of(arm: Arm, q: Floats) -> Reckoning:
         np.zeros_like(start),
         np.zeros_like(start),
         np.zeros((4, n_channel)),
+        np.zeros(n_channel),
         np.zeros(n_channel),
     )

@@ -28,6 +28,9 @@ _ROUNDING_STEPS = 1.0
 _FINEST = 3e-5
 #: Cells of rest that the offset remembers (4 s).
 _MEMORY = 400
+#: Weights of a window's cells that make its trend, which is about the second half less the first.
+_TREND = (np.arange(WINDOW) - (WINDOW - 1) / 2) / ((WINDOW - 1) / 2 * WINDOW / 4)
+_TREND_SPREAD = float(np.linalg.norm(_TREND))
 
 
 class RestDetector:
@@ -60,15 +63,10 @@ class RestDetector:
         self._n_cells = 0
         self._variances: list[float] = []
         self._sigma = 0.0
-        self._step = _FINEST
         self._found_step = math.inf
         self._weight = 0
         self.jolted = False
         self._creeping = False
-        middle = (WINDOW - 1) / 2
-        # About the second half less the first.
-        self._trend = (np.arange(WINDOW, dtype=np.float64) - middle) / (middle * WINDOW / 4)
-        self._trend_spread = float(np.linalg.norm(self._trend))
 
     def judge(self, cell: Floats, gravity: Floats, pinned: bool) -> bool:
         """Take in a cell of readings and say whether the arm rests in it.
@@ -86,24 +84,28 @@ class RestDetector:
         bool
         """
         excess = np.empty(len(self._slack))
-        self._found_step = _look(cell, gravity, self._found_step, excess)
-        self._step = max(_FINEST, self._found_step) if self._found_step < math.inf else _FINEST
         if self._weight < WINDOW:  # the rest at the start is taken on trust: nothing to compare it with yet
+            self._found_step = _look(cell, gravity, self._found_step, excess)
             self._variances.append(float(np.mean(np.diff(cell, axis=0) ** 2) / 2.0))
             self._sigma = float(np.sqrt(np.mean(self._variances) / len(cell)))
             self._learn(excess)
             return True
-        limit = _CELL_SIGMAS * self._sigma + _CELL_STEPS * self._step
-        smooth = self._share(excess - self.offset, limit) <= 1.0
-        jump = _furthest(excess, self._cells[-1]) if self._n_cells else 0.0
-        self.jolted = self._creeping and not self.resting and not smooth and jump > limit
-        if smooth:
-            self._cells[:-1] = self._cells[1:]
-            self._cells[-1] = excess
-            self._n_cells = min(self._n_cells + 1, WINDOW)
-        else:
-            self._n_cells = 0
-        unrest = self._unrest()
+        self._found_step, smooth, jumped, unrest = _compare(
+            cell,
+            gravity,
+            self._found_step,
+            self._sigma,
+            self.offset,
+            self._weight,
+            self._cells,
+            self._n_cells,
+            self._slack,
+            self._contrast,
+            self._rounded,
+            excess,
+        )
+        self.jolted = self._creeping and not self.resting and not smooth and jumped
+        self._n_cells = min(self._n_cells + 1, WINDOW) if smooth else 0
         self._creeping = unrest <= _TO_LEAVE
         if self.resting:
             self.resting = smooth and (unrest <= _TO_LEAVE or self._n_cells < WINDOW)
@@ -116,23 +118,6 @@ class RestDetector:
     def forget(self) -> None:
         """Start a new window: samples were lost."""
         self._n_cells = 0
-
-    def _unrest(self) -> float:
-        """Return how far the window strays, as a share of what a rest may; infinite until the window is full."""
-        if self._n_cells < WINDOW:
-            return math.inf
-        # A motion's acceleration also passes through zero: then the window's mean is small, its trend is not.
-        strays = np.empty((2, len(self._slack)))
-        _strays(self._cells, self.offset, self._trend, strays)
-        spreads = math.sqrt(1.0 / WINDOW + 1.0 / self._weight), self._trend_spread
-        return max(
-            self._share(stray, _WINDOW_SIGMAS * self._sigma * spread + _WINDOW_STEPS * self._step)
-            for stray, spread in zip(strays, spreads, strict=True)
-        )
-
-    def _share(self, mean: Floats, limit: float) -> float:
-        """Return the largest reading, beyond what gravity may do to it, as a share of its limit."""
-        return _share(mean, limit, self._step, self._slack, self._contrast, self._rounded)
 
     def _learn(self, excess: Floats) -> None:
         self._weight = min(self._weight + 1, _MEMORY)
@@ -159,19 +144,64 @@ def _look(cell: Floats, gravity: Floats, least: float, excess: Floats) -> float:
 
 
 @compiled
-def _strays(cells: Floats, offset: Floats, trend: Floats, strays: Floats) -> None:
-    """Fill in how far a window's mean and its trend stray, (2, n_channel)."""
-    strays[:] = 0.0
+def _compare(
+    cell: Floats,
+    gravity: Floats,
+    least: float,
+    sigma: float,
+    offset: Floats,
+    weight: int,
+    cells: Floats,
+    n_cells: int,
+    slack: Floats,
+    contrast: Floats,
+    rounded: Floats,
+    excess: Floats,
+) -> tuple[float, bool, bool, float]:
+    """Fill in by how much a cell exceeds gravity, and hold it against the offset and the cells before it.
+
+    Returns the least by which readings differed, whether the cell may be one of rest, whether it is far from the
+    cell before, and how far the window strays, as a share of what a rest may; infinite until the window is full.
+    A cell that may be one of rest is added to ``cells``, of which the last ``n_cells`` count.
+    """
+    least = _look(cell, gravity, least, excess)
+    step = max(_FINEST, least) if least < math.inf else _FINEST
+    limit = _CELL_SIGMAS * sigma + _CELL_STEPS * step
+    stray = excess - offset
+    smooth = _share(stray, limit, step, slack, contrast, rounded) <= 1.0
+    jumped = n_cells > 0 and _furthest(excess, cells[WINDOW - 1]) > limit
+    if not smooth:
+        return least, smooth, jumped, math.inf
+    cells[:-1] = cells[1:]
+    cells[WINDOW - 1] = excess
+    if n_cells + 1 < WINDOW:
+        return least, smooth, jumped, math.inf
+    # A motion's acceleration also passes through zero: then the window's mean is small, its trend is not.
+    trend = np.empty(offset.size)
+    _strays(cells, offset, stray, trend)
+    unrest = -math.inf
+    for strays, spread in ((stray, math.sqrt(1.0 / WINDOW + 1.0 / weight)), (trend, _TREND_SPREAD)):
+        most = _WINDOW_SIGMAS * sigma * spread + _WINDOW_STEPS * step
+        unrest = max(unrest, _share(strays, most, step, slack, contrast, rounded))
+    return least, smooth, jumped, unrest
+
+
+@compiled
+def _strays(cells: Floats, offset: Floats, mean: Floats, trend: Floats) -> None:
+    """Fill in how far a window's mean and its trend stray."""
+    mean[:] = 0.0
+    trend[:] = 0.0
     for k in range(cells.shape[0]):
         for c in range(offset.size):
-            strays[0, c] += cells[k, c]
-            strays[1, c] += trend[k] * cells[k, c]
+            mean[c] += cells[k, c]
+            trend[c] += _TREND[k] * cells[k, c]
     for c in range(offset.size):
-        strays[0, c] = strays[0, c] / cells.shape[0] - offset[c]
+        mean[c] = mean[c] / cells.shape[0] - offset[c]
 
 
 @compiled
 def _share(mean: Floats, limit: float, step: float, slack: Floats, contrast: Floats, rounded: Floats) -> float:
+    """Return the largest reading, beyond what gravity may do to it, as a share of its limit."""
     worst = -math.inf
     for c in range(mean.size):
         worst = max(worst, (abs(mean[c]) - slack[c]) / limit)

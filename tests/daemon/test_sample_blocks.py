@@ -4,8 +4,9 @@ import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
 
+from daemon.device_clock import ClockState
 from daemon.sample_blocks import SampleBlocks
-from daemon.sample_runs import Run
+from daemon.sample_runs import FrameTimes, Run
 
 RATE_HZ = 8000.0
 FRAME = 32
@@ -14,6 +15,21 @@ FRAME = 32
 def time_ns(sample: int) -> int:
     """Return the time by a clock that is not quite the device's."""
     return 10**18 + round(sample * 1e9 / RATE_HZ * (1 + 3e-5)) + sample % 7
+
+
+class SampleClock:
+    """Ticks once a sample."""
+
+    state = ClockState(None, None, None)
+
+    def utc_ns(self, ticks: int) -> int:
+        return time_ns(ticks)
+
+    def monotonic_ns(self, ticks: int) -> int:
+        return time_ns(ticks) - 10**18
+
+    def note(self, ticks: int, arrival_ns: int) -> None:
+        pass
 
 
 def runs_of(frames: list[int], cuts: set[int]) -> list[Run]:
@@ -31,9 +47,9 @@ def runs_of(frames: list[int], cuts: set[int]) -> list[Run]:
 
 def run_of(group: list[int], before: list[Run]) -> Run:
     due = before[-1].sample0 + len(before[-1].a) if before else FRAME * group[0]
-    stamps = tuple((FRAME * k, time_ns(FRAME * k)) for k in group)
+    times = FrameTimes(FRAME * group[0], FRAME, [FRAME * k for k in group], SampleClock())
     a = np.arange(FRAME * group[0], FRAME * (group[-1] + 1), dtype=float)[:, None]
-    return Run(FRAME * group[0] - due, FRAME * group[0], stamps, a)
+    return Run(FRAME * group[0] - due, FRAME * group[0], [times], a)
 
 
 @given(st.sets(st.integers(0, 60), min_size=2), st.sets(st.integers(1, 60)))
