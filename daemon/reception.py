@@ -143,12 +143,12 @@ class Reception:
     def _pass_on(self, passed: Sequence[Frame | SamplesRun], arrival_ns: int) -> None:
         """Enter frames in their order; those of a device that has come back wait until it said what it is."""
         last = next((one for one in reversed(passed) if not isinstance(one, InfoFrame)), None)
-        if isinstance(last, SamplesRun):
-            last = last.last()
         for one in passed:
             if isinstance(one, SamplesRun) and self._goes_on(one):
                 self._enter_run(one)
                 continue
+            if isinstance(last, SamplesRun):
+                last = last.last()
             for frame in one.frames() if isinstance(one, SamplesRun) else [one]:
                 self._pass_on_one(frame, last, arrival_ns)
         if last is not None and self._known and self.clock is not None and self.ledger.due_ticks is not None:

@@ -1,6 +1,6 @@
 """From the pipeline to the recorder: every message byte for byte, and never waiting for the disk.
 
-Messages gather for a twentieth of a second and leave as one, so that neither end is busy with each of them.
+Messages gather for a tenth of a second and leave as one, so that neither end is busy with each of them.
 """
 
 import time
@@ -12,9 +12,9 @@ import zmq
 
 Context = zmq.Context[zmq.Socket[bytes]]
 
-_GATHER_S = 0.05
+_GATHER_S = 0.1
 #: A minute of them. A disk that stalls for longer costs messages, which are counted, not the stream.
-_QUEUE = 1200
+_QUEUE = 600
 _LINGER_MS = 10_000
 #: No packed list begins like these.
 _HELLO, _END = b"hello", b"end"

@@ -7,8 +7,6 @@ from enum import Enum
 from multiprocessing.context import BaseContext
 from typing import NamedTuple
 
-import numpy as np
-
 #: Anonymous shared memory: it has no name in /dev/shm, so there is nothing to leave behind after a kill.
 Memory = ctypes.Array[ctypes.c_char]
 
@@ -54,19 +52,19 @@ class Ring:
 
     def __init__(self, memory: Memory) -> None:
         view = memoryview(memory).cast("B")
-        self._state = np.frombuffer(view[:_STATE_BYTES], dtype=np.int64)
+        self._state = view[:_STATE_BYTES].cast("q")
         self._bytes = view[_STATE_BYTES:]
         self._capacity = len(self._bytes)
 
     @property
     def dropped_bytes(self) -> int:
         """Bytes that found no room because the reader had fallen a whole ring behind."""
-        return int(self._state[_DROPPED_BYTES])
+        return self._state[_DROPPED_BYTES]
 
     @property
     def dropped_chunks(self) -> int:
         """Chunks that found no room."""
-        return int(self._state[_DROPPED_CHUNKS])
+        return self._state[_DROPPED_CHUNKS]
 
     @property
     def closed(self) -> bool:
@@ -75,9 +73,9 @@ class Ring:
 
     def write(self, data: bytes, stamp_ns: int, mark: Mark = Mark.DATA) -> bool:
         """Put a chunk in; where there is no room for all of it, drop and count it and return False."""
-        start = int(self._state[_WRITTEN])
+        start = self._state[_WRITTEN]
         size = _HEADER.size + len(data)
-        if size > self._capacity - (start - int(self._state[_READ])):
+        if size > self._capacity - (start - self._state[_READ]):
             self._state[_DROPPED_BYTES] += len(data)
             self._state[_DROPPED_CHUNKS] += 1
             return False
@@ -88,14 +86,14 @@ class Ring:
 
     def read(self) -> list[Chunk]:
         """Take out every chunk that is there."""
-        return list(self._take(int(self._state[_WRITTEN])))
+        return list(self._take(self._state[_WRITTEN]))
 
     def close(self) -> None:
         """Say that no chunk will follow."""
         self._state[_CLOSED] = 1
 
     def _take(self, end: int) -> Iterator[Chunk]:
-        start = int(self._state[_READ])
+        start = self._state[_READ]
         while start < end:
             length, stamp_ns, mark = _HEADER.unpack(self._get(start, _HEADER.size))
             data = self._get(start + _HEADER.size, length)
@@ -107,9 +105,11 @@ class Ring:
         begin = position % self._capacity
         first = min(len(data), self._capacity - begin)
         self._bytes[begin : begin + first] = data[:first]
-        self._bytes[: len(data) - first] = data[first:]
+        if first < len(data):
+            self._bytes[: len(data) - first] = data[first:]
 
     def _get(self, position: int, length: int) -> bytes:
         begin = position % self._capacity
         first = min(length, self._capacity - begin)
-        return bytes(self._bytes[begin : begin + first]) + bytes(self._bytes[: length - first])
+        found = bytes(self._bytes[begin : begin + first])
+        return found if first == length else found + bytes(self._bytes[: length - first])

@@ -59,7 +59,8 @@ def encode_array(array: NDArray[Any]) -> dict[str, object]:
             f"array of {array.dtype} with {array.ndim} dimensions, expected one of {', '.join(_DTYPES)} "
             f"with at most {MAX_DIMENSIONS}"
         )
-    return {"dtype": text, "shape": list(array.shape), "data": array.astype(_DTYPES[text], copy=False).tobytes()}
+    little = array if array.dtype is _DTYPES[text] else array.astype(_DTYPES[text], copy=False)
+    return {"dtype": text, "shape": list(array.shape), "data": little.tobytes()}
 
 
 def decode_array(fields: Mapping[str, Any]) -> NDArray[Any]:

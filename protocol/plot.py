@@ -1,8 +1,10 @@
 """`limb/plot`: joint and tip motion as flat rows, which is what plotting programs read."""
 
 from collections.abc import Mapping
-from itertools import chain
+from functools import cache
 from typing import Any
+
+import numpy as np
 
 PLOT_HZ = 100.0
 #: Signals by joint, where there are such.
@@ -27,13 +29,18 @@ def plot_rows(motion: Mapping[str, Any], step: int) -> list[dict[str, float]]:
     picked = range(-motion["frame0"] % step, motion["n"], step)
     if not picked:
         return []
-    names, parts = ["ts"], [[[(motion["t0_ns"] + round(i * motion["dt_s"] * 1e9)) / 1e9] for i in picked]]
-    for signal in (*_BY_JOINT, "tip"):
-        if motion.get(signal) is not None:
-            values = motion[signal][picked.start :: step].tolist()
-            names += (f"{signal}{end}" for end in ("xyz" if signal == "tip" else range(1, len(values[0]) + 1)))
-            parts.append(values)
-    return [dict(zip(names, chain.from_iterable(row), strict=True)) for row in zip(*parts, strict=True)]
+    signals = [name for name in (*_BY_JOINT, "tip") if motion.get(name) is not None]
+    names = _columns(motion["q"].shape[1], *signals)
+    rows = np.concatenate([motion[name][picked.start :: step] for name in signals], axis=1).tolist()
+    stamps = [(motion["t0_ns"] + round(i * motion["dt_s"] * 1e9)) / 1e9 for i in picked]
+    return [dict(zip(names, (ts, *row), strict=True)) for ts, row in zip(stamps, rows, strict=True)]
+
+
+@cache
+def _columns(n_joint: int, *signals: str) -> list[str]:
+    """Return what the values of a row are called."""
+    of_joints = [f"{signal}{j}" for signal in signals if signal != "tip" for j in range(1, n_joint + 1)]
+    return ["ts", *of_joints, *(f"tip{axis}" for axis in "xyz" if "tip" in signals)]
 
 
 def plot_step(dt_s: float) -> int:
