@@ -1,7 +1,7 @@
 """Blocks of frames and of raw samples, and the messages that they become."""
 
-from dataclasses import dataclass, replace
-from typing import Any
+from dataclasses import replace
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -13,8 +13,7 @@ Fields = dict[str, Any]
 BLOCK_S = 0.01
 
 
-@dataclass(frozen=True)
-class RawSamples:
+class RawSamples(NamedTuple):
     """Consecutive samples: number and time [ns] of the first, and ``a`` (n_sample, n_channel) [m/s^2].
 
     ``lost`` are missing before the first.

@@ -169,18 +169,20 @@ class _PortKeeper:
 
     def _take(self, tty: serial.Serial) -> int:
         """Move what has come to the ring; return how many bytes that were."""
-        taken = 0
-        for _ in range(_READS_AT_ONCE):
-            data = os.read(tty.fileno(), _READ_BYTES)
-            if not data and not taken:
-                raise OSError("it is readable, and nothing comes")
-            taken += len(data)
-            if data:
-                self._ring.write(data, time.monotonic_ns())
-            if len(data) < _FULL_READ_BYTES:
-                break
+        descriptor, parts = tty.fileno(), []
+        try:
+            for _ in range(_READS_AT_ONCE):
+                parts.append(os.read(descriptor, _READ_BYTES))
+                if len(parts[-1]) < _FULL_READ_BYTES:
+                    break
+        finally:  # also what came before the port failed
+            taken = b"".join(parts)
+            if taken:
+                self._ring.write(taken, time.monotonic_ns())
+        if not taken:
+            raise OSError("it is readable, and nothing comes")
         self._heard_s, self._nudge_s = time.monotonic(), _SILENT_S
-        return taken
+        return len(taken)
 
 
 def _silence(tty: serial.Serial) -> None:

@@ -69,10 +69,7 @@ def _follow(line: ControlLine, inlet: RecordInlet, segments: Segments) -> None:
         if inlet.linked and not told:
             told = True
             line.tell("linked")
-        for entry in entries:
-            segments.write(entry)
-        if not entries:
-            segments.poll()
+        segments.write(entries)
         quiet_s = quiet_s + _POLL_S if not entries and limit_s < math.inf else 0.0
         if limit_s == math.inf:
             limit_s = _limit_s(line)

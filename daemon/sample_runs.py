@@ -31,8 +31,7 @@ class FrameTimes(NamedTuple):
         return self.sample0 + k * self.frame_samples, self.clock.utc_ns(self.ticks[k])
 
 
-@dataclass(frozen=True)
-class Run:
+class Run(NamedTuple):
     """Samples without a hole between them.
 
     ``lost`` samples are missing before the first, whose number is ``sample0``. ``times`` are those of all of its

@@ -3,8 +3,9 @@
 import shutil
 import time
 from collections import deque
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 
 from daemon.record_link import Entry
@@ -89,15 +90,16 @@ class Segments:
         self._pause_s = _TRY_S
         self._writer = RecordingWriter(path, *texts, clock=clock)
 
-    def write(self, entry: Entry) -> None:
-        """Write a message, or keep it while nothing can be written."""
-        self._keep(entry)
-        if not self.paused:
-            self._attempt(lambda: self._put(entry))
-        self.poll()
+    def write(self, entries: Sequence[Entry]) -> None:
+        """Write messages, or keep them while nothing can be written, and do what is due; come also with none, a few times a second."""
+        for entry in entries:
+            self._keep(entry)
+            if not self.paused:
+                self._attempt(partial(self._put, entry))
+        self._poll()
 
-    def poll(self) -> None:
-        """Do what is due; call it a few times a second also when no message comes."""
+    def _poll(self) -> None:
+        """Do what is due."""
         now = self._clock()
         if self.paused:
             if now >= self._try_s + self._pause_s:

@@ -63,7 +63,7 @@ def test_a_full_file_is_followed_by_another(tmp_path: Path, limits: Limits) -> N
     some = segments(tmp_path, told, clock, limits)
     for number in range(300):
         clock.now_s += 0.3
-        some.write(entry(number))
+        some.write([entry(number)])
     some.close()
     assert numbers(tmp_path) == list(range(300))
     assert len(list(tmp_path.glob("*.mcap"))) == 1 + len(told) > 3
@@ -78,7 +78,7 @@ def test_what_a_failed_disk_did_not_take_is_in_the_next_file(tmp_path: Path) -> 
     some = segments(tmp_path, told, clock, Limits(10**9, 1e9, 0))
     for number in range(3000):
         clock.now_s += 0.02
-        some.write(entry(number, 20 + 37 * number % 91))
+        some.write([entry(number, 20 + 37 * number % 91)])
     some.close()
     assert sorted(set(numbers(tmp_path))) == list(range(3000))
     assert [what for what, _ in told][:4] == ["pause", "resume", "pause", "resume"]
@@ -94,7 +94,7 @@ def test_recording_goes_on_when_there_is_room_again(tmp_path: Path, monkeypatch:
     for number in range(600):
         clock.now_s += 0.1
         free[0] = 5 * 10**5 if 200 <= number < 400 else 10**9
-        some.write(entry(number))
+        some.write([entry(number)])
     some.close()
     assert numbers(tmp_path) == list(range(600))
     assert [what for what, _ in told] == ["pause", "resume"]
@@ -109,7 +109,7 @@ def test_what_can_not_be_kept_is_counted(tmp_path: Path, monkeypatch: pytest.Mon
     some = segments(tmp_path, told, clock, Limits(10**9, 1e9, 10))
     for number in range(100):
         clock.now_s += 1.0
-        some.write(entry(number, 10**6))
+        some.write([entry(number, 10**6)])
     some.close()
     assert some.messages + some.lost == 100
     assert some.lost > 90
