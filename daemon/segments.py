@@ -91,7 +91,10 @@ class Segments:
         self._writer = RecordingWriter(path, *texts, clock=clock)
 
     def write(self, entries: Sequence[Entry]) -> None:
-        """Write messages, or keep them while nothing can be written, and do what is due; come also with none, a few times a second."""
+        """Write messages, or keep them while nothing can be written; do what is due.
+
+        Call it a few times a second also when no message comes.
+        """
         for entry in entries:
             self._keep(entry)
             if not self.paused:
