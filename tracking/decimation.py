@@ -91,7 +91,7 @@ def _filter(readings: Floats, taps: Floats, first: int, step: int, frames: Float
     for k in range(frames.shape[0]):
         begin = first + k * step
         for c in range(frames.shape[1]):
-            total = 0.0
-            for i in range(taps.size):
-                total += taps[i] * readings[begin + i, c]
-            frames[k, c] = total
+            frames[k, c] = 0.0
+        for i in range(taps.size):
+            for c in range(frames.shape[1]):  # innermost, so that channels are summed side by side
+                frames[k, c] += taps[i] * readings[begin + i, c]
