@@ -38,7 +38,7 @@ def test_any_other_error_keeps_its_traceback() -> None:
     child.close()
     (item,) = said
     error = crash(child, item)
-    assert "the test process failed: ValueError" in str(error)
+    assert "the test process failed: TypeError" in str(error)
     assert "Traceback" in error.__notes__[0]
 
 
