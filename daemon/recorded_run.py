@@ -1,7 +1,9 @@
 """What a recording says of its run: the device, the samples block by block, and when they were taken."""
 
+from collections import deque
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
+from itertools import chain
 from pathlib import Path
 from typing import Any
 
@@ -17,6 +19,8 @@ from protocol.serial_frame import Channel, DeviceInfo
 
 #: Ticks of a replayed device: fine enough that a single lost sample is beyond doubt.
 TICKS_PER_SAMPLE = 1000
+#: So many blocks that were passed are remembered: more than wait in the ring.
+_PASSED = 8192
 _INT16 = np.iinfo(np.int16)
 
 
@@ -101,13 +105,15 @@ class RecordedClock:
     Parameters
     ----------
     path : Path
-        The recording; read as far as it is asked about.
+        The recording; read as far as it is asked about. What lies behind by less than the ring holds can still be
+        asked.
     """
 
     def __init__(self, path: Path) -> None:
         self._blocks = blocks_of(path)
         self._here = next(self._blocks)
         self._next: Block | None = next(self._blocks, None)
+        self._passed: deque[tuple[int, int]] = deque(maxlen=_PASSED)  # number and UTC [ns] of their first samples
         self._sample_ns = 1e9 / device_of(path).rate_hz
 
     @property
@@ -119,8 +125,11 @@ class RecordedClock:
         """Return UTC [ns] at a tick."""
         sample = ticks // TICKS_PER_SAMPLE
         while self._next is not None and self._next.sample0 <= sample:
+            self._passed.append((self._here.sample0, self._here.t0_ns))
             self._here, self._next = self._next, next(self._blocks, None)
-        return self._here.t0_ns + round((sample - self._here.sample0) * self._sample_ns)
+        here = self._here.sample0, self._here.t0_ns
+        sample0, t0_ns = next((one for one in chain([here], reversed(self._passed)) if one[0] <= sample), here)
+        return t0_ns + round((sample - sample0) * self._sample_ns)
 
     def monotonic_ns(self, ticks: int) -> int:
         """Return the same: nothing else is known."""

@@ -115,3 +115,13 @@ def test_files_that_follow_are_replayed_too(tmp_path: Path) -> None:
     assert [clock.utc_ns(1000 * sample) for sample in (0, 79, 80, 165, 166)] == [
         10**9 + 125_000 * sample for sample in (0, 79, 80, 165, 166)
     ]
+
+
+def test_a_recordings_clock_tells_of_what_lies_behind(tmp_path: Path) -> None:
+    """Where a block began is asked when it is full, and a gap behind it may have been met by then."""
+    a = np.zeros((80, len(device_info().channels)))
+    began = [10**9 + 10_000_000 * k + 300 * (k % 3) for k in range(5)]
+    blocks = [(RAW, {**raw_fields(80 * k, a), "t0_ns": t0_ns}) for k, t0_ns in enumerate(began)]
+    clock = RecordedClock(make(tmp_path / "run.mcap", health_of(asdict(device_info())), *blocks))
+    for k in (4, 1, 3, 0, 2):
+        assert [clock.utc_ns(1000 * (80 * k + i)) - began[k] for i in (0, 1, 79)] == [0, 125_000, 9_875_000]
