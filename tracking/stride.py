@@ -31,6 +31,7 @@ def stride(
     states: Floats,
     variances: Floats,
     sizes: Floats,
+    total: Floats,
 ) -> tuple[int, Floats, Floats]:
     """Predict and take in readings (n, n_channel) until one is lost or explained badly.
 
@@ -55,6 +56,8 @@ def stride(
         Room, with the slopes of the speeds filled in.
     states, variances, sizes
         Filled in frame by frame: the state's beginning, the angles' variances and the innovation's squared size.
+    total : (n_channel,)
+        Readings that are taken in are added to it.
 
     Returns
     -------
@@ -87,4 +90,5 @@ def stride(
         for j in range(n_joint):
             variances[k, j] = P[3 * j, 3 * j]
         sizes[k] = squared
+        total += readings[k]
     return readings.shape[0], x, P

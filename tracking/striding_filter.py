@@ -73,14 +73,14 @@ class StridingFilter(LiveFilter):
                 course.states[here],
                 course.variances[here],
                 sizes,
+                self._total,
             )
         except np.linalg.LinAlgError:
             return 0
         if not count:
             return 0
-        for squared, reading in zip(sizes[:count].tolist(), readings, strict=False):
+        for squared in sizes[:count].tolist():
             self._judge.note(squared / rows, jolted=False, doubted=False)
-            self._total += reading
         course.still[k : k + count], course.resting[k : k + count] = still, self.resting
         self._last, self._missing = readings[count - 1], 0
         self._in_cell += count
