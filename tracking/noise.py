@@ -5,6 +5,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from arm.model import Floats
+from limbcal.compiled import compiled
 
 #: Nobody's accelerometer is quieter than ten microgees, and nobody's arm more rigid [m/s^2 per root Hz]. A filter
 #: that believes more takes what it leaves out of a motion, such as curvature in its slopes, for information.
@@ -58,9 +59,20 @@ def noise_of(readings: Floats, rate_hz: float) -> Noise:
 
 def step_of(readings: Floats) -> Floats:
     """Return the least by which a reading ever differs from the one before, (n_channel,), or infinity."""
-    change = np.abs(np.diff(readings, axis=0))
-    step: Floats = np.where(change > 0.0, change, np.inf).min(axis=0, initial=np.inf)
+    step = np.full(readings.shape[1], np.inf)
+    if len(readings):
+        _least_changes(readings[0], readings, step)
     return step
+
+
+@compiled
+def _least_changes(before: Floats, readings: Floats, step: Floats) -> None:
+    """Lower ``step`` to the least by which a reading differs from the one before, where it does."""
+    for k in range(readings.shape[0]):
+        for c in range(step.size):
+            change = abs(readings[k, c] - (readings[k - 1, c] if k > 0 else before[c]))
+            if 0.0 < change < step[c]:
+                step[c] = change
 
 
 def _rounding(variance: Floats, step: Floats) -> Floats:
@@ -87,10 +99,11 @@ class StepWatch:
 
     def look(self, readings: Floats) -> bool:
         """Take in readings (n, n_channel); return whether they change what is known of the noise."""
-        if self._last is not None:
-            readings = np.vstack([self._last, readings])
-        self._last = readings[-1:].copy()
-        step = np.minimum(self._step, step_of(readings))
+        if not len(readings):
+            return False
+        step = self._step.copy()
+        _least_changes(readings[0] if self._last is None else self._last, readings, step)
+        self._last = readings[-1].copy()
         if np.array_equal(step, self._step):
             return False
         self._step = step

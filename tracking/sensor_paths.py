@@ -45,15 +45,18 @@ class SensorPaths:
         """
         felt = readings.reshape(len(readings), -1, 3) / self._scale
         turned = frames_of(self._chain, q)[:, self._link, :3, :3] @ self._rotation
-        acceleration = np.einsum("kscr,ksr->ksc", turned, felt) + self._gravity
-        moved = np.empty(acceleration.shape)
-        _integrate(acceleration, still, self._dt_s, self._acceleration, self._velocity, self._moved, moved)
+        moved = np.empty(felt.shape)
+        _integrate(
+            turned, felt, self._gravity, still, self._dt_s, self._acceleration, self._velocity, self._moved, moved
+        )
         return moved
 
 
 @compiled
 def _integrate(
-    acceleration: Floats,
+    turned: Floats,
+    felt: Floats,
+    gravity: Floats,
     still: NDArray[np.bool_],
     dt: float,
     last: Floats,
@@ -62,10 +65,13 @@ def _integrate(
     moved: Floats,
 ) -> None:
     """Integrate twice, taking the acceleration to change evenly in between; the state is carried on."""
-    for k in range(acceleration.shape[0]):
-        for s in range(acceleration.shape[1]):
+    for k in range(felt.shape[0]):
+        for s in range(felt.shape[1]):
             for c in range(3):
-                now = acceleration[k, s, c]
+                now = 0.0
+                for axis in range(3):
+                    now += turned[k, s, c, axis] * felt[k, s, axis]
+                now += gravity[c]
                 if np.isnan(now):
                     now = 0.0
                 if still[k]:
