@@ -68,6 +68,7 @@ class Regression:
             weighted = self._weighting_by(crude)
         self.equations = Equations(arm, weighted, denied, known)
         self._noisy = NoisyRows(self.equations, self._noisier)
+        weighted.prepare(self.motions)
 
     @cached_property
     def learning(self) -> list[Motion]:

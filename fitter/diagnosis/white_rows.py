@@ -36,7 +36,7 @@ class Columns:
     @cached_property
     def held(self) -> Floats:
         """The same along the axes of what may hold a joint, (n_axis, n_column)."""
-        return np.asarray(self._weighting.axes(self._motion)[0].T @ self.white, dtype=np.float64)
+        return self._weighting.along(self._motion, self.white)
 
     @cached_property
     def lost(self) -> Floats:
