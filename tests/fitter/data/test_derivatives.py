@@ -5,6 +5,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as arrays
+from scipy.signal import butter, sosfiltfilt
 
 from fitter.data.derivatives import both_derivatives, differentiate, lowpass, settling_samples
 
@@ -96,3 +97,14 @@ def test_both_derivatives_are_those_that_are_asked_for_one_by_one():
     values = np.random.default_rng(0).normal(size=(40, 2))
     for order, found in enumerate(both_derivatives(values, DT_S), start=1):
         np.testing.assert_array_equal(found, differentiate(values, DT_S, order))
+
+
+@pytest.mark.parametrize("ends", ["odd", "even"])
+@pytest.mark.parametrize("shape", [(400,), (400, 2), (400, 2, 3), (12,)])
+def test_the_low_pass_is_scipys(ends, shape):
+    """Only that the filter's settled state is not worked out again each time."""
+    values = np.random.default_rng(0).normal(size=shape)
+    sections = butter(4, 20.0, fs=1.0 / DT_S, output="sos")
+    padding = min(len(values) - 1, 3 * settling_samples(DT_S, 20.0))
+    whole = sosfiltfilt(sections, values, axis=0, padtype=ends, padlen=padding)
+    np.testing.assert_allclose(lowpass(values, DT_S, 20.0, ends), whole, atol=1e-12)

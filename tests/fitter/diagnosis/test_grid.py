@@ -8,6 +8,8 @@ from arm.model import Effect
 from fitter.data.trials import to_trials
 from fitter.diagnosis.at_joint import AtJoint
 from fitter.diagnosis.grid import Grid, Starts
+from fitter.diagnosis.in_drive import InDrive
+from fitter.diagnosis.least_squares import scaled_lstsq
 from fitter.diagnosis.model import Model
 from fitter.diagnosis.motion import run_of
 from fitter.diagnosis.pushes import Pushes
@@ -70,3 +72,29 @@ def test_beside_an_event_a_start_is_judged_by_all_trials():
     alone, beside = (Grid(regression, model, Starts()) for model in (Model(), Model().plus(push, np.zeros(0))))
     assert alone.best(hypothesis).gain < 0.01 * beside.best(hypothesis).gain
     assert beside.best(hypothesis).psi == pytest.approx([0.8], abs=0.1)
+
+
+def test_a_columns_gain_is_what_fitting_it_takes_off(regression):
+    """By products alone the same comes out as by a fit with the base parameters."""
+    cogging = AtJoint(catalogue()["cogging"], 0)
+    starts = np.array([[5.0], [7.0], [9.0]])
+    grid = Grid(regression, Model(), Starts())
+    motions = regression.learning
+    A = np.vstack([regression.rows(Model(), motion).design for motion in motions])
+    y = np.concatenate([regression.rows(Model(), motion).target.ravel() for motion in motions])
+    for psi, gain in zip(starts, grid._gains(cogging, starts), strict=True):
+        beside = Model().plus(cogging, psi)
+        both = np.vstack([regression.rows(beside, motion).design for motion in motions])
+        left = [np.sum((y - one @ scaled_lstsq(one, y)) ** 2) for one in (A, both)]
+        assert gain == pytest.approx(left[0] - left[1], rel=1e-6, abs=1e-6 * left[0])
+
+
+def test_the_best_starts_are_told_by_the_trials_of_which_most_is_left(regression):
+    """What is tried on all trials holds the best of all starts."""
+    lag = InDrive(catalogue()["actuator_lag"], (0,))
+    starts = lag.starts(regression.learning)
+    grid = Grid(regression, Model(), Starts())
+    gains = [grid._gain(lag, psi) for psi in starts]
+    foremost = grid._foremost(lag, starts)
+    assert len(foremost) < len(starts)
+    assert starts[int(np.argmax(gains))] in foremost

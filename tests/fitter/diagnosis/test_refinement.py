@@ -1,0 +1,52 @@
+"""The search for psi ends where nothing near leaves less, though its slopes leave the noise as it is."""
+
+import numpy as np
+import pytest
+import scipy.optimize
+
+from arm.effects.catalogue import catalogue
+from arm.model import Effect
+from fitter.data.trials import to_trials
+from fitter.diagnosis.at_joint import AtJoint
+from fitter.diagnosis.hypothesis import Hypothesis
+from fitter.diagnosis.in_arm import JointZero
+from fitter.diagnosis.in_drive import InDrive
+from fitter.diagnosis.model import Model
+from fitter.diagnosis.motion import run_of
+from fitter.diagnosis.refinement import refined
+from fitter.diagnosis.regression import Regression
+from tests.fitter.pendulum import pendulum, swings
+
+_ZERO = Effect("joint_zero", {"offset_rad": 0.2}, joints=(1,))
+
+
+@pytest.fixture(scope="module")
+def regression() -> Regression:
+    trials = to_trials(swings((_ZERO,), trials=6, seed=5), cutoff_hz=25.0)
+    return Regression(pendulum(), run_of(pendulum(), trials[:3], trials[3:]))
+
+
+@pytest.mark.parametrize(
+    ("hypothesis", "start", "around"),
+    [
+        (JointZero(catalogue()["joint_zero"], (0,)), 0.0, (-0.4, 0.4)),
+        (AtJoint(catalogue()["cogging"], 0), 2.0, (1.5, 2.5)),
+        (InDrive(catalogue()["actuator_lag"], (0,)), 0.02, (1e-4, 0.1)),
+    ],
+)
+def test_it_ends_where_least_is_left(regression: Regression, hypothesis: Hypothesis, start: float, around):
+    def left(psi: float) -> float:
+        model = Model().plus(hypothesis, np.array([psi]))
+        r = regression.left(model, regression.solve(model, regression.learning), regression.learning)
+        return float(r @ r)
+
+    found = float(refined(regression, Model().plus(hypothesis, np.array([start])), regression.learning).flat[0])
+    best = scipy.optimize.minimize_scalar(left, bounds=around, method="bounded", options={"xatol": 1e-7})
+    assert left(found) <= best.fun * (1.0 + 1e-5)
+
+
+def test_what_is_held_stays(regression: Regression):
+    zero, lag = JointZero(catalogue()["joint_zero"], (0,)), InDrive(catalogue()["actuator_lag"], (0,))
+    model = Model().plus(zero, np.array([0.05])).plus(lag, np.array([0.02]))
+    assert refined(regression, model, regression.learning, held=1).psi[0] == [0.05]
+    assert refined(regression, model, regression.learning, held=2) is model
