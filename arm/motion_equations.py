@@ -1,10 +1,11 @@
 """The equations of motion as `arm.integration` solves them, step by step and without making arrays."""
 
 from arm.chain import Chain
+from arm.composite_bodies import mass_rows
 from arm.drive import SHARE, TORQUE, Commands, drive_at, go_its_way
 from arm.effects.effect_table import ROTOR, EffectTable
 from arm.model import Floats
-from arm.newton_euler import mass_columns, poses, rigid_motion, rigid_torque
+from arm.newton_euler import poses, rigid_motion, rigid_torque
 from arm.resistance import resist
 from arm.room import Room
 from limbcal.compiled import compiled, inlined
@@ -55,7 +56,7 @@ def equations(
     n, law, way = q.size, commands.law, room.way.state
     drive_at(commands, k, share, room.now)
     poses(chain, q, room.R, room.p)
-    mass_columns(chain, room.R, room.p, room.motion, room.zero, room.M)
+    mass_rows(chain, room.R, room.p, room.M)
     rigid_motion(chain, chain.gravity, room.R, room.p, dq, room.zero[:n], room.motion)
     rigid_torque(chain, room.R, room.p, room.motion, room.zero[-6:], room.bias)
     if effects.driven:

@@ -13,11 +13,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from arm.chain import Chain, chain_of, joint_rows, link_step, motion_rows
+from arm.composite_bodies import mass_rows
 from arm.model import Arm, Floats
+from arm.triple import cross, turned, turned_back
 from limbcal.compiled import compiled
 from limbcal.errors import DataError
-
-Triple = tuple[float, float, float]
 
 
 def inverse_dynamics(
@@ -127,32 +127,6 @@ def tip_wrench(force: Floats | None, moment: Floats | None, n_sample: int) -> Fl
 
 
 @compiled
-def cross(a: Triple, b: Triple) -> Triple:
-    """Return ``a x b``. Triples of numbers stay in registers, where arrays would have to be made."""
-    return a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]
-
-
-@compiled
-def turned(R: Floats, a: Triple) -> Triple:
-    """Return ``R a``."""
-    return (
-        R[0, 0] * a[0] + R[0, 1] * a[1] + R[0, 2] * a[2],
-        R[1, 0] * a[0] + R[1, 1] * a[1] + R[1, 2] * a[2],
-        R[2, 0] * a[0] + R[2, 1] * a[1] + R[2, 2] * a[2],
-    )
-
-
-@compiled
-def turned_back(R: Floats, a: Triple) -> Triple:
-    """Return ``R^T a``."""
-    return (
-        R[0, 0] * a[0] + R[1, 0] * a[1] + R[2, 0] * a[2],
-        R[0, 1] * a[0] + R[1, 1] * a[1] + R[2, 1] * a[2],
-        R[0, 2] * a[0] + R[1, 2] * a[1] + R[2, 2] * a[2],
-    )
-
-
-@compiled
 def poses(chain: Chain, q: Floats, R: Floats, p: Floats) -> None:
     """Fill in every joint-axis frame's pose in the one before it: R (n, 3, 3), p (n, 3)."""
     for i in range(q.size):
@@ -256,22 +230,6 @@ def tip_load(R: Floats, wrench: Floats, out: Floats) -> None:
 
 
 @compiled
-def mass_columns(chain: Chain, R: Floats, p: Floats, motion: Floats, zero: Floats, M: Floats) -> None:
-    """Fill in the mass matrix, one column a unit acceleration.
-
-    ``zero`` (n + 6,) is all zeros and is so again afterwards; ``motion`` (n, 3, 3) is room to work in.
-    """
-    n = M.shape[0]
-    still, none = zero[:n], zero[n:]
-    for i in range(n):
-        row = M[i]  # M is symmetric: its row stands in for the acceleration until the torque is there
-        row[:] = 0.0
-        row[i] = 1.0
-        rigid_motion(chain, none[:3], R, p, still, row, motion)
-        rigid_torque(chain, R, p, motion, none, row)
-
-
-@compiled
 def _inverse_dynamics(chain: Chain, q: Floats, dq: Floats, ddq: Floats, wrench: Floats, tau: Floats) -> None:
     n = q.shape[1]
     R0, p0 = np.empty((n, 3, 3)), np.empty((n, 3))
@@ -289,7 +247,7 @@ def _inverse_dynamics(chain: Chain, q: Floats, dq: Floats, ddq: Floats, wrench: 
 @compiled
 def _mass_matrices(chain: Chain, q: Floats, M: Floats) -> None:
     n = q.shape[1]
-    R, p, motion, zero = np.empty((n, 3, 3)), np.empty((n, 3)), np.empty((n, 3, 3)), np.zeros(n + 6)
+    R, p = np.empty((n, 3, 3)), np.empty((n, 3))
     for k in range(q.shape[0]):
         poses(chain, q[k], R, p)
-        mass_columns(chain, R, p, motion, zero, M[k])
+        mass_rows(chain, R, p, M[k])

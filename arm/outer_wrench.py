@@ -9,7 +9,8 @@ import numpy as np
 
 from arm.chain import Chain, chain_of, joint_rows, motion_rows
 from arm.model import Arm, Floats
-from arm.newton_euler import Triple, cross, inverse_dynamics, mass_matrix, poses, turned
+from arm.newton_euler import inverse_dynamics, mass_matrix, poses
+from arm.triple import Triple, cross, turned
 from limbcal.compiled import compiled
 from limbcal.errors import DataError
 

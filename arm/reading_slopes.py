@@ -9,7 +9,7 @@ import numpy as np
 
 from arm.chain import Chain
 from arm.model import Floats
-from arm.newton_euler import Triple, cross, turned_back
+from arm.triple import Triple, cross, turned_back
 from limbcal.compiled import compiled
 
 #: Slopes a joint: by q, dq, ddq, and by the lengths a and d of its link.

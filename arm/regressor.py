@@ -12,7 +12,8 @@ import numpy as np
 
 from arm.chain import Chain, chain_of, motion_rows
 from arm.model import Arm, Floats
-from arm.newton_euler import Triple, cross, move, poses, rigid_motion, turned_back
+from arm.newton_euler import move, poses, rigid_motion
+from arm.triple import Triple, cross, turned_back
 from limbcal.compiled import compiled
 
 INERTIAL = ("I{}xx", "I{}yy", "I{}zz", "I{}xy", "I{}xz", "I{}yz", "m{}*sx{}", "m{}*sy{}", "m{}*sz{}", "m{}")

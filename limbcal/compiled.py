@@ -33,7 +33,7 @@ def _borrow(_context: Any, array: Any) -> Any:
         for owner in ("meminfo", "parent"):
             kept = getattr(parts, owner)
             setattr(parts, owner, kept.type(None))
-        return parts._getvalue()
+        return parts._getvalue()  # noqa: SLF001 - numba's own files call it so too
 
     return array(array), generate
 

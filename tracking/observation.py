@@ -14,8 +14,9 @@ from numpy.typing import NDArray
 from arm.chain import Chain, chain_of
 from arm.kinematics import rotation_from_rpy
 from arm.model import Arm, Floats
-from arm.newton_euler import cross, poses, rigid_motion, turned_back
+from arm.newton_euler import poses, rigid_motion
 from arm.reading_slopes import SEEDS, at_lever, lever_slope, motion_slopes, row
+from arm.triple import cross, turned_back
 from limbcal.compiled import compiled
 
 #: Constants a sensor: three of scale, three of misalignment, three of place.

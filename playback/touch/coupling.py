@@ -14,8 +14,8 @@ from numpy.typing import NDArray
 
 from arm.chain import Chain
 from arm.model import Floats
-from arm.newton_euler import Triple, turned_back
 from arm.outer_wrench import add_outer_torque, point_motion
+from arm.triple import Triple, turned_back
 from limbcal.compiled import compiled, inlined
 from playback.touch.rotation import turned_between, turned_on
 

@@ -3,7 +3,7 @@
 import math
 
 from arm.model import Floats
-from arm.newton_euler import Triple
+from arm.triple import Triple
 from limbcal.compiled import compiled
 
 

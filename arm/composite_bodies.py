@@ -1,0 +1,69 @@
+"""The mass matrix by composite bodies: link i and all links beyond it, as if their joints were locked.
+
+Row i of M is what a unit acceleration of joint i, and of no other, takes at the joints up to i: the force and
+moment that move the composite body i, passed on towards the base (Walker and Orin 1982; Featherstone, Rigid Body
+Dynamics Algorithms, section 6.2).
+"""
+
+from arm.chain import Chain
+from arm.model import Floats
+from arm.triple import Triple, cross, turned
+from limbcal.compiled import compiled
+
+#: xx yy zz xy xz yz of the inertia tensor about a frame's origin.
+Tensor = tuple[float, float, float, float, float, float]
+
+
+@compiled
+def turned_tensor(R: Floats, I: Tensor) -> Tensor:  # noqa: E741
+    """Return ``R I R^T``."""
+    xx, yy, zz, xy, xz, yz = I
+    x, y, z = turned(R, (xx, xy, xz)), turned(R, (xy, yy, yz)), turned(R, (xz, yz, zz))  # columns of R I
+    a, b, c = (
+        turned(R, (x[0], y[0], z[0])),
+        turned(R, (x[1], y[1], z[1])),
+        turned(R, (x[2], y[2], z[2])),
+    )
+    return a[0], b[1], c[2], a[1], a[2], b[2]
+
+
+@compiled
+def tensor_about(I: Tensor, s: Triple, mass: float, p: Triple) -> Tensor:  # noqa: E741
+    """Return the tensor about an origin from which its own one is at ``p``; ``s`` is m times the centre of mass.
+
+    Steiner's theorem, where neither origin need be the centre of mass.
+    """
+    x, y, z = p
+    twice = 2.0 * (x * s[0] + y * s[1] + z * s[2]) + mass * (x * x + y * y + z * z)
+    return (
+        I[0] + twice - 2.0 * x * s[0] - mass * x * x,
+        I[1] + twice - 2.0 * y * s[1] - mass * y * y,
+        I[2] + twice - 2.0 * z * s[2] - mass * z * z,
+        I[3] - x * s[1] - y * s[0] - mass * x * y,
+        I[4] - x * s[2] - z * s[0] - mass * x * z,
+        I[5] - y * s[2] - z * s[1] - mass * y * z,
+    )
+
+
+@compiled
+def mass_rows(chain: Chain, R: Floats, p: Floats, M: Floats) -> None:
+    """Fill in the mass matrix, (n, n); R and p are as `arm.newton_euler.poses` fills them in."""
+    n = M.shape[0]
+    I, s, mass = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0), (0.0, 0.0, 0.0), 0.0  # noqa: E741 - what is beyond link n
+    for i in range(n - 1, -1, -1):
+        xx, yy, zz, xy, xz, yz, sx, sy, sz, own = chain.inertial[i]
+        I = (I[0] + xx, I[1] + yy, I[2] + zz, I[3] + xy, I[4] + xz, I[5] + yz)  # noqa: E741
+        s, mass = (s[0] + sx, s[1] + sy, s[2] + sz), mass + own
+        if chain.revolute[i]:  # about z: dv = z x s / m, N = I z
+            f, m = (-s[1], s[0], 0.0), (I[4], I[5], I[2])
+        else:  # along z: dv = z, N = s x z
+            f, m = (0.0, 0.0, mass), (s[1], -s[0], 0.0)
+        for j in range(i, -1, -1):
+            M[i, j] = M[j, i] = m[2] if chain.revolute[j] else f[2]
+            f, m = turned(R[j], f), turned(R[j], m)
+            lever = cross((p[j, 0], p[j, 1], p[j, 2]), f)
+            m = (m[0] + lever[0], m[1] + lever[1], m[2] + lever[2])
+        at = (p[i, 0], p[i, 1], p[i, 2])
+        turned_s = turned(R[i], s)
+        I = tensor_about(turned_tensor(R[i], I), turned_s, mass, at)  # noqa: E741
+        s = (turned_s[0] + mass * at[0], turned_s[1] + mass * at[1], turned_s[2] + mass * at[2])
