@@ -1,11 +1,13 @@
 """One place that says how kernels are compiled."""
 
+import math
 from collections.abc import Callable
 from typing import Any, TypeVar, cast
 
 import numba
+from numba import carray, types  # type: ignore[attr-defined]
 from numba.core import cgutils
-from numba.extending import intrinsic
+from numba.extending import intrinsic, overload
 from numpy.typing import NDArray
 
 Kernel = TypeVar("Kernel", bound=Callable[..., object])
@@ -25,19 +27,33 @@ def inlined(kernel: Kernel) -> Kernel:
     return cast(Kernel, numba.njit(cache=True, nogil=True, error_model="numpy", forceinline=True)(kernel))
 
 
-def _borrow(_context: Any, array: Any) -> Any:
-    """Leave out of an array whose memory it is."""
+def cut(array: NDArray[Any], start: int, shape: tuple[int, ...]) -> tuple[NDArray[Any], int]:
+    """Return a part of a 1-D array from ``start`` on, as a view of some shape, and where the next part begins.
+
+    In a kernel nobody counts references to it and to its views, nor looks whether it fits. Counting is atomic, and
+    takes most of the time of a kernel that looks at many small arrays. The caller must keep the array meanwhile.
+    """
+    end = start + math.prod(shape)
+    return array[start:end].reshape(shape), end
+
+
+def _pointer(_context: Any, array: Any, start: Any) -> Any:
+    """Point into an array."""
 
     def generate(context: Any, builder: Any, _signature: Any, arguments: Any) -> Any:
-        parts = cast(Any, cgutils).create_struct_proxy(array)(context, builder, arguments[0])
-        for owner in ("meminfo", "parent"):
-            kept = getattr(parts, owner)
-            setattr(parts, owner, kept.type(None))
-        return parts._getvalue()  # noqa: SLF001 - numba's own files call it so too
+        data = cast(Any, cgutils).create_struct_proxy(array)(context, builder, arguments[0]).data
+        return builder.gep(data, [arguments[1]])
 
-    return array(array), generate
+    return cast(Any, types).CPointer(array.dtype)(array, start), generate
 
 
-#: Within a kernel: an array whose references nobody counts, nor those of its views. The counting is atomic, and
-#: costs a kernel that looks at many small arrays most of its time. The caller must keep the array meanwhile.
-borrowed = cast(Callable[[NDArray[Any]], NDArray[Any]], intrinsic(_borrow))
+_pointer_into = cast(Callable[[NDArray[Any], int], Any], intrinsic(_pointer))
+
+
+@overload(cut)
+def _cut(array: Any, start: Any, shape: Any) -> Any:
+    def compiled_cut(array: Any, start: Any, shape: Any) -> Any:
+        view = carray(_pointer_into(array, start), shape)
+        return view, start + view.size
+
+    return compiled_cut

@@ -15,7 +15,7 @@ from arm.effects.effect_table import EffectTable
 from arm.effects.joint_torque import MOST_PARAMETERS, N_STATE
 from arm.model import Floats
 from arm.room import Room
-from limbcal.compiled import compiled
+from limbcal.compiled import cut, inlined
 from playback.touch.coupling import N_ACCOUNT, N_NUMBER, Touch
 
 #: What ``sizes`` has: joints, steps whose commands are kept, effects at joints, payloads.
@@ -51,100 +51,77 @@ class Parts(NamedTuple):
     counts: NDArray[np.int64]
 
 
-@compiled
-def laid_out(
+@inlined
+def laid_out(  # noqa: PLR0915 - a line a part
     floats: Floats, whole: NDArray[np.int64], flags: NDArray[np.bool_], sizes: NDArray[np.int64]
 ) -> Parts:
     """Return the parts of the arrays, as views of them."""
     n, n_past, n_effect, n_payload = sizes[JOINTS], sizes[PAST], sizes[EFFECTS], sizes[PAYLOADS]
     rows = max(n_past, 1)
-    a = 0
-    geometry, a = floats[a : a + 5 * n].reshape((n, 5)), a + 5 * n
-    inertial, a = floats[a : a + 10 * n].reshape((n, 10)), a + 10 * n
-    friction, a = floats[a : a + 3 * n].reshape((n, 3)), a + 3 * n
-    gravity, a = floats[a : a + 3], a + 3
-    drag, a = floats[a : a + n], a + n
-    law, a = floats[a : a + 3 * n].reshape((3, n)), a + 3 * n
-    drive, a = floats[a : a + rows * n].reshape((rows, n)), a + rows * n
-    size = MOST_PARAMETERS * n_effect
-    parameters, a = floats[a : a + size].reshape((n_effect, MOST_PARAMETERS)), a + size
-    numbers, a = floats[a : a + 8 * n].reshape((8, n)), a + 8 * n
-    payload, a = floats[a : a + 2 * n_payload].reshape((n_payload, 2)), a + 2 * n_payload
-    R, a = floats[a : a + 9 * n].reshape((n, 3, 3)), a + 9 * n
-    p, a = floats[a : a + 3 * n].reshape((n, 3)), a + 3 * n
-    motion, a = floats[a : a + 9 * n].reshape((n, 3, 3)), a + 9 * n
-    zero, a = floats[a : a + n + 6], a + n + 6
-    A, a = floats[a : a + n * n].reshape((n, n)), a + n * n
-    M, a = floats[a : a + n * n].reshape((n, n)), a + n * n
-    net, bias, now, slip, hold = (
-        floats[a : a + n],
-        floats[a + n : a + 2 * n],
-        floats[a + 2 * n : a + 3 * n],
-        floats[a + 3 * n : a + 4 * n],
-        floats[a + 4 * n : a + 5 * n],
-    )
-    a += 5 * n
-    seen, a = floats[a : a + N_STATE], a + N_STATE
-    way, a = floats[a : a + N_ROW * n].reshape((N_ROW, n)), a + N_ROW * n
-    past, a = floats[a : a + 2 * n_past * n].reshape((n_past, 2, n)), a + 2 * n_past * n
-    state, a = floats[a : a + 3 * n].reshape((3, n)), a + 3 * n
-    slopes, a = floats[a : a + 8 * n].reshape((2, 4, n)), a + 8 * n
-    after, a = floats[a : a + 3 * n].reshape((3, n)), a + 3 * n
-    clock, a = floats[a : a + 2], a + 2
-    path, a = floats[a : a + 6].reshape((2, 3)), a + 6
-    speed, a = floats[a : a + 6].reshape((2, 3)), a + 6
-    felt, a = floats[a : a + 6].reshape((2, 3)), a + 6
-    sent, a = floats[a : a + 6].reshape((2, 3)), a + 6
-    frame, a = floats[a : a + 9].reshape((3, 3)), a + 9
-    axes, a = floats[a : a + 9].reshape((3, 3)), a + 9
-    moving, a = floats[a : a + 9].reshape((3, 3)), a + 9
-    work, a = floats[a : a + 18].reshape((2, 3, 3)), a + 18
-    point, twist, span, wall = (
-        floats[a : a + 3],
-        floats[a + 3 : a + 6],
-        floats[a + 6 : a + 9],
-        floats[a + 9 : a + 13],
-    )
-    a += 13
-    coupling, a = floats[a : a + N_NUMBER], a + N_NUMBER
-    account = floats[a : a + N_ACCOUNT]
+    geometry, a = cut(floats, 0, (n, 5))
+    inertial, a = cut(floats, a, (n, 10))
+    friction, a = cut(floats, a, (n, 3))
+    gravity, a = cut(floats, a, (3,))
+    drag, a = cut(floats, a, (n,))
+    law, a = cut(floats, a, (3, n))
+    drive, a = cut(floats, a, (rows, n))
+    parameters, a = cut(floats, a, (n_effect, MOST_PARAMETERS))
+    numbers, a = cut(floats, a, (8, n))
+    payload, a = cut(floats, a, (n_payload, 2))
+    R, a = cut(floats, a, (n, 3, 3))
+    p, a = cut(floats, a, (n, 3))
+    motion, a = cut(floats, a, (n, 3, 3))
+    zero, a = cut(floats, a, (n + 6,))
+    A, a = cut(floats, a, (n, n))
+    M, a = cut(floats, a, (n, n))
+    net, a = cut(floats, a, (n,))
+    bias, a = cut(floats, a, (n,))
+    now, a = cut(floats, a, (n,))
+    slip, a = cut(floats, a, (n,))
+    hold, a = cut(floats, a, (n,))
+    seen, a = cut(floats, a, (N_STATE,))
+    way, a = cut(floats, a, (N_ROW, n))
+    past, a = cut(floats, a, (n_past, 2, n))
+    state, a = cut(floats, a, (3, n))
+    slopes, a = cut(floats, a, (2, 4, n))
+    after, a = cut(floats, a, (3, n))
+    clock, a = cut(floats, a, (2,))
+    path, a = cut(floats, a, (2, 3))
+    speed, a = cut(floats, a, (2, 3))
+    felt, a = cut(floats, a, (2, 3))
+    sent, a = cut(floats, a, (2, 3))
+    frame, a = cut(floats, a, (3, 3))
+    axes, a = cut(floats, a, (3, 3))
+    moving, a = cut(floats, a, (3, 3))
+    work, a = cut(floats, a, (2, 3, 3))
+    point, a = cut(floats, a, (3,))
+    twist, a = cut(floats, a, (3,))
+    span, a = cut(floats, a, (3,))
+    wall, a = cut(floats, a, (4,))
+    coupling, a = cut(floats, a, (N_NUMBER,))
+    account, _ = cut(floats, a, (N_ACCOUNT,))
+    touched, a = cut(whole, 0, (1,))
+    counts, a = cut(whole, a, (2,))
+    joint, a = cut(whole, a, (n_effect,))
+    address, _ = cut(whole, a, (n_effect,))
+    revolute, a = cut(flags, 0, (n,))
+    directed, a = cut(flags, a, (n,))
+    slipping, a = cut(flags, a, (n,))
     k = drive.shape[0] - 1
     return Parts(
-        Chain(flags[:n], geometry, inertial, friction, gravity, drag),
-        Commands(law, whole[2] != 0, drive, clock[1], clock[0] - k * clock[1]),
-        EffectTable(
-            whole[3 : 3 + n_effect],
-            whole[3 + n_effect : 3 + 2 * n_effect],
-            parameters,
-            flags[n : 2 * n],
-            numbers,
-            flags[3 * n],
-            flags[3 * n + 1],
-            payload,
-        ),
-        Room(R, p, motion, zero, A, M, net, bias, now, slip, hold, flags[2 * n : 3 * n], seen, Way(way, past)),
+        Chain(revolute, geometry, inertial, friction, gravity, drag),
+        Commands(law, counts[1] != 0, drive, clock[1], clock[0] - k * clock[1]),
+        EffectTable(joint, address, parameters, directed, numbers, flags[a], flags[a + 1], payload),
+        Room(R, p, motion, zero, A, M, net, bias, now, slip, hold, slipping, seen, Way(way, past)),
         Touch(
-            whole[:1],
-            point,
-            path,
-            speed,
-            frame,
-            twist,
-            span,
-            wall,
-            coupling,
-            felt,
-            sent,
-            axes,
-            moving,
-            account,
-            work,
-        ),
+            touched, point, path, speed, frame, twist, span, wall, coupling,
+            felt, sent, axes, moving, account, work,
+        ),  # fmt: skip
         state,
         slopes,
         after,
         clock,
-        whole[1:3],
+        counts,
     )
 
 

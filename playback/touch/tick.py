@@ -16,7 +16,7 @@ from arm.outer_wrench import point_motion
 from arm.resistance import take_up
 from arm.room import Room
 from arm.sticking import choose_modes, reversed_joint, stop_reversed
-from limbcal.compiled import borrowed, compiled, inlined
+from limbcal.compiled import compiled, inlined
 from playback.touch.coupling import (
     ARM,
     BRAKED,
@@ -188,7 +188,7 @@ def tick(  # noqa: PLR0915 - each kernel that calls another is compiled with all
     heard : bool
         Whether ``touch.path[1]`` is a new place, and its sender is told what it feels there.
     """
-    parts = laid_out(borrowed(floats), borrowed(whole), borrowed(flags), sizes)
+    parts = laid_out(floats, whole, flags, sizes)
     chain, effects, touch, room, state, slopes, after, clock = (
         parts.chain,
         parts.effects,

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from limbcal.compiled import compiled
+from limbcal.compiled import compiled, cut
 
 
 @compiled
@@ -32,3 +32,19 @@ def test_additions_keep_their_order():
 
 def test_nan_and_infinity_are_not_optimised_away():
     assert np.isnan(total(np.array([1.0, np.nan]))) and total(np.array([np.inf, 1.0])) == np.inf
+
+
+@compiled
+def doubled(x: np.ndarray) -> int:
+    """Double what stands from the third number on, in two rows of three, and say where it ends."""
+    rows, end = cut(x, 2, (2, 3))
+    rows[:] = 2.0 * rows
+    rows[1, 2] += 0.5
+    return end
+
+
+def test_a_cut_is_a_view_alike_in_python_and_in_kernels():
+    of_kernel, of_python = np.arange(10.0), np.arange(10.0)
+    assert doubled(of_kernel) == doubled.py_func(of_python) == 8
+    np.testing.assert_array_equal(of_kernel, [0, 1, 4, 6, 8, 10, 12, 14.5, 8, 9])
+    np.testing.assert_array_equal(of_python, of_kernel)
