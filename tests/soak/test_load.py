@@ -103,7 +103,7 @@ def test_nothing_grows(limbd: Limbd, tmp_path: Path, long: Long) -> None:
     assert handles < 3  # a port that is unplugged just then, a file that is being changed; a leak is more
     assert set(os.listdir("/dev/shm")) <= shared
     if long.at_length:
-        assert grown_mb < 5.0
+        assert grown_mb < 5.0, trends
     files = len(list((tmp_path / "rec").iterdir()))
     long.note(
         f"{seconds / 60:.1f} min with faults and {files} files: by the trend of the last two thirds all processes "
