@@ -22,6 +22,7 @@ from fitter.diagnosis.hypotheses import hypotheses
 from fitter.diagnosis.hypothesis import Hypothesis
 from fitter.diagnosis.model import Model
 from fitter.diagnosis.motion import Motion, run_of
+from fitter.diagnosis.refinement import refined
 from fitter.diagnosis.regression import Regression
 from fitter.diagnosis.screening import Candidate
 from fitter.diagnosis.turned_gravity import turned
@@ -154,7 +155,7 @@ def find(
         was = models[-1].squares.sum()
         second = ranked[1] if len(ranked) > 1 else None
         share = float((was - second.squares.sum()) / (was - ranked[0].squares.sum())) if second else 0.0
-        anew = _learnt(regression, regression.refined(ranked[0].model, regression.learning))
+        anew = _learnt(regression, refined(regression, ranked[0].model, regression.learning))
         beside.append((second.hypothesis if second else None, share))
         models.append(anew if _worth_it(regression, models[-1], anew) else ranked[0])
     models = [_turned(regression, model) for model in models]
@@ -183,14 +184,14 @@ def _trials(grids: Sequence[Uniform], corner: float, free: bool) -> list[Trial]:
 
 def _learnt(regression: Regression, model: Model) -> Candidate:
     """Return a model whose factors the learning trials alone have told."""
-    x = regression.solve(model, regression.learning)[0]
+    x = regression.solve(model, regression.learning)
     return Candidate(model, x, regression.squares(model, x))
 
 
 def _turned(regression: Regression, model: Candidate) -> Candidate:
     """Return a model in which gravity is no stronger than it is, unless the data says so."""
     turning = turned(regression, model.model, estimates(regression, model))
-    return model if turning is None else _learnt(regression, regression.refined(turning, regression.learning))
+    return model if turning is None else _learnt(regression, refined(regression, turning, regression.learning))
 
 
 def _ranked(regression: Regression, before: Candidate, tried: Sequence[Hypothesis]) -> list[Candidate]:
@@ -200,18 +201,19 @@ def _ranked(regression: Regression, before: Candidate, tried: Sequence[Hypothesi
     for hypothesis in (one for one in tried if one.key not in known):
         starts = [psi for psi in hypothesis.starts(regression.learning) if not _too_late(hypothesis, psi)]
         models = [before.model.plus(hypothesis, psi) for psi in starts]
-        left = [float(np.sum(regression.solve(model, regression.learning)[2] ** 2)) for model in models]
+        solved = ((model, regression.solve(model, regression.learning)) for model in models)
+        left = [float(regression.squares(model, x, regression.learning).sum()) for model, x in solved]
         best = models[int(np.argmin(left))]
         # A limit of the drive may be far below the starts that a diagnosis tries.
         if len(hypothesis.low) and (hypothesis.is_gradual or hypothesis.kind.name == "torque_saturation"):
-            best = regression.refined(best, regression.learning, len(known))
+            best = refined(regression, best, regression.learning, len(known))
         candidates.append(_learnt(regression, best))
     candidates = [one for one in candidates if _possible(one)]
     candidates.sort(key=lambda one: _by_learning(regression, one))
     for k, one in enumerate(candidates[:_LEADING]):
-        refined = _learnt(regression, regression.refined(one.model, regression.learning, len(known)))
-        if _possible(refined) and _by_learning(regression, refined) < _by_learning(regression, one):
-            candidates[k] = refined
+        finer = _learnt(regression, refined(regression, one.model, regression.learning, len(known)))
+        if _possible(finer) and _by_learning(regression, finer) < _by_learning(regression, one):
+            candidates[k] = finer
     return sorted(candidates, key=lambda one: _by_learning(regression, one))
 
 
