@@ -1,4 +1,4 @@
-"""Composite bodies against the points of mass that they are made of (the mass matrix: test_newton_euler.py)."""
+"""Composite bodies against the points of mass that they are made of."""
 
 import numpy as np
 

@@ -99,14 +99,26 @@ def _document(process: subprocess.Popen[str]) -> str:
 
 
 @pytest.fixture(scope="module")
-def browser() -> Iterator[Browser]:
+def launch() -> Iterator[Callable[[], Browser]]:
+    """Return what starts a browser, which ends with the file if not before."""
     chromium = shutil.which("chromium") or shutil.which("chromium-browser")
     if chromium is None:
         pytest.skip("there is no chromium on this machine")
     with sync_playwright() as playwright:
-        browser = playwright.chromium.launch(executable_path=chromium, args=list(FLAGS))
-        yield browser
-        browser.close()
+        browsers: list[Browser] = []
+
+        def launched() -> Browser:
+            browsers.append(playwright.chromium.launch(executable_path=chromium, args=list(FLAGS)))
+            return browsers[-1]
+
+        yield launched
+        for browser in browsers:
+            browser.close()
+
+
+@pytest.fixture(scope="module")
+def browser(launch: Callable[[], Browser]) -> Browser:
+    return launch()
 
 
 class Window:
