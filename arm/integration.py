@@ -26,7 +26,7 @@ from arm.motion_equations import acceleration, equations
 from arm.resistance import friction_alone, take_up
 from arm.room import Room, make_room
 from arm.sticking import choose_modes, slack_of, stop_reversed
-from limbcal.compiled import compiled, inlined
+from limbcal.compiled import borrowed, compiled, inlined
 
 #: How often one step may be cut by joints that come to rest or let go.
 _CUTS = 16
@@ -153,6 +153,7 @@ def effect_steps(
 
     ``room.way`` must be as it was before the first sample. Loads that the arm takes up become part of ``chain``.
     """
+    chain, commands, effects, room = borrowed(chain), borrowed(commands), borrowed(effects), borrowed(room)
     n_sample, n = commands.drive.shape
     friction_alone(chain, effects, room)
     q, dq, mode = state[0].copy(), state[1].copy(), np.zeros(n)

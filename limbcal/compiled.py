@@ -11,6 +11,7 @@ from numba.extending import intrinsic, overload
 from numpy.typing import NDArray
 
 Kernel = TypeVar("Kernel", bound=Callable[..., object])
+Parts = TypeVar("Parts")
 
 
 def compiled(kernel: Kernel) -> Kernel:
@@ -57,3 +58,27 @@ def _cut(array: Any, start: Any, shape: Any) -> Any:
         return view, start + view.size
 
     return compiled_cut
+
+
+def _without_owners(context: Any, builder: Any, kind: Any, value: Any) -> Any:
+    """Leave out of an array, or of all arrays in a tuple, whose memory it is."""
+    if isinstance(kind, types.Array):
+        array = cast(Any, cgutils).create_struct_proxy(kind)(context, builder, value)
+        array.meminfo, array.parent = array.meminfo.type(None), array.parent.type(None)
+        return array._getvalue()  # noqa: SLF001 - that is how numba's own files ask for it
+    if isinstance(kind, types.BaseTuple):
+        for k, each in enumerate(cast(Any, kind)):
+            part = _without_owners(context, builder, each, builder.extract_value(value, k))
+            value = builder.insert_value(value, part, k)
+    return value
+
+
+def _borrow(_context: Any, parts: Any) -> Any:
+    def generate(context: Any, builder: Any, _signature: Any, arguments: Any) -> Any:
+        return _without_owners(context, builder, parts, arguments[0])
+
+    return parts(parts), generate
+
+
+#: For kernels: an array, or a tuple of such, to which nobody counts references. Its owner must keep it meanwhile.
+borrowed = cast(Callable[[Parts], Parts], intrinsic(_borrow))

@@ -1,8 +1,10 @@
 """How kernels are compiled."""
 
+import sys
+
 import numpy as np
 
-from limbcal.compiled import compiled, cut
+from limbcal.compiled import borrowed, compiled, cut
 
 
 @compiled
@@ -48,3 +50,19 @@ def test_a_cut_is_a_view_alike_in_python_and_in_kernels():
     assert doubled(of_kernel) == doubled.py_func(of_python) == 8
     np.testing.assert_array_equal(of_kernel, [0, 1, 4, 6, 8, 10, 12, 14.5, 8, 9])
     np.testing.assert_array_equal(of_python, of_kernel)
+
+
+@compiled
+def added_up(parts: tuple[np.ndarray, tuple[np.ndarray, float]]) -> float:
+    """Add up what two arrays and a number hold, after the first has been changed."""
+    a, (b, c) = borrowed(parts)
+    a[0] += 1.0
+    return a.sum() + b.sum() + c
+
+
+def test_what_is_borrowed_is_the_same_memory():
+    a, b = np.arange(3.0), np.ones((2, 2))
+    references = sys.getrefcount(a), sys.getrefcount(b)
+    assert [added_up((a, (b, 0.5))) for _ in range(3)] == [8.5, 9.5, 10.5]
+    assert a.tolist() == [3.0, 1.0, 2.0]
+    assert (sys.getrefcount(a), sys.getrefcount(b)) == references
