@@ -153,6 +153,7 @@ def effect_steps(
 
     ``room.way`` must be as it was before the first sample. Loads that the arm takes up become part of ``chain``.
     """
+    # the caller keeps them all; to count who looks at them would take four fifths of a step
     chain, commands, effects, room = borrowed(chain), borrowed(commands), borrowed(effects), borrowed(room)
     n_sample, n = commands.drive.shape
     friction_alone(chain, effects, room)
