@@ -1,15 +1,37 @@
-"""How much of the torque that was asked for a limit lets through."""
+"""Drives that let less noise through than they are asked for: a limit, by how much of the torque it cuts off."""
 
 from collections.abc import Sequence
 
 import numpy as np
 
 from arm.model import Floats
+from fitter.diagnosis.hypothesis import Hypothesis
+from fitter.diagnosis.model import Model
 from fitter.diagnosis.motion import Motion
 from fitter.diagnosis.view import View
 
 #: A torque that another differs from by this share of its rms is cut off.
 _CUT = 0.01
+_LIMIT = "torque_saturation"
+
+
+def cuts_off(model: Model) -> bool:
+    """Say whether a drive of a model has a limit."""
+    return any(hypothesis.kind.name == _LIMIT for hypothesis in model.hypotheses)
+
+
+def distorts(model: Model) -> bool:
+    """Say whether a drive of a model is late, weak or unequal: what noise it lets through is to be computed."""
+    return any(map(_distorts, model.hypotheses))
+
+
+def undistorted(model: Model) -> Model:
+    """Return a model without such drives."""
+    return model.only([not _distorts(hypothesis) for hypothesis in model.hypotheses])
+
+
+def _distorts(hypothesis: Hypothesis) -> bool:
+    return hypothesis.kind.place == "drive" and hypothesis.kind.name != _LIMIT
 
 
 def let_through(views: Sequence[View], motions: Sequence[Motion]) -> Floats:

@@ -19,7 +19,7 @@ from fitter.diagnosis.least_squares import solved
 from fitter.diagnosis.model import Model
 from fitter.diagnosis.motion import Motion
 from fitter.diagnosis.peaks import peaks
-from fitter.diagnosis.refinement import refined
+from fitter.diagnosis.refinement import Misfit, refined
 from fitter.diagnosis.regression import Regression
 from fitter.diagnosis.white_rows import Columns
 
@@ -27,6 +27,8 @@ from fitter.diagnosis.white_rows import Columns
 _KEPT = 3
 #: So many steps from a start near nothing tell what can be explained; what promises much is refined later.
 _STEPS = 4
+#: Where a straight step along the slopes promises to explain less than this share of what is left, it is the only one.
+_HARDLY = 0.02
 #: Of more starts than this that cost a fit each, so many are tried on all trials: those that explain most of this
 #: share of the trials, those of which most is left.
 _FOREMOST, _WORST = 4, 0.25
@@ -120,16 +122,28 @@ class Grid:
 
     def best(self, hypothesis: Hypothesis) -> Best:
         """Return the start of a hypothesis that lowers the sum of squares most."""
-        regression = self._regression
         starts = self._foremost(hypothesis, self._starts_of(hypothesis))
         gains = self._gains_of(hypothesis, starts)
         order = np.argsort(-np.array(gains), kind="stable")
         psi, gain, best = starts[order[0]], gains[order[0]], starts[order[:_KEPT]]
         if hypothesis.is_gradual:
-            model = self._model.plus(hypothesis, psi)
-            psi = refined(regression, model, self._motions, len(self._model.hypotheses), _STEPS).psi[-1]
-            gain = self._gain(hypothesis, psi)
+            psi, gain = self._further(hypothesis, psi, gain)
         return Best(gain, psi, best)
+
+    def _further(self, hypothesis: Hypothesis, psi: Floats, gain: float) -> tuple[Floats, float]:
+        """Return where a few steps from a start lead, and the gain there."""
+        model, held = self._model.plus(hypothesis, psi), len(self._model.hypotheses)
+        misfit = Misfit(self._regression, model, self._motions, held)
+        both = np.column_stack([misfit.slopes(misfit.start), misfit.left(misfit.start)])
+        both -= self._tangent @ (self._tangent.T @ both)
+        slopes, left = both[:, :-1], both[:, -1]
+        step = solved(slopes.T @ slopes, -slopes.T @ left)
+        straight = np.clip(misfit.start + step, misfit.low, misfit.high)
+        if gain - float(left @ (slopes @ step)) < _HARDLY * self.left:
+            there = self._gain(hypothesis, straight)
+            return (straight, there) if there > gain else (psi, gain)
+        psi = refined(self._regression, model, self._motions, held, _STEPS).psi[-1]
+        return psi, self._gain(hypothesis, psi)
 
     def gain(self, hypothesis: Hypothesis, psi: Floats) -> float:
         """Return by how much a hypothesis with some psi lowers the sum of squares."""
@@ -146,8 +160,9 @@ class Grid:
         """Return the starts to try on all trials."""
         if len(starts) <= _FOREMOST or (hypothesis.n_column and not hypothesis.is_event):
             return starts
-        gains = self._worst._gains_of(hypothesis, starts)  # noqa: SLF001 - of its own class
-        return np.asarray(starts[np.argsort(-np.array(gains), kind="stable")[:_FOREMOST]], dtype=np.float64)
+        gains = np.array(self._worst._gains_of(hypothesis, starts))  # noqa: SLF001 - of its own class
+        most = _FOREMOST if gains.max() > _HARDLY * self._worst.left else 1
+        return np.asarray(starts[np.argsort(-gains, kind="stable")[:most]], dtype=np.float64)
 
     @cached_property
     def _worst(self) -> "Grid":

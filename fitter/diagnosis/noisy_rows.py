@@ -6,6 +6,7 @@ import numpy as np
 
 from arm.model import Floats
 from fitter.diagnosis.attenuation import Noise, added, noise_of
+from fitter.diagnosis.cut_off import distorts
 from fitter.diagnosis.hypothesis import Hypothesis
 from fitter.diagnosis.model import Model
 from fitter.diagnosis.motion import Motion
@@ -30,9 +31,10 @@ class NoisyRows:
     def of(self, model: Model, motions: Sequence[Motion], by_joint: bool = False) -> Noise:
         """Return what the draw makes of the equations of some motions under a model.
 
-        Joint by joint if that is asked for, or will be: a drive is held against the noise that it lets through.
+        Joint by joint if that is asked for, or will be: a drive is held against the noise that it lets through,
+        unless it only cuts off (`cut_off`).
         """
-        by_joint = by_joint or any(one.kind.place == "drive" for one in model.hypotheses)
+        by_joint = by_joint or distorts(model)
         gains = [one.kind.name == "gain_error" for one in model.hypotheses]
         if not any(gains) or not scales_only(model):
             return added([self._noise(model, (), by_joint, motion) for motion in motions])

@@ -23,6 +23,61 @@ _ROUNDS, _FEW_ROUNDS = 25, 8
 _LEAST = 1e-3
 
 
+class Misfit:
+    """What a model leaves of some motions' equations, as a function of its psi.
+
+    Parameters
+    ----------
+    regression : Regression
+    model : Model
+    motions : sequence of Motion
+        That it is fitted to.
+    held : int
+        The psi of so many hypotheses, from the first on, stay.
+
+    Attributes
+    ----------
+    low, high, start : (n_psi,)
+        Bounds of those that are free, and what the model has, inside them.
+    """
+
+    def __init__(self, regression: Regression, model: Model, motions: Sequence[Motion], held: int = 0) -> None:
+        self._regression, self._model, self._motions, self._held = regression, model, motions, held
+        self._free = Model(model.hypotheses[held:], model.psi[held:])
+        self.low = np.concatenate([np.zeros(0), *(one.low for one in self._free.hypotheses)])
+        self.high = np.concatenate([np.zeros(0), *(one.high for one in self._free.hypotheses)])
+        self.start = np.clip(self._free.flat, self.low + 1e-12, self.high - 1e-12)
+        #: A gain scales all noise, so it does not stay as it is.
+        self._is_weak = any(hypothesis.kind.name == "gain_error" for hypothesis in model.hypotheses)
+        self._last: tuple[Floats, Floats] | None = None
+
+    def at(self, flat: Floats) -> Model:
+        """Return the model with free psi (n_psi,)."""
+        return replace(self._model, psi=(*self._model.psi[: self._held], *self._free.at(flat).psi))
+
+    def left(self, flat: Floats) -> Floats:
+        """Return what it leaves there, in units of the noise."""
+        if self._last is None or not np.array_equal(self._last[0], flat):
+            self._last = flat.copy(), self._left(flat)  # slopes are asked for where it was asked for last
+        return self._last[1]
+
+    def slopes(self, flat: Floats) -> Floats:
+        """Return by how much that grows with each free psi, (n_row, n_psi)."""
+        here = self.left(flat)
+        noise = None if self._is_weak else self._regression.noise(self.at(flat), self._motions)
+        columns = []
+        for k, value in enumerate(flat):
+            step = SLOPE * max(abs(float(value)), _LEAST)
+            step = step if value + step <= self.high[k] else -step
+            beside = np.where(np.arange(len(flat)) == k, value + step, flat)
+            columns.append((self._left(beside, noise) - here) / step)
+        return np.stack(columns, axis=1)
+
+    def _left(self, flat: Floats, noise: Noise | None = None) -> Floats:
+        there = self.at(flat)
+        return self._regression.left(there, self._regression.solve(there, self._motions, noise), self._motions)
+
+
 def refined(
     regression: Regression, model: Model, motions: Sequence[Motion], held: int = 0, rounds: int | None = None
 ) -> Model:
@@ -39,40 +94,18 @@ def refined(
     rounds : int, optional
         The most; enough unless given.
     """
-    free = Model(model.hypotheses[held:], model.psi[held:])
-    if not len(free.flat):
+    misfit = Misfit(regression, model, motions, held)
+    if not len(misfit.start):
         return model
-    low = np.concatenate([hypothesis.low for hypothesis in free.hypotheses])
-    high = np.concatenate([hypothesis.high for hypothesis in free.hypotheses])
-    start = np.clip(free.flat, low + 1e-12, high - 1e-12)
-    is_weak = any(hypothesis.kind.name == "gain_error" for hypothesis in model.hypotheses)
-
-    def at(flat: Floats) -> Model:
-        return replace(model, psi=(*model.psi[:held], *free.at(flat).psi))
-
-    def left(flat: Floats, noise: Noise | None = None) -> Floats:
-        there = at(flat)
-        return regression.left(there, regression.solve(there, motions, noise), motions)
-
-    def slopes(flat: Floats) -> Floats:
-        here = left(flat)
-        noise = None if is_weak else regression.noise(at(flat), motions)  # a gain scales all noise
-        columns = []
-        for k, value in enumerate(flat):
-            step = SLOPE * max(abs(float(value)), _LEAST)
-            step = step if value + step <= high[k] else -step
-            beside = np.where(np.arange(len(flat)) == k, value + step, flat)
-            columns.append((left(beside, noise) - here) / step)
-        return np.stack(columns, axis=1)
-
+    is_event = any(hypothesis.is_event for hypothesis in model.hypotheses[held:])
     found = scipy.optimize.least_squares(
-        left,
-        start,
-        jac=slopes,
-        bounds=(low, high),
-        x_scale=np.maximum(np.abs(start), 1e-3),
-        max_nfev=rounds or (_FEW_ROUNDS if free.is_event else _ROUNDS),
+        misfit.left,
+        misfit.start,
+        jac=misfit.slopes,
+        bounds=(misfit.low, misfit.high),
+        x_scale=np.maximum(np.abs(misfit.start), 1e-3),
+        max_nfev=rounds or (_FEW_ROUNDS if is_event else _ROUNDS),
         xtol=1e-5,
         ftol=1e-7,
     )
-    return at(found.x)
+    return misfit.at(found.x)

@@ -13,7 +13,7 @@ import numpy as np
 
 from arm.model import Arm, Floats
 from fitter.diagnosis.attenuation import Noise, compensated, noisier
-from fitter.diagnosis.cut_off import let_through
+from fitter.diagnosis.cut_off import cuts_off, distorts, let_through, undistorted
 from fitter.diagnosis.equation import Weighting, weighting
 from fitter.diagnosis.holding_size import holding_sizes
 from fitter.diagnosis.least_squares import scaled_lstsq
@@ -25,8 +25,6 @@ from fitter.diagnosis.rows import Equations
 from fitter.diagnosis.view import View
 from fitter.diagnosis.white_rows import Rows
 
-#: A drive that is cut off lets through what is told otherwise (`cut_off`).
-_SATURATION = "torque_saturation"
 #: No drive leaves less noise than this share of what there is without it.
 _LEAST_NOISE = 0.05
 
@@ -157,9 +155,8 @@ class Regression:
         Noise of the angles enters times masses that are in proportion to the torque that is let through: a
         torque that is cut off to nothing would leave nothing, and explain nothing.
         """
-        drives = {hypothesis.kind.name for hypothesis in model.hypotheses if hypothesis.kind.place == "drive"}
-        now = self._let_through(model) if _SATURATION in drives else np.ones(self.arm.n_joint)
-        if drives - {_SATURATION}:
+        now = self._let_through(model) if cuts_off(model) else np.ones(self.arm.n_joint)
+        if distorts(model):
             left = self._noisy.of(model, self.learning, by_joint=True).left(x)
             now = now * np.maximum(left / self._plainly(model), _LEAST_NOISE)
         return np.asarray(1.0 / np.sqrt(now))
@@ -171,7 +168,7 @@ class Regression:
         something, for which a filter is made. One that was made for the base model may have it a little wrong, but
         for all models alike: none of them explains that.
         """
-        plain = model.only([one.kind.place != "drive" or one.kind.name == _SATURATION for one in model.hypotheses])
+        plain = undistorted(model)
         key = tuple(hypothesis.key for hypothesis in plain.hypotheses)
         if key not in self._plain:
             left = self._noisy.of(plain, self.learning, by_joint=True).left(self.solve(plain, self.learning))

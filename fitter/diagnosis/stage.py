@@ -1,6 +1,6 @@
 """A motion's equations under the first hypotheses of a model, as far as possible by those under one fewer."""
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import replace
 from functools import cached_property
 
@@ -17,6 +17,19 @@ By = tuple[Hypothesis, Floats] | None
 
 #: What of a view the regressor is made of, but for a drift of friction and a gain, which only scale it.
 _MOVES = ("arm", "q", "dq", "ddq", "direction")
+
+
+class _LastTorque:
+    """The torque that was last asked about at any stage of a motion, and its rows."""
+
+    def __init__(self) -> None:
+        self._known: tuple[Floats, Columns] | None = None
+
+    def rows(self, u: Floats, made: Callable[[], Columns]) -> Columns:
+        """Return the rows of a torque (n_sample, n_joint): those that are known if it is the same array."""
+        if self._known is None or self._known[0] is not u:
+            self._known = u, made()
+        return self._known[1]
 
 
 class Stage:
@@ -40,6 +53,7 @@ class Stage:
         self._sought, self._weighting, self.view, self._before, self.by = sought, weighting, view, before, by
         self._base_at: dict[int, Columns] = {}
         self._columns_at: dict[int, tuple[Columns, ...]] = {}
+        self._torque: _LastTorque = before._torque if before is not None else _LastTorque()
 
     def then(self, hypothesis: Hypothesis, psi: Floats) -> "Stage":
         """Return the motion under one hypothesis more."""
@@ -139,7 +153,10 @@ class Stage:
         before, known = self._before, self._sought.known
         if before is not None and self._is_same("u", *(() if known is None else (*_MOVES, "factor"))):
             return before.right
-        return self._white(self.view.target(known)[:, :, None])
+        if known is not None:
+            return self._white(self.view.target(known)[:, :, None])
+        u = self.view.u
+        return self._torque.rows(u, lambda: self._white(u[:, :, None]))
 
     def _white(self, rows: Floats) -> Columns:
         white = self._weighting.whitened(self.view.motion, rows)

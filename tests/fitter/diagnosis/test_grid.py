@@ -9,10 +9,12 @@ from fitter.data.trials import to_trials
 from fitter.diagnosis.at_joint import AtJoint
 from fitter.diagnosis.grid import Grid, Starts
 from fitter.diagnosis.in_drive import InDrive
+from fitter.diagnosis.in_friction import FrictionDrift
 from fitter.diagnosis.least_squares import scaled_lstsq
 from fitter.diagnosis.model import Model
 from fitter.diagnosis.motion import run_of
 from fitter.diagnosis.pushes import Pushes
+from fitter.diagnosis.refinement import refined
 from fitter.diagnosis.regression import Regression
 from fitter.diagnosis.screening import fitted, screen
 from tests.fitter.pendulum import pendulum, stop_that_no_learning_trial_reaches, swings
@@ -98,3 +100,23 @@ def test_the_best_starts_are_told_by_the_trials_of_which_most_is_left(regression
     foremost = grid._foremost(lag, starts)
     assert len(foremost) < len(starts)
     assert starts[int(np.argmax(gains))] in foremost
+
+
+def test_where_hardly_anything_is_promised_one_straight_step_finds_it(regression, monkeypatch):
+    """Beside the truth a drift of friction has nothing to explain, and the step comes to as much as a search."""
+    drift = FrictionDrift(catalogue()["thermal_drift"], (0,))
+    truth = fitted(regression, Model().plus(AtJoint(catalogue()["cogging"], 0), np.array([7.0]))).model
+    grid = Grid(regression, truth, Starts())
+    model = truth.plus(drift, np.array([0.005]))
+    searched = grid.gain(drift, refined(regression, model, regression.learning, held=1).psi[-1])
+
+    def never(*_):
+        raise AssertionError("a search")
+
+    monkeypatch.setattr("fitter.diagnosis.grid.refined", never)
+    assert grid.best(drift).gain == pytest.approx(searched, abs=0.01 * grid.left)
+    hidden = Effect("thermal_drift", {"rate_1_s": -0.02}, joints=(1,))
+    trials = to_trials(swings((hidden,), trials=4, seed=3), cutoff_hz=25.0)
+    other = Regression(pendulum(), run_of(pendulum(), trials[:2], trials[2:]))
+    with pytest.raises(AssertionError, match="a search"):
+        Grid(other, Model(), Starts()).best(drift)

@@ -17,6 +17,7 @@ from fitter.diagnosis.model import Model
 from fitter.diagnosis.motion import run_of
 from fitter.diagnosis.regression import Regression
 from fitter.diagnosis.screening import fitted
+from fitter.diagnosis.view import view_of
 from tests.fitter.pendulum import pendulum, swings
 
 DT = 0.002
@@ -41,6 +42,18 @@ def test_what_does_not_change_is_not_changed():
     constant = np.full(50, 1.7)
     np.testing.assert_allclose(delayed(constant, 0.01, DT), 1.7)
     np.testing.assert_allclose(lagging(constant, 0.01, DT), 1.7)
+
+
+def test_a_torque_is_made_anew_only_where_something_changes_it():
+    trials = to_trials(swings((), trials=2, seed=1), cutoff_hz=25.0)
+    lag = InDrive(catalogue()["actuator_lag"], (0,))
+    one, other = (view_of(motion, pendulum()) for motion in run_of(pendulum(), trials[:1], trials[1:]))
+    at, further = np.array([0.02]), np.array([0.03])
+    known = lag.act(one, at).u
+    lag.act(other, at)
+    assert lag.act(replace(one, q=one.q + 0.1), at).u is known
+    for view, psi in ((one, further), (replace(one, u=2.0 * one.u), at), (replace(one, factor=one.factor / 2.0), at)):
+        np.testing.assert_array_equal(lag.act(view, psi).u[:, 0], lagging(view.u[:, 0], psi[0], one.motion.dt_s))
 
 
 def test_a_limit_that_is_reached_now_and_then_is_not_weighed_as_if_it_were_a_gain():
