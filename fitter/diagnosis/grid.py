@@ -27,7 +27,7 @@ from fitter.diagnosis.white_rows import Columns
 _KEPT = 3
 #: So many steps from a start near nothing tell what can be explained; what promises much is refined later.
 _STEPS = 4
-#: Where a straight step along the slopes promises to explain less than this share of what is left, it is the only one.
+#: Where a straight step promises to explain less than this share of what is left, it is the only one.
 _HARDLY = 0.02
 #: Of more starts than this that cost a fit each, so many are tried on all trials: those that explain most of this
 #: share of the trials, those of which most is left.

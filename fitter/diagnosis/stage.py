@@ -53,7 +53,7 @@ class Stage:
         self._sought, self._weighting, self.view, self._before, self.by = sought, weighting, view, before, by
         self._base_at: dict[int, Columns] = {}
         self._columns_at: dict[int, tuple[Columns, ...]] = {}
-        self._torque: _LastTorque = before._torque if before is not None else _LastTorque()
+        self.last_torque: _LastTorque = before.last_torque if before is not None else _LastTorque()
 
     def then(self, hypothesis: Hypothesis, psi: Floats) -> "Stage":
         """Return the motion under one hypothesis more."""
@@ -156,7 +156,7 @@ class Stage:
         if known is not None:
             return self._white(self.view.target(known)[:, :, None])
         u = self.view.u
-        return self._torque.rows(u, lambda: self._white(u[:, :, None]))
+        return self.last_torque.rows(u, lambda: self._white(u[:, :, None]))
 
     def _white(self, rows: Floats) -> Columns:
         white = self._weighting.whitened(self.view.motion, rows)

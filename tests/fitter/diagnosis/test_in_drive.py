@@ -52,7 +52,8 @@ def test_a_torque_is_made_anew_only_where_something_changes_it():
     known = lag.act(one, at).u
     lag.act(other, at)
     assert lag.act(replace(one, q=one.q + 0.1), at).u is known
-    for view, psi in ((one, further), (replace(one, u=2.0 * one.u), at), (replace(one, factor=one.factor / 2.0), at)):
+    twice, weaker = replace(one, u=2.0 * one.u), replace(one, factor=one.factor / 2.0)
+    for view, psi in ((one, further), (twice, at), (weaker, at)):
         np.testing.assert_array_equal(lag.act(view, psi).u[:, 0], lagging(view.u[:, 0], psi[0], one.motion.dt_s))
 
 
