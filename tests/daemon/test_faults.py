@@ -40,7 +40,7 @@ def test_what_is_published_is_right_and_what_is_missing_is_told(
 
 
 def test_a_device_that_lost_its_power_is_started_again(limbd: Limbd, tmp_path: Path, truth: np.ndarray) -> None:
-    heard, _ = live_run(limbd, tmp_path, "restart@1.5+0.5", RATE_HZ, 28_000)
+    heard, _ = live_run(limbd, tmp_path, "restart@3+0.5", RATE_HZ, 40_000)
     (gap,) = heard[GAP]
     assert (gap["why"], gap["exact"]) == ("the device was restarted", False)
     after = next(block for block in heard[RAW] if block["sample0"] > gap["sample0"])
