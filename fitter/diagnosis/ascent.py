@@ -10,12 +10,13 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 from arm.model import Floats
-from fitter.diagnosis.grid import Grid, Starts
+from fitter.diagnosis.grid import Grid
 from fitter.diagnosis.hypothesis import Hypothesis
 from fitter.diagnosis.model import Model
 from fitter.diagnosis.regression import Regression
 from fitter.diagnosis.screening import PROMISING, Candidate, fitted, fitted_all, screen
 from fitter.diagnosis.search import Cause, Search
+from fitter.diagnosis.starts import Starts
 from fitter.diagnosis.unseen import shows_only_where_it_is_judged
 from fitter.diagnosis.worth import best_of, more_to_find, reach, rivals_of, simplest, worth_it
 

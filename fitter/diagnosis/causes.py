@@ -6,13 +6,13 @@ from functools import cache
 
 from fitter.diagnosis.ascent import Ascent, Progress
 from fitter.diagnosis.folds import Folds
-from fitter.diagnosis.grid import Starts
 from fitter.diagnosis.hypotheses import EVENTS
 from fitter.diagnosis.hypothesis import Hypothesis
 from fitter.diagnosis.model import Model
 from fitter.diagnosis.regression import Regression
 from fitter.diagnosis.screening import Candidate, fitted
 from fitter.diagnosis.search import Search
+from fitter.diagnosis.starts import Starts
 from fitter.diagnosis.unknown import best_functions
 from fitter.diagnosis.worth import best_of, more_to_find
 

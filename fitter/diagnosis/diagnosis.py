@@ -13,7 +13,6 @@ from fitter.diagnosis.chatter import chatter
 from fitter.diagnosis.conclusion import concluded
 from fitter.diagnosis.corner import corner_hz
 from fitter.diagnosis.finding import Finding
-from fitter.diagnosis.grid import Starts
 from fitter.diagnosis.hypotheses import hypotheses
 from fitter.diagnosis.hypothesis import Hypothesis
 from fitter.diagnosis.model import Model
@@ -22,6 +21,7 @@ from fitter.diagnosis.regression import Regression
 from fitter.diagnosis.reweighting import will_do
 from fitter.diagnosis.screening import Candidate, fitted
 from fitter.diagnosis.search import Search
+from fitter.diagnosis.starts import Starts
 from fitter.diagnosis.telling import finding_of
 from fitter.diagnosis.unseen import UNSEEN, shows_only_where_it_is_judged
 from fitter.dynamics.structure import structural_parameters

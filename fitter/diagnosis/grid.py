@@ -21,13 +21,14 @@ from fitter.diagnosis.motion import Motion
 from fitter.diagnosis.peaks import peaks
 from fitter.diagnosis.refinement import Misfit, refined
 from fitter.diagnosis.regression import Regression
+from fitter.diagnosis.starts import Starts
 from fitter.diagnosis.white_rows import Columns
 
 #: So many of the best starts are kept.
 _KEPT = 3
 #: So many steps from a start near nothing tell what can be explained; what promises much is refined later.
 _STEPS = 4
-#: Where a straight step promises to explain less than this share of what is left, it is the only one.
+#: Where a straight step from nothing promises to explain less than this share of what is left, it is the only one.
 _HARDLY = 0.02
 #: Of more starts than this that cost a fit each, so many are tried on all trials: those that explain most of this
 #: share of the trials, those of which most is left.
@@ -54,28 +55,6 @@ class Best:
     gain: float
     psi: Floats
     best: Floats
-
-
-class Starts:
-    """Values of psi from which a search has come far: when the same is sought anew, it begins there.
-
-    Where only weights have changed, or the psi of what was accepted, the best of them has hardly moved.
-    """
-
-    def __init__(self) -> None:
-        self._known: dict[tuple[frozenset[Hypothesis], Hypothesis], Floats] = {}
-
-    def of(self, model: Model, hypothesis: Hypothesis) -> Floats | None:
-        """Return those of a hypothesis beside a model's, (n_start, n_psi); None if it was not tried there."""
-        return self._known.get((frozenset(model.hypotheses), hypothesis))
-
-    def keep(self, model: Model, hypothesis: Hypothesis, starts: Floats) -> None:
-        """Keep those that did best."""
-        self._known[frozenset(model.hypotheses), hypothesis] = starts
-
-    def forget(self) -> None:
-        """Forget all: they are of other trials."""
-        self._known.clear()
 
 
 class Grid:
@@ -122,28 +101,40 @@ class Grid:
 
     def best(self, hypothesis: Hypothesis) -> Best:
         """Return the start of a hypothesis that lowers the sum of squares most."""
+        if hypothesis.nothing and (hardly := self._hardly(hypothesis)):
+            return hardly
         starts = self._foremost(hypothesis, self._starts_of(hypothesis))
         gains = self._gains_of(hypothesis, starts)
         order = np.argsort(-np.array(gains), kind="stable")
         psi, gain, best = starts[order[0]], gains[order[0]], starts[order[:_KEPT]]
         if hypothesis.is_gradual:
-            psi, gain = self._further(hypothesis, psi, gain)
+            model = self._model.plus(hypothesis, psi)
+            psi = refined(self._regression, model, self._motions, len(self._model.hypotheses), _STEPS).psi[-1]
+            gain = self._gain(hypothesis, psi)
         return Best(gain, psi, best)
 
-    def _further(self, hypothesis: Hypothesis, psi: Floats, gain: float) -> tuple[Floats, float]:
-        """Return where a few steps from a start lead, and the gain there."""
-        model, held = self._model.plus(hypothesis, psi), len(self._model.hypotheses)
+    def _hardly(self, hypothesis: Hypothesis) -> Best | None:
+        """Return where a straight step from nothing leads, if it promises next to nothing and keeps to that.
+
+        Where the least of it makes parameters be felt that were not, no slope leads from there.
+        """
+        nothing = np.array(hypothesis.nothing)
+        model, held = self._model.plus(hypothesis, nothing), len(self._model.hypotheses)
+        somewhat = self._model.plus(hypothesis, hypothesis.starts(self._motions)[0])
+        without, felt = (self._regression.view(one, self._motions[0]).arm for one in (model, somewhat))
+        sought = self._regression.equations.independent
+        if not np.array_equal(sought(without), sought(felt)):
+            return None
         misfit = Misfit(self._regression, model, self._motions, held)
-        both = np.column_stack([misfit.slopes(misfit.start), misfit.left(misfit.start)])
+        both = np.column_stack([misfit.slopes(nothing), misfit.left(nothing)])
         both -= self._tangent @ (self._tangent.T @ both)
         slopes, left = both[:, :-1], both[:, -1]
         step = solved(slopes.T @ slopes, -slopes.T @ left)
-        straight = np.clip(misfit.start + step, misfit.low, misfit.high)
-        if gain - float(left @ (slopes @ step)) < _HARDLY * self.left:
-            there = self._gain(hypothesis, straight)
-            return (straight, there) if there > gain else (psi, gain)
-        psi = refined(self._regression, model, self._motions, held, _STEPS).psi[-1]
-        return psi, self._gain(hypothesis, psi)
+        if -float(left @ (slopes @ step)) >= _HARDLY * self.left:
+            return None
+        there = np.clip(nothing + step, misfit.low, misfit.high)
+        gain = self._gain(hypothesis, there)
+        return Best(gain, there, there[None]) if gain < _HARDLY * self.left else None
 
     def gain(self, hypothesis: Hypothesis, psi: Floats) -> float:
         """Return by how much a hypothesis with some psi lowers the sum of squares."""
@@ -161,7 +152,7 @@ class Grid:
         if len(starts) <= _FOREMOST or (hypothesis.n_column and not hypothesis.is_event):
             return starts
         gains = np.array(self._worst._gains_of(hypothesis, starts))  # noqa: SLF001 - of its own class
-        most = _FOREMOST if gains.max() > _HARDLY * self._worst.left else 1
+        most = _FOREMOST if hypothesis.is_gradual or gains.max() > _HARDLY * self._worst.left else 1
         return np.asarray(starts[np.argsort(-gains, kind="stable")[:most]], dtype=np.float64)
 
     @cached_property

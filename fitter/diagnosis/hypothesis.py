@@ -30,6 +30,8 @@ class Hypothesis(ABC):
     is_event = False
     #: A few steps from a start near nothing tell what it can explain; the start itself does not.
     is_gradual = False
+    #: The psi at which it is nothing, if slopes there tell as much of it; what is weak scales all noise, too.
+    nothing: tuple[float, ...] = ()
     #: Its columns are made of angles and their derivatives, noise included.
     is_noisy = True
     #: The share of psi over which is asked what a change of it makes: more where little changes jump.

@@ -22,6 +22,7 @@ class GravityTilt(Hypothesis):
     """Gravity has a part in the plane that the arm file does not know of."""
 
     is_gradual = True
+    nothing = (0.0, 0.0)
 
     @property
     def low(self) -> Floats:
@@ -51,6 +52,7 @@ class JointZero(Hypothesis):
     """The angle of a link is off by a constant."""
 
     is_gradual = True
+    nothing = (0.0,)
 
     @property
     def low(self) -> Floats:

@@ -11,7 +11,7 @@ import numpy as np
 from arm.effects.catalogue import catalogue
 from arm.model import Floats
 from fitter.diagnosis.agreement import agreed
-from fitter.diagnosis.grid import Best, Grid, Starts
+from fitter.diagnosis.grid import Best, Grid
 from fitter.diagnosis.hypothesis import Hypothesis
 from fitter.diagnosis.least_squares import scaled_lstsq
 from fitter.diagnosis.loads import find_payloads
@@ -20,6 +20,7 @@ from fitter.diagnosis.motion import Motion
 from fitter.diagnosis.pushes import find_pushes
 from fitter.diagnosis.refinement import refined
 from fitter.diagnosis.regression import Regression
+from fitter.diagnosis.starts import Starts
 from fitter.side_by_side import side_by_side
 
 #: A hypothesis is refined if it explains this share of what the best one does on the trials it is fitted to …

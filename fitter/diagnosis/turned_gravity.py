@@ -29,8 +29,6 @@ class TurnedGravity(Hypothesis):
         As the arm file has it.
     """
 
-    is_gradual = True
-
     def __init__(self, kind: EffectKind, gravity: Floats) -> None:
         super().__init__(kind, ())
         self._gravity = gravity

@@ -13,13 +13,13 @@ from fitter.diagnosis import ascent
 from fitter.diagnosis.ascent import Ascent
 from fitter.diagnosis.at_joint import AtJoint
 from fitter.diagnosis.causes import find_causes
-from fitter.diagnosis.grid import Starts
 from fitter.diagnosis.model import Model
 from fitter.diagnosis.motion import run_of
 from fitter.diagnosis.pushes import Pushes
 from fitter.diagnosis.regression import Regression
 from fitter.diagnosis.screening import Candidate, fitted, screen
 from fitter.diagnosis.search import Cause
+from fitter.diagnosis.starts import Starts
 from tests.fitter.pendulum import pendulum, stop_that_no_learning_trial_reaches, swings
 
 DISTURBANCE = Effect(

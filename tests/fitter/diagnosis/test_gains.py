@@ -8,12 +8,12 @@ from arm.arm_file import load_arm
 from fitter.data.columns import ColumnMap
 from fitter.data.motions import read_motions
 from fitter.data.trials import to_trials
-from fitter.diagnosis.grid import Starts
 from fitter.diagnosis.hypotheses import hypotheses
 from fitter.diagnosis.model import Model
 from fitter.diagnosis.motion import run_of
 from fitter.diagnosis.regression import Regression
 from fitter.diagnosis.screening import fitted, screen
+from fitter.diagnosis.starts import Starts
 from tests.diagnosis.hidden_cases import draw_case
 from tests.diagnosis.hiding import Bench
 

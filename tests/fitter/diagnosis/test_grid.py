@@ -1,5 +1,7 @@
 """Where the search for psi begins, the first time and once it has been there."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -7,7 +9,8 @@ from arm.effects.catalogue import catalogue
 from arm.model import Effect
 from fitter.data.trials import to_trials
 from fitter.diagnosis.at_joint import AtJoint
-from fitter.diagnosis.grid import Grid, Starts
+from fitter.diagnosis.grid import Grid
+from fitter.diagnosis.in_arm import GravityTilt
 from fitter.diagnosis.in_drive import InDrive
 from fitter.diagnosis.in_friction import FrictionDrift
 from fitter.diagnosis.least_squares import scaled_lstsq
@@ -17,6 +20,7 @@ from fitter.diagnosis.pushes import Pushes
 from fitter.diagnosis.refinement import refined
 from fitter.diagnosis.regression import Regression
 from fitter.diagnosis.screening import fitted, screen
+from fitter.diagnosis.starts import Starts
 from tests.fitter.pendulum import pendulum, stop_that_no_learning_trial_reaches, swings
 
 COGGING = Effect("cogging", {"amplitude_N_m": 0.3, "phase_rad": 0.3, "periods_per_turn": 7.0}, joints=(1,))
@@ -120,3 +124,11 @@ def test_where_hardly_anything_is_promised_one_straight_step_finds_it(regression
     other = Regression(pendulum(), run_of(pendulum(), trials[:2], trials[2:]))
     with pytest.raises(AssertionError, match="a search"):
         Grid(other, Model(), Starts()).best(drift)
+
+
+def test_a_tilt_that_makes_masses_felt_is_sought_by_steps():
+    """An arm that its file has level hangs: at no tilt its centre of mass is not among what is sought."""
+    level = replace(pendulum(), gravity_m_s2=(0.0, 0.0, -9.80665))
+    trials = to_trials(swings((), trials=4, seed=3), cutoff_hz=25.0)
+    grid = Grid(Regression(level, run_of(level, trials[:2], trials[2:])), Model(), Starts())
+    assert grid.best(GravityTilt(catalogue()["gravity_tilt"], ())).gain > 0.9 * grid.left
