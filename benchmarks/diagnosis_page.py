@@ -92,10 +92,15 @@ def goals(lines: Sequence[Line]) -> str:
         ),
         ("… median and 95th percentile", "1.1 ×", f"{_quantile(beside, 0.5)}, {_quantile(beside, 0.95)}"),
     ]
-    took = [line["seconds"] for line in lines if "seconds" in line]
-    used = [line["processor_s"] for line in lines if "processor_s" in line]
+    newest = [line for line in lines if line.get("commit") == lines[-1].get("commit")]
+    took = [line["seconds"] for line in newest if "seconds" in line]
+    used = [line["processor_s"] for line in newest if "processor_s" in line]
     rows += [
-        ("seconds a diagnosis, median and longest", "60", f"{_quantile(took, 0.5)}, {_quantile(took, 1.0)}"),
+        (
+            f"seconds a diagnosis in one process, several at once, median and longest (newest code, {len(newest)})",
+            "60",
+            f"{_quantile(took, 0.5)}, {_quantile(took, 1.0)}",
+        ),
         ("… of them a processor's", "", f"{_quantile(used, 0.5)}, {_quantile(used, 1.0)}"),
         ("crashed", "0", f"{sum('error' in line for line in lines)} of {len(lines)}"),
     ]

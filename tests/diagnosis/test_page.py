@@ -42,3 +42,8 @@ def test_a_crash_counts_as_wrong_and_is_counted() -> None:
     assert "| right name, or its equivalence class | 95 % | 33.3 % of 3 |" in text
     assert "| crashed | 0 | 1 of 6 |" in text
     assert "commits 0123abc" in text
+
+
+def test_how_long_it_takes_is_told_of_the_newest_code() -> None:
+    before = line(7, "one", ["cogging"], score=RIGHT, commit="89abcde", seconds=99.0)
+    assert "(newest code, 6) | 60 | 20.00, 20.00 |" in page([before, *LINES])
