@@ -97,7 +97,7 @@ def goals(lines: Sequence[Line]) -> str:
     used = [line["processor_s"] for line in newest if "processor_s" in line]
     rows += [
         (
-            f"seconds a diagnosis in one process, several at once, median and longest (newest code, {len(newest)})",
+            f"seconds a diagnosis, one process, several at once: median, longest (newest code, {len(newest)})",
             "60",
             f"{_quantile(took, 0.5)}, {_quantile(took, 1.0)}",
         ),
