@@ -25,8 +25,8 @@ _IDLE_S = 0.25
 _READ_BYTES = 65536
 #: A tty hands over at most so many bytes a read: a read this long says that there is more.
 _FULL_READ_BYTES = 4095
-#: So that a device that floods the line cannot keep the reader from hearing a stop.
-_READS_AT_ONCE = 64
+#: No more at once, so that a device that floods the line cannot keep the reader from hearing a stop.
+_TAKEN_BYTES = 64 * _FULL_READ_BYTES
 #: After STOP the line is drained until it was quiet for so long, and no longer than the limit.
 _QUIET_S = 0.1
 _DRAIN_LIMIT_S = 1.0
@@ -69,6 +69,8 @@ class _PortKeeper:
     def __init__(self, line: ControlLine, ring: Ring, port: str, baud: int, wait: bool) -> None:
         self._line, self._ring, self._port, self._baud, self._wait = line, ring, port, baud, wait
         self._tty: serial.Serial | None = None
+        #: What has come is read into the same memory for as long as the daemon runs: so it does not grow.
+        self._taken = memoryview(bytearray(_TAKEN_BYTES))
         self._known = self._started = False
         self._said = ""
         self._try_s, self._pause_s = 0.0, _FIRST_TRY_S
@@ -169,20 +171,20 @@ class _PortKeeper:
 
     def _take(self, tty: serial.Serial) -> int:
         """Move what has come to the ring; return how many bytes that were."""
-        descriptor, parts = tty.fileno(), []
+        descriptor, taken = tty.fileno(), 0
         try:
-            for _ in range(_READS_AT_ONCE):
-                parts.append(os.read(descriptor, _READ_BYTES))
-                if len(parts[-1]) < _FULL_READ_BYTES:
+            while taken < _TAKEN_BYTES:
+                more = os.readv(descriptor, [self._taken[taken:]])
+                taken += more
+                if more < _FULL_READ_BYTES:
                     break
         finally:  # also what came before the port failed
-            taken = b"".join(parts)
             if taken:
-                self._ring.write(taken, time.monotonic_ns())
+                self._ring.write(self._taken[:taken], time.monotonic_ns())
         if not taken:
             raise OSError("it is readable, and nothing comes")
         self._heard_s, self._nudge_s = time.monotonic(), _SILENT_S
-        return len(taken)
+        return taken
 
 
 def _silence(tty: serial.Serial) -> None:

@@ -75,7 +75,7 @@ class Ring:
         """Whether the writer has written its last chunk."""
         return bool(self._state[_CLOSED])
 
-    def write(self, data: bytes, stamp_ns: int, mark: Mark = Mark.DATA) -> bool:
+    def write(self, data: bytes | memoryview, stamp_ns: int, mark: Mark = Mark.DATA) -> bool:
         """Put a chunk in; where there is no room for all of it, drop and count it and return False."""
         start = self._state[_WRITTEN]
         size = _HEADER.size + len(data)
@@ -105,7 +105,7 @@ class Ring:
             self._state[_READ] = start
             yield Chunk(stamp_ns, data, _MARKS[mark])
 
-    def _put(self, position: int, data: bytes) -> None:
+    def _put(self, position: int, data: bytes | memoryview) -> None:
         begin = position % self._capacity
         first = min(len(data), self._capacity - begin)
         self._bytes[begin : begin + first] = data[:first]
