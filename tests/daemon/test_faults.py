@@ -12,7 +12,7 @@ from tests.daemon.live_run import Limbd, check, live_run, sent
 RATE_HZ = 8000.0
 SCHEDULE = (
     "unplug@0.5+0.42, unplug@5.75+0.42/20, garbage@1.4+0.4*20000, silent@2.2+0.5, baud@3.2+0.4, flip@4.2+1.5*1e-4,"
-    "double@6.2+1.2*0.05, reorder@6.2+1.2*0.05, drop@6.2+1.2*0.02, stranger@8+0.8"
+    "double@6.2+1.7*0.05, reorder@6.2+1.7*0.05, drop@6.2+1.7*0.02, stranger@8+0.8"
 )
 
 
