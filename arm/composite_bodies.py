@@ -15,10 +15,10 @@ Tensor = tuple[float, float, float, float, float, float]
 
 
 @compiled
-def turned_tensor(R: Floats, I: Tensor) -> Tensor:  # noqa: E741
-    """Return ``R I R^T``."""
-    xx, yy, zz, xy, xz, yz = I
-    x, y, z = turned(R, (xx, xy, xz)), turned(R, (xy, yy, yz)), turned(R, (xz, yz, zz))  # columns of R I
+def turned_tensor(R: Floats, J: Tensor) -> Tensor:
+    """Return ``R J R^T``."""
+    xx, yy, zz, xy, xz, yz = J
+    x, y, z = turned(R, (xx, xy, xz)), turned(R, (xy, yy, yz)), turned(R, (xz, yz, zz))  # columns of R J
     a, b, c = (
         turned(R, (x[0], y[0], z[0])),
         turned(R, (x[1], y[1], z[1])),
@@ -28,7 +28,7 @@ def turned_tensor(R: Floats, I: Tensor) -> Tensor:  # noqa: E741
 
 
 @compiled
-def tensor_about(I: Tensor, s: Triple, mass: float, p: Triple) -> Tensor:  # noqa: E741
+def tensor_about(J: Tensor, s: Triple, mass: float, p: Triple) -> Tensor:
     """Return the tensor about an origin from which its own one is at ``p``; ``s`` is m times the centre of mass.
 
     Steiner's theorem, where neither origin need be the centre of mass.
@@ -36,12 +36,12 @@ def tensor_about(I: Tensor, s: Triple, mass: float, p: Triple) -> Tensor:  # noq
     x, y, z = p
     twice = 2.0 * (x * s[0] + y * s[1] + z * s[2]) + mass * (x * x + y * y + z * z)
     return (
-        I[0] + twice - 2.0 * x * s[0] - mass * x * x,
-        I[1] + twice - 2.0 * y * s[1] - mass * y * y,
-        I[2] + twice - 2.0 * z * s[2] - mass * z * z,
-        I[3] - x * s[1] - y * s[0] - mass * x * y,
-        I[4] - x * s[2] - z * s[0] - mass * x * z,
-        I[5] - y * s[2] - z * s[1] - mass * y * z,
+        J[0] + twice - 2.0 * x * s[0] - mass * x * x,
+        J[1] + twice - 2.0 * y * s[1] - mass * y * y,
+        J[2] + twice - 2.0 * z * s[2] - mass * z * z,
+        J[3] - x * s[1] - y * s[0] - mass * x * y,
+        J[4] - x * s[2] - z * s[0] - mass * x * z,
+        J[5] - y * s[2] - z * s[1] - mass * y * z,
     )
 
 
@@ -49,13 +49,13 @@ def tensor_about(I: Tensor, s: Triple, mass: float, p: Triple) -> Tensor:  # noq
 def mass_rows(chain: Chain, R: Floats, p: Floats, M: Floats) -> None:
     """Fill in the mass matrix, (n, n); R and p are as `arm.newton_euler.poses` fills them in."""
     n = M.shape[0]
-    I, s, mass = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0), (0.0, 0.0, 0.0), 0.0  # noqa: E741 - what is beyond link n
+    J, s, mass = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0), (0.0, 0.0, 0.0), 0.0  # what is beyond link n
     for i in range(n - 1, -1, -1):
         xx, yy, zz, xy, xz, yz, sx, sy, sz, own = chain.inertial[i]
-        I = (I[0] + xx, I[1] + yy, I[2] + zz, I[3] + xy, I[4] + xz, I[5] + yz)  # noqa: E741
+        J = (J[0] + xx, J[1] + yy, J[2] + zz, J[3] + xy, J[4] + xz, J[5] + yz)
         s, mass = (s[0] + sx, s[1] + sy, s[2] + sz), mass + own
-        if chain.revolute[i]:  # about z: dv = z x s / m, N = I z
-            f, m = (-s[1], s[0], 0.0), (I[4], I[5], I[2])
+        if chain.revolute[i]:  # about z: dv = z x s / m, N = J z
+            f, m = (-s[1], s[0], 0.0), (J[4], J[5], J[2])
         else:  # along z: dv = z, N = s x z
             f, m = (0.0, 0.0, mass), (s[1], -s[0], 0.0)
         for j in range(i, -1, -1):
@@ -65,5 +65,5 @@ def mass_rows(chain: Chain, R: Floats, p: Floats, M: Floats) -> None:
             m = (m[0] + lever[0], m[1] + lever[1], m[2] + lever[2])
         at = (p[i, 0], p[i, 1], p[i, 2])
         turned_s = turned(R[i], s)
-        I = tensor_about(turned_tensor(R[i], I), turned_s, mass, at)  # noqa: E741
+        J = tensor_about(turned_tensor(R[i], J), turned_s, mass, at)
         s = (turned_s[0] + mass * at[0], turned_s[1] + mass * at[1], turned_s[2] + mass * at[2])
