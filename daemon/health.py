@@ -115,7 +115,7 @@ def health_fields(
             "ppm_std": clock.ppm_std,
             "error_ms": clock.error_ms,
             "host_ahead_s": 1e-9 * host.ahead_ns,
-            "host_jumps": len(host.jumps),
+            "host_jumps": host.jumps,
         },
         "latency_ms": latency.take(),
         "delay_ms": delay.take(),

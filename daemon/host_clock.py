@@ -32,7 +32,8 @@ class HostClock:
     ----------
     offset_ns : int
         UTC of the run less the monotonic clock.
-    jumps : list of Jump
+    jumps : int
+        How often the host's clock was set.
     """
 
     def __init__(
@@ -42,7 +43,7 @@ class HostClock:
     ) -> None:
         self._utc_ns, self._monotonic_ns = utc_ns, monotonic_ns
         self.offset_ns = self._latest = self._difference()
-        self.jumps: list[Jump] = []
+        self.jumps = 0
 
     @property
     def ahead_ns(self) -> int:
@@ -55,9 +56,8 @@ class HostClock:
         by, self._latest = now - self._latest, now
         if abs(by) < _JUMP_NS:
             return None
-        jump = Jump(self._monotonic_ns() + self.offset_ns, by)
-        self.jumps.append(jump)
-        return jump
+        self.jumps += 1
+        return Jump(self._monotonic_ns() + self.offset_ns, by)
 
     def _difference(self) -> int:
         readings = []

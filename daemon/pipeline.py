@@ -122,8 +122,10 @@ class Pipeline:
             self._link.check()
         jump = self._reception.host.look()
         if jump is not None:
-            why = f"the host's clock was set by {1e-9 * jump.by_ns:+.3f} s"
-            self._outlet.send_gap(Gap(self._reception.ledger.position, 0, jump.t_ns, why, True))
+            cause, ledger = "the host's clock was set", self._reception.ledger
+            gap = Gap(ledger.position, 0, jump.t_ns, f"{cause} by {1e-9 * jump.by_ns:+.3f} s", True)
+            ledger.note(gap, cause)
+            self._outlet.send_gap(gap)
         fields = health_fields(
             uptime_s=time.monotonic() - self._began_s,
             last_seq=self._publisher.last_seq,

@@ -143,7 +143,7 @@ class SampleLedger:
         self._due_ticks = ticks + n_sample * self._ticks_per_sample
         self._frame_samples = n_sample
 
-    def note(self, gap: Gap) -> None:
-        """Note why samples are missing."""
+    def note(self, gap: Gap, cause: str | None = None) -> None:
+        """Note why samples are missing; ``cause`` is what it counts by where the words are of this one gap."""
         self.gaps.append(gap)
-        self.causes[gap.why] += 1
+        self.causes[cause or gap.why] += 1

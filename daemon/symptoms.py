@@ -10,6 +10,8 @@ from daemon.reception import Reception
 _FAR_OFF_PPM = 500.0
 #: So many standard errors are taken off before it is.
 _SURELY = 3.0
+#: A host's clock that is so far from where the run's goes on, after it was set, is worth a word, too [s].
+_SET_S = 0.05
 #: Samples lost in a second: this share of them.
 _LOSSES = 1e-3
 #: Frames that are published so much later than their bytes came are late [ms].
@@ -68,7 +70,7 @@ class Symptoms:
         ppm, ahead_s = health["clock_ppm"], health["clock"]["host_ahead_s"]
         if ppm is not None and abs(ppm) - _SURELY * health["clock"]["ppm_std"] > _FAR_OFF_PPM:
             wrong["clock", "device"] = f"it is {ppm:+.0f} ppm off"
-        if health["clock"]["host_jumps"]:
+        if abs(ahead_s) > _SET_S:
             wrong["clock", "host"] = f"it was set by {ahead_s:+.1f} s in all"
         free = health["disk_free_bytes"]
         if records and health["recording"] is None:

@@ -62,4 +62,7 @@ def test_a_clock_that_is_set_by_an_hour_moves_no_stamp(
     assert heard[GAP][2]["t_ns"] < stamps[-1] + 10**9
     clock = heard[HEALTH][-1]["clock"]
     assert (round(clock["host_ahead_s"]), clock["host_jumps"]) == (-3600, 3)
+    told = heard[HEALTH][-1]["gaps"]
+    assert told["causes"] == {"the host's clock was set": 3}
+    assert [gap["why"] for gap in told["last"]] == [gap["why"] for gap in heard[GAP]]
     assert heard[HEALTH][-1]["lost_samples"] == 0

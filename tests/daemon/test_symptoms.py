@@ -1,0 +1,82 @@
+"""What one report after another gives away."""
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from daemon.reception import Reception
+from daemon.ring import Chunk
+from daemon.symptoms import Symptoms
+from protocol.serial_frame import DeviceInfo, InfoFrame, encode_samples
+from protocol.serial_parser import FrameParser
+
+MakeInfo = Callable[..., DeviceInfo]
+RATE_HZ = 8000.0
+FREE_BYTES = 100_000_000
+
+
+def symptoms(info: DeviceInfo) -> tuple[Reception, Symptoms]:
+    taker = Reception(FrameParser(), InfoFrame(0, 0, info))
+    return taker, Symptoms(taker, [channel.name for channel in info.channels], FREE_BYTES)
+
+
+def health(**changed: Any) -> dict[str, Any]:
+    return {
+        "connected": True,
+        "latency_ms": {"p99": 8.0},
+        "tracking": {"wrong": False},
+        "clock_ppm": 40.0,
+        "clock": {"ppm_std": 0.1, "host_ahead_s": 0.0},
+        "disk_free_bytes": 10**12,
+        "recording": "recording.mcap",
+        **changed,
+    }
+
+
+@pytest.mark.parametrize(
+    ("name", "changed"),
+    [
+        ("disconnected", {"connected": False}),
+        ("behind", {"latency_ms": {"p99": 300.0}}),
+        ("contradiction", {"tracking": {"wrong": True}}),
+        ("clock", {"clock_ppm": -900.0}),
+        ("clock", {"clock": {"ppm_std": 0.1, "host_ahead_s": -3600.0}}),
+        ("disk", {"disk_free_bytes": 5 * FREE_BYTES}),
+        ("not recorded", {"recording": None}),
+    ],
+)
+def test_what_a_report_shows_is_wrong_for_as_long_as_it_is(
+    make_info: MakeInfo, name: str, changed: dict[str, Any]
+) -> None:
+    _, looker = symptoms(make_info(RATE_HZ))
+    assert looker.look(health(), records=True) == {}
+    assert [found for found, _ in looker.look(health(**changed), records=True)] == [name]
+    assert looker.look(health(), records=True) == {}
+
+
+def test_where_no_recording_was_asked_for_none_is_missed(make_info: MakeInfo) -> None:
+    _, looker = symptoms(make_info(RATE_HZ))
+    assert looker.look(health(recording=None, disk_free_bytes=None), records=False) == {}
+
+
+def test_a_rate_that_is_not_known_well_is_no_fault(make_info: MakeInfo) -> None:
+    _, looker = symptoms(make_info(RATE_HZ))
+    unsure = health(clock_ppm=900.0, clock={"ppm_std": 200.0, "host_ahead_s": 0.0})
+    assert looker.look(unsure, records=True) == {}
+
+
+def test_losses_and_garbage_are_of_the_time_since_the_last_report(
+    make_info: MakeInfo, random_counts: Callable[[int], NDArray[np.int16]]
+) -> None:
+    taker, looker = symptoms(make_info(RATE_HZ))
+    looker.look(health(), records=True)
+    frames = [encode_samples(random_counts(32), k + 1, 50 + 4000 * k) for k in range(20)]
+    taker.take([Chunk(1, b"".join(frames[:10] + frames[11:]))])
+    assert ("losses", "") in looker.look(health(), records=True)
+    taker.take([Chunk(2, bytes(5000))])
+    found = looker.look(health(), records=True)
+    assert ("garbage", "") in found and ("losses", "") not in found
+    assert looker.look(health(), records=True) == {}
