@@ -32,6 +32,8 @@ _QUIET_S = 0.1
 _DRAIN_LIMIT_S = 1.0
 #: A port that went away is tried after the first time, then after twice as long each time up to the second.
 _FIRST_TRY_S, _LAST_TRY_S = 0.05, 1.0
+#: … or as soon as its name is there again, which costs next to nothing to see: what the device can hold is little.
+_APPEARS_S = 0.05
 #: A device that is silent for so long is told to start again, as one that was restarted must be.
 _SILENT_S = 0.5
 #: The name of a port may come to mean another device file: looked at so often.
@@ -71,7 +73,7 @@ class _PortKeeper:
         self._tty: serial.Serial | None = None
         #: What has come is read into the same memory for as long as the daemon runs: so it does not grow.
         self._taken = memoryview(bytearray(_TAKEN_BYTES))
-        self._known = self._started = False
+        self._known = self._started = self._missing = False
         self._said = ""
         self._try_s, self._pause_s = 0.0, _FIRST_TRY_S
         self._gather_s = _GATHER_S
@@ -81,10 +83,10 @@ class _PortKeeper:
         """Serve the line and the port until told to stop."""
         while True:
             try:
-                if self._tty is None and time.monotonic() >= self._try_s:
+                if self._tty is None and (time.monotonic() >= self._try_s or self._appeared()):
                     self._open()
                 waited = [self._line] if self._tty is None else [self._line, self._tty]
-                timeout_s = _IDLE_S if self._tty is not None else max(0.0, self._try_s - time.monotonic())
+                timeout_s = _IDLE_S if self._tty is not None else self._until_next_try_s()
                 readable, _, _ = select(waited, [], [], timeout_s)
                 if self._line in readable and self._told_to_stop():
                     break
@@ -115,6 +117,7 @@ class _PortKeeper:
             self.close()
             if not (self._known or self._wait):
                 raise error if isinstance(error, DeviceError) else self._gone(error) from error
+            self._missing = not os.path.exists(self._port)
             self._pause_s = min(2.0 * self._pause_s, _LAST_TRY_S)
             self._try_s = time.monotonic() + self._pause_s
             self._line.tell("trying")
@@ -130,6 +133,17 @@ class _PortKeeper:
             self._ring.write(b"", time.monotonic_ns(), Mark.OPENED)
             self._tty.write(b"START\n")
             self._line.tell("reopened")
+
+    def _appeared(self) -> bool:
+        """Say whether a name that was not there is now; who may open it is told later, so trying begins anew."""
+        if not (self._missing and os.path.exists(self._port)):
+            return False
+        self._missing, self._pause_s = False, _FIRST_TRY_S
+        return True
+
+    def _until_next_try_s(self) -> float:
+        wait_s = max(0.0, self._try_s - time.monotonic())
+        return min(wait_s, _APPEARS_S) if self._missing else wait_s
 
     def _lose(self, error: Exception) -> None:
         if not self._started and not self._wait:

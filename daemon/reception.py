@@ -8,6 +8,7 @@ from daemon.channel_watch import ChannelWatch, Counts
 from daemon.device_clock import Clock, DeviceClock
 from daemon.handshake import same_device
 from daemon.host_clock import HostClock
+from daemon.line_damage import LineDamage
 from daemon.ring import Chunk, Mark
 from daemon.sample_ledger import Gap, SampleLedger
 from daemon.sample_runs import Conversion, CountRun, FrameTimes, Run
@@ -21,8 +22,6 @@ NewClock = Callable[[float, int, int, int], Clock]
 _UNKNOWN = 8192
 #: A frame that waits for one before it waits no longer than this [ns].
 _PATIENCE_NS = 20_000_000
-#: Damage explains a gap that is found in so many looks at what came since.
-_HURTS = 16
 #: Nothing for so long is silence [ns].
 _SILENCE_NS = 300_000_000
 
@@ -75,8 +74,7 @@ class Reception:
         self._known = True
         self._unknown: deque[Frame] = deque(maxlen=_UNKNOWN)
         self._why: str | None = None
-        self._errors = self._parses = 0
-        self._hurt_at = -_HURTS
+        self._damage = LineDamage(parser.counters)
         self._arrival_ns = 0
         self._counted: list[CountRun] = []
         self._new_gaps: list[Gap] = []
@@ -104,7 +102,7 @@ class Reception:
                 self._unknown.clear()
             else:
                 self.parser.reset()
-                self._errors = self._damaged()
+                self._damage.forget()
                 self._known, self.connected, self.stranger = False, True, None
                 self.reconnects += 1
         if chunks:
@@ -132,9 +130,7 @@ class Reception:
             return
         arrival_ns = chunks[-1].stamp_ns
         found = self.parser.feed_runs(b"".join(chunk.data for chunk in chunks))
-        self._parses += 1
-        if self._damaged() > self._errors:
-            self._errors, self._hurt_at = self._damaged(), self._parses
+        self._damage.look()
         if self._why is None and self._arrival_ns and arrival_ns - self._arrival_ns > _SILENCE_NS:
             self._why = "the device was silent"
         self._pass_on([frames for one in found for frames in self.sequencer.take(one)], arrival_ns)
@@ -199,7 +195,7 @@ class Reception:
         assert self.clock is not None
         t0_ns = self.clock.utc_ns(frame.ticks)
         if lost or begun_anew:
-            why = "the device was restarted" if begun_anew else self._cause(frame)
+            why = "the device was restarted" if begun_anew else self._cause(frame, lost)
             rate_hz = self.info.rate_hz
             gap = Gap(self.ledger.position, lost, t0_ns - round(1e9 * lost / rate_hz), why, not begun_anew)
             self.ledger.note(gap)
@@ -209,16 +205,12 @@ class Reception:
         self.ledger.enter(frame, lost)
         self._why = None
 
-    def _cause(self, frame: SamplesFrame) -> str:
+    def _cause(self, frame: SamplesFrame, lost: int) -> str:
         if self._why is not None:
             return self._why
-        if self._parses - self._hurt_at < _HURTS:
-            return "damaged on the line"
-        return "lost in the device" if self.ledger.follows(frame) else "frames missing"
-
-    def _damaged(self) -> int:
-        counters = self.parser.counters
-        return counters.crc_errors + counters.discarded_bytes + counters.malformed
+        if self.ledger.follows(frame):
+            return "lost in the device"
+        return "damaged on the line" if self._damage.explains(lost, frame) else "frames missing"
 
     def _start_clock(self, first: SamplesFrame, last: SamplesFrame, arrival_ns: int) -> int:
         """Start a clock; return how many samples were lost since the one before it, by the host's clock.

@@ -39,6 +39,16 @@ def test_what_is_published_is_right_and_what_is_missing_is_told(
     assert 0.4 < unplugged[-1] < 2.4  # back within two seconds; the first may have come before START
 
 
+def test_a_device_that_was_away_for_long_is_taken_up_before_it_must_forget(
+    limbd: Limbd, tmp_path: Path, truth: np.ndarray
+) -> None:
+    """It holds less than a second of samples, which is how seldom a port that stays away is tried in the end."""
+    heard, said = live_run(limbd, tmp_path, "unplug@1+2.65", RATE_HZ, 48_000)
+    check(heard, truth)
+    assert [gap["why"] for gap in heard[GAP]] == ["unplugged"]
+    assert "frames are dropped" not in said
+
+
 def test_a_device_that_lost_its_power_is_started_again(limbd: Limbd, tmp_path: Path, truth: np.ndarray) -> None:
     heard, _ = live_run(limbd, tmp_path, "restart@3+0.5", RATE_HZ, 40_000)
     (gap,) = heard[GAP]
