@@ -64,6 +64,7 @@ class ChannelWatch:
             np.array([getattr(c, name) for c in channels]) for name in ("scale", "offset")
         )
         self._clear()
+        self.watch(np.empty((0, len(channels)), dtype=np.int16))  # no sample is to wait for a compiler
 
     def watch(self, counts: Counts) -> None:
         """Take the next samples, (n_sample, n_channel)."""
@@ -127,6 +128,8 @@ def _tally(
 ) -> None:
     """Add samples to the sums of counts, their squares and those of their second differences, and to the rest."""
     n = counts.shape[0]
+    if n == 0:
+        return
     for c in range(counts.shape[1]):
         was, lowest, highest = last[c], low[c], high[c]
         total = squares = bends = beyond = at_ends = changes = 0

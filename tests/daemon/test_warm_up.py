@@ -1,27 +1,35 @@
 """After a warm-up nothing is left to be compiled while samples come in."""
 
 import sys
+from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
 import pytest
 from numba.core.dispatcher import Dispatcher
+from numpy.typing import NDArray
 
 from arm.arm_file import load_arm
 from arm.bench import COUNT_M_S2
 from arm.model import Arm
+from daemon.reception import Reception
+from daemon.ring import Chunk
 from daemon.virtual_motion import BenchPlan, stretches
 from daemon.warm_up import warm_up
+from protocol import serial_scan
+from protocol.serial_frame import DeviceInfo, InfoFrame, encode_samples
+from protocol.serial_parser import FrameParser
 from tracking.tracker import Method, tracker_of
 
 RATE_HZ = 4000.0
 
 
 def kernels() -> dict[str, Dispatcher]:
+    """Return every kernel that samples go through."""
     return {
         f"{name}.{kernel.py_func.__name__}": kernel
         for name, module in list(sys.modules.items())
-        if name.partition(".")[0] in ("arm", "tracking")
+        if name.partition(".")[0] in ("arm", "tracking", "protocol", "daemon")
         for kernel in vars(module).values()
         if isinstance(kernel, Dispatcher)
     }
@@ -57,4 +65,18 @@ def test_a_motion_and_a_gap_compile_nothing_more(method: Method, arm: Arm) -> No
         at += 40
     tracker.flush()
     assert {phase.kind for phase in phases} >= {"begin"}
+    assert compiled_signatures() == before
+
+
+def test_what_samples_go_through_before_compiles_nothing_more(
+    make_info: Callable[..., DeviceInfo], random_counts: Callable[[int], NDArray[np.int16]]
+) -> None:
+    for kernel in kernels().values():
+        kernel._reset_overloads()
+    serial_scan.warm_up.cache_clear()
+    taker = Reception(FrameParser(), InfoFrame(0, 0, make_info()))
+    before = compiled_signatures()
+    frames = [encode_samples(random_counts(32), k + 1, 4000 * k) for k in range(20)]
+    (run,) = taker.take([Chunk(1, b"".join(frames))])
+    assert len(run.a) == 640
     assert compiled_signatures() == before
