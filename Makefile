@@ -39,6 +39,7 @@ bench: $(BENCH_STAMP) ## the torque fit beside its peers (docs/benchmarks.md); a
 	$(BIN)/python -m benchmarks.acquisition --seconds 60
 	$(BIN)/python -m benchmarks.touch --seconds 60
 	$(BIN)/python -m benchmarks.tracking --seeds 0-2
+	$(BIN)/python -m benchmarks.gaps
 
 lock: ## rewrite constraints.txt from the newest versions that fit
 	rm -rf $(VENV)

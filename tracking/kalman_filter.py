@@ -15,9 +15,9 @@ from tracking.consistency import Consistency
 from tracking.decimation import Decimator
 from tracking.frames import Frames, Phase
 from tracking.noise import StepWatch, noise_of
+from tracking.regaining_filter import RegainingFilter
 from tracking.sensor_paths import SensorPaths
 from tracking.stillness import window_frames
-from tracking.striding_filter import StridingFilter
 
 #: Longer gaps than this are not filled with predicted frames [s].
 _LONGEST_BRIDGE_S = 1.0
@@ -69,7 +69,7 @@ class KalmanTracker:
         self._first_frames = cell * n_cell
         last = (self._first_frames - 1) * self._factor + self._factor // 2
         self._to_wait = last + 1 + self._decimator.delay_samples
-        self._filter: StridingFilter | None = None
+        self._filter: RegainingFilter | None = None
         self._anchor_ns, self._anchor_sample = 0, 0
         self._sample = 0
         self._frame = 0
@@ -125,6 +125,7 @@ class KalmanTracker:
         bridged = min(missing, round(_LONGEST_BRIDGE_S / self.dt_s))
         more, begun = self._follow(np.full((bridged, self._n_channel), np.nan))
         self._frame += missing - bridged
+        self._filter.skip(missing - bridged)
         self._lost = True
         return frames + more, phases + begun
 
@@ -151,7 +152,7 @@ class KalmanTracker:
         self._watch = StepWatch(noise)
         frames = self._decimator.push(readings)
         first = frames[: self._first_frames] if len(frames) else readings.mean(axis=0)[None]
-        self._filter = StridingFilter(self._arm, self._q0, self._given, first, noise, self._factor, self.dt_s)
+        self._filter = RegainingFilter(self._arm, self._q0, self._given, first, noise, self._factor, self.dt_s)
         self._look(readings)
         return self._follow(frames)
 

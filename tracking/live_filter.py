@@ -13,18 +13,13 @@ from tracking.consistency import Consistency, Judge
 from tracking.extended_kalman import CompiledKalmanFilter
 from tracking.forward_filter import jolt_of
 from tracking.kalman_step import spread
+from tracking.loss import Loss
 from tracking.noise import Noise
 from tracking.observation import observation_of, observe, room_of
 from tracking.process import FILTER_PUSH_STD, SMOOTHER_PUSH_STD, WANDER_STD, alarm_limit
 from tracking.readings import steady
 from tracking.start import MountingPrior, start_state
 from tracking.stillness import TO_LEAVE, at_rest, rest_variance, unrest, window_frames, window_of
-
-#: What is known of angle, speed and acceleration of a joint that was not seen for long [rad or m, and
-#: derivatives].
-_LOST_STD = (0.5, 3.0, 10.0)
-#: A motion can be predicted for this long [s].
-_PREDICTABLE_S = 0.25
 
 
 class LiveFilter:
@@ -83,8 +78,10 @@ class LiveFilter:
         self._hidden = np.zeros(n)
         self.learn(noise)
         self._judge = Judge()
+        #: The squared sizes of all innovations so far, as they were before anything was allowed for.
+        self.misfit = 0.0
         self._begun = False
-        self._missing = 0
+        self.loss = Loss(n, dt_s)
         self._still, self._rest_at = False, x
         self._settle(self._first_window(first))
         self.resting = True
@@ -110,12 +107,9 @@ class LiveFilter:
         kf = self._kf
         lost = reading[0] != reading[0]  # not a number
         before_x, before_P = kf.x, kf.P
-        self._missing = self._missing + 1 if lost else 0
-        if self._missing * self._dt > _PREDICTABLE_S:
-            if (self._missing - 1) * self._dt <= _PREDICTABLE_S:
-                self.lose()
-            angles = np.arange(0, 3 * self._n, 3)
-            kf.P[angles, angles] += _LOST_STD[0] ** 2 * self._dt  # it may be going on, nobody knows where to
+        if not lost:
+            self.loss.find()
+        elif self.loss.miss(kf.x, kf.P):
             return False
         if self._begun:
             self._predict(reading)
@@ -153,17 +147,10 @@ class LiveFilter:
         self._window.noise[:] = noise.of_mean(self._factor * self._cell)
         self._window.rounding[:] = noise.rounding
 
-    def lose(self) -> None:
-        """Forget the motion after a gap too long to predict: the arm is about where it was, sensors are known."""
-        kf, n = self._kf, 3 * self._n
-        kf.x[1:n:3], kf.x[2:n:3] = 0.0, 0.0
-        kf.P[:n], kf.P[:, :n] = 0.0, 0.0
-        kf.P[np.arange(n), np.arange(n)] = np.tile(np.square(_LOST_STD), self._n)
-
     def _give_up(self, x: Floats, P: Floats) -> None:
         """Begin anew from the last state that made sense: no motion of this arm explains the readings at all."""
         self._kf.x, self._kf.P = x, P
-        self.lose()
+        self.loss.forget(x, P)
         self._judge.note(np.inf, jolted=True, doubted=True)
 
     def consistency(self) -> Consistency:
@@ -194,6 +181,7 @@ class LiveFilter:
         at, limit = self._rest_at.copy() if still else kf.x.copy(), self._limits[still]
         before_x, before_P = kf.x, kf.P
         squared = self._correct(values, at, rows, noise)
+        self.misfit += squared if math.isfinite(squared) else 0.0  # a reading without sense says nothing
         jolted = doubted = False
         if squared > limit:
             jolted = True

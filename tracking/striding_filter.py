@@ -82,7 +82,9 @@ class StridingFilter(LiveFilter):
         for squared in sizes[:count].tolist():
             self._judge.note(squared / rows, jolted=False, doubted=False)
         course.still[k : k + count], course.resting[k : k + count] = still, self.resting
-        self._last, self._missing = readings[count - 1], 0
+        self._last = readings[count - 1]
+        self.loss.find()
+        self.misfit += float(sizes[:count].sum())
         self._in_cell += count
         if self._in_cell == self._cell:
             self._close_cell()

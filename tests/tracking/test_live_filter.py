@@ -49,22 +49,6 @@ def test_it_follows_the_compiled_filter(upright_bench, decimated, lost, corner_h
     np.testing.assert_allclose(states, compiled, rtol=0, atol=1e-6)
 
 
-def test_who_lost_the_arm_forgets_its_motion_and_nothing_else(upright_bench, decimated):
-    """Angles stay as they were, give or take half a radian; offsets and lengths stay as they are known."""
-    readings = decimated(upright_bench, RATE_HZ)
-    tracker = live(upright_bench.arm, readings, upright_bench.q[0])
-    for reading in readings.values[:300]:
-        tracker.step(reading)
-    before, P = tracker.x.copy(), tracker._kf.P.copy()
-    tracker.lose()
-    np.testing.assert_array_equal(tracker.x[:6:3], before[:6:3])
-    np.testing.assert_array_equal(tracker.x[[1, 2, 4, 5]], 0.0)
-    np.testing.assert_array_equal(tracker.x[6:], before[6:])
-    np.testing.assert_array_equal(tracker._kf.P[6:, 6:], P[6:, 6:])
-    np.testing.assert_array_equal(tracker._kf.P[:6, 6:], 0.0)
-    np.testing.assert_array_equal(tracker.angle_variance, 0.25)
-
-
 def test_a_lost_reading_is_predicted_and_not_judged(upright_bench, decimated):
     readings = decimated(upright_bench, RATE_HZ)
     tracker = live(upright_bench.arm, readings, upright_bench.q[0])

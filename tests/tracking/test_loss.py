@@ -1,0 +1,77 @@
+"""What is held of a motion that nobody saw, against the random motion that it is held to be."""
+
+import numpy as np
+import pytest
+
+from tracking.loss import LOST_STD, PREDICTABLE_S, Loss
+from tracking.process import SMOOTHER_PUSH_STD
+
+DT_S = 0.004
+
+
+def state(rng):
+    """Return the state of two joints and what else is known, and a covariance."""
+    root = rng.normal(size=(8, 8))
+    return rng.normal(size=8), root @ root.T
+
+
+def missed(loss, x, P, seconds):
+    return [loss.miss(x, P) for _ in range(round(seconds / DT_S))]
+
+
+def test_a_motion_is_lost_when_it_can_be_predicted_no_more():
+    loss, (x, P) = Loss(2, DT_S), state(np.random.default_rng(0))
+    told = missed(loss, x, P, 0.4)
+    assert told == [(k + 1) * DT_S > PREDICTABLE_S for k in range(100)]
+    assert loss.lost and loss.seconds == pytest.approx(0.4)
+    loss.find()
+    assert not loss.lost
+
+
+def test_who_lost_the_arm_forgets_its_motion_and_nothing_else():
+    loss, (x, P) = Loss(2, DT_S), state(np.random.default_rng(1))
+    before_x, before_P = x.copy(), P.copy()
+    loss.forget(x, P)
+    np.testing.assert_array_equal(x[[0, 3, 6, 7]], before_x[[0, 3, 6, 7]])
+    np.testing.assert_array_equal(x[[1, 2, 4, 5]], 0.0)
+    np.testing.assert_array_equal(P[6:, 6:], before_P[6:, 6:])
+    np.testing.assert_array_equal(P[:6, 6:], 0.0)
+    np.testing.assert_array_equal(P[:6, :6], np.diag(np.square([*LOST_STD, *LOST_STD])))
+
+
+def pushed(T):
+    """Return transition and covariance of angle, speed and acceleration pushed at random for a time T."""
+    steps = 20_000
+    s = (np.arange(steps) + 0.5) * T / steps
+    effect = np.stack([0.5 * (T - s) ** 2, T - s, np.ones(steps)])
+    F = np.array([[1.0, T, T**2 / 2], [0.0, 1.0, T], [0.0, 0.0, 1.0]])
+    return F, SMOOTHER_PUSH_STD**2 * effect @ effect.T * T / steps
+
+
+@pytest.mark.parametrize("seconds", [0.26, 0.4])
+def test_what_both_ends_show_tells_how_far_the_joints_have_come(seconds):
+    """By the joint distribution of the motion's end, given where it began; short enough for its own variance."""
+    loss, (x, P) = Loss(2, DT_S), state(np.random.default_rng(2))
+    before = x[:6].reshape(2, 3).copy()
+    missed(loss, x, P, seconds)
+    later_s = 0.016
+    loss.regain(later_s, x, P)
+    F, Q = pushed(seconds + later_s)
+    gain = Q[0, 1:] @ np.linalg.inv(Q[1:, 1:])
+    left = Q[0, 0] - gain @ Q[1:, 0]
+    seen = np.array([[0.3, -2.0], [1.1, 4.0]])
+    for j in range(2):
+        block, end = P[3 * j : 3 * j + 3, 3 * j : 3 * j + 3], F @ before[j]
+        by_ends = end[0] + gain @ (seen[j] - end[1:])
+        ours = block[0, 1:] @ np.linalg.inv(block[1:, 1:])
+        assert x[3 * j] + ours @ (seen[j] - x[3 * j + 1 : 3 * j + 3]) == pytest.approx(by_ends, abs=1e-6)
+        assert block[0, 0] - ours @ block[1:, 0] == pytest.approx(min(left, 0.5), rel=1e-3)
+    assert np.linalg.eigvalsh(P[:6, :6]).min() > 0.0
+    np.testing.assert_array_equal(P[:6, 6:], 0.0)
+
+
+def test_frames_that_nobody_gives_out_count():
+    loss, (x, P) = Loss(2, DT_S), state(np.random.default_rng(3))
+    missed(loss, x, P, 1.0)
+    loss.skip(250)
+    assert loss.seconds == pytest.approx(2.0)
