@@ -17,8 +17,8 @@ from daemon.serial_port import open_port
 from limbcal.errors import DeviceError
 from limbcal.real_time import READER, ask_for_real_time
 
-#: Between the first byte and the read: taking what gathered meanwhile is cheaper than waking for each byte.
-_GATHER_S = 0.005
+#: Between a read and the next look: taking what gathered meanwhile is cheaper than waking for each byte.
+_GATHER_S = 0.006
 #: … and where more than so much comes in that time, shorter: a tty holds little more.
 _MUCH_BYTES = 8192
 _IDLE_S = 0.25
@@ -77,6 +77,7 @@ class _PortKeeper:
         self._said = ""
         self._try_s, self._pause_s = 0.0, _FIRST_TRY_S
         self._gather_s = _GATHER_S
+        self._flows = False
         self._heard_s, self._nudge_s, self._look_s = 0.0, _SILENT_S, 0.0
 
     def follow(self) -> None:
@@ -85,6 +86,8 @@ class _PortKeeper:
             try:
                 if self._tty is None and (time.monotonic() >= self._try_s or self._appeared()):
                     self._open()
+                if self._flows:  # asleep until something will be there: so it is woken once a read, not twice
+                    time.sleep(self._gather_s)
                 waited = [self._line] if self._tty is None else [self._line, self._tty]
                 timeout_s = _IDLE_S if self._tty is not None else self._until_next_try_s()
                 readable, _, _ = select(waited, [], [], timeout_s)
@@ -146,6 +149,7 @@ class _PortKeeper:
         return min(wait_s, _APPEARS_S) if self._missing else wait_s
 
     def _lose(self, error: Exception) -> None:
+        self._flows = False
         if not self._started and not self._wait:
             raise self._gone(error) from error
         self.close()
@@ -170,8 +174,8 @@ class _PortKeeper:
         return what == "stop"
 
     def _serve(self, tty: serial.Serial, readable: bool) -> None:
+        self._flows = readable
         if readable:
-            time.sleep(self._gather_s)
             taken = self._take(tty)
             self._gather_s = _GATHER_S if taken < _MUCH_BYTES else _GATHER_S * _MUCH_BYTES / taken
         now_s = time.monotonic()
