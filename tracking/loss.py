@@ -8,8 +8,8 @@ from tracking.process import SMOOTHER_PUSH_STD
 #: What is known of angle, speed and acceleration of a joint that was not seen for long [rad or m, and
 #: derivatives].
 LOST_STD = (0.5, 3.0, 10.0)
-#: A motion can be predicted for this long [s].
-PREDICTABLE_S = 0.25
+#: A motion can be predicted for this long, and its two ends tell for this long what it was [s].
+PREDICTABLE_S, TOLD_S = 0.25, 1.5
 
 
 class Loss:
@@ -82,7 +82,8 @@ class Loss:
         An acceleration that is pushed at random, by `SMOOTHER_PUSH_STD`^2 = q a second, and is known with the
         speed at both ends of a time T, has most probably come as far as
         ``T (v0 + v1) / 2 + T^2 (a0 - a1) / 12``; of the variance, q T^5 / 20 where only the beginning is known,
-        q T^5 / 720 is left. So what is learnt of v1 and a1 from now on is learnt of the angle, too.
+        q T^5 / 720 is left. So what is learnt of v1 and a1 from now on is learnt of the angle, too. After more
+        than `TOLD_S` the motion before tells nothing any more.
 
         Parameters
         ----------
@@ -91,6 +92,8 @@ class Loss:
         x, P
         """
         T = self.seconds + later_s
+        if T > TOLD_S:
+            return
         q0, v0, a0 = self.before.T
         x[0 : 3 * self._n : 3] = q0 + 0.5 * T * v0 + T**2 / 12.0 * a0
         slope = np.array([0.5 * T, -(T**2) / 12.0])

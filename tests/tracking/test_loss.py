@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from tracking.loss import LOST_STD, PREDICTABLE_S, Loss
+from tracking.loss import LOST_STD, PREDICTABLE_S, TOLD_S, Loss
 from tracking.process import SMOOTHER_PUSH_STD
 
 DT_S = 0.004
@@ -75,3 +75,13 @@ def test_frames_that_nobody_gives_out_count():
     missed(loss, x, P, 1.0)
     loss.skip(250)
     assert loss.seconds == pytest.approx(2.0)
+
+
+def test_long_after_a_motion_its_joints_are_still_about_where_they_were():
+    loss, (x, P) = Loss(2, DT_S), state(np.random.default_rng(4))
+    missed(loss, x, P, 1.0)
+    loss.skip(round(TOLD_S / DT_S))
+    before_x, before_P = x.copy(), P.copy()
+    loss.regain(0.0, x, P)
+    np.testing.assert_array_equal(x, before_x)
+    np.testing.assert_array_equal(P, before_P)

@@ -85,3 +85,15 @@ def test_readings_without_any_sense_are_survived(seen):
     nonsense[:40, 5] = np.nan
     assert np.isfinite(one.follow(nonsense).states).all()
     assert np.isfinite(one.follow(readings[1300:1320]).states).all()
+
+
+def test_after_an_hour_the_angles_are_about_where_they_were(level_bench):
+    """However fast the arm went: a level arm's angles are shown by nothing."""
+    begin = 4000
+    tracker = KalmanTracker(level_bench.arm, RATE_HZ, level_bench.q[0])
+    tracker.push(0, level_bench.readings[:begin])
+    hour = round(3600 * RATE_HZ)
+    tracker.gap(hour)
+    after, _ = tracker.push(round((begin + hour) * level_bench.dt_ns), level_bench.readings[6000:8000])
+    assert np.abs(level_bench.dq[begin]).max() > 0.3
+    assert max(np.abs(f.q - level_bench.q[begin]).max() for f in after) < 2.0
