@@ -72,4 +72,3 @@ class LineDamage:
 
     def _counted(self) -> tuple[int, int]:
         return self._counters.crc_errors + self._counters.malformed, self._counters.discarded_bytes
-

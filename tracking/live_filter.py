@@ -40,6 +40,15 @@ class LiveFilter:
         Samples a frame.
     dt_s : float
         From frame to frame.
+
+    Attributes
+    ----------
+    loss : Loss
+        For how long nothing was read, and what was known before.
+    misfit : float
+        The squared sizes of all innovations so far, as they were before anything was allowed for.
+    resting : bool
+        Whether the arm is known to rest.
     """
 
     def __init__(
@@ -78,7 +87,6 @@ class LiveFilter:
         self._hidden = np.zeros(n)
         self.learn(noise)
         self._judge = Judge()
-        #: The squared sizes of all innovations so far, as they were before anything was allowed for.
         self.misfit = 0.0
         self._begun = False
         self.loss = Loss(n, dt_s)
