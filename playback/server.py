@@ -19,6 +19,8 @@ from protocol.plot import plot_rows, plot_step
 from protocol.publisher import Publisher
 
 HEARTBEAT_S = 1.0
+#: How soon replies are sent on that a client could not yet take [s].
+_SEND_ON_S = 0.005
 
 
 class Server:
@@ -134,6 +136,7 @@ class Server:
             "last_seq": dict(self._publisher.last_seq),
             "playing": self.player.playing,
             "lateness_ms": self._lateness.summary_ms(),
+            "unheard": self._control.unheard,
             "state": self.player.state(),
         }
 
@@ -142,9 +145,11 @@ class Server:
         until_s = self._start_s + self._heartbeats * HEARTBEAT_S
         if (frame_s := self.player.deadline_s()) is not None:
             until_s = min(until_s, frame_s)
+        if self._control.keeps:
+            until_s = min(until_s, self._clocks.monotonic() + _SEND_ON_S)
         whole_ms = int(max(0.0, until_s - self._clocks.monotonic()) * 1e3)
         came = dict(self._poller.poll(whole_ms))  # ZeroMQ waits whole milliseconds only
-        if self._control.socket in came:
+        if self._control.keeps or self._control.socket in came:
             self._control.serve()
         if not came:
             self._sleep(max(0.0, until_s - self._clocks.monotonic()))

@@ -1,0 +1,97 @@
+"""Replies on a real socket, to clients that take them when they like."""
+
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+
+import pytest
+import zmq
+
+from playback.control_socket import KEPT_LIMIT, ControlSocket
+
+N_REQUEST = 5000
+PATIENCE_MS = 30_000  # never reached where all is well
+
+
+@pytest.fixture
+def control(context: zmq.Context[zmq.Socket[bytes]], tmp_path: Path) -> Iterator[ControlSocket]:
+    """Answers with the request and as many bytes as it names."""
+
+    def answer(parts: Sequence[bytes]) -> bytes:
+        return parts[-1] + bytes(int(parts[-1].split()[1]))
+
+    control = ControlSocket(context, f"ipc://{tmp_path}/control", answer)
+    yield control
+    control.close()
+
+
+@pytest.fixture
+def lazy(control: ControlSocket, context: zmq.Context[zmq.Socket[bytes]]) -> Iterator[zmq.Socket[bytes]]:
+    """Ask without limit, and take in no reply that is not read."""
+    with dealer(control, context) as socket:
+        yield socket
+
+
+def dealer(control: ControlSocket, context: zmq.Context[zmq.Socket[bytes]]) -> zmq.Socket[bytes]:
+    socket = context.socket(zmq.DEALER)
+    socket.linger = 0
+    socket.sndhwm = 0
+    socket.rcvhwm = 1
+    socket.connect(control.endpoint)
+    return socket
+
+
+def take(control: ControlSocket, n: int) -> None:
+    """Take in so many requests."""
+    for _ in range(n):
+        assert control.socket.poll(PATIENCE_MS)
+        control.serve()
+
+
+def receive(control: ControlSocket, socket: zmq.Socket[bytes]) -> bytes:
+    """Return the next reply, while the other side serves on."""
+    for _ in range(PATIENCE_MS):
+        control.serve()
+        if socket.poll(1):
+            return socket.recv()
+    pytest.fail("no reply came")
+
+
+def test_a_client_that_reads_late_gets_every_reply_in_order(control, lazy, context) -> None:
+    for k in range(N_REQUEST):
+        lazy.send(b"%d 700" % k)
+    take(control, N_REQUEST)
+    assert control.keeps
+    with dealer(control, context) as other:  # meanwhile others are answered
+        other.send(b"other 0")
+        assert receive(control, other) == b"other 0"
+    replies = [receive(control, lazy) for _ in range(N_REQUEST)]
+    assert replies == [b"%d 700" % k + bytes(700) for k in range(N_REQUEST)]
+    assert not control.keeps
+    assert control.unheard == 0
+
+
+def test_one_that_never_reads_is_no_longer_heard_until_it_has(control, lazy) -> None:
+    n_request, size = 400, KEPT_LIMIT // 50
+    for k in range(n_request):
+        lazy.send(b"%d %d" % (k, size))
+    take(control, n_request)
+    assert n_request - 300 < control.unheard < n_request - 50
+    answered = [receive(control, lazy)[: len(b"0 ")] for _ in range(n_request - control.unheard)]
+    assert answered[:10] == [b"%d " % k for k in range(10)]
+    assert not control.keeps
+    lazy.send(b"again 0")
+    assert receive(control, lazy) == b"again 0"
+
+
+def test_what_was_kept_for_a_client_that_left_is_forgotten(control, context) -> None:
+    with dealer(control, context) as leaving:
+        for k in range(N_REQUEST):
+            leaving.send(b"%d 700" % k)
+        take(control, N_REQUEST)
+        assert control.keeps
+    for _ in range(PATIENCE_MS):
+        if not control.keeps:
+            break
+        control.serve()
+        control.socket.poll(1)
+    assert not control.keeps
