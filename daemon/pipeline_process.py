@@ -15,6 +15,7 @@ from daemon.reception import NewClock, Reception
 from daemon.record_link import Context, RecordLink
 from daemon.recorded_run import RecordedClock
 from daemon.ring import Memory, Ring
+from limbcal.allocator import give_back, large_blocks_apart
 from limbcal.errors import DeviceError
 from limbcal.real_time import PIPELINE, ask_for_real_time
 from protocol.curve import gate_of
@@ -57,6 +58,7 @@ def run_pipeline(
     LimbcalError
         If the endpoint is taken, or the device sends nothing of sense or does not fit the arm.
     """
+    large_blocks_apart()
     with ExitStack() as stack:
         context: Context = zmq.Context()
         stack.callback(context.term)
@@ -136,6 +138,7 @@ def _stream(line: ControlLine, ring: Ring, pipeline: Pipeline) -> None:
             break
         if now_s >= next_health_s:
             line.tell("health", **pipeline.report(connected=not closed))
+            give_back()
             next_health_s += _HEALTH_S * (1 + (now_s - next_health_s) // _HEALTH_S)
         if abandoned_s is None:
             abandoned_s = _when_abandoned(line)

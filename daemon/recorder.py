@@ -4,6 +4,7 @@ A disk that fails pauses the recording, never the stream.
 """
 
 import math
+import time
 from contextlib import ExitStack
 from pathlib import Path
 
@@ -12,9 +13,11 @@ import zmq
 from daemon.control_line import ControlLine, SupervisorGone
 from daemon.record_link import Context, RecordInlet
 from daemon.segments import Limits, Segments
+from limbcal.allocator import give_back, large_blocks_apart
 from limbcal.errors import DeviceError
 
 _POLL_S = 0.1
+_GIVE_BACK_S = 1.0
 #: The supervisor says stop when the pipeline has ended: an empty inlet then means that it said no goodbye. Where
 #: the supervisor itself is gone, the pipeline may still be busy with what the reader left.
 _QUIET_S = {"stop": 1.0, "gone": 10.0}
@@ -38,6 +41,7 @@ def run_recorder(
         file.parent.mkdir(parents=True, exist_ok=True)
     except OSError as error:
         raise DeviceError(f"record.directory {file.parent} cannot be made: {error.strerror}") from error
+    large_blocks_apart()
     with ExitStack() as stack:
         context: Context = zmq.Context()
         stack.callback(context.term)
@@ -63,13 +67,16 @@ def run_recorder(
 
 def _follow(line: ControlLine, inlet: RecordInlet, segments: Segments) -> None:
     """Write what comes until the end is said, or nothing comes any more after a stop."""
-    told, quiet_s, limit_s = False, 0.0, math.inf
+    told, quiet_s, limit_s, given_s = False, 0.0, math.inf, time.monotonic()
     while not inlet.ended and quiet_s < limit_s:
         entries = inlet.receive(_POLL_S)
         if inlet.linked and not told:
             told = True
             line.tell("linked")
         segments.write(entries)
+        if (now_s := time.monotonic()) > given_s + _GIVE_BACK_S:
+            given_s = now_s
+            give_back()
         quiet_s = quiet_s + _POLL_S if not entries and limit_s < math.inf else 0.0
         if limit_s == math.inf:
             limit_s = _limit_s(line)

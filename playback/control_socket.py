@@ -32,7 +32,7 @@ class _Kept:
 class ControlSocket:
     """Takes requests from REQ and DEALER clients and sends each client its reply.
 
-    A ROUTER socket drops a reply that its client is too slow for: here such a reply is kept, and no other waits for it.
+    A reply that its client is too slow for is kept, where ZeroMQ would drop it; nobody else waits for it.
 
     Parameters
     ----------
