@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from arm.model import Floats
 from limbcal.compiled import compiled
 from tracking.kalman_step import Course, Taken, correct, hold, predict, spread
-from tracking.observation import Observation, Room, observe
+from tracking.observation import Observation, Room, add_information, observe
 from tracking.stillness import TO_LEAVE, Window, at_rest, rest_variance, unrest
 
 
@@ -17,12 +17,10 @@ from tracking.stillness import TO_LEAVE, Window, at_rest, rest_variance, unrest
 def jolt_of(of: Observation, noise: Floats, slopes: Floats, miss: Floats, n: int) -> Floats:
     """Return the jump of the n accelerations that explains best by how much the readings were missed."""
     A, b = 1e-6 * np.eye(n), np.zeros(n)  # what no sensor feels does not jump
+    add_information(of, noise, slopes, A)
     for channel in range(miss.size):
-        slope = slopes[channel]
         for j in range(of.link[channel // 3] + 1):
-            b[j] += slope[3 * j + 2] * miss[channel] / noise[channel]
-            for i in range(of.link[channel // 3] + 1):
-                A[i, j] += slope[3 * i + 2] * slope[3 * j + 2] / noise[channel]
+            b[j] += slopes[channel, 3 * j + 2] * miss[channel] / noise[channel]
     return np.linalg.solve(A, b)  # type: ignore[return-value]
 
 

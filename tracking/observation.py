@@ -231,3 +231,13 @@ def turned_by(turn: tuple[float, float, float], a: tuple[float, float, float]) -
     one = cross(turn, a)
     two = cross(turn, one)
     return a[0] - s * one[0] + c * two[0], a[1] - s * one[1] + c * two[1], a[2] - s * one[2] + c * two[2]
+
+
+@compiled
+def add_information(of: Observation, noise: Floats, slopes: Floats, A: Floats) -> None:
+    """Add to A (n_joint, n_joint) what readings with variances ``noise`` tell of an instant's accelerations."""
+    for channel in range(noise.size):
+        slope = slopes[channel]
+        for j in range(of.link[channel // 3] + 1):
+            for i in range(of.link[channel // 3] + 1):
+                A[i, j] += slope[3 * i + 2] * slope[3 * j + 2] / noise[channel]

@@ -13,6 +13,8 @@ from numpy.typing import NDArray
 
 from arm.model import Arm, Floats
 from limbcal.errors import DataError
+from tracking.calm_motion import acceleration_noise, calm
+from tracking.coarsening import COARSE, coarser, every, finer
 from tracking.forward_filter import filter_all
 from tracking.kalman_step import Course
 from tracking.observation import observation_of, room_of
@@ -21,9 +23,8 @@ from tracking.readings import Readings
 from tracking.smoothing_pass import smooth_once
 from tracking.start import MountingPrior, start_state
 from tracking.stillness import window_frames, window_of
+from tracking.winding import unwound
 
-#: Frames that are one in the coarser passes.
-_COARSE = 4
 #: Passes end when no state moves by more than this share of its standard deviation.
 _CLOSE_ENOUGH = 0.02
 _PASSES = 30
@@ -140,13 +141,13 @@ class Smoother:
             x0[lasting], P0[lasting, lasting] = known.final[lasting], known.covariance[lasting, lasting]
         states, still, resting = self._filter(course, readings, x0, P0)
         course = course._replace(push=np.full(n, SMOOTHER_PUSH_STD**2))
-        coarse, at = _coarser(course), _every(states, _COARSE)
-        passes, converged, step, moved = 0, False, 1.0, np.inf
+        coarse, at = coarser(course), every(states, COARSE)
+        passes, converged, wound, step, moved = 0, False, False, 1.0, np.inf
         room, variance = room_of(n), np.empty((len(at), 3 * n))
-        smoothed = np.empty_like(at)
+        smoothed, noise = np.empty_like(at), acceleration_noise(of, room, coarse, at)
         while passes < _PASSES and not converged:
             x, P = x0.copy(), P0.copy()
-            smooth_once(of, room, coarse, at, x, P, smoothed, variance, not fine)
+            smooth_once(of, room, coarse, calm(at, noise, coarse.dt), x, P, smoothed, variance, not fine)
             if not np.isfinite(smoothed).all():
                 raise DataError(_CONTRADICTION)
             std = np.sqrt(np.maximum(np.diag(P), 1e-12))
@@ -157,13 +158,17 @@ class Smoother:
             if converged:
                 step = 1.0
             at, smoothed = at + step * (smoothed - at), at
+            if converged and not wound:
+                wound = True
+                if (turned := unwound(at, coarse, arm)) is not None:
+                    at, converged, moved = turned, False, np.inf
             if progress is not None:
                 progress(passes)
         if fine:
-            at = _finer(at, states)
+            along = finer(calm(at, noise, coarse.dt), len(states))
             variance, smoothed = np.empty((len(states), 3 * n)), np.empty_like(states)
             x, P = x0.copy(), P0.copy()
-            smooth_once(of, room, course, at, x, P, smoothed, variance, True)
+            smooth_once(of, room, course, along, x, P, smoothed, variance, True)
             at = smoothed
         mend(variance)
         doubted = float(np.mean(course.doubt > 1.0))
@@ -196,44 +201,3 @@ def mend(variance: Floats) -> None:
         there = ~np.isnan(column)
         if there.any():
             column[:] = np.interp(at, at[there], column[there])
-
-
-def _every(values: Floats, stride: int) -> Floats:
-    count = -(-len(values) // stride)
-    picked: Floats = values[np.minimum(stride * np.arange(count) + stride // 2, len(values) - 1)]
-    return picked.copy()
-
-
-def _coarser(course: Course) -> Course:
-    """Return the course in steps of several frames: means of readings, sums of jolts."""
-    stride = _COARSE
-    pad = -len(course.readings) % stride
-
-    def blocks(values: Floats) -> Floats:
-        padded: Floats = np.concatenate([values, np.repeat(values[-1:], pad, axis=0)])
-        return padded.reshape(-1, stride, *values.shape[1:])
-
-    present = blocks(course.present.astype(float))
-    weight = present.sum(axis=1)
-    total = (blocks(course.readings) * present[..., None]).sum(axis=1)
-    doubt = blocks(course.doubt).mean(axis=1)
-    rest = blocks(course.rest)
-    return course._replace(
-        dt=stride * course.dt,
-        readings=total / np.maximum(weight, 1.0)[:, None],
-        present=weight > 0,
-        noise=course.noise / stride,
-        jolt=blocks(course.jolt).sum(axis=1),
-        doubt=doubt * stride / np.maximum(weight, 1.0),
-        rest=np.where((rest > 0.0).all(axis=1), rest.mean(axis=1) / stride, 0.0),
-    )
-
-
-def _finer(coarse: Floats, like: Floats) -> Floats:
-    """Return coarse states at every frame, by straight lines between them."""
-    at = (np.arange(len(like)) - _COARSE // 2) / _COARSE
-    low = np.clip(np.floor(at).astype(int), 0, max(0, len(coarse) - 2))
-    share = (at - low)[:, None]
-    high = np.minimum(low + 1, len(coarse) - 1)
-    fine: Floats = coarse[low] * (1.0 - share) + coarse[high] * share
-    return fine

@@ -1,0 +1,65 @@
+"""Whole turns in a gap, put in and taken out."""
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from tracking.kalman_step import Course
+from tracking.winding import unwound
+
+DT, N = 0.004, 1500
+GAP = slice(500, 800)
+T = (GAP.stop - GAP.start + 1) * DT
+
+
+def motion(speeds: list[float]) -> np.ndarray:
+    """Return states of joints that go on evenly."""
+    t = DT * np.arange(N)
+    states = np.zeros((N, 3 * len(speeds) + 1))
+    for j, speed in enumerate(speeds):
+        states[:, 3 * j], states[:, 3 * j + 1] = speed * t, speed
+    return states
+
+
+def course(n_joint: int = 2, lost: slice = GAP) -> Course:
+    """Return a course of which only what is looked at is of any sense."""
+    present, nothing, zeros = np.ones(N, dtype=np.bool_), np.zeros((N, 3)), np.zeros((N, n_joint))
+    present[lost] = False
+    return Course(DT, nothing, present, np.ones(3), np.zeros(3), np.ones(n_joint), zeros, np.ones(N), zeros)
+
+
+def wound(states: np.ndarray, joint: int, turns: int) -> np.ndarray:
+    """Return the motion with so many turns more in the gap."""
+    more = states.copy()
+    more[:, 3 * joint] += 2.0 * np.pi * turns * np.clip((np.arange(N) - GAP.start + 1) * DT / T, 0.0, 1.0)
+    more[GAP, 3 * joint + 1] += 2.0 * np.pi * turns / T
+    return more
+
+
+@given(
+    speeds=st.lists(st.floats(-8.0, 8.0), min_size=2, max_size=2),
+    joint=st.integers(0, 1),
+    turns=st.integers(-3, 3).filter(bool),
+)
+def test_turns_are_taken_out(dd_arm, speeds, joint, turns):
+    states = motion(speeds)
+    np.testing.assert_allclose(unwound(wound(states, joint, turns), course(), dd_arm), states, atol=1e-9)
+
+
+@given(speeds=st.lists(st.floats(-8.0, 8.0), min_size=2, max_size=2), more=st.floats(-3.0, 3.0))
+def test_what_is_no_whole_turn_stays(dd_arm, speeds, more):
+    states = motion(speeds)
+    states[GAP.stop :, 0] += more
+    assert unwound(states, course(), dd_arm) is None
+
+
+def test_without_a_gap_a_joint_may_turn_as_it_likes(dd_arm):
+    assert unwound(motion([40.0, -40.0]), course(lost=slice(0)), dd_arm) is None
+
+
+@pytest.mark.parametrize("joint", [0, 1])
+def test_a_joint_that_slides_does_not_turn(sliding, joint):
+    states = wound(motion([0.3, 0.2]), joint, 1)
+    left = unwound(states, course(), sliding)
+    assert (left is None) == (sliding.joints[joint].type == "prismatic")
