@@ -1,6 +1,7 @@
-"""Gaps within motions: how wrong the speeds are once samples come again, with and without rival filters.
+"""Gaps within motions: how wrong the speeds are once samples come again, live and afterwards.
 
-Of each motion of the bench a random while is lost. Both filters see the same readings.
+Of each motion of the bench a random while is lost. The live filter, with and without rivals, and the smoother see
+the same readings.
 """
 
 import argparse
@@ -14,10 +15,13 @@ from rich.table import Table
 from arm.arm_file import load_arm
 from arm.bench import COUNT_M_S2, Bench, Sensors, draw_sensor_errors, motions, rest_angles
 from arm.model import Floats
+from arm.simulation import Motion
 from limbcal.command import Parser, common_options, console, run_command
 from tracking.decimation import Decimator
 from tracking.noise import noise_of
+from tracking.readings import Readings
 from tracking.regaining_filter import RegainingFilter
+from tracking.smoother import Smoother
 from tracking.stillness import window_frames
 from tracking.striding_filter import StridingFilter
 
@@ -46,10 +50,18 @@ def errors(name: str, seed: int) -> Mapping[str, Floats]:
         follower = kind(
             arm, q, True, frames[: cell * n_cell], noise_of(readings[:1000], _RATE_HZ), _FACTOR, dt_s
         )
-        dq = follower.follow(frames).states[:, 1 : 3 * arm.n_joint : 3]
-        wrong = np.abs(dq - motion.dq[_FACTOR // 2 :: _FACTOR][: len(dq)]).max(axis=1)
-        found[kind.__name__] = np.array([wrong[begin + lost + round(later / dt_s)] for later in _LATER_S])
+        states = follower.follow(frames).states
+        found[kind.__name__] = later_errors(states, motion, begin + lost, dt_s)
+    whole = Readings(frames, dt_s, 0.5 * dt_s, noise_of(readings[:1000], _RATE_HZ), _FACTOR)
+    found["Smoother"] = later_errors(Smoother(arm, q, True).smooth(whole).states, motion, begin + lost, dt_s)
     return found
+
+
+def later_errors(states: Floats, motion: Motion, end: int, dt_s: float) -> Floats:
+    """Return the speeds' largest error at each time after a gap that ends at frame ``end`` [rad/s]."""
+    dq = states[:, 1 : 3 * motion.dq.shape[1] : 3]
+    wrong = np.abs(dq - motion.dq[_FACTOR // 2 :: _FACTOR][: len(dq)]).max(axis=1)
+    return np.array([wrong[end + round(later / dt_s)] for later in _LATER_S])
 
 
 def main(argv: list[str] | None = None) -> int:

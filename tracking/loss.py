@@ -12,6 +12,15 @@ LOST_STD = (0.5, 3.0, 10.0)
 PREDICTABLE_S, TOLD_S = 0.25, 1.5
 
 
+def most_probable_way(T: float, v0: Floats, a0: Floats, v1: Floats, a1: Floats) -> Floats:
+    """Return how far joints most probably came in a time T, from speeds and accelerations at both ends.
+
+    Their accelerations are pushed at random; see `Loss.regain`.
+    """
+    way: Floats = 0.5 * T * (v0 + v1) + T**2 / 12.0 * (a0 - a1)
+    return way
+
+
 class Loss:
     """Counts the frames whose readings are missing.
 
@@ -95,7 +104,8 @@ class Loss:
         if T > TOLD_S:
             return
         q0, v0, a0 = self.before.T
-        x[0 : 3 * self._n : 3] = q0 + 0.5 * T * v0 + T**2 / 12.0 * a0
+        nothing = np.zeros(self._n)  # is known of v1 and a1 yet
+        x[0 : 3 * self._n : 3] = q0 + most_probable_way(T, v0, a0, nothing, nothing)
         slope = np.array([0.5 * T, -(T**2) / 12.0])
         for q in range(0, 3 * self._n, 3):
             ends = slice(q + 1, q + 3)

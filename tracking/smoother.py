@@ -142,7 +142,9 @@ class Smoother:
         states, still, resting = self._filter(course, readings, x0, P0)
         course = course._replace(push=np.full(n, SMOOTHER_PUSH_STD**2))
         coarse, at = coarser(course), every(states, COARSE)
-        passes, converged, wound, step, moved = 0, False, False, 1.0, np.inf
+        if (turned := unwound(at, coarse, arm, long_too=True)) is not None:
+            at = turned
+        passes, converged, step, moved = 0, False, 1.0, np.inf
         room, variance = room_of(n), np.empty((len(at), 3 * n))
         smoothed, noise = np.empty_like(at), acceleration_noise(of, room, coarse, at)
         while passes < _PASSES and not converged:
@@ -158,10 +160,8 @@ class Smoother:
             if converged:
                 step = 1.0
             at, smoothed = at + step * (smoothed - at), at
-            if converged and not wound:
-                wound = True
-                if (turned := unwound(at, coarse, arm)) is not None:
-                    at, converged, moved = turned, False, np.inf
+            if (turned := unwound(at, coarse, arm)) is not None:
+                at, converged, moved, step = turned, False, np.inf, 1.0
             if progress is not None:
                 progress(passes)
         if fine:

@@ -4,41 +4,47 @@ import numpy as np
 
 from arm.model import Arm, Floats
 from tracking.kalman_step import Course
+from tracking.loss import TOLD_S, most_probable_way
 
 _TURN = 2.0 * np.pi
-#: Over how long the speeds at the ends of a gap are averaged [s].
+#: Over how long the speeds and accelerations at the ends of a gap are averaged [s].
 _END_S = 0.02
 
 
-def unwound(states: Floats, course: Course, arm: Arm) -> Floats | None:
-    """Return the motion without whole turns that the speeds about a gap speak against; None if it has none.
+def unwound(states: Floats, course: Course, arm: Arm, long_too: bool = False) -> Floats | None:
+    """Return the motion without whole turns that what is known of a gap speaks against; None if it has none.
 
-    With speeds ``v0`` and ``v1`` at its ends a joint has most probably come as far as ``T (v0 + v1) / 2`` in a gap
-    of length T; what its accelerations add to that (`tracking.loss.Loss.regain`) is no whole turn.
+    The speeds and accelerations at the two ends tell how far a joint most probably came between them.
 
     Parameters
     ----------
     states : (n, n_state)
-        Smoothed.
+        Smoothed or filtered.
     course : Course
         What was read at those instants.
     arm : Arm
+    long_too : bool
+        Look at gaps of more than `TOLD_S` too, after which a joint is held to be about where it was.
     """
     present = np.flatnonzero(course.present)
-    left = states.copy()
+    turning = np.array([3 * j for j, joint in enumerate(arm.joints) if joint.type == "revolute"], dtype=int)
     few = max(1, round(_END_S / course.dt))
-    for before, after in zip(present[:-1], present[1:], strict=True):
-        if after == before + 1:
-            continue
+    left = states.copy()
+    for gap in np.flatnonzero(np.diff(present) > 1):
+        before, after = present[gap], present[gap + 1]
         T = (after - before) * course.dt
-        for j, joint in enumerate(arm.joints):
-            if joint.type != "revolute":
-                continue
-            v0 = states[max(0, before - few + 1) : before + 1, 3 * j + 1].mean()
-            v1 = states[after : after + few, 3 * j + 1].mean()
-            turns = np.round((states[after, 3 * j] - states[before, 3 * j] - 0.5 * T * (v0 + v1)) / _TURN)
-            left[after:, 3 * j] -= turns * _TURN
-            share = np.arange(1, after - before) / (after - before)
-            left[before + 1 : after, 3 * j] -= turns * _TURN * share
-            left[before + 1 : after, 3 * j + 1] -= turns * _TURN / T
-    return left if (left[-1] != states[-1]).any() else None
+        if T > TOLD_S and not long_too:
+            continue
+        begin = states[max(0, before - few + 1) : before + 1].mean(axis=0)
+        end = states[after : after + few].mean(axis=0)
+        expected = most_probable_way(
+            T, begin[turning + 1], begin[turning + 2], end[turning + 1], end[turning + 2]
+        )
+        if T > TOLD_S:
+            expected[:] = 0.0
+        turns = np.round((states[after, turning] - states[before, turning] - expected) / _TURN)
+        share = np.arange(1, after - before)[:, None] / (after - before)
+        left[after:, turning] -= turns * _TURN
+        left[before + 1 : after, turning] -= turns * _TURN * share
+        left[before + 1 : after, turning + 1] -= turns * _TURN / T
+    return None if np.array_equal(left, states) else left

@@ -3,11 +3,15 @@
 import numpy as np
 import pytest
 
+from arm.arm_file import load_arm
+from arm.bench import Bench
 from tracking.smoother import Smoother
 
 RATE_HZ = 250.0
 #: Samples lost in the middle of the first motion.
 GAP = slice(4000, 6400)
+#: In the tail of a motion, and in its fastest part.
+LONG_GAP, FAST_GAP = slice(3200, 8000), slice(2400, 8000)
 
 
 def truth_of(recording, readings):
@@ -111,6 +115,28 @@ def test_a_gap_is_bridged_from_both_sides(upright_bench, upright, decimated):
     assert (std[middle, ::3] > std[missing][0, ::3]).all() and (std[middle, ::3] > std[missing][-1, ::3]).all()
     assert (std[missing] > np.sqrt(upright[0].variance)[missing]).mean() > 0.99
     assert not found.still[missing].any()
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_after_a_long_gap_no_more_is_claimed_than_is_known(dd_arm, recorded, decimated, seed):
+    """1.2 s within a motion that gravity does not show: noise in the slopes seemed to show the elbow's angle."""
+    bench = recorded(dd_arm, Bench(4000.0, learning=1, evaluating=0), seed, 1.0)
+    readings = decimated(bench, RATE_HZ, LONG_GAP)
+    found = Smoother(dd_arm, bench.q[0], True).smooth(readings)
+    elbow = found.states[:, 3] - truth_of(bench, readings)[:, 3]
+    after = np.flatnonzero(~readings.present)[-1] + 5
+    assert (np.abs(elbow) < 3.0 * np.sqrt(found.variance[:, 3]))[after:].all()
+
+
+@pytest.mark.parametrize("seed", [0, 3, 11])
+def test_after_a_gap_a_joint_has_not_gone_round(recorded, decimated, seed):
+    """Seen by gravity again, it is where it is, and not a whole turn further; the base turns unseen."""
+    arm = load_arm("spatial-arm")
+    bench = recorded(arm, Bench(4000.0, trial_s=4.0, learning=1, evaluating=0), seed, 1.0)
+    readings = decimated(bench, RATE_HZ, FAST_GAP)
+    found = Smoother(arm, bench.q[0], True).smooth(readings)
+    off = np.abs(found.states[:, 3:9:3] - truth_of(bench, readings)[:, 3:9:3])
+    assert off[np.flatnonzero(~readings.present)[-1] + 5 :].max() < 0.05
 
 
 def test_claims_at_the_end_of_a_gap_are_still_claims(upright_bench, decimated):

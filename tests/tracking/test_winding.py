@@ -63,3 +63,26 @@ def test_a_joint_that_slides_does_not_turn(sliding, joint):
     states = wound(motion([0.3, 0.2]), joint, 1)
     left = unwound(states, course(), sliding)
     assert (left is None) == (sliding.joints[joint].type == "prismatic")
+
+
+def test_turns_that_cancel_are_taken_out_one_by_one(dd_arm):
+    """One way round in the first gap and back in the second: after both nothing is off, between them it is."""
+    states, lost = motion([1.0, -1.0]), [slice(500, 600), slice(900, 1000)]
+    present = np.ones(N, dtype=np.bool_)
+    off = states.copy()
+    for gone, turns in zip(lost, (1.0, -1.0), strict=True):
+        present[gone] = False
+        off[gone.stop :, 0] += 2.0 * np.pi * turns
+    found = unwound(off, course()._replace(present=present), dd_arm)
+    np.testing.assert_allclose(found[present], states[present], atol=1e-9)
+
+
+@pytest.mark.parametrize("turns", [-2, 1])
+def test_after_a_long_gap_a_joint_is_about_where_it_was(dd_arm, turns):
+    """And only where that is asked for: what is then found of it is not put right again and again."""
+    long = slice(500, 1000)
+    states = motion([0.5, 0.0])
+    states[long.stop :, 0] += 2.0 * np.pi * turns
+    assert unwound(states, course(lost=long), dd_arm) is None
+    found = unwound(states, course(lost=long), dd_arm, long_too=True)
+    assert abs(found[long.stop, 0] - states[long.start - 1, 0]) < np.pi
