@@ -1,0 +1,27 @@
+"""Notes: what programs and people read of them."""
+
+from limbcal.note import Note, documents, of_source
+
+TURN = Note("turn", "q1 leaps by a turn; unwrapped", columns=("q1",), row=7, from_s=0.6)
+
+
+def test_the_document_holds_every_field_under_the_contract_s_names() -> None:
+    assert TURN.document() == {
+        "kind": "turn",
+        "source": "",
+        "columns": ["q1"],
+        "row": 7,
+        "from_s": 0.6,
+        "to_s": None,
+        "text": "q1 leaps by a turn; unwrapped",
+    }
+
+
+def test_a_source_is_filled_in_once() -> None:
+    (noted,) = of_source([TURN], "a.csv")
+    assert noted.sentence == "a.csv: q1 leaps by a turn; unwrapped"
+    assert of_source([noted], "b.csv") == (noted,)
+
+
+def test_the_same_note_is_listed_once() -> None:
+    assert documents([TURN, TURN]) == [TURN.document()]
