@@ -39,6 +39,7 @@ from fitter.dynamics.torque_search import GENERATIONS, fit_sums
 from fitter.report.compared import load_compared, scores_document
 from limbcal.command import Document, console, say
 from limbcal.errors import ConfigError
+from limbcal.note import of_source
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -102,8 +103,8 @@ def dynamics(arguments: argparse.Namespace) -> Document:
         arm = replace(arm, control=Control())
         learn, evaluate = ([undriven(trial) for trial in trials] for trials in (learn, evaluate))
     for trial in (*learn, *evaluate):
-        for note in trial.notes:
-            say(f"{trial.name}: {note}")
+        for note in of_source(trial.notes, trial.name):
+            say(note.sentence)
     if arguments.unknown_gains:
         return _with_gains(arguments, arm, learn, evaluate)
     fit = _fit(arguments, arm, learn)

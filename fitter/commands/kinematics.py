@@ -29,6 +29,7 @@ from fitter.report.compared import geometry_by_name
 from fitter.report.parameter_table import parameter_table
 from limbcal.command import Document, console, say
 from limbcal.errors import ConfigError
+from limbcal.note import of_source
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -125,8 +126,8 @@ def _trials(arguments: argparse.Namespace, arm: Arm) -> tuple[list[Trial], list[
 
     learn, evaluate = trial_sets(load, arguments.data, arguments.evaluate)
     for trial in (*learn, *evaluate):
-        for note in trial.notes:
-            say(f"{trial.name}: {note}")
+        for note in of_source(trial.notes, trial.name):
+            say(note.sentence)
     with_tip = [[with_measured_tip(arm, trial) for trial in trials] for trials in (learn, evaluate)]
     return with_tip[0], with_tip[1]
 

@@ -13,6 +13,7 @@ from fitter.live.calibration import Calibration
 from fitter.report.diagnosis_report import write_diagnosis
 from limbcal.command import Document, say, to_json
 from limbcal.errors import DataError, DeviceError, LimbcalError
+from limbcal.note import Note
 
 #: Fewer motions tell nothing: something is to be learnt, and something held back to judge on.
 _LEAST = 2
@@ -94,4 +95,5 @@ def _measured(arm: Arm, trial: Trial) -> Measured:
         columns["tau"] = trial.tau
     elif arm.control.law != "measured":
         columns["ref"] = target_of(arm, trial)
-    return Measured(trial.name, "stream", 0, trial.t, columns, role=trial.role, notes=(*trial.notes, _HINT))
+    notes = (*trial.notes, Note("hint", _HINT))
+    return Measured(trial.name, "stream", 0, trial.t, columns, role=trial.role, notes=notes)

@@ -13,6 +13,7 @@ from fitter.report.parameter_table import parameter_table
 from fitter.sensing.sensors import SensorsFit, fit_sensors
 from fitter.sensing.verdict import DOUBTED
 from limbcal.command import Document, console, say
+from limbcal.note import of_source
 from tracking.start import MountingPrior
 
 _PRIOR = MountingPrior()
@@ -58,8 +59,8 @@ def sensors(arguments: argparse.Namespace) -> Document:
     )
     make_room(arguments.out)
     for run in runs:
-        for note in run.notes:
-            say(f"{run.name}: {note}")
+        for note in of_source(run.notes, run.name):
+            say(note.sentence)
     columns = (SpinnerColumn(), TextColumn("{task.description}"), TimeElapsedColumn())
     with Progress(*columns, console=console, transient=True) as progress:
         task = progress.add_task("filtering", total=None)

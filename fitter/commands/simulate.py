@@ -17,6 +17,7 @@ from fitter.data.motions import Measured, read_motions
 from fitter.data.resample import resample
 from limbcal.command import Document, say
 from limbcal.errors import ConfigError, DataError
+from limbcal.note import of_source
 
 #: The simulation's own step is at most this long [s].
 _LONGEST_STEP_S = 1e-3
@@ -54,8 +55,8 @@ def simulate_reference(arguments: argparse.Namespace) -> Document:
     parts: list[dict[str, NDArray[np.generic]]] = []
     for number, measured in enumerate(trials, 1):
         trial = resample(measured, arguments.rate_hz)
-        for note in trial.measured.notes:
-            say(f"{measured.name}: {note}")
+        for note in of_source(trial.measured.notes, measured.name):
+            say(note.sentence)
         given = arguments.initial_q
         q0 = _start(trial.measured, arm) if given is None else joint_values(given, arm, "--initial-q")
         place = float(measured.t[0]), _number(measured, number)

@@ -20,6 +20,7 @@ from fitter.report.compared import load_compared
 from fitter.report.results import write_results
 from limbcal.command import Document, console, say
 from limbcal.errors import ConfigError, DataError, DeviceError, LimbcalError, NotIdentifiable
+from limbcal.note import of_source
 from protocol.curve import gate_of, load_client_key
 from protocol.message import DIAGNOSIS, DYNAMICS, FRAMES, HEALTH, KINEMATICS, TRIAL
 from protocol.publisher import Publisher
@@ -210,8 +211,8 @@ class _Session:
         except DataError as error:
             say(f"{motion.name} is left out: {error}")
             return
-        for note in trial.notes:
-            say(f"{trial.name}: {note}")
+        for note in of_source(trial.notes, trial.name):
+            say(note.sentence)
         if trial.role == "evaluate":
             say(f"{trial.name}: {trial.t[-1]:.2f} s, kept for evaluation")
             return

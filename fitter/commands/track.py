@@ -26,6 +26,7 @@ from fitter.sensing.track import Tracked, track_run
 from fitter.sensing.verdict import overall
 from limbcal.command import Document, console, say
 from limbcal.errors import ConfigError
+from limbcal.note import of_source
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -71,8 +72,8 @@ def track(arguments: argparse.Namespace) -> Document:
     began = time.perf_counter()
     for run in progress(runs, "tracking", console=console, transient=True):
         tracked.append(track_run(run, arm, q0, arguments.frame_rate_hz, method, zero or "each-rest"))
-        for note in run.notes:
-            say(f"{run.name}: {note}")
+        for note in of_source(run.notes, run.name):
+            say(note.sentence)
     seconds = time.perf_counter() - began
     write_motion(arguments.out, _joined(tracked))
     document: dict[str, object] = {

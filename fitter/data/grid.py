@@ -11,6 +11,7 @@ from fitter.data.motions import Measured
 from fitter.data.resample import ANTI_ALIAS, CROWDED, curve_through, time_step
 from fitter.data.windows import forgetting_samples
 from limbcal.errors import DataError
+from limbcal.note import Note
 
 Floats = NDArray[np.float64]
 
@@ -89,7 +90,7 @@ class Grid:
         end = self._instants(t[counted.stop], t[-1])[0] if counted.stop < len(t) else last
         grid = self.step_s * np.arange(first, last, dtype=np.float64)
         columns = self._laid(rows, t, grid)
-        note = f"resampled to {1e3 * self.step_s:.6g} ms"
+        note = Note("resampled", f"resampled to {1e3 * self.step_s:.6g} ms", columns=("t",))
         stamps = self.step_s * np.arange(len(grid), dtype=np.float64)
         laid = replace(rows, t=stamps, columns=columns, labels=None, notes=(*rows.notes, note))
         return laid, slice(begin - first, end - first)

@@ -11,6 +11,7 @@ from fitter.data.columns import TIP_ROLES, ColumnMap
 from fitter.data.roles import find_roles, listed
 from fitter.data.sources import open_source
 from limbcal.errors import DataError
+from limbcal.note import Note
 
 Floats = NDArray[np.float64]
 Labels = NDArray[np.str_]
@@ -36,10 +37,13 @@ class Measured:
         By role: q, dq, ddq, tau, ref with one column a joint, tip with three.
     role : str, optional
         "learn" or "evaluate", where a recording says so.
-    notes : tuple of str
-        What was done to it so far.
+    notes : tuple of Note
+        What was found in it and done to it so far.
     labels : ndarray of str, shape (n,), or None
         The ``trial`` column.
+    stated : frozenset of str
+        Columns (``t``, ``q1``, ``tau2``, ``tipx`` …) whose unit the file or the mapping states, in a header, a row
+        of units, a type or an entry of ``--columns``: a magnitude that surprises is no question of units there.
     """
 
     name: str
@@ -48,10 +52,11 @@ class Measured:
     t: Floats
     columns: Mapping[str, Floats]
     role: str | None = None
-    notes: tuple[str, ...] = ()
+    notes: tuple[Note, ...] = ()
     labels: Labels | None = None
+    stated: frozenset[str] = frozenset()
 
-    def rows(self, begin: int, end: int, name: str, *notes: str) -> "Measured":
+    def rows(self, begin: int, end: int, name: str, *notes: Note) -> "Measured":
         """Return a stretch of it as a motion of its own."""
         return Measured(
             name,
@@ -62,6 +67,7 @@ class Measured:
             self.role,
             (*self.notes, *notes),
             None if self.labels is None else self.labels[begin:end],
+            self.stated,
         )
 
 

@@ -14,6 +14,7 @@ from fitter.data.recordings import read_raw_blocks
 from fitter.data.resample import MINIMUM_SAMPLES
 from fitter.data.sources import RECORDINGS, expand
 from limbcal.errors import ConfigError, DataError
+from limbcal.note import Note
 from tracking.readings import Readings, ReadingsBuilder
 
 Floats = NDArray[np.float64]
@@ -64,7 +65,7 @@ class RawRun:
         True angles, for scoring only, and the controller's target.
     trial : ndarray of str, shape (n,), or None
         Label of the trial that a sample belongs to.
-    notes : tuple of str
+    notes : tuple of Note
         What there is to say about it.
     """
 
@@ -76,7 +77,7 @@ class RawRun:
     q: Floats | None = None
     ref: Floats | None = None
     trial: NDArray[np.str_] | None = None
-    notes: tuple[str, ...] = ()
+    notes: tuple[Note, ...] = ()
 
     @property
     def lost(self) -> int:
@@ -182,7 +183,8 @@ def _run(motion: Measured) -> RawRun:
     require_rising(motion)
     dt_s, gaps = find_gaps(motion.t)
     lost = sum(gap.samples for gap in gaps)
-    notes = (f"{lost} samples lost in {len(gaps)} gap(s), nothing put in their place",) if gaps else ()
+    said = f"{lost} samples lost in {len(gaps)} gap(s), nothing put in their place"
+    notes = (Note("gap", said, columns=("t",), row=motion.first_row + gaps[0].row + 1),) if gaps else ()
     return RawRun(
         name=motion.name,
         rate_hz=1.0 / dt_s,

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from fitter.data.drift import dead_reckoned, without_drift
 from fitter.data.motions import Measured
 from limbcal.errors import DataError
+from limbcal.note import Note
 from protocol.message import FRAMES, RAW, TRIAL
 from protocol.recording_reader import read_recording
 
@@ -68,14 +69,17 @@ def read_frames(path: Path, n_joint: int) -> list[Measured]:
         found = columns["q"].shape[1:]
         raise DataError(f"{path}: frames of {found} joint angles, expected {n_joint} as the arm has")
     lost = sum(bool(block.get("gap")) for block in blocks)
-    notes = (*messages.warnings, *([f"{lost} block(s) of frames after lost samples"] if lost else []))
+    notes = tuple(Note("damaged", warning) for warning in messages.warnings)
+    if lost:
+        notes = (*notes, Note("lost", f"{lost} block(s) of frames after lost samples"))
     windows = _windows(path.stem, events, start_ns, float(t[-1]), path)
     if windows:
         spans = [(window.begin_s, window.end_s) for window in windows]
         drifting = dead_reckoned(blocks[0].get("method"))
         columns = without_drift(t, columns, spans, drifting)
         said = ", ".join(name for family in drifting for name in family)
-        notes = (*notes, f"drift taken out by the rest at the end of each motion ({said})")
+        taken = f"drift taken out by the rest at the end of each motion ({said})"
+        notes = (*notes, Note("drift", taken))
     whole = Measured(path.stem, str(path), 0, t, columns, notes=notes)
     if not windows:
         return [whole]

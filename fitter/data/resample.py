@@ -10,6 +10,7 @@ from scipy.interpolate import CubicSpline, PchipInterpolator, make_interp_spline
 from fitter.data.derivatives import lowpass
 from fitter.data.motions import Measured
 from limbcal.errors import ConfigError, DataError
+from limbcal.note import Note
 
 Floats = NDArray[np.float64]
 Curve = Callable[[Floats], Floats]
@@ -62,7 +63,8 @@ def split_at_holes(motion: Measured) -> list[Measured]:
     spans = [span for span in zip(bounds[:-1], bounds[1:], strict=True) if span[1] - span[0] >= MINIMUM_SAMPLES]
     if not spans:
         return [motion]
-    note = f"parted at {holes.size} hole(s) of up to {steps[holes].max():.4g} s, {len(spans)} piece(s) kept"
+    said = f"parted at {holes.size} hole(s) of up to {steps[holes].max():.4g} s, {len(spans)} piece(s) kept"
+    note = Note("gap", said, columns=("t",), row=motion.first_row + int(holes[0]) + 2)
     return [motion.rows(begin, end, f"{motion.name}#{k + 1}", note) for k, (begin, end) in enumerate(spans)]
 
 
@@ -142,7 +144,8 @@ def resample(motion: Measured, rate_hz: float | None = None) -> Uniform:
     grid = _grid(t[-1], dt_s)
     columns = {role: curve_through(role, t, values, crowded)(grid) for role, values in columns.items()}
     was = "steps of" if uniform else "irregular steps of"
-    note = f"{was} {1e3 * steps.min():.4g} to {1e3 * steps.max():.4g} ms resampled to {1e3 * dt_s:.6g} ms"
+    said = f"{was} {1e3 * steps.min():.4g} to {1e3 * steps.max():.4g} ms resampled to {1e3 * dt_s:.6g} ms"
+    note = Note("resampled", said, columns=("t",))
     if len(grid) < MINIMUM_SAMPLES:
         raise DataError(
             f"{motion.where}: trial {motion.name!r} has {len(grid)} samples at {1.0 / dt_s:.6g} Hz, "

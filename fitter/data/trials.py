@@ -17,6 +17,7 @@ from fitter.data.recordings import read_frames
 from fitter.data.resample import Uniform, resample, split_at_holes
 from fitter.data.sources import RECORDINGS, expand
 from limbcal.errors import ConfigError, DataError
+from limbcal.note import Note
 
 Floats = NDArray[np.float64]
 Role = Literal["learn", "evaluate"]
@@ -47,7 +48,7 @@ class Trial:
         Torque [N·m] (or N) and the controller's target, where there are any.
     tip : ndarray of shape (n, 3), or None
         Measured tip [m].
-    notes : tuple of str
+    notes : tuple of Note
         What was resampled, derived, trimmed.
     cutoff_hz : float
         Corner chosen for columns that were derived; infinite if nothing is to be filtered.
@@ -80,7 +81,7 @@ class Trial:
     tau: Floats | None = None
     ref: Floats | None = None
     tip: Floats | None = None
-    notes: tuple[str, ...] = ()
+    notes: tuple[Note, ...] = ()
     cutoff_hz: float = np.inf
     band_hz: float = np.inf
     points: Floats | None = None
@@ -238,7 +239,7 @@ def lowpass_trial(trial: Trial, cutoff_hz: float) -> Trial:
         began_s=trial.began_s + trim * trial.dt_s,
         cutoff_hz=np.inf,
         band_hz=np.inf,
-        notes=(*trial.notes, f"all columns low-passed at {cutoff_hz:.4g} Hz (zero phase)"),
+        notes=(*trial.notes, Note("filtered", f"all columns low-passed at {cutoff_hz:.4g} Hz (zero phase)")),
     )
 
 
@@ -283,9 +284,10 @@ def derive(motion: Uniform, cutoff_hz: float, band_hz: float) -> Trial:
         if "ddq" not in given:
             given["ddq"] = differentiate(given[source], dt_s, 1 if source == "dq" else 2)
         filtered = "unfiltered" if trim == 0 else f"all columns but ref low-passed at {cutoff_hz:.4g} Hz"
-        notes.append(f"{', '.join(derived)} derived from {source} (zero phase, {filtered})")
+        said = f"{', '.join(derived)} derived from {source} (zero phase, {filtered})"
+        notes.append(Note("derived", said))
     if trim:
-        notes.append(f"{trim * dt_s:.3g} s trimmed at each end")
+        notes.append(Note("trimmed", f"{trim * dt_s:.3g} s trimmed at each end"))
     inner = slice(trim, len(measured.t) - trim)
     tau_measured = measured.columns["tau"][inner] if "tau" in measured.columns else None
     kept = {name: values[inner] for name, values in given.items()}

@@ -64,7 +64,7 @@ def finding_of(regression: Regression, come_to: Conclusion, motions: Sequence[Mo
         explained=search.explained,
         base_arm=base_arm,
         arm=extended,
-        notes=sorted({note for motion in motions for note in motion.trial.notes}),
+        notes=sorted({note.text for motion in motions for note in motion.trial.notes}),
         suspected=suspected,
     )
 

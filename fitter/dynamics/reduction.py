@@ -23,6 +23,7 @@ from fitter.dynamics.structure import structural_parameters
 from fitter.dynamics.torque_sums import TorqueSums, add_up, finished
 from fitter.dynamics.trial_sums import add_stretch, trial_sums
 from limbcal.errors import DataError
+from limbcal.note import Note, of_source
 
 
 @dataclass(frozen=True)
@@ -144,7 +145,7 @@ def reduce_file(arm: Arm, rest_speed: float, reading: Reading, path: Path) -> Re
             for trial in to_trials([stretch.motion], reading.rate_hz, reading.cutoff_hz, reading.band_hz):
                 parts.append(trial_sums(arm, base, trial, rest_speed))
                 trials.append(trial.name)
-                notes += [f"{trial.name}: {note}" for note in trial.notes]
+                notes += [note.sentence for note in of_source(trial.notes, trial.name)]
             continue
         if long is None:
             long = RunningSums(arm.n_joint, len(base.independent))
@@ -152,14 +153,14 @@ def reduce_file(arm: Arm, rest_speed: float, reading: Reading, path: Path) -> Re
         if stretch.ends:
             parts.append(finished(long))
             trials.append(stretch.motion.name)
-            notes += [f"{stretch.motion.name}: {note}" for note in said]
+            notes += [note.sentence for note in of_source(said, stretch.motion.name)]
             long = None
     return Reduced(add_up(parts) if parts else None, tuple(trials), tuple(notes))
 
 
 def _add(
     long: RunningSums, arm: Arm, base: BaseParameters, rest_speed: float, reading: Reading, stretch: Stretch
-) -> tuple[str, ...]:
+) -> tuple[Note, ...]:
     """Add what counts of a stretch, and return what was done to it, in words."""
     trial = derive(Uniform(stretch.motion, stretch.step_s), reading.cutoff_hz, reading.band_hz)
     if has_unknown_target(arm, trial):

@@ -9,6 +9,7 @@ import numpy as np
 from fitter.data.drift import DriftCorrection, dead_reckoned
 from fitter.data.motions import Measured
 from limbcal.errors import ProtocolError
+from limbcal.note import Note
 from protocol.message import FRAMES, TRIAL
 
 #: Frames before a motion's beginning are kept for at most this long [s].
@@ -109,7 +110,7 @@ class MotionAssembler:
             bool(block["gap"]) and bool(inside[begin:end].any())
             for block, begin, end in zip(blocks, rows[:-1], rows[1:], strict=True)
         )
-        notes = (f"{lost} block(s) of frames after lost samples",) if lost else ()
+        notes = (Note("lost", f"{lost} block(s) of frames after lost samples"),) if lost else ()
         t = (t_ns[inside] - self._begin_ns) * 1e-9
         columns = self._drift.moving(t, columns, dead_reckoned(blocks[0]["method"]))
         return Measured(f"trial {self.trial}", "stream", 0, t, columns, role=self.role, notes=notes)

@@ -80,7 +80,8 @@ def test_dead_reckoning_loses_its_drift(two_motions):
     """Every joint moves at 1 rad/s until the rest at the end: all of that is drift, and is taken out."""
     first, _ = read_frames(two_motions, 2)
     assert np.isclose(np.diff(first.columns["q"][:-1, 0])[-1], 0.0, atol=1e-5)
-    assert first.notes == ("drift taken out by the rest at the end of each motion (q, dq, ddq, points)",)
+    (note,) = first.notes
+    assert note.text == "drift taken out by the rest at the end of each motion (q, dq, ddq, points)"
 
 
 def test_of_a_filter_only_the_points_are_dead_reckoned(tmp_path):
@@ -89,7 +90,8 @@ def test_of_a_filter_only_the_points_are_dead_reckoned(tmp_path):
     assert np.array_equal(first.columns["dq"], np.ones((301, 2)))
     speed = np.diff(first.columns["points"][:, 0, 0]) / DT_S
     assert speed[0] == pytest.approx(1.0, abs=0.01) and speed[-2] == pytest.approx(0.0, abs=0.01)
-    assert first.notes == ("drift taken out by the rest at the end of each motion (points)",)
+    (note,) = first.notes
+    assert note.text == "drift taken out by the rest at the end of each motion (points)"
 
 
 def test_trials_of_one_role_are_taken_as_they_are(tmp_path):
@@ -99,7 +101,8 @@ def test_trials_of_one_role_are_taken_as_they_are(tmp_path):
     assert np.array_equal(trial.q[:, 0], 1e-3 * (550 + np.arange(450)))
     assert np.array_equal(trial.dq, np.ones((450, 2)))
     assert trial.points.shape == (450, 4, 3)
-    assert trial.notes == ("drift taken out by the rest at the end of each motion (points)",)
+    (note,) = trial.notes
+    assert note.text == "drift taken out by the rest at the end of each motion (points)"
 
 
 def test_a_recording_without_announcements_is_one_motion(tmp_path):
@@ -119,7 +122,7 @@ def test_lost_samples_are_said_and_long_gaps_part_a_motion(tmp_path):
     messages += [(FRAMES, frames(500, gap=True)), (FRAMES, frames(510))]
     trials = load_trials([record(tmp_path / "run.mcap", messages)], 2)
     assert [trial.name for trial in trials] == ["run#1", "run#2"]
-    assert "1 block(s) of frames after lost samples" in trials[0].notes
+    assert "1 block(s) of frames after lost samples" in [note.text for note in trials[0].notes]
 
 
 def test_a_recording_cut_short_is_read_to_the_cut(two_motions, tmp_path):
@@ -131,7 +134,7 @@ def test_a_recording_cut_short_is_read_to_the_cut(two_motions, tmp_path):
     cut.write_bytes(content[: len(content) // 2])
     (motion,) = read_frames(cut, 2)
     assert 100 < len(motion.t) < 2000
-    assert "cut" in motion.notes[0]
+    assert "cut" in motion.notes[0].text
 
 
 def test_raw_blocks_are_a_run_with_its_gaps(tmp_path):

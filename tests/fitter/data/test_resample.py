@@ -93,7 +93,7 @@ def test_crowded_stamps_do_not_make_the_curve_swing_out():
 def test_resampling_is_said():
     t = np.concatenate([0.01 * np.arange(50), 0.505 + 0.01 * np.arange(50)])
     (note,) = resample(measured(t, q=sine(t))).measured.notes
-    assert note == "irregular steps of 10 to 15 ms resampled to 10 ms"
+    assert note.text == "irregular steps of 10 to 15 ms resampled to 10 ms"
 
 
 def test_too_few_samples_and_wrong_rates():
@@ -111,6 +111,6 @@ def test_a_hole_parts_a_motion_and_nothing_is_made_up():
     assert (len(first.t), len(second.t)) == (100, 50)
     assert second.first_row == 100
     assert second.name == "run#2"
-    assert second.notes == ("parted at 2 hole(s) of up to 4.01 s, 2 piece(s) kept",)
+    assert [note.text for note in second.notes] == ["parted at 2 hole(s) of up to 4.01 s, 2 piece(s) kept"]
     whole = measured(0.01 * np.arange(9), q=np.zeros((9, 1)))
     assert split_at_holes(whole) == [whole]

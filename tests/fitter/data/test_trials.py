@@ -61,8 +61,8 @@ def test_noise_of_an_encoder_is_kept_out_of_the_acceleration(tmp_path):
     truth = motion(T, 2)[inner]
     error = np.sqrt(np.mean((trial.ddq - truth) ** 2))
     assert error < 0.01 * truth.std()
-    assert "dq, ddq derived from q" in trial.notes[0]
-    assert "trimmed at each end" in trial.notes[1]
+    assert "dq, ddq derived from q" in trial.notes[0].text
+    assert "trimmed at each end" in trial.notes[1].text
     plain = np.gradient(np.gradient(np.round(motion(T) / step) * step, DT_S, axis=0), DT_S, axis=0)
     assert np.sqrt(np.mean((plain[inner] - truth) ** 2)) > 40 * error
 
@@ -110,7 +110,7 @@ def test_uneven_stamps_change_nothing(tmp_path_factory, jitter, seed, suffix):
     t = np.concatenate([[0.0], np.cumsum(steps)])
     path = written(tmp_path_factory.mktemp("uneven"), {"t": 100.0 + t, "q": motion(t)}, f"run{suffix}")
     (trial,) = load_trials([path], 2, rate_hz=500.0, cutoff_hz=50.0)
-    trimmed_s = float(trial.notes[-1].split()[0])
+    trimmed_s = float(trial.notes[-1].text.split()[0])
     start = round(trimmed_s / DT_S)
     truth = motion(DT_S * (start + np.arange(len(trial.t))), 2)
     assert np.abs(trial.ddq - truth).max() < 0.01 * np.abs(truth).max()
@@ -132,7 +132,7 @@ def test_infinity_switches_the_filters_off(tmp_path):
     (trial,) = load_trials([written(tmp_path, {"t": T, "q": q})], 2, cutoff_hz=np.inf)
     assert np.array_equal(trial.q, q)
     assert trial.lowpass(q) is not None and len(trial.lowpass(q)) == len(q)
-    assert "unfiltered" in trial.notes[0]
+    assert "unfiltered" in trial.notes[0].text
 
 
 def test_what_cannot_be_used_is_said(tmp_path):
@@ -174,7 +174,7 @@ def test_a_measured_double_pendulum(measured_data, velocity):
     learn = load_trials(learning, 2, DFKI + velocity)
     assert len(learn) == 6
     assert learn[0].dt_s == DT_S
-    assert "irregular steps" in learn[0].notes[0]
+    assert "irregular steps" in learn[0].notes[0].text
     assert 6.0 < learn[0].cutoff_hz < 10.0
     (evaluate,) = load_trials([held_out], 2, DFKI + velocity, cutoff_hz=learn[0].cutoff_hz)
     rows = np.concatenate([trial.lowpass(pendulum_rows(trial)) for trial in learn]).reshape(-1, 8)

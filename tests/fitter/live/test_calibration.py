@@ -123,7 +123,7 @@ def test_the_longest_stretch_is_kept_where_messages_were_missed(measured, short_
     n = len(measured[0].t)
     trial = calibration.add(without_rows(measured[0], np.s_[1000:1100]))
     assert len(trial.t) == n - 1100
-    assert any("parted at 1 hole" in note for note in trial.notes)
+    assert any("parted at 1 hole" in note.text for note in trial.notes)
     assert len(calibration.learn) == 1
 
 

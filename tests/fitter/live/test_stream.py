@@ -150,7 +150,7 @@ def test_no_more_is_kept_than_the_next_motion_may_need():
 def test_lost_samples_are_noted_where_they_were_lost():
     messages = [block(0, gap=True), *stretch(100, 500), phase(1, "begin", 250), block(600, gap=True)]
     _, (motion,) = motions([*messages, *stretch(700, 1000), phase(1, "end", 900)])
-    assert motion.notes == ("1 block(s) of frames after lost samples",)
+    assert [note.text for note in motion.notes] == ["1 block(s) of frames after lost samples"]
     assert len(motion.t) == 551
     assert np.diff(motion.t).max() == pytest.approx(0.101)
 

@@ -1,0 +1,1 @@
+"""Tables of numbers as they come: one reader of every format, for every command."""
