@@ -12,6 +12,7 @@ from pydantic import ValidationError
 from arm.arm_schema import ArmTable, contradictions, mistakes_of
 from arm.model import Arm, Estimate
 from limbcal.errors import ConfigError, DeviceError
+from limbcal.suggestion import did_you_mean
 
 _PRESETS = resources.files("arm") / "presets"
 
@@ -35,7 +36,7 @@ def load_arm(source: str | Path) -> Arm:
     try:
         text = path.read_text(encoding="utf-8")
     except (OSError, UnicodeDecodeError) as error:
-        known = ", ".join(preset_names())
+        known = ", ".join(preset_names()) + did_you_mean(str(source), preset_names())
         reason = error.strerror if isinstance(error, OSError) else "it is not UTF-8 text"
         raise ConfigError(f"arm {str(source)!r}: {reason}; expected an arm file or one of {known}") from error
     return parse_arm(text, str(source))

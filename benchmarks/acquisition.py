@@ -18,7 +18,8 @@ import psutil
 import zmq
 from rich.table import Table
 
-from limbcal.command import Parser, common_options, console, run_command
+from limbcal.arguments import Parser, common_options
+from limbcal.command import console, run_command
 from limbcal.errors import DeviceError
 from protocol.message import HEALTH
 from protocol.subscriber import Subscriber

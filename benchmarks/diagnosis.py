@@ -30,7 +30,8 @@ from benchmarks.diagnosis_case import Job, run
 from benchmarks.diagnosis_page import brief, goals, page
 from fitter.dynamics.parallel import be_worker
 from fitter.side_by_side import work_alone
-from limbcal.command import Document, Parser, common_options, console, emit, run_command, say
+from limbcal.arguments import Parser, common_options
+from limbcal.command import Document, console, emit, run_command, say
 from limbcal.errors import ConfigError
 from tests.diagnosis.hidden_cases import KINDS, draw_case
 from tests.diagnosis.hidden_effects import EFFECTS, OUTSIDE

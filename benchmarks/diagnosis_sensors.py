@@ -23,7 +23,8 @@ from arm.model import Arm, Floats, Sensor
 from fitter.data.raw import RawRun
 from fitter.diagnosis.sensors.diagnosis import diagnose_sensors
 from fitter.diagnosis.sensors.finding import SensorFinding
-from limbcal.command import Document, Parser, common_options, console, run_command
+from limbcal.arguments import Parser, common_options
+from limbcal.command import Document, console, run_command
 
 ARMS = ("dd-arm", "dd-arm-vertical")
 EFFECTS = (

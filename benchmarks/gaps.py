@@ -16,7 +16,8 @@ from arm.arm_file import load_arm
 from arm.bench import COUNT_M_S2, Bench, Sensors, draw_sensor_errors, motions, rest_angles
 from arm.model import Floats
 from arm.simulation import Motion
-from limbcal.command import Parser, common_options, console, run_command
+from limbcal.arguments import Parser, common_options
+from limbcal.command import console, run_command
 from tracking.decimation import Decimator
 from tracking.noise import noise_of
 from tracking.readings import Readings
@@ -47,9 +48,7 @@ def errors(name: str, seed: int) -> Mapping[str, Floats]:
     q = rest_angles(arm, np.zeros(arm.n_joint))
     found: dict[str, Floats] = {}
     for kind in (RegainingFilter, StridingFilter):
-        follower = kind(
-            arm, q, True, frames[: cell * n_cell], noise_of(readings[:1000], _RATE_HZ), _FACTOR, dt_s
-        )
+        follower = kind(arm, q, True, frames[: cell * n_cell], noise_of(readings[:1000], _RATE_HZ), _FACTOR, dt_s)
         states = follower.follow(frames).states
         found[kind.__name__] = later_errors(states, motion, begin + lost, dt_s)
     whole = Readings(frames, dt_s, 0.5 * dt_s, noise_of(readings[:1000], _RATE_HZ), _FACTOR)

@@ -26,7 +26,8 @@ from fitter.dynamics.running_sums import RunningSums
 from fitter.dynamics.structure import structural_parameters
 from fitter.dynamics.torque_search import fit_sums
 from fitter.dynamics.torque_sums import TorqueSums, add_up, finished
-from limbcal.command import Document, Parser, common_options, run_command, say
+from limbcal.arguments import Parser, common_options
+from limbcal.command import Document, run_command, say
 from limbcal.compiled import compiled
 
 SAMPLES, PARTS, THREADS = 100_000_000, 4, 2

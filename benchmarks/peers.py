@@ -29,7 +29,8 @@ from fitter.dynamics.structure import structural_parameters
 from fitter.dynamics.torque_problem import TorqueProblem, torque_problem
 from fitter.dynamics.torque_sums import add_up
 from fitter.dynamics.trial_sums import trial_sums
-from limbcal.command import Document, Parser, common_options, run_command, say, to_json
+from limbcal.arguments import Parser, common_options
+from limbcal.command import Document, run_command, say, to_json
 
 REPEATS = 5
 #: Samples of which a peer makes the regressor, one by one.

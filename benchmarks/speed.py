@@ -15,7 +15,8 @@ from pathlib import Path
 from typing import Any
 
 from benchmarks.torque_fit import GENERATIONS, POPULATION
-from limbcal.command import Document, Parser, common_options, emit, run_command, say
+from limbcal.arguments import Parser, common_options
+from limbcal.command import Document, emit, run_command, say
 
 PACKAGES = ("numpy", "scipy", "numba", "pin", "figaroh", "pymoo", "deap", "cma")
 SINGLE = {"OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1", "MKL_NUM_THREADS": "1"}

@@ -26,7 +26,8 @@ from fitter.dynamics.torque_search import fit_sums
 from fitter.dynamics.torque_sums import TorqueSums, add_up
 from fitter.dynamics.trial_sums import trial_sums
 from fitter.search.genetic import GeneticAlgorithm
-from limbcal.command import Document, Parser, common_options, console, run_command
+from limbcal.arguments import Parser, common_options
+from limbcal.command import Document, console, run_command
 
 SAMPLES = 1_054_688
 POPULATION, GENERATIONS = 100, 1000

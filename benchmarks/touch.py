@@ -12,7 +12,8 @@ import numpy as np
 
 from arm.arm_file import load_arm
 from arm.model import Arm, Joint, Link
-from limbcal.command import Parser, run_command, say
+from limbcal.arguments import Parser
+from limbcal.command import run_command, say
 from limbcal.real_time import TOUCH, ask_for_real_time
 from playback.touch.grip import Hand
 from playback.touch.hand import VirtualHand

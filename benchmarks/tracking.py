@@ -25,7 +25,8 @@ from arm.bench import COUNT_M_S2, Bench, SensorErrors, Sensors, draw_sensor_erro
 from arm.model import Arm, Floats
 from benchmarks.cramer_rao import least_std
 from benchmarks.tracking_report import Run, Track, draw, page, score, table
-from limbcal.command import Parser, console, emit, run_command, to_json
+from limbcal.arguments import Parser
+from limbcal.command import console, emit, run_command, to_json
 from tracking.frames import Frames
 from tracking.integrator import Integrator
 from tracking.kalman_filter import KalmanTracker

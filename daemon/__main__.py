@@ -2,7 +2,8 @@
 
 import sys
 
-from limbcal.command import parser_of, run_command
+from limbcal.arguments import parser_of
+from limbcal.command import run_command
 
 COMMANDS = {
     "run": "acquire, track, publish and record until stopped",

@@ -5,7 +5,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
-from limbcal.command import console
+from limbcal.command import show
 from limbcal.errors import ConfigError, DeviceError
 
 #: Where the files that are laid down come from: beside the packages, or where an installer has put them.
@@ -72,9 +72,9 @@ def install(prefix: Path, dry_run: bool = False, remove: bool = False) -> Mappin
             hint = "; are you root?" if isinstance(error, PermissionError) else ""
             raise DeviceError(f"{target}: {error.strerror}{hint}") from error
         done.append((what, str(target)))
-        console.print(f"{'would be ' if dry_run and what in ('written', 'removed') else ''}{what}: {target}")
+        show(f"{'would be ' if dry_run and what in ('written', 'removed') else ''}{what}: {target}")
     if not remove and not dry_run:
-        console.print("next:\n  " + "\n  ".join(_NEXT))
+        show("next:\n  " + "\n  ".join(_NEXT))
     return {"prefix": str(prefix), "dry_run": dry_run, "done": [list(one) for one in done]}
 
 

@@ -5,7 +5,7 @@ from collections import Counter
 from collections.abc import Iterable, Mapping
 from pathlib import Path
 
-from limbcal.command import console
+from limbcal.command import console, show
 from limbcal.errors import DataError, DeviceError
 from protocol.recording import ARM_ATTACHMENT, CONFIG_ATTACHMENT, RecordingWriter
 from protocol.recording_reader import read_recording, recording_attachments
@@ -57,7 +57,7 @@ def recover(path: Path, out: Path | None = None) -> Mapping[str, object]:
     for warning in reader.warnings:
         console.print(f"[yellow]warning:[/yellow] {warning}", soft_wrap=True)
     seconds = 1e-9 * (last_ns - first_ns)
-    console.print(f"{out}: {counts.total()} messages, {seconds:.1f} s, written and read back", soft_wrap=True)
+    show(f"{out}: {counts.total()} messages, {seconds:.1f} s, written and read back")
     return {
         "file": str(path),
         "out": str(out),

@@ -11,7 +11,7 @@ from rich.live import Live
 from rich.table import Table
 from rich.text import Text
 
-from limbcal.command import console, emit
+from limbcal.command import answers, emit, show
 from limbcal.errors import DeviceError
 from protocol.curve import load_client_key
 from protocol.message import HEALTH
@@ -43,11 +43,11 @@ def status(endpoint: str, key: Path | None, once: bool, as_json: bool) -> None:
         health = _next(subscriber, endpoint)
         if as_json or once:
             while True:
-                emit(json.dumps(health)) if as_json else console.print(_view(endpoint, health))
+                emit(json.dumps(health)) if as_json else show(_view(endpoint, health))
                 if once:
                     return
                 health = _next(subscriber, endpoint)
-        with Live(_view(endpoint, health), console=console, auto_refresh=False) as live:
+        with Live(_view(endpoint, health), console=answers(), auto_refresh=False) as live:
             while True:
                 live.update(_view(endpoint, _next(subscriber, endpoint)), refresh=True)
 

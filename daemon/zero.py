@@ -11,7 +11,7 @@ from arm.arm_file import preset_names, save_arm
 from arm.model import Arm, Floats
 from daemon.config import Setup
 from daemon.sample_burst import sample_burst
-from limbcal.command import console, say
+from limbcal.command import say, show
 from limbcal.errors import ConfigError, NotIdentifiable
 from tracking.noise import noise_of
 
@@ -115,11 +115,11 @@ def _show(arm: Arm, bias: Floats, std: Floats, out: Path) -> None:
         table.add_column(title, justify="left" if title == "sensor" else "right")
     for sensor, b, error in zip(arm.sensors, bias, std, strict=True):
         table.add_row(sensor.name, *(f"{value:+.4f} ± {e:.4f}" for value, e in zip(b, error, strict=True)))
-    console.print(table)
+    show(table)
     for sensor, b in zip(arm.sensors, bias, strict=True):
         if np.abs(b).max() > _INCREDIBLE_M_S2:
             say(
                 f"warning: {sensor.name} is off by {np.abs(b).max():.1f} m/s², more than accelerometers are: does "
                 "the arm rest at tracking.initial_q_rad, and is the sensor turned as the arm file says?"
             )
-    say(f"written to {out}")
+    show(f"written to {out}")

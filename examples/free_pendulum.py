@@ -24,7 +24,8 @@ from fitter.data.trials import Trial, to_trials, undriven
 from fitter.dynamics.evaluation import motion_error
 from fitter.dynamics.fit import fit_dynamics
 from fitter.dynamics.structure import structural_parameters
-from limbcal.command import Document, Parser, common_options, console, run_command
+from limbcal.arguments import Parser, common_options
+from limbcal.command import Document, console, run_command
 from limbcal.errors import DataError
 
 HERE = Path(__file__).parent

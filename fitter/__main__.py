@@ -3,7 +3,8 @@
 import sys
 
 import fitter.single_thread  # noqa: F401 - before all that loads numpy
-from limbcal.command import parser_of, run_command
+from limbcal.arguments import parser_of
+from limbcal.command import run_command
 
 COMMANDS = {
     "subscribe": "follow the daemon and calibrate the arm while it moves",

@@ -6,64 +6,30 @@ import math
 import os
 import signal
 import sys
-from collections.abc import Callable, Mapping
-from importlib import import_module
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
+from contextvars import ContextVar
 from types import FrameType
 
-from rich.console import Console
+from rich.console import Console, RenderableType
 
-from limbcal.errors import ConfigError, DeviceError, LimbcalError
+from limbcal.errors import DeviceError, LimbcalError
 
-#: Words, tables and progress bars go to stderr; stdout belongs to the answer.
+
+class _Stdout(Console):
+    def on_broken_pipe(self) -> None:
+        """Leave a reader that is gone to `show`, in place of ending the process."""
+        raise  # noqa: PLE0704 - what is being handled where this is called
+
+
+#: Progress, warnings and errors go to stderr; stdout belongs to the answer.
 console = Console(stderr=True, highlight=False)
+_stdout = _Stdout(highlight=False)
+#: Where the answer goes that a person reads: stdout, unless that belongs to a JSON document.
+_answers: ContextVar[Console] = ContextVar("answers", default=_stdout)
 
 Document = Mapping[str, object]
 Action = Callable[[argparse.Namespace], Document | None]
-
-
-class Parser(argparse.ArgumentParser):
-    """An argument parser whose mistakes join the error family."""
-
-    #: The module whose ``add_arguments`` says what it takes, until it is asked.
-    module: str | None = None
-
-    def parse_known_args(self, args=None, namespace=None):  # type: ignore[no-untyped-def]
-        """Parse as ever, but load the command only now that it was chosen."""
-        if self.module is not None:
-            module, self.module = self.module, None
-            import_module(module).add_arguments(self)
-        return super().parse_known_args(args, namespace)
-
-    def error(self, message: str) -> "None":  # type: ignore[override]
-        """Raise a `ConfigError` in place of printing a usage text and leaving."""
-        raise ConfigError(f"{self.prog}: {message}")
-
-
-def parser_of(prog: str, description: str, package: str, commands: Mapping[str, str]) -> Parser:
-    """Return the parser of a program with commands, of which only the chosen one is loaded.
-
-    Parameters
-    ----------
-    prog, description : str
-    package : str
-        Where each command has a module of its name, with ``add_arguments``.
-    commands : mapping of str to str
-        What each of them does, in a sentence.
-    """
-    parser = Parser(prog=prog, description=description)
-    chosen = parser.add_subparsers(required=True, metavar="COMMAND", parser_class=Parser)
-    for name, sentence in commands.items():
-        command = chosen.add_parser(name, help=sentence, description=sentence, parents=[common_options()])
-        command.module = f"{package}.{name}"
-    return parser
-
-
-def common_options() -> Parser:
-    """Return the parent parser with the options that every command has."""
-    parent = Parser(add_help=False)
-    parent.add_argument("--json", action="store_true", help="print one JSON document on stdout, nothing else")
-    parent.add_argument("--debug", action="store_true", help="show the traceback of an error")
-    return parent
 
 
 def emit(text: str) -> None:
@@ -74,17 +40,42 @@ def emit(text: str) -> None:
     DeviceError
         If nobody can take it: the disk is full, the reader gone.
     """
-    try:
+    with _writable():
         sys.stdout.write(text + "\n")
         sys.stdout.flush()
-    except OSError as error:
-        sys.stdout = open(os.devnull, "w", encoding="utf-8")  # or the rest of the buffer would fail again
-        raise DeviceError(f"stdout cannot be written: {error.strerror}") from error
+
+
+def show(answer: RenderableType) -> None:
+    """Write an answer that a person reads, a table or a sentence, to stdout; with ``--json`` to stderr.
+
+    Raises
+    ------
+    DeviceError
+        If nobody can take it: the disk is full, the reader gone.
+    """
+    with _writable():
+        plain = isinstance(answer, str)  # a table may have its own markup
+        answers().print(answer, markup=not plain, soft_wrap=plain)
+        answers().file.flush()
+
+
+def answers() -> Console:
+    """Return the console of `show`, for a live view of an answer."""
+    return _answers.get()
 
 
 def say(sentence: str) -> None:
     """Write words for the person at the terminal to stderr."""
     console.print(sentence, markup=False, soft_wrap=True)
+
+
+@contextmanager
+def _writable() -> Iterator[None]:
+    try:
+        yield
+    except OSError as error:
+        sys.stdout = open(os.devnull, "w", encoding="utf-8")  # or the rest of the buffer would fail again
+        raise DeviceError(f"stdout cannot be written: {error.strerror}") from error
 
 
 def to_json(document: object) -> str:
@@ -113,7 +104,8 @@ def run_command(parser: argparse.ArgumentParser, argv: list[str] | None) -> int:
 
     The parser's namespace must hold ``action``, a function that takes the namespace and returns the JSON
     document of its answer, or None where there is nothing to print. SIGTERM is turned into KeyboardInterrupt
-    so that one code path closes files and sockets; a stop that was asked for is a success.
+    so that one code path closes files and sockets; a stop that was asked for is a success. What `show` is given
+    goes to stdout, or to stderr where that belongs to the document.
     """
     arguments = sys.argv[1:] if argv is None else argv
     debug = "--debug" in arguments
@@ -121,6 +113,7 @@ def run_command(parser: argparse.ArgumentParser, argv: list[str] | None) -> int:
     try:
         namespace = parser.parse_args(arguments)
         action: Action = namespace.action
+        _answers.set(console if namespace.json else _stdout)
         document = action(namespace)
         if document is not None and namespace.json:
             emit(to_json(document))
@@ -140,4 +133,5 @@ def run_command(parser: argparse.ArgumentParser, argv: list[str] | None) -> int:
         say(f"error: there is not enough memory for this ({error}); expected less data, or a lower rate")
         return DeviceError.exit_code
     finally:
+        _answers.set(_stdout)
         signal.signal(signal.SIGTERM, previous)

@@ -2,7 +2,8 @@
 
 import sys
 
-from limbcal.command import parser_of, run_command
+from limbcal.arguments import parser_of
+from limbcal.command import run_command
 
 COMMANDS = {
     "serve": "stream a recorded or simulated motion as limb/play",

@@ -9,6 +9,7 @@ import numpy as np
 from arm.effects.catalogue import catalogue
 from arm.effects.effect import EffectKind, Parameter
 from arm.model import Arm
+from limbcal.suggestion import did_you_mean
 
 #: Between controller and link a joint has one of each of these at most.
 _ONCE = ("drive", "transmission")
@@ -39,7 +40,8 @@ def mistakes_in(effects: Sequence[Mapping[str, Any]], n_joint: int, sensors: Seq
             continue
         kind = catalogue().get(name)
         if kind is None:
-            yield f"{where}.name is {name!r}, expected one of {', '.join(catalogue())}"
+            meant = did_you_mean(name, catalogue())
+            yield f"{where}.name is {name!r}, expected one of {', '.join(catalogue())}{meant}"
             continue
         yield from _on_what(where, kind, effect, n_joint, sensors)
         parameters = effect.get("parameters", {})
@@ -78,7 +80,7 @@ def _numbers(where: str, kind: EffectKind, values: Mapping[str, Any]) -> Iterato
     known = {parameter.name: parameter for parameter in kind.parameters}
     for name in values:
         if name not in known:
-            yield f"{where}.{name} is not known, expected {', '.join(known)}"
+            yield f"{where}.{name} is not known, expected {', '.join(known)}{did_you_mean(name, known)}"
     for name, parameter in known.items():
         if name in values:
             yield from _number(f"{where}.{name}", parameter, values[name])

@@ -5,8 +5,11 @@ import json
 from collections.abc import Mapping
 from pathlib import Path
 
-from limbcal.command import console, emit
+from limbcal.command import emit, show
 from limbcal.errors import ConfigError
+
+#: As it stands in the help.
+EXAMPLE = "limbd check limbd.toml"
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -25,5 +28,5 @@ def check(arguments: argparse.Namespace) -> Mapping[str, object]:
         if arguments.json:
             emit(json.dumps({"file": str(arguments.file), "ok": False, "mistakes": error.mistakes}))
         raise
-    console.print(f"{arguments.file}: no mistakes")
+    show(f"{arguments.file}: no mistakes")
     return {"file": str(arguments.file), "ok": True, "mistakes": [], "arm": setup.arm.name}

@@ -4,7 +4,10 @@ import argparse
 from collections.abc import Mapping
 from pathlib import Path
 
-from limbcal.command import console
+from limbcal.command import show
+
+#: As it stands in the help.
+EXAMPLE = "limbd keys new lab-pc --dir keys"
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -22,5 +25,5 @@ def keys(arguments: argparse.Namespace) -> Mapping[str, object]:
     from protocol.curve import new_client
 
     out = new_client(arguments.dir, arguments.name, arguments.out)
-    console.print(f"{out}: give it to {arguments.name}; the daemon lets it in from its next start on")
+    show(f"{out}: give it to {arguments.name}; the daemon lets it in from its next start on")
     return {"client": arguments.name, "key": str(out), "keys": str(arguments.dir)}

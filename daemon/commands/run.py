@@ -10,6 +10,9 @@ from daemon.commands.options import DEFAULT_ENDPOINT, add_device_options, given,
 from limbcal.command import console, emit
 from limbcal.errors import ConfigError
 
+#: As it stands in the help.
+EXAMPLE = "limbd run --port /dev/ttyUSB0 --arm my-arm.toml --record recordings"
+
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the options of the command."""
@@ -58,6 +61,4 @@ def run(arguments: argparse.Namespace) -> None:
 def _no_device(arguments: argparse.Namespace) -> None:
     given_too = [f"--{name}" for name in ("port", "baud", "config") if getattr(arguments, name) is not None]
     if given_too:
-        raise ConfigError(
-            f"--replay has its own device and config: expected no {' and no '.join(given_too)}"
-        )
+        raise ConfigError(f"--replay has its own device and config: expected no {' and no '.join(given_too)}")

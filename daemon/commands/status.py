@@ -5,6 +5,9 @@ from pathlib import Path
 
 from daemon.commands.options import DEFAULT_ENDPOINT
 
+#: As it stands in the help.
+EXAMPLE = "limbd status --once"
+
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the options of the command."""

@@ -6,6 +6,9 @@ from pathlib import Path
 from daemon.commands.options import not_negative, positive, whole
 from daemon.fault_schedule import KINDS, faults_of
 
+#: As it stands in the help.
+EXAMPLE = "limbd virtual --link device --trials 5"
+
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the options of the command."""

@@ -9,6 +9,9 @@ from daemon.commands.options import add_device_options, given, not_negative
 #: A few stretches to compare, and what is kept in memory.
 _SHORTEST_S, _LONGEST_S = 0.5, 60.0
 
+#: As it stands in the help.
+EXAMPLE = "limbd zero --port /dev/ttyUSB0 --arm my-arm.toml"
+
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the options of the command."""

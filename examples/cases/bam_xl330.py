@@ -21,7 +21,8 @@ from examples.cases.case_page import DATA, DOCS, FigureTable, Page, Story, write
 from examples.cases.motion_search import MOST, causes_told, name_of, search
 from fitter.report.diagnosis_figures import AFTER, BEFORE
 from fitter.report.figures import MEASURED, png
-from limbcal.command import Document, Parser, common_options, run_command
+from limbcal.arguments import Parser, common_options
+from limbcal.command import Document, run_command
 from limbcal.errors import DataError
 
 FOLDER = "bam_xl330"

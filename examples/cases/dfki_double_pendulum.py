@@ -23,7 +23,8 @@ from fitter.data.columns import parse_mapping
 from fitter.data.motions import Measured, read_motions
 from fitter.data.trials import Trial, to_trials
 from fitter.report.diagnosis_words import candidate_name
-from limbcal.command import Document, Parser, common_options, run_command
+from limbcal.arguments import Parser, common_options
+from limbcal.command import Document, run_command
 from limbcal.errors import DataError
 
 ARMS = Path(__file__).parent.parent

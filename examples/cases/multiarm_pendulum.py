@@ -22,7 +22,8 @@ from fitter.data.trials import Trial
 from fitter.dynamics.evaluation import motion_error
 from fitter.report.diagnosis_figures import AFTER, BEFORE
 from fitter.report.figures import png
-from limbcal.command import Document, Parser, common_options, run_command
+from limbcal.arguments import Parser, common_options
+from limbcal.command import Document, run_command
 
 ARMS = Path(__file__).parent.parent
 #: What may be missing, and where the search for its numbers starts: a torque of some 1e-4 N m at 5 rad/s.

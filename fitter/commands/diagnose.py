@@ -19,11 +19,14 @@ from fitter.data.sources import RECORDINGS, expand
 from fitter.diagnosis.diagnosis import diagnose
 from fitter.diagnosis.finding import Finding, NamedCause
 from fitter.report.diagnosis_report import write_diagnosis
-from limbcal.command import Document, console, say
+from limbcal.command import Document, console, show
 from limbcal.errors import ConfigError, DeviceError
 
 #: What the base model can be denied, and how its parameters' names begin.
 _DENIABLE = {"viscous": "D", "coulomb": "fc"}
+
+#: As it stands in the help.
+EXAMPLE = "fitter diagnose learn --evaluate held-back --arm my-arm.toml --out diagnosis"
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -108,23 +111,23 @@ def _say(finding: Finding, out: Path) -> None:
         "none": "Nothing above the noise: the simulation is as good as the data.",
         "unexplained": "The simulation is wrong, and no effect of the catalogue explains it.",
     }
-    say(sentences[finding.verdict])
+    show(sentences[finding.verdict])
     for cause in finding.causes:
-        say(f"  {told(cause)}")
+        show(f"  {told(cause)}")
     for warning in finding.warnings:
-        say(f"but {warning}")
+        show(f"but {warning}")
     if finding.remainder.depends_on:
         variables, formula = ", ".join(finding.remainder.depends_on), finding.remainder.formula
-        say(f"what is left depends on {variables} {formula}".strip())
+        show(f"what is left depends on {variables} {formula}".strip())
     table = Table("on the evaluating trials", "before", "after")
     before, after = finding.before, finding.after
     for j, (was, became) in enumerate(zip(before.torque_rms, after.torque_rms, strict=True)):
         table.add_row(f"torque {j + 1}, rms [N m]", f"{was:.4g}", f"{became:.4g}")
     table.add_row("angle, mean [deg]", f"{before.angle_mean_deg:.3g}", f"{after.angle_mean_deg:.3g}")
     table.add_row("angle, max [deg]", f"{before.angle_max_deg:.3g}", f"{after.angle_max_deg:.3g}")
-    console.print(table)
-    say(f"next: {finding.next_experiment}")
-    say(f"{out / 'report.html'}")
+    show(table)
+    show(f"next: {finding.next_experiment}")
+    show(f"report: {out / 'report.html'}")
 
 
 def told(cause: NamedCause) -> str:

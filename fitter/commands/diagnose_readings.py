@@ -14,7 +14,7 @@ from fitter.data.sources import RECORDINGS, expand
 from fitter.diagnosis.sensors.diagnosis import diagnose_sensors
 from fitter.diagnosis.sensors.finding import SensorCause, SensorFinding
 from fitter.report.sensor_diagnosis import write_sensor_report
-from limbcal.command import Document, console, say, to_json
+from limbcal.command import Document, console, show, to_json
 from limbcal.errors import DataError, DeviceError
 
 _SENTENCES = {
@@ -54,15 +54,15 @@ def diagnose_readings(arm: Arm, learn: Sequence[RawRun], evaluate: Sequence[RawR
         raise DeviceError(f"{out}: cannot be written: {error.strerror}") from error
     save_arm(finding.arm, out / "extended.toml")
     write_sensor_report(finding, [told(cause) for cause in finding.causes], _SENTENCES[finding.verdict], out)
-    say(_SENTENCES[finding.verdict])
+    show(_SENTENCES[finding.verdict])
     for cause in finding.causes:
-        say(f"  {told(cause)}")
+        show(f"  {told(cause)}")
     table = Table("contradiction, rms [m/s^2]", "before", "after")
     for name, was in finding.before.items():
         table.add_row(name, f"{was:.4g}", f"{finding.after[name]:.4g}")
-    console.print(table)
-    say(f"next: {finding.next_experiment}")
-    say(f"{out / 'report.html'}")
+    show(table)
+    show(f"next: {finding.next_experiment}")
+    show(f"report: {out / 'report.html'}")
     return answer
 
 

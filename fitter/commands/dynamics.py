@@ -41,6 +41,9 @@ from limbcal.command import Document, console, say
 from limbcal.errors import ConfigError
 from limbcal.note import of_source
 
+#: As it stands in the help.
+EXAMPLE = "fitter dynamics learn --evaluate held-back --arm my-arm.toml --out calibrated.toml"
+
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Say what `fitter dynamics` takes."""

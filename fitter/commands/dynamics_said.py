@@ -8,7 +8,7 @@ from fitter.dynamics.evaluation import Score
 from fitter.dynamics.identifiability import Identifiability
 from fitter.report.compared import Compared
 from fitter.report.parameter_table import parameter_table
-from limbcal.command import console, say
+from limbcal.command import say, show
 
 _ROLES = {"learn": "learning", "evaluate": "evaluating"}
 
@@ -22,7 +22,7 @@ def say_fit(
 ) -> None:
     """Print the parameters of a fit, how well it does, and what the user should know of it."""
     title = f"{fit.arm.name}: {fit.samples} samples, condition {fit.condition_number:.3g}, by {fit.objective}"
-    console.print(parameter_table(title, fit.parameters, {c.name: c.parameters for c in compared}))
+    show(parameter_table(title, fit.parameters, {c.name: c.parameters for c in compared}))
     _say_scores({"learn": learn, "evaluate": evaluate})
     for sentence in (*fit.notes, *revealed.sentences()):
         say(sentence)
@@ -31,7 +31,7 @@ def say_fit(
 def say_controller(fit: ControllerFit, scores: Mapping[str, Score | None]) -> None:
     """Print gains and parameters, what sets their scale, and whether the law is of this form at all."""
     title = f"{fit.arm.name}: {fit.samples} samples, gains of law {fit.law!r} learnt along"
-    console.print(parameter_table(title, {**fit.gains, **fit.parameters}, {}))
+    show(parameter_table(title, {**fit.gains, **fit.parameters}, {}))
     _say_scores(scores)
     for sentence in (fit.fixed_by, *fit.only_together, fit.law_misfit.sentence, *fit.notes):
         say(sentence)
@@ -45,14 +45,14 @@ def say_compared(compared: object) -> None:
             torque = fields["torque_rms_N_m"][role]
             if torque is not None:
                 said = ", ".join(f"{value:.4g}" for value in torque)
-                say(f"{name}, {title}: torque rms {said} N·m a joint")
+                show(f"{name}, {title}: torque rms {said} N·m a joint")
 
 
 def _say_scores(scores: Mapping[str, Score | None]) -> None:
     for role, s in scores.items():
         if s is not None:
             torque = ", ".join(f"{value:.4g}" for value in s.torque_rms_N_m)
-            say(
+            show(
                 f"{_ROLES[role]}: torque rms {torque} N·m a joint; simulated angle off by "
                 f"{s.angle_mean_deg:.3g}° mean, {s.angle_max_deg:.3g}° max"
             )

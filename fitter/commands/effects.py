@@ -7,7 +7,10 @@ from rich.table import Table
 
 from arm.effects.catalogue import catalogue
 from arm.effects.effect import EffectKind, Parameter
-from limbcal.command import Document, console
+from limbcal.command import Document, show
+
+#: As it stands in the help.
+EXAMPLE = "fitter effects"
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -27,7 +30,7 @@ def list_effects(arguments: argparse.Namespace) -> Document:
             about = f"{kind.sentence}\n[dim]{numbers}[/]"
             others = f"\n[dim]or {', '.join(kind.taken_for)}?[/]" if kind.taken_for else ""
             table.add_row(f"{kind.name}\n[dim]{_acts_on(kind)}[/]", about + others)
-        console.print(table)
+        show(table)
     return {"effects": [_entry(kind) for kind in kinds]}
 
 

@@ -24,8 +24,11 @@ from fitter.data.motion_file import write_motion
 from fitter.excitation.driven import Limits
 from fitter.excitation.information import NOISE
 from fitter.excitation.suggestion import GENERATIONS, POPULATION, Suggestion, suggest
-from limbcal.command import Document, console, say
+from limbcal.command import Document, console, show
 from limbcal.errors import ConfigError
+
+#: As it stands in the help.
+EXAMPLE = "fitter excite --arm my-arm.toml --out reference.csv"
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -140,8 +143,8 @@ def _print(found: Suggestion) -> None:
         table.add_row(
             name, f"{found.values[k]:.4g}", f"{found.suggested.std[k]:.2g}", f"{found.random.std[k]:.2g}"
         )
-    console.print(table)
-    say(
+    show(table)
+    show(
         f"condition {found.suggested.condition_number:.3g}, of random motion {found.random.condition_number:.3g}; "
         f"reaches {_listed(np.rad2deg(found.reached.angle))}°, {_listed(found.reached.speed)} rad/s, "
         f"{_listed(found.reached.torque)} N·m, of at most {_listed(np.rad2deg(found.limits.angle))}°, "

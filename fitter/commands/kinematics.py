@@ -27,9 +27,12 @@ from fitter.kinematics.evaluation import TipScore, tip_score
 from fitter.kinematics.fit import GENERATIONS, KinematicsFit, angle_noise_deg, document, fit_kinematics
 from fitter.report.compared import geometry_by_name
 from fitter.report.parameter_table import parameter_table
-from limbcal.command import Document, console, say
+from limbcal.command import Document, console, say, show
 from limbcal.errors import ConfigError
 from limbcal.note import of_source
+
+#: As it stands in the help.
+EXAMPLE = "fitter kinematics recordings/run.mcap --arm my-arm.toml --out geometry.toml"
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -136,14 +139,14 @@ def _print(
     fit: KinematicsFit, compared: dict[str, dict[str, float]], learn: TipScore, evaluate: TipScore | None
 ) -> None:
     title = f"{fit.arm.name}: {fit.samples} samples, {fit.generations} generations"
-    console.print(parameter_table(title, fit.parameters, compared))
-    say(f"displacements counted from the {'rest at the start' if fit.about == 'rest' else 'mean'}")
-    say(_noise_in_words(fit))
+    show(parameter_table(title, fit.parameters, compared))
+    show(f"displacements counted from the {'rest at the start' if fit.about == 'rest' else 'mean'}")
+    show(_noise_in_words(fit))
     for freedom in fit.gauge:
         say(f"not told: {', '.join(freedom.parameters)}: {freedom.why}")
     for role, s in (("learning", learn), ("evaluating", evaluate)):
         if s is not None:
-            say(f"{role}: tip displacement off by {s.mean_mm:.3g} mm mean, {s.max_mm:.3g} mm max")
+            show(f"{role}: tip displacement off by {s.mean_mm:.3g} mm mean, {s.max_mm:.3g} mm max")
 
 
 def _noise_in_words(fit: KinematicsFit) -> str:

@@ -11,7 +11,7 @@ from fitter.diagnosis.diagnosis import Diagnosis, diagnose
 from fitter.dynamics.learned_torque import target_of
 from fitter.live.calibration import Calibration
 from fitter.report.diagnosis_report import write_diagnosis
-from limbcal.command import Document, say, to_json
+from limbcal.command import Document, say, show, to_json
 from limbcal.errors import DataError, DeviceError, LimbcalError
 from limbcal.note import Note
 
@@ -36,7 +36,7 @@ def live_diagnosis(calibration: Calibration) -> Diagnosis | None:
         say(f"the diagnosis is left out: {error}")
         return None
     effects = ", ".join(cause.effect for cause in found.finding.causes)
-    say(f"diagnosis: {found.finding.verdict}{f' ({effects})' if effects else ''}; {_HINT}")
+    show(f"diagnosis: {found.finding.verdict}{f' ({effects})' if effects else ''}; {_HINT}")
     return found
 
 
@@ -60,7 +60,7 @@ def write_live_diagnosis(found: Diagnosis, out: Path) -> None:
     except OSError as error:
         raise DeviceError(f"{folder}: cannot be made a directory: {error.strerror}") from error
     write_diagnosis(found, folder)
-    say(f"diagnosis: {folder / 'report.html'}")
+    show(f"diagnosis: {folder / 'report.html'}")
 
 
 def _diagnosed(calibration: Calibration) -> Diagnosis:

@@ -10,12 +10,15 @@ from fitter.commands.options import at_least
 from fitter.experiments.experiment import Settings
 from fitter.experiments.reproduction import EXPERIMENTS, Outcome, reproduce
 from fitter.experiments.reproduction_report import document_of, write_report
-from limbcal.command import Document, console, say
+from limbcal.command import Document, console, show
 from limbcal.errors import ConfigError, DeviceError
 
 _ALL = "all"
 #: As many as the experiments are worth parting into.
 _JOBS = 2
+
+#: As it stands in the help.
+EXAMPLE = "fitter reproduce table3 fig7 --out reproduction"
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -58,7 +61,7 @@ def reproduction(arguments: argparse.Namespace) -> Document:
     write_report(outcomes, document, _command(arguments, names), out)
     for outcome in outcomes:
         _print(outcome)
-    say(f"report: {out / 'reproduction.html'}")
+    show(f"report: {out / 'reproduction.html'}")
     for outcome in outcomes:
         if outcome.error is not None:
             raise outcome.error
@@ -96,8 +99,8 @@ def _command(arguments: argparse.Namespace, names: list[str]) -> str:
 def _print(outcome: Outcome) -> None:
     found = outcome.experiment
     if found is None:
-        say(f"{outcome.name}: {outcome.error}")
+        show(f"{outcome.name}: {outcome.error}")
         return
-    say(found.title)
+    show(found.title)
     for sentence in found.findings:
-        say(f"  {sentence}")
+        show(f"  {sentence}")

@@ -12,11 +12,14 @@ from fitter.data.raw import load_raw
 from fitter.report.parameter_table import parameter_table
 from fitter.sensing.sensors import SensorsFit, fit_sensors
 from fitter.sensing.verdict import DOUBTED
-from limbcal.command import Document, console, say
+from limbcal.command import Document, console, say, show
 from limbcal.note import of_source
 from tracking.start import MountingPrior
 
 _PRIOR = MountingPrior()
+
+#: As it stands in the help.
+EXAMPLE = "fitter sensors readings.csv --arm my-arm.toml --out sensed.toml"
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -74,19 +77,19 @@ def sensors(arguments: argparse.Namespace) -> Document:
         )
     save_arm(fit.arm, arguments.out)
     _print(fit)
-    say(f"sensors of {fit.samples} readings -> {arguments.out}")
+    show(f"sensors of {fit.samples} readings -> {arguments.out}")
     return {**fit.document(), "out": str(arguments.out)}
 
 
 def _print(fit: SensorsFit) -> None:
     for sensor, numbers in fit.parameters().items():
-        console.print(parameter_table(f"{fit.arm.name}: {sensor}", numbers, {}))
+        show(parameter_table(f"{fit.arm.name}: {sensor}", numbers, {}))
     found = fit.calibration
     if found.hidden:
-        say("not revealed by this motion:")
+        show("not revealed by this motion:")
         for sentence in found.hidden:
-            say(f"  {sentence}")
-    say(f"{100 * found.doubted:.2g} % of the instants fit no motion of the arm; {found.passes} passes")
+            show(f"  {sentence}")
+    show(f"{100 * found.doubted:.2g} % of the instants fit no motion of the arm; {found.passes} passes")
     if found.doubted > DOUBTED:
         say(
             f"warning: these readings contradict arm {fit.arm.name!r}; check its joints, and whether a sensor is "

@@ -15,12 +15,15 @@ from fitter.data.columns import parse_mapping
 from fitter.data.motion_file import write_motion
 from fitter.data.motions import Measured, read_motions
 from fitter.data.resample import resample
-from limbcal.command import Document, say
+from limbcal.command import Document, say, show
 from limbcal.errors import ConfigError, DataError
 from limbcal.note import of_source
 
 #: The simulation's own step is at most this long [s].
 _LONGEST_STEP_S = 1e-3
+
+#: As it stands in the help.
+EXAMPLE = "fitter simulate --arm calibrated.toml --reference reference.csv --out motion.csv"
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -76,7 +79,7 @@ def simulate_reference(arguments: argparse.Namespace) -> Document:
         )
     write_motion(arguments.out, {name: np.concatenate([part[name] for part in parts]) for name in parts[0]})
     samples = sum(len(part["t"]) for part in parts)
-    say(f"{len(parts)} trial(s), {samples} samples -> {arguments.out}")
+    show(f"{len(parts)} trial(s), {samples} samples -> {arguments.out}")
     return {"out": str(arguments.out), "trials": len(parts), "samples": samples, "scheme": arguments.scheme}
 
 

@@ -32,6 +32,9 @@ DEFAULT_ENDPOINT = "tcp://127.0.0.1:5771"
 _LITTER, _DRAUGHT = 5, 50
 _RENEW_S = 0.25
 
+#: As it stands in the help.
+EXAMPLE = "fitter subscribe --arm my-arm.toml --out calibrated"
+
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Say what `fitter subscribe` takes."""

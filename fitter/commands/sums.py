@@ -9,8 +9,12 @@ from arm.arm_file import load_arm
 from fitter.commands.options import add_arm, add_columns, add_out, at_least, make_room, positive
 from fitter.dynamics.reduction import reduce_trials
 from fitter.dynamics.saved_sums import ArmSums, add_sums, load_sums, save_sums
-from limbcal.command import Document, Parser, console, say
+from limbcal.arguments import Parser
+from limbcal.command import Document, console, say, show
 from limbcal.errors import ConfigError
+
+#: As it stands in the help.
+EXAMPLE = "fitter sums make trials --arm my-arm.toml --out sums.npz"
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -71,7 +75,7 @@ def add(arguments: argparse.Namespace) -> Document:
 
 
 def _document(out: Path, saved: ArmSums) -> dict[str, object]:
-    say(f"{out}: {saved.sums.samples} samples of {len(saved.trials)} trial(s)")
+    show(f"{out}: {saved.sums.samples} samples of {len(saved.trials)} trial(s)")
     return {
         "out": str(out),
         "samples": saved.sums.samples,

@@ -24,9 +24,12 @@ from fitter.data.motion_file import write_motion
 from fitter.data.raw import RawRun, load_raw
 from fitter.sensing.track import Tracked, track_run
 from fitter.sensing.verdict import overall
-from limbcal.command import Document, console, say
+from limbcal.command import Document, console, say, show
 from limbcal.errors import ConfigError
 from limbcal.note import of_source
+
+#: As it stands in the help.
+EXAMPLE = "fitter track readings.csv --arm my-arm.toml --out motion.csv"
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -85,7 +88,7 @@ def track(arguments: argparse.Namespace) -> Document:
         "seconds": seconds,
         **overall([part.verdict for part in tracked], [part.frames for part in tracked]),
     }
-    say(f"{document['frames']} frames in {document['trials']} trial(s) -> {arguments.out}")
+    show(f"{document['frames']} frames in {document['trials']} trial(s) -> {arguments.out}")
     for run, part in zip(runs, tracked, strict=True):
         _warn(run, arm, part)
     return document | _against_truth(tracked)
@@ -119,12 +122,12 @@ def _against_truth(tracked: list[Tracked]) -> dict[str, object]:
         "angle_error_deg": {"mean": per_joint(error.mean(axis=0)), "max": per_joint(error.max(axis=0))}
     }
     said = ", ".join(f"{mean:.3g} / {top:.3g}" for mean, top in zip(error.mean(0), error.max(0), strict=True))
-    say(f"error against the true angles, mean / max a joint [deg]: {said}")
+    show(f"error against the true angles, mean / max a joint [deg]: {said}")
     claims = [part.within_3_std for part in tracked if part.within_3_std is not None]
     if claims:
         share = np.concatenate(claims).mean(axis=0)
         found["within_3_std"] = per_joint(share)
-        say("of it within 3 of its own standard errors: " + ", ".join(f"{100 * part:.4g} %" for part in share))
+        show("of it within 3 of its own standard errors: " + ", ".join(f"{100 * part:.4g} %" for part in share))
     return found
 
 

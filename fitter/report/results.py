@@ -19,7 +19,7 @@ from fitter.report import published
 from fitter.report.compared import Compared, geometry_by_name
 from fitter.report.figures import Comparison, angles_figure, error_figure
 from fitter.report.page import Page, parameter_rows
-from limbcal.command import say, to_json
+from limbcal.command import show, to_json
 from limbcal.errors import DeviceError
 
 Document = dict[str, object]
@@ -56,7 +56,7 @@ def write_results(
         document["dynamics"] = dynamics.document(calibration.dynamics, learn, evaluate)
         for role, s in (("learning", learn), ("evaluating", evaluate)):
             if s is not None:
-                say(f"{role}: simulated angle off by {s.angle_mean_deg:.3g}° mean, {s.angle_max_deg:.3g}° max")
+                show(f"{role}: simulated angle off by {s.angle_mean_deg:.3g}° mean, {s.angle_max_deg:.3g}° max")
     if out is None:
         return document
     try:
@@ -72,7 +72,7 @@ def write_results(
         simulated = [trial.q + motion_error(arm, trial) for trial in trials]
         _write_motions(arm, trials, simulated, out / "motions.npz")
         _write_report(calibration, document, compared, simulated, out / "report.html")
-        say(f"report: {out / 'report.html'}")
+        show(f"report: {out / 'report.html'}")
     return document
 
 

@@ -12,7 +12,7 @@ from typing import TypeVar
 
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 
-from limbcal.command import Document, console, say
+from limbcal.command import Document, console, show
 from limbcal.errors import ConfigError
 from playback.commands.source_options import add_source_arguments, open_source
 from playback.export.sampled import Sampled, sample
@@ -25,6 +25,9 @@ NEEDS = {".glb": "pygltflib", ".gltf": "pygltflib", ".mp4": "imageio_ffmpeg"}
 MAX_RATE_HZ = 1000.0
 MAX_GIF_HZ = 50.0  # browsers show faster ones slowly
 SMALLEST, LARGEST = (320, 180), (3840, 2160)
+
+#: As it stands in the help.
+EXAMPLE = "limbplay export motion.csv --arm calibrated.toml --out motion.glb"
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -70,7 +73,7 @@ def export(arguments: argparse.Namespace) -> Document:
         "size": list(_size(arguments)) if suffix in SIZES else None,
         "bytes": path.stat().st_size,
     }
-    say(f"{path}: {answer['frames']} frames of {motion.title}, trial {motion.trial}, {motion.duration_s:.3f} s")
+    show(f"{path}: {answer['frames']} frames of {motion.title}, trial {motion.trial}, {motion.duration_s:.3f} s")
     return answer
 
 

@@ -5,7 +5,7 @@ from collections.abc import Mapping
 
 import zmq
 
-from limbcal.command import emit, to_json
+from limbcal.command import emit, show, to_json
 from limbcal.errors import ConfigError
 from playback.client import ask
 from playback.commands.serve import DEFAULT_CONTROL
@@ -15,10 +15,13 @@ TIMEOUT_MS = 5000
 #: The option that goes with a command.
 _OPTIONS = {"load": "trial", "seek": "position", "speed": "speed", "loop": "loop", "step": "frames"}
 
+#: As it stands in the help.
+EXAMPLE = "limbplay send pause"
+
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Say what `limbplay send` takes."""
-    parser.add_argument("cmd", choices=tuple(COMMANDS), metavar="CMD", help=", ".join(COMMANDS))
+    parser.add_argument("cmd", choices=tuple(COMMANDS), metavar="COMMAND", help=", ".join(COMMANDS))
     parser.add_argument("--trial", type=int, metavar="N", help="load: the trial")
     parser.add_argument("--position", type=float, metavar="S", help="seek: the place, in seconds")
     parser.add_argument("--speed", type=float, metavar="X", help="speed: 0.1 to 10")
@@ -40,7 +43,7 @@ def send(arguments: argparse.Namespace) -> None:
     if not reply["ok"]:
         raise ConfigError(f"playback refused {arguments.cmd}: {reply.get('error')}")
     if not arguments.json:
-        emit(_words(reply))
+        show(_words(reply))
 
 
 def _value(arguments: argparse.Namespace) -> Value | None:

@@ -27,6 +27,9 @@ DEFAULT_CONTROL = "tcp://127.0.0.1:5773"
 DEFAULT_LIVE = "tcp://127.0.0.1:5770"
 MAX_RATE_HZ = 1000.0
 
+#: As it stands in the help.
+EXAMPLE = "limbplay serve motion.csv --arm calibrated.toml"
+
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Say what `limbplay serve` takes."""

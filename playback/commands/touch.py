@@ -30,6 +30,9 @@ _FIELDS = {
     "max-force": "max_force",
 }
 
+#: As it stands in the help.
+EXAMPLE = "limbplay touch --arm calibrated.toml --device virtual"
+
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Say what `limbplay touch` takes."""

@@ -4,12 +4,15 @@ import argparse
 from importlib import import_module
 from pathlib import Path
 
-from limbcal.command import emit, say, to_json
+from limbcal.command import emit, show, to_json
 from limbcal.errors import ConfigError
 from playback.commands.serve import DEFAULT_CONTROL, DEFAULT_ENDPOINT, DEFAULT_LIVE
 from playback.commands.source_options import DEFAULT_ARM, add_source_arguments
 
 DEFAULT_PORT = 8780
+
+#: As it stands in the help.
+EXAMPLE = "limbplay view motions.npz --arm calibrated.toml --twin calibrated.toml"
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -87,6 +90,6 @@ def view(arguments: argparse.Namespace) -> None:
     def announce(facts: dict[str, object]) -> None:
         if arguments.json:
             emit(to_json(facts))
-        say(f"{facts['arm']}: page at {facts['url']}")
+        show(f"{facts['arm']}: page at {facts['url']}")
 
     session.run(arguments, announce)

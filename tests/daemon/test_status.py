@@ -23,7 +23,7 @@ def test_a_running_daemon_tells_how_it_is(limbd: Limbd, tmp_path: Path, capfd: p
     assert health["connected"] and health["arm"] == "dd-arm"
     assert {alarm["name"] for alarm in health["alarms"]} <= {"behind", "disk"}  # a test machine may be busy
     assert main(["status", "--endpoint", endpoint, "--once"]) == 0
-    said = capfd.readouterr().err
+    said = capfd.readouterr().out
     assert "limbd, arm dd-arm" in said and "connected" in said and "samples" in said
     live = limbd("status", "--endpoint", endpoint, "--json")
     assert live.announcement()["connected"]

@@ -1,19 +1,21 @@
 """The door of every command, in this process and as a process of its own."""
 
+import io
 import json
 import os
 import signal
 import subprocess
 import sys
 import textwrap
-from importlib import import_module
 
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from rich.table import Table
 
-from limbcal.command import Parser, common_options, console, emit, run_command, to_json
+from limbcal.arguments import Parser, common_options
+from limbcal.command import console, emit, run_command, say, show, to_json
 from limbcal.errors import (
     ConfigError,
     DataError,
@@ -90,7 +92,7 @@ def test_debug_shows_where_it_came_from(capsys):
     ("arguments", "words"),
     [
         (["--size", "much"], "limbtest: argument --size: invalid int value: 'much'"),
-        (["--colour"], "limbtest: unrecognized arguments: --colour"),
+        (["--sise", "3"], "limbtest: there is no option --sise; did you mean '--size'?"),
     ],
 )
 def test_wrong_arguments_are_told_like_every_other_mistake(capsys, arguments, words):
@@ -110,9 +112,39 @@ def test_json_is_the_only_thing_on_stdout(capsys):
     assert err == "working\n"
 
 
-def test_without_json_stdout_is_silent(capsys):
+def test_without_json_stdout_holds_no_document(capsys):
     assert run_command(command(lambda _: {"size": 1}), []) == 0
     assert capsys.readouterr() == ("", "")
+
+
+def test_an_answer_is_on_stdout_unless_that_is_the_documents(capsys):
+    def action(_):
+        table = Table("parameter", "value in m")
+        table.add_row("a1", "0.25")
+        show(table)
+        show("[m] of the tip")
+        say("a warning")
+        return {"a1": 0.25}
+
+    assert run_command(command(action), []) == 0
+    out, err = capsys.readouterr()
+    assert "value in m" in out and out.endswith("[m] of the tip\n") and err == "a warning\n"
+    assert run_command(command(action), ["--json"]) == 0
+    out, words = capsys.readouterr()
+    assert json.loads(out) == {"a1": 0.25} and "value in m" in words and words.endswith("a warning\n")
+    show("no command runs")
+    assert capsys.readouterr().out == "no command runs\n"
+
+
+def test_an_answer_that_nobody_can_take_is_a_failure_of_a_device(monkeypatch):
+    class Full(io.StringIO):
+        def flush(self):
+            raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr("sys.stdout", Full())
+    with pytest.raises(DeviceError, match="stdout cannot be written: No space left on device"):
+        show("answer")
+    sys.stdout.close()
 
 
 def test_an_answer_may_be_nothing(capsys):
@@ -142,7 +174,8 @@ def test_a_signal_closes_what_is_open(sent):
     """A process that is told to stop runs its ``finally`` and leaves with 0."""
     program = textwrap.dedent("""
         import sys, time
-        from limbcal.command import Parser, common_options, emit, run_command
+        from limbcal.arguments import Parser, common_options
+        from limbcal.command import emit, run_command
 
         def action(_):
             try:
@@ -214,28 +247,3 @@ def test_numpys_values_are_written_as_numbers():
 def test_emit_writes_a_line(capsys):
     emit("answer")
     assert capsys.readouterr() == ("answer\n", "")
-
-
-@pytest.mark.parametrize("program", ["fitter", "daemon", "playback"])
-def test_only_the_command_that_was_chosen_is_loaded(program: str) -> None:
-    """What somebody who asks for help waits for is no more than the list of commands."""
-    seen = textwrap.dedent(f"""
-        import sys
-        from {program}.__main__ import COMMANDS, main
-        try:
-            main(["--help"])
-        except SystemExit as end:
-            assert end.code == 0
-        loaded = [name for name in COMMANDS if f"{program}.commands.{{name}}" in sys.modules]
-        assert not loaded and "scipy" not in sys.modules, loaded
-        """)
-    subprocess.run([sys.executable, "-c", seen], check=True, capture_output=True)
-
-
-@pytest.mark.parametrize("program", ["fitter", "daemon", "playback"])
-def test_every_command_in_the_list_is_there(program: str) -> None:
-    module = import_module(f"{program}.__main__")
-    for name in module.COMMANDS:
-        with pytest.raises(SystemExit) as end:
-            module.main([name, "--help"])
-        assert end.value.code == 0

@@ -29,7 +29,7 @@ def test_every_effect_has_its_row_and_no_number_is_broken(columns, capsys, monke
     monkeypatch.setenv("COLUMNS", columns)
     assert main(["effects"]) == 0
     shown = capsys.readouterr()
-    assert not shown.out
+    assert not shown.err
     for name in catalogue():
-        assert f" {name} " in shown.err
-    assert "damping_N_m_s [N m s/rad]" in shown.err and "since_s [s], if wanted" in shown.err
+        assert f" {name} " in shown.out
+    assert "damping_N_m_s [N m s/rad]" in shown.out and "since_s [s], if wanted" in shown.out

@@ -32,7 +32,7 @@ def test_sums_are_made_and_added(trial_files, tmp_path, capsys):
     assert is_sums(tmp_path / "c.npz")
     both = tmp_path / "both.npz"
     command = ("sums", "make", learn, other, "--arm", "dd-arm", "--cutoff-hz", 20, "--out", both)
-    assert run(capsys, *command)[:2] == (0, "")
+    assert run(capsys, *command)[:2] == (0, f"{both}: 12625 samples of 3 trial(s)\n")
     assert both.read_bytes() == (tmp_path / "c.npz").read_bytes()
 
 
