@@ -6,7 +6,7 @@ import math
 import os
 import signal
 import sys
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from contextvars import ContextVar
 from types import FrameType
@@ -14,6 +14,7 @@ from types import FrameType
 from rich.console import Console, RenderableType
 
 from limbcal.errors import DeviceError, LimbcalError
+from limbcal.note import Note, sentences
 
 
 class _Stdout(Console):
@@ -69,6 +70,12 @@ def say(sentence: str) -> None:
     console.print(sentence, markup=False, soft_wrap=True)
 
 
+def say_notes(notes: Iterable[Note]) -> None:
+    """Write notes for the person at the terminal to stderr, each sentence once."""
+    for sentence in sentences(notes):
+        say(sentence)
+
+
 @contextmanager
 def _writable() -> Iterator[None]:
     try:
@@ -99,17 +106,32 @@ def _stop(signum: int, _frame: FrameType | None) -> None:
     raise KeyboardInterrupt(signal.Signals(signum).name)
 
 
+def _failed(error: LimbcalError, as_json: bool) -> int:
+    """Say what failed, print what there is all the same, and return the exit code."""
+    for sentence in str(error).splitlines():
+        say(f"error: {sentence}")
+    if error.document is None or not as_json:
+        return error.exit_code
+    try:
+        emit(to_json(error.document))
+    except DeviceError as failure:
+        return _failed(failure, False)
+    return error.exit_code
+
+
 def run_command(parser: argparse.ArgumentParser, argv: list[str] | None) -> int:
     """Parse the arguments, carry out the chosen action and return the exit code.
 
     The parser's namespace must hold ``action``, a function that takes the namespace and returns the JSON
     document of its answer, or None where there is nothing to print. SIGTERM is turned into KeyboardInterrupt
     so that one code path closes files and sockets; a stop that was asked for is a success. What `show` is given
-    goes to stdout, or to stderr where that belongs to the document.
+    goes to stdout, or to stderr where that belongs to the document. An error that carries a document, such as
+    `Unusable`, has it printed all the same.
     """
     arguments = sys.argv[1:] if argv is None else argv
     debug = "--debug" in arguments
     previous = signal.signal(signal.SIGTERM, _stop)
+    namespace: argparse.Namespace | None = None
     try:
         namespace = parser.parse_args(arguments)
         action: Action = namespace.action
@@ -124,9 +146,7 @@ def run_command(parser: argparse.ArgumentParser, argv: list[str] | None) -> int:
     except LimbcalError as error:
         if debug:
             console.print_exception()
-        for sentence in str(error).splitlines():
-            say(f"error: {sentence}")
-        return error.exit_code
+        return _failed(error, namespace is not None and namespace.json)
     except MemoryError as error:
         if debug:
             console.print_exception()

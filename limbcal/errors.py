@@ -6,18 +6,27 @@ LimbcalError
 ├── ProtocolError    a frame or message breaks the protocol               exit 2
 ├── DeviceError      a device, socket or disk failed                      exit 3
 ├── NotIdentifiable  the data cannot answer the question asked            exit 4
-└── NotConverged     the search ended before it found an answer           exit 4
+├── NotConverged     the search ended before it found an answer           exit 4
+└── Unusable         there is an answer, but nobody can act on it         exit 4
 
 The text of an error is one sentence: where (file, line or field), what was found, what was expected.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 
 class LimbcalError(Exception):
-    """Base of everything that limbcal raises on purpose."""
+    """Base of everything that limbcal raises on purpose.
+
+    Attributes
+    ----------
+    exit_code : int
+    document : mapping, optional
+        The JSON document of what there is all the same; ``--json`` prints it before the command ends.
+    """
 
     exit_code = 2
+    document: Mapping[str, object] | None = None
 
 
 class ConfigError(LimbcalError):
@@ -58,3 +67,21 @@ class NotConverged(LimbcalError):  # noqa: N818
     """The search ended before it found an answer."""
 
     exit_code = 4
+
+
+class Unusable(LimbcalError):  # noqa: N818
+    """There is an answer, written and printed, but nobody can act on it.
+
+    Parameters
+    ----------
+    reasons : str or sequence of str
+        One sentence each: what is wrong with the answer, and the likely cause.
+    document : mapping, optional
+        The answer as ``--json`` prints it.
+    """
+
+    exit_code = 4
+
+    def __init__(self, reasons: str | Sequence[str], document: Mapping[str, object] | None = None) -> None:
+        self.document = document
+        super().__init__(reasons if isinstance(reasons, str) else "\n".join(reasons))

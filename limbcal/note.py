@@ -3,6 +3,9 @@
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
 
+#: Sources with the same sentence that are named one by one.
+_NAMED = 3
+
 
 @dataclass(frozen=True)
 class Note:
@@ -58,3 +61,17 @@ def of_source(notes: Iterable[Note], source: str) -> tuple[Note, ...]:
 def documents(notes: Iterable[Note]) -> list[dict[str, object]]:
     """Return the ``notes`` of a command's JSON document: each once, in their order."""
     return [note.document() for note in dict.fromkeys(notes)]
+
+
+def sentences(notes: Iterable[Note]) -> list[str]:
+    """Return what to say of notes: each sentence once, with the sources that share it named together."""
+    sources: dict[str, list[str]] = {}
+    for note in dict.fromkeys(notes):
+        sources.setdefault(note.text, []).append(note.source)
+    return [f"{_listed(names)}: {text}" if any(names) else text for text, names in sources.items()]
+
+
+def _listed(names: list[str]) -> str:
+    if len(names) <= _NAMED:
+        return ", ".join(names)
+    return f"{', '.join(names[: _NAMED - 1])} and {len(names) - _NAMED + 1} more"

@@ -115,7 +115,7 @@ def _say(finding: Finding, out: Path) -> None:
     for cause in finding.causes:
         show(f"  {told(cause)}")
     for warning in finding.warnings:
-        show(f"but {warning}")
+        show(f"but {warning.text}")
     if finding.remainder.depends_on:
         variables, formula = ", ".join(finding.remainder.depends_on), finding.remainder.formula
         show(f"what is left depends on {variables} {formula}".strip())

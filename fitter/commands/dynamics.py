@@ -22,7 +22,7 @@ from fitter.commands.options import (
     make_room,
     positive,
 )
-from fitter.commands.trial_sets import trial_sets
+from fitter.commands.trial_sets import notes_of, trial_sets, with_notes
 from fitter.data.first_rest import REST_SPEED
 from fitter.data.sources import RECORDINGS, expand
 from fitter.data.trials import Role, Trial, load_trials, undriven
@@ -37,9 +37,9 @@ from fitter.dynamics.saved_sums import ArmSums, add_sums, equation_of, is_sums, 
 from fitter.dynamics.structure import structural_parameters
 from fitter.dynamics.torque_search import GENERATIONS, fit_sums
 from fitter.report.compared import load_compared, scores_document
-from limbcal.command import Document, console, say
+from limbcal.command import Document, console, say_notes
 from limbcal.errors import ConfigError
-from limbcal.note import of_source
+from limbcal.note import Note
 
 #: As it stands in the help.
 EXAMPLE = "fitter dynamics learn --evaluate held-back --arm my-arm.toml --out calibrated.toml"
@@ -105,11 +105,10 @@ def dynamics(arguments: argparse.Namespace) -> Document:
     if arguments.no_torque:
         arm = replace(arm, control=Control())
         learn, evaluate = ([undriven(trial) for trial in trials] for trials in (learn, evaluate))
-    for trial in (*learn, *evaluate):
-        for note in of_source(trial.notes, trial.name):
-            say(note.sentence)
+    notes = notes_of((*learn, *evaluate))
+    say_notes(notes)
     if arguments.unknown_gains:
-        return _with_gains(arguments, arm, learn, evaluate)
+        return with_notes(_with_gains(arguments, arm, learn, evaluate), notes)
     fit = _fit(arguments, arm, learn)
     learnt = score(fit.arm, learn, arguments.horizon)
     evaluated = score(fit.arm, evaluate, arguments.horizon) if evaluate else None
@@ -120,7 +119,7 @@ def dynamics(arguments: argparse.Namespace) -> Document:
     if compared:
         answer["compared"] = {c.name: c.document(learn, evaluate, arguments.horizon) for c in compared}
         say_compared(answer["compared"])
-    return answer
+    return with_notes(answer, notes)
 
 
 def _fit(arguments: argparse.Namespace, arm: Arm, learn: Sequence[Trial]) -> DynamicsFit:
@@ -153,7 +152,7 @@ def _from_sums(arguments: argparse.Namespace, arm: Arm) -> Document:
     """Learn from sums, saved ones or those of many files, without ever holding the motion itself."""
     if arguments.objective not in ("auto", "torque") or arguments.unknown_gains or arguments.no_torque:
         raise ConfigError("sums know of the torque only: expected --objective torque, and no other way to learn")
-    saved, evaluate = _sums(arguments, arm), []
+    (saved, notes), evaluate = _sums(arguments, arm), []
     if arguments.evaluate:
         evaluate = load_trials(
             arguments.evaluate,
@@ -184,15 +183,15 @@ def _from_sums(arguments: argparse.Namespace, arm: Arm) -> Document:
     rms = answer["torque_rms_N_m"]
     assert isinstance(rms, dict)
     rms["learn"] = saved.sums.rms(values).tolist()
-    return answer
+    return with_notes(answer, (*notes, *notes_of(evaluate)))
 
 
-def _sums(arguments: argparse.Namespace, arm: Arm) -> ArmSums:
+def _sums(arguments: argparse.Namespace, arm: Arm) -> tuple[ArmSums, tuple[Note, ...]]:
     held = [is_sums(path) for path in arguments.learn]
     if all(held):
         saved = add_sums([load_sums(path) for path in arguments.learn], [str(path) for path in arguments.learn])
         saved.require(equation_of(arm, REST_SPEED), str(arguments.learn[0]))
-        return saved
+        return saved, ()
     if any(held):
         raise ConfigError(f"{arguments.learn[held.index(True)]}: sums among motions, expected one or the other")
     with Progress(console=console, transient=True) as progress:
@@ -207,9 +206,8 @@ def _sums(arguments: argparse.Namespace, arm: Arm) -> ArmSums:
             dask=arguments.dask,
             progress=lambda done, files: progress.update(task, completed=done, total=files),
         )
-    for note in reduction.notes:
-        say(note)
-    return reduction.saved
+    say_notes(reduction.notes)
+    return reduction.saved, reduction.notes
 
 
 def _with_gains(

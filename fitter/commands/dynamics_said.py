@@ -9,6 +9,7 @@ from fitter.dynamics.identifiability import Identifiability
 from fitter.report.compared import Compared
 from fitter.report.parameter_table import parameter_table
 from limbcal.command import say, show
+from limbcal.note import sentences
 
 _ROLES = {"learn": "learning", "evaluate": "evaluating"}
 
@@ -24,7 +25,7 @@ def say_fit(
     title = f"{fit.arm.name}: {fit.samples} samples, condition {fit.condition_number:.3g}, by {fit.objective}"
     show(parameter_table(title, fit.parameters, {c.name: c.parameters for c in compared}))
     _say_scores({"learn": learn, "evaluate": evaluate})
-    for sentence in (*fit.notes, *revealed.sentences()):
+    for sentence in (*sentences(fit.notes), *revealed.sentences()):
         say(sentence)
 
 
@@ -33,7 +34,7 @@ def say_controller(fit: ControllerFit, scores: Mapping[str, Score | None]) -> No
     title = f"{fit.arm.name}: {fit.samples} samples, gains of law {fit.law!r} learnt along"
     show(parameter_table(title, {**fit.gains, **fit.parameters}, {}))
     _say_scores(scores)
-    for sentence in (fit.fixed_by, *fit.only_together, fit.law_misfit.sentence, *fit.notes):
+    for sentence in (fit.fixed_by, *fit.only_together, fit.law_misfit.sentence, *sentences(fit.notes)):
         say(sentence)
 
 

@@ -20,16 +20,16 @@ from fitter.commands.options import (
     joint_values,
     make_room,
 )
-from fitter.commands.trial_sets import trial_sets
+from fitter.commands.trial_sets import notes_of, trial_sets
 from fitter.data.measured_tip import with_measured_tip
 from fitter.data.trials import Role, Trial, load_trials
 from fitter.kinematics.evaluation import TipScore, tip_score
 from fitter.kinematics.fit import GENERATIONS, KinematicsFit, angle_noise_deg, document, fit_kinematics
 from fitter.report.compared import geometry_by_name
 from fitter.report.parameter_table import parameter_table
-from limbcal.command import Document, console, say, show
+from limbcal.command import Document, console, say, say_notes, show
 from limbcal.errors import ConfigError
-from limbcal.note import of_source
+from limbcal.note import documents
 
 #: As it stands in the help.
 EXAMPLE = "fitter kinematics recordings/run.mcap --arm my-arm.toml --out geometry.toml"
@@ -96,7 +96,7 @@ def kinematics(arguments: argparse.Namespace) -> Document:
     evaluated = tip_score(fit.arm, evaluate, fit.about) if evaluate else None
     save_arm(fit.arm, arguments.out)
     _print(fit, compared, learnt, evaluated)
-    answer = document(fit, learnt, evaluated)
+    answer = document(fit, learnt, evaluated) | {"notes": documents(notes_of((*learn, *evaluate)))}
     if compared:
         answer["compared"] = compared
     return answer
@@ -128,9 +128,7 @@ def _trials(arguments: argparse.Namespace, arm: Arm) -> tuple[list[Trial], list[
         )
 
     learn, evaluate = trial_sets(load, arguments.data, arguments.evaluate)
-    for trial in (*learn, *evaluate):
-        for note in of_source(trial.notes, trial.name):
-            say(note.sentence)
+    say_notes(notes_of((*learn, *evaluate)))
     with_tip = [[with_measured_tip(arm, trial) for trial in trials] for trials in (learn, evaluate)]
     return with_tip[0], with_tip[1]
 

@@ -12,8 +12,8 @@ from fitter.data.raw import load_raw
 from fitter.report.parameter_table import parameter_table
 from fitter.sensing.sensors import SensorsFit, fit_sensors
 from fitter.sensing.verdict import DOUBTED
-from limbcal.command import Document, console, say, show
-from limbcal.note import of_source
+from limbcal.command import Document, console, say, say_notes, show
+from limbcal.note import documents, of_source
 from tracking.start import MountingPrior
 
 _PRIOR = MountingPrior()
@@ -61,9 +61,8 @@ def sensors(arguments: argparse.Namespace) -> Document:
         arguments.scale_std, float(np.deg2rad(arguments.turn_std_deg)), 1e-3 * arguments.place_std_mm
     )
     make_room(arguments.out)
-    for run in runs:
-        for note in of_source(run.notes, run.name):
-            say(note.sentence)
+    notes = [note for run in runs for note in of_source(run.notes, run.name)]
+    say_notes(notes)
     columns = (SpinnerColumn(), TextColumn("{task.description}"), TimeElapsedColumn())
     with Progress(*columns, console=console, transient=True) as progress:
         task = progress.add_task("filtering", total=None)
@@ -78,7 +77,7 @@ def sensors(arguments: argparse.Namespace) -> Document:
     save_arm(fit.arm, arguments.out)
     _print(fit)
     show(f"sensors of {fit.samples} readings -> {arguments.out}")
-    return {**fit.document(), "out": str(arguments.out)}
+    return {**fit.document(), "out": str(arguments.out), "notes": documents(notes)}
 
 
 def _print(fit: SensorsFit) -> None:

@@ -15,9 +15,9 @@ from fitter.data.columns import parse_mapping
 from fitter.data.motion_file import write_motion
 from fitter.data.motions import Measured, read_motions
 from fitter.data.resample import resample
-from limbcal.command import Document, say, show
+from limbcal.command import Document, say_notes, show
 from limbcal.errors import ConfigError, DataError
-from limbcal.note import of_source
+from limbcal.note import Note, documents, of_source
 
 #: The simulation's own step is at most this long [s].
 _LONGEST_STEP_S = 1e-3
@@ -56,10 +56,10 @@ def simulate_reference(arguments: argparse.Namespace) -> Document:
     trials = read_motions(arguments.reference, arm.n_joint, mapping, arguments.rate_hz, required=(role,))
     make_room(arguments.out, MOTION_SUFFIXES)
     parts: list[dict[str, NDArray[np.generic]]] = []
+    notes: list[Note] = []
     for number, measured in enumerate(trials, 1):
         trial = resample(measured, arguments.rate_hz)
-        for note in of_source(trial.measured.notes, measured.name):
-            say(note.sentence)
+        notes += of_source(trial.measured.notes, measured.name)
         given = arguments.initial_q
         q0 = _start(trial.measured, arm) if given is None else joint_values(given, arm, "--initial-q")
         place = float(measured.t[0]), _number(measured, number)
@@ -79,8 +79,15 @@ def simulate_reference(arguments: argparse.Namespace) -> Document:
         )
     write_motion(arguments.out, {name: np.concatenate([part[name] for part in parts]) for name in parts[0]})
     samples = sum(len(part["t"]) for part in parts)
+    say_notes(notes)
     show(f"{len(parts)} trial(s), {samples} samples -> {arguments.out}")
-    return {"out": str(arguments.out), "trials": len(parts), "samples": samples, "scheme": arguments.scheme}
+    return {
+        "out": str(arguments.out),
+        "trials": len(parts),
+        "samples": samples,
+        "scheme": arguments.scheme,
+        "notes": documents(notes),
+    }
 
 
 def _start(measured: Measured, arm: Arm) -> Floats:

@@ -18,7 +18,7 @@ from fitter.live.progress_message import dynamics_fields, kinematics_fields
 from fitter.live.stream import MotionAssembler
 from fitter.report.compared import load_compared
 from fitter.report.results import write_results
-from limbcal.command import Document, console, say
+from limbcal.command import Document, console, say, say_notes
 from limbcal.errors import ConfigError, DataError, DeviceError, LimbcalError, NotIdentifiable
 from limbcal.note import of_source
 from protocol.curve import gate_of, load_client_key
@@ -214,8 +214,7 @@ class _Session:
         except DataError as error:
             say(f"{motion.name} is left out: {error}")
             return
-        for note in of_source(trial.notes, trial.name):
-            say(note.sentence)
+        say_notes(of_source(trial.notes, trial.name))
         if trial.role == "evaluate":
             say(f"{trial.name}: {trial.t[-1]:.2f} s, kept for evaluation")
             return

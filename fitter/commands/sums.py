@@ -10,8 +10,9 @@ from fitter.commands.options import add_arm, add_columns, add_out, at_least, mak
 from fitter.dynamics.reduction import reduce_trials
 from fitter.dynamics.saved_sums import ArmSums, add_sums, load_sums, save_sums
 from limbcal.arguments import Parser
-from limbcal.command import Document, console, say, show
+from limbcal.command import Document, console, say_notes, show
 from limbcal.errors import ConfigError
+from limbcal.note import documents
 
 #: As it stands in the help.
 EXAMPLE = "fitter sums make trials --arm my-arm.toml --out sums.npz"
@@ -55,11 +56,10 @@ def make(arguments: argparse.Namespace) -> Document:
             dask=arguments.dask,
             progress=lambda done, files: progress.update(task, completed=done, total=files),
         )
-    for note in reduction.notes:
-        say(note)
+    say_notes(reduction.notes)
     save_sums(arguments.out, reduction.saved)
     corners = {"cutoff_hz": reduction.cutoff_hz, "band_hz": reduction.band_hz}
-    return _document(arguments.out, reduction.saved) | corners | {"notes": list(reduction.notes)}
+    return _document(arguments.out, reduction.saved) | corners | {"notes": documents(reduction.notes)}
 
 
 def add(arguments: argparse.Namespace) -> Document:

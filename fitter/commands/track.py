@@ -24,9 +24,9 @@ from fitter.data.motion_file import write_motion
 from fitter.data.raw import RawRun, load_raw
 from fitter.sensing.track import Tracked, track_run
 from fitter.sensing.verdict import overall
-from limbcal.command import Document, console, say, show
+from limbcal.command import Document, console, say, say_notes, show
 from limbcal.errors import ConfigError
-from limbcal.note import of_source
+from limbcal.note import documents, of_source
 
 #: As it stands in the help.
 EXAMPLE = "fitter track readings.csv --arm my-arm.toml --out motion.csv"
@@ -75,9 +75,9 @@ def track(arguments: argparse.Namespace) -> Document:
     began = time.perf_counter()
     for run in progress(runs, "tracking", console=console, transient=True):
         tracked.append(track_run(run, arm, q0, arguments.frame_rate_hz, method, zero or "each-rest"))
-        for note in of_source(run.notes, run.name):
-            say(note.sentence)
     seconds = time.perf_counter() - began
+    notes = [note for run in runs for note in of_source(run.notes, run.name)]
+    say_notes(notes)
     write_motion(arguments.out, _joined(tracked))
     document: dict[str, object] = {
         "method": method,
@@ -87,6 +87,7 @@ def track(arguments: argparse.Namespace) -> Document:
         "lost_samples": sum(run.lost for run in runs),
         "seconds": seconds,
         **overall([part.verdict for part in tracked], [part.frames for part in tracked]),
+        "notes": documents(notes),
     }
     show(f"{document['frames']} frames in {document['trials']} trial(s) -> {arguments.out}")
     for run, part in zip(runs, tracked, strict=True):

@@ -1,12 +1,13 @@
 """The trials to learn from and those held back: never mixed."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 
 from fitter.data.sources import expand
 from fitter.data.trials import Role, Trial
 from limbcal.errors import ConfigError
+from limbcal.note import Note, documents, of_source
 
 #: Reads trials of one role, or all, with the corners of two filters where these are chosen already.
 Load = Callable[[Sequence[Path], Role | None, tuple[float, float] | None], list[Trial]]
@@ -43,6 +44,18 @@ def trial_sets(load: Load, learn: Sequence[Path], evaluate: Sequence[Path]) -> t
     cutoff_hz, band_hz = _filters(trials)
     # Frames come with their derivatives: nothing in them was filtered yet.
     return trials, [replace(trial, cutoff_hz=cutoff_hz, band_hz=band_hz) for trial in held_back]
+
+
+def notes_of(trials: Sequence[Trial]) -> tuple[Note, ...]:
+    """Return the notes of trials, each with the trial's name as its source."""
+    return tuple(note for trial in trials for note in of_source(trial.notes, trial.name))
+
+
+def with_notes(answer: Mapping[str, object], notes: Sequence[Note]) -> dict[str, object]:
+    """Return a JSON document with the notes of the data before those of the answer itself."""
+    own = answer.get("notes", [])
+    assert isinstance(own, list)
+    return {**answer, "notes": [*documents(notes), *own]}
 
 
 def _filters(trials: Sequence[Trial]) -> tuple[float, float]:

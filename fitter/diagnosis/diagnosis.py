@@ -26,6 +26,7 @@ from fitter.diagnosis.telling import finding_of
 from fitter.diagnosis.unseen import UNSEEN, shows_only_where_it_is_judged
 from fitter.dynamics.structure import structural_parameters
 from limbcal.errors import DataError, NotIdentifiable
+from limbcal.note import Note
 
 Progress = Callable[[str, float], None]
 
@@ -110,7 +111,7 @@ def diagnose(
     finding = finding_of(regression, come_to, motions)
     unseen = regression.learns_from_all and come_to.search.causes
     warnings = chatter(arm, [*learning, *evaluating]) + ([UNSEEN] if unseen else [])
-    finding = replace(finding, warnings=tuple(warnings))
+    finding = replace(finding, warnings=tuple(Note("doubt", warning) for warning in warnings))
     say("done", 1.0)
     return Diagnosis(finding, regression, come_to.search, motions, come_to.final)
 

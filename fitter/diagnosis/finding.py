@@ -8,6 +8,7 @@ from arm.model import Arm
 from fitter.diagnosis.judgement import Errors, Gain
 from fitter.diagnosis.unknown import Remainder
 from fitter.search.fitted_parameter import FittedParameter
+from limbcal.note import Note, documents
 
 Verdict = Literal["named", "ambiguous", "none", "unexplained"]
 
@@ -91,9 +92,10 @@ class Finding:
         The causes' share of it.
     base_arm, arm : Arm
         Learnt without, and with the causes.
-    warnings : sequence of str
+    warnings : sequence of Note
         What makes less of the verdict than it says.
-    notes : sequence of str
+    notes : sequence of Note
+        What was done to the data.
     suspected : sequence of effect and joints
         What explains much of it, but not enough to be named.
     """
@@ -111,8 +113,8 @@ class Finding:
     explained: float
     base_arm: Arm
     arm: Arm
-    warnings: Sequence[str] = ()
-    notes: Sequence[str] = ()
+    warnings: Sequence[Note] = ()
+    notes: Sequence[Note] = ()
     suspected: Sequence[tuple[str, tuple[int, ...]]] = ()
 
     def document(self) -> dict[str, object]:
@@ -136,5 +138,5 @@ class Finding:
             },
             "structure": {"beyond_noise": self.structure, "explained": self.explained},
             "suspected": [{"effect": effect, "joints": list(joints)} for effect, joints in self.suspected],
-            "notes": [*self.warnings, *self.notes],
+            "notes": documents([*self.warnings, *self.notes]),
         }

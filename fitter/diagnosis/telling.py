@@ -19,6 +19,7 @@ from fitter.diagnosis.regression import Regression
 from fitter.diagnosis.screening import Candidate
 from fitter.diagnosis.search import Search
 from fitter.search.fitted_parameter import FittedParameter
+from limbcal.note import of_source
 
 
 def finding_of(regression: Regression, come_to: Conclusion, motions: Sequence[Motion]) -> Finding:
@@ -64,7 +65,7 @@ def finding_of(regression: Regression, come_to: Conclusion, motions: Sequence[Mo
         explained=search.explained,
         base_arm=base_arm,
         arm=extended,
-        notes=sorted({note.text for motion in motions for note in motion.trial.notes}),
+        notes=[note for motion in motions for note in of_source(motion.trial.notes, motion.trial.name)],
         suspected=suspected,
     )
 

@@ -9,11 +9,12 @@ from fitter.dynamics.dynamics_fit import DynamicsFit
 from fitter.dynamics.physical import Violation, physical_optimum, violations
 from fitter.dynamics.torque_problem import TorqueProblem, torque_problem
 from fitter.dynamics.torque_search import assembled
+from limbcal.note import Note
 
 
 def with_warnings(fit: DynamicsFit) -> DynamicsFit:
     """Return the fit with a note for each parameter that no arm can have."""
-    return replace(fit, notes=(*fit.notes, *(found.sentence for found in _violations(fit))))
+    return replace(fit, notes=(*fit.notes, *(Note("impossible", found.sentence) for found in _violations(fit))))
 
 
 def made_possible(fit: DynamicsFit) -> DynamicsFit:
@@ -30,7 +31,7 @@ def made_possible(fit: DynamicsFit) -> DynamicsFit:
     fit = assembled(fit, genes)
     moved = ", ".join(f"{v.name} from {v.value:.4g}" for v in found)
     possible = replace(arm, base_parameters=fit.arm.base_parameters)
-    note = f"moved to what masses and friction can be: {moved}"
+    note = Note("impossible", f"moved to what masses and friction can be: {moved}")
     return replace(fit, arm=possible, notes=(*fit.notes, note))
 
 

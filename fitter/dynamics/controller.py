@@ -25,6 +25,7 @@ from fitter.dynamics.torque_factor import put_to_torque
 from fitter.dynamics.wider_band import with_wider_band
 from fitter.search.fitted_parameter import FittedParameter
 from limbcal.errors import ConfigError, DataError, NotIdentifiable
+from limbcal.note import Note, documents
 
 _BIASED = (
     "the simulated motion could not follow the measured one; these are the values of least squares, which noise "
@@ -55,7 +56,7 @@ class ControllerFit:
     samples : int
     converged : bool
         False where the simulated motion led nowhere: then these are values of least squares, drawn in by noise.
-    notes : tuple of str
+    notes : tuple of Note
     """
 
     arm: Arm
@@ -68,7 +69,7 @@ class ControllerFit:
     forms: tuple[LawForm, ...]
     samples: int
     converged: bool
-    notes: tuple[str, ...] = ()
+    notes: tuple[Note, ...] = ()
 
 
 def fit_controller(
@@ -138,7 +139,7 @@ def fit_controller(
         fits[law] = put_to_torque(fits[law], Instruments(arm, base, columns), trials)
     forms: dict[Law, LawForm] = {name: law_form(fits[name], gram) for name in GAINS if name in fits}
     fit = fits[law]
-    notes = () if fit.converged else (_BIASED,)
+    notes = () if fit.converged else (Note("search", _BIASED),)
     parameters = _parameters(fit)
     return ControllerFit(
         arm=_learnt_arm(arm, base, fit, parameters),
@@ -179,7 +180,7 @@ def document(fit: ControllerFit) -> dict[str, object]:
         },
         "samples": fit.samples,
         "converged": fit.converged,
-        "notes": list(fit.notes),
+        "notes": documents(fit.notes),
     }
 
 

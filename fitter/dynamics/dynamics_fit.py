@@ -9,6 +9,7 @@ from arm.model import Arm, Floats
 from fitter.dynamics.evaluation import Score
 from fitter.dynamics.torque_problem import TorqueProblem
 from fitter.search.fitted_parameter import FittedParameter
+from limbcal.note import Note, documents
 
 Method = Literal["ga", "least-squares"]
 #: What is made small: eq. (9) as printed; with joints weighted by their noise; with outliers drawn in as well; or
@@ -39,7 +40,7 @@ class DynamicsFit:
         The torque's small least-squares problem: what is free, what is revealed.
     covariance : (n_free, n_free)
         Of the free parameters; NaN where the data is too short to tell.
-    notes : tuple of str
+    notes : tuple of Note
         What the user should know of this answer.
     """
 
@@ -56,7 +57,7 @@ class DynamicsFit:
     base: BaseParameters
     problem: TorqueProblem
     covariance: Floats
-    notes: tuple[str, ...] = ()
+    notes: tuple[Note, ...] = ()
 
 
 def document(fit: DynamicsFit, learn: Score | None, evaluate: Score | None = None) -> dict[str, object]:
@@ -83,5 +84,5 @@ def document(fit: DynamicsFit, learn: Score | None, evaluate: Score | None = Non
         "objective": fit.objective,
         "ci95": {name: parameter.ci95 for name, parameter in fit.parameters.items()},
         "angle_rms_deg": {role: s and s.angle_rms_deg for role, s in scores.items()},
-        "notes": list(fit.notes),
+        "notes": documents(fit.notes),
     }

@@ -23,6 +23,7 @@ from fitter.dynamics.torque_search import GENERATIONS, Progress, fit_sums
 from fitter.dynamics.torque_sums import TorqueSums, add_up
 from fitter.dynamics.trial_sums import trial_sums
 from limbcal.errors import DataError
+from limbcal.note import Note
 
 #: Outliers are drawn in until no parameter moves by more than this share of its standard error.
 _SETTLED = 1e-3
@@ -94,7 +95,7 @@ def fit_dynamics(
         raise DataError("no learning trial; expected at least one")
     start, base = clock(), structural_parameters(arm)
     sums = add_up([trial_sums(arm, base, trial, rest_speed) for trial in learn])
-    notes: tuple[str, ...] = ()
+    notes: tuple[Note, ...] = ()
     if objective in ("weighted", "robust"):
         sums, notes = _reweighted(arm, base, learn, sums, fixed or {}, objective)
     fit = fit_sums(
@@ -128,7 +129,7 @@ def with_break_away(fit: DynamicsFit, trials: Sequence[Trial]) -> DynamicsFit:
         for joint, one in zip(fit.arm.joints, found, strict=True)
     )
     learnt = {f"F{i + 1}": one.parameter for i, one in enumerate(found)}
-    notes = (*fit.notes, *(one.why for one in found))
+    notes = (*fit.notes, *(Note("static_friction", one.why) for one in found))
     return replace(fit, arm=replace(fit.arm, joints=joints), parameters={**fit.parameters, **learnt}, notes=notes)
 
 
@@ -139,7 +140,7 @@ def _reweighted(
     sums: TorqueSums,
     fixed: Mapping[str, float],
     objective: Objective,
-) -> tuple[TorqueSums, tuple[str, ...]]:
+) -> tuple[TorqueSums, tuple[Note, ...]]:
     """Return sums with joints in units of their noise and, if asked for, outliers drawn in."""
     prior = base.combination @ standard_parameters(arm)
     held = {base.names.index(name): value for name, value in fixed.items() if name in base.names}
@@ -155,4 +156,5 @@ def _reweighted(
         if np.all(np.abs(values - before)[problem.free] <= _SETTLED * std):
             break
     share = ", ".join(f"{100 * bent:.2g} %" for bent in pseudo.bent)
-    return pseudo.sums, (f"outlying torques drawn in: {share} of the samples a joint",)
+    said = f"outlying torques drawn in: {share} of the samples a joint"
+    return pseudo.sums, (Note("outliers", said),)

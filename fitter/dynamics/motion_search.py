@@ -11,6 +11,7 @@ from fitter.dynamics.output_error import fit_motion
 from fitter.dynamics.shooting import Shooting, finest_needed
 from fitter.dynamics.stretches import LONGEST_STEP_S, Stretch, stretches
 from fitter.dynamics.torque_search import assembled
+from limbcal.note import Note
 
 
 def polished_by_motion(
@@ -47,7 +48,7 @@ def polished_by_motion(
     step_s = finest_needed(shooting, cut, problem.complete(x0), LONGEST_STEP_S)
     found = fit_motion(shooting, cut(step_s), problem.complete, x0, np.abs(problem.bounds()[1]), progress)
     if not found.converged:
-        note = "the simulated motion could not be fitted; these are the parameters of the torque fit"
-        return replace(fit, notes=(*fit.notes, note))
+        said = "the simulated motion could not be fitted; these are the parameters of the torque fit"
+        return replace(fit, notes=(*fit.notes, Note("search", said)))
     fit = replace(fit, objective="motion", covariance=found.covariance, cost=float(problem.cost(found.x[None])[0]))
     return assembled(fit, found.x)

@@ -36,13 +36,13 @@ class Reduced:
         Of its learning trials in the file's order; None if it holds evaluating ones only.
     trials : tuple of str
         Their names.
-    notes : tuple of str
-        What was done to each, in words.
+    notes : tuple of Note
+        What was done to each.
     """
 
     sums: TorqueSums | None
     trials: tuple[str, ...]
-    notes: tuple[str, ...]
+    notes: tuple[Note, ...]
 
 
 @dataclass(frozen=True)
@@ -54,13 +54,13 @@ class Reduction:
     saved : ArmSums
     cutoff_hz, band_hz : float
         The corners of both filters; infinite where nothing was filtered.
-    notes : tuple of str
+    notes : tuple of Note
     """
 
     saved: ArmSums
     cutoff_hz: float
     band_hz: float
-    notes: tuple[str, ...]
+    notes: tuple[Note, ...]
 
 
 def reduce_trials(
@@ -104,11 +104,12 @@ def reduce_trials(
     """
     parse_mapping(columns, arm.n_joint)
     equation, files = equation_of(arm, rest_speed), [path.absolute() for path in expand(sources)]
-    notes: list[str] = []
+    notes: list[Note] = []
     if cutoff_hz is None:
         cutoff_hz, samples = find_corner_hz(files, arm.n_joint, columns, rate_hz)
         if samples is not None:
-            notes.append(f"the corner of {cutoff_hz:.4g} Hz was found in the first {samples} samples")
+            said = f"the corner of {cutoff_hz:.4g} Hz was found in the first {samples} samples"
+            notes.append(Note("filtered", said))
     reading = Reading(columns, rate_hz, cutoff_hz, FIT_CORNER * cutoff_hz)
     parts: list[TorqueSums] = []
     trials: list[str] = []
@@ -138,14 +139,14 @@ def reduce_file(arm: Arm, rest_speed: float, reading: Reading, path: Path) -> Re
     base = structural_parameters(arm)
     parts: list[TorqueSums] = []
     trials: list[str] = []
-    notes: list[str] = []
+    notes: list[Note] = []
     long: RunningSums | None = None
     for stretch in stretches_of(path, arm.n_joint, reading):
         if stretch.whole:
             for trial in to_trials([stretch.motion], reading.rate_hz, reading.cutoff_hz, reading.band_hz):
                 parts.append(trial_sums(arm, base, trial, rest_speed))
                 trials.append(trial.name)
-                notes += [note.sentence for note in of_source(trial.notes, trial.name)]
+                notes += of_source(trial.notes, trial.name)
             continue
         if long is None:
             long = RunningSums(arm.n_joint, len(base.independent))
@@ -153,7 +154,7 @@ def reduce_file(arm: Arm, rest_speed: float, reading: Reading, path: Path) -> Re
         if stretch.ends:
             parts.append(finished(long))
             trials.append(stretch.motion.name)
-            notes += [note.sentence for note in of_source(said, stretch.motion.name)]
+            notes += of_source(said, stretch.motion.name)
             long = None
     return Reduced(add_up(parts) if parts else None, tuple(trials), tuple(notes))
 
@@ -161,7 +162,7 @@ def reduce_file(arm: Arm, rest_speed: float, reading: Reading, path: Path) -> Re
 def _add(
     long: RunningSums, arm: Arm, base: BaseParameters, rest_speed: float, reading: Reading, stretch: Stretch
 ) -> tuple[Note, ...]:
-    """Add what counts of a stretch, and return what was done to it, in words."""
+    """Add what counts of a stretch, and return what was done to it."""
     trial = derive(Uniform(stretch.motion, stretch.step_s), reading.cutoff_hz, reading.band_hz)
     if has_unknown_target(arm, trial):
         raise DataError(

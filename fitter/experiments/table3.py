@@ -25,6 +25,7 @@ from fitter.experiments.parameter_rows import (
 )
 from fitter.report.published import PARAMETERS, SAMPLES, TABLE3, TRUE
 from fitter.search.fitted_parameter import NORMAL_95
+from limbcal.note import documents
 
 POPULATION = 100
 _QUICK_SAMPLES = 5_000
@@ -166,7 +167,7 @@ def _numbers(row: Row, true: Mapping[str, float]) -> dict[str, object]:
                 "parameters": numbers(fit.parameters),
                 "worst_inertial_percent": worst_inertial_percent(fit.parameters, true),
                 "outside_own_interval": outside(fit.parameters, true),
-                "notes": list(fit.notes),
+                "notes": documents(fit.notes),
             }
             for name, fit in row.fits.items()
         },

@@ -19,6 +19,7 @@ from fitter.experiments.parameter_rows import (
     worst_inertial_percent,
 )
 from fitter.report.published import PARAMETERS, TABLE6, TRUE
+from limbcal.note import documents
 
 POPULATION = 100
 #: Noise of the angles: as in Table 3's mildest row.
@@ -62,7 +63,7 @@ def run(settings: Settings) -> Experiment:
                             "parameters": numbers(fit.parameters),
                             "worst_inertial_percent": worst_inertial_percent(fit.parameters, true),
                             "outside_own_interval": outside(fit.parameters, true),
-                            "notes": list(fit.notes),
+                            "notes": documents(fit.notes),
                         }
                         for name, fit in fits.items()
                     },

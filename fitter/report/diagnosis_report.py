@@ -28,6 +28,7 @@ from fitter.report.page import Page, Row
 from fitter.side_by_side import side_by_side
 from limbcal.command import to_json
 from limbcal.errors import DeviceError
+from limbcal.note import sentences
 
 #: Rows of the table of dependences, and how often chance may give as much.
 _ROWS, _CHANCE = 12, 0.05
@@ -71,7 +72,7 @@ def write_report(found: Diagnosis, out: Path) -> None:
         page.picture(drawn[name], caption)
 
     page.section("What is wrong", headline(found))
-    page.points([f"But {warning}." for warning in found.finding.warnings])
+    page.points([f"But {warning.text}." for warning in found.finding.warnings])
     picture("residual", "Torque that the model leaves, in the evaluating trials in which it is largest.")
     picture(
         "places",
@@ -87,7 +88,7 @@ def write_report(found: Diagnosis, out: Path) -> None:
     _dependences(page, found)
     page.section("The next experiment", found.finding.next_experiment)
     page.note("What was assumed", assumptions(found))
-    page.note("What was done to the data", found.finding.notes)
+    page.note("What was done to the data", sentences(found.finding.notes))
     page.write(out / "report.html")
 
 

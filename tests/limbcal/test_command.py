@@ -24,6 +24,7 @@ from limbcal.errors import (
     NotConverged,
     NotIdentifiable,
     ProtocolError,
+    Unusable,
 )
 
 EXIT_CODES = [
@@ -145,6 +146,15 @@ def test_an_answer_that_nobody_can_take_is_a_failure_of_a_device(monkeypatch):
     with pytest.raises(DeviceError, match="stdout cannot be written: No space left on device"):
         show("answer")
     sys.stdout.close()
+
+
+def test_an_answer_that_nobody_can_act_on_is_printed_all_the_same(capsys):
+    unusable = Unusable("next to nothing is explained", {"explained": 0.01})
+    assert run_command(command(raising(unusable)), ["--json"]) == 4
+    out, err = capsys.readouterr()
+    assert json.loads(out) == {"explained": 0.01} and err == "error: next to nothing is explained\n"
+    assert run_command(command(raising(unusable)), []) == 4
+    assert capsys.readouterr().out == ""
 
 
 def test_an_answer_may_be_nothing(capsys):

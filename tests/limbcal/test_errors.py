@@ -20,6 +20,7 @@ def test_the_whole_family_can_be_caught_at_once():
         "DeviceError": 3,
         "NotIdentifiable": 4,
         "NotConverged": 4,
+        "Unusable": 4,
     }
 
 

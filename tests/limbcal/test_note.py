@@ -1,6 +1,6 @@
 """Notes: what programs and people read of them."""
 
-from limbcal.note import Note, documents, of_source
+from limbcal.note import Note, documents, of_source, sentences
 
 TURN = Note("turn", "q1 leaps by a turn; unwrapped", columns=("q1",), row=7, from_s=0.6)
 
@@ -25,3 +25,10 @@ def test_a_source_is_filled_in_once() -> None:
 
 def test_the_same_note_is_listed_once() -> None:
     assert documents([TURN, TURN]) == [TURN.document()]
+
+
+def test_a_sentence_that_several_sources_share_is_said_once_with_all_of_them() -> None:
+    shared = [Note("turn", "unwrapped", source) for source in ("a", "b")]
+    assert sentences([*shared, TURN]) == ["a, b: unwrapped", TURN.text]
+    many = [Note("turn", "unwrapped", f"{k}") for k in range(22)]
+    assert sentences(many) == ["0, 1 and 20 more: unwrapped"]

@@ -88,8 +88,8 @@ def test_a_torque_that_is_mostly_noise_is_said_to_be():
         motion.columns["tau"] = torque + chatter
     finding = diagnose(pendulum(), motions[:4], motions[4:]).finding
     (warning,) = finding.warnings
-    assert warning.startswith("the torque at joint 1 changes from sample to sample like noise")
-    assert finding.document()["notes"][0] == warning
+    assert warning.text.startswith("the torque at joint 1 changes from sample to sample like noise")
+    assert finding.document()["notes"][0] == warning.document()
 
 
 def test_an_empty_set_is_refused():

@@ -24,7 +24,7 @@ def columns_of(fit):
 
 def test_the_papers_own_arm_pushes_and_it_is_said(bench_trials):
     fit = fit_dynamics(ARM, bench_trials[:4], method="least-squares")
-    said = [note for note in fit.notes if "pushes instead of braking" in note]
+    said = [note for note in fit.notes if "pushes instead of braking" in note.text]
     assert [note.split(" ")[0] for note in said] == ["D1", "fc2"]
 
 
@@ -39,7 +39,7 @@ def test_the_possible_fit_brakes_and_has_masses(bench_trials, objective):
     assert all(is_possible(p) for p in columns_of(fit))
     assert all(joint.friction.viscous_N_m_s >= 0.0 for joint in fit.arm.joints)
     assert values["I2"] == pytest.approx(0.471209, rel=0.05)
-    assert any("D1" in note and note.startswith("moved to what masses") for note in fit.notes)
+    assert any("D1" in note.text and note.text.startswith("moved to what masses") for note in fit.notes)
 
 
 def test_an_arm_that_is_possible_already_is_left_alone(bench_trials):
@@ -53,5 +53,5 @@ def test_an_arm_that_is_possible_already_is_left_alone(bench_trials):
         )
         for physical in (False, True)
     )
-    assert not any("moved to" in note for note in bound.notes)
+    assert not any("moved to" in note.text for note in bound.notes)
     assert [free.parameters[n].value for n in BASE.names] == [bound.parameters[n].value for n in BASE.names]

@@ -143,7 +143,7 @@ def test_short_files_give_what_a_fit_of_the_trials_sees(folder, alone):
     assert alone.saved.trials == ("run0", "run1", "run2", "two/1", "two/2")
     for name in (*SUMS, "trial"):
         assert np.array_equal(getattr(alone.saved.sums, name), getattr(whole, name))
-    assert any("derived from q" in note for note in alone.notes)
+    assert any("derived from q" in note.text for note in alone.notes)
 
 
 def test_two_processes_give_the_same_bytes(tmp_path, folder, alone):
@@ -175,7 +175,7 @@ def test_the_corner_is_found_in_the_first_part_of_a_large_set(folder, monkeypatc
     assert samples == 3000
     assert corner == pytest.approx(whole[0], rel=0.5)
     made = reduction.reduce_trials(LAW, [folder / "two.csv", folder])
-    assert any(f"Hz was found in the first {3000} samples" in note for note in made.notes)
+    assert any(f"Hz was found in the first {3000} samples" in note.text for note in made.notes)
 
 
 def test_the_corner_of_a_file_longer_than_that(tmp_path, long_motion, monkeypatch):
