@@ -19,13 +19,13 @@ from arm.model import Arm, Effect, Floats
 from arm.newton_euler import inverse_dynamics
 from examples.cases.case_page import DATA, DOCS, FigureTable, Page, story_of, write_page
 from examples.cases.search import MOST, Found, find
-from fitter.data.columns import parse_mapping
 from fitter.data.motions import Measured, read_motions
 from fitter.data.trials import Trial, to_trials
 from fitter.report.diagnosis_words import candidate_name
 from limbcal.arguments import Parser, common_options
 from limbcal.command import Document, run_command
 from limbcal.errors import DataError
+from protocol.tables.columns import parse_mapping
 
 ARMS = Path(__file__).parent.parent
 FOLDER = "dfki_double_pendulum"

@@ -12,15 +12,15 @@ from arm.effects.catalogue import catalogue
 from arm.model import Arm
 from fitter.commands.diagnose_readings import diagnose_readings, readings
 from fitter.commands.options import add_arm, add_columns
-from fitter.data.columns import parse_mapping
 from fitter.data.motions import Measured, read_motions
 from fitter.data.recordings import read_frames
-from fitter.data.sources import RECORDINGS, expand
 from fitter.diagnosis.diagnosis import diagnose
 from fitter.diagnosis.finding import Finding, NamedCause
 from fitter.report.diagnosis_report import write_diagnosis
 from limbcal.command import Document, console, show
 from limbcal.errors import ConfigError, DeviceError
+from protocol.tables.columns import parse_mapping
+from protocol.tables.files import RECORDINGS, expand
 
 #: What the base model can be denied, and how its parameters' names begin.
 _DENIABLE = {"viscous": "D", "coulomb": "fc"}

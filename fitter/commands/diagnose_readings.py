@@ -10,12 +10,12 @@ from arm.arm_file import save_arm
 from arm.effects.catalogue import catalogue
 from arm.model import Arm
 from fitter.data.raw import RawRun, load_raw
-from fitter.data.sources import RECORDINGS, expand
 from fitter.diagnosis.sensors.diagnosis import diagnose_sensors
 from fitter.diagnosis.sensors.finding import SensorCause, SensorFinding
 from fitter.report.sensor_diagnosis import write_sensor_report
 from limbcal.command import Document, console, show, to_json
 from limbcal.errors import DataError, DeviceError
+from protocol.tables.files import RECORDINGS, expand
 
 _SENTENCES = {
     "named": "The sensors contradict a rigid arm, and this is why:",

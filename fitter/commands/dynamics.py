@@ -24,7 +24,6 @@ from fitter.commands.options import (
 )
 from fitter.commands.trial_sets import notes_of, trial_sets, with_notes
 from fitter.data.first_rest import REST_SPEED
-from fitter.data.sources import RECORDINGS, expand
 from fitter.data.trials import Role, Trial, load_trials, undriven
 from fitter.dynamics import controller
 from fitter.dynamics.consistency import made_possible, with_warnings
@@ -40,6 +39,7 @@ from fitter.report.compared import load_compared, scores_document
 from limbcal.command import Document, console, say_notes
 from limbcal.errors import ConfigError
 from limbcal.note import Note
+from protocol.tables.files import RECORDINGS, expand
 
 #: As it stands in the help.
 EXAMPLE = "fitter dynamics learn --evaluate held-back --arm my-arm.toml --out calibrated.toml"

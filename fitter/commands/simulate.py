@@ -11,13 +11,13 @@ from arm.kinematics import tip_position
 from arm.model import Arm, Floats
 from arm.simulation import Motion, simulate
 from fitter.commands.options import MOTION_SUFFIXES, add_arm, add_columns, add_out, joint_values, make_room
-from fitter.data.columns import parse_mapping
 from fitter.data.motion_file import write_motion
 from fitter.data.motions import Measured, read_motions
 from fitter.data.resample import resample
 from limbcal.command import Document, say_notes, show
 from limbcal.errors import ConfigError, DataError
 from limbcal.note import Note, documents, of_source
+from protocol.tables.columns import parse_mapping
 
 #: The simulation's own step is at most this long [s].
 _LONGEST_STEP_S = 1e-3

@@ -4,10 +4,10 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 
-from fitter.data.sources import expand
 from fitter.data.trials import Role, Trial
 from limbcal.errors import ConfigError
 from limbcal.note import Note, documents, of_source
+from protocol.tables.files import expand
 
 #: Reads trials of one role, or all, with the corners of two filters where these are chosen already.
 Load = Callable[[Sequence[Path], Role | None, tuple[float, float] | None], list[Trial]]

@@ -3,17 +3,9 @@
 from collections.abc import Iterator
 from pathlib import Path
 
-import numpy as np
-
-from fitter.data.columns import ColumnMap
-from fitter.data.motions import Measured, read_file
-from fitter.data.npz_blocks import NpzFile
-from fitter.data.roles import find_roles, listed
-from fitter.data.tables import TableFile
-from limbcal.errors import DataError
-
-#: Formats that can be read some rows at a time.
-STREAMED = (".csv", ".parquet", ".npz")
+from fitter.data.motions import Measured, from_table
+from protocol.tables.columns import ColumnMap
+from protocol.tables.reader import read_table_blocks
 
 
 def read_blocks(
@@ -44,33 +36,5 @@ def read_blocks(
     DataError
         If a column is missing or does not fit.
     """
-    source = _open(path)
-    if source is None:
-        yield from read_file(path, n_joint, mapping, rate_hz, ("q",), {})
-        return
-    roles = find_roles(source, n_joint, mapping, ("q",), {})
-    if "t" not in roles and rate_hz is None:
-        raise DataError(
-            f"{path}: no column 't' among {listed(source)}, expected time stamps, or else the rate of the samples"
-        )
-    label = roles.pop("trial", [None])[0]
-    if isinstance(source, NpzFile) and not source.streams(roles, label):
-        yield from read_file(path, n_joint, mapping, rate_hz, ("q",), {})
-        return
-    first = 0
-    for table in source.blocks(roles, label, rows):
-        columns = dict(table.groups)
-        n = len(columns["q"])
-        stamps = columns.pop("t")[:, 0] if "t" in columns else np.arange(first, first + n) / (rate_hz or 1.0)
-        if n:
-            yield Measured(path.stem, str(path), first, stamps, columns, labels=table.labels)
-        first += n
-    if not first:
-        raise DataError(f"{path}: there is a header but no row, expected samples")
-
-
-def _open(path: Path) -> TableFile | NpzFile | None:
-    suffix = path.suffix.lower()
-    if suffix not in STREAMED:
-        return None
-    return NpzFile(path) if suffix == ".npz" else TableFile(path)
+    for table in read_table_blocks(path, n_joint, mapping, ("q",), rate_hz, rows):
+        yield from_table(table, path, path.stem)

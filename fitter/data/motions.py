@@ -7,11 +7,11 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from fitter.data.columns import TIP_ROLES, ColumnMap
-from fitter.data.roles import find_roles, listed
-from fitter.data.sources import open_source
 from limbcal.errors import DataError
 from limbcal.note import Note
+from protocol.tables.columns import TIP_ROLES, ColumnMap
+from protocol.tables.reader import read_tables
+from protocol.tables.table import Table
 
 Floats = NDArray[np.float64]
 Labels = NDArray[np.str_]
@@ -74,7 +74,7 @@ class Measured:
 def read_motions(
     path: Path, n_joint: int, mapping: ColumnMap, rate_hz: float | None, required: Collection[str]
 ) -> list[Measured]:
-    """Read every motion of a CSV, Parquet, NPZ, ``.mat`` or ``.json`` file.
+    """Read every motion of a file of columns, see `protocol.tables.files.TABLES`.
 
     Parameters
     ----------
@@ -111,26 +111,29 @@ def read_file(
 ) -> list[Measured]:
     """Read a file without parting it by trials: one motion, or one a cell of a ``.mat``.
 
-    Parameters are those of `read_motions`, and ``vectors`` as in `fitter.data.roles.find_roles`.
+    Parameters are those of `read_motions`, and ``vectors`` as in `protocol.tables.reader.read_tables`.
     """
-    source = open_source(path)
-    roles = find_roles(source, n_joint, mapping, required, vectors)
-    if "t" not in roles and rate_hz is None:
-        raise DataError(
-            f"{path}: no column 't' among {listed(source)}, expected time stamps, or else the rate of the samples"
-        )
-    label = roles.pop("trial", [None])[0]
-    tables = source.read(roles, label)
-    motions: list[Measured] = []
-    for cell, table in enumerate(tables):
-        columns = dict(table.groups)
-        n = len(next(iter(columns.values())))
-        stamps = columns.pop("t")[:, 0] if "t" in columns else np.arange(n) / (rate_hz or 1.0)
-        name = path.stem if len(tables) == 1 else f"{path.stem}({cell + 1})"
-        if n == 0:
-            raise DataError(f"{path}: there is a header but no row, expected samples")
-        motions.append(Measured(name, str(path), 0, stamps, columns, labels=table.labels))
-    return motions
+    tables = read_tables(path, n_joint, mapping, required, vectors=vectors, rate_hz=rate_hz)
+    several = len(tables) > 1
+    return [
+        from_table(table, path, f"{path.stem}({cell + 1})" if several else path.stem)
+        for cell, table in enumerate(tables)
+    ]
+
+
+def from_table(table: Table, path: Path, name: str) -> Measured:
+    """Return rows of a table as a motion."""
+    columns = {role: values for role, values in table.groups.items() if role != "t"}
+    return Measured(
+        name,
+        str(path),
+        table.first_row,
+        table.groups["t"][:, 0],
+        columns,
+        notes=table.notes,
+        labels=table.labels,
+        stated=table.stated,
+    )
 
 
 def require_rising(motion: Measured) -> None:

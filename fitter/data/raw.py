@@ -7,14 +7,14 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from fitter.data.columns import parse_mapping
 from fitter.data.gaps import Gap, find_gaps
 from fitter.data.motions import Measured, read_file, require_rising
 from fitter.data.recordings import read_raw_blocks
 from fitter.data.resample import MINIMUM_SAMPLES
-from fitter.data.sources import RECORDINGS, expand
 from limbcal.errors import ConfigError, DataError
 from limbcal.note import Note
+from protocol.tables.columns import parse_mapping
+from protocol.tables.files import RECORDINGS, expand
 from tracking.readings import Readings, ReadingsBuilder
 
 Floats = NDArray[np.float64]
@@ -130,7 +130,7 @@ def load_raw(
     n_joint : int
         Number of joints of the arm.
     columns : str, optional
-        Mapping of foreign columns, see `fitter.data.columns.parse_mapping`; the axes go by ``s1x`` and so on.
+        Mapping of foreign columns, see `protocol.tables.columns.parse_mapping`; the axes go by ``s1x`` and so on.
     rate_hz : float, optional
         Rate of the samples where a file has no time.
 

@@ -8,15 +8,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fitter.data.blocks import read_blocks
-from fitter.data.columns import parse_mapping
 from fitter.data.motions import Measured
 from fitter.data.recordings import read_frames
 from fitter.data.resample import Uniform, resample, split_at_holes
-from fitter.data.sources import RECORDINGS, expand
 from fitter.data.stretches import Stretch, stretches
 from fitter.data.trials import choose_cutoff_hz
 from fitter.data.windows import SPLINE_SAMPLES, forgetting_samples
 from limbcal.errors import DataError
+from protocol.tables.columns import parse_mapping
+from protocol.tables.files import RECORDINGS, expand
 
 Floats = NDArray[np.float64]
 

@@ -9,15 +9,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fitter.data.bandwidth import Signal, motion_edge_hz
-from fitter.data.columns import parse_mapping
 from fitter.data.derivatives import differentiate, lowpass, settling_samples
 from fitter.data.jumps import midway_at_jumps
 from fitter.data.motions import Measured, read_motions
 from fitter.data.recordings import read_frames
 from fitter.data.resample import Uniform, resample, split_at_holes
-from fitter.data.sources import RECORDINGS, expand
 from limbcal.errors import ConfigError, DataError
 from limbcal.note import Note
+from protocol.tables.columns import parse_mapping
+from protocol.tables.files import RECORDINGS, expand
 
 Floats = NDArray[np.float64]
 Role = Literal["learn", "evaluate"]
@@ -135,7 +135,7 @@ def load_trials(
     n_joint : int
         Number of joints of the arm.
     columns : str, optional
-        Mapping of foreign columns, see `fitter.data.columns.parse_mapping`.
+        Mapping of foreign columns, see `protocol.tables.columns.parse_mapping`.
     rate_hz : float, optional
         Rate to resample to, and the rate of the samples where a file has no time. Default: the files' own.
     cutoff_hz : float, optional

@@ -8,11 +8,9 @@ from pathlib import Path
 
 from arm.base_parameters import BaseParameters
 from arm.model import Arm
-from fitter.data.columns import parse_mapping
 from fitter.data.first_rest import REST_SPEED
 from fitter.data.reading import Reading, find_corner_hz, stretches_of
 from fitter.data.resample import Uniform
-from fitter.data.sources import expand
 from fitter.data.stretches import Stretch
 from fitter.data.trials import FIT_CORNER, derive, to_trials
 from fitter.dynamics.learned_torque import has_unknown_target
@@ -24,6 +22,8 @@ from fitter.dynamics.torque_sums import TorqueSums, add_up, finished
 from fitter.dynamics.trial_sums import add_stretch, trial_sums
 from limbcal.errors import DataError
 from limbcal.note import Note, of_source
+from protocol.tables.columns import parse_mapping
+from protocol.tables.files import expand
 
 
 @dataclass(frozen=True)

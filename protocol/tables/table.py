@@ -31,6 +31,8 @@ class Table:
         How many data rows of the file come before.
     notes : tuple of Note
         What was found while reading: units that were heeded, rows that were left out.
+    origin_s : float
+        What was taken off stamps that float64 could not hold [s]: dates, and nanoseconds since 1970.
     """
 
     groups: Mapping[str, Floats]
@@ -39,3 +41,4 @@ class Table:
     stated: frozenset[str] = frozenset()
     first_row: int = 0
     notes: tuple[Note, ...] = ()
+    origin_s: float = 0.0

@@ -6,11 +6,11 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from fitter.data.blocks import read_blocks
-from fitter.data.columns import parse_mapping
 from fitter.data.motion_file import write_motion
 from fitter.data.motions import read_file
 from fitter.data.stretches import joined
 from limbcal.errors import DataError
+from protocol.tables.columns import parse_mapping
 
 N = 5000
 

@@ -9,10 +9,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as arrays
 
-from fitter.data.columns import parse_mapping
 from fitter.data.motion_file import write_motion
 from fitter.data.motions import read_motions
 from limbcal.errors import ConfigError, DataError, DeviceError
+from protocol.tables.columns import parse_mapping
 
 finite = st.floats(allow_nan=False, allow_infinity=False)
 

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from fitter.data.columns import parse_mapping
 from fitter.data.motions import read_motions
 from limbcal.errors import DataError
+from protocol.tables.columns import parse_mapping
 
 
 def read(tmp_path, text, n_joint=2, columns=None, rate_hz=None, required=("q",)):

@@ -3,12 +3,12 @@
 import numpy as np
 import pytest
 
-from fitter.data.columns import parse_mapping
 from fitter.data.motion_file import write_motion
 from fitter.data.motions import read_motions
 from fitter.data.reading import Reading, find_corner_hz, stretches_of
 from fitter.data.trials import load_trials, to_trials
 from limbcal.errors import DataError
+from protocol.tables.columns import parse_mapping
 
 
 @pytest.fixture(scope="module")

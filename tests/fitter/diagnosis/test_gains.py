@@ -5,7 +5,6 @@ from pathlib import Path
 import pytest
 
 from arm.arm_file import load_arm
-from fitter.data.columns import ColumnMap
 from fitter.data.motions import read_motions
 from fitter.data.trials import to_trials
 from fitter.diagnosis.hypotheses import hypotheses
@@ -14,6 +13,7 @@ from fitter.diagnosis.motion import run_of
 from fitter.diagnosis.regression import Regression
 from fitter.diagnosis.screening import fitted, screen
 from fitter.diagnosis.starts import Starts
+from protocol.tables.columns import ColumnMap
 from tests.diagnosis.hidden_cases import draw_case
 from tests.diagnosis.hiding import Bench
 

@@ -4,8 +4,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from fitter.data.columns import JOINT_ROLES, parse_mapping
 from limbcal.errors import ConfigError
+from protocol.tables.columns import JOINT_ROLES, parse_mapping
 
 
 def text(address):
@@ -66,6 +66,21 @@ def test_other_roles_are_taken_where_they_are_named():
     assert text(parse_mapping("s1x=Acc_X", 2, other_roles=["s1x"]).plain("s1x")) == "Acc_X"
     with pytest.raises(ConfigError, match="no role"):
         parse_mapping("s9x=Acc_X", 2, other_roles=["s1x"])
+
+
+def test_a_unit_may_follow_a_colon():
+    mapping = parse_mapping("q=angle{j}:deg, t=stamp:us, tau=robot:torque{j}:N.mm, dq=robot:speed{j}", 2)
+    assert text(mapping.joint("q", 2)) == "angle2"
+    assert mapping.joint("q", 2).unit.name == "deg"
+    assert mapping.plain("t").unit.factor == 1e-6
+    assert text(mapping.joint("tau", 1)) == "robot:torque1"
+    assert text(mapping.joint("dq", 1)) == "robot:speed1" and mapping.joint("dq", 1).unit is None
+
+
+@pytest.mark.parametrize("entry", ["q=angle{j}:ms", "t=time:deg", "tau=m{j}:m", "tipx=x:g", "trial=run:s"])
+def test_a_unit_that_does_not_fit_is_said(entry):
+    with pytest.raises(ConfigError, match="cannot be in|has no unit"):
+        parse_mapping(entry, 2)
 
 
 names = st.text(st.characters(categories=["L", "N"], include_characters="_.[]() "), min_size=1).map(

@@ -2,8 +2,8 @@
 
 import pytest
 
-from fitter.data.sources import expand
 from limbcal.errors import DataError
+from protocol.tables.files import expand
 
 
 def test_a_folder_stands_for_its_data_files_in_name_order(tmp_path):

@@ -1,12 +1,11 @@
-"""CSV and Parquet, good and bad."""
+"""CSV, good and bad."""
 
 import numpy as np
-import pyarrow as pa
-import pyarrow.parquet
 import pytest
 
-from fitter.data.tables import TableFile
 from limbcal.errors import DataError
+from protocol.tables.csv_file import CsvFile
+from protocol.tables.source import Column
 
 
 def csv(tmp_path, text, name="run.csv"):
@@ -16,7 +15,7 @@ def csv(tmp_path, text, name="run.csv"):
 
 
 def numbers(path, *names):
-    return TableFile(path).read({"x": names}, None)[0].groups["x"]
+    return CsvFile(path).read({"x": [Column(name) for name in names]}, None)[0].groups["x"]
 
 
 def test_only_wanted_columns_are_read(tmp_path):
@@ -44,7 +43,6 @@ def test_what_other_programs_write(tmp_path, text):
         ("", "empty"),
         ("// only a remark\n", "empty"),
         ("0.0,1.0\n1.0,2.0\n", "names of columns"),
-        ("a,b,a\n1,2,3\n", "'a' is there 2 times"),
         ("a,b\n1,2\n3,NaN\n", "column 'b', row 2: found nothing or NaN"),
         ("a,b\n1,2\n3,\n", "column 'b', row 2: found nothing or NaN"),
         ("a,b\n1,2\n3,4\n-inf,5\n", "column 'a', row 3: found -inf"),
@@ -73,38 +71,13 @@ def test_bytes_that_are_no_text(tmp_path):
         numbers(path, "a", "b")
 
 
-@pytest.mark.parametrize("name", ["none.csv", "none.parquet"])
-def test_a_file_that_is_not_there(tmp_path, name):
+def test_a_file_that_is_not_there(tmp_path):
     with pytest.raises(DataError, match="there is no such file"):
-        TableFile(tmp_path / name)
-
-
-@pytest.mark.parametrize("content", [b"", b"this is no parquet"])
-def test_a_parquet_file_that_is_none(tmp_path, content):
-    path = tmp_path / "run.parquet"
-    path.write_bytes(content)
-    with pytest.raises(DataError, match="run.parquet"):
-        TableFile(path)
-
-
-def test_parquet_of_any_number_type(tmp_path):
-    path = tmp_path / "run.parquet"
-    columns = {"a": pa.array([1, 2], pa.int16()), "b": pa.array([0.5, 0.25], pa.float32()), "c": ["x", "y"]}
-    pyarrow.parquet.write_table(pa.table(columns), path)
-    assert numbers(path, "a", "b").tolist() == [[1.0, 0.5], [2.0, 0.25]]
-    with pytest.raises(DataError, match="column 'c' holds string, expected numbers"):
-        numbers(path, "c")
-
-
-def test_a_missing_value_in_parquet(tmp_path):
-    path = tmp_path / "run.parquet"
-    pyarrow.parquet.write_table(pa.table({"a": pa.array([1.0, None])}), path)
-    with pytest.raises(DataError, match="column 'a', row 2"):
-        numbers(path, "a")
+        CsvFile(tmp_path / "none.csv")
 
 
 def test_labels_come_as_text_beside_numbers(tmp_path):
     path = csv(tmp_path, "trial,a\nfirst,1\n02,2\n")
-    (table,) = TableFile(path).read({"x": ["a"], "again": ["a"]}, "trial")
+    (table,) = CsvFile(path).read({"x": [Column("a")], "again": [Column("a")]}, "trial")
     assert table.labels.tolist() == ["first", "02"]
     assert np.array_equal(table.groups["x"], table.groups["again"])

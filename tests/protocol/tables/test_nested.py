@@ -1,4 +1,4 @@
-"""Arrays within names: NPZ, MATLAB and JSON."""
+"""Arrays within names: MATLAB and JSON."""
 
 import json
 
@@ -6,12 +6,15 @@ import numpy as np
 import pytest
 import scipy.io
 
-from fitter.data.nested import NestedFile
 from limbcal.errors import DataError
+from protocol.tables.files import open_source
+from protocol.tables.nested import NestedFile
+from protocol.tables.source import Column
 
 
 def read(path, *addresses):
-    return [table.groups["x"] for table in NestedFile(path).read({"x": addresses}, None)]
+    columns = [Column(address) for address in addresses]
+    return [table.groups["x"] for table in open_source(path).read({"x": columns}, None)]
 
 
 @pytest.fixture
@@ -111,34 +114,10 @@ def test_json_that_does_not_fit(tmp_path, content, said):
     assert said in str(caught.value)
 
 
-def test_npz_holds_arrays_by_name(tmp_path):
-    path = tmp_path / "run.npz"
-    np.savez(path, t=np.arange(3), q=np.arange(6.0).reshape(3, 2), trial=np.array(["a", "a", "b"]))
-    source = NestedFile(path)
-    (table,) = source.read({"x": ["t", "q[2]"]}, "trial")
-    assert table.groups["x"].tolist() == [[0, 1], [1, 3], [2, 5]]
-    assert table.labels.tolist() == ["a", "a", "b"]
-
-
-def test_nothing_is_unpickled(tmp_path):
-    path = tmp_path / "run.npz"
-    np.savez(path, t=np.array([{"a": 1}], dtype=object), allow_pickle=True)
-    with pytest.raises(DataError, match="cannot be read as .npz"):
-        NestedFile(path)
-
-
-@pytest.mark.parametrize("name", ["run.npz", "run.mat"])
+@pytest.mark.parametrize("name", ["run.mat"])
 @pytest.mark.parametrize("content", [b"", b"no such thing at all"])
 def test_files_that_are_something_else(tmp_path, name, content):
     path = tmp_path / name
     path.write_bytes(content)
     with pytest.raises(DataError, match=name):
-        NestedFile(path)
-
-
-def test_a_bare_array_is_no_npz(tmp_path):
-    path = tmp_path / "run.npz"
-    with path.open("wb") as file:
-        np.save(file, np.arange(3))
-    with pytest.raises(DataError, match="one bare array"):
         NestedFile(path)

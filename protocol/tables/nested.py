@@ -1,4 +1,4 @@
-"""Columns out of files that hold arrays within names: NPZ, MATLAB ``.mat`` and JSON.
+"""Columns out of files that hold arrays within names: MATLAB ``.mat``, JSON, and NPZ files of tables.
 
 An address is the way to a column: ``name``, ``name.field`` (of a struct, an object, or of every record in a
 list), ``name[k]`` (row or column k of a table, whichever is not time) and ``name(k)`` (cell k of a cell array or
@@ -7,16 +7,20 @@ motions, one a cell.
 """
 
 import re
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Collection, Iterator, Mapping
 from pathlib import Path
 from typing import TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
-from fitter.data.tables import Floats, Groups, Labels, Table, require_finite
-from fitter.data.trees import Array, Node, load_tree
 from limbcal.errors import DataError
+from limbcal.note import Note
+from protocol.tables.header import Header
+from protocol.tables.source import Column, Groups, Rows, to_si
+from protocol.tables.table import Floats, Labels
+from protocol.tables.trees import Array, Node, load_tree
+from protocol.tables.units import Unit
 
 Kind = TypeVar("Kind", bound=np.generic)
 
@@ -25,12 +29,14 @@ _HEAD = re.compile(r"[^.\[\](){}]+")
 
 
 class NestedFile:
-    """An opened NPZ, ``.mat`` or ``.json`` file.
+    """An opened ``.mat``, ``.json`` or ``.jsonl`` file, or any other tree.
 
     Parameters
     ----------
     path : Path
         The file; its suffix says the format.
+    root : mapping or list, optional
+        What is in it, if that is known already.
 
     Raises
     ------
@@ -38,9 +44,14 @@ class NestedFile:
         If the file is missing or cannot be read as what its suffix says.
     """
 
-    def __init__(self, path: Path) -> None:
+    notes: tuple[Note, ...] = ()
+
+    def __init__(self, path: Path, root: Node | None = None) -> None:
         self.path = path
-        self._root = load_tree(path)
+        if root is None:
+            root, self.notes = load_tree(path)
+        self._root = root
+        self._header = Header(path, tuple(_fields(root)))
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -51,13 +62,46 @@ class NestedFile:
             found += [f"{name}.{field}" for field in inner] if inner else [name]
         return tuple(found)
 
-    def has(self, address: str) -> bool:
-        """Say whether the name that an address begins with is there."""
-        head = _HEAD.match(address)
-        return head is not None and head[0] in _fields(self._root)
+    def match(self, wanted: str, dimensions: Collection[str]) -> str | None:
+        """Return an address with the full name of what it begins with, if that is there."""
+        whole = self._header.match(wanted, dimensions)
+        head = _HEAD.match(wanted)
+        if whole is not None or head is None:
+            return whole
+        first = self._header.match(head[0], dimensions)
+        return None if first is None else first + wanted[head.end() :]
 
-    def read(self, groups: Groups, label: str | None) -> list[Table]:
-        """Return groups of columns side by side, one table a motion.
+    def unit(self, address: str, dimensions: Collection[str]) -> Unit | None:
+        """Return the unit that the last name in an address states."""
+        if address in self._header.names:
+            return self._header.unit(address, dimensions)
+        names = [step["field"] for step in _STEP.finditer(address) if step["field"]]
+        head = _HEAD.match(address)
+        last = names[-1] if names else head[0] if head else address
+        return self._header.unit(last, dimensions)
+
+    def nearest(self, wanted: str) -> str | None:
+        """Return the name that is most like one that is not there."""
+        return self._header.nearest(wanted)
+
+    def is_blank(self, address: str) -> bool:
+        """Say whether a column holds nothing but nulls."""
+        try:
+            row = _row_of(self._walk(address, ""), "")
+        except DataError:
+            return False
+        return row.dtype == object and len(row) > 0 and all(value is None for value in row.tolist())
+
+    def streams(self, groups: Groups, label: str | None) -> bool:
+        """Say that such a file comes whole."""
+        return False
+
+    def blocks(self, groups: Groups, label: str | None, rows: int) -> Iterator[Rows]:
+        """Return what `read` returns."""
+        yield from self.read(groups, label)
+
+    def read(self, groups: Groups, label: str | None) -> list[Rows]:
+        """Return groups of columns side by side, one a motion.
 
         Raises
         ------
@@ -65,24 +109,25 @@ class NestedFile:
             If an address leads nowhere, a column is no 1-D row of finite numbers, columns of one motion differ
             in length, or addresses lead to different numbers of cells.
         """
-        names = [name for group in groups.values() for name in group]
-        found = {name: self._cells(name, _floats) for name in names}
+        columns = list(dict.fromkeys(column for group in groups.values() for column in group))
+        found = {column: self._cells(column.address, _numbers(column)) for column in columns}
         labels = {} if label is None else {label: self._cells(label, _texts)}
-        counts = {name: len(cells) for name, cells in (found | labels).items() if len(cells) > 1}
+        named = {column.address: cells for column, cells in found.items()}
+        counts = {name: len(cells) for name, cells in (named | labels).items() if len(cells) > 1}
         if len(set(counts.values())) > 1:
             said = ", ".join(f"{name} {count}" for name, count in counts.items())
             raise DataError(f"{self.path}: the cell arrays hold {said} cells, expected the same number")
-        tables: list[Table] = []
+        tables: list[Rows] = []
         for k in range(max(counts.values(), default=1)):
-            columns = {name: cells[k % len(cells)] for name, cells in found.items()}
+            picked = {column: cells[k % len(cells)] for column, cells in found.items()}
             texts = [cells[k % len(cells)] for cells in labels.values()]
-            lengths = {name: len(column) for name, column in columns.items()}
-            lengths |= {name: len(column) for name, column in zip(labels, texts, strict=True)}
+            lengths = {column.address: len(values) for column, values in picked.items()}
+            lengths |= {name: len(values) for name, values in zip(labels, texts, strict=True)}
             if len(set(lengths.values())) > 1:
                 said = ", ".join(f"{name} {length}" for name, length in lengths.items())
                 raise DataError(f"{self.path}: the columns have lengths {said}, expected one length")
-            stacked = {key: np.column_stack([columns[name] for name in group]) for key, group in groups.items()}
-            tables.append(Table(stacked, texts[0] if texts else None))
+            stacked = {key: np.column_stack([picked[column] for column in group]) for key, group in groups.items()}
+            tables.append(Rows(stacked, texts[0] if texts else None))
         return tables
 
     def _cells(self, address: str, take: Callable[[Array, str], NDArray[Kind]]) -> list[NDArray[Kind]]:
@@ -94,6 +139,8 @@ class NestedFile:
         return [take(_row_of(node, where), where)]
 
     def _walk(self, address: str, where: str) -> Node:
+        if address in _fields(self._root):  # a name may have brackets in it
+            return _field(self._root, address, where)
         head = _HEAD.match(address)
         if head is None:
             raise DataError(f"{where}: expected the name of an array first")
@@ -140,7 +187,9 @@ def _field(node: Node, name: str, where: str) -> Node:
 def _gather(nodes: list[Node]) -> Node:
     """Make one column of a list of single values; leave a list of anything else a list."""
     if nodes and all(isinstance(node, np.ndarray) and node.ndim == 0 for node in nodes):
-        return np.array([node.item() for node in nodes if isinstance(node, np.ndarray)])
+        values = [node.item() for node in nodes if isinstance(node, np.ndarray)]
+        plain = not any(value is None for value in values)
+        return np.array(values) if plain else np.array(values, dtype=object)
     return nodes
 
 
@@ -179,15 +228,37 @@ def _row_of(node: Node, where: str) -> Array:
     return node.ravel()
 
 
-def _floats(row: Array, where: str) -> Floats:
-    if row.dtype == object:
-        row = np.array([np.nan if value is None else value for value in row.tolist()])
-    if row.dtype.kind not in "biuf":
-        raise DataError(f"{where}: holds {row.dtype.name} such as {row[0]!r}, expected numbers")
-    values = row.astype(np.float64)
-    require_finite(values, where)
-    return values
+def _numbers(column: Column) -> Callable[[Array, str], Floats]:
+    """Return what takes a column's values as numbers in SI."""
+
+    def take(row: Array, where: str) -> Floats:
+        if row.dtype == object:
+            row = np.array([np.nan if value is None else value for value in row.tolist()])
+        if row.dtype.kind == "U" and column.clock is not None:
+            row = _stamps(row)
+        return to_si(row, column, where)
+
+    return take
+
+
+def _stamps(row: Array) -> Array:
+    """Return dates and times in text (ISO 8601) as such, in UTC where they say an offset from it."""
+    try:
+        return np.array([_stamp(str(text)) for text in row.tolist()], dtype="datetime64[ns]")
+    except ValueError:
+        return row
+
+
+def _stamp(text: str) -> np.datetime64:
+    found = re.fullmatch(r"(.*?)(?:Z|([-+])(\d\d):?(\d\d))?", text.strip())
+    assert found is not None
+    sign, hours, minutes = found[2], found[3], found[4]
+    stamp: np.datetime64 = np.datetime64(found[1].replace(" ", "T", 1), "ns")
+    if sign:
+        stamp = stamp - np.timedelta64(int(f"{sign}1") * (60 * int(hours) + int(minutes)), "m")
+    return stamp
 
 
 def _texts(row: Array, where: str) -> Labels:
     return np.array([str(value) for value in row.tolist()], dtype=np.str_)
+

@@ -3,14 +3,16 @@
 from collections.abc import Sequence
 from pathlib import Path
 
-from fitter.data.nested import NestedFile
-from fitter.data.tables import Source, TableFile
 from limbcal.errors import DataError
+from protocol.tables.csv_file import CsvFile
+from protocol.tables.nested import NestedFile
+from protocol.tables.npz_file import NpzFile
+from protocol.tables.parquet_file import ParquetFile
+from protocol.tables.source import Source
 
-TABLES = (".csv", ".parquet")
-NESTED = (".npz", ".mat", ".json")
+TABLES = (".csv", ".tsv", ".parquet", ".npz", ".mat", ".json", ".jsonl", ".ndjson")
 RECORDINGS = (".mcap",)
-SUFFIXES = (*TABLES, *NESTED, *RECORDINGS)
+SUFFIXES = (*TABLES, *RECORDINGS)
 
 
 def expand(sources: Sequence[Path]) -> list[Path]:
@@ -46,5 +48,18 @@ def expand(sources: Sequence[Path]) -> list[Path]:
 
 
 def open_source(path: Path) -> Source:
-    """Open a file of columns, whatever its format."""
-    return TableFile(path) if path.suffix.lower() in TABLES else NestedFile(path)
+    """Open a file of columns, whatever its format.
+
+    Raises
+    ------
+    DataError
+        If there is no such file, it is of another format, or cannot be read.
+    """
+    suffix = path.suffix.lower()
+    if suffix not in TABLES:
+        raise DataError(f"{path}: the suffix is {path.suffix!r}, expected one of {', '.join(TABLES)}")
+    if suffix in (".csv", ".tsv"):
+        return CsvFile(path)
+    if suffix == ".parquet":
+        return ParquetFile(path)
+    return NpzFile(path) if suffix == ".npz" else NestedFile(path)

@@ -5,11 +5,14 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
 from limbcal.errors import ConfigError
+from protocol.tables.units import DIMENSIONS, Unit, known_units, parse_unit
 
 #: Roles that have one column a joint; ``q`` stands for q1 … qn, ``q2`` for one of them.
 JOINT_ROLES = ("q", "dq", "ddq", "tau", "ref")
 TIP_ROLES = ("tipx", "tipy", "tipz")
 PLAIN_ROLES = ("t", "trial", *TIP_ROLES)
+#: Columns that mean something to limbcal and that no command reads from a table yet.
+NOT_READ = re.compile(r"(?:on|kp|kv)[1-9]\d*|base_(?:x|y|z|qw|qx|qy|qz)")
 
 _PLACEHOLDER = re.compile(r"\{j(?:([+-])(\d+))?\}")
 _NUMBERED = re.compile(rf"({'|'.join(JOINT_ROLES)})([1-9]\d*)")
@@ -17,28 +20,47 @@ _NUMBERED = re.compile(rf"({'|'.join(JOINT_ROLES)})([1-9]\d*)")
 
 @dataclass(frozen=True)
 class Address:
-    """Where a role is found: the name of a column, or the way to an array in a ``.mat`` or ``.json``.
+    """Where a role is found.
 
-    ``asked`` tells a column that the mapping named, and that must therefore be there, from one that is only
-    looked for by its own name.
+    Attributes
+    ----------
+    role : str
+        The canonical name, with the joint's number: ``t``, ``q2``, ``tipx``.
+    text : str
+        The name of a column, or the way to an array in a ``.mat`` or ``.json``.
+    asked : bool
+        The mapping named it, so it must be there; otherwise it is only looked for by its own name.
+    unit : Unit, optional
+        What the mapping says its numbers are in.
     """
 
+    role: str
     text: str
     asked: bool
+    unit: Unit | None = None
 
 
 @dataclass(frozen=True)
 class ColumnMap:
-    """Roles and the addresses that a mapping gave them; whatever it leaves out goes by its own name."""
+    """Roles and the addresses that a mapping gave them; whatever it leaves out goes by its own name.
+
+    Attributes
+    ----------
+    entries : mapping of str to str
+        Addresses by role.
+    units : mapping of str to Unit
+        By role, where the mapping names one.
+    """
 
     entries: Mapping[str, str] = field(default_factory=dict)
+    units: Mapping[str, Unit] = field(default_factory=dict)
 
     def plain(self, role: str) -> Address | None:
         """Return where a role without a joint number is found, or None if it was mapped to nothing."""
         if role not in self.entries:
-            return Address(role, asked=False)
+            return Address(role, role, asked=False)
         text = self.entries[role]
-        return Address(text, asked=True) if text else None
+        return Address(role, text, True, self.units.get(role)) if text else None
 
     def joint(self, role: str, number: int) -> Address | None:
         """Return where a role of one joint (counted from 1) is found, or None if it was mapped to nothing."""
@@ -46,9 +68,9 @@ class ColumnMap:
         if own in self.entries:
             return self.plain(own)
         if role not in self.entries:
-            return Address(own, asked=False)
-        text = self.entries[role]
-        return Address(_PLACEHOLDER.sub(lambda found: _count(found, number), text), asked=True) if text else None
+            return Address(own, own, asked=False)
+        text = _PLACEHOLDER.sub(lambda found: _count(found, number), self.entries[role])
+        return Address(own, text, True, self.units.get(role)) if text else None
 
     def numbers_joints(self, role: str) -> bool:
         """Say whether the number of a role's columns follows from the file, not from the mapping."""
@@ -63,8 +85,9 @@ def parse_mapping(text: str | None, n_joint: int, other_roles: Sequence[str] = (
     text : str or None
         Entries ``role=address`` parted by commas. Roles are ``t``, ``trial``, ``tipx tipy tipz`` and, with one
         column a joint, ``q dq ddq tau ref``: there ``{j}`` in the address stands for the joint's number from
-        1, ``{j+2}`` for the number plus two, and single joints can be named (``q1=shoulder,q2=elbow``). An empty
-        address (``dq=``) leaves a column that is there unused. None: every column goes by its own name.
+        1, ``{j+2}`` for the number plus two, and single joints can be named (``q1=shoulder,q2=elbow``). A unit may
+        follow a colon (``q=angle{j}:deg``). An empty address (``dq=``) leaves a column that is there unused. None:
+        every column goes by its own name.
     n_joint : int
         Number of joints of the arm.
     other_roles : sequence of str, optional
@@ -81,6 +104,7 @@ def parse_mapping(text: str | None, n_joint: int, other_roles: Sequence[str] = (
         number that the arm does not have, ``{j}`` missing or out of place.
     """
     entries: dict[str, str] = {}
+    units: dict[str, Unit] = {}
     mistakes: list[str] = []
     plain = (*PLAIN_ROLES, *other_roles)
     for part in (text or "").split(","):
@@ -88,15 +112,44 @@ def parse_mapping(text: str | None, n_joint: int, other_roles: Sequence[str] = (
         if not entry:
             continue
         role, equals, address = (piece.strip() for piece in entry.partition("="))
-        mistake = _mistake(role, equals, address, n_joint, plain)
+        address, unit = _parted(address)
+        mistake = _mistake(role, equals, address, n_joint, plain) or _misfit(role, unit)
         if not mistake and role in entries:
             mistake = f"role {role!r} is given twice, expected once"
         if mistake:
             mistakes.append(f"--columns, entry {entry!r}: {mistake}")
         entries[role] = address
+        if unit is not None:
+            units[role] = unit
     if mistakes:
         raise ConfigError(mistakes)
-    return ColumnMap(entries)
+    return ColumnMap(entries, units)
+
+
+def dimensions_of(role: str) -> tuple[str, ...]:
+    """Return what the columns of a role, with or without a joint's number, can measure."""
+    numbered = _NUMBERED.fullmatch(role)
+    if numbered:
+        return DIMENSIONS[numbered[1]]
+    if role == "trial":
+        return ()
+    return DIMENSIONS.get(role) or DIMENSIONS["tip" if role in TIP_ROLES else "a"]
+
+
+def _parted(address: str) -> tuple[str, Unit | None]:
+    """Part an address from the unit behind its last colon, if one stands there."""
+    name, colon, text = address.rpartition(":")
+    unit = parse_unit(text) if colon else None
+    return (address, None) if unit is None else (name.strip(), unit)
+
+
+def _misfit(role: str, unit: Unit | None) -> str:
+    """Say that a role cannot be in a unit, or nothing."""
+    if unit is None or unit.dimension in dimensions_of(role):
+        return ""
+    if role == "trial":
+        return "trial is a name and has no unit"
+    return f"{role} cannot be in {unit.name}, expected one of {known_units(dimensions_of(role))}"
 
 
 def _mistake(role: str, equals: str, address: str, n_joint: int, plain: Sequence[str]) -> str:

@@ -1,0 +1,72 @@
+"""Time stamps of every kind as seconds, without losing a digit."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+Floats = NDArray[np.float64]
+
+#: Stamps since 1970 lie between 1990 and 2100 [s]: in any unit they can be taken for no other.
+_EPOCH = (631_152_000, 4_102_444_800)
+#: Units a second that stamps are counted in.
+_PER_SECOND = {"s": 1, "ms": 1_000, "us": 1_000_000, "ns": 1_000_000_000}
+#: Stamps that float64 would hold more coarsely than this [s] are counted from the first one.
+_FINEST_S = 1e-9
+
+
+@dataclass
+class Clock:
+    """Turns the stamps of one file into seconds, block by block.
+
+    Parameters
+    ----------
+    factor : float or None
+        Length of the stamps' unit [s]; None where nobody said it: seconds, unless they count from 1970 in another.
+
+    Attributes
+    ----------
+    unit : str
+        The unit of stamps since 1970, once they are recognised as such.
+    origin : int
+        What was taken off, in the stamps' own unit.
+    """
+
+    factor: float | None = None
+    unit: str = ""
+    origin: int = 0
+    _begun: bool = False
+
+    @property
+    def origin_s(self) -> float:
+        """What was taken off [s]."""
+        return self.origin * self._length
+
+    @property
+    def _length(self) -> float:
+        return 1.0 if self.factor is None else self.factor
+
+    def seconds(self, stamps: NDArray[np.generic]) -> Floats:
+        """Return stamps [s]; those that float64 cannot hold to a nanosecond are counted from the file's first."""
+        if not len(stamps):
+            return np.empty(0)
+        if not self._begun:
+            self._begin(stamps[0])
+        if stamps.dtype.kind in "iu":
+            counted: NDArray[np.generic] = stamps.astype(np.int64) - np.int64(self.origin)
+        else:
+            counted = stamps.astype(np.float64) - float(self.origin)
+        return np.asarray(counted, dtype=np.float64) * self._length
+
+    def _begin(self, first: np.generic) -> None:
+        self._begun = True
+        value = float(first)
+        if not np.isfinite(value):
+            return
+        if self.factor is None:
+            for unit, per_second in _PER_SECOND.items():
+                if _EPOCH[0] * per_second <= value < _EPOCH[1] * per_second and unit != "s":
+                    self.unit, self.factor = unit, 1.0 / per_second
+        whole = first.dtype.kind in "iu" or self.unit
+        if whole and np.spacing(abs(value) * self._length) > _FINEST_S:
+            self.origin = int(first)

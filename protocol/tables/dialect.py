@@ -1,0 +1,219 @@
+"""How a text file of columns is written: its encoding, its header, what parts its cells, where its rows begin."""
+
+import codecs
+import csv
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from limbcal.errors import DataError
+from protocol.tables.units import is_no_unit, parse_unit
+
+COMMENTS = ("//", "#", "%")
+#: What parts words where nothing else parts cells: one or more of them.
+BLANKS = " "
+#: Tried in this order: in a file with semicolons a comma is a decimal sign.
+_DELIMITERS = ("\t", ";", ",")
+#: So much of a file is looked at [bytes].
+HEAD_BYTES = 1 << 18
+#: In so many rows all cells of a line must agree with the header.
+_WITNESSES = 8
+_SEPARATOR = re.compile(r"sep=(.)", re.IGNORECASE)
+_COMMA_NUMBER = re.compile(r"\s*[-+]?\d*,\d+(?:[eE][-+]?\d+)?\s*")
+_STAMP = re.compile(r"\d{4}-\d\d-\d\d[T ]\d\d:\d\d(?::\d\d(?:[.,]\d+)?)?\s*(?:Z|[-+]\d\d:?\d\d)?")
+
+
+@dataclass(frozen=True)
+class Dialect:
+    """How a file is written.
+
+    Attributes
+    ----------
+    encoding : str
+        Of the bytes; in every one that is named here a comma and a digit are one byte each.
+    delimiter, decimal : str
+        What parts cells, `BLANKS` for any number of blanks; and the decimal sign.
+    names : tuple of str
+        One a cell of a row, empty where a column has no name.
+    units : dict of str to str
+        What stands below names in a row of units.
+    start : int
+        Where the first row begins [byte].
+    sample : tuple of tuple of str
+        Cells of the first rows.
+    """
+
+    encoding: str
+    delimiter: str
+    decimal: str
+    names: tuple[str, ...]
+    units: dict[str, str]
+    start: int
+    sample: tuple[tuple[str, ...], ...]
+
+    def cells(self, line: str) -> list[str]:
+        """Return the cells of a line."""
+        return split_cells(line, self.delimiter)
+
+    def is_value(self, cell: str) -> bool:
+        """Say whether a cell holds a number or a time stamp."""
+        return is_value(cell, self.decimal)
+
+
+def encoding_of(head: bytes) -> str:
+    """Return the encoding of the text that begins with some bytes."""
+    head = head.rstrip(b"\0")  # a disk that lost power leaves zeros
+    if head.startswith(codecs.BOM_UTF8):
+        return "utf-8-sig"
+    if head.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)):
+        return "utf-16"
+    for encoding, zeros in (("utf-16-le", head[1::2]), ("utf-16-be", head[0::2])):
+        if head and zeros.count(0) > 0.4 * len(head) / 2:  # in Latin script nearly every other byte is 0
+            return encoding
+    for encoding in ("utf-8", "cp1252"):
+        try:
+            codecs.getincrementaldecoder(encoding)().decode(head)
+        except UnicodeDecodeError:
+            continue
+        return encoding
+    return "latin-1"
+
+
+def dialect_of(head: bytes, encoding: str, path: Path) -> Dialect:
+    """Find out how a file is written.
+
+    Parameters
+    ----------
+    head : bytes
+        Its beginning, in an encoding that has ASCII in it.
+    encoding : str
+    path : Path
+        For errors.
+
+    Raises
+    ------
+    DataError
+        If there is no header, or nothing at all.
+    """
+    head = head.rstrip(b"\0")
+    if b"\0" in head:
+        raise DataError(f"{path}: cannot be read as CSV (it is no text), expected a header row and numbers")
+    lines = _lines(head, encoding)
+    delimiter = None
+    if lines and (said := _SEPARATOR.fullmatch(lines[0][1].strip())):
+        delimiter, lines = said[1], lines[1:]
+    filled = [(offset, text) for offset, text in lines if text.strip()]
+    content = [(offset, text) for offset, text in filled if not text.lstrip().startswith(COMMENTS)]
+    if not content:
+        raise DataError(f"{path}: the file is empty, expected a header row and numbers")
+    remarks = [text for offset, text in filled if offset < content[0][0]]
+    rows = [text for _, text in content[: 1 + _WITNESSES]]
+    found = _commented_header(remarks, rows, delimiter)
+    if found is None:
+        delimiter = delimiter or _delimiter(rows[0], rows[1:])
+        header, content = split_cells(rows[0], delimiter), content[1:]
+        if all(is_value(cell, "") for cell in header if cell) and any(header):
+            raise DataError(f"{path}: the first row is {rows[0].strip()!r}, expected names of columns")
+    else:
+        header, delimiter = found
+    units: dict[str, str] = {}
+    if content and _is_units(split_cells(content[0][1], delimiter)):
+        below = split_cells(content[0][1], delimiter)
+        units = {name: cell for name, cell in zip(header, below, strict=False) if not is_no_unit(cell)}
+        content = content[1:]
+    sample = tuple(tuple(split_cells(text, delimiter)) for _, text in content)
+    commas = delimiter != "," and any(_COMMA_NUMBER.fullmatch(cell) for row in sample for cell in row)
+    start = content[0][0] if content else len(head)
+    names = _fitted(header, sample[0]) if sample else header
+    return Dialect(encoding, delimiter, "," if commas else ".", tuple(names), units, start, sample)
+
+
+def split_cells(line: str, delimiter: str) -> list[str]:
+    """Return the cells of a line without blanks and quotes around them."""
+    if delimiter == BLANKS:
+        return line.split()
+    try:
+        (cells,) = csv.reader([line.strip("\r\n")], delimiter=delimiter, skipinitialspace=True)
+    except (csv.Error, ValueError):
+        cells = line.split(delimiter)
+    return [cell.strip() for cell in cells]
+
+
+def is_stamp(cell: str) -> bool:
+    """Say whether a cell holds a date and a time as ISO 8601 has them."""
+    return _STAMP.fullmatch(cell.strip()) is not None
+
+
+def is_value(cell: str, decimal: str) -> bool:
+    """Say whether a cell holds a number or a time stamp; any decimal sign will do where none is named."""
+    try:
+        float(cell.replace(",", ".") if decimal != "." else cell)
+    except ValueError:
+        return is_stamp(cell)
+    return True
+
+
+def _lines(head: bytes, encoding: str) -> list[tuple[int, str]]:
+    """Return the lines of a head, each with where it begins; without a last one that may go on."""
+    found: list[tuple[int, str]] = []
+    offset = len(codecs.BOM_UTF8) if encoding == "utf-8-sig" else 0
+    for line in head[offset:].splitlines(keepends=True):
+        found.append((offset, line.decode(encoding, errors="replace")))
+        offset += len(line)
+    return found[:-1] if len(head) >= HEAD_BYTES else found
+
+
+def _delimiter(header: str, rows: Sequence[str]) -> str:
+    """Return what parts the cells of a header and of the rows below it into the same number."""
+    for delimiter in (*_DELIMITERS, BLANKS):
+        cells = split_cells(header, delimiter)
+        judged = [split_cells(row, delimiter) for row in rows[:-1] or rows]  # the last one may be cut
+        if len(cells) > 1 and judged and all(_compatible(cells, row) for row in judged):
+            return delimiter
+    return max(reversed(_DELIMITERS), key=lambda delimiter: len(split_cells(header, delimiter)))
+
+
+def _compatible(header: Sequence[str], row: Sequence[str]) -> bool:
+    """Say whether a row has as many cells as the header, but for empty ones at the end."""
+    shorter = min(len(header), len(row))
+    return not any(header[shorter:]) and not any(row[shorter:])
+
+
+def _commented_header(
+    remarks: Sequence[str], rows: Sequence[str], delimiter: str | None
+) -> tuple[list[str], str] | None:
+    """Return the header that the last remark is, as `numpy.savetxt` and MATLAB write it, and what parts cells."""
+    if not remarks:
+        return None
+    text = remarks[-1].strip()
+    for sign in COMMENTS:
+        text = text.removeprefix(sign)
+    text = text.lstrip("#%/ \t")
+    for candidate in (delimiter,) if delimiter else (*_DELIMITERS, BLANKS):
+        cells = [split_cells(row, candidate) for row in rows]
+        if not any(is_value(cell, "") for cell in cells[0]):
+            continue  # names: the first row is the header itself
+        for parting in (candidate, *_DELIMITERS, BLANKS):
+            names = split_cells(text, parting)
+            named = all(names) and not any(is_value(name, "") for name in names)
+            if named and len(names) == len(cells[0]) and (len(names) > 1 or all(len(row) == 1 for row in cells)):
+                return names, candidate
+    return None
+
+
+def _is_units(cells: Sequence[str]) -> bool:
+    """Say whether a row holds units: one at least that is known, and nothing but units."""
+    if any(is_value(cell, "") for cell in cells if not is_no_unit(cell)) or all(map(is_no_unit, cells)):
+        return False
+    filled = [cell for cell in cells if not is_no_unit(cell)]
+    known = [parse_unit(cell) is not None for cell in filled]
+    bracketed = [re.fullmatch(r"\[.*\]|\(.*\)", cell) is not None for cell in filled]
+    return any(known) and sum(map(any, zip(known, bracketed, strict=True))) >= len(filled) / 2
+
+
+def _fitted(header: Sequence[str], row: Sequence[str]) -> list[str]:
+    """Give the header as many cells as a row has, if it only lacks or has empty ones."""
+    if not _compatible(header, row):
+        return list(header)
+    return [*header[: len(row)], *[""] * (len(row) - len(header))]

@@ -1,0 +1,305 @@
+"""Every way in which programs write tables, read whole and block by block alike."""
+
+import io
+import json
+import math
+from pathlib import Path
+
+import numpy as np
+import pyarrow as pa
+import pyarrow.parquet
+import pytest
+import scipy.io
+
+from limbcal.errors import DataError
+from protocol.tables.columns import parse_mapping
+from protocol.tables.reader import read_table_blocks, read_tables
+
+N = 40
+T = 0.01 * np.arange(N)
+Q = np.column_stack([np.sin(T), 1.0 - T])
+
+
+def read(path, columns=None, n_joint=2, **more):
+    """Read a file whole and in blocks, which must agree; return it whole."""
+    mapping = parse_mapping(columns, n_joint)
+    (table,) = read_tables(path, n_joint, mapping, ("q",), **more)
+    blocks = list(read_table_blocks(path, n_joint, mapping, ("q",), more.get("rate_hz"), 16))
+    for role, values in table.groups.items():
+        assert np.array_equal(np.concatenate([block.groups[role] for block in blocks]), values), role
+    assert blocks[0].notes == table.notes and blocks[0].stated == table.stated
+    return table
+
+
+def text_of(header, *, sep=",", decimal=".", end="\n", first="", comment="", trail=""):
+    """Return the motion as text under a header."""
+    rows = [
+        sep.join(f"{value:.6f}".replace(".", decimal) for value in (t, *q)) + trail
+        for t, q in zip(T, Q, strict=True)
+    ]
+    return first + comment + header + end + end.join(rows) + end
+
+
+def written(tmp_path: Path, content, name="run.csv") -> Path:
+    path = tmp_path / name
+    path.write_bytes(content if isinstance(content, bytes) else content.encode())
+    return path
+
+
+def savetxt(**options):
+    file = io.BytesIO()
+    np.savetxt(file, np.column_stack([T, Q]), **options)
+    return file.getvalue()
+
+
+WAYS = {
+    "plain": text_of("t,q1,q2"),
+    "semicolons": text_of("t;q1;q2", sep=";"),
+    "decimal comma": text_of("t;q1;q2", sep=";", decimal=","),
+    "decimal comma, tabs": text_of("t\tq1\tq2", sep="\t", decimal=","),
+    "decimal comma, commas in names": text_of('t;q1;q2;"Zeit, s"', sep=";", decimal=",", trail=";0,5"),
+    "savetxt": savetxt(header="t,q1,q2", delimiter=","),
+    "savetxt, blanks": savetxt(header="t q1 q2"),
+    "savetxt, blanks, names by commas": savetxt(header="t,q1,q2"),
+    "savetxt, two lines of header": savetxt(header="made by us, today\nt,q1,q2", delimiter=","),
+    "MATLAB": text_of("t,q1,q2", comment="%"),
+    "MATLAB, aligned": "% t q1 q2\n" + text_of("", sep="   ").lstrip("\n"),
+    "remarks and a header": text_of("t,q1,q2", first="# a device, x, y\n% more\n\n"),
+    "remarks behind the header": text_of("t,q1,q2\n# units: SI\n# none"),
+    "quotes": text_of('"t","q1","q2"'),
+    "commas in quotes": text_of('t,q1,q2,"name, given"', trail=',"a, b"'),
+    "sep=": text_of("t;q1;q2", sep=";", first="sep=;\n"),
+    "sep= with a decimal comma": text_of("t;q1;q2", sep=";", decimal=",", first="sep=;\r\n", end="\r\n"),
+    "units below": text_of("t;q1;q2\ns;rad;rad", sep=";"),
+    "units below, in brackets": text_of("t,q1,q2\n[s],[rad],[rad]"),
+    "units below, some": text_of("t,q1,q2,trial\n[s],[rad],[rad],[-]", trail=",7"),
+    "trailing commas": text_of("t,q1,q2,", trail=","),
+    "trailing commas, not in the header": text_of("t,q1,q2", trail=","),
+    "trailing commas, only in the header": text_of("t,q1,q2,"),
+    "empty columns": text_of("t,q1,q2,,dq1,dq2", trail=",,,"),
+    "empty lines at the end": text_of("t,q1,q2") + "\n,,\n\n",
+    "blank lines": text_of("\n\nt,q1,q2\n", end="\n\n"),
+    "cp1252": text_of("t,q1,q2,Größe", trail=",böse").encode("cp1252"),
+    "UTF-8 with a mark": text_of("t,q1,q2").encode("utf-8-sig"),
+    "UTF-16": text_of("t,q1,q2,Größe", trail=",ü").encode("utf-16"),
+    "UTF-16 without a mark": text_of("t;q1;q2", sep=";", decimal=",").encode("utf-16-le"),
+    "Windows": text_of("t,q1,q2", end="\r\n"),
+    "an unused column twice": text_of("t,q1,q2,x,x", trail=",1,"),
+    "an unused column of text": text_of("t,q1,q2,remark", trail=",none"),
+    "an unused column with holes": text_of("t,q1,q2,temperature", trail=",NaN"),
+    "no line end at the end": text_of("t,q1,q2").rstrip("\n"),
+    "zeros at the end": text_of("t,q1,q2").encode() + b"\0" * 100,
+    "a name for time": text_of("Time,q1,q2"),
+}
+
+
+@pytest.mark.parametrize("way", WAYS)
+def test_every_way_of_writing_a_table_reads_alike(tmp_path, way):
+    table = read(written(tmp_path, WAYS[way]))
+    assert np.allclose(table.groups["t"][:, 0], T, atol=1e-6)
+    assert np.allclose(table.groups["q"], Q, atol=1e-6)
+    assert set(table.groups) == {"t", "q"}
+
+
+@pytest.mark.parametrize("cut", [1, 5, 9, 12, 20])
+def test_a_last_line_that_is_cut_is_said_and_the_rest_is_used(tmp_path, cut):
+    whole = text_of("t,q1,q2,ref1,ref2", trail=",0.125000,0.250000").rstrip("\n")
+    table = read(written(tmp_path, whole[: -cut - 8]))
+    assert np.allclose(table.groups["q"], Q[:-1], atol=1e-6)
+    (note,) = table.notes
+    assert note.kind == "cut" and "left out" in note.text
+
+
+def test_a_short_line_that_is_not_the_last_is_an_error(tmp_path):
+    lines = text_of("t,q1,q2").splitlines()
+    lines[20] = "0.1,2"
+    with pytest.raises(DataError, match=r"run\.csv: row 20: 2 cells, expected 3 as in the header"):
+        read(written(tmp_path, "\n".join(lines)))
+
+
+DEGREES = [
+    ("t [ms],q1 [deg],q2 [deg]", None),
+    ("t (ms),q1 (°),q2 (deg)", None),
+    ("t_ms,q1_deg,q2_deg", None),
+    ("t / ms,q1 in deg,q2 / degrees", None),
+    ("time (ms),angle1 [deg],angle2 [deg]", "t=time,q=angle{j}"),
+    ("time [ms],angle1 [deg],angle2 [deg]", "q=angle{j}"),
+    ("time (ms),angle0_deg,angle1_deg", "t=time (ms),q=angle{j-1}_deg"),
+    ("stamp,pos1,pos2", "t=stamp:ms,q=pos{j}:deg"),
+    ("t,q1,q2\nms,deg,deg", None),
+    ("t,q1,q2\n[ms],[°],[deg]", None),
+    ("t [s],q1 [rad],q2 [rad]", "t=t:ms,q=q{j}:deg"),
+]
+
+
+@pytest.mark.parametrize(("header", "columns"), DEGREES)
+def test_units_are_heeded_wherever_they_stand(tmp_path, header, columns):
+    rows = [
+        f"{1e3 * t!r},{math.degrees(a)!r},{math.degrees(b)!r}"
+        for t, (a, b) in zip(T.tolist(), Q.tolist(), strict=True)
+    ]
+    table = read(written(tmp_path, "\n".join([header, *rows, ""])), columns)
+    assert np.allclose(table.groups["t"][:, 0], T) and np.allclose(table.groups["q"], Q)
+    assert table.stated == {"t", "q1", "q2"}
+    units = [note for note in table.notes if note.kind == "unit"]
+    assert len(units) == 2 and any("in ms" in note.text for note in units)
+
+
+def test_torques_and_readings_have_units_too(tmp_path):
+    content = "t,q1,tau1 [Nmm],dq1 [deg/s],tip_z\n" + "\n".join(f"{k},0,{k},180,0" for k in range(20))
+    table = read(written(tmp_path, content), n_joint=1)
+    assert np.allclose(table.groups["tau"][:, 0], 1e-3 * np.arange(20))
+    assert np.allclose(table.groups["dq"], np.pi)
+    assert table.stated == {"tau1", "dq1"}
+    path = written(tmp_path, "t,s1x [g],s1y_m_s2,s1z_g\n0,1,2,3\n1,1,2,3\n", "raw.csv")
+    mapping = parse_mapping(None, 1, ["s1x", "s1y", "s1z"])
+    (table,) = read_tables(path, 1, mapping, ("a",), vectors={"a": ["s1x", "s1y", "s1z"]})
+    assert np.allclose(table.groups["a"][0], [9.80665, 2.0, 3 * 9.80665])
+
+
+@pytest.mark.parametrize(
+    ("header", "columns", "said"),
+    [
+        ("t,q1 [ms],q2 [ms]", None, "column 'q1 [ms]' is in ms, which measures a time; expected one of rad"),
+        ("t,q1_ms,q2_ms", None, "column 'q1_ms' is in ms"),
+        ("t [deg],q1,q2", None, "column 't [deg]' is in deg, which measures an angle; expected one of s, ms"),
+        ("t,q1,q2\ns,furlong,rad", None, "column 'q1' is in 'furlong', expected one of rad"),
+        ("t,q1 [rad],q1 [deg]", None, "'q1' may be any of the columns q1 [rad], q1 [deg]"),
+        ("t,angle1,angle2", "q=angle{j}:grad", "'grad' is no unit that is known"),
+        ("t,Q1,Q2", None, "no column 'q1' among its columns t, Q1, Q2; did you mean 'Q1'?"),
+        ("t,pos_1,pos_2", "q=pos{j}", "no column 'pos1' among its columns t, pos_1, pos_2; did you mean 'pos_1'?"),
+        ("t,q1,q1", None, "column 'q1' is there 2 times, expected once"),
+    ],
+)
+def test_what_does_not_fit_is_said(tmp_path, header, columns, said):
+    rows = "".join("0,1,2\n" for _ in range(20))
+    with pytest.raises(DataError) as caught:
+        read(written(tmp_path, f"{header}\n{rows}"), columns)
+    assert said in str(caught.value) and str(caught.value).startswith(str(tmp_path / "run.csv"))
+
+
+def test_columns_that_are_not_read_yet_are_said(tmp_path):
+    table = read(written(tmp_path, text_of("t,q1,q2,on1,on2,base_x", trail=",1,0,0")))
+    (note,) = table.notes
+    assert note.kind == "unused" and note.columns == ("on1", "on2", "base_x")
+
+
+def test_empty_columns_count_as_not_given_and_are_said(tmp_path):
+    table = read(written(tmp_path, text_of("t,q1,q2,dq1,dq2", trail=",,")))
+    (note,) = table.notes
+    assert note.kind == "empty" and note.columns == ("dq1", "dq2")
+    with pytest.raises(DataError, match="column 'dq1', row 1: found nothing or NaN"):
+        read(written(tmp_path, text_of("t,q1,q2,dq1,dq2", trail=",,")), "dq=dq{j}")
+
+
+START_NS = 1_700_000_000_123_456_789
+STAMPS_NS = START_NS + 10_000_000 * np.arange(N)
+ISO = np.datetime_as_string(STAMPS_NS.astype("datetime64[ns]"))
+
+
+def parquet(path, columns):
+    pyarrow.parquet.write_table(pa.table(columns), path)
+
+
+@pytest.mark.parametrize(
+    "stamps",
+    [
+        pa.array(STAMPS_NS),
+        pa.array(STAMPS_NS.astype("datetime64[ns]")),
+        pa.array(STAMPS_NS.astype("datetime64[ns]"), pa.timestamp("ns", "Europe/Berlin")),
+        pa.array((STAMPS_NS // 1000).astype("datetime64[us]")),
+        pa.array(STAMPS_NS // 1000),
+        pa.array((STAMPS_NS - START_NS).astype("timedelta64[ns]")),
+    ],
+    ids=lambda stamps: str(stamps.type),
+)
+def test_whole_numbers_and_stamps_of_parquet_keep_their_digits(tmp_path, stamps):
+    path = tmp_path / "run.parquet"
+    parquet(path, {"t": stamps, "q1": np.round(Q[:, 0]).astype(np.int64), "q2": Q[:, 1], "id": [2**60 + 1] * N})
+    table = read(path)
+    assert np.allclose(table.groups["t"][:, 0], T, atol=1e-12, rtol=0)
+    assert table.stated >= {"t"}
+
+
+@pytest.mark.parametrize("ending", ["", "Z", "+02:00"])
+@pytest.mark.parametrize("between", ["T", " "])
+def test_dates_and_times_as_text(tmp_path, ending, between):
+    stamps = [stamp.replace("T", between) + ending for stamp in ISO]
+    rows = [f"{stamp},{a!r},{b!r}" for stamp, (a, b) in zip(stamps, Q.tolist(), strict=True)]
+    table = read(written(tmp_path, "\n".join(["t,q1,q2", *rows, ""])))
+    assert np.allclose(table.groups["t"][:, 0], T, atol=1e-12, rtol=0)
+    records = [{"t": stamp, "q1": a, "q2": b} for stamp, (a, b) in zip(stamps, Q.tolist(), strict=True)]
+    table = read(written(tmp_path, json.dumps(records), "run.json"))
+    assert np.allclose(table.groups["t"][:, 0], T, atol=1e-12, rtol=0)
+
+
+def test_nanoseconds_as_text_and_in_npz(tmp_path):
+    rows = [f"{stamp},{a!r},{b!r}" for stamp, (a, b) in zip(STAMPS_NS.tolist(), Q.tolist(), strict=True)]
+    for header in ("t,q1,q2", "t_ns,q1,q2"):
+        table = read(written(tmp_path, "\n".join([header, *rows, ""])))
+        assert np.allclose(table.groups["t"][:, 0], T, atol=1e-12, rtol=0)
+        assert table.origin_s == pytest.approx(START_NS * 1e-9)
+    for stamps in (STAMPS_NS, STAMPS_NS.astype("datetime64[ns]")):
+        np.savez(tmp_path / "run.npz", t=stamps, q1=Q[:, 0], q2=Q[:, 1], other=np.array([{}], dtype=object))
+        assert np.allclose(read(tmp_path / "run.npz").groups["t"][:, 0], T, atol=1e-12, rtol=0)
+
+
+def test_short_counts_keep_their_own_zero(tmp_path):
+    rows = [f"{5_000_000_000 + 10_000_000 * k},0,0" for k in range(N)]
+    table = read(written(tmp_path, "\n".join(["t [ns],q1,q2", *rows, ""])))
+    assert np.allclose(table.groups["t"][:, 0], 5.0 + T) and table.origin_s == 0.0
+
+
+JSON = {
+    "columns": {"t": T.tolist(), "q1": Q[:, 0].tolist(), "q2": Q[:, 1].tolist(), "note": "hm"},
+    "records": [{"t": t, "q1": a, "q2": b} for t, (a, b) in zip(T.tolist(), Q.tolist(), strict=True)],
+    "pandas, split": {
+        "columns": ["t", "q1", "q2"],
+        "index": list(range(N)),
+        "data": np.column_stack([T, Q]).tolist(),
+    },
+    "pandas": {
+        name: {str(k): value for k, value in enumerate(values)}
+        for name, values in (("t", T.tolist()), ("q1", Q[:, 0].tolist()), ("q2", Q[:, 1].tolist()))
+    },
+}
+
+
+@pytest.mark.parametrize("way", JSON)
+def test_json_tables(tmp_path, way):
+    table = read(written(tmp_path, json.dumps(JSON[way]), "run.json"))
+    assert np.allclose(table.groups["q"], Q) and np.allclose(table.groups["t"][:, 0], T)
+
+
+@pytest.mark.parametrize("name", ["run.jsonl", "run.ndjson", "run.json"])
+def test_json_lines_and_a_last_one_that_is_cut(tmp_path, name):
+    lines = "\n".join(map(json.dumps, JSON["records"]))
+    assert np.allclose(read(written(tmp_path, lines, name)).groups["q"], Q)
+    table = read(written(tmp_path, lines[:-7], name))
+    assert np.allclose(table.groups["q"], Q[:-1]) and table.notes[0].kind == "cut"
+    with pytest.raises(DataError, match="line 3: "):
+        read(written(tmp_path, lines.replace('"q1"', '"q1', 3).replace('"q1', '"q1"', 2) + "\n", name))
+
+
+def test_matlab(tmp_path):
+    scipy.io.savemat(
+        tmp_path / "run.mat", {"t": T[:, None], "q1_deg": np.degrees(Q[:, 0]), "q2_deg": np.degrees(Q[:, 1])}
+    )
+    table = read(tmp_path / "run.mat")
+    assert np.allclose(table.groups["q"], Q) and table.stated == {"q1", "q2"}
+    for head in (b"MATLAB 7.3 MAT-file".ljust(512), b""):
+        with pytest.raises(
+            DataError, match=r"a MATLAB 7.3 file, expected one saved in MATLAB with save\(…, '-v7'\)"
+        ):
+            read(written(tmp_path, head + b"\x89HDF\r\n\x1a\n" + b"\0" * 64, "new.mat"))
+
+
+def test_trials_are_text_whatever_they_are(tmp_path):
+    content = text_of("t,q1,q2,trial", trail=",Über ärger").encode("cp1252")
+    assert set(read(written(tmp_path, content)).labels) == {"Über ärger"}
+
+
+@pytest.mark.parametrize("content", [np.random.default_rng(0).bytes(1000), b"\0" * 100, b"", b"\n\n", b"# t\n"])
+def test_no_text_at_all(tmp_path, content):
+    with pytest.raises(DataError, match=r"run\.csv: "):
+        read(written(tmp_path, content))
