@@ -4,6 +4,7 @@ import argparse
 import json
 import math
 import os
+import shlex
 import signal
 import sys
 from collections.abc import Callable, Iterable, Iterator, Mapping
@@ -28,6 +29,8 @@ console = Console(stderr=True, highlight=False)
 _stdout = _Stdout(highlight=False)
 #: Where the answer goes that a person reads: stdout, unless that belongs to a JSON document.
 _answers: ContextVar[Console] = ContextVar("answers", default=_stdout)
+#: What is being carried out, as it was typed.
+_command_line: ContextVar[str] = ContextVar("command_line", default="")
 
 Document = Mapping[str, object]
 Action = Callable[[argparse.Namespace], Document | None]
@@ -63,6 +66,11 @@ def show(answer: RenderableType) -> None:
 def answers() -> Console:
     """Return the console of `show`, for a live view of an answer."""
     return _answers.get()
+
+
+def command_line() -> str:
+    """Return the command that is being carried out, as it was typed; empty where none is."""
+    return _command_line.get()
 
 
 def say(sentence: str) -> None:
@@ -136,6 +144,7 @@ def run_command(parser: argparse.ArgumentParser, argv: list[str] | None) -> int:
         namespace = parser.parse_args(arguments)
         action: Action = namespace.action
         _answers.set(console if namespace.json else _stdout)
+        _command_line.set(shlex.join([parser.prog, *arguments]))
         document = action(namespace)
         if document is not None and namespace.json:
             emit(to_json(document))
@@ -154,4 +163,5 @@ def run_command(parser: argparse.ArgumentParser, argv: list[str] | None) -> int:
         return DeviceError.exit_code
     finally:
         _answers.set(_stdout)
+        _command_line.set("")
         signal.signal(signal.SIGTERM, previous)

@@ -3,9 +3,10 @@
 import base64
 import html
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 
+from limbcal.digits import plain
 from limbcal.errors import DeviceError
 
 _STYLE = """
@@ -16,7 +17,10 @@ p.lead { color: #555; margin-top: .2rem } img { max-width: 100% }
 table { border-collapse: collapse; margin: .6rem 0; font-variant-numeric: tabular-nums }
 th, td { padding: .25rem .8rem; text-align: right; border-bottom: 1px solid #ddd }
 th:first-child, td:first-child { text-align: left } th { border-bottom: 2px solid #888; font-weight: 600 }
-td.quiet { color: #999 } div.wide { overflow-x: auto } td { white-space: nowrap }
+td.quiet { color: #999 } p.alarm { color: #a61c3c; font-weight: 600 }
+div.wide { overflow-x: auto } td { white-space: nowrap }
+table.words td { text-align: left; white-space: normal } table.words td:first-child { white-space: nowrap }
+table.words th { text-align: left }
 """
 
 Row = Sequence[str | float | None]
@@ -40,6 +44,10 @@ class Page:
         if sentences:
             self._parts.append(f"<ul>{''.join(f'<li>{html.escape(text)}</li>' for text in sentences)}</ul>")
 
+    def alarm(self, sentence: str) -> None:
+        """Add a sentence in red, which must not be overlooked."""
+        self._parts.append(f'<p class="alarm">{html.escape(sentence)}</p>')
+
     def note(self, title: str, sentences: Sequence[str]) -> None:
         """Add sentences that are folded away until somebody asks for them."""
         if sentences:
@@ -47,14 +55,15 @@ class Page:
             self.points(sentences)
             self._parts.append("</details>")
 
-    def table(self, header: Sequence[str], rows: Sequence[Row], title: str = "") -> None:
-        """Add a table; numbers are rounded, what is missing is a dash."""
+    def table(self, header: Sequence[str], rows: Sequence[Row], title: str = "", *, words: bool = False) -> None:
+        """Add a table; numbers have four digits, what is missing is a dash; ``words``: cells are sentences."""
         if title:
             self._parts.append(f"<h3>{html.escape(title)}</h3>")
+        kind = ' class="words"' if words else ""
         head = "".join(f"<th>{html.escape(cell)}</th>" for cell in header)
         body = "".join(f"<tr>{''.join(_cell(cell) for cell in row)}</tr>" for row in rows)
         self._parts.append(
-            f'<div class="wide"><table><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table></div>'
+            f'<div class="wide"><table{kind}><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table></div>'
         )
 
     def picture(self, png: bytes, caption: str) -> None:
@@ -83,31 +92,9 @@ class Page:
             raise DeviceError(f"{path}: cannot be written: {error.strerror}") from error
 
 
-def parameter_rows(
-    parameters: Mapping[str, Mapping[str, object]], known: Mapping[str, float], published: Mapping[str, float]
-) -> list[Row]:
-    """Return a row a parameter: estimate, standard error, the known value, how far off, the paper's.
-
-    Parameters
-    ----------
-    parameters : mapping
-        As in the JSON documents: value, std, unit, identifiable.
-    known, published : mapping from name to number
-    """
-    rows: list[Row] = []
-    for name, fields in parameters.items():
-        value, std = float(str(fields["value"])), fields["std"]
-        true = known.get(name)
-        off = None if true is None else value - true
-        spread = float(std) if isinstance(std, float) else None
-        unknown = None if fields["identifiable"] else "not revealed"
-        rows.append((name, value, unknown or spread, true, off, published.get(name), str(fields["unit"])))
-    return rows
-
-
 def _cell(value: str | float | None) -> str:
     if value is None or (isinstance(value, float) and math.isnan(value)):
         return '<td class="quiet">–</td>'
     if isinstance(value, str):
         return f"<td>{html.escape(value)}</td>"
-    return f"<td>{value:.6f}</td>" if abs(value) < 1e3 else f"<td>{value:.6g}</td>"
+    return f"<td>{plain(value)}</td>"

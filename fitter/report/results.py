@@ -1,6 +1,7 @@
 """What a calibration leaves behind: the arm, its figures, the motions, and a report to look at."""
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -12,15 +13,20 @@ from fitter.data.motion_file import write_motion
 from fitter.data.trials import Trial
 from fitter.dynamics import dynamics_fit as dynamics
 from fitter.dynamics.evaluation import motion_error
-from fitter.dynamics.learned_torque import target_of
+from fitter.dynamics.learned_torque import has_unknown_target, target_of
 from fitter.kinematics import fit as kinematics
 from fitter.live.calibration import Calibration
 from fitter.report import published
+from fitter.report.assumptions import dynamics_assumptions, kinematics_assumptions
+from fitter.report.calibration_page import CalibrationPage, Section, error_rows
 from fitter.report.compared import Compared, geometry_by_name
-from fitter.report.figures import Comparison, angles_figure, error_figure
-from fitter.report.page import Page, parameter_rows
+from fitter.report.figures import Comparison
+from fitter.report.parameter_table import parameter_table
+from fitter.report.provenance import provenance
 from limbcal.command import show, to_json
+from limbcal.digits import plain
 from limbcal.errors import DeviceError
+from limbcal.note import of_source
 
 Document = dict[str, object]
 
@@ -54,9 +60,7 @@ def write_results(
         document["kinematics"] = kinematics.document(geometry, learn_tip, evaluate_tip)
     if calibration.dynamics is not None and learn is not None:
         document["dynamics"] = dynamics.document(calibration.dynamics, learn, evaluate)
-        for role, s in (("learning", learn), ("evaluating", evaluate)):
-            if s is not None:
-                show(f"{role}: simulated angle off by {s.angle_mean_deg:.3g}° mean, {s.angle_max_deg:.3g}° max")
+    _show(calibration, document, compared)
     if out is None:
         return document
     try:
@@ -92,6 +96,15 @@ def _write_motions(
     write_motion(path, columns)
 
 
+def _show(calibration: Calibration, document: Document, compared: Sequence[Compared]) -> None:
+    """Show the same tables as the report has."""
+    for section in _sections(calibration, compared):
+        show(parameter_table(section.title, section.parameters, section.others))
+    for name, values in error_rows(_part(document, "dynamics"), _part(document, "kinematics")):
+        said = ", ".join(f"{role} {plain(value, 3)}" for role, value in values.items() if value is not None)
+        show(f"{name}: {said}")
+
+
 def _write_report(
     calibration: Calibration,
     document: Document,
@@ -100,43 +113,53 @@ def _write_report(
     path: Path,
 ) -> None:
     arm, trials = calibration.calibrated(), [*calibration.learn, *calibration.evaluate]
-    page = Page(
-        f"Calibration of {arm.name}",
-        f"{len(calibration.learn)} motions learnt from, {len(calibration.evaluate)} held back to evaluate; "
-        "no torque was measured.",
-    )
-    page.section(
-        "How well the calibrated arm moves like the measured one",
-        "Both under the same control. The paper's figures are of its own arm (section 8.2).",
-    )
-    page.table(("motions", "mean [deg]", "max [deg]", "paper, mean", "paper, max"), _error_rows(document))
     turning = tuple(joint.type == "revolute" for joint in arm.joints)
-    motions = [
-        Comparison(trial.name, trial.role != "evaluate", trial.t, trial.q, q, turning)
-        for trial, q in zip(trials, simulated, strict=True)
-    ]
-    page.picture(angles_figure(motions), "Measured and simulated joint angles: the paper's Fig. 7 and 8 in one.")
-    page.picture(error_figure(motions), "Error of each motion.")
-    known = compared[0] if compared else None
-    of_the_paper = published.ARM in (arm.name, *(c.name for c in compared))
-    header = ("parameter", "found", "std", known.name if known else "known", "off by", "paper", "unit")
-    for title, part, values, paper in (
-        ("Geometry", "kinematics", geometry_by_name(known.arm) if known else {}, published.KINEMATICS),
-        ("Dynamics", "dynamics", known.parameters if known else {}, published.DYNAMICS),
-    ):
-        fields = document.get(part)
-        if isinstance(fields, dict):
-            page.section(title)
-            page.table(header, parameter_rows(fields["parameters"], values, paper if of_the_paper else {}))
-    page.write(path)
+    dynamics_fields = _part(document, "dynamics")
+    fit = calibration.dynamics
+    CalibrationPage(
+        arm=arm,
+        lead=f"{len(calibration.learn)} motions learnt from, {len(calibration.evaluate)} held back to evaluate.",
+        sections=_sections(calibration, compared),
+        errors=error_rows(dynamics_fields, _part(document, "kinematics")),
+        assumptions=[
+            *kinematics_assumptions(arm),
+            *dynamics_assumptions(
+                arm,
+                lengths_learnt=calibration.kinematics() is not None,
+                targets_found=any(has_unknown_target(arm, trial) for trial in trials),
+            ),
+        ],
+        notes=[
+            *(note for trial in trials for note in of_source(trial.notes, trial.name)),
+            *(() if fit is None else fit.notes),
+        ],
+        provenance=provenance(),
+        motions=[
+            Comparison(trial.name, trial.role != "evaluate", trial.t, trial.q, q, turning)
+            for trial, q in zip(trials, simulated, strict=True)
+        ],
+        trials=_part(dynamics_fields or {}, "trials"),
+        of_the_paper=published.ARM in (arm.name, *(c.name for c in compared)),
+    ).write(path)
 
 
-def _error_rows(document: Document) -> list[tuple[str | float | None, ...]]:
-    fields = document["dynamics"]
-    assert isinstance(fields, dict)
-    rows: list[tuple[str | float | None, ...]] = []
-    for role, title in (("learn", "learning"), ("evaluate", "evaluating")):
-        found = fields["angle_error_deg"][role]
-        if found is not None:
-            rows.append((title, found["mean"], found["max"], *published.ANGLE_ERROR_DEG[role]))
-    return rows
+def _sections(calibration: Calibration, compared: Sequence[Compared]) -> list[Section]:
+    """Return the fitted parameters, with those of other arms next to them."""
+    sections: list[Section] = []
+    geometry = calibration.kinematics()
+    if geometry is not None:
+        lengths = {c.name: geometry_by_name(c.arm) for c in compared}
+        sections.append(Section("Geometry", geometry.parameters, lengths))
+    if calibration.dynamics is not None:
+        values = {c.name: c.parameters for c in compared}
+        sections.append(Section("Dynamics", calibration.dynamics.parameters, values))
+    if published.ARM in (calibration.arm.name, *(c.name for c in compared)):
+        paper = {"Geometry": published.KINEMATICS, "Dynamics": published.DYNAMICS}
+        sections = [replace(s, others={**s.others, "the paper": paper[s.title]}) for s in sections]
+    return sections
+
+
+def _part(document: Mapping[str, object], name: str) -> Mapping[str, object] | None:
+    fields = document.get(name)
+    assert fields is None or isinstance(fields, Mapping)
+    return fields

@@ -22,11 +22,12 @@ def test_sensors_are_calibrated_and_written(fitter, raw, tmp_path):
     document = outcome.document
     assert set(document) == {
         "sensors", "not_revealed", "passes", "converged", "doubted", "samples", "seconds", "out",
+        "notes",
     }  # fmt: skip
     assert (document["out"], document["samples"], document["converged"]) == (str(out), 20000, True)
     assert list(document["sensors"]) == ["s1", "s2", "s3", "s4"]
     assert {number["unit"] for number in document["sensors"]["s1"].values()} == {"m/s^2", "1", "rad", "m"}
-    assert "in brackets: not revealed by this data" in outcome.said
+    assert "not identifiable" in outcome.said
     assert all(sentence in outcome.said for sentence in document["not_revealed"])
     found = load_arm(out)
     for sensor in found.sensors:

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from fitter.report.page import Page, parameter_rows
+from fitter.report.page import Page
 from limbcal.errors import DeviceError
 
 PNG = b"\x89PNG\r\n\x1a\n" + bytes(range(256))
@@ -44,12 +44,12 @@ def test_no_name_becomes_markup(tmp_path_factory, name):
 @pytest.mark.parametrize(
     ("cell", "shown"),
     [
-        (0.25, "<td>0.250000</td>"),
-        (-1e-9, "<td>-0.000000</td>"),
-        (123456.789, "<td>123457</td>"),
+        (0.25, "<td>0.2500</td>"),
+        (-1e-9, "<td>-1.000e-09</td>"),
+        (123456.789, "<td>123500</td>"),
         (None, '<td class="quiet">–</td>'),
         (float("nan"), '<td class="quiet">–</td>'),
-        (float("inf"), "<td>inf</td>"),
+        (float("inf"), "<td>–</td>"),
         ("not revealed", "<td>not revealed</td>"),
     ],
 )
@@ -59,18 +59,13 @@ def test_cells(tmp_path, cell, shown):
     assert shown in text_of(page, tmp_path)
 
 
-def test_a_row_holds_estimate_error_truth_and_paper():
-    parameters = {
-        "I2": {"value": 0.47, "std": 0.001, "unit": "kg m^2", "identifiable": True},
-        "D1": {"value": 0.0, "std": None, "unit": "N m s/rad", "identifiable": False},
-        "fc1": {"value": 0.01, "std": None, "unit": "N m", "identifiable": True},
-    }
-    rows = parameter_rows(parameters, {"I2": 0.5, "D1": 0.0}, {"I2": 0.470695})
-    assert rows == [
-        ("I2", 0.47, 0.001, 0.5, pytest.approx(-0.03), 0.470695, "kg m^2"),
-        ("D1", 0.0, "not revealed", 0.0, 0.0, None, "N m s/rad"),
-        ("fc1", 0.01, None, None, None, None, "N m"),
-    ]
+def test_an_alarm_is_red_and_a_table_of_words_is_not_of_numbers(tmp_path):
+    page = Page("x", "y")
+    page.alarm("1 of 22 <motions>")
+    page.table(("symbol",), [("a_j",)], words=True)
+    text = text_of(page, tmp_path)
+    assert '<p class="alarm">1 of 22 &lt;motions&gt;</p>' in text and "p.alarm { color: #a61c3c" in text
+    assert '<table class="words">' in text
 
 
 def test_a_place_that_cannot_be_written_to(tmp_path):

@@ -2,6 +2,7 @@
 
 import json
 from dataclasses import replace
+from html import unescape
 from html.parser import HTMLParser
 
 import numpy as np
@@ -11,8 +12,12 @@ from arm.arm_file import load_arm
 from arm.model import Control
 from fitter.data.trials import load_trials
 from fitter.live.calibration import Calibration
+from fitter.report import published
 from fitter.report.compared import load_compared
+from fitter.report.parameter_rows import parameter_rows
 from fitter.report.results import write_results
+from limbcal.arguments import version
+from limbcal.digits import plain
 from limbcal.errors import DeviceError
 
 FILES = ["calibrated.toml", "dynamics.json", "kinematics.json", "motions.npz", "report.html"]
@@ -91,31 +96,59 @@ def test_the_report_opens_offline(written):
     assert not any(word in html for word in ("http:", "https:", "//cdn", "@import", "url(", "<script", "<link"))
 
 
-def test_the_report_shows_the_papers_numbers_beside_ours(written):
+def test_the_report_shows_the_papers_numbers_beside_ours(written, calibration):
     out, document = written
-    page = Page((out / "report.html").read_text(encoding="utf-8"))
-    rows = {row[0]: row for row in page.rows if row}
-    for role, title, paper in (
-        ("learn", "learning", ["0.730000", "3.510000"]),
-        ("evaluate", "evaluating", ["1.910000", "12.700000"]),
+    rows = {row[0]: row for row in Page((out / "report.html").read_text(encoding="utf-8")).rows if row}
+    ours = document["dynamics"]["angle_error_deg"]
+    for kind, paper in (("mean", ["0.7300", "1.910"]), ("max", ["3.510", "12.70"])):
+        found = [plain(ours[role][kind]) for role in ("learn", "evaluate")]
+        assert rows[f"simulated angle, {kind} [deg]"][1:] == [*found, *paper]
+    for section, paper in (
+        (calibration.dynamics, published.DYNAMICS),
+        (calibration.kinematics(), published.KINEMATICS),
     ):
-        ours = document["dynamics"]["angle_error_deg"][role]
-        assert rows[title][1:] == [f"{ours['mean']:.6f}", f"{ours['max']:.6f}", *paper]
-    found = document["dynamics"]["parameters"]["I1+m2*L1^2"]["value"]
-    row = rows["I1+m2*L1^2"]
-    assert row[1] == f"{found:.6f}" and row[3] == "1.986076" and row[5] == "1.985170"
-    assert row[4] == f"{found - 1.986076:.6f}"
-    assert rows["a1"][5] == "0.245785" and rows["a1"][3] == "0.250000"
+        for row in parameter_rows(section.parameters, {}):
+            name, value, half_width, *others, unit = rows[row.name]
+            assert (name, value, half_width, unit) == row.cells
+            assert len(others) == 2 and (others[1] != "–") == (name in paper)
+    assert rows["parameter"] == ["parameter", "value", "± (95 %)", "dd-arm", "the paper", "unit"]
 
 
-def test_the_papers_parameters_stand_beside_its_own_arm_only(calibration, tmp_path):
+def test_the_report_can_be_handed_on(written, calibration):
+    html = (written[0] / "report.html").read_text(encoding="utf-8")
+    for words in (
+        "What the symbols mean",
+        "What was assumed",
+        "Where this comes from",
+        version(),
+        "eq. (5)",
+        "9.5",
+    ):
+        assert words in html
+    rows = {row[0]: row for row in Page(html).rows if row}
+    assert "only these sums move the arm" in rows["sums such as I1+m2*L1^2"][1]
+    assert rows["date"][1].startswith("20") and rows["limbcal"] == ["limbcal", version()]
+    assert all(note.text in unescape(html) for note in calibration.dynamics.notes)
+
+
+def test_nothing_of_the_papers_is_on_the_page_of_another_arm(calibration, tmp_path):
     others = Calibration(replace(calibration.arm, name="ours"))
     others.learn, others.evaluate = calibration.learn, calibration.evaluate
     others.geometry, others.dynamics = calibration.geometry, calibration.dynamics
     write_results(others, [], {}, tmp_path)
     html = (tmp_path / "report.html").read_text(encoding="utf-8")
-    assert "1.985170" not in html and "0.245785" not in html
-    assert "Calibration of ours" in html
+    assert "Calibration of ours" in html and "paper" not in html.lower()
+
+
+def test_the_terminal_ends_with_the_reports_tables(calibration, capsys):
+    write_results(calibration, [], {}, None)
+    out, err = capsys.readouterr()
+    assert err == ""
+    for fit in (calibration.kinematics(), calibration.dynamics):
+        for row in parameter_rows(fit.parameters, {}):
+            assert any(all(cell in line for cell in row.cells) for line in out.splitlines()), row
+    assert max(map(len, out.splitlines())) <= 80
+    assert "simulated angle, mean [deg]: learn" in out
 
 
 def test_without_a_folder_nothing_is_written(calibration, tmp_path, monkeypatch):
@@ -140,7 +173,10 @@ def test_the_same_calibration_gives_the_same_bytes(calibration, written, tmp_pat
     compared = load_compared(["dd-arm"], calibration.arm)
     write_results(calibration, compared, {"frames": 1000, "motions": 3}, tmp_path)
     for name in FILES:
-        assert (tmp_path / name).read_bytes() == (written[0] / name).read_bytes(), name
+        again, before = ((folder / name).read_bytes() for folder in (tmp_path, written[0]))
+        if name == "report.html":  # tells the day and the command
+            again, before = (page.partition(b"Where this comes from")[0] for page in (again, before))
+        assert again == before, name
 
 
 def test_a_place_that_cannot_be_written_to(calibration, tmp_path):
