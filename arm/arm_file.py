@@ -16,6 +16,13 @@ from limbcal.suggestion import did_you_mean
 
 _PRESETS = resources.files("arm") / "presets"
 
+#: What an arm file says of its links where a calibration wrote it.
+_ONLY_SUMS_ARE_KNOWN = """\
+# Motion reveals only sums of the links' masses, first moments and inertias: those in [base_parameters], below.
+# Each `link` is one physically possible choice that has these sums; its own numbers were not measured.
+"""
+_ONE_OF_MANY = "# one choice of many: only [base_parameters] is known"
+
 
 def preset_names() -> list[str]:
     """Return the names of the built-in arms."""
@@ -81,7 +88,11 @@ def save_arm(arm: Arm, path: Path) -> None:
 def format_arm(arm: Arm) -> str:
     """Return the text of an arm file; `parse_arm` gives the same arm back."""
     blocks = [_table("", {"schema": 1, "name": arm.name, "gravity_m_s2": arm.gravity_m_s2})]
-    blocks += [_table("[[joint]]", vars(joint)) for joint in arm.joints]
+    joints = [_table("[[joint]]", vars(joint)) for joint in arm.joints]
+    if arm.base_parameters:
+        blocks.append(_ONLY_SUMS_ARE_KNOWN)
+        joints = [_with_comment(joint, "link = ", _ONE_OF_MANY) for joint in joints]
+    blocks += joints
     blocks += [_table("[[sensor]]", vars(sensor)) for sensor in arm.sensors]
     if arm.tip is not None:
         blocks.append(_table("[tip]", vars(arm.tip)))
@@ -90,6 +101,12 @@ def format_arm(arm: Arm) -> str:
     blocks += [_table("[[effect]]", _given(vars(effect))) for effect in arm.effects]
     blocks.append(_table("[control]", _given(vars(arm.control))))
     return "\n".join(blocks)
+
+
+def _with_comment(table: str, beginning: str, comment: str) -> str:
+    """Return a table with a comment at the end of the line that begins in some way."""
+    lines = table.splitlines()
+    return "\n".join(f"{line}  {comment}" if line.startswith(beginning) else line for line in lines) + "\n"
 
 
 def _given(fields: Mapping[str, object]) -> dict[str, object]:

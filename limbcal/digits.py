@@ -60,9 +60,9 @@ def _exponent(value: float, digits: int) -> int:
 def _to_place(value: float, last: int) -> str:
     """Return a value rounded to the place 10^last."""
     rounded = round(value, -last)
-    if rounded == 0.0 and last < _LOWEST - _UNCERTAINTY_DIGITS + 1:
-        return "0"
-    exponent = _exponent(rounded, max(1, _exponent(rounded, 17) - last + 1)) if rounded else last
-    if last >= _LOWEST - _UNCERTAINTY_DIGITS + 1 and exponent < _HIGHEST:
-        return f"{rounded + 0.0:.{max(-last, 0)}f}"  # + 0.0: no minus before a zero
-    return f"{rounded + 0.0:.{max(exponent - last, 0)}e}"
+    if rounded == 0.0:
+        return f"{0.0:.{-last}f}" if _LOWEST - _UNCERTAINTY_DIGITS < last < 0 else "0"
+    exponent = _exponent(rounded, max(1, _exponent(rounded, 17) - last + 1))
+    if _LOWEST <= exponent < _HIGHEST:
+        return f"{rounded:.{max(-last, 0)}f}"
+    return f"{rounded:.{max(exponent - last, 0)}e}"

@@ -98,6 +98,18 @@ def test_a_standard_error_that_nobody_knows_is_left_out(dd_arm):
     assert math.isnan(again["I2"].std) and again["m2*sx2"] == Estimate(1.7, 0.1)
 
 
+def test_a_calibrated_file_says_next_to_its_masses_that_only_sums_are_known(dd_arm):
+    learnt = replace(dd_arm, base_parameters={"I2": Estimate(0.47, 0.001)})
+    text = format_arm(learnt)
+    links = [line for line in text.splitlines() if line.startswith("link = ")]
+    assert len(links) == 2 and all(
+        line.endswith("# one choice of many: only [base_parameters] is known") for line in links
+    )
+    assert "# Motion reveals only sums" in text[: text.index("[[joint]]")]
+    assert parse_arm(text, "it") == learnt
+    assert "#" not in format_arm(replace(dd_arm, base_parameters={}))
+
+
 def test_lengths_of_which_nobody_says_how_well_they_are_known(dd_arm):
     assert "length_std_m" not in format_arm(dd_arm)
     exact = replace(dd_arm, joints=tuple(replace(joint, length_std_m=0.0) for joint in dd_arm.joints))
