@@ -16,6 +16,7 @@ from fitter.data.motions import Measured, read_motions
 from fitter.data.recordings import read_frames
 from fitter.diagnosis.diagnosis import diagnose
 from fitter.diagnosis.finding import Finding, NamedCause
+from fitter.dynamics.found_targets import with_found_targets
 from fitter.report.diagnosis_report import write_diagnosis
 from limbcal.command import Document, console, show
 from limbcal.errors import ConfigError, DeviceError
@@ -26,14 +27,19 @@ from protocol.tables.files import RECORDINGS, expand
 _DENIABLE = {"viscous": "D", "coulomb": "fc"}
 
 #: As it stands in the help.
-EXAMPLE = "fitter diagnose learn --evaluate held-back --arm my-arm.toml --out diagnosis"
+EXAMPLE = "fitter diagnose recordings/run.mcap --arm my-arm.toml --out diagnosis"
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Say what `fitter diagnose` takes."""
     parser.add_argument("learn", nargs="+", type=Path, metavar="LEARN", help="trials to learn from")
     parser.add_argument(
-        "--evaluate", nargs="+", type=Path, required=True, metavar="EVAL", help="trials to judge on, held back"
+        "--evaluate",
+        nargs="+",
+        type=Path,
+        default=[],
+        metavar="EVAL",
+        help="trials to judge on, held back (those that a recording marks as evaluating)",
     )
     add_arm(parser)
     add_columns(parser)
@@ -55,12 +61,19 @@ def diagnose_command(arguments: argparse.Namespace) -> Document:
         arguments.out.mkdir(parents=True, exist_ok=True)
     except OSError as error:
         raise DeviceError(f"{arguments.out}: cannot be made: {error.strerror}") from error
-    _require_apart(arguments.learn, arguments.evaluate)
-    sets = (arguments.learn, arguments.evaluate)
-    raw = [readings(some, arm, arguments.columns, arguments.rate_hz) for some in sets]
+    if arguments.evaluate:
+        _require_apart(arguments.learn, arguments.evaluate)
+    raw = [
+        readings(some, arm, arguments.columns, arguments.rate_hz) if some else None
+        for some in (arguments.learn, arguments.evaluate)
+    ]
+    if raw[0] is not None and not arguments.evaluate:
+        raise ConfigError("--evaluate is missing; expected readings to judge on, other than those to learn from")
     if raw[0] is not None and raw[1] is not None:
         return diagnose_readings(arm, raw[0], raw[1], arguments.out)
-    learn, evaluate = (_read(some, arm, arguments) for some in sets)
+    learn, evaluate = _trial_sets(arm, arguments)
+    if not arguments.no_torque:
+        learn, evaluate = with_found_targets(arm, learn, evaluate)
     with Progress(console=console, transient=True) as progress:
         task = progress.add_task("reading", total=1.0)
         found = diagnose(
@@ -76,6 +89,20 @@ def diagnose_command(arguments: argparse.Namespace) -> Document:
     write_diagnosis(found, out)
     _say(found.finding, out)
     return found.finding.document()
+
+
+def _trial_sets(arm: Arm, arguments: argparse.Namespace) -> tuple[list[Measured], list[Measured]]:
+    """Read both sets; without ``--evaluate`` a recording's own roles tell which is which."""
+    trials = _read(arguments.learn, arm, arguments)
+    if arguments.evaluate:
+        return trials, _read(arguments.evaluate, arm, arguments)
+    held_back = [trial for trial in trials if trial.role == "evaluate"]
+    if not held_back:
+        raise ConfigError(
+            f"--evaluate is missing, and {trials[0].where} marks no trial as evaluating; "
+            "expected trials to judge on"
+        )
+    return [trial for trial in trials if trial.role != "evaluate"], held_back
 
 
 def _read(sources: Sequence[Path], arm: Arm, arguments: argparse.Namespace) -> list[Measured]:

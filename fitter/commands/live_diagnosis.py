@@ -4,21 +4,16 @@ import json
 from collections.abc import Sequence
 from pathlib import Path
 
-from arm.model import Arm
-from fitter.data.motions import Measured
 from fitter.data.trials import Trial
 from fitter.diagnosis.diagnosis import Diagnosis, diagnose
-from fitter.dynamics.learned_torque import target_of
+from fitter.dynamics.found_targets import HINT, with_target
 from fitter.live.calibration import Calibration
 from fitter.report.diagnosis_report import write_diagnosis
 from limbcal.command import Document, say, show, to_json
 from limbcal.errors import DataError, DeviceError, LimbcalError
-from limbcal.note import Note
 
 #: Fewer motions tell nothing: something is to be learnt, and something held back to judge on.
 _LEAST = 2
-#: What is white in the noise of tracked angles is hardly anything; their slow errors look like torque.
-_HINT = "angles were tracked and targets found with the arm: their slow errors can pass for causes, a hint only"
 
 
 def live_diagnosis(calibration: Calibration) -> Diagnosis | None:
@@ -36,7 +31,7 @@ def live_diagnosis(calibration: Calibration) -> Diagnosis | None:
         say(f"the diagnosis is left out: {error}")
         return None
     effects = ", ".join(cause.effect for cause in found.finding.causes)
-    show(f"diagnosis: {found.finding.verdict}{f' ({effects})' if effects else ''}; {_HINT}")
+    show(f"diagnosis: {found.finding.verdict}{f' ({effects})' if effects else ''}; {HINT}")
     return found
 
 
@@ -68,7 +63,8 @@ def _diagnosed(calibration: Calibration) -> Diagnosis:
         raise DataError(f"the dynamics were not learnt{f': {calibration.doubt}' if calibration.doubt else ''}")
     learn, evaluate = parted(calibration.learn, calibration.evaluate)
     arm = calibration.calibrated()
-    return diagnose(arm, [_measured(arm, trial) for trial in learn], [_measured(arm, trial) for trial in evaluate])
+    learning, judging = ([with_target(arm, trial) for trial in trials] for trials in (learn, evaluate))
+    return diagnose(arm, learning, judging)
 
 
 def parted(learn: Sequence[Trial], evaluate: Sequence[Trial]) -> tuple[list[Trial], list[Trial]]:
@@ -86,14 +82,3 @@ def parted(learn: Sequence[Trial], evaluate: Sequence[Trial]) -> tuple[list[Tria
         raise DataError(f"{len(trials)} motion(s), expected at least {_LEAST}: what is learnt from cannot judge")
     half = -(-len(trials) // 2)
     return trials[:half], trials[half:]
-
-
-def _measured(arm: Arm, trial: Trial) -> Measured:
-    """Return a motion as a file would have it: angles, and the target that the calibrated arm explains it with."""
-    columns = {"q": trial.q}
-    if trial.tau is not None:
-        columns["tau"] = trial.tau
-    elif arm.control.law != "measured":
-        columns["ref"] = target_of(arm, trial)
-    notes = (*trial.notes, Note("hint", _HINT))
-    return Measured(trial.name, "stream", 0, trial.t, columns, role=trial.role, notes=notes)

@@ -57,6 +57,22 @@ def test_the_cause_is_named_added_and_measured(fitter, files, tmp_path):
         assert words in outcome.said
 
 
+def test_a_recording_is_diagnosed_as_the_daemon_wrote_it(fitter, recording, short_run, tmp_path):
+    outcome = fitter("diagnose", recording, "--arm", "dd-arm", "--out", tmp_path)
+    assert outcome.code == 0
+    assert outcome.document["verdict"] in ("named", "ambiguous", "none", "unexplained")
+    before = outcome.document["before"]
+    assert all(np.isfinite(before["torque_rms_N_m"])) and before["angle_error_deg"]["mean"] < 2.0
+    assert (tmp_path / "report.html").exists()
+
+
+def test_files_that_mark_no_trial_as_evaluating_need_some(fitter, files, recording, tmp_path):
+    outcome = fitter("diagnose", files / "learn.npz", "--arm", files / "arm.toml", "--out", tmp_path)
+    assert outcome.code == 2
+    (error,) = outcome.errors
+    assert "--evaluate is missing, and" in error and "learn.npz marks no trial as evaluating" in error
+
+
 def test_what_is_learnt_from_cannot_judge(fitter, files, tmp_path):
     given = arguments(files, tmp_path)
     outcome = fitter("diagnose", *given[:2], files / "learn.npz", *given[3:])
