@@ -9,12 +9,18 @@ from arm.arm_file import format_arm, parse_arm, save_arm
 from arm.base_parameters import BaseParameters
 from arm.model import Arm
 from arm.regressor import standard_parameters
+from fitter.dynamics.dynamics_fit import DynamicsFit
 from fitter.search.fitted_parameter import FittedParameter
 from limbcal.errors import Unusable
 
 #: A file's parameter may differ from what was printed by this share of its standard error, or of the largest
 #: parameter of its unit: a tenth of the last digit that is printed, and what rounding leaves of a sum of masses.
 _OF_STD, _OF_LARGEST = 0.05, 1e-6
+
+
+def told_by_data(fit: DynamicsFit) -> dict[str, FittedParameter]:
+    """Return the base parameters of a fit that its data tells: what is printed as known."""
+    return {name: fit.parameters[name] for name in fit.base.names if fit.parameters[name].identifiable}
 
 
 def save_calibrated(arm: Arm, base: BaseParameters, printed: Mapping[str, FittedParameter], path: Path) -> None:
@@ -40,8 +46,8 @@ def save_calibrated(arm: Arm, base: BaseParameters, printed: Mapping[str, Fitted
     wrong = differing(parse_arm(format_arm(arm), str(path)), base, printed)
     if wrong:
         raise Unusable(
-            f"{path}: is not written: no links of an arm file have {', '.join(wrong)} as printed; check the masses "
-            "that arm and --fix give"
+            f"{path}: is not written: no links of an arm file have {', '.join(wrong)} as printed; check the "
+            "masses that arm and --fix give"
         )
     save_arm(arm, path)
 
