@@ -8,17 +8,15 @@ from arm.arm_file import load_arm
 from arm.model import Arm
 from limbcal.errors import ConfigError, DataError
 from playback.file_source import file_source
-from playback.motion_trials import Signals, read_trials
 from playback.recording_source import recording_source
 from playback.simulated_source import even_step, simulated
 from playback.source import Source
 from playback.trajectory import Trajectory
-from protocol.tables.files import TABLES
+from protocol.motion_file import SUFFIXES
+from protocol.motion_trials import Signals, read_trials
 
 
-def with_twin(
-    source: Source, twin: str, targets: Path | None, say: Callable[[str], None], columns: str | None = None
-) -> Source:
+def with_twin(source: Source, twin: str, targets: Path | None, say: Callable[[str], None]) -> Source:
     """Return a source with a virtual arm beside it.
 
     Parameters
@@ -33,8 +31,6 @@ def with_twin(
         The file with the targets or the torque.
     say : callable
         Takes a sentence about what is done otherwise than it might seem.
-    columns : str, optional
-        Mapping of foreign columns.
 
     Raises
     ------
@@ -46,41 +42,32 @@ def with_twin(
     path = Path(twin)
     if path.suffix.lower() == ".mcap":
         other = recording_source(path, None, say)
-    elif path.suffix.lower() in TABLES:
-        other = file_source(path, source.arm, columns)
+    elif path.suffix.lower() in SUFFIXES:
+        other = file_source(path, source.arm, say)
     else:
-        arm = load_arm(twin)
-        _require_alike(source, arm, twin)
-        other = _simulated_twin(source, arm, targets, columns)
-    _require_alike(source, other.arm, twin)
+        other = _simulated_twin(source, load_arm(twin), targets)
+    if other.arm.n_joint != source.arm.n_joint:
+        raise ConfigError(
+            f"--twin {twin}: it has {other.arm.n_joint} joint(s), but what moves in {source.name} has "
+            f"{source.arm.n_joint}"
+        )
     common = [trial for trial in source.trials if trial in other.durations_s]
     if not common:
         raise DataError(f"--twin {twin}: none of the trials of {source.name} is in it")
     if left_out := [trial for trial in source.trials if trial not in common]:
         say(f"--twin {twin}: it has no trial {', '.join(map(str, left_out))}; left out")
-    notes = tuple(dict.fromkeys((*source.notes, *other.notes)))
-    durations = {trial: source.durations_s[trial] for trial in common}
-    return replace(source, durations_s=durations, twin=other, notes=notes)
+    return replace(source, durations_s={trial: source.durations_s[trial] for trial in common}, twin=other)
 
 
-def _require_alike(source: Source, arm: Arm, twin: str) -> None:
-    if arm.n_joint != source.arm.n_joint:
-        raise ConfigError(
-            f"--twin {twin}: it has {arm.n_joint} joint(s), but what moves in {source.name} has "
-            f"{source.arm.n_joint}"
-        )
-
-
-def _simulated_twin(source: Source, arm: Arm, targets: Path | None, columns: str | None) -> Source:
+def _simulated_twin(source: Source, arm: Arm, targets: Path | None) -> Source:
     name = "tau" if arm.control.law == "measured" else "ref"
-    if targets is None or targets.suffix.lower() not in TABLES:
+    if targets is None or targets.suffix.lower() not in SUFFIXES:
         what = "torque" if name == "tau" else "targets"
         raise ConfigError(
             f"--twin {arm.name}: {source.name} has no {what}; expected --reference FILE with {name}1…, or "
             "joint motion as the twin"
         )
-    found = read_trials(targets, arm, needed=(name,), columns=columns)
-    trials = found.signals
+    trials = read_trials(targets, needed=(name,))
 
     def trajectory(number: int) -> Trajectory:
         q, dq, _ = source.load(number).at(trials[number]["t"][:1])
@@ -89,4 +76,4 @@ def _simulated_twin(source: Source, arm: Arm, targets: Path | None, columns: str
         return simulated(arm, signals, step)
 
     durations = {number: float(signals["t"][-1]) for number, signals in trials.items()}
-    return Source(f"simulation of {arm.name}", arm, durations, trajectory, notes=found.notes)
+    return Source(f"simulation of {arm.name}", arm, durations, trajectory)

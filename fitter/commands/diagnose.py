@@ -4,6 +4,7 @@ import argparse
 from collections.abc import Sequence
 from pathlib import Path
 
+from rich.markup import escape
 from rich.progress import Progress
 from rich.table import Table
 
@@ -16,9 +17,9 @@ from fitter.data.motions import Measured, read_motions
 from fitter.data.recordings import read_frames
 from fitter.diagnosis.diagnosis import diagnose
 from fitter.diagnosis.finding import Finding, NamedCause
-from fitter.dynamics.found_targets import with_found_targets
+from fitter.dynamics.found_targets import HINT, lacks_torque, with_found_targets
 from fitter.report.diagnosis_report import write_diagnosis
-from limbcal.command import Document, console, show
+from limbcal.command import Document, console, say, show
 from limbcal.errors import ConfigError, DeviceError
 from protocol.tables.columns import parse_mapping
 from protocol.tables.files import RECORDINGS, expand
@@ -72,7 +73,8 @@ def diagnose_command(arguments: argparse.Namespace) -> Document:
     if raw[0] is not None and raw[1] is not None:
         return diagnose_readings(arm, raw[0], raw[1], arguments.out)
     learn, evaluate = _trial_sets(arm, arguments)
-    if not arguments.no_torque:
+    if not arguments.no_torque and any(lacks_torque(arm, motion) for motion in (*learn, *evaluate)):
+        say(HINT)
         learn, evaluate = with_found_targets(arm, learn, evaluate)
     with Progress(console=console, transient=True) as progress:
         task = progress.add_task("reading", total=1.0)
@@ -150,8 +152,8 @@ def _say(finding: Finding, out: Path) -> None:
     before, after = finding.before, finding.after
     for j, (was, became) in enumerate(zip(before.torque_rms, after.torque_rms, strict=True)):
         table.add_row(f"torque {j + 1}, rms [N m]", f"{was:.4g}", f"{became:.4g}")
-    table.add_row("angle, mean [deg]", f"{before.angle_mean_deg:.3g}", f"{after.angle_mean_deg:.3g}")
-    table.add_row("angle, max [deg]", f"{before.angle_max_deg:.3g}", f"{after.angle_max_deg:.3g}")
+    table.add_row(escape("angle, mean [deg]"), f"{before.angle_mean_deg:.3g}", f"{after.angle_mean_deg:.3g}")
+    table.add_row(escape("angle, max [deg]"), f"{before.angle_max_deg:.3g}", f"{after.angle_max_deg:.3g}")
     show(table)
     show(f"next: {finding.next_experiment}")
     show(f"report: {out / 'report.html'}")

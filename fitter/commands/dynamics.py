@@ -8,13 +8,14 @@ from pathlib import Path
 import numpy as np
 from rich.progress import Progress
 
-from arm.arm_file import load_arm
+from arm.arm_file import load_arm, save_arm
 from arm.model import Arm, Control
 from fitter.commands.dynamics_said import say_compared, say_controller, say_fit
 from fitter.commands.options import (
     add_arm,
     add_columns,
     add_out,
+    add_report,
     add_search,
     at_least,
     bounds_of,
@@ -31,17 +32,14 @@ from fitter.dynamics.dynamics_fit import DynamicsFit, Objective, document
 from fitter.dynamics.evaluation import HORIZON_S, score
 from fitter.dynamics.fit import fit_dynamics
 from fitter.dynamics.identifiability import report
-from fitter.dynamics.learned_torque import has_unknown_target
 from fitter.dynamics.reduction import reduce_trials
 from fitter.dynamics.saved_sums import ArmSums, add_sums, equation_of, is_sums, load_sums
 from fitter.dynamics.structure import structural_parameters
 from fitter.dynamics.torque_search import GENERATIONS, fit_sums
-from fitter.dynamics.usability import joint_notes, next_to_nothing, unusable
-from fitter.dynamics.written import save_calibrated, told_by_data
-from fitter.report.assumptions import dynamics_assumptions
 from fitter.report.compared import load_compared, scores_document
-from limbcal.command import Document, console, say_notes
-from limbcal.errors import ConfigError, Unusable
+from fitter.report.fit_pages import dynamics_page
+from limbcal.command import Document, console, say_notes, show
+from limbcal.errors import ConfigError
 from limbcal.note import Note
 from protocol.tables.files import RECORDINGS, expand
 
@@ -95,6 +93,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument("--compare", action="append", default=[], metavar="A", help="another arm to print beside")
     add_out(parser, "the calibrated arm, as an arm file")
+    add_report(parser)
     parser.set_defaults(action=dynamics)
 
 
@@ -102,6 +101,8 @@ def dynamics(arguments: argparse.Namespace) -> Document:
     """Learn, evaluate, and write the calibrated arm."""
     arm = load_arm(arguments.arm)
     make_room(arguments.out)
+    if arguments.report is not None:
+        make_room(arguments.report, (".html",))
     if arguments.workers > 1 or arguments.dask or any(is_sums(path) for path in arguments.learn):
         return _from_sums(arguments, arm)
     compared = load_compared(arguments.compare, arm)
@@ -111,26 +112,27 @@ def dynamics(arguments: argparse.Namespace) -> Document:
         learn, evaluate = ([undriven(trial) for trial in trials] for trials in (learn, evaluate))
     notes = notes_of((*learn, *evaluate))
     say_notes(notes)
+    if arguments.unknown_gains and arguments.report is not None:
+        raise ConfigError("--report shows no gains; expected it without --unknown-gains")
     if arguments.unknown_gains:
         return with_notes(_with_gains(arguments, arm, learn, evaluate), notes)
     fit = _fit(arguments, arm, learn)
     learnt = score(fit.arm, learn, arguments.horizon)
     evaluated = score(fit.arm, evaluate, arguments.horizon) if evaluate else None
-    scores = {"learn": learnt, "evaluate": evaluated}
-    found_targets = any(has_unknown_target(arm, trial) for trial in learn)
-    assumed = dynamics_assumptions(arm, lengths_learnt=False, targets_found=found_targets)
-    fit = replace(fit, notes=(*fit.notes, *joint_notes(scores), *(Note("assumed", said) for said in assumed)))
-    save_calibrated(fit.arm, fit.base, told_by_data(fit), arguments.out)
+    save_arm(fit.arm, arguments.out)
     revealed = report(arm, fit.base, fit.problem)
     say_fit(fit, compared, learnt, evaluated, revealed)
     answer = document(fit, learnt, evaluated) | {"identifiability": revealed.document()}
     if compared:
         answer["compared"] = {c.name: c.document(learn, evaluate, arguments.horizon) for c in compared}
         say_compared(answer["compared"])
-    answer = with_notes(answer, notes)
-    if reasons := unusable(fit, arm, learn, scores):
-        raise Unusable(reasons, answer)
-    return answer
+    if arguments.report is not None:
+        others = {c.name: c.parameters for c in compared}
+        files = expand([*arguments.learn, *arguments.evaluate])
+        page = dynamics_page(fit, answer, learn, evaluate, others, [arguments.arm, *files], arguments.horizon)
+        page.write(arguments.report)
+        show(f"report: {arguments.report}")
+    return with_notes(answer, notes)
 
 
 def _fit(arguments: argparse.Namespace, arm: Arm, learn: Sequence[Trial]) -> DynamicsFit:
@@ -161,6 +163,8 @@ def _fit(arguments: argparse.Namespace, arm: Arm, learn: Sequence[Trial]) -> Dyn
 
 def _from_sums(arguments: argparse.Namespace, arm: Arm) -> Document:
     """Learn from sums, saved ones or those of many files, without ever holding the motion itself."""
+    if arguments.report is not None:
+        raise ConfigError("--report shows motions, which sums no longer hold; expected motions to learn from")
     if arguments.objective not in ("auto", "torque") or arguments.unknown_gains or arguments.no_torque:
         raise ConfigError("sums know of the torque only: expected --objective torque, and no other way to learn")
     (saved, notes), evaluate = _sums(arguments, arm), []
@@ -186,7 +190,7 @@ def _from_sums(arguments: argparse.Namespace, arm: Arm) -> Document:
     )
     fit = made_possible(fit) if arguments.physical else with_warnings(fit)
     evaluated = score(fit.arm, evaluate, arguments.horizon) if evaluate else None
-    save_calibrated(fit.arm, base, told_by_data(fit), arguments.out)
+    save_arm(fit.arm, arguments.out)
     revealed = report(arm, base, fit.problem)
     say_fit(fit, [], None, evaluated, revealed)
     answer = document(fit, None, evaluated) | {"identifiability": revealed.document()}
@@ -194,13 +198,7 @@ def _from_sums(arguments: argparse.Namespace, arm: Arm) -> Document:
     rms = answer["torque_rms_N_m"]
     assert isinstance(rms, dict)
     rms["learn"] = saved.sums.rms(values).tolist()
-    explained = answer["explained"]
-    assert isinstance(explained, dict)
-    explained["learn"] = saved.sums.explained(values).tolist()
-    answer = with_notes(answer, (*notes, *notes_of(evaluate)))
-    if reasons := next_to_nothing({"evaluate": evaluated}, arm):
-        raise Unusable(reasons, answer)
-    return answer
+    return with_notes(answer, (*notes, *notes_of(evaluate)))
 
 
 def _sums(arguments: argparse.Namespace, arm: Arm) -> tuple[ArmSums, tuple[Note, ...]]:
@@ -232,9 +230,7 @@ def _with_gains(
 ) -> Document:
     """Learn the gains of the law along with the arm."""
     found = controller.fit_controller(arm, learn, fixed=fixed_of(arguments.fix))
-    base = structural_parameters(arm)
-    told = {name: found.parameters[name] for name in base.names if found.parameters[name].identifiable}
-    save_calibrated(found.arm, base, told, arguments.out)
+    save_arm(found.arm, arguments.out)
     scores = {
         role: score(found.arm, trials, arguments.horizon) if trials else None
         for role, trials in (("learn", learn), ("evaluate", evaluate))

@@ -14,6 +14,7 @@ from fitter.commands.options import (
     add_arm,
     add_columns,
     add_out,
+    add_report,
     add_search,
     bounds_of,
     fixed_of,
@@ -26,10 +27,12 @@ from fitter.data.trials import Role, Trial, load_trials
 from fitter.kinematics.evaluation import TipScore, tip_score
 from fitter.kinematics.fit import GENERATIONS, KinematicsFit, angle_noise_deg, document, fit_kinematics
 from fitter.report.compared import geometry_by_name
+from fitter.report.fit_pages import kinematics_page
 from fitter.report.parameter_table import parameter_table
 from limbcal.command import Document, console, say, say_notes, show
 from limbcal.errors import ConfigError
 from limbcal.note import documents
+from protocol.tables.files import expand
 
 #: As it stands in the help.
 EXAMPLE = "fitter kinematics recordings/run.mcap --arm my-arm.toml --out geometry.toml"
@@ -67,6 +70,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument("--compare", action="append", default=[], metavar="A", help="another arm to print beside")
     add_out(parser, "the arm with the geometry found, as an arm file")
+    add_report(parser)
     parser.set_defaults(action=kinematics)
 
 
@@ -76,6 +80,8 @@ def kinematics(arguments: argparse.Namespace) -> Document:
     compared = {Path(source).stem: geometry_by_name(load_arm(source)) for source in arguments.compare}
     learn, evaluate = _trials(arguments, arm)
     make_room(arguments.out)
+    if arguments.report is not None:
+        make_room(arguments.report, (".html",))
     angle_noise = angle_noise_of(arguments.angle_noise_deg, arm)
     with Progress(console=console, transient=True) as progress:
         task = progress.add_task("searching", total=arguments.generations)
@@ -99,6 +105,10 @@ def kinematics(arguments: argparse.Namespace) -> Document:
     answer = document(fit, learnt, evaluated) | {"notes": documents(notes_of((*learn, *evaluate)))}
     if compared:
         answer["compared"] = compared
+    if arguments.report is not None:
+        files = expand([*arguments.data, *arguments.evaluate])
+        kinematics_page(fit, answer, learn, evaluate, compared, [arguments.arm, *files]).write(arguments.report)
+        show(f"report: {arguments.report}")
     return answer
 
 

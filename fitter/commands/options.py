@@ -39,6 +39,13 @@ def add_out(parser: argparse.ArgumentParser, help_text: str) -> None:
     parser.add_argument("--out", type=Path, required=True, metavar="FILE", help=help_text)
 
 
+def add_report(parser: argparse.ArgumentParser) -> None:
+    """Add ``--report FILE``."""
+    parser.add_argument(
+        "--report", type=Path, metavar="FILE", help="a page to hand on (.html): results, symbols, what was assumed"
+    )
+
+
 def make_room(out: Path, suffixes: Sequence[str] = ()) -> None:
     """Make sure that a file can be written, before an hour goes into what is to be in it.
 

@@ -17,6 +17,8 @@ from limbcal.digits import plain
 _BEND_RAD = 0.6
 #: Where an arm that fills space is looked at from: azimuth and elevation [rad].
 _AZIMUTH_RAD, _ELEVATION_RAD = np.deg2rad((-60.0, 25.0))
+#: Least and greatest height of the picture [inch].
+_HEIGHT_IN = (2.4, 5.0)
 #: A thickness of an arm below this share of its size is flat.
 _FLAT = 1e-3
 
@@ -42,9 +44,10 @@ def arm_figure(arm: Arm, fitted: Mapping[str, FittedParameter] | None = None) ->
     near = np.vstack([np.zeros(3), far[:-1]])
     sensors = [_place(frames, sensor.joint, sensor.position_m) for sensor in arm.sensors]
     view = _view(np.vstack([near, origins, far, *[place[None] for place in sensors]]))
-    figure = Figure(figsize=(9.0, 4.2), layout="constrained")
+    width, height = np.ptp(np.vstack([near, far]) @ view.T, axis=0)
+    size = float(max(width, height)) or 1.0
+    figure = Figure(figsize=(9.0, float(np.clip(6.3 * height / size + 1.0, *_HEIGHT_IN))), layout="constrained")
     axes, text = figure.subplots(1, 2, width_ratios=(2.4, 1.0))
-    size = float(np.ptp(np.vstack([near, far]) @ view.T, axis=0).max()) or 1.0
     for k in range(arm.n_joint):
         _segment(axes, view, near[k], origins[k], f"d{k + 1}", size, dashed=True)
         _segment(axes, view, origins[k], far[k], f"a{k + 1}", size, dashed=False)

@@ -138,7 +138,6 @@ def test_progress_and_document(bench_trials):
         "objective",
         "ci95",
         "angle_rms_deg",
-        "explained",
         "notes",
     ]
     assert list(result["parameters"]) == [*BASE.names, "F1", "F2"]
