@@ -28,7 +28,8 @@ ADVICE = {
     "garbage": "bytes come and no frame: look at the baud rate and the cable",
     "losses": "samples are lost: look at limb/gap for why; a shorter cable or a slower rate may help",
     "behind": "the machine is too slow for this rate, or something else takes its processors",
-    "clock": "the device's clock is far off, or the host's was set: stamps go on by the clock of the run",
+    "rate": "what is measured is followed, and no sample is lost by it",
+    "clock": "this machine's clock was set: stamps go on by the clock of the run",
     "disk": "the disk is nearly full: make room, or recording will pause",
     "not recorded": "nothing is recorded any more: make room on the disk; recording then goes on by itself",
 }
@@ -125,9 +126,13 @@ def wrong_channels(names: Sequence[str], reading: Reading) -> dict[tuple[str, st
         elif reading.noise[k] > _NOISY * usual > 0.0:
             wrong["noisy", name] = f"{reading.noise[k]:.2g} m/s^2 rms, the others {usual:.2g}"
     for k in range(0, len(names) - 2, 3):
-        axes = slice(k, k + 3)
-        size = float(np.linalg.norm(reading.mean[axes]))
-        still = np.all(reading.spread[axes] < 2.0 * reading.noise[axes] + _STILL)
-        if still and abs(size - _GRAVITY) > _IMPLAUSIBLE * _GRAVITY:
+        size = float(np.linalg.norm(reading.mean[k : k + 3]))
+        if still_axes(reading, k) and abs(size - _GRAVITY) > _IMPLAUSIBLE * _GRAVITY:
             wrong["gravity", names[k][:-1]] = f"{size:.2f} m/s^2 at rest"
     return wrong
+
+
+def still_axes(reading: Reading, first: int) -> bool:
+    """Say whether a sensor, the three axes from ``first`` on, moved by no more than its noise."""
+    axes = slice(first, first + 3)
+    return bool(reading.samples and np.all(reading.spread[axes] < 2.0 * reading.noise[axes] + _STILL))

@@ -1,34 +1,32 @@
-r"""UTC of a device tick: the device's clock says how far it has come, the host's when that was.
+"""UTC of a device tick: the device's clock says how far it has come, the host's when that was.
 
-A block of samples cannot arrive before it was taken, and of all the delays on its way the shortest is much the
-same at any time. So of each second the arrival that was least late counts, and a straight line through those,
-
-    m = b + r (ticks / tick_hz),
-
-with the host's monotonic clock m, gives the rate r and the offset b (least squares, and once more without those
-that lie further from it than three times the median distance). UTC follows from m by what the host's two clocks
-differed by when the stream began: a host clock that is set later does not tear the stamps. What has been stamped
-stays, so a better line is approached by a rate that is a little off for some seconds, never by a jump.
+`LeastLate` finds the device's rate against the host's monotonic clock, from when samples arrived. Most devices
+have a crystal, whose rate is known beforehand better than arrivals of some seconds tell; one without is off by
+what no crystal is. So a rate that a crystal may have is drawn to 1 as far as it is uncertain, and one that none
+has is taken as it was found. UTC follows from the host's monotonic clock by what the host's two clocks differed by
+when the stream began: a host clock that is set later does not tear the stamps.
 """
 
-from collections import deque
 from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
 
-from arm.model import Floats
+from daemon.least_late import LeastLate, Line
+from daemon.stamp_line import StampLine
 
 _SECOND_NS = 1_000_000_000
-#: The line is drawn through the least late arrivals of so many seconds.
-_SECONDS = 600
-#: Before so many of them the rate is taken to be what the device says.
-_FEW = 10
-#: A better line is approached within this time, by a rate that differs by no more than this.
-_APPROACH_S, _MOST_OFF = 10.0, 5e-4
-#: A clock that runs more wrong than this is no clock.
-_WORST_RATE = 2e-2
-_OUTLIER = 3.0
+#: Of a crystal's rate: at most 100 ppm off over all temperatures, by data sheets; two standard deviations.
+_CRYSTAL = 50e-6
+#: So many standard errors away from what a crystal has, a clock has none.
+_SURELY = 3.0
+#: An untrimmed oscillator without a crystal is at most this far off, by data sheets; what is further is no clock
+#: that the host's can be held against, such as that of a device that plays a motion twice as fast.
+_WORST = 0.15
+#: A stamp may be later than its sample's arrival by this: what the least late arrivals differ by [s].
+_EARLY_S = 0.001
+#: An offset to the host's clock is said from this time on [s].
+_SAID_S = 2.0
 
 
 @dataclass(frozen=True)
@@ -42,11 +40,17 @@ class ClockState:
     ppm_std : float or None
     error_ms : float or None
         Standard error of a stamp; what the shortest way takes is in none.
+    rate : float
+        Host's seconds in one of the device's, as far as is known.
+    rate_std : float
+        Of ``rate``.
     """
 
     ppm: float | None
     ppm_std: float | None
     error_ms: float | None
+    rate: float = 1.0
+    rate_std: float = _CRYSTAL
 
 
 class Clock(Protocol):
@@ -78,19 +82,21 @@ class DeviceClock:
         Host's monotonic clock then [ns], as far as is known.
     utc_offset_ns : int
         UTC less the monotonic clock, for the whole stream.
+    rate : float
+        Host's seconds in one of the device's, where that is known already.
     """
 
-    def __init__(self, tick_hz: float, first_ticks: int, first_ns: int, utc_offset_ns: int) -> None:
+    def __init__(
+        self, tick_hz: float, first_ticks: int, first_ns: int, utc_offset_ns: int, rate: float = 1.0
+    ) -> None:
         self._tick_hz = tick_hz
         self._first_ticks = first_ticks
         self._first_ns = first_ns
         self._utc_offset_ns = utc_offset_ns
-        self._least_late: deque[tuple[float, float]] = deque(maxlen=_SECONDS)
-        self._second: tuple[float, float] | None = None
-        self._until_s = 0.0
-        #: The line in use: device's and host's seconds since the first sample where it begins, and its rate.
-        self._from_s, self._from_host_s, self._rate = 0.0, 0.0, 1.0
-        self._state = ClockState(None, None, None)
+        self._stamps = StampLine(rate)
+        self._arrivals = LeastLate(rate)
+        self._followed = False
+        self._state = ClockState(None, None, None, rate)
 
     @property
     def state(self) -> ClockState:
@@ -99,57 +105,43 @@ class DeviceClock:
 
     def utc_ns(self, ticks: int) -> int:
         """Return UTC [ns] at a tick; never less than at an earlier one."""
-        return self._utc_offset_ns + self.monotonic_ns(ticks)
+        return self._utc_offset_ns + self._first_ns + round(_SECOND_NS * self._stamps.stamp(self._seconds(ticks)))
 
     def monotonic_ns(self, ticks: int) -> int:
-        """Return the host's monotonic clock [ns] at a tick."""
-        return self._first_ns + round(_SECOND_NS * self._host_s(self._seconds(ticks)))
+        """Return the host's monotonic clock [ns] at a tick, as far as is known; stamps may yet come to differ."""
+        return self._first_ns + round(_SECOND_NS * self._stamps.at(self._seconds(ticks)))
 
     def note(self, ticks: int, arrival_ns: int) -> None:
         """Note when a block had arrived whose end the device stamped so."""
-        device_s = self._seconds(ticks)
-        arrived_s = (arrival_ns - self._first_ns) / _SECOND_NS
-        if self._second is None or arrived_s - device_s < self._second[1] - self._second[0]:
-            self._second = device_s, arrived_s
-        if device_s >= self._until_s:
-            self._least_late.append(self._second)
-            self._second, self._until_s = None, device_s + 1.0
-            self._draw(device_s)
+        device_s, arrived_s = self._seconds(ticks), (arrival_ns - self._first_ns) / _SECOND_NS
+        if self._followed:
+            self._stamps.hold_back(device_s, arrived_s + _EARLY_S)
+        if self._arrivals.note(device_s, arrived_s) and (line := self._arrivals.line()) is not None:
+            self._follow(line)
 
-    def _draw(self, now_s: float) -> None:
-        """Draw the line anew."""
-        if len(self._least_late) < _FEW:
+    def _follow(self, line: Line) -> None:
+        self._followed = abs(line.rate - 1.0) <= _WORST
+        if not self._followed:
             return
-        device, arrived = np.array(self._least_late).T
-        rate, offset, distance = _line(device, arrived)
-        if abs(rate - 1.0) > _WORST_RATE:
-            return
-        spread = float(np.sqrt(np.sum(distance**2) / max(len(distance) - 2, 1)))
-        off_s = abs(offset + rate * now_s - self._host_s(now_s))
-        lever_s = float(np.std(device) * np.sqrt(len(device)))
-        self._state = ClockState(1e6 * (1.0 / rate - 1.0), 1e6 * spread / lever_s, 1e3 * (off_s + spread))
-        self._approach(now_s, rate, offset)
-
-    def _approach(self, now_s: float, rate: float, offset: float) -> None:
-        """Go on from where the stamps are, towards a better line."""
-        here_s = self._host_s(now_s)
-        missing_s = offset + rate * now_s - here_s
-        self._from_s, self._from_host_s = now_s, here_s
-        self._rate = rate + float(np.clip(missing_s / _APPROACH_S, -_MOST_OFF, _MOST_OFF))
-
-    def _host_s(self, device_s: float) -> float:
-        return self._from_host_s + self._rate * (device_s - self._from_s)
+        rate, std = _believed(line)
+        off_s = self._stamps.approach(rate, line.host_s - rate * line.device_s)
+        said = line.span_s >= _SAID_S
+        self._state = ClockState(
+            1e6 * (1.0 / line.rate - 1.0) if said else None,
+            1e6 * line.rate_std if said else None,
+            1e3 * (off_s + line.spread_s) if said else None,
+            rate,
+            std,
+        )
 
     def _seconds(self, ticks: int) -> float:
         return (ticks - self._first_ticks) / self._tick_hz
 
 
-def _line(x: Floats, y: Floats) -> tuple[float, float, Floats]:
-    """Return slope, offset and distances of a straight line through all but outliers."""
-    slope, offset = np.polyfit(x, y - x, 1)
-    distance = y - x - slope * x - offset
-    near = np.abs(distance) <= _OUTLIER * 1.4826 * np.median(np.abs(distance)) + 1e-12
-    if 2 < np.count_nonzero(near) < len(x):
-        slope, offset = np.polyfit(x[near], (y - x)[near], 1)
-        distance = (y - x - slope * x - offset)[near]
-    return 1.0 + float(slope), float(offset), distance
+def _believed(line: Line) -> tuple[float, float]:
+    """Return a rate and its standard error, with what is known of crystals."""
+    off, std = line.rate - 1.0, line.rate_std
+    if abs(off) > _SURELY * np.hypot(std, _CRYSTAL):
+        return line.rate, std
+    share = _CRYSTAL**2 / (_CRYSTAL**2 + line.scatter_std**2)
+    return 1.0 + share * off, float(_CRYSTAL * std / np.hypot(_CRYSTAL, std))

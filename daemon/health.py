@@ -8,6 +8,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from arm.model import Floats
+from daemon.alarms import still_axes
+from daemon.channel_watch import Reading
 from daemon.device_clock import ClockState
 from daemon.reception import Reception
 from tracking.consistency import Consistency
@@ -82,6 +85,9 @@ def health_fields(
     uptime_s: float,
     last_seq: Mapping[str, int],
     reception: Reception,
+    reading: Reading,
+    q: Floats | None,
+    q_units: Sequence[str],
     channel_names: Sequence[str],
     latency: Latency,
     delay: Delay,
@@ -92,9 +98,20 @@ def health_fields(
     recording_lost: int,
     directory: str | None,
 ) -> dict[str, Any]:
-    """Return the fields of `limb/health`; ``saturated`` and ``flat`` count samples by channel."""
+    """Return the fields of `limb/health`; ``saturated`` and ``flat`` count samples by channel.
+
+    Parameters
+    ----------
+    reading : Reading
+        What channels read since the last report.
+    q : (n_joint,) or None
+        The last joint positions; None before there are any.
+    q_units : sequence of str
+        Of each joint, rad or m.
+    """
     ledger, counters, watch, host = reception.ledger, reception.parser.counters, reception.watch, reception.host
     clock = ClockState(None, None, None) if reception.clock is None else reception.clock.state
+    rate, sensors = reception.rate, _sensors(channel_names, reading)
     return {
         "uptime_s": uptime_s,
         "device": asdict(reception.info),
@@ -110,6 +127,12 @@ def health_fields(
         "gaps": {"causes": dict(ledger.causes), "last": [asdict(gap) for gap in ledger.gaps]},
         "saturated": dict(zip(channel_names, watch.saturated.tolist(), strict=True)),
         "flat": dict(zip(channel_names, watch.flat.tolist(), strict=True)),
+        "readings": {name: mean for name, mean, _ in sensors},
+        "still": {name: still for name, _, still in sensors},
+        "q": None if q is None else q.tolist(),
+        "q_units": list(q_units),
+        "rate_hz": rate.measured_hz,
+        "rate": {"claimed_hz": rate.claimed_hz, "in_use_hz": rate.in_use_hz, "std_ppm": rate.std_ppm},
         "clock_ppm": clock.ppm,
         "clock": {
             "ppm_std": clock.ppm_std,
@@ -131,6 +154,14 @@ def health_fields(
         "recording_lost": recording_lost,
         "disk_free_bytes": _free(directory),
     }
+
+
+def _sensors(names: Sequence[str], reading: Reading) -> list[tuple[str, list[float] | None, bool]]:
+    """Return each sensor's name, its mean reading [m/s^2] where there is one, and whether it was still."""
+    return [
+        (names[k][:-1], reading.mean[k : k + 3].tolist() if reading.samples else None, still_axes(reading, k))
+        for k in range(0, len(names) - 2, 3)
+    ]
 
 
 def _free(directory: str | None) -> int | None:

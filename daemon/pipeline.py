@@ -3,6 +3,7 @@
 import time
 from collections.abc import Sequence
 
+from arm.model import Floats
 from daemon.alarms import Alarms
 from daemon.config import Setup
 from daemon.health import Delay, Latency, health_fields
@@ -45,7 +46,10 @@ class Pipeline:
     ) -> None:
         rate_hz = reception.info.rate_hz
         warm_up(_tracker(setup, rate_hz), setup.arm, rate_hz, setup.initial_q_rad)
+        self._setup = setup
         self._tracker = _tracker(setup, rate_hz)
+        self._dt_s = 1.0 / rate_hz
+        self._waiting: list[Run] | None = []  # until the rate is known
         self._delay = Delay()
         self._outlet = Outlet(
             publisher,
@@ -70,6 +74,8 @@ class Pipeline:
         self._alarms = Alarms()
         self._dropped = 0
         self._frames_sent = False
+        self._q: Floats | None = None
+        self._q_units = ["m" if joint.type == "prismatic" else "rad" for joint in setup.arm.joints]
         self._began_s = time.monotonic()
 
     @property
@@ -95,7 +101,22 @@ class Pipeline:
             self._dropped = dropped
             self._reception.dropped()
         arrived_ns = chunks[-1].stamp_ns if chunks else None
-        self._follow(self._reception.take(chunks), arrived_ns)
+        runs: Sequence[Run] = self._reception.take(chunks)
+        if self._waiting is not None:
+            self._waiting += runs
+            runs = self._begin() if self._reception.knows_rate(time.monotonic_ns()) else []
+        self._follow(runs, arrived_ns)
+
+    def _begin(self) -> Sequence[Run]:
+        """Begin to track by the rate that is known now; return the samples that waited for it."""
+        waiting, self._waiting = self._waiting or [], None
+        first = next((times for run in waiting for times in run.times), None)
+        if first is not None:
+            self._dt_s = first.steps.dt_s(first.ticks[0])
+        rate_hz = 1.0 / self._dt_s
+        self._tracker = _tracker(self._setup, rate_hz)
+        self._blocks = SampleBlocks(rate_hz)
+        return waiting
 
     def _follow(self, runs: Sequence[Run], arrived_ns: int | None) -> None:
         for run in runs:
@@ -109,7 +130,8 @@ class Pipeline:
 
     def finish(self) -> None:
         """Send what waited for more samples or did not fill a block."""
-        self._follow(self._reception.finish(), None)
+        runs = self._reception.finish()
+        self._follow(runs if self._waiting is None else [*self._begin(), *runs], None)
         for block in self._blocks.flush():
             self._track(block)
         self._send(*self._tracker.flush())
@@ -126,10 +148,14 @@ class Pipeline:
             gap = Gap(ledger.position, 0, jump.t_ns, f"{cause} by {1e-9 * jump.by_ns:+.3f} s", True)
             ledger.note(gap, cause)
             self._outlet.send_gap(gap)
+        reading = self._reception.watch.take()
         fields = health_fields(
             uptime_s=time.monotonic() - self._began_s,
             last_seq=self._publisher.last_seq,
             reception=self._reception,
+            reading=reading,
+            q=self._q,
+            q_units=self._q_units,
             channel_names=self._names,
             latency=self._latency,
             delay=self._delay,
@@ -141,7 +167,7 @@ class Pipeline:
             directory=self._directory,
         )
         now_ns = time.monotonic_ns() + self._reception.host.offset_ns
-        begun, ended = self._alarms.report(self._symptoms.look(fields, self._link is not None), now_ns)
+        begun, ended = self._alarms.report(self._symptoms.look(fields, reading, self._link is not None), now_ns)
         fields["alarms"] = [alarm.document() for alarm in self._alarms.raised.values()]
         self._outlet.send_health(fields, now_ns)
         words = [
@@ -156,6 +182,9 @@ class Pipeline:
             frames, phases = self._tracker.gap(block.lost)
             self._outlet.send_bridge(frames)
             self._send((), phases)
+        if block.dt_s != self._dt_s:
+            self._dt_s = block.dt_s
+            self._tracker.retime(1.0 / block.dt_s)
         self._outlet.send_raw(block)
         return self._send(*self._tracker.push(block.t0_ns, block.a))
 
@@ -163,6 +192,8 @@ class Pipeline:
         """Send what the tracker gave out; return how many blocks of frames that completed."""
         blocks = self._outlet.send_frames(frames)
         self._frames_sent = self._frames_sent or blocks > 0
+        if blocks:
+            self._q = frames[-1].q[-1]
         for phase in phases:
             self._outlet.send_phase(phase)
         return blocks

@@ -8,10 +8,9 @@ import zmq
 
 from daemon.config import Setup
 from daemon.control_line import ControlLine, SupervisorGone
-from daemon.device_clock import DeviceClock
 from daemon.handshake import Handshake, check_channels
 from daemon.pipeline import Pipeline
-from daemon.reception import NewClock, Reception
+from daemon.reception import Reception
 from daemon.record_link import Context, RecordLink
 from daemon.recorded_run import RecordedClock
 from daemon.ring import Memory, Ring
@@ -76,7 +75,7 @@ def run_pipeline(
         if introduction is None:
             return
         check_channels(introduction.info, setup.arm, port)
-        reception = Reception(parser, introduction, new_clock=_clock_of(setup))
+        reception = _reception(setup, parser, introduction)
         pipeline = Pipeline(setup, run, reception, publisher, link)
         if setup.config.device.real_time:  # not before its kernels are compiled
             ask_for_real_time(PIPELINE)
@@ -88,10 +87,12 @@ def run_pipeline(
             line.tell("health", **pipeline.report(connected=False))
 
 
-def _clock_of(setup: Setup) -> NewClock:
-    """Return what makes a device's clock: of a recording, it is the one that it was recorded by."""
-    path = setup.replay
-    return DeviceClock if path is None else lambda *_: RecordedClock(path)
+def _reception(setup: Setup, parser: FrameParser, introduction: InfoFrame) -> Reception:
+    """Return the reception of a device; the clock of a recording is the one that it was recorded by."""
+    if setup.replay is None:
+        return Reception(parser, introduction)
+    recorded = RecordedClock(setup.replay)
+    return Reception(parser, introduction, new_clock=lambda *_: recorded, steps=recorded)
 
 
 def _introduction(line: ControlLine, ring: Ring, parser: FrameParser, port: str) -> InfoFrame | None:

@@ -68,7 +68,8 @@ def _sentence(fields: Mapping[str, Any]) -> str:
     latency = "" if p99 is None else f", latency p99 {p99:.1f} ms"
     unrecorded = fields["recording_lost"]
     recorded = f", {unrecorded} messages not recorded" if unrecorded else ""
+    rate = "" if fields["rate_hz"] is None else f" at {fields['rate_hz']:.7g} Hz"
     return (
-        f"{fields['uptime_s']:.0f} s: {fields['samples']} samples, {fields['lost_samples']} lost, "
+        f"{fields['uptime_s']:.0f} s: {fields['samples']} samples{rate}, {fields['lost_samples']} lost, "
         f"{fields['crc_errors']} checksum errors{latency}{recorded}"
     )

@@ -4,19 +4,22 @@ import time
 from collections import deque
 from collections.abc import Callable, Sequence
 
-from daemon.channel_watch import ChannelWatch, Counts
+from daemon.channel_watch import ChannelWatch
 from daemon.device_clock import Clock, DeviceClock
+from daemon.doubted_frames import DoubtedFrames
 from daemon.handshake import same_device
 from daemon.host_clock import HostClock
 from daemon.line_damage import LineDamage
 from daemon.ring import Chunk, Mark
 from daemon.sample_ledger import Gap, SampleLedger
-from daemon.sample_runs import Conversion, CountRun, FrameTimes, Run
+from daemon.sample_rate import SampleRate
+from daemon.sample_runs import CountedRuns, FrameTimes, Run, StepTimes
 from daemon.sequencer import Sequencer
+from daemon.tick_counter import TickCounter
 from protocol.serial_frame import InfoFrame, SamplesFrame, SamplesRun
 from protocol.serial_parser import Frame, FrameParser
 
-NewClock = Callable[[float, int, int, int], Clock]
+NewClock = Callable[[float, int, int, int, float], Clock]
 
 #: Frames that wait for the INFO of a device that has come back: some seconds of them.
 _UNKNOWN = 8192
@@ -24,6 +27,8 @@ _UNKNOWN = 8192
 _PATIENCE_NS = 20_000_000
 #: Nothing for so long is silence [ns].
 _SILENCE_NS = 300_000_000
+#: The rate is known from frames of this time, or of so many [ns].
+_TO_KNOW_NS, _TO_KNOW_FRAMES = 250_000_000, 3
 
 
 class Reception:
@@ -37,7 +42,9 @@ class Reception:
     host : HostClock, optional
     new_clock : callable, optional
         Returns a device's clock from its `tick_hz`, the ticks of a sample, the host's monotonic clock [ns] then,
-        and what UTC is ahead of that.
+        what UTC is ahead of that, and the host's seconds in one of the device's as far as they are known.
+    steps : StepTimes, optional
+        Knows the time from one sample to the next where that is not to be measured.
 
     Attributes
     ----------
@@ -49,6 +56,8 @@ class Reception:
         Frames that were not of this device, or not what its INFO says.
     stranger : str or None
         What the device is that is there instead, if there is one.
+    rate : SampleRate
+        The device's rate, measured.
     """
 
     def __init__(
@@ -57,11 +66,17 @@ class Reception:
         introduction: InfoFrame,
         host: HostClock | None = None,
         new_clock: NewClock = DeviceClock,
+        steps: StepTimes | None = None,
     ) -> None:
         self.info = introduction.info
         self.parser = parser
         self.sequencer = Sequencer()
         self.ledger = SampleLedger(self.info.rate_hz, self.info.tick_hz)
+        self.rate = SampleRate(self.info.rate_hz, self.info.tick_hz)
+        self._steps = steps or self.rate
+        self._counter = TickCounter(self.info.tick_hz)
+        self._doubted = DoubtedFrames()
+        self._first_ns: int | None = None
         self.watch = ChannelWatch(self.info.channels, self.info.rate_hz)
         self.host = host or HostClock()
         self.strangers = 0
@@ -70,13 +85,12 @@ class Reception:
         self._new_clock = new_clock
         self.connected = True
         self.reconnects = 0
-        self._conversion = Conversion(self.info.channels)
+        self._counted = CountedRuns(self.info.channels, self.watch)
         self._known = True
         self._unknown: deque[Frame] = deque(maxlen=_UNKNOWN)
         self._why: str | None = None
         self._damage = LineDamage(parser.counters)
         self._arrival_ns = 0
-        self._counted: list[CountRun] = []
         self._new_gaps: list[Gap] = []
         self.sequencer.put(introduction)
         self.ledger.pass_over(introduction.sequence, introduction.ticks)
@@ -85,6 +99,13 @@ class Reception:
     def awaits_info(self) -> bool:
         """Whether the device must say again what it is."""
         return not self._known
+
+    def knows_rate(self, now_ns: int) -> bool:
+        """Say whether samples have come for long enough to know their rate, by the host's monotonic clock [ns]."""
+        if self._first_ns is None:
+            return False
+        frames_ns = round(1e9 * _TO_KNOW_FRAMES * self.ledger.frame_samples / self.info.rate_hz)
+        return now_ns >= self._first_ns + max(_TO_KNOW_NS, frames_ns)
 
     def take(self, chunks: Sequence[Chunk], now_ns: int | None = None) -> list[Run]:
         """Take what arrived, if anything, and return the samples whose turn it is."""
@@ -97,6 +118,7 @@ class Reception:
             data = []
             if chunk.mark is Mark.LOST:
                 self._pass_on(self.sequencer.release(), chunk.stamp_ns)
+                self._settle(chunk.stamp_ns)
                 self._why, self.connected = "unplugged", False
                 self.strangers += len(self._unknown)
                 self._unknown.clear()
@@ -109,12 +131,13 @@ class Reception:
             self._parse(data)
         elif self.sequencer.waiting and (now_ns or time.monotonic_ns()) > self._arrival_ns + _PATIENCE_NS:
             self._pass_on(self.sequencer.release(), self._arrival_ns)
-        return self._taken()
+        return self._counted.take()
 
     def finish(self) -> list[Run]:
         """Give up what is missing before the frames that still wait for it, and return their samples."""
         self._pass_on(self.sequencer.release(), self._arrival_ns)
-        return self._taken()
+        self._settle(self._arrival_ns)
+        return self._counted.take()
 
     def new_gaps(self) -> list[Gap]:
         """Return the gaps since the last time."""
@@ -133,8 +156,13 @@ class Reception:
         self._damage.look()
         if self._why is None and self._arrival_ns and arrival_ns - self._arrival_ns > _SILENCE_NS:
             self._why = "the device was silent"
-        self._pass_on([frames for one in found for frames in self.sequencer.take(one)], arrival_ns)
+        steady = [self._counter.unwrapped(one, arrival_ns) for one in found]
+        self._pass_on([frames for one in steady for frames in self.sequencer.take(one)], arrival_ns)
         self._arrival_ns = arrival_ns
+        if self._first_ns is None and self.ledger.samples:
+            self._first_ns = arrival_ns
+        if self.clock is not None:
+            self.rate.look(self.ledger.step, self.clock.state)
 
     def _pass_on(self, passed: Sequence[Frame | SamplesRun], arrival_ns: int) -> None:
         """Enter frames in their order; those of a device that has come back wait until it said what it is."""
@@ -147,11 +175,12 @@ class Reception:
                 last = last.last()
             for frame in one.frames() if isinstance(one, SamplesRun) else [one]:
                 self._pass_on_one(frame, last, arrival_ns)
-        if last is not None and self._known and self.clock is not None and self.ledger.due_ticks is not None:
-            self.clock.note(self.ledger.due_ticks, arrival_ns)
+        if last is not None and self._known and not self._doubted and self.clock is not None:
+            self.clock.note(self.ledger.due_ticks or 0, arrival_ns)
 
     def _pass_on_one(self, frame: Frame, last: SamplesFrame | None, arrival_ns: int) -> None:
         if isinstance(frame, InfoFrame):
+            self._settle(arrival_ns)
             self._meet(frame, arrival_ns)
         elif self.stranger is not None:
             self.strangers += 1
@@ -159,17 +188,30 @@ class Reception:
             self._unknown.append(frame)
         elif frame.counts.shape[1] != len(self.info.channels):
             self.strangers += 1
+        elif self._doubted or self.ledger.doubts(frame):
+            self._doubted.put(frame)
+            if self._doubted.enough:
+                self._settle(arrival_ns)
         else:
             self._enter(frame, last or frame, arrival_ns)
 
+    def _settle(self, arrival_ns: int) -> None:
+        """Enter the frames that waited until the majority of them tells the ticks of a sample."""
+        doubted = self._doubted.take()
+        if doubted:
+            self.ledger.decide(doubted)
+        for frame in doubted:
+            self._enter(frame, doubted[-1], arrival_ns)
+
     def _goes_on(self, run: SamplesRun) -> bool:
         """Say whether a run is of this device and goes on right where it was."""
-        known = self._known and self.stranger is None and self.clock is not None
+        known = self._known and self.stranger is None and self.clock is not None and not self._doubted
         return known and run.counts.shape[1] == len(self.info.channels) and self.ledger.goes_on(run)
 
     def _enter_run(self, run: SamplesRun) -> None:
         assert self.clock is not None
-        self._count(FrameTimes(self.ledger.position, run.frame_samples, run.ticks, self.clock), run.counts)
+        times = FrameTimes(self.ledger.position, run.frame_samples, run.ticks, self.clock, self._steps)
+        self._counted.add(times, run.counts)
         self.ledger.enter_run(run)
         self._why = None
 
@@ -193,15 +235,15 @@ class Reception:
             by_host = self._start_clock(frame, last, arrival_ns)
             lost = by_host if lost is None else lost
         assert self.clock is not None
-        t0_ns = self.clock.utc_ns(frame.ticks)
         if lost or begun_anew:
             why = "the device was restarted" if begun_anew else self._cause(frame, lost)
-            rate_hz = self.info.rate_hz
-            gap = Gap(self.ledger.position, lost, t0_ns - round(1e9 * lost / rate_hz), why, not begun_anew)
+            t_ns = self.clock.utc_ns(frame.ticks) - round(1e9 * lost / self._rate_hz)
+            gap = Gap(self.ledger.position, lost, t_ns, why, not begun_anew)
             self.ledger.note(gap)
             self._new_gaps.append(gap)
-        times = FrameTimes(self.ledger.position + lost, len(frame.counts), [frame.ticks], self.clock)
-        self._count(times, frame.counts, lost)
+        first = self.ledger.position + lost
+        times = FrameTimes(first, len(frame.counts), [frame.ticks], self.clock, self._steps)
+        self._counted.add(times, frame.counts, lost)
         self.ledger.enter(frame, lost)
         self._why = None
 
@@ -218,28 +260,18 @@ class Reception:
         The last sample that came with the first one was taken, at the latest, when it arrived.
         """
         before, due = self.clock, self.ledger.due_ticks
-        span_s = (last.ticks - first.ticks) / self.info.tick_hz + len(last.counts) / self.info.rate_hz
+        rate = 1.0 if before is None else before.state.rate
+        span_s = rate * (last.ticks - first.ticks) / self.info.tick_hz + len(last.counts) / self._rate_hz
         first_ns = arrival_ns - round(1e9 * span_s)
         lost = 0
         if before is not None and due is not None:
             ended_ns = before.monotonic_ns(due)
-            lost = max(0, round((first_ns - ended_ns) * self.info.rate_hz / 1e9))
+            lost = max(0, round((first_ns - ended_ns) * self._rate_hz / 1e9))
             first_ns = max(first_ns, ended_ns)
-        self.clock = self._new_clock(self.info.tick_hz, first.ticks, first_ns, self.host.offset_ns)
+        self.clock = self._new_clock(self.info.tick_hz, first.ticks, first_ns, self.host.offset_ns, rate)
         return lost
 
-    def _count(self, times: FrameTimes, counts: Counts, lost: int = 0) -> None:
-        if lost or not self._counted:
-            self._counted.append(CountRun(lost, times.sample0, [], []))
-        self._counted[-1].times.append(times)
-        self._counted[-1].counts.append(counts)
+    @property
+    def _rate_hz(self) -> float:
+        return self.rate.measured_hz or self.info.rate_hz
 
-    def _taken(self) -> list[Run]:
-        """Return what was counted, and have it watched."""
-        counted, self._counted = self._counted, []
-        runs = []
-        for one in counted:
-            counts = one.joined()
-            self.watch.watch(counts)
-            runs.append(self._conversion.run(one, counts))
-        return runs

@@ -5,7 +5,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from itertools import chain
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,10 +26,20 @@ _INT16 = np.iinfo(np.int16)
 
 @dataclass(frozen=True)
 class Block:
-    """Samples of a recording: number and UTC [ns] of the first, ``a`` (n_sample, n_channel) [m/s^2], float32."""
+    """Samples of a recording.
+
+    Attributes
+    ----------
+    sample0, t0_ns : int
+        Number and UTC [ns] of the first.
+    dt_s : float
+        From one to the next.
+    a : (n_sample, n_channel) [m/s^2], float32
+    """
 
     sample0: int
     t0_ns: int
+    dt_s: float
     a: NDArray[np.float32]
 
 
@@ -77,7 +87,7 @@ def blocks_of(path: Path) -> Iterator[Block]:
     for file in files_of(path):
         with read_recording(file, [RAW]) as messages:
             for _, fields, _ in messages:
-                yield Block(int(fields["sample0"]), int(fields["t0_ns"]), fields["a"])
+                yield Block(int(fields["sample0"]), int(fields["t0_ns"]), float(fields["dt_s"]), fields["a"])
 
 
 def counts_of(block: Block, info: DeviceInfo) -> NDArray[np.int16]:
@@ -99,8 +109,16 @@ def counts_of(block: Block, info: DeviceInfo) -> NDArray[np.int16]:
     return whole
 
 
+class _Times(NamedTuple):
+    """Number and UTC [ns] of a block's first sample, and the time from one to the next."""
+
+    sample0: int
+    t0_ns: int
+    dt_s: float
+
+
 class RecordedClock:
-    """The time of a replayed sample: when it was taken.
+    """The time of a replayed sample: when it was taken, and how long it took.
 
     Parameters
     ----------
@@ -113,8 +131,7 @@ class RecordedClock:
         self._blocks = blocks_of(path)
         self._here = next(self._blocks)
         self._next: Block | None = next(self._blocks, None)
-        self._passed: deque[tuple[int, int]] = deque(maxlen=_PASSED)  # number and UTC [ns] of their first samples
-        self._sample_ns = 1e9 / device_of(path).rate_hz
+        self._passed: deque[_Times] = deque(maxlen=_PASSED)
 
     @property
     def state(self) -> ClockState:
@@ -123,13 +140,20 @@ class RecordedClock:
 
     def utc_ns(self, ticks: int) -> int:
         """Return UTC [ns] at a tick."""
+        sample, times = ticks // TICKS_PER_SAMPLE, self._times(ticks)
+        return times.t0_ns + round((sample - times.sample0) * 1e9 * times.dt_s)
+
+    def dt_s(self, ticks: int) -> float:
+        """Return the time from one sample to the next at a tick."""
+        return self._times(ticks).dt_s
+
+    def _times(self, ticks: int) -> _Times:
         sample = ticks // TICKS_PER_SAMPLE
         while self._next is not None and self._next.sample0 <= sample:
-            self._passed.append((self._here.sample0, self._here.t0_ns))
+            self._passed.append(_times_of(self._here))
             self._here, self._next = self._next, next(self._blocks, None)
-        here = self._here.sample0, self._here.t0_ns
-        sample0, t0_ns = next((one for one in chain([here], reversed(self._passed)) if one[0] <= sample), here)
-        return t0_ns + round((sample - sample0) * self._sample_ns)
+        here = _times_of(self._here)
+        return next((one for one in chain([here], reversed(self._passed)) if one.sample0 <= sample), here)
 
     def monotonic_ns(self, ticks: int) -> int:
         """Return the same: nothing else is known."""
@@ -137,6 +161,10 @@ class RecordedClock:
 
     def note(self, ticks: int, arrival_ns: int) -> None:
         """Pass over when a sample came again."""
+
+
+def _times_of(block: Block) -> _Times:
+    return _Times(block.sample0, block.t0_ns, block.dt_s)
 
 
 def _device(path: Path, found: dict[str, Any]) -> DeviceInfo:

@@ -19,10 +19,10 @@ class SampleBlocks:
     Parameters
     ----------
     rate_hz : float
+        About the device's: a block has as many samples as this makes in 10 ms.
     """
 
     def __init__(self, rate_hz: float) -> None:
-        self._dt_s = 1.0 / rate_hz
         self._size = raw_block_size(rate_hz)
         self._held: list[Floats] = []
         self._n_held = 0
@@ -57,9 +57,9 @@ class SampleBlocks:
         (a,) = self._held
         while len(self._times) > 1 and self._times[1].sample0 <= self._sample:
             self._times.popleft()
-        sample, t_ns = self._times[0].before(self._sample)
-        t0_ns = later(t_ns, self._sample - sample, self._dt_s)
-        block = RawSamples(self._sample, t0_ns, self._dt_s, a[:n], self._lost)
+        stamp = self._times[0].before(self._sample)
+        t0_ns = later(stamp.t_ns, self._sample - stamp.sample, stamp.dt_s)
+        block = RawSamples(self._sample, t0_ns, stamp.dt_s, a[:n], self._lost)
         self._sample += n
         self._lost = 0
         self._held = [a[n:]] if n < len(a) else []

@@ -1,9 +1,12 @@
 """The book of samples: how many came, how many did not, when, for how long and why."""
 
 from collections import Counter, deque
+from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 from operator import sub
 
+from daemon.tick_step import TickStep
 from protocol.serial_frame import SEQUENCES, SamplesFrame, SamplesRun
 
 #: Gaps are kept, the last ones; all of them are in the recording and the sums.
@@ -38,7 +41,8 @@ class SampleLedger:
     """Accounts for every sample between the first and the last.
 
     A frame that never came leaves a hole in the sequence numbers, and its samples are counted by them. The
-    device's clock is asked too, because a device that lost samples before it numbered them shows it only there.
+    device's clock is asked too, because a device that lost samples before it numbered them shows it only there:
+    a step of the clock that is longer than its samples take, by the ticks of a sample that `TickStep` measures.
 
     Parameters
     ----------
@@ -53,6 +57,8 @@ class SampleLedger:
         The last ones.
     causes : Counter of str
         Gaps by cause.
+    step : TickStep
+        The ticks of a sample.
     """
 
     def __init__(self, rate_hz: float, tick_hz: float) -> None:
@@ -60,14 +66,11 @@ class SampleLedger:
         self.lost_samples = 0
         self.gaps: deque[Gap] = deque(maxlen=_KEPT)
         self.causes: Counter[str] = Counter()
-        self._samples_per_tick = rate_hz / tick_hz
-        self._ticks_per_sample = tick_hz / rate_hz
-        #: A clock that is read in whole ticks may be one off at either end; half a sample is nobody's.
-        self._tolerance = 0.5 + 1.5 * self._samples_per_tick
+        self.step = TickStep(tick_hz / rate_hz, tick_hz)
         self._sequence: int | None = None
         self._skipped = 0
         self._told_ticks = 0
-        self._due_ticks: float | None = None
+        self._ticks: int | None = None
         self._frame_samples = 0
 
     @property
@@ -78,7 +81,14 @@ class SampleLedger:
     @property
     def due_ticks(self) -> int | None:
         """Device clock at the next sample; None before the first."""
-        return None if self._due_ticks is None else round(self._due_ticks)
+        if self._ticks is None:
+            return None
+        return round(self._ticks + self._frame_samples * self.step.ticks_per_sample)
+
+    @property
+    def frame_samples(self) -> int:
+        """Samples of the last frame."""
+        return self._frame_samples
 
     def pass_over(self, sequence: int, ticks: int) -> None:
         """Note a frame that has a number and no samples, such as INFO; frames may be missing before it, too."""
@@ -89,38 +99,76 @@ class SampleLedger:
             self._skipped += skipped
         self._sequence = sequence
 
+    def doubts(self, frame: SamplesFrame) -> bool:
+        """Say whether a frame contradicts the rate of INFO while too few came to tell whether INFO is right.
+
+        `decide` with it and the frames after it settles that.
+        """
+        if self._ticks is None or self._sequence is None or self.step.measured or self._went_back(frame.ticks):
+            return False
+        skipped = self._skipped + (frame.sequence - self._sequence - 1) % SEQUENCES
+        by_number = skipped * self._frame_samples
+        late = self.step.late(frame.ticks - self._ticks, self._frame_samples)
+        return skipped <= SEQUENCES // 2 and abs(late - by_number) > self.step.tolerance(by_number)
+
+    def decide(self, frames: Sequence[SamplesFrame]) -> None:
+        """Measure the ticks of a sample from frames that are to be entered."""
+        before = [] if self._ticks is None else [(self._sequence, self._ticks, self._frame_samples)]
+        stamps = [*before, *((one.sequence, one.ticks, len(one.counts)) for one in frames)]
+        self.step.decide(
+            [
+                (ticks - last_ticks, samples)
+                for (last, last_ticks, samples), (sequence, ticks, _) in pairwise(stamps)
+                if last is not None
+                and sequence == (last + 1) % SEQUENCES
+                and not self.step.went_back(ticks - last_ticks)
+            ]
+        )
+
     def missing(self, frame: SamplesFrame) -> int | None:
         """Return how many samples are missing before a frame; None if the device has begun to count anew."""
-        if self._due_ticks is None:
+        if self._ticks is None:
             return self._missing_at_first(frame)
         return self._missing(frame.sequence, frame.ticks)
 
     def goes_on(self, run: SamplesRun) -> bool:
         """Say whether no sample is missing before a run, nor between its frames."""
-        if self._missing(run.sequence, run.ticks[0]) != 0:
+        if self._ticks is None or not self._in_sequence(run.sequence):
+            return False
+        if not self._near(run.ticks[0] - self._ticks, self._frame_samples):
             return False
         steps = [*map(sub, run.ticks[1:], run.ticks)]
-        return all(  # the others lie between these
-            abs(step * self._samples_per_tick - run.frame_samples) <= self._tolerance
-            for step in ((min(steps), max(steps)) if steps else ())
-        )
+        return not steps or all(self._near(one, run.frame_samples) for one in (min(steps), max(steps)))
+
+    def _near(self, step: int, samples: int) -> bool:
+        return not self.step.went_back(step) and abs(self.step.late(step, samples)) <= self.step.tolerance()
+
+    def _went_back(self, ticks: int) -> bool:
+        return self._ticks is not None and self.step.went_back(ticks - self._ticks)
+
+    def _in_sequence(self, sequence: int) -> bool:
+        return not self._skipped and self._sequence is not None and sequence == (self._sequence + 1) % SEQUENCES
 
     def _missing_at_first(self, frame: SamplesFrame) -> int:
         """Return how many samples the device numbered since it said what it is, and before the first that came."""
         if self._sequence is None:
             return 0
         lost = (self._skipped + (frame.sequence - self._sequence - 1) % SEQUENCES) * len(frame.counts)
-        most = (frame.ticks - self._told_ticks) * self._samples_per_tick + len(frame.counts) + self._tolerance
+        told = (frame.ticks - self._told_ticks) / self.step.ticks_per_sample
+        most = told + len(frame.counts) + self.step.tolerance(abs(told))
         return lost if lost <= most else 0  # else it has begun to count anew meanwhile
 
     def _missing(self, sequence: int, ticks: int) -> int | None:
-        if self._due_ticks is None or self._sequence is None:
+        if self._ticks is None or self._sequence is None:
             return 0
-        late = (ticks - self._due_ticks) * self._samples_per_tick
         skipped = (sequence - self._sequence - 1) % SEQUENCES
+        if skipped > SEQUENCES // 2 or self._went_back(ticks):
+            return None
         by_number = (self._skipped + skipped) * self._frame_samples
-        lost = by_number if abs(late - by_number) <= self._tolerance else round(late)
-        return None if lost < 0 or skipped > SEQUENCES // 2 else lost
+        late = self.step.late(ticks - self._ticks, self._frame_samples)
+        if abs(late - by_number) <= self.step.tolerance(by_number):
+            return by_number
+        return max(0, round(late))
 
     def follows(self, frame: SamplesFrame) -> bool:
         """Say whether a frame's number is the next one."""
@@ -128,20 +176,27 @@ class SampleLedger:
 
     def enter(self, frame: SamplesFrame, lost: int) -> None:
         """Enter a frame, and so many samples that were lost before it."""
-        self._enter(frame.sequence, frame.ticks, len(frame.counts))
-        self.samples += len(frame.counts)
+        n, follows = len(frame.counts), self._in_sequence(frame.sequence) and not self._went_back(frame.ticks)
+        step = 0 if self._ticks is None else frame.ticks - self._ticks
+        if follows and not lost and self._ticks is not None:
+            self.step.go_on(step, self._frame_samples, frame.ticks, self._frame_samples)
+        else:
+            if follows:
+                self.step.stray(step, self._frame_samples)
+            self.step.begin(frame.ticks)
+        self._sequence, self._skipped, self._ticks, self._frame_samples = frame.sequence, 0, frame.ticks, n
+        self.samples += n
         self.lost_samples += lost
 
     def enter_run(self, run: SamplesRun) -> None:
         """Enter a run before which, and in which, nothing is missing."""
-        last = run.sequence + len(run.ticks) - 1
-        self._enter(last % SEQUENCES, run.ticks[-1], run.frame_samples)
+        n, count = run.frame_samples, len(run.ticks)
+        assert self._ticks is not None
+        before, samples = (run.ticks[-2], n) if count > 1 else (self._ticks, self._frame_samples)
+        self.step.go_on(run.ticks[-1] - before, samples, run.ticks[-1], self._frame_samples + (count - 1) * n)
+        self._sequence, self._skipped = (run.sequence + count - 1) % SEQUENCES, 0
+        self._ticks, self._frame_samples = run.ticks[-1], n
         self.samples += len(run.counts)
-
-    def _enter(self, sequence: int, ticks: int, n_sample: int) -> None:
-        self._sequence, self._skipped = sequence, 0
-        self._due_ticks = ticks + n_sample * self._ticks_per_sample
-        self._frame_samples = n_sample
 
     def note(self, gap: Gap, cause: str | None = None) -> None:
         """Note why samples are missing; ``cause`` is what it counts by where the words are of this one gap."""

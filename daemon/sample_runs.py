@@ -2,15 +2,30 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import NamedTuple, Protocol
 
 import numpy as np
 
 from arm.model import Floats
-from daemon.channel_watch import Counts
+from daemon.channel_watch import ChannelWatch, Counts
 from daemon.device_clock import Clock
 from limbcal.compiled import compiled
 from protocol.serial_frame import Channel
+
+
+class StepTimes(Protocol):
+    """Tells the time from one sample to the next."""
+
+    def dt_s(self, ticks: int) -> float:
+        """Return it at a tick."""
+
+
+class Stamp(NamedTuple):
+    """A sample's number, its UTC [ns], and the time from it to the next."""
+
+    sample: int
+    t_ns: int
+    dt_s: float
 
 
 class FrameTimes(NamedTuple):
@@ -24,11 +39,13 @@ class FrameTimes(NamedTuple):
     frame_samples: int
     ticks: Sequence[int]
     clock: Clock
+    steps: StepTimes
 
-    def before(self, sample: int) -> tuple[int, int]:
-        """Return number and UTC [ns] of the first sample of the frame in which a sample came."""
+    def before(self, sample: int) -> Stamp:
+        """Return the stamp of the first sample of the frame in which a sample came."""
         k = min((sample - self.sample0) // self.frame_samples, len(self.ticks) - 1)
-        return self.sample0 + k * self.frame_samples, self.clock.utc_ns(self.ticks[k])
+        ticks = self.ticks[k]
+        return Stamp(self.sample0 + k * self.frame_samples, self.clock.utc_ns(ticks), self.steps.dt_s(ticks))
 
 
 class Run(NamedTuple):
@@ -77,6 +94,38 @@ class Conversion:
         a = np.empty(counts.shape)
         _accelerations(counts, self._scale, self._offset, a)
         return Run(counted.lost, counted.sample0, counted.times, a)
+
+
+class CountedRuns:
+    """Gathers the counts of frames into runs, has them watched and turns them into accelerations.
+
+    Parameters
+    ----------
+    channels : sequence of Channel
+    watch : ChannelWatch
+    """
+
+    def __init__(self, channels: Sequence[Channel], watch: ChannelWatch) -> None:
+        self._conversion = Conversion(channels)
+        self._watch = watch
+        self._counted: list[CountRun] = []
+
+    def add(self, times: FrameTimes, counts: Counts, lost: int = 0) -> None:
+        """Add frames that go on where the last ones ended, or after samples that were lost."""
+        if lost or not self._counted:
+            self._counted.append(CountRun(lost, times.sample0, [], []))
+        self._counted[-1].times.append(times)
+        self._counted[-1].counts.append(counts)
+
+    def take(self) -> list[Run]:
+        """Return the runs since the last time."""
+        counted, self._counted = self._counted, []
+        runs = []
+        for one in counted:
+            counts = one.joined()
+            self._watch.watch(counts)
+            runs.append(self._conversion.run(one, counts))
+        return runs
 
 
 @compiled

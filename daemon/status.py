@@ -1,6 +1,7 @@
 """`limbd status`: how a running daemon is doing, from what it publishes; once, or as a live view."""
 
-import json
+import math
+import time
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -11,17 +12,19 @@ from rich.live import Live
 from rich.table import Table
 from rich.text import Text
 
-from limbcal.command import answers, emit, show
+from limbcal.command import answers, emit, say, show, strict_line
 from limbcal.errors import DeviceError
 from protocol.curve import load_client_key
 from protocol.message import HEALTH
 from protocol.subscriber import Subscriber
 
-#: The heartbeat comes once a second.
+#: The heartbeat comes once a second; a daemon that misses so many is gone.
 _PATIENCE_S = 3.0
+#: A daemon that has just been started compiles and waits for its device before it says anything.
+WAIT_S = 30.0
 
 
-def status(endpoint: str, key: Path | None, once: bool, as_json: bool) -> None:
+def status(endpoint: str, key: Path | None, once: bool, as_json: bool, wait_s: float = WAIT_S) -> None:
     """Show the daemon's health until stopped, or once.
 
     Parameters
@@ -32,6 +35,8 @@ def status(endpoint: str, key: Path | None, once: bool, as_json: bool) -> None:
         The client's key, where the daemon asks for one.
     once, as_json : bool
         One report, and as JSON; live JSON is a line a report.
+    wait_s : float
+        For how long to wait for a daemon that is not heard yet.
 
     Raises
     ------
@@ -40,28 +45,40 @@ def status(endpoint: str, key: Path | None, once: bool, as_json: bool) -> None:
     """
     mine = None if key is None else load_client_key(key)
     with zmq.Context() as context, Subscriber(context, endpoint, [HEALTH], mine) as subscriber:
-        health = _next(subscriber, endpoint)
+        health = _first(subscriber, endpoint, wait_s)
         if as_json or once:
             while True:
-                emit(json.dumps(health)) if as_json else show(_view(endpoint, health))
+                emit(strict_line(health)) if as_json else show(view_of(endpoint, health))
                 if once:
                     return
                 health = _next(subscriber, endpoint)
-        with Live(_view(endpoint, health), console=answers(), auto_refresh=False) as live:
+        with Live(view_of(endpoint, health), console=answers(), auto_refresh=False) as live:
             while True:
-                live.update(_view(endpoint, _next(subscriber, endpoint)), refresh=True)
+                live.update(view_of(endpoint, _next(subscriber, endpoint)), refresh=True)
+
+
+def _first(subscriber: Subscriber, endpoint: str, wait_s: float) -> Mapping[str, Any]:
+    end_s, told_s = time.monotonic() + wait_s, min(_PATIENCE_S, wait_s)
+    message = subscriber.receive(round(1000 * told_s))
+    if message is None and wait_s > told_s:
+        say(f"no daemon is heard on {endpoint} yet; waiting for {wait_s:g} s in all")
+        message = subscriber.receive(max(0, round(1000 * (end_s - time.monotonic()))))
+    if message is None:
+        raise DeviceError(f"no daemon is heard on {endpoint} within {wait_s:g} s; is `limbd run` running there?")
+    return message[1]
 
 
 def _next(subscriber: Subscriber, endpoint: str) -> Mapping[str, Any]:
     message = subscriber.receive(round(1000 * _PATIENCE_S))
     if message is None:
         raise DeviceError(
-            f"no daemon is heard on {endpoint} within {_PATIENCE_S:g} s; is `limbd run` running there?"
+            f"the daemon on {endpoint} is not heard any more since {_PATIENCE_S:g} s; was `limbd run` stopped?"
         )
     return message[1]
 
 
-def _view(endpoint: str, health: Mapping[str, Any]) -> Group:
+def view_of(endpoint: str, health: Mapping[str, Any]) -> Group:
+    """Return what a person sees of a report."""
     table = Table(show_header=False, box=None, padding=(0, 2, 0, 0))
     for name, text in _rows(health):
         table.add_row(Text(name, style="dim"), Text(text))
@@ -79,7 +96,8 @@ def _view(endpoint: str, health: Mapping[str, Any]) -> Group:
 
 def _rows(health: Mapping[str, Any]) -> list[tuple[str, str]]:
     clock, latency, free = health["clock"], health["latency_ms"], health["disk_free_bytes"]
-    offset = "not known yet" if health["clock_ppm"] is None else f"{health['clock_ppm']:+.1f} ppm"
+    ppm = health["clock_ppm"]
+    offset = "not known yet" if ppm is None else f"{ppm:+.1f} ± {clock['ppm_std']:.1f} ppm"
     error = "" if clock["error_ms"] is None else f", stamps to {clock['error_ms']:.2f} ms"
     where = health["recording"] or "nothing"
     return [
@@ -91,7 +109,36 @@ def _rows(health: Mapping[str, Any]) -> list[tuple[str, str]]:
             "latency",
             "-" if latency["p99"] is None else f"p50 {latency['p50']:.1f} ms, p99 {latency['p99']:.1f} ms",
         ),
+        ("rate", _rate(health)),
         ("clock", offset + error),
+        *_joints(health["q"], health["q_units"]),
+        *((f"reads {name}", _reading(mean, health["still"][name])) for name, mean in health["readings"].items()),
         ("tracking", f"{health['tracking']['method']}{', WRONG' if health['tracking']['wrong'] else ''}"),
         ("recording", where if free is None else f"{where}, {free / 1e9:.1f} GB free"),
     ]
+
+
+def _rate(health: Mapping[str, Any]) -> str:
+    rate = health["rate"]
+    if health["rate_hz"] is None:
+        return f"{rate['claimed_hz']:.7g} Hz by its INFO, not measured yet"
+    return f"{health['rate_hz']:.7g} Hz ± {rate['std_ppm']:.0f} ppm; {rate['claimed_hz']:.7g} Hz by its INFO"
+
+
+def _joints(q: list[float | None] | None, units: list[str]) -> list[tuple[str, str]]:
+    if q is None:
+        return [("joints", "not known yet")]
+    return [(f"joint {j}", _joint(*one)) for j, one in enumerate(zip(q, units, strict=True), start=1)]
+
+
+def _joint(value: float | None, unit: str) -> str:
+    if value is None:
+        return "unknown"
+    return f"{value:+.4f} {unit}" + (f" ({math.degrees(value):+.2f}°)" if unit == "rad" else "")
+
+
+def _reading(mean: list[float] | None, still: bool) -> str:
+    if mean is None:
+        return "nothing came"
+    axes = " ".join(f"{value:+8.3f}" for value in mean)
+    return f"{axes} m/s², |a| {math.hypot(*mean):.3f}{' at rest' if still else ', it moves'}"

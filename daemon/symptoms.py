@@ -4,9 +4,10 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from daemon.alarms import wrong_channels
+from daemon.channel_watch import Reading
 from daemon.reception import Reception
 
-#: A device clock further off than this is worth a word [ppm].
+#: No crystal is further off than this over its life, so a rate or a clock that is is worth a word [ppm].
 _FAR_OFF_PPM = 500.0
 #: So many standard errors are taken off before it is.
 _SURELY = 3.0
@@ -36,18 +37,19 @@ class Symptoms:
         self._reception, self._names, self._free_bytes = reception, names, free_bytes
         self._lost = self._frames = self._discarded = 0
 
-    def look(self, health: Mapping[str, Any], records: bool) -> dict[tuple[str, str], str]:
+    def look(self, health: Mapping[str, Any], reading: Reading, records: bool) -> dict[tuple[str, str], str]:
         """Return what is wrong, by alarm and subject.
 
         Parameters
         ----------
         health : mapping
             The fields of `limb/health`.
+        reading : Reading
+            What channels read since the last report.
         records : bool
             Whether a recording was asked for.
         """
         reception = self._reception
-        reading = reception.watch.take()
         wrong = wrong_channels(self._names, reading)
         lost = reception.ledger.lost_samples - self._lost
         counters = reception.parser.counters
@@ -67,9 +69,9 @@ class Symptoms:
             wrong["behind", ""] = f"a block in a hundred takes {p99:.0f} ms and more"
         if health["tracking"]["wrong"]:
             wrong["contradiction", ""] = "the tracker's claims are broken too often"
-        ppm, ahead_s = health["clock_ppm"], health["clock"]["host_ahead_s"]
-        if ppm is not None and abs(ppm) - _SURELY * health["clock"]["ppm_std"] > _FAR_OFF_PPM:
-            wrong["clock", "device"] = f"it is {ppm:+.0f} ppm off"
+        if (off := _rate_off(health)) is not None:
+            wrong["rate", ""] = off
+        ahead_s = health["clock"]["host_ahead_s"]
         if abs(ahead_s) > _SET_S:
             wrong["clock", "host"] = f"it was set by {ahead_s:+.1f} s in all"
         free = health["disk_free_bytes"]
@@ -78,3 +80,25 @@ class Symptoms:
         elif free is not None and free < _NEARLY * self._free_bytes:
             wrong["disk", ""] = f"{free / 1e6:.0f} MB are left"
         return wrong
+
+
+def _rate_off(health: Mapping[str, Any]) -> str | None:
+    """Return how a device's rate is not what its INFO says, or its clock not what this machine's is."""
+    rate, clock, found = health["rate"], health["clock"], []
+    claimed_hz, measured_hz = rate["claimed_hz"], health["rate_hz"]
+    if measured_hz is not None:
+        ppm = 1e6 * (measured_hz / claimed_hz - 1.0)
+        if _far(ppm, rate["std_ppm"]):
+            found.append(f"it samples at {measured_hz:.6g} Hz, {_off(ppm)} than the {claimed_hz:g} Hz of its INFO")
+    ppm = health["clock_ppm"]
+    if ppm is not None and _far(ppm, clock["ppm_std"]):
+        found.append(f"its clock is {_off(ppm)} than this machine's")
+    return "; ".join(found) or None
+
+
+def _far(ppm: float, std_ppm: float) -> bool:
+    return abs(ppm) - _SURELY * std_ppm > _FAR_OFF_PPM
+
+
+def _off(ppm: float) -> str:
+    return f"{abs(ppm) / 1e4:.2f} % {'faster' if ppm > 0.0 else 'slower'}"

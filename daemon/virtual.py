@@ -14,7 +14,7 @@ from daemon.faulty_line import FaultyLine
 from daemon.motion_source import MotionSource
 from daemon.stop_signal import StopSignal
 from daemon.trouble import Trouble
-from daemon.virtual_device import FrameFifo, VirtualDevice, device_info
+from daemon.virtual_device import FrameFifo, Timing, VirtualDevice, device_info
 from daemon.virtual_motion import BenchPlan
 from daemon.virtual_port import VirtualPort
 from limbcal.command import console, emit
@@ -31,9 +31,11 @@ _BYTES_PER_SAMPLE_OF_A_CHANNEL = 2
 
 @dataclass(frozen=True)
 class VirtualOptions:
-    """What was asked for on the command line."""
+    """What was asked for on the command line; ``claimed_hz`` is the rate that INFO says."""
 
     plan: BenchPlan
+    claimed_hz: float
+    timing: Timing
     speed: float
     link: Path | None
     truth: Path | None
@@ -52,14 +54,19 @@ def serve(options: VirtualOptions) -> None:
         If the truth cannot be written.
     """
     plan = options.plan
-    info = device_info(plan.arm, plan.rate_hz, plan.seed)
+    info = device_info(plan.arm, options.claimed_hz, plan.seed)
     stream_bytes_s = plan.rate_hz * options.speed * len(info.channels) * _BYTES_PER_SAMPLE_OF_A_CHANNEL
     fifo = FrameFifo(round(_FIFO_S * stream_bytes_s) + 65536)
     line = FaultyLine(fifo, plan.seed)
     with StopSignal() as stop, VirtualPort(options.link) as port:
         _announce(options, port.path)
         device = VirtualDevice(
-            info, lambda: MotionSource(plan, options.truth is not None), line, options.speed, time.monotonic()
+            info,
+            lambda: MotionSource(plan, options.truth is not None),
+            line,
+            options.speed,
+            time.monotonic(),
+            options.timing,
         )
         trouble = Trouble(options.faults, info, device, line, port)
         ask_for_real_time(DEVICE)  # it stands for hardware, which nothing else on the host slows down
@@ -120,7 +127,9 @@ def _announce(options: VirtualOptions, path: str) -> None:
                 "link": None if options.link is None else str(options.link),
                 "arm": plan.arm.name,
                 "seed": plan.seed,
-                "rate_hz": plan.rate_hz,
+                "rate_hz": options.claimed_hz,
+                "sampled_hz": plan.rate_hz,
+                "clock_ppm": 1e6 * (options.timing.clock - 1.0),
                 "speed": options.speed,
                 "trials": plan.trials,
                 "noise": plan.noise,

@@ -1,6 +1,7 @@
 """The virtual device without its wire: commands in, frames out, by the clock."""
 
 from collections.abc import Callable
+from dataclasses import dataclass
 from typing import Protocol
 
 from arm.bench import COUNT_M_S2, FULL_SCALE_M_S2
@@ -11,8 +12,36 @@ from protocol.serial_frame import Channel, DeviceInfo, encode_info, encode_sampl
 
 FRAME_SAMPLES = 32
 TICK_HZ = 10_000_000
+#: What a narrow tick counter counts to.
+_NARROW = 1 << 32
 _LONGEST_COMMAND = 64
 _WRITE_BYTES = 65536
+
+
+@dataclass(frozen=True)
+class Timing:
+    """When a virtual device samples, and what its clock shows.
+
+    Attributes
+    ----------
+    sampled_hz : float
+        Samples in a second of the host's, whatever INFO says.
+    clock : float
+        Seconds of the device's clock in one of the host's.
+    wraps_s : float or None
+        Its tick counter has 32 bits, and passes zero so long after it was switched on; with None it has 64.
+    frame_samples : int
+    """
+
+    sampled_hz: float
+    clock: float = 1.0
+    wraps_s: float | None = None
+    frame_samples: int = FRAME_SAMPLES
+
+    def ticks(self, on_s: float) -> int:
+        """Return what the counter shows so many seconds of the host's after the device was switched on."""
+        ticks = round(on_s * self.clock * TICK_HZ)
+        return ticks if self.wraps_s is None else (ticks - round(self.wraps_s * TICK_HZ)) % _NARROW
 
 
 class FrameFifo:
@@ -100,9 +129,11 @@ class VirtualDevice:
     line : Line
         Where frames go.
     speed : float
-        How much faster than the host's clock the device's runs.
+        How many times faster than in real time everything goes.
     now_s : float
         The host's clock.
+    timing : Timing, optional
+        As INFO says unless given.
 
     Attributes
     ----------
@@ -111,10 +142,17 @@ class VirtualDevice:
     """
 
     def __init__(
-        self, info: DeviceInfo, new_source: Callable[[], MotionSource], line: Line, speed: float, now_s: float
+        self,
+        info: DeviceInfo,
+        new_source: Callable[[], MotionSource],
+        line: Line,
+        speed: float,
+        now_s: float,
+        timing: Timing | None = None,
     ) -> None:
         self.waited_s = 0.0
         self._info = info
+        self._timing = timing or Timing(info.rate_hz)
         self._new_source = new_source
         self._source = new_source()
         self._out = line
@@ -156,11 +194,11 @@ class VirtualDevice:
         self._source.fetch()
         if not self._streaming:
             return
-        per_s = self._info.rate_hz * self._speed
+        per_s, n = self._timing.sampled_hz * self._speed, self._timing.frame_samples
         due = int((now_s - self._started_s) * per_s)
-        while due - self._source.taken >= FRAME_SAMPLES:
+        while due - self._source.taken >= n:
             first_s = self._started_s + self._source.taken / per_s
-            counts = self._source.take(FRAME_SAMPLES)
+            counts = self._source.take(n)
             if counts is None:
                 self._stand_still(first_s, now_s)
                 return
@@ -204,4 +242,4 @@ class VirtualDevice:
         self._out.put(frame)
 
     def _ticks(self, at_s: float) -> int:
-        return round((at_s - self._on_s) * self._speed * TICK_HZ)
+        return self._timing.ticks((at_s - self._on_s) * self._speed)

@@ -98,6 +98,11 @@ def to_json(document: object) -> str:
     return json.dumps(_strict(document), indent=2, allow_nan=False)
 
 
+def strict_line(document: object) -> str:
+    """Return strict JSON in one line; what is not a finite number becomes null."""
+    return json.dumps(_strict(document), allow_nan=False)
+
+
 def _strict(value: object) -> object:
     if isinstance(value, Mapping):
         return {str(key): _strict(item) for key, item in value.items()}

@@ -32,7 +32,17 @@ class _Mark(NamedTuple):
 
 @dataclass(frozen=True)
 class _Frames:
-    """Frames end to end: number and time (n,), motion (n, n_joint), and where some were lost before (n,)."""
+    """Frames end to end.
+
+    Attributes
+    ----------
+    number, t_ns : (n,)
+    since_s : (n,)
+        Time by the device's own rate, which counts samples and so is even, where times of the host would jitter.
+    q, dq, ddq : (n, n_joint)
+    lost : (n,)
+        Where some were lost before.
+    """
 
     number: NDArray[np.int64]
     t_ns: NDArray[np.int64]
@@ -40,6 +50,7 @@ class _Frames:
     dq: Floats
     ddq: Floats
     lost: Bools
+    since_s: Floats
     dt_s: float
     method: str
 
@@ -126,23 +137,30 @@ def _block(fields: Mapping[str, Any]) -> _Frames:
     lost[:1] = bool(fields["gap"])
     t_ns = int(fields["t0_ns"]) + np.round(index * dt_s * 1e9).astype(np.int64)
     number = int(fields["frame0"]) + index
-    return _Frames(number, t_ns, q, dq, ddq, lost, dt_s, str(fields["method"]))
+    return _Frames(number, t_ns, q, dq, ddq, lost, np.zeros(len(q)), dt_s, str(fields["method"]))
 
 
 def _joined(blocks: list[_Frames], path: Path) -> _Frames:
     first = blocks[0]
+    since_s: list[Floats] = []
+    # numbers count from where the step last changed
+    dt_s, number0, begin_s = first.dt_s, int(first.number[0]) if len(first.number) else 0, 0.0
     for block in blocks:
-        if (block.q.shape[1], block.dt_s) != (first.q.shape[1], first.dt_s):
+        if block.q.shape[1] != first.q.shape[1]:
             raise ProtocolError(
-                f"{path}: frames of {first.q.shape[1]} joints every {first.dt_s:g} s are followed by "
-                f"frames of {block.q.shape[1]} joints every {block.dt_s:g} s, expected no change"
+                f"{path}: frames of {first.q.shape[1]} joints are followed by frames of {block.q.shape[1]}, "
+                "expected no change"
             )
+        if block.dt_s != dt_s and len(block.number):
+            begin_s += (int(block.number[0]) - number0) * dt_s
+            dt_s, number0 = block.dt_s, int(block.number[0])
+        since_s.append(np.asarray(begin_s + (block.number - number0) * dt_s, dtype=np.float64))
     number, t_ns, q, dq, ddq, lost = (
         np.concatenate([getattr(block, name) for block in blocks])
         for name in ("number", "t_ns", "q", "dq", "ddq", "lost")
     )
     lost[1:] |= np.diff(number) > 1
-    return _Frames(number, t_ns, q, dq, ddq, lost, first.dt_s, first.method)
+    return _Frames(number, t_ns, q, dq, ddq, lost, np.concatenate(since_s), first.dt_s, first.method)
 
 
 def _spans(marks: list[_Mark], path: Path) -> _Spans:
@@ -159,8 +177,7 @@ def _spans(marks: list[_Mark], path: Path) -> _Spans:
 
 
 def _trajectory(frames: _Frames, chosen: Bools) -> Trajectory:
-    number = frames.number[chosen]
-    # numbers count the device's samples and so are even, where times of the host would jitter
-    t = (number - number[0]) * frames.dt_s
+    t = frames.since_s[chosen]
+    t = t - t[0]
     q, dq, ddq = frames.q[chosen], frames.dq[chosen], frames.ddq[chosen]
     return Trajectory(t, q, dq, ddq, frames.method, frames.lost[chosen])

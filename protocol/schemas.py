@@ -103,6 +103,29 @@ _HEALTH: Schema = {
     },
     "saturated": {"description": "readings at the end of a channel's range, in all or by channel"},
     "flat": {"description": "channels that do not change, their number or names"},
+    "readings": by_name(
+        "mean of each sensor's three axes since the last report [m/s^2]; null where nothing came",
+        {"type": ["array", "null"], "items": {"type": ["number", "null"]}},
+    ),
+    "still": by_name("whether a sensor moved by no more than its noise since then", {"type": "boolean"}),
+    "q": {
+        "type": ["array", "null"],
+        "items": {"type": ["number", "null"]},
+        "description": "the last joint positions",
+    },
+    "q_units": {"type": "array", "items": {"type": "string"}, "description": "rad or m, of each joint"},
+    "rate_hz": {
+        "type": ["number", "null"],
+        "description": "samples a second as measured, by the device's clock and the host's",
+    },
+    "rate": {
+        **one("object", "the device's rate as it claims it, and as it is used"),
+        "properties": {
+            "claimed_hz": one("number", "what its INFO says", "Hz"),
+            "in_use_hz": one("number", "what motion is integrated by", "Hz"),
+            "std_ppm": {"type": ["number", "null"], "description": "standard error of rate_hz [1e-6]"},
+        },
+    },
     "clock_ppm": {"type": ["number", "null"], "description": "device clock against host clock [1e-6]"},
     "clock": {
         **one("object", "the device's clock and the host's"),

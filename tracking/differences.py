@@ -25,6 +25,10 @@ class CentralDifferences:
         self._recent = np.zeros((2, n_joint))  # the last one given out, and the one that waits
         self._ddq = np.zeros(n_joint)
 
+    def retime(self, dt_s: float) -> None:
+        """Go on with another time from frame to frame."""
+        self._dt = dt_s
+
     def push(self, q: Floats, held: bool) -> tuple[Floats, Floats]:
         """Take in angles and give out derivatives: of the frame that waited and of all of these but the last.
 

@@ -37,7 +37,7 @@ class Integrator:
     initial_q_rad : (n_joint,)
         Where the arm rests when tracking begins.
     frame_rate_hz : float
-        Rounded to what divides the sampling rate.
+        Rounded to what divides the sampling rate, which it is where that is lower.
     zero : {"each-rest", "first-rest"}
         When velocities are set to zero and offsets learnt: at each rest that is recognised, or, as the paper
         does it, only before the first motion.
@@ -61,8 +61,8 @@ class Integrator:
         q0 = np.array(initial_q_rad, dtype=float)
         if q0.shape != (arm.n_joint,):
             raise ConfigError(f"initial_q_rad has shape {q0.shape}, expected one angle a joint ({arm.n_joint},)")
-        if not 0.0 < frame_rate_hz <= rate_hz:
-            raise ConfigError(f"frame_rate_hz is {frame_rate_hz:g}, expected more than 0 and at most {rate_hz:g}")
+        if not frame_rate_hz > 0.0:
+            raise ConfigError(f"frame_rate_hz is {frame_rate_hz:g}, expected more than 0")
         self._arm = arm
         self._zero = zero
         self._dt_sample = 1.0 / rate_hz
@@ -130,6 +130,17 @@ class Integrator:
         self._primed = False
         self._lost = True
         return completed
+
+    def retime(self, rate_hz: float) -> None:
+        """Go on with samples of a rate that differs so little that a frame stays as many samples.
+
+        Parameters
+        ----------
+        rate_hz : float
+        """
+        self._dt_sample = 1.0 / rate_hz
+        self.dt_s = self._decimation * self._dt_sample
+        self._differences.retime(self.dt_s)
 
     def flush(self) -> tuple[list[Frames], list[Phase]]:
         """Give out what waits for more samples, at the end of a recording."""

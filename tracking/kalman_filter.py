@@ -36,7 +36,7 @@ class KalmanTracker:
         Where the arm rests when tracking begins. With None it rests where gravity says, and at zero for angles
         that gravity does not show.
     frame_rate_hz : float
-        Rounded to what divides the sampling rate.
+        Rounded to what divides the sampling rate, which it is where that is lower.
 
     Raises
     ------
@@ -52,8 +52,8 @@ class KalmanTracker:
         q0 = np.zeros(arm.n_joint) if initial_q_rad is None else np.array(initial_q_rad, dtype=float)
         if q0.shape != (arm.n_joint,):
             raise ConfigError(f"initial_q_rad has shape {q0.shape}, expected one angle a joint ({arm.n_joint},)")
-        if not 0.0 < frame_rate_hz <= rate_hz:
-            raise ConfigError(f"frame_rate_hz is {frame_rate_hz:g}, expected more than 0 and at most {rate_hz:g}")
+        if not frame_rate_hz > 0.0:
+            raise ConfigError(f"frame_rate_hz is {frame_rate_hz:g}, expected more than 0")
         if not arm.sensors:
             raise ConfigError(f"arm {arm.name!r}: it has no [[sensor]], expected at least one")
         self._chain = chain_of(arm)
@@ -137,6 +137,18 @@ class KalmanTracker:
             frames, phases = self._begin()
         more, ended = self._follow(self._decimator.flush())
         return frames + more, phases + ended
+
+    def retime(self, rate_hz: float) -> None:
+        """Go on with samples of a rate that differs so little that a frame stays as many samples.
+
+        Parameters
+        ----------
+        rate_hz : float
+        """
+        self._rate_hz, self.dt_s = rate_hz, self._factor / rate_hz
+        self._paths.retime(self.dt_s)
+        if self._filter is not None:
+            self._filter.retime(self.dt_s)
 
     def consistency(self) -> Consistency:
         """Return how well the readings since the last call fit the filter's own claims."""

@@ -56,22 +56,16 @@ class LiveFilter:
     ) -> None:
         n, n_channel = arm.n_joint, 3 * len(arm.sensors)
         of, size = observation_of(arm)
-        self._of, self._room, self._n, self._n_channel, self._dt = of, room_of(n), n, n_channel, dt_s
+        self._of, self._room, self._n, self._n_channel = of, room_of(n), n, n_channel
         rests = steady(first, dt_s, noise, factor)
         x, P = start_state(arm, of, size, first.mean(axis=0), rests, q, given, MountingPrior())
         kf = CompiledKalmanFilter(dim_x=size, dim_z=n_channel)
         kf.x, kf.P, kf.F, kf.Q = x, P, np.eye(size), np.zeros((size, size))
-        for j in range(n):
-            kf.F[3 * j, 3 * j + 1] = kf.F[3 * j + 1, 3 * j + 2] = dt_s
-            kf.F[3 * j, 3 * j + 2] = dt_s**2 / 2.0
-            spread(kf.Q, j, FILTER_PUSH_STD**2 * dt_s, dt_s)
         self._offsets = np.arange(3 * n, 3 * n + n_channel)
         self._coupled = np.repeat(of.corner > 0.0, 3)
-        self._forget = dt_s * np.repeat(of.corner, 3)
-        for channel in np.flatnonzero(self._coupled):
-            kf.F[3 * n + channel, of.settled_column[channel // 3] + channel % 3] = self._forget[channel]
         self._any_coupled = bool(self._coupled.any())
         self._kf = kf
+        self._step_by(dt_s)
         self._slope = np.zeros((n_channel + n, size))
         for j in range(n):
             self._slope[n_channel + j, 3 * j + 1] = 1.0
@@ -142,11 +136,33 @@ class LiveFilter:
             self._close_cell()
         return still
 
+    def retime(self, dt_s: float) -> None:
+        """Go on with another time from frame to frame."""
+        self._step_by(dt_s)
+        self._wander()
+        self.loss.retime(dt_s)
+
+    def _step_by(self, dt_s: float) -> None:
+        """Let frames be so far apart."""
+        kf, n, of = self._kf, self._n, self._of
+        self._dt = dt_s
+        kf.Q[: 3 * n, : 3 * n] = 0.0
+        for j in range(n):
+            kf.F[3 * j, 3 * j + 1] = kf.F[3 * j + 1, 3 * j + 2] = dt_s
+            kf.F[3 * j, 3 * j + 2] = dt_s**2 / 2.0
+            spread(kf.Q, j, FILTER_PUSH_STD**2 * dt_s, dt_s)
+        self._forget = dt_s * np.repeat(of.corner, 3)
+        for channel in np.flatnonzero(self._coupled):
+            kf.F[3 * n + channel, of.settled_column[channel // 3] + channel % 3] = self._forget[channel]
+
+    def _wander(self) -> None:
+        wander = (WANDER_STD**2 + self._rounding) * self._dt
+        self._kf.Q[self._offsets, self._offsets] = wander + self._forget**2 * self._noise
+
     def learn(self, noise: Noise) -> None:
         """Go on with what is now known of the noise of a sample."""
-        self._noise = noise.of_mean(self._factor)
-        wander = (WANDER_STD**2 + noise.rounding) * self._dt
-        self._kf.Q[self._offsets, self._offsets] = wander + self._forget**2 * self._noise
+        self._noise, self._rounding = noise.of_mean(self._factor), noise.rounding
+        self._wander()
         self._moving_noise = np.diag(self._noise)
         self._rest_noise[: self._n_channel, : self._n_channel] = self._moving_noise
         # What the converter hid was taken for offsets all the while.

@@ -70,6 +70,10 @@ class Loss:
             P[angles, angles] += LOST_STD[0] ** 2 * self._dt
         return self.lost
 
+    def retime(self, dt_s: float) -> None:
+        """Go on with another time from frame to frame."""
+        self._dt = dt_s
+
     def skip(self, frames: int) -> None:
         """Count frames that nobody gives out."""
         self.frames += frames

@@ -86,7 +86,7 @@ class ReadingsBuilder:
         Of the samples.
     n_channel : int
     frame_rate_hz : float
-        Rounded to what divides the sampling rate.
+        Rounded to what divides the sampling rate, which it is where that is lower.
 
     Raises
     ------
@@ -95,8 +95,8 @@ class ReadingsBuilder:
     """
 
     def __init__(self, rate_hz: float, n_channel: int, frame_rate_hz: float = 1000.0) -> None:
-        if not 0.0 < frame_rate_hz <= rate_hz:
-            raise ConfigError(f"frame_rate_hz is {frame_rate_hz:g}, expected more than 0 and at most {rate_hz:g}")
+        if not (frame_rate_hz > 0.0 and rate_hz > 0.0):
+            raise ConfigError(f"rates are {frame_rate_hz:g} and {rate_hz:g} Hz, expected more than 0")
         self._factor = max(1, round(rate_hz / frame_rate_hz))
         self._rate_hz, self._n_channel = rate_hz, n_channel
         self._decimator = Decimator(self._factor, n_channel)

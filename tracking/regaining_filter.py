@@ -75,6 +75,11 @@ class RegainingFilter:
         """Let lost frames go by that nobody asks for."""
         self._filter.loss.skip(frames)
 
+    def retime(self, dt_s: float) -> None:
+        """Go on with another time from frame to frame."""
+        for one in [*self._rivals, self._lost] if self._rivals else [self._filter]:
+            one.retime(dt_s)
+
     def learn(self, noise: Noise) -> None:
         """Go on with what is now known of the noise of a sample."""
         for one in [*self._rivals, self._lost] if self._rivals else [self._filter]:

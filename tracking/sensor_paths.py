@@ -32,6 +32,10 @@ class SensorPaths:
         self._velocity = np.zeros((n_sensor, 3))
         self._moved = np.zeros((n_sensor, 3))
 
+    def retime(self, dt_s: float) -> None:
+        """Go on with another time from frame to frame."""
+        self._dt_s = dt_s
+
     def follow(self, q: Floats, readings: Floats, still: NDArray[np.bool_]) -> Floats:
         """Return how far each sensor has moved, (n, n_sensor, 3), since the first frame.
 

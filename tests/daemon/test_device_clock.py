@@ -57,7 +57,37 @@ def test_a_clock_that_is_none_changes_no_rate() -> None:
     assert np.isfinite(off).all()
 
 
-def test_nothing_is_claimed_after_few_seconds() -> None:
+def test_nothing_is_claimed_at_once() -> None:
     clock = DeviceClock(TICK_HZ, 0, START_NS, UTC_NS)
-    stream(clock, 50.0, 5.0, np.zeros(500))
+    stream(clock, 50.0, 1.5, np.zeros(500))
     assert clock.state.ppm is None
+
+
+@given(ppm=st.one_of(st.floats(-40_000.0, -5_000.0), st.floats(5_000.0, 40_000.0)), seed=st.integers(0, 9))
+@settings(max_examples=10)
+def test_a_clock_without_a_crystal_is_followed(ppm: float, seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    clock = DeviceClock(TICK_HZ, 0, START_NS + 3_000_000, UTC_NS)
+    off = stream(clock, ppm, 20.0, 0.003 + rng.exponential(0.002, 2000))
+    state = clock.state
+    assert 1.0 / state.rate == pytest.approx(1.0 + 1e-6 * ppm, abs=100e-6)
+    assert state.ppm == pytest.approx(ppm, abs=100.0)
+    assert np.all(off < 0.1)  # before it was found, no more than a second of it
+    assert np.all(np.abs(off[-100:] - 0.003) < 0.01)
+
+
+def test_a_rate_that_a_crystal_may_have_is_not_taken_from_few_arrivals() -> None:
+    rng = np.random.default_rng(1)
+    clock = DeviceClock(TICK_HZ, 0, START_NS, UTC_NS)
+    stream(clock, 0.0, 3.0, 0.003 + rng.exponential(0.01, 300))
+    assert abs(clock.state.rate - 1.0) < 30e-6
+
+
+def test_no_stamp_that_is_followed_is_later_than_its_arrival() -> None:
+    clock = DeviceClock(TICK_HZ, 0, START_NS, UTC_NS)
+    for k in range(1, 1000):
+        arrival_ns = START_NS + 10_000_000 * k + 2_000_000
+        ticks = round(0.01 * k * 1.03 * TICK_HZ)
+        clock.note(ticks, arrival_ns)
+        late_s = 1e-9 * (arrival_ns + UTC_NS - clock.utc_ns(ticks))
+        assert late_s > (-0.03 if k < 100 else -0.0011)

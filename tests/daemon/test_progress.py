@@ -18,6 +18,7 @@ STARTED: dict[str, Any] = {
 HEALTH: dict[str, Any] = {
     "uptime_s": 7.4,
     "samples": 1000,
+    "rate_hz": 31999.87,
     "lost_samples": 32,
     "crc_errors": 1,
     "latency_ms": {"p50": 1.0, "p99": 2.34},
@@ -44,7 +45,10 @@ def test_a_line_at_the_start_and_one_at_the_end() -> None:
         == "d [1] on /dev/ttyX at 32000 Hz, arm dd-arm; publishing on tcp://127.0.0.1:5770; recording nothing"
     )
     assert warning == "warning: disk [/dev/x] full"
-    assert last == ("7 s: 1000 samples, 32 lost, 1 checksum errors, latency p99 2.3 ms, 3 messages not recorded")
+    assert last == (
+        "7 s: 1000 samples at 31999.87 Hz, 32 lost, 1 checksum errors, latency p99 2.3 ms, "
+        "3 messages not recorded"
+    )
 
 
 def test_a_status_on_a_terminal() -> None:

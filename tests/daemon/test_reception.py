@@ -36,7 +36,8 @@ def encoded(counts: NDArray[np.int16], ticks0: int = 50) -> list[bytes]:
 
 def time_of(run: Run, sample: int) -> tuple[int, int]:
     """Return number and UTC [ns] of the first sample of the frame in which a sample came."""
-    return next(times for times in reversed(run.times) if times.sample0 <= sample).before(sample)
+    at, t_ns, _ = next(times for times in reversed(run.times) if times.sample0 <= sample).before(sample)
+    return at, t_ns
 
 
 def joined(runs: Sequence[Run]) -> NDArray[np.float64]:
@@ -102,7 +103,7 @@ def test_another_device_is_not_listened_to(
     other = encode_info(replace(info, serial="other"), 2, 0)
     runs = taker.take(chunk(frames[0], other, *frames[2:5]))
     assert taker.awaits_info and taker.stranger == "test device other"
-    runs += taker.take(chunk(encode_info(info, 6, 0), *frames[6:]))
+    runs += taker.take(chunk(encode_info(info, 6, 0), *frames[6:])) + taker.finish()
     assert not taker.awaits_info and taker.stranger is None
     assert [(run.sample0, run.lost, len(run.a)) for run in runs] == [(0, 0, 32), (192, 160, 128)]
     assert taker.strangers == 4
@@ -124,7 +125,7 @@ def test_a_device_that_comes_back_says_first_what_it_is(
     opened = Chunk(time.monotonic_ns(), b"", Mark.OPENED)
     runs = taker.take([*chunk(*frames[:3], frames[3][:50]), lost, opened, *chunk(*frames[5:7])])
     assert taker.awaits_info and taker.connected and taker.reconnects == 1
-    runs += taker.take(chunk(encode_info(info, 8, 0), *frames[8:]))
+    runs += taker.take(chunk(encode_info(info, 8, 0), *frames[8:])) + taker.finish()
     assert [(run.sample0, run.lost, len(run.a)) for run in runs] == [(0, 0, 96), (160, 64, 64), (256, 32, 64)]
     assert [(gap.sample0, gap.samples, gap.why, gap.exact) for gap in taker.new_gaps()] == [
         (96, 64, "unplugged", True),

@@ -32,6 +32,11 @@ class SampleClock:
         pass
 
 
+class EvenSteps:
+    def dt_s(self, _ticks: int) -> float:
+        return 1.0 / RATE_HZ
+
+
 def runs_of(frames: list[int], cuts: set[int]) -> list[Run]:
     """Return runs of the frames whose numbers are given; a new one at each hole and at each cut."""
     runs: list[Run] = []
@@ -47,7 +52,7 @@ def runs_of(frames: list[int], cuts: set[int]) -> list[Run]:
 
 def run_of(group: list[int], before: list[Run]) -> Run:
     due = before[-1].sample0 + len(before[-1].a) if before else FRAME * group[0]
-    times = FrameTimes(FRAME * group[0], FRAME, [FRAME * k for k in group], SampleClock())
+    times = FrameTimes(FRAME * group[0], FRAME, [FRAME * k for k in group], SampleClock(), EvenSteps())
     a = np.arange(FRAME * group[0], FRAME * (group[-1] + 1), dtype=float)[:, None]
     return Run(FRAME * group[0] - due, FRAME * group[0], [times], a)
 

@@ -23,11 +23,17 @@ def symptoms(info: DeviceInfo) -> tuple[Reception, Symptoms]:
     return taker, Symptoms(taker, [channel.name for channel in info.channels], FREE_BYTES)
 
 
+def look(taker: Reception, looker: Symptoms, health: dict[str, Any], records: bool) -> dict[tuple[str, str], str]:
+    return looker.look(health, taker.watch.take(), records)
+
+
 def health(**changed: Any) -> dict[str, Any]:
     return {
         "connected": True,
         "latency_ms": {"p99": 8.0},
         "tracking": {"wrong": False},
+        "rate_hz": 8000.1,
+        "rate": {"claimed_hz": 8000.0, "in_use_hz": 8000.0, "std_ppm": 1.0},
         "clock_ppm": 40.0,
         "clock": {"ppm_std": 0.1, "host_ahead_s": 0.0},
         "disk_free_bytes": 10**12,
@@ -42,7 +48,8 @@ def health(**changed: Any) -> dict[str, Any]:
         ("disconnected", {"connected": False}),
         ("behind", {"latency_ms": {"p99": 300.0}}),
         ("contradiction", {"tracking": {"wrong": True}}),
-        ("clock", {"clock_ppm": -900.0}),
+        ("rate", {"clock_ppm": -900.0}),
+        ("rate", {"rate_hz": 7680.0}),
         ("clock", {"clock": {"ppm_std": 0.1, "host_ahead_s": -3600.0}}),
         ("disk", {"disk_free_bytes": 5 * FREE_BYTES}),
         ("not recorded", {"recording": None}),
@@ -51,32 +58,44 @@ def health(**changed: Any) -> dict[str, Any]:
 def test_what_a_report_shows_is_wrong_for_as_long_as_it_is(
     make_info: MakeInfo, name: str, changed: dict[str, Any]
 ) -> None:
-    _, looker = symptoms(make_info(RATE_HZ))
-    assert looker.look(health(), records=True) == {}
-    assert [found for found, _ in looker.look(health(**changed), records=True)] == [name]
-    assert looker.look(health(), records=True) == {}
+    taker, looker = symptoms(make_info(RATE_HZ))
+    assert look(taker, looker, health(), records=True) == {}
+    assert [found for found, _ in look(taker, looker, health(**changed), records=True)] == [name]
+    assert look(taker, looker, health(), records=True) == {}
 
 
 def test_where_no_recording_was_asked_for_none_is_missed(make_info: MakeInfo) -> None:
-    _, looker = symptoms(make_info(RATE_HZ))
-    assert looker.look(health(recording=None, disk_free_bytes=None), records=False) == {}
+    taker, looker = symptoms(make_info(RATE_HZ))
+    assert look(taker, looker, health(recording=None, disk_free_bytes=None), records=False) == {}
 
 
 def test_a_rate_that_is_not_known_well_is_no_fault(make_info: MakeInfo) -> None:
-    _, looker = symptoms(make_info(RATE_HZ))
-    unsure = health(clock_ppm=900.0, clock={"ppm_std": 200.0, "host_ahead_s": 0.0})
-    assert looker.look(unsure, records=True) == {}
+    taker, looker = symptoms(make_info(RATE_HZ))
+    rate = {"claimed_hz": 8000.0, "in_use_hz": 8000.0, "std_ppm": 200.0}
+    unsure = health(
+        rate_hz=8007.2, rate=rate, clock_ppm=900.0, clock={"ppm_std": 200.0, "host_ahead_s": 0.0}
+    )
+    assert look(taker, looker, unsure, records=True) == {}
+
+
+def test_a_rate_is_said_with_what_info_says(make_info: MakeInfo) -> None:
+    taker, looker = symptoms(make_info(RATE_HZ))
+    wrong = look(taker, looker, health(rate_hz=7680.0, clock_ppm=-40_000.0), records=True)
+    assert wrong == {
+        ("rate", ""): "it samples at 7680 Hz, 4.00 % slower than the 8000 Hz of its INFO; "
+        "its clock is 4.00 % slower than this machine's"
+    }
 
 
 def test_losses_and_garbage_are_of_the_time_since_the_last_report(
     make_info: MakeInfo, random_counts: Callable[[int], NDArray[np.int16]]
 ) -> None:
     taker, looker = symptoms(make_info(RATE_HZ))
-    looker.look(health(), records=True)
+    look(taker, looker, health(), records=True)
     frames = [encode_samples(random_counts(32), k + 1, 50 + 4000 * k) for k in range(20)]
     taker.take([Chunk(1, b"".join(frames[:10] + frames[11:]))])
-    assert ("losses", "") in looker.look(health(), records=True)
+    assert ("losses", "") in look(taker, looker, health(), records=True)
     taker.take([Chunk(2, bytes(5000))])
-    found = looker.look(health(), records=True)
+    found = look(taker, looker, health(), records=True)
     assert ("garbage", "") in found and ("losses", "") not in found
-    assert looker.look(health(), records=True) == {}
+    assert look(taker, looker, health(), records=True) == {}

@@ -15,8 +15,8 @@ FIELDS = {
     TRIAL: "trial t_ns state role",
     GAP: "sample0 samples t_ns why exact",
     HEALTH: "uptime_s last_seq samples lost_samples crc_errors resyncs reconnects doubled late strangers gaps "
-    "saturated flat clock_ppm clock latency_ms delay_ms tracking alarms connected recording recording_lost "
-    "disk_free_bytes device",
+    "saturated flat readings still q q_units rate_hz rate clock_ppm clock latency_ms delay_ms tracking alarms "
+    "connected recording recording_lost disk_free_bytes device",
     KINEMATICS: "generation frames parameters error",
     DYNAMICS: "generation samples parameters error",
     DIAGNOSIS: "verdict causes candidates confusable next_experiment before after gain residual structure "

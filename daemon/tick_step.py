@@ -1,0 +1,151 @@
+"""How many ticks of the device's clock a sample takes, measured from the frames themselves.
+
+Between two frames that follow each other by number, with n samples in the first, the clock goes on by
+
+    s = n p + e,
+
+p ticks a sample, e the rounding to whole ticks and the jitter of the clock's reading. From the first mark to the
+last, S ticks and N samples further, p = S / N, off by at most one tick in S. A step that fits no such p is a loss;
+but if most steps fit another p than the device's INFO says, INFO is wrong, and nothing is lost. So before p is
+measured nothing is concluded from a step that contradicts INFO: the median of the next ones decides.
+"""
+
+from collections import deque
+from collections.abc import Sequence
+from statistics import median
+
+#: So many steps make a majority, even with two losses among them.
+MAJORITY = 5
+#: A measured p is that of the last ten seconds, from marks a quarter of a second apart.
+_MARK_S, _MARKS = 0.25, 40
+#: After a loss the p that was measured before it holds until as much was seen again, or this [s].
+_ENOUGH_S = 1.0
+#: Fewer ticks than these do not tell p to a part in a thousand.
+_FEW_TICKS = 1000
+#: Rounding a reading at either end of a step moves it by up to a tick; half a sample is nobody's.
+_ROUNDING_TICKS, _HALF = 1.5, 0.5
+#: Five standard deviations of a normal distribution by its median absolute deviation.
+_JITTERS = 5.0 * 1.4826
+_RECENT = 31
+#: A crystal's rate moves by less than this while nothing is heard of it [ratio].
+_WANDER = 1e-4
+
+
+class TickStep:
+    """Measures the ticks of a sample.
+
+    Parameters
+    ----------
+    claimed : float
+        Ticks a sample by the device's INFO.
+    tick_hz : float
+
+    Attributes
+    ----------
+    ticks_per_sample : float
+    measured : bool
+        Whether enough steps were seen to tell a loss from a wrong INFO.
+    """
+
+    def __init__(self, claimed: float, tick_hz: float) -> None:
+        self.ticks_per_sample = claimed
+        self.measured = False
+        self._mark_ticks, self._enough_ticks = _MARK_S * tick_hz, round(_ENOUGH_S * tick_hz)
+        self._marks: deque[tuple[int, int]] = deque(maxlen=_MARKS)
+        self._samples = 0
+        self._span_ticks = 0
+        self._steps = 0
+        self._recent: deque[float] = deque(maxlen=_RECENT)
+        self._strays: list[tuple[int, int]] = []
+        self._first: list[tuple[int, int]] = []
+        self._jitter = 0.0
+
+    @property
+    def std(self) -> float | None:
+        """Relative standard error of the ticks of a sample; None where they are INFO's."""
+        if self._span_ticks < _FEW_TICKS:
+            return None
+        return (_ROUNDING_TICKS + self._jitter) / self._span_ticks
+
+    def late(self, step: float, samples: float) -> float:
+        """Return by how many samples a step is longer than so many samples take."""
+        return step / self.ticks_per_sample - samples
+
+    def tolerance(self, samples: float = 0) -> float:
+        """Return by how many samples a step may be off though nothing is lost; over more than a frame, by more."""
+        off = _WANDER + 3.0 * (self.std or 0.0)
+        return _HALF + (_ROUNDING_TICKS + self._jitter) / self.ticks_per_sample + off * samples
+
+    def went_back(self, step: int) -> bool:
+        """Say whether a step is one that no clock that goes on makes."""
+        return step < -(_ROUNDING_TICKS + self._jitter)
+
+    def begin(self, ticks: int) -> None:
+        """Begin to measure at a frame before which something is missing; what was measured holds."""
+        self._marks.clear()
+        self._marks.append((0, ticks))
+        self._samples = 0
+
+    def go_on(self, step: int, samples: int, ticks: int, of_samples: int) -> None:
+        """Take frames that followed without a loss.
+
+        Parameters
+        ----------
+        step, samples : int
+            Ticks and samples of the last of their steps.
+        ticks : int
+            Clock at the last frame.
+        of_samples : int
+            Samples of all of their steps.
+        """
+        self._strays.clear()
+        self._samples += of_samples
+        self._steps += 1
+        self._recent.append(abs(step - samples * self.ticks_per_sample))
+        if not self.measured:
+            self._first.append((step, samples))
+        if self._steps % MAJORITY == 0:
+            self.measured = True
+            self._first.clear()
+            self._jitter = _JITTERS * median(self._recent)
+        if not self._marks:
+            return
+        first_samples, first_ticks = self._marks[0]
+        span, n = ticks - first_ticks, self._samples - first_samples
+        if n and span >= max(_FEW_TICKS, min(self._span_ticks, self._enough_ticks)):
+            self.ticks_per_sample, self._span_ticks = span / n, span
+        if ticks >= self._marks[-1][1] + self._mark_ticks:
+            self._marks.append((self._samples, ticks))
+
+    def stray(self, step: int, samples: int) -> None:
+        """Take a step that fits no p so far; as many as a majority in a row that agree are a new p."""
+        self._strays.append((step, samples))
+        if len(self._strays) == MAJORITY:
+            before = self.ticks_per_sample
+            self.decide(self._strays)
+            if any(abs(self.late(*one)) > self.tolerance() for one in self._strays):
+                self.ticks_per_sample = before
+            self._strays.clear()
+
+    def decide(self, steps: Sequence[tuple[int, int]]) -> None:
+        """Measure p from the majority of steps, each its ticks and its samples, and of those before.
+
+        INFO is right unless most of them contradict it.
+        """
+        steps = [*self._first, *steps]
+        self._first.clear()
+        agree = [one for one in steps if abs(self.late(*one)) <= self.tolerance()]
+        if 2 * len(agree) >= len(steps):
+            self.measured = self.measured or len(agree) >= MAJORITY
+            return
+        middle = median(step / samples for step, samples in steps)
+        off = [abs(step - samples * middle) for step, samples in steps]
+        limit = max(_JITTERS * median(off), _ROUNDING_TICKS)
+        near = [one for one, distance in zip(steps, off, strict=True) if distance <= limit]
+        total, n = sum(step for step, _ in near), sum(samples for _, samples in near)
+        self.ticks_per_sample = total / n
+        self._span_ticks = total
+        self.measured = True
+        self._recent.clear()
+        self._recent.extend(abs(step - samples * self.ticks_per_sample) for step, samples in near)
+        self._jitter = _JITTERS * median(self._recent)
