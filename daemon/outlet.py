@@ -87,7 +87,7 @@ class Outlet:
         """Send `limb/trial`, after the frames that led to it."""
         role = "learn" if phase.trial <= self._learning else "evaluate"
         fields = {"trial": phase.trial, "t_ns": phase.t_ns, "state": phase.kind, "role": role}
-        self._send(TRIAL, fields, phase.t_ns)
+        self._send(TRIAL, {**fields, "last_seq": dict(self._publisher.last_seq)}, phase.t_ns)
 
     def send_gap(self, gap: Gap) -> None:
         """Send `limb/gap`."""
@@ -102,7 +102,9 @@ class Outlet:
             if not predicted and self._delay is not None:
                 self._delay.note(block, time.time_ns())
             fields = frames_message(block, self._method)
-            self._send(FRAMES, fields, block.t0_ns)
+            announced = self._publisher.last_seq.get(TRIAL)
+            told = {} if announced is None else {"last_seq": {TRIAL: announced}}
+            self._send(FRAMES, {**fields, **told}, block.t0_ns)
             rows = plot_rows(fields, plot_step(block.dt_s))
             if rows:
                 self._send(PLOT, {"rows": rows}, block.t0_ns)

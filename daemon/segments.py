@@ -11,6 +11,7 @@ from pathlib import Path
 from daemon.record_link import Entry
 from limbcal.errors import DeviceError
 from protocol.recording import RecordingWriter
+from protocol.recording_files import numbered
 
 #: While nothing can be written so much is kept; beyond it the oldest messages go, and are counted.
 _KEPT_BYTES = 64 * 1024 * 1024
@@ -189,7 +190,7 @@ class Segments:
 
     def _open(self) -> None:
         self._number += 1
-        path = self._path.with_stem(f"{self._path.stem}-{self._number:03d}")
+        path = numbered(self._path, self._number)
         try:
             self._writer = RecordingWriter(path, *self._texts, clock=self._clock)
         except DeviceError:

@@ -236,7 +236,8 @@ class Supervisor:
 
     def _recording_path(self, directory: str) -> str:
         now = datetime.now(UTC)
-        return str(Path(directory) / f"{self._setup.arm.name}-{now:%Y%m%dT%H%M%SZ}-{self._run[:8]}.mcap")
+        name = f"{self._setup.arm.name}-{now:%Y%m%dT%H%M%SZ}-{self._run[:8]}.mcap"
+        return str(Path(directory).absolute() / name)  # as subscribers elsewhere on this machine find it
 
     def _room(self) -> str:
         """Return an endpoint that only this user can reach; once both ends are there its name can go."""

@@ -19,7 +19,8 @@ MAGIC = b"\x89MCAP0\r\n"
 #: No record or chunk of ours comes near; a length beyond it is damage, not data.
 MAX_RECORD_BYTES = 256 * 1024 * 1024
 
-_DAMAGE = (McapError, ZstdError, struct.error, ValueError, OverflowError, MemoryError)
+#: What the library raises at bytes that are no record.
+DAMAGE = (McapError, ZstdError, struct.error, ValueError, OverflowError, MemoryError)
 
 
 class RecordingReader(Iterator[tuple[str, dict[str, Any], int]]):
@@ -133,7 +134,7 @@ class RecordingReader(Iterator[tuple[str, dict[str, Any], int]]):
             if chunk.uncompressed_size > MAX_RECORD_BYTES:
                 raise ValueError(f"it would grow to {chunk.uncompressed_size} bytes")
             return breakup_chunk(chunk, validate_crc=True)
-        except _DAMAGE as error:
+        except DAMAGE as error:
             self.warnings.append(f"{self.path}: the chunk at byte {place} is damaged and passed over: {error}")
             return ()
 
@@ -170,7 +171,7 @@ def _records(file: IO[bytes]) -> Iterator[McapRecord | None]:
     """
     try:
         yield from StreamReader(file, emit_chunks=True, record_size_limit=MAX_RECORD_BYTES).records
-    except _DAMAGE:
+    except DAMAGE:
         yield None
 
 

@@ -82,10 +82,12 @@ _ESTIMATE: Schema = {
     "generation": one("integer", "generations of the genetic algorithm so far"),
 }
 
+_LAST_SEQ = by_name("sequence number sent last, by topic", {"type": "integer"})
+
 _HEALTH: Schema = {
     "uptime_s": one("number", "since the process started", "s"),
     "device": one("object", "what the device says of itself: the INFO of the serial protocol"),
-    "last_seq": by_name("sequence number sent last, by topic", {"type": "integer"}),
+    "last_seq": _LAST_SEQ,
     "samples": one("integer", "samples received"),
     "lost_samples": one("integer", "samples that the device sent and that never came"),
     "crc_errors": one("integer", "serial frames with a wrong checksum"),
@@ -187,7 +189,7 @@ def _topic(title: str, properties: Schema) -> Schema:
 
 
 SCHEMAS: Mapping[str, Schema] = {
-    FRAMES: _topic("joint and tip motion in blocks", {**_MOTION, **_CLAIM}),
+    FRAMES: _topic("joint and tip motion in blocks", {**_MOTION, **_CLAIM, "last_seq": _LAST_SEQ}),
     PLAY: _topic(
         "playback in blocks",
         {
@@ -230,6 +232,7 @@ SCHEMAS: Mapping[str, Schema] = {
             "t_ns": one("integer", "when", "ns"),
             "state": one("string", "begin or end"),
             "role": one("string", "what the motion is for, such as learn or evaluate"),
+            "last_seq": _LAST_SEQ,
         },
     ),
     GAP: _topic(

@@ -32,7 +32,11 @@ Document = dict[str, object]
 
 
 def write_results(
-    calibration: Calibration, compared: Sequence[Compared], stream: Mapping[str, object], out: Path | None
+    calibration: Calibration,
+    compared: Sequence[Compared],
+    stream: Mapping[str, object],
+    out: Path | None,
+    made: Mapping[str, object] | None = None,
 ) -> Document:
     """Score a calibration, say how it does, and write it all down.
 
@@ -46,6 +50,8 @@ def write_results(
     out : Path or None
         Directory for ``calibrated.toml``, ``kinematics.json``, ``dynamics.json``, ``motions.npz`` and
         ``report.html``; None writes nothing.
+    made : mapping, optional
+        Of the stream's motions: ``learn``, ``evaluate``, ``expected``, ``lost_s``; it becomes ``trials``.
 
     Returns
     -------
@@ -59,7 +65,8 @@ def write_results(
     if geometry is not None and learn_tip is not None:
         document["kinematics"] = kinematics.document(geometry, learn_tip, evaluate_tip)
     if calibration.dynamics is not None and learn is not None:
-        document["dynamics"] = dynamics.document(calibration.dynamics, learn, evaluate)
+        fields = dynamics.document(calibration.dynamics, learn, evaluate)
+        document["dynamics"] = fields if made is None else {**fields, "trials": made}
     _show(calibration, document, compared)
     if out is None:
         return document

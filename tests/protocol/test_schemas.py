@@ -9,10 +9,10 @@ from protocol.schemas import SCHEMAS, schema_json
 
 MOTION = "frame0 t0_ns dt_s n method q dq ddq tip points gap"
 FIELDS = {
-    FRAMES: MOTION + " q_std",
+    FRAMES: MOTION + " q_std last_seq",
     PLAY: MOTION + " source speed trial position_s twin",
     RAW: "sample0 t0_ns dt_s n a",
-    TRIAL: "trial t_ns state role",
+    TRIAL: "trial t_ns state role last_seq",
     GAP: "sample0 samples t_ns why exact",
     HEALTH: "uptime_s last_seq samples lost_samples crc_errors resyncs reconnects doubled late strangers gaps "
     "saturated flat readings still q q_units rate_hz rate clock_ppm clock latency_ms delay_ms tracking alarms "

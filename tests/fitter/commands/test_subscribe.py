@@ -69,9 +69,11 @@ def test_the_arm_is_learnt_while_it_moves(fitter, stream, listener, short_run, t
         outcome = fitter("subscribe", *common, *LIMIT, "--trials", 3, "--out", out)
     assert outcome.code == 0
     document = outcome.document
-    assert set(document) == {"stream", "kinematics", "dynamics"}
+    assert set(document) == {"stream", "trials", "notes", "kinematics", "dynamics"}
     told = document["stream"]
-    assert set(told) == {"frames", "motions", "missed_messages", "daemon_restarts"}
+    assert set(told) == {"frames", "motions", "missed_messages", "recovered_messages", "daemon_restarts"}
+    made = {"learn": 2, "evaluate": 1, "expected": 3, "lost_s": 0.0}
+    assert document["trials"] == document["dynamics"]["trials"] == made and document["notes"] == []
     assert (told["motions"], told["missed_messages"], told["daemon_restarts"]) == (3, 0, 0)
     assert document["dynamics"]["parameters"]["I2"]["value"] == pytest.approx(0.471209, rel=0.01)
     assert document["kinematics"]["parameters"]["a2"]["value"] == pytest.approx(0.3, abs=2e-3)
@@ -190,7 +192,7 @@ def test_geometry_alone_is_worth_writing(fitter, stream, place, short_run, tmp_p
         common = ("--connect", daemon.endpoint, "--endpoint", f"ipc://{place}/fits")
         arm, out = tmp_path / "arm.toml", tmp_path / "out"
         outcome = fitter("subscribe", *common, *LIMIT, "--arm", arm, "--trials", 1, "--out", out)
-    assert outcome.code == 0 and set(outcome.document) == {"stream", "kinematics"}
+    assert outcome.code == 0 and set(outcome.document) == {"stream", "trials", "notes", "kinematics"}
     assert "has no torque, but control.law" in outcome.said
     assert names(out) == ["calibrated.toml", "kinematics.json"]
 

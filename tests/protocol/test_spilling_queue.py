@@ -1,0 +1,91 @@
+"""Nothing is lost, the order stays, memory is bounded, and the disk is given back."""
+
+import os
+import threading
+from collections import deque
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from limbcal.errors import DeviceError
+from protocol.spilling_queue import SpillingQueue
+
+MEMORY_BYTES, FILE_BYTES, LARGEST = 40, 60, 30
+
+messages = st.lists(st.binary(max_size=LARGEST // 2), min_size=1, max_size=2)
+
+
+def test_messages_come_out_in_the_order_in_which_they_were_put():
+    @given(st.lists(st.one_of(messages, st.none()), max_size=60))
+    def check(steps):
+        queue, model = SpillingQueue(MEMORY_BYTES, FILE_BYTES), deque()
+        for step in steps:
+            if step is None:
+                assert queue.take() == (model.popleft() if model else None)
+            else:
+                queue.put(step)
+                model.append(step)
+            assert len(queue) == len(model)
+            assert queue.memory <= MEMORY_BYTES + LARGEST
+            in_files = sum(4 + sum(4 + len(part) for part in parts) for parts in model) + LARGEST + 12
+            assert queue.spilled <= in_files
+            assert len(queue._files) <= in_files // FILE_BYTES + 2
+        while model:
+            assert queue.take() == model.popleft()
+        assert queue.take() is None and queue.memory == queue.spilled == 0
+        queue.close()
+
+    check()
+
+
+def test_one_thread_puts_while_another_takes():
+    queue, sent = SpillingQueue(MEMORY_BYTES, FILE_BYTES), [[b"topic", b"%d" % k] for k in range(3000)]
+    thread = threading.Thread(target=lambda: [queue.put(parts) for parts in sent])
+    thread.start()
+    taken = [queue.take(60.0) for _ in sent]
+    thread.join()
+    assert taken == sent and len(queue) == 0
+
+
+def test_waiting_in_vain_ends():
+    assert SpillingQueue().take(0.001) is None
+
+
+def open_files():
+    return len(os.listdir("/proc/self/fd"))
+
+
+def test_what_was_spilled_leaves_nothing_behind(tmp_path):
+    before = open_files()
+    queue = SpillingQueue(0, FILE_BYTES, tmp_path)
+    for _ in range(20):
+        queue.put([bytes(LARGEST)])
+    assert open_files() > before + 1
+    assert list(tmp_path.iterdir()) == []  # the files have no name
+    for _ in range(20):
+        queue.take()
+    assert open_files() == before
+    queue.put([b"x"])
+    queue.close()
+    queue.close()
+    assert open_files() == before and queue.take() is None
+
+
+def test_a_disk_that_takes_nothing_is_said_and_what_waits_stays(tmp_path):
+    queue = SpillingQueue(4, FILE_BYTES, tmp_path / "gone")
+    queue.put([b"1234"])
+    with pytest.raises(DeviceError, match=r"gone: 1 messages wait, and the next cannot be written there: No such"):
+        queue.put([b"5"])
+    assert queue.take() == [b"1234"] and queue.take() is None
+
+
+def test_a_record_that_was_cut_is_written_over(tmp_path):
+    """As on a disk that was full for a moment: half of a record is there, and the next begins in its place."""
+    queue = SpillingQueue(0, FILE_BYTES, tmp_path)
+    queue.put([b"first"])
+    file = queue._files[-1]
+    file._file.seek(file.written)
+    file._file.write(b"half of a rec")
+    queue.put([b"second", b"part"])
+    assert [queue.take(), queue.take(), queue.take()] == [[b"first"], [b"second", b"part"], None]
