@@ -32,6 +32,9 @@ class Inbox:
         self._over = threading.Event()
         self._trouble: DeviceError | None = None
         self._thread = threading.Thread(target=self._gather, name="inbox", daemon=True)
+
+    def start(self) -> None:
+        """Receive from now on. Whoever starts it must be sure to close it, also when interrupted right after."""
         self._thread.start()
 
     def __len__(self) -> int:
@@ -58,7 +61,8 @@ class Inbox:
     def stop(self) -> None:
         """Receive no more; what has come can still be taken. Harmless when repeated."""
         self._over.set()
-        self._thread.join(_JOIN_S)
+        if self._thread.ident is not None:
+            self._thread.join(_JOIN_S)
 
     def close(self) -> None:
         """Receive no more and forget what waits; harmless when repeated."""
@@ -66,6 +70,7 @@ class Inbox:
         self._queue.close()
 
     def __enter__(self) -> "Inbox":
+        self.start()
         return self
 
     def __exit__(

@@ -100,8 +100,9 @@ def _follow(
     key = None if arguments.key is None else load_client_key(arguments.key)
     gate = stack.enter_context(gate_of(context, arguments.keys))
     subscriber = stack.enter_context(Subscriber(context, arguments.connect, (FRAMES, TRIAL, HEALTH), key))
-    # From here on nothing is lost, whatever takes its time: compiling, learning, diagnosing.
-    inbox = stack.enter_context(Inbox(subscriber))
+    inbox = Inbox(subscriber)
+    stack.callback(inbox.close)
+    inbox.start()  # from here on nothing is lost, whatever takes its time: compiling, learning, diagnosing
     notes: list[Note] = []
     stream = CompleteStream(inbox, lambda note: _tell(note, notes))
     stack.callback(stream.close)

