@@ -58,10 +58,10 @@ def links_with(arm: Arm, combination: Floats, values: Floats) -> Sequence[Link]:
     Returns
     -------
     sequence of Link
-        Possible ones where they can be found, else the nearest that have the combinations.
+        Possible ones where they can be found, else the nearest that have the combinations. Every first moment has
+        a mass that holds it: a link that the arm leaves without any is taken to be a rod.
     """
-    nominal = _standard(arm)
-    start = np.array([p if is_possible(p) else _ROD for p in nominal])
+    start = np.array([p if is_possible(p) else _ROD for p in _standard(arm)])
     unit = np.maximum(np.abs(values), 1e-3 * max(1e-12, float(np.abs(values).max(initial=0.0))))
     x0 = np.concatenate([_log_triangle(p) for p in start])
 
@@ -73,7 +73,7 @@ def links_with(arm: Arm, combination: Floats, values: Floats) -> Sequence[Link]:
         x = scipy.optimize.least_squares(mismatch, x, args=(pull,), method="trf", max_nfev=_TRIES).x
     found = _onto(combination, values, _parameters(x))
     if not all(is_possible(p) for p in found.reshape(-1, 10)):
-        found = _onto(combination, values, nominal.ravel())
+        found = _onto(combination, values, start.ravel())
     return [_with_parameters(joint.link, p) for joint, p in zip(arm.joints, found.reshape(-1, 10), strict=True)]
 
 
@@ -91,7 +91,7 @@ def _onto(combination: Floats, values: Floats, parameters: Floats) -> Floats:
 
 def _with_parameters(link: Link, p: Floats) -> Link:
     xx, yy, zz, xy, xz, yz, sx, sy, sz, m = p.tolist()
-    if m == 0.0:  # no mass can hold a first moment: only an arm without any comes here
+    if m == 0.0:  # a file has no place for the first moment of no mass
         return replace(link, mass_kg=0.0, inertia_kg_m2=(xx, yy, zz, xy, xz, yz))
     return replace(link, mass_kg=m, com_m=(sx / m, sy / m, sz / m), inertia_kg_m2=(xx, yy, zz, xy, xz, yz))
 

@@ -1,19 +1,18 @@
 """A joint-motion file as something to play."""
 
-from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
 
 from arm.model import Arm
-from limbcal.errors import ConfigError
+from limbcal.note import Note
+from playback.motion_trials import Signals, read_trials
 from playback.source import Source
 from playback.trajectory import Floats, Trajectory
-from protocol.motion_trials import Signals, read_trials
 
 
-def file_source(path: Path, arm: Arm, say: Callable[[str], None]) -> Source:
-    """Read a joint-motion file (CSV, Parquet or NPZ with t, q1…, and where known dq1…, ddq1…, trial).
+def file_source(path: Path, arm: Arm, columns: str | None = None) -> Source:
+    """Read a joint-motion file (a table with t, q1…, and where known dq1…, ddq1…, trial).
 
     A derivative that the file does not hold is taken by central differences, which shift nothing in time. A
     turning joint whose angle jumps by more than half a turn between two samples was written modulo a turn: it is
@@ -24,21 +23,20 @@ def file_source(path: Path, arm: Arm, say: Callable[[str], None]) -> Source:
     DataError
         If the file cannot be used.
     ConfigError
-        If the file's number of joints is not the arm's.
+        If the mapping of columns is wrong.
     """
-    trials = read_trials(path, needed=("q",), optional=("dq", "ddq"))
-    n_joint = next(iter(trials.values()))["q"].shape[1]
-    if n_joint != arm.n_joint:
-        raise ConfigError(f"{path}: it moves {n_joint} joint(s), but the arm {arm.name!r} has {arm.n_joint}")
+    found = read_trials(path, arm, needed=("q",), optional=("dq", "ddq"), columns=columns)
+    trials, notes = found.signals, list(found.notes)
     turns = np.array([joint.type == "revolute" for joint in arm.joints])
     for number, signals in trials.items():
         unwrapped = np.where(turns, np.unwrap(signals["q"], axis=0), signals["q"])
         if not np.array_equal(unwrapped, signals["q"]):
-            say(f"{path}: trial {number}: angles jump by a turn, so they are taken to go on")
+            text = f"trial {number}: angles jump by a turn, so they are taken to go on"
+            notes.append(Note("turn", text, source=str(path)))
             signals["q"] = unwrapped
     motions = {number: _trajectory(signals) for number, signals in trials.items()}
     durations = {number: motion.duration_s for number, motion in motions.items()}
-    return Source(path.name, arm, durations, motions.__getitem__)
+    return Source(path.name, arm, durations, motions.__getitem__, notes=tuple(notes))
 
 
 def _trajectory(signals: Signals) -> Trajectory:

@@ -7,12 +7,12 @@ import numpy as np
 from arm.model import Arm
 from arm.simulation import simulate
 from limbcal.errors import ConfigError, DataError
+from playback.motion_trials import Signals, read_trials
 from playback.source import Source
 from playback.trajectory import Floats, Trajectory
-from protocol.motion_trials import Signals, read_trials
 
 
-def simulated_source(path: Path, arm: Arm) -> Source:
+def simulated_source(path: Path, arm: Arm, columns: str | None = None) -> Source:
     """Read the controller's targets and play what the arm makes of them.
 
     Each trial starts at rest where its first target is, or in the first state that the file gives in q1… and
@@ -21,26 +21,26 @@ def simulated_source(path: Path, arm: Arm) -> Source:
     Parameters
     ----------
     path : Path
-        CSV, Parquet or NPZ with t [s], evenly spaced, ref1…refn [rad or m], and where known q1…, dq1…, trial.
+        A table with t [s], evenly spaced, ref1…refn [rad or m], and where known q1…, dq1…, trial.
     arm : Arm
         The arm with its control law.
+    columns : str, optional
+        Mapping of foreign columns.
 
     Raises
     ------
     DataError
         If the file cannot be used.
     ConfigError
-        If the arm has no control law to simulate, or another number of joints than the file.
+        If the arm has no control law to simulate, or the mapping of columns is wrong.
     """
     if arm.control.law == "measured":
         raise ConfigError(
             f"arm {arm.name!r}: its control law is 'measured', whose torque comes with the data; "
             "expected 'pd', 'pda' or 'p' to simulate a reference"
         )
-    trials = read_trials(path, needed=("ref",), optional=("q", "dq"))
-    n_joint = next(iter(trials.values()))["ref"].shape[1]
-    if n_joint != arm.n_joint:
-        raise ConfigError(f"{path}: it leads {n_joint} joint(s), but the arm {arm.name!r} has {arm.n_joint}")
+    found = read_trials(path, arm, needed=("ref",), optional=("q", "dq"), columns=columns)
+    trials = found.signals
     steps = {number: even_step(trial["t"], f"{path}: trial {number}") for number, trial in trials.items()}
 
     def trajectory(number: int) -> Trajectory:
@@ -50,7 +50,8 @@ def simulated_source(path: Path, arm: Arm) -> Source:
             raise DataError(f"{path}: trial {number}: in the simulation {error}") from error
 
     durations = {number: float(signals["t"][-1]) for number, signals in trials.items()}
-    return Source(f"simulation of {arm.name} following {path.name}", arm, durations, trajectory)
+    name = f"simulation of {arm.name} following {path.name}"
+    return Source(name, arm, durations, trajectory, notes=found.notes)
 
 
 def simulated(arm: Arm, signals: Signals, dt_s: float) -> Trajectory:

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 
 from arm.model import Arm
 from limbcal.errors import ConfigError
+from limbcal.note import Note
 from playback.trajectory import Trajectory
 
 
@@ -24,6 +25,8 @@ class Source:
         Gives the motion of a trial; a simulation does its work here.
     twin : Source, optional
         The virtual arm beside this one, with the same trials on the same clock.
+    notes : tuple of Note
+        What was found while reading.
     """
 
     name: str
@@ -31,6 +34,7 @@ class Source:
     durations_s: Mapping[int, float]
     trajectory: Callable[[int], Trajectory]
     twin: "Source | None" = None
+    notes: tuple[Note, ...] = ()
 
     @property
     def trials(self) -> tuple[int, ...]:

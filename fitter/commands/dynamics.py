@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 from rich.progress import Progress
 
-from arm.arm_file import load_arm, save_arm
+from arm.arm_file import load_arm
 from arm.model import Arm, Control
 from fitter.commands.dynamics_said import say_compared, say_controller, say_fit
 from fitter.commands.options import (
@@ -32,14 +32,18 @@ from fitter.dynamics.dynamics_fit import DynamicsFit, Objective, document
 from fitter.dynamics.evaluation import HORIZON_S, score
 from fitter.dynamics.fit import fit_dynamics
 from fitter.dynamics.identifiability import report
+from fitter.dynamics.learned_torque import has_unknown_target
 from fitter.dynamics.reduction import reduce_trials
 from fitter.dynamics.saved_sums import ArmSums, add_sums, equation_of, is_sums, load_sums
 from fitter.dynamics.structure import structural_parameters
 from fitter.dynamics.torque_search import GENERATIONS, fit_sums
+from fitter.dynamics.usability import joint_notes, next_to_nothing, unusable
+from fitter.dynamics.written import save_calibrated, told_by_data
+from fitter.report.assumptions import dynamics_assumptions
 from fitter.report.compared import load_compared, scores_document
 from fitter.report.fit_pages import dynamics_page
 from limbcal.command import Document, console, say_notes, show
-from limbcal.errors import ConfigError
+from limbcal.errors import ConfigError, Unusable
 from limbcal.note import Note
 from protocol.tables.files import RECORDINGS, expand
 
@@ -119,7 +123,11 @@ def dynamics(arguments: argparse.Namespace) -> Document:
     fit = _fit(arguments, arm, learn)
     learnt = score(fit.arm, learn, arguments.horizon)
     evaluated = score(fit.arm, evaluate, arguments.horizon) if evaluate else None
-    save_arm(fit.arm, arguments.out)
+    scores = {"learn": learnt, "evaluate": evaluated}
+    found_targets = any(has_unknown_target(arm, trial) for trial in learn)
+    assumed = dynamics_assumptions(arm, lengths_learnt=False, targets_found=found_targets)
+    fit = replace(fit, notes=(*fit.notes, *joint_notes(scores), *(Note("assumed", said) for said in assumed)))
+    save_calibrated(fit.arm, fit.base, told_by_data(fit), arguments.out)
     revealed = report(arm, fit.base, fit.problem)
     say_fit(fit, compared, learnt, evaluated, revealed)
     answer = document(fit, learnt, evaluated) | {"identifiability": revealed.document()}
@@ -132,7 +140,10 @@ def dynamics(arguments: argparse.Namespace) -> Document:
         page = dynamics_page(fit, answer, learn, evaluate, others, [arguments.arm, *files], arguments.horizon)
         page.write(arguments.report)
         show(f"report: {arguments.report}")
-    return with_notes(answer, notes)
+    answer = with_notes(answer, notes)
+    if reasons := unusable(fit, arm, learn, scores):
+        raise Unusable(reasons, answer)
+    return answer
 
 
 def _fit(arguments: argparse.Namespace, arm: Arm, learn: Sequence[Trial]) -> DynamicsFit:
@@ -190,7 +201,7 @@ def _from_sums(arguments: argparse.Namespace, arm: Arm) -> Document:
     )
     fit = made_possible(fit) if arguments.physical else with_warnings(fit)
     evaluated = score(fit.arm, evaluate, arguments.horizon) if evaluate else None
-    save_arm(fit.arm, arguments.out)
+    save_calibrated(fit.arm, base, told_by_data(fit), arguments.out)
     revealed = report(arm, base, fit.problem)
     say_fit(fit, [], None, evaluated, revealed)
     answer = document(fit, None, evaluated) | {"identifiability": revealed.document()}
@@ -198,7 +209,13 @@ def _from_sums(arguments: argparse.Namespace, arm: Arm) -> Document:
     rms = answer["torque_rms_N_m"]
     assert isinstance(rms, dict)
     rms["learn"] = saved.sums.rms(values).tolist()
-    return with_notes(answer, (*notes, *notes_of(evaluate)))
+    explained = answer["explained"]
+    assert isinstance(explained, dict)
+    explained["learn"] = saved.sums.explained(values).tolist()
+    answer = with_notes(answer, (*notes, *notes_of(evaluate)))
+    if reasons := next_to_nothing({"evaluate": evaluated}, arm):
+        raise Unusable(reasons, answer)
+    return answer
 
 
 def _sums(arguments: argparse.Namespace, arm: Arm) -> tuple[ArmSums, tuple[Note, ...]]:
@@ -230,7 +247,9 @@ def _with_gains(
 ) -> Document:
     """Learn the gains of the law along with the arm."""
     found = controller.fit_controller(arm, learn, fixed=fixed_of(arguments.fix))
-    save_arm(found.arm, arguments.out)
+    base = structural_parameters(arm)
+    told = {name: found.parameters[name] for name in base.names if found.parameters[name].identifiable}
+    save_calibrated(found.arm, base, told, arguments.out)
     scores = {
         role: score(found.arm, trials, arguments.horizon) if trials else None
         for role, trials in (("learn", learn), ("evaluate", evaluate))

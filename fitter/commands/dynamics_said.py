@@ -2,10 +2,13 @@
 
 from collections.abc import Mapping, Sequence
 
+import numpy as np
+
 from fitter.dynamics.controller import ControllerFit
 from fitter.dynamics.dynamics_fit import DynamicsFit
 from fitter.dynamics.evaluation import Score
 from fitter.dynamics.identifiability import Identifiability
+from fitter.dynamics.usability import percent
 from fitter.report.compared import Compared
 from fitter.report.parameter_table import parameter_table
 from limbcal.command import say, show
@@ -53,7 +56,12 @@ def _say_scores(scores: Mapping[str, Score | None]) -> None:
     for role, s in scores.items():
         if s is not None:
             torque = ", ".join(f"{value:.4g}" for value in s.torque_rms_N_m)
-            show(
-                f"{_ROLES[role]}: torque rms {torque} N·m a joint; simulated angle off by "
-                f"{s.angle_mean_deg:.3g}° mean, {s.angle_max_deg:.3g}° max"
-            )
+            shares = ", ".join(map(percent, s.explained))
+            show(f"{_ROLES[role]}: torque rms {torque} N·m a joint, {shares} of the power explained; {_angles(s)}")
+
+
+def _angles(s: Score) -> str:
+    """Return how far simulated angles are off, in words where a simulation ran away."""
+    if not np.isfinite(s.angle_max_deg):
+        return "the simulated motion runs away" if np.isinf(s.angle_max_deg) else "no joint turns"
+    return f"simulated angle off by {s.angle_mean_deg:.3g}° mean, {s.angle_max_deg:.3g}° max"

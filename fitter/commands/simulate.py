@@ -11,6 +11,7 @@ from arm.kinematics import tip_position
 from arm.model import Arm, Floats
 from arm.simulation import Motion, simulate
 from fitter.commands.options import MOTION_SUFFIXES, add_arm, add_columns, add_out, joint_values, make_room
+from fitter.data.leaps import split_at_leaps
 from fitter.data.motion_file import write_motion
 from fitter.data.motions import Measured, read_motions
 from fitter.data.resample import resample
@@ -18,6 +19,7 @@ from limbcal.command import Document, say_notes, show
 from limbcal.errors import ConfigError, DataError
 from limbcal.note import Note, documents, of_source
 from protocol.tables.columns import parse_mapping
+from protocol.tables.stamps import require_seconds
 
 #: The simulation's own step is at most this long [s].
 _LONGEST_STEP_S = 1e-3
@@ -53,11 +55,13 @@ def simulate_reference(arguments: argparse.Namespace) -> Document:
     arm = load_arm(arguments.arm)
     role = "tau" if arm.control.law == "measured" else "ref"
     mapping = parse_mapping(arguments.columns, arm.n_joint)
-    trials = read_motions(arguments.reference, arm.n_joint, mapping, arguments.rate_hz, required=(role,))
+    read = read_motions(arguments.reference, arm.n_joint, mapping, arguments.rate_hz, required=(role,))
+    trials = [piece for motion in read for piece in split_at_leaps(motion)]
     make_room(arguments.out, MOTION_SUFFIXES)
     parts: list[dict[str, NDArray[np.generic]]] = []
     notes: list[Note] = []
     for number, measured in enumerate(trials, 1):
+        require_seconds(measured.t, measured.where)
         trial = resample(measured, arguments.rate_hz)
         notes += of_source(trial.measured.notes, measured.name)
         given = arguments.initial_q

@@ -74,7 +74,9 @@ def track(arguments: argparse.Namespace) -> Document:
     tracked: list[Tracked] = []
     began = time.perf_counter()
     for run in progress(runs, "tracking", console=console, transient=True):
-        tracked.append(track_run(run, arm, q0, arguments.frame_rate_hz, method, zero or "each-rest"))
+        # where the clock leapt the arm did not: it is where it was
+        start = tracked[-1].last_q if run.after_leap else q0
+        tracked.append(track_run(run, arm, start, arguments.frame_rate_hz, method, zero or "each-rest"))
     seconds = time.perf_counter() - began
     notes = [note for run in runs for note in of_source(run.notes, run.name)]
     say_notes(notes)

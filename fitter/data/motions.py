@@ -1,14 +1,14 @@
 """Motions as they were measured: columns by role, on whatever time stamps they came with."""
 
 from collections.abc import Collection, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
-from limbcal.errors import DataError
 from limbcal.note import Note
+from protocol.tables import stamps
 from protocol.tables.columns import TIP_ROLES, ColumnMap
 from protocol.tables.reader import read_tables
 from protocol.tables.table import Table
@@ -138,31 +138,13 @@ def from_table(table: Table, path: Path, name: str) -> Measured:
 
 def require_rising(motion: Measured) -> None:
     """Raise a DataError where time stands still or runs backwards."""
-    steps = np.diff(motion.t)
-    if not (steps > 0.0).all():
-        k = int(np.argmin(steps > 0.0))
-        said = "stands still at" if steps[k] == 0.0 else f"runs backwards from {motion.t[k]:.9g} s to"
-        raise DataError(
-            f"{motion.where}: in row {motion.first_row + k + 2} time {said} {motion.t[k + 1]:.9g} s, "
-            "expected it to rise until a column 'trial' says that another trial begins"
-        )
+    stamps.require_rising(motion.t, motion.where, motion.first_row)
 
 
 def _by_label(whole: Measured) -> list[Measured]:
     """Part a file by its ``trial`` column; each trial must stand in one piece."""
-    labels = whole.labels
-    if labels is None:
+    if whole.labels is None:
         return [whole]
-    bounds = [0, *(np.flatnonzero(labels[1:] != labels[:-1]) + 1).tolist(), len(labels)]
-    seen: set[str] = set()
-    trials: list[Measured] = []
-    for begin, end in zip(bounds[:-1], bounds[1:], strict=True):
-        label = str(labels[begin])
-        if label in seen:
-            raise DataError(
-                f"{whole.where}: trial {label!r} goes on in row {whole.first_row + begin + 1} after another one, "
-                "expected each trial in one piece"
-            )
-        seen.add(label)
-        trials.append(whole.rows(begin, end, f"{whole.name}/{label}"))
-    return trials
+    trials = stamps.trial_rows(whole.labels, len(whole.t), whole.where, whole.first_row)
+    parts = [whole.rows(begin, end, f"{whole.name}/{label}") for label, begin, end in trials]
+    return [part if k == 0 else replace(part, notes=()) for k, part in enumerate(parts)]  # of the file, said once

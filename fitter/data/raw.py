@@ -1,16 +1,16 @@
 """Raw accelerations, in blocks for a tracker."""
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
 from fitter.data.gaps import Gap, find_gaps
+from fitter.data.leaps import MINIMUM_SAMPLES, split_at_leaps
 from fitter.data.motions import Measured, read_file, require_rising
 from fitter.data.recordings import read_raw_blocks
-from fitter.data.resample import MINIMUM_SAMPLES
 from limbcal.errors import ConfigError, DataError
 from limbcal.note import Note
 from protocol.tables.columns import parse_mapping
@@ -67,6 +67,8 @@ class RawRun:
         Label of the trial that a sample belongs to.
     notes : tuple of Note
         What there is to say about it.
+    after_leap : bool
+        The run before is of the same file, and the clock leapt between them.
     """
 
     name: str
@@ -78,6 +80,7 @@ class RawRun:
     ref: Floats | None = None
     trial: NDArray[np.str_] | None = None
     notes: tuple[Note, ...] = ()
+    after_leap: bool = False
 
     @property
     def lost(self) -> int:
@@ -157,7 +160,10 @@ def load_raw(
             whole = [Measured(path.stem, str(path), 0, t, {"a": a})]
         else:
             whole = read_file(path, n_joint, mapping, rate_hz, ("a",), {"a": axes})
-        runs += [_run(clock) for motion in whole for clock in _clocks(motion)]
+        clocks = [clock for motion in whole for clock in _clocks(motion)]
+        for clock in clocks:
+            pieces = split_at_leaps(clock)
+            runs += [replace(_run(piece), after_leap=k > 0) for k, piece in enumerate(pieces)]
     return runs
 
 

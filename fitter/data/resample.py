@@ -8,9 +8,11 @@ from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline, PchipInterpolator, make_interp_spline
 
 from fitter.data.derivatives import lowpass
+from fitter.data.leaps import MINIMUM_SAMPLES, split_at_leaps
 from fitter.data.motions import Measured
 from limbcal.errors import ConfigError, DataError
 from limbcal.note import Note
+from protocol.tables.stamps import HOLE_STEPS
 
 Floats = NDArray[np.float64]
 Curve = Callable[[Floats], Floats]
@@ -19,12 +21,8 @@ Curve = Callable[[Floats], Floats]
 TOLERANCE = 0.005
 #: Stamps may have been rounded to this many decimals at most, and then lie off the grid by that.
 MOST_DECIMALS = 7
-#: More steps than this without a sample cannot be bridged: the motion is parted there.
-HOLE_STEPS = 10
 #: A cubic spline through samples closer than this share of the usual step swings out.
 CROWDED = 0.2
-#: Fewer samples than this say nothing about a motion.
-MINIMUM_SAMPLES = 16
 #: A lower rate is reached after everything above this share of it has been taken out.
 ANTI_ALIAS = 0.4
 
@@ -62,9 +60,14 @@ def split_at_holes(motion: Measured) -> list[Measured]:
     bounds = [0, *(holes + 1).tolist(), len(motion.t)]
     spans = [span for span in zip(bounds[:-1], bounds[1:], strict=True) if span[1] - span[0] >= MINIMUM_SAMPLES]
     if not spans:
-        return [motion]
-    said = f"parted at {holes.size} hole(s) of up to {steps[holes].max():.4g} s, {len(spans)} piece(s) kept"
-    note = Note("gap", said, columns=("t",), row=motion.first_row + int(holes[0]) + 2)
+        return split_at_leaps(motion)
+    before, after = float(motion.t[holes[0]]), float(motion.t[holes[0] + 1])
+    row = motion.first_row + int(holes[0]) + 2
+    text = (
+        f"in row {row} t goes from {before:.9g} to {after:.9g} s: "
+        f"parted at {holes.size} hole(s) of up to {steps[holes].max():.4g} s, {len(spans)} piece(s) kept"
+    )
+    note = Note("gap", text, source=motion.where, columns=("t",), row=row, from_s=before, to_s=after)
     return [motion.rows(begin, end, f"{motion.name}#{k + 1}", note) for k, (begin, end) in enumerate(spans)]
 
 

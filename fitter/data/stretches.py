@@ -10,9 +10,11 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from fitter.data.grid import Grid, grid_of
+from fitter.data.leaps import MINIMUM_SAMPLES
 from fitter.data.motions import Measured, require_rising
-from fitter.data.resample import HOLE_STEPS, MINIMUM_SAMPLES
 from limbcal.errors import DataError
+from limbcal.note import Note
+from protocol.tables.stamps import HOLE_STEPS
 
 
 @dataclass(frozen=True)
@@ -156,7 +158,7 @@ class _Motion:
 
     def _whole(self, rows: Measured, end: int) -> Stretch:
         """Return rows up to ``end`` as a piece that is not long."""
-        piece = self._named(rows.rows(0, end, rows.name), end < self._held)
+        piece = self._named(rows.rows(0, end, rows.name, *self._gap(rows, end)), end < self._held)
         self._pieces += 1
         self._hold(rows, end)
         return Stretch(piece, slice(0, end), True, True)
@@ -167,9 +169,10 @@ class _Motion:
         if complete and stop + self._margin >= end:
             stop = end
         begin, until = max(0, self._first - self._margin), min(end, stop + self._margin)
+        cut = end < self._held
         assert self._grid is not None
         inside, counted = self._grid.lay(
-            self._named(rows.rows(begin, until, rows.name), end < self._held),
+            self._named(rows.rows(begin, until, rows.name, *(self._gap(rows, end) if stop == end else ())), cut),
             slice(self._first - begin, stop - begin),
         )
         yield Stretch(inside, counted, self._begins, stop == end, self._grid.step_s)
@@ -180,6 +183,14 @@ class _Motion:
         else:
             self._hold(rows, stop - self._margin)
             self._begins, self._first = False, self._margin
+
+    def _gap(self, rows: Measured, end: int) -> tuple[Note, ...]:
+        """Return what there is to say where a piece ends before its motion does."""
+        if end >= self._held:
+            return ()
+        before, after, row = float(rows.t[end - 1]), float(rows.t[end]), rows.first_row + end + 1
+        text = f"in row {row} t leaps from {before:.9g} to {after:.9g} s: parted there"
+        return (Note("gap", text, source=rows.where, columns=("t",), row=row, from_s=before, to_s=after),)
 
     def _hold(self, rows: Measured, begin: int) -> None:
         """Go on with the rows from some row on."""

@@ -70,6 +70,9 @@ class Trial:
         Samples that were taken off at each end.
     began_s : float
         The file's time at ``t = 0`` [s]: trials may follow one another on one clock.
+    contradicted : ndarray of bool, shape (n, n_joint), or None
+        Torques that say nothing of the arm: cut off at a limit, or beside an angle that stood still for no reason;
+        see `fitter.data.plausibility`.
     """
 
     name: str
@@ -91,6 +94,12 @@ class Trial:
     whole: dict[str, Floats] = field(default_factory=dict)
     trimmed: int = 0
     began_s: float = 0.0
+    contradicted: NDArray[np.bool_] | None = None
+
+    @property
+    def counted(self) -> NDArray[np.bool_]:
+        """Which torques count, (n, n_joint): all that the data itself does not contradict."""
+        return np.ones(self.q.shape, dtype=bool) if self.contradicted is None else ~self.contradicted
 
     def lowpass(self, values: Floats) -> Floats:
         """Pass something that was computed from this trial through the one filter of a fit.

@@ -84,5 +84,6 @@ def document(fit: DynamicsFit, learn: Score | None, evaluate: Score | None = Non
         "objective": fit.objective,
         "ci95": {name: parameter.ci95 for name, parameter in fit.parameters.items()},
         "angle_rms_deg": {role: s and s.angle_rms_deg for role, s in scores.items()},
+        "explained": {role: s and list(s.explained) for role, s in scores.items()},
         "notes": documents(fit.notes),
     }

@@ -10,9 +10,11 @@ from arm.model import Arm, Floats
 from arm.newton_euler import inverse_dynamics
 from arm.simulation import simulate
 from fitter.data.derivatives import lowpass
+from fitter.data.first_rest import REST_SPEED
 from fitter.data.trials import Trial
 from fitter.dynamics.learned_torque import learned_torque, target_of
 from fitter.dynamics.stretches import LONGEST_STEP_S, stretches
+from fitter.dynamics.trial_sums import moving_all_along
 from limbcal.errors import DataError
 
 #: With measured torque nothing pulls a simulation back to the data, so it is restarted this often.
@@ -29,13 +31,18 @@ class Score:
         Of every joint: measured (or the law's) torque against that of eq. (4) for the same motion. N for a
         joint that slides.
     angle_mean_deg, angle_max_deg, angle_rms_deg : float
-        Simulated against measured angles of all joints that turn.
+        Simulated against measured angles of all joints that turn. Infinite where a simulation ran away.
+    explained : tuple of float
+        Of every joint: 1 − power of the torque that is left / power of the torque that was to be explained, both
+        behind the filter of the fit, while the joint moves. An arm of no mass and no friction explains 0; below
+        0 the arm does worse than that. NaN where a joint never moved or had no torque.
     """
 
     torque_rms_N_m: tuple[float, ...]
     angle_mean_deg: float
     angle_max_deg: float
     angle_rms_deg: float
+    explained: tuple[float, ...] = ()
 
 
 def score(arm: Arm, trials: Sequence[Trial], horizon_s: float = HORIZON_S) -> Score:
@@ -58,7 +65,8 @@ def score(arm: Arm, trials: Sequence[Trial], horizon_s: float = HORIZON_S) -> Sc
     turning = np.array([joint.type == "revolute" for joint in arm.joints])
     errors = np.concatenate([np.abs(motion_error(arm, trial, horizon_s)) for trial in trials])[:, turning]
     mean, worst, rms = (float(np.rad2deg(f(errors))) if errors.size else np.nan for f in (np.mean, np.max, _rms))
-    return Score(tuple(torque_rms(arm, trials).tolist()), mean, worst, rms)
+    explained = tuple(torque_explained(arm, trials).tolist())
+    return Score(tuple(torque_rms(arm, trials).tolist()), mean, worst, rms, explained)
 
 
 def _rms(values: Floats) -> float:
@@ -82,10 +90,24 @@ def torque_rms(arm: Arm, trials: Sequence[Trial]) -> Floats:
         else:
             residual = trial.lowpass(tau - explained)
         trim = (len(trial.dq) - len(residual)) // 2
-        moving = trial.dq[trim : len(trial.dq) - trim] != 0.0
+        inner = slice(trim, len(trial.dq) - trim)
+        moving = (trial.dq[inner] != 0.0) & trial.counted[inner]
         square += np.sum(residual**2 * moving, axis=0)
         count += np.count_nonzero(moving, axis=0)
     return np.sqrt(square / np.maximum(count, 1.0))
+
+
+def torque_explained(arm: Arm, trials: Sequence[Trial]) -> Floats:
+    """Return what an arm explains of every joint's torque, (n_joint,); see `Score`."""
+    left, power = np.zeros((2, arm.n_joint))
+    for trial in trials:
+        law = arm.control.law != "measured"
+        tau = learned_torque(arm, replace(trial, ref=target_of(arm, trial)) if law else trial)
+        counts = moving_all_along(trial, slice(0, len(trial.q)), REST_SPEED) & trial.counted
+        explained = inverse_dynamics(arm, trial.q, trial.dq, trial.ddq)
+        left += np.sum(trial.lowpass(tau - explained) ** 2 * counts, axis=0)
+        power += np.sum(trial.lowpass(tau) ** 2 * counts, axis=0)
+    return 1.0 - left / np.where(power > 0.0, power, np.nan)
 
 
 def motion_error(arm: Arm, trial: Trial, horizon_s: float = HORIZON_S) -> Floats:

@@ -127,6 +127,12 @@ class TorqueSums:
         rms: Floats = np.sqrt(np.maximum(square, 0.0) / np.maximum(self.count.sum(axis=0), 1.0))
         return rms
 
+    def explained(self, values: Floats) -> Floats:
+        """Return 1 − power of the residual torque / power of the torque, (n_joint,); NaN where there is none."""
+        power = self.power.sum(axis=0)
+        left = self.rms(values) ** 2 * self.count.sum(axis=0)
+        return np.asarray(1.0 - left / np.where(power > 0.0, power, np.nan), dtype=np.float64)
+
     def scores(self, values: Floats) -> Floats:
         """Return W^T (tau - W p) of every block, all joints together, (n_block, n_base)."""
         return np.asarray((self.moment - self.gram @ values).sum(axis=1), dtype=np.float64)

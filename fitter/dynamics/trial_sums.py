@@ -69,7 +69,7 @@ def add_stretch(
         If the law is "measured" and the trial has no torque.
     """
     tau = learned_torque(arm, trial)
-    if not np.isfinite(trial.band_hz):
+    if not np.isfinite(trial.band_hz) and trial.contradicted is None:
         q, dq, ddq, torque = (values[counted] for values in (trial.q, trial.dq, trial.ddq, tau))
         running.add_motion(chain_of(arm), np.array(base.independent), q, dq, ddq, torque, rest_speed)
         return
@@ -84,10 +84,10 @@ def add_stretch(
 def moving_all_along(trial: Trial, part: slice, rest_speed: float) -> NDArray[np.bool_]:
     """Return which equations hold behind the fit's filter, (n_sample, n_joint).
 
-    A joint that sticks is held by a torque of any size, which the filter spreads over the moments before and
-    after: they count as little as the moment itself.
+    A joint that sticks is held by a torque of any size, and a torque that was cut off had any size: the filter
+    spreads either over the moments before and after, which count as little as the moment itself.
     """
-    fast = np.abs(trial.dq[part]) > rest_speed
+    fast = (np.abs(trial.dq[part]) > rest_speed) & trial.counted[part]
     reach = int(SPREAD / (trial.band_hz * trial.dt_s))
     return np.asarray(minimum_filter1d(fast, 2 * reach + 1, axis=0, mode="nearest"), dtype=np.bool_)
 

@@ -55,6 +55,11 @@ class Tracked:
         """Number of frames."""
         return len(self.columns["t"])
 
+    @property
+    def last_q(self) -> Floats:
+        """Joint positions in the last frame, of shape (n_joint,)."""
+        return np.asarray(self.columns["q"][-1], dtype=np.float64)
+
 
 def track_run(
     run: RawRun,

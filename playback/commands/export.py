@@ -14,6 +14,7 @@ from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, T
 
 from limbcal.command import Document, console, show
 from limbcal.errors import ConfigError
+from limbcal.note import documents
 from playback.commands.source_options import add_source_arguments, open_source
 from playback.export.sampled import Sampled, sample
 
@@ -57,7 +58,8 @@ def export(arguments: argparse.Namespace) -> Document:
     if mistakes:
         raise ConfigError(mistakes)
     _require(suffix)
-    motion = sample(open_source(arguments), arguments.trial, _rate_hz(arguments, suffix), arguments.speed)
+    source = open_source(arguments)
+    motion = sample(source, arguments.trial, _rate_hz(arguments, suffix), arguments.speed)
     _WRITERS[suffix](arguments, motion)
     answer = {
         "file": str(path),
@@ -72,6 +74,7 @@ def export(arguments: argparse.Namespace) -> Document:
         "duration_s": motion.duration_s,
         "size": list(_size(arguments)) if suffix in SIZES else None,
         "bytes": path.stat().st_size,
+        "notes": documents(source.notes),
     }
     show(f"{path}: {answer['frames']} frames of {motion.title}, trial {motion.trial}, {motion.duration_s:.3f} s")
     return answer

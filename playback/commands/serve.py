@@ -93,7 +93,7 @@ def _player(
 ) -> Player | LivePlayer:
     if arguments.live is None:
         return Player(open_source(arguments), rate_hz, clocks, arguments.trial)
-    for name in ("source", "reference", "twin", "trial"):
+    for name in ("source", "reference", "twin", "trial", "columns"):
         if getattr(arguments, name) is not None:
             raise ConfigError(f"--live and {name} are both given: a live stream is played as it comes")
     if arguments.arm is None:

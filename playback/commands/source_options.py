@@ -4,14 +4,14 @@ import argparse
 from pathlib import Path
 
 from arm.arm_file import load_arm
-from limbcal.command import say
+from limbcal.command import say, say_notes
 from limbcal.errors import ConfigError
 from playback.file_source import file_source
 from playback.recording_source import recording_source
 from playback.simulated_source import simulated_source
 from playback.source import Source
 from playback.twin import with_twin
-from protocol.motion_file import SUFFIXES
+from protocol.tables.files import TABLES
 
 DEFAULT_ARM = "dd-arm"
 
@@ -23,7 +23,12 @@ def add_source_arguments(parser: argparse.ArgumentParser) -> None:
         nargs="?",
         type=Path,
         metavar="SOURCE",
-        help="a recording of limbd (.mcap) or joint motion (.csv, .npz, .parquet) to play",
+        help="a recording of limbd (.mcap) or joint motion (.csv, .npz, .parquet, .mat, .json …) to play",
+    )
+    parser.add_argument(
+        "--columns",
+        metavar="MAP",
+        help='where foreign columns are and what they are in, such as "t=time:ms,q=angle{j}:deg"',
     )
     parser.add_argument(
         "--arm",
@@ -45,7 +50,7 @@ def add_source_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def open_source(arguments: argparse.Namespace) -> Source:
-    """Return what the arguments name.
+    """Return what the arguments name; what there is to say of the files is said.
 
     Raises
     ------
@@ -54,6 +59,12 @@ def open_source(arguments: argparse.Namespace) -> Source:
     DataError
         If a file holds nothing to be played.
     """
+    source = _open(arguments)
+    say_notes(source.notes)
+    return source
+
+
+def _open(arguments: argparse.Namespace) -> Source:
     path, reference, arm, twin = arguments.source, arguments.reference, arguments.arm, arguments.twin
     if path is None and reference is None:
         raise ConfigError("a motion is missing: expected SOURCE or --reference")
@@ -64,19 +75,19 @@ def open_source(arguments: argparse.Namespace) -> Source:
             raise ConfigError("--twin is given without SOURCE: expected the motion that the twin is to go beside")
         if arm is None:
             raise ConfigError("--arm is missing: --reference needs the arm that is to be simulated")
-        return simulated_source(reference, load_arm(arm))
-    source = _stored(path, arm)
+        return simulated_source(reference, load_arm(arm), arguments.columns)
+    source = _stored(path, arm, arguments.columns)
     if twin is None:
         return source
-    return with_twin(source, twin, path if reference is None else reference, say)
+    return with_twin(source, twin, path if reference is None else reference, say, arguments.columns)
 
 
-def _stored(path: Path, arm: str | None) -> Source:
+def _stored(path: Path, arm: str | None, columns: str | None) -> Source:
     if path.suffix.lower() == ".mcap":
         return recording_source(path, None if arm is None else load_arm(arm), say)
-    if path.suffix.lower() not in SUFFIXES:
-        expected = ", ".join((".mcap", *SUFFIXES))
+    if path.suffix.lower() not in TABLES:
+        expected = ", ".join((".mcap", *TABLES))
         raise ConfigError(f"{path}: the suffix is {path.suffix!r}, expected one of {expected}")
     if arm is None:
         say(f"no --arm given: tip and points are those of {DEFAULT_ARM}")
-    return file_source(path, load_arm(arm or DEFAULT_ARM), say)
+    return file_source(path, load_arm(arm or DEFAULT_ARM), columns)

@@ -74,7 +74,7 @@ def view(arguments: argparse.Namespace) -> None:
             arguments.connect, arguments.control = DEFAULT_ENDPOINT, arguments.control or DEFAULT_CONTROL
     if not 0 <= arguments.port < 1 << 16:
         raise ConfigError(f"--port is {arguments.port}, expected 0 to 65535")
-    names = ("source", "reference", "live", "arm", "twin", "trial", "rate_hz", "play", "key")
+    names = ("source", "reference", "live", "arm", "twin", "trial", "columns", "rate_hz", "play", "key")
     arguments.playback = argparse.Namespace(
         **{name: getattr(arguments, name) for name in names}, keys=None, once=False
     )

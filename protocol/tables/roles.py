@@ -88,7 +88,7 @@ def find_roles(
         if role == "t" and not found and asked and not asked[0].asked:
             found = _time(source, asked[0], plan)
         if role == "trial":
-            plan.label = found[0][1] if found else None
+            plan.label = found[0][1] if found and not _blank(source, role, found, False, plan) else None
         elif found and not _blank(source, role, found, role in required, plan):
             plan.columns[role] = _columns(source, role, found, plan)
         elif role in required:

@@ -66,7 +66,7 @@ def test_a_sample_left_out_is_refused(reference: Path, arm: Arm) -> None:
 def test_an_arm_that_cannot_be_simulated_is_refused(reference: Path, arm: Arm) -> None:
     with pytest.raises(ConfigError, match="control law is 'measured'"):
         simulated_source(reference, replace(arm, control=Control()))
-    with pytest.raises(ConfigError, match="leads 2 joint.*'dd-arm' has 1"):
+    with pytest.raises(DataError, match="there is a column 'ref2', but the arm has 1 joint"):
         simulated_source(reference, replace(arm, joints=arm.joints[:1]))
 
 

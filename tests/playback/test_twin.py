@@ -42,7 +42,7 @@ def measured(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.fixture(scope="module")
 def real(measured: Path) -> Source:
-    return file_source(measured, load_arm("dd-arm"), print)
+    return file_source(measured, load_arm("dd-arm"))
 
 
 def test_the_arm_itself_moves_as_it_was_measured(real: Source, measured: Path) -> None:

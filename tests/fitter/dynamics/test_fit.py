@@ -138,6 +138,7 @@ def test_progress_and_document(bench_trials):
         "objective",
         "ci95",
         "angle_rms_deg",
+        "explained",
         "notes",
     ]
     assert list(result["parameters"]) == [*BASE.names, "F1", "F2"]

@@ -1,0 +1,106 @@
+"""Whether anybody can act on a fit of the dynamics: what it explains, and whether an arm can have its numbers."""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from arm.model import Arm
+from fitter.data.trials import Trial
+from fitter.dynamics.dynamics_fit import DynamicsFit
+from fitter.dynamics.evaluation import Score
+from fitter.dynamics.torque_wiring import check_wiring
+from limbcal.note import Note
+
+#: An answer that explains less than this share of the torque's power is none: it leaves 87 % of the torque's rms.
+LEAST_EXPLAINED = 0.25
+#: No arm that can exist fits if the best one explains less than this share of what the free numbers explain.
+LEAST_POSSIBLE = 0.5
+
+
+def unusable(fit: DynamicsFit, arm: Arm, learn: Sequence[Trial], scores: dict[str, Score | None]) -> list[str]:
+    """Return why nobody can act on a fit, a sentence each; none where it can be used.
+
+    Parameters
+    ----------
+    fit : DynamicsFit
+    arm : Arm
+        As it was given.
+    learn : sequence of Trial
+        What was learnt from.
+    scores : dict of str to Score or None
+        By role, ``learn`` and ``evaluate``.
+    """
+    reasons = []
+    check = check_wiring(arm, fit.base, learn)
+    if check is not None:
+        if check.better is not None:
+            reasons.append(check.better.sentence)
+        elif 1.0 - check.possible < LEAST_POSSIBLE * (1.0 - check.free):
+            reasons.append(
+                "masses come out negative or otherwise impossible: the best arm that can exist explains "
+                f"{percent(1.0 - check.possible)} of the torque, numbers that no arm can have "
+                f"{percent(1.0 - check.free)}; {_suspects(arm)}"
+            )
+    reasons += _driving(arm)
+    if not reasons:
+        reasons += next_to_nothing(scores, arm)
+    return reasons
+
+
+def next_to_nothing(scores: dict[str, Score | None], arm: Arm) -> list[str]:
+    """Return a sentence for each role whose torque is hardly explained at all."""
+    reasons = []
+    for role, title in (("learn", "learning"), ("evaluate", "evaluating")):
+        score = scores.get(role)
+        if score is None:
+            continue
+        explained = np.array(score.explained)
+        known = np.isfinite(explained)
+        if known.any() and float(explained[known].max()) < LEAST_EXPLAINED:
+            shares = ", ".join(percent(float(share)) for share in explained[known])
+            reasons.append(
+                f"next to nothing of the torque of the {title} trials is explained ({shares} a joint; expected at "
+                f"least {percent(LEAST_EXPLAINED)}): {_suspects(arm)}"
+            )
+    return reasons
+
+
+def joint_notes(scores: dict[str, Score | None]) -> tuple[Note, ...]:
+    """Return a note for each joint whose torque in the learning trials is hardly explained."""
+    score = scores.get("learn")
+    if score is None:
+        return ()
+    return tuple(
+        Note("unexplained", f"of tau{j + 1} only {percent(share)} is explained", columns=(f"tau{j + 1}",))
+        for j, share in enumerate(score.explained)
+        if np.isfinite(share) and share < LEAST_EXPLAINED
+    )
+
+
+def _driving(arm: Arm) -> list[str]:
+    """Return a sentence where the law's damping gains drive the joints."""
+    control = arm.control
+    if control.law not in ("pd", "pda"):
+        return []
+    driving = [(j + 1, kv) for j, kv in enumerate(control.kv) if kv > 0.0]
+    if not driving:
+        return []
+    said = ", ".join(f"kv{j} = {kv:g}" for j, kv in driving)
+    frictions = ", ".join(f"D{j}" for j, _ in driving)
+    return [
+        f"{said} in [control] drives the joint: in tau = kp (ref - q) + kv dq a gain that damps is below zero; "
+        f"with the wrong sign {frictions} comes out larger by twice the gain. Expected kv below zero"
+    ]
+
+
+def _suspects(arm: Arm) -> str:
+    if arm.control.law == "measured":
+        return "check the torque's columns, signs and unit, the angles' unit and zero, and gravity in the arm file"
+    return "check the law and the signs of its gains in [control], the angles' unit and zero, and gravity"
+
+
+def percent(share: float) -> str:
+    """Return a share in words; below zero an arm without mass would do better, and there may be none at all."""
+    if not np.isfinite(share):
+        return "–"
+    return f"{100.0 * share:.3g} %" if share > 0.0 else "nothing"

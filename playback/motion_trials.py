@@ -1,0 +1,126 @@
+"""The trials of a motion file, each on a clock of its own, with the joints' columns side by side."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from arm.model import Arm
+from limbcal.errors import DataError
+from limbcal.note import Note
+from protocol.tables.columns import parse_mapping
+from protocol.tables.reader import read_tables
+from protocol.tables.stamps import leaps, require_rising, require_seconds, trial_rows
+from protocol.tables.table import Floats, Table
+
+Signals = dict[str, Floats]
+
+
+@dataclass(frozen=True)
+class Trials:
+    """What is in a file.
+
+    Attributes
+    ----------
+    signals : dict of int to dict of str to ndarray
+        By trial: ``t`` of shape (n,) starting at 0, and the signals found, of shape (n, n_joint).
+    notes : tuple of Note
+        What was found while reading, where time leaps, and which trial got which number.
+    """
+
+    signals: dict[int, Signals]
+    notes: tuple[Note, ...] = ()
+
+
+@dataclass(frozen=True)
+class _Piece:
+    """Rows of one trial without a leap in them."""
+
+    label: str
+    row: int  # the first one's, from 1
+    signals: Signals
+
+
+def read_trials(
+    path: Path, arm: Arm, needed: Sequence[str], optional: Sequence[str] = (), columns: str | None = None
+) -> Trials:
+    """Read the signals of every trial in a joint-motion file.
+
+    Parameters
+    ----------
+    path : Path
+        Any file of columns, see `protocol.tables.files.TABLES`, with ``t`` [s], the numbered columns of every
+        needed signal, such as ``q1 … qn``, and where there are several trials a column ``trial``.
+    arm : Arm
+        Whose joints these are.
+    needed, optional : sequence of str
+        Names of signals without the joint's number. Further columns are not looked at.
+    columns : str, optional
+        Mapping of foreign columns, see `protocol.tables.columns.parse_mapping`.
+
+    Returns
+    -------
+    Trials
+        By the file's own numbers; where trials have names, or time leaps within one, they are counted. A file
+        without ``trial`` holds trial 1.
+
+    Raises
+    ------
+    DataError
+        If a needed column is missing, a value is not a number, time does not rise within a trial or is not in
+        seconds, or a trial has fewer than two samples.
+    """
+    mapping = parse_mapping(columns, arm.n_joint)
+    tables = read_tables(path, arm.n_joint, mapping, needed, joint_roles=(*needed, *optional))
+    pieces: list[_Piece] = []
+    notes: list[Note] = [note for table in tables for note in table.notes]
+    for cell, table in enumerate(tables):
+        label = str(cell + 1) if len(tables) > 1 else "1"
+        pieces += _pieces(table, label, path, notes)
+    return Trials(_numbered(pieces, path, notes), tuple(notes))
+
+
+def _pieces(table: Table, label: str, path: Path, notes: list[Note]) -> list[_Piece]:
+    """Part a table by trials, and trials where time leaps; note the leaps."""
+    found: list[_Piece] = []
+    t = table.groups["t"][:, 0]
+    for name, begin, end in trial_rows(table.labels, len(t), str(path), table.first_row):
+        where = f"{path}: trial {name or label}"
+        require_rising(t[begin:end], str(path), table.first_row + begin)
+        require_seconds(t[begin:end], where)
+        rows = [begin + row for row in leaps(t[begin:end]).tolist()]
+        for row in rows:
+            text = (
+                f"in row {row + 1} t leaps from {t[row - 1]:.9g} to {t[row]:.9g} s: "
+                "what follows is played as a trial of its own"
+            )
+            before, after = float(t[row - 1]), float(t[row])
+            notes.append(Note("gap", text, str(path), ("t",), row + 1, before, after))
+        for first, last in zip([begin, *rows], [*rows, end], strict=True):
+            if last - first < 2:
+                if not rows:
+                    raise DataError(f"{where} has {last - first} sample, expected at least 2")
+                continue
+            signals = {role: values[first:last] for role, values in table.groups.items() if role != "t"}
+            found.append(_Piece(name or label, first + 1, {"t": t[first:last] - t[first], **signals}))
+    return found
+
+
+def _numbered(pieces: Sequence[_Piece], path: Path, notes: list[Note]) -> dict[int, Signals]:
+    """Return pieces by number: the labels' own, if each is a whole number, or their place in the file."""
+    labels = [piece.label for piece in pieces]
+    numbers = [_whole(label) for label in labels]
+    if None not in numbers and len(set(numbers)) == len(labels):
+        return {number: piece.signals for number, piece in zip(numbers, pieces, strict=True) if number is not None}
+    if len(set(labels)) > 1:
+        said = ", ".join(f"{k} is {piece.label!r} from row {piece.row}" for k, piece in enumerate(pieces, 1))
+        notes.append(Note("trials", f"trials are counted: {said}", str(path), ("trial",)))
+    return {number: piece.signals for number, piece in enumerate(pieces, 1)}
+
+
+def _whole(label: str) -> int | None:
+    """Return the whole number that a label is."""
+    try:
+        value = float(label)
+    except ValueError:
+        return None
+    return int(value) if value.is_integer() else None

@@ -1,0 +1,35 @@
+"""Motions whose time leaps."""
+
+import numpy as np
+import pytest
+
+from fitter.data.leaps import split_at_leaps
+from fitter.data.motions import Measured
+from fitter.data.trials import to_trials
+from limbcal.errors import DataError
+
+
+def leaping(*lengths, by=86400.0):
+    t = np.concatenate([0.01 * np.arange(n) + k * by for k, n in enumerate(lengths)])
+    return Measured("run", "run.csv", 0, t, {"q": np.sin(t)[:, None]})
+
+
+def test_a_leap_parts_a_motion_and_is_said_with_its_row():
+    first, second = split_at_leaps(leaping(60, 40))
+    assert (len(first.t), len(second.t), second.first_row) == (60, 40, 60)
+    (note,) = first.notes
+    assert not second.notes
+    assert (note.kind, note.row, note.columns, note.source) == ("gap", 61, ("t",), "run.csv")
+    assert "in row 61 t leaps from 0.59 to 86400 s" in note.text
+
+
+def test_short_pieces_are_left_out_and_none_at_all_is_an_error():
+    assert [len(piece.t) for piece in split_at_leaps(leaping(60, 5, 40))] == [60, 40]
+    with pytest.raises(DataError, match="run.csv: in row 11 t leaps .* no piece has 16 samples"):
+        split_at_leaps(leaping(10, 10))
+
+
+@pytest.mark.parametrize("by", [86400.0, 1.7e9])
+def test_trials_take_the_memory_of_their_samples(by):
+    trials = to_trials([leaping(60, 40, by=by)], cutoff_hz=np.inf)
+    assert sum(len(trial.t) for trial in trials) == 100
