@@ -10,13 +10,16 @@ from playback.motion_trials import Signals, read_trials
 from playback.source import Source
 from playback.trajectory import Floats, Trajectory
 
+#: Angles written modulo a turn [rad] lie in one, give or take their rounding.
+_TURN = 2.0 * np.pi * (1.0 + 1e-6)
+
 
 def file_source(path: Path, arm: Arm, columns: str | None = None) -> Source:
     """Read a joint-motion file (a table with t, q1…, and where known dq1…, ddq1…, trial).
 
     A derivative that the file does not hold is taken by central differences, which shift nothing in time. A
-    turning joint whose angle jumps by more than half a turn between two samples was written modulo a turn: it is
-    made to go on, so that what lies between is the short way.
+    turning joint whose angles stay within a turn and jump by more than half a turn between two samples was written
+    modulo a turn: it is made to go on, so that what lies between is the short way.
 
     Raises
     ------
@@ -29,7 +32,8 @@ def file_source(path: Path, arm: Arm, columns: str | None = None) -> Source:
     trials, notes = found.signals, list(found.notes)
     turns = np.array([joint.type == "revolute" for joint in arm.joints])
     for number, signals in trials.items():
-        unwrapped = np.where(turns, np.unwrap(signals["q"], axis=0), signals["q"])
+        wrapped = turns & (np.ptp(signals["q"], axis=0) <= _TURN)
+        unwrapped = np.where(wrapped, np.unwrap(signals["q"], axis=0), signals["q"])
         if not np.array_equal(unwrapped, signals["q"]):
             text = f"trial {number}: angles jump by a turn, so they are taken to go on"
             notes.append(Note("turn", text, source=str(path)))

@@ -23,6 +23,9 @@ Item = TypeVar("Item")
 RATES_HZ = {".glb": 60.0, ".gltf": 60.0, ".csv": 60.0, ".mp4": 60.0, ".gif": 25.0, ".mcap": 60.0}
 SIZES = {".mp4": (1280, 720), ".gif": (800, 450)}
 NEEDS = {".glb": "pygltflib", ".gltf": "pygltflib", ".mp4": "imageio_ffmpeg"}
+KEYED = (".glb", ".gltf")
+#: glTF 2.0 turns the shorter way between keys, which is the other one from half a turn on; half of that is safe.
+MOST_TURN_RAD = 0.5 * math.pi
 MAX_RATE_HZ = 1000.0
 MAX_GIF_HZ = 50.0  # browsers show faster ones slowly
 SMALLEST, LARGEST = (320, 180), (3840, 2160)
@@ -59,7 +62,8 @@ def export(arguments: argparse.Namespace) -> Document:
         raise ConfigError(mistakes)
     _require(suffix)
     source = open_source(arguments)
-    motion = sample(source, arguments.trial, _rate_hz(arguments, suffix), arguments.speed)
+    turn = MOST_TURN_RAD if suffix in KEYED else None
+    motion = sample(source, arguments.trial, _rate_hz(arguments, suffix), arguments.speed, turn)
     _WRITERS[suffix](arguments, motion)
     answer = {
         "file": str(path),

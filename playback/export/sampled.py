@@ -1,5 +1,6 @@
 """A trial sampled as a file is to hold it: on an even grid, at its speed, with the twin beside it."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -7,9 +8,13 @@ import numpy as np
 
 from arm.kinematics import sensor_positions, tip_position
 from arm.model import Arm
+from limbcal.errors import DataError
 from playback.shape import REAL, TWIN, Colours
 from playback.source import Source
-from playback.trajectory import Floats
+from playback.trajectory import Floats, Trajectory
+
+#: Keys of one animation; a motion that takes more turns thousands of times, as angles in degrees may seem to.
+MOST_KEYS = 1_000_000
 
 
 @dataclass(frozen=True)
@@ -55,7 +60,7 @@ class Sampled:
     rate_hz : float
         Frames a second of the file.
     t : ndarray of shape (n,)
-        Instants of the frames [s], from 0.
+        Instants of the frames [s], from 0; even, unless keys were added.
     movers : tuple of Mover
         The arm, and its twin where there is one.
     """
@@ -72,28 +77,59 @@ class Sampled:
         return float(self.t[-1])
 
 
-def sample(source: Source, trial: int | None, rate_hz: float, speed: float) -> Sampled:
+def sample(
+    source: Source, trial: int | None, rate_hz: float, speed: float, most_turn_rad: float | None = None
+) -> Sampled:
     """Sample a trial of a source and of its twin.
 
     A file at another speed than 1 holds the motion that is that much faster: its time is shorter, its velocities
     are larger by the factor, its accelerations by the square.
+
+    With `most_turn_rad`, instants are added between frames so that no joint turns further from one to the next:
+    who reads keys that lie half a turn apart turns the other way.
 
     Raises
     ------
     ConfigError
         If there is no such trial.
     DataError
-        If the motion cannot be made.
+        If the motion cannot be made, or takes more than `MOST_KEYS`.
     """
     number = source.trials[0] if trial is None else trial
     motion = source.load(number)
     n_frame = int(motion.duration_s / speed * rate_hz + 1e-6) + 1  # the last node, despite rounding
     t = np.arange(n_frame) / rate_hz
+    owners = [owner for owner in (source, source.twin) if owner is not None]
+    motions = [motion if owner is source else owner.load(number) for owner in owners]
+    if most_turn_rad is not None:
+        t = _with_keys(t, owners, motions, speed, most_turn_rad)
     movers = []
-    for owner, colours in ((source, REAL), (source.twin, TWIN)):
-        if owner is None:
-            continue
-        q, dq, ddq = (motion if owner is source else owner.load(number)).at(t * speed)
+    for owner, moving, colours in zip(owners, motions, (REAL, TWIN), strict=False):
+        q, dq, ddq = moving.at(t * speed)
         name = owner.arm.name if owner is source else f"{owner.arm.name} (twin)"
         movers.append(Mover(name, owner.arm, q, speed * dq, speed**2 * ddq, colours))
     return Sampled(source.name, number, rate_hz, t, tuple(movers))
+
+
+def _with_keys(
+    t: Floats, owners: Sequence[Source], motions: Sequence[Trajectory], speed: float, most_turn_rad: float
+) -> Floats:
+    """Return instants with more between them wherever a joint turns further than it may."""
+    while len(t) > 1:
+        turn = np.zeros(len(t) - 1)
+        for owner, motion in zip(owners, motions, strict=True):
+            turning = [joint.type == "revolute" for joint in owner.arm.joints]
+            steps = np.abs(np.diff(motion.at(t * speed)[0][:, turning], axis=0))
+            turn = np.maximum(turn, steps.max(axis=1, initial=0.0))
+        parts = np.maximum(1.0, np.ceil(turn / most_turn_rad))
+        if parts.sum() > MOST_KEYS:
+            raise DataError(
+                f"{owners[0].name}: a joint makes {turn.sum() / (2.0 * np.pi):.3g} turns, which takes more than "
+                f"{MOST_KEYS} keys; are its angles in degrees?"
+            )
+        if not (parts > 1.0).any():
+            break
+        first = np.repeat(np.arange(len(parts)), parts.astype(int))
+        place = np.arange(len(first)) - np.searchsorted(first, first)
+        t = np.append(t[first] + place / parts[first] * np.diff(t)[first], t[-1])
+    return t

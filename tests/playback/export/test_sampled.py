@@ -5,8 +5,10 @@ import pytest
 
 from arm.arm_file import load_arm
 from arm.kinematics import sensor_positions, tip_position
-from limbcal.errors import ConfigError
+from limbcal.errors import ConfigError, DataError
 from playback.export.sampled import sample
+from playback.source import Source
+from playback.trajectory import Trajectory
 from tests.playback.export.conftest import source_of
 
 SOURCE = source_of(load_arm("dd-arm"), twin=True)
@@ -33,3 +35,21 @@ def test_a_trial_is_the_one_asked_for() -> None:
     assert sample(SOURCE, 4, 60.0, 1.0).duration_s == pytest.approx(0.3)
     with pytest.raises(ConfigError, match="there is no trial 2, expected one of 1, 4"):
         sample(SOURCE, 2, 60.0, 1.0)
+
+
+@pytest.mark.parametrize("rate_hz", [1.0, 3.0, 60.0])
+def test_keys_of_a_fast_turn_lie_close_enough_to_turn_the_right_way(rate_hz: float) -> None:
+    t = np.linspace(0.0, 2.0, 201)
+    turns = 12.0 * np.pi * t / 2.0  # six turns
+    q = np.column_stack([turns, 0.1 * t])
+    dq = np.gradient(q, t, axis=0)
+    arm = load_arm("dd-arm")
+    source = Source("turning", arm, {1: 2.0}, lambda _: Trajectory(t, q, dq, np.zeros_like(q), method="file"))
+    keys = sample(source, None, rate_hz, 1.0, 0.5 * np.pi)
+    steps = np.diff(keys.movers[0].q[:, 0])
+    assert steps.max() <= 0.5 * np.pi + 1e-9 and steps.sum() == pytest.approx(12.0 * np.pi)
+    frames = np.arange(int(2.0 * rate_hz) + 1) / rate_hz
+    assert all(np.abs(keys.t - frame).min() < 1e-12 for frame in frames)
+    with pytest.raises(DataError, match="are its angles in degrees"):
+        fast = Trajectory(t, 1e6 * q, 1e6 * dq, np.zeros_like(q), method="file")
+        sample(Source("wild", arm, {1: 2.0}, lambda _: fast), None, rate_hz, 1.0, 0.5 * np.pi)
