@@ -14,7 +14,8 @@ from arm.arm_schema import mistakes_of
 from arm.model import Arm, Floats
 from daemon.config_schema import Config, PublishTable
 from limbcal.errors import ConfigError, DataError
-from protocol.curve import is_local, needs_keys
+from protocol.curve import needs_keys
+from protocol.endpoint import is_local
 from protocol.recording import ARM_ATTACHMENT, CONFIG_ATTACHMENT
 from protocol.recording_reader import recording_attachments
 

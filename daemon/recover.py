@@ -8,7 +8,7 @@ from pathlib import Path
 from limbcal.command import console, show
 from limbcal.errors import DataError, DeviceError
 from protocol.recording import ARM_ATTACHMENT, CONFIG_ATTACHMENT, RecordingWriter
-from protocol.recording_reader import read_recording, recording_attachments
+from protocol.recording_reader import Recorded, read_recording, recording_attachments
 
 
 def recover(path: Path, out: Path | None = None) -> Mapping[str, object]:
@@ -40,12 +40,12 @@ def recover(path: Path, out: Path | None = None) -> Mapping[str, object]:
     writer = RecordingWriter(out, attachments.get(ARM_ATTACHMENT, ""), attachments.get(CONFIG_ATTACHMENT, ""))
     try:
         with writer:
-            for topic, payload, t_ns in reader.payloads():
-                writer.write(topic, payload, t_ns)
-                _seal(seal, topic, payload, t_ns)
-                first_ns = min(first_ns or t_ns, t_ns)
-                last_ns = max(last_ns, t_ns)
-                counts[topic] += 1
+            for found in reader.payloads():
+                writer.copy(*found)
+                _seal(seal, found)
+                first_ns = min(first_ns or found.t_ns, found.t_ns)
+                last_ns = max(last_ns, found.t_ns)
+                counts[found.topic] += 1
         if not counts and not {ARM_ATTACHMENT, CONFIG_ATTACHMENT} <= set(attachments):
             raise DataError(
                 f"recording {path}: no message can be read; {' '.join(reader.warnings) or 'it is empty'}"
@@ -71,13 +71,14 @@ def recover(path: Path, out: Path | None = None) -> Mapping[str, object]:
 
 def _prove(out: Path, expected: str, count: int) -> None:
     reader, seal = read_recording(out), hashlib.sha256()
-    for topic, payload, t_ns in reader.payloads():
-        _seal(seal, topic, payload, t_ns)
+    for found in reader.payloads():
+        _seal(seal, found)
     if reader.cut or reader.warnings or seal.hexdigest() != expected:
         raise DeviceError(f"{out} does not hold the {count} messages that were written to it; is the disk sound?")
 
 
-def _seal(seal: "hashlib._Hash", topic: str, payload: bytes, t_ns: int) -> None:
-    parts: Iterable[bytes] = (topic.encode(), payload, t_ns.to_bytes(8, "little"))
+def _seal(seal: "hashlib._Hash", found: Recorded) -> None:
+    time = found.t_ns.to_bytes(8, "little")
+    parts: Iterable[bytes] = (found.topic.encode(), found.payload, found.encoding.encode(), time)
     for part in parts:
         seal.update(len(part).to_bytes(8, "little") + part)

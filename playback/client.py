@@ -4,6 +4,7 @@ import zmq
 
 from limbcal.errors import ConfigError, DeviceError
 from playback.control_message import Request, decode_reply, encode_request
+from protocol.endpoint import allow_address
 
 
 def ask(
@@ -22,6 +23,7 @@ def ask(
     """
     with context.socket(zmq.REQ) as socket:
         socket.set(zmq.LINGER, 0)
+        allow_address(socket, endpoint)
         try:
             socket.connect(endpoint)
         except zmq.ZMQError as error:

@@ -7,7 +7,8 @@ from pathlib import Path
 import zmq
 
 from limbcal.errors import ConfigError, DeviceError
-from protocol.curve import Gate, is_local, needs_keys
+from protocol.curve import Gate, needs_keys
+from protocol.endpoint import allow_address, is_local
 
 
 def bind(socket: "zmq.Socket[bytes]", endpoint: str, gate: Gate | None = None) -> str:
@@ -36,6 +37,7 @@ def bind(socket: "zmq.Socket[bytes]", endpoint: str, gate: Gate | None = None) -
     taken = f"endpoint {endpoint} is already taken, expected a free one"
     if _ipc_in_use(endpoint):
         raise DeviceError(taken)
+    allow_address(socket, endpoint)
     try:
         socket.bind(endpoint)
     except zmq.ZMQError as error:

@@ -11,7 +11,6 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
-from urllib.parse import urlsplit
 
 import zmq
 import zmq.auth
@@ -43,23 +42,11 @@ class ClientKey:
         )
 
 
-def is_local(endpoint: str) -> bool:
-    """Say whether only this machine can reach an endpoint."""
-    scheme, _, _ = endpoint.partition("://")
-    if scheme in ("ipc", "inproc"):
-        return True
-    try:
-        host = urlsplit(endpoint).hostname or ""
-    except ValueError:
-        return False
-    return host in ("localhost", "::1") or re.fullmatch(r"127(\.\d{1,3}){3}", host) is not None
-
-
 def needs_keys(endpoint: str) -> str:
     """Return the sentence for an endpoint that others can reach and that lets anybody in."""
     return (
         f"endpoint is {endpoint!r}, which other machines can reach; "
-        "expected tcp://127.0.0.1:…, ipc://…, or keys (`limbd keys new NAME` makes them)"
+        "expected tcp://127.0.0.1:…, tcp://[::1]:…, ipc://…, or keys (`limbd keys new NAME` makes them)"
     )
 
 

@@ -146,6 +146,12 @@ def decode_payload(topic: str, payload: bytes) -> dict[str, Any]:
         document = msgpack.unpackb(payload, ext_hook=_no_extension)
     except (ValueError, TypeError, OverflowError, msgpack.UnpackException) as error:
         raise ProtocolError(f"{where}: payload is not msgpack ({str(error) or type(error).__name__})") from error
+    return fields_of(topic, document)
+
+
+def fields_of(topic: str, document: object) -> dict[str, Any]:
+    """Return the fields of a message that was unpacked, arrays restored; see `decode`."""
+    where = topic if len(topic) <= 60 else topic[:57] + "..."
     if topic == PLOT:
         return _plot_fields(document, where)
     if not isinstance(document, dict):

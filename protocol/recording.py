@@ -1,4 +1,4 @@
-"""Writing recordings: MCAP, zstd, the messages byte for byte.
+"""Writing recordings: MCAP, zstd, the messages byte for byte but those that are recorded as JSON.
 
 The file survives its writer. Chunks are closed twice a second and handed to the kernel, so a kill costs half
 a second; once a second the disk itself is made to have them, so a power cut costs little more than one.
@@ -15,6 +15,7 @@ from mcap.well_known import SchemaEncoding
 from mcap.writer import CompressionType, Writer
 
 from limbcal.errors import DeviceError, ProtocolError
+from protocol.recorded_json import JSON_ENCODING, JSON_TOPICS, json_messages, recorded_schema
 from protocol.schemas import schema_json
 
 MESSAGE_ENCODING = "msgpack"
@@ -58,7 +59,7 @@ class RecordingWriter:
     ) -> None:
         self.path = Path(path)
         self._clock = clock
-        self._channels: dict[str, int] = {}
+        self._channels: dict[tuple[str, str], int] = {}
         self._sequences: dict[str, int] = {}
         self._finished = False
         self.unsafe = 0
@@ -92,23 +93,37 @@ class RecordingWriter:
         Raises
         ------
         ProtocolError
-            If the time is negative.
+            If the time is negative, or a message that is to become JSON is none.
         DeviceError
             If the disk fails.
         """
+        if topic in JSON_TOPICS:
+            found = [(*one, JSON_ENCODING) for one in json_messages(topic, payload, t_ns)]
+        else:
+            found = [(payload, t_ns, MESSAGE_ENCODING)]
+        for data, at_ns, encoding in found:
+            self._add(topic, data, at_ns, encoding)
+        self.unsafe += 1
+        self.poll()
+
+    def copy(self, topic: str, data: bytes, t_ns: int, encoding: str) -> None:
+        """Add a message of another recording as it was recorded there, in its encoding; else as `write`."""
+        self._add(topic, data, t_ns, encoding)
+        self.unsafe += 1
+        self.poll()
+
+    def _add(self, topic: str, data: bytes, t_ns: int, encoding: str) -> None:
         if not 0 <= t_ns < 1 << 64:
             raise ProtocolError(f"{topic}: time of the message is {t_ns} ns, expected 0 to 2**64 - 1")
         with self._disk():
-            channel = self._channels.get(topic)
+            channel = self._channels.get((topic, encoding))
             if channel is None:
-                schema = self._writer.register_schema(topic, SchemaEncoding.JSONSchema, schema_json(topic))
-                channel = self._writer.register_channel(topic, MESSAGE_ENCODING, schema)
-                self._channels[topic] = channel
+                text = recorded_schema(topic, data) if encoding == JSON_ENCODING else schema_json(topic)
+                schema = self._writer.register_schema(topic, SchemaEncoding.JSONSchema, text)
+                channel = self._channels[topic, encoding] = self._writer.register_channel(topic, encoding, schema)
             sequence = self._sequences.get(topic, 0)
-            self._writer.add_message(channel, t_ns, payload, t_ns, sequence % (1 << 32))
+            self._writer.add_message(channel, t_ns, data, t_ns, sequence % (1 << 32))
             self._sequences[topic] = sequence + 1
-            self.unsafe += 1
-        self.poll()
 
     def poll(self) -> None:
         """Flush and sync where it is time; call it a few times a second also when no message comes."""

@@ -1,10 +1,10 @@
 """Reading recordings as a stream, so that one whose writer was killed is read up to where it ends."""
 
 import struct
-from collections.abc import Collection, Generator, Iterator, Sequence
+from collections.abc import Callable, Collection, Generator, Iterator, Sequence
 from pathlib import Path
 from types import TracebackType
-from typing import IO, Any
+from typing import IO, Any, NamedTuple
 
 from mcap.exceptions import McapError
 from mcap.records import Attachment, Channel, Chunk, McapRecord, Message, Statistics
@@ -13,6 +13,7 @@ from zstandard import ZstdError
 
 from limbcal.errors import DataError, ProtocolError
 from protocol.message import decode_payload
+from protocol.recorded_json import JSON_ENCODING, decode_json
 from protocol.recording import MESSAGE_ENCODING
 
 MAGIC = b"\x89MCAP0\r\n"
@@ -21,6 +22,21 @@ MAX_RECORD_BYTES = 256 * 1024 * 1024
 
 #: What the library raises at bytes that are no record.
 DAMAGE = (McapError, ZstdError, struct.error, ValueError, OverflowError, MemoryError)
+
+
+class Recorded(NamedTuple):
+    """A message as it is recorded: its bytes are in ``encoding``, its time [ns] is the log's."""
+
+    topic: str
+    payload: bytes
+    t_ns: int
+    encoding: str
+
+
+_DECODE: dict[str, Callable[[str, bytes], dict[str, Any]]] = {
+    MESSAGE_ENCODING: decode_payload,
+    JSON_ENCODING: decode_json,
+}
 
 
 class RecordingReader(Iterator[tuple[str, dict[str, Any], int]]):
@@ -61,8 +77,8 @@ class RecordingReader(Iterator[tuple[str, dict[str, Any], int]]):
     def __next__(self) -> tuple[str, dict[str, Any], int]:
         return next(self._messages)
 
-    def payloads(self) -> Iterator[tuple[str, bytes, int]]:
-        """Iterate over topic, payload as it was sent and time [ns], from the beginning."""
+    def payloads(self) -> Iterator["Recorded"]:
+        """Iterate over messages as they are recorded, from the beginning."""
         self.cut = False
         self.warnings.clear()
         channels: dict[int, Channel] = {}
@@ -78,12 +94,14 @@ class RecordingReader(Iterator[tuple[str, dict[str, Any], int]]):
                 if record.channel_id not in channels and record.channel_id not in strangers:
                     channels |= self._channels_of_footer()
                 channel = channels.get(record.channel_id)
-                if channel is None or channel.message_encoding != MESSAGE_ENCODING:
+                if channel is None or channel.message_encoding not in _DECODE:
                     strangers.add(record.channel_id)
                 elif self._topics is None or channel.topic in self._topics:
-                    yield channel.topic, record.data, record.log_time
+                    yield Recorded(channel.topic, record.data, record.log_time, channel.message_encoding)
         for channel_id in sorted(strangers):
-            self.warnings.append(f"{self.path}: channel {channel_id} is unknown or not msgpack, passed over")
+            self.warnings.append(
+                f"{self.path}: channel {channel_id} is unknown or neither msgpack nor JSON, passed over"
+            )
         if n_written not in (None, n_found) and not self.warnings:
             self.warnings.append(f"{self.path}: {n_found} messages found, expected {n_written} by its footer")
 
@@ -105,9 +123,9 @@ class RecordingReader(Iterator[tuple[str, dict[str, Any], int]]):
         self.close()
 
     def _decoded(self) -> Generator[tuple[str, dict[str, Any], int], None, None]:
-        for topic, payload, t_ns in self.payloads():
+        for topic, payload, t_ns, encoding in self.payloads():
             try:
-                fields = decode_payload(topic, payload)
+                fields = _DECODE[encoding](topic, payload)
             except ProtocolError as error:
                 raise ProtocolError(f"{self.path}: {error}") from error
             yield topic, fields, t_ns

@@ -8,6 +8,7 @@ import zmq
 
 from limbcal.errors import ConfigError
 from protocol.curve import ClientKey
+from protocol.endpoint import allow_address
 from protocol.message import HEALTH, MAX_PAYLOAD_BYTES, decode
 
 #: Messages kept while the reader is busy; what comes after is lost, and counted.
@@ -68,6 +69,7 @@ class Subscriber:
             key.apply(self._socket)
         for topic in topics:
             self._socket.setsockopt_string(zmq.SUBSCRIBE, topic)
+        allow_address(self._socket, endpoint)
         try:
             self._socket.connect(endpoint)
         except zmq.ZMQError as error:

@@ -8,6 +8,7 @@ from arm.model import Floats
 from limbcal.errors import ConfigError, DeviceError, ProtocolError
 from playback.touch.message import decode_reply, encode_input
 from protocol.curve import ClientKey
+from protocol.endpoint import allow_address
 
 _RECONNECT_MS = 20
 
@@ -132,6 +133,7 @@ class TouchDevice:
             socket.set(zmq.CONFLATE, 1)
         if self._key is not None:
             self._key.apply(socket)
+        allow_address(socket, self._endpoint)
         try:
             socket.connect(self._endpoint)
         except zmq.ZMQError as error:

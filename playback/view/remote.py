@@ -12,6 +12,7 @@ from limbcal.errors import ConfigError, ProtocolError
 from playback.control_message import Request, Value, decode_reply, encode_request
 from playback.trajectory import Floats
 from protocol.curve import ClientKey
+from protocol.endpoint import allow_address
 
 #: How often the state is asked for while nobody wants anything else [s].
 STATE_S = 0.2
@@ -111,6 +112,7 @@ class Remote:
         socket.set(zmq.LINGER, 0)
         if self._key is not None:
             self._key.apply(socket)
+        allow_address(socket, self.endpoint)
         try:
             socket.connect(self.endpoint)
         except zmq.ZMQError as error:

@@ -14,7 +14,7 @@ from daemon.record_link import Context, RecordLink
 from daemon.recorder import run_recorder
 from daemon.segments import Limits
 from limbcal.errors import DeviceError
-from protocol.message import TRIAL, encode
+from protocol.message import GAP, TRIAL, encode
 from protocol.recording_reader import read_recording, recording_attachments
 
 PATIENCE_S = 30.0
@@ -60,18 +60,22 @@ def trial_message(number: int) -> list[bytes]:
     return encode(TRIAL, {"trial": number, "t_ns": 5, "state": "begin", "role": "learn"})
 
 
+def gap_message(number: int) -> list[bytes]:
+    return encode(GAP, {"sample0": number, "samples": 1, "t_ns": 5, "why": "unplugged", "exact": True})
+
+
 def test_every_message_is_recorded_as_it_was(tmp_path: Path, context: Context) -> None:
     recorder = Recorder(tmp_path)
     link = RecordLink(context, recorder.endpoint, str(recorder.path))
     recorder.expect("linked")
     for number in range(500):
-        link.write(trial_message(number), 1000 + number)
+        link.write(gap_message(number), 1000 + number)
     link.close()
     assert recorder.expect("closed")["messages"] == 500
     recorder.join()
     reader = read_recording(recorder.path)
     recorded = list(reader.payloads())
-    assert recorded == [(TRIAL, trial_message(k)[1], 1000 + k) for k in range(500)]
+    assert recorded == [(GAP, gap_message(k)[1], 1000 + k, "msgpack") for k in range(500)]
     assert not reader.cut
     assert recording_attachments(recorder.path) == {"arm.toml": b"arm text", "limbd.toml": b"config text"}
     assert link.lost == 0

@@ -46,7 +46,10 @@ def test_a_recording_cut_anywhere_is_saved_up_to_half_a_second(
         return
     found = recover(cut, out)
     clean = list(read_recording(out).payloads())
-    assert clean == readable == [(TRIAL, message(k), 10**9 + 20_000_000 * k) for k in range(len(clean))]
+    assert clean == readable
+    assert [(one.topic, json.loads(one.payload)["trial"], one.t_ns) for one in clean] == [
+        (TRIAL, k, 10**9 + 20_000_000 * k) for k in range(len(clean))
+    ]
     assert found["messages"] == len(clean)
     assert found["whole"] == (share == 1.0 or round(share * len(data)) == len(data))
     assert recording_attachments(out) == {"arm.toml": b"arm", "limbd.toml": b"config"}
@@ -71,13 +74,13 @@ def test_the_command_says_what_it_saved(
 def test_a_file_that_does_not_hold_what_was_written_is_no_proof(
     recording: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    write = RecordingWriter.write
+    copy = RecordingWriter.copy
 
-    def forget(self: RecordingWriter, topic: str, payload: bytes, t_ns: int) -> None:
+    def forget(self: RecordingWriter, topic: str, data: bytes, t_ns: int, encoding: str) -> None:
         if t_ns != 10**9 + 20_000_000 * 7:
-            write(self, topic, payload, t_ns)
+            copy(self, topic, data, t_ns, encoding)
 
-    monkeypatch.setattr(RecordingWriter, "write", forget)
+    monkeypatch.setattr(RecordingWriter, "copy", forget)
     with pytest.raises(DeviceError, match="does not hold the 500 messages"):
         recover(recording, tmp_path / "out.mcap")
     assert not (tmp_path / "out.mcap").exists()

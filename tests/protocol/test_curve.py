@@ -8,7 +8,7 @@ import pytest
 import zmq
 
 from limbcal.errors import ConfigError
-from protocol.curve import Gate, is_local, load_client_key, new_client
+from protocol.curve import Gate, load_client_key, new_client
 from protocol.message import TRIAL
 from protocol.publisher import Publisher
 from protocol.subscriber import Subscriber
@@ -20,26 +20,6 @@ PATIENCE_MS = 20_000
 def context() -> Iterator[zmq.Context]:
     with zmq.Context() as made:
         yield made
-
-
-@pytest.mark.parametrize(
-    ("endpoint", "local"),
-    [
-        ("tcp://127.0.0.1:5770", True),
-        ("tcp://127.0.0.1:*", True),
-        ("tcp://127.8.9.1:5770", True),
-        ("tcp://localhost:5770", True),
-        ("tcp://[::1]:5770", True),
-        ("ipc:///run/limb", True),
-        ("tcp://*:5770", False),
-        ("tcp://0.0.0.0:5770", False),
-        ("tcp://192.168.0.3:5770", False),
-        ("tcp://127.0.0.1.example.org:5770", False),
-        ("tcp://eth0:5770", False),
-    ],
-)
-def test_which_endpoints_others_can_reach(endpoint: str, local: bool) -> None:
-    assert is_local(endpoint) is local
 
 
 def test_only_who_is_listed_hears(tmp_path: Path, context: zmq.Context) -> None:

@@ -33,14 +33,16 @@ def test_the_summary_says_what_is_in_it(recording: Path, short_run: ShortRun) ->
 
 
 def test_every_channel_says_how_it_is_read(recording: Path) -> None:
-    """By the MCAP registry: the message encoding ``msgpack``, described by a schema in ``jsonschema``."""
+    """By the MCAP registry: encodings ``msgpack`` and ``json``, described by a schema in ``jsonschema``."""
     with recording.open("rb") as file:
         for schema, channel, message in make_reader(file, validate_crcs=True).iter_messages():
-            assert channel.topic in TOPICS and channel.message_encoding == "msgpack"
+            encoding = "json" if channel.topic == TRIAL else "msgpack"
+            assert channel.topic in TOPICS and channel.message_encoding == encoding
             assert schema is not None and (schema.name, schema.encoding) == (channel.topic, "jsonschema")
             described = json.loads(schema.data)
             assert described["type"] == "object"
-            assert set(described["required"]) <= msgpack.unpackb(message.data).keys()
+            decode = json.loads if encoding == "json" else msgpack.unpackb
+            assert set(described["required"]) <= decode(message.data).keys()
 
 
 def test_a_time_is_found_by_the_index(recording: Path) -> None:

@@ -1,5 +1,7 @@
 """Recordings as they are written, by writers that are killed and on disks that are full."""
 
+import json
+import math
 import os
 import resource
 import subprocess
@@ -10,7 +12,7 @@ import pytest
 from mcap.reader import make_reader
 
 from limbcal.errors import DeviceError, ProtocolError
-from protocol.message import FRAMES, HEALTH, PLOT, RAW, encode
+from protocol.message import FRAMES, GAP, HEALTH, PLOT, RAW, TRIAL, encode
 from protocol.recording import RecordingWriter
 from protocol.recording_reader import read_recording, recording_attachments
 from protocol.schemas import schema_json
@@ -66,8 +68,8 @@ def fill(writer, clock, n, begin=0, size=20):
 
 def test_another_reader_finds_the_messages_byte_for_byte(path, clock):
     sent = [
-        (topic, encode(topic, {"rows": [], "x": np.arange(k)})[1], 7 * k)
-        for k, topic in enumerate([RAW, PLOT, RAW, HEALTH, "limb/other"])
+        (topic, encode(topic, {"x": np.arange(k)})[1], 7 * k)
+        for k, topic in enumerate([RAW, FRAMES, RAW, GAP, "limb/other"])
     ]
     with RecordingWriter(path, "arm", "config", clock=clock) as writer:
         for topic, payload, t_ns in sent:
@@ -80,6 +82,34 @@ def test_another_reader_finds_the_messages_byte_for_byte(path, clock):
         assert channel.message_encoding == "msgpack"
         assert (schema.name, schema.encoding) == (channel.topic, "jsonschema")
         assert schema.data == schema_json(channel.topic)
+
+
+def test_what_plotting_programs_read_is_json_to_the_mcap_library_alone(path, clock):
+    rows = [{"ts": 5.0 + 0.01 * k, "q1": 0.1 * k, "q_std1": math.nan if k else 0.5} for k in range(3)]
+    health = {"seq": 4, "samples": 7, "rate_hz": None, "q": np.array([1.0, np.nan]), "gaps": {"last": [math.inf]}}
+    trial = {"seq": 0, "trial": 1, "t_ns": 2**62 + 1, "state": "begin", "role": "learn"}
+    with RecordingWriter(path, "arm", "config", clock=clock) as writer:
+        writer.write(PLOT, encode(PLOT, {"rows": rows, "seq": 9})[1], 5_000_000_000)
+        writer.write(HEALTH, encode(HEALTH, health)[1], 6_000_000_000)
+        writer.write(TRIAL, encode(TRIAL, trial)[1], 7_000_000_000)
+    with path.open("rb") as file:
+        found = list(make_reader(file, validate_crcs=True).iter_messages(topics=[PLOT, HEALTH, TRIAL]))
+    documents = [json.loads(message.data, parse_constant=pytest.fail) for _, _, message in found]
+    encodings = {(channel.message_encoding, schema.encoding) for schema, channel, _ in found}
+    assert encodings == {("json", "jsonschema")}
+    assert documents == [
+        *({**row, "q_std1": None if k else 0.5, "v": 1, "seq": 9} for k, row in enumerate(rows)),
+        {**health, "q": [1.0, None], "gaps": {"last": [None]}, "v": 1},
+        {**trial, "v": 1},
+    ]
+    assert [message.log_time for _, _, message in found[:3]] == [5_000_000_000, 5_010_000_000, 5_020_000_000]
+    for (schema, _, _), document in zip(found, documents, strict=True):
+        described = json.loads(schema.data)
+        assert described["type"] == "object" and set(document) - set(described["properties"]) <= {"seq"}
+    again = [(topic, fields) for topic, fields, _ in read_recording(path)]
+    assert again[3:] == [(HEALTH, documents[3]), (TRIAL, documents[4])]
+    row = again[1][1]["rows"][0]
+    assert row["q1"] == pytest.approx(0.1) and math.isnan(row["q_std1"])
 
 
 def test_arm_and_config_are_attached_at_once(path, clock):

@@ -64,8 +64,8 @@ def test_only_the_topics_asked_for(recording, scratch):
 
 def test_payloads_are_as_they_were_sent(recording, scratch):
     scratch.write_bytes(recording)
-    topic, payload, t_ns = list(read_recording(scratch).payloads())[3]
-    assert (topic, t_ns) == (FRAMES, 3000)
+    topic, payload, t_ns, encoding = list(read_recording(scratch).payloads())[3]
+    assert (topic, t_ns, encoding) == (FRAMES, 3000, "msgpack")
     assert [topic.encode(), payload] == encode(FRAMES, {"seq": 3, "q": np.full(40, 3)})
 
 
