@@ -66,10 +66,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--method", choices=["ga", "least-squares"], default="ga")
     parser.add_argument(
         "--objective",
-        choices=["auto", "torque", "weighted", "robust", "motion"],
+        choices=["auto", "torque", "likelihood", "weighted", "robust", "motion"],
         default="auto",
-        help="what is made small: eq. (9); with joints weighted by their noise; with outliers drawn in as well; "
-        "the error of the simulated motion (auto: motion where a law drives and angles alone were measured)",
+        help="what is made small: eq. (9); with frequencies weighted by their noise; with joints weighted by "
+        "theirs; with outliers drawn in as well; the error of the simulated motion (auto: motion where a law "
+        "drives and angles alone were measured, torque for a tracker's motion, else likelihood)",
     )
     parser.add_argument(
         "--physical", action="store_true", help="only masses that can exist, and friction that brakes"
@@ -147,11 +148,7 @@ def dynamics(arguments: argparse.Namespace) -> Document:
 
 
 def _fit(arguments: argparse.Namespace, arm: Arm, learn: Sequence[Trial]) -> DynamicsFit:
-    objective: Objective = arguments.objective
-    if arguments.objective == "auto":
-        # A tracker knows accelerations better than angles, which drift: they are worth more to the fit of torque.
-        angles_alone = all(trial.whole for trial in learn)
-        objective = "motion" if arm.control.law != "measured" and angles_alone else "torque"
+    objective: Objective | None = None if arguments.objective == "auto" else arguments.objective
     with Progress(console=console, transient=True) as progress:
         task = progress.add_task("searching", total=arguments.generations)
         polish = progress.add_task("fitting the motion", total=None, visible=False)

@@ -12,9 +12,9 @@ from fitter.search.fitted_parameter import FittedParameter
 from limbcal.note import Note, documents
 
 Method = Literal["ga", "least-squares"]
-#: What is made small: eq. (9) as printed; with joints weighted by their noise; with outliers drawn in as well; or
-#: the difference between simulated and measured motion.
-Objective = Literal["torque", "weighted", "robust", "motion"]
+#: What is made small: eq. (9) as printed; with every frequency weighted by its noise; with joints weighted by
+#: theirs; with outliers drawn in as well; or the difference between simulated and measured motion.
+Objective = Literal["torque", "likelihood", "weighted", "robust", "motion"]
 
 
 @dataclass(frozen=True)
@@ -28,7 +28,7 @@ class DynamicsFit:
     parameters : mapping from name to FittedParameter
         The base parameters, then the static frictions F, which eq. (8) does not contain.
     method : {"ga", "least-squares"}
-    objective : {"torque", "weighted", "robust", "motion"}
+    objective : {"torque", "likelihood", "weighted", "robust", "motion"}
     generations, population, samples : int
     seconds : float
     condition_number : float

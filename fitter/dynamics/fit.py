@@ -15,14 +15,17 @@ from fitter.dynamics.break_away import static_friction
 from fitter.dynamics.consistency import made_possible, with_warnings
 from fitter.dynamics.dynamics_fit import DynamicsFit, Method, Objective
 from fitter.dynamics.evaluation import HORIZON_S
+from fitter.dynamics.learned_torque import has_unknown_target
 from fitter.dynamics.motion_search import polished_by_motion
+from fitter.dynamics.noise_spectrum import weighted_by_noise
 from fitter.dynamics.robust import draw_in, weighted
+from fitter.dynamics.spectral_sums import spectral_sums
 from fitter.dynamics.structure import structural_parameters
 from fitter.dynamics.torque_problem import torque_problem
 from fitter.dynamics.torque_search import GENERATIONS, Progress, fit_sums
 from fitter.dynamics.torque_sums import TorqueSums, add_up
 from fitter.dynamics.trial_sums import trial_sums
-from limbcal.errors import DataError
+from limbcal.errors import ConfigError, DataError
 from limbcal.note import Note
 
 #: Outliers are drawn in until no parameter moves by more than this share of its standard error.
@@ -34,7 +37,7 @@ def fit_dynamics(
     arm: Arm,
     learn: Sequence[Trial],
     *,
-    objective: Objective = "torque",
+    objective: Objective | None = None,
     seed: int | np.random.Generator = 0,
     population: int | None = None,
     generations: int = GENERATIONS,
@@ -56,9 +59,10 @@ def fit_dynamics(
     arm : Arm
         Its geometry, gravity and control law; its own dynamics are the prior of what the data can't tell.
     learn : sequence of Trial
-    objective : {"torque", "weighted", "robust", "motion"}
-        What is made small: eq. (9) as it is printed; with each joint in units of its noise; with outliers drawn in
-        as well (Huber); or the difference between simulated and measured motion, after a fit of the torque.
+    objective : {"torque", "likelihood", "weighted", "robust", "motion"}, optional
+        What is made small: eq. (9) as it is printed; with each frequency in units of its noise; with each joint in
+        units of its noise; with outliers drawn in as well (Huber); or the difference between simulated and
+        measured motion, after a fit of the torque. Default: `usual_objective`.
     seed : int or numpy.random.Generator
     population : int, optional
         Default 100, or 8 individuals a parameter where that is more.
@@ -94,7 +98,11 @@ def fit_dynamics(
     if not learn:
         raise DataError("no learning trial; expected at least one")
     start, base = clock(), structural_parameters(arm)
-    sums = add_up([trial_sums(arm, base, trial, rest_speed) for trial in learn])
+    objective = objective or usual_objective(arm, learn)
+    if objective == "likelihood":
+        sums = _by_noise(arm, base, learn, fixed or {}, rest_speed)
+    else:
+        sums = add_up([trial_sums(arm, base, trial, rest_speed) for trial in learn])
     notes: tuple[Note, ...] = ()
     if objective in ("weighted", "robust"):
         sums, notes = _reweighted(arm, base, learn, sums, fixed or {}, objective)
@@ -119,6 +127,31 @@ def fit_dynamics(
     if examine:
         fit = with_break_away(fit, learn)
     return replace(fit, seconds=clock() - start)
+
+
+def usual_objective(arm: Arm, trials: Sequence[Trial]) -> Objective:
+    """Return what is made small where nobody says it.
+
+    The simulated motion where a law drives the arm and angles alone were measured; else the torque, weighted by
+    its noise. A tracker's motion has errors that are no noise of the torque, and an unknown target is an unknown
+    torque: for these eq. (9) as it is printed.
+    """
+    law = arm.control.law != "measured"
+    if law and all(trial.whole for trial in trials):
+        return "motion"
+    plain = law and (any(has_unknown_target(arm, trial) or np.isinf(trial.band_hz) for trial in trials))
+    return "torque" if plain else "likelihood"
+
+
+def _by_noise(
+    arm: Arm, base: BaseParameters, trials: Sequence[Trial], fixed: Mapping[str, float], rest_speed: float
+) -> TorqueSums:
+    """Return sums with every frequency of every joint in units of its noise."""
+    if any(has_unknown_target(arm, trial) for trial in trials):
+        raise ConfigError("the objective likelihood needs the controller's target; expected columns ref1…")
+    prior = base.combination @ standard_parameters(arm)
+    held = {base.names.index(name): value for name, value in fixed.items() if name in base.names}
+    return weighted_by_noise(spectral_sums(arm, base, trials, rest_speed), prior, held)
 
 
 def with_break_away(fit: DynamicsFit, trials: Sequence[Trial]) -> DynamicsFit:

@@ -161,7 +161,7 @@ def save_sums(path: Path, saved: ArmSums) -> None:
     if path.suffix.lower() != ".npz":
         raise ConfigError(f"{path}: the suffix is {path.suffix!r}, expected .npz")
     arrays = {field.name: np.asarray(getattr(saved.equation, field.name)) for field in fields(Equation)}
-    arrays |= {field.name: np.asarray(getattr(saved.sums, field.name)) for field in fields(TorqueSums)}
+    arrays |= {name: np.asarray(getattr(saved.sums, name)) for name in (*_shapes(0, 0, 0), "samples")}
     part = path.with_name(f".{path.name}.part")
     try:
         path.parent.mkdir(parents=True, exist_ok=True)

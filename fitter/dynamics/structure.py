@@ -5,6 +5,8 @@ parameters visible in principle, and none of them in any data. The base paramete
 structure; the regressor itself keeps the angles as they were found.
 """
 
+from dataclasses import replace
+
 import numpy as np
 
 from arm.base_parameters import BaseParameters, base_parameters
@@ -21,8 +23,13 @@ def structural(arm: Arm) -> Arm:
 
 
 def structural_parameters(arm: Arm) -> BaseParameters:
-    """Return the base parameters of an arm's structure."""
-    return base_parameters(structural(arm))
+    """Return the base parameters of an arm's structure.
+
+    Where the arm as it is has no more of them, they are its own exactly: an angle that is a degree off a right one
+    then adds nothing that no data could tell, and to leave it out would shift what is told.
+    """
+    meant, own = base_parameters(structural(arm)), base_parameters(arm)
+    return replace(meant, combination=own.combination) if own.independent == meant.independent else meant
 
 
 def _snapped(angle: Floats) -> Floats:

@@ -88,6 +88,8 @@ class TorqueProblem:
 
     def covariance(self, values: Floats) -> Floats:
         """Return the covariance of the free parameters at given base parameters, (n_free, n_free)."""
+        if self.sums.variance is not None:
+            return self.sums.variance * self.inverse
         grams = self.sums.gram.sum(axis=1)[:, self.free[:, None], self.free]
         scores = self.sums.scores(values)[:, self.free]
         return sandwich_covariance(self.W, grams, scores, self.sums.trial)

@@ -41,6 +41,9 @@ class TorqueSums:
         Which trial a block belongs to.
     samples : int
         Samples seen, moving or not.
+    variance : float, optional
+        Variance of every residual, where the equations were weighted so that it is one and the same and they are
+        independent; None where the answer's scatter has to tell.
     """
 
     gram: Floats
@@ -51,6 +54,7 @@ class TorqueSums:
     count: Floats
     trial: NDArray[np.intp]
     samples: int
+    variance: float | None = None
 
     def __add__(self, other: "TorqueSums") -> "TorqueSums":
         """Return the sums of both, the trials of the second being other trials."""
@@ -59,7 +63,7 @@ class TorqueSums:
     def total(self) -> "TorqueSums":
         """Return the same sums as one block, for cost and answer; it no longer knows of trials."""
         whole = {name: getattr(self, name).sum(axis=0, keepdims=True) for name in _SUMS}
-        return TorqueSums(**whole, trial=np.zeros(1, dtype=np.intp), samples=self.samples)
+        return TorqueSums(**whole, trial=np.zeros(1, dtype=np.intp), samples=self.samples, variance=self.variance)
 
     def centred(self) -> "TorqueSums":
         """Return sums in which every trial and joint has a constant torque of its own that is not sought.
@@ -149,7 +153,7 @@ class TorqueSums:
         return (sums[2] / count[..., None])[index], (sums[1] / count)[index]
 
 
-_SUMS = tuple(field.name for field in fields(TorqueSums) if field.name not in ("trial", "samples"))
+_SUMS = tuple(field.name for field in fields(TorqueSums) if field.name not in ("trial", "samples", "variance"))
 
 
 def add_up(parts: Sequence[TorqueSums]) -> TorqueSums:
@@ -165,7 +169,8 @@ def add_up(parts: Sequence[TorqueSums]) -> TorqueSums:
     for part in parts:
         trials.append(part.trial + start)
         start += int(part.trial.max(initial=-1)) + 1
-    return TorqueSums(**joined, trial=np.concatenate(trials), samples=sum(part.samples for part in parts))
+    samples = sum(part.samples for part in parts)
+    return TorqueSums(**joined, trial=np.concatenate(trials), samples=samples, variance=None)
 
 
 def torque_sums(
@@ -231,4 +236,5 @@ def row_sums(rows: Floats, tau: Floats, moving: NDArray[np.bool_]) -> TorqueSums
 def finished(running: RunningSums) -> TorqueSums:
     """Return the sums of a trial that was read in portions."""
     arrays = dict(zip(_SUMS, running.arrays(), strict=True))
-    return TorqueSums(**arrays, trial=np.zeros(len(arrays["count"]), dtype=np.intp), samples=running.samples)
+    trial = np.zeros(len(arrays["count"]), dtype=np.intp)
+    return TorqueSums(**arrays, trial=trial, samples=running.samples, variance=None)

@@ -10,7 +10,7 @@ from fitter.data.trials import Trial, to_trials
 
 #: Where instruments are used, noise in the columns shifts nothing, but a filter does: it bends products. Its
 #: corner is put so much higher.
-_WIDER = 2.0
+WIDER = 2.0
 
 
 def with_wider_band(trials: Sequence[Trial]) -> list[Trial]:
@@ -27,5 +27,5 @@ def with_wider_band(trials: Sequence[Trial]) -> list[Trial]:
 def _wider(trial: Trial) -> Trial:
     t = np.arange(len(trial.whole["q"]), dtype=np.float64) * trial.dt_s
     measured = Measured(trial.name, trial.name, 0, t, dict(trial.whole))
-    found = to_trials([measured], cutoff_hz=_WIDER * trial.cutoff_hz, band_hz=_WIDER * trial.band_hz)[0]
+    found = to_trials([measured], cutoff_hz=WIDER * trial.cutoff_hz, band_hz=WIDER * trial.band_hz)[0]
     return replace(found, role=trial.role)

@@ -62,9 +62,9 @@ def assumed_law(settings: Settings, geometry: Arm, real_pd: Sequence[Trial]) -> 
     real = bench_trials(driven, bench.learning * each, settings.seed, bench.learning, bench.evaluating, held=True)
     known, taken = (replace(geometry, control=control) for control in (_REAL, _TAKEN))
     settings.progress(f"fig8: {_KNOWN}")
-    with_gains = fit_dynamics(known, learn, seed=settings.seed)
+    with_gains = fit_dynamics(known, learn, objective="torque", seed=settings.seed)
     settings.progress(f"fig8: {_BLIND}")
-    blind = fit_dynamics(taken, learn, seed=settings.seed)
+    blind = fit_dynamics(taken, learn, objective="torque", seed=settings.seed)
     settings.progress(f"fig8: {_FOUND}")
     found = fit_controller(taken, learn)
     errors = {
@@ -73,7 +73,7 @@ def assumed_law(settings: Settings, geometry: Arm, real_pd: Sequence[Trial]) -> 
     }
     settings.progress(f"fig8: {_ALIKE}")
     mistaken = [trial for trial in bench_of(settings).sensed if trial.role == "learn"]
-    alike = fit_dynamics(known, mistaken, seed=settings.seed)
+    alike = fit_dynamics(known, mistaken, objective="torque", seed=settings.seed)
     errors[_ALIKE] = angle_errors(real_pd, under_the_same_control(alike.arm, real_pd, settings.seed))
     own = {name: with_gains.parameters[name].value for name in _FRICTION}
     told = fit_controller(known, mistaken, fixed={"kp1": _REAL.kp[0], **own})

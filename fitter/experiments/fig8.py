@@ -140,7 +140,8 @@ def run(settings: Settings) -> Experiment:
 def _virtual(settings: Settings, name: str, real: Sequence[Trial]) -> Virtual:
     bench = bench_of(settings, "integrate" if name == _PLAIN else "smooth")
     arm = _assumed(geometry_from(bench, settings.seed).arm, name)
-    fit = fit_dynamics(arm, _learnt(bench, name), seed=settings.seed, population=POPULATION)
+    learnt = _learnt(bench, name)
+    fit = fit_dynamics(arm, learnt, objective="torque", seed=settings.seed, population=POPULATION)
     angles = under_the_same_control(fit.arm, real, settings.seed)
     return Virtual(fit, angles, angle_errors(real, angles))
 

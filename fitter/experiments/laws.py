@@ -146,8 +146,8 @@ def row(arm: Arm, own: Benches, gains: Gains, samples: int, seed: int, size: Ben
     """
     truly = gains.drive(arm)
     there = benches(truly, samples, seed, size)
-    driven = fit_dynamics(truly, there.learn, seed=seed, population=POPULATION)
-    assumed = fit_dynamics(truly, own.learn, seed=seed, population=POPULATION)
+    driven = fit_dynamics(truly, there.learn, objective="torque", seed=seed, population=POPULATION)
+    assumed = fit_dynamics(truly, own.learn, objective="torque", seed=seed, population=POPULATION)
     kv, ka = (None if gain is None else value for gain, value in ((gains.kv, _FILE_KV), (gains.ka, _FILE_KA)))
     file = under(arm, gains.law, _FILE_KP, kv, ka)
     known = dict(zip(PARAMETERS, TRUE, strict=True))[KNOWN]

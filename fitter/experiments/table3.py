@@ -91,10 +91,14 @@ def _row(arm: Arm, trials: Sequence[Trial], coarse: Sequence[Trial], percent: in
     filtered = noisy_trials(trials, share, seed, "filtered")
     fits = {
         _PLAIN_A: fit_dynamics(
-            arm, noisy_trials(trials, share, seed, "differences"), seed=seed, population=POPULATION
+            arm,
+            noisy_trials(trials, share, seed, "differences"),
+            objective="torque",
+            seed=seed,
+            population=POPULATION,
         ),
-        _PLAIN_B: fit_dynamics(arm, exact, seed=seed, population=POPULATION),
-        _FILTERED: fit_dynamics(arm, filtered, seed=seed),
+        _PLAIN_B: fit_dynamics(arm, exact, objective="torque", seed=seed, population=POPULATION),
+        _FILTERED: fit_dynamics(arm, filtered, objective="torque", seed=seed),
         _MOTION: fit_dynamics(arm, filtered, seed=seed, objective="motion"),
     }
     samples = sum(len(trial.t) for trial in trials)

@@ -78,8 +78,8 @@ def _fits(arm: Arm, count: int, seed: int) -> Fits:
     trials = bench_trials(arm, count, seed)
     seen = {kind: noisy_trials(trials, _SHARE, seed, kind) for kind in ("differences", "exact")}
     return {
-        _PLAIN: fit_dynamics(arm, seen["differences"], seed=seed, population=POPULATION),
-        _EXACT: fit_dynamics(arm, seen["exact"], seed=seed, population=POPULATION),
+        _PLAIN: fit_dynamics(arm, seen["differences"], objective="torque", seed=seed, population=POPULATION),
+        _EXACT: fit_dynamics(arm, seen["exact"], objective="torque", seed=seed, population=POPULATION),
         _MOTION: fit_dynamics(arm, noisy_trials(trials, _SHARE, seed), seed=seed, objective="motion"),
     }
 

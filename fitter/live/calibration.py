@@ -106,6 +106,7 @@ class Calibration:
             self.dynamics = fit_dynamics(
                 self.arm if fit is None else fit.arm,
                 self.learn,
+                objective="torque",
                 seed=self.seed,
                 examine=False,
                 progress=progress,

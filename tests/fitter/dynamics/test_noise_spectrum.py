@@ -1,0 +1,40 @@
+"""Frequencies in units of their noise."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from fitter.dynamics.noise_spectrum import weighted_by_noise
+from fitter.dynamics.spectral_sums import spectral_sums
+from fitter.dynamics.torque_problem import torque_problem
+from tests.fitter.dynamics.test_spectral_sums import ARM, BASE, TRUE, wave
+
+
+def fitted(trial):
+    sums = weighted_by_noise(spectral_sums(ARM, BASE, [trial]), np.zeros(len(TRUE)), {})
+    problem = torque_problem(sums, np.zeros(len(TRUE)))
+    values = problem.complete(problem.optimum())
+    return sums, values, problem.standard_errors(values)
+
+
+def test_without_noise_the_answer_is_the_truth():
+    sums, values, std = fitted(wave(0))
+    assert np.allclose(values, TRUE, rtol=1e-6, atol=1e-8)
+    assert np.all(std < 1e-4)
+
+
+def test_a_noisy_band_counts_for_little():
+    trial = wave(5, seconds=20.0)
+    rng = np.random.default_rng(0)
+    hum = 2.0 * np.sin(2.0 * np.pi * 17.0 * trial.t)[:, None] + 0.02 * rng.normal(size=trial.tau.shape)
+    loud = replace(trial, tau=trial.tau + hum)
+    _, values, _ = fitted(loud)
+    quiet = torque_problem(spectral_sums(ARM, BASE, [loud]).sums, np.zeros(len(TRUE)))
+    off = [np.abs(v - TRUE) for v in (values, quiet.complete(quiet.optimum()))]
+    assert np.median(off[0] / off[1]) < 0.5
+
+
+def test_what_is_held_stays():
+    sums = weighted_by_noise(spectral_sums(ARM, BASE, [wave(0)]), np.zeros(len(TRUE)), {0: float(TRUE[0])})
+    problem = torque_problem(sums, np.zeros(len(TRUE)), {0: float(TRUE[0])})
+    assert np.allclose(problem.complete(problem.optimum()), TRUE, rtol=1e-6, atol=1e-8)
