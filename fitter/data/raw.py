@@ -11,6 +11,7 @@ from fitter.data.gaps import Gap, find_gaps
 from fitter.data.leaps import MINIMUM_SAMPLES, split_at_leaps
 from fitter.data.motions import Measured, read_file, require_rising
 from fitter.data.recordings import read_raw_blocks
+from fitter.data.sensor_files import Part, join, part_of
 from limbcal.errors import ConfigError, DataError
 from limbcal.note import Note
 from protocol.tables.columns import parse_mapping
@@ -126,8 +127,8 @@ def load_raw(
     Parameters
     ----------
     sources : sequence of Path
-        Files and folders: CSV, Parquet, NPZ, ``.mat``, ``.json`` with ``t``, ``s1x s1y s1z …`` and, where known,
-        ``q1 …``, ``ref1 …`` and ``trial``; or recordings of the daemon (``.mcap``).
+        Files and folders: tables with ``t``, ``s1x s1y s1z …`` and, where known, ``q1 …``, ``ref1 …`` and
+        ``trial``; one file per sensor, see `fitter.data.sensor_files`; or recordings of the daemon (``.mcap``).
     sensors : sequence of str
         Names of the sensors in the arm's order, such as ``("s1", "s2")``.
     n_joint : int
@@ -153,17 +154,22 @@ def load_raw(
         raise ConfigError("the arm has no [[sensor]], expected one or more whose readings are to be read")
     axes = [f"{sensor}{axis}" for sensor in sensors for axis in AXES]
     mapping = parse_mapping(columns, n_joint, other_roles=axes)
-    runs: list[RawRun] = []
-    for path in expand(sources):
+    files = expand(sources)
+    parts: list[Part] = []
+    whole: list[Measured] = []
+    for path in files:
         if path.suffix.lower() in RECORDINGS:
             t, a = read_raw_blocks(path, len(axes))
-            whole = [Measured(path.stem, str(path), 0, t, {"a": a})]
+            whole.append(Measured(path.stem, str(path), 0, t, {"a": a}))
+        elif len(files) > 1 and (part := part_of(path, sensors, mapping)) is not None:
+            parts.append(part)
         else:
-            whole = read_file(path, n_joint, mapping, rate_hz, ("a",), {"a": axes})
-        clocks = [clock for motion in whole for clock in _clocks(motion)]
-        for clock in clocks:
-            pieces = split_at_leaps(clock)
-            runs += [replace(_run(piece), after_leap=k > 0) for k, piece in enumerate(pieces)]
+            whole += read_file(path, n_joint, mapping, rate_hz, ("a",), {"a": axes})
+    whole += join(parts, sensors, mapping)
+    runs: list[RawRun] = []
+    for clock in (clock for motion in whole for clock in _clocks(motion)):
+        pieces = split_at_leaps(clock)
+        runs += [replace(_run(piece), after_leap=k > 0) for k, piece in enumerate(pieces)]
     return runs
 
 
