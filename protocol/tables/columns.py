@@ -157,6 +157,8 @@ def _mistake(role: str, equals: str, address: str, n_joint: int, plain: Sequence
     numbered = _NUMBERED.fullmatch(role)
     if not equals:
         return "there is no '=', expected role=column"
+    if NOT_READ.fullmatch(role) or NOT_READ.fullmatch(f"{role}1"):
+        return f"{role!r} is not read by any command yet"
     if role not in plain and role not in JOINT_ROLES and not numbered:
         return f"{role!r} is no role, expected one of {', '.join((*JOINT_ROLES, *plain))}"
     if numbered and int(numbered[2]) > n_joint:

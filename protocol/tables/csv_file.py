@@ -20,6 +20,8 @@ from protocol.tables.units import Unit
 _ARROW_ROW = re.compile(r"Row #(\d+)")
 _WHOLE = re.compile(r"[-+]?\d+")
 _ZONE = re.compile(r"(?:Z|[-+]\d\d:?\d\d)$")
+#: A number that was cut is shorter than in so many rows before it; by chance one is in 1 of 64 files, at most.
+_CUT_WITNESSES = 64
 #: Whole numbers from here on are not all float64.
 _EXACT = 2**53
 
@@ -195,12 +197,15 @@ class CsvFile:
         if complete or last == 0:
             stop = self._without_empty_rows(tail, last)
             return begin + stop, ()
+        rows = body[:last].splitlines()[-_CUT_WITNESSES:] if begin + last > dialect.start else []
         before = body[:last].rstrip(b"\r\n")
         whole = dialect.cells(_line(before, dialect))
         cut = dialect.cells(_line(tail.rstrip(b"\0"), dialect))
-        if self._fits(cut, whole):
+        if self._fits(cut, whole) and not _is_shortest(body[last:], rows, dialect):
             return begin + self._without_empty_rows(tail, last), ()
         text = f"the last line is cut off ({len(cut)} of {len(whole)} cells); it was left out, the rest was used"
+        if len(cut) == len(whole):
+            text = "the last line ends within a number and has no end of line; it was left out, the rest was used"
         return begin + last, (Note("cut", text, source=str(self.path)),)
 
     def _fits(self, row: Sequence[str], before: Sequence[str]) -> bool:
@@ -243,6 +248,15 @@ def numbers_of(column: pa.ChunkedArray) -> NDArray[np.generic]:
 
 def _pass_over_remarks(row: pyarrow.csv.InvalidRow) -> str:
     return "skip" if row.text.lstrip().startswith(COMMENTS) else "error"
+
+
+def _is_shortest(line: bytes, rows: Sequence[bytes], dialect: Dialect) -> bool:
+    """Say whether a line ends in a number that is shorter than that of any of many rows before it."""
+    if len(rows) < _CUT_WITNESSES:
+        return False
+    last = [dialect.cells(_line(row, dialect))[-1:] for row in (*rows, line)]
+    *before, own = (len(cell) for cells in last for cell in cells)
+    return bool(before) and own < min(before)
 
 
 def _line(body: bytes, dialect: Dialect) -> str:

@@ -83,6 +83,12 @@ def test_a_unit_that_does_not_fit_is_said(entry):
         parse_mapping(entry, 2)
 
 
+@pytest.mark.parametrize("role", ["on", "on1", "kp", "base_x"])
+def test_columns_that_no_command_reads_cannot_be_mapped(role):
+    with pytest.raises(ConfigError, match="is not read by any command yet"):
+        parse_mapping(f"{role}=x{{j}}", 2)
+
+
 names = st.text(st.characters(categories=["L", "N"], include_characters="_.[]() "), min_size=1).map(
     lambda name: f"x{name}x"
 )

@@ -110,6 +110,14 @@ def test_a_last_line_that_is_cut_is_said_and_the_rest_is_used(tmp_path, cut):
     assert note.kind == "cut" and "left out" in note.text
 
 
+def test_a_number_that_is_cut_is_left_out_too(tmp_path):
+    rows = [f"{0.01 * k:.6f},0.5,{0.125 + 0.01 * k:.6f}" for k in range(200)]
+    whole = "\n".join(["t,q1,q2", *rows])
+    assert len(read(written(tmp_path, whole)).groups["q"]) == 200
+    table = read(written(tmp_path, whole[:-4]))
+    assert len(table.groups["q"]) == 199 and "ends within a number" in table.notes[0].text
+
+
 def test_a_short_line_that_is_not_the_last_is_an_error(tmp_path):
     lines = text_of("t,q1,q2").splitlines()
     lines[20] = "0.1,2"
