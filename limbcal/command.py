@@ -15,7 +15,7 @@ from types import FrameType
 from rich.console import Console, RenderableType
 
 from limbcal.errors import DeviceError, LimbcalError
-from limbcal.note import Note, sentences
+from limbcal.note import Note, documents, sentences
 
 
 class _Stdout(Console):
@@ -31,6 +31,8 @@ _stdout = _Stdout(highlight=False)
 _answers: ContextVar[Console] = ContextVar("answers", default=_stdout)
 #: What is being carried out, as it was typed.
 _command_line: ContextVar[str] = ContextVar("command_line", default="")
+#: What was questioned in what the command was given.
+_asked: ContextVar[tuple[Note, ...]] = ContextVar("asked", default=())
 
 Document = Mapping[str, object]
 Action = Callable[[argparse.Namespace], Document | None]
@@ -84,6 +86,20 @@ def say_notes(notes: Iterable[Note]) -> None:
         say(sentence)
 
 
+def ask(notes: Iterable[Note]) -> None:
+    """Question what a command was given: on stderr now, and among the ``notes`` of its document."""
+    asked = tuple(notes)
+    _asked.set((*_asked.get(), *asked))
+    say_notes(asked)
+
+
+def _with_asked(document: Document) -> Document:
+    asked, notes = documents(_asked.get()), document.get("notes", [])
+    if not asked or not isinstance(notes, list):
+        return document
+    return {**document, "notes": [*asked, *(note for note in notes if note not in asked)]}
+
+
 @contextmanager
 def _writable() -> Iterator[None]:
     try:
@@ -126,7 +142,7 @@ def _failed(error: LimbcalError, as_json: bool) -> int:
     if error.document is None or not as_json:
         return error.exit_code
     try:
-        emit(to_json(error.document))
+        emit(to_json(_with_asked(error.document)))
     except DeviceError as failure:
         return _failed(failure, False)
     return error.exit_code
@@ -152,7 +168,7 @@ def run_command(parser: argparse.ArgumentParser, argv: list[str] | None) -> int:
         _command_line.set(shlex.join([parser.prog, *arguments]))
         document = action(namespace)
         if document is not None and namespace.json:
-            emit(to_json(document))
+            emit(to_json(_with_asked(document)))
         return 0
     except KeyboardInterrupt:
         console.print("stopped")
@@ -169,4 +185,5 @@ def run_command(parser: argparse.ArgumentParser, argv: list[str] | None) -> int:
     finally:
         _answers.set(_stdout)
         _command_line.set("")
+        _asked.set(())
         signal.signal(signal.SIGTERM, previous)

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from daemon.commands.options import DEFAULT_ENDPOINT, add_device_options, given, positive
-from limbcal.command import console, emit
+from limbcal.command import ask, console, emit
 from limbcal.errors import ConfigError
 
 #: As it stands in the help.
@@ -28,6 +28,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> None:
     """Acquire, track, publish and record."""
+    from arm.questions import questions_of
     from daemon.config import load_setup, replayed_setup
     from daemon.metrics import Metrics
     from daemon.progress import Progress
@@ -39,6 +40,7 @@ def run(arguments: argparse.Namespace) -> None:
     else:
         _no_device(arguments)
         setup = replayed_setup(arguments.replay, given(arguments), arguments.speed)
+    ask(questions_of(setup.arm, setup.config.arm.file))
     metrics = setup.config.metrics
     with (
         StopSignal() as stop,

@@ -8,9 +8,9 @@ from rich.markup import escape
 from rich.progress import Progress
 from rich.table import Table
 
-from arm.arm_file import load_arm
 from arm.effects.catalogue import catalogue
 from arm.model import Arm
+from fitter.commands.arm_option import questioned_arm
 from fitter.commands.diagnose_readings import diagnose_readings, readings
 from fitter.commands.options import add_arm, add_columns
 from fitter.data.motions import Measured, read_motions
@@ -56,7 +56,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def diagnose_command(arguments: argparse.Namespace) -> Document:
     """Diagnose, write everything, and say it."""
-    arm = load_arm(arguments.arm)
+    arm = questioned_arm(arguments.arm)
     denied = _denied(arguments.deny)
     try:
         arguments.out.mkdir(parents=True, exist_ok=True)

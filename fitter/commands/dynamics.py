@@ -8,8 +8,8 @@ from pathlib import Path
 import numpy as np
 from rich.progress import Progress
 
-from arm.arm_file import load_arm
 from arm.model import Arm, Control
+from fitter.commands.arm_option import questioned_arm
 from fitter.commands.dynamics_said import say_compared, say_controller, say_fit
 from fitter.commands.options import (
     add_arm,
@@ -104,7 +104,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def dynamics(arguments: argparse.Namespace) -> Document:
     """Learn, evaluate, and write the calibrated arm."""
-    arm = load_arm(arguments.arm)
+    arm = questioned_arm(arguments.arm)
     make_room(arguments.out)
     if arguments.report is not None:
         make_room(arguments.report, (".html",))

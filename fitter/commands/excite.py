@@ -7,9 +7,9 @@ import numpy as np
 from rich.progress import Progress
 from rich.table import Table
 
-from arm.arm_file import load_arm
 from arm.bench import Bench
 from arm.model import Arm, Floats
+from fitter.commands.arm_option import questioned_arm
 from fitter.commands.options import (
     MOTION_SUFFIXES,
     add_arm,
@@ -50,7 +50,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def excite(arguments: argparse.Namespace) -> Document:
     """Search for a reference and write it."""
-    arm = load_arm(arguments.arm)
+    arm = questioned_arm(arguments.arm)
     make_room(arguments.out, MOTION_SUFFIXES)
     turns = np.array([joint.type == "revolute" for joint in arm.joints])
     angle = _limit(arguments.max_angle_deg, arm, "--max-angle-deg")

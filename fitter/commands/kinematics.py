@@ -10,6 +10,7 @@ from rich.progress import Progress
 
 from arm.arm_file import load_arm, save_arm
 from arm.model import Arm
+from fitter.commands.arm_option import questioned_arm
 from fitter.commands.options import (
     add_arm,
     add_columns,
@@ -76,7 +77,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def kinematics(arguments: argparse.Namespace) -> Document:
     """Learn the geometry and write the arm."""
-    arm = load_arm(arguments.arm)
+    arm = questioned_arm(arguments.arm)
     compared = {Path(source).stem: geometry_by_name(load_arm(source)) for source in arguments.compare}
     learn, evaluate = _trials(arguments, arm)
     make_room(arguments.out)

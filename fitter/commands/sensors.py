@@ -6,7 +6,8 @@ from pathlib import Path
 import numpy as np
 from rich.progress import Progress, SpinnerColumn, TextColumn, TimeElapsedColumn
 
-from arm.arm_file import load_arm, save_arm
+from arm.arm_file import save_arm
+from fitter.commands.arm_option import questioned_arm
 from fitter.commands.options import add_arm, add_columns, add_out, joint_values, make_room, positive
 from fitter.data.raw import load_raw
 from fitter.report.parameter_table import parameter_table
@@ -52,7 +53,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def sensors(arguments: argparse.Namespace) -> Document:
     """Calibrate the sensors and write the arm."""
-    arm = load_arm(arguments.arm)
+    arm = questioned_arm(arguments.arm)
     names = [sensor.name for sensor in arm.sensors]
     runs = load_raw(arguments.data, names, arm.n_joint, arguments.columns, rate_hz=arguments.rate_hz)
     given = arguments.initial_q

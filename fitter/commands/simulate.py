@@ -6,10 +6,10 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from arm.arm_file import load_arm
 from arm.kinematics import tip_position
 from arm.model import Arm, Floats
 from arm.simulation import Motion, simulate
+from fitter.commands.arm_option import questioned_arm
 from fitter.commands.options import MOTION_SUFFIXES, add_arm, add_columns, add_out, joint_values, make_room
 from fitter.data.leaps import split_at_leaps
 from fitter.data.motion_file import write_motion
@@ -52,7 +52,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def simulate_reference(arguments: argparse.Namespace) -> Document:
     """Simulate every trial of a reference and write the motion."""
-    arm = load_arm(arguments.arm)
+    arm = questioned_arm(arguments.arm)
     role = "tau" if arm.control.law == "measured" else "ref"
     mapping = parse_mapping(arguments.columns, arm.n_joint)
     read = read_motions(arguments.reference, arm.n_joint, mapping, arguments.rate_hz, required=(role,))

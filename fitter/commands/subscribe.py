@@ -11,7 +11,8 @@ from typing import Any
 
 import zmq
 
-from arm.arm_file import load_arm, preset_names
+from arm.arm_file import preset_names
+from fitter.commands.arm_option import questioned_arm
 from fitter.commands.live_diagnosis import diagnosis_fields, live_diagnosis, write_live_diagnosis
 from fitter.commands.options import at_least, positive
 from fitter.diagnosis.diagnosis import Diagnosis
@@ -93,7 +94,7 @@ def subscribe(arguments: argparse.Namespace) -> Document | None:
 def _follow(
     arguments: argparse.Namespace, context: "zmq.Context[zmq.Socket[bytes]]", stack: ExitStack
 ) -> _Followed:
-    arm = None if arguments.arm is None else load_arm(arguments.arm)
+    arm = None if arguments.arm is None else questioned_arm(arguments.arm)
     compared = [] if arm is None else load_compared(arguments.compare, arm)
     if arguments.out is not None:
         _make_directory(arguments.out)  # learning for an hour and then having no place to write would be a pity
@@ -109,7 +110,7 @@ def _follow(
     first = None
     if arm is None:
         name, first = _named(stream, arguments)
-        arm = load_arm(name)
+        arm = questioned_arm(name)
         compared = load_compared(arguments.compare, arm)
     publisher = stack.enter_context(Publisher(context, arguments.endpoint, arm.name, str(uuid.uuid4()), gate))
     warm_up()

@@ -5,7 +5,7 @@ from pathlib import Path
 
 from rich.progress import Progress
 
-from arm.arm_file import load_arm
+from fitter.commands.arm_option import questioned_arm
 from fitter.commands.options import add_arm, add_columns, add_out, at_least, make_room, positive
 from fitter.dynamics.reduction import reduce_trials
 from fitter.dynamics.saved_sums import ArmSums, add_sums, load_sums, save_sums
@@ -42,7 +42,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def make(arguments: argparse.Namespace) -> Document:
     """Reduce trials and write their sums."""
-    arm = load_arm(arguments.arm)
+    arm = questioned_arm(arguments.arm)
     make_room(arguments.out, (".npz",))
     with Progress(console=console, transient=True) as progress:
         task = progress.add_task("reducing", total=None)

@@ -8,8 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 from rich.progress import track as progress
 
-from arm.arm_file import load_arm
 from arm.model import Arm
+from fitter.commands.arm_option import questioned_arm
 from fitter.commands.options import (
     MOTION_SUFFIXES,
     add_arm,
@@ -65,7 +65,7 @@ def track(arguments: argparse.Namespace) -> Document:
     method, zero = arguments.method, arguments.zero
     if zero is not None and method != "integrate":
         raise ConfigError(f"--zero is {zero!r}, expected it only with --method integrate, not {method}")
-    arm = load_arm(arguments.arm)
+    arm = questioned_arm(arguments.arm)
     names = [sensor.name for sensor in arm.sensors]
     runs = load_raw(arguments.raw, names, arm.n_joint, arguments.columns, rate_hz=arguments.rate_hz)
     given = arguments.initial_q
