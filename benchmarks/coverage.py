@@ -20,7 +20,8 @@ from benchmarks.coverage_case import GIVEN, Case, draw_case, write_case
 from fitter.data.trials import load_trials
 from fitter.dynamics.dynamics_fit import Objective
 from fitter.dynamics.fit import fit_dynamics
-from limbcal.command import Document, Parser, common_options, console, run_command
+from limbcal.arguments import Parser, common_options
+from limbcal.command import Document, console, run_command
 from limbcal.errors import LimbcalError
 
 JOINTS = (2, 3, 6)

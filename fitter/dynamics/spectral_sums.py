@@ -1,9 +1,11 @@
 """Trials reduced to sums of products over bands of frequency, where noise of any colour is independent.
 
-The equation ``W p = tau`` holds at every instant at which a joint moves. It is multiplied by a window that is zero
-where the joint rests and at the trial's ends, averaged over short steps, and Fourier-transformed: the same linear
-operations on both sides, so it stays exact, Coulomb friction included. The coefficients of stationary noise at
-different frequencies are independent, whatever its spectrum, and their variance is the spectrum.
+The equation ``W p = tau`` holds while a joint moves. It is averaged over short steps; where the
+joint turns round it is bridged by a line between means of the steps before and after; it is multiplied by a window
+that is zero where the joint rests and at the trial's ends, and Fourier-transformed: the same linear operations on
+both sides, so it stays exact, Coulomb friction included. The coefficients of stationary noise at different
+frequencies are independent, whatever its spectrum, and their variance is the spectrum. (Through many holes, where
+there are bridges now, strong noise of one frequency would leak into all others.)
 """
 
 from collections.abc import Iterator, Sequence
@@ -12,7 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 import scipy.fft
 from numpy.typing import NDArray
-from scipy.ndimage import distance_transform_edt
+from scipy.ndimage import distance_transform_edt, maximum_filter1d
 
 from arm.base_parameters import BaseParameters
 from arm.model import Arm, Floats
@@ -31,6 +33,8 @@ _OVERSAMPLED = 4.0
 #: For so many periods of the highest frequency around a rest the filter blurs where it began and ended; over so
 #: many more a window rises, so that noise above that frequency does not leak down.
 _BLURRED_PERIODS, _RISE_PERIODS = 0.5, 0.5
+#: A joint that is slow for longer rests [s]; at 0.2 rad/s^2 turning round takes as long.
+_TURNING_S = 0.2
 #: Above this share of the sampling rate a spline's second derivative is off by more than a thousandth.
 _DIFFERENTIABLE = 0.15
 #: Samples whose regressor is in memory with all its columns.
@@ -165,39 +169,71 @@ def _stretches(
     stride = max(1, int(1.0 / (_OVERSAMPLED * top_hz * trial.dt_s)))
     n_step, n_column = len(trial.q) // stride, len(base.independent) + 1
     parts = max(1, -(-n_step * arm.n_joint * n_column * 8 // _ROW_BYTES))
-    blurred, rise = (round(periods / (top_hz * trial.dt_s)) for periods in (_BLURRED_PERIODS, _RISE_PERIODS))
+    blurred = round(_BLURRED_PERIODS / (top_hz * trial.dt_s))
+    rise = round(_RISE_PERIODS / (top_hz * trial.dt_s * stride))
+    longest = round((_TURNING_S / trial.dt_s + 2 * blurred) / stride) + 1
     for steps in np.array_split(np.arange(n_step), parts):
         if not len(steps):
             continue
         part = slice(int(steps[0]) * stride, (int(steps[-1]) + 1) * stride)
-        window = _window(_moving(trial.dq[part], rest_speed), blurred, rise)
+        holds = _holding(trial.dq[part], rest_speed, blurred)
+        holds = holds.reshape(-1, stride, arm.n_joint).all(axis=1)
         rows = np.empty((len(steps), arm.n_joint, n_column))
         chunk = max(1, _CHUNK // stride)
         for begin in range(0, len(steps), chunk):
             some = slice(begin, min(begin + chunk, len(steps)))
             at = slice(part.start + some.start * stride, part.start + some.stop * stride)
             Y = regressor(arm, trial.q[at], trial.dq[at], trial.ddq[at])[..., base.independent]
-            inside = window[some.start * stride :][: len(Y), :, None]
-            equations = np.concatenate([Y, tau[at][..., None]], axis=2) * inside
+            equations = np.concatenate([Y, tau[at][..., None]], axis=2)
             rows[some] = equations.reshape(-1, stride, arm.n_joint, n_column).mean(axis=1)
-        mean = np.sqrt(np.mean(window.reshape(-1, stride, arm.n_joint) ** 2, axis=1))
-        yield rows, mean, stride * trial.dt_s
+        yield rows, _patched(rows, holds, longest, rise), stride * trial.dt_s
 
 
-def _moving(dq: Floats, rest_speed: float) -> NDArray[np.bool_]:
+def _holding(dq: Floats, rest_speed: float, blurred: int) -> NDArray[np.bool_]:
     """Return where joints surely move one way, (n_sample, n_joint): a joint may turn round between two samples."""
     turned = np.diff(np.sign(dq), axis=0) != 0.0
-    moving = np.abs(dq) > rest_speed
-    moving[1:] &= ~turned
-    moving[:-1] &= ~turned
-    return np.asarray(moving, dtype=np.bool_)
+    slow = np.abs(dq) <= rest_speed
+    slow[1:] |= turned
+    slow[:-1] |= turned
+    return np.asarray(~maximum_filter1d(slow, 2 * blurred + 1, axis=0, mode="nearest"), dtype=np.bool_)
 
 
-def _window(moving: NDArray[np.bool_], blurred: int, rise: int) -> Floats:
-    """Return weights that rise from zero at rests and ends to one, as a squared sine, (n_sample, n_joint)."""
-    window = np.empty(moving.shape)
-    for j, moves in enumerate(moving.T):
-        bounded = np.concatenate([[False], moves, [False]])
-        since = np.maximum(distance_transform_edt(bounded)[1:-1] - blurred, 0.0)
-        window[:, j] = np.sin(0.5 * np.pi * np.minimum(since / (rise + 1.0), 1.0)) ** 2
-    return window
+def _patched(rows: Floats, holds: NDArray[np.bool_], longest: int, rise: int) -> Floats:
+    """Bridge short holes in rows, fade them out at long ones and at the ends, in place.
+
+    Parameters
+    ----------
+    rows : (n_step, n_joint, n_column)
+    holds : (n_step, n_joint) bool
+        Where a joint's equation holds.
+    longest : int
+        The longest hole that is bridged.
+    rise : int
+        Steps over which rows fade.
+
+    Returns
+    -------
+    (n_step, n_joint)
+        The weights that rows have now; zero for a bridge, which says nothing new.
+    """
+    n, weights = len(rows), np.empty(holds.shape)
+    for j in range(holds.shape[1]):
+        edges = np.flatnonzero(np.diff(holds[:, j], prepend=not holds[0, j], append=not holds[-1, j]))
+        begins, ends = edges[:-1], edges[1:]
+        outside = ~holds[:, j]
+        for k in np.flatnonzero(~holds[begins, j]):
+            first, last = int(begins[k]), int(ends[k])
+            if first == 0 or last == n or last - first > longest:
+                continue
+            some = max(1, (last - first) // 2)
+            before = rows[max(first - some, int(begins[k - 1])) : first, j].mean(axis=0)
+            after = rows[last : min(last + some, int(ends[k + 1])), j].mean(axis=0)
+            along = (np.arange(last - first) + 1.0)[:, None] / (last - first + 1.0)
+            rows[first:last, j] = before + along * (after - before)
+            outside[first:last] = False
+        bounded = np.concatenate([[True], outside, [True]])
+        since = distance_transform_edt(~bounded)[1:-1]
+        window = np.sin(0.5 * np.pi * np.minimum(since / (rise + 1.0), 1.0)) ** 2
+        rows[:, j] *= window[:, None]
+        weights[:, j] = np.where(holds[:, j], window, 0.0)
+    return weights

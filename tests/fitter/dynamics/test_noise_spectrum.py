@@ -3,6 +3,7 @@
 from dataclasses import replace
 
 import numpy as np
+from scipy.signal import lfilter
 
 from fitter.dynamics.noise_spectrum import weighted_by_noise
 from fitter.dynamics.spectral_sums import spectral_sums
@@ -21,6 +22,18 @@ def test_without_noise_the_answer_is_the_truth():
     sums, values, std = fitted(wave(0))
     assert np.allclose(values, TRUE, rtol=1e-6, atol=1e-8)
     assert np.all(std < 1e-4)
+
+
+def test_errors_are_those_of_coloured_noise_in_a_short_trial():
+    z = []
+    for seed in range(25):
+        rng = np.random.default_rng(seed)
+        trial = wave(seed, seconds=8.0)
+        noise = lfilter([0.3], [1.0, -0.95], rng.normal(size=trial.tau.shape), axis=0)
+        _, values, std = fitted(replace(trial, tau=trial.tau + noise))
+        z.append((values - TRUE) / std)
+    assert 0.85 < np.sqrt(np.mean(np.square(z))) < 1.2
+    assert 0.9 < np.mean(np.abs(z) < 1.96) < 0.99
 
 
 def test_a_noisy_band_counts_for_little():
