@@ -176,8 +176,8 @@ def _stretches(
         if not len(steps):
             continue
         part = slice(int(steps[0]) * stride, (int(steps[-1]) + 1) * stride)
-        holds = _holding(trial.dq[part], rest_speed, blurred)
-        holds = holds.reshape(-1, stride, arm.n_joint).all(axis=1)
+        each = _holding(trial.dq[part], rest_speed, blurred)
+        holds = np.asarray(np.all(each.reshape(-1, stride, arm.n_joint), axis=1), dtype=np.bool_)
         rows = np.empty((len(steps), arm.n_joint, n_column))
         chunk = max(1, _CHUNK // stride)
         for begin in range(0, len(steps), chunk):
