@@ -46,6 +46,6 @@ def test_it_is_short_and_imports_only_pyzmq_and_msgpack() -> None:
     assert imported - sys.stdlib_module_names == {"msgpack", "zmq"}
 
 
-def test_the_readme_shows_it_as_it_is() -> None:
-    readme = (EXAMPLE.parents[1] / "README.md").read_text(encoding="utf-8")
-    assert EXAMPLE.read_text(encoding="utf-8") in readme
+def test_the_protocols_page_shows_it_as_it_is() -> None:
+    page = (EXAMPLE.parents[1] / "docs" / "protocol.md").read_text(encoding="utf-8")
+    assert EXAMPLE.read_text(encoding="utf-8") in page
