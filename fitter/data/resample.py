@@ -23,6 +23,8 @@ TOLERANCE = 0.005
 MOST_DECIMALS = 7
 #: A cubic spline through samples closer than this share of the usual step swings out.
 CROWDED = 0.2
+#: A rate so many times that of the samples adds nothing but memory.
+MOST_FINER = 100
 #: A lower rate is reached after everything above this share of it has been taken out.
 ANTI_ALIAS = 0.4
 
@@ -130,6 +132,11 @@ def resample(motion: Measured, rate_hz: float | None = None) -> Uniform:
     own_step, uniform = time_step(motion.t)
     t = motion.t - motion.t[0]
     dt_s = own_step if rate_hz is None else 1.0 / rate_hz
+    if dt_s < own_step / MOST_FINER:
+        raise ConfigError(
+            f"rate_hz is {rate_hz:g}, but {motion.where} has {1.0 / own_step:.6g} rows a second, expected at most "
+            f"{MOST_FINER} times that"
+        )
     if uniform and abs(dt_s - own_step) <= 1e-6 * own_step:
         return Uniform(replace(motion, t=_stamps(len(t), own_step)), own_step, float(motion.t[0]))
 

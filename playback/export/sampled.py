@@ -8,11 +8,13 @@ import numpy as np
 
 from arm.kinematics import sensor_positions, tip_position
 from arm.model import Arm
-from limbcal.errors import DataError
+from limbcal.errors import ConfigError, DataError
 from playback.shape import REAL, TWIN, Colours
 from playback.source import Source
 from playback.trajectory import Floats, Trajectory
 
+#: Frames of one file: an hour at the highest rate.
+MOST_FRAMES = 3_600_000
 #: Keys of one animation; a motion that takes more turns thousands of times, as angles in degrees may seem to.
 MOST_KEYS = 1_000_000
 
@@ -91,13 +93,18 @@ def sample(
     Raises
     ------
     ConfigError
-        If there is no such trial.
+        If there is no such trial, or more than `MOST_FRAMES` would be made.
     DataError
         If the motion cannot be made, or takes more than `MOST_KEYS`.
     """
     number = source.trials[0] if trial is None else trial
     motion = source.load(number)
     n_frame = int(motion.duration_s / speed * rate_hz + 1e-6) + 1  # the last node, despite rounding
+    if n_frame > MOST_FRAMES:
+        raise ConfigError(
+            f"{source.name}: {motion.duration_s:.6g} s at {rate_hz:g} Hz and {speed:g} times the speed are "
+            f"{n_frame} frames, expected at most {MOST_FRAMES}: a lower --rate-hz or a higher --speed"
+        )
     t = np.arange(n_frame) / rate_hz
     owners = [owner for owner in (source, source.twin) if owner is not None]
     motions = [motion if owner is source else owner.load(number) for owner in owners]

@@ -11,6 +11,8 @@ Floats = NDArray[np.float64]
 _EPOCH = (631_152_000, 4_102_444_800)
 #: Units a second that stamps are counted in.
 _PER_SECOND = {"s": 1, "ms": 1_000, "us": 1_000_000, "ns": 1_000_000_000}
+#: Joint motion and accelerations come at such rates [Hz]: from a slow arm's to the fastest accelerometers'.
+_RATES_HZ = (5.0, 40_000.0)
 #: Stamps that float64 would hold more coarsely than this [s] are counted from the first one.
 _FINEST_S = 1e-9
 
@@ -22,18 +24,21 @@ class Clock:
     Parameters
     ----------
     factor : float or None
-        Length of the stamps' unit [s]; None where nobody said it: seconds, unless they count from 1970 in another.
+        Length of the stamps' unit [s]; None where nobody said it: seconds, unless they can only be in another.
 
     Attributes
     ----------
     unit : str
-        The unit of stamps since 1970, once they are recognised as such.
+        The unit that stamps turn out to be in: those since 1970, and whole numbers too far apart for seconds.
+    since_1970 : bool
+        Whether they count from then.
     origin : int
         What was taken off, in the stamps' own unit.
     """
 
     factor: float | None = None
     unit: str = ""
+    since_1970: bool = False
     origin: int = 0
     _begun: bool = False
 
@@ -51,22 +56,34 @@ class Clock:
         if not len(stamps):
             return np.empty(0)
         if not self._begun:
-            self._begin(stamps[0])
+            self._begin(stamps)
         if stamps.dtype.kind in "iu":
             counted: NDArray[np.generic] = stamps.astype(np.int64) - np.int64(self.origin)
         else:
             counted = stamps.astype(np.float64) - float(self.origin)
         return np.asarray(counted, dtype=np.float64) * self._length
 
-    def _begin(self, first: np.generic) -> None:
+    def _begin(self, stamps: NDArray[np.generic]) -> None:
         self._begun = True
+        first = stamps[0]
         value = float(first)
         if not np.isfinite(value):
             return
         if self.factor is None:
             for unit, per_second in _PER_SECOND.items():
                 if _EPOCH[0] * per_second <= value < _EPOCH[1] * per_second and unit != "s":
-                    self.unit, self.factor = unit, 1.0 / per_second
+                    self.unit, self.factor, self.since_1970 = unit, 1.0 / per_second, True
+        if self.factor is None and first.dtype.kind in "iu" and len(stamps) > 1:
+            step = float(np.median(np.diff(stamps.astype(np.int64))))
+            units = likely_units(step) if step > 1.0 else []
+            if len(units) == 1:
+                self.unit, self.factor = units[0], 1.0 / _PER_SECOND[units[0]]
         whole = first.dtype.kind in "iu" or self.unit
         if whole and np.spacing(abs(value) * self._length) > _FINEST_S:
             self.origin = int(first)
+
+
+def likely_units(step: float) -> list[str]:
+    """Return the units, other than seconds, in which stamps so far apart would come at a usual rate."""
+    per_second = {unit: count for unit, count in _PER_SECOND.items() if unit != "s"}
+    return [unit for unit, count in per_second.items() if _RATES_HZ[0] <= count / step <= _RATES_HZ[1]]

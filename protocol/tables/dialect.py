@@ -21,6 +21,7 @@ HEAD_BYTES = 1 << 18
 _WITNESSES = 8
 _SEPARATOR = re.compile(r"sep=(.)", re.IGNORECASE)
 _COMMA_NUMBER = re.compile(r"\s*[-+]?\d*,\d+(?:[eE][-+]?\d+)?\s*")
+_POINT_NUMBER = re.compile(r"\s*[-+]?\d*\.\d+(?:[eE][-+]?\d+)?\s*")
 _STAMP = re.compile(r"\d{4}-\d\d-\d\d[T ]\d\d:\d\d(?::\d\d(?:[.,]\d+)?)?\s*(?:Z|[-+]\d\d:?\d\d)?")
 
 
@@ -123,7 +124,8 @@ def dialect_of(head: bytes, encoding: str, path: Path) -> Dialect:
         units = {name: cell for name, cell in zip(header, below, strict=False) if not is_no_unit(cell)}
         content = content[1:]
     sample = tuple(tuple(split_cells(text, delimiter)) for _, text in content)
-    commas = delimiter != "," and any(_COMMA_NUMBER.fullmatch(cell) for row in sample for cell in row)
+    cells = [cell for row in sample for cell in row]
+    commas = any(map(_COMMA_NUMBER.fullmatch, cells)) and not any(map(_POINT_NUMBER.fullmatch, cells))
     start = content[0][0] if content else len(head)
     names = _fitted(header, sample[0]) if sample else header
     return Dialect(encoding, delimiter, "," if commas else ".", tuple(names), units, start, sample)

@@ -19,7 +19,7 @@ from limbcal.note import Note
 from protocol.tables.header import Header
 from protocol.tables.source import Column, Groups, Rows, to_si
 from protocol.tables.table import Floats, Labels
-from protocol.tables.trees import Array, Node, load_tree
+from protocol.tables.trees import Array, Node, fields_of, fields_within, load_tree
 from protocol.tables.units import Unit
 
 Kind = TypeVar("Kind", bound=np.generic)
@@ -51,14 +51,14 @@ class NestedFile:
         if root is None:
             root, self.notes = load_tree(path)
         self._root = root
-        self._header = Header(path, tuple(_fields(root)))
+        self._header = Header(path, tuple(fields_of(root)))
 
     @property
     def names(self) -> tuple[str, ...]:
         """Names at the top, and of the fields one step below."""
         found: list[str] = []
-        for name, node in _fields(self._root).items():
-            inner = _fields(node)
+        for name in fields_of(self._root):
+            inner = fields_within(self._root, name)
             found += [f"{name}.{field}" for field in inner] if inner else [name]
         return tuple(found)
 
@@ -139,7 +139,7 @@ class NestedFile:
         return [take(_row_of(node, where), where)]
 
     def _walk(self, address: str, where: str) -> Node:
-        if address in _fields(self._root):  # a name may have brackets in it
+        if address in fields_of(self._root):  # a name may have brackets in it
             return _field(self._root, address, where)
         head = _HEAD.match(address)
         if head is None:
@@ -160,17 +160,8 @@ class NestedFile:
         return node
 
 
-def _fields(node: Node) -> Mapping[str, Node]:
-    """Return the fields of a node: its own, or those of the first of its records."""
-    if isinstance(node, Mapping):
-        return node
-    if isinstance(node, list) and node and isinstance(node[0], Mapping):
-        return node[0]
-    return {}
-
-
 def _field(node: Node, name: str, where: str) -> Node:
-    fields = _fields(node)
+    fields = fields_of(node)
     if name not in fields:
         there = f"one of {', '.join(fields)}" if fields else "an array, for it has no fields"
         raise DataError(f"{where}: there is no {name!r}, expected {there}")

@@ -123,7 +123,8 @@ def _clock_notes(source: Source, plan: Plan) -> list[Note]:
     clock, path = column.clock, str(source.path)
     notes: list[Note] = []
     if clock is not None and clock.unit:
-        text = f"{column.address} counts {clock.unit} since 1970 and is converted to s"
+        since = " since 1970" if clock.since_1970 else ""
+        text = f"{column.address} counts {clock.unit}{since}, by its size, and is converted to s"
         notes.append(Note("unit", text, source=path, columns=(column.address,)))
     if clock is not None and clock.origin:
         text = f"{column.address} is counted from the file's first stamp, {clock.origin_s:.6f} s"

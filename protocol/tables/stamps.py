@@ -4,16 +4,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from limbcal.errors import DataError
+from protocol.tables.clock import likely_units
 from protocol.tables.table import Floats, Labels
-from protocol.tables.units import parse_unit
 
 #: More steps than this without a sample may be a leap.
 HOLE_STEPS = 10
 #: Rows of a motion come at least this often [s]: the quickest joint motions have 10 Hz, the slowest arms are
 #: recorded at 1 Hz. Stamps further apart are not in seconds.
 SLOWEST_STEP_S = 1.0
-#: Recorders write between these many rows a second.
-_RATES_HZ = (5.0, 100_000.0)
 
 
 def require_rising(t: Floats, where: str, first_row: int = 0) -> None:
@@ -35,7 +33,7 @@ def require_seconds(t: Floats, where: str, option: str = "--columns t=t") -> Non
     step = float(np.median(np.diff(t)))
     if not step > SLOWEST_STEP_S:
         return
-    fitting = [name for name in ("ms", "us", "ns") if _is_usual(step, name)]
+    fitting = likely_units(step)
     asked = f"are they in {' or '.join(fitting)}? then {option}:{fitting[0]}" if fitting else "in which unit?"
     raise DataError(
         f"{where}: stamps lie {step:.6g} apart, expected seconds, and a row every {SLOWEST_STEP_S:g} s at least; "
@@ -96,8 +94,3 @@ def trial_rows(labels: Labels | None, n: int, where: str, first_row: int = 0) ->
         found[label] = (label, begin, end)
     return list(found.values())
 
-
-def _is_usual(step: float, name: str) -> bool:
-    unit = parse_unit(name)
-    assert unit is not None
-    return _RATES_HZ[0] <= 1.0 / (step * unit.factor) <= _RATES_HZ[1]

@@ -3,7 +3,7 @@
 import json
 import zipfile
 import zlib
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -77,8 +77,56 @@ def _load_mat(path: Path) -> Node:
         head = file.read(_MAT_HEADER + len(_HDF5))
     if head.startswith(_HDF5) or head[_MAT_HEADER:] == _HDF5:
         raise _newer(path)
-    content = scipy.io.loadmat(str(path))
-    return {name: _from_mat(value) for name, value in content.items() if not name.startswith("__")}
+    return _Variables(path, {name: kind for name, _, kind in scipy.io.whosmat(str(path))})
+
+
+class _Variables(Mapping[str, "Node"]):
+    """The variables of a ``.mat`` file, each read when it is asked for."""
+
+    def __init__(self, path: Path, kinds: Mapping[str, str]) -> None:
+        self._path, self._kinds = path, kinds
+        self._read: dict[str, Node] = {}
+
+    def __getitem__(self, name: str) -> "Node":
+        if name not in self._kinds:
+            raise KeyError(name)
+        if name not in self._read:
+            try:
+                content = scipy.io.loadmat(str(self._path), variable_names=[name])
+                self._read[name] = _from_mat(content[name])
+            except (*_DAMAGE, NotImplementedError) as error:
+                reason = " ".join(str(error).split())
+                raise DataError(f"{self._path}: {name!r} cannot be read ({reason})") from error
+        return self._read[name]
+
+    def __contains__(self, name: object) -> bool:
+        return name in self._kinds
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._kinds)
+
+    def __len__(self) -> int:
+        return len(self._kinds)
+
+    def has_fields(self, name: str) -> bool:
+        """Say whether a variable is a struct."""
+        return self._kinds[name] == "struct"
+
+
+def fields_within(root: Node, name: str) -> Mapping[str, Node]:
+    """Return the fields of what a tree has under a name, without reading what has none."""
+    if isinstance(root, _Variables) and not root.has_fields(name):
+        return {}
+    return fields_of(fields_of(root)[name])
+
+
+def fields_of(node: Node) -> Mapping[str, Node]:
+    """Return the fields of a node: its own, or those of the first of its records."""
+    if isinstance(node, Mapping):
+        return node
+    if isinstance(node, list) and node and isinstance(node[0], Mapping):
+        return node[0]
+    return {}
 
 
 def _newer(path: Path) -> DataError:

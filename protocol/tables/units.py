@@ -55,8 +55,8 @@ _UNITS: tuple[tuple[tuple[str, ...], str, float], ...] = (
     (("mm/s2", "mm/s/s"), "acceleration", 1e-3),
     (("g", "g0"), "acceleration", STANDARD_GRAVITY),
     (("mg",), "acceleration", 1e-3 * STANDARD_GRAVITY),
-    (("N.m", "Nm"), "torque", 1.0),
-    (("N.mm", "Nmm"), "torque", 1e-3),
+    (("N.m", "Nm", "N-m"), "torque", 1.0),
+    (("N.mm", "Nmm", "N-mm"), "torque", 1e-3),
     (("N.cm", "Ncm"), "torque", 1e-2),
     (("mN.m", "mNm"), "torque", 1e-3),
     (("kN.m", "kNm"), "torque", 1e3),
@@ -92,7 +92,7 @@ def parse_unit(text: str) -> Unit | None:
     Spellings with ``°``, ``µ``, ``·``, ``²``, ``^2``, ``**2`` or spaces are understood, with and without brackets.
     """
     plain = text.strip().strip("[](){}<>").strip().replace("**", "").translate(_PLAIN).replace("°", "deg")
-    plain = re.sub(r"\s*([/.])\s*|\s+", lambda found: found[1] or ".", plain)
+    plain = re.sub(r"\s*([/.])\s*|\s+", lambda found: found[1] or ".", plain).replace("/sec", "/s")
     if plain in _BY_NAME:
         return _BY_NAME[plain]
     lower = plain.lower()

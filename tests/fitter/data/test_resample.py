@@ -101,6 +101,8 @@ def test_too_few_samples_and_wrong_rates():
         resample(measured(np.arange(5.0), q=np.zeros((5, 1))))
     with pytest.raises(DataError, match="2 samples at 1 Hz"):
         resample(measured(0.1 * np.arange(20), q=np.zeros((20, 1))), rate_hz=1.0)
+    with pytest.raises(ConfigError, match="run.csv has 10 rows a second, expected at most 100 times that"):
+        resample(measured(0.1 * np.arange(20), q=np.zeros((20, 1))), rate_hz=1e9)
     with pytest.raises(ConfigError, match="rate_hz is -1"):
         resample(measured(np.arange(20.0), q=np.zeros((20, 1))), rate_hz=-1.0)
 

@@ -37,6 +37,11 @@ def test_a_trial_is_the_one_asked_for() -> None:
         sample(SOURCE, 2, 60.0, 1.0)
 
 
+def test_frames_without_end_are_refused() -> None:
+    with pytest.raises(ConfigError, match="expected at most 3600000: a lower --rate-hz or a higher --speed"):
+        sample(SOURCE, 1, 60.0, 1e-9)
+
+
 @pytest.mark.parametrize("rate_hz", [1.0, 3.0, 60.0])
 def test_keys_of_a_fast_turn_lie_close_enough_to_turn_the_right_way(rate_hz: float) -> None:
     t = np.linspace(0.0, 2.0, 201)

@@ -1,0 +1,51 @@
+"""Stamps of every kind as seconds."""
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from protocol.tables.clock import Clock, likely_units
+
+UNITS = {"ms": 1_000, "us": 1_000_000, "ns": 1_000_000_000}
+
+
+@pytest.mark.parametrize("unit", UNITS)
+def test_counts_since_1970_are_in_the_only_unit_they_can_be_in(unit):
+    stamps = 1_700_000_000 * UNITS[unit] + np.arange(100, dtype=np.int64) * (UNITS[unit] // 100)
+    for values in (stamps, stamps.astype(np.float64)):
+        clock = Clock()
+        assert np.allclose(clock.seconds(values), 0.01 * np.arange(100), atol=1e-6)
+        assert clock.unit == unit and clock.since_1970 and clock.origin_s == pytest.approx(1.7e9)
+
+
+def test_seconds_stay_seconds():
+    for t in (0.01 * np.arange(100), 1.7e9 + 0.01 * np.arange(100), 1000.0 * np.arange(100)):
+        clock = Clock()
+        assert np.array_equal(clock.seconds(t), t) and not clock.unit and not clock.origin
+
+
+@pytest.mark.parametrize(("step", "unit"), [(1_000_000, "ns"), (1000, "us"), (10, "ms"), (20, "ms")])
+def test_whole_numbers_too_far_apart_for_seconds(step, unit):
+    clock = Clock()
+    t = clock.seconds(step * np.arange(100, dtype=np.int64))
+    assert clock.unit == unit and not clock.since_1970
+    assert np.allclose(t, step / UNITS[unit] * np.arange(100))
+
+
+def test_what_may_be_either_stays_as_it_is():
+    assert likely_units(100.0) == ["ms", "us"]
+    stamps = 100 * np.arange(100, dtype=np.int64)
+    assert np.array_equal(Clock().seconds(stamps), stamps)
+
+
+@given(
+    first=st.integers(0, 2**62), step=st.integers(1, 10**9), n=st.integers(2, 50), size=st.integers(1, 20)
+)
+def test_blocks_go_on_from_one_another_and_keep_their_nanoseconds(first, step, n, size):
+    stamps = first + step * np.arange(n, dtype=np.int64)
+    whole, parts = Clock(1e-9), Clock(1e-9)
+    t = whole.seconds(stamps)
+    together = np.concatenate([parts.seconds(stamps[k : k + size]) for k in range(0, n, size)])
+    assert np.array_equal(t, together)
+    assert np.allclose(np.diff(t), 1e-9 * step, rtol=0, atol=2e-9)
