@@ -65,7 +65,7 @@ def parse_arm(text: str, where: str) -> Arm:
     try:
         table = ArmTable.model_validate(raw)
     except ValidationError as error:
-        raise ConfigError(mistakes_of(error, where) + found) from error
+        raise ConfigError(mistakes_of(error, where, ArmTable) + found) from error
     if found:
         raise ConfigError(found)
     return table.arm()

@@ -20,6 +20,8 @@ from arm.model import (
     Sensor,
     Tip,
 )
+from arm.schema_fields import fields_at
+from limbcal.suggestion import did_you_mean
 
 Number = Annotated[float, Field(strict=True, allow_inf_nan=False)]  # neither "1.0" nor true is a number
 Vector = tuple[Number, Number, Number]
@@ -126,8 +128,17 @@ class ArmTable(_Table):
         )
 
 
-def mistakes_of(error: ValidationError, where: str) -> list[str]:
-    """Return one sentence a mistake: file, field, what was found, what was expected."""
+def mistakes_of(error: ValidationError, where: str, schema: type[BaseModel]) -> list[str]:
+    """Return one sentence a mistake: file, field, what was found, what was expected.
+
+    Parameters
+    ----------
+    error : ValidationError
+    where : str
+        The file.
+    schema : type
+        What the whole file was held against; it knows the fields that may have been meant.
+    """
     sentences = []
     mistakes = error.errors()
     inside = {mistake["loc"][:n] for mistake in mistakes for n in range(len(mistake["loc"]))}
@@ -138,7 +149,10 @@ def mistakes_of(error: ValidationError, where: str) -> list[str]:
             "."
         )
         if mistake["type"] == "extra_forbidden":
-            sentences.append(f"{where}: {field} is not a known field")
+            *table, name = mistake["loc"]
+            sentences.append(
+                f"{where}: {field} is not a known field{did_you_mean(str(name), fields_at(schema, table))}"
+            )
         elif mistake["type"] == "missing":
             sentences.append(f"{where}: {field} is missing")
         elif mistake["type"] == "model_type":

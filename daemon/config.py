@@ -109,7 +109,7 @@ def _setup(where: str, tables: dict[str, object], arm: Arm | None = None) -> Set
     try:
         config = Config.model_validate(tables)
     except ValidationError as error:
-        mistakes += [_with_flag(sentence) for sentence in mistakes_of(error, where)]
+        mistakes += [_with_flag(sentence) for sentence in mistakes_of(error, where, Config)]
     arm = arm or _load_arm(tables["arm"], where, mistakes)
     tracking = tables.get("tracking")
     if isinstance(tracking, dict) and "zero" in tracking and tracking.get("method", "filter") == "filter":

@@ -12,6 +12,7 @@ from arm.model import Arm, Floats
 from daemon.config import Setup
 from daemon.sample_burst import sample_burst
 from limbcal.command import say, show
+from limbcal.digits import NORMAL_95, with_half_width
 from limbcal.errors import ConfigError, NotIdentifiable
 from tracking.noise import noise_of
 
@@ -110,11 +111,13 @@ def _check_rest(arm: Arm, cells: Floats, sigma: Floats) -> None:
 
 
 def _show(arm: Arm, bias: Floats, std: Floats, out: Path) -> None:
-    table = Table(title="bias, m/s²")
+    table = Table(title="bias, m/s², ± half of the 95 % interval")
     for title in ("sensor", "x", "y", "z"):
         table.add_column(title, justify="left" if title == "sensor" else "right")
     for sensor, b, error in zip(arm.sensors, bias, std, strict=True):
-        table.add_row(sensor.name, *(f"{value:+.4f} ± {e:.4f}" for value, e in zip(b, error, strict=True)))
+        half_widths = NORMAL_95 * error
+        cells = [" ± ".join(with_half_width(*pair)) for pair in zip(b, half_widths, strict=True)]
+        table.add_row(sensor.name, *cells)
     show(table)
     for sensor, b in zip(arm.sensors, bias, strict=True):
         if np.abs(b).max() > _INCREDIBLE_M_S2:

@@ -6,6 +6,9 @@ as section 7.2.6 of the Guide to the Expression of Uncertainty in Measurement (J
 
 import math
 
+#: Half-width of the 95 % interval of a normal distribution, in standard deviations.
+NORMAL_95 = 1.959964
+
 #: Significant digits of an uncertainty (JCGM 100:2008, 7.2.6: "at most two").
 _UNCERTAINTY_DIGITS = 2
 #: Significant digits of a value whose uncertainty is not known.

@@ -21,6 +21,7 @@ from fitter.dynamics.found_targets import HINT, lacks_torque, with_found_targets
 from fitter.report.diagnosis_report import write_diagnosis
 from limbcal.command import Document, console, say, show
 from limbcal.errors import ConfigError, DeviceError
+from limbcal.suggestion import did_you_mean
 from protocol.tables.columns import parse_mapping
 from protocol.tables.files import RECORDINGS, expand
 
@@ -129,7 +130,8 @@ def _denied(text: str | None) -> tuple[str, ...]:
     names = [part.strip() for part in (text or "").split(",") if part.strip()]
     for name in names:
         if name not in _DENIABLE:
-            raise ConfigError(f"--deny is {text!r}, expected some of {', '.join(_DENIABLE)}")
+            meant = did_you_mean(name, _DENIABLE)
+            raise ConfigError(f"--deny is {text!r}, expected some of {', '.join(_DENIABLE)}{meant}")
     return tuple(_DENIABLE[name] for name in names)
 
 

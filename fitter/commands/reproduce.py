@@ -12,6 +12,7 @@ from fitter.experiments.reproduction import EXPERIMENTS, Outcome, reproduce
 from fitter.experiments.reproduction_report import document_of, write_report
 from limbcal.command import Document, console, show
 from limbcal.errors import ConfigError, DeviceError
+from limbcal.suggestion import did_you_mean
 
 _ALL = "all"
 #: As many as the experiments are worth parting into.
@@ -73,6 +74,7 @@ def _chosen(given: list[str]) -> list[str]:
     if unknown:
         raise ConfigError(
             f"no experiment is called {', '.join(unknown)}; there are {', '.join(EXPERIMENTS)}, and {_ALL}"
+            f"{did_you_mean(unknown[0], EXPERIMENTS)}"
         )
     return [name for name in EXPERIMENTS if name in given or _ALL in given]
 

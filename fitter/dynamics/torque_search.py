@@ -14,6 +14,7 @@ from fitter.dynamics.torque_sums import TorqueSums
 from fitter.search.fitted_parameter import FittedParameter, fitted_parameters
 from fitter.search.genetic import INDIVIDUALS_PER_GENE, POPULATION, GeneticAlgorithm
 from limbcal.errors import ConfigError, NotConverged
+from limbcal.suggestion import did_you_mean
 
 #: Told after every generation: how many are done, and the best cost.
 Progress = Callable[[int, float], None]
@@ -89,6 +90,7 @@ def _check_names(base: BaseParameters, *named: Mapping[str, object]) -> None:
     if unknown:
         raise ConfigError(
             f"no base parameter is called {', '.join(unknown)}; this arm has {', '.join(base.names)}"
+            f"{did_you_mean(unknown[0], base.names)}"
         )
 
 

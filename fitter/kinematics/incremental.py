@@ -16,6 +16,7 @@ from fitter.kinematics.tip_sums import TipSums, add_up, no_sums, tip_sums
 from fitter.search.genetic import INDIVIDUALS_PER_GENE, POPULATION, GeneticAlgorithm
 from fitter.search.standard_errors import sandwich_covariance
 from limbcal.errors import ConfigError
+from limbcal.suggestion import did_you_mean
 
 #: What can be told is looked at again every so many generations.
 _LOOK_AGAIN = 25
@@ -65,6 +66,7 @@ class IncrementalKinematics:
         if unknown:
             raise ConfigError(
                 f"no geometric parameter is called {', '.join(unknown)}; there are {', '.join(names)}"
+                f"{did_you_mean(unknown[0], names)}"
             )
         self.arm = arm
         self._revolute = turning(arm)

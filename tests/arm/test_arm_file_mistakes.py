@@ -23,7 +23,7 @@ def test_three_mistakes_are_three_sentences_that_name_their_fields():
     found = mistakes(text)
     assert len(found) == 3
     assert found[0].startswith("arm.toml: joint[0].a_m is 'long'; input should be a valid number")
-    assert found[1] == "arm.toml: joint[0].dm is not a known field"
+    assert found[1] == "arm.toml: joint[0].dm is not a known field; did you mean 'd_m'?"
     assert found[2].startswith("arm.toml: control.law is 'pid'; input should be 'pd', 'pda', 'p' or 'measured'")
 
 

@@ -12,17 +12,17 @@ from limbcal.arguments import parser_of
 ROOT = Path(__file__).parents[2]
 PAGES = ["README.md", "systemd/README.md", *sorted(f"docs/{page.name}" for page in (ROOT / "docs").glob("*.md"))]
 PROGRAMS = {"limbd": "daemon", "fitter": "fitter", "limbplay": "playback"}
-BLOCK = re.compile(r"^```(?:sh|console)\n(.*?)^```", re.MULTILINE | re.DOTALL)
+BLOCK = re.compile(r"^```sh\n(.*?)^```", re.MULTILINE | re.DOTALL)
 #: Commands that need neither data nor a device and end at once.
 CHEAP = {"check", "effects"}
 
 
 def commands_of(page):
-    """Return the words of every command of ours in the blocks of a page; in a console block what follows ``$``."""
+    """Return the words of every command of ours in the blocks of a page."""
     found = []
     for block in BLOCK.findall((ROOT / page).read_text(encoding="utf-8")):
         for line in block.replace("\\\n", " ").splitlines():
-            for part in re.split(r"&&|\||;|(?<!&)&(?!&)", line.removeprefix("$ ")):
+            for part in re.split(r"&&|\||;|(?<!&)&(?!&)", line):
                 try:
                     words = shlex.split(part, comments=True)
                 except ValueError:
