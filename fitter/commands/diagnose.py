@@ -14,6 +14,7 @@ from fitter.commands.arm_option import questioned_arm
 from fitter.commands.diagnose_readings import diagnose_readings, readings
 from fitter.commands.options import add_arm, add_columns
 from fitter.data.motions import Measured, read_motions
+from fitter.data.plausibility.questions import questioned
 from fitter.data.recordings import read_frames
 from fitter.diagnosis.diagnosis import diagnose
 from fitter.diagnosis.finding import Finding, NamedCause
@@ -115,7 +116,8 @@ def _read(sources: Sequence[Path], arm: Arm, arguments: argparse.Namespace) -> l
         if path.suffix.lower() in RECORDINGS:
             motions += read_frames(path, arm.n_joint)
         else:
-            motions += read_motions(path, arm.n_joint, mapping, arguments.rate_hz, required=("q",))
+            read = read_motions(path, arm.n_joint, mapping, arguments.rate_hz, required=("q",))
+            motions += questioned(read, arm)
     return motions
 
 

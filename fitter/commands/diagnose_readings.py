@@ -9,6 +9,7 @@ from rich.table import Table
 from arm.arm_file import save_arm
 from arm.effects.catalogue import catalogue
 from arm.model import Arm
+from fitter.data.plausibility.refusal import Refusal
 from fitter.data.raw import RawRun, load_raw
 from fitter.diagnosis.sensors.diagnosis import diagnose_sensors
 from fitter.diagnosis.sensors.finding import SensorCause, SensorFinding
@@ -30,7 +31,10 @@ def readings(sources: Sequence[Path], arm: Arm, columns: str | None, rate_hz: fl
     if not arm.sensors or any(path.suffix.lower() in RECORDINGS for path in expand(sources)):
         return None
     try:
-        return load_raw(sources, [sensor.name for sensor in arm.sensors], arm.n_joint, columns, rate_hz=rate_hz)
+        names = [sensor.name for sensor in arm.sensors]
+        return load_raw(sources, names, arm.n_joint, columns, rate_hz=rate_hz, arm=arm)
+    except Refusal:
+        raise
     except DataError:
         return None  # then it is joint motion, and what is wrong with that will be said
 

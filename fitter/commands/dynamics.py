@@ -36,6 +36,7 @@ from fitter.dynamics.learned_torque import has_unknown_target
 from fitter.dynamics.reduction import reduce_trials
 from fitter.dynamics.saved_sums import ArmSums, add_sums, equation_of, is_sums, load_sums
 from fitter.dynamics.structure import structural_parameters
+from fitter.dynamics.torque_delay import torque_delay
 from fitter.dynamics.torque_search import GENERATIONS, fit_sums
 from fitter.dynamics.usability import joint_notes, next_to_nothing, unusable
 from fitter.dynamics.written import save_calibrated, told_by_data
@@ -127,7 +128,9 @@ def dynamics(arguments: argparse.Namespace) -> Document:
     scores = {"learn": learnt, "evaluate": evaluated}
     found_targets = any(has_unknown_target(arm, trial) for trial in learn)
     assumed = dynamics_assumptions(arm, lengths_learnt=False, targets_found=found_targets)
-    fit = replace(fit, notes=(*fit.notes, *joint_notes(scores), *(Note("assumed", said) for said in assumed)))
+    late = torque_delay(arm, fit.base, learn)
+    found = (*joint_notes(scores), *([] if late is None else [late.note]))
+    fit = replace(fit, notes=(*fit.notes, *found, *(Note("assumed", said) for said in assumed)))
     save_calibrated(fit.arm, fit.base, told_by_data(fit), arguments.out)
     revealed = report(arm, fit.base, fit.problem)
     say_fit(fit, compared, learnt, evaluated, revealed)
@@ -183,6 +186,7 @@ def _from_sums(arguments: argparse.Namespace, arm: Arm) -> Document:
             arguments.columns,
             rate_hz=arguments.rate_hz,
             cutoff_hz=arguments.cutoff_hz,
+            arm=arm,
         )
     base = structural_parameters(arm)
     fit = fit_sums(
@@ -270,6 +274,7 @@ def _trials(arguments: argparse.Namespace, arm: Arm) -> tuple[list[Trial], list[
             cutoff_hz=cutoff_hz,
             band_hz=band_hz,
             role=role,
+            arm=arm,
         )
 
     return trial_sets(load, arguments.learn, arguments.evaluate)

@@ -135,7 +135,13 @@ def angle_noise_of(text: str, arm: Arm) -> Literal["auto"] | None | list[float]:
 def _trials(arguments: argparse.Namespace, arm: Arm) -> tuple[list[Trial], list[Trial]]:
     def load(sources: Sequence[Path], role: Role | None, _filters: tuple[float, float] | None) -> list[Trial]:
         return load_trials(
-            sources, arm.n_joint, arguments.columns, rate_hz=arguments.rate_hz, cutoff_hz=np.inf, role=role
+            sources,
+            arm.n_joint,
+            arguments.columns,
+            rate_hz=arguments.rate_hz,
+            cutoff_hz=np.inf,
+            role=role,
+            arm=arm,
         )
 
     learn, evaluate = trial_sets(load, arguments.data, arguments.evaluate)

@@ -14,6 +14,7 @@ from fitter.commands.options import MOTION_SUFFIXES, add_arm, add_columns, add_o
 from fitter.data.leaps import split_at_leaps
 from fitter.data.motion_file import write_motion
 from fitter.data.motions import Measured, read_motions
+from fitter.data.plausibility.reference import look
 from fitter.data.resample import resample
 from limbcal.command import Document, say_notes, show
 from limbcal.errors import ConfigError, DataError
@@ -56,7 +57,7 @@ def simulate_reference(arguments: argparse.Namespace) -> Document:
     role = "tau" if arm.control.law == "measured" else "ref"
     mapping = parse_mapping(arguments.columns, arm.n_joint)
     read = read_motions(arguments.reference, arm.n_joint, mapping, arguments.rate_hz, required=(role,))
-    trials = [piece for motion in read for piece in split_at_leaps(motion)]
+    trials = [piece for motion in read for piece in split_at_leaps(look(motion, arm))]
     make_room(arguments.out, MOTION_SUFFIXES)
     parts: list[dict[str, NDArray[np.generic]]] = []
     notes: list[Note] = []

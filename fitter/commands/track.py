@@ -67,7 +67,7 @@ def track(arguments: argparse.Namespace) -> Document:
         raise ConfigError(f"--zero is {zero!r}, expected it only with --method integrate, not {method}")
     arm = questioned_arm(arguments.arm)
     names = [sensor.name for sensor in arm.sensors]
-    runs = load_raw(arguments.raw, names, arm.n_joint, arguments.columns, rate_hz=arguments.rate_hz)
+    runs = load_raw(arguments.raw, names, arm.n_joint, arguments.columns, rate_hz=arguments.rate_hz, arm=arm)
     given = arguments.initial_q
     q0 = None if given is None else joint_values(given, arm, "--initial-q")
     make_room(arguments.out, MOTION_SUFFIXES)

@@ -7,9 +7,11 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from arm.model import Arm
 from fitter.data.gaps import Gap, find_gaps
 from fitter.data.leaps import MINIMUM_SAMPLES, split_at_leaps
 from fitter.data.motions import Measured, read_file, require_rising
+from fitter.data.plausibility.readings import look
 from fitter.data.recordings import read_raw_blocks
 from fitter.data.sensor_files import Part, join, part_of
 from limbcal.errors import ConfigError, DataError
@@ -121,6 +123,7 @@ def load_raw(
     columns: str | None = None,
     *,
     rate_hz: float | None = None,
+    arm: Arm | None = None,
 ) -> list[RawRun]:
     """Read raw accelerations.
 
@@ -137,6 +140,8 @@ def load_raw(
         Mapping of foreign columns, see `protocol.tables.columns.parse_mapping`; the axes go by ``s1x`` and so on.
     rate_hz : float, optional
         Rate of the samples where a file has no time.
+    arm : Arm, optional
+        Whose sensors the files say they are of: they are questioned, see `fitter.data.plausibility`.
 
     Returns
     -------
@@ -168,7 +173,7 @@ def load_raw(
     whole += join(parts, sensors, mapping)
     runs: list[RawRun] = []
     for clock in (clock for motion in whole for clock in _clocks(motion)):
-        pieces = split_at_leaps(clock)
+        pieces = split_at_leaps(clock if arm is None else look(clock, arm))
         runs += [replace(_run(piece), after_leap=k > 0) for k, piece in enumerate(pieces)]
     return runs
 

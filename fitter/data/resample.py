@@ -147,7 +147,9 @@ def resample(motion: Measured, rate_hz: float | None = None) -> Uniform:
         grid = _grid(t[-1], own_step)
         corner_hz = ANTI_ALIAS / dt_s
         columns = {
-            role: lowpass(curve_through(role, t, values, crowded)(grid), own_step, corner_hz)
+            role: curve_through(role, t, values, crowded)(grid)
+            if role == "contradicted"
+            else lowpass(curve_through(role, t, values, crowded)(grid), own_step, corner_hz)
             for role, values in columns.items()
         }
         t = grid
@@ -175,7 +177,7 @@ def _stamps(n: int, dt_s: float) -> Floats:
 
 def curve_through(role: str, t: Floats, values: Floats, crowded: bool) -> Curve:
     """Return the curve through a column that suits what it is, by the column's role."""
-    if role == "ref":
+    if role in ("ref", "contradicted"):
         line = make_interp_spline(t, values, k=1, axis=0)
         return lambda at: np.asarray(line(np.minimum(at, t[-1])))
     if role == "tau" or crowded:

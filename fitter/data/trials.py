@@ -8,10 +8,13 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from arm.model import Arm
 from fitter.data.bandwidth import Signal, motion_edge_hz
 from fitter.data.derivatives import differentiate, lowpass, settling_samples
 from fitter.data.jumps import midway_at_jumps
 from fitter.data.motions import Measured, read_motions
+from fitter.data.plausibility.questions import questioned
+from fitter.data.plausibility.saturated import CONTRADICTED
 from fitter.data.recordings import read_frames
 from fitter.data.resample import Uniform, resample, split_at_holes
 from limbcal.errors import ConfigError, DataError
@@ -28,6 +31,8 @@ COLUMN_CORNER = 1.5
 FIT_CORNER = 2.0 / 3.0 / COLUMN_CORNER
 #: At most this share of a trial is trimmed at each end, and a corner needs this many periods in a trial.
 TRIM_SHARE = 0.1
+#: A sample of a new grid is contradicted if any share of it comes from such a one, but for rounding.
+_ANY = 1e-3
 
 
 @dataclass(frozen=True)
@@ -130,6 +135,7 @@ def load_trials(
     cutoff_hz: float | None = None,
     band_hz: float | None = None,
     role: Role | None = None,
+    arm: Arm | None = None,
 ) -> list[Trial]:
     """Read a set of trials.
 
@@ -155,6 +161,8 @@ def load_trials(
         Corner of `Trial.lowpass`. Default: 4/9 of ``cutoff_hz``, which is two thirds of that frequency.
     role : {"learn", "evaluate"}, optional
         From recordings, take only trials of this role. Trials of other files have none and are all taken.
+    arm : Arm, optional
+        Whose motion the files say they hold: they are questioned, see `fitter.data.plausibility`.
 
     Returns
     -------
@@ -178,7 +186,8 @@ def load_trials(
         if path.suffix.lower() in RECORDINGS:
             motions += [motion for motion in read_frames(path, n_joint) if role in (None, motion.role)]
         else:
-            motions += read_motions(path, n_joint, mapping, rate_hz, required=("q",))
+            read = read_motions(path, n_joint, mapping, rate_hz, required=("q",))
+            motions += read if arm is None else questioned(read, arm)
     if not motions:
         raise DataError(f"{', '.join(map(str, files))}: no trial with role {role!r} in it")
     return to_trials(motions, rate_hz, cutoff_hz, band_hz)
@@ -244,6 +253,7 @@ def lowpass_trial(trial: Trial, cutoff_hz: float) -> Trial:
         tip=filtered(trial.tip),
         points=filtered(trial.points),
         tau_measured=None if trial.tau_measured is None else trial.tau_measured[inner],
+        contradicted=None if trial.contradicted is None else trial.contradicted[inner],
         trimmed=trial.trimmed + trim,
         began_s=trial.began_s + trim * trial.dt_s,
         cutoff_hz=np.inf,
@@ -272,6 +282,7 @@ def derive(motion: Uniform, cutoff_hz: float, band_hz: float) -> Trial:
     """Fill in what a motion on a uniform grid lacks, and filter all columns alike if anything was."""
     measured, dt_s = motion.measured, motion.dt_s
     given = dict(measured.columns)
+    marked = given.pop(CONTRADICTED, None)
     notes = list(measured.notes)
     derived = [name for name in ("dq", "ddq") if name not in given]
     trim = 0
@@ -320,6 +331,7 @@ def derive(motion: Uniform, cutoff_hz: float, band_hz: float) -> Trial:
         whole=whole if derived else {},
         trimmed=trim,
         began_s=motion.began_s + trim * dt_s,
+        contradicted=None if marked is None else marked[inner] > _ANY,
     )
 
 

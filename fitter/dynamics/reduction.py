@@ -9,6 +9,7 @@ from pathlib import Path
 from arm.base_parameters import BaseParameters
 from arm.model import Arm
 from fitter.data.first_rest import REST_SPEED
+from fitter.data.plausibility.questions import questioned
 from fitter.data.reading import Reading, find_corner_hz, stretches_of
 from fitter.data.resample import Uniform
 from fitter.data.stretches import Stretch
@@ -143,12 +144,14 @@ def reduce_file(arm: Arm, rest_speed: float, reading: Reading, path: Path) -> Re
     long: RunningSums | None = None
     for stretch in stretches_of(path, arm.n_joint, reading):
         if stretch.whole:
-            for trial in to_trials([stretch.motion], reading.rate_hz, reading.cutoff_hz, reading.band_hz):
+            motions = questioned([stretch.motion], arm)
+            for trial in to_trials(motions, reading.rate_hz, reading.cutoff_hz, reading.band_hz):
                 parts.append(trial_sums(arm, base, trial, rest_speed))
                 trials.append(trial.name)
                 notes += of_source(trial.notes, trial.name)
             continue
         if long is None:
+            questioned([stretch.motion], arm)  # what is wrong with a column's unit shows in its beginning
             long = RunningSums(arm.n_joint, len(base.independent))
         said = _add(long, arm, base, rest_speed, reading, stretch)
         if stretch.ends:

@@ -29,7 +29,7 @@ def test_the_motion_is_the_arms_own(fitter, reference, tmp_path):
     assert outcome.code == 0
     columns = np.load(out)
     samples = len(np.load(reference)["t"])
-    assert outcome.document == {"out": str(out), "trials": 3, "samples": samples, "scheme": "rk4"}
+    assert outcome.document == {"out": str(out), "trials": 3, "samples": samples, "scheme": "rk4", "notes": []}
     assert set(columns) == {
         *("t", "trial", "tipx", "tipy", "tipz"),
         *(f"{name}{j}" for name in ("q", "dq", "ddq", "tau", "ref") for j in (1, 2)),

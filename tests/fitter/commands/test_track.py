@@ -26,7 +26,7 @@ def test_accelerations_become_joint_motion(fitter, raw, tmp_path):
     outcome = fitter("track", raw, "--arm", "dd-arm", "--method", "integrate", "--out", out)
     assert outcome.code == 0
     document = outcome.document
-    common = {"method", "out", "frames", "trials", "lost_samples", "seconds", "angle_error_deg"}
+    common = {"method", "out", "frames", "trials", "lost_samples", "seconds", "angle_error_deg", "notes"}
     assert set(document) == common and document["seconds"] > 0.0
     assert (document["method"], document["out"]) == ("integrate", str(out))
     assert (document["trials"], document["lost_samples"]) == (3, 0)
@@ -56,7 +56,7 @@ def test_what_a_tracker_says_of_itself_is_in_the_document(fitter, two_seconds, t
     document = outcome.document
     assert outcome.code == 0 and document["method"] == method
     common = {"method", "out", "frames", "trials", "lost_samples", "seconds", "angle_error_deg", "within_3_std"}
-    assert set(document) == common | says
+    assert set(document) == common | says | {"notes"}
     assert len(document["within_3_std"]) == 2 and all(0.0 <= share <= 1.0 for share in document["within_3_std"])
     assert document["wrong"] is False and "warning" not in outcome.said
     header = out.read_text().partition("\n")[0]

@@ -1,0 +1,103 @@
+"""How far and how fast the joints of a table move, and what its angles leave unexplained of torque and tip."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from arm.control import control_torque
+from arm.model import Arm, Floats
+from arm.regressor import regressor
+from fitter.data.motions import Measured
+
+#: A table is thinned to about this many rows, each the mean of its neighbours: enough to compare units.
+_ROWS = 400
+#: Top speeds are this quantile of all, so that a single jump is none.
+_TOP = 0.95
+
+
+def turning(arm: Arm) -> NDArray[np.bool_]:
+    """Return which joints turn, (n_joint,)."""
+    return np.array([joint.type == "revolute" for joint in arm.joints])
+
+
+def top_speeds(t: Floats, q: Floats) -> Floats:
+    """Return the top speed of every joint [rad/s or m/s], (n_joint,), single jumps left out."""
+    speed = np.abs(np.diff(q, axis=0)) / np.diff(t)[:, None]
+    coarse = max(1, len(speed) // _ROWS)
+    if coarse > 1:  # the resolution of an encoder is not a speed
+        some = np.arange(0, len(t), coarse)
+        speed = np.abs(np.diff(q[some], axis=0)) / np.diff(t[some])[:, None]
+    return np.asarray(np.quantile(speed, _TOP, axis=0), dtype=np.float64)
+
+
+def path_lengths(values: Floats) -> Floats:
+    """Return how far columns move to and fro in all, (n_column,), their noise averaged out."""
+    return np.asarray(np.abs(np.diff(thinned(values), axis=0)).sum(axis=0), dtype=np.float64)
+
+
+def thinned(values: Floats) -> Floats:
+    """Return means over blocks of rows, about `_ROWS` of them."""
+    block = max(1, len(values) // _ROWS)
+    n = len(values) // block
+    return np.asarray(values[: n * block].reshape(n, block, *values.shape[1:]).mean(axis=1), dtype=np.float64)
+
+
+def speed_ratio(motion: Measured) -> Floats | None:
+    """Return every joint's given velocity over the slope of its angle, (n_joint,): 1 where units agree.
+
+    Least squares through zero; NaN where a joint hardly moves or the two are not alike at all.
+    """
+    if "dq" not in motion.columns or len(motion.t) < 3:
+        return None
+    given = motion.columns["dq"][1:-1]
+    t, q = motion.t, motion.columns["q"]
+    slope = (q[2:] - q[:-2]) / (t[2:] - t[:-2])[:, None]
+    power, cross, own = np.sum(slope**2, axis=0), np.sum(slope * given, axis=0), np.sum(given**2, axis=0)
+    alike = cross > 0.8 * np.sqrt(power * own)
+    ok = (power > 0.0) & alike
+    return np.where(ok, cross / np.where(ok, power, 1.0), np.nan)
+
+
+def torque_left(arm: Arm, motion: Measured, angle_scale: float, time_scale: float = 1.0) -> float | None:
+    """Return what share of the torque's power the best inertias leave, with angles and time in other units.
+
+    Parameters
+    ----------
+    arm : Arm
+        Its geometry, gravity and law.
+    motion : Measured
+    angle_scale, time_scale : float
+        What angles and time are multiplied by.
+
+    Returns
+    -------
+    float or None
+        None where there is neither a torque nor a law with its target.
+    """
+    columns = motion.columns
+    scale = np.where(turning(arm), angle_scale, 1.0)
+    t, q = time_scale * thinned(motion.t), scale * thinned(columns["q"])
+    if len(t) < 8:
+        return None
+    dq = np.gradient(q, t, axis=0)
+    ddq = np.gradient(dq, t, axis=0)
+    if arm.control.law == "measured":
+        if "tau" not in columns:
+            return None
+        tau = thinned(columns["tau"])
+    elif "ref" in columns:
+        tau = control_torque(arm.control, q, dq, ddq, scale * thinned(columns["ref"]))
+    else:
+        return None
+    W = regressor(arm, q, dq, ddq).reshape(-1, 12 * arm.n_joint)
+    size = np.linalg.norm(W, axis=0)
+    W = W[:, size > 0.0] / size[size > 0.0]
+    power = float(np.sum(tau**2))
+    if not power > 0.0 or not W.size:
+        return None
+    found = np.linalg.lstsq(W, tau.ravel(), rcond=1e-6)[0]
+    return float(np.sum((tau.ravel() - W @ found) ** 2) / power)
+
+
+def reach(arm: Arm) -> float:
+    """Return how far an arm reaches by its file [m]; 0 where it knows no length."""
+    return float(sum(np.hypot(joint.a_m, joint.d_m) for joint in arm.joints))
