@@ -4,6 +4,8 @@ VENV := .venv
 BIN := $(VENV)/bin
 STAMP := $(VENV)/.installed
 BENCH_STAMP := $(VENV)/.installed-bench
+KERNELS := $(VENV)/.kernels
+SOURCES := $(shell find arm daemon fitter limbcal playback protocol tracking -name '*.py')
 
 .DEFAULT_GOAL := help
 .PHONY: help run test soak check bench lock clean
@@ -16,7 +18,13 @@ $(STAMP): pyproject.toml constraints.txt
 	$(BIN)/python -m pip install --quiet --constraint constraints.txt --editable '.[dev,view]'
 	@touch $@
 
-run: $(STAMP) ## the main job on the virtual arm: measure, calibrate, simulate, play; writes out/report.html
+# Each command compiles what it finds missing before it listens to anything; here it is done once for all of them.
+$(KERNELS): $(STAMP) $(SOURCES)
+	@echo "compiling kernels: a minute or two the first time, seconds later on"
+	@$(BIN)/limbd compile & limbd=$$!; $(BIN)/fitter compile && $(BIN)/limbplay compile; fitter=$$?; wait $$limbd && exit $$fitter
+	@touch $@
+
+run: $(KERNELS) ## the main job on the virtual arm: measure, calibrate, simulate, play; writes out/report.html
 	@$(BIN)/python examples/main_job.py --out out
 
 test: $(STAMP) ## all tests, in two processes

@@ -14,6 +14,7 @@ COMMANDS = {
     "keys": "let clients on other machines in, by their keys",
     "install": "lay down units, udev rule and a first config for systemd",
     "virtual": "be a device: the virtual arm on a pty",
+    "compile": "compile the kernels now, so that no other command has to",
 }
 
 

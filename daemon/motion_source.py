@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from daemon.virtual_motion import BenchPlan, Stretch, Truth, stretches
+from limbcal.compilation import said_when_compiling
 from limbcal.errors import DeviceError, LimbcalError
 
 #: Handed over a quarter of a second at a time: taking one delays the stream by a fraction of a millisecond.
@@ -42,6 +43,10 @@ class MotionSource:
         self._process = context.Process(target=_compute, args=(sender, plan), name="limbd-virtual-motion")
         self._process.start()
         sender.close()
+
+    def wait(self, timeout_s: float) -> bool:
+        """Wait until there is something to `fetch`; return whether there is."""
+        return self._ahead_samples > 0 or self._receiver.poll(timeout_s)
 
     def fetch(self) -> None:
         """Take over one more piece where there is one and it is wanted; does not wait.
@@ -99,7 +104,10 @@ class MotionSource:
 def _compute(sender: Connection, plan: BenchPlan) -> None:
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # a Ctrl-C is the device's to act on
     try:
-        for piece in _pieces(plan):
+        pieces = _pieces(plan)
+        with said_when_compiling("limbd virtual"):
+            sender.send(next(pieces))
+        for piece in pieces:
             sender.send(piece)  # waits until the device wants more; its end ends this process too
     except LimbcalError as error:
         sender.send(error)

@@ -26,12 +26,16 @@ from protocol.deadline import Ticker
 _BEAT_S = 0.005
 #: How much of the stream the device can hold back for its host.
 _FIFO_S = 0.5
+_READY_S = 0.1
 _BYTES_PER_SAMPLE_OF_A_CHANNEL = 2
 
 
 @dataclass(frozen=True)
 class VirtualOptions:
-    """What was asked for on the command line; ``claimed_hz`` is the rate that INFO says."""
+    """What was asked for on the command line.
+
+    ``claimed_hz`` is the rate that INFO says; with ``patient`` the arm waits while the host does not read.
+    """
 
     plan: BenchPlan
     claimed_hz: float
@@ -41,6 +45,7 @@ class VirtualOptions:
     truth: Path | None
     as_json: bool
     faults: tuple[Fault, ...] = ()
+    patient: bool = False
 
 
 def serve(options: VirtualOptions) -> None:
@@ -59,7 +64,6 @@ def serve(options: VirtualOptions) -> None:
     fifo = FrameFifo(round(_FIFO_S * stream_bytes_s) + 65536)
     line = FaultyLine(fifo, plan.seed)
     with StopSignal() as stop, VirtualPort(options.link) as port:
-        _announce(options, port.path)
         device = VirtualDevice(
             info,
             lambda: MotionSource(plan, options.truth is not None),
@@ -67,10 +71,14 @@ def serve(options: VirtualOptions) -> None:
             options.speed,
             time.monotonic(),
             options.timing,
+            fifo.is_half_full if options.patient else None,
         )
         trouble = Trouble(options.faults, info, device, line, port)
         ask_for_real_time(DEVICE)  # it stands for hardware, which nothing else on the host slows down
         try:
+            while not stop.came and not device.ready(_READY_S):
+                continue  # its kernels are being compiled: who starts it must not find it silent
+            _announce(options, port.path)
             _serve(device, fifo, port, stop, trouble)
         finally:
             device.close()

@@ -68,6 +68,10 @@ class FrameFifo:
         else:
             self._held += frame
 
+    def is_half_full(self) -> bool:
+        """Say whether the host has left so much."""
+        return 2 * len(self._held) > self._capacity
+
     def clear(self) -> None:
         """Lose all that is held."""
         self._held.clear()
@@ -134,11 +138,14 @@ class VirtualDevice:
         The host's clock.
     timing : Timing, optional
         As INFO says unless given.
+    waits_for_host : callable, optional
+        Says whether the host is so far behind that arm and clock wait for it; they never do unless given, as a
+        real arm never does.
 
     Attributes
     ----------
     waited_s : float
-        How long the stream, once begun, had to wait for samples that were not computed yet.
+        How long the stream, once begun, had to wait: for samples that were not computed yet, or for the host.
     """
 
     def __init__(
@@ -149,8 +156,10 @@ class VirtualDevice:
         speed: float,
         now_s: float,
         timing: Timing | None = None,
+        waits_for_host: Callable[[], bool] | None = None,
     ) -> None:
         self.waited_s = 0.0
+        self._waits_for_host = waits_for_host or (lambda: False)
         self._info = info
         self._timing = timing or Timing(info.rate_hz)
         self._new_source = new_source
@@ -169,6 +178,19 @@ class VirtualDevice:
     def truth(self) -> Truth:
         """The true motion of the stream that is, or was, the last."""
         return self._source.truth() if self._streaming else self._truth
+
+    def ready(self, timeout_s: float) -> bool:
+        """Wait for the first samples; return whether they are there.
+
+        Raises
+        ------
+        LimbcalError
+            If the motions cannot be computed.
+        """
+        if not self._source.wait(timeout_s):
+            return False
+        self._source.fetch()
+        return True
 
     def receive(self, data: bytes, now_s: float) -> None:
         """Take what the host sent; what is no command is passed over."""
@@ -198,7 +220,7 @@ class VirtualDevice:
         due = int((now_s - self._started_s) * per_s)
         while due - self._source.taken >= n:
             first_s = self._started_s + self._source.taken / per_s
-            counts = self._source.take(n)
+            counts = None if self._waits_for_host() else self._source.take(n)
             if counts is None:
                 self._stand_still(first_s, now_s)
                 return
@@ -230,7 +252,7 @@ class VirtualDevice:
         self._source = self._new_source()
 
     def _stand_still(self, first_s: float, now_s: float) -> None:
-        """Let the arm and its clock wait for what is not computed yet, as if no time had passed."""
+        """Let the arm and its clock wait, as if no time had passed."""
         wait_s = now_s - first_s
         self._started_s += wait_s
         self._on_s = min(self._on_s + wait_s, now_s)  # a clock that began meanwhile has waited no longer

@@ -4,6 +4,7 @@ import numpy as np
 
 from arm.accelerometer import specific_force
 from arm.model import Arm, Floats
+from limbcal.compilation import said_when_compiling
 from tracking.tracker import Tracker
 
 #: A rest until the tracker takes it on trust no more and has recognised it, a jump, a gap, and a rest again.
@@ -30,7 +31,8 @@ def warm_up(tracker: Tracker, arm: Arm, rate_hz: float, initial_q_rad: Floats | 
     before, after = (round(seconds * rate_hz) + 1 for seconds in (_REST_S, _AFTER_S))
     readings = rest + _NOISE_M_S2 * rng.standard_normal((before + after, len(rest)))
     readings[before + after // 2 :, ::3] += _JUMP_M_S2
-    tracker.push(0, readings[:before])
-    tracker.gap(round(_GAP_S * rate_hz))
-    tracker.push(round(1e9 * (_REST_S + _GAP_S)), readings[before:])
-    tracker.flush()
+    with said_when_compiling("limbd"):
+        tracker.push(0, readings[:before])
+        tracker.gap(round(_GAP_S * rate_hz))
+        tracker.push(round(1e9 * (_REST_S + _GAP_S)), readings[before:])
+        tracker.flush()

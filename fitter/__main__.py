@@ -18,6 +18,7 @@ COMMANDS = {
     "simulate": "the motion of a calibrated arm",
     "effects": "what a simulation may get wrong, and by what it is known",
     "reproduce": "the paper's experiments, side by side with its numbers",
+    "compile": "compile the kernels now, so that no other command has to",
 }
 
 

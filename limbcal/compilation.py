@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator
 from contextlib import contextmanager
+from contextvars import ContextVar
 
 from numba.core import event
 from rich.status import Status
@@ -38,9 +39,16 @@ class Compilation(event.Listener):
         self._depth -= 1
         self.kernels += not self._depth
 
+    def document(self) -> dict[str, object]:
+        """Return the JSON document of a command that compiles."""
+        return {"compiled": self.kernels}
+
     def close(self) -> None:
         """Take away what is shown."""
         self._status.stop()
+
+
+_listening: ContextVar[Compilation | None] = ContextVar("listening", default=None)
 
 
 @contextmanager
@@ -48,18 +56,22 @@ def said_when_compiling(who: str) -> Iterator[Compilation]:
     """Say that kernels are being compiled as soon as one is; show how many while a terminal watches.
 
     The compiler keeps them on disk, and compiles them anew when their source, the compiler or the processor is
-    another one: so whoever must be in time goes through them before.
+    another one: so whoever must be in time goes through them before. Within another one it says nothing again.
 
     Parameters
     ----------
     who : str
         The program that compiles.
     """
-    listener = Compilation(
-        f"{who}: compiling kernels, which takes a minute or two; they are kept on disk for the next time"
-    )
+    outer = _listening.get()
+    if outer is not None:
+        yield outer
+        return
+    listener = Compilation(f"{who}: compiling kernels, once on this machine; it takes a minute or more")
+    token = _listening.set(listener)
     try:
         with event.install_listener("numba:compile", listener):
             yield listener
     finally:
+        _listening.reset(token)
         listener.close()

@@ -11,6 +11,7 @@ COMMANDS = {
     "export": "write a motion as glTF, CSV, MP4, GIF, or MCAP for Foxglove",
     "touch": "simulate the arm in real time and let a haptic device feel it",
     "send": "ask a running playback for something",
+    "compile": "compile the kernels now, so that no other command has to",
 }
 
 

@@ -43,6 +43,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         metavar="SCHEDULE",
         help="what goes wrong and when, as in 'unplug@5+1/3, flip@0+60*1e-5'; kinds: " + ", ".join(KINDS),
     )
+    add("--patient", action="store_true", help="wait while the host does not read, instead of losing frames")
     add("--truth", type=Path, metavar="FILE", help="write the true motion here (.npz) at the end")
     parser.set_defaults(action=be_device)
 
@@ -77,6 +78,7 @@ def be_device(arguments: argparse.Namespace) -> None:
             truth=arguments.truth,
             as_json=arguments.json,
             faults=faults,
+            patient=arguments.patient,
         )
     )
 

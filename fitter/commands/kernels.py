@@ -1,0 +1,31 @@
+"""Going through what the fitter's commands do, on hardly any data, so that all kernels are compiled."""
+
+from itertools import islice
+
+import numpy as np
+
+from arm.arm_file import load_arm
+from arm.bench import COUNT_M_S2, Bench, Sensors, draw_sensor_errors, motions
+from fitter.data.gaps import Gap
+from fitter.data.raw import RawRun
+from fitter.live import warm_up as live
+from fitter.sensing.track import Method, track_run
+
+#: Of the readings that are tracked; a motion, and samples lost in it.
+_BENCH = Bench(rate_hz=2000.0, trial_s=2.0, learning=1, evaluating=0)
+_LOST_ROW, _LOST = 2000, 40
+_METHODS: tuple[Method, ...] = ("integrate", "filter", "smooth")
+
+
+def compile_all() -> None:
+    """Calibrate and track an arm of no interest."""
+    live.warm_up()
+    arm = load_arm("dd-arm")
+    rng = np.random.default_rng(0)
+    sensors = Sensors(arm, draw_sensor_errors(arm, rng), _BENCH.rate_hz, rng)
+    (motion,) = islice(motions(arm, _BENCH, seed=0), 1)
+    kept = np.r_[:_LOST_ROW, _LOST_ROW + _LOST : len(motion.t)]
+    readings = (COUNT_M_S2 * sensors.counts(motion)[kept]).astype(np.float64)
+    run = RawRun("warm-up", _BENCH.rate_hz, motion.t[kept], readings, (Gap(_LOST_ROW, _LOST),))
+    for method in _METHODS:
+        track_run(run, arm, motion.q[0], 1000.0, method)
