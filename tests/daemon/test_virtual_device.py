@@ -42,13 +42,21 @@ class Bench:
     """A device, its sources and what comes out of it."""
 
     def __init__(
-        self, info: DeviceInfo, available: int = 30_000, fifo_bytes: int = 10**6, speed: float = 1.0
+        self,
+        info: DeviceInfo,
+        available: int = 30_000,
+        fifo_bytes: int = 10**6,
+        speed: float = 1.0,
+        patient: bool = False,
     ) -> None:
         self.sources: list[Ramp] = []
         self.available = available
         self.fifo = FrameFifo(fifo_bytes)
         self.parser = FrameParser()
-        self.device = VirtualDevice(info, self._source, self.fifo, speed, now_s=100.0)
+        waits_for_host = self.fifo.is_half_full if patient else None
+        self.device = VirtualDevice(
+            info, self._source, self.fifo, speed, now_s=100.0, waits_for_host=waits_for_host
+        )
 
     def _source(self) -> Ramp:
         self.sources.append(Ramp(self.available))
@@ -185,3 +193,29 @@ def test_power_that_comes_back_while_the_motion_is_late_begins_a_clock_that_neve
     assert len(ticks) > 10
     assert ticks[0] >= 0
     assert set(np.diff(ticks)) == {32 * TICK_HZ // RATE_HZ}
+
+
+def test_a_patient_device_waits_for_its_host_and_loses_nothing(bench: Callable[..., Bench]) -> None:
+    """The host does not read for 2 s of a stream that fills the memory in a tenth of that."""
+    b = bench(fifo_bytes=40_000, patient=True)
+    b.device.receive(b"START\n", 100.0)
+    for k in range(1, 201):
+        b.device.advance(100.0 + 0.01 * k)
+    assert b.fifo.dropped == 0 and b.fifo.is_half_full()
+    frames = [frame for frame in b.taken() if isinstance(frame, SamplesFrame)]
+    for k in range(201, 206):
+        b.device.advance(100.0 + 0.01 * k)
+        frames += [frame for frame in b.taken() if isinstance(frame, SamplesFrame)]
+    values = np.concatenate([frame.counts[:, 0] for frame in frames])
+    np.testing.assert_array_equal(values, np.arange(len(values)))
+    ticks = np.diff([frame.ticks for frame in frames])
+    assert np.ptp(ticks) <= 1  # its clock has stood still with it
+    assert b.fifo.dropped == 0
+
+
+def test_other_devices_wait_for_nobody(bench: Callable[..., Bench]) -> None:
+    b = bench(fifo_bytes=40_000)
+    b.device.receive(b"START\n", 100.0)
+    for k in range(1, 201):
+        b.device.advance(100.0 + 0.01 * k)
+    assert b.fifo.dropped > 0

@@ -17,6 +17,7 @@ from arm.arm_file import load_arm, save_arm
 from arm.model import Control
 from protocol.message import DYNAMICS, FRAMES, HEALTH, KINEMATICS, TRIAL, encode
 from protocol.publisher import Publisher
+from protocol.recording import RecordingWriter
 from protocol.subscriber import Subscriber
 
 PATIENCE_MS = 60_000
@@ -133,6 +134,59 @@ def test_a_late_subscription_learns_from_the_next_motion(fitter, stream, place, 
     assert "trial 1:" not in outcome.said and "trial 2: " in outcome.said and "trial 3: " in outcome.said
     assert outcome.document["stream"]["motions"] == 2
     assert "1.986" in (tmp_path / "report.html").read_text(encoding="utf-8")
+
+
+def recorded(path, run, messages):
+    """Record messages as a daemon does; return them encoded, and a heartbeat that names the file."""
+    seq, sent = {FRAMES: -1, TRIAL: -1}, []
+    with RecordingWriter(path, "", "") as writer:
+        for topic, fields in messages:
+            seq[topic] += 1
+            sent.append(encode(topic, {**fields, "arm": "dd-arm", "run": run, "seq": seq[topic]}))
+            writer.write(topic, sent[-1][1], 0)
+    heartbeat = {"arm": "dd-arm", "run": run, "seq": 0, "last_seq": seq, "recording": str(path)}
+    return [*sent, encode(HEALTH, heartbeat)]
+
+
+def test_a_late_subscription_ends_with_the_same_as_an_early_one(fitter, stream, place, short_run, tmp_path):
+    sent = recorded(tmp_path / "arm-12345678.mcap", "a run", short_run.messages)
+    begun = len(until(short_run.messages, 2, "begin"))
+    for name, heard in (("early", sent), ("late", sent[begun + 3 :])):
+        with stream("tcp://127.0.0.1:*", heard) as daemon:
+            common = ("--connect", daemon.endpoint, "--endpoint", f"ipc://{place}/{name}")
+            outcome = fitter("subscribe", *common, *LIMIT, "--trials", 3, "--out", tmp_path / name)
+        assert outcome.code == 0
+        assert outcome.document["trials"] == {"learn": 2, "evaluate": 1, "expected": 3, "lost_s": 0.0}
+        assert outcome.document["stream"]["missed_messages"] == 0
+        assert (outcome.document["stream"]["recovered_messages"] > 0) == (name == "late")
+    for name in ("calibrated.toml", "kinematics.json", "motions.npz"):
+        assert (tmp_path / "early" / name).read_bytes() == (tmp_path / "late" / name).read_bytes(), name
+
+
+def test_fewer_motions_than_were_made_are_said_everywhere(fitter, stream, place, short_run, tmp_path):
+    """The second motion is lost on the way, and nothing is recorded."""
+    second = slice(len(until(short_run.messages, 2, "begin")) - 1, len(until(short_run.messages, 2, "end")))
+    sent, seq = [], {FRAMES: -1, TRIAL: -1}
+    for topic, fields in short_run.messages:
+        seq[topic] += 1
+        sent.append(encode(topic, {**fields, "arm": "dd-arm", "run": "a run", "seq": seq[topic]}))
+    lost_s = sum(f["n"] * f["dt_s"] for topic, f in short_run.messages[second] if topic == FRAMES)
+    heartbeat = {"arm": "dd-arm", "run": "a run", "seq": 0, "last_seq": seq, "recording": None}
+    del sent[second]
+    with stream("tcp://127.0.0.1:*", [*sent, encode(HEALTH, heartbeat)]) as daemon:
+        common = ("--connect", daemon.endpoint, "--endpoint", f"ipc://{place}/fits")
+        outcome = fitter("subscribe", *common, *LIMIT, "--idle", "0.5", "--out", tmp_path)
+    assert outcome.code == 4
+    trials = outcome.document["trials"]
+    assert (trials["learn"], trials["evaluate"], trials["expected"]) == (1, 1, 3)
+    assert trials["lost_s"] == pytest.approx(lost_s)
+    assert json.loads((tmp_path / "dynamics.json").read_text())["trials"] == trials
+    assert {note["kind"] for note in outcome.document["notes"]} == {"missed"}
+    assert "nothing is recorded from which they could be read" in outcome.said
+    assert "2 of 3 motions were used (1 learnt from, 1 held back to evaluate)" in outcome.said
+    report = (tmp_path / "report.html").read_text(encoding="utf-8")
+    assert 'class="alarm"' in report and "of 3 that were made" in report
+    assert names(tmp_path) == FILES
 
 
 def test_it_ends_when_no_motion_has_ended_for_a_while(fitter, stream, place, short_run):
