@@ -138,14 +138,17 @@ def dynamics(arguments: argparse.Namespace) -> Document:
     if compared:
         answer["compared"] = {c.name: c.document(learn, evaluate, arguments.horizon) for c in compared}
         say_compared(answer["compared"])
+    reasons = unusable(fit, arm, learn, scores)
     if arguments.report is not None:
         others = {c.name: c.parameters for c in compared}
         files = expand([*arguments.learn, *arguments.evaluate])
-        page = dynamics_page(fit, answer, learn, evaluate, others, [arguments.arm, *files], arguments.horizon)
+        page = dynamics_page(
+            fit, answer, learn, evaluate, others, [arguments.arm, *files], arguments.horizon, reasons
+        )
         page.write(arguments.report)
         show(f"report: {arguments.report}")
     answer = with_notes(answer, notes)
-    if reasons := unusable(fit, arm, learn, scores):
+    if reasons:
         raise Unusable(reasons, answer)
     return answer
 

@@ -142,7 +142,7 @@ def _document(arguments: argparse.Namespace, followed: _Followed) -> dict[str, o
     document: dict[str, object] = {"stream": session.report()}
     if session.calibration.learnt:
         document = write_results(
-            session.calibration, followed.compared, session.report(), arguments.out, dict(trials)
+            session.calibration, followed.compared, session.report(), arguments.out, dict(trials), followed.notes
         )
     document |= {"trials": trials, "notes": documents(followed.notes)}
     if followed.diagnosis is not None:

@@ -51,6 +51,8 @@ class CalibrationPage:
         Measured and simulated motion; empty where nothing was simulated.
     trials : mapping, optional
         ``learn``, ``evaluate``, ``expected`` and ``lost_s`` of a stream.
+    alarms : sequence of str
+        Why the answer is not to be used; in red.
     of_the_paper : bool
         Whether the arm is the paper's, whose figures then stand next to ours.
     """
@@ -64,6 +66,7 @@ class CalibrationPage:
     provenance: Provenance
     motions: Sequence[Comparison] = ()
     trials: Mapping[str, object] | None = None
+    alarms: Sequence[str] = ()
     of_the_paper: bool = False
 
     def write(self, path: Path) -> None:
@@ -75,6 +78,8 @@ class CalibrationPage:
             If the file cannot be written.
         """
         page = Page(f"Calibration of {self.arm.name}", self.lead)
+        for sentence in self.alarms:
+            page.alarm(sentence)
         self._trials(page)
         page.points([note.sentence for note in dict.fromkeys(self.notes)])
         fitted = {name: p for section in self.sections for name, p in section.parameters.items()}
@@ -146,10 +151,13 @@ def error_rows(
                 rows.append((f"{title}, {kind} [{unit}]", values))
     torque = {} if dynamics is None else dynamics["torque_rms_N_m"]
     assert isinstance(torque, Mapping)
-    joints = max((len(values) for values in torque.values() if values is not None), default=0)
-    for j in range(joints):
-        per_role = {role: values[j] for role, values in torque.items() if values is not None}
-        rows.append((f"torque of joint {j + 1}, rms [N m or N]", per_role))
+    explained = {} if dynamics is None else dynamics.get("explained", {})
+    assert isinstance(explained, Mapping)
+    for title, by_role in (("residual torque, rms [N m or N]", torque), ("torque explained", explained)):
+        joints = max((len(values) for values in by_role.values() if values is not None), default=0)
+        for j in range(joints):
+            per_role = {role: values[j] for role, values in by_role.items() if values is not None}
+            rows.append((f"joint {j + 1}, {title}", per_role))
     return rows
 
 

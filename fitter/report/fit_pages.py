@@ -23,6 +23,7 @@ def dynamics_page(
     others: Mapping[str, Mapping[str, float]],
     files: Sequence[object],
     horizon_s: float,
+    alarms: Sequence[str] = (),
 ) -> CalibrationPage:
     """Return the page of a fit of the dynamics.
 
@@ -36,7 +37,9 @@ def dynamics_page(
     files : sequence of path
         What was read.
     horizon_s : float
-        Where torque was measured, simulations begin anew after so long [s].
+        Where torque was measured, simulations begin anew after this time [s].
+    alarms : sequence of str
+        Why the answer is not to be used.
     """
     turning = tuple(joint.type == "revolute" for joint in fit.arm.joints)
     of_the_paper = published.ARM in (fit.arm.name, *others)
@@ -55,9 +58,10 @@ def dynamics_page(
         sections=[Section("Dynamics", fit.parameters, columns)],
         errors=error_rows(answer, None),
         assumptions=dynamics_assumptions(fit.arm, lengths_learnt=False, targets_found=found),
-        notes=[*_notes(learn, evaluate), *fit.notes],
+        notes=[*_notes(learn, evaluate), *(note for note in fit.notes if note.kind != "assumed")],
         provenance=provenance(files),
         motions=motions,
+        alarms=alarms,
         of_the_paper=of_the_paper,
     )
 

@@ -26,7 +26,7 @@ from fitter.report.provenance import provenance
 from limbcal.command import show, to_json
 from limbcal.digits import plain
 from limbcal.errors import DeviceError
-from limbcal.note import of_source
+from limbcal.note import Note, of_source
 
 Document = dict[str, object]
 
@@ -37,6 +37,7 @@ def write_results(
     stream: Mapping[str, object],
     out: Path | None,
     made: Mapping[str, object] | None = None,
+    notes: Sequence[Note] = (),
 ) -> Document:
     """Score a calibration, say how it does, and write it all down.
 
@@ -44,7 +45,7 @@ def write_results(
     ----------
     calibration : Calibration
     compared : sequence of Compared
-        Arms to print beside it; the first one's values go into the report.
+        Arms whose values and errors stand next to it.
     stream : mapping
         What is to be said of the stream.
     out : Path or None
@@ -52,6 +53,8 @@ def write_results(
         ``report.html``; None writes nothing.
     made : mapping, optional
         Of the stream's motions: ``learn``, ``evaluate``, ``expected``, ``lost_s``; it becomes ``trials``.
+    notes : sequence of Note
+        Of the stream; for the report.
 
     Returns
     -------
@@ -82,7 +85,7 @@ def write_results(
     if trials and calibration.dynamics is not None:
         simulated = [trial.q + motion_error(arm, trial) for trial in trials]
         _write_motions(arm, trials, simulated, out / "motions.npz")
-        _write_report(calibration, document, compared, simulated, out / "report.html")
+        _write_report(calibration, document, compared, simulated, notes, out / "report.html")
         show(f"report: {out / 'report.html'}")
     return document
 
@@ -90,7 +93,7 @@ def write_results(
 def _write_motions(
     arm: Arm, trials: Sequence[Trial], simulated: Sequence[NDArray[np.float64]], path: Path
 ) -> None:
-    """Write measured motion with the targets that the law was given, and beside it the simulated angles."""
+    """Write measured motion with the targets that the law was given, and the simulated angles."""
     columns: dict[str, NDArray[np.generic]] = {
         "t": np.concatenate([trial.t for trial in trials]),
         "q": np.concatenate([trial.q for trial in trials]),
@@ -117,6 +120,7 @@ def _write_report(
     document: Document,
     compared: Sequence[Compared],
     simulated: Sequence[NDArray[np.float64]],
+    notes: Sequence[Note],
     path: Path,
 ) -> None:
     arm, trials = calibration.calibrated(), [*calibration.learn, *calibration.evaluate]
@@ -137,6 +141,7 @@ def _write_report(
             ),
         ],
         notes=[
+            *notes,
             *(note for trial in trials for note in of_source(trial.notes, trial.name)),
             *(() if fit is None else fit.notes),
         ],

@@ -64,10 +64,16 @@ def test_motions_that_are_missing_are_red(tmp_path, trials, missing):
     assert ("2.3 s of frames lost" in trials_sentence(trials)) == (trials["lost_s"] == 2.3)
 
 
+def test_an_answer_that_is_not_to_be_used_says_so_in_red(tmp_path):
+    text = page(tmp_path, alarms=["no possible arm fits"])
+    assert '<p class="alarm">no possible arm fits</p>' in text
+
+
 def test_errors_are_rows_by_role():
     dynamics = {
         "angle_error_deg": {"learn": {"mean": 0.1, "max": 0.5}, "evaluate": None},
         "torque_rms_N_m": {"learn": [1.0, 2.0], "evaluate": None},
+        "explained": {"learn": [0.9], "evaluate": None},
     }
     kinematics = {"tip_error_mm": {"learn": {"mean": 3.0, "max": 4.0}, "evaluate": {"mean": 5.0, "max": 6.0}}}
     assert error_rows(dynamics, kinematics) == [
@@ -75,7 +81,8 @@ def test_errors_are_rows_by_role():
         ("simulated angle, max [deg]", {"learn": 0.5}),
         ("tip's displacement, mean [mm]", {"learn": 3.0, "evaluate": 5.0}),
         ("tip's displacement, max [mm]", {"learn": 4.0, "evaluate": 6.0}),
-        ("torque of joint 1, rms [N m or N]", {"learn": 1.0}),
-        ("torque of joint 2, rms [N m or N]", {"learn": 2.0}),
+        ("joint 1, residual torque, rms [N m or N]", {"learn": 1.0}),
+        ("joint 2, residual torque, rms [N m or N]", {"learn": 2.0}),
+        ("joint 1, torque explained", {"learn": 0.9}),
     ]
     assert error_rows(None, None) == []

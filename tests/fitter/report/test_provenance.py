@@ -9,12 +9,12 @@ from limbcal.command import run_command
 
 
 def test_the_command_that_is_carried_out_is_told_as_it_was_typed():
-    told = []
+    kept = []
     parser = Parser(prog="limbtest", parents=[common_options()])
     parser.add_argument("file")
-    parser.set_defaults(action=lambda namespace: told.append(provenance([Path(namespace.file)])))
+    parser.set_defaults(action=lambda namespace: kept.append(provenance([Path(namespace.file)])))
     assert run_command(parser, ["a b.csv"]) == 0
-    (found,) = told
+    (found,) = kept
     assert found.command == "limbtest 'a b.csv'" and found.files == ("a b.csv",) and found.version == version()
     assert re.fullmatch(r"\d{4}-\d\d-\d\d \d\d:\d\d:\d\d[+-]\d\d:\d\d", found.date)
     assert provenance().command == ""
