@@ -56,6 +56,10 @@ class Smoothed:
         Share of the instants at which the readings contradict the arm.
     passes : int
     converged : bool
+    course : Course
+        The readings of the last pass, with the jolts, doubts and rests that were found.
+    along : (n, n_state)
+        Along which they were linearised in it.
     """
 
     states: Floats
@@ -68,6 +72,8 @@ class Smoothed:
     doubted: float
     passes: int
     converged: bool
+    course: Course
+    along: Floats
 
 
 def course_of(readings: Readings, n_joint: int) -> Course:
@@ -113,6 +119,7 @@ class Smoother:
         readings: Readings,
         fine: bool = True,
         known: Smoothed | None = None,
+        start: tuple[Floats, Floats] | None = None,
         progress: Callable[[int], None] | None = None,
     ) -> Smoothed:
         """Return the most probable motion.
@@ -124,6 +131,8 @@ class Smoother:
             Give every frame; otherwise one in four, which is all that constants need.
         known : Smoothed, optional
             Of an earlier recording with the same sensors: what it says of them and of the lengths is held.
+        start : state and covariance, optional
+            Before the first reading, where an earlier recording ended in the same rest.
         progress : callable, optional
             Told the number of passes after each.
 
@@ -133,8 +142,7 @@ class Smoother:
             If no motion of the arm explains the readings at all.
         """
         of, arm, n = self.observation, self._arm, self._arm.n_joint
-        first, steady = readings.first_mean, readings.begins_steadily
-        x0, P0 = start_state(arm, of, self.size, first, steady, self._q, self._given, self._mounting)
+        x0, P0 = self.begin(readings) if start is None else (start[0].copy(), start[1].copy())
         course = course_of(readings, n)
         if known is not None:
             lasting = slice(3 * n, None)
@@ -145,11 +153,13 @@ class Smoother:
         if (turned := unwound(at, coarse, arm, long_too=True)) is not None:
             at = turned
         passes, converged, step, moved = 0, False, 1.0, np.inf
+        along, last = at, coarse
         room, variance = room_of(n), np.empty((len(at), 3 * n))
         smoothed, noise = np.empty_like(at), acceleration_noise(of, room, coarse, at)
         while passes < _PASSES and not converged:
             x, P = x0.copy(), P0.copy()
-            smooth_once(of, room, coarse, calm(at, noise, coarse.dt), x, P, smoothed, variance, not fine)
+            along = calm(at, noise, coarse.dt)
+            smooth_once(of, room, coarse, along, x, P, smoothed, variance, not fine)
             if not np.isfinite(smoothed).all():
                 raise DataError(_CONTRADICTION)
             std = np.sqrt(np.maximum(np.diag(P), 1e-12))
@@ -169,10 +179,17 @@ class Smoother:
             variance, smoothed = np.empty((len(states), 3 * n)), np.empty_like(states)
             x, P = x0.copy(), P0.copy()
             smooth_once(of, room, course, along, x, P, smoothed, variance, True)
-            at = smoothed
+            at, last = smoothed, course
         mend(variance)
         doubted = float(np.mean(course.doubt > 1.0))
-        return Smoothed(at, variance, x, P, P0, still, resting, doubted, passes, converged)
+        return Smoothed(at, variance, x, P, P0, still, resting, doubted, passes, converged, last, along)
+
+    def begin(self, readings: Readings) -> tuple[Floats, Floats]:
+        """Return state and covariance before the first reading of a recording."""
+        first, steady = readings.first_mean, readings.begins_steadily
+        return start_state(
+            self._arm, self.observation, self.size, first, steady, self._q, self._given, self._mounting
+        )
 
     def _filter(
         self, course: Course, readings: Readings, x0: Floats, P0: Floats
