@@ -55,8 +55,11 @@ def bridge_blocks(piece: Frames) -> list[Frames]:
 
 
 def frames_message(block: Frames, method: str) -> Fields:
-    """Return the fields of `limb/frames`; ``q_std`` is among them where the tracker claims one."""
+    """Return the fields of `limb/frames`; ``q_std``, ``a`` and ``a_noise`` where the tracker gives them."""
     claimed = {} if block.q_std is None else {"q_std": block.q_std}
+    felt = {} if block.readings is None else {"a": block.readings}
+    if block.noise is not None:
+        felt["a_noise"] = block.noise
     return {
         "frame0": block.frame0,
         "t0_ns": block.t0_ns,
@@ -69,6 +72,7 @@ def frames_message(block: Frames, method: str) -> Fields:
         **claimed,
         "tip": block.tip,
         "points": block.points,
+        **felt,
         "gap": block.gap,
     }
 
@@ -96,6 +100,8 @@ def _cut_frames(piece: Frames, begin: int, end: int) -> Frames:
         points=piece.points[begin:end],
         gap=piece.gap and begin == 0,
         q_std=None if piece.q_std is None else piece.q_std[begin:end],
+        readings=None if piece.readings is None else piece.readings[begin:end],
+        noise=piece.noise,
     )
 
 

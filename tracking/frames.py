@@ -28,6 +28,10 @@ class Frames:
         Samples were lost since the frames before, or within these: what is missing was predicted.
     q_std : (n, n_joint) or None
         How well the angles are known, by the tracker's own claim, where it makes one.
+    readings : (n, n_channel) or None [m/s^2]
+        What the sensors read, averaged to the frames; not a number where it was lost.
+    noise : (2, n_channel) or None [(m/s^2)^2]
+        Of these readings: the variance of their white noise, and of what the converter hides from all alike.
     """
 
     frame0: int
@@ -40,6 +44,8 @@ class Frames:
     points: Floats
     gap: bool
     q_std: Floats | None = None
+    readings: Floats | None = None
+    noise: Floats | None = None
 
     @property
     def n(self) -> int:

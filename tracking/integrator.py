@@ -13,6 +13,7 @@ from arm.model import Arm, Floats
 from limbcal.errors import ConfigError, DataError
 from tracking.dead_reckoning import gravity_readings, reckon
 from tracking.differences import CentralDifferences
+from tracking.frame_means import FrameMeans
 from tracking.frames import Frames, Phase
 from tracking.reckoning import reckoning_of
 from tracking.rest import RestDetector
@@ -85,6 +86,7 @@ class Integrator:
         self._phase = self._decimation // 2
         self._differences = CentralDifferences(self.dt_s, arm.n_joint)
         self._waiting = _Underived(0, 0, np.empty((0, arm.n_joint)), np.empty((0, *self._state.moved.shape)))
+        self._felt = FrameMeans(self._decimation, self._n_channel, rate_hz)
 
     def push(self, t0_ns: int, accelerations: Floats) -> tuple[list[Frames], list[Phase]]:
         """Take in readings and give out the frames and phases that they complete.
@@ -125,6 +127,7 @@ class Integrator:
         """
         completed = self.flush()
         self._sample += n_samples
+        self._felt.skip_to(self._sample)
         self._state.moved[:] += self._state.velocity * (n_samples * self._dt_sample)
         self._rest.forget()
         self._primed = False
@@ -155,6 +158,7 @@ class Integrator:
         """Carry the state through the next ``size`` pending samples: a cell, or a part of one."""
         cell, self._pending = self._pending[:size], self._pending[size:]
         state = self._state
+        self._felt.push(cell)
         if not self._primed:  # the moving average begins as if the first reading had stood there before
             state.recent[:] = cell[0]
             self._primed = True
@@ -198,7 +202,9 @@ class Integrator:
         n = len(dq)
         if n:
             tip = tips_of(self._state.chain, q[:n])
-            frames.append(Frames(number, t_ns, self.dt_s, q[:n], dq, ddq, tip, moved[:n], self._lost))
+            felt, noise = self._felt.means(number, n), self._felt.noise
+            whole = (q[:n], dq, ddq, tip, moved[:n])
+            frames.append(Frames(number, t_ns, self.dt_s, *whole, self._lost, None, felt, noise))
             self._lost = False
         self._waiting = _Underived(number + n, t_ns + round(n * self.dt_s * 1e9), q[n:], moved[n:])
 

@@ -198,6 +198,8 @@ class KalmanTracker:
             self._paths.follow(q, readings - offset, course.still),
             self._lost or bool(missing.any()),
             np.sqrt(course.variances),
+            readings,
+            self._watch.noise.parts_of_mean(self._factor),
         )
         self._frame += n
         self._lost = False

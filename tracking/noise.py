@@ -36,6 +36,10 @@ class Noise:
         """Return the variance of a mean of so many samples."""
         return np.maximum(self.variance, self.least) / n_samples + self.rounding
 
+    def parts_of_mean(self, n_samples: int) -> Floats:
+        """Return the variance of a mean of so many samples in its two parts, white noise and rounding, (2, n)."""
+        return np.stack([np.maximum(self.variance, self.least) / n_samples, self.rounding])
+
 
 def noise_of(readings: Floats, rate_hz: float) -> Noise:
     r"""Measure the noise of readings, (n, n_channel), at least four of them.

@@ -22,7 +22,7 @@ from tracking.process import FILTER_PUSH_STD, SMOOTHER_PUSH_STD, WANDER_STD, ala
 from tracking.readings import Readings
 from tracking.smoothing_pass import smooth_once
 from tracking.start import MountingPrior, start_state
-from tracking.stillness import window_frames, window_of
+from tracking.stillness import WINDOW_S, window_frames, window_of
 from tracking.winding import unwound
 
 #: Passes end when no state moves by more than this share of its standard deviation.
@@ -30,6 +30,8 @@ _CLOSE_ENOUGH = 0.02
 _PASSES = 30
 #: A pass that moves the states by more than this share of the pass before gets no nearer.
 _TOO_LITTLE = 0.7
+#: By how long a motion may have begun before it is seen, however slowly it does: half a rest's window [s].
+RELEASE_S = 0.5 * WINDOW_S
 _CONTRADICTION = (
     "no motion of this arm explains the readings at all; expected an arm file with these joints and its sensors "
     "where they are"
@@ -208,7 +210,20 @@ class Smoother:
             raise DataError(_CONTRADICTION) from error
         if not np.isfinite(states).all():
             raise DataError(_CONTRADICTION)
+        release(course, still)
         return states, still, resting
+
+
+def release(course: Course, still: NDArray[np.bool_]) -> None:
+    """Let go of an arm some time before it is seen to move: it had begun to, and its velocity was not zero.
+
+    A rest is judged in cells, and a filter learns of the motion's beginning when the cell that it lies in is over.
+    Looking back costs next to nothing: a rest that ended so much earlier says as much of the offsets.
+    """
+    back = round(RELEASE_S / course.dt)
+    for end in np.flatnonzero(still[:-1] & ~still[1:]) + 1:
+        still[max(0, end - back) : end] = False
+        course.rest[max(0, end - back) : end] = 0.0
 
 
 def mend(variance: Floats) -> None:

@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from fitter.data.felt import Felt
 from limbcal.note import Note
 from protocol.tables import stamps
 from protocol.tables.columns import TIP_ROLES, ColumnMap
@@ -44,6 +45,8 @@ class Measured:
     stated : frozenset of str
         Columns (``t``, ``q1``, ``tau2``, ``tipx`` …) whose unit the file or the mapping states, in a header, a row
         of units, a type or an entry of ``--columns``: a magnitude that surprises is no question of units there.
+    felt : Felt or None
+        What the sensors read from the rest before it to the rest after it, where that came along.
     """
 
     name: str
@@ -55,6 +58,7 @@ class Measured:
     notes: tuple[Note, ...] = ()
     labels: Labels | None = None
     stated: frozenset[str] = frozenset()
+    felt: Felt | None = None
 
     def rows(self, begin: int, end: int, name: str, *notes: Note) -> "Measured":
         """Return a stretch of it as a motion of its own."""

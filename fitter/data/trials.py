@@ -21,6 +21,7 @@ from limbcal.errors import ConfigError, DataError
 from limbcal.note import Note
 from protocol.tables.columns import parse_mapping
 from protocol.tables.files import RECORDINGS, expand
+from tracking.draws import Draws
 
 Floats = NDArray[np.float64]
 Role = Literal["learn", "evaluate"]
@@ -78,6 +79,10 @@ class Trial:
     contradicted : ndarray of bool, shape (n, n_joint), or None
         Torques that say nothing of the arm: cut off at a limit, or beside an angle that stood still for no reason;
         see `fitter.data.plausibility`.
+    draws : tracking.draws.Draws, or None
+        The motion as it may have been, where its tracker says so; of its points those of the tip's sensor. Each
+        sample then stands for a step of the readings that it was found from, and one that an acceleration jumps in
+        for none.
     """
 
     name: str
@@ -100,6 +105,7 @@ class Trial:
     trimmed: int = 0
     began_s: float = 0.0
     contradicted: NDArray[np.bool_] | None = None
+    draws: Draws | None = None
 
     @property
     def counted(self) -> NDArray[np.bool_]:

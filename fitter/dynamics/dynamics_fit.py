@@ -4,6 +4,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Literal
 
+import numpy as np
+
 from arm.base_parameters import BaseParameters
 from arm.model import Arm, Floats
 from fitter.dynamics.evaluation import Score
@@ -42,6 +44,8 @@ class DynamicsFit:
         Of the free parameters; NaN where the data is too short to tell.
     notes : tuple of Note
         What the user should know of this answer.
+    freedom : float
+        Degrees of freedom that the covariance was estimated with.
     """
 
     arm: Arm
@@ -58,6 +62,7 @@ class DynamicsFit:
     problem: TorqueProblem
     covariance: Floats
     notes: tuple[Note, ...] = ()
+    freedom: float = np.inf
 
 
 def document(fit: DynamicsFit, learn: Score | None, evaluate: Score | None = None) -> dict[str, object]:

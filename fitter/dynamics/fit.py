@@ -7,12 +7,13 @@ from dataclasses import replace
 import numpy as np
 
 from arm.base_parameters import BaseParameters
-from arm.model import Arm
+from arm.model import Arm, Floats
 from arm.regressor import standard_parameters
 from fitter.data.first_rest import REST_SPEED
 from fitter.data.trials import Trial
 from fitter.dynamics.break_away import static_friction
 from fitter.dynamics.consistency import made_possible, with_warnings
+from fitter.dynamics.drawn_torque import drawn_dynamics
 from fitter.dynamics.dynamics_fit import DynamicsFit, Method, Objective
 from fitter.dynamics.evaluation import HORIZON_S
 from fitter.dynamics.learned_torque import has_unknown_target
@@ -22,9 +23,12 @@ from fitter.dynamics.robust import draw_in, weighted
 from fitter.dynamics.spectral_sums import spectral_sums
 from fitter.dynamics.structure import structural_parameters
 from fitter.dynamics.torque_problem import torque_problem
-from fitter.dynamics.torque_search import GENERATIONS, Progress, fit_sums
+from fitter.dynamics.torque_search import GENERATIONS, Progress, assembled, fit_sums
 from fitter.dynamics.torque_sums import TorqueSums, add_up
 from fitter.dynamics.trial_sums import trial_sums
+from fitter.search.clusters import covariance_by_motions
+from fitter.search.drawn import covariance_of
+from fitter.search.fitted_parameter import held_back
 from limbcal.errors import ConfigError, DataError
 from limbcal.note import Note
 
@@ -48,6 +52,7 @@ def fit_dynamics(
     window_s: float = HORIZON_S,
     physical: bool = False,
     examine: bool = True,
+    geometries: Floats | None = None,
     progress: Progress | None = None,
     polishing: Progress | None = None,
     clock: Callable[[], float] = time.perf_counter,
@@ -80,6 +85,8 @@ def fit_dynamics(
         Whether the answer must be one that masses can have, with friction that brakes.
     examine : bool
         Whether to look for what no masses can have and for static friction, too: not while more motion comes in.
+    geometries : (n_draw, n_joint, 5), optional
+        The arm's geometry as it may be, where the trials have draws, too; without it the arm's is exact.
     progress, polishing : callable, optional
         Told after every generation, and every iteration of a fit of the motion: how many are done, and the cost.
     clock : callable
@@ -122,6 +129,8 @@ def fit_dynamics(
         fit = polished_by_motion(fit, learn, window_s, polishing)
     else:
         fit = replace(fit, objective=objective, notes=notes)
+    if objective == "torque":
+        fit = with_draws(fit, arm, learn, geometries, rest_speed)
     if physical or examine:
         fit = made_possible(fit) if physical else with_warnings(fit)
     if examine:
@@ -152,6 +161,39 @@ def _by_noise(
     prior = base.combination @ standard_parameters(arm)
     held = {base.names.index(name): value for name, value in fixed.items() if name in base.names}
     return weighted_by_noise(spectral_sums(arm, base, trials, rest_speed), prior, held)
+
+
+def with_draws(
+    fit: DynamicsFit, arm: Arm, trials: Sequence[Trial], geometries: Floats | None, rest_speed: float
+) -> DynamicsFit:
+    """Return a fit of the torque with what the draws of its trials' motions say of it; as it is without any."""
+    drawn = drawn_dynamics(fit, arm, trials, geometries, rest_speed)
+    if drawn is None:
+        return fit
+    covariance = covariance_of(drawn.departures, drawn.left, fit.cost, fit.covariance)
+    return _with_covariance(fit, covariance, float(len(drawn.departures)))
+
+
+def known_by_motions(fit: DynamicsFit, trials: Sequence[Trial]) -> DynamicsFit:
+    """Return a fit of tracked motions with how well it is known, without draws by how motions disagree.
+
+    What a single motion without draws tells is held back: nothing says how far off it is.
+    """
+    if fit.objective != "torque" or all(trial.draws is not None for trial in trials):
+        return fit
+    problem = fit.problem
+    values = np.array([fit.parameters[name].value for name in fit.base.names])
+    grams = problem.sums.gram.sum(axis=1)[:, problem.free[:, None], problem.free]
+    scores = problem.sums.scores(values)[:, problem.free]
+    covariance, freedom = covariance_by_motions(problem.W, grams, scores, problem.sums.trial)
+    if np.isnan(freedom):
+        return replace(fit, parameters=held_back(fit.parameters), covariance=covariance)
+    return _with_covariance(fit, covariance, freedom)
+
+
+def _with_covariance(fit: DynamicsFit, covariance: Floats, freedom: float) -> DynamicsFit:
+    values = np.array([fit.parameters[name].value for name in fit.base.names])[fit.problem.free]
+    return assembled(replace(fit, covariance=covariance, freedom=freedom), values)
 
 
 def with_break_away(fit: DynamicsFit, trials: Sequence[Trial]) -> DynamicsFit:

@@ -11,6 +11,8 @@ from limbcal.errors import DataError
 
 #: A motion has begun where a joint is this fast, as a share of its top speed in the trial.
 _BEGUN = 0.05
+#: Samples from the first that a motion may begin in to one that it surely does not begin in.
+_AVERAGED = 2
 
 
 def has_unknown_target(arm: Arm, trial: Trial) -> bool:
@@ -67,9 +69,12 @@ def motion_begins(trial: Trial) -> int:
 def target_holds_from(trial: Trial) -> int:
     """Return the sample from which on an unknown target surely is one constant.
 
-    A filter smears the motion's start over its own settling time, to either side.
+    A filter smears the motion's start over its own settling time, to either side; a tracker that averages readings
+    over a step, over the step that the start lies in, which is known to a step.
     """
-    settling = settling_samples(trial.dt_s, trial.cutoff_hz) if np.isfinite(trial.cutoff_hz) else 0
+    settling = 0 if trial.draws is None else _AVERAGED
+    if np.isfinite(trial.cutoff_hz):
+        settling = settling_samples(trial.dt_s, trial.cutoff_hz)
     begin = motion_begins(trial)
     return begin + settling if begin + settling < len(trial.q) // 2 else begin
 

@@ -75,7 +75,7 @@ def assembled(fit: DynamicsFit, genes: Floats) -> DynamicsFit:
     values = problem.complete(genes)
     std = np.full(len(values), np.nan)
     std[problem.free] = np.sqrt(np.maximum(np.diag(fit.covariance), 0.0))
-    parameters = fitted_parameters(base.names, values, std, base.units, problem.revealed)
+    parameters = fitted_parameters(base.names, values, std, base.units, problem.revealed, fit.freedom)
     learnt = {base.names[k]: Estimate(*astuple(parameters[base.names[k]])[:2]) for k in problem.free}
     static = {name: p for name, p in fit.parameters.items() if name not in parameters} or _static_friction(arm)
     return replace(

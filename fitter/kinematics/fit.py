@@ -10,13 +10,15 @@ import numpy as np
 from arm.model import Arm, Floats
 from fitter.data.trials import Trial
 from fitter.kinematics.angle_noise import Source, fit_from_moments, noise_from_moments, told_noise
+from fitter.kinematics.drawn_tip import drawn_geometry
 from fitter.kinematics.evaluation import TipScore
 from fitter.kinematics.gauge import Gauge
 from fitter.kinematics.incremental import IncrementalKinematics
 from fitter.kinematics.moment_fit import MomentFit, MomentProblem, enough
 from fitter.kinematics.origin import About, choose_about, counted_from_rest
-from fitter.kinematics.tip_basis import UNITS, geometry_names, turning, with_geometry
-from fitter.search.fitted_parameter import FittedParameter, fitted_parameters
+from fitter.kinematics.tip_basis import UNITS, geometry_names, geometry_of, turning, with_geometry
+from fitter.search.drawn import covariance_of
+from fitter.search.fitted_parameter import FittedParameter, fitted_parameters, held_back
 from limbcal.errors import DataError, NotConverged, NotIdentifiable
 
 GENERATIONS = 500
@@ -45,6 +47,8 @@ class KinematicsFit:
     angle_noise_source : {"known", "spectrum", "moments"} or None
     gauge : tuple of Gauge
         What the data leaves open.
+    drawn : (n_draw, n_joint, 5) or None
+        The geometry as it may be, where the motions' trackers say how well they know them.
     """
 
     arm: Arm
@@ -58,6 +62,7 @@ class KinematicsFit:
     angle_noise_rad: Floats | None = None
     angle_noise_source: Source | None = None
     gauge: tuple[Gauge, ...] = ()
+    drawn: Floats | None = None
 
 
 def fit_kinematics(
@@ -183,9 +188,11 @@ def _by_moments(found: KinematicsFit, search: IncrementalKinematics, fit: Moment
     )
 
 
-def _parameters(search: IncrementalKinematics, geometry: Floats, std: Floats) -> dict[str, FittedParameter]:
-    n = search.arm.n_joint
-    return fitted_parameters(geometry_names(n), geometry.ravel(), std.ravel(), UNITS * n, search.told.ravel())
+def _parameters(
+    search: IncrementalKinematics, geometry: Floats, std: Floats, freedom: float = np.inf
+) -> dict[str, FittedParameter]:
+    n, told = search.arm.n_joint, search.told.ravel()
+    return fitted_parameters(geometry_names(n), geometry.ravel(), std.ravel(), UNITS * n, told, freedom)
 
 
 def _require_told(search: IncrementalKinematics) -> None:
@@ -193,6 +200,39 @@ def _require_told(search: IncrementalKinematics) -> None:
         raise NotIdentifiable(
             f"no geometric parameter can be told from {search.samples} samples: the tip or the joints don't move"
         )
+
+
+def known_by_motions(
+    found: KinematicsFit, search: IncrementalKinematics, trials: Sequence[Trial]
+) -> KinematicsFit:
+    """Return a fit of tracked motions with how well it is known: by their draws, else by how far motions disagree.
+
+    What a single motion without draws tells is held back: nothing says how far off it is.
+
+    Parameters
+    ----------
+    found : KinematicsFit
+        What the search found, at the optimum.
+    search : IncrementalKinematics
+    trials : sequence of Trial
+        That it was found from, with tips.
+    """
+    drawn = drawn_geometry(search.arm, found.arm, search.sought, trials)
+    geometry = geometry_of(found.arm)
+    if drawn is None:
+        covariance, freedom = search.by_motions()
+    else:
+        freedom = float(len(drawn.departures))
+        departures = drawn.departures.reshape(len(drawn.departures), -1)[:, search.sought]
+        covariance = covariance_of(departures, drawn.left, drawn.found, search.scattered())
+    std = np.full(geometry.size, np.nan)
+    std[search.sought] = np.sqrt(np.diag(covariance))
+    parameters = _parameters(search, geometry, std, freedom)
+    return replace(
+        found,
+        parameters=held_back(parameters) if np.isnan(freedom) else parameters,
+        drawn=None if drawn is None else geometry + drawn.departures,
+    )
 
 
 def fit_of(search: IncrementalKinematics) -> KinematicsFit:

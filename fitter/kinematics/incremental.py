@@ -13,6 +13,7 @@ from fitter.kinematics.revealed import revealed, sought_by_default, with_paralle
 from fitter.kinematics.search_bounds import search_bounds
 from fitter.kinematics.tip_basis import coefficients, geometry_names, geometry_of, jacobian, turning
 from fitter.kinematics.tip_sums import TipSums, add_up, no_sums, tip_sums
+from fitter.search.clusters import covariance_by_motions
 from fitter.search.genetic import INDIVIDUALS_PER_GENE, POPULATION, GeneticAlgorithm
 from fitter.search.standard_errors import sandwich_covariance
 from limbcal.errors import ConfigError
@@ -96,6 +97,7 @@ class IncrementalKinematics:
         self._whitened = self._total.whitened()
         self._changed = False
         self._tip_rms_m = np.nan
+        self._polished: Floats | None = None
 
     @property
     def best(self) -> Floats:
@@ -180,8 +182,12 @@ class IncrementalKinematics:
         genes = self._search.ask()
         costs = self._cost(genes)
         self._search.tell(costs)
-        self._best = self._geometries(self._search.best[None])[0]
-        self._tip_rms_m = float(np.sqrt(self._search.best_cost / self._total.samples))
+        self._best, cost = self._geometries(self._search.best[None])[0], self._search.best_cost
+        if self._polished is not None:
+            polished = self._polished.flat[self._genes][None]
+            if (polished_cost := float(self._cost(polished)[0])) <= cost:
+                self._best, cost = self._geometries(polished)[0], polished_cost
+        self._tip_rms_m = float(np.sqrt(cost / self._total.samples))
         return self._tip_rms_m
 
     def polish(self) -> None:
@@ -205,21 +211,34 @@ class IncrementalKinematics:
         if cost <= self._tip_rms_m**2 * self._total.samples:
             found.flat[which] = answer.x
             self._best, self._tip_rms_m = found, float(np.sqrt(cost / self._total.samples))
+            self._polished = found.copy()
 
     def standard_errors(self) -> Floats:
         """Return the standard errors of the best geometry, NaN where it is not told, (n_joint, 5)."""
         std = np.full(self._best.size, np.nan)
-        which = self._genes[self._told]
-        if len(which):
-            sums = add_up(self._parts).thinned()
-            self._parts = [sums]
-            J = jacobian(self._revolute, self._best, which)[:, :, 1:]
-            C = coefficients(self._revolute, self._best[None])[0, :, 1:]
-            grams = np.einsum("kxa,bac,lxc->bkl", J, sums.gram, J, optimize=True)
-            scores = np.einsum("kxa,bax->bk", J, sums.moment - sums.gram @ C.T)
-            W = np.asarray(np.linalg.qr(self._slopes(J).T).R)
-            std[which] = np.sqrt(np.diag(sandwich_covariance(W, grams, scores, sums.trial)))
+        if np.any(self._told):
+            std[self.sought] = np.sqrt(np.diag(self.scattered()))
         return std.reshape(self._best.shape)
+
+    def scattered(self) -> Floats:
+        """Return the covariance of the numbers that are told, in the order of `sought`, from what they leave."""
+        return sandwich_covariance(*self._scores())
+
+    def by_motions(self) -> tuple[Floats, float]:
+        """Return the same covariance with each motion's samples as one, and its degrees of freedom."""
+        return covariance_by_motions(*self._scores())
+
+    def _scores(self) -> tuple[Floats, Floats, Floats, NDArray[np.intp]]:
+        """Return a root of the normal matrix and, of every block, Gram matrix, score and motion."""
+        which = self.sought
+        sums = add_up(self._parts).thinned()
+        self._parts = [sums]
+        J = jacobian(self._revolute, self._best, which)[:, :, 1:]
+        C = coefficients(self._revolute, self._best[None])[0, :, 1:]
+        grams = np.einsum("kxa,bac,lxc->bkl", J, sums.gram, J, optimize=True)
+        scores = np.einsum("kxa,bax->bk", J, sums.moment - sums.gram @ C.T)
+        W = np.asarray(np.linalg.qr(self._slopes(J).T).R)
+        return W, grams, scores, sums.trial
 
     def gauge(self) -> tuple[Gauge, ...]:
         """Return which parameters show only together, or not at all, in the frames so far."""

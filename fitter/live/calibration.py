@@ -13,11 +13,16 @@ from fitter.data.trials import Trial, to_trials
 from fitter.dynamics.dynamics_fit import DynamicsFit
 from fitter.dynamics.evaluation import Score, score
 from fitter.dynamics.fit import fit_dynamics
+from fitter.dynamics.fit import known_by_motions as dynamics_by_motions
 from fitter.kinematics.evaluation import TipScore, tip_score
-from fitter.kinematics.fit import KinematicsFit, fit_of
+from fitter.kinematics.fit import KinematicsFit, fit_of, known_by_motions
 from fitter.kinematics.incremental import IncrementalKinematics
-from limbcal.errors import DataError, LimbcalError, NotIdentifiable
+from fitter.live.estimated_again import estimated_again
+from limbcal.errors import DataError, LimbcalError
+from tracking.motion_follower import MotionFollower
 
+#: Generations that are bred on a new motion before the best geometry is brought to its optimum.
+_LITTER = 26
 #: The search for the geometry rests after so many generations without new frames.
 GENERATIONS = 500
 
@@ -47,6 +52,10 @@ class Calibration:
     def __post_init__(self) -> None:
         self.geometry = IncrementalKinematics(self.arm, self.seed)
         self._fresh = 0
+        self._known: KinematicsFit | None = None
+        tip = self.arm.tip
+        seen = () if tip is None else (self.arm.sensor_index(tip.sensor),)
+        self._follower = MotionFollower(self.arm, self.seed, seen)
 
     def add(self, motion: Measured) -> Trial:
         """Take in a motion: its frames go into the sums of the geometry if it is a learning one.
@@ -63,8 +72,13 @@ class Calibration:
             if not np.isfinite(values).all():
                 raise DataError(f"{name} holds a value that is not finite, expected numbers")
         require_rising(motion)
+        draws = None
+        if motion.role != "evaluate" and motion.felt is not None:
+            motion, draws = estimated_again(self._follower, motion, motion.felt)
         pieces = to_trials([motion], cutoff_hz=np.inf)  # several where messages were missed
         trial = max(pieces, key=lambda piece: len(piece.t))
+        if draws is not None and len(trial.t) == len(motion.t):
+            trial = replace(trial, draws=draws)
         trial = with_measured_tip(self.arm, trial) if self.arm.tip is not None else trial
         if trial.role == "evaluate":
             self.evaluate.append(trial)
@@ -93,24 +107,35 @@ class Calibration:
         return True
 
     def kinematics(self) -> KinematicsFit | None:
-        """Return the best geometry so far, or None as long as nothing can be told."""
-        try:
-            return fit_of(self.geometry)
-        except NotIdentifiable:
-            return None
+        """Return the geometry as the motions so far show it, or None as long as nothing can be told."""
+        return self._known
+
+    def settle_geometry(self) -> None:
+        """Bring the best geometry to its optimum, and find out how well it is known."""
+        if not self.geometry.samples:
+            return
+        for _ in range(_LITTER):
+            self.geometry.generation()
+        self._known = None
+        if self.geometry.told.any():
+            self.geometry.polish()
+            self._known = known_by_motions(fit_of(self.geometry), self.geometry, self.learn)
 
     def learn_dynamics(self, progress: Callable[[int, float], None] | None = None) -> None:
-        """Learn the dynamics of the arm, as its geometry is known so far, from all learning motions so far."""
+        """Learn geometry and then dynamics of the arm from all learning motions so far."""
+        self.settle_geometry()
         fit = self.kinematics()
         try:
-            self.dynamics = fit_dynamics(
+            found = fit_dynamics(
                 self.arm if fit is None else fit.arm,
                 self.learn,
                 objective="torque",
                 seed=self.seed,
                 examine=False,
+                geometries=None if fit is None else fit.drawn,
                 progress=progress,
             )
+            self.dynamics = dynamics_by_motions(found, self.learn)
             self.doubt = ""
         except LimbcalError as error:  # one motion may tell too little; the next one may tell more
             self.doubt = str(error)

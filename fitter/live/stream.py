@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from fitter.data.drift import DriftCorrection, dead_reckoned
+from fitter.data.felt import felt_of
 from fitter.data.motions import Measured
 from limbcal.errors import ProtocolError
 from limbcal.note import Note
@@ -42,6 +43,7 @@ class MotionAssembler:
         self.moving = False
         self._blocks: deque[Mapping[str, Any]] = deque()
         self._drift = DriftCorrection()
+        self._ended_ns = -np.inf
 
     def feed(self, topic: str, fields: Mapping[str, Any]) -> Measured | None:
         """Take in a message and give out the motion that it completes.
@@ -113,4 +115,6 @@ class MotionAssembler:
         notes = (Note("lost", f"{lost} block(s) of frames after lost samples"),) if lost else ()
         t = (t_ns[inside] - self._begin_ns) * 1e-9
         columns = self._drift.moving(t, columns, dead_reckoned(blocks[0]["method"]))
-        return Measured(f"trial {self.trial}", "stream", 0, t, columns, role=self.role, notes=notes)
+        felt = felt_of(blocks, self._ended_ns, self._begin_ns, end_ns)
+        self._ended_ns = end_ns
+        return Measured(f"trial {self.trial}", "stream", 0, t, columns, role=self.role, notes=notes, felt=felt)
