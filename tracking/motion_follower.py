@@ -102,7 +102,9 @@ class MotionFollower:
         points = SensorPaths(self._arm, readings.dt_s).follow(q, readings.values - offset, found.still)
         off = np.moveaxis(errors, 2, 0)
         drawn = Draws(
-            *(motion - off[:, :, k : 3 * n : 3] for k, motion in enumerate((q, dq, ddq))),
+            q - off[:, :, : 3 * n : 3],
+            dq - off[:, :, 1 : 3 * n : 3],
+            ddq - off[:, :, 2 : 3 * n : 3],
             np.empty((DRAWS, len(q), len(self._sensors), 3)),
         )
         arm = replace(self._arm, sensors=tuple(self._arm.sensors[s] for s in self._sensors))

@@ -52,7 +52,7 @@ def felt_of(blocks: Sequence[Mapping[str, Any]], after_ns: float, begin_ns: int,
         When the motion began and ended.
     """
     blocks = [block for block in blocks if block["t0_ns"] > after_ns and block["t0_ns"] <= end_ns]
-    if not blocks or any(block.get("a") is None or block.get("a_noise") is None for block in blocks):
+    if not blocks or any(block.get("a") is None for block in blocks) or blocks[-1].get("a_noise") is None:
         return None
     dt_s, noise, first = float(blocks[0]["dt_s"]), np.asarray(blocks[-1]["a_noise"]), int(blocks[0]["frame0"])
     n = int(blocks[-1]["frame0"]) + int(blocks[-1]["n"]) - first

@@ -10,6 +10,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from arm.base_parameters import BaseParameters
 from arm.model import Arm, Floats
@@ -72,7 +73,7 @@ def drawn_dynamics(
             change = _counted(_residual(arms[b], base, moved, rows, values)[1] - residual, moving, unknown)
             scores[b] += np.einsum("tj,tjp->p", change, slopes)
             power[b] += np.sum(change**2)
-    answers = np.linalg.solve(problem.W.T @ problem.W, scores.T).T
+    answers = np.asarray(np.linalg.solve(problem.W.T @ problem.W, scores.T).T, dtype=np.float64)
     return DrawnDynamics(answers, power - np.einsum("bi,bi->b", scores, answers))
 
 
@@ -86,10 +87,10 @@ def _residual(arm: Arm, base: BaseParameters, trial: Trial, rows: slice, values:
     return Y, learned_torque(arm, trial)[rows] - Y @ values
 
 
-def _counted(rows: Floats, moving: Floats, centred: bool) -> Floats:
+def _counted(rows: Floats, moving: NDArray[np.bool_], centred: bool) -> Floats:
     """Return what counts of some rows (n, n_joint, …), less each joint's mean where that is fitted along."""
     counts = moving.reshape(*moving.shape, *[1] * (rows.ndim - 2))
     rows = rows * counts
-    if not centred:
-        return rows
-    return (rows - rows.sum(axis=0) / np.maximum(counts.sum(axis=0), 1)) * counts
+    if centred:
+        rows = (rows - rows.sum(axis=0) / np.maximum(counts.sum(axis=0), 1)) * counts
+    return np.asarray(rows, dtype=np.float64)

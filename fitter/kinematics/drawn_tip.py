@@ -92,7 +92,7 @@ def _tip_sensor(arm: Arm) -> int:
 
 
 def _since(place: Floats, rest: slice) -> Floats:
-    return place - place[rest].mean(axis=0)
+    return np.asarray(place - place[rest].mean(axis=0), dtype=np.float64)
 
 
 def _slopes(found: Arm, which: NDArray[np.intp], q: Floats, rest: slice) -> Floats:

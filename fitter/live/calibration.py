@@ -115,7 +115,7 @@ class Calibration:
         if not self.geometry.samples:
             return
         for _ in range(_LITTER):
-            self.geometry.generation()
+            self.breed()
         self._known = None
         if self.geometry.told.any():
             self.geometry.polish()

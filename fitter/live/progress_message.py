@@ -32,16 +32,8 @@ def dynamics_fields(calibration: Calibration) -> dict[str, object]:
     }
 
 
-def _parameters(parameters: Mapping[str, FittedParameter]) -> dict[str, dict[str, object]]:
-    return {
-        name: {
-            "value": p.value,
-            "std": _number(p.std),
-            "ci95": None if p.ci95 is None else list(p.ci95),
-            "identifiable": p.identifiable,
-        }
-        for name, p in parameters.items()
-    }
+def _parameters(parameters: Mapping[str, FittedParameter]) -> dict[str, dict[str, float | None]]:
+    return {name: {"value": p.value, "std": _number(p.std)} for name, p in parameters.items()}
 
 
 def _number(value: float) -> float | None:
