@@ -65,6 +65,16 @@ _CLAIM: Schema = {
         "(n, joints)",
         "rad or m",
     ),
+    "a": array(
+        "what the sensors read, averaged to the frames: specific force in their own axes; not a number where lost",
+        "(n, channels)",
+        "m/s^2",
+    ),
+    "a_noise": array(
+        "variance of the noise of these readings: white noise, and what the converter hides from all alike",
+        "(2, channels)",
+        "(m/s^2)^2",
+    ),
 }
 
 _ESTIMATE: Schema = {

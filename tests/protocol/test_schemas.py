@@ -9,7 +9,7 @@ from protocol.schemas import SCHEMAS, schema_json
 
 MOTION = "frame0 t0_ns dt_s n method q dq ddq tip points gap"
 FIELDS = {
-    FRAMES: MOTION + " q_std last_seq",
+    FRAMES: MOTION + " q_std a a_noise last_seq",
     PLAY: MOTION + " source speed trial position_s twin",
     RAW: "sample0 t0_ns dt_s n a",
     TRIAL: "trial t_ns state role last_seq",
