@@ -65,7 +65,7 @@ def drawn_dynamics(
         assert one is not None
         unknown = has_unknown_target(arm, trial)
         rows = slice(target_holds_from(trial) if unknown else 0, len(trial.q))
-        moving = np.abs(trial.dq[rows]) > rest_speed
+        moving = (np.abs(trial.dq[rows]) > rest_speed) & trial.counted[rows]
         slopes, residual = _residual(arm, base, trial, rows, values)
         slopes = _counted(slopes, moving, unknown)[..., problem.free]
         for b in range(n_draw):
