@@ -11,7 +11,8 @@ from numpy.typing import NDArray
 
 from limbcal.errors import DataError
 from limbcal.note import Note
-from protocol.tables.dialect import BLANKS, COMMENTS, HEAD_BYTES, Dialect, dialect_of, encoding_of, is_stamp
+from protocol.tables.csv_end import last_row_end
+from protocol.tables.dialect import BLANKS, COMMENTS, HEAD_BYTES, dialect_of, encoding_of, is_stamp
 from protocol.tables.header import Header
 from protocol.tables.source import Column, Groups, Rows, to_si, uses, wanted
 from protocol.tables.table import Labels
@@ -20,8 +21,6 @@ from protocol.tables.units import Unit
 _ARROW_ROW = re.compile(r"Row #(\d+)")
 _WHOLE = re.compile(r"[-+]?\d+")
 _ZONE = re.compile(r"(?:Z|[-+]\d\d:?\d\d)$")
-#: A number that was cut is shorter than in so many rows before it; by chance one is in 1 of 64 files, at most.
-_CUT_WITNESSES = 64
 #: Whole numbers from here on are not all float64.
 _EXACT = 2**53
 
@@ -46,7 +45,10 @@ class CsvFile:
         head = self._content[:HEAD_BYTES].to_pybytes()
         self._dialect = dialect_of(head, encoding, path)
         self._header = Header(path, self._dialect.names, self._dialect.units)
-        self._stop, self.notes = self._end()
+        self._stop, notes = last_row_end(self._content, self._dialect, path)
+        passed = self._dialect.preamble
+        text = f"{passed} line{'' if passed == 1 else 's'} before the header were passed over"
+        self.notes = (*((Note("preamble", text, source=str(path)),) if passed else ()), *notes)
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -185,41 +187,6 @@ class CsvFile:
         labels: Labels = np.array([*words, ""], dtype=np.str_)[places]
         return labels
 
-    def _end(self) -> tuple[int, tuple[Note, ...]]:
-        """Return where the last whole row ends, and what there is to say about what follows."""
-        dialect, size = self._dialect, self._content.size
-        begin = max(dialect.start, size - HEAD_BYTES)
-        tail = self._content[begin:size].to_pybytes()
-        body = tail.rstrip(b"\0")
-        complete = body.endswith((b"\n", b"\r"))
-        body = body.rstrip(b"\r\n\t ,;" if dialect.delimiter != BLANKS else b"\r\n\t ")
-        last = max(body.rfind(b"\n"), body.rfind(b"\r")) + 1
-        if complete or last == 0:
-            stop = self._without_empty_rows(tail, last)
-            return begin + stop, ()
-        rows = body[:last].splitlines()[-_CUT_WITNESSES:] if begin + last > dialect.start else []
-        before = body[:last].rstrip(b"\r\n")
-        whole = dialect.cells(_line(before, dialect))
-        cut = dialect.cells(_line(tail.rstrip(b"\0"), dialect))
-        if self._fits(cut, whole) and not _is_shortest(body[last:], rows, dialect):
-            return begin + self._without_empty_rows(tail, last), ()
-        text = f"the last line is cut off ({len(cut)} of {len(whole)} cells); it was left out, the rest was used"
-        if len(cut) == len(whole):
-            text = "the last line ends within a number and has no end of line; it was left out, the rest was used"
-        return begin + last, (Note("cut", text, source=str(self.path)),)
-
-    def _fits(self, row: Sequence[str], before: Sequence[str]) -> bool:
-        """Say whether a row has a value wherever the one before it has."""
-        is_value = self._dialect.is_value
-        return len(row) >= len(before) and all(
-            is_value(cell) or not is_value(other) for cell, other in zip(row, before, strict=False)
-        )
-
-    def _without_empty_rows(self, tail: bytes, last: int) -> int:
-        """Return where the last line with anything in it ends."""
-        end = re.compile(rb"\r\n|\n|\r").search(tail, last)
-        return len(tail.rstrip(b"\0")) if end is None else end.end()
-
     def _explain(self, reason: str) -> str:
         """Turn pyarrow's account of a bad cell into ours."""
         found = _ARROW_ROW.search(reason)
@@ -227,7 +194,8 @@ class CsvFile:
         column = re.search(r"column #(\d+)", reason)
         cell = re.search(r"invalid value '(.*)'", reason, re.DOTALL)
         if column and cell:
-            return f"{row}column {self._dialect.names[int(column[1])]!r} holds {cell[1]!r}, expected a number"
+            expected = "seconds, or a time such as 2026-03-01T12:00:00.25" if ":" in cell[1] else "a number"
+            return f"{row}column {self._dialect.names[int(column[1])]!r} holds {cell[1]!r}, expected {expected}"
         cells = re.search(r"Expected (\d+) columns, got (\d+)", reason)
         if cells:
             return f"{row}{cells[2]} cells, expected {cells[1]} as in the header"
@@ -248,20 +216,6 @@ def numbers_of(column: pa.ChunkedArray) -> NDArray[np.generic]:
 
 def _pass_over_remarks(row: pyarrow.csv.InvalidRow) -> str:
     return "skip" if row.text.lstrip().startswith(COMMENTS) else "error"
-
-
-def _is_shortest(line: bytes, rows: Sequence[bytes], dialect: Dialect) -> bool:
-    """Say whether a line ends in a number that is shorter than that of any of many rows before it."""
-    if len(rows) < _CUT_WITNESSES:
-        return False
-    last = [dialect.cells(_line(row, dialect))[-1:] for row in (*rows, line)]
-    *before, own = (len(cell) for cells in last for cell in cells)
-    return bool(before) and own < min(before)
-
-
-def _line(body: bytes, dialect: Dialect) -> str:
-    line = body[max(body.rfind(b"\n"), body.rfind(b"\r")) + 1 :]
-    return line.decode(dialect.encoding, errors="replace")
 
 
 def _content(path: Path) -> tuple[pa.Buffer, str]:

@@ -14,7 +14,9 @@ COMMENTS = ("//", "#", "%")
 #: What parts words where nothing else parts cells: one or more of them.
 BLANKS = " "
 #: Tried in this order: in a file with semicolons a comma is a decimal sign.
-_DELIMITERS = ("\t", ";", ",")
+_DELIMITERS = ("\t", ";", ",", "|")
+#: Lines of text that may stand before the header without a remark's sign.
+_LONGEST_PREAMBLE = 64
 #: So much of a file is looked at [bytes].
 HEAD_BYTES = 1 << 18
 #: In so many rows all cells of a line must agree with the header.
@@ -43,6 +45,8 @@ class Dialect:
         Where the first row begins [byte].
     sample : tuple of tuple of str
         Cells of the first rows.
+    preamble : int
+        Lines before the header that are neither remarks nor rows.
     """
 
     encoding: str
@@ -52,6 +56,7 @@ class Dialect:
     units: dict[str, str]
     start: int
     sample: tuple[tuple[str, ...], ...]
+    preamble: int = 0
 
     def cells(self, line: str) -> list[str]:
         """Return the cells of a line."""
@@ -109,26 +114,28 @@ def dialect_of(head: bytes, encoding: str, path: Path) -> Dialect:
     if not content:
         raise DataError(f"{path}: the file is empty, expected a header row and numbers")
     remarks = [text for offset, text in filled if offset < content[0][0]]
-    rows = [text for _, text in content[: 1 + _WITNESSES]]
-    found = _commented_header(remarks, rows, delimiter)
-    if found is None:
-        delimiter = delimiter or _delimiter(rows[0], rows[1:])
-        header, content = split_cells(rows[0], delimiter), content[1:]
-        if all(is_value(cell, "") for cell in header if cell) and any(header):
-            raise DataError(f"{path}: the first row is {rows[0].strip()!r}, expected names of columns")
-    else:
-        header, delimiter = found
     units: dict[str, str] = {}
+    preamble = 0
+    commented = _commented_header(remarks, [text for _, text in content[: 1 + _WITNESSES]], delimiter)
+    if commented is not None:
+        header, units, delimiter = commented
+    else:
+        preamble, delimiter = _header_line([text for _, text in content], delimiter)
+        (offset, text), content = content[preamble], content[preamble + 1 :]
+        header = [cell.strip("'") for cell in split_cells(text, delimiter)]
+        if all(is_value(cell, "") for cell in header if cell) and any(header):
+            raise DataError(f"{path}: the first row is {text.strip()!r}, expected names of columns")
+        below = [remark for place, remark in filled if place > offset and (not content or place < content[0][0])]
+        units = _units_in(header, [split_cells(_without_sign(remark), delimiter) for remark in below])
     if content and _is_units(split_cells(content[0][1], delimiter)):
-        below = split_cells(content[0][1], delimiter)
-        units = {name: cell for name, cell in zip(header, below, strict=False) if not is_no_unit(cell)}
+        units = _units_in(header, [split_cells(content[0][1], delimiter)])
         content = content[1:]
     sample = tuple(tuple(split_cells(text, delimiter)) for _, text in content)
-    cells = [cell for row in sample for cell in row]
-    commas = any(map(_COMMA_NUMBER.fullmatch, cells)) and not any(map(_POINT_NUMBER.fullmatch, cells))
+    flat = [cell for row in sample for cell in row]
+    commas = any(map(_COMMA_NUMBER.fullmatch, flat)) and not any(map(_POINT_NUMBER.fullmatch, flat))
     start = content[0][0] if content else len(head)
     names = _fitted(header, sample[0]) if sample else header
-    return Dialect(encoding, delimiter, "," if commas else ".", tuple(names), units, start, sample)
+    return Dialect(encoding, delimiter, "," if commas else ".", tuple(names), units, start, sample, preamble)
 
 
 def split_cells(line: str, delimiter: str) -> list[str]:
@@ -161,19 +168,37 @@ def _lines(head: bytes, encoding: str) -> list[tuple[int, str]]:
     found: list[tuple[int, str]] = []
     offset = len(codecs.BOM_UTF8) if encoding == "utf-8-sig" else 0
     for line in head[offset:].splitlines(keepends=True):
-        found.append((offset, line.decode(encoding, errors="replace")))
+        text = line.decode(encoding, errors="replace")
+        if len(found) == 1 and found[0][1].count('"') % 2:
+            found[0] = found[0][0], found[0][1] + text  # a name with a line's end in it, as spreadsheets have
+        else:
+            found.append((offset, text))
         offset += len(line)
     return found[:-1] if len(head) >= HEAD_BYTES else found
 
 
-def _delimiter(header: str, rows: Sequence[str]) -> str:
-    """Return what parts the cells of a header and of the rows below it into the same number."""
-    for delimiter in (*_DELIMITERS, BLANKS):
-        cells = split_cells(header, delimiter)
-        judged = [split_cells(row, delimiter) for row in rows[:-1] or rows]  # the last one may be cut
-        if len(cells) > 1 and judged and all(_compatible(cells, row) for row in judged):
-            return delimiter
-    return max(reversed(_DELIMITERS), key=lambda delimiter: len(split_cells(header, delimiter)))
+def _header_line(lines: Sequence[str], delimiter: str | None) -> tuple[int, str]:
+    """Return the first line whose cells are names of the values below it, and what parts them.
+
+    Where there is none, it is the first line.
+    """
+    tried = (delimiter,) if delimiter else (*_DELIMITERS, BLANKS)
+    for k, line in enumerate(lines[:_LONGEST_PREAMBLE]):
+        for candidate in tried:
+            cells = split_cells(line, candidate)
+            rows = [split_cells(row, candidate) for row in lines[k + 1 : k + 2 + _WITNESSES]]
+            judged = rows[:-1] or rows  # the last one may be cut
+            fits = len(cells) > 1 and judged and all(_compatible(cells, row) for row in judged)
+            if fits and (k == 0 or _names_values(cells, judged)):
+                return k, candidate
+    return 0, delimiter or max(reversed(_DELIMITERS), key=lambda part: len(split_cells(lines[0], part)))
+
+
+def _names_values(cells: Sequence[str], rows: Sequence[Sequence[str]]) -> bool:
+    """Say whether cells are names and most of what stands below them is numbers."""
+    below = [cell for row in rows[-2:] for cell in row if cell]
+    named = not any(is_value(cell, "") for cell in cells if cell)
+    return len(rows) > 1 and named and sum(is_value(cell, "") for cell in below) > 0.5 * len(below)
 
 
 def _compatible(header: Sequence[str], row: Sequence[str]) -> bool:
@@ -184,24 +209,35 @@ def _compatible(header: Sequence[str], row: Sequence[str]) -> bool:
 
 def _commented_header(
     remarks: Sequence[str], rows: Sequence[str], delimiter: str | None
-) -> tuple[list[str], str] | None:
-    """Return the header that the last remark is, as `numpy.savetxt` and MATLAB write it, and what parts cells."""
-    if not remarks:
-        return None
-    text = remarks[-1].strip()
-    for sign in COMMENTS:
-        text = text.removeprefix(sign)
-    text = text.lstrip("#%/ \t")
+) -> tuple[list[str], dict[str, str], str] | None:
+    """Return the header that the last remark is, as `numpy.savetxt` and MATLAB write it, units, what parts cells.
+
+    A remark of units may stand below it.
+    """
     for candidate in (delimiter,) if delimiter else (*_DELIMITERS, BLANKS):
         cells = [split_cells(row, candidate) for row in rows]
         if not any(is_value(cell, "") for cell in cells[0]):
             continue  # names: the first row is the header itself
-        for parting in (candidate, *_DELIMITERS, BLANKS):
-            names = split_cells(text, parting)
+        for parting in (*_DELIMITERS, BLANKS) if candidate == BLANKS else (candidate, *_DELIMITERS, BLANKS):
+            last = [split_cells(_without_sign(remark), parting) for remark in remarks[-2:]]
+            below = last[1:] if len(last) == 2 and _is_units(last[1]) and len(last[0]) == len(last[1]) else []
+            names = last[0] if below else last[-1] if last else []
             named = all(names) and not any(is_value(name, "") for name in names)
             if named and len(names) == len(cells[0]) and (len(names) > 1 or all(len(row) == 1 for row in cells)):
-                return names, candidate
+                return names, _units_in(names, below), candidate
     return None
+
+
+def _without_sign(remark: str) -> str:
+    return remark.strip().lstrip("#%/ \t")
+
+
+def _units_in(header: Sequence[str], rows: Sequence[Sequence[str]]) -> dict[str, str]:
+    """Return the units below the names of a header, if one of the rows holds them."""
+    for row in rows:
+        if len(row) <= len(header) and _is_units(row):
+            return {name: cell for name, cell in zip(header, row, strict=False) if not is_no_unit(cell)}
+    return {}
 
 
 def _is_units(cells: Sequence[str]) -> bool:

@@ -7,7 +7,7 @@ import numpy as np
 
 from limbcal.errors import DataError
 from limbcal.note import Note
-from protocol.tables.columns import JOINT_ROLES, ColumnMap
+from protocol.tables.columns import JOINT_ROLES, Address, ColumnMap
 from protocol.tables.files import open_source
 from protocol.tables.roles import Plan, find_roles, no_column
 from protocol.tables.source import Rows, Source
@@ -93,8 +93,8 @@ def read_table_blocks(
 
 def _require_time(source: Source, plan: Plan, rate_hz: float | None) -> None:
     if "t" not in plan.columns and rate_hz is None:
-        error = no_column(source, "t")
-        raise DataError(f"{error}, expected time stamps, or else the rate of the samples")
+        expected = ", expected time stamps, or else the rate of the samples"
+        raise no_column(source, Address("t", "t", asked=False), expected=expected)
 
 
 def _table(rows: Rows, plan: Plan, first: int, rate_hz: float | None) -> Table:

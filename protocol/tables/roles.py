@@ -111,15 +111,16 @@ def listed(source: Source) -> str:
     return "its columns " + ", ".join(source.names) if source.names else "its columns (there are none)"
 
 
-def no_column(source: Source, wanted: str, beside: str = "") -> DataError:
-    """Return the error that a column is not there, with the name that may have been meant."""
-    nearest = source.nearest(wanted)
-    name, colon, _ = wanted.rpartition(":")
-    if colon and source.match(name, ()) is not None:
-        hint = f"; {wanted.rpartition(':')[2]!r} is no unit that is known ({known_units(_SI)})"
+def no_column(source: Source, address: Address, beside: str = "", expected: str = "") -> DataError:
+    """Return the error that a column is not there, with the name or the unit that may have been meant."""
+    dimensions = dimensions_of(address.role)
+    name, colon, unit = address.text.rpartition(":")
+    if colon and source.match(name, dimensions) is not None:
+        hint = f"; {unit!r} is no unit that is known, expected one of {known_units(dimensions)}"
     else:
+        nearest = source.nearest(address.text)
         hint = f"; did you mean {nearest!r}?" if nearest else ""
-    return DataError(f"{source.path}: no column {wanted!r}{beside} among {listed(source)}{hint}")
+    return DataError(f"{source.path}: no column {address.text!r}{beside} among {listed(source)}{expected}{hint}")
 
 
 Found = tuple[Address, str]
@@ -132,7 +133,7 @@ def _present(source: Source, addresses: Sequence[Address], required: bool) -> li
     missing = [address for address, name in matched if name is None]
     if missing and (here or required or missing[0].asked):
         beside = f" beside {', '.join(name for _, name in here)}" if here else ""
-        raise no_column(source, missing[0].text, beside)
+        raise no_column(source, missing[0], beside)
     return here
 
 

@@ -96,7 +96,8 @@ def parse_unit(text: str) -> Unit | None:
     if plain in _BY_NAME:
         return _BY_NAME[plain]
     lower = plain.lower()
-    return _BY_NAME.get(lower) if len(lower) > 2 else None  # Deg and RAD; but M, MS and NM are no metres
+    # Deg, RAD, MS; but M and NM are no metres, and MG is no thousandth of g
+    return _BY_NAME.get(lower) if len(lower) > 2 or lower in ("s", "ms", "us", "ns") else None
 
 
 def known_units(dimensions: Collection[str]) -> str:

@@ -89,6 +89,15 @@ WAYS = {
     "an unused column with holes": text_of("t,q1,q2,temperature", trail=",NaN"),
     "no line end at the end": text_of("t,q1,q2").rstrip("\n"),
     "zeros at the end": text_of("t,q1,q2").encode() + b"\0" * 100,
+    "decimal comma, all in quotes": text_of('"t","q1","q2"', sep='","', decimal=",", trail='"').replace(
+        "\n", '\n"'
+    ),
+    "a name with a line's end in it": text_of('t,q1,q2,"torque\nmeasured"', trail=",1"),
+    "bars": text_of("t|q1|q2", sep="|"),
+    "a preamble": text_of("t,q1,q2", first="Device 7\nSerial,42\n\n"),
+    "apostrophes": text_of("'t','q1','q2'"),
+    "old line ends": text_of("t,q1,q2", end="\r"),
+    "an index without a name": text_of(",t,q1,q2").replace("\n", "\n0,").removesuffix("0,"),
     "a name for time": text_of("Time,q1,q2"),
 }
 
@@ -136,6 +145,9 @@ DEGREES = [
     ("stamp,pos1,pos2", "t=stamp:ms,q=pos{j}:deg"),
     ("t,q1,q2\nms,deg,deg", None),
     ("t,q1,q2\n[ms],[°],[deg]", None),
+    ("t,q1,q2\n# ms,deg,deg", None),
+    ("# t,q1,q2\n# ms,deg,deg", None),
+    ("t (MS),q1 (DEG),q2 (Degrees)", None),
     ("t [s],q1 [rad],q2 [rad]", "t=t:ms,q=q{j}:deg"),
 ]
 
