@@ -21,10 +21,12 @@ from typing import Any
 import numpy as np
 import zmq
 from numpy.typing import NDArray
+from rich.text import Text
 
 from arm.arm_file import load_arm
 from arm.simulation import simulate
-from limbcal.command import console, say
+from limbcal.command import say, show
+from limbcal.digits import to_the_place_of, with_half_width
 from limbcal.errors import DeviceError, LimbcalError, Unusable
 from protocol.message import PLAY
 from protocol.recording_reader import read_recording
@@ -170,40 +172,42 @@ def play(job: Job, stack: ExitStack, out: Path) -> None:
                 break
         if sender.wait() != 0 or server.returncode != 0 or not received:
             raise DeviceError("limbplay did not play; see above")
-    say(f"limbplay streamed {received} frames of the calibrated arm; it ends at {np.rad2deg(q).round(1)} deg")
+    show(f"limbplay streamed {received} frames of the calibrated arm; it ends at {np.rad2deg(q).round(1)} deg")
 
 
 def summarize(out: Path) -> None:
     """Print what was found, the truth beside it where the virtual arm knows it."""
     dynamics = json.loads((out / "dynamics.json").read_text())
     kinematics = json.loads((out / "kinematics.json").read_text())
-    say("")
+    show("")
     trials = dynamics["trials"]
     motions = trials["learn"] + trials["evaluate"]
-    console.print(
+    counted = (
         f"{motions} of {trials['expected']} motions: {trials['learn']} learnt from, {trials['evaluate']} held "
-        f"back; {trials['lost_s']:.3g} s of frames lost",
-        style="bold red" if motions < trials["expected"] else None,
+        f"back; {trials['lost_s']:.3g} s of frames lost"
     )
+    show(Text(counted, style="bold red" if motions < trials["expected"] else ""))
     method, mean, worst = tracking_error(out)
     said = {"integrate": "the paper's method", "filter": "the Kalman filter"}.get(method, method)
-    say(f"tracking by {said}, against the true angles: {mean:.2f}° mean, {worst:.1f}° max")
+    show(f"tracking by {said}, against the true angles: {mean:.2f}° mean, {worst:.1f}° max")
     a = {name: kinematics["parameters"][name]["value"] for name in ("a1", "a2")}
-    say(f"lengths found: a1 {1e3 * a['a1']:.1f} mm (true 250), a2 {1e3 * a['a2']:.1f} mm (true 300)")
-    p = dynamics["parameters"]
+    show(f"lengths found: a1 {1e3 * a['a1']:.1f} mm (true 250), a2 {1e3 * a['a2']:.1f} mm (true 300)")
+    p, ci95 = dynamics["parameters"], dynamics["ci95"]
     for name, true in (("I1+m2*L1^2", 1.986076), ("m2*sx2", 1.718632), ("m2*sy2", 0.181763), ("I2", 0.471209)):
-        value, std = p[name]["value"], p[name]["std"]
-        say(f"{name:>11}: {value:.4f} ± {std:.4f} (true {true:.4f}, off by {100 * (value / true - 1):+.1f} %)")
+        value, half_width = p[name]["value"], np.nan if ci95[name] is None else 0.5 * np.ptp(ci95[name])
+        found, around = with_half_width(value, half_width)
+        said = to_the_place_of(true, half_width)
+        show(f"{name:>11}: {found} ± {around} (true {said}, off by {100 * (value / true - 1):+.1f} %)")
     for role, title in (("learn", "learning"), ("evaluate", "evaluating")):
         found, paper = dynamics["angle_error_deg"][role], PAPER_DEG[role]
         if found is not None:
-            say(
+            show(
                 f"simulated against measured angles, {title}: {found['mean']:.2f}° mean, {found['max']:.2f}° max "
                 f"(the paper: {paper[0]:.2f}°, {paper[1]:.1f}°)"
             )
     for title, (mean, worst) in true_error(out).items():
-        say(f"simulated against the true angles, true targets given, {title}: {mean:.2f}° mean, {worst:.2f}° max")
-    say(f"report: {out / 'report.html'}")
+        show(f"simulated against the true angles, true targets given, {title}: {mean:.2f}° mean, {worst:.2f}° max")
+    show(f"report: {out / 'report.html'}")
 
 
 def true_error(out: Path, learning: int = 5) -> dict[str, tuple[float, float]]:

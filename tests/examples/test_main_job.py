@@ -14,7 +14,7 @@ PATIENCE_S = 400.0  # on a fresh machine every process compiles its kernels firs
 
 def started(out: Path, *options: str) -> "subprocess.Popen[str]":
     command = [sys.executable, str(MAIN_JOB), "--out", str(out), *options]
-    return subprocess.Popen(command, stderr=subprocess.PIPE, text=True)
+    return subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
 
 
 def family(process: "subprocess.Popen[str]") -> list[psutil.Process]:
@@ -27,7 +27,7 @@ def all_gone(processes: list[psutil.Process]) -> bool:
 
 def test_it_calibrates_and_plays(tmp_path):
     with started(tmp_path, "--trials", "6", "--speed", "1.5", "--seed", "3") as job:
-        said = job.communicate(timeout=PATIENCE_S)[1]
+        said = job.communicate(timeout=PATIENCE_S)[0]
     assert job.returncode == 0, said
     assert "trial 6: " in said and "kept for evaluation" in said
     assert "lengths found: a1 2" in said
@@ -48,7 +48,7 @@ def test_an_interrupt_leaves_no_process_behind(tmp_path):
         seen = family(job)
         assert len(seen) >= 5
         job.send_signal(signal.SIGINT)
-        said = job.communicate(timeout=PATIENCE_S)[1]
+        said = job.communicate(timeout=PATIENCE_S)[0]
     assert all_gone(seen)
     assert job.returncode == 130
     assert "Traceback" not in said
