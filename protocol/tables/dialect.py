@@ -191,7 +191,7 @@ def _header_line(lines: Sequence[str], delimiter: str | None) -> tuple[int, str]
             fits = len(cells) > 1 and judged and all(_compatible(cells, row) for row in judged)
             if fits and (k == 0 or _names_values(cells, judged)):
                 return k, candidate
-    return 0, delimiter or max(reversed(_DELIMITERS), key=lambda part: len(split_cells(lines[0], part)))
+    return 0, delimiter or max(",;\t|", key=lambda part: len(split_cells(lines[0], part)))
 
 
 def _names_values(cells: Sequence[str], rows: Sequence[Sequence[str]]) -> bool:

@@ -102,3 +102,14 @@ def test_too_few_samples_and_roles_that_do_not_exist(tmp_path):
         load_raw([path], SENSORS, 2)
     with pytest.raises(ConfigError, match="'s3x' is no role"):
         load_raw([path], SENSORS, 2, "s3x=a")
+
+
+def test_a_leap_of_a_day_makes_two_runs(tmp_path):
+    t = 0.001 * np.arange(4000)
+    t[2500:] += 86400.0
+    write_motion(tmp_path / "leap.csv", {"t": t} | {f"s1{axis}": np.ones(4000) for axis in "xyz"})
+    first, second = load_raw([tmp_path / "leap.csv"], ["s1"], 2)
+    assert (len(first.t), len(second.t)) == (2500, 1500)
+    assert not first.lost and not second.lost and second.after_leap and not first.after_leap
+    (note,) = first.notes
+    assert note.kind == "gap" and note.row == 2501

@@ -7,6 +7,7 @@ import sys
 from pathlib import Path
 
 import imageio_ffmpeg
+import numpy as np
 import pyarrow.csv
 import pytest
 
@@ -109,3 +110,20 @@ def test_the_film_has_the_length_of_the_motion(motion_file: Path, tmp_path: Path
     options = ["--trial", "3", "--rate-hz", "10", "--size", "320x180", "--arm", "dd-arm"]
     assert main(["export", str(motion_file), "--out", str(out), *options]) == 0
     assert imageio_ffmpeg.count_frames_and_secs(str(out)) == (16, pytest.approx(1.6, abs=0.02))
+
+
+def test_time_without_end_is_a_question_and_a_leap_a_trial_of_its_own(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    t = 0.001 * np.arange(700)
+    path, out = tmp_path / "motion.npz", tmp_path / "motion.csv"
+    np.savez(path, t=1e6 * t, q1=t, q2=t)
+    arguments = ["export", str(path), "--arm", "dd-arm", "--out", str(out), "--json"]
+    assert main(arguments) == 2
+    assert "stamps lie 1000 apart, expected seconds" in capsys.readouterr().err
+    assert main([*arguments, "--columns", "t=t:us"]) == 0
+    assert json.loads(capsys.readouterr().out)["duration_s"] < 0.7
+    np.savez(path, t=np.where(t < 0.4, t, t + 86400.0), q1=t, q2=t)
+    assert main([*arguments, "--trial", "2"]) == 0
+    answer = json.loads(capsys.readouterr().out)
+    assert answer["duration_s"] < 0.3 and [note["kind"] for note in answer["notes"]] == ["gap"]

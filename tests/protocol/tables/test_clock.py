@@ -39,9 +39,7 @@ def test_what_may_be_either_stays_as_it_is():
     assert np.array_equal(Clock().seconds(stamps), stamps)
 
 
-@given(
-    first=st.integers(0, 2**62), step=st.integers(1, 10**9), n=st.integers(2, 50), size=st.integers(1, 20)
-)
+@given(first=st.integers(0, 2**62), step=st.integers(1, 10**9), n=st.integers(2, 50), size=st.integers(1, 20))
 def test_blocks_go_on_from_one_another_and_keep_their_nanoseconds(first, step, n, size):
     stamps = first + step * np.arange(n, dtype=np.int64)
     whole, parts = Clock(1e-9), Clock(1e-9)
