@@ -1,7 +1,7 @@
 """Alarms: what is wrong, since when, and what to do about it; neither raised nor ended by a single second."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -48,7 +48,7 @@ class Alarm:
     since_ns : int
         UTC of the report that raised it.
     found : str
-        What was found.
+        What was found, by the last report that shows it.
     """
 
     name: str
@@ -90,6 +90,8 @@ class Alarms:
         for key, found in wrong.items():
             self._missed.pop(key, None)
             self._seen[key] = self._seen.get(key, 0) + 1
+            if key in self.raised:
+                self.raised[key] = replace(self.raised[key], found=found)
             if key not in self.raised and self._seen[key] >= _RAISED_BY:
                 self.raised[key] = Alarm(*key, now_ns, found)
                 begun.append(self.raised[key])

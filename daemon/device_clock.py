@@ -123,8 +123,8 @@ class DeviceClock:
         self._followed = abs(line.rate - 1.0) <= _WORST
         if not self._followed:
             return
-        rate, std = _believed(line)
-        off_s = self._stamps.approach(rate, line.host_s - rate * line.device_s)
+        rate, std, slope = _believed(line)
+        off_s = self._stamps.approach(slope, line.host_s - slope * line.device_s)
         said = line.span_s >= _SAID_S
         self._state = ClockState(
             1e6 * (1.0 / line.rate - 1.0) if said else None,
@@ -138,10 +138,14 @@ class DeviceClock:
         return (ticks - self._first_ticks) / self._tick_hz
 
 
-def _believed(line: Line) -> tuple[float, float]:
-    """Return a rate and its standard error, with what is known of crystals."""
+def _believed(line: Line) -> tuple[float, float, float]:
+    """Return a rate and its standard error, with what is known of crystals, and the slope of the stamps.
+
+    Stamps go through arrivals as they came, whatever made them late, as far as a crystal can.
+    """
     off, std = line.rate - 1.0, line.rate_std
     if abs(off) > _SURELY * np.hypot(std, _CRYSTAL):
-        return line.rate, std
-    share = _CRYSTAL**2 / (_CRYSTAL**2 + line.scatter_std**2)
-    return 1.0 + share * off, float(_CRYSTAL * std / np.hypot(_CRYSTAL, std))
+        return line.rate, std, line.rate
+    share, as_came = (_CRYSTAL**2 / (_CRYSTAL**2 + one**2) for one in (std, line.scatter_std))
+    slope = 1.0 + float(np.clip(as_came * off, -2.0 * _CRYSTAL, 2.0 * _CRYSTAL))
+    return 1.0 + share * off, float(_CRYSTAL * std / np.hypot(_CRYSTAL, std)), slope

@@ -17,14 +17,18 @@ import numpy as np
 
 from arm.model import Floats
 
-#: The first stretches, how many are kept, and how long they grow at last [s]: the last nine to seventeen minutes.
-_FIRST_S, _KEPT, _LONGEST_S = 1.0 / 16.0, 256, 4.0
+#: The first stretches, and how long they grow before there are many, and at last [s].
+_FIRST_S, _LONG_S, _LONGEST_S = 1.0 / 16.0, 1.0, 4.0
+#: How many there are at the most while they are short, so that each holds many arrivals, and then: of the last
+#: nine to seventeen minutes.
+_SHORT_KEPT, _KEPT = 16, 256
 #: A line needs so many of them.
 _FEW = 4
 _OUTLIER = 3.0
-#: The reader gathers bytes for this long, and a busy host may let all arrivals of a stretch wait for it [s]. That
-#: is the same for many stretches, which least squares know nothing of, so it counts as three standard deviations.
-_GATHERED_S = 0.006
+#: The reader gathers bytes for 6 ms, and a busy host lets it wait for a few more; all arrivals of a stretch may
+#: wait for so long [s]. That is the same for many stretches, which least squares know nothing of, so it counts as
+#: three standard deviations.
+_WAITED_S = 0.010
 
 
 @dataclass(frozen=True)
@@ -82,7 +86,8 @@ class LeastLate:
             return False
         self._points.append(self._best)
         self._best = None
-        if len(self._points) >= _KEPT and self._stretch_s < _LONGEST_S:
+        most = _SHORT_KEPT if self._stretch_s < _LONG_S else _KEPT
+        if len(self._points) >= most and self._stretch_s < _LONGEST_S:
             pairs = zip(self._points[::2], self._points[1::2], strict=True)
             self._points = [min(pair, key=lambda point: self._late(*point)) for pair in pairs]
             self._stretch_s *= 2.0
@@ -123,5 +128,5 @@ def _line(device: Floats, host: Floats) -> Line | None:
     spread = float(np.sqrt(np.sum(distance[near] ** 2) / max(np.count_nonzero(near) - 2, 1)))
     span = float(device[-1] - device[0])
     scatter = float(spread / np.sqrt(lever))
-    std = float(np.hypot(scatter, _GATHERED_S / 3.0 / span))
+    std = float(np.hypot(scatter, _WAITED_S / 3.0 / span))
     return Line(1.0 + float(slope), scatter, std, float(middle), float(middle + height), spread, span)

@@ -89,7 +89,9 @@ def _rate_off(health: Mapping[str, Any]) -> str | None:
     if measured_hz is not None:
         ppm = 1e6 * (measured_hz / claimed_hz - 1.0)
         if _far(ppm, rate["std_ppm"]):
-            found.append(f"it samples at {measured_hz:.6g} Hz, {_off(ppm)} than the {claimed_hz:g} Hz of its INFO")
+            std_hz = 1e-6 * rate["std_ppm"] * measured_hz
+            said = f"it samples at {measured_hz:.7g} ± {std_hz:.1g} Hz"
+            found.append(f"{said}, {_off(ppm)} than the {claimed_hz:g} Hz of its INFO")
     ppm = health["clock_ppm"]
     if ppm is not None and _far(ppm, clock["ppm_std"]):
         found.append(f"its clock is {_off(ppm)} than this machine's")

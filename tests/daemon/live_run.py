@@ -1,6 +1,6 @@
 """The virtual arm and the daemon run with faults; what was published is held against what the device sent."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -40,10 +40,12 @@ def live_run(
     rate_hz: float,
     samples: int,
     hear: Callable[[str, Fields], None] = lambda _topic, _fields: None,
+    device_options: Sequence[str] = (),
+    method: str = "integrate",
 ) -> tuple[Heard, str]:
     """Let the device send so many samples, faults among them; return all messages by topic, and its last words.
 
-    ``hear`` is called with every message as it comes.
+    ``hear`` is called with every message as it comes; ``rate_hz`` is what the device's INFO says.
     """
     link, endpoint = folder / "device", f"ipc://{folder}/frames"
     arguments = (
@@ -54,13 +56,14 @@ def live_run(
         "--seed",
         str(SEED),
         *(("--fault", schedule) if schedule else ()),
+        *device_options,
         "--json",
     )
     device = limbd("virtual", *arguments)
     device.announcement()
     config = folder / "limbd.toml"
     config.write_text(
-        f'[device]\nport = "{link}"\n[arm]\nfile = "dd-arm"\n[tracking]\nmethod = "integrate"\n'
+        f'[device]\nport = "{link}"\n[arm]\nfile = "dd-arm"\n[tracking]\nmethod = "{method}"\n'
         f'[publish]\nendpoint = "{endpoint}"\nraw = true\n'
     )
     heard: Heard = {RAW: [], GAP: [], HEALTH: []}

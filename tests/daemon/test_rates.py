@@ -1,0 +1,81 @@
+"""Devices whose rate is low or not what they say, or whose tick counter passes zero, lose nothing."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from daemon.recorded_run import blocks_of, device_of
+from protocol.message import GAP, HEALTH, RAW
+from tests.daemon.live_run import Limbd, check, live_run, sent
+
+#: A test machine may be busy, or full.
+OF_THE_MACHINE = {"behind", "disk"}
+PPM = 1e-6
+
+
+@pytest.mark.parametrize(
+    ("claimed_hz", "sampled_hz", "options"),
+    [
+        (8000.0, 7680.0, ("--wraps-s", "8")),
+        (8000.0, 8040.0, ("--frame-samples", "256")),
+        (100.0, 104.0, ("--frame-samples", "8")),
+    ],
+)
+def test_a_rate_is_followed_and_said(
+    limbd: Limbd, tmp_path: Path, claimed_hz: float, sampled_hz: float, options: tuple[str, ...]
+) -> None:
+    given = ("--sampled-hz", str(sampled_hz), *options)
+    method = "integrate" if claimed_hz > 1000.0 else "filter"
+    heard, _ = live_run(
+        limbd, tmp_path, "", claimed_hz, round(4.0 * sampled_hz), device_options=given, method=method
+    )
+    check(heard, sent(sampled_hz, round(10.0 * sampled_hz)))
+    last = heard[HEALTH][-1]
+    assert heard[GAP] == [] and last["lost_samples"] == 0 and last["gaps"]["causes"] == {}
+    assert last["rate_hz"] == pytest.approx(sampled_hz, rel=100 * PPM)
+    assert last["rate"]["claimed_hz"] == claimed_hz
+    alarms = {alarm["name"] for health in heard[HEALTH] for alarm in health["alarms"]} - OF_THE_MACHINE
+    assert alarms == {"rate"}
+    assert heard[RAW][-1]["dt_s"] == pytest.approx(1.0 / sampled_hz, rel=150 * PPM)
+    stamps = np.array([block["t0_ns"] for block in heard[RAW]]) * 1e-9
+    numbers = np.array([block["sample0"] for block in heard[RAW]])
+    late = numbers >= 2 * sampled_hz
+    rate_hz = np.polyfit(stamps[late] - stamps[0], numbers[late], 1)[0]
+    assert rate_hz == pytest.approx(sampled_hz, rel=0.005)
+
+
+def test_a_clock_without_a_crystal_is_followed_by_the_hosts(limbd: Limbd, tmp_path: Path) -> None:
+    ppm = -40_000.0
+    sampled_hz = 4000.0 * (1.0 + PPM * ppm)
+    given = ("--clock-ppm", str(ppm))
+    heard, _ = live_run(limbd, tmp_path, "", 4000.0, round(6.0 * sampled_hz), device_options=given)
+    last = heard[HEALTH][-1]
+    assert heard[GAP] == [] and last["lost_samples"] == 0
+    off_ppm = (last["rate_hz"] / sampled_hz - 1.0) / PPM
+    assert abs(off_ppm) < max(100.0, 3.0 * last["rate"]["std_ppm"])
+    assert abs(last["clock_ppm"] - ppm) < max(100.0, 3.0 * last["clock"]["ppm_std"])
+    assert heard[RAW][-1]["dt_s"] == pytest.approx(1.0 / sampled_hz, rel=0.01)
+    (alarm,) = [one for one in last["alarms"] if one["name"] not in OF_THE_MACHINE]
+    assert alarm["name"] == "rate" and "slower than the 4000 Hz of its INFO" in alarm["found"]
+
+
+def test_a_recording_of_a_rate_that_was_measured_is_replayed_by_it(limbd: Limbd, tmp_path: Path) -> None:
+    device = limbd("virtual", "--rate-hz", "4000", "--sampled-hz", "3840", "--seed", "3", "--json")
+    port = device.announcement()["port"]
+    endpoint = ("--endpoint", f"ipc://{tmp_path}/frames")
+    folders = tmp_path / "first", tmp_path / "second"
+    run = ("--arm", "dd-arm", "--method", "integrate", *endpoint, "--json")
+    daemon = limbd("run", "--port", port, *run, "--record", str(folders[0]))
+    first = Path(daemon.announcement()["recording"])
+    status = limbd("status", *endpoint, "--json")
+    status.announcement()
+    status.stop()
+    assert (daemon.stop(), device.stop()) == (0, 0)
+    replay = limbd("run", "--replay", str(first), *endpoint, "--json", "--record", str(folders[1]), "--speed", "4")
+    second = Path(replay.announcement()["recording"])
+    assert replay.wait() == 0
+    assert device_of(first).rate_hz == device_of(second).rate_hz == 4000.0
+    one, two = ([(b.sample0, b.t0_ns, b.dt_s, b.a.tobytes()) for b in blocks_of(path)] for path in (first, second))
+    assert one == two
+    assert one[-1][2] == pytest.approx(1.0 / 3840.0, rel=150 * PPM)
