@@ -10,6 +10,8 @@ from numba.core import cgutils
 from numba.extending import intrinsic, overload
 from numpy.typing import NDArray
 
+from limbcal.kernel_cache import KernelCache
+
 Kernel = TypeVar("Kernel", bound=Callable[..., object])
 Parts = TypeVar("Parts")
 
@@ -20,12 +22,18 @@ def compiled(kernel: Kernel) -> Kernel:
     Division by zero follows IEEE 754 (``error_model="numpy"``) and the order of additions is kept, so that
     the same input gives the same bytes. Other threads go on while a kernel runs.
     """
-    return cast(Kernel, numba.njit(cache=True, nogil=True, error_model="numpy")(kernel))
+    return _kept(numba.njit(nogil=True, error_model="numpy")(kernel), kernel)
 
 
 def inlined(kernel: Kernel) -> Kernel:
     """Compile as `compiled` does, into each of its callers: kernels that hand many arrays on cost them no time."""
-    return cast(Kernel, numba.njit(cache=True, nogil=True, error_model="numpy", forceinline=True)(kernel))
+    return _kept(numba.njit(nogil=True, error_model="numpy", forceinline=True)(kernel), kernel)
+
+
+def _kept(dispatcher: Any, kernel: Kernel) -> Kernel:
+    """Return a dispatcher that keeps on disk what it compiles."""
+    dispatcher._cache = KernelCache(kernel)  # noqa: SLF001 - as its own `enable_caching` does
+    return cast(Kernel, dispatcher)
 
 
 def cut(array: NDArray[Any], start: int, shape: tuple[int, ...]) -> tuple[NDArray[Any], int]:

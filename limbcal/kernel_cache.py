@@ -1,0 +1,110 @@
+"""The cache of compiled kernels: what a kernel calls, and the constants that it has, count as its source.
+
+The compiler's own cache looks at the file of a kernel alone. What it calls is compiled into it, so a change of
+another file would leave machine code of the old one, and nobody would be told. And two processes that compile the
+same kernel for different types at the same time could give one the other's code.
+"""
+
+import fcntl
+import hashlib
+import types
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any, cast
+
+from numba.core.caching import FunctionCache
+from numba.core.dispatcher import Dispatcher
+
+_PLAIN = (int, float, complex, str, bytes, bool, type(None))
+_LOCK = ".limbcal.lock"
+
+
+class KernelCache(FunctionCache):
+    """Caches one kernel on disk, as long as it and all that is compiled into it stay the same.
+
+    Parameters
+    ----------
+    kernel : callable
+        The Python function.
+    """
+
+    def __init__(self, kernel: Callable[..., object]) -> None:
+        super().__init__(kernel)  # type: ignore[no-untyped-call]
+        self._stamped = False
+
+    def load_overload(self, sig: object, target_context: object) -> object:
+        """Return what was compiled for some types, or None."""
+        self._stamp()
+        return cast(object, super().load_overload(sig, target_context))  # type: ignore[no-untyped-call]
+
+    def _save_overload(self, sig: object, data: object) -> None:
+        self._stamp()
+        self._impl.locator.ensure_cache_path()
+        with (Path(self.cache_path) / _LOCK).open("w") as lock:
+            fcntl.flock(lock, fcntl.LOCK_EX)
+            super()._save_overload(sig, data)  # type: ignore[no-untyped-call]
+
+    def _stamp(self) -> None:
+        """Make what the kernel refers to a part of its source; not before its module has been loaded."""
+        if not self._stamped:
+            self._stamped = True
+            file = self._cache_file
+            file._source_stamp = (file._source_stamp, digest_of(self._py_func))  # noqa: SLF001 - numba's
+
+
+def digest_of(kernel: Callable[..., object]) -> str:
+    """Return a digest of a kernel, of all kernels that it calls and of the constants that they name."""
+    digest = hashlib.sha256(Path(__file__).with_name("compiled.py").read_bytes())  # how all of them are compiled
+    for part in _parts(kernel, set()):
+        digest.update(part.encode())
+        digest.update(b"\0")
+    return digest.hexdigest()
+
+
+def _parts(function: Callable[..., object], seen: set[int]) -> Iterator[str]:
+    """Yield what a function is made of, then what it refers to, each function once."""
+    code = getattr(function, "__code__", None)
+    if code is None or id(code) in seen:
+        return
+    seen.add(id(code))
+    yield from _of_code(code, getattr(function, "__doc__", None))
+    known = {**function.__globals__}
+    for name, cell in zip(code.co_freevars, getattr(function, "__closure__", None) or (), strict=False):
+        known[name] = cell.cell_contents
+    for name in sorted(_names(code)):
+        if name in known:
+            yield name
+            yield from _of_value(known[name], seen)
+
+
+def _of_value(value: Any, seen: set[int]) -> Iterator[str]:
+    if isinstance(value, Dispatcher):
+        yield from _parts(value.py_func, seen)
+    elif isinstance(value, types.FunctionType):
+        yield from _parts(value, seen)
+    elif isinstance(value, _PLAIN):
+        yield repr(value)
+    elif isinstance(value, tuple | list | frozenset):
+        for item in value:
+            yield from _of_value(item, seen)
+    elif hasattr(value, "tobytes") and hasattr(value, "dtype"):
+        yield f"{value.dtype}{getattr(value, 'shape', ())}{hashlib.sha256(value.tobytes()).hexdigest()}"
+    elif isinstance(value, type):
+        yield f"{value.__module__}.{value.__qualname__}{getattr(value, '_fields', '')}"
+
+
+def _of_code(code: types.CodeType, words: str | None = None) -> Iterator[str]:
+    """Yield what code does; its words, the docstring, are no part of that."""
+    yield code.co_code.hex()
+    yield repr((code.co_names, code.co_varnames, code.co_freevars))
+    for constant in code.co_consts:
+        if isinstance(constant, types.CodeType):
+            yield from _of_code(constant)
+        else:
+            yield repr(None if constant == words else constant)
+
+
+def _names(code: types.CodeType) -> set[str]:
+    """Return the names that a function or one within it looks up outside."""
+    nested = (constant for constant in code.co_consts if isinstance(constant, types.CodeType))
+    return {*code.co_names, *code.co_freevars}.union(*(_names(inner) for inner in nested))
