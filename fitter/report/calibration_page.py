@@ -13,10 +13,12 @@ from fitter.report.page import Page, Row
 from fitter.report.parameter_rows import heading, parameter_rows
 from fitter.report.provenance import Provenance
 from fitter.search.fitted_parameter import FittedParameter
-from limbcal.note import Note
+from limbcal.note import Note, sentences
 
 Parameters = Mapping[str, FittedParameter]
 _ROLES = {"learn": "learning", "evaluate": "evaluating"}
+#: Kinds of notes that say how data was processed, and not what is doubtful about it.
+_PROCESSING = frozenset({"derived", "drift", "filtered", "joined", "preamble", "resampled", "trimmed"})
 _INTERVALS = (
     "± is the half-width of the 95 % interval: 95 of 100 such intervals hold the true value, if what was assumed "
     "below is so. Values are given to the digits that it leaves."
@@ -81,7 +83,7 @@ class CalibrationPage:
         for sentence in self.alarms:
             page.alarm(sentence)
         self._trials(page)
-        page.points([note.sentence for note in dict.fromkeys(self.notes)])
+        page.points(sentences(note for note in self.notes if note.kind not in _PROCESSING))
         fitted = {name: p for section in self.sections for name, p in section.parameters.items()}
         page.section("The arm")
         page.picture(
@@ -99,6 +101,7 @@ class CalibrationPage:
         page.table(("symbol", "meaning (j: number of the joint or link)"), glossary(names), words=True)
         page.section("What was assumed")
         page.points(self.assumptions)
+        page.note("What was done to the data", sentences(note for note in self.notes if note.kind in _PROCESSING))
         page.section("Where this comes from")
         page.table(("", ""), self.provenance.rows(), words=True)
         page.write(path)

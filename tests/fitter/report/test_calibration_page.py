@@ -23,7 +23,10 @@ def page(tmp_path, **fields):
         "sections": [Section("Dynamics", {"I3zz": FittedParameter(0.0123, 0.0005, "kg m^2", True)})],
         "errors": [("simulated angle, mean [deg]", {"learn": 0.02})],
         "assumptions": ["Links are rigid."],
-        "notes": [Note("unit", "is in degrees", source="<a.csv>")] * 2,
+        "notes": [
+            *[Note("unit", "is in degrees", source=source) for source in ("<a.csv>", "<a.csv>", "b.csv")],
+            Note("filtered", "low-passed"),
+        ],
         "provenance": Provenance("fitter dynamics 'a b.csv'", "2026-01-01 12:00:00+00:00", "0.1.0", ("a b.csv",)),
     }
     CalibrationPage(**(given | fields)).write(tmp_path / "report.html")
@@ -42,7 +45,8 @@ def test_a_page_says_what_was_found_and_what_it_rests_on(tmp_path):
         "<td>simulated angle, mean [deg]</td><td>0.02000</td>",
     ):
         assert words in text, words
-    assert text.count("&lt;a.csv&gt;: is in degrees") == 1
+    assert text.count("<li>&lt;a.csv&gt;, b.csv: is in degrees</li>") == 1
+    assert "<summary>What was done to the data</summary><ul><li>low-passed</li></ul>" in text
     assert "paper" not in text and '<p class="alarm">' not in text
 
 
