@@ -16,7 +16,7 @@ from fitter.diagnosis.in_arm import GravityTilt
 from fitter.diagnosis.model import Model
 from fitter.diagnosis.regression import Regression
 from fitter.diagnosis.view import View
-from fitter.search.fitted_parameter import NORMAL_95
+from limbcal.digits import NORMAL_95
 
 
 class TurnedGravity(Hypothesis):

@@ -23,7 +23,7 @@ from fitter.experiments.motion_pair import (
 from fitter.experiments.sensed_bench import sensed_one_by_one
 from fitter.experiments.table2 import QUICK_BENCH, bench_of
 from fitter.report.published import ANGLE_ERROR_OTHER_LAW_DEG
-from fitter.search.fitted_parameter import NORMAL_95
+from limbcal.digits import NORMAL_95
 
 #: The real arm's gains, and what somebody takes them for: both too large or too small, and not alike.
 _REAL, _TAKEN = Control("p", (9.5, 9.5)), Control("p", (11.5, 7.5))

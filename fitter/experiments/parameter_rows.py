@@ -7,7 +7,8 @@ import numpy as np
 from fitter.dynamics.dynamics_fit import DynamicsFit, Objective
 from fitter.experiments.experiment import Cell
 from fitter.report.published import PARAMETERS
-from fitter.search.fitted_parameter import NORMAL_95, FittedParameter
+from fitter.search.fitted_parameter import FittedParameter
+from limbcal.digits import NORMAL_95
 
 #: The first four columns of the paper's tables are inertial, the others friction.
 INERTIAL, FRICTION = PARAMETERS[:4], PARAMETERS[4:]

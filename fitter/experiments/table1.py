@@ -17,7 +17,7 @@ from fitter.experiments.bench_data import bench_trials, true_arm, unknown_arm
 from fitter.experiments.experiment import Cell, Experiment, Grid, Settings
 from fitter.kinematics.fit import GENERATIONS, KinematicsFit, fit_kinematics
 from fitter.report.published import SAMPLES, TABLE1
-from fitter.search.fitted_parameter import NORMAL_95
+from limbcal.digits import NORMAL_95
 
 #: As the paper's N and generations.
 POPULATION = 100

@@ -10,7 +10,7 @@ from fitter.kinematics.evaluation import TipScore, tip_score
 from fitter.kinematics.fit import GENERATIONS, KinematicsFit, fit_kinematics
 from fitter.kinematics.tip_basis import UNITS, geometry_names, geometry_of
 from fitter.report.published import TABLE2
-from fitter.search.fitted_parameter import NORMAL_95
+from limbcal.digits import NORMAL_95
 
 POPULATION = 100
 #: The bench of the quick version.

@@ -24,7 +24,7 @@ from fitter.experiments.parameter_rows import (
     worst_inertial_percent,
 )
 from fitter.report.published import PARAMETERS, SAMPLES, TABLE3, TRUE
-from fitter.search.fitted_parameter import NORMAL_95
+from limbcal.digits import NORMAL_95
 from limbcal.note import documents
 
 POPULATION = 100

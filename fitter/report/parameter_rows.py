@@ -3,8 +3,6 @@
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-import numpy as np
-
 from fitter.search.fitted_parameter import FittedParameter
 from limbcal.digits import to_the_place_of, with_half_width
 
@@ -56,7 +54,7 @@ def parameter_rows(
     """
     rows = []
     for name, parameter in parameters.items():
-        half_width = half_width_of(parameter)
+        half_width = parameter.half_width
         value, around = with_half_width(parameter.value, half_width)
         if not parameter.identifiable:
             value, around = NOT_IDENTIFIABLE, "–"
@@ -65,12 +63,3 @@ def parameter_rows(
         )
         rows.append(ParameterRow(name, value, around, parameter.unit, known))
     return rows
-
-
-def half_width_of(parameter: FittedParameter) -> float:
-    """Return the half-width of a parameter's 95 % interval, the longer half where they differ; NaN without one."""
-    interval = parameter.ci95
-    if interval is None or not parameter.identifiable:
-        return float(np.nan)
-    low, high = interval
-    return max(parameter.value - low, high - parameter.value)

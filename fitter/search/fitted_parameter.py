@@ -8,8 +8,7 @@ from numpy.typing import NDArray
 from scipy.special import stdtrit
 
 from arm.model import Floats
-
-NORMAL_95 = 1.959964
+from limbcal.digits import NORMAL_95
 
 
 @dataclass(frozen=True)
@@ -40,6 +39,14 @@ class FittedParameter:
             return None
         reach = NORMAL_95 if np.isinf(self.freedom) else float(stdtrit(self.freedom, 0.975))
         return self.value - reach * self.std, self.value + reach * self.std
+
+    @property
+    def half_width(self) -> float:
+        """Half-width of the 95 % interval, the longer half where they differ; NaN where nothing is known of it."""
+        if self.ci95 is None or not self.identifiable:
+            return float(np.nan)
+        low, high = self.ci95
+        return max(self.value - low, high - self.value)
 
     def document(self) -> dict[str, object]:
         """Return the parameter as it stands in a fit's JSON document."""

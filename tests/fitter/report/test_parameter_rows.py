@@ -4,9 +4,10 @@ import numpy as np
 import pytest
 from rich.console import Console
 
-from fitter.report.parameter_rows import half_width_of, heading, parameter_rows
+from fitter.report.parameter_rows import heading, parameter_rows
 from fitter.report.parameter_table import parameter_table
-from fitter.search.fitted_parameter import NORMAL_95, FittedParameter
+from fitter.search.fitted_parameter import FittedParameter
+from limbcal.digits import NORMAL_95
 
 PARAMETERS = {
     "m2*sx2": FittedParameter(1.71863, 0.0006, "kg m", True),
@@ -26,8 +27,8 @@ def test_a_row_holds_value_interval_unit_and_what_others_have():
 
 
 def test_the_half_width_is_that_of_the_interval():
-    assert half_width_of(PARAMETERS["m2*sx2"]) == pytest.approx(NORMAL_95 * 0.0006)
-    assert np.isnan(half_width_of(PARAMETERS["D1"])) and np.isnan(half_width_of(PARAMETERS["fc1"]))
+    assert PARAMETERS["m2*sx2"].half_width == pytest.approx(NORMAL_95 * 0.0006)
+    assert np.isnan(PARAMETERS["D1"].half_width) and np.isnan(PARAMETERS["fc1"].half_width)
 
 
 def test_the_table_at_the_terminal_has_the_same_cells_in_80_columns():
