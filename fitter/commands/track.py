@@ -100,7 +100,12 @@ def track(arguments: argparse.Namespace) -> Document:
 def _warn(run: RawRun, arm: Arm, part: Tracked) -> None:
     """Say what to do where a tracker does not believe its readings."""
     verdict = part.verdict
-    if verdict.wrong:
+    if run.after_leap and (verdict.wrong or verdict.converged is False):
+        say(
+            f"warning: {run.name}: it begins where time leapt, perhaps in the middle of a motion, and a tracker "
+            "begins at rest: do not rely on its angles; expected a recording of its own that begins at rest"
+        )
+    elif verdict.wrong:
         share = f"{100 * (verdict.doubted or 0.0):.2g} % of the frames fit no motion of it"
         size = verdict.innovation
         missed = "" if size is None else f", the mean squared misprediction is {size:.2g}"
