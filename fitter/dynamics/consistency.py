@@ -9,12 +9,17 @@ from fitter.dynamics.dynamics_fit import DynamicsFit
 from fitter.dynamics.physical import Violation, physical_optimum, violations
 from fitter.dynamics.torque_problem import TorqueProblem, torque_problem
 from fitter.dynamics.torque_search import assembled
+from limbcal.errors import NotConverged
 from limbcal.note import Note
 
 
 def with_warnings(fit: DynamicsFit) -> DynamicsFit:
     """Return the fit with a note for each parameter that no arm can have."""
-    return replace(fit, notes=(*fit.notes, *(Note("impossible", found.sentence) for found in _violations(fit))))
+    try:
+        found = [violation.sentence for violation in _violations(fit)]
+    except NotConverged as error:
+        found = [str(error)]
+    return replace(fit, notes=(*fit.notes, *(Note("impossible", sentence) for sentence in found)))
 
 
 def made_possible(fit: DynamicsFit) -> DynamicsFit:

@@ -105,8 +105,8 @@ def least_squares_possible(A: Floats, b: Floats, links: Floats, friction: Floats
             break
     else:
         raise NotConverged(
-            f"the search among possible arms stands at {here.weight:.3g} after {_STEPS} steps, expected {mu:.3g}; "
-            "the data's columns differ too much in size"
+            f"no best arm was found among those that can exist, in {_STEPS} steps: the numbers are far from any such "
+            "arm's, or differ too much in size; check the torque's sign, columns and units, and the arm's lengths"
         )
     p = here.standard()
     residual = A @ p - b

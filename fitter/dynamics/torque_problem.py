@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from arm.model import Floats
+from fitter.data.first_rest import REST_SPEED
 from fitter.dynamics.torque_sums import TorqueSums
 from fitter.search.standard_errors import sandwich_covariance
 from fitter.search.whitened import whiten
@@ -124,7 +125,10 @@ def torque_problem(sums: TorqueSums, prior: Floats, held: Mapping[int, float] | 
     given = np.array(sorted(held), dtype=np.intp)
     sought = np.setdiff1d(np.arange(len(start)), given)
     if not np.any(sums.gram):
-        raise NotIdentifiable(f"no base parameter can be told from {sums.samples} samples: no joint moved")
+        raise NotIdentifiable(
+            f"no base parameter can be told from {sums.samples} samples: no joint was faster than the speed below which "
+            f"friction is unknown ({REST_SPEED:g} rad/s or m/s); check the units of t and q"
+        )
     if not np.any(sums.power) and not np.any(start[given]):
         raise NotIdentifiable(
             f"the torque is zero in all {sums.samples} samples: a free motion tells no masses, only ratios; "

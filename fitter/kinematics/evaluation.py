@@ -15,10 +15,19 @@ from limbcal.errors import DataError
 
 @dataclass(frozen=True)
 class TipScore:
-    """Errors of a calibrated arm's tip displacement, eq. (3) against r*, over some trials."""
+    """Errors of a calibrated arm's tip displacement, eq. (3) against r*, over some trials.
+
+    Attributes
+    ----------
+    mean_mm, max_mm : float
+    explained : float
+        1 − power of what is left of the tip's displacement / power of the displacement; an arm without lengths
+        explains 0. NaN where the tip does not move.
+    """
 
     mean_mm: float
     max_mm: float
+    explained: float = float("nan")
 
 
 def tip_score(arm: Arm, trials: Sequence[Trial], about: Literal["rest", "mean"] = "rest") -> TipScore:
@@ -39,7 +48,7 @@ def tip_score(arm: Arm, trials: Sequence[Trial], about: Literal["rest", "mean"] 
     """
     if not trials:
         raise DataError("no trial to compare the arm with; expected at least one")
-    errors = []
+    errors, power = [], 0.0
     for trial in trials:
         measured, rest = displacement(arm, trial)
         reached = tip_position(arm, trial.q)
@@ -48,4 +57,7 @@ def tip_score(arm: Arm, trials: Sequence[Trial], about: Literal["rest", "mean"] 
         else:
             origin = tip_position(arm, rest).mean(axis=0)
         errors.append(1e3 * np.linalg.norm(measured - (reached - origin), axis=1))
-    return TipScore(float(np.mean(np.concatenate(errors))), float(np.max(np.concatenate(errors))))
+        power += float(np.sum(measured**2))
+    off = np.concatenate(errors)
+    explained = 1.0 - float(np.sum((1e-3 * off) ** 2)) / power if power > 0.0 else float("nan")
+    return TipScore(float(np.mean(off)), float(np.max(off)), explained)

@@ -22,6 +22,8 @@ from fitter.search.fitted_parameter import FittedParameter, fitted_parameters, h
 from limbcal.errors import DataError, NotConverged, NotIdentifiable
 
 GENERATIONS = 500
+#: A geometry that explains less than this share of the tip's displacement is none: 87 % of its rms is left.
+LEAST_EXPLAINED = 0.25
 #: The search has ended too soon if a Gauss-Newton step still promises to lower the cost by this share.
 _NOT_CONVERGED = 1e-3
 
@@ -128,7 +130,7 @@ def fit_kinematics(
         for number, trial in enumerate(learn):
             moved, rest = counted_from_rest(arm, trial, np.zeros(1) if noise.undone is None else noise.undone)
             search.add(trial.q, moved, rest if about == "rest" else None, trial=number)
-        _breed(search, generations, progress)
+        _breed(search, generations, progress, _spread_m(learn))
         return search
 
     search, fit = searched(), None
@@ -148,7 +150,9 @@ def fit_kinematics(
     return replace(found if fit is None else _by_moments(found, search, fit), seconds=clock() - start)
 
 
-def _breed(search: IncrementalKinematics, generations: int, progress: Callable[[int, float], None] | None) -> None:
+def _breed(
+    search: IncrementalKinematics, generations: int, progress: Callable[[int, float], None] | None, spread_m: float
+) -> None:
     """Let a search run.
 
     Raises
@@ -164,11 +168,24 @@ def _breed(search: IncrementalKinematics, generations: int, progress: Callable[[
             progress(search.generations, rms)
     _require_told(search)
     promise = search.promise()
+    explained = 1.0 - (search.tip_rms_m / spread_m) ** 2 if spread_m > 0.0 else 0.0
+    if not promise <= _NOT_CONVERGED and explained < LEAST_EXPLAINED:
+        raise NotIdentifiable(f"{search.generations} generations found no arm that moves so: {hardly(explained)}")
     if not promise <= _NOT_CONVERGED:
         raise NotConverged(
             f"after {generations} generations of {search.population} one more step would still lower the cost by "
             f"{100 * promise:.3g} %; expected less than {100 * _NOT_CONVERGED:g} %, so give it more generations"
         )
+
+
+def hardly(explained: float) -> str:
+    """Return a sentence for a tip whose displacement is hardly explained by the angles."""
+    share = f"{100.0 * explained:.3g} %" if explained > 0.0 else "nothing"
+    return (
+        f"next to nothing of the tip's displacement is explained ({share}; expected at least "
+        f"{100.0 * LEAST_EXPLAINED:.3g} %): check the units of q and of the tip, whether both are of the same trial "
+        "and clock, which way joints turn, and the arm's alpha and joint types"
+    )
 
 
 def _spread_m(trials: Sequence[Trial]) -> float:
@@ -270,6 +287,7 @@ def document(fit: KinematicsFit, learn: TipScore, evaluate: TipScore | None = No
         "angle_noise_source": fit.angle_noise_source,
         "about": fit.about,
         "gauge": [freedom.document() for freedom in fit.gauge],
+        "explained": {role: s and s.explained for role, s in scores.items()},
     }
 
 
