@@ -4,6 +4,7 @@ import argparse
 from collections.abc import Sequence
 from pathlib import Path
 
+import numpy as np
 from rich.markup import escape
 from rich.progress import Progress
 from rich.table import Table
@@ -13,15 +14,20 @@ from arm.model import Arm
 from fitter.commands.arm_option import questioned_arm
 from fitter.commands.diagnose_readings import diagnose_readings, readings
 from fitter.commands.options import add_arm, add_columns
+from fitter.commands.trial_sets import notes_of
 from fitter.data.motions import Measured, read_motions
 from fitter.data.plausibility.questions import questioned
 from fitter.data.recordings import read_frames
+from fitter.data.trials import to_trials
 from fitter.diagnosis.diagnosis import diagnose
 from fitter.diagnosis.finding import Finding, NamedCause
 from fitter.dynamics.found_targets import HINT, lacks_torque, with_found_targets
+from fitter.dynamics.structure import structural_parameters
+from fitter.dynamics.torque_wiring import check_wiring
 from fitter.report.diagnosis_report import write_diagnosis
-from limbcal.command import Document, console, say, show
-from limbcal.errors import ConfigError, DeviceError
+from limbcal.command import Document, console, say, show, to_json
+from limbcal.errors import ConfigError, DeviceError, Unusable
+from limbcal.note import Note, documents
 from limbcal.suggestion import did_you_mean
 from protocol.tables.columns import parse_mapping
 from protocol.tables.files import RECORDINGS, expand
@@ -78,6 +84,8 @@ def diagnose_command(arguments: argparse.Namespace) -> Document:
     if not arguments.no_torque and any(lacks_torque(arm, motion) for motion in (*learn, *evaluate)):
         say(HINT)
         learn, evaluate = with_found_targets(arm, learn, evaluate)
+    if not arguments.no_torque:
+        _require_possible(arm, learn, arguments)
     with Progress(console=console, transient=True) as progress:
         task = progress.add_task("reading", total=1.0)
         found = diagnose(
@@ -93,6 +101,35 @@ def diagnose_command(arguments: argparse.Namespace) -> Document:
     write_diagnosis(found, out)
     _say(found.finding, out)
     return found.finding.document()
+
+
+def _require_possible(arm: Arm, learn: Sequence[Measured], arguments: argparse.Namespace) -> None:
+    """Refuse torque columns that are wired wrongly: whatever causes they have, no arm moves so.
+
+    Raises
+    ------
+    Unusable
+        If another way of wiring them leaves far less.
+    """
+    trials = to_trials(learn, arguments.rate_hz)
+    check = check_wiring(arm, structural_parameters(arm), trials)
+    if check is None or check.better is None:
+        return
+    answer: Document = {
+        "verdict": "unexplained",
+        "complete": False,
+        "causes": [],
+        "candidates": [],
+        "confusable": [],
+        "next_experiment": check.better.sentence,
+        "notes": documents([*notes_of(trials), Note("impossible", check.better.sentence)]),
+    }
+    path: Path = arguments.out / "diagnosis.json"
+    try:
+        path.write_text(to_json(answer), encoding="utf-8")
+    except OSError as error:
+        raise DeviceError(f"{path}: cannot be written: {error.strerror}") from error
+    raise Unusable(check.better.sentence, answer)
 
 
 def _trial_sets(arm: Arm, arguments: argparse.Namespace) -> tuple[list[Measured], list[Measured]]:
@@ -156,11 +193,15 @@ def _say(finding: Finding, out: Path) -> None:
     before, after = finding.before, finding.after
     for j, (was, became) in enumerate(zip(before.torque_rms, after.torque_rms, strict=True)):
         table.add_row(f"torque {j + 1}, rms [N m]", f"{was:.4g}", f"{became:.4g}")
-    table.add_row(escape("angle, mean [deg]"), f"{before.angle_mean_deg:.3g}", f"{after.angle_mean_deg:.3g}")
-    table.add_row(escape("angle, max [deg]"), f"{before.angle_max_deg:.3g}", f"{after.angle_max_deg:.3g}")
+    table.add_row(escape("angle, mean [deg]"), _angle(before.angle_mean_deg), _angle(after.angle_mean_deg))
+    table.add_row(escape("angle, max [deg]"), _angle(before.angle_max_deg), _angle(after.angle_max_deg))
     show(table)
     show(f"next: {finding.next_experiment}")
     show(f"report: {out / 'report.html'}")
+
+
+def _angle(degrees: float) -> str:
+    return f"{degrees:.3g}" if np.isfinite(degrees) else "runs away"
 
 
 def told(cause: NamedCause) -> str:

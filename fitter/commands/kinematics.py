@@ -26,12 +26,20 @@ from fitter.commands.trial_sets import notes_of, trial_sets
 from fitter.data.measured_tip import with_measured_tip
 from fitter.data.trials import Role, Trial, load_trials
 from fitter.kinematics.evaluation import TipScore, tip_score
-from fitter.kinematics.fit import GENERATIONS, KinematicsFit, angle_noise_deg, document, fit_kinematics
+from fitter.kinematics.fit import (
+    GENERATIONS,
+    LEAST_EXPLAINED,
+    KinematicsFit,
+    angle_noise_deg,
+    document,
+    fit_kinematics,
+    hardly,
+)
 from fitter.report.compared import geometry_by_name
 from fitter.report.fit_pages import kinematics_page
 from fitter.report.parameter_table import parameter_table
 from limbcal.command import Document, console, say, say_notes, show
-from limbcal.errors import ConfigError
+from limbcal.errors import ConfigError, Unusable
 from limbcal.note import documents
 from protocol.tables.files import expand
 
@@ -110,6 +118,13 @@ def kinematics(arguments: argparse.Namespace) -> Document:
         files = expand([*arguments.data, *arguments.evaluate])
         kinematics_page(fit, answer, learn, evaluate, compared, [arguments.arm, *files]).write(arguments.report)
         show(f"report: {arguments.report}")
+    reasons = [
+        f"{title}: {hardly(s.explained)}"
+        for title, s in (("learning trials", learnt), ("evaluating trials", evaluated))
+        if s is not None and s.explained < LEAST_EXPLAINED
+    ]
+    if reasons:
+        raise Unusable(reasons, answer)
     return answer
 
 
@@ -161,7 +176,8 @@ def _print(
         say(f"not told: {', '.join(freedom.parameters)}: {freedom.why}")
     for role, s in (("learning", learn), ("evaluating", evaluate)):
         if s is not None:
-            show(f"{role}: tip displacement off by {s.mean_mm:.3g} mm mean, {s.max_mm:.3g} mm max")
+            share = f"{100.0 * s.explained:.4g} % of its power explained"
+            show(f"{role}: tip displacement off by {s.mean_mm:.3g} mm mean, {s.max_mm:.3g} mm max, {share}")
 
 
 def _noise_in_words(fit: KinematicsFit) -> str:

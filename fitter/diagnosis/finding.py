@@ -98,6 +98,9 @@ class Finding:
         What was done to the data.
     suspected : sequence of effect and joints
         What explains much of it, but not enough to be named.
+    torque_explained : mapping of str to sequence of float
+        By role, ``learn`` and ``evaluate``: of every joint, 1 − power of the torque that the final model leaves /
+        power of the torque, while the joint moves; NaN where it never does.
     """
 
     verdict: Verdict
@@ -116,6 +119,7 @@ class Finding:
     warnings: Sequence[Note] = ()
     notes: Sequence[Note] = ()
     suspected: Sequence[tuple[str, tuple[int, ...]]] = ()
+    torque_explained: Mapping[str, Sequence[float]] = field(default_factory=dict)
 
     def document(self) -> dict[str, object]:
         """Return the JSON document of ``fitter diagnose``."""
@@ -136,6 +140,7 @@ class Finding:
                 "formula": self.remainder.formula or None,
                 "dependences": [vars(one) for one in self.remainder.dependences],
             },
+            "explained": self.torque_explained,
             "structure": {"beyond_noise": self.structure, "explained": self.explained},
             "suspected": [{"effect": effect, "joints": list(joints)} for effect, joints in self.suspected],
             "notes": documents([*self.warnings, *self.notes]),

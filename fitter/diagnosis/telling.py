@@ -12,7 +12,7 @@ from fitter.diagnosis.finding import Finding, NamedCause, Tried
 from fitter.diagnosis.holding import Holding
 from fitter.diagnosis.hypothesis import Hypothesis
 from fitter.diagnosis.in_arm import Payload
-from fitter.diagnosis.judgement import gain, judged
+from fitter.diagnosis.judgement import gain, judged, torque_left
 from fitter.diagnosis.motion import Motion
 from fitter.diagnosis.next_experiment import next_experiment
 from fitter.diagnosis.regression import Regression
@@ -67,7 +67,20 @@ def finding_of(regression: Regression, come_to: Conclusion, motions: Sequence[Mo
         arm=extended,
         notes=[note for motion in motions for note in of_source(motion.trial.notes, motion.trial.name)],
         suspected=suspected,
+        torque_explained={
+            role: _explained(regression, final, [motion for motion in motions if motion.learn is learning])
+            for role, learning in (("learn", True), ("evaluate", False))
+        },
     )
+
+
+def _explained(regression: Regression, fitted: Candidate, motions: Sequence[Motion]) -> list[float]:
+    """Return what a model explains of every joint's torque in some trials, see `Finding`."""
+    left, power = np.zeros((2, regression.arm.n_joint))
+    for motion in motions:
+        left += np.nansum(torque_left(regression, fitted, motion) ** 2, axis=0)
+        power += np.nansum(np.where(motion.stuck, np.nan, motion.u) ** 2, axis=0)
+    return [float(x) for x in 1.0 - left / np.where(power > 0.0, power, np.nan)]
 
 
 def _causes(regression: Regression, search: Search, found: Estimates) -> list[NamedCause]:

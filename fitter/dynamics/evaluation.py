@@ -19,6 +19,8 @@ from limbcal.errors import DataError
 
 #: With measured torque nothing pulls a simulation back to the data, so it is restarted this often.
 HORIZON_S = 0.5
+#: A simulated joint that is this far off [rad or m] has run away: half a million turns.
+_RUN_AWAY = 3e6
 
 
 @dataclass(frozen=True)
@@ -141,13 +143,17 @@ def motion_error(arm: Arm, trial: Trial, horizon_s: float = HORIZON_S) -> Floats
             simulated[start + 1 : window.stop] = motion.q[1:]
     elif trial.trimmed and {"q", "ref"} <= set(trial.whole):
         whole = simulate(arm, trial.whole["ref"], trial.dt_s, *best_start(arm, trial)).q
-        off = np.where(np.isfinite(whole), whole, np.inf) - trial.whole["q"]
+        off = _or_infinite(whole) - trial.whole["q"]
         if not np.isfinite(off).all():
             return off[trial.trimmed : trial.trimmed + n]
         return lowpass(off, trial.dt_s, trial.cutoff_hz)[trial.trimmed : trial.trimmed + n]
     else:
         simulated = simulate(arm, target_of(arm, trial), trial.dt_s, trial.q[0], trial.dq[0]).q
-    return np.where(np.isfinite(simulated), simulated, np.inf) - trial.q
+    return _or_infinite(simulated) - trial.q
+
+
+def _or_infinite(simulated: Floats) -> Floats:
+    return np.where(np.abs(simulated) < _RUN_AWAY, simulated, np.inf)
 
 
 def best_start(arm: Arm, trial: Trial) -> Floats:

@@ -105,8 +105,9 @@ def least_squares_possible(A: Floats, b: Floats, links: Floats, friction: Floats
             break
     else:
         raise NotConverged(
-            f"no best arm was found among those that can exist, in {_STEPS} steps: the numbers are far from any such "
-            "arm's, or differ too much in size; check the torque's sign, columns and units, and the arm's lengths"
+            f"no best arm was found among those that can exist, in {_STEPS} steps: the numbers are far from any "
+            "such arm's, or differ too much in size; check the torque's sign, columns and units, and the arm's "
+            "lengths"
         )
     p = here.standard()
     residual = A @ p - b

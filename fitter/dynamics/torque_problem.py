@@ -126,8 +126,8 @@ def torque_problem(sums: TorqueSums, prior: Floats, held: Mapping[int, float] | 
     sought = np.setdiff1d(np.arange(len(start)), given)
     if not np.any(sums.gram):
         raise NotIdentifiable(
-            f"no base parameter can be told from {sums.samples} samples: no joint was faster than the speed below which "
-            f"friction is unknown ({REST_SPEED:g} rad/s or m/s); check the units of t and q"
+            f"no base parameter can be told from {sums.samples} samples: no joint moved faster than "
+            f"{REST_SPEED:g} rad/s (or m/s), below which it may stand still; check the units of t and q"
         )
     if not np.any(sums.power) and not np.any(start[given]):
         raise NotIdentifiable(

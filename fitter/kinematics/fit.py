@@ -183,8 +183,8 @@ def hardly(explained: float) -> str:
     share = f"{100.0 * explained:.3g} %" if explained > 0.0 else "nothing"
     return (
         f"next to nothing of the tip's displacement is explained ({share}; expected at least "
-        f"{100.0 * LEAST_EXPLAINED:.3g} %): check the units of q and of the tip, whether both are of the same trial "
-        "and clock, which way joints turn, and the arm's alpha and joint types"
+        f"{100.0 * LEAST_EXPLAINED:.3g} %): check the units of q and of the tip, whether both are of the same "
+        "trial and clock, which way joints turn, and the arm's alpha and joint types"
     )
 
 

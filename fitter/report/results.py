@@ -14,6 +14,7 @@ from fitter.data.trials import Trial
 from fitter.dynamics import dynamics_fit as dynamics
 from fitter.dynamics.evaluation import motion_error
 from fitter.dynamics.learned_torque import has_unknown_target, target_of
+from fitter.dynamics.written import save_calibrated, told_by_data
 from fitter.kinematics import fit as kinematics
 from fitter.live.calibration import Calibration
 from fitter.report import published
@@ -80,7 +81,11 @@ def write_results(
                 (out / f"{part}.json").write_text(to_json(document[part]) + "\n", encoding="utf-8")
     except OSError as error:
         raise DeviceError(f"{out}: cannot be written: {error.strerror}") from error
-    save_arm(arm, out / "calibrated.toml")
+    if calibration.dynamics is not None:
+        fit = calibration.dynamics
+        save_calibrated(arm, fit.base, told_by_data(fit), out / "calibrated.toml")
+    else:
+        save_arm(arm, out / "calibrated.toml")
     trials = [*calibration.learn, *calibration.evaluate]
     if trials and calibration.dynamics is not None:
         simulated = [trial.q + motion_error(arm, trial) for trial in trials]

@@ -9,6 +9,8 @@ from fitter.data.plausibility.motion_sizes import path_lengths, reach, turning
 from fitter.data.plausibility.refusal import Refusal
 
 _UNITS = {"m": 1.0, "mm": 1e-3, "cm": 1e-2}
+#: Trackers and CAD give millimetres; one file in centimetres comes on some ten of them.
+_RARER = np.log(10.0)
 #: How far arms reach whose file knows no length: 0.1 to 2.5 m, a finger's length to a large robot's.
 _REACH = Size(0.5, 0.35)
 
@@ -29,7 +31,9 @@ def look(motion: Measured, arm: Arm) -> Measured:
     if not (turned > 0.0 and travelled > 0.0):
         return motion
     size = Size(reach(arm), REACH_RATIO.decades) if reach(arm) > 0.0 else _REACH
-    unit = likely({unit: size.log_likelihood(travelled / turned * scale) for unit, scale in _UNITS.items()}, "m")
+    weight = {unit: size.log_likelihood(travelled / turned * scale) for unit, scale in _UNITS.items()}
+    weight["cm"] -= _RARER
+    unit = likely(weight, "m")
     if unit is None:
         return motion
     span = float(np.ptp(tip, axis=0).max())
