@@ -111,6 +111,8 @@ def _require_possible(arm: Arm, learn: Sequence[Measured], arguments: argparse.N
     Unusable
         If another way of wiring them leaves far less.
     """
+    if arm.control.law != "measured" or any("tau" not in motion.columns for motion in learn):
+        return
     trials = to_trials(learn, arguments.rate_hz)
     check = check_wiring(arm, structural_parameters(arm), trials)
     if check is None or check.better is None:

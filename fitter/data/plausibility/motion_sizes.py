@@ -10,6 +10,8 @@ from fitter.data.motions import Measured
 
 #: A table is thinned to about this many rows, each the mean of its neighbours: enough to compare units.
 _ROWS = 400
+#: Von Neumann's ratio from which on samples are independent rather than of one motion.
+_INDEPENDENT = 0.5
 #: Top speeds are this quantile of all, so that a single jump is none.
 _TOP = 0.95
 
@@ -17,6 +19,20 @@ _TOP = 0.95
 def turning(arm: Arm) -> NDArray[np.bool_]:
     """Return which joints turn, (n_joint,)."""
     return np.array([joint.type == "revolute" for joint in arm.joints])
+
+
+def continuous(q: Floats) -> bool:
+    """Return whether angles are samples of a motion, and not poses that were measured one by one.
+
+    By von Neumann's ratio (1941), the mean squared difference of neighbours over twice the variance: near 1 for
+    independent samples, near 0 for a motion. A joint that wraps or stands still says nothing of the others.
+    """
+    if len(q) < 3:
+        return False
+    variance = np.var(q, axis=0)
+    moves = variance > 0.0
+    ratio = np.mean(np.diff(q, axis=0) ** 2, axis=0)[moves] / (2.0 * variance[moves])
+    return bool(not moves.any() or ratio.min() < _INDEPENDENT)
 
 
 def top_speeds(t: Floats, q: Floats) -> Floats:

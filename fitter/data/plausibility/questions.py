@@ -5,6 +5,7 @@ from collections.abc import Callable, Iterable
 from arm.model import Arm
 from fitter.data.motions import Measured
 from fitter.data.plausibility import angle_unit, frozen, readings, repeats, saturated, time_unit, tip_unit, turns
+from fitter.data.plausibility.motion_sizes import continuous
 
 #: Units first: every other question is asked in them. Turns are taken out before anything else is made of angles.
 QUESTIONS: tuple[Callable[[Measured, Arm], Measured], ...] = (
@@ -38,6 +39,8 @@ def questioned(motions: Iterable[Measured], arm: Arm) -> list[Measured]:
 
 
 def _asked(motion: Measured, arm: Arm) -> Measured:
+    if "q" in motion.columns and not continuous(motion.columns["q"]):
+        return motion  # poses that were measured one by one have no speeds, and nothing in them leaps or stalls
     for look in QUESTIONS:
         motion = look(motion, arm)
     return motion

@@ -15,6 +15,7 @@ KEYS = {"parameters", "method", "generations", "samples", "seconds", "tip_error_
     "angle_noise_source",
     "about",
     "gauge",
+    "explained",
     "notes",
 }
 

@@ -25,7 +25,7 @@ def columns_of(fit):
 def test_the_papers_own_arm_pushes_and_it_is_said(bench_trials):
     fit = fit_dynamics(ARM, bench_trials[:4], method="least-squares")
     said = [note for note in fit.notes if "pushes instead of braking" in note.text]
-    assert [note.split(" ")[0] for note in said] == ["D1", "fc2"]
+    assert [note.text.split(" ")[0] for note in said] == ["D1", "fc2"]
 
 
 @pytest.mark.parametrize("objective", ["torque", "motion"])

@@ -113,6 +113,7 @@ def test_document(bench_trials):
         "angle_noise_source",
         "about",
         "gauge",
+        "explained",
     ]
     assert list(result["parameters"]) == [f"{name}{i}" for i in (1, 2) for name in GEOMETRY]
     assert result["method"] == "ga"

@@ -26,3 +26,10 @@ def test_a_bench_motion_of_the_virtual_arm_passes(short_run):
     columns = short_run.motion_columns([1], 8)
     motion = Measured("bench", "bench.csv", 0, columns["t"], {"q": columns["q"], "ref": columns["ref"]})
     assert questioned([motion], short_run.arm) == [motion]
+
+
+def test_poses_that_were_measured_one_by_one_are_asked_nothing(arm):
+    rng = np.random.default_rng(3)
+    for span in (0.5, np.pi, 200.0):
+        poses = Measured("poses", "poses.csv", 0, np.arange(400.0), {"q": rng.uniform(-span, span, (400, 2))})
+        assert questioned([poses], arm) == [poses]
