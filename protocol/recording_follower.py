@@ -8,10 +8,8 @@ from mcap.records import Channel, Chunk, Message
 from mcap.stream_reader import StreamReader, breakup_chunk
 
 from limbcal.errors import ProtocolError
-from protocol.message import decode_payload
-from protocol.recording import MESSAGE_ENCODING
 from protocol.recording_files import files_of
-from protocol.recording_reader import DAMAGE, MAGIC, MAX_RECORD_BYTES
+from protocol.recording_reader import DAMAGE, DECODE, MAGIC, MAX_RECORD_BYTES
 
 
 class RecordingFollower:
@@ -95,10 +93,11 @@ class _GrowingFile:
                 self._channels[record.id] = record
             elif isinstance(record, Message):
                 channel = self._channels.get(record.channel_id)
-                if channel is None or channel.message_encoding != MESSAGE_ENCODING or channel.topic not in topics:
+                decode = None if channel is None else DECODE.get(channel.message_encoding)
+                if channel is None or decode is None or channel.topic not in topics:
                     continue
                 try:
-                    yield channel.topic, decode_payload(channel.topic, record.data)
+                    yield channel.topic, decode(channel.topic, record.data)
                 except ProtocolError:  # not a message of this version: as if it had never come
                     continue
 

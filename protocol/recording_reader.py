@@ -33,7 +33,8 @@ class Recorded(NamedTuple):
     encoding: str
 
 
-_DECODE: dict[str, Callable[[str, bytes], dict[str, Any]]] = {
+#: By the encoding of a channel.
+DECODE: dict[str, Callable[[str, bytes], dict[str, Any]]] = {
     MESSAGE_ENCODING: decode_payload,
     JSON_ENCODING: decode_json,
 }
@@ -94,7 +95,7 @@ class RecordingReader(Iterator[tuple[str, dict[str, Any], int]]):
                 if record.channel_id not in channels and record.channel_id not in strangers:
                     channels |= self._channels_of_footer()
                 channel = channels.get(record.channel_id)
-                if channel is None or channel.message_encoding not in _DECODE:
+                if channel is None or channel.message_encoding not in DECODE:
                     strangers.add(record.channel_id)
                 elif self._topics is None or channel.topic in self._topics:
                     yield Recorded(channel.topic, record.data, record.log_time, channel.message_encoding)
@@ -125,7 +126,7 @@ class RecordingReader(Iterator[tuple[str, dict[str, Any], int]]):
     def _decoded(self) -> Generator[tuple[str, dict[str, Any], int], None, None]:
         for topic, payload, t_ns, encoding in self.payloads():
             try:
-                fields = _DECODE[encoding](topic, payload)
+                fields = DECODE[encoding](topic, payload)
             except ProtocolError as error:
                 raise ProtocolError(f"{self.path}: {error}") from error
             yield topic, fields, t_ns

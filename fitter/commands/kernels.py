@@ -1,13 +1,18 @@
 """Going through what the fitter's commands do, on hardly any data, so that all kernels are compiled."""
 
+from dataclasses import replace
 from itertools import islice
 
 import numpy as np
 
 from arm.arm_file import load_arm
 from arm.bench import COUNT_M_S2, Bench, Sensors, draw_sensor_errors, motions
+from arm.model import Control
 from fitter.data.gaps import Gap
+from fitter.data.motions import Measured
 from fitter.data.raw import RawRun
+from fitter.data.trials import to_trials
+from fitter.dynamics.fit import fit_dynamics
 from fitter.live import warm_up as live
 from fitter.sensing.track import Method, track_run
 
@@ -18,7 +23,7 @@ _METHODS: tuple[Method, ...] = ("integrate", "filter", "smooth")
 
 
 def compile_all() -> None:
-    """Calibrate and track an arm of no interest."""
+    """Calibrate and track an arm of no interest, from a stream and from files."""
     live.warm_up()
     arm = load_arm("dd-arm")
     rng = np.random.default_rng(0)
@@ -29,3 +34,6 @@ def compile_all() -> None:
     run = RawRun("warm-up", _BENCH.rate_hz, motion.t[kept], readings, (Gap(_LOST_ROW, _LOST),))
     for method in _METHODS:
         track_run(run, arm, motion.q[0], 1000.0, method)
+    columns = {"q": motion.q, "dq": motion.dq, "ddq": motion.ddq, "tau": motion.tau}
+    trials = to_trials([Measured("warm-up", "warm-up", 0, motion.t, columns)])
+    fit_dynamics(replace(arm, control=Control("measured")), trials, seed=0, examine=False)

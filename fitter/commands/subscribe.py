@@ -84,7 +84,10 @@ def subscribe(arguments: argparse.Namespace) -> Document | None:
     document = _document(arguments, followed)
     if followed.trouble is not None:
         raise followed.trouble
-    shortcoming = None if followed.stopped else _shortcoming(arguments, followed.session)
+    if followed.stopped:  # a stop that was asked for is a success, but what is missing is missing
+        _shortfall(followed.session, None)
+        return document
+    shortcoming = _shortcoming(arguments, followed.session)
     if shortcoming is not None:
         shortcoming.document = document
         raise shortcoming
@@ -156,15 +159,21 @@ def _shortcoming(arguments: argparse.Namespace, session: Session) -> LimbcalErro
     """Return why the answer is none, or less than was asked for."""
     if not session.calibration.learnt:
         return _nothing_learnt(arguments.connect, session)
-    trials = session.trials(arguments.trials)
+    sentence = _shortfall(session, arguments.trials)
+    return Unusable(f"{arguments.connect}: fewer motions came than were made, {sentence}") if sentence else None
+
+
+def _shortfall(session: Session, expected: int | None) -> str:
+    """Say in red how many motions and seconds are missing; return the sentence, empty where no motion is."""
+    trials = session.trials(expected)
     if session.motions >= trials["expected"]:
-        return None
+        return ""
     sentence = (
         f"{session.motions} of {trials['expected']} motions were used ({trials['learn']} learnt from, "
         f"{trials['evaluate']} held back to evaluate), {trials['lost_s']:.3g} s of frames were lost or missed"
     )
     console.print(sentence, style="bold red", markup=False, soft_wrap=True)
-    return Unusable(f"{arguments.connect}: fewer motions came than were made, {sentence}")
+    return sentence
 
 
 def _tell(note: Note, notes: list[Note]) -> None:

@@ -12,6 +12,7 @@ from multiprocessing.connection import Connection
 import numpy as np
 import zmq
 
+from limbcal.compilation import said_when_compiling
 from limbcal.errors import LimbcalError
 from limbcal.real_time import TOUCH, ask_for_real_time
 from playback.touch.grip import Hand
@@ -26,11 +27,12 @@ _LOOK_S = 0.02
 
 def warmed_up(setup: Setup) -> TouchedArm:
     """Return an arm that has been held, turned and let go: every kernel is compiled."""
-    touched = TouchedArm(setup.arm, np.array(setup.q0), 1.0 / setup.rate_hz, setup.coupling)
-    hand = Hand(touched.touched_point(touched.tip), None, np.eye(3))
-    touched.take(touched.tip, hand)
-    for _ in range(3):
-        touched.step(2, hand)
+    with said_when_compiling("limbplay touch"):
+        touched = TouchedArm(setup.arm, np.array(setup.q0), 1.0 / setup.rate_hz, setup.coupling)
+        hand = Hand(touched.touched_point(touched.tip), None, np.eye(3))
+        touched.take(touched.tip, hand)
+        for _ in range(3):
+            touched.step(2, hand)
     touched.reset(np.array(setup.q0))
     return touched
 

@@ -30,6 +30,7 @@ def test_it_calibrates_and_plays(tmp_path):
         said = job.communicate(timeout=PATIENCE_S)[0]
     assert job.returncode == 0, said
     assert "trial 6: " in said and "kept for evaluation" in said
+    assert "6 of 6 motions: 5 learnt from, 1 held back; 0 s of frames lost" in said
     assert "lengths found: a1 2" in said
     assert "limbplay streamed" in said
     assert "simulated against the true angles" in said
