@@ -10,17 +10,20 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from arm.kinematics import sensor_positions
 from arm.model import Arm, Floats
 from tracking.draws import DRAWS, Draws
 from tracking.kalman_step import Course
 from tracking.linear_response import respond
-from tracking.observation import room_of
+from tracking.observation import Observation, room_of
 from tracking.readings import Readings
 from tracking.sensor_paths import SensorPaths
 from tracking.smoother import Smoother
 
 #: Angles that a tracker says have changed by more than this moved while nobody looked [rad or m].
 _MOVED = 0.02
+#: For how long joints move on to show the velocity of a point [s].
+_STEP_S = 1e-3
 
 
 @dataclass(frozen=True)
@@ -113,6 +116,7 @@ class MotionFollower:
         for d in range(DRAWS):
             less = noise[:, columns, d] - off[d][:, 3 * n + columns]
             drawn.points[d] = SensorPaths(arm, readings.dt_s).follow(drawn.q[d], felt - less, found.still)
+        _creep(_with_lengths(arm, smoother.observation, found.final), drawn, found.still, readings.dt_s)
         return KnownMotion(readings.dt_s, q, dq, ddq, points, found.still, drawn, found.doubted)
 
     def _start(
@@ -144,3 +148,22 @@ class MotionFollower:
         ).reshape(2, 1, n_channel, 1)
         speeds = self._rng.standard_normal((n, course.push.size, DRAWS)) * np.sqrt(course.rest)[:, :, None]
         return np.concatenate([drawn[0] + np.cumsum(drawn[1], axis=0), speeds], axis=1)
+
+
+def _with_lengths(arm: Arm, of: Observation, state: Floats) -> Arm:
+    """Return the arm with its lengths as far as the smoother knows them."""
+    lengths = np.array([[joint.a_m, joint.d_m] for joint in arm.joints])
+    known = of.length_column >= 0
+    lengths[known] += state[of.length_column[known]]
+    return arm.with_joints(a_m=lengths[:, 0], d_m=lengths[:, 1])
+
+
+def _creep(arm: Arm, drawn: Draws, still: NDArray[np.bool_], dt_s: float) -> None:
+    """Let the points of each draw leave a rest as fast as its joints crept there: paths begin with no velocity."""
+    for begin in np.flatnonzero(still[:-1] & ~still[1:]):
+        ends = np.flatnonzero(still[begin + 1 :])
+        end = begin + 1 + int(ends[0]) if len(ends) else len(still)
+        moving = dt_s * np.minimum(np.arange(len(still) - begin), end - begin)
+        q, dq = drawn.q[:, begin], drawn.dq[:, begin]
+        velocity = (sensor_positions(arm, q + _STEP_S * dq) - sensor_positions(arm, q)) / _STEP_S
+        drawn.points[:, begin:] += velocity[:, None] * moving[:, None, None]

@@ -1,0 +1,78 @@
+"""Draws of a motion's errors scatter as the smoother says, and as the errors do."""
+
+import numpy as np
+import pytest
+
+from tracking.draws import DRAWS
+from tracking.linear_response import respond
+from tracking.motion_follower import MotionFollower
+from tracking.observation import room_of
+from tracking.smoother import Smoother, release
+
+RATE_HZ = 250.0
+
+
+@pytest.fixture(scope="module")
+def readings(level_bench, decimated):
+    return decimated(level_bench, RATE_HZ)
+
+
+@pytest.fixture(scope="module")
+def followed(level_bench, readings):
+    follower = MotionFollower(level_bench.arm, 0, (3,))
+    return follower.follow(readings, level_bench.q[0], None, level_bench.q[-1])
+
+
+def test_a_draw_of_what_was_given_and_read_scatters_as_the_smoother_claims(level_bench, readings):
+    smoother = Smoother(level_bench.arm, level_bench.q[0], True)
+    found = smoother.smooth(readings)
+    course, rng, draws = found.course, np.random.default_rng(1), 400
+    errors = np.linalg.cholesky(found.before + 1e-18 * np.eye(smoother.size)) @ rng.standard_normal(
+        (smoother.size, draws)
+    )
+    n, n_channel = course.readings.shape
+    noise = rng.standard_normal((n, n_channel + 2, draws))
+    noise[:, :n_channel] *= np.sqrt(course.noise)[:, None]
+    noise[:, n_channel:] *= np.sqrt(course.rest)[:, :, None]
+    response = np.empty((n, 6, draws))
+    P = found.before.copy()
+    respond(smoother.observation, room_of(2), course, found.along, P, errors, noise, response)
+    np.testing.assert_allclose(P, found.covariance, rtol=1e-6, atol=1e-15)
+    share = (response**2).mean(axis=2)[50:-50] / found.variance[50:-50]
+    # What a prior on the motion claims beyond the readings is not in the draws: they claim no more than the smoother.
+    assert 0.5 < np.median(share[:, ::3]) < 1.3
+    assert 0.5 < np.median(share[:, 1::3]) < 1.3
+
+
+def test_errors_are_of_the_size_of_the_draws(level_bench, readings, followed):
+    at = readings.t0_s + readings.dt_s * np.arange(len(readings.values))
+    q = np.column_stack([np.interp(at, level_bench.t, level_bench.q[:, j]) for j in range(2)])
+    std = np.sqrt(((followed.draws.q - followed.q) ** 2).mean(axis=0))
+    share = ((followed.q - q) / std)[100:]
+    assert np.sqrt(np.mean(share**2)) < 3.0
+    assert followed.draws.q.shape == (DRAWS, *q.shape)
+    assert followed.draws.points.shape == (DRAWS, len(q), 1, 3)
+
+
+def test_the_same_seed_gives_the_same_draws(level_bench, readings, followed):
+    again = MotionFollower(level_bench.arm, 0, (3,)).follow(readings, level_bench.q[0], None, level_bench.q[-1])
+    np.testing.assert_array_equal(again.draws.points, followed.draws.points)
+
+
+def test_a_motion_begins_with_what_the_one_before_it_left(level_bench, readings):
+    follower = MotionFollower(level_bench.arm, 0, (3,))
+    first = follower.follow(readings, level_bench.q[0], None, level_bench.q[0])
+    end = first.draws.q[:, -1] - first.q[-1]
+    second = follower.follow(readings, level_bench.q[0], None, level_bench.q[0])
+    begun = second.draws.q[:, 0] - second.q[0]
+    assert np.corrcoef(end[:, 0], begun[:, 0])[0, 1] > 0.5  # what the second motion tells of its beginning is taken in
+
+
+def test_an_arm_is_let_go_of_before_it_is_seen_to_move(level_bench, readings):
+    smoother = Smoother(level_bench.arm, level_bench.q[0], True)
+    course = smoother.smooth(readings).course
+    still = np.zeros(len(course.readings), dtype=bool)
+    still[:100], course.rest[:] = True, still[:, None]
+    release(course, still)
+    assert still[:60].all() and not still[70:].any()
+    np.testing.assert_array_equal(course.rest[:, 0] > 0.0, still)
