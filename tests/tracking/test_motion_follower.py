@@ -39,7 +39,7 @@ def test_a_draw_of_what_was_given_and_read_scatters_as_the_smoother_claims(level
     respond(smoother.observation, room_of(2), course, found.along, P, errors, noise, response)
     np.testing.assert_allclose(P, found.covariance, rtol=1e-6, atol=1e-15)
     share = (response**2).mean(axis=2)[50:-50] / found.variance[50:-50]
-    # What a prior on the motion claims beyond the readings is not in the draws: they claim no more than the smoother.
+    # What a prior on the motion claims beyond the readings is not in the draws.
     assert 0.5 < np.median(share[:, ::3]) < 1.3
     assert 0.5 < np.median(share[:, 1::3]) < 1.3
 
@@ -65,7 +65,8 @@ def test_a_motion_begins_with_what_the_one_before_it_left(level_bench, readings)
     end = first.draws.q[:, -1] - first.q[-1]
     second = follower.follow(readings, level_bench.q[0], None, level_bench.q[0])
     begun = second.draws.q[:, 0] - second.q[0]
-    assert np.corrcoef(end[:, 0], begun[:, 0])[0, 1] > 0.5  # what the second motion tells of its beginning is taken in
+    # Not quite one and the same: what the second motion tells of its beginning is taken in.
+    assert np.corrcoef(end[:, 0], begun[:, 0])[0, 1] > 0.5
 
 
 def test_an_arm_is_let_go_of_before_it_is_seen_to_move(level_bench, readings):

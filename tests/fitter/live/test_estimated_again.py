@@ -66,7 +66,8 @@ def test_what_is_claimed_is_so_after_each_motion(calibrated, short_run):
     true = dict(zip(base.names, base.combination @ standard_parameters(short_run.arm), strict=True))
     true |= {f"a{i + 1}": joint.a_m for i, joint in enumerate(short_run.arm.joints)}
     for fits in [*stages, (calibration.kinematics(), calibration.dynamics)]:
-        claimed = {name: p for fit in fits for name, p in fit.parameters.items() if p.identifiable and name in true}
+        found = {name: p for fit in fits for name, p in fit.parameters.items()}
+        claimed = {name: p for name, p in found.items() if p.identifiable and name in true}
         assert len(claimed) >= 6
         for name, p in claimed.items():
             assert p.freedom == DRAWS
