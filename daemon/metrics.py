@@ -23,6 +23,7 @@ _COUNTERS = (
 _GAUGES = (
     ("uptime_s", "uptime_seconds", "since tracking began"),
     ("connected", "connected", "1 where there is a device"),
+    ("rate_hz", "rate_hertz", "samples a second as measured"),
     ("clock_ppm", "clock_fast_ppm", "by how much the device's clock is fast"),
     ("disk_free_bytes", "disk_free_bytes", "room where is recorded"),
 )

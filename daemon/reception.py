@@ -27,6 +27,8 @@ _UNKNOWN = 8192
 _PATIENCE_NS = 20_000_000
 #: Nothing for so long is silence [ns].
 _SILENCE_NS = 300_000_000
+#: How often the rate is reckoned anew [ns].
+_LOOK_NS = 50_000_000
 #: The rate is known from frames of this time, or of so many [ns].
 _TO_KNOW_NS, _TO_KNOW_FRAMES = 250_000_000, 3
 
@@ -77,6 +79,7 @@ class Reception:
         self._counter = TickCounter(self.info.tick_hz)
         self._doubted = DoubtedFrames()
         self._first_ns: int | None = None
+        self._look_ns = 0
         self.watch = ChannelWatch(self.info.channels, self.info.rate_hz)
         self.host = host or HostClock()
         self.strangers = 0
@@ -161,8 +164,9 @@ class Reception:
         self._arrival_ns = arrival_ns
         if self._first_ns is None and self.ledger.samples:
             self._first_ns = arrival_ns
-        if self.clock is not None:
+        if self.clock is not None and arrival_ns >= self._look_ns:
             self.rate.look(self.ledger.step, self.clock.state)
+            self._look_ns = arrival_ns + _LOOK_NS
 
     def _pass_on(self, passed: Sequence[Frame | SamplesRun], arrival_ns: int) -> None:
         """Enter frames in their order; those of a device that has come back wait until it said what it is."""

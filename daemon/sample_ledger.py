@@ -135,13 +135,16 @@ class SampleLedger:
         """Say whether no sample is missing before a run, nor between its frames."""
         if self._ticks is None or not self._in_sequence(run.sequence):
             return False
-        if not self._near(run.ticks[0] - self._ticks, self._frame_samples):
+        ticks, n, p = run.ticks, run.frame_samples, self.step.ticks_per_sample
+        back, most = self.step.back_ticks, self.step.tolerance_ticks
+        first = ticks[0] - self._ticks
+        if first < back or abs(first - self._frame_samples * p) > most:
             return False
-        steps = [*map(sub, run.ticks[1:], run.ticks)]
-        return not steps or all(self._near(one, run.frame_samples) for one in (min(steps), max(steps)))
-
-    def _near(self, step: int, samples: int) -> bool:
-        return not self.step.went_back(step) and abs(self.step.late(step, samples)) <= self.step.tolerance()
+        if len(ticks) == 1:
+            return True
+        steps = [*map(sub, ticks[1:], ticks)]
+        least, longest, due = min(steps), max(steps), n * p
+        return bool(least >= back and due - least <= most and longest - due <= most)
 
     def _went_back(self, ticks: int) -> bool:
         return self._ticks is not None and self.step.went_back(ticks - self._ticks)

@@ -71,6 +71,16 @@ class TickStep:
         """Return by how many samples a step is longer than so many samples take."""
         return step / self.ticks_per_sample - samples
 
+    @property
+    def tolerance_ticks(self) -> float:
+        """By how much the step of a frame may be off though nothing is lost."""
+        return _HALF * self.ticks_per_sample + _ROUNDING_TICKS + self._jitter
+
+    @property
+    def back_ticks(self) -> float:
+        """The least step that a clock makes which goes on."""
+        return -(_ROUNDING_TICKS + self._jitter)
+
     def tolerance(self, samples: float = 0) -> float:
         """Return by how many samples a step may be off though nothing is lost; over more than a frame, by more."""
         off = _WANDER + 3.0 * (self.std or 0.0)
@@ -78,7 +88,7 @@ class TickStep:
 
     def went_back(self, step: int) -> bool:
         """Say whether a step is one that no clock that goes on makes."""
-        return step < -(_ROUNDING_TICKS + self._jitter)
+        return step < self.back_ticks
 
     def begin(self, ticks: int) -> None:
         """Begin to measure at a frame before which something is missing; what was measured holds."""
@@ -104,7 +114,7 @@ class TickStep:
         self._recent.append(abs(step - samples * self.ticks_per_sample))
         if not self.measured:
             self._first.append((step, samples))
-        if self._steps % MAJORITY == 0:
+        if self._steps == MAJORITY or self._steps % _RECENT == 0:
             self.measured = True
             self._first.clear()
             self._jitter = _JITTERS * median(self._recent)

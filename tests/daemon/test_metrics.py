@@ -54,7 +54,8 @@ def test_a_running_daemon_is_scraped(limbd: Limbd, tmp_path: Path) -> None:
 def test_gaps_and_alarms_have_labels() -> None:
     health: dict[str, Any] = {
         **dict.fromkeys(("samples", "lost_samples", "crc_errors", "resyncs", "reconnects", "recording_lost"), 3),
-        **{"uptime_s": 1.5, "connected": False, "clock_ppm": None, "disk_free_bytes": None, "recording": None},
+        **dict.fromkeys(("rate_hz", "clock_ppm", "disk_free_bytes", "recording")),
+        **{"uptime_s": 1.5, "connected": False},
         "latency_ms": {"p50": None, "p99": None},
         "gaps": {"causes": {"unplugged": 2}},
         "alarms": [{"name": "flat", "subject": "s1x"}],

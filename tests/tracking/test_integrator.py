@@ -321,3 +321,15 @@ def test_readings_of_another_shape_are_named(dd_arm, shape):
     tracker = Integrator(dd_arm, 32000.0, np.zeros(2))
     with pytest.raises(DataError, match=r"accelerations have shape \(5.*\), expected \(n, 12\)"):
         tracker.push(0, np.zeros(shape))
+
+
+def test_a_rate_that_is_found_while_the_arm_rests_is_as_good_as_one_that_was_known(exact):
+    rest = round(0.1 * exact.rate_hz)
+    known = Integrator(exact.arm, exact.rate_hz, exact.q[0])
+    found = Integrator(exact.arm, 1.04 * exact.rate_hz, exact.q[0])
+    right, _ = known.push(0, exact.readings)
+    found.push(0, exact.readings[:rest])
+    found.retime(exact.rate_hz)
+    got, _ = found.push(round(rest * 1e9 / exact.rate_hz), exact.readings[rest:])
+    assert got[-1].dt_s == right[-1].dt_s
+    np.testing.assert_allclose(got[-1].q[-1], right[-1].q[-1], rtol=0, atol=np.deg2rad(0.2))

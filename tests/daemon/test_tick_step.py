@@ -1,0 +1,43 @@
+"""The ticks of a sample are those of the majority."""
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from daemon.tick_step import MAJORITY, TickStep
+
+
+@given(p=st.floats(290.0, 340.0), losses=st.sets(st.integers(0, 6), max_size=2))
+def test_two_losses_do_not_outvote_five_steps(p: float, losses: set[int]) -> None:
+    step = TickStep(312.5, 1e7)
+    step.decide([(round(32 * p * (3 if k in losses else 1)), 32) for k in range(7)])
+    assert step.measured
+    claims = abs(p - 312.5) * 32 <= step.tolerance_ticks
+    assert step.ticks_per_sample == (312.5 if claims else pytest.approx(p, rel=1e-3))
+
+
+def test_info_is_right_unless_most_steps_contradict_it() -> None:
+    step = TickStep(312.5, 1e7)
+    step.decide([(20_000, 32), (10_000, 32)])
+    assert step.ticks_per_sample == 312.5 and not step.measured
+
+
+def test_jitter_of_the_clock_widens_what_is_no_loss() -> None:
+    rng, step, before = np.random.default_rng(0), TickStep(312.5, 1e7), 0
+    step.begin(0)
+    for k in range(1, 200):
+        ticks = 10_000 * k + int(rng.normal(0.0, 100.0))
+        step.go_on(ticks - before, 32, ticks, 32)
+        before = ticks
+    assert 2.0 < step.tolerance() < 6.0  # five times 141 ticks, in samples, and half of one
+    assert step.ticks_per_sample == pytest.approx(312.5, rel=1e-3)
+
+
+def test_few_strays_change_nothing() -> None:
+    step = TickStep(312.5, 1e7)
+    for _ in range(MAJORITY - 1):
+        step.stray(10_400, 32)
+    step.go_on(10_000, 32, 10_000, 32)
+    step.stray(10_400, 32)
+    assert step.ticks_per_sample == 312.5
