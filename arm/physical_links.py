@@ -77,10 +77,13 @@ def links_with(arm: Arm, combination: Floats, values: Floats) -> Sequence[Link]:
     return [_with_parameters(joint.link, p) for joint, p in zip(arm.joints, found.reshape(-1, 10), strict=True)]
 
 
+def link_parameters(link: Link) -> Floats:
+    """Return the ten standard parameters of a link: xx yy zz xy xz yz, m*sx m*sy m*sz, m, (10,)."""
+    return np.array([*link.inertia_kg_m2, *(link.mass_kg * s for s in link.com_m), link.mass_kg])
+
+
 def _standard(arm: Arm) -> Floats:
-    return np.array(
-        [[*j.link.inertia_kg_m2, *(j.link.mass_kg * s for s in j.link.com_m), j.link.mass_kg] for j in arm.joints]
-    )
+    return np.array([link_parameters(joint.link) for joint in arm.joints])
 
 
 def _onto(combination: Floats, values: Floats, parameters: Floats) -> Floats:

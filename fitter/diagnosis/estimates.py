@@ -1,6 +1,7 @@
 """What was found in numbers: base parameters and effects with standard errors, and the arm that has them."""
 
 from collections.abc import Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -8,15 +9,18 @@ from numpy.typing import NDArray
 
 from arm.base_parameters import BaseParameters, with_base_values
 from arm.model import Arm, Effect, Estimate, Floats, Joint
+from arm.physical_links import is_possible, link_parameters
 from fitter.diagnosis.hypothesis import Hypothesis
 from fitter.diagnosis.in_arm import Payload
 from fitter.diagnosis.motion import Motion
 from fitter.diagnosis.regression import Regression
 from fitter.diagnosis.rows import SLOPE
 from fitter.diagnosis.screening import Candidate
+from fitter.dynamics.physical import nearest_possible
 from fitter.dynamics.structure import structural_parameters
 from fitter.search.fitted_parameter import FittedParameter
 from fitter.search.standard_errors import sandwich_covariance
+from limbcal.errors import NotConverged
 
 #: Blocks of neighbouring equations whose scores tell the answer's scatter, over all trials.
 _BLOCKS = 240
@@ -85,6 +89,9 @@ def extended_arm(regression: Regression, fitted: Candidate, found: Estimates) ->
     learnt = np.nan_to_num(found.values)
     tilted = regression.view(fitted.model, regression.motions[0]).arm
     moved = with_base_values(replace(arm, gravity_m_s2=tilted.gravity_m_s2), found.base, learnt)
+    if not all(is_possible(link_parameters(joint.link)) for joint in moved.joints):
+        with suppress(NotConverged):
+            moved = nearest_possible(arm, found.base, found.values)
     effects = tuple(
         _effect(hypothesis, numbers)
         for hypothesis, numbers in zip(fitted.model.hypotheses, found.effects, strict=True)

@@ -132,6 +132,31 @@ def violations(
     return [*found, _violation(base.names[k], float(values[k]), float(nearest[most]), away, said)]
 
 
+def nearest_possible(arm: Arm, base: BaseParameters, values: Floats) -> Arm:
+    """Return the arm that can exist whose inertial parameters are nearest to some values, each in its own size.
+
+    Parameters
+    ----------
+    arm : Arm
+        Of the many arms with these parameters the nearest to it is taken.
+    base : BaseParameters
+    values : (n_base,)
+        NaN where nothing is known of one. Frictions below zero become zero.
+
+    Raises
+    ------
+    NotConverged
+        If no such arm was found.
+    """
+    inertial = np.flatnonzero(_inertial(arm, base) & np.isfinite(values))
+    wanted = values[inertial]
+    unit = np.maximum(np.abs(wanted), 1e-3 * max(1e-12, float(np.abs(wanted).max(initial=0.0))))
+    C = base.combination[inertial][:, : 10 * arm.n_joint] / unit[:, None]
+    optimum = least_squares_possible(C, wanted / unit, _nominal(arm), np.ones(0), _NEAR_VALUE)
+    braking = np.where(_inertial(arm, base), values, np.maximum(np.nan_to_num(values), 0.0))
+    return _with_links(arm, base, braking, optimum.links)
+
+
 def physical_optimum(arm: Arm, base: BaseParameters, problem: TorqueProblem) -> tuple[Floats, Arm]:
     """Return the least-squares answer among the arms that can exist.
 

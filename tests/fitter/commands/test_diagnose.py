@@ -10,6 +10,7 @@ import pytest
 from arm.arm_file import load_arm, save_arm
 from arm.model import Control, Effect
 from fitter.data.motion_file import write_motion
+from tests.fitter.dynamics.test_torque_wiring import driven
 from tests.fitter.pendulum import columns, pendulum, swings
 
 STIFFNESS, REST = 1.0, 0.3
@@ -96,6 +97,19 @@ def test_trials_without_torque_and_law_say_nothing(fitter, files, tmp_path):
     assert outcome.code == 2 and len(outcome.errors) == 1
     assert "nothing says which torque drove it" in outcome.errors[0]
     assert not (tmp_path / "out" / "diagnosis.json").exists()
+
+
+def test_a_torque_of_the_other_sign_is_named_and_no_arm_is_written(fitter, files, tmp_path):
+    arm = replace(load_arm("dd-arm-vertical"), control=Control())
+    save_arm(arm, tmp_path / "arm.toml")
+    for name, seed in (("learn", 1), ("judge", 2)):
+        trial = driven(arm, seed)
+        write_motion(tmp_path / f"{name}.npz", {"t": trial.t, "q": trial.q, "tau": -trial.tau})
+    given = (tmp_path / "learn.npz", "--evaluate", tmp_path / "judge.npz", "--arm", tmp_path / "arm.toml")
+    outcome = fitter("diagnose", *given, "--out", tmp_path / "out")
+    assert outcome.code == 4 and "the load's?" in outcome.errors[0]
+    assert outcome.document["verdict"] == "unexplained" and outcome.document["notes"][-1]["kind"] == "impossible"
+    assert (tmp_path / "out" / "diagnosis.json").exists() and not (tmp_path / "out" / "extended.toml").exists()
 
 
 def test_a_place_that_cannot_be_written_to_is_told_first(fitter, files, tmp_path):

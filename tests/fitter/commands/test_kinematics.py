@@ -38,6 +38,14 @@ def guess(short_run, tmp_path_factory):
     return path
 
 
+def test_a_tip_of_another_motion_is_no_answer(fitter, files, guess, short_run, tmp_path):
+    columns = short_run.motion_columns([1, 2], 40, "tau", "ref")
+    other = short_run.motion_columns([1, 2], 40)["q"][::-1]
+    write_motion(tmp_path / "other.npz", columns | {"tip": tip_position(short_run.arm, other)[:, [2, 0, 1]]})
+    outcome = fitter("kinematics", tmp_path / "other.npz", "--arm", guess, "--out", tmp_path / "arm.toml")
+    assert outcome.code == 4 and "next to nothing of the tip's displacement is explained" in outcome.errors[0]
+
+
 def test_the_document_is_the_contracts(fitter, files, guess, tmp_path):
     learn, evaluate = files
     out = tmp_path / "arm.toml"

@@ -9,10 +9,10 @@ import scipy.optimize
 from arm.arm_file import load_arm
 from arm.bench import Bench, motions
 from arm.model import Control, Friction, Link
-from arm.physical_links import is_possible
+from arm.physical_links import is_possible, link_parameters, pseudo_inertia
 from arm.regressor import standard_parameters
 from fitter.data.trials import Trial
-from fitter.dynamics.physical import physical_optimum, violations
+from fitter.dynamics.physical import nearest_possible, physical_optimum, violations
 from fitter.dynamics.structure import structural_parameters
 from fitter.dynamics.torque_problem import torque_problem
 from fitter.dynamics.torque_sums import add_up
@@ -161,3 +161,27 @@ def test_a_joint_that_did_not_move_keeps_its_links_where_it_can():
     assert possible(found)
     assert values[0] == pytest.approx(TRUE[0], rel=1e-2)
     assert np.allclose(problem.W @ genes, problem.W @ values[problem.free], atol=1e-6)
+
+
+def test_the_nearest_possible_arm_keeps_what_is_possible_and_has_no_negative_inertia():
+    arm = braking(load_arm("dd-arm-vertical"))
+    base = structural_parameters(arm)
+    true = base.combination @ standard_parameters(arm)
+    near = nearest_possible(arm, base, true)
+    np.testing.assert_allclose(base.combination @ standard_parameters(near), true, rtol=1e-4, atol=1e-6)
+    turned = nearest_possible(arm, base, -true)
+    for joint in turned.joints:  # next to no mass at all, as far as rounding lets it be seen
+        assert np.linalg.eigvalsh(pseudo_inertia(link_parameters(joint.link)))[0] > -1e-9
+        assert min(joint.link.inertia_kg_m2[:3]) >= 0.0 and joint.link.mass_kg >= 0.0
+    assert all(joint.friction == Friction(0.0, 0.0, joint.friction.static_N_m) for joint in turned.joints)
+
+
+def test_what_is_not_known_does_not_count():
+    arm = braking(load_arm("dd-arm-vertical"))
+    base = structural_parameters(arm)
+    true = base.combination @ standard_parameters(arm)
+    unknown = np.where(np.arange(len(true)) == 0, np.nan, true)
+    near = nearest_possible(arm, base, unknown)
+    found = base.combination @ standard_parameters(near)
+    assert possible(near)
+    np.testing.assert_allclose(found[1:], true[1:], rtol=1e-3, atol=1e-6)
