@@ -326,7 +326,7 @@ def test_readings_of_another_shape_are_named(dd_arm, shape):
 def test_a_rate_that_is_found_while_the_arm_rests_is_as_good_as_one_that_was_known(exact):
     rest = round(0.1 * exact.rate_hz)
     known = Integrator(exact.arm, exact.rate_hz, exact.q[0])
-    found = Integrator(exact.arm, 1.04 * exact.rate_hz, exact.q[0])
+    found = Integrator(exact.arm, 1.01 * exact.rate_hz, exact.q[0])
     right, _ = known.push(0, exact.readings)
     found.push(0, exact.readings[:rest])
     found.retime(exact.rate_hz)

@@ -212,7 +212,7 @@ def test_a_rate_that_is_found_while_the_arm_rests_is_as_good_as_one_that_was_kno
     bench = level_bench
     n, rest = round(4.0 * bench.rate_hz), round(0.4 * bench.rate_hz)
     known = KalmanTracker(bench.arm, bench.rate_hz, bench.q[0], RATE_HZ)
-    found = KalmanTracker(bench.arm, 1.04 * bench.rate_hz, bench.q[0], RATE_HZ)
+    found = KalmanTracker(bench.arm, 1.02 * bench.rate_hz, bench.q[0], RATE_HZ)
     right, _ = known.push(0, bench.readings[:n])
     found.push(0, bench.readings[:rest])
     found.retime(bench.rate_hz)
