@@ -54,10 +54,12 @@ def learn(case: Case, objective: Objective) -> list[Found]:
         trials = load_trials(write_case(case, Path(folder)), case.arm.n_joint)
     fit = fit_dynamics(blank, trials, objective=objective, method="least-squares")
     truth = dict(zip(fit.base.names, fit.base.combination @ standard_parameters(case.arm), strict=True))
+    if case.moved == "driven":  # the others never stick
+        truth |= {f"F{i + 1}": joint.friction.static_N_m for i, joint in enumerate(case.arm.joints)}
     found = []
     for name, parameter in fit.parameters.items():
         if name in truth and parameter.ci95 is not None and parameter.identifiable:
-            kind = {"D": "viscous", "f": "Coulomb"}.get(name[0], "inertial")
+            kind = {"D": "viscous", "f": "Coulomb", "F": "static"}.get(name[0], "inertial")
             low, high = parameter.ci95
             inside = low <= truth[name] <= high
             found.append(Found(case, name, kind, parameter.value, parameter.std, truth[name], inside))
@@ -106,7 +108,8 @@ def measure(options: argparse.Namespace) -> Document:
     for derived in ("tracked", "differences"):
         some = [one for one in found if one.case.given != "q" and one.case.derived == derived]
         groups[f"dq,ddq: {derived}"] = some
-    groups |= {kind: [one for one in found if one.kind == kind] for kind in ("inertial", "viscous", "Coulomb")}
+    kinds = ("inertial", "viscous", "Coulomb", "static")
+    groups |= {kind: [one for one in found if one.kind == kind] for kind in kinds}
     sums = {name: summary(group) for name, group in groups.items()}
     table = Table(title=f"Intervals of {n_case} fits, {options.objective}, seeds from {options.seed}")
     for heading in ("", "parameters", "95 % holds", "rms z", "worst z"):

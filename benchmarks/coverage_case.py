@@ -76,7 +76,8 @@ def draw_arm(rng: np.random.Generator, n_joint: int) -> Arm:
         about_com = mass / 3.0 * turn @ np.diag((box**2).sum() - box**2) @ turn.T
         whole = about_com + mass * (com @ com * np.eye(3) - np.outer(com, com))
         inertia = tuple(float(whole[i, j]) for i, j in ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2)))
-        friction = Friction(*(float(10.0 ** rng.uniform(-1.5, 0.3)) for _ in range(2)))
+        viscous, coulomb = (float(10.0 ** rng.uniform(-1.5, 0.3)) for _ in range(2))
+        friction = Friction(viscous, coulomb, _STATIC * coulomb)
         x, y, z = map(float, com)
         link = Link(float(mass), (x, y, z), inertia)  # type: ignore[arg-type]
         joints.append(
@@ -137,13 +138,10 @@ def driven(rng: np.random.Generator, arm: Arm, t: Floats, tracked: bool) -> tupl
     at = goals[0]
     inertia = np.diag(mass_matrix(arm, at[None])[0])
     law = Control("pd", tuple((_STIFFNESS * inertia).tolist()), tuple((-_DAMPING * inertia).tolist()))
-    joints = tuple(
-        replace(j, friction=replace(j.friction, static_N_m=_STATIC * j.friction.coulomb_N_m)) for j in arm.joints
-    )
     # a target that is passed through a filter, as controllers do
     keep = np.exp(-step / 0.1)
     goals = lfilter([(1.0 - keep) ** 2], [1.0, -2.0 * keep, keep**2], goals - at, axis=0) + at
-    motion = simulate(replace(arm, joints=joints, control=law), goals, step, at)
+    motion = simulate(replace(arm, control=law), goals, step, at)
     tau = motion.tau
     if not tracked:
         # Between two steps the target is held: as seen by the angles it comes half a step late. The acceleration
