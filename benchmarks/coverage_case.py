@@ -162,9 +162,10 @@ def coloured(rng: np.random.Generator, shape: tuple[int, int], dt_s: float, corr
     return noise
 
 
-def draw_case(seed: int, n_joint: int, given: str) -> Case:
-    """Draw an arm, how it moves, and what is measured of it."""
+def draw_case(seed: int, n_joint: int, given: str, repeat: int = 0) -> Case:
+    """Draw an arm, how it moves, and what is measured of it; a repeat has nothing but noise of its own."""
     rng = np.random.default_rng([seed, n_joint, GIVEN.index(given)])
+    chance = np.random.default_rng([seed, n_joint, GIVEN.index(given), repeat])
     arm = draw_arm(rng, n_joint)
     rate_hz = float(rng.choice(_RATES_HZ if n_joint <= _SHORT else _LONG_RATES_HZ))
     sizes = (_ANGLE_NOISE, _TORQUE_NOISE)
@@ -184,9 +185,9 @@ def draw_case(seed: int, n_joint: int, given: str) -> Case:
         size = torque_share * np.sqrt(np.mean(tau**2, axis=0))
         if torque == "proportional":
             size = torque_share * np.abs(tau)
-        tau = tau + size * coloured(rng, tau.shape, 1.0 / rate_hz, colour_s)
+        tau = tau + size * coloured(chance, tau.shape, 1.0 / rate_hz, colour_s)
         if encoder == "white":
-            q = q + angle_rad * rng.normal(size=q.shape)
+            q = q + angle_rad * chance.normal(size=q.shape)
         else:
             q = angle_rad * np.round(q / angle_rad)
         columns = {"q": q, "tau": tau}
@@ -196,7 +197,7 @@ def draw_case(seed: int, n_joint: int, given: str) -> Case:
         elif given == "dq,ddq":
             for name, values in (("dq", dq), ("ddq", ddq)):
                 noise = _GIVEN_NOISE * np.sqrt(np.mean(values**2, axis=0))
-                columns[name] = values + noise * rng.normal(size=values.shape)
+                columns[name] = values + noise * chance.normal(size=values.shape)
         trials.append({"t": t, **columns})
     return Case(seed, arm, given, moved, encoder, torque, derived, rate_hz, angle_rad, torque_share, tuple(trials))
 
