@@ -114,8 +114,7 @@ def _of_joint(arm: Arm, base: BaseParameters, trials: Sequence[Trial], i: int) -
     elif held <= above:
         why = f"{said}, and Coulomb friction is {coulomb:.3g} {unit}: no static friction above it is proved"
     elif held - let_go > _TOLD * error:
-        why = f"{said}: it did not let go at one and the same load, {name} is their mean"
-        return StaticFriction(FittedParameter(value, std, unit, True), held, let_go, why)
+        why = f"{said}: no friction does both, so {name} is not told; a joint that creeps looks as if it stood"
     else:
         return StaticFriction(
             FittedParameter(value, std, unit, True), held, let_go, f"{said}: {name} lies between"
