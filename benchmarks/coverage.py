@@ -85,7 +85,7 @@ def measure(options: argparse.Namespace) -> Document:
     n_case = 0
     for number in range(options.arms):
         seed, n_joint = options.seed + number, JOINTS[number % len(JOINTS)]
-        for given in options.given or GIVEN:
+        for given in options.given or [GIVEN[number // len(JOINTS) % len(GIVEN)]]:
             n_case += 1
             case = draw_case(seed, n_joint, given)
             try:
@@ -129,7 +129,7 @@ def main(argv: list[str] | None = None) -> int:
     parser = Parser(prog="python -m benchmarks.coverage", description=__doc__, parents=[common_options()])
     parser.add_argument("--arms", type=int, default=200, metavar="N", help="how many arms (200)")
     parser.add_argument("--seed", type=int, default=0, metavar="S", help="seed of the first arm (0)")
-    parser.add_argument("--given", choices=GIVEN, action="append", help="only this kind of file")
+    parser.add_argument("--given", choices=GIVEN, action="append", help="this kind of file of every arm (alternating)")
     parser.add_argument(
         "--objective",
         choices=["likelihood", "torque", "weighted", "robust", "motion"],
