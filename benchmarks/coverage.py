@@ -129,7 +129,7 @@ def main(argv: list[str] | None = None) -> int:
     parser = Parser(prog="python -m benchmarks.coverage", description=__doc__, parents=[common_options()])
     parser.add_argument("--arms", type=int, default=200, metavar="N", help="how many arms (200)")
     parser.add_argument("--seed", type=int, default=0, metavar="S", help="seed of the first arm (0)")
-    parser.add_argument("--given", choices=GIVEN, action="append", help="this kind of file of every arm (alternating)")
+    parser.add_argument("--given", choices=GIVEN, action="append", help="this kind of file (alternating)")
     parser.add_argument(
         "--objective",
         choices=["likelihood", "torque", "weighted", "robust", "motion"],
