@@ -62,10 +62,11 @@ class SpectralSums:
 
 @dataclass(frozen=True)
 class _Motion:
-    """A trial as its equations see it: its torque, and up to which frequency they are used."""
+    """A trial as its equations see it: its torque, where that says something, and the highest frequency used."""
 
     trial: Trial
     tau: Floats
+    counted: NDArray[np.bool_]
     top_hz: float
 
 
@@ -150,7 +151,12 @@ def _motion(arm: Arm, trial: Trial) -> _Motion:
         tau = whole[wide.trimmed :][: len(wide.t)]
     else:
         tau = learned_torque(arm, wide)
-    return _Motion(wide, tau, float(top_hz))
+    counted = wide.counted
+    if trial.whole and trial.contradicted is not None:  # of what was trimmed before nobody knows
+        counted = np.zeros(wide.q.shape, dtype=np.bool_)
+        before = trial.trimmed - wide.trimmed
+        counted[before : before + len(trial.q)] = trial.counted
+    return _Motion(wide, tau, counted, float(top_hz))
 
 
 def _edges(longest_s: float, top_hz: float) -> Floats:
@@ -176,7 +182,7 @@ def _stretches(
         if not len(steps):
             continue
         part = slice(int(steps[0]) * stride, (int(steps[-1]) + 1) * stride)
-        each = _holding(trial.dq[part], rest_speed, blurred)
+        each = _holding(trial.dq[part], motion.counted[part], rest_speed, blurred)
         holds = np.asarray(np.all(each.reshape(-1, stride, arm.n_joint), axis=1), dtype=np.bool_)
         rows = np.empty((len(steps), arm.n_joint, n_column))
         chunk = max(1, _CHUNK // stride)
@@ -189,10 +195,10 @@ def _stretches(
         yield rows, _patched(rows, holds, longest, rise), stride * trial.dt_s
 
 
-def _holding(dq: Floats, rest_speed: float, blurred: int) -> NDArray[np.bool_]:
-    """Return where joints surely move one way, (n_sample, n_joint): a joint may turn round between two samples."""
+def _holding(dq: Floats, counted: NDArray[np.bool_], rest_speed: float, blurred: int) -> NDArray[np.bool_]:
+    """Return where equations surely hold, (n_sample, n_joint): a joint may turn round between two samples."""
     turned = np.diff(np.sign(dq), axis=0) != 0.0
-    slow = np.abs(dq) <= rest_speed
+    slow = (np.abs(dq) <= rest_speed) | ~counted
     slow[1:] |= turned
     slow[:-1] |= turned
     return np.asarray(~maximum_filter1d(slow, 2 * blurred + 1, axis=0, mode="nearest"), dtype=np.bool_)

@@ -9,7 +9,9 @@ from arm.arm_file import load_arm
 from arm.model import Control
 from arm.newton_euler import inverse_dynamics
 from arm.regressor import standard_parameters
-from fitter.data.trials import Trial
+from fitter.data.motions import Measured
+from fitter.data.resample import Uniform
+from fitter.data.trials import Trial, derive
 from fitter.dynamics.spectral_sums import spectral_sums
 from fitter.dynamics.structure import structural_parameters
 from fitter.dynamics.torque_problem import torque_problem
@@ -78,6 +80,19 @@ def test_a_band_has_the_noise_of_its_frequencies():
     left = sums.power - np.einsum("bja,a->bj", 2.0 * sums.moment - sums.gram @ TRUE, TRUE)
     of_one = left.sum(axis=0) / sums.count.sum(axis=0)  # a coefficient's variance is a sample's
     assert np.allclose(of_one, 0.09, rtol=0.1)
+
+
+def test_a_torque_that_was_cut_off_shifts_nothing():
+    trial = wave(4)
+    limit = 0.7 * np.abs(trial.tau).max(axis=0)
+    cut = np.clip(trial.tau, -limit, limit)
+    marked = np.abs(trial.tau) >= limit
+    assert marked.any() and not np.allclose(answer([replace(trial, tau=cut)]), TRUE, rtol=1e-3)
+    assert np.allclose(answer([replace(trial, tau=cut, contradicted=marked)]), TRUE, rtol=1e-6, atol=1e-8)
+    derived = derive(Uniform(Measured("m", "m", 0, trial.t, {"q": trial.q, "tau": cut}), trial.dt_s), 8.0, 4.0)
+    inner = slice(derived.trimmed, len(marked) - derived.trimmed)
+    found = answer([replace(derived, contradicted=marked[inner])])
+    assert np.allclose(found, TRUE, rtol=2e-3, atol=2e-3)
 
 
 def test_long_trials_are_cut_and_still_hold(monkeypatch):
