@@ -1,5 +1,6 @@
 """What a report shows that may be wrong; `alarms` decides whether it is."""
 
+import math
 from collections.abc import Mapping, Sequence
 from typing import Any
 
@@ -90,7 +91,8 @@ def _rate_off(health: Mapping[str, Any]) -> str | None:
         ppm = 1e6 * (measured_hz / claimed_hz - 1.0)
         if _far(ppm, rate["std_ppm"]):
             std_hz = 1e-6 * rate["std_ppm"] * measured_hz
-            said = f"it samples at {measured_hz:.7g} ± {std_hz:.1g} Hz"
+            digits = max(0, -math.floor(math.log10(std_hz))) if std_hz > 0.0 else 6
+            said = f"it samples at {measured_hz:.{digits}f} ± {std_hz:.{digits}f} Hz"
             found.append(f"{said}, {_off(ppm)} than the {claimed_hz:g} Hz of its INFO")
     ppm = health["clock_ppm"]
     if ppm is not None and _far(ppm, clock["ppm_std"]):

@@ -1,7 +1,7 @@
 """A sampled motion as MCAP that Foxglove shows: JSON under schemas it knows by name.
 
-The daemon's recordings hold msgpack, which Foxglove cannot decode (it takes JSON, Protobuf, FlatBuffers and
-ROS); in this file every arm is a tree of frames with its meshes, and its joints are numbers to be plotted.
+The daemon's recordings hold motion as msgpack, which Foxglove cannot decode (it takes JSON, Protobuf, FlatBuffers
+and ROS); in this file every arm is a tree of frames with its meshes, and its joints are numbers to be plotted.
 """
 
 import json
