@@ -1,6 +1,6 @@
 """Data that contradict themselves, given to the real commands: silent, a traceback, or right.
 
-    python -m benchmarks.contradictions [--only KIND] [--seeds 3]
+    python -m benchmarks.contradictions [--only KIND] [--seeds 3] [--first 0]
 
 Every input is made here: an arm, a motion with the torque that it takes (or its tip, or its accelerations), and
 one fault in it. Right is an answer that holds all the same, or a sentence that names the cause. Faultless data
@@ -305,14 +305,14 @@ def delayed(columns: Columns, samples: int) -> Columns:
     return changed(columns, tau=np.roll(columns["tau"], samples, axis=0))
 
 
-def cases(seeds: int) -> list[Case]:  # noqa: PLR0915 - a list of inputs, one a line
+def cases(seeds: Sequence[int]) -> list[Case]:  # noqa: PLR0915 - a list of inputs, one a line
     """Return all inputs."""
     listed: list[Case] = []
 
     def add(kind: str, name: str, go: Callable[[Path], Ran], right: Callable[[Ran], bool]) -> None:
         listed.append(Case(kind, name, go, right))
 
-    for seed in range(seeds):
+    for seed in seeds:
         arm = arms()[seed % 3]
         n, m, held = arm.n_joint, motion(arm, seed), motion(arm, seed + 50)
         where = f"{arm.name}, seed {seed}"
@@ -549,12 +549,13 @@ def main() -> int:
     """Score every input and print a table."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--only", default="")
-    parser.add_argument("--seeds", type=int, default=3)
+    parser.add_argument("--seeds", type=int, default=3, help="motions and arms of each kind")
+    parser.add_argument("--first", type=int, default=0, metavar="SEED")
     parser.add_argument("-v", action="store_true", help="say what was said where it was not right")
     arguments = parser.parse_args()
     score: dict[str, dict[str, int]] = {}
     began = time.monotonic()
-    for case in cases(arguments.seeds):
+    for case in cases(range(arguments.first, arguments.first + arguments.seeds)):
         if arguments.only not in case.kind:
             continue
         result = judge(case)

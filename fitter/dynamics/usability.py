@@ -3,6 +3,7 @@
 from collections.abc import Sequence
 
 import numpy as np
+import scipy.stats
 
 from arm.model import Arm
 from fitter.data.trials import Trial
@@ -15,6 +16,8 @@ from limbcal.note import Note
 LEAST_EXPLAINED = 0.25
 #: No arm that can exist fits if the best one explains less than this share of what the free numbers explain.
 LEAST_POSSIBLE = 0.5
+#: An answer is believed if noise would explain as much with a probability below this.
+_CHANCE = 1e-3
 
 
 def unusable(fit: DynamicsFit, arm: Arm, learn: Sequence[Trial], scores: dict[str, Score | None]) -> list[str]:
@@ -43,8 +46,32 @@ def unusable(fit: DynamicsFit, arm: Arm, learn: Sequence[Trial], scores: dict[st
             )
     reasons += _driving(arm)
     if not reasons:
-        reasons += next_to_nothing(scores, arm)
+        reasons += next_to_nothing(scores, arm) or _by_chance(fit, learn, arm)
     return reasons
+
+
+def _by_chance(fit: DynamicsFit, learn: Sequence[Trial], arm: Arm) -> list[str]:
+    """Return a sentence where as many parameters would explain as much of noise.
+
+    The F-test of all parameters together. Behind a filter a trial has two independent samples a period of its
+    corner.
+    """
+    sums, free = fit.problem.sums, len(fit.problem.free)
+    power = float(sums.power.sum())
+    independent = sum(2.0 * min(trial.band_hz, 0.5 / trial.dt_s) * len(trial.q) * trial.dt_s for trial in learn)
+    joints = np.count_nonzero(sums.power.sum(axis=0) > 0.0)
+    spare = min(independent * joints, float(sums.count.sum())) - free
+    if not power > 0.0 or fit.problem.rest <= 0.0:
+        return []
+    explained = max(0.0, 1.0 - fit.problem.rest / power)
+    if spare > 0.0:
+        ratio = explained / free / ((1.0 - explained) / spare) if explained < 1.0 else np.inf
+        if scipy.stats.f.sf(ratio, free, spare) < _CHANCE:
+            return []
+    return [
+        f"{free} parameters explain {percent(explained)} of the torque of the learning trials, no more than they "
+        f"would of noise ({max(spare + free, 0.0):.0f} independent samples behind the filter): {_suspects(arm)}"
+    ]
 
 
 def next_to_nothing(scores: dict[str, Score | None], arm: Arm) -> list[str]:

@@ -11,9 +11,13 @@ from limbcal.note import Note
 
 #: An angle has frozen where at least so many samples are the same to the last bit …
 _STANDS = 5
-#: … and the steps into and out of them are longer than this share of the joint's longest usual step: a joint that
+#: … and the steps into or out of them are longer than this share of the joint's longest usual step: a joint that
 #: friction stops slows down first. Also longer than so many of the encoder's own steps.
 _ABRUPT, _COUNTS = 0.2, 5.0
+#: A joint that stood still speeds up evenly: its first step is no longer than the next, let alone by this factor.
+_LEAP = 3.0
+#: No drive stops a joint within a sample from this share of its usual top speed, and keeps it to the last bit.
+_FROM_SPEED = 0.5
 
 
 def look(motion: Measured, _arm: Arm) -> Measured:
@@ -64,8 +68,9 @@ def frozen_rows(q: Floats) -> NDArray[np.bool_]:
         if end - begin <= _STANDS or begin == 0:
             continue
         stops = steps[begin - 1] > abrupt
+        leaps = end < len(q) - 1 and steps[end - 1] > max(abrupt, _LEAP * steps[end])
         goes_on = end == len(q) or steps[end - 1] > abrupt
-        if stops and goes_on:
+        if leaps or (stops and goes_on) or steps[begin - 1] > _FROM_SPEED / _ABRUPT * abrupt:
             marked[begin + 1 : end] = True
     return marked
 
