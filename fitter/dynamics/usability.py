@@ -56,21 +56,26 @@ def _by_chance(fit: DynamicsFit, learn: Sequence[Trial], arm: Arm) -> list[str]:
     The F-test of all parameters together. Behind a filter a trial has two independent samples a period of its
     corner.
     """
-    sums, free = fit.problem.sums, len(fit.problem.free)
-    power = float(sums.power.sum())
-    independent = sum(2.0 * min(trial.band_hz, 0.5 / trial.dt_s) * len(trial.q) * trial.dt_s for trial in learn)
-    joints = np.count_nonzero(sums.power.sum(axis=0) > 0.0)
-    spare = min(independent * joints, float(sums.count.sum())) - free
+    free, power = len(fit.problem.free), float(fit.problem.sums.power.sum())
+    joints = np.count_nonzero(fit.problem.sums.power.sum(axis=0) > 0.0)
+    independent = joints * sum(
+        2.0 * min(trial.band_hz, 0.5 / trial.dt_s) * len(trial.q) * trial.dt_s * float(trial.counted.mean())
+        for trial in learn
+    )
     if not power > 0.0 or fit.problem.rest <= 0.0:
         return []
-    explained = max(0.0, 1.0 - fit.problem.rest / power)
-    if spare > 0.0:
-        ratio = explained / free / ((1.0 - explained) / spare) if explained < 1.0 else np.inf
-        if scipy.stats.f.sf(ratio, free, spare) < _CHANCE:
-            return []
+    if independent <= free:
+        return [
+            f"the torque of the learning trials holds about {independent:.0f} independent samples behind the filter, "
+            f"too few for {free} parameters; expected longer or more trials, or a torque that is not cut off"
+        ]
+    explained, spare = max(0.0, 1.0 - fit.problem.rest / power), independent - free
+    ratio = explained / free / ((1.0 - explained) / spare) if explained < 1.0 else np.inf
+    if scipy.stats.f.sf(ratio, free, spare) < _CHANCE:
+        return []
     return [
         f"{free} parameters explain {percent(explained)} of the torque of the learning trials, no more than they "
-        f"would of noise ({max(spare + free, 0.0):.0f} independent samples behind the filter): {_suspects(arm)}"
+        f"would of noise ({independent:.0f} independent samples behind the filter): {_suspects(arm)}"
     ]
 
 

@@ -47,3 +47,14 @@ def test_a_single_joint_that_is_hardly_explained_is_noted():
     (note,) = joint_notes(scored(0.1, 0.9))
     assert note.columns == ("tau1",) and "only 10 %" in note.text
     assert percent(-0.2) == "nothing" and percent(np.nan) == "–"
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_what_noise_would_explain_as_well_is_no_answer(seed):
+    trial = driven(ARM, seed)
+    noise = np.random.default_rng(seed).normal(size=trial.tau.shape)
+    filtered = replace(trial, tau=noise, cutoff_hz=3.0, band_hz=1.5)
+    assert any(
+        "noise" in reason or "next to nothing" in reason or "impossible" in reason
+        for reason in unusable(fitted(filtered), ARM, [filtered], scored(0.3, 0.3))
+    )

@@ -36,3 +36,11 @@ def test_a_joint_that_comes_to_rest_has_not_frozen():
     s = np.clip(t / 1.5, 0.0, 1.0)
     for q in (s**3 * (10 - 15 * s + 6 * s**2), np.round(s * (2.0 - s), 3)):
         assert not frozen_rows(q).any()
+
+
+def test_a_freeze_that_began_in_a_slow_moment_is_seen_by_its_leap(arm, clean):
+    motion = clean(2)
+    q = motion.columns["q"][:, 1]
+    begin = 100 + int(np.argmin(np.abs(np.diff(q[100:600]))))
+    found = look(standing(motion, 1, begin, begin + 60), arm)
+    assert found.notes and len(found.t) < len(motion.t)
