@@ -66,8 +66,9 @@ def _by_chance(fit: DynamicsFit, learn: Sequence[Trial], arm: Arm) -> list[str]:
         return []
     if independent <= free:
         return [
-            f"the torque of the learning trials holds about {independent:.0f} independent samples behind the filter, "
-            f"too few for {free} parameters; expected longer or more trials, or a torque that is not cut off"
+            f"the torque of the learning trials holds about {independent:.0f} independent samples behind the "
+            f"filter, too few for {free} parameters; expected longer or more trials, or a torque that is not cut "
+            "off"
         ]
     explained, spare = max(0.0, 1.0 - fit.problem.rest / power), independent - free
     ratio = explained / free / ((1.0 - explained) / spare) if explained < 1.0 else np.inf
