@@ -263,6 +263,11 @@ def holds(arm: Arm, *words: str, off: float = STD_OFF) -> Callable[[Ran], bool]:
     return right
 
 
+def holds_or_says(arm: Arm, word: str, off: float = STD_OFF) -> Callable[[Ran], bool]:
+    """Right is an answer that holds, or none with a sentence that names the cause."""
+    return lambda ran: holds(arm, off=off)(ran) or (ran.code == 4 and bool(re.search(word, ran.said)))
+
+
 def silent_and_right(arm: Arm) -> Callable[[Ran], bool]:
     """Right is an answer that holds, without a question."""
     return lambda ran: holds(arm)(ran) and not QUESTIONS.search(ran.said)
@@ -453,11 +458,11 @@ def cases(seeds: Sequence[int]) -> list[Case]:  # noqa: PLR0915 - a list of inpu
             "cut off",
             where,
             dynamics(arm, changed(m, tau=np.clip(m["tau"], -limit, limit))),
-            holds(arm, "cut off", off=6.0),
+            holds_or_says(arm, "cut off", off=6.0),
         )
         begin = 400 + 50 * (seed % 14)
-        add("frozen encoder", where, dynamics(arm, frozen(m, n - 1, begin, 40)), holds(arm, "encoder"))
-        add("frozen encoder", f"{where} long", dynamics(arm, frozen(m, 0, 700, 150)), holds(arm, "encoder"))
+        add("frozen encoder", where, dynamics(arm, frozen(m, n - 1, begin, 40)), holds_or_says(arm, "encoder"))
+        add("frozen encoder", f"{where} long", dynamics(arm, frozen(m, 0, 700, 150)), holds_or_says(arm, "encoder"))
         add("frozen encoder", f"{where} all", dynamics(several, frozen(s, 1, 0, len(s["t"]))), says("encoder"))
         twice = {role: np.repeat(values[::2], 2, axis=0) for role, values in m.items() if role != "t"}
         add("repeats", where, dynamics(arm, {"t": m["t"], **twice}), says("repeat"))
