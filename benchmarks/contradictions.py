@@ -462,7 +462,8 @@ def cases(seeds: Sequence[int]) -> list[Case]:  # noqa: PLR0915 - a list of inpu
         )
         begin = 400 + 50 * (seed % 14)
         add("frozen encoder", where, dynamics(arm, frozen(m, n - 1, begin, 40)), holds_or_says(arm, "encoder"))
-        add("frozen encoder", f"{where} long", dynamics(arm, frozen(m, 0, 700, 150)), holds_or_says(arm, "encoder"))
+        stuck = frozen(m, 0, 700, 150)
+        add("frozen encoder", f"{where} long", dynamics(arm, stuck), holds_or_says(arm, "encoder"))
         add("frozen encoder", f"{where} all", dynamics(several, frozen(s, 1, 0, len(s["t"]))), says("encoder"))
         twice = {role: np.repeat(values[::2], 2, axis=0) for role, values in m.items() if role != "t"}
         add("repeats", where, dynamics(arm, {"t": m["t"], **twice}), says("repeat"))
