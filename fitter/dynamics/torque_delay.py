@@ -62,7 +62,20 @@ def torque_delay(arm: Arm, base: BaseParameters, trials: Sequence[Trial]) -> Del
     Returns
     -------
     Delay or None
+        None too where the first and the second half of the motion do not tell the same delay to a step: what a
+        model lacks is fitted by some delay, but by another one in another motion.
     """
+    whole = _best(arm, base, trials)
+    if whole is None:
+        return None
+    halves = [_best(arm, base, trials, half) for half in (0, 1)]
+    step_s = max(trial.dt_s for trial in trials)
+    if any(half is None or abs(half.seconds - whole.seconds) > 1.5 * step_s for half in halves):
+        return None
+    return whole
+
+
+def _best(arm: Arm, base: BaseParameters, trials: Sequence[Trial], half: int | None = None) -> Delay | None:
     if arm.control.law != "measured" or not trials or any(trial.tau is None for trial in trials):
         return None
     step_s = float(np.median([trial.dt_s for trial in trials]))
@@ -70,7 +83,7 @@ def torque_delay(arm: Arm, base: BaseParameters, trials: Sequence[Trial]) -> Del
     if most < 1:
         return None
     shifts = np.unique(np.round(np.concatenate([np.linspace(-most, most, 21), [-1, 0, 1]])).astype(int))
-    parts = [_rows(arm, base, trial, most) for trial in trials]
+    parts = [_rows(arm, base, trial, most, half) for trial in trials]
     W = np.vstack([rows for rows, _, _ in parts])
     if len(W) <= W.shape[1] + 2:
         return None
@@ -98,10 +111,15 @@ def torque_delay(arm: Arm, base: BaseParameters, trials: Sequence[Trial]) -> Del
     return Delay(best * step_s, found[best] / as_given)
 
 
-def _rows(arm: Arm, base: BaseParameters, trial: Trial, most: int) -> tuple[Floats, NDArray[np.intp], Floats]:
+def _rows(
+    arm: Arm, base: BaseParameters, trial: Trial, most: int, half: int | None
+) -> tuple[Floats, NDArray[np.intp], Floats]:
     """Return some equations of a trial, the samples they are of, and its torque."""
     moving = np.asarray(((np.abs(trial.dq) > REST_SPEED) & trial.counted).all(axis=1))
     moving[:most] = moving[len(moving) - most :] = False
+    if half is not None:
+        moving[: len(moving) // 2] &= half == 0
+        moving[len(moving) // 2 :] &= half == 1
     at = np.flatnonzero(moving)[:: max(1, len(trial.q) // _SAMPLES)]
     Y = regressor(arm, trial.q[at], trial.dq[at], trial.ddq[at])[..., base.independent]
     assert trial.tau is not None
