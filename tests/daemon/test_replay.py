@@ -19,7 +19,7 @@ Limbd = Callable[..., Any]
 Fields = dict[str, Any]
 ANY_ENDPOINT = ("--endpoint", "tcp://127.0.0.1:*")
 #: What of a message is of the process that sent it and not of the arm.
-OWN = {"run"}
+OWN = {"run", "last_seq"}  # how often health was sent depends on how long the run took
 
 
 def recorded(path: Path, topic: str) -> list[Fields]:
