@@ -150,6 +150,7 @@ class Smoother:
             lasting = slice(3 * n, None)
             x0[lasting], P0[lasting, lasting] = known.final[lasting], known.covariance[lasting, lasting]
         states, still, resting = self._filter(course, readings, x0, P0)
+        release(course, still)
         course = course._replace(push=np.full(n, SMOOTHER_PUSH_STD**2))
         coarse, at = coarser(course), every(states, COARSE)
         if (turned := unwound(at, coarse, arm, long_too=True)) is not None:
@@ -210,7 +211,6 @@ class Smoother:
             raise DataError(_CONTRADICTION) from error
         if not np.isfinite(states).all():
             raise DataError(_CONTRADICTION)
-        release(course, still)
         return states, still, resting
 
 
