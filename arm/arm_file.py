@@ -96,6 +96,8 @@ def format_arm(arm: Arm) -> str:
     blocks += [_table("[[sensor]]", vars(sensor)) for sensor in arm.sensors]
     if arm.tip is not None:
         blocks.append(_table("[tip]", vars(arm.tip)))
+    if arm.sensor_covariance is not None:
+        blocks.append(_table("[sensor_covariance]", vars(arm.sensor_covariance)))
     if arm.base_parameters:
         blocks.append(_table("[base_parameters]", {name: _finite(e) for name, e in arm.base_parameters.items()}))
     blocks += [_table("[[effect]]", _given(vars(effect))) for effect in arm.effects]

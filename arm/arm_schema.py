@@ -18,9 +18,11 @@ from arm.model import (
     Law,
     Link,
     Sensor,
+    SensorCovariance,
     Tip,
 )
 from arm.schema_fields import fields_at
+from arm.sensor_covariance import mistakes_of_covariance
 from limbcal.suggestion import did_you_mean
 
 Number = Annotated[float, Field(strict=True, allow_inf_nan=False)]  # neither "1.0" nor true is a number
@@ -70,6 +72,11 @@ class _Sensor(_Table):
     highpass_hz: Annotated[Number, Field(ge=0.0)] = 0.0
 
 
+class _SensorCovariance(_Table):
+    parameters: tuple[str, ...]
+    covariance: tuple[tuple[Number, ...], ...]
+
+
 class _Tip(_Table):
     sensor: str
     offset_m: Vector = (0.0, 0.0, 0.0)
@@ -106,6 +113,7 @@ class ArmTable(_Table):
     base_parameters: dict[str, _Estimate] = {}
     effect: tuple[_Effect, ...] = ()
     control: _Control = _Control()
+    sensor_covariance: _SensorCovariance | None = None
 
     def arm(self) -> Arm:
         """Return the arm that the file describes."""
@@ -125,7 +133,12 @@ class ArmTable(_Table):
             base_parameters={name: Estimate(**e.model_dump()) for name, e in self.base_parameters.items()},
             effects=tuple(Effect(**effect.model_dump()) for effect in self.effect),
             control=Control(**self.control.model_dump()),
+            sensor_covariance=self._sensor_covariance(),
         )
+
+    def _sensor_covariance(self) -> SensorCovariance | None:
+        known = self.sensor_covariance
+        return None if known is None else SensorCovariance(known.parameters, known.covariance)
 
 
 def mistakes_of(error: ValidationError, where: str, schema: type[BaseModel]) -> list[str]:
@@ -191,6 +204,7 @@ def contradictions(raw: Mapping[str, Any], where: str) -> list[str]:
         sentences.append(
             f"{where}: tip.sensor is {tip['sensor']!r}, expected one of {', '.join(known) or 'no sensor'}"
         )
+    sentences += [f"{where}: {one}" for one in mistakes_of_covariance(raw.get("sensor_covariance"), known)]
     effects = _tables(raw.get("effect"))
     sentences += [f"{where}: {mistake}" for mistake in mistakes_in(effects, n_joint, known)]
     control = raw.get("control")

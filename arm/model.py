@@ -76,6 +76,30 @@ class Sensor:
 
 
 @dataclass(frozen=True)
+class SensorCovariance:
+    """How well sensors are known that were calibrated, and which of their errors hang together.
+
+    Attributes
+    ----------
+    parameters : tuple of str
+        Sensor and number, such as ``s1 scale_x``: bias, scale, turn [rad] about the sensor's axes and place [m]
+        along the link's.
+    covariance : tuple of rows
+        Lower triangle: the first row has one number, the last one as many as there are parameters.
+    """
+
+    parameters: tuple[str, ...]
+    covariance: tuple[tuple[float, ...], ...]
+
+    def matrix(self) -> Floats:
+        """Return the covariance, (n_parameter, n_parameter)."""
+        lower = np.zeros((len(self.parameters),) * 2)
+        for k, row in enumerate(self.covariance):
+            lower[k, : len(row)] = row
+        return lower + np.tril(lower, -1).T
+
+
+@dataclass(frozen=True)
 class Tip:
     """What measures r*: a sensor's dead-reckoned position plus a known offset in the link's frame."""
 
@@ -126,6 +150,7 @@ class Arm:
     base_parameters: Mapping[str, Estimate] = field(default_factory=dict)
     effects: tuple[Effect, ...] = ()
     control: Control = Control()
+    sensor_covariance: SensorCovariance | None = None
 
     @property
     def n_joint(self) -> int:

@@ -21,6 +21,7 @@ from limbcal.compiled import compiled
 
 #: Constants a sensor: three of scale, three of misalignment, three of place.
 MOUNTING = 9
+MOUNTING_NAMES = tuple(f"{kind}_{axis}" for kind in ("scale", "turn", "place") for axis in "xyz")
 
 
 class Observation(NamedTuple):

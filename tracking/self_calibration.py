@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from arm.kinematics import rotation_from_rpy, rpy_from_rotation
-from arm.model import Arm, Floats, Sensor, Vector3
+from arm.model import Arm, Floats, Sensor, SensorCovariance, Vector3
 from tracking.observation import MOUNTING, Observation
 from tracking.readings import Readings
 from tracking.smoother import Smoothed, Smoother
@@ -100,6 +100,7 @@ def calibrate_sensors(
     SensorCalibration
     """
     q0 = np.zeros(arm.n_joint) if initial_q_rad is None else initial_q_rad
+    arm = replace(arm, sensor_covariance=None)  # it is found anew
     smoother = Smoother(arm, q0, initial_q_rad is not None, prior)
     known: Smoothed | None = None
     passes, converged, doubted, instants = 0, True, 0.0, 0
@@ -113,7 +114,10 @@ def calibrate_sensors(
     assert known is not None and before is not None, "there is at least one run"
     estimates = _estimates(arm, smoother.observation, known, before)
     hidden = _hidden(arm, smoother.observation, known, before)
-    found = _with_sensors(arm, smoother.observation, known.final)
+    found = replace(
+        _with_sensors(arm, smoother.observation, known.final),
+        sensor_covariance=_covariance(arm, smoother.observation, known),
+    )
     return SensorCalibration(found, estimates, hidden, passes, converged, doubted / instants)
 
 
@@ -154,6 +158,15 @@ def _estimates(arm: Arm, of: Observation, known: Smoothed, before: Floats) -> li
         )
         for column, sensor, name, unit in _columns(arm, of)
     ]
+
+
+def _covariance(arm: Arm, of: Observation, known: Smoothed) -> SensorCovariance:
+    """Return how well biases, scales, turns and places are known together; corners are left out."""
+    columns = [column for column in _columns(arm, of) if column[2] != "highpass_hz"]
+    at = [column for column, *_ in columns]
+    rows = known.covariance[np.ix_(at, at)]
+    names = tuple(f"{sensor} {name}" for _, sensor, name, _ in columns)
+    return SensorCovariance(names, tuple(tuple(row[: k + 1].tolist()) for k, row in enumerate(rows)))
 
 
 def _hidden(arm: Arm, of: Observation, known: Smoothed, before: Floats) -> list[str]:

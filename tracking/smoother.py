@@ -112,7 +112,8 @@ class Smoother:
     """
 
     def __init__(self, arm: Arm, q: Floats, given: bool, mounting: MountingPrior | None = None) -> None:
-        self.observation, self.size = observation_of(arm, mounting is not None)
+        sought = mounting is not None or arm.sensor_covariance is not None
+        self.observation, self.size = observation_of(arm, sought)
         self._arm, self._q, self._given = arm, q, given
         self._mounting = MountingPrior() if mounting is None else mounting
 

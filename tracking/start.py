@@ -4,8 +4,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from arm.model import Arm, Floats
-from tracking.observation import MOUNTING, Observation, observe, room_of
+from arm.model import Arm, Floats, SensorCovariance
+from tracking.observation import MOUNTING, MOUNTING_NAMES, Observation, observe, room_of
 
 #: An accelerometer's offset where nothing is known of it, and at the least and at the most where the first
 #: readings, taken together, show how large the offsets of these sensors are [m/s^2].
@@ -101,7 +101,20 @@ def start_state(
             begin = of.mounting_column[s]
             std[begin : begin + MOUNTING] = np.repeat((mounting.scale, mounting.turn_rad, mounting.place_m), 3)
     P += np.diag(std**2)
+    if arm.sensor_covariance is not None:
+        _take_over(arm, of, arm.sensor_covariance, P)
     return x, P
+
+
+def _take_over(arm: Arm, of: Observation, known: SensorCovariance, P: Floats) -> None:
+    """Put what a calibration knows of scales, turns and places into a covariance; offsets are of each day."""
+    columns, places = [], []
+    for place, parameter in enumerate(known.parameters):
+        sensor, _, number = parameter.rpartition(" ")
+        if number in MOUNTING_NAMES and of.mounting_column[arm.sensor_index(sensor)] >= 0:
+            columns.append(int(of.mounting_column[arm.sensor_index(sensor)]) + MOUNTING_NAMES.index(number))
+            places.append(place)
+    P[np.ix_(columns, columns)] = known.matrix()[np.ix_(places, places)]
 
 
 def _at_rest(of: Observation, x: Floats) -> tuple[Floats, Floats]:
