@@ -26,7 +26,7 @@ def known_to(arm, share):
 @pytest.mark.parametrize("method", ["filter", "smooth"])
 def test_less_known_sensors_give_less_known_angles(upright_bench, decimated, method):
     readings, claimed = decimated(upright_bench, RATE_HZ), []
-    for arm in (upright_bench.arm, known_to(upright_bench.arm, 0.01), known_to(upright_bench.arm, 1.0)):
+    for arm in (upright_bench.arm, known_to(upright_bench.arm, 1e-3), known_to(upright_bench.arm, 1.0)):
         if method == "smooth":
             found = Smoother(arm, upright_bench.q[0], True).smooth(readings, fine=False)
             claimed.append(np.sqrt(found.variance[:, ::3]).mean())
