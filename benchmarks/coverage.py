@@ -38,6 +38,7 @@ class Found:
     std: float
     truth: float
     inside: bool
+    objective: Objective
 
     @property
     def z(self) -> float:
@@ -45,7 +46,7 @@ class Found:
         return (self.value - self.truth) / self.std
 
 
-def learn(case: Case, objective: Objective) -> list[Found]:
+def learn(case: Case, objective: Objective | None) -> list[Found]:
     """Learn a case from its files, and return every parameter that was given a standard error."""
     blank = replace(
         case.arm, joints=tuple(replace(joint, link=Link(), friction=Friction()) for joint in case.arm.joints)
@@ -62,7 +63,9 @@ def learn(case: Case, objective: Objective) -> list[Found]:
             kind = {"D": "viscous", "f": "Coulomb", "F": "static"}.get(name[0], "inertial")
             low, high = parameter.ci95
             inside = low <= truth[name] <= high
-            found.append(Found(case, name, kind, parameter.value, parameter.std, truth[name], inside))
+            found.append(
+                Found(case, name, kind, parameter.value, parameter.std, truth[name], inside, fit.objective)
+            )
     return found
 
 
@@ -89,7 +92,7 @@ def measure(options: argparse.Namespace) -> Document:
             n_case += 1
             case = draw_case(seed, n_joint, given)
             try:
-                found += (one := learn(case, options.objective))
+                found += (one := learn(case, None if options.objective == "auto" else options.objective))
             except LimbcalError as error:
                 refused.append(f"{seed}: {n_joint} joints, {given}: {error}")
                 continue
@@ -97,7 +100,8 @@ def measure(options: argparse.Namespace) -> Document:
                 s = summary(one)
                 console.print(
                     f"{seed} {n_joint} {given} {case.moved} {case.encoder} {case.angle_rad:.1e} {case.torque} "
-                    f"{case.torque_share:.1e} {case.derived} {case.rate_hz:.0f} Hz x{len(case.trials)}: "
+                    f"{case.torque_share:.1e} {case.derived} {case.rate_hz:.0f} Hz x{len(case.trials)} "
+                    f"{', '.join({each.objective for each in one})}: "
                     f"{s['parameters']} {s['holds_percent']:.0f} %, rms {s['rms_z']:.2f}, worst {s['worst_z']:.2f}"
                 )
     groups = {"all": found}
@@ -108,6 +112,8 @@ def measure(options: argparse.Namespace) -> Document:
     for derived in ("tracked", "differences"):
         some = [one for one in found if one.case.given != "q" and one.case.derived == derived]
         groups[f"dq,ddq: {derived}"] = some
+    for used in sorted({one.objective for one in found}):
+        groups[f"by {used}"] = [one for one in found if one.objective == used]
     kinds = ("inertial", "viscous", "Coulomb", "static")
     groups |= {kind: [one for one in found if one.kind == kind] for kind in kinds}
     sums = {name: summary(group) for name, group in groups.items()}
@@ -132,9 +138,9 @@ def main(argv: list[str] | None = None) -> int:
     parser.add_argument("--given", choices=GIVEN, action="append", help="this kind of file (alternating)")
     parser.add_argument(
         "--objective",
-        choices=["likelihood", "torque", "weighted", "robust", "motion"],
-        default="likelihood",
-        help="what is made small (likelihood)",
+        choices=["auto", "likelihood", "torque", "weighted", "robust", "motion"],
+        default="auto",
+        help="what is made small, as `fitter dynamics` has it (auto)",
     )
     parser.add_argument("--each", action="store_true", help="print a line a case, too")
     parser.set_defaults(action=measure)

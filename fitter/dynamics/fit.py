@@ -11,6 +11,7 @@ from arm.model import Arm, Floats
 from arm.regressor import standard_parameters
 from fitter.data.first_rest import REST_SPEED
 from fitter.data.trials import Trial
+from fitter.dynamics.band_agreement import frequencies_agree
 from fitter.dynamics.break_away import static_friction
 from fitter.dynamics.consistency import made_possible, with_warnings
 from fitter.dynamics.drawn_torque import drawn_dynamics
@@ -35,6 +36,12 @@ from limbcal.note import Note
 #: Outliers are drawn in until no parameter moves by more than this share of its standard error.
 _SETTLED = 1e-3
 _ROUNDS = 200
+DISAGREE = Note(
+    "misfit",
+    "low and high frequencies say different things of the arm, by more than their standard errors allow: the "
+    "angles are noisy, or the arm has more in it than the model; eq. (9) is less sensitive to that than the "
+    "likelihood, and true errors may be larger than the stated ones",
+)
 
 
 def fit_dynamics(
@@ -105,12 +112,15 @@ def fit_dynamics(
     if not learn:
         raise DataError("no learning trial; expected at least one")
     start, base = clock(), structural_parameters(arm)
-    objective = objective or usual_objective(arm, learn)
-    if objective == "likelihood":
-        sums = _by_noise(arm, base, learn, fixed or {}, rest_speed)
-    else:
-        sums = add_up([trial_sums(arm, base, trial, rest_speed) for trial in learn])
+    chosen, objective = objective is not None, objective or usual_objective(arm, learn)
     notes: tuple[Note, ...] = ()
+    if objective == "likelihood":
+        sums, agree = _by_noise(arm, base, learn, fixed or {}, rest_speed)
+        if not agree:
+            notes = (DISAGREE,)
+            objective = objective if chosen else "torque"
+    if objective != "likelihood":
+        sums = add_up([trial_sums(arm, base, trial, rest_speed) for trial in learn])
     if objective in ("weighted", "robust"):
         sums, notes = _reweighted(arm, base, learn, sums, fixed or {}, objective)
     fit = fit_sums(
@@ -139,11 +149,12 @@ def fit_dynamics(
 
 
 def usual_objective(arm: Arm, trials: Sequence[Trial]) -> Objective:
-    """Return what is made small where nobody says it.
+    """Return what is made small where nobody says it, if nothing speaks against it.
 
     The simulated motion where a law drives the arm and angles alone were measured; else the torque, weighted by
     its noise. A tracker's motion has errors that are no noise of the torque, and an unknown target is an unknown
-    torque: for these eq. (9) as it is printed.
+    torque: for these eq. (9) as it is printed. So, too, where frequencies contradict the likelihood's assumptions
+    (`fitter.dynamics.band_agreement`).
     """
     law = arm.control.law != "measured"
     if law and all(trial.whole for trial in trials):
@@ -154,13 +165,15 @@ def usual_objective(arm: Arm, trials: Sequence[Trial]) -> Objective:
 
 def _by_noise(
     arm: Arm, base: BaseParameters, trials: Sequence[Trial], fixed: Mapping[str, float], rest_speed: float
-) -> TorqueSums:
-    """Return sums with every frequency of every joint in units of its noise."""
+) -> tuple[TorqueSums, bool]:
+    """Return sums with every frequency of every joint in units of its noise, and whether frequencies agree."""
     if any(has_unknown_target(arm, trial) for trial in trials):
         raise ConfigError("the objective likelihood needs the controller's target; expected columns ref1…")
     prior = base.combination @ standard_parameters(arm)
     held = {base.names.index(name): value for name, value in fixed.items() if name in base.names}
-    return weighted_by_noise(spectral_sums(arm, base, trials, rest_speed), prior, held)
+    spectral = spectral_sums(arm, base, trials, rest_speed)
+    sums = weighted_by_noise(spectral, prior, held)
+    return sums, frequencies_agree(spectral, sums, prior, held)
 
 
 def with_draws(

@@ -8,6 +8,7 @@ Low frequencies, where the parameters take up much of the noise, are so not take
 
 from collections.abc import Mapping
 from dataclasses import replace
+from typing import TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,6 +17,9 @@ from arm.model import Floats
 from fitter.dynamics.spectral_sums import SpectralSums
 from fitter.dynamics.torque_problem import TorqueProblem, torque_problem
 from fitter.dynamics.torque_sums import TorqueSums
+
+#: Parameters that are not sought, by their index.
+Held: TypeAlias = Mapping[int, float]
 
 #: A variance is taken from at least so many degrees of freedom: known to a third (chi squared), and from bands at
 #: least a third of an octave wide.
@@ -26,7 +30,7 @@ _SETTLED, _ROUNDS = 1e-2, 30
 _ROUNDING = 1e-20
 
 
-def weighted_by_noise(spectral: SpectralSums, prior: Floats, held: Mapping[int, float]) -> TorqueSums:
+def weighted_by_noise(spectral: SpectralSums, prior: Floats, held: Held) -> TorqueSums:
     """Return sums in which every coefficient has the same variance, and that variance.
 
     Parameters
