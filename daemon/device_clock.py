@@ -141,11 +141,11 @@ class DeviceClock:
 def _believed(line: Line) -> tuple[float, float, float]:
     """Return a rate and its standard error, with what is known of crystals, and the slope of the stamps.
 
-    Stamps go through arrivals as they came, whatever made them late, as far as a crystal can.
+    Stamps go through arrivals as they came, whatever made all of them late: a slope that is off by some ppm would
+    take the line, which goes through their middle, away from the latest of them.
     """
     off, std = line.rate - 1.0, line.rate_std
     if abs(off) > _SURELY * np.hypot(std, _CRYSTAL):
         return line.rate, std, line.rate
     share, as_came = (_CRYSTAL**2 / (_CRYSTAL**2 + one**2) for one in (std, line.scatter_std))
-    slope = 1.0 + float(np.clip(as_came * off, -2.0 * _CRYSTAL, 2.0 * _CRYSTAL))
-    return 1.0 + share * off, float(_CRYSTAL * std / np.hypot(_CRYSTAL, std)), slope
+    return 1.0 + share * off, float(_CRYSTAL * std / np.hypot(_CRYSTAL, std)), float(1.0 + as_came * off)

@@ -161,6 +161,7 @@ def run_command(parser: argparse.ArgumentParser, argv: list[str] | None) -> int:
     debug = "--debug" in arguments
     previous = signal.signal(signal.SIGTERM, _stop)
     namespace: argparse.Namespace | None = None
+    _asked.set(())
     try:
         namespace = parser.parse_args(arguments)
         action: Action = namespace.action

@@ -75,8 +75,13 @@ DIAGNOSIS_FIELDS: Schema = {
             "ci95": {"type": "array", "items": {"type": "number"}, "description": "interval of the torque's"},
         },
     },
+    "explained": one("object", "share of the power of each joint's torque that is explained, by role"),
     "residual": one("object", "what is left: how much of it is explained by what, and whether it is white"),
     "structure": one("object", "what the base model leaves beyond noise, and how much of it the causes explain"),
     "suspected": {"type": "array", "description": "effect and joints of what explains much, but not enough"},
-    "notes": {"type": "array", "items": {"type": "string"}, "description": "what was done to the data"},
+    "notes": {
+        "type": "array",
+        "items": {"type": "object"},
+        "description": "what a person should know of data and answer",
+    },
 }

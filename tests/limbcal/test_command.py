@@ -15,7 +15,7 @@ from hypothesis import strategies as st
 from rich.table import Table
 
 from limbcal.arguments import Parser, common_options
-from limbcal.command import console, emit, run_command, say, show, to_json
+from limbcal.command import ask, console, emit, run_command, say, show, to_json
 from limbcal.errors import (
     ConfigError,
     DataError,
@@ -26,6 +26,7 @@ from limbcal.errors import (
     ProtocolError,
     Unusable,
 )
+from limbcal.note import Note
 
 EXIT_CODES = [
     (ConfigError, 2),
@@ -257,3 +258,19 @@ def test_numpys_values_are_written_as_numbers():
 def test_emit_writes_a_line(capsys):
     emit("answer")
     assert capsys.readouterr() == ("answer\n", "")
+
+
+def test_what_one_command_asks_is_not_said_by_the_next(capsys):
+    doubts = [(), (Note("unit", "a_m is 300: millimetres?"),)]
+
+    def act(_namespace):
+        ask(doubts.pop())
+        return {"notes": []}
+
+    parser = Parser(parents=[common_options()])
+    parser.set_defaults(action=act)
+    kinds = []
+    for _ in range(2):
+        assert run_command(parser, ["--json"]) == 0
+        kinds.append([note["kind"] for note in json.loads(capsys.readouterr().out)["notes"]])
+    assert kinds == [["unit"], []]
