@@ -40,7 +40,7 @@ Floats = NDArray[np.float64]
 Columns = dict[str, Floats]
 
 RATE_HZ, SECONDS, NOISE = 250.0, 6.0, 0.01
-#: A parameter is right within so many standard errors; a quarter of the seeds' parameters is beyond 2 by chance.
+#: Standard errors within which a parameter is right: chance takes one in 1.7 million further (normal).
 STD_OFF = 5.0
 QUESTIONS = re.compile(
     r"\?|unwrapped|do not count|left out|repeat the row|ms late|impossible|next to nothing", re.I
@@ -246,7 +246,7 @@ def says(pattern: str, code: int | None = None) -> Callable[[Ran], bool]:
 
 
 def holds(arm: Arm, *words: str, off: float = STD_OFF) -> Callable[[Ran], bool]:
-    """Right is an answer within so many standard errors (or 1 %), with these words."""
+    """Right is an answer within `STD_OFF` standard errors (or 1 %), with these words."""
     base = structural_parameters(arm)
     true = dict(zip(base.names, (base.combination @ standard_parameters(arm)).tolist(), strict=True))
 

@@ -16,7 +16,7 @@ GIVEN = ("q", "dq,ddq")
 MOVED = ("fourier", "points", "driven")
 #: Rates that are drawn for short chains, and for long ones, whose columns are many [Hz].
 _RATES_HZ, _LONG_RATES_HZ = (100.0, 250.0, 500.0, 1000.0), (100.0, 250.0)
-#: Chains of up to so many joints are short.
+#: Number of joints up to which a chain is short.
 _SHORT = 3
 #: White noise or step of an encoder [rad], and noise of a torque as a share of its rms.
 _ANGLE_NOISE, _TORQUE_NOISE = (1e-5, 1e-3), (1e-3, 5e-2)

@@ -22,7 +22,7 @@ _FIRST_S, _LONG_S, _LONGEST_S = 1.0 / 16.0, 1.0, 4.0
 #: How many there are at the most while they are short, so that each holds many arrivals, and then: of the last
 #: nine to seventeen minutes.
 _SHORT_KEPT, _KEPT = 16, 256
-#: A line needs so many of them.
+#: Least number of stretches for a line.
 _FEW = 4
 _OUTLIER = 3.0
 #: The reader gathers bytes for 6 ms, and a busy host lets it wait for a few more; all arrivals of a stretch may

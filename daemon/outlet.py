@@ -103,8 +103,8 @@ class Outlet:
                 self._delay.note(block, time.time_ns())
             fields = frames_message(block, self._method)
             announced = self._publisher.last_seq.get(TRIAL)
-            told = {} if announced is None else {"last_seq": {TRIAL: announced}}
-            self._send(FRAMES, {**fields, **told}, block.t0_ns)
+            counted = {} if announced is None else {"last_seq": {TRIAL: announced}}
+            self._send(FRAMES, {**fields, **counted}, block.t0_ns)
             rows = plot_rows(fields, plot_step(block.dt_s))
             if rows:
                 self._send(PLOT, {"rows": rows}, block.t0_ns)

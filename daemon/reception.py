@@ -29,7 +29,7 @@ _PATIENCE_NS = 20_000_000
 _SILENCE_NS = 300_000_000
 #: How often the rate is reckoned anew [ns].
 _LOOK_NS = 50_000_000
-#: The rate is known from frames of this time, or of so many [ns].
+#: Time [ns] and number of frames from which the rate is known, whichever comes later.
 _TO_KNOW_NS, _TO_KNOW_FRAMES = 250_000_000, 3
 
 

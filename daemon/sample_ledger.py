@@ -69,7 +69,7 @@ class SampleLedger:
         self.step = TickStep(tick_hz / rate_hz, tick_hz)
         self._sequence: int | None = None
         self._skipped = 0
-        self._told_ticks = 0
+        self._announced_ticks = 0
         self._ticks: int | None = None
         self._frame_samples = 0
 
@@ -94,7 +94,7 @@ class SampleLedger:
         """Note a frame that has a number and no samples, such as INFO; frames may be missing before it, too."""
         skipped = None if self._sequence is None else (sequence - self._sequence - 1) % SEQUENCES
         if skipped is None or skipped > SEQUENCES // 2:  # it begins to count, or anew
-            self._skipped, self._told_ticks = 0, ticks
+            self._skipped, self._announced_ticks = 0, ticks
         else:
             self._skipped += skipped
         self._sequence = sequence
@@ -157,8 +157,8 @@ class SampleLedger:
         if self._sequence is None:
             return 0
         lost = (self._skipped + (frame.sequence - self._sequence - 1) % SEQUENCES) * len(frame.counts)
-        told = (frame.ticks - self._told_ticks) / self.step.ticks_per_sample
-        most = told + len(frame.counts) + self.step.tolerance(abs(told))
+        elapsed = (frame.ticks - self._announced_ticks) / self.step.ticks_per_sample
+        most = elapsed + len(frame.counts) + self.step.tolerance(abs(elapsed))
         return lost if lost <= most else 0  # else it has begun to count anew meanwhile
 
     def _missing(self, sequence: int, ticks: int) -> int | None:
@@ -178,7 +178,7 @@ class SampleLedger:
         return self._sequence is not None and frame.sequence == (self._sequence + 1) % SEQUENCES
 
     def enter(self, frame: SamplesFrame, lost: int) -> None:
-        """Enter a frame, and so many samples that were lost before it."""
+        """Enter a frame, and the number of samples lost before it."""
         n, follows = len(frame.counts), self._in_sequence(frame.sequence) and not self._went_back(frame.ticks)
         step = 0 if self._ticks is None else frame.ticks - self._ticks
         if follows and not lost and self._ticks is not None:

@@ -11,9 +11,9 @@ import math
 from daemon.device_clock import ClockState
 from daemon.tick_step import TickStep
 
-#: A rate that is off by less is not worth a change.
+#: Least relative change of a rate that is followed: what `limb/health` states a rate to.
 WORTH = 1e-4
-#: … nor one that is less sure than so many standard errors.
+#: Least change of a rate that is followed, in its standard errors.
 _SURELY = 3.0
 
 

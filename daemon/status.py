@@ -18,7 +18,7 @@ from protocol.curve import load_client_key
 from protocol.message import HEALTH
 from protocol.subscriber import Subscriber
 
-#: The heartbeat comes once a second; a daemon that misses so many is gone.
+#: Number of missed heartbeats, one a second, after which a daemon is gone.
 _PATIENCE_S = 3.0
 #: A daemon that has just been started compiles and waits for its device before it says anything.
 WAIT_S = 30.0

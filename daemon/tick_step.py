@@ -14,7 +14,7 @@ from collections import deque
 from collections.abc import Sequence
 from statistics import median
 
-#: So many steps make a majority, even with two losses among them.
+#: Number of steps that make a majority, even with two losses among them.
 MAJORITY = 5
 #: A measured p is that of the last ten seconds, from marks a quarter of a second apart.
 _MARK_S, _MARKS = 0.25, 40
@@ -68,7 +68,7 @@ class TickStep:
         return (_ROUNDING_TICKS + self._jitter) / self._span_ticks
 
     def late(self, step: float, samples: float) -> float:
-        """Return by how many samples a step is longer than so many samples take."""
+        """Return by how many samples a step is longer than `samples` samples take."""
         return step / self.ticks_per_sample - samples
 
     @property

@@ -11,7 +11,7 @@ from daemon.fault_schedule import KINDS, faults_of
 EXAMPLE = "limbd virtual --link device --trials 5"
 #: Beyond this it is no clock any more.
 _MOST_PPM = 500_000.0
-#: A payload of at most 65535 bytes holds so many samples of ten sensors.
+#: Number of samples of ten sensors that fit in a payload of at most 65535 bytes.
 _MOST_SAMPLES = 1024
 
 

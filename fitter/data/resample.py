@@ -23,7 +23,7 @@ TOLERANCE = 0.005
 MOST_DECIMALS = 7
 #: A cubic spline through samples closer than this share of the usual step swings out.
 CROWDED = 0.2
-#: A rate so many times that of the samples adds nothing but memory.
+#: Factor over the samples' own rate beyond which a rate adds nothing but memory.
 MOST_FINER = 100
 #: A lower rate is reached after everything above this share of it has been taken out.
 ANTI_ALIAS = 0.4

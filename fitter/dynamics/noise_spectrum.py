@@ -24,9 +24,9 @@ Held: TypeAlias = Mapping[int, float]
 #: A variance is taken from at least so many degrees of freedom: known to a third (chi squared), and from bands at
 #: least a third of an octave wide.
 _FREEDOM, _WIDER = 20.0, 2.0 ** (1.0 / 3.0)
-#: Found when no parameter moves by more than this share of its standard error.
+#: Largest change of a parameter at convergence, as a fraction of its standard error.
 _SETTLED, _ROUNDS = 1e-2, 30
-#: A noise is not less than this share of the torque: rounding.
+#: Least noise as a fraction of the torque's power: rounding.
 _ROUNDING = 1e-20
 
 

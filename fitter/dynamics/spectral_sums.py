@@ -28,14 +28,14 @@ from fitter.dynamics.wider_band import WIDER, with_wider_band
 
 #: From one band to the next: an eighth of an octave, across which no noise changes much.
 _WIDER = 2.0**0.125
-#: Equations are averaged down to so many times the highest frequency of the motion's filter.
+#: Factor of the highest frequency of the motion's filter down to which equations are averaged.
 _OVERSAMPLED = 4.0
-#: For so many periods of the highest frequency around a rest the filter blurs where it began and ended; over so
-#: many more a window rises, so that noise above that frequency does not leak down.
+#: Periods of the highest frequency around a rest over which the filter blurs its ends, and periods over which a
+#: window rises after them, so that noise above that frequency does not leak down.
 _BLURRED_PERIODS, _RISE_PERIODS = 0.5, 0.5
 #: A joint that is slow for longer rests [s]; at 0.2 rad/s^2 turning round takes as long.
 _TURNING_S = 0.2
-#: Above this share of the sampling rate a spline's second derivative is off by more than a thousandth.
+#: Fraction of the sampling rate above which a spline's second derivative is off by more than a thousandth.
 _DIFFERENTIABLE = 0.15
 #: Samples whose regressor is in memory with all its columns.
 _CHUNK = 2048

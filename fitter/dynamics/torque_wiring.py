@@ -29,7 +29,7 @@ _SAMPLES = 1000
 _ALL_WAYS = 3
 #: Of all ways those with the least free residual get their possible arm.
 _SHORTLIST = 6
-#: A way is the likely one if its best possible arm leaves less than this share of what the columns as given leave:
+#: Largest residual of the likely wiring's best feasible arm, as a fraction of that of the columns as given:
 #: with Gaussian residuals and 30 effective samples a likelihood ratio of more than 10⁴ (0.5^-15).
 _FAR_LESS = 0.5
 

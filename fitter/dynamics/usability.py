@@ -12,9 +12,9 @@ from fitter.dynamics.evaluation import Score
 from fitter.dynamics.torque_wiring import check_wiring
 from limbcal.note import Note
 
-#: An answer that explains less than this share of the torque's power is none: it leaves 87 % of the torque's rms.
+#: Least explained fraction of the torque's power: below it the residual is 87 % of the torque's rms.
 LEAST_EXPLAINED = 0.25
-#: No arm that can exist fits if the best one explains less than this share of what the free numbers explain.
+#: Least power that the best feasible arm explains, as a fraction of what unconstrained numbers explain.
 LEAST_POSSIBLE = 0.5
 #: An answer is believed if noise would explain as much with a probability below this.
 _CHANCE = 1e-3

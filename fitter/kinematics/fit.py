@@ -22,7 +22,7 @@ from fitter.search.fitted_parameter import FittedParameter, fitted_parameters, h
 from limbcal.errors import DataError, NotConverged, NotIdentifiable
 
 GENERATIONS = 500
-#: A geometry that explains less than this share of the tip's displacement is none: 87 % of its rms is left.
+#: Least explained fraction of the tip's displacement's power: below it the residual is 87 % of its rms.
 LEAST_EXPLAINED = 0.25
 #: The search has ended too soon if a Gauss-Newton step still promises to lower the cost by this share.
 _NOT_CONVERGED = 1e-3

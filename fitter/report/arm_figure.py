@@ -19,7 +19,7 @@ _BEND_RAD = 0.6
 _AZIMUTH_RAD, _ELEVATION_RAD = np.deg2rad((-60.0, 25.0))
 #: Least and greatest height of the picture [inch].
 _HEIGHT_IN = (2.4, 5.0)
-#: A thickness of an arm below this share of its size is flat.
+#: Fraction of an arm's size below which its thickness is flat.
 _FLAT = 1e-3
 
 

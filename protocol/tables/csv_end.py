@@ -9,7 +9,7 @@ import pyarrow as pa
 from limbcal.note import Note
 from protocol.tables.dialect import BLANKS, HEAD_BYTES, Dialect
 
-#: A number that was cut is shorter than in so many rows before it; by chance one is in 1 of 64 files, at most.
+#: Number of rows before a cut number in which it was longer; by chance at most 1 of 64 files has one.
 _CUT_WITNESSES = 64
 _LINE_END = re.compile(rb"\r\n|\n|\r")
 

@@ -1,7 +1,7 @@
 """A text file of columns, in any of the ways in which programs write them."""
 
 import re
-from collections.abc import Collection, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 import numpy as np
@@ -13,10 +13,9 @@ from limbcal.errors import DataError
 from limbcal.note import Note
 from protocol.tables.csv_end import last_row_end
 from protocol.tables.dialect import BLANKS, COMMENTS, HEAD_BYTES, dialect_of, encoding_of, is_stamp
-from protocol.tables.header import Header
+from protocol.tables.header import HeadedFile, Header
 from protocol.tables.source import Column, Groups, Rows, to_si, uses, wanted
 from protocol.tables.table import Labels
-from protocol.tables.units import Unit
 
 _ARROW_ROW = re.compile(r"Row #(\d+)")
 _WHOLE = re.compile(r"[-+]?\d+")
@@ -25,7 +24,7 @@ _ZONE = re.compile(r"(?:Z|[-+]\d\d:?\d\d)$")
 _EXACT = 2**53
 
 
-class CsvFile:
+class CsvFile(HeadedFile):
     """A CSV file.
 
     Parameters
@@ -49,23 +48,6 @@ class CsvFile:
         passed = self._dialect.preamble
         text = f"{passed} line{'' if passed == 1 else 's'} before the header were passed over"
         self.notes = (*((Note("preamble", text, source=str(path)),) if passed else ()), *notes)
-
-    @property
-    def names(self) -> tuple[str, ...]:
-        """Names of the columns in the file's order."""
-        return self._header.names
-
-    def match(self, wanted: str, dimensions: Collection[str]) -> str | None:
-        """Return the full name of a column, see `Header.match`."""
-        return self._header.match(wanted, dimensions)
-
-    def unit(self, address: str, dimensions: Collection[str]) -> Unit | None:
-        """Return the unit that the header, or the row below it, states."""
-        return self._header.unit(address, dimensions)
-
-    def nearest(self, wanted: str) -> str | None:
-        """Return the name that is most like one that is not there."""
-        return self._header.nearest(wanted)
 
     def is_blank(self, address: str) -> bool:
         """Say whether no row has a value in a column."""

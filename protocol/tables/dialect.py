@@ -19,7 +19,7 @@ _DELIMITERS = ("\t", ";", ",", "|")
 _LONGEST_PREAMBLE = 64
 #: So much of a file is looked at [bytes].
 HEAD_BYTES = 1 << 18
-#: In so many rows all cells of a line must agree with the header.
+#: Number of rows in which all cells of a line must agree with the header.
 _WITNESSES = 8
 _SEPARATOR = re.compile(r"sep=(.)", re.IGNORECASE)
 _COMMA_NUMBER = re.compile(r"\s*[-+]?\d*,\d+(?:[eE][-+]?\d+)?\s*")

@@ -96,3 +96,26 @@ def require_fit(unit: Unit, dimensions: Collection[str], where: str) -> Unit:
             f"{where} is in {unit.name}, which measures {measured}; expected one of {known_units(dimensions)}"
         )
     return unit
+
+
+class HeadedFile:
+    """A file whose columns are what its header names."""
+
+    _header: Header
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Names of the columns in the file's order."""
+        return self._header.names
+
+    def match(self, wanted: str, dimensions: Collection[str]) -> str | None:
+        """Return the full name of a column, see `Header.match`."""
+        return self._header.match(wanted, dimensions)
+
+    def unit(self, address: str, dimensions: Collection[str]) -> Unit | None:
+        """Return the unit that the header, or the row below it, states."""
+        return self._header.unit(address, dimensions)
+
+    def nearest(self, wanted: str) -> str | None:
+        """Return the name that is most like one that is not there."""
+        return self._header.nearest(wanted)

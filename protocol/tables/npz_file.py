@@ -105,7 +105,7 @@ class NpzFile:
         return all(shapes) and len({shape[0] for shape in shapes if shape is not None}) == 1
 
     def blocks(self, groups: Groups, label: str | None, rows: int) -> Iterator[Rows]:
-        """Return groups of columns that stream, at most so many rows at a time.
+        """Return groups of columns that stream, at most `rows` rows at a time.
 
         Raises
         ------

@@ -1,6 +1,6 @@
 """A Parquet file of columns."""
 
-from collections.abc import Collection, Iterator
+from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
@@ -12,13 +12,12 @@ from numpy.typing import NDArray
 from limbcal.errors import DataError
 from limbcal.note import Note
 from protocol.tables.csv_file import numbers_of
-from protocol.tables.header import Header
+from protocol.tables.header import HeadedFile, Header
 from protocol.tables.source import Groups, Rows, to_si, uses, wanted
 from protocol.tables.table import Labels
-from protocol.tables.units import Unit
 
 
-class ParquetFile:
+class ParquetFile(HeadedFile):
     """A Parquet file.
 
     Parameters
@@ -39,23 +38,6 @@ class ParquetFile:
         with _readable(path):
             self._schema = pyarrow.parquet.read_schema(path)
         self._header = Header(path, self._schema.names)
-
-    @property
-    def names(self) -> tuple[str, ...]:
-        """Names of the columns in the file's order."""
-        return self._header.names
-
-    def match(self, wanted: str, dimensions: Collection[str]) -> str | None:
-        """Return the full name of a column, see `Header.match`."""
-        return self._header.match(wanted, dimensions)
-
-    def unit(self, address: str, dimensions: Collection[str]) -> Unit | None:
-        """Return the unit that the name states."""
-        return self._header.unit(address, dimensions)
-
-    def nearest(self, wanted: str) -> str | None:
-        """Return the name that is most like one that is not there."""
-        return self._header.nearest(wanted)
 
     def is_blank(self, address: str) -> bool:
         """Say whether no row has a value in a column."""

@@ -68,7 +68,7 @@ def read_tables(
 def read_table_blocks(
     path: Path, n_joint: int, mapping: ColumnMap, required: Collection[str], rate_hz: float | None, rows: int
 ) -> Iterator[Table]:
-    """Read the same files about so many rows at a time, in the order of the file and in bounded memory.
+    """Read the same files in blocks of about `rows` rows, in the order of the file and in bounded memory.
 
     Parameters are those of `read_tables`. Files that are no streams (``.mat``, ``.json``, NPZ files of tables)
     come whole, one block a cell.

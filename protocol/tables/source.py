@@ -85,7 +85,7 @@ class Source(Protocol):
         """Say whether `blocks` can give these columns."""
 
     def blocks(self, groups: Groups, label: str | None, rows: int) -> Iterator[Rows]:
-        """Return the same, about so many rows at a time and in bounded memory."""
+        """Return the same, about `rows` rows at a time and in bounded memory."""
 
 
 def wanted(groups: Groups, label: str | None) -> list[str]:

@@ -31,7 +31,7 @@ _DAMAGE = (
 )
 _MAT = (".mat",)
 _HDF5 = b"\x89HDF\r\n\x1a\n"
-#: A MATLAB 7.3 file is HDF5 behind a header of its own of so many bytes.
+#: Size of the header before the HDF5 of a MATLAB 7.3 file [bytes].
 _MAT_HEADER = 512
 #: How pandas writes a table as one object: names, and rows of cells.
 _SPLIT = ("columns", "data")

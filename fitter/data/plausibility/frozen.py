@@ -9,14 +9,14 @@ from arm.model import Arm, Floats
 from fitter.data.motions import Measured
 from limbcal.note import Note
 
-#: An angle has frozen where at least so many samples are the same to the last bit …
+#: Least number of samples, the same to the last bit, of an angle that has frozen …
 _STANDS = 5
-#: … and the steps into or out of them are longer than this share of the joint's longest usual step: a joint that
-#: friction stops slows down first. Also longer than so many of the encoder's own steps.
+#: … and least steps into or out of them, as a fraction of the joint's longest usual step (a joint that friction
+#: stops slows down first) and in steps of the encoder.
 _ABRUPT, _COUNTS = 0.2, 5.0
 #: A joint that stood still speeds up evenly: its first step is no longer than the next, let alone by this factor.
 _LEAP = 3.0
-#: No drive stops a joint within a sample from this share of its usual top speed, and keeps it to the last bit.
+#: Fraction of a joint's usual top speed from which no drive stops it within a sample, to the last bit.
 _FROM_SPEED = 0.5
 
 

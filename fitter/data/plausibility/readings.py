@@ -10,9 +10,9 @@ from fitter.data.plausibility.refusal import Refusal
 
 #: Samples in which a sensor's rest is sought: the window that scatters least.
 _WINDOW = 32
-#: A sensor at rest reads gravity to this share: 5 % of scale (data sheets of uncalibrated parts) and some motion.
+#: Relative error of gravity as read at rest: 5 % of scale (data sheets of uncalibrated parts) and some motion.
 _OF_GRAVITY = 0.1
-#: Without gravity a sensor at rest reads less than this share of it: its bias.
+#: Fraction of gravity below which a reading at rest is a bias: gravity was taken off.
 _NOTHING = 0.05
 #: Readings in these units are multiplied by this to give m/s².
 _UNITS = {"g": 9.80665, "mg": 9.80665e-3}

@@ -9,7 +9,7 @@ from arm.model import Arm, Floats
 from fitter.data.motions import Measured
 from limbcal.note import Note
 
-#: In a motion the steps on both sides of a repeated row are longer than this share of the joint's usual longest.
+#: Least steps on both sides of a row repeated in a motion, as a fraction of the joint's usual longest.
 _MOVING = 0.1
 #: Columns that the outside world gives: a repeated row repeats all of them to the last bit.
 _MEASURED = ("q", "dq", "ddq", "tau", "tip")

@@ -11,11 +11,11 @@ from limbcal.note import Note
 
 #: The role of the column that says which torques do not count, 1 where they don't.
 CONTRADICTED = "contradicted"
-#: A torque stands at a limit where so many neighbouring samples are equal to its extreme; a smooth peak that is
+#: Least number of neighbouring samples equal to a torque's extreme where it is at a limit. A smooth peak that is
 #: rounded to the sensor's resolution enters it by steps of one resolution, a cut-off one by longer ones.
 _STANDS = 5
 _STEPS = 3.0
-#: If fewer samples than this share are left, or so many stand at other levels too, the torque is made of steps.
+#: Fraction of samples that must remain, and that may stand at other levels: beyond it the torque is made of steps.
 _LEFT = 0.1
 
 
