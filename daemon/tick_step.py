@@ -7,12 +7,13 @@ Between two frames that follow each other by number, with n samples in the first
 p ticks a sample, e the rounding to whole ticks and the jitter of the clock's reading. From the first mark to the
 last, S ticks and N samples further, p = S / N, off by at most one tick in S. A step that fits no such p is a loss;
 but if most steps fit another p than the device's INFO says, INFO is wrong, and nothing is lost. So before p is
-measured nothing is concluded from a step that contradicts INFO: the median of the next ones decides.
+measured nothing follows from a step that contradicts INFO: the sum of the next ones near their median decides,
+in which the rounding of each cancels that of the next.
 """
 
 from collections import deque
 from collections.abc import Sequence
-from statistics import median
+from statistics import median, median_low
 
 #: Number of steps that make a majority, even with two losses among them.
 MAJORITY = 5
@@ -29,6 +30,8 @@ _JITTERS = 5.0 * 1.4826
 _RECENT = 31
 #: A crystal's rate moves by less than this while nothing is heard of it [ratio].
 _WANDER = 1e-4
+#: INFO's rate is off by less than this: the tolerance of an untrimmed oscillator, by data sheets [ratio].
+_INFO_OFF = 0.15
 
 
 class TickStep:
@@ -59,6 +62,7 @@ class TickStep:
         self._strays: list[tuple[int, int]] = []
         self._first: list[tuple[int, int]] = []
         self._jitter = 0.0
+        self._longest_samples = 0
 
     @property
     def std(self) -> float | None:
@@ -83,8 +87,12 @@ class TickStep:
 
     def tolerance(self, samples: float = 0) -> float:
         """Return by how many samples a step may be off though nothing is lost; over more than a frame, by more."""
-        off = _WANDER + 3.0 * (self.std or 0.0)
-        return _HALF + (_ROUNDING_TICKS + self._jitter) / self.ticks_per_sample + off * samples
+        one_step = _HALF + (_ROUNDING_TICKS + self._jitter) / self.ticks_per_sample
+        if self.std is not None:
+            off = 3.0 * self.std
+        else:  # INFO's p, with which each step so far agreed as far as one step shows
+            off = min(_INFO_OFF, one_step / self._longest_samples) if self._longest_samples else _INFO_OFF
+        return one_step + (_WANDER + off) * samples
 
     def went_back(self, step: int) -> bool:
         """Say whether a step is one that no clock that goes on makes."""
@@ -110,6 +118,7 @@ class TickStep:
         """
         self._strays.clear()
         self._samples += of_samples
+        self._longest_samples = max(self._longest_samples, samples)
         self._steps += 1
         self._recent.append(abs(step - samples * self.ticks_per_sample))
         if not self.measured:
@@ -122,7 +131,8 @@ class TickStep:
             return
         first_samples, first_ticks = self._marks[0]
         span, n = ticks - first_ticks, self._samples - first_samples
-        if n and span >= max(_FEW_TICKS, min(self._span_ticks, self._enough_ticks)):
+        enough = span >= max(_FEW_TICKS, min(self._span_ticks, self._enough_ticks))
+        if n and (enough or abs(span - n * self.ticks_per_sample) > self.tolerance_ticks):
             self.ticks_per_sample, self._span_ticks = span / n, span
         if ticks >= self._marks[-1][1] + self._mark_ticks:
             self._marks.append((self._samples, ticks))
@@ -140,19 +150,24 @@ class TickStep:
     def decide(self, steps: Sequence[tuple[int, int]]) -> None:
         """Measure p from the majority of steps, each its ticks and its samples, and of those before.
 
-        INFO is right unless most of them contradict it.
+        Rounding cancels between steps that follow each other, so the sum of all near the median tells more
+        than one. INFO is right unless that sum contradicts it.
         """
         steps = [*self._first, *steps]
         self._first.clear()
-        agree = [one for one in steps if abs(self.late(*one)) <= self.tolerance()]
-        if 2 * len(agree) >= len(steps):
-            self.measured = self.measured or len(agree) >= MAJORITY
+        if not steps:
             return
-        middle = median(step / samples for step, samples in steps)
+        each = sorted(step / samples for step, samples in steps)
+        middle_two = each[(len(each) - 1) // 2], each[len(each) // 2]
+        middle = min(middle_two, key=lambda p: abs(p - self.ticks_per_sample))
         off = [abs(step - samples * middle) for step, samples in steps]
-        limit = max(_JITTERS * median(off), _ROUNDING_TICKS)
+        limit = max(_JITTERS * median_low(off), _ROUNDING_TICKS)
         near = [one for one, distance in zip(steps, off, strict=True) if distance <= limit]
         total, n = sum(step for step, _ in near), sum(samples for _, samples in near)
+        pieces = 1 + len(steps) - len(near)
+        if abs(total - n * self.ticks_per_sample) <= pieces * self.tolerance_ticks:
+            self.measured = self.measured or len(near) >= MAJORITY
+            return
         self.ticks_per_sample = total / n
         self._span_ticks = total
         self.measured = True

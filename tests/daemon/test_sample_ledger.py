@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import example, given
 from hypothesis import strategies as st
 
 from daemon.sample_ledger import SampleLedger
@@ -112,6 +112,7 @@ def test_a_run_goes_on_where_none_of_its_frames_misses_samples(jumps: list[int],
     tick_hz=st.sampled_from([1e3, 1e6, 10e6, 1e9]),
     lost=st.sets(st.integers(6, 78)),
 )
+@example(off=0.046875, samples=256, tick_hz=1e3, lost={6, 7, 8, 9})  # ticks too coarse to show the rate before
 def test_a_rate_that_is_not_what_info_says_loses_nothing(
     off: float, samples: int, tick_hz: float, lost: set[int]
 ) -> None:
