@@ -19,7 +19,8 @@ from arm.drive import (
     begin_stretch,
     end_stretch,
 )
-from arm.effects.effect_table import EffectTable, no_effects
+from arm.drive_state import ON
+from arm.effects.effect_table import LIMIT, EffectTable, no_effects
 from arm.mode_end import CUT_AT, begin_bracket, narrow, next_try
 from arm.model import Floats
 from arm.motion_equations import acceleration, equations
@@ -148,20 +149,26 @@ def effect_steps(
     state: Floats,
     motion: Floats,
     lead: Floats,
+    schedule: Floats,
 ) -> None:
     """Fill in a motion by fourth-order Runge-Kutta steps, cut where a joint comes to rest or lets go.
 
     ``room.way`` must be as it was before the first sample. Loads that the arm takes up become part of ``chain``.
+    ``schedule`` (n_sample, 4, n_joint), or without samples, has the gains that become the law's with each sample,
+    and whether the drive is engaged, see `arm.drive_state`.
     """
     # the caller keeps them all; to count who looks at them would take four fifths of a step
     chain, commands, effects, room = borrowed(chain), borrowed(commands), borrowed(effects), borrowed(room)
     n_sample, n = commands.drive.shape
+    limit = effects.numbers[LIMIT].copy()
     friction_alone(chain, effects, room)
     q, dq, mode = state[0].copy(), state[1].copy(), np.zeros(n)
     slopes, after, taken = np.empty((2, 4, n)), np.empty((2, n)), 0
     slack, bracket = np.empty(n), np.empty((2, 1 + n))
     for k in range(n_sample):
         done = 0.0
+        if schedule.shape[0] > 0:
+            engage(commands, effects, schedule[k], limit)
         taken = take_up(effects, chain, commands.t0 + k * commands.dt, taken)
         for cut in range(_CUTS):
             accelerate(chain, commands, effects, k, done, 0.0, q, dq, mode, room, slopes[1, 0])
@@ -193,14 +200,31 @@ def effect_steps(
                 break
 
 
+@inlined
+def engage(commands: Commands, effects: EffectTable, now: Floats, limit: Floats) -> None:
+    """Put the gains of a sample into the law; a drive that is not engaged is one whose limit is zero."""
+    for i in range(limit.size):
+        for gain in range(3):
+            commands.law[gain, i] = now[gain, i]
+        effects.numbers[LIMIT, i] = limit[i] if now[ON, i] != 0.0 else 0.0
+
+
 @compiled
 def runge_kutta_steps(
-    chain: Chain, law: Floats, given: bool, drive: Floats, dt: float, state: Floats, motion: Floats
+    chain: Chain,
+    law: Floats,
+    given: bool,
+    drive: Floats,
+    dt: float,
+    state: Floats,
+    motion: Floats,
+    schedule: Floats,
 ) -> None:
     """Fill in a motion without effects as `effect_steps` does; the rest is as in `Commands`."""
     n = drive.shape[1]
     lead = np.empty((2, 0, n))
-    effect_steps(chain, Commands(law, given, drive, dt, 0.0), no_effects(n), make_room(n, 0), state, motion, lead)
+    commands = Commands(law.copy(), given, drive, dt, 0.0)
+    effect_steps(chain, commands, no_effects(n), make_room(n, 0), state, motion, lead, schedule)
 
 
 @inlined

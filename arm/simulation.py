@@ -18,9 +18,10 @@ import numpy as np
 from arm.chain import chain_of, joint_rows
 from arm.control import gains
 from arm.drive import Commands
+from arm.drive_state import KA, DriveState, unchanging
 from arm.effects.effect_table import DELAY, changed, effect_table
 from arm.integration import effect_steps
-from arm.model import Arm, Floats
+from arm.model import Arm, Control, Floats
 from arm.printed_scheme import paper_steps
 from arm.room import make_room
 from arm.way_before import set_way
@@ -60,6 +61,7 @@ def simulate(
     torque: Floats | None = None,
     t0_s: float = 0.0,
     trial: int = 1,
+    drives: DriveState | None = None,
 ) -> Motion:
     """Simulate an arm from a state on.
 
@@ -80,6 +82,9 @@ def simulate(
         The run's time at the first sample, for effects that depend on it.
     trial : int
         Which of the run's trials this is, counted from 1.
+    drives : DriveState, optional
+        Gains in place of the law's, and where the drives are engaged, from one sample to the next. Where they are
+        not they give no torque, a given one neither.
 
     Returns
     -------
@@ -96,14 +101,9 @@ def simulate(
         If shapes don't fit.
     """
     targets = joint_rows(arm, "ref", ref)
-    if torque is not None:
-        drive, law = joint_rows(arm, "torque", torque), np.zeros((3, arm.n_joint))
-        if len(drive) != len(targets):
-            raise DataError(f"torque has {len(drive)} samples and ref has {len(targets)}; expected as many")
-    elif arm.control.law == "measured":
-        raise ConfigError("control.law is 'measured' and no torque is given: nothing drives the simulation")
-    else:
-        drive, law = targets, gains(arm.control, arm.n_joint)
+    drive, law, schedule = _driven(arm, targets, torque, drives)
+    if scheme == "paper" and drives is not None:
+        raise ConfigError("the paper's scheme knows no drives that change; expected scheme 'rk4'")
     state = np.zeros((2, arm.n_joint))
     for part, name, start in ((state[0], "q0", q0), (state[1], "dq0", dq0)):
         if start is not None:
@@ -114,7 +114,7 @@ def simulate(
         raise ConfigError("the paper's scheme knows no effects; expected scheme 'rk4' for an arm that has some")
     arm = changed(arm)
     effects = effect_table(arm, trial)
-    if effects.geared and law[2].any():
+    if effects.geared and (law[2].any() or schedule[:, KA].any()):
         raise ConfigError(
             "control.law is 'pda', which does not go with backlash or joint_elasticity; expected 'pd'"
         )
@@ -123,11 +123,33 @@ def simulate(
     if effects.driven:
         set_way(arm, commands, effects, trial, state, room.way)
     motion, lead = np.empty((4, *drive.shape)), np.empty((2, len(drive) if effects.geared else 0, arm.n_joint))
-    steps = effect_steps if scheme == "rk4" else paper_steps
-    steps(chain_of(arm), commands, effects, room, state, motion, lead)
+    if scheme == "rk4":
+        effect_steps(chain_of(arm), commands, effects, room, state, motion, lead, schedule)
+    else:
+        paper_steps(chain_of(arm), commands, effects, room, state, motion, lead)
     t = np.arange(len(targets), dtype=np.float64) * dt_s
     if not effects.geared:
         return Motion(t, motion[0], motion[1], motion[2], motion[3], targets)
     surge = np.gradient(lead[1], dt_s, axis=0) if len(lead[1]) > 1 else np.zeros_like(lead[1])
     seen = (motion[0] + lead[0], motion[1] + lead[1], motion[2] + surge)
     return GearedMotion(t, *seen, motion[3], targets, motion[0], motion[1], motion[2])
+
+
+def _driven(
+    arm: Arm, targets: Floats, torque: Floats | None, drives: DriveState | None
+) -> tuple[Floats, Floats, Floats]:
+    """Return what drives a simulation: targets or torque, the law at the first sample, and its schedule."""
+    drive = targets
+    if torque is not None:
+        drive = joint_rows(arm, "torque", torque)
+        if len(drive) != len(targets):
+            raise DataError(f"torque has {len(drive)} samples and ref has {len(targets)}; expected as many")
+    elif arm.control.law == "measured":
+        raise ConfigError("control.law is 'measured' and no torque is given: nothing drives the simulation")
+    if drives is None:
+        law = np.zeros((3, arm.n_joint)) if torque is not None else gains(arm.control, arm.n_joint)
+        return drive, law, unchanging(arm.n_joint)
+    if drives.on.shape != targets.shape:
+        raise DataError(f"drives have shape {drives.on.shape} and ref has {targets.shape}; expected the same")
+    schedule = drives.schedule(Control() if torque is not None else arm.control)
+    return drive if torque is None else np.where(drives.on, drive, 0.0), schedule[0, : KA + 1].copy(), schedule

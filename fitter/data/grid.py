@@ -12,6 +12,7 @@ from fitter.data.resample import ANTI_ALIAS, CROWDED, curve_through, time_step
 from fitter.data.windows import forgetting_samples
 from limbcal.errors import DataError
 from limbcal.note import Note
+from protocol.tables.columns import DRIVE_ROLES
 
 Floats = NDArray[np.float64]
 
@@ -112,7 +113,9 @@ class Grid:
             fine = self.own_step_s * np.arange(first, math.floor(t[-1] / self.own_step_s + 1e-6) + 1)
             corner_hz = ANTI_ALIAS / self.step_s
             columns = {
-                role: lowpass(curve_through(role, t, values, crowded)(fine), self.own_step_s, corner_hz)
+                role: curve_through(role, t, values, crowded)(fine)
+                if role in DRIVE_ROLES
+                else lowpass(curve_through(role, t, values, crowded)(fine), self.own_step_s, corner_hz)
                 for role, values in columns.items()
             }
             t = fine

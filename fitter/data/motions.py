@@ -8,9 +8,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fitter.data.felt import Felt
+from limbcal.errors import DataError
 from limbcal.note import Note
 from protocol.tables import stamps
-from protocol.tables.columns import TIP_ROLES, ColumnMap
+from protocol.tables.columns import JOINT_ROLES, TIP_ROLES, ColumnMap
 from protocol.tables.reader import read_tables
 from protocol.tables.table import Table
 
@@ -35,7 +36,7 @@ class Measured:
     t : ndarray of shape (n,)
         Time stamps [s], as in the file.
     columns : mapping of str to ndarray of shape (n, …)
-        By role: q, dq, ddq, tau, ref with one column a joint, tip with three.
+        By role: q, dq, ddq, tau, ref, on, kp, kv with one column a joint, tip with three.
     role : str, optional
         "learn" or "evaluate", where a recording says so.
     notes : tuple of Note
@@ -112,12 +113,16 @@ def read_file(
     rate_hz: float | None,
     required: Collection[str],
     vectors: Mapping[str, Sequence[str]],
+    joint_roles: Sequence[str] = JOINT_ROLES,
 ) -> list[Measured]:
     """Read a file without parting it by trials: one motion, or one a cell of a ``.mat``.
 
-    Parameters are those of `read_motions`, and ``vectors`` as in `protocol.tables.reader.read_tables`.
+    Parameters are those of `read_motions`, and ``vectors`` and ``joint_roles`` as in
+    `protocol.tables.reader.read_tables`.
     """
-    tables = read_tables(path, n_joint, mapping, required, vectors=vectors, rate_hz=rate_hz)
+    tables = read_tables(
+        path, n_joint, mapping, required, vectors=vectors, joint_roles=joint_roles, rate_hz=rate_hz
+    )
     several = len(tables) > 1
     return [
         from_table(table, path, f"{path.stem}({cell + 1})" if several else path.stem)
@@ -126,9 +131,15 @@ def read_file(
 
 
 def from_table(table: Table, path: Path, name: str) -> Measured:
-    """Return rows of a table as a motion."""
+    """Return rows of a table as a motion.
+
+    Raises
+    ------
+    DataError
+        If a drive is neither engaged nor let go.
+    """
     columns = {role: values for role, values in table.groups.items() if role != "t"}
-    return Measured(
+    motion = Measured(
         name,
         str(path),
         table.first_row,
@@ -138,6 +149,22 @@ def from_table(table: Table, path: Path, name: str) -> Measured:
         labels=table.labels,
         stated=table.stated,
     )
+    require_switches(motion)
+    return motion
+
+
+def require_switches(motion: Measured) -> None:
+    """Raise a DataError that names the row (from 1) where a drive is neither engaged (1) nor let go (0)."""
+    on = motion.columns.get("on")
+    if on is None:
+        return
+    wrong = (on != 0.0) & (on != 1.0)
+    if wrong.any():
+        row, joint = (int(place[0]) for place in np.nonzero(wrong))
+        raise DataError(
+            f"{motion.where}: on{joint + 1} in row {motion.first_row + row + 1} is {on[row, joint]:g}, expected 1 "
+            "where the drive is engaged and 0 where it is let go"
+        )
 
 
 def require_rising(motion: Measured) -> None:

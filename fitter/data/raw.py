@@ -16,13 +16,15 @@ from fitter.data.recordings import read_raw_blocks
 from fitter.data.sensor_files import Part, join, part_of
 from limbcal.errors import ConfigError, DataError
 from limbcal.note import Note
-from protocol.tables.columns import parse_mapping
+from protocol.tables.columns import DRIVE_ROLES, JOINT_ROLES, parse_mapping
 from protocol.tables.files import RECORDINGS, expand
 from tracking.readings import Readings, ReadingsBuilder
 
 Floats = NDArray[np.float64]
 
 AXES = "xyz"
+#: What comes along with readings; what drives the arm is not asked.
+SENSED_ROLES = tuple(role for role in JOINT_ROLES if role not in DRIVE_ROLES)
 BLOCK_ROWS = 65536
 
 
@@ -169,7 +171,7 @@ def load_raw(
         elif len(files) > 1 and (part := part_of(path, sensors, mapping)) is not None:
             parts.append(part)
         else:
-            whole += read_file(path, n_joint, mapping, rate_hz, ("a",), {"a": axes})
+            whole += read_file(path, n_joint, mapping, rate_hz, ("a",), {"a": axes}, SENSED_ROLES)
     whole += join(parts, sensors, mapping)
     runs: list[RawRun] = []
     for clock in (clock for motion in whole for clock in _clocks(motion)):

@@ -12,6 +12,7 @@ from fitter.data.leaps import MINIMUM_SAMPLES, split_at_leaps
 from fitter.data.motions import Measured
 from limbcal.errors import ConfigError, DataError
 from limbcal.note import Note
+from protocol.tables.columns import DRIVE_ROLES
 from protocol.tables.stamps import HOLE_STEPS
 
 Floats = NDArray[np.float64]
@@ -101,7 +102,8 @@ def resample(motion: Measured, rate_hz: float | None = None) -> Uniform:
 
     Angles, velocities and positions are drawn through by a cubic spline (a shape-preserving one where samples
     crowd), torques by a shape-preserving cubic that never overshoots, references, which may jump, by straight
-    lines. Before the rate is lowered everything that it could not carry is taken out without a phase shift.
+    lines; switches and gains of the drives are those of the nearest sample. Before the rate is lowered everything
+    that it could not carry is taken out without a phase shift.
 
     Parameters
     ----------
@@ -148,7 +150,7 @@ def resample(motion: Measured, rate_hz: float | None = None) -> Uniform:
         corner_hz = ANTI_ALIAS / dt_s
         columns = {
             role: curve_through(role, t, values, crowded)(grid)
-            if role == "contradicted"
+            if role == "contradicted" or role in DRIVE_ROLES
             else lowpass(curve_through(role, t, values, crowded)(grid), own_step, corner_hz)
             for role, values in columns.items()
         }
@@ -177,6 +179,9 @@ def _stamps(n: int, dt_s: float) -> Floats:
 
 def curve_through(role: str, t: Floats, values: Floats, crowded: bool) -> Curve:
     """Return the curve through a column that suits what it is, by the column's role."""
+    if role in DRIVE_ROLES:
+        between = (t[1:] + t[:-1]) / 2.0
+        return lambda at: values[np.searchsorted(between, at, side="right")]
     if role in ("ref", "contradicted"):
         line = make_interp_spline(t, values, k=1, axis=0)
         return lambda at: np.asarray(line(np.minimum(at, t[-1])))

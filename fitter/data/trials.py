@@ -8,9 +8,11 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from arm.drive_state import DriveState
 from arm.model import Arm
 from fitter.data.bandwidth import Signal, motion_edge_hz
 from fitter.data.derivatives import differentiate, lowpass, settling_samples
+from fitter.data.drives import drives_of, let_go
 from fitter.data.jumps import midway_at_jumps
 from fitter.data.motions import Measured, read_motions
 from fitter.data.plausibility.questions import questioned
@@ -19,7 +21,7 @@ from fitter.data.recordings import read_frames
 from fitter.data.resample import Uniform, resample, split_at_holes
 from limbcal.errors import ConfigError, DataError
 from limbcal.note import Note
-from protocol.tables.columns import parse_mapping
+from protocol.tables.columns import DRIVE_ROLES, parse_mapping
 from protocol.tables.files import RECORDINGS, expand
 from tracking.draws import Draws
 
@@ -79,6 +81,9 @@ class Trial:
     contradicted : ndarray of bool, shape (n, n_joint), or None
         Torques that say nothing of the arm: cut off at a limit, or beside an angle that stood still for no reason;
         see `fitter.data.plausibility`.
+    drives : arm.drive_state.DriveState, or None
+        Where the drives are engaged, and gains of the trial's own, on the same grid; None where the arm's law says
+        all. Their columns ``on kp kv`` are then in ``whole`` too. A drive that is let go gives no torque.
     draws : tracking.draws.Draws, or None
         The motion as it may have been, where its tracker says so; of its points those of the tip's sensor. Each
         sample then stands for a step of the readings that it was found from, and one that an acceleration jumps in
@@ -106,6 +111,7 @@ class Trial:
     began_s: float = 0.0
     contradicted: NDArray[np.bool_] | None = None
     draws: Draws | None = None
+    drives: DriveState | None = None
 
     @property
     def counted(self) -> NDArray[np.bool_]:
@@ -260,6 +266,7 @@ def lowpass_trial(trial: Trial, cutoff_hz: float) -> Trial:
         points=filtered(trial.points),
         tau_measured=None if trial.tau_measured is None else trial.tau_measured[inner],
         contradicted=None if trial.contradicted is None else trial.contradicted[inner],
+        drives=None if trial.drives is None else trial.drives.rows(inner),
         trimmed=trial.trimmed + trim,
         began_s=trial.began_s + trim * trial.dt_s,
         cutoff_hz=np.inf,
@@ -271,8 +278,9 @@ def lowpass_trial(trial: Trial, cutoff_hz: float) -> Trial:
 def undriven(trial: Trial) -> Trial:
     """Return a trial as of an arm that swings freely: its torque is known, and zero."""
     zero = np.zeros_like(trial.q)
-    whole = trial.whole | {"tau": np.zeros_like(trial.whole["q"])} if trial.whole else {}
-    return replace(trial, tau=zero, tau_measured=zero, ref=None, ref_filtered=None, whole=whole)
+    whole = {name: values for name, values in trial.whole.items() if name not in DRIVE_ROLES}
+    whole |= {"tau": np.zeros_like(whole["q"])} if whole else {}
+    return replace(trial, tau=zero, tau_measured=zero, ref=None, ref_filtered=None, drives=None, whole=whole)
 
 
 def _signal(motion: Uniform) -> Signal:
@@ -287,12 +295,15 @@ def _signal(motion: Uniform) -> Signal:
 def derive(motion: Uniform, cutoff_hz: float, band_hz: float) -> Trial:
     """Fill in what a motion on a uniform grid lacks, and filter all columns alike if anything was."""
     measured, dt_s = motion.measured, motion.dt_s
-    given = dict(measured.columns)
-    marked = given.pop(CONTRADICTED, None)
-    notes = list(measured.notes)
+    columns, said = let_go(measured.columns, measured.where)
+    drives = drives_of(columns)
+    given = {name: values for name, values in columns.items() if name not in (CONTRADICTED, *DRIVE_ROLES)}
+    marked = columns.get(CONTRADICTED)
+    notes = [*measured.notes, *said]
     derived = [name for name in ("dq", "ddq") if name not in given]
     trim = 0
-    whole = {name: measured.columns[name] for name in ("q", "ref", "tau") if name in measured.columns}
+    kept_whole = ("q", "ref", "tau", *(() if drives is None else DRIVE_ROLES))
+    whole = {name: columns[name] for name in kept_whole if name in columns}
     if "tau" in whole:
         whole["tau"] = midway_at_jumps(whole["tau"])
     if derived:
@@ -310,12 +321,11 @@ def derive(motion: Uniform, cutoff_hz: float, band_hz: float) -> Trial:
         if "ddq" not in given:
             given["ddq"] = differentiate(given[source], dt_s, 1 if source == "dq" else 2)
         filtered = "unfiltered" if trim == 0 else f"all columns but ref low-passed at {cutoff_hz:.4g} Hz"
-        said = f"{', '.join(derived)} derived from {source} (zero phase, {filtered})"
-        notes.append(Note("derived", said))
+        notes.append(Note("derived", f"{', '.join(derived)} derived from {source} (zero phase, {filtered})"))
     if trim:
         notes.append(Note("trimmed", f"{trim * dt_s:.3g} s trimmed at each end"))
     inner = slice(trim, len(measured.t) - trim)
-    tau_measured = measured.columns["tau"][inner] if "tau" in measured.columns else None
+    tau_measured = columns["tau"][inner] if "tau" in columns else None
     kept = {name: values[inner] for name, values in given.items()}
     return Trial(
         name=measured.name,
@@ -338,6 +348,7 @@ def derive(motion: Uniform, cutoff_hz: float, band_hz: float) -> Trial:
         trimmed=trim,
         began_s=motion.began_s + trim * dt_s,
         contradicted=None if marked is None else marked[inner] > _ANY,
+        drives=None if drives is None else drives.rows(inner),
     )
 
 

@@ -119,7 +119,9 @@ def simulated(arm: Arm, motion: Motion, horizon_s: float = HORIZON_S) -> Floats:
         still = motion.stuck[0]
         q0 = np.where(still, trial.q[:rest].mean(axis=0), trial.q[0])
         dq0 = np.where(still, 0.0, trial.dq[0])
-        return simulate(arm, trial.ref, trial.dt_s, q0, dq0, t0_s=t0, trial=motion.number).q
+        return simulate(
+            arm, trial.ref, trial.dt_s, q0, dq0, t0_s=t0, trial=motion.number, drives=trial.drives
+        ).q
     angles = trial.q.copy()
     torque = motion.u if len(motion.u) == len(trial.q) else np.asarray(trial.tau)
     stride = max(1, round(horizon_s / trial.dt_s))

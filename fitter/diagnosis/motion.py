@@ -7,9 +7,9 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import binary_dilation
 
-from arm.control import control_torque
 from arm.model import Arm, Floats
 from fitter.data.jumps import jumps
+from fitter.data.law_torque import law_torque
 from fitter.data.trials import Trial
 from fitter.diagnosis.unknown_torque import lasting
 from fitter.diagnosis.velocity import sharper, sharper_gain, told_from_rest, velocity
@@ -149,8 +149,7 @@ def drive_torque(arm: Arm, trial: Trial) -> Floats:
     if arm.control.law == "measured" or trial.ref is None:
         missing = "columns tau1…, or a control law in the arm file" if trial.ref is not None else "columns tau1…"
         raise DataError(f"trial {trial.name}: nothing says which torque drove it; expected {missing}")
-    target = trial.ref if trial.ref_filtered is None else trial.ref_filtered
-    return control_torque(arm.control, trial.q, trial.dq, trial.ddq, target)
+    return law_torque(arm.control, trial)
 
 
 def sharp_torque(arm: Arm, trial: Trial) -> Floats:
@@ -169,7 +168,9 @@ def sharp_torque(arm: Arm, trial: Trial) -> Floats:
     if "tau" in trial.whole:
         return trial.whole["tau"]
     u = drive_torque(arm, trial)
-    if trial.ref is not None and trial.ref_filtered is not None and trial.tau is None:
+    if trial.ref is not None and trial.drives is not None and trial.tau is None:
+        u = trial.drives.torque(arm.control, trial.q, trial.dq, trial.ddq, trial.ref)
+    elif trial.ref is not None and trial.ref_filtered is not None and trial.tau is None:
         u = u + np.asarray(arm.control.kp) * (trial.ref - trial.ref_filtered)
     return np.pad(u, ((trial.trimmed, trial.trimmed), (0, 0)), mode="edge")
 

@@ -206,6 +206,8 @@ def _torque(arm: Arm, trial: Trial, rows: slice, q: Floats, dq: Floats, ddq: Flo
         assert trial.tau is not None
         return trial.tau[rows]
     assert trial.ref is not None
+    if trial.drives is not None:
+        return trial.drives.rows(rows).torque(arm.control, q, dq, ddq, trial.ref[rows])
     return control_torque(arm.control, q, dq, ddq, trial.ref[rows])
 
 

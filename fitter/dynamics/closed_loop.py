@@ -13,6 +13,7 @@ import numpy as np
 
 from arm.base_parameters import BaseParameters
 from arm.chain import Chain
+from arm.drive_state import unchanging
 from arm.integration import runge_kutta_steps
 from arm.model import Arm, Floats
 from fitter.data.trials import Trial
@@ -61,7 +62,7 @@ class ClosedLoop(Shooting):
         drive = np.tile(start[2 * n :], (len(stretch.drive), 1)) if stretch.free_target else stretch.drive
         motion = np.empty((4, *drive.shape))
         state = start[: 2 * n].reshape(2, n).copy()
-        runge_kutta_steps(chain.chain, chain.law, False, drive, stretch.dt_s, state, motion)
+        runge_kutta_steps(chain.chain, chain.law, False, drive, stretch.dt_s, state, motion, unchanging(n))
         return np.where(np.isfinite(motion[0]), motion[0], np.inf)
 
 

@@ -115,6 +115,11 @@ def fit_controller(
     if not learn:
         raise DataError("no learning trial; expected at least one")
     law = arm.control.law
+    own = next((trial.name for trial in learn if trial.drives is not None), None)
+    if own is not None:
+        raise ConfigError(
+            f"trial {own} says its gains itself, or lets drives go; expected trials under one law of unknown gains"
+        )
     if law == "measured":
         raise ConfigError("control.law is 'measured', which has no gains; expected 'pd', 'pda' or 'p'")
     base = structural_parameters(arm)

@@ -10,6 +10,7 @@ from arm.model import Arm, Floats
 from arm.newton_euler import inverse_dynamics
 from arm.simulation import simulate
 from fitter.data.derivatives import lowpass
+from fitter.data.drives import drives_of
 from fitter.data.first_rest import REST_SPEED
 from fitter.data.trials import Trial
 from fitter.dynamics.learned_torque import learned_torque, target_of
@@ -142,13 +143,15 @@ def motion_error(arm: Arm, trial: Trial, horizon_s: float = HORIZON_S) -> Floats
             )
             simulated[start + 1 : window.stop] = motion.q[1:]
     elif trial.trimmed and {"q", "ref"} <= set(trial.whole):
-        whole = simulate(arm, trial.whole["ref"], trial.dt_s, *best_start(arm, trial)).q
+        q0, dq0 = best_start(arm, trial)
+        whole = simulate(arm, trial.whole["ref"], trial.dt_s, q0, dq0, drives=drives_of(trial.whole)).q
         off = _or_infinite(whole) - trial.whole["q"]
         if not np.isfinite(off).all():
             return off[trial.trimmed : trial.trimmed + n]
         return lowpass(off, trial.dt_s, trial.cutoff_hz)[trial.trimmed : trial.trimmed + n]
     else:
-        simulated = simulate(arm, target_of(arm, trial), trial.dt_s, trial.q[0], trial.dq[0]).q
+        target = target_of(arm, trial)
+        simulated = simulate(arm, target, trial.dt_s, trial.q[0], trial.dq[0], drives=trial.drives).q
     return _or_infinite(simulated) - trial.q
 
 
@@ -173,7 +176,8 @@ def best_start(arm: Arm, trial: Trial) -> Floats:
     stretch = stretches(arm, [trial], LONGEST_STEP_S)[0]
 
     def off(start: Floats) -> Floats:
-        q = simulate(arm, stretch.drive, stretch.dt_s, *start.reshape(2, -1)).q
+        q0, dq0 = start.reshape(2, -1)
+        q = simulate(arm, stretch.drive, stretch.dt_s, q0, dq0, drives=stretch.drives).q
         return np.nan_to_num(q - stretch.measured, nan=1e3, posinf=1e3, neginf=-1e3).ravel()
 
     found = scipy.optimize.least_squares(off, stretch.start[: 2 * arm.n_joint], max_nfev=20)

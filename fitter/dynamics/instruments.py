@@ -3,6 +3,7 @@
 import numpy as np
 
 from arm.base_parameters import BaseParameters
+from arm.drive_state import unchanging
 from arm.integration import runge_kutta_steps
 from arm.model import Arm, Floats
 from arm.regressor import regressor
@@ -83,6 +84,6 @@ class Instruments:
             part = np.ascontiguousarray(target[first : first + steps])
             out = np.empty((4, *part.shape))
             state = np.array([equations.q[first], equations.dq[first]])
-            runge_kutta_steps(chain, law, False, part, equations.dt_s, state, out)
+            runge_kutta_steps(chain, law, False, part, equations.dt_s, state, out, unchanging(len(state[0])))
             motion[:, first : first + steps] = out
         return motion

@@ -6,6 +6,7 @@ from arm.control import control_torque, gains
 from arm.model import Arm, Floats
 from arm.newton_euler import inverse_dynamics
 from fitter.data.derivatives import settling_samples
+from fitter.data.law_torque import law_torque
 from fitter.data.trials import Trial
 from limbcal.errors import DataError
 
@@ -33,7 +34,7 @@ def learned_torque(arm: Arm, trial: Trial) -> Floats:
     Raises
     ------
     DataError
-        If the law is "measured" and the trial has no torque.
+        If the law is "measured" and the trial has no torque, or the trial's own gains want for a target.
     ConfigError
         If the law lacks gains.
     """
@@ -44,11 +45,13 @@ def learned_torque(arm: Arm, trial: Trial) -> Floats:
                 "expected columns tau1…, or a control law"
             )
         return trial.tau
-    if trial.ref is None:
-        target = np.zeros_like(trial.q)
-    else:
-        target = trial.ref if trial.ref_filtered is None else trial.ref_filtered
-    return control_torque(arm.control, trial.q, trial.dq, trial.ddq, target)
+    if trial.ref is not None:
+        return law_torque(arm.control, trial)
+    if trial.drives is not None:
+        raise DataError(
+            f"trial {trial.name}: has gains or switches of its own and no target; expected columns ref1…"
+        )
+    return control_torque(arm.control, trial.q, trial.dq, trial.ddq, np.zeros_like(trial.q))
 
 
 def motion_begins(trial: Trial) -> int:

@@ -104,7 +104,10 @@ def torque_samples(arm: Arm, trial: Trial) -> Floats:
         return learned_torque(arm, trial) if trial.tau_measured is None else trial.tau_measured
     inner = slice(trial.trimmed, len(trial.q) + trial.trimmed)
     q = trial.whole["q"][inner] if "q" in trial.whole else trial.q
-    return control_torque(arm.control, q, trial.dq, trial.ddq, trial.q if trial.ref is None else trial.ref)
+    ref = trial.q if trial.ref is None else trial.ref
+    if trial.drives is not None:
+        return trial.drives.torque(arm.control, q, trial.dq, trial.ddq, ref)
+    return control_torque(arm.control, q, trial.dq, trial.ddq, ref)
 
 
 def _model(arm: Arm, base: BaseParameters, trial: Trial, values: Floats) -> Iterator[Floats]:

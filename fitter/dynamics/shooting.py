@@ -32,6 +32,7 @@ class Shooting:
         self._combination = base.combination
         self._onto = np.linalg.pinv(base.combination)
         self._given = arm.control.law == "measured"
+        self._control = arm.control
         self._law = np.zeros((3, arm.n_joint)) if self._given else gains(arm.control, arm.n_joint)
 
     def chain(self, values: Floats) -> Chain:
@@ -48,7 +49,9 @@ class Shooting:
         drive = np.tile(start[2 * n :], (len(stretch.drive), 1)) if stretch.free_target else stretch.drive
         motion = np.empty((4, *drive.shape))
         state = start[: 2 * n].reshape(2, n).copy()
-        runge_kutta_steps(chain, self._law, self._given, drive, stretch.dt_s, state, motion)
+        runge_kutta_steps(
+            chain, self._law, self._given, drive, stretch.dt_s, state, motion, stretch.schedule(self._control)
+        )
         return np.where(np.isfinite(motion[0]), motion[0], np.inf)
 
 

@@ -10,7 +10,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from arm.model import Arm, Floats
+from arm.drive_state import DriveState, unchanging
+from arm.model import Arm, Control, Floats
+from fitter.data.drives import drives_of
 from fitter.data.trials import Trial
 from fitter.dynamics.learned_torque import has_unknown_target, learned_torque, target_holds_from, target_of
 
@@ -33,6 +35,8 @@ class Stretch:
         Angles, averaged over the step around each instant.
     start : (n_start,)
         Angles and velocities at the first instant, and where it is unknown the target: what a search begins with.
+    drives : DriveState, or None
+        Under a law: gains of the trial's own, and where the drives are engaged, in each step.
     """
 
     trial: int
@@ -40,6 +44,11 @@ class Stretch:
     drive: Floats
     measured: Floats
     start: Floats
+    drives: DriveState | None = None
+
+    def schedule(self, control: Control) -> Floats:
+        """Return the gains of every step, as a simulation takes them; none where they are the law's throughout."""
+        return unchanging(self.measured.shape[1]) if self.drives is None else self.drives.schedule(control)
 
     @property
     def free_target(self) -> bool:
@@ -78,6 +87,9 @@ def stretches(arm: Arm, trials: Sequence[Trial], step_s: float, window_s: float 
             begin += jump % stride  # the target's jump lies between two steps, not in one
         measured = _centred(whole["q"], begin, stride) - _bulge(trial, begin, stride)
         drive = _drive(arm, trial, whole, begin, stride)
+        drives = drives_of(trial.whole) if trial.whole else trial.drives
+        at = np.minimum(begin + stride * np.arange(len(drive)) + stride // 2, len(whole["q"]) - 1)
+        switched = None if drives is None or arm.control.law == "measured" else drives.rows(at)
         n = min(len(drive), len(measured))
         parts = max(1, round(n * stride * trial.dt_s / window_s)) if np.isfinite(window_s) else 1
         edges = np.linspace(0, n - 1, parts + 1).astype(int)
@@ -87,9 +99,9 @@ def stretches(arm: Arm, trials: Sequence[Trial], step_s: float, window_s: float 
                 if has_unknown_target(arm, trial):
                     start.append(drive[first])
                 window = slice(first, last + 1)
-                cut.append(
-                    Stretch(number, stride * trial.dt_s, drive[window], measured[window], np.concatenate(start))
-                )
+                own = None if switched is None else switched.rows(window)
+                begins, dt_s = np.concatenate(start), stride * trial.dt_s
+                cut.append(Stretch(number, dt_s, drive[window], measured[window], begins, own))
     return cut
 
 

@@ -7,12 +7,15 @@ from dataclasses import dataclass, field
 from limbcal.errors import ConfigError
 from protocol.tables.units import DIMENSIONS, Unit, known_units, parse_unit
 
+#: What a joint's drive does: whether it is engaged (0 or 1), and its gains where they overrule ``[control]``. One
+#: column, or one number of the file, may serve all joints.
+DRIVE_ROLES = ("on", "kp", "kv")
 #: Roles that have one column a joint; ``q`` stands for q1 … qn, ``q2`` for one of them.
-JOINT_ROLES = ("q", "dq", "ddq", "tau", "ref")
+JOINT_ROLES = ("q", "dq", "ddq", "tau", "ref", *DRIVE_ROLES)
 TIP_ROLES = ("tipx", "tipy", "tipz")
 PLAIN_ROLES = ("t", "trial", *TIP_ROLES)
 #: Columns that mean something to limbcal and that no command reads from a table yet.
-NOT_READ = re.compile(r"(?:on|kp|kv)[1-9]\d*|base_(?:x|y|z|qw|qx|qy|qz)")
+NOT_READ = re.compile(r"base_(?:x|y|z|qw|qx|qy|qz)")
 
 _PLACEHOLDER = re.compile(r"\{j(?:([+-])(\d+))?\}")
 _NUMBERED = re.compile(rf"({'|'.join(JOINT_ROLES)})([1-9]\d*)")
@@ -84,10 +87,11 @@ def parse_mapping(text: str | None, n_joint: int, other_roles: Sequence[str] = (
     ----------
     text : str or None
         Entries ``role=address`` parted by commas. Roles are ``t``, ``trial``, ``tipx tipy tipz`` and, with one
-        column a joint, ``q dq ddq tau ref``: there ``{j}`` in the address stands for the joint's number from
-        1, ``{j+2}`` for the number plus two, and single joints can be named (``q1=shoulder,q2=elbow``). A unit may
-        follow a colon (``q=angle{j}:deg``). An empty address (``dq=``) leaves a column that is there unused. None:
-        every column goes by its own name.
+        column a joint, ``q dq ddq tau ref on kp kv``: there ``{j}`` in the address stands for the joint's number
+        from 1, ``{j+2}`` for the number plus two, and single joints can be named (``q1=shoulder,q2=elbow``). A
+        unit may follow a colon (``q=angle{j}:deg``). What is no column may be a sum of columns, see
+        `protocol.tables.sums`, a number alone in the place of ``t`` the step. An empty address (``dq=``) leaves a
+        column that is there unused. None: every column goes by its own name.
     n_joint : int
         Number of joints of the arm.
     other_roles : sequence of str, optional
@@ -130,8 +134,8 @@ def dimensions_of(role: str) -> tuple[str, ...]:
     """Return what the columns of a role, with or without a joint's number, can measure."""
     numbered = _NUMBERED.fullmatch(role)
     if numbered:
-        return DIMENSIONS[numbered[1]]
-    if role == "trial":
+        return DIMENSIONS.get(numbered[1], ())
+    if role == "trial" or role in DRIVE_ROLES:
         return ()
     return DIMENSIONS.get(role) or DIMENSIONS["tip" if role in TIP_ROLES else "a"]
 
@@ -149,6 +153,8 @@ def _misfit(role: str, unit: Unit | None) -> str:
         return ""
     if role == "trial":
         return "trial is a name and has no unit"
+    if not dimensions_of(role):
+        return f"{role} has no such unit, expected a number in SI; a factor may stand in the address"
     return f"{role} cannot be in {unit.name}, expected one of {known_units(dimensions_of(role))}"
 
 
@@ -168,7 +174,8 @@ def _mistake(role: str, equals: str, address: str, n_joint: int, plain: Sequence
 
 def _misplaced_joint(role: str, address: str, n_joint: int) -> str:
     has_joint = bool(_PLACEHOLDER.search(address))
-    if role in JOINT_ROLES and address and not has_joint and n_joint > 1:
+    shared = role in DRIVE_ROLES
+    if role in JOINT_ROLES and address and not has_joint and n_joint > 1 and not shared:
         return f"{address!r} has no {{j}}, expected the place of the joint's number in it"
     if has_joint and role not in JOINT_ROLES:
         return f"{{j}} in {address!r}, expected it only in the roles {', '.join(JOINT_ROLES)}"

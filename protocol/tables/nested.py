@@ -1,9 +1,10 @@
 """Columns out of files that hold arrays within names: MATLAB ``.mat``, JSON, and NPZ files of tables.
 
 An address is the way to a column: ``name``, ``name.field`` (of a struct, an object, or of every record in a
-list), ``name[k]`` (row or column k of a table, whichever is not time) and ``name(k)`` (cell k of a cell array or
-element k of a list). Everything is counted from 1, as ``{j}`` is. A list of tables without ``(k)`` is a set of
-motions, one a cell.
+list), ``name[k]`` (row or column k of a table, whichever is not time; number k of a row of gains) and ``name(k)``
+(cell k of a cell array or element k of a list). Everything is counted from 1, as ``{j}`` is. A list of tables
+without ``(k)`` is a set of motions, one a cell, and ``(a:b)`` are some of them; ``(join)`` and ``(join a:b)`` put
+cells end to end to the one motion that they are.
 """
 
 import re
@@ -26,6 +27,8 @@ Kind = TypeVar("Kind", bound=np.generic)
 
 _STEP = re.compile(r"\.(?P<field>[^.\[\](){}]+)|\[(?P<row>[^\]]*)\]|\((?P<cell>[^)]*)\)")
 _HEAD = re.compile(r"[^.\[\](){}]+")
+#: Some cells, or all of them, kept apart or joined.
+_CELLS = re.compile(r"(?P<join>join)?\s*(?:(?P<first>\d*)\s*:\s*(?P<last>\d*))?")
 
 
 class NestedFile:
@@ -110,7 +113,9 @@ class NestedFile:
             in length, or addresses lead to different numbers of cells.
         """
         columns = list(dict.fromkeys(column for group in groups.values() for column in group))
-        found = {column: self._cells(column.address, _numbers(column)) for column in columns}
+        found = {column: self._cells(column.address, _numbers(column), column.per_file) for column in columns}
+        motions = max((len(cells) for cells in found.values()), default=1)
+        found = {column: _by_motion(column, cells, motions) for column, cells in found.items()}
         labels = {} if label is None else {label: self._cells(label, _texts)}
         named = {column.address: cells for column, cells in found.items()}
         counts = {name: len(cells) for name, cells in (named | labels).items() if len(cells) > 1}
@@ -119,7 +124,7 @@ class NestedFile:
             raise DataError(f"{self.path}: the cell arrays hold {said} cells, expected the same number")
         tables: list[Rows] = []
         for k in range(max(counts.values(), default=1)):
-            picked = {column: cells[k % len(cells)] for column, cells in found.items()}
+            picked = _spread({column: cells[k % len(cells)] for column, cells in found.items()})
             texts = [cells[k % len(cells)] for cells in labels.values()]
             lengths = {column.address: len(values) for column, values in picked.items()}
             lengths |= {name: len(values) for name, values in zip(labels, texts, strict=True)}
@@ -130,34 +135,76 @@ class NestedFile:
             tables.append(Rows(stacked, texts[0] if texts else None))
         return tables
 
-    def _cells(self, address: str, take: Callable[[Array, str], NDArray[Kind]]) -> list[NDArray[Kind]]:
-        """Return the column at an address, or one for each of the cells there."""
-        where = f"{self.path}: {address}"
-        node = self._walk(address, where)
-        if isinstance(node, list):
-            return [take(_row_of(cell, f"{where}, cell {k + 1}"), where) for k, cell in enumerate(node)]
-        return [take(_row_of(node, where), where)]
+    def _cells(
+        self, address: str, take: Callable[[Array, str], NDArray[Kind]], is_row: bool = False
+    ) -> list[NDArray[Kind]]:
+        """Return the column at an address, or one for each of the cells there.
 
-    def _walk(self, address: str, where: str) -> Node:
+        ``is_row`` says that what has one row and several columns is no table, but numbers for every row of a
+        motion: ``[k]`` is one of them.
+        """
+        where = f"{self.path}: {address}"
+        node = self._walk(address, where, is_row)
+        if isinstance(node, list):
+            return [take(_row_of(cell, f"{where}, cell {k + 1}", is_row), where) for k, cell in enumerate(node)]
+        return [take(_row_of(node, where, is_row), where)]
+
+    def _walk(self, address: str, where: str, is_row: bool = False) -> Node:
         if address in fields_of(self._root):  # a name may have brackets in it
             return _field(self._root, address, where)
         head = _HEAD.match(address)
         if head is None:
             raise DataError(f"{where}: expected the name of an array first")
-        node = _field(self._root, head[0], where)
-        place = head.end()
-        while place < len(address):
-            step = _STEP.match(address, place)
-            if step is None:
-                raise DataError(f"{where}: cannot read {address[place:]!r}, expected .field, [k] or (k)")
-            place = step.end()
-            if step["field"] is not None:
-                node = _field(node, step["field"], where)
-            elif step["row"] is not None:
-                node = _row(node, _index(step["row"], where), where)
-            else:
-                node = _cell(node, _index(step["cell"], where), where)
-        return node
+        return _walked(_field(self._root, head[0], where), address[head.end() :], where, is_row)
+
+
+def _walked(node: Node, steps: str, where: str, is_row: bool) -> Node:
+    """Return what the rest of an address leads to."""
+    place = 0
+    while place < len(steps):
+        step = _STEP.match(steps, place)
+        if step is None:
+            raise DataError(f"{where}: cannot read {steps[place:]!r}, expected .field, [k], (k), (a:b) or (join)")
+        place = step.end()
+        if step["field"] is not None:
+            node = _field(node, step["field"], where)
+        elif step["row"] is not None:
+            node = _row(node, _index(step["row"], where), where, is_row)
+        elif (several := _CELLS.fullmatch(step["cell"].strip())) is not None and step["cell"].strip():
+            some = _some(node, several, where)
+            inner = [_walked(cell, steps[place:], f"{where}, cell {k}", is_row) for k, cell in some]
+            if several["join"] is None:
+                return inner
+            return np.concatenate([_row_of(one, where) for one in inner])
+        else:
+            node = _cell(node, _index(step["cell"], where), where)
+    return node
+
+
+def _some(node: Node, wanted: re.Match[str], where: str) -> list[tuple[int, Node]]:
+    """Return the cells that are wanted, with their numbers."""
+    if not isinstance(node, list):
+        raise DataError(f"{where}: ({wanted[0]}) of something with no cells")
+    first, last = int(wanted["first"] or 1), int(wanted["last"] or len(node))
+    if not 1 <= first <= last <= len(node):
+        raise DataError(f"{where}: ({wanted[0]}) of something with {len(node)} cells, expected some of them")
+    return [(k, node[k - 1]) for k in range(first, last + 1)]
+
+
+def _by_motion(column: Column, cells: list[Floats], motions: int) -> list[Floats]:
+    """Part one number a motion, as a list of records gives them, into one cell a motion."""
+    if column.per_file and len(cells) == 1 and motions > 1 and len(cells[0]) == motions:
+        return [cells[0][k : k + 1] for k in range(motions)]
+    return cells
+
+
+def _spread(columns: Mapping[Column, Floats]) -> dict[Column, Floats]:
+    """Let one number stand for every row, where it may."""
+    rows = max((len(values) for values in columns.values()), default=0)
+    return {
+        column: np.repeat(values, rows) if column.per_file and len(values) == 1 else values
+        for column, values in columns.items()
+    }
 
 
 def _field(node: Node, name: str, where: str) -> Node:
@@ -184,9 +231,14 @@ def _gather(nodes: list[Node]) -> Node:
     return nodes
 
 
-def _row(node: Node, k: int, where: str) -> Node:
+def _row(node: Node, k: int, where: str, is_row: bool) -> Node:
     if isinstance(node, list):
-        return [_row(cell, k, where) for cell in node]
+        return [_row(cell, k, where, is_row) for cell in node]
+    if is_row and isinstance(node, np.ndarray) and (node.ndim == 1 or (node.ndim == 2 and 1 in node.shape)):
+        numbers: Array = node.ravel()
+        if not 1 <= k <= len(numbers):
+            raise DataError(f"{where}: [{k}] of a row of {len(numbers)} numbers, expected 1 to {len(numbers)}")
+        return numbers[k - 1 : k].reshape(())
     if not isinstance(node, np.ndarray) or node.ndim != 2:
         found = f"shape {node.shape}" if isinstance(node, np.ndarray) else "fields"
         raise DataError(f"{where}: [{k}] of something with {found}, expected a table of two dimensions")
@@ -210,11 +262,11 @@ def _index(text: str, where: str) -> int:
     return int(text)
 
 
-def _row_of(node: Node, where: str) -> Array:
+def _row_of(node: Node, where: str, may_be_one: bool = False) -> Array:
     """Return a node as one row of values."""
     if not isinstance(node, np.ndarray):
         raise DataError(f"{where}: holds fields or cells, expected an array; name a field or a cell of it")
-    if node.ndim == 0 or max(node.shape) != node.size:
+    if (node.ndim == 0 and not may_be_one) or max(node.shape, default=1) != node.size:
         raise DataError(f"{where}: has shape {node.shape}, expected a row of numbers; name one with [k]")
     return node.ravel()
 

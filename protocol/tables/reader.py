@@ -92,24 +92,25 @@ def read_table_blocks(
 
 
 def _require_time(source: Source, plan: Plan, rate_hz: float | None) -> None:
-    if "t" not in plan.columns and rate_hz is None:
+    if "t" not in plan.columns and plan.step_s is None and rate_hz is None:
         expected = ", expected time stamps, or else the rate of the samples"
         raise no_column(source, Address("t", "t", asked=False), expected=expected)
 
 
 def _table(rows: Rows, plan: Plan, first: int, rate_hz: float | None) -> Table:
     groups = dict(rows.groups)
+    n = len(next(iter(groups.values())))
+    groups |= {role: sums.of(groups.get(role, np.empty((n, 0)))) for role, sums in plan.sums.items()}
     if "t" not in groups:
-        n = len(next(iter(groups.values())))
-        groups["t"] = np.arange(first, first + n, dtype=np.float64)[:, None] / (rate_hz or 1.0)
-    names = {role: [column.address for column in columns] for role, columns in plan.columns.items()}
-    return Table(groups, names, rows.labels, first_row=first)
+        counted = np.arange(first, first + n, dtype=np.float64)[:, None]
+        groups["t"] = counted / (rate_hz or 1.0) if plan.step_s is None else plan.step_s * counted
+    return Table(groups, plan.names, rows.labels, first_row=first)
 
 
 def _noted(table: Table, plan: Plan, notes: tuple[Note, ...]) -> Table:
     stated = frozenset(plan.stated)
     clock = plan.columns["t"][0].clock if "t" in plan.columns else None
-    if clock is not None and (clock.unit or clock.factor is not None):
+    if plan.step_s is not None or (clock is not None and (clock.unit or clock.factor is not None)):
         stated |= {"t"}
     origin_s = 0.0 if clock is None else clock.origin_s
     return Table(table.groups, table.names, table.labels, stated, table.first_row, notes, origin_s)

@@ -1,13 +1,15 @@
 """Which columns of a file play which role, and in which units they are."""
 
+import re
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field
 
 from limbcal.errors import DataError
 from limbcal.note import Note
 from protocol.tables.clock import Clock
-from protocol.tables.columns import JOINT_ROLES, NOT_READ, Address, ColumnMap, dimensions_of
+from protocol.tables.columns import DRIVE_ROLES, JOINT_ROLES, NOT_READ, Address, ColumnMap, dimensions_of
 from protocol.tables.source import Column, Source
+from protocol.tables.sums import ColumnSum, RoleSums, parse_sum, role_sums
 from protocol.tables.units import Unit, known_units
 
 #: What time stamps are often called; taken for ``t`` where there is no column of that name.
@@ -23,6 +25,10 @@ _SI = {
     "torque": "N.m",
     "force": "N",
 }
+#: What may be one number for all of a motion.
+_MAY_BE_CONSTANT = ("dq", "ddq", "tau", "ref", *DRIVE_ROLES)
+#: Columns that look like a drive's and are not called so: `kp1 [N.m/rad]`.
+_LIKE_DRIVE = re.compile(rf"({'|'.join(DRIVE_ROLES)})[1-9]\d*\W.*")
 
 
 @dataclass
@@ -32,7 +38,13 @@ class Plan:
     Attributes
     ----------
     columns : dict of str to list of Column
-        By role: ``t`` with one, q, dq, ddq, tau and ref with one a joint, and vectors.
+        By role, what is read of the file: ``t`` with one, others with one a joint or axis, unless they are sums.
+    names : dict of str to list of str
+        By role, what the file calls each joint's or axis' column, or how the mapping writes its sum.
+    sums : dict of str to RoleSums
+        By role, what becomes of the columns that are read, where that is not these themselves.
+    step_s : float or None
+        Step of the samples [s], where the mapping gives that in the place of time stamps.
     label : str or None
         Address of the ``trial`` column.
     stated : set of str
@@ -42,6 +54,9 @@ class Plan:
     """
 
     columns: dict[str, list[Column]] = field(default_factory=dict)
+    names: dict[str, list[str]] = field(default_factory=dict)
+    sums: dict[str, RoleSums] = field(default_factory=dict)
+    step_s: float | None = None
     label: str | None = None
     stated: set[str] = field(default_factory=set)
     notes: list[Note] = field(default_factory=list)
@@ -78,6 +93,7 @@ def find_roles(
         If a column that was asked for is not there, some columns of a role are missing, a unit does not fit, or
         there are more joints than the arm has.
     """
+    _require_all_read(source, mapping, joint_roles)
     wanted: dict[str, list[Address | None]] = {name: [mapping.plain(name)] for name in ("t", "trial")}
     wanted |= {role: [mapping.joint(role, number) for number in range(1, n_joint + 1)] for role in joint_roles}
     wanted |= {role: [mapping.plain(name) for name in names] for role, names in vectors.items()}
@@ -88,18 +104,25 @@ def find_roles(
         if role == "t" and not found and asked and not asked[0].asked:
             found = _time(source, asked[0], plan)
         if role == "trial":
-            plan.label = found[0][1] if found and not _blank(source, role, found, False, plan) else None
+            plan.label = _label(source, found, plan)
+        elif role == "t" and found and not found[0][1].terms:
+            plan.step_s = _step(source, found[0])
         elif found and not _blank(source, role, found, role in required, plan):
-            plan.columns[role] = _columns(source, role, found, plan)
+            _take(source, role, found, plan)
         elif role in required:
             raise DataError(f"{source.path}: nothing is mapped to {role!r}, which is needed")
     for role in joint_roles:
         extra = mapping.joint(role, n_joint + 1)
-        if role in plan.columns and mapping.numbers_joints(role) and extra is not None:
+        if role in plan.names and mapping.numbers_joints(role) and extra is not None:
             if (more := source.match(extra.text, dimensions_of(role + "1"))) in source.names and more is not None:
                 arm = f"{n_joint} joint{'' if n_joint == 1 else 's'}"
                 raise DataError(f"{source.path}: there is a column {more!r}, but the arm has {arm}")
-    passed_over = tuple(name for name in source.names if NOT_READ.fullmatch(name))
+    taken = {column.address for columns in plan.columns.values() for column in columns}
+    passed_over = tuple(
+        name
+        for name in source.names
+        if NOT_READ.fullmatch(name) or (joint_roles and name not in taken and _LIKE_DRIVE.fullmatch(name))
+    )
     if passed_over:
         text = f"column {', '.join(passed_over)} {'is' if len(passed_over) == 1 else 'are'} not read yet"
         plan.notes.append(Note("unused", text, source=str(source.path), columns=passed_over))
@@ -123,18 +146,71 @@ def no_column(source: Source, address: Address, beside: str = "", expected: str 
     return DataError(f"{source.path}: no column {address.text!r}{beside} among {listed(source)}{expected}{hint}")
 
 
-Found = tuple[Address, str]
+Found = tuple[Address, ColumnSum]
+
+
+def _require_all_read(source: Source, mapping: ColumnMap, joint_roles: Sequence[str]) -> None:
+    """Raise a DataError where a drive is mapped for a command that asks nothing of it."""
+    for role in mapping.entries:
+        name = role.rstrip("0123456789")
+        if name in DRIVE_ROLES and name not in joint_roles and mapping.entries[role]:
+            raise DataError(f"{source.path}: {role!r} is mapped, but this command does not ask for the drive")
 
 
 def _present(source: Source, addresses: Sequence[Address], required: bool) -> list[Found]:
     """Return the columns if all of them are there; if one is, none may be missing."""
-    matched = [(address, source.match(address.text, dimensions_of(address.role))) for address in addresses]
-    here = [(address, name) for address, name in matched if name is not None]
-    missing = [address for address, name in matched if name is None]
+    matched = [(address, _sum_of(source, address)) for address in addresses]
+    here = [(address, found) for address, found in matched if found is not None]
+    missing = [address for address, found in matched if found is None]
     if missing and (here or required or missing[0].asked):
-        beside = f" beside {', '.join(name for _, name in here)}" if here else ""
+        beside = f" beside {', '.join(_written(one) for one in here)}" if here else ""
         raise no_column(source, missing[0], beside)
     return here
+
+
+def _sum_of(source: Source, address: Address) -> ColumnSum | None:
+    """Return the column at an address, or the sum that is written there, by the file's own names."""
+    dimensions = dimensions_of(address.role)
+    whole = source.match(address.text, dimensions)
+    written = parse_sum(address.text) if address.asked else None
+    if written is not None and written.is_plain and whole not in source.names:
+        whole = source.match(written.terms[0][0], dimensions)
+    if written is None or written.is_plain or whole in source.names:  # a name may have a sign in it
+        return None if whole is None else ColumnSum(((whole, 1.0),))
+    terms = []
+    for name, factor in written.terms:
+        found = source.match(name, dimensions)
+        if found is None:
+            raise no_column(source, Address(address.role, name, asked=True))
+        terms.append((found, factor))
+    if not terms and address.role != "t" and address.role.rstrip("0123456789") not in _MAY_BE_CONSTANT:
+        raise DataError(f"{source.path}: {address.role} is mapped to {address.text!r}, expected a column")
+    return ColumnSum(tuple(terms), written.constant)
+
+
+def _written(found: Found) -> str:
+    """Return how a column is called, or its sum written."""
+    address, total = found
+    return total.terms[0][0] if total.is_plain else address.text
+
+
+def _label(source: Source, found: Sequence[Found], plan: Plan) -> str | None:
+    """Return the column of trials' names."""
+    if not found or _blank(source, "trial", found, False, plan):
+        return None
+    ((address, total),) = found
+    if not total.is_plain:
+        raise DataError(f"{source.path}: trial is mapped to {address.text!r}, expected a column")
+    return total.terms[0][0]
+
+
+def _step(source: Source, found: Found) -> float:
+    """Return the step [s] that stands in the place of time stamps."""
+    address, total = found
+    step_s = total.constant * (1.0 if address.unit is None else address.unit.factor)
+    if not step_s > 0.0:
+        raise DataError(f"{source.path}: t is mapped to {address.text!r}, expected a column, or a step above 0 s")
+    return step_s
 
 
 def _time(source: Source, address: Address, plan: Plan) -> list[Found]:
@@ -145,34 +221,56 @@ def _time(source: Source, address: Address, plan: Plan) -> list[Found]:
             plan.notes.append(
                 Note("column", f"column {match!r} is taken for 't'", source=str(source.path), columns=(match,))
             )
-            return [(address, match)]
+            return [(address, ColumnSum(((match, 1.0),)))]
     return []
 
 
 def _blank(source: Source, role: str, found: Sequence[Found], required: bool, plan: Plan) -> bool:
     """Say whether columns that nobody asked for by name have no value in them; they are as good as not there."""
-    if required or role == "t" or found[0][0].asked or not all(source.is_blank(name) for _, name in found):
+    if required or role == "t" or found[0][0].asked:
         return False
-    names = tuple(name for _, name in found)
+    names = tuple(total.terms[0][0] for _, total in found)
+    if not all(source.is_blank(name) for name in names):
+        return False
     text = f"{', '.join(names)}: there is a header and no value, so {role} counts as not given"
     plan.notes.append(Note("empty", text, source=str(source.path), columns=names))
     return True
 
 
-def _columns(source: Source, role: str, found: Sequence[Found], plan: Plan) -> list[Column]:
-    """Return the columns of a role with what makes SI of them, and note the units that are heeded."""
+def _take(source: Source, role: str, found: Sequence[Found], plan: Plan) -> None:
+    """Put the columns of a role into the plan with what makes SI of them, and note the units that are heeded."""
     columns: list[Column] = []
+    sums: list[ColumnSum] = []
     heeded: dict[Unit, list[str]] = {}
-    for address, name in found:
-        unit = address.unit or source.unit(name, dimensions_of(address.role))
-        if unit is not None:
-            plan.stated.add(address.role)
-            if unit.factor != 1.0:
-                heeded.setdefault(unit, []).append(name)
-        factor = None if unit is None else unit.factor
-        columns.append(Column(name, 1.0, Clock(factor)) if role == "t" else Column(name, factor or 1.0))
+    dimensions = dimensions_of(role)
+    for address, total in found:
+        for name, _ in total.terms:
+            unit = address.unit or (source.unit(name, dimensions_of(address.role)) if dimensions else None)
+            if unit is not None:
+                plan.stated.add(address.role)
+                if unit.factor != 1.0:
+                    heeded.setdefault(unit, []).append(name)
+            factor = None if unit is None else unit.factor
+            if role == "t":
+                columns.append(Column(name, 1.0, Clock(_tick(source, address, total, factor))))
+            else:
+                columns.append(Column(name, factor or 1.0, per_file=role in DRIVE_ROLES))
+        sums.append(ColumnSum(total.terms, total.constant * (address.unit.factor if address.unit else 1.0)))
+    plan.names[role] = [_written(one) for one in found]
+    if columns:
+        plan.columns[role] = columns
+    if role != "t" and not all(total.is_plain for total in sums):
+        plan.sums[role] = role_sums(sums)
     for unit, names in heeded.items():
         verb = "is" if len(names) == 1 else "are"
         text = f"{', '.join(names)} {verb} in {unit.name} and {verb} converted to {_SI[unit.dimension]}"
         plan.notes.append(Note("unit", text, source=str(source.path), columns=tuple(names)))
-    return columns
+
+
+def _tick(source: Source, address: Address, total: ColumnSum, factor: float | None) -> float | None:
+    """Return the length of a unit of time stamps [s], a factor in the mapping included; None if nobody says it."""
+    if total.constant != 0.0 or len(total.terms) != 1 or not total.terms[0][1] > 0.0:
+        raise DataError(
+            f"{source.path}: t is mapped to {address.text!r}, expected a column, if need be times a number above 0"
+        )
+    return factor if total.is_plain else total.terms[0][1] * (factor or 1.0)

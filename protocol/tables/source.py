@@ -28,11 +28,14 @@ class Column:
         What its numbers are multiplied by for SI.
     clock : Clock, optional
         Given for time stamps, which it turns into seconds; `factor` is its own then.
+    per_file : bool
+        It may be one number of the file, or one a cell, that stands for every row.
     """
 
     address: str
     factor: float = 1.0
     clock: Clock | None = field(default=None, compare=False)
+    per_file: bool = False
 
 
 Groups = Mapping[str, Sequence[Column]]

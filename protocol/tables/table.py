@@ -19,7 +19,8 @@ class Table:
     Attributes
     ----------
     groups : mapping of str to ndarray of shape (n, columns of the group)
-        By role (``t``, ``q``, ``dq``, ``ddq``, ``tau``, ``ref``, ``tip``, ``a``): finite numbers in SI units.
+        By role (``t``, ``q``, ``dq``, ``ddq``, ``tau``, ``ref``, ``on``, ``kp``, ``kv``, ``tip``, ``a``): finite
+        numbers in SI units.
     names : mapping of str to sequence of str
         By role, what the file calls each of the columns: for notes and errors.
     labels : ndarray of str, shape (n,), or None

@@ -6,7 +6,9 @@ from numpy.typing import NDArray
 from arm.control import control_torque
 from arm.model import Arm, Floats
 from arm.regressor import regressor
+from fitter.data.drives import drives_of
 from fitter.data.motions import Measured
+from protocol.tables.columns import DRIVE_ROLES
 
 #: A table is thinned to about this many rows, each the mean of its neighbours: enough to compare units.
 _ROWS = 400
@@ -101,7 +103,10 @@ def torque_left(arm: Arm, motion: Measured, angle_scale: float, time_scale: floa
             return None
         tau = thinned(columns["tau"])
     elif "ref" in columns:
-        tau = control_torque(arm.control, q, dq, ddq, scale * thinned(columns["ref"]))
+        ref = scale * thinned(columns["ref"])
+        drives = drives_of({role: thinned(columns[role]) for role in DRIVE_ROLES if role in columns})
+        law = arm.control
+        tau = control_torque(law, q, dq, ddq, ref) if drives is None else drives.torque(law, q, dq, ddq, ref)
     else:
         return None
     W = regressor(arm, q, dq, ddq).reshape(-1, 12 * arm.n_joint)

@@ -83,10 +83,18 @@ def test_a_unit_that_does_not_fit_is_said(entry):
         parse_mapping(entry, 2)
 
 
-@pytest.mark.parametrize("role", ["on", "on1", "kp", "base_x"])
-def test_columns_that_no_command_reads_cannot_be_mapped(role):
+def test_columns_that_no_command_reads_cannot_be_mapped():
     with pytest.raises(ConfigError, match="is not read by any command yet"):
-        parse_mapping(f"{role}=x{{j}}", 2)
+        parse_mapping("base_x=x", 2)
+
+
+def test_a_drive_may_have_a_column_for_all_joints():
+    mapping = parse_mapping("on=torque_enable,kp=gain{j},kv2=d", 2)
+    assert [text(mapping.joint("on", j)) for j in (1, 2)] == ["torque_enable"] * 2
+    assert [text(mapping.joint("kp", j)) for j in (1, 2)] == ["gain1", "gain2"]
+    assert text(mapping.joint("kv", 2)) == "d"
+    with pytest.raises(ConfigError, match="kp has no such unit"):
+        parse_mapping("kp=gain{j}:N.m", 2)
 
 
 names = st.text(st.characters(categories=["L", "N"], include_characters="_.[]() "), min_size=1).map(

@@ -7,8 +7,10 @@ import pytest
 import scipy.io
 
 from limbcal.errors import DataError
+from protocol.tables.columns import parse_mapping
 from protocol.tables.files import open_source
 from protocol.tables.nested import NestedFile
+from protocol.tables.reader import read_tables
 from protocol.tables.source import Column
 
 
@@ -121,3 +123,49 @@ def test_files_that_are_something_else(tmp_path, name, content):
     path.write_bytes(content)
     with pytest.raises(DataError, match=name):
         NestedFile(path)
+
+
+def test_cells_can_be_joined_or_some_be_picked(mat):
+    (whole,) = read(mat, "T(join)", "Y(join)[1]")
+    assert whole[:, 1].tolist() == [0, 1, 2, 3, 4, 100, 101, 102, 103, 104, 105]
+    (last,) = read(mat, "Y(join 2:2)[2]")
+    assert last[:, 0].tolist() == [106, 107, 108, 109, 110, 111]
+    assert [len(one) for one in read(mat, "Y(:)[1]")] == [5, 6]
+    assert [len(one) for one in read(mat, "Y(2:)[1]")] == [6]
+    with pytest.raises(DataError, match=r"\(2:3\) of something with 2 cells"):
+        read(mat, "Y(2:3)[1]")
+    with pytest.raises(DataError, match="no cells"):
+        read(mat, "log.angles(join)")
+
+
+def drive_of(path, n_joint, columns):
+    """Return the gains of every motion of a file."""
+    mapping = parse_mapping(columns, n_joint)
+    return [table.groups["kp"] for table in read_tables(path, n_joint, mapping, ("q",))]
+
+
+def test_a_gain_may_be_one_number_of_the_file(tmp_path):
+    path = tmp_path / "servo.json"
+    entries = [{"time": 0.01 * k, "angle": 0.1 * k, "enabled": k < 5} for k in range(8)]
+    path.write_text(json.dumps({"kp": 400, "gains": [1.5, 2.5], "entries": entries}))
+    (kp,) = drive_of(path, 1, "t=entries.time,q=entries.angle,on=entries.enabled,kp=kp/800")
+    assert kp.tolist() == [[0.5]] * 8
+    (kp,) = drive_of(path, 2, "t=entries.time,q=entries.angle*{j},kp=gains[{j}]")
+    assert kp.tolist() == [[1.5, 2.5]] * 8
+    with pytest.raises(DataError, match="expected a row of numbers"):
+        read_tables(path, 1, parse_mapping("t=entries.time,q=kp", 1), ("q",))
+
+
+def test_every_motion_may_have_a_gain_of_its_own(tmp_path):
+    path = tmp_path / "runs.json"
+    runs = [{"t": [0, 1, 2], "q": [0, 1, 2], "kp": 3}, {"t": [0, 1], "q": [5, 6], "kp": 4}]
+    path.write_text(json.dumps({"runs": runs}))
+    first, second = drive_of(path, 1, "t=runs.t,q=runs.q,kp=runs.kp")
+    assert first.tolist() == [[3]] * 3 and second.tolist() == [[4]] * 2
+
+
+def test_gains_of_all_joints_in_one_row_of_a_mat(tmp_path):
+    path = tmp_path / "run.mat"
+    scipy.io.savemat(path, {"t": np.arange(4.0), "q": np.ones((4, 2)), "kp": [[9.5, 2.0]]})
+    (kp,) = drive_of(path, 2, "q=q[{j}],kp=kp[{j}]")
+    assert kp.tolist() == [[9.5, 2.0]] * 4

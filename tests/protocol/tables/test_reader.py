@@ -199,9 +199,61 @@ def test_what_does_not_fit_is_said(tmp_path, header, columns, said):
 
 
 def test_columns_that_are_not_read_yet_are_said(tmp_path):
-    table = read(written(tmp_path, text_of("t,q1,q2,on1,on2,base_x", trail=",1,0,0")))
+    table = read(written(tmp_path, text_of("t,q1,q2,kp1 [N.m/rad],base_x", trail=",1,0")))
     (note,) = table.notes
-    assert note.kind == "unused" and note.columns == ("on1", "on2", "base_x")
+    assert note.kind == "unused" and note.columns == ("kp1 [N.m/rad]", "base_x")
+
+
+def test_drives_are_read_by_their_names(tmp_path):
+    table = read(written(tmp_path, text_of("t,q1,q2,on1,on2,kp1,kp2", trail=",1,0,9.5,2")))
+    assert not table.notes
+    assert np.array_equal(table.groups["on"], np.tile([1.0, 0.0], (N, 1)))
+    assert np.array_equal(table.groups["kp"], np.tile([9.5, 2.0], (N, 1)))
+    with pytest.raises(DataError, match="no column 'on2' beside on1"):
+        read(written(tmp_path, text_of("t,q1,q2,on1", trail=",1")))
+    with pytest.raises(DataError, match="no column 'enabled'"):
+        read(written(tmp_path, text_of("t,q1,q2")), "on=enabled")
+    with pytest.raises(DataError, match="'kp2' is mapped, but this command does not ask"):
+        read_tables(tmp_path / "run.csv", 2, parse_mapping("kp2=q2", 2), ("q",), joint_roles=("q",))
+
+
+def test_sums_of_columns(tmp_path):
+    path = written(tmp_path, text_of("tick,a-b,a,b [deg]", trail=",90"))
+    table = read(path, "t=tick*2,q1=a-b,q2=-1*a+pi,tau1=a/2,tau2=0,on=1,kp=95/10")
+    assert np.allclose(table.groups["t"][:, 0], 2 * T)
+    assert np.allclose(table.groups["q"], np.column_stack([Q[:, 0], np.pi - Q[:, 1]]), atol=1e-6)
+    assert np.allclose(table.groups["kp"], 9.5) and np.all(table.groups["on"] == 1.0)
+
+
+def test_a_sum_in_degrees(tmp_path):
+    path = written(tmp_path, text_of("t,a,b"))
+    table = read(path, "q1=b-a+180:deg,q2=b-a:deg")
+    expected = np.deg2rad(np.column_stack([Q[:, 1] - Q[:, 0] + 180.0, Q[:, 1] - Q[:, 0]]))
+    assert np.allclose(table.groups["q"], expected, atol=1e-6)
+    assert table.stated == {"q1", "q2"}
+
+
+def test_a_step_stands_in_the_place_of_time(tmp_path):
+    path = written(tmp_path, text_of("junk,q1,q2"))
+    for step in ("0.004", "4:ms"):
+        table = read(path, f"t={step}")
+        assert np.allclose(table.groups["t"][:, 0], 0.004 * np.arange(N)) and "t" in table.stated
+
+
+@pytest.mark.parametrize(
+    ("columns", "said"),
+    [
+        ("q1=a*b,q2=b", r"no column 'a\*b'"),
+        ("q1=a-c,q2=b", "no column 'c'"),
+        ("q1=1,q2=b", "q1 is mapped to '1', expected a column"),
+        ("q1=a,q2=b,t=0", "expected a column, or a step above 0 s"),
+        ("q1=a,q2=b,t=t-1", "expected a column"),
+        ("q1=a,q2=b,trial=a+1", "trial is mapped to 'a\\+1', expected a column"),
+    ],
+)
+def test_a_sum_that_cannot_be_is_said(tmp_path, columns, said):
+    with pytest.raises(DataError, match=said):
+        read(written(tmp_path, text_of("t,a,b")), columns)
 
 
 def test_empty_columns_count_as_not_given_and_are_said(tmp_path):
