@@ -12,6 +12,8 @@ from protocol.serial_parser import FrameParser
 
 #: A device that resets when its port is opened needs about two seconds to start.
 INFO_LIMIT_S = 5.0
+#: Ends the sentence of a run that ends because its device is not there.
+WAIT_ADVICE = "`limbd run --wait` waits for it"
 
 
 class Handshake:

@@ -8,7 +8,7 @@ import zmq
 
 from daemon.config import Setup
 from daemon.control_line import ControlLine, SupervisorGone
-from daemon.handshake import Handshake, check_channels
+from daemon.handshake import WAIT_ADVICE, Handshake, check_channels
 from daemon.pipeline import Pipeline
 from daemon.reception import Reception
 from daemon.record_link import Context, RecordLink
@@ -112,7 +112,7 @@ def _introduction(line: ControlLine, ring: Ring, parser: FrameParser, port: str)
             introduction = None if handshake is None else handshake.hear(ring.read())
         except DeviceError as error:
             if not wait:
-                raise
+                raise DeviceError(f"{error}; {WAIT_ADVICE}") from error
             line.tell("waiting", sentence=str(error))
             handshake, introduction = Handshake(parser, port), None
         if introduction is not None:

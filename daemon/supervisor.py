@@ -15,6 +15,7 @@ from arm.arm_file import format_arm
 from daemon.child import Child, raise_failure, wait_for_any
 from daemon.config import Setup, format_config
 from daemon.control_line import Said
+from daemon.handshake import WAIT_ADVICE
 from daemon.ring import ring_memory
 from daemon.segments import Limits
 from daemon.service_state import ServiceState
@@ -108,7 +109,7 @@ class Supervisor:
             "daemon.reader:run_reader",
             *(memory, port, config.device.baud, self._wait, config.device.real_time),
         )
-        self._until("reader", "ready")
+        self._until_opened(port)
         recorder, recording = None, ""
         if config.record is not None:
             recorder, recording = self._room(), self._recording_path(config.record.directory)
@@ -155,6 +156,14 @@ class Supervisor:
         port: str = self._until("replay", "ready")["port"]
         return port
 
+    def _until_opened(self, port: str) -> None:
+        try:
+            self._until("reader", "ready")
+        except DeviceError as error:
+            if Path(port).exists():
+                raise
+            raise DeviceError(f"{error}; {WAIT_ADVICE}") from error
+
     def _introduce(self) -> Said:
         """Ask the device for its INFO until it is heard; the pipeline says when that takes too long."""
         self._children["pipeline"].line.tell("handshake", wait=self._wait)
@@ -193,7 +202,9 @@ class Supervisor:
             self._on_health(said)
             for sentence in said["words"]:
                 self._on_trouble(sentence)
-        elif what in ("waiting", "disk-failed"):
+        elif what == "waiting":
+            self._tell_once(f"{said['sentence']}; waiting for it")
+        elif what == "disk-failed":
             self._tell_once(said["sentence"])
         elif what == "recording":
             self._on_trouble(f"recording to {said['path']}")

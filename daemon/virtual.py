@@ -76,8 +76,10 @@ def serve(options: VirtualOptions) -> None:
         trouble = Trouble(options.faults, info, device, line, port)
         ask_for_real_time(DEVICE)  # it stands for hardware, which nothing else on the host slows down
         try:
+            port.unplug()  # that it can be made is known; while kernels are compiled no host shall find it silent
             while not stop.came and not device.ready(_READY_S):
-                continue  # its kernels are being compiled: who starts it must not find it silent
+                continue
+            port.plug()
             _announce(options, port.path)
             _serve(device, fifo, port, stop, trouble)
         finally:

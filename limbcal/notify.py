@@ -4,12 +4,14 @@ import os
 import socket
 
 _VARIABLE = "NOTIFY_SOCKET"
+#: How long a service manager that reads nothing is waited for [s]; below any watchdog's time.
+_PATIENCE_S = 1.0
 
 
 def notify(**fields: object) -> bool:
     """Send a state, such as ``notify(READY=1, STATUS="streaming")``; return whether anybody listens.
 
-    A service manager that is gone is no reason to stop working.
+    A service manager that is gone, or reads nothing, is no reason to stop working.
     """
     address = os.environ.get(_VARIABLE, "")
     if not address:
@@ -19,6 +21,7 @@ def notify(**fields: object) -> bool:
     message = "\n".join(f"{name}={_one_line(value)}" for name, value in fields.items())
     try:
         with socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM | socket.SOCK_CLOEXEC) as sender:
+            sender.settimeout(_PATIENCE_S)
             sender.connect(address)
             sender.send(message.encode())
     except OSError:

@@ -62,7 +62,9 @@ def test_an_answer_that_nobody_can_take(tmp_path):
 def test_a_port_that_does_not_exist():
     process = limbd("run", "--port", "/dev/nope", "--arm", "dd-arm")
     assert process.returncode == 3
-    assert sentence_of(process) == "port /dev/nope does not exist, expected the serial port of the device"
+    assert sentence_of(process) == (
+        "port /dev/nope does not exist, expected the serial port of the device; `limbd run --wait` waits for it"
+    )
 
 
 @contextmanager

@@ -232,6 +232,7 @@ def test_ports_that_cannot_be_opened(limbd: Limbd, tmp_path: Path) -> None:
     no_tty = limbd("run", "--port", str(plain), "--arm", "dd-arm")
     assert nowhere.wait() == no_tty.wait() == 3
     assert f"error: port {tmp_path / 'tty'} does not exist, expected the serial port" in nowhere.said
+    assert "; `limbd run --wait` waits for it" in nowhere.said and "--wait" not in no_tty.said
     assert f"error: port {plain} is not a serial port, expected the tty of the device" in no_tty.said
 
 

@@ -3,6 +3,7 @@
 import os
 import signal
 import socket
+import threading
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
@@ -17,28 +18,38 @@ Limbd = Callable[..., Any]
 
 
 class Manager:
-    """What systemd hears."""
+    """What systemd hears; it listens all the time, as systemd does."""
 
     def __init__(self, address: str) -> None:
         self.heard: list[dict[str, str]] = []
         self._socket = socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM)
         self._socket.bind(address)
         self._socket.settimeout(0.05)
+        self._quiet, self._closing = threading.Event(), threading.Event()
+        self._thread = threading.Thread(target=self._attend, daemon=True)
+        self._thread.start()
 
-    def listen(self) -> None:
-        """Take what has come."""
-        while True:
+    def _attend(self) -> None:
+        while not self._closing.is_set():
             try:
                 text = self._socket.recv(4096).decode()
             except TimeoutError:
-                return
+                self._quiet.set()
+                continue
             self.heard.append(dict(line.split("=", 1) for line in text.splitlines()))
+
+    def listen(self) -> None:
+        """Return when all that was sent before has come."""
+        self._quiet.clear()
+        self._quiet.wait()
 
     def told(self, name: str) -> list[str]:
         self.listen()
         return [fields[name] for fields in self.heard if name in fields]
 
     def close(self) -> None:
+        self._closing.set()
+        self._thread.join()
         self._socket.close()
 
 
@@ -104,6 +115,8 @@ def test_a_silent_device_is_waited_for_where_one_is(limbd: Limbd, manager: Manag
         daemon = limbd("run", "--wait", *arguments)
         wait_until(lambda: bool(manager.told("WATCHDOG_USEC")), "it asked for patience")
         assert "the device sent nothing within 5 s" in manager.told("STATUS")[-1]
+        said = "expected the device's INFO frame; waiting for it"
+        wait_until(lambda: said in daemon.said, "it says that it waits")
         link.unlink()
         device = limbd("virtual", "--link", str(link), "--rate-hz", "8000", "--json")
         device.announcement()

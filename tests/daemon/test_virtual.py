@@ -11,6 +11,8 @@ import serial
 
 from arm.arm_file import load_arm
 from arm.bench import COUNT_M_S2
+from daemon.virtual import VirtualOptions, serve
+from daemon.virtual_device import Timing, VirtualDevice
 from daemon.virtual_motion import BenchPlan, stretches
 from protocol.serial_frame import InfoFrame, SamplesFrame
 from protocol.serial_parser import FrameParser
@@ -87,6 +89,23 @@ def test_it_says_its_path(limbd: Limbd, tmp_path: Path) -> None:
     path = device.process.stdout.readline().strip()
     assert (tmp_path / "link").readlink() == Path(path)
     assert device.stop() == 0
+
+
+def test_its_port_is_there_when_it_answers_and_not_before(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    link, seen = tmp_path / "link", []
+
+    def ready(_device: VirtualDevice, _timeout_s: float) -> bool:
+        seen.append(link.exists())
+        return len(seen) == 2  # kernels are compiled for a while
+
+    monkeypatch.setattr(VirtualDevice, "ready", ready)
+    monkeypatch.setattr("daemon.virtual.emit", lambda path: seen.append(link.readlink() == Path(path)))
+    monkeypatch.setattr("daemon.virtual._serve", lambda *_: None)
+    plan = BenchPlan(load_arm("dd-arm"), seed=0, rate_hz=1000.0, trials=0)
+    serve(VirtualOptions(plan, 1000.0, Timing(1000.0), 1.0, link, None, as_json=False))
+    assert seen == [False, False, True]
 
 
 @pytest.mark.parametrize(
