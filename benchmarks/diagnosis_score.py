@@ -20,7 +20,7 @@ def score(truth: Mapping[str, Any], found: Mapping[str, Any], reach: float = REA
     Parameters
     ----------
     truth : mapping
-        As `tests.diagnosis.hidden_cases` writes it.
+        As `benchmarks.hidden_arms.cases` writes it.
     found : mapping
         The document of ``fitter diagnose --json``.
     reach : float

@@ -4,15 +4,20 @@ from pathlib import Path
 
 import pytest
 
-from benchmarks.diagnosis_case import diagnose
+from benchmarks.diagnosed import Found, by_command
 from benchmarks.diagnosis_score import score
-from tests.diagnosis.hidden_cases import draw_case
-from tests.diagnosis.hiding import Bench
+from benchmarks.hidden_arms.cases import Case, draw_case
+from benchmarks.hidden_arms.hiding import Bench
 
 #: Shorter than the benchmark, so that a case takes seconds.
 SHORT = Bench(trial_s=3.0, learning=3, evaluating=3)
 #: In standard errors; wider than an interval of 95 %, for which the benchmark counts the share.
 REACH = 3.5
+
+
+def diagnosed(case: Case, folder: Path) -> Found:
+    learn, evaluate, arm = case.write(folder)
+    return by_command([learn], [evaluate], arm, folder / "out")
 
 
 @pytest.mark.parametrize(
@@ -25,7 +30,7 @@ REACH = 3.5
 )
 def test_a_hidden_effect_is_named(effect: str, seed: int, tmp_path: Path) -> None:
     case = draw_case(seed, "one", effect, SHORT)
-    told = score(case.truth, diagnose(*case.write(tmp_path), tmp_path / "out"), REACH)
+    told = score(case.truth, diagnosed(case, tmp_path), REACH)
     assert told["right"], (told, case.truth["effects"])
     assert told["joint"], (told, case.truth["effects"])
     assert told["inside"] == told["asked"] > 0, (told, case.truth["effects"])
@@ -34,7 +39,7 @@ def test_a_hidden_effect_is_named(effect: str, seed: int, tmp_path: Path) -> Non
 @pytest.mark.parametrize("seed", [22])
 def test_nothing_is_named_where_nothing_is_hidden(seed: int, tmp_path: Path) -> None:
     case = draw_case(seed, "nothing", bench=SHORT)
-    told = score(case.truth, diagnose(*case.write(tmp_path), tmp_path / "out"))
+    told = score(case.truth, diagnosed(case, tmp_path))
     assert told["verdict"] == "none", told
 
 
@@ -43,5 +48,5 @@ def test_what_is_in_no_catalogue_is_not_named_but_told_by_its_variables(
     effect: str, seed: int, tmp_path: Path
 ) -> None:
     case = draw_case(seed, "outside", effect, SHORT)
-    told = score(case.truth, diagnose(*case.write(tmp_path), tmp_path / "out"))
+    told = score(case.truth, diagnosed(case, tmp_path))
     assert told["right"], (told, case.truth["effects"])

@@ -5,6 +5,8 @@ from pathlib import Path
 import pytest
 
 from arm.arm_file import load_arm
+from benchmarks.hidden_arms.cases import draw_case
+from benchmarks.hidden_arms.hiding import Bench
 from fitter.data.motions import read_motions
 from fitter.data.trials import to_trials
 from fitter.diagnosis.hypotheses import hypotheses
@@ -14,8 +16,6 @@ from fitter.diagnosis.regression import Regression
 from fitter.diagnosis.screening import fitted, screen
 from fitter.diagnosis.starts import Starts
 from protocol.tables.columns import ColumnMap
-from tests.diagnosis.hidden_cases import draw_case
-from tests.diagnosis.hiding import Bench
 
 
 @pytest.mark.parametrize(("seed", "bench"), [(5, Bench(trial_s=3.0, learning=3, evaluating=3)), (220003, Bench())])

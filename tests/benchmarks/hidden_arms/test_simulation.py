@@ -11,7 +11,8 @@ from scipy.special import ellipk
 
 from arm.model import Arm, Control, Friction, Joint, Link
 from arm.simulation import simulate as simulate_by_arm
-from tests.diagnosis.hidden_arm import (
+from benchmarks.hidden_arms.arms import draw_arm, plain_arm
+from benchmarks.hidden_arms.hidden_arm import (
     ACROSS,
     ALONG,
     DAMPING,
@@ -27,9 +28,8 @@ from tests.diagnosis.hidden_arm import (
     HiddenArm,
     Recorded,
 )
-from tests.diagnosis.hidden_arms import draw_arm, plain_arm
-from tests.diagnosis.hidden_simulation import simulate
-from tests.diagnosis.unexplained import columns, fit, rms
+from benchmarks.hidden_arms.simulation import simulate
+from benchmarks.hidden_arms.unexplained import columns, fit, rms
 
 RATE_HZ, TRIAL_S = 500.0, 4.0
 LINKS = np.array([[0.3, 2.0, 0.14, 0.02, 0.03], [0.25, 1.2, 0.11, -0.03, 0.012], [0.2, 0.6, 0.09, 0.01, 0.004]])

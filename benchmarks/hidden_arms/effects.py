@@ -2,7 +2,7 @@
 
 from collections.abc import Callable
 
-from tests.diagnosis.hidden_at_joint import (
+from benchmarks.hidden_arms.at_joint import (
     air_drag,
     cogging,
     coulomb_asymmetry,
@@ -16,8 +16,9 @@ from tests.diagnosis.hidden_at_joint import (
     thermal_drift,
     torque_offset,
 )
-from tests.diagnosis.hidden_in_arm import gravity_tilt, joint_zero, payload, rotor_inertia, stiction
-from tests.diagnosis.hidden_in_drive import (
+from benchmarks.hidden_arms.hiding import Hiding, Rng, Scene
+from benchmarks.hidden_arms.in_arm import gravity_tilt, joint_zero, payload, rotor_inertia, stiction
+from benchmarks.hidden_arms.in_drive import (
     actuator_delay,
     actuator_lag,
     backlash,
@@ -25,7 +26,7 @@ from tests.diagnosis.hidden_in_drive import (
     joint_elasticity,
     torque_saturation,
 )
-from tests.diagnosis.hidden_outside import (
+from benchmarks.hidden_arms.outside import (
     coupled_drag,
     cubic_spring,
     friction_by_other_angle,
@@ -33,7 +34,6 @@ from tests.diagnosis.hidden_outside import (
     friction_by_place,
     soft_wall,
 )
-from tests.diagnosis.hiding import Hiding, Rng, Scene
 
 Draw = Callable[[Rng, Scene, int], Hiding]
 

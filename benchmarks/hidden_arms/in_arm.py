@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from tests.diagnosis.hidden_arm import ALONG, INERTIA, MASS
-from tests.diagnosis.hiding import Hiding, Rng, Scene, either_way, with_cells
+from benchmarks.hidden_arms.hidden_arm import ALONG, INERTIA, MASS
+from benchmarks.hidden_arms.hiding import Hiding, Rng, Scene, either_way, with_cells
 
 
 def stiction(rng: Rng, scene: Scene, i: int) -> Hiding:

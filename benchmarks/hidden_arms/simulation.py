@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from tests.diagnosis.hidden_arm import DELAY_S, GAP, LAG_S, MEMORY, Floats, HiddenArm, Recorded
-from tests.diagnosis.hidden_forces import drive_stage, feel, invert, kernel, mass_and_bias, rub
+from benchmarks.hidden_arms.forces import drive_stage, feel, invert, kernel, mass_and_bias, rub
+from benchmarks.hidden_arms.hidden_arm import DELAY_S, GAP, LAG_S, MEMORY, Floats, HiddenArm, Recorded
 
 
 @kernel

@@ -3,7 +3,9 @@
 import numpy as np
 
 from arm.arm_file import load_arm
-from tests.diagnosis.hidden_arm import (
+from benchmarks.hidden_arms.effects import NEEDS_TWO, joints_for
+from benchmarks.hidden_arms.forces import mass_and_bias
+from benchmarks.hidden_arms.hidden_arm import (
     ACROSS,
     ALONG,
     FACTOR,
@@ -14,10 +16,8 @@ from tests.diagnosis.hidden_arm import (
     HiddenArm,
     Recorded,
 )
-from tests.diagnosis.hidden_effects import NEEDS_TWO, joints_for
-from tests.diagnosis.hidden_forces import mass_and_bias
-from tests.diagnosis.hidden_simulation import simulate
-from tests.diagnosis.hiding import Bench, Rng, Scene
+from benchmarks.hidden_arms.hiding import Bench, Rng, Scene
+from benchmarks.hidden_arms.simulation import simulate
 
 #: Sizes are drawn and looked for on so many trials.
 SOME_TRIALS = 8

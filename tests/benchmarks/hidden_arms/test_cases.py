@@ -7,15 +7,15 @@ import numpy as np
 import pytest
 
 from arm.arm_file import load_arm
-from benchmarks.diagnosis_oracle import Known, Set, left_by_oracle, true_effects
 from benchmarks.diagnosis_score import score
-from tests.diagnosis.hidden_arm import LENGTH
-from tests.diagnosis.hidden_arms import draw_scene
-from tests.diagnosis.hidden_cases import ANGLE_NOISE_RAD, Case, draw_case
-from tests.diagnosis.hidden_effects import EFFECTS, OUTSIDE, joints_for
-from tests.diagnosis.hidden_simulation import simulate
-from tests.diagnosis.hiding import Bench, Hiding, Scene
-from tests.diagnosis.unexplained import columns, fit, rms
+from benchmarks.hidden_arms.arms import draw_scene
+from benchmarks.hidden_arms.cases import ANGLE_NOISE_RAD, Case, draw_case
+from benchmarks.hidden_arms.effects import EFFECTS, OUTSIDE, joints_for
+from benchmarks.hidden_arms.hidden_arm import LENGTH
+from benchmarks.hidden_arms.hiding import Bench, Hiding, Scene
+from benchmarks.hidden_arms.oracle import Known, Set, left_by_oracle, true_effects
+from benchmarks.hidden_arms.simulation import simulate
+from benchmarks.hidden_arms.unexplained import columns, fit, rms
 
 SHORT = Bench(trial_s=3.0, learning=3, evaluating=3)
 

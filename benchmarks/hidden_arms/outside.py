@@ -3,7 +3,7 @@
 from collections.abc import Callable
 from dataclasses import replace
 
-from tests.diagnosis.hiding import Hiding, Rng, Scene, at_joint, either_way
+from benchmarks.hidden_arms.hiding import Hiding, Rng, Scene, at_joint, either_way
 
 
 def outside(name: str, i: int, variables: str, numbers: Callable[[float], tuple[float, ...]]) -> Hiding:

@@ -9,7 +9,7 @@ written out from the definitions of the effects, not taken from their catalogue.
 import numba
 import numpy as np
 
-from tests.diagnosis.hidden_arm import (
+from benchmarks.hidden_arms.hidden_arm import (
     ACROSS,
     ALONG,
     DAMPING,

@@ -15,12 +15,12 @@ from numpy.typing import NDArray
 
 from arm.arm_file import save_arm
 from arm.model import Arm, Control, Joint, Link
-from tests.diagnosis.hidden_arm import LENGTH, Floats, HiddenArm, Recorded
-from tests.diagnosis.hidden_arms import draw_scene, sound
-from tests.diagnosis.hidden_effects import EFFECTS, OUTSIDE, joints_for
-from tests.diagnosis.hidden_simulation import simulate
-from tests.diagnosis.hidden_size import LEAST_SHARE, MOST_SHARE, find_strength, unexplained
-from tests.diagnosis.hiding import Bench, Hiding, Rng, Scene
+from benchmarks.hidden_arms.arms import draw_scene, sound
+from benchmarks.hidden_arms.effects import EFFECTS, OUTSIDE, joints_for
+from benchmarks.hidden_arms.hidden_arm import LENGTH, Floats, HiddenArm, Recorded
+from benchmarks.hidden_arms.hiding import Bench, Hiding, Rng, Scene
+from benchmarks.hidden_arms.simulation import simulate
+from benchmarks.hidden_arms.size import LEAST_SHARE, MOST_SHARE, find_strength, unexplained
 
 KINDS = ("one", "nothing", "two", "outside")
 

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from tests.diagnosis.hidden_arm import ACTIONS, Floats, HiddenArm, Recorded
+from benchmarks.hidden_arms.hidden_arm import ACTIONS, Floats, HiddenArm, Recorded
 
 Rng = np.random.Generator
 

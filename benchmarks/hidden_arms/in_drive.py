@@ -5,8 +5,8 @@ from typing import Any
 
 import numpy as np
 
-from tests.diagnosis.hidden_arm import DAMPING, DELAY_S, FACTOR, GAP, LAG_S, LIMIT, STIFFNESS, HiddenArm
-from tests.diagnosis.hiding import Hiding, Rng, Scene, either_way, log_uniform, with_cells
+from benchmarks.hidden_arms.hidden_arm import DAMPING, DELAY_S, FACTOR, GAP, LAG_S, LIMIT, STIFFNESS, HiddenArm
+from benchmarks.hidden_arms.hiding import Hiding, Rng, Scene, either_way, log_uniform, with_cells
 
 
 def _in_drive(

@@ -2,11 +2,11 @@
 
 import numpy as np
 
-from tests.diagnosis.hidden_arm import GAP, LENGTH, STIFFNESS, HiddenArm, Recorded
-from tests.diagnosis.hidden_arms import SOME_TRIALS, quick, sound
-from tests.diagnosis.hidden_effects import WHOLE
-from tests.diagnosis.hiding import Hiding, Rng, Scene
-from tests.diagnosis.unexplained import columns, fit, lowpass, rms
+from benchmarks.hidden_arms.arms import SOME_TRIALS, quick, sound
+from benchmarks.hidden_arms.effects import WHOLE
+from benchmarks.hidden_arms.hidden_arm import GAP, LENGTH, STIFFNESS, HiddenArm, Recorded
+from benchmarks.hidden_arms.hiding import Hiding, Rng, Scene
+from benchmarks.hidden_arms.unexplained import columns, fit, lowpass, rms
 
 #: What the best base model leaves unexplained of the torque of the joint concerned.
 LEAST_SHARE, MOST_SHARE = 0.04, 0.15

@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from tests.diagnosis.hidden_arm import HiddenArm
-from tests.diagnosis.hiding import Entry, Hiding, Rng, Scene, at_joint, either_way, log_uniform, with_action
+from benchmarks.hidden_arms.hidden_arm import HiddenArm
+from benchmarks.hidden_arms.hiding import Entry, Hiding, Rng, Scene, at_joint, either_way, log_uniform, with_action
 
 
 def coulomb_asymmetry(rng: Rng, scene: Scene, i: int) -> Hiding:
