@@ -13,14 +13,14 @@ from arm.effects.catalogue import catalogue
 from arm.model import Arm
 from fitter.commands.arm_option import questioned_arm
 from fitter.commands.diagnose_readings import diagnose_readings, readings
-from fitter.commands.options import add_arm, add_columns
+from fitter.commands.diagnosis_sets import TrialSet, add_sets, require_other_samples, sets_of
+from fitter.commands.options import add_arm, add_columns, positive
 from fitter.commands.trial_sets import notes_of
-from fitter.data.motions import Measured, read_motions
-from fitter.data.plausibility.questions import questioned
-from fitter.data.recordings import read_frames
+from fitter.data.motions import Measured
 from fitter.data.trials import to_trials
 from fitter.diagnosis.diagnosis import diagnose
 from fitter.diagnosis.finding import Finding, NamedCause
+from fitter.dynamics.evaluation import HORIZON_S
 from fitter.dynamics.found_targets import HINT, lacks_torque, with_found_targets
 from fitter.dynamics.structure import structural_parameters
 from fitter.dynamics.torque_wiring import check_wiring
@@ -29,8 +29,6 @@ from limbcal.command import Document, console, say, show, to_json
 from limbcal.errors import ConfigError, DeviceError, Unusable
 from limbcal.note import Note, documents
 from limbcal.suggestion import did_you_mean
-from protocol.tables.columns import parse_mapping
-from protocol.tables.files import RECORDINGS, expand
 
 #: What the base model can be denied, and how its parameters' names begin.
 _DENIABLE = {"viscous": "D", "coulomb": "fc"}
@@ -42,18 +40,18 @@ EXAMPLE = "fitter diagnose recordings/run.mcap --arm my-arm.toml --out diagnosis
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Say what `fitter diagnose` takes."""
     parser.add_argument("learn", nargs="+", type=Path, metavar="LEARN", help="trials to learn from")
-    parser.add_argument(
-        "--evaluate",
-        nargs="+",
-        type=Path,
-        default=[],
-        metavar="EVAL",
-        help="trials to judge on, held back (those that a recording marks as evaluating)",
-    )
+    add_sets(parser)
     add_arm(parser)
     add_columns(parser)
     parser.add_argument(
         "--deny", metavar="LIST", help="frictions that the base model is to do without: viscous,coulomb"
+    )
+    parser.add_argument(
+        "--horizon",
+        type=positive,
+        default=HORIZON_S,
+        metavar="S",
+        help=f"with measured or no torque a simulation begins anew from the data so often ({HORIZON_S:g} s)",
     )
     parser.add_argument("--no-torque", action="store_true", help="nothing drives the arm: it swings freely")
     parser.add_argument(
@@ -70,17 +68,19 @@ def diagnose_command(arguments: argparse.Namespace) -> Document:
         arguments.out.mkdir(parents=True, exist_ok=True)
     except OSError as error:
         raise DeviceError(f"{arguments.out}: cannot be made: {error.strerror}") from error
-    if arguments.evaluate:
-        _require_apart(arguments.learn, arguments.evaluate)
+    sets = sets_of(arguments)
     raw = [
-        readings(some, arm, arguments.columns, arguments.rate_hz) if some else None
-        for some in (arguments.learn, arguments.evaluate)
+        readings(one.sources, arm, one.columns, arguments.rate_hz) if one.sources else None for one in sets[:2]
     ]
     if raw[0] is not None and not arguments.evaluate:
         raise ConfigError("--evaluate is missing; expected readings to judge on, other than those to learn from")
+    if raw[0] is not None and arguments.judge:
+        raise ConfigError("--judge takes joint motion, expected none beside readings of accelerometers")
     if raw[0] is not None and raw[1] is not None:
         return diagnose_readings(arm, raw[0], raw[1], arguments.out)
-    learn, evaluate = _trial_sets(arm, arguments)
+    learn, evaluate, judge = _trial_sets(arm, arguments, sets)
+    if judge or arguments.horizon != HORIZON_S:
+        say("--judge and --horizon were read and checked; this version's figures do without them")
     if not arguments.no_torque and any(lacks_torque(arm, motion) for motion in (*learn, *evaluate)):
         say(HINT)
         learn, evaluate = with_found_targets(arm, learn, evaluate)
@@ -134,37 +134,22 @@ def _require_possible(arm: Arm, learn: Sequence[Measured], arguments: argparse.N
     raise Unusable(check.better.sentence, answer)
 
 
-def _trial_sets(arm: Arm, arguments: argparse.Namespace) -> tuple[list[Measured], list[Measured]]:
-    """Read both sets; without ``--evaluate`` a recording's own roles tell which is which."""
-    trials = _read(arguments.learn, arm, arguments)
+def _trial_sets(
+    arm: Arm, arguments: argparse.Namespace, sets: tuple[TrialSet, TrialSet, TrialSet]
+) -> tuple[list[Measured], list[Measured], list[Measured]]:
+    """Read all sets; without ``--evaluate`` a recording's own roles tell learning and evaluating trials apart."""
+    read = [one.read(arm, arguments.rate_hz) for one in sets]
+    require_other_samples(list(zip(sets, read, strict=True)))
+    trials, held_back, judge = read
     if arguments.evaluate:
-        return trials, _read(arguments.evaluate, arm, arguments)
+        return trials, held_back, judge
     held_back = [trial for trial in trials if trial.role == "evaluate"]
     if not held_back:
         raise ConfigError(
             f"--evaluate is missing, and {trials[0].where} marks no trial as evaluating; "
             "expected trials to judge on"
         )
-    return [trial for trial in trials if trial.role != "evaluate"], held_back
-
-
-def _read(sources: Sequence[Path], arm: Arm, arguments: argparse.Namespace) -> list[Measured]:
-    mapping = parse_mapping(arguments.columns, arm.n_joint)
-    motions: list[Measured] = []
-    for path in expand(sources):
-        if path.suffix.lower() in RECORDINGS:
-            motions += read_frames(path, arm.n_joint)
-        else:
-            read = read_motions(path, arm.n_joint, mapping, arguments.rate_hz, required=("q",))
-            motions += questioned(read, arm)
-    return motions
-
-
-def _require_apart(learn: Sequence[Path], evaluate: Sequence[Path]) -> None:
-    held_back = {path.resolve() for path in expand(evaluate)}
-    both = [str(path) for path in expand(learn) if path.resolve() in held_back]
-    if both:
-        raise ConfigError(f"--evaluate: {both[0]} is learnt from, expected trials that are not")
+    return [trial for trial in trials if trial.role != "evaluate"], held_back, judge
 
 
 def _denied(text: str | None) -> tuple[str, ...]:

@@ -27,7 +27,10 @@ def add_arm(parser: argparse.ArgumentParser, required: bool = True) -> None:
 def add_columns(parser: argparse.ArgumentParser) -> None:
     """Add ``--columns`` and ``--rate-hz``."""
     parser.add_argument(
-        "--columns", metavar="MAP", help='where foreign columns are, such as "t=time,q=pos{j},tau=torque{j}"'
+        "--columns",
+        metavar="MAP",
+        help='where foreign columns are, such as "t=time,q=pos{j}:deg,tau=torque{j}-pulse{j}"; t=0.001 is a step; '
+        "gains and switches of the drives (kp=gain,on=enabled), rows and cells of .mat and .json: docs/data.md",
     )
     parser.add_argument(
         "--rate-hz", type=positive, metavar="R", help="rate to resample to, or of samples that come without a time"

@@ -11,6 +11,7 @@ from arm.model import Arm, Floats
 from arm.simulation import Motion, simulate
 from fitter.commands.arm_option import questioned_arm
 from fitter.commands.options import MOTION_SUFFIXES, add_arm, add_columns, add_out, joint_values, make_room
+from fitter.data.drives import drives_of
 from fitter.data.leaps import split_at_leaps
 from fitter.data.motion_file import write_motion
 from fitter.data.motions import Measured, read_motions
@@ -37,7 +38,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         type=Path,
         required=True,
         metavar="FILE",
-        help="t, ref1… (or tau1… where the arm's law is 'measured'), and where known q1…, dq1…, trial",
+        help="t, ref1… (or tau1… where the arm's law is 'measured'), and where known q1…, dq1…, on1…, kp1…, kv1…, "
+        "trial",
     )
     parser.add_argument("--initial-q", metavar="Q1,…", help="state at the start of each trial [rad or m]")
     parser.add_argument(
@@ -125,7 +127,7 @@ def _simulated(
         tau = trial.columns["tau"]
         torque = np.column_stack([np.interp(fine, np.arange(n), column) for column in tau.T])
     ref = trial.columns.get("ref", np.zeros((n, arm.n_joint)))[held]
-    dq = trial.columns.get("dq")
+    dq, drives = trial.columns.get("dq"), drives_of(trial.columns)
     motion = simulate(
         arm,
         ref,
@@ -136,5 +138,6 @@ def _simulated(
         torque,
         t0_s,
         number,
+        None if drives is None else drives.rows(held),
     )
     return Motion(*(getattr(motion, name)[::parts] for name in ("t", "q", "dq", "ddq", "tau", "ref")))
