@@ -117,3 +117,10 @@ def test_a_hole_parts_a_motion_and_nothing_is_made_up():
     assert note.text.endswith("parted at 2 hole(s) of up to 4.01 s, 2 piece(s) kept") and note.row == 101
     whole = measured(0.01 * np.arange(9), q=np.zeros((9, 1)))
     assert split_at_holes(whole) == [whole]
+
+
+def test_a_torque_that_is_next_to_nothing_is_drawn_through():
+    t = np.cumsum(np.random.default_rng(4).uniform(0.5, 1.5, 100)) * 0.01
+    tau = np.where(t > 0.5, 1e-310 * np.arange(100), np.sin(9.0 * t))[:, None]
+    uniform = resample(measured(t, q=sine(t), tau=tau))
+    assert np.all(np.abs(uniform.measured.columns["tau"]) <= 1.0)

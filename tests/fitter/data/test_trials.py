@@ -196,11 +196,34 @@ def test_a_measured_swing_without_torque(measured_data):
     assert np.abs(trials[0].dq - given[0].dq[trim:-trim]).std() < 0.1
 
 
+def test_cells_of_a_measured_swing_join_to_one(measured_data):
+    """Angles there are absolute, pi hangs down, and nothing says the time but the step."""
+    path = measured_data / "multiarm_pendulum" / "DoublePendulumDataForParameterEstimation.mat"
+    mapping = "t=0.001,q1=Y_id(join)[1]-pi,q2=Y_id(join)[2]-Y_id(join)[1]"
+    (trial,) = load_trials([path], 2, mapping)
+    assert trial.dt_s == 0.001 and 69.0 < trial.t[-1] < 70.0
+    assert np.abs(np.diff(trial.whole["q"], axis=0)).max() < 0.03  # 23 rad/s: nothing jumps from cell to cell
+
+
 def test_a_measured_servo(measured_data):
     mapping = "t=entries.timestamp,q=entries.position,ref=entries.goal_position"
+    mapping += ",on=entries.torque_enable,kp=kp/800"
     trials = load_trials([measured_data / "bam_xl330"], 1, mapping)
     assert len(trials) == 12
     assert all(trial.ref.shape == trial.q.shape for trial in trials)
+    assert sorted({float(trial.drives.kp[0, 0]) for trial in trials}) == [0.125, 0.5, 1.0]
+    dropped = {trial.name for trial in trials if not trial.drives.on.all()}
+    assert dropped == {f"kp{kp}_lift_and_drop" for kp in (100, 400, 800)}
+
+
+def test_known_pulses_can_be_hidden(measured_data):
+    path = measured_data / "dfki_perturbed" / "acrobot-01.csv"
+    hidden, full, pulses = (
+        load_trials([path], 2, f"t=time,q=pos_meas{{j}},tau={tau}", rate_hz=500.0, cutoff_hz=10.0)[0].tau
+        for tau in ("tau_meas{j}-tau_pert{j}", "tau_meas{j}", "tau_pert{j}")
+    )
+    assert np.abs(full - hidden).max() > 0.1
+    assert np.corrcoef((full - hidden).ravel(), pulses.ravel())[0, 1] > 0.9
 
 
 def test_a_corner_below_one_period_is_refused(tmp_path):
