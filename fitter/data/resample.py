@@ -186,7 +186,7 @@ def curve_through(role: str, t: Floats, values: Floats, crowded: bool) -> Curve:
         line = make_interp_spline(t, values, k=1, axis=0)
         return lambda at: np.asarray(line(np.minimum(at, t[-1])))
     if role == "tau" or crowded:
-        with np.errstate(over="ignore"):  # of a slope of 1e-310 the inverse is infinite, and the harmonic mean then 0
+        with np.errstate(over="ignore"):  # 1 over a slope of 1e-310; the harmonic mean is then 0
             return PchipInterpolator(t, values, axis=0)
     return CubicSpline(t, values, axis=0)
 
