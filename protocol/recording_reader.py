@@ -55,7 +55,7 @@ class RecordingReader(Iterator[tuple[str, dict[str, Any], int]]):
     Attributes
     ----------
     cut : bool
-        The file ends without its footer, so its writer was killed or the file was cut.
+        The file ends without its footer, so it is still written, its writer was killed, or the file was cut.
     warnings : list of str
         A sentence for each thing that could not be read.
 
@@ -134,19 +134,18 @@ class RecordingReader(Iterator[tuple[str, dict[str, Any], int]]):
     def _unpacked(self) -> Iterator[McapRecord]:
         """Yield the records, those inside a chunk in its place."""
         with _open(self.path) as file:
-            good = 0
+            place = 0
             for record in _records(file):
                 if record is None:
                     self.cut = True
                     self.warnings.append(
-                        f"{self.path}: the recording is cut after byte {good}, expected a footer; "
-                        "everything before is read"
+                        f"{self.path}: the recording has no end yet, or was cut off; all that is there is read"
                     )
                 elif isinstance(record, Chunk):
-                    yield from self._opened(record, good)
+                    yield from self._opened(record, place)
                 else:
                     yield record
-                good = file.tell()
+                place = file.tell()
 
     def _opened(self, chunk: Chunk, place: int) -> Sequence[McapRecord]:
         try:
