@@ -1,7 +1,7 @@
 """A diagnosis held against the truth, as the issue counts: names, joints, intervals, variables."""
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 Fields = dict[str, Any]
@@ -31,7 +31,8 @@ def score(truth: Mapping[str, Any], found: Mapping[str, Any], reach: float = REA
     dict
         ``right`` for the kind of the case; ``answer``, what it was taken for; ``class_size``, how many causes were
         held to be equal; and where an effect was named rightly ``joint``, and of its parameters ``inside`` and
-        ``asked``.
+        ``asked``. An effect counts as named where a cause is that ``confusable`` declares its equal: then its
+        parameters are not asked for.
     """
     verdict, causes = str(found["verdict"]), [one for cause in found["causes"] for one in _single(cause)]
     named = sorted({str(cause["effect"]) for cause in causes})
@@ -46,19 +47,27 @@ def score(truth: Mapping[str, Any], found: Mapping[str, Any], reach: float = REA
     if truth["kind"] == "outside":
         return told | _variables(truth["effects"][0]["variables"], verdict, found)
     answered = verdict in ("named", "ambiguous")
-    right = answered and set(hidden) <= set(named) and (verdict == "ambiguous" or set(named) == set(hidden))
-    told["found"] = [name in named and answered for name in hidden]
-    told["right"] = right
+    taken = [name if name in named else _equal(name, named, found) for name in hidden]
+    told["found"] = [name is not None and answered for name in taken]
+    told["right"] = all(told["found"]) and (verdict == "ambiguous" or set(named) == set(taken))
+    if taken != hidden:
+        told["class_size"] = max(equal, 2)
     parts = [
-        _effect(effect, causes, verdict, reach)
-        for effect in truth["effects"]
-        if answered and effect["effect"] in named
+        _effect(effect, name, causes, verdict, reach)
+        for effect, name in zip(truth["effects"], taken, strict=True)
+        if answered and name is not None
     ]
     if parts:
         told["joint"] = all(part["joint"] for part in parts)
         told["inside"], told["asked"] = (sum(part[name] for part in parts) for name in ("inside", "asked"))
         told["outliers"] = [outlier for part in parts for outlier in part["outliers"]]
     return told
+
+
+def _equal(name: str, named: list[str], found: Mapping[str, Any]) -> str | None:
+    """Return the effect among those named that is declared the equal of one; None if there is none."""
+    pairs = [set(pair) for pair in found.get("confusable", ())]
+    return next((other for other in named if {name, other} in pairs), None)
 
 
 def _single(cause: Mapping[str, Any]) -> list[Fields]:
@@ -88,33 +97,35 @@ def _bare(name: str) -> str:
     return name.removeprefix("sign(").removesuffix(")").strip()
 
 
-def _effect(effect: Mapping[str, Any], causes: list[Mapping[str, Any]], verdict: str, reach: float) -> Fields:
-    """Hold joints and parameters of one effect, rightly named, against the truth.
+def _effect(
+    effect: Mapping[str, Any], name: str, causes: Sequence[Mapping[str, Any]], verdict: str, reach: float
+) -> Fields:
+    """Hold joints and parameters of one effect, rightly named by its own or an equal's name, against the truth.
 
     The joints are those of one cause or, of several with the same name, of all; among equals the right one counts.
     """
-    own = [cause for cause in causes if cause["effect"] == effect["effect"]]
+    own = [cause for cause in causes if cause["effect"] == name]
     places, wanted = [set(cause.get("joints") or ()) for cause in own], set(effect["joints"])
     equals = verdict == "ambiguous" and wanted in places
     joint = equals or set().union(*places) == wanted or not wanted
     own = [cause for cause, place in zip(own, places, strict=True) if place == wanted] or own
     told: Fields = {"joint": joint, "inside": 0, "asked": 0, "outliers": []}
-    if not joint:
+    if not joint or name != effect["effect"]:
         return told
     for entry in effect["entries"]:
         best = min(own, key=lambda cause: _distance(entry["parameters"], cause["parameters"]))
-        for name, true in _comparable(entry["parameters"]).items():
+        for parameter, true in _comparable(entry["parameters"]).items():
             told["asked"] += 1
             estimates = _comparable({key: part["value"] for key, part in best["parameters"].items()})
-            if name not in estimates:
-                told["outliers"].append(f"{name} is missing, truth {true:.6g}")
+            if parameter not in estimates:
+                told["outliers"].append(f"{parameter} is missing, truth {true:.6g}")
                 continue
-            estimate, std = estimates[name], best["parameters"][name].get("std")
-            inside = abs(_off(name, estimate, true)) <= (reach * std if std else EXACT * abs(true))
+            estimate, std = estimates[parameter], best["parameters"][parameter].get("std")
+            inside = abs(_off(parameter, estimate, true)) <= (reach * std if std else EXACT * abs(true))
             told["inside"] += inside
             if not inside:
                 said = f"{estimate:.6g} +- {std:.2g}" if std else f"{estimate:.6g}"
-                told["outliers"].append(f"{name}: {said}, truth {true:.6g}")
+                told["outliers"].append(f"{parameter}: {said}, truth {true:.6g}")
     return told
 
 
