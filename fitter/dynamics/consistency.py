@@ -14,9 +14,9 @@ from limbcal.note import Note
 
 
 def with_warnings(fit: DynamicsFit) -> DynamicsFit:
-    """Return the fit with a note for each parameter that no arm can have."""
+    """Return the fit with a note for each parameter that no arm can have, and that its error does not explain."""
     try:
-        found = [violation.sentence for violation in _violations(fit)]
+        found = [violation.sentence for violation in _violations(fit) if not violation.within_error]
     except NotConverged as error:
         found = [str(error)]
     return replace(fit, notes=(*fit.notes, *(Note("impossible", sentence) for sentence in found)))
@@ -34,10 +34,13 @@ def made_possible(fit: DynamicsFit) -> DynamicsFit:
     problem = _motion_problem(fit) if fit.objective == "motion" else fit.problem
     genes, arm = physical_optimum(fit.arm, fit.base, problem)
     fit = assembled(fit, genes)
-    moved = ", ".join(f"{v.name} from {v.value:.4g}" for v in found)
     possible = replace(arm, base_parameters=fit.arm.base_parameters)
-    note = Note("impossible", f"moved to what masses and friction can be: {moved}")
-    return replace(fit, arm=possible, notes=(*fit.notes, note))
+    notes = []
+    for within_error, kind, why in ((False, "impossible", ""), (True, "moved", ", within their errors")):
+        moved = ", ".join(f"{v.name} from {v.value:.4g}" for v in found if v.within_error == within_error)
+        if moved:
+            notes.append(Note(kind, f"moved to what masses and friction can be{why}: {moved}"))
+    return replace(fit, arm=possible, notes=(*fit.notes, *notes))
 
 
 def _violations(fit: DynamicsFit) -> list[Violation]:

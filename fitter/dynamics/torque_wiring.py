@@ -1,13 +1,14 @@
-"""Torque columns that were exchanged or have the wrong sign: no arm that can exist moves as they say.
+"""Torque columns that were exchanged or have the wrong sign, or gravity that has: no such arm can exist.
 
 The torque equation ``W p = tau`` is linear, so every way of wiring the columns (whose torque is in which column,
 with which sign) has a least-squares answer that costs next to nothing once ``W_i^T tau_k`` is there for every
 joint i and column k. Turning all signs turns the sign of every mass, which no residual shows but physics does:
-ways are compared by what the best arm that can exist leaves of the torque.
+ways are compared by what the best arm that can exist leaves of the torque. Gravity of the other sign is one more
+way: inertia and weight then speak of centres of mass on opposite sides. A single pendulum cannot tell.
 """
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import combinations, permutations, product
 
 import numpy as np
@@ -19,7 +20,7 @@ from fitter.data.first_rest import REST_SPEED
 from fitter.data.trials import Trial
 from fitter.dynamics.learned_torque import has_unknown_target, learned_torque
 from fitter.dynamics.physical import physical_optimum
-from fitter.dynamics.torque_problem import torque_problem
+from fitter.dynamics.torque_problem import TorqueProblem, torque_problem
 from fitter.dynamics.torque_sums import TorqueSums
 from limbcal.errors import NotConverged, NotIdentifiable
 
@@ -36,7 +37,7 @@ _FAR_LESS = 0.5
 
 @dataclass(frozen=True)
 class Wiring:
-    """A way of reading torque columns.
+    """A way of reading torque columns and gravity.
 
     Attributes
     ----------
@@ -46,15 +47,24 @@ class Wiring:
         For every joint, 1 or −1.
     left : float
         Share of the torque's power that the best arm that can exist leaves, 0..1.
+    falls_up : bool
+        Whether gravity is of the other sign than in the arm file.
     """
 
     column: tuple[int, ...]
     sign: tuple[int, ...]
     left: float
+    falls_up: bool = False
 
     @property
     def sentence(self) -> str:
         """What to ask the user."""
+        if self.falls_up:
+            return (
+                "masses come out negative or otherwise impossible; with gravity the other way round they are "
+                "possible: is the sign of gravity_m_s2 in the arm file wrong? Expected the acceleration of free "
+                "fall in the base frame, which points down"
+            )
         exchanged = [f"tau{k + 1} as that of joint {i + 1}" for i, k in enumerate(self.column) if i != k]
         turned = [f"tau{self.column[i] + 1}" for i, sign in enumerate(self.sign) if sign < 0]
         done = []
@@ -101,7 +111,7 @@ def check_wiring(arm: Arm, base: BaseParameters, trials: Sequence[Trial]) -> Wir
         Its geometry and gravity.
     base : BaseParameters
     trials : sequence of Trial
-        Where a law drives the arm its torque is taken, and no other way of wiring is tried.
+        Where a law drives the arm its torque is taken, and no other way of wiring is tried, only gravity's sign.
 
     Returns
     -------
@@ -109,51 +119,99 @@ def check_wiring(arm: Arm, base: BaseParameters, trials: Sequence[Trial]) -> Wir
         None where the torque tells nothing.
     """
     n = arm.n_joint
-    gram, moment, power, count = _cross_sums(arm, base, trials)
-    if not power.sum() > 0.0 or not np.any(gram):
+    straight, upright = tuple(range(n)), (1,) * n
+    as_given = _Sums.of(arm, base, trials)
+    if not as_given.power.sum() > 0.0 or not np.any(as_given.gram):
         return None
-    prior = base.combination @ standard_parameters(arm)
+    free = as_given.free_left(straight, upright)
+    possible = as_given.possible_left(straight, upright) if free < 1.0 else 1.0
+    ways = [(as_given, *way) for way in _ways(n)] if arm.control.law == "measured" else []
+    if any(arm.gravity_m_s2):
+        x, y, z = arm.gravity_m_s2
+        upside_down = _Sums.of(replace(arm, gravity_m_s2=(-x, -y, -z)), base, trials)
+        ways.append((upside_down, straight, upright))
+    ranked = sorted(
+        (sums.free_left(column, sign), sum(map(int.__ne__, column, straight)), sign.count(-1), number)
+        for number, (sums, column, sign) in enumerate(ways)
+    )
+    better: Wiring | None = None
+    for left, _, _, number in ranked[:_SHORTLIST]:
+        sums, column, sign = ways[number]
+        limit = _FAR_LESS * possible if better is None else 0.99 * better.left
+        if left < limit and (found := sums.possible_left(column, sign)) < limit:
+            better = Wiring(column, sign, found, falls_up=sums is not as_given)
+    return WiringCheck(free, possible, better)
 
-    def sums_of(column: Sequence[int], sign: Sequence[int]) -> TorqueSums:
-        own = np.array([sign[i] * moment[i, column[i]] for i in range(n)])
-        return TorqueSums(
-            gram=gram[None],
-            moment=own[None],
-            power=power[list(column)][None],
-            row=np.zeros((1, *own.shape)),
-            torque=np.zeros((1, n)),
-            count=count[None],
-            trial=np.zeros(1, dtype=np.intp),
-            samples=int(count.max()),
-        )
 
-    def free_left(column: Sequence[int], sign: Sequence[int]) -> float:
+@dataclass(frozen=True)
+class _Sums:
+    """Normal equations of each joint with the torque in each column.
+
+    Attributes
+    ----------
+    arm : Arm
+    base : BaseParameters
+    gram, moment : (n_joint, n_base, n_base), (n_joint, n_column, n_base)
+    power, count : (n_column,), (n_joint,)
+    """
+
+    arm: Arm
+    base: BaseParameters
+    gram: Floats
+    moment: Floats
+    power: Floats
+    count: Floats
+
+    @classmethod
+    def of(cls, arm: Arm, base: BaseParameters, trials: Sequence[Trial]) -> "_Sums":
+        """Return the sums of thinned trials, where joints move."""
+        n, n_base = arm.n_joint, len(base.independent)
+        gram, moment = np.zeros((n, n_base, n_base)), np.zeros((n, n, n_base))
+        power, count = np.zeros((2, n))
+        for trial in trials:
+            if has_unknown_target(arm, trial):
+                continue
+            some = slice(None, None, max(1, len(trial.q) // _SAMPLES))
+            tau = learned_torque(arm, trial)[some]
+            q, dq, ddq = trial.q[some], trial.dq[some], trial.ddq[some]
+            rows = regressor(arm, q, dq, ddq)[..., base.independent]
+            moving = ((np.abs(dq) > REST_SPEED) & trial.counted[some]).all(axis=1)
+            rows, tau = rows[moving], tau[moving]
+            gram += np.einsum("sja,sjb->jab", rows, rows)
+            moment += np.einsum("sja,sk->jka", rows, tau)
+            power += np.sum(tau**2, axis=0)
+            count += len(tau)
+        return cls(arm, base, gram, moment, power, count)
+
+    def free_left(self, column: Sequence[int], sign: Sequence[int]) -> float:
+        """Return what share of the torque's power the best numbers leave under a way of wiring."""
         try:
-            return float(torque_problem(sums_of(column, sign), prior).rest / power.sum())
+            return float(self._problem(column, sign).rest / self.power.sum())
         except NotIdentifiable:
             return 1.0
 
-    def possible_left(column: Sequence[int], sign: Sequence[int]) -> float:
-        problem = torque_problem(sums_of(column, sign), prior)
+    def possible_left(self, column: Sequence[int], sign: Sequence[int]) -> float:
+        """Return what share of the torque's power the best arm that can exist leaves under a way of wiring."""
+        problem = self._problem(column, sign)
         try:
-            genes, _ = physical_optimum(arm, base, problem)
+            genes, _ = physical_optimum(self.arm, self.base, problem)
         except NotConverged:
             return 1.0
-        return float(problem.cost(genes[None])[0] / power.sum())
+        return float(problem.cost(genes[None])[0] / self.power.sum())
 
-    straight, upright = tuple(range(n)), (1,) * n
-    free = free_left(straight, upright)
-    possible = possible_left(straight, upright) if free < 1.0 else 1.0
-    ways = [] if arm.control.law != "measured" else list(_ways(n))
-    ranked = sorted(
-        (free_left(*way), sum(map(int.__ne__, way[0], straight)), way[1].count(-1), way) for way in ways
-    )
-    better: Wiring | None = None
-    for left, _, _, (column, sign) in ranked[:_SHORTLIST]:
-        limit = _FAR_LESS * possible if better is None else 0.99 * better.left
-        if left < limit and (found := possible_left(column, sign)) < limit:
-            better = Wiring(column, sign, found)
-    return WiringCheck(free, possible, better)
+    def _problem(self, column: Sequence[int], sign: Sequence[int]) -> TorqueProblem:
+        own = np.array([sign[i] * self.moment[i, column[i]] for i in range(self.arm.n_joint)])
+        sums = TorqueSums(
+            gram=self.gram[None],
+            moment=own[None],
+            power=self.power[list(column)][None],
+            row=np.zeros((1, *own.shape)),
+            torque=np.zeros((1, self.arm.n_joint)),
+            count=self.count[None],
+            trial=np.zeros(1, dtype=np.intp),
+            samples=int(self.count.max()),
+        )
+        return torque_problem(sums, self.base.combination @ standard_parameters(self.arm))
 
 
 def _ways(n: int) -> Iterator[tuple[tuple[int, ...], tuple[int, ...]]]:
@@ -169,23 +227,3 @@ def _ways(n: int) -> Iterator[tuple[tuple[int, ...], tuple[int, ...]]]:
         yield straight, tuple(-1 if i == j else 1 for i in range(n))
     for a, b in combinations(range(n), 2):
         yield tuple(b if i == a else a if i == b else i for i in range(n)), upright
-
-
-def _cross_sums(arm: Arm, base: BaseParameters, trials: Sequence[Trial]) -> tuple[Floats, Floats, Floats, Floats]:
-    """Return gram (joint, b, b), moment (joint, column, b), power (column,), count (joint,) of thinned trials."""
-    n, n_base = arm.n_joint, len(base.independent)
-    gram, moment = np.zeros((n, n_base, n_base)), np.zeros((n, n, n_base))
-    power, count = np.zeros((2, n))
-    for trial in trials:
-        if has_unknown_target(arm, trial):
-            continue
-        some = slice(None, None, max(1, len(trial.q) // _SAMPLES))
-        q, dq, ddq, tau = (values[some] for values in (trial.q, trial.dq, trial.ddq, learned_torque(arm, trial)))
-        rows = regressor(arm, q, dq, ddq)[..., base.independent]
-        moving = ((np.abs(dq) > REST_SPEED) & trial.counted[some]).all(axis=1)
-        rows, tau = rows[moving], tau[moving]
-        gram += np.einsum("sja,sjb->jab", rows, rows)
-        moment += np.einsum("sja,sk->jka", rows, tau)
-        power += np.sum(tau**2, axis=0)
-        count += len(tau)
-    return gram, moment, power, count

@@ -1,4 +1,11 @@
-"""Angles in degrees where radians are expected."""
+"""Angles in degrees where radians are expected, of all joints or of some.
+
+Every joint may be in degrees by itself: a reading says which are. Readings are compared by how far and fast joints
+move, by what the best inertias leave of each joint's torque, and by how far the tip travels.
+"""
+
+from collections.abc import Sequence
+from itertools import combinations
 
 import numpy as np
 
@@ -26,10 +33,16 @@ from fitter.data.plausibility.refusal import Refusal
 _DEGREE = np.pi / 180.0
 #: A given velocity agrees with the slope of its angle within this factor.
 _AGREES = 1.5
+#: A torque that is explained better than this, as a fraction of its power, is explained but for rounding.
+_ROUNDING = 1e-6
+#: Up to this many joints any of them may be in degrees; beyond, one, all but one, or all.
+_ALL_WAYS = 3
+
+Joints = tuple[int, ...]
 
 
 def look(motion: Measured, arm: Arm) -> Measured:
-    """Return the motion, or refuse it where its angles are not in radians.
+    """Return the motion, or refuse it where angles of some or all joints are not in radians.
 
     Raises
     ------
@@ -39,34 +52,50 @@ def look(motion: Measured, arm: Arm) -> Measured:
     turns = turning(arm)
     if "q" not in motion.columns or len(motion.t) < 3 or not turns.any():
         return motion
-    joints = [j for j in np.flatnonzero(turns) if f"q{j + 1}" not in motion.stated]
+    joints = [j for j in np.flatnonzero(turns).tolist() if f"q{j + 1}" not in motion.stated]
     if not joints:
         return motion
-    ratios = speed_ratio(motion)
-    if ratios is not None and np.isfinite(ratios[joints]).any():
-        ratio = float(np.nanmedian(ratios[joints]))
-        for column, scale in (("q", 1.0 / _DEGREE), ("dq", _DEGREE)):
-            if 1.0 / _AGREES < ratio * scale < _AGREES:
-                other = "dq" if column == "q" else "q"
-                seen = f"the slope of q is {1.0 / ratio:.4g} times dq: is {column} in degrees, {other} not?"
-                raise _refusal(motion, column, seen)
-    q = motion.columns["q"][:, joints]
+    _agree_with_velocities(motion, joints)
+    q = motion.columns["q"]
     ranges, speeds = np.ptp(q, axis=0), top_speeds(motion.t, q)
-    weight = {"rad": _by_size(ranges, speeds), "deg": _by_size(ranges * _DEGREE, speeds * _DEGREE)}
-    for unit, scale in (("rad", 1.0), ("deg", _DEGREE)):
-        left = torque_left(arm, motion, scale)
-        if left is not None:
-            weight[unit] -= 0.5 * EFFECTIVE_SAMPLES * np.log(max(left, 1e-6))
-        if "tip" in motion.columns and reach(arm) > 0.0:
-            travelled = float(np.linalg.norm(path_lengths(motion.columns["tip"])))
-            turned = scale * float(path_lengths(q).sum())
-            if turned > 0.0:
-                weight[unit] += REACH_RATIO.log_likelihood(travelled / turned / reach(arm))
-    if likely(weight, "rad") is None:
+    weight = {}
+    for degrees in _readings(joints):
+        scale = np.ones(arm.n_joint)
+        scale[list(degrees)] = _DEGREE
+        weight[degrees] = _by_size(scale[joints] * ranges[joints], scale[joints] * speeds[joints])
+        weight[degrees] += _by_torque(motion, arm, scale) + _by_tip(motion, arm, scale[joints], joints)
+    found = likely(weight, ())
+    if found is None:
         return motion
-    j = int(np.argmax(ranges))
-    seen = f"joint {joints[j] + 1} moves {ranges[j]:.3g} rad to and fro at up to {speeds[j]:.3g} rad/s: degrees?"
-    raise _refusal(motion, "q", seen)
+    j = found[int(np.argmax(ranges[list(found)]))]
+    seen = f"joint {j + 1} moves {ranges[j]:.3g} rad to and fro at up to {speeds[j]:.3g} rad/s: "
+    seen += "degrees?" if len(found) == len(joints) else f"{_asked('q', found)} in degrees, the others not?"
+    raise _refusal(motion, "q", seen, found, joints)
+
+
+def _readings(joints: Sequence[int]) -> list[Joints]:
+    """Return which joints may be in degrees: none, all, one, all but one; of a few joints, any."""
+    n = len(joints)
+    sizes = range(n + 1) if n <= _ALL_WAYS else (0, 1, n - 1, n)
+    return [some for size in sizes for some in combinations(joints, size)]
+
+
+def _agree_with_velocities(motion: Measured, joints: Sequence[int]) -> None:
+    """Refuse a motion in which some joint's angle and velocity are a degree's factor apart."""
+    ratios = speed_ratio(motion)
+    if ratios is None:
+        return
+    for column, scale in (("q", 1.0 / _DEGREE), ("dq", _DEGREE)):
+        found = tuple(j for j in joints if 1.0 / _AGREES < ratios[j] * scale < _AGREES)
+        if found:
+            other = "dq" if column == "q" else "q"
+            ratio = 1.0 / float(np.median(ratios[list(found)]))
+            if len(found) == len(joints):
+                seen = f"the slope of q is {ratio:.4g} times dq: is {column} in degrees, {other} not?"
+            else:
+                one = found[0] + 1
+                seen = f"the slope of q{one} is {ratio:.4g} times dq{one}: {_asked(column, found)} in degrees?"
+            raise _refusal(motion, column, seen, found, joints)
 
 
 def _by_size(ranges: Floats, speeds: Floats) -> float:
@@ -80,8 +109,36 @@ def _by_size(ranges: Floats, speeds: Floats) -> float:
     return total
 
 
-def _refusal(motion: Measured, column: str, seen: str) -> Refusal:
+def _by_torque(motion: Measured, arm: Arm, scale: Floats) -> float:
+    """Return the log likelihood of the torque, each joint's with Gaussian residuals of a size of its own."""
+    left = torque_left(arm, motion, scale)
+    if left is None:
+        return 0.0
+    known = left[np.isfinite(left)]
+    return -0.5 * EFFECTIVE_SAMPLES * float(np.log(np.maximum(known, _ROUNDING)).sum())
+
+
+def _by_tip(motion: Measured, arm: Arm, scale: Floats, joints: Sequence[int]) -> float:
+    """Return the log likelihood of how far the tip travels, by how far joints turn."""
+    turned = float(scale @ path_lengths(motion.columns["q"][:, joints]))
+    if "tip" not in motion.columns or not (reach(arm) > 0.0 and turned > 0.0):
+        return 0.0
+    travelled = float(np.linalg.norm(path_lengths(motion.columns["tip"])))
+    return REACH_RATIO.log_likelihood(travelled / turned / reach(arm))
+
+
+def _asked(column: str, joints: Joints) -> str:
+    names = [f"{column}{j + 1}" for j in joints]
+    return f"{'is' if len(names) == 1 else 'are'} {' and '.join(names)}"
+
+
+def _refusal(motion: Measured, column: str, seen: str, found: Joints, joints: Sequence[int]) -> Refusal:
+    ends = ["{j}"] if len(found) == len(joints) else [str(j + 1) for j in found]
+    deg, rad = (
+        ",".join(f"{column if end == '{j}' else column + end}={column}{end}:{unit}" for end in ends)
+        for unit in ("deg", "rad")
+    )
     return Refusal(
-        f"{motion.where}: {seen} Expected radians, or the unit stated, as in "
-        f'--columns "{column}={column}{{j}}:deg" ({column}={column}{{j}}:rad if it is radians)'
+        f'{motion.where}: {seen} Expected radians, or the unit stated, as in --columns "{deg}" ({rad} if it is '
+        "radians)"
     )

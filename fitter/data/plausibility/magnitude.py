@@ -6,10 +6,13 @@ become nearly certain all the same.
 """
 
 import math
-from collections.abc import Mapping
+from collections.abc import Hashable, Mapping
 from dataclasses import dataclass
+from typing import TypeVar
 
 import numpy as np
+
+Reading = TypeVar("Reading", bound=Hashable)
 
 #: Prior probability that a column without a stated unit is in SI units: the contract says so.
 SI = 0.99
@@ -44,18 +47,22 @@ WHEEL_RANGE, WHEEL = Size(30.0, 0.75), 1.0 / 30.0
 RATE_HZ = Size(300.0, 0.75)
 #: How far an arm reaches beside what its file says: a guess within a factor of ten.
 REACH_RATIO = Size(1.0, 0.5)
+#: Largest first moment of mass that hangs on a joint over the fourth power of how far the arm reaches beyond it:
+#: 1 to 100 kg/m³ in 95 of 100. By masses, reaches and payloads of data sheets, with centres of mass at a third of
+#: the reach: UR5e 10, Franka 6, LBR iiwa 12, KR 210 with its payload 20; a human arm 5 (de Leva 1996).
+MASS_MOMENT = Size(10.0, 0.5)
 #: Effective samples by which a torque's residual counts: a few motions hold at least as many.
 EFFECTIVE_SAMPLES = 30.0
 
 
-def likely(log_likelihoods: Mapping[str, float], given: str) -> str | None:
+def likely(log_likelihoods: Mapping[Reading, float], given: Reading) -> Reading | None:
     """Return the likeliest other reading of a column where the contract's is next to impossible, or None.
 
     Parameters
     ----------
-    log_likelihoods : mapping of str to float
-        Of each reading, by name.
-    given : str
+    log_likelihoods : mapping of readings to float
+        Of each reading.
+    given : reading
         The reading that the contract says.
     """
     others = len(log_likelihoods) - 1

@@ -75,25 +75,55 @@ def speed_ratio(motion: Measured) -> Floats | None:
     return np.where(ok, cross / np.where(ok, power, 1.0), np.nan)
 
 
-def torque_left(arm: Arm, motion: Measured, angle_scale: float, time_scale: float = 1.0) -> float | None:
-    """Return what share of the torque's power the best inertias leave, with angles and time in other units.
+def torque_left(arm: Arm, motion: Measured, angle_scale: Floats) -> Floats | None:
+    """Return what the best inertias leave of each joint's torque, as a fraction of its power, (n_joint,).
+
+    Every joint's torque counts in units of its own size, so that a wrist's is heard beside a shoulder's.
 
     Parameters
     ----------
     arm : Arm
         Its geometry, gravity and law.
     motion : Measured
-    angle_scale, time_scale : float
-        What angles and time are multiplied by.
+    angle_scale : ndarray of shape (n_joint,)
+        What the positions of each joint are multiplied by.
 
     Returns
     -------
-    float or None
-        None where there is neither a torque nor a law with its target.
+    ndarray or None
+        NaN for a joint without torque; None where there is neither a torque nor a law with its target.
+    """
+    torque = drawn_torque(arm, motion, angle_scale)
+    if torque is None:
+        return None
+    W, tau = torque
+    power = np.sum(tau**2, axis=0)
+    felt = power > 0.0
+    if not felt.any():
+        return None
+    weight = 1.0 / np.sqrt(np.where(felt, power, np.inf))
+    rows, wanted = (weight[:, None] * W).reshape(-1, W.shape[-1]), (weight * tau).ravel()
+    size = np.linalg.norm(rows, axis=0)
+    rows = rows[:, size > 0.0] / size[size > 0.0]
+    if not rows.size:
+        return None
+    rest = (wanted - rows @ np.linalg.lstsq(rows, wanted, rcond=1e-6)[0]).reshape(tau.shape)
+    return np.where(felt, np.sum(rest**2, axis=0), np.nan)
+
+
+def drawn_torque(arm: Arm, motion: Measured, angle_scale: Floats) -> tuple[Floats, Floats] | None:
+    """Return the regressor (n, n_joint, 12 n_joint) and the torque (n, n_joint) of a thinned table, or None.
+
+    Parameters
+    ----------
+    arm : Arm
+        Its geometry, gravity and law.
+    motion : Measured
+    angle_scale : ndarray of shape (n_joint,)
+        What the positions of each joint are multiplied by.
     """
     columns = motion.columns
-    scale = np.where(turning(arm), angle_scale, 1.0)
-    t, q = time_scale * thinned(motion.t), scale * thinned(columns["q"])
+    t, q = thinned(motion.t), angle_scale * thinned(columns["q"])
     if len(t) < 8:
         return None
     dq = np.gradient(q, t, axis=0)
@@ -103,20 +133,13 @@ def torque_left(arm: Arm, motion: Measured, angle_scale: float, time_scale: floa
             return None
         tau = thinned(columns["tau"])
     elif "ref" in columns:
-        ref = scale * thinned(columns["ref"])
+        ref = angle_scale * thinned(columns["ref"])
         drives = drives_of({role: thinned(columns[role]) for role in DRIVE_ROLES if role in columns})
         law = arm.control
         tau = control_torque(law, q, dq, ddq, ref) if drives is None else drives.torque(law, q, dq, ddq, ref)
     else:
         return None
-    W = regressor(arm, q, dq, ddq).reshape(-1, 12 * arm.n_joint)
-    size = np.linalg.norm(W, axis=0)
-    W = W[:, size > 0.0] / size[size > 0.0]
-    power = float(np.sum(tau**2))
-    if not power > 0.0 or not W.size:
-        return None
-    found = np.linalg.lstsq(W, tau.ravel(), rcond=1e-6)[0]
-    return float(np.sum((tau.ravel() - W @ found) ** 2) / power)
+    return regressor(arm, q, dq, ddq), tau
 
 
 def reach(arm: Arm) -> float:

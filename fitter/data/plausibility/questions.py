@@ -4,7 +4,17 @@ from collections.abc import Callable, Iterable
 
 from arm.model import Arm
 from fitter.data.motions import Measured
-from fitter.data.plausibility import angle_unit, frozen, readings, repeats, saturated, time_unit, tip_unit, turns
+from fitter.data.plausibility import (
+    angle_unit,
+    frozen,
+    readings,
+    repeats,
+    saturated,
+    time_unit,
+    tip_unit,
+    torque_unit,
+    turns,
+)
 from fitter.data.plausibility.motion_sizes import continuous
 
 #: Units first: every other question is asked in them. Turns are taken out before anything else is made of angles.
@@ -13,6 +23,7 @@ QUESTIONS: tuple[Callable[[Measured, Arm], Measured], ...] = (
     time_unit.look,
     angle_unit.look,
     tip_unit.look,
+    torque_unit.look,
     readings.look,
     repeats.look,
     frozen.look,

@@ -72,3 +72,28 @@ def test_under_a_law_nothing_is_exchanged():
 def test_no_torque_tells_nothing():
     trial = driven(ARM, 0)
     assert check_wiring(ARM, BASE, [replace(trial, tau=np.zeros_like(trial.q))]) is None
+
+
+@pytest.mark.parametrize(("n", "seed"), [(2, 0), (2, 1), (2, 2), (3, 0), (3, 1), (6, 0)])
+def test_gravity_that_falls_up_in_the_arm_file_is_named(n, seed):
+    arm = ARM if n == 2 else replace(draw_arm(np.random.default_rng(seed), n, prismatic=False), control=Control())
+    x, y, z = arm.gravity_m_s2
+    wrong = replace(arm, gravity_m_s2=(-x, -y, -z))
+    trial, base = driven(arm, seed), structural_parameters(arm)
+    assert check_wiring(arm, base, [trial]).better is None
+    check = check_wiring(wrong, structural_parameters(wrong), [trial])
+    assert check.better.falls_up and "sign of gravity_m_s2" in check.better.sentence
+
+
+def test_a_law_s_torque_tells_gravity_s_sign_too():
+    law = replace(load_arm("dd-arm-vertical"), gravity_m_s2=(0.0, 9.80665, 0.0))
+    kp, kv = np.array(law.control.kp), np.array(law.control.kv)
+    trial = driven(ARM, 0)
+    ref = trial.q + (trial.tau - kv * trial.dq) / kp
+    assert law.control.law == "pd" and check_wiring(law, BASE, [replace(trial, ref=ref)]).better.falls_up
+
+
+def test_gravity_along_all_axes_has_no_sign():
+    flat = replace(load_arm("dd-arm"), control=Control())
+    upside_down = replace(flat, gravity_m_s2=(0.0, 0.0, 9.80665))
+    assert check_wiring(upside_down, structural_parameters(upside_down), [driven(flat, 0)]).better is None

@@ -6,10 +6,13 @@ import numpy as np
 import pytest
 
 from arm.arm_file import load_arm
+from arm.model import Control
 from fitter.data.motions import Measured
 from fitter.data.plausibility.angle_unit import look
 from fitter.data.plausibility.refusal import Refusal
+from tests.arm.conftest import draw_arm
 from tests.fitter.data.plausibility.conftest import changed
+from tests.fitter.dynamics.test_torque_wiring import driven
 
 
 @pytest.mark.parametrize("seed", range(4))
@@ -49,3 +52,41 @@ def test_a_wheel_to_and_fro_at_a_wheel_s_speed_is_none():
     t = np.arange(0.0, 60.0, 0.01)
     motion = Measured("w", "w", 0, t, {"q": np.column_stack([37.0 * np.sin(0.2 * t), np.sin(t)])})
     assert look(motion, load_arm("dd-arm")) is motion
+
+
+@pytest.mark.parametrize("seed", range(3))
+@pytest.mark.parametrize("joint", [1, 2])
+@pytest.mark.parametrize("size", [1.0, 0.2])
+def test_one_joint_of_two_in_degrees_is_named(arm, clean, seed, joint, size):
+    motion = clean(seed, size)
+    q = motion.columns["q"].copy()
+    q[:, joint - 1] *= 180.0 / np.pi
+    words = rf'is q{joint} in degrees, the others not\?.*"q{joint}=q{joint}:deg"'
+    with pytest.raises(Refusal, match=words):
+        look(changed(motion, q=q), arm)
+
+
+@pytest.mark.parametrize("column", ["q", "dq"])
+def test_the_velocity_of_one_joint_of_another_unit_is_named(arm, clean, column):
+    motion = clean(1)
+    motion = changed(motion, dq=np.gradient(motion.columns["q"], motion.t, axis=0))
+    values = motion.columns[column] * np.array([1.0, 180.0 / np.pi])
+    with pytest.raises(Refusal, match=rf"is {column}2 in degrees\?.*{column}2={column}2:deg"):
+        look(changed(motion, **{column: values}), arm)
+
+
+def test_of_six_joints_one_is_named(draw_six):
+    arm, motion = draw_six
+    assert look(motion, arm) is motion
+    q = motion.columns["q"] * np.where(np.arange(6) == 4, 180.0 / np.pi, 1.0)
+    with pytest.raises(Refusal, match="is q5 in degrees"):
+        look(changed(motion, q=q), arm)
+
+
+@pytest.fixture(scope="module")
+def draw_six():
+    """Return an arm of six joints whose torque is measured, and a motion of it."""
+    rng = np.random.default_rng(6)
+    arm = replace(draw_arm(rng, 6, prismatic=False), control=Control())
+    trial = driven(arm, 6)
+    return arm, Measured("six", "six.csv", 0, trial.t, {"q": trial.q, "tau": trial.tau})
