@@ -386,6 +386,13 @@ def cases(seeds: Sequence[int]) -> list[Case]:  # noqa: PLR0915 - a list of inpu
             dynamics(arm, changed(m, q=deg["q"]), ("q", "tau"), q="{} [deg]"),
             holds(arm),
         )
+        one = np.where(np.arange(several.n_joint) == seed % several.n_joint, 180.0 / np.pi, 1.0)
+        add(
+            "degrees",
+            f"{several.name}, seed {seed} one joint",
+            dynamics(several, changed(s, q=s["q"] * one)),
+            says(f"q{seed % several.n_joint + 1} in degrees", 2),
+        )
         for unit, factor in (("ms", 1e3), ("us", 1e6), ("ns", 1e9)):
             add(
                 "time",
@@ -404,6 +411,18 @@ def cases(seeds: Sequence[int]) -> list[Case]:  # noqa: PLR0915 - a list of inpu
             f"{where} [N.mm]",
             dynamics(arm, changed(m, tau=m["tau"] * 1e3), ("q", "tau"), tau="{} [N.mm]"),
             holds(arm),
+        )
+        add(
+            "torque unit",
+            f"{where} N.mm, no unit",
+            dynamics(arm, changed(m, tau=m["tau"] * 1e3)),
+            says("N·mm", 2),
+        )
+        add(
+            "gravity's sign",
+            f"{several.name}, seed {seed}",
+            dynamics(_upside_down(several), s),
+            says("sign of gravity_m_s2", 4),
         )
         tip = _tip(several, s)
         add(
@@ -490,6 +509,11 @@ def cases(seeds: Sequence[int]) -> list[Case]:  # noqa: PLR0915 - a list of inpu
         add("leap of a day", where, dynamics(arm, changed(m, t=leap)), says("gap|hole|leap|day|parted"))
         add("simulate degrees", where, _simulate(law, np.rad2deg(ref), s["t"]), says("degrees|runs away"))
     return listed
+
+
+def _upside_down(arm: Arm) -> Arm:
+    x, y, z = arm.gravity_m_s2
+    return replace(arm, gravity_m_s2=(-x, -y, -z))
 
 
 def _reaching(arm: Arm) -> Arm:

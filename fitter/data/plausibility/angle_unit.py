@@ -4,7 +4,7 @@ Every joint may be in degrees by itself: a reading says which are. Readings are 
 move, by what the best inertias leave of each joint's torque, and by how far the tip travels.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from itertools import combinations
 
 import numpy as np
@@ -16,9 +16,12 @@ from fitter.data.plausibility.magnitude import (
     JOINT_RANGE,
     JOINT_SPEED,
     REACH_RATIO,
+    SI,
+    SURE,
     WHEEL,
     WHEEL_RANGE,
     likely,
+    probabilities,
 )
 from fitter.data.plausibility.motion_sizes import (
     path_lengths,
@@ -35,6 +38,9 @@ _DEGREE = np.pi / 180.0
 _AGREES = 1.5
 #: A torque that is explained better than this, as a fraction of its power, is explained but for rounding.
 _ROUNDING = 1e-6
+#: Prior probability that a torque contradicts the angles for another reason (its columns, its sign, an encoder
+#: that froze): as rare as a unit that is not SI.
+_FAULTY = 1.0 - SI
 #: Up to this many joints any of them may be in degrees; beyond, one, all but one, or all.
 _ALL_WAYS = 3
 
@@ -58,19 +64,29 @@ def look(motion: Measured, arm: Arm) -> Measured:
     _agree_with_velocities(motion, joints)
     q = motion.columns["q"]
     ranges, speeds = np.ptp(q, axis=0), top_speeds(motion.t, q)
-    weight = {}
-    for degrees in _readings(joints):
-        scale = np.ones(arm.n_joint)
-        scale[list(degrees)] = _DEGREE
-        weight[degrees] = _by_size(scale[joints] * ranges[joints], scale[joints] * speeds[joints])
-        weight[degrees] += _by_torque(motion, arm, scale) + _by_tip(motion, arm, scale[joints], joints)
-    found = likely(weight, ())
-    if found is None:
+    scales = {
+        degrees: np.where(np.isin(np.arange(arm.n_joint), degrees), _DEGREE, 1.0) for degrees in _readings(joints)
+    }
+    weight = _by_torque(motion, arm, scales)
+    for degrees, scale in scales.items():
+        weight[degrees] += _by_size(scale[joints] * ranges[joints], scale[joints] * speeds[joints])
+        weight[degrees] += _by_tip(motion, arm, scale[joints], joints)
+    best = likely(weight, ())
+    if best is None:
         return motion
+    found, rest = _named(probabilities(weight, ()), best, joints)
     j = found[int(np.argmax(ranges[list(found)]))]
     seen = f"joint {j + 1} moves {ranges[j]:.3g} rad to and fro at up to {speeds[j]:.3g} rad/s: "
-    seen += "degrees?" if len(found) == len(joints) else f"{_asked('q', found)} in degrees, the others not?"
+    seen += "degrees?" if len(found) == len(joints) else f"{_asked('q', found)} in degrees{rest}?"
     raise _refusal(motion, "q", seen, found, joints)
+
+
+def _named(probability: Mapping[Joints, float], best: Joints, joints: Sequence[int]) -> tuple[Joints, str]:
+    """Return the joints to ask about, those that are nearly certain if any is, and what to say of the others."""
+    each = {j: sum(p for reading, p in probability.items() if j in reading) for j in joints}
+    found = tuple(j for j in joints if each[j] > SURE) or best
+    alone = all(each[j] < 1.0 - SURE for j in joints if j not in found)
+    return found, ", the others not" if alone else ""
 
 
 def _readings(joints: Sequence[int]) -> list[Joints]:
@@ -109,13 +125,23 @@ def _by_size(ranges: Floats, speeds: Floats) -> float:
     return total
 
 
-def _by_torque(motion: Measured, arm: Arm, scale: Floats) -> float:
-    """Return the log likelihood of the torque, each joint's with Gaussian residuals of a size of its own."""
-    left = torque_left(arm, motion, scale)
-    if left is None:
-        return 0.0
-    known = left[np.isfinite(left)]
-    return -0.5 * EFFECTIVE_SAMPLES * float(np.log(np.maximum(known, _ROUNDING)).sum())
+def _by_torque(motion: Measured, arm: Arm, scales: Mapping[Joints, Floats]) -> dict[Joints, float]:
+    """Return the log likelihood of the torque under each reading.
+
+    Each joint's residual is Gaussian with a size of its own. What a model lacks is alike in all joints, so that
+    they have the effective samples of one between them. Or the torque has a fault of its own, whatever the unit:
+    then what any reading leaves of a joint's is as likely to be one fraction as another.
+    """
+    log_left = {}
+    for reading, scale in scales.items():
+        left = torque_left(arm, motion, scale)
+        if left is None:
+            return dict.fromkeys(scales, 0.0)
+        log_left[reading] = np.log(np.maximum(left[np.isfinite(left)], _ROUNDING))
+    sound = {reading: -0.5 * EFFECTIVE_SAMPLES * float(logs.mean()) for reading, logs in log_left.items()}
+    best = max(sound, key=lambda reading: sound[reading])
+    faulty = np.log(_FAULTY) + sound[best] + float(log_left[best].sum())
+    return {reading: float(np.logaddexp(value, faulty)) for reading, value in sound.items()}
 
 
 def _by_tip(motion: Measured, arm: Arm, scale: Floats, joints: Sequence[int]) -> float:

@@ -47,10 +47,6 @@ WHEEL_RANGE, WHEEL = Size(30.0, 0.75), 1.0 / 30.0
 RATE_HZ = Size(300.0, 0.75)
 #: How far an arm reaches beside what its file says: a guess within a factor of ten.
 REACH_RATIO = Size(1.0, 0.5)
-#: Largest first moment of mass that hangs on a joint over the fourth power of how far the arm reaches beyond it:
-#: 1 to 100 kg/m³ in 95 of 100. By masses, reaches and payloads of data sheets, with centres of mass at a third of
-#: the reach: UR5e 10, Franka 6, LBR iiwa 12, KR 210 with its payload 20; a human arm 5 (de Leva 1996).
-MASS_MOMENT = Size(10.0, 0.5)
 #: Effective samples by which a torque's residual counts: a few motions hold at least as many.
 EFFECTIVE_SAMPLES = 30.0
 
@@ -65,10 +61,23 @@ def likely(log_likelihoods: Mapping[Reading, float], given: Reading) -> Reading 
     given : reading
         The reading that the contract says.
     """
-    others = len(log_likelihoods) - 1
+    probability = probabilities(log_likelihoods, given)
+    best = max(probability, key=lambda reading: probability[reading])
+    return best if 1.0 - probability[given] > SURE else None
+
+
+def probabilities(log_likelihoods: Mapping[Reading, float], given: Reading) -> dict[Reading, float]:
+    """Return the posterior probability of each reading of a column; that of the contract's was `SI` before.
+
+    Parameters
+    ----------
+    log_likelihoods : mapping of readings to float
+        Of each reading.
+    given : reading
+        The reading that the contract says.
+    """
+    others = max(1, len(log_likelihoods) - 1)
     prior = {name: np.log(SI if name == given else (1.0 - SI) / others) for name in log_likelihoods}
-    weight = {name: prior[name] + value for name, value in log_likelihoods.items()}
-    best = max(weight, key=lambda name: weight[name])
-    top = weight[best]
-    as_given = float(np.exp(weight[given] - top) / np.sum(np.exp(np.array(list(weight.values())) - top)))
-    return best if 1.0 - as_given > SURE else None
+    weight = np.array([prior[name] + value for name, value in log_likelihoods.items()])
+    share = np.exp(weight - weight.max())
+    return dict(zip(log_likelihoods, (share / share.sum()).tolist(), strict=True))

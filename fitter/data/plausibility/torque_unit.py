@@ -1,8 +1,9 @@
 """Torque in thousandths of newton metres, or in newton millimetres, where newton metres are expected.
 
 The torque equation is linear in masses, so no residual shows the unit: a thousand times the torque is a thousand
-times the mass. Where gravity pulls at a joint the masses beyond it show, and lengths say how heavy such an arm
-is. Inertia says less: a rotor behind a gear may exceed the arm's own by far.
+times the mass. Where gravity pulls at a joint the masses beyond it show, and lengths say what no arm of that size
+can weigh. Inertia says nothing: a rotor behind a gear may exceed the arm's own by far. An arm that is light for
+its size passes in N·mm as a heavy one, and is not asked about.
 """
 
 import numpy as np
@@ -10,11 +11,16 @@ import numpy as np
 from arm.model import Arm, Floats
 from arm.regressor import regressor
 from fitter.data.motions import Measured
-from fitter.data.plausibility.magnitude import EFFECTIVE_SAMPLES, MASS_MOMENT, likely
+from fitter.data.plausibility.magnitude import EFFECTIVE_SAMPLES
 from fitter.data.plausibility.motion_sizes import drawn_torque, thinned, turning
 from fitter.data.plausibility.refusal import Refusal
 
-_UNITS = {"N.m": 1.0, "N.mm": 1e-3}
+#: Density of steel [kg/m³] (EN 1991-1-1).
+_STEEL = 7850.0
+#: First moment of the heaviest load an arm may have, over the fourth power of its reach [kg/m³]: a ball of solid
+#: steel at its end, as thick as the arm is long.
+_HEAVIEST = _STEEL * np.pi / 6.0
+_MILLI = 1e-3
 #: Gravity's torque counts by what exceeds this many of its standard errors.
 _STANDARD_ERRORS = 2.0
 #: What the data tells less of than this, as a fraction of what it tells most of, it does not tell; and torque is
@@ -42,15 +48,14 @@ def look(motion: Measured, arm: Arm) -> Measured:
     j = int(np.argmax(carried))
     if not (carried[j] > 0.0 and reaches[j] > 0.0):
         return motion
-    moment = float(carried[j]) / gravity
-    weight = {unit: MASS_MOMENT.log_likelihood(scale * moment / reaches[j] ** 4) for unit, scale in _UNITS.items()}
-    if likely(weight, "N.m") != "N.mm":
+    moment, heaviest = float(carried[j]) / gravity, _HEAVIEST * float(reaches[j]) ** 4
+    if moment <= heaviest or _MILLI * moment > heaviest:
         return motion
     raise Refusal(
         f"{motion.where}: tau{j + 1} carries {carried[j]:.3g} N·m against gravity, at least "
-        f"{moment / reaches[j]:.3g} kg on an arm that reaches {reaches[j]:.3g} m beyond joint {j + 1}: is tau in "
-        'N·mm or mN·m? Expected N·m, or the unit stated, as in --columns "tau=tau{j}:N.mm" (tau=tau{j}:N.m if it '
-        "is N·m)"
+        f"{moment / reaches[j]:.3g} kg on an arm that reaches {reaches[j]:.3g} m beyond joint {j + 1}, and a ball "
+        "of solid steel as thick as that is lighter: is tau in N·mm or mN·m, or are lengths of the arm file too "
+        'short? Expected N·m, or the unit stated, as in --columns "tau=tau{j}:N.mm" (tau=tau{j}:N.m if it is N·m)'
     )
 
 

@@ -90,3 +90,14 @@ def draw_six():
     arm = replace(draw_arm(rng, 6, prismatic=False), control=Control())
     trial = driven(arm, 6)
     return arm, Measured("six", "six.csv", 0, trial.t, {"q": trial.q, "tau": trial.tau})
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_a_torque_with_another_fault_does_not_speak_of_degrees(arm, clean, seed):
+    motion = clean(seed)
+    tau = motion.columns["tau"]
+    held = motion.columns["q"].copy()
+    held[300:340, 1] = held[300, 1]
+    for fault in ({"tau": tau[:, ::-1]}, {"tau": tau * np.array([-1.0, 1.0])}, {"q": held}):
+        other = changed(motion, **fault)
+        assert look(other, arm) is other
