@@ -211,7 +211,10 @@ def _with_covariance(fit: DynamicsFit, covariance: Floats, freedom: float) -> Dy
 
 def with_break_away(fit: DynamicsFit, trials: Sequence[Trial]) -> DynamicsFit:
     """Return a fit with the static frictions that its trials show, and what they lack to show them."""
-    found = static_friction(fit.arm, trials)
+    free = fit.problem.free
+    covariance = np.zeros((len(fit.base.names), len(fit.base.names)))
+    covariance[np.ix_(free, free)] = fit.covariance
+    found = static_friction(fit.arm, trials, covariance)
     joints = tuple(
         replace(joint, friction=replace(joint.friction, static_N_m=one.parameter.value))
         for joint, one in zip(fit.arm.joints, found, strict=True)

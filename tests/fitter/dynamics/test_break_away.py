@@ -10,7 +10,10 @@ from hypothesis import strategies as st
 from arm.arm_file import load_arm
 from arm.bench import Bench, motions, rest_angles
 from arm.model import Control, Estimate, Friction
+from arm.newton_euler import inverse_dynamics
 from arm.simulation import simulate
+from benchmarks.coverage import learn
+from benchmarks.coverage_case import draw_case
 from fitter.data.trials import Trial
 from fitter.dynamics.break_away import static_friction
 
@@ -95,7 +98,7 @@ def test_a_jump_of_the_target_is_too_wide_a_bracket():
     m = simulate(arm, ref, DT, np.zeros(2))
     found = static_friction(arm, [Trial("jump", m.t, DT, m.q, m.dq, m.ddq, m.tau, m.ref)])[1]
     assert not found.parameter.identifiable
-    assert found.let_go == pytest.approx(9.5 * 0.5)
+    assert 9.5 * 0.5 <= found.let_go <= 9.5  # what a step's rise may hide lies above the load of a sample
     assert "rises slowly would narrow it" in found.why
 
 
@@ -141,3 +144,27 @@ def test_says_what_is_missing():
     assert "needs the torque tau2" in static_friction(measured, [replace(trial, tau=None)])[1].why
     running = replace(trial, dq=trial.dq + 1.0)
     assert "never stood still" in static_friction(arm, [running])[0].why
+
+
+def test_a_filter_shows_motion_before_it_begins():
+    """Of angles alone motion is seen while the joint still stands, and at a load that did not move it."""
+    found = [one for one in learn(draw_case(84078, 2, "q"), None) if one.kind == "static"]
+    assert [one.name for one in found] == ["F2"]
+    assert all(one.inside for one in found)
+
+
+def test_a_joint_that_creeps_lets_go_of_nothing():
+    """It slides on, more slowly than its velocity's noise shows, and is driven on by less than static friction."""
+    dt, n = 0.004, 1000
+    arm = rubbing(2.0, 1.0)
+    t = np.arange(n) * dt
+    speed = np.where(t < 2.0, 2e-4, 2e-4 + 0.5 * np.maximum(t - 2.0, 0.0))
+    dq = np.column_stack([np.zeros(n), speed])
+    q, ddq = np.cumsum(dq, axis=0) * dt, np.gradient(dq, dt, axis=0)
+    tau = inverse_dynamics(arm, q, dq, ddq)
+    rng = np.random.default_rng(1)
+    dq = dq + 1e-3 * rng.normal(size=dq.shape)
+    trial = Trial("creeps", t, dt, q + 1e-6 * rng.normal(size=q.shape), dq, ddq, tau, np.zeros_like(q))
+    found = static_friction(replace(arm, control=Control()), [trial])[1]
+    assert found.let_go == np.inf
+    assert not found.parameter.identifiable
