@@ -17,6 +17,7 @@ from fitter.dynamics.consistency import made_possible, with_warnings
 from fitter.dynamics.drawn_torque import drawn_dynamics
 from fitter.dynamics.dynamics_fit import DynamicsFit, Method, Objective
 from fitter.dynamics.evaluation import HORIZON_S
+from fitter.dynamics.filter_shift import with_filter_shift
 from fitter.dynamics.learned_torque import has_unknown_target
 from fitter.dynamics.motion_search import polished_by_motion
 from fitter.dynamics.noise_spectrum import weighted_by_noise
@@ -139,6 +140,8 @@ def fit_dynamics(
         fit = polished_by_motion(fit, learn, window_s, polishing)
     else:
         fit = replace(fit, objective=objective, notes=notes)
+    if notes == (DISAGREE,) and objective == "torque":
+        fit = with_filter_shift(fit, arm, learn, fixed or {}, rest_speed)
     if objective == "torque":
         fit = with_draws(fit, arm, learn, geometries, rest_speed)
     if physical or examine:
