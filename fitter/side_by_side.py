@@ -28,6 +28,11 @@ def work_alone() -> None:
     _alone.set(True)
 
 
+def processors(most: int) -> int:
+    """Return how many things may be done at once of so many: one where others have the processors busy."""
+    return 1 if _alone.get() else max(1, min(len(os.sched_getaffinity(0)), _MOST, most))
+
+
 def side_by_side(
     work: Callable[[Item], Result],
     items: Sequence[Item],
@@ -49,7 +54,7 @@ def side_by_side(
     Exception
         What the work on an item raises.
     """
-    most = 1 if _alone.get() else min(len(os.sched_getaffinity(0)), _MOST, len(items))
+    most = processors(len(items))
     reading, writing = os.pipe()
     begun: list[_Helper] = []
     done: dict[int, Result] = {}

@@ -7,33 +7,22 @@ they were measured (`fitter.dynamics.output_error`).
 
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import NamedTuple
 
 import numpy as np
 
 from arm.base_parameters import BaseParameters
-from arm.chain import Chain
-from arm.drive_state import unchanging
-from arm.integration import runge_kutta_steps
 from arm.model import Arm, Floats
 from fitter.data.trials import Trial
 from fitter.dynamics.law_columns import LawColumns
 from fitter.dynamics.law_fit import LawFit
 from fitter.dynamics.output_error import fit_motion
-from fitter.dynamics.shooting import Shooting
-from fitter.dynamics.stretches import LONGEST_STEP_S, Stretch, stretches
+from fitter.dynamics.shooting import Machine, Shooting
+from fitter.dynamics.stretches import LONGEST_STEP_S, stretches
 
 #: Where a simulation can't follow whole trials, it begins anew so often: what swings undamped forgets its start.
 _WINDOW_S = 1.0
 #: A parameter makes itself felt by so many standard errors.
 _FELT = 1e3
-
-
-class Driven(NamedTuple):
-    """An arm and the law that drives it, as simulations take them."""
-
-    chain: Chain
-    law: Floats
 
 
 class ClosedLoop(Shooting):
@@ -52,18 +41,10 @@ class ClosedLoop(Shooting):
         super().__init__(replace(arm, control=columns.control(np.zeros(len(columns.names)))), base)
         self._columns = columns
 
-    def chain(self, values: Floats) -> Driven:  # type: ignore[override]  # gains change along with the arm
+    def machine(self, values: Floats) -> Machine:
         """Return an arm with these base parameters and the law with these gains."""
-        return Driven(super().chain(values[: self._columns.n_base]), self._columns.law_table(values))
-
-    def angles(self, chain: Driven, stretch: Stretch, start: Floats) -> Floats:  # type: ignore[override]
-        """Return the simulated angles of a stretch, (n_sample, n_joint); infinite where the arm ran away."""
-        n = stretch.measured.shape[1]
-        drive = np.tile(start[2 * n :], (len(stretch.drive), 1)) if stretch.free_target else stretch.drive
-        motion = np.empty((4, *drive.shape))
-        state = start[: 2 * n].reshape(2, n).copy()
-        runge_kutta_steps(chain.chain, chain.law, False, drive, stretch.dt_s, state, motion, unchanging(n))
-        return np.where(np.isfinite(motion[0]), motion[0], np.inf)
+        machine = super().machine(values[: self._columns.n_base])
+        return machine._replace(law=self._columns.law_table(values))
 
 
 def polished(fit: LawFit, arm: Arm, base: BaseParameters, trials: Sequence[Trial]) -> LawFit:

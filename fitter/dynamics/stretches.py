@@ -37,6 +37,10 @@ class Stretch:
         Angles and velocities at the first instant, and where it is unknown the target: what a search begins with.
     drives : DriveState, or None
         Under a law: gains of the trial's own, and where the drives are engaged, in each step.
+    began_s : float
+        The run's time at the first instant [s].
+    start_std : (n_start,), optional
+        Standard errors of ``start``; without them nothing but the stretch itself says where it starts.
     """
 
     trial: int
@@ -45,6 +49,8 @@ class Stretch:
     measured: Floats
     start: Floats
     drives: DriveState | None = None
+    began_s: float = 0.0
+    start_std: Floats | None = None
 
     def schedule(self, control: Control) -> Floats:
         """Return the gains of every step, as a simulation takes them; none where they are the law's throughout."""
@@ -101,7 +107,9 @@ def stretches(arm: Arm, trials: Sequence[Trial], step_s: float, window_s: float 
                 window = slice(first, last + 1)
                 own = None if switched is None else switched.rows(window)
                 begins, dt_s = np.concatenate(start), stride * trial.dt_s
-                cut.append(Stretch(number, dt_s, drive[window], measured[window], begins, own))
+                since = begin + int(first) * stride - (trial.trimmed if trial.whole else 0)
+                began_s = trial.began_s + since * trial.dt_s
+                cut.append(Stretch(number, dt_s, drive[window], measured[window], begins, own, began_s))
     return cut
 
 

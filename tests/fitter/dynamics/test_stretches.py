@@ -33,9 +33,9 @@ def test_long_steps_see_the_motion_that_short_ones_do(fast_motion, step_s):
     stretch = stretches(ARM, [trial_of(fast_motion, ref=fast_motion.ref)], step_s)[0]
     base = structural_parameters(ARM)
     shooting = Shooting(ARM, base)
-    chain = shooting.chain(base.combination @ standard_parameters(ARM))
+    machine = shooting.machine(base.combination @ standard_parameters(ARM))
     start = np.concatenate([stretch.measured[0], [0.0, 0.0]])
-    assert np.max(np.abs(shooting.angles(chain, stretch, start) - stretch.measured)) < 3e-6
+    assert np.max(np.abs(shooting.angles(machine, stretch, start) - stretch.measured)) < 3e-6
 
 
 def test_white_noise_is_averaged_over_every_sample(fast_motion):

@@ -1,0 +1,1 @@
+"""How far an arm's simulated motion goes astray, and its numbers moved until it does least."""
