@@ -1,0 +1,1 @@
+"""Likelihood of the torque equation, and the torque that it misses."""

@@ -1,0 +1,34 @@
+"""Residuals with a background that is known, and pulses hidden in it."""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from arm.model import Floats
+from fitter.diagnosis.torque.missing_torque import ResidualTorque
+from fitter.diagnosis.torque.pulses import pulse_means
+
+STEP_S, LASTS_S, BAND_HZ = 0.04, 10.0, 12.5
+
+
+def coloured(rng: np.random.Generator, std: float = 0.05, time_constant_s: float = 0.3) -> Floats:
+    """Return an Ornstein-Uhlenbeck process with white noise of a fifth of its size, (n,) [N m]."""
+    n = round(LASTS_S / STEP_S)
+    kept = np.exp(-STEP_S / time_constant_s)
+    x = np.zeros(n)
+    x[0] = std * rng.normal()
+    for k in range(1, n):
+        x[k] = kept * x[k - 1] + std * np.sqrt(1.0 - kept**2) * rng.normal()
+    return x + 0.2 * std * rng.normal(size=n)
+
+
+def trial(rng: np.random.Generator, pulses: Sequence[tuple[float, float, float, str]] = ()) -> ResidualTorque:
+    """Return a residual of one joint with pulses of a start, a duration, a size and a form."""
+    t = np.arange(round(LASTS_S / STEP_S)) * STEP_S
+    r = coloured(rng)
+    for start_s, duration_s, size, form in pulses:
+        r += size * pulse_means(t, STEP_S, start_s, duration_s, form)
+    torque = np.sin(2.0 * np.pi * 0.7 * t)[:, None]
+    known = np.ones((len(t), 1), dtype=bool)
+    noise = np.array([0.005]), np.array([0.0])
+    return ResidualTorque(t, r[:, None], known, torque, BAND_HZ, *noise)
