@@ -1,1 +1,1 @@
-"""Likelihood of the torque equation, and the torque that it misses."""
+"""The torque equation: its likelihood, the torque that is missing in it, and pulses in that."""

@@ -1,0 +1,299 @@
+"""The likelihood of the torque equation: base parameters, effects, and the floor of what the model lacks."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+
+import numpy as np
+import scipy.optimize
+
+from arm.model import Arm, Floats
+from fitter.diagnosis.attenuation import compensated, noisier
+from fitter.diagnosis.base_columns import BaseColumns
+from fitter.diagnosis.model import Model
+from fitter.diagnosis.motion import Motion, noise_of_angles, white_noise
+from fitter.diagnosis.order import downstream
+from fitter.diagnosis.torque.noise import SensorNoise, floor_of, sensor_noise
+from fitter.diagnosis.torque.spectra import BAND_SHARE, Spectra, spectra_of
+from fitter.diagnosis.torque.weights import Unknown, Weights, unknown_torques
+from fitter.diagnosis.view import View, view_of
+
+#: A perfect torque or angle has at least the noise of rounding, as a share of its rms.
+_LEAST_NOISE = 1e-4
+#: Blocks of neighbouring rows last about so long [s].
+BLOCK_S = 1.0
+
+
+@dataclass(frozen=True)
+class System:
+    """Coefficients of one motion's equations: the design's columns, and the target as the last one."""
+
+    Z: "np.ndarray"
+    noise: "np.ndarray"
+
+
+@dataclass(frozen=True)
+class Fit:
+    """A model fitted to its trials.
+
+    Attributes
+    ----------
+    model : Model
+    x : (n_factor,)
+    sensors : SensorNoise
+        Under this model.
+    weights : mapping of int to Weights
+        By the motion's number.
+    floors : mapping of int to (n_joint,) [N^2 m^2]
+    nats : (n_block,)
+        Log-likelihood of blocks of the trials that it was fitted to.
+    covariance : (n_factor + n_psi, n_factor + n_psi)
+        Of factors and psi, by blocks.
+    """
+
+    model: Model
+    x: Floats
+    sensors: SensorNoise
+    weights: Mapping[int, Weights]
+    floors: Mapping[int, Floats]
+    nats: Floats
+    trials: Floats
+    held_out: Floats = field(default_factory=lambda: np.zeros(0))
+
+    @property
+    def total(self) -> float:
+        """Log-likelihood [nats]."""
+        return float(self.nats.sum())
+
+
+class TorqueLikelihood:
+    """The likelihood of the torque equation.
+
+    Parameters
+    ----------
+    arm : Arm
+        Geometry, gravity, law.
+    motions : sequence of Motion
+        Learning ones first.
+    denied : tuple of str
+        Beginnings of names of base parameters that are left out.
+    known : (column, value), optional
+        A standard parameter that is not sought.
+    """
+
+    def __init__(
+        self,
+        arm: Arm,
+        motions: Sequence[Motion],
+        denied: tuple[str, ...] = (),
+        known: tuple[int, float] | None = None,
+    ) -> None:
+        self.arm, self.motions, self.denied, self.known = arm, list(motions), denied, known
+        self.learning = [motion for motion in motions if motion.learn]
+        self.sought = BaseColumns(arm, denied, known)
+        self.noisier = noisier(arm, self.motions)
+        corner = min(*(motion.trial.cutoff_hz for motion in motions), 0.4 / max(m.dt_s for m in motions))
+        self.band_hz = BAND_SHARE * corner
+        self.spectra = {motion.number: spectra_of(motion, self.band_hz) for motion in motions}
+        self._white_torque = self._torque_noise()
+        self.holding = np.full(arm.n_joint, np.inf)
+        self._unknown: dict[int, Unknown] = {}
+
+    def _torque_noise(self) -> Floats:
+        """Return the variance of the torque's white noise a sample of the motions' grid, (n_joint, n_joint)."""
+        motions, arm = self.motions, self.arm
+        angle = noise_of_angles([motion.trial for motion in motions])
+        u = np.concatenate([motion.u for motion in motions])
+        if all("tau" in motion.trial.whole for motion in motions):
+            torque = white_noise([motion.trial.whole["tau"] for motion in motions])
+        elif arm.control.kp and motions[0].trial.tau is None:
+            torque = np.abs(arm.control.kp) * angle
+        else:
+            torque = np.zeros(arm.n_joint)
+        thinned = np.sqrt(np.mean([motion.trial.dt_s / motion.dt_s for motion in motions]))
+        least = _LEAST_NOISE * np.maximum(np.sqrt(np.mean(u**2, axis=0)), 1e-9)
+        self._least = least**2
+        return np.diag(np.maximum(thinned * torque, least) ** 2)
+
+    # -- equations -----------------------------------------------------------------------------------------------
+
+    def view(self, model: Model, motion: Motion) -> View:
+        """Return a motion under a model, its columns in the model's order."""
+        view = view_of(motion, self.arm)
+        order = downstream(model)
+        for i in order:
+            view = model.hypotheses[i].act(view, model.psi[i])
+        return view
+
+    def equations(self, model: Model, motion: Motion) -> Floats:
+        """Return design and target on the motion's grid, (n, n_joint, n_factor + 1)."""
+        view = self.view(model, motion)
+        design = view.equations(self.sought.of(view.arm))
+        return np.concatenate([design, view.target(self.known)[..., None]], axis=2)
+
+    def system(self, model: Model, motion: Motion, noisy: bool = True) -> System:
+        """Return the coefficients of a motion's equations, and of what a draw of noise makes of them."""
+        spectra = self.spectra[motion.number]
+        Z = spectra.of(self.equations(model, motion))
+        if not noisy:
+            return System(Z, Z[:, :, :0])
+        loud = spectra.of(self.equations(model, self.noisier[motion.number]))
+        return System(Z, loud - Z)
+
+    def unknown(self, motion: Motion) -> Unknown:
+        """Return what is not known of a motion's torques."""
+        if motion.number not in self._unknown:
+            self._unknown[motion.number] = unknown_torques(motion, self.spectra[motion.number], self.holding)
+        return self._unknown[motion.number]
+
+    def trials_of(self, model: Model) -> list[Motion]:
+        """Return the trials that a model is fitted to: all of them if something in it happens in single ones."""
+        return self.motions if model.is_event else self.learning
+
+    # -- fitting -------------------------------------------------------------------------------------------------
+
+    def sensors(self, systems: Mapping[int, System], x: Floats) -> SensorNoise:
+        """Return the sensors' noise under a model, by what a draw of it leaves."""
+        parts = []
+        for number, system in systems.items():
+            spectra = self.spectra[number]
+            left = system.noise @ np.append(-x, 1.0)
+            parts.append((spectra.f[1:], left[1:]))
+        f, draw = (np.concatenate(column) for column in zip(*parts, strict=True))
+        return sensor_noise(f, draw, self._least)
+
+    def weigh(self, motion: Motion, sensors: SensorNoise, floor: Floats) -> Weights:
+        """Return the weights of a motion's rows."""
+        covariance = sensors.covariance(self.spectra[motion.number].f) + np.diag(floor)
+        return Weights(covariance, self.unknown(motion), sensors.covariance(self.spectra[motion.number].f))
+
+    def solve(self, systems: Mapping[int, System], weights: Mapping[int, Weights]) -> tuple[Floats, dict[int, Floats]]:
+        """Return the factors, and the white rows that they leave by motion."""
+        rows = {number: weights[number].rows(system.Z) for number, system in systems.items()}
+        noise = {number: weights[number].rows(system.noise) for number, system in systems.items()}
+        gram = sum(one.T @ one for one in rows.values())
+        loud = sum(one.T @ one for one in noise.values())
+        x = compensated(gram[:-1, :-1], gram[:-1, -1], loud[:-1, :-1], loud[:-1, -1])
+        return x, {number: one[:, -1] - one[:, :-1] @ x for number, one in rows.items()}
+
+    def floor(self, motion: Motion, weights: Weights, left: Floats, sensors: SensorNoise, start: Floats) -> Floats:
+        """Return the floor of a motion by what a model leaves of it, (n_joint,)."""
+        torque = weights.torque(left[:, None])[:, :, 0]
+        power = 0.5 * np.abs(torque) ** 2
+        own = np.diagonal(sensors.covariance(self.spectra[motion.number].f), axis1=1, axis2=2)
+        return floor_of(power, own, weights.freedom, start)
+
+    def fit(self, model: Model, start: Fit | None = None, held: int = 0, refine: bool = True) -> Fit:
+        """Return a model fitted to its trials, floors and sensors' noise with it.
+
+        Parameters
+        ----------
+        model : Model
+        start : Fit, optional
+            Of a smaller model: its weights are begun with.
+        held : int
+            The psi of so many hypotheses, from the first on, stay.
+        refine : bool
+            Whether psi is sought.
+        """
+        trials = self.trials_of(model)
+        weights, sensors, floors = self._begin(trials, start)
+        free = refine and len(Model(model.hypotheses[held:], model.psi[held:]).flat) > 0
+        for turn in range(2 if free else 1):
+            if free:
+                model = self.refined(model, trials, weights, held)
+            systems = {motion.number: self.system(model, motion) for motion in trials}
+            before = -np.inf
+            for _ in range(_ROUNDS):
+                x, left = self.solve(systems, weights)
+                sensors = self.sensors(systems, x)
+                floors = {
+                    motion.number: self.floor(
+                        motion, weights[motion.number], left[motion.number], sensors, floors[motion.number]
+                    )
+                    for motion in trials
+                }
+                weights = {motion.number: self.weigh(motion, sensors, floors[motion.number]) for motion in trials}
+                total = self._total(left, weights)
+                if abs(total - before) < _SETTLED * len(trials):
+                    break
+                before = total
+        x, left = self.solve(systems, weights)
+        nats = np.concatenate([self.nats(motion, left[motion.number], weights[motion.number]) for motion in trials])
+        trial = np.concatenate([np.full(self.n_block(motion), motion.number) for motion in trials])
+        return Fit(model, x, sensors, weights, floors, nats, trial)
+
+    def _begin(
+        self, trials: Sequence[Motion], start: Fit | None
+    ) -> tuple[dict[int, Weights], SensorNoise, dict[int, Floats]]:
+        """Return weights, sensors' noise and floors to begin a fit with."""
+        if start is not None and all(motion.number in start.weights for motion in trials):
+            return dict(start.weights), start.sensors, dict(start.floors)
+        if start is not None:
+            sensors = start.sensors
+        else:
+            thinned = np.mean([motion.trial.dt_s / motion.dt_s for motion in self.motions])
+            angle = noise_of_angles([motion.trial for motion in self.motions])
+            spread = np.std(np.concatenate([motion.q for motion in self.motions]), axis=0)
+            turned = np.diag(thinned * np.maximum(angle, 1e-9 * np.maximum(spread, 1.0)) ** 2)
+            sensors = SensorNoise(self._white_torque, turned, np.zeros(1), np.ones((1, self.arm.n_joint)))
+        usual = np.mean(np.concatenate([motion.u for motion in self.motions]) ** 2, axis=0)
+        usual = np.maximum(usual, 10.0 * np.diag(self._white_torque))
+        if start is not None:
+            usual = np.max(list(start.floors.values()), axis=0)
+        floors = {motion.number: usual for motion in trials}
+        known = {} if start is None else start.floors
+        floors = {number: known.get(number, floor) for number, floor in floors.items()}
+        return (
+            {motion.number: self.weigh(motion, sensors, floors[motion.number]) for motion in trials},
+            sensors,
+            floors,
+        )
+
+    def _total(self, left: Mapping[int, Floats], weights: Mapping[int, Weights]) -> float:
+        return sum(-0.5 * float(one @ one) - 0.5 * weights[number].log_det for number, one in left.items())
+
+    def n_block(self, motion: Motion) -> int:
+        """Return how many blocks a motion has."""
+        return max(2, round(len(motion.t) * motion.dt_s / BLOCK_S))
+
+    def nats(self, motion: Motion, left: Floats, weights: Weights) -> Floats:
+        """Return the log-likelihood of a motion block by block, (n_block,)."""
+        series = self.spectra[motion.number].in_time(weights.coefficients(left[:, None])[:, :, 0])
+        blocks = np.array_split(np.sum(series**2, axis=1), self.n_block(motion))
+        n = sum(len(one) for one in blocks)
+        return np.array([-0.5 * one.sum() - 0.5 * weights.log_det * len(one) / n for one in blocks])
+
+    def refined(self, model: Model, trials: Sequence[Motion], weights: Mapping[int, Weights], held: int) -> Model:
+        """Return a model with the free psi that leave least, the weights as they are (variable projection)."""
+        free = Model(model.hypotheses[held:], model.psi[held:])
+        low = np.concatenate([np.zeros(0), *(one.low for one in free.hypotheses)])
+        high = np.concatenate([np.zeros(0), *(one.high for one in free.hypotheses)])
+        begin = np.clip(free.flat, low + 1e-12, high - 1e-12)
+
+        def at(flat: Floats) -> Model:
+            return replace(model, psi=(*model.psi[:held], *free.at(flat).psi))
+
+        def left(flat: Floats) -> Floats:
+            systems = {motion.number: self.system(at(flat), motion) for motion in trials}
+            return np.concatenate(list(self.solve(systems, weights)[1].values()))
+
+        found = scipy.optimize.least_squares(
+            left,
+            begin,
+            bounds=(low, high),
+            x_scale=np.maximum(np.abs(begin), 1e-3),
+            diff_step=1e-4,
+            max_nfev=_EVALUATIONS,
+            xtol=1e-5,
+            ftol=1e-6,
+        )
+        return at(found.x)
+
+
+#: Weights and answer are found in turn; most of the likelihood is gained in the first few rounds.
+_ROUNDS = 6
+#: A round that gains less than this a trial is the last [nats].
+_SETTLED = 0.1
+#: Steps of a search for psi.
+_EVALUATIONS = 12
