@@ -6,6 +6,7 @@ from functools import cached_property
 
 import numpy as np
 import scipy.optimize
+from numpy.typing import NDArray
 
 from arm.model import Arm, Floats
 from fitter.diagnosis.attenuation import compensated, noisier
@@ -40,29 +41,37 @@ class Fit:
     ----------
     model : Model
     x : (n_factor,)
+        Base parameters, and then the factors of the effects' columns.
     sensors : SensorNoise
         Under this model.
+    floors : mapping of int to (n_joint,) [N^2 m^2]
+        By the motion's number.
+    nats : (n_block,)
+        Log-likelihood of blocks of all trials, in units of what sensors' noise alone would have.
+    trial : (n_block,) int
+    learnt : (n_block,) bool
+        Whether the trial may be learnt from.
     weights : mapping of int to Weights
         By the motion's number.
-    floors : mapping of int to (n_joint,) [N^2 m^2]
-    nats : (n_block,)
-        Log-likelihood of blocks of the trials that it was fitted to.
-    covariance : (n_factor + n_psi, n_factor + n_psi)
-        Of factors and psi, by blocks.
     """
 
     model: Model
     x: Floats
     sensors: SensorNoise
-    weights: Mapping[int, Weights]
     floors: Mapping[int, Floats]
     nats: Floats
-    trials: Floats
-    held_out: Floats = field(default_factory=lambda: np.zeros(0))
+    trial: NDArray[np.intp]
+    learnt: NDArray[np.bool_]
+    weights: Mapping[int, Weights] = field(default_factory=dict, repr=False)
+
+    @property
+    def n_number(self) -> int:
+        """How many numbers its effects have."""
+        return sum(one.n_number for one in self.model.hypotheses)
 
     @property
     def total(self) -> float:
-        """Log-likelihood [nats]."""
+        """Log-likelihood of all trials [nats]."""
         return float(self.nats.sum())
 
 
@@ -218,37 +227,70 @@ class TorqueLikelihood:
                 if abs(total - before) < _SETTLED * len(trials):
                     break
                 before = total
+        return self.judged(model, trials, weights, sensors, floors, systems, start)
+
+    def judged(
+        self,
+        model: Model,
+        trials: Sequence[Motion],
+        weights: dict[int, Weights],
+        sensors: SensorNoise,
+        floors: dict[int, Floats],
+        systems: dict[int, System],
+        start: Fit | None,
+    ) -> Fit:
+        """Return a fit with the likelihood of all trials, those too that it was not fitted to."""
         x, left = self.solve(systems, weights)
-        nats = np.concatenate([self.nats(motion, left[motion.number], weights[motion.number]) for motion in trials])
-        trial = np.concatenate([np.full(self.n_block(motion), motion.number) for motion in trials])
-        return Fit(model, x, sensors, weights, floors, nats, trial)
+        weights, floors = dict(weights), dict(floors)
+        usual = np.max(list(floors.values()), axis=0)
+        for motion in self.motions:
+            if motion.number in left:
+                continue
+            floor = usual if start is None or motion.number not in start.floors else start.floors[motion.number]
+            Z = self.system(model, motion, noisy=False).Z
+            for _ in range(_JUDGING_ROUNDS):
+                own = self.weigh(motion, sensors, floor)
+                residual = own.rows(Z) @ np.append(-x, 1.0)
+                floor = self.floor(motion, own, residual, sensors, floor)
+            weights[motion.number] = self.weigh(motion, sensors, floor)
+            floors[motion.number] = floor
+            left[motion.number] = weights[motion.number].rows(Z) @ np.append(-x, 1.0)
+        blocks = [self.nats(motion, left[motion.number], weights[motion.number]) for motion in self.motions]
+        count = [len(one) for one in blocks]
+        return Fit(
+            model,
+            x,
+            sensors,
+            floors,
+            np.concatenate(blocks),
+            np.repeat([motion.number for motion in self.motions], count),
+            np.repeat([motion.learn for motion in self.motions], count),
+            weights,
+        )
+
+    def weights_of(self, fit: Fit) -> Mapping[int, Weights]:
+        """Return the weights of all motions under a fit."""
+        if fit.weights:
+            return fit.weights
+        return {motion.number: self.weigh(motion, fit.sensors, fit.floors[motion.number]) for motion in self.motions}
 
     def _begin(
         self, trials: Sequence[Motion], start: Fit | None
     ) -> tuple[dict[int, Weights], SensorNoise, dict[int, Floats]]:
         """Return weights, sensors' noise and floors to begin a fit with."""
-        if start is not None and all(motion.number in start.weights for motion in trials):
-            return dict(start.weights), start.sensors, dict(start.floors)
         if start is not None:
-            sensors = start.sensors
-        else:
-            thinned = np.mean([motion.trial.dt_s / motion.dt_s for motion in self.motions])
-            angle = noise_of_angles([motion.trial for motion in self.motions])
-            spread = np.std(np.concatenate([motion.q for motion in self.motions]), axis=0)
-            turned = np.diag(thinned * np.maximum(angle, 1e-9 * np.maximum(spread, 1.0)) ** 2)
-            sensors = SensorNoise(self._white_torque, turned, np.zeros(1), np.ones((1, self.arm.n_joint)))
+            known = self.weights_of(start)
+            own = [motion.number for motion in trials]
+            return {k: known[k] for k in own}, start.sensors, {k: start.floors[k] for k in own}
+        thinned = np.mean([motion.trial.dt_s / motion.dt_s for motion in self.motions])
+        angle = noise_of_angles([motion.trial for motion in self.motions])
+        spread = np.std(np.concatenate([motion.q for motion in self.motions]), axis=0)
+        turned = np.diag(thinned * np.maximum(angle, 1e-9 * np.maximum(spread, 1.0)) ** 2)
+        sensors = SensorNoise(self._white_torque, turned, np.zeros(1), np.ones((1, self.arm.n_joint)))
         usual = np.mean(np.concatenate([motion.u for motion in self.motions]) ** 2, axis=0)
-        usual = np.maximum(usual, 10.0 * np.diag(self._white_torque))
-        if start is not None:
-            usual = np.max(list(start.floors.values()), axis=0)
-        floors = {motion.number: usual for motion in trials}
-        known = {} if start is None else start.floors
-        floors = {number: known.get(number, floor) for number, floor in floors.items()}
-        return (
-            {motion.number: self.weigh(motion, sensors, floors[motion.number]) for motion in trials},
-            sensors,
-            floors,
-        )
+        floor = np.maximum(usual, 10.0 * np.diag(self._white_torque))
+        floors = {motion.number: floor for motion in trials}
+        return {motion.number: self.weigh(motion, sensors, floor) for motion in trials}, sensors, floors
 
     def _total(self, left: Mapping[int, Floats], weights: Mapping[int, Weights]) -> float:
         return sum(-0.5 * float(one @ one) - 0.5 * weights[number].log_det for number, one in left.items())
@@ -295,5 +337,7 @@ class TorqueLikelihood:
 _ROUNDS = 6
 #: A round that gains less than this a trial is the last [nats].
 _SETTLED = 0.1
+#: Rounds in which the floor of a trial that was not fitted to is found.
+_JUDGING_ROUNDS = 2
 #: Steps of a search for psi.
 _EVALUATIONS = 12

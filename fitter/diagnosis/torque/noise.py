@@ -50,7 +50,7 @@ class SensorNoise:
         return np.asarray(np.linalg.cholesky(squared))
 
 
-def floor_of(power: Floats, sensors: Floats, freedom: float, start: Floats) -> Floats:
+def floor_of(power: Floats, sensors: Floats, freedom: Floats, start: Floats) -> Floats:
     """Return the floor that makes a residual likeliest, joint by joint.
 
     Parameters
@@ -59,8 +59,8 @@ def floor_of(power: Floats, sensors: Floats, freedom: float, start: Floats) -> F
         Mean square of real and imaginary part of the residual's coefficients.
     sensors : (n_frequency, n_joint)
         Variance that sensors explain.
-    freedom : float
-        Share of the rows that nuisance torques have left.
+    freedom : (n_frequency, n_joint)
+        Share of the coefficients that nuisance torques have left.
     start : (n_joint,)
         Where the search begins.
 
@@ -70,10 +70,10 @@ def floor_of(power: Floats, sensors: Floats, freedom: float, start: Floats) -> F
         Variances [N^2 m^2], zero where sensors explain all.
     """
     floor = np.maximum(start, 0.0)
-    excess = power / freedom - sensors
+    excess = power - freedom * sensors
     for _ in range(_ROUNDS):
         information = 1.0 / (sensors + floor) ** 2  # of the variance, by one coefficient
-        floor = np.maximum(np.sum(information * excess, axis=0) / np.sum(information, axis=0), 0.0)
+        floor = np.maximum(np.sum(information * excess, axis=0) / np.sum(information * freedom, axis=0), 0.0)
     return np.asarray(floor, dtype=np.float64)
 
 

@@ -37,6 +37,7 @@ class Screening:
 
     def __init__(self, likelihood: TorqueLikelihood, fit: Fit) -> None:
         self._likelihood, self._fit = likelihood, fit
+        self._weights = likelihood.weights_of(fit)
         self._trials = likelihood.trials_of(fit.model)
         self._views = {motion.number: likelihood.view(fit.model, motion) for motion in self._trials}
         rows = self._rows(fit.model)
@@ -52,7 +53,7 @@ class Screening:
 
     def _rows(self, model: Model) -> list[Floats]:
         return [
-            self._fit.weights[motion.number].rows(self._likelihood.system(model, motion, noisy=False).Z)
+            self._weights[motion.number].rows(self._likelihood.system(model, motion, noisy=False).Z)
             for motion in self._trials
         ]
 
@@ -86,7 +87,7 @@ class Screening:
             first = len(view.columns)
             added = [one for psi in starts for one in hypothesis.act(view, psi).columns[first:]]
             columns = np.concatenate(added, axis=2) * view.factor[:, None]
-            rows = self._fit.weights[motion.number].rows(self._likelihood.spectra[motion.number].of(columns))
+            rows = self._weights[motion.number].rows(self._likelihood.spectra[motion.number].of(columns))
             by_start = rows.reshape(len(rows), len(starts), width)
             gram += np.einsum("nsi,nsj->sij", by_start, by_start)
             pull += (rows.T @ r).reshape(len(starts), width)

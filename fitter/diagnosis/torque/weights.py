@@ -74,13 +74,11 @@ class Weights:
         self._axes = np.asfortranarray(np.hstack([held, U]))
         self._lost = np.concatenate([np.ones(held.shape[1]), 1.0 - 1.0 / np.sqrt(1.0 + size**2)])
         n_frequency, self.n_joint = covariance.shape[:2]
-        lost = 1.0 - (1.0 - self._lost) ** 2
-        by_joint = np.sum((self._axes**2) @ lost.reshape(-1, 1) if len(lost) else np.zeros((len(held), 1)), axis=1)
-        rows = by_joint.reshape(n_frequency, self.n_joint, 2) if len(by_joint) else by_joint
-        #: Share of each joint's rows that unknown torques have left, (n_joint,).
-        self.freedom = np.maximum(1.0 - rows.sum(axis=(0, 2)) / (2.0 * n_frequency), 1.0 / (2.0 * n_frequency))
+        lost = (self._axes**2) @ (1.0 - (1.0 - self._lost) ** 2)
+        #: Share of each coefficient's rows that unknown torques have left, (n_frequency, n_joint).
+        self.freedom = np.maximum(1.0 - lost.reshape(n_frequency, self.n_joint, 2).mean(axis=2), _ROUNDING)
         #: How many independent numbers the rows are.
-        self.n_effective = float(2.0 * n_frequency * self.freedom.sum())
+        self.n_effective = float(2.0 * self.freedom.sum())
         own = np.diagonal(np.linalg.cholesky(sensors), axis1=1, axis2=2)
         log_det = 2.0 * np.log(np.diagonal(root, axis1=1, axis2=2) / own)
         #: Sum over all rows of the logarithm of their variance, in units of the sensors' own.

@@ -1,0 +1,85 @@
+"""The torque equation's likelihood as the stepwise search asks for it."""
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+from scipy.stats import chi2
+
+from fitter.diagnosis.hypothesis import Hypothesis
+from fitter.diagnosis.model import Model
+from fitter.diagnosis.torque.likelihood import Fit, TorqueLikelihood
+from fitter.diagnosis.torque.screening import Screened, Screening
+from fitter.side_by_side import side_by_side
+
+#: A floor is there if chance gives as much likelihood to as many floors less often than this.
+_CHANCE = 0.01
+
+
+class TorqueSearch:
+    """Causes sought by the torque equation.
+
+    Parameters
+    ----------
+    likelihood : TorqueLikelihood
+    hypotheses : sequence of Hypothesis
+    """
+
+    def __init__(self, likelihood: TorqueLikelihood, hypotheses: Sequence[Hypothesis]) -> None:
+        self.likelihood, self.hypotheses = likelihood, list(hypotheses)
+
+    def fit_base(self) -> Fit:
+        """Return the model without any effect."""
+        return self.likelihood.fit(Model())
+
+    def screen(self, fit: Fit) -> list[Screened]:
+        """Return all hypotheses that are not in a model, those first that gain most."""
+        known = {one.key for one in fit.model.hypotheses}
+        return Screening(self.likelihood, fit).all([one for one in self.hypotheses if one.key not in known])
+
+    def fit_all(self, fit: Fit, some: Sequence[Sequence[Screened]]) -> list[Fit]:
+        """Return models with further hypotheses, fitted, those that are accepted kept as they are."""
+        models = [fit.model for _ in some]
+        for k, starts in enumerate(some):
+            for start in starts:
+                models[k] = models[k].plus(start.hypothesis, start.psi)
+        held = len(fit.model.hypotheses)
+
+        def numbers(model: Model) -> tuple[tuple[np.ndarray, ...], Fit]:
+            fitted = self.likelihood.fit(model, fit, held)
+            return fitted.model.psi, replace(fitted, model=Model(), weights={})
+
+        found = side_by_side(numbers, models)
+        return [
+            replace(one, model=replace(model, psi=psi)) for model, (psi, one) in zip(models, found, strict=True)
+        ]
+
+    def refit(self, fit: Fit) -> Fit:
+        """Return a model with all its numbers sought anew."""
+        return self.likelihood.fit(fit.model, fit)
+
+    def fit_without(self, fit: Fit, place: int) -> Fit:
+        """Return a model without one of its hypotheses, fitted."""
+        return self.likelihood.fit(fit.model.without(place), fit)
+
+    def is_possible(self, fit: Fit) -> bool:
+        """Say whether all effects' numbers are such that the catalogue allows them."""
+        at = len(fit.x) - fit.model.n_column
+        for hypothesis, psi in zip(fit.model.hypotheses, fit.model.psi, strict=True):
+            if not hypothesis.possible(psi, fit.x[at : at + hypothesis.n_column]):
+                return False
+            at += hypothesis.n_column
+        return True
+
+    def is_exact(self, fit: Fit) -> bool:
+        """Say whether floors make the trials no likelier than chance would."""
+        likelihood = self.likelihood
+        floors = sum(float(np.count_nonzero(one > 0.0)) for one in fit.floors.values())
+        if not floors:
+            return True
+        without = 0.0
+        for motion in likelihood.motions:
+            weights = likelihood.weigh(motion, fit.sensors, np.zeros(likelihood.arm.n_joint))
+            left = weights.rows(likelihood.system(fit.model, motion, noisy=False).Z) @ np.append(-fit.x, 1.0)
+            without += float(likelihood.nats(motion, left, weights).sum())
+        return bool(2.0 * (fit.total - without) < chi2.ppf(1.0 - _CHANCE, floors))
