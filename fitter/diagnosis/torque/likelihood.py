@@ -14,7 +14,7 @@ from fitter.diagnosis.base_columns import BaseColumns
 from fitter.diagnosis.model import Model
 from fitter.diagnosis.motion import Motion, noise_of_angles, white_noise
 from fitter.diagnosis.order import downstream
-from fitter.diagnosis.torque.noise import SensorNoise, floor_of, sensor_noise
+from fitter.diagnosis.torque.noise import SensorNoise, floor_of, sensor_noise, with_floor
 from fitter.diagnosis.torque.spectra import BAND_SHARE, Spectra, spectra_of
 from fitter.diagnosis.torque.weights import Unknown, Weights, unknown_torques
 from fitter.diagnosis.view import View, view_of
@@ -42,10 +42,10 @@ class Fit:
     model : Model
     x : (n_factor,)
         Base parameters, and then the factors of the effects' columns.
-    sensors : SensorNoise
-        Under this model.
-    floors : mapping of int to (n_joint,) [N^2 m^2]
-        By the motion's number.
+    own : mapping of int to (n_frequency, n_joint, n_joint)
+        Covariance of the sensors' noise under this model, by the motion's number.
+    floors : mapping of int to (2, n_joint)
+        See `floor_of`.
     nats : (n_block,)
         Log-likelihood of blocks of all trials, in units of what sensors' noise alone would have.
     trial : (n_block,) int
@@ -57,7 +57,7 @@ class Fit:
 
     model: Model
     x: Floats
-    sensors: SensorNoise
+    own: Mapping[int, Floats]
     floors: Mapping[int, Floats]
     nats: Floats
     trial: NDArray[np.intp]
@@ -162,7 +162,7 @@ class TorqueLikelihood:
     # -- fitting -------------------------------------------------------------------------------------------------
 
     def sensors(self, systems: Mapping[int, System], x: Floats) -> SensorNoise:
-        """Return the sensors' noise under a model, by what a draw of it leaves."""
+        """Return the sensors' noise in some trials under a model, by what a draw of it leaves."""
         parts = []
         for number, system in systems.items():
             spectra = self.spectra[number]
@@ -171,10 +171,23 @@ class TorqueLikelihood:
         f, draw = (np.concatenate(column) for column in zip(*parts, strict=True))
         return sensor_noise(f, draw, self._least)
 
-    def weigh(self, motion: Motion, sensors: SensorNoise, floor: Floats) -> Weights:
-        """Return the weights of a motion's rows."""
-        covariance = sensors.covariance(self.spectra[motion.number].f) + np.diag(floor)
-        return Weights(covariance, self.unknown(motion), sensors.covariance(self.spectra[motion.number].f))
+    def own(self, motion: Motion, system: System, x: Floats, sensors: SensorNoise) -> Floats:
+        """Return the covariance of the sensors' noise in one trial, (n_frequency, n_joint, n_joint)."""
+        f = self.spectra[motion.number].f
+        draw = system.noise @ np.append(-x, 1.0)
+        return sensors.of_trial(f[1:], draw[1:]).covariance(f)
+
+    def weigh(self, motion: Motion, own: Floats, floor: Floats) -> Weights:
+        """Return the weights of a motion's rows.
+
+        Parameters
+        ----------
+        motion : Motion
+        own : (n_frequency, n_joint, n_joint)
+            Covariance of the sensors' noise.
+        floor : (2, n_joint)
+        """
+        return Weights(with_floor(own, floor), self.unknown(motion), own)
 
     def solve(self, systems: Mapping[int, System], weights: Mapping[int, Weights]) -> tuple[Floats, dict[int, Floats]]:
         """Return the factors, and the white rows that they leave by motion."""
@@ -185,12 +198,10 @@ class TorqueLikelihood:
         x = compensated(gram[:-1, :-1], gram[:-1, -1], loud[:-1, :-1], loud[:-1, -1])
         return x, {number: one[:, -1] - one[:, :-1] @ x for number, one in rows.items()}
 
-    def floor(self, motion: Motion, weights: Weights, left: Floats, sensors: SensorNoise, start: Floats) -> Floats:
-        """Return the floor of a motion by what a model leaves of it, (n_joint,)."""
+    def floor(self, weights: Weights, own: Floats, left: Floats, start: Floats) -> Floats:
+        """Return the floor of a motion by what a model leaves of it, (2, n_joint)."""
         torque = weights.torque(left[:, None])[:, :, 0]
-        power = 0.5 * np.abs(torque) ** 2
-        own = np.diagonal(sensors.covariance(self.spectra[motion.number].f), axis1=1, axis2=2)
-        return floor_of(power, own, weights.freedom, start)
+        return floor_of(torque, own, weights.freedom, start)
 
     def fit(self, model: Model, start: Fit | None = None, held: int = 0, refine: bool = True) -> Fit:
         """Return a model fitted to its trials, floors and sensors' noise with it.
@@ -206,9 +217,9 @@ class TorqueLikelihood:
             Whether psi is sought.
         """
         trials = self.trials_of(model)
-        weights, sensors, floors = self._begin(trials, start)
+        weights, own, floors = self._begin(trials, start)
         free = refine and len(Model(model.hypotheses[held:], model.psi[held:]).flat) > 0
-        for turn in range(2 if free else 1):
+        for _ in range(2 if free else 1):
             if free:
                 model = self.refined(model, trials, weights, held)
             systems = {motion.number: self.system(model, motion) for motion in trials}
@@ -216,51 +227,49 @@ class TorqueLikelihood:
             for _ in range(_ROUNDS):
                 x, left = self.solve(systems, weights)
                 sensors = self.sensors(systems, x)
-                floors = {
-                    motion.number: self.floor(
-                        motion, weights[motion.number], left[motion.number], sensors, floors[motion.number]
-                    )
-                    for motion in trials
-                }
-                weights = {motion.number: self.weigh(motion, sensors, floors[motion.number]) for motion in trials}
+                for motion in trials:
+                    k = motion.number
+                    own[k] = self.own(motion, systems[k], x, sensors)
+                    floors[k] = self.floor(weights[k], own[k], left[k], floors[k])
+                    weights[k] = self.weigh(motion, own[k], floors[k])
                 total = self._total(left, weights)
                 if abs(total - before) < _SETTLED * len(trials):
                     break
                 before = total
-        return self.judged(model, trials, weights, sensors, floors, systems, start)
+        return self.judged(model, trials, weights, own, floors, systems, sensors)
 
     def judged(
         self,
         model: Model,
         trials: Sequence[Motion],
         weights: dict[int, Weights],
-        sensors: SensorNoise,
+        own: dict[int, Floats],
         floors: dict[int, Floats],
         systems: dict[int, System],
-        start: Fit | None,
+        sensors: SensorNoise,
     ) -> Fit:
         """Return a fit with the likelihood of all trials, those too that it was not fitted to."""
         x, left = self.solve(systems, weights)
-        weights, floors = dict(weights), dict(floors)
         usual = np.max(list(floors.values()), axis=0)
         for motion in self.motions:
-            if motion.number in left:
+            k = motion.number
+            if k in left:
                 continue
-            floor = usual if start is None or motion.number not in start.floors else start.floors[motion.number]
-            Z = self.system(model, motion, noisy=False).Z
+            system, floor = self.system(model, motion), usual
+            own[k] = self.own(motion, system, x, sensors)
             for _ in range(_JUDGING_ROUNDS):
-                own = self.weigh(motion, sensors, floor)
-                residual = own.rows(Z) @ np.append(-x, 1.0)
-                floor = self.floor(motion, own, residual, sensors, floor)
-            weights[motion.number] = self.weigh(motion, sensors, floor)
-            floors[motion.number] = floor
-            left[motion.number] = weights[motion.number].rows(Z) @ np.append(-x, 1.0)
+                weights[k] = self.weigh(motion, own[k], floor)
+                left[k] = weights[k].rows(system.Z) @ np.append(-x, 1.0)
+                floor = self.floor(weights[k], own[k], left[k], floor)
+            floors[k] = floor
+            weights[k] = self.weigh(motion, own[k], floor)
+            left[k] = weights[k].rows(system.Z) @ np.append(-x, 1.0)
         blocks = [self.nats(motion, left[motion.number], weights[motion.number]) for motion in self.motions]
         count = [len(one) for one in blocks]
         return Fit(
             model,
             x,
-            sensors,
+            own,
             floors,
             np.concatenate(blocks),
             np.repeat([motion.number for motion in self.motions], count),
@@ -272,25 +281,26 @@ class TorqueLikelihood:
         """Return the weights of all motions under a fit."""
         if fit.weights:
             return fit.weights
-        return {motion.number: self.weigh(motion, fit.sensors, fit.floors[motion.number]) for motion in self.motions}
+        return {m.number: self.weigh(m, fit.own[m.number], fit.floors[m.number]) for m in self.motions}
 
     def _begin(
         self, trials: Sequence[Motion], start: Fit | None
-    ) -> tuple[dict[int, Weights], SensorNoise, dict[int, Floats]]:
+    ) -> tuple[dict[int, Weights], dict[int, Floats], dict[int, Floats]]:
         """Return weights, sensors' noise and floors to begin a fit with."""
         if start is not None:
             known = self.weights_of(start)
-            own = [motion.number for motion in trials]
-            return {k: known[k] for k in own}, start.sensors, {k: start.floors[k] for k in own}
+            kept = [motion.number for motion in trials]
+            return {k: known[k] for k in kept}, {k: start.own[k] for k in kept}, {k: start.floors[k] for k in kept}
         thinned = np.mean([motion.trial.dt_s / motion.dt_s for motion in self.motions])
         angle = noise_of_angles([motion.trial for motion in self.motions])
         spread = np.std(np.concatenate([motion.q for motion in self.motions]), axis=0)
         turned = np.diag(thinned * np.maximum(angle, 1e-9 * np.maximum(spread, 1.0)) ** 2)
         sensors = SensorNoise(self._white_torque, turned, np.zeros(1), np.ones((1, self.arm.n_joint)))
         usual = np.mean(np.concatenate([motion.u for motion in self.motions]) ** 2, axis=0)
-        floor = np.maximum(usual, 10.0 * np.diag(self._white_torque))
+        floor = np.stack([np.maximum(usual, 10.0 * np.diag(self._white_torque)), np.zeros_like(usual)])
         floors = {motion.number: floor for motion in trials}
-        return {motion.number: self.weigh(motion, sensors, floor) for motion in trials}, sensors, floors
+        own = {motion.number: sensors.covariance(self.spectra[motion.number].f) for motion in trials}
+        return {m.number: self.weigh(m, own[m.number], floor) for m in trials}, own, floors
 
     def _total(self, left: Mapping[int, Floats], weights: Mapping[int, Weights]) -> float:
         return sum(-0.5 * float(one @ one) - 0.5 * weights[number].log_det for number, one in left.items())

@@ -7,14 +7,14 @@ r"""Noise of the torque equation: the sensors' and the model's own.
 likelihood. Where the model is exact it vanishes.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from arm.model import Floats
 
-#: Fisher scoring for the floor converges geometrically; by then it has moved less than a percent a step.
-_ROUNDS = 30
+#: Steps of Fisher scoring at the most, and the relative change after which it has settled.
+_ROUNDS, _SETTLED = 12, 0.01
 #: Bins in which a draw's power says how much each coefficient counts.
 _BINS = 8
 #: Along no direction of the joints' torques is there less noise than this part of the most: that is rounding.
@@ -45,36 +45,86 @@ class SensorNoise:
         gain = np.stack([np.interp(f, self.f, one) for one in self.gain.T], axis=1)
         return np.asarray((root * gain[:, None, :]) @ root.mT)
 
+    def of_trial(self, f: Floats, draw: "np.ndarray") -> "SensorNoise":
+        """Return the noise of one trial, in which masses are others, by its own part of the draw.
+
+        Parameters
+        ----------
+        f : (n,) [Hz]
+        draw : (n, n_joint) complex
+        """
+        root = np.linalg.cholesky(self.covariance(f))
+        white = np.linalg.solve(root, draw[:, :, None])[:, :, 0]
+        scale = 0.5 * np.mean(np.abs(white) ** 2, axis=0)
+        return replace(self, gain=self.gain * np.maximum(scale, _SINGULAR))
+
     def _root(self, f: Floats) -> Floats:
         squared = self.torque + self.acceleration * ((2.0 * np.pi * f) ** 4)[:, None, None]
         return np.asarray(np.linalg.cholesky(squared))
 
 
-def floor_of(power: Floats, sensors: Floats, freedom: Floats, start: Floats) -> Floats:
-    """Return the floor that makes a residual likeliest, joint by joint.
+def with_floor(own: Floats, floor: Floats) -> Floats:
+    """Return the covariance of noise with a floor, (n_frequency, n_joint, n_joint).
 
     Parameters
     ----------
-    power : (n_frequency, n_joint)
-        Mean square of real and imaginary part of the residual's coefficients.
-    sensors : (n_frequency, n_joint)
-        Variance that sensors explain.
+    own : (n_frequency, n_joint, n_joint)
+        Of the sensors.
+    floor : (2, n_joint)
+        Variance [N^2 m^2] of white missing torque, and that of missing torque with the sensors' own spectrum as a
+        multiple of theirs.
+    """
+    at = np.arange(own.shape[1])
+    covariance = own.copy()
+    covariance[:, at, at] += floor[0] + floor[1] * own[:, at, at]
+    return covariance
+
+
+def floor_of(residual: "np.ndarray", own: Floats, freedom: Floats, start: Floats) -> Floats:
+    r"""Return the floor that makes a residual likeliest, by Fisher scoring.
+
+    With :math:`z = L^{-1} r`, :math:`S = L L^T` and :math:`A_p = L^{-1} \partial S / \partial \theta_p L^{-T}` the score
+    is :math:`\sum (z^H A_p z / 2 - tr A_p)` and its information :math:`\sum tr A_p A_q`.
+
+    Parameters
+    ----------
+    residual : (n_frequency, n_joint) complex
+        Coefficients of the torque that a model leaves.
+    own : (n_frequency, n_joint, n_joint)
+        Covariance of the sensors' noise.
     freedom : (n_frequency, n_joint)
-        Share of the coefficients that nuisance torques have left.
-    start : (n_joint,)
+        Share of the white coefficients that nuisance torques have left.
+    start : (2, n_joint)
         Where the search begins.
 
     Returns
     -------
-    (n_joint,)
-        Variances [N^2 m^2], zero where sensors explain all.
+    (2, n_joint)
+        See `with_floor`.
     """
-    floor = np.maximum(start, 0.0)
-    excess = power - freedom * sensors
+    n_joint = own.shape[1]
+    floor = np.maximum(start, 0.0).ravel()
+    variance = np.diagonal(own, axis1=1, axis2=2)
     for _ in range(_ROUNDS):
-        information = 1.0 / (sensors + floor) ** 2  # of the variance, by one coefficient
-        floor = np.maximum(np.sum(information * excess, axis=0) / np.sum(information * freedom, axis=0), 0.0)
-    return np.asarray(floor, dtype=np.float64)
+        inverse = np.linalg.inv(np.linalg.cholesky(with_floor(own, floor.reshape(2, n_joint))))
+        z = (inverse @ residual[:, :, None])[:, :, 0]
+        # A_p is v v^T, v being the joint's column of the inverse root, times that joint's own variance for the second.
+        columns = np.concatenate([inverse, inverse * np.sqrt(variance)[:, None, :]], axis=2)
+        seen = 0.5 * np.sum(np.abs(np.einsum("fip,fi->fp", columns, z.conj())) ** 2, axis=0)
+        expected = np.einsum("fip,fi->p", columns**2, freedom)
+        products = np.einsum("fip,fi,fiq->fpq", columns, freedom, columns)
+        information = np.sum(products**2, axis=0)
+        score = seen - expected
+        free = (floor > 0.0) | (score > 0.0)
+        step = np.zeros_like(floor)
+        if np.any(free):
+            step[free] = np.linalg.lstsq(information[np.ix_(free, free)], score[free], rcond=1e-10)[0]
+        new = np.maximum(floor + step, 0.0)
+        settled = np.all(np.abs(new - floor) <= _SETTLED * np.maximum(new, floor))
+        floor = new
+        if settled:
+            break
+    return np.asarray(floor.reshape(2, n_joint), dtype=np.float64)
 
 
 def sensor_noise(f: Floats, draw: "np.ndarray", least: Floats) -> SensorNoise:

@@ -12,7 +12,8 @@ from fitter.diagnosis.torque.likelihood import Fit, TorqueLikelihood
 from fitter.diagnosis.torque.screening import Screened, Screening
 from fitter.side_by_side import side_by_side
 
-#: A floor is there if chance gives as much likelihood to as many floors less often than this.
+#: Floors are there if chance makes trials so much likelier less often than this. The draw by which the sensors'
+#: noise is known has as much chance in it as the data: the degrees of freedom count twice.
 _CHANCE = 0.01
 
 
@@ -79,7 +80,7 @@ class TorqueSearch:
             return True
         without = 0.0
         for motion in likelihood.motions:
-            weights = likelihood.weigh(motion, fit.sensors, np.zeros(likelihood.arm.n_joint))
+            weights = likelihood.weigh(motion, fit.own[motion.number], np.zeros((2, likelihood.arm.n_joint)))
             left = weights.rows(likelihood.system(fit.model, motion, noisy=False).Z) @ np.append(-fit.x, 1.0)
             without += float(likelihood.nats(motion, left, weights).sum())
-        return bool(2.0 * (fit.total - without) < chi2.ppf(1.0 - _CHANCE, floors))
+        return bool(2.0 * (fit.total - without) < chi2.ppf(1.0 - _CHANCE, 2.0 * floors))
