@@ -70,8 +70,18 @@ def worth(one: Fitted, other: Fitted, places: int, families: int) -> float:
     return float(gain.sum() / dispersion(gain, one.trial) - penalty)
 
 
-def is_better(one: Fitted, other: Fitted) -> bool:
-    """Say whether a model is better than another, beyond its numbers and what blocks' scatter explains."""
-    gain = one.nats - other.nats
+def is_better(one: Fitted, other: Fitted, where_learnt: bool = False) -> bool:
+    """Say whether a model is better than another, beyond its numbers and what blocks' scatter explains.
+
+    Parameters
+    ----------
+    one, other : Fitted
+    where_learnt : bool
+        Whether only those trials count that may be learnt from.
+    """
+    mine, theirs, trial = one.nats, other.nats, one.trial
+    if where_learnt:
+        mine, theirs, trial = mine[one.learnt], theirs[other.learnt], trial[one.learnt]
+    gain = mine - theirs
     numbers = 0.5 * (one.n_number - other.n_number) * np.log(len(gain))
-    return bool(gain.sum() - numbers > EQUAL_SIGMAS * standard_error(gain, one.trial))
+    return bool(gain.sum() - numbers > EQUAL_SIGMAS * standard_error(gain, trial))

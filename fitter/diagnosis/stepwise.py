@@ -15,6 +15,8 @@ from fitter.diagnosis.hypothesis import Hypothesis
 
 #: The best starts of a screening that are fitted: the screening keeps the weights as they are, so its order is a guess.
 FITTED = 8
+#: Of these so many are judged in any case, were they worse than the best where they were fitted.
+JUDGED = 3
 #: Of these the best are tried in pairs, where none is worth it alone.
 PAIRED = 5
 
@@ -48,6 +50,9 @@ class Likelihood(Protocol[F]):
 
     def fit_all(self, fit: F, some: Sequence[Sequence[Start]]) -> list[F]:
         """Return models with further hypotheses, fitted, those that are accepted kept as they are."""
+
+    def judge(self, fits: Sequence[F]) -> list[F]:
+        """Return models with the likelihood of all trials, those too that they were not fitted to."""
 
     def refit(self, fit: F) -> F:
         """Return a model with all its numbers sought anew."""
@@ -150,10 +155,17 @@ class Stepwise(Generic[F]):
         return Found(base, fit, tuple(steps), tried, screened)
 
     def _fitted(self, fit: F, some: Sequence[Sequence[Start]]) -> list[tuple[Sequence[Start], F]]:
-        """Return possible models with further hypotheses, the best first."""
+        """Return possible models with further hypotheses, judged, the best first.
+
+        Models that are clearly worse than the best of them where they were fitted are not judged, but for a few.
+        """
         fitted = list(zip(some, self._likelihood.fit_all(fit, some), strict=True))
         possible = [one for one in fitted if self._likelihood.is_possible(one[1])]
-        return sorted(possible, key=lambda one: -self._worth(one[1], fit, one[0]))
+        ranked = sorted(possible, key=lambda one: -float(one[1].nats[one[1].learnt].sum()))
+        kept = [one for k, one in enumerate(ranked) if k < JUDGED or not is_better(ranked[0][1], one[1], True)]
+        judged = self._likelihood.judge([one for _, one in kept])
+        both = [(starts, one) for (starts, _), one in zip(kept, judged, strict=True)]
+        return sorted(both, key=lambda one: -self._worth(one[1], fit, one[0]))
 
     def _worth(self, one: F, other: F, starts: Sequence[Start]) -> float:
         places = int(np.prod([max(start.n_start, 1) for start in starts]))

@@ -23,6 +23,14 @@ from fitter.diagnosis.view import View, view_of
 _LEAST_NOISE = 1e-4
 #: Blocks of neighbouring rows last about so long [s].
 BLOCK_S = 1.0
+#: Weights and answer are found in turn; most of the likelihood is gained in the first few rounds.
+_ROUNDS = 6
+#: A round that gains less than this a trial is the last [nats].
+_SETTLED = 0.1
+#: Rounds in which the floor of a trial that was not fitted to is found.
+_JUDGING_ROUNDS = 2
+#: Steps of a search for psi.
+_EVALUATIONS = 12
 
 
 @dataclass(frozen=True)
@@ -236,35 +244,54 @@ class TorqueLikelihood:
                 if abs(total - before) < _SETTLED * len(trials):
                     break
                 before = total
-        return self.judged(model, trials, weights, own, floors, systems, sensors)
+        return self._fit_of(model, trials, systems, weights, own, floors)
 
-    def judged(
+    def judged(self, fit: Fit) -> Fit:
+        """Return a fit with the likelihood of all trials, those too that it was not fitted to."""
+        known = self.weights_of(fit)
+        weights, own, floors = dict(known), dict(fit.own), dict(fit.floors)
+        others = [motion for motion in self.motions if motion.number not in floors]
+        systems = {motion.number: self.system(fit.model, motion) for motion in self.motions}
+        sensors = self.sensors({k: one for k, one in systems.items() if k in floors}, fit.x)
+        usual = np.max(list(floors.values()), axis=0)
+        for motion in others:
+            k, floor = motion.number, usual
+            own[k] = self.own(motion, systems[k], fit.x, sensors)
+            for _ in range(_JUDGING_ROUNDS):
+                weights[k] = self.weigh(motion, own[k], floor)
+                left = weights[k].rows(systems[k].Z) @ np.append(-fit.x, 1.0)
+                floor = self.floor(weights[k], own[k], left, floor)
+            floors[k] = floor
+            weights[k] = self.weigh(motion, own[k], floor)
+        return self._with_nats(fit.model, fit.x, self.motions, systems, weights, own, floors)
+
+    def _fit_of(
         self,
         model: Model,
         trials: Sequence[Motion],
-        weights: dict[int, Weights],
-        own: dict[int, Floats],
-        floors: dict[int, Floats],
-        systems: dict[int, System],
-        sensors: SensorNoise,
+        systems: Mapping[int, System],
+        weights: Mapping[int, Weights],
+        own: Mapping[int, Floats],
+        floors: Mapping[int, Floats],
     ) -> Fit:
-        """Return a fit with the likelihood of all trials, those too that it was not fitted to."""
-        x, left = self.solve(systems, weights)
-        usual = np.max(list(floors.values()), axis=0)
-        for motion in self.motions:
+        x, _ = self.solve(systems, weights)
+        return self._with_nats(model, x, trials, systems, weights, own, floors)
+
+    def _with_nats(
+        self,
+        model: Model,
+        x: Floats,
+        trials: Sequence[Motion],
+        systems: Mapping[int, System],
+        weights: Mapping[int, Weights],
+        own: Mapping[int, Floats],
+        floors: Mapping[int, Floats],
+    ) -> Fit:
+        blocks = []
+        for motion in trials:
             k = motion.number
-            if k in left:
-                continue
-            system, floor = self.system(model, motion), usual
-            own[k] = self.own(motion, system, x, sensors)
-            for _ in range(_JUDGING_ROUNDS):
-                weights[k] = self.weigh(motion, own[k], floor)
-                left[k] = weights[k].rows(system.Z) @ np.append(-x, 1.0)
-                floor = self.floor(weights[k], own[k], left[k], floor)
-            floors[k] = floor
-            weights[k] = self.weigh(motion, own[k], floor)
-            left[k] = weights[k].rows(system.Z) @ np.append(-x, 1.0)
-        blocks = [self.nats(motion, left[motion.number], weights[motion.number]) for motion in self.motions]
+            left = weights[k].rows(systems[k].Z) @ np.append(-x, 1.0)
+            blocks.append(self.nats(motion, left, weights[k]))
         count = [len(one) for one in blocks]
         return Fit(
             model,
@@ -272,8 +299,8 @@ class TorqueLikelihood:
             own,
             floors,
             np.concatenate(blocks),
-            np.repeat([motion.number for motion in self.motions], count),
-            np.repeat([motion.learn for motion in self.motions], count),
+            np.repeat([motion.number for motion in trials], count),
+            np.repeat([motion.learn for motion in trials], count),
             weights,
         )
 
@@ -281,7 +308,8 @@ class TorqueLikelihood:
         """Return the weights of all motions under a fit."""
         if fit.weights:
             return fit.weights
-        return {m.number: self.weigh(m, fit.own[m.number], fit.floors[m.number]) for m in self.motions}
+        some = [motion for motion in self.motions if motion.number in fit.floors]
+        return {m.number: self.weigh(m, fit.own[m.number], fit.floors[m.number]) for m in some}
 
     def _begin(
         self, trials: Sequence[Motion], start: Fit | None
@@ -316,7 +344,14 @@ class TorqueLikelihood:
         n = sum(len(one) for one in blocks)
         return np.array([-0.5 * one.sum() - 0.5 * weights.log_det * len(one) / n for one in blocks])
 
-    def refined(self, model: Model, trials: Sequence[Motion], weights: Mapping[int, Weights], held: int) -> Model:
+    def refined(
+        self,
+        model: Model,
+        trials: Sequence[Motion],
+        weights: Mapping[int, Weights],
+        held: int,
+        evaluations: int = _EVALUATIONS,
+    ) -> Model:
         """Return a model with the free psi that leave least, the weights as they are (variable projection)."""
         free = Model(model.hypotheses[held:], model.psi[held:])
         low = np.concatenate([np.zeros(0), *(one.low for one in free.hypotheses)])
@@ -336,18 +371,9 @@ class TorqueLikelihood:
             bounds=(low, high),
             x_scale=np.maximum(np.abs(begin), 1e-3),
             diff_step=1e-4,
-            max_nfev=_EVALUATIONS,
+            max_nfev=evaluations,
             xtol=1e-5,
             ftol=1e-6,
         )
         return at(found.x)
 
-
-#: Weights and answer are found in turn; most of the likelihood is gained in the first few rounds.
-_ROUNDS = 6
-#: A round that gains less than this a trial is the last [nats].
-_SETTLED = 0.1
-#: Rounds in which the floor of a trial that was not fitted to is found.
-_JUDGING_ROUNDS = 2
-#: Steps of a search for psi.
-_EVALUATIONS = 12

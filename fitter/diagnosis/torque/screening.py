@@ -14,6 +14,8 @@ from fitter.side_by_side import side_by_side
 
 #: A column of which others leave less than this share of its length is made by them.
 _FRESH = 1e-4
+#: Steps from a start near nothing, where what a hypothesis can gain does not show yet.
+_STEPS = 4
 
 
 @dataclass(frozen=True)
@@ -106,6 +108,10 @@ class Screening:
             rows = np.vstack(self._rows(self._fit.model.plus(hypothesis, psi)))
             gains.append(left - 0.5 * _left(rows))
         best = int(np.argmax(gains))
+        if hypothesis.is_gradual:
+            model, held = self._fit.model.plus(hypothesis, starts[best]), len(self._fit.model.hypotheses)
+            model = self._likelihood.refined(model, self._trials, self._weights, held, _STEPS)
+            return model.psi[-1], left - 0.5 * _left(np.vstack(self._rows(model))), len(starts)
         return starts[best], gains[best], len(starts)
 
 

@@ -6,6 +6,7 @@ from dataclasses import replace
 import numpy as np
 from scipy.stats import chi2
 
+from arm.model import Floats
 from fitter.diagnosis.hypothesis import Hypothesis
 from fitter.diagnosis.model import Model
 from fitter.diagnosis.torque.likelihood import Fit, TorqueLikelihood
@@ -31,7 +32,7 @@ class TorqueSearch:
 
     def fit_base(self) -> Fit:
         """Return the model without any effect."""
-        return self.likelihood.fit(Model())
+        return self.likelihood.judged(self.likelihood.fit(Model()))
 
     def screen(self, fit: Fit) -> list[Screened]:
         """Return all hypotheses that are not in a model, those first that gain most."""
@@ -46,22 +47,23 @@ class TorqueSearch:
                 models[k] = models[k].plus(start.hypothesis, start.psi)
         held = len(fit.model.hypotheses)
 
-        def numbers(model: Model) -> tuple[tuple[np.ndarray, ...], Fit]:
-            fitted = self.likelihood.fit(model, fit, held)
-            return fitted.model.psi, replace(fitted, model=Model(), weights={})
+        def fitted(model: Model) -> tuple[tuple[Floats, ...], Fit]:
+            return _bare(self.likelihood.fit(model, fit, held))
 
-        found = side_by_side(numbers, models)
-        return [
-            replace(one, model=replace(model, psi=psi)) for model, (psi, one) in zip(models, found, strict=True)
-        ]
+        return _dressed(models, side_by_side(fitted, models))
+
+    def judge(self, fits: Sequence[Fit]) -> list[Fit]:
+        """Return fits with the likelihood of all trials."""
+        found = side_by_side(lambda fit: _bare(self.likelihood.judged(fit)), list(fits))
+        return _dressed([fit.model for fit in fits], found)
 
     def refit(self, fit: Fit) -> Fit:
         """Return a model with all its numbers sought anew."""
-        return self.likelihood.fit(fit.model, fit)
+        return self.likelihood.judged(self.likelihood.fit(fit.model, fit))
 
     def fit_without(self, fit: Fit, place: int) -> Fit:
         """Return a model without one of its hypotheses, fitted."""
-        return self.likelihood.fit(fit.model.without(place), fit)
+        return self.likelihood.judged(self.likelihood.fit(fit.model.without(place), fit))
 
     def is_possible(self, fit: Fit) -> bool:
         """Say whether all effects' numbers are such that the catalogue allows them."""
@@ -84,3 +86,12 @@ class TorqueSearch:
             left = weights.rows(likelihood.system(fit.model, motion, noisy=False).Z) @ np.append(-fit.x, 1.0)
             without += float(likelihood.nats(motion, left, weights).sum())
         return bool(2.0 * (fit.total - without) < chi2.ppf(1.0 - _CHANCE, 2.0 * floors))
+
+
+def _bare(fit: Fit) -> tuple[tuple[Floats, ...], Fit]:
+    """Return a fit as it is sent from process to process: without its hypotheses and weights."""
+    return fit.model.psi, replace(fit, model=Model(), weights={})
+
+
+def _dressed(models: Sequence[Model], sent: Sequence[tuple[tuple[Floats, ...], Fit]]) -> list[Fit]:
+    return [replace(one, model=replace(model, psi=psi)) for model, (psi, one) in zip(models, sent, strict=True)]
