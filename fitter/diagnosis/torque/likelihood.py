@@ -9,7 +9,8 @@ import scipy.optimize
 from numpy.typing import NDArray
 
 from arm.model import Arm, Floats
-from fitter.diagnosis.attenuation import compensated, noisier
+from fitter.diagnosis.attenuation import noisier
+from fitter.diagnosis.least_squares import solved
 from fitter.diagnosis.base_columns import BaseColumns
 from fitter.diagnosis.model import Model
 from fitter.diagnosis.motion import Motion, noise_of_angles, white_noise
@@ -21,10 +22,12 @@ from fitter.diagnosis.view import View, view_of
 
 #: A perfect torque or angle has at least the noise of rounding, as a share of its rms.
 _LEAST_NOISE = 1e-4
+#: Columns that are this near to depending on others, in terms of the normal equations, do so.
+_DEPENDENT = 1e-12
 #: Blocks of neighbouring rows last about so long [s].
 BLOCK_S = 1.0
 #: Weights and answer are found in turn; most of the likelihood is gained in the first few rounds.
-_ROUNDS = 6
+_ROUNDS = 12
 #: A round that gains less than this a trial is the last [nats].
 _SETTLED = 0.1
 #: Rounds in which the floor of a trial that was not fitted to is found.
@@ -197,14 +200,38 @@ class TorqueLikelihood:
         """
         return Weights(with_floor(own, floor), self.unknown(motion), own)
 
-    def solve(self, systems: Mapping[int, System], weights: Mapping[int, Weights]) -> tuple[Floats, dict[int, Floats]]:
-        """Return the factors, and the white rows that they leave by motion."""
-        rows = {number: weights[number].rows(system.Z) for number, system in systems.items()}
-        noise = {number: weights[number].rows(system.noise) for number, system in systems.items()}
+    def newton(self, rows: Mapping[int, Floats], noise: Mapping[int, Floats], x: Floats | None) -> Floats:
+        r"""Return the factors after one step towards those that make the motion likeliest.
+
+        In units of the sensors' own noise the log-likelihood is
+
+        .. math:: -\tfrac12 |y - A x|^2 + \tfrac12 \sum_f \log |S_n(f; x)|
+
+        the second term being the density of the motion: a model that makes everything smaller makes the motion's
+        noise smaller as well. Its slope is ``G x - h``, by the products of what a draw of noise makes of columns
+        and target, whitened by ``S_n``. Where there is no floor this is the score of a functional errors-in-variables
+        model (Stoica and Soderstrom 1982).
+
+        Parameters
+        ----------
+        rows : mapping of int to (n_row, n_factor + 1)
+            White by all noise.
+        noise : mapping of int to (n_row, n_factor + 1)
+            The draw, white by the sensors' noise.
+        x : (n_factor,), optional
+            Where the step begins.
+        """
         gram = sum(one.T @ one for one in rows.values())
         loud = sum(one.T @ one for one in noise.values())
-        x = compensated(gram[:-1, :-1], gram[:-1, -1], loud[:-1, :-1], loud[:-1, -1])
-        return x, {number: one[:, -1] - one[:, :-1] @ x for number, one in rows.items()}
+        A, y, G, h = gram[:-1, :-1], gram[:-1, -1], loud[:-1, :-1], loud[:-1, -1]
+        size = np.sqrt(np.diag(A) + np.diag(G))
+        size[size == 0.0] = 1.0
+        values, axes = np.linalg.eigh((A + G) / np.outer(size, size))
+        kept = values > _DEPENDENT * max(float(values.max(initial=0.0)), 1e-300)
+        root = axes[:, kept] / np.sqrt(values[kept]) / size[:, None]
+        if x is None:
+            x = solved(A, y)
+        return np.asarray(x + root @ (root.T @ (y - A @ x + G @ x - h)), dtype=np.float64)
 
     def floor(self, weights: Weights, own: Floats, left: Floats, start: Floats) -> Floats:
         """Return the floor of a motion by what a model leaves of it, (2, n_joint)."""
@@ -227,13 +254,17 @@ class TorqueLikelihood:
         trials = self.trials_of(model)
         weights, own, floors = self._begin(trials, start)
         free = refine and len(Model(model.hypotheses[held:], model.psi[held:]).flat) > 0
+        x = None if start is None else self.begun(start, model)
         for _ in range(2 if free else 1):
             if free:
-                model = self.refined(model, trials, weights, held)
+                model = self.refined(model, trials, weights, own, x, held)
             systems = {motion.number: self.system(model, motion) for motion in trials}
             before = -np.inf
             for _ in range(_ROUNDS):
-                x, left = self.solve(systems, weights)
+                rows = {k: weights[k].rows(system.Z) for k, system in systems.items()}
+                noise = {m.number: self._plain(m, weights, own, floors).rows(systems[m.number].noise) for m in trials}
+                x = self.newton(rows, noise, x)
+                left = {k: one[:, -1] - one[:, :-1] @ x for k, one in rows.items()}
                 sensors = self.sensors(systems, x)
                 for motion in trials:
                     k = motion.number
@@ -244,7 +275,26 @@ class TorqueLikelihood:
                 if abs(total - before) < _SETTLED * len(trials):
                     break
                 before = total
-        return self._fit_of(model, trials, systems, weights, own, floors)
+        assert x is not None
+        return self._with_nats(model, x, trials, systems, weights, own, floors)
+
+    def _plain(
+        self, motion: Motion, weights: Mapping[int, Weights], own: Mapping[int, Floats], floors: Mapping[int, Floats]
+    ) -> Weights:
+        """Return the weights of a motion's rows by the sensors' noise alone."""
+        if not np.any(floors[motion.number]):
+            return weights[motion.number]
+        return self.weigh(motion, own[motion.number], np.zeros((2, self.arm.n_joint)))
+
+    def begun(self, start: Fit, model: Model) -> Floats | None:
+        """Return the factors that a fit of a model begins with, by those of a smaller one; None if they don't match."""
+        n_base, width = len(start.x) - start.model.n_column, model.n_column
+        if model.hypotheses[: len(start.model.hypotheses)] != start.model.hypotheses:
+            return None
+        kept = self.sought.of(self.view(model, self.motions[0]).arm)
+        if len(kept) != n_base:
+            return None
+        return np.concatenate([start.x, np.zeros(width - start.model.n_column)])
 
     def judged(self, fit: Fit) -> Fit:
         """Return a fit with the likelihood of all trials, those too that it was not fitted to."""
@@ -264,18 +314,6 @@ class TorqueLikelihood:
             floors[k] = floor
             weights[k] = self.weigh(motion, own[k], floor)
         return self._with_nats(fit.model, fit.x, self.motions, systems, weights, own, floors)
-
-    def _fit_of(
-        self,
-        model: Model,
-        trials: Sequence[Motion],
-        systems: Mapping[int, System],
-        weights: Mapping[int, Weights],
-        own: Mapping[int, Floats],
-        floors: Mapping[int, Floats],
-    ) -> Fit:
-        x, _ = self.solve(systems, weights)
-        return self._with_nats(model, x, trials, systems, weights, own, floors)
 
     def _with_nats(
         self,
@@ -349,6 +387,8 @@ class TorqueLikelihood:
         model: Model,
         trials: Sequence[Motion],
         weights: Mapping[int, Weights],
+        own: Mapping[int, Floats],
+        x: Floats | None,
         held: int,
         evaluations: int = _EVALUATIONS,
     ) -> Model:
@@ -357,13 +397,24 @@ class TorqueLikelihood:
         low = np.concatenate([np.zeros(0), *(one.low for one in free.hypotheses)])
         high = np.concatenate([np.zeros(0), *(one.high for one in free.hypotheses)])
         begin = np.clip(free.flat, low + 1e-12, high - 1e-12)
+        none = np.zeros((2, self.arm.n_joint))
+        plain = {m.number: self.weigh(m, own[m.number], none) for m in trials}
 
         def at(flat: Floats) -> Model:
             return replace(model, psi=(*model.psi[:held], *free.at(flat).psi))
 
         def left(flat: Floats) -> Floats:
             systems = {motion.number: self.system(at(flat), motion) for motion in trials}
-            return np.concatenate(list(self.solve(systems, weights)[1].values()))
+            rows = {k: weights[k].rows(system.Z) for k, system in systems.items()}
+            noise = {k: plain[k].rows(system.noise) for k, system in systems.items()}
+            best = x
+            for _ in range(2):
+                best = self.newton(rows, noise, best)
+            # Half the logarithm of what the draw leaves is the density of the motion, see `newton`.
+            loud = {k: one @ np.append(-best, 1.0) for k, one in noise.items()}
+            n = sum(len(one) for one in loud.values())
+            scale = sum(float(one @ one) for one in loud.values()) / n
+            return np.concatenate([one[:, -1] - one[:, :-1] @ best for one in rows.values()]) / np.sqrt(scale)
 
         found = scipy.optimize.least_squares(
             left,
@@ -376,4 +427,3 @@ class TorqueLikelihood:
             ftol=1e-6,
         )
         return at(found.x)
-
