@@ -15,9 +15,10 @@ from fitter.diagnosis.base_columns import BaseColumns
 from fitter.diagnosis.model import Model
 from fitter.diagnosis.motion import Motion, noise_of_angles, white_noise
 from fitter.diagnosis.order import downstream
+from fitter.diagnosis.torque.density import Density, log_density, mass_covariance, of_model, shaken
 from fitter.diagnosis.torque.noise import SensorNoise, floor_of, sensor_noise, with_floor
 from fitter.diagnosis.torque.spectra import BAND_SHARE, Spectra, spectra_of
-from fitter.diagnosis.torque.weights import Unknown, Weights, unknown_torques
+from fitter.diagnosis.torque.weights import Unknown, Weights, log_variances, unknown_torques
 from fitter.diagnosis.view import View, view_of
 
 #: A perfect torque or angle has at least the noise of rounding, as a share of its rms.
@@ -32,16 +33,26 @@ _ROUNDS = 12
 _SETTLED = 0.1
 #: Rounds in which the floor of a trial that was not fitted to is found.
 _JUDGING_ROUNDS = 2
+#: Steps towards the factors at each psi: from those of another psi two are enough.
+_INNER = 2
 #: Steps of a search for psi.
 _EVALUATIONS = 12
 
 
 @dataclass(frozen=True)
 class System:
-    """Coefficients of one motion's equations: the design's columns, and the target as the last one."""
+    """Coefficients of one motion's equations: the design's columns, and the target as the last one.
+
+    Attributes
+    ----------
+    Z : (n_frequency, n_joint, n_factor + 1) complex
+    noise, masses : like Z
+        What a draw of the sensors' noise makes of them, and what one of white accelerations makes: the masses.
+    """
 
     Z: "np.ndarray"
     noise: "np.ndarray"
+    masses: "np.ndarray"
 
 
 @dataclass(frozen=True)
@@ -112,6 +123,8 @@ class TorqueLikelihood:
         self.learning = [motion for motion in motions if motion.learn]
         self.sought = BaseColumns(arm, denied, known)
         self.noisier = noisier(arm, self.motions)
+        self.shaken = shaken(self.motions)
+        self._reference: dict[int, Density] = {}
         corner = min(*(motion.trial.cutoff_hz for motion in motions), 0.4 / max(m.dt_s for m in motions))
         self.band_hz = BAND_SHARE * corner
         self.spectra = {motion.number: spectra_of(motion, self.band_hz) for motion in motions}
@@ -132,7 +145,6 @@ class TorqueLikelihood:
             torque = np.zeros(arm.n_joint)
         thinned = np.sqrt(np.mean([motion.trial.dt_s / motion.dt_s for motion in motions]))
         least = _LEAST_NOISE * np.maximum(np.sqrt(np.mean(u**2, axis=0)), 1e-9)
-        self._least = least**2
         return np.diag(np.maximum(thinned * torque, least) ** 2)
 
     # -- equations -----------------------------------------------------------------------------------------------
@@ -156,9 +168,10 @@ class TorqueLikelihood:
         spectra = self.spectra[motion.number]
         Z = spectra.of(self.equations(model, motion))
         if not noisy:
-            return System(Z, Z[:, :, :0])
+            return System(Z, Z[:, :, :0], Z[:, :, :0])
         loud = spectra.of(self.equations(model, self.noisier[motion.number]))
-        return System(Z, loud - Z)
+        shaken = spectra.of(self.equations(model, self.shaken[motion.number]))
+        return System(Z, loud - Z, shaken - Z)
 
     def unknown(self, motion: Motion) -> Unknown:
         """Return what is not known of a motion's torques."""
@@ -180,7 +193,7 @@ class TorqueLikelihood:
             left = system.noise @ np.append(-x, 1.0)
             parts.append((spectra.f[1:], left[1:]))
         f, draw = (np.concatenate(column) for column in zip(*parts, strict=True))
-        return sensor_noise(f, draw, self._least)
+        return sensor_noise(f, draw)
 
     def own(self, motion: Motion, system: System, x: Floats, sensors: SensorNoise) -> Floats:
         """Return the covariance of the sensors' noise in one trial, (n_frequency, n_joint, n_joint)."""
@@ -198,7 +211,7 @@ class TorqueLikelihood:
             Covariance of the sensors' noise.
         floor : (2, n_joint)
         """
-        return Weights(with_floor(own, floor), self.unknown(motion), own)
+        return Weights(with_floor(own, floor), self.unknown(motion))
 
     def newton(self, rows: Mapping[int, Floats], noise: Mapping[int, Floats], x: Floats | None) -> Floats:
         r"""Return the factors after one step towards those that make the motion likeliest.
@@ -262,8 +275,8 @@ class TorqueLikelihood:
             before = -np.inf
             for _ in range(_ROUNDS):
                 rows = {k: weights[k].rows(system.Z) for k, system in systems.items()}
-                noise = {m.number: self._plain(m, weights, own, floors).rows(systems[m.number].noise) for m in trials}
-                x = self.newton(rows, noise, x)
+                slopes = {m.number: self.slopes(m, systems[m.number], weights, own, x) for m in trials}
+                x = self.newton(rows, slopes, x)
                 left = {k: one[:, -1] - one[:, :-1] @ x for k, one in rows.items()}
                 sensors = self.sensors(systems, x)
                 for motion in trials:
@@ -271,30 +284,57 @@ class TorqueLikelihood:
                     own[k] = self.own(motion, systems[k], x, sensors)
                     floors[k] = self.floor(weights[k], own[k], left[k], floors[k])
                     weights[k] = self.weigh(motion, own[k], floors[k])
-                total = self._total(left, weights)
+                total = self._total(left, weights, own, systems, x)
                 if abs(total - before) < _SETTLED * len(trials):
                     break
                 before = total
         assert x is not None
         return self._with_nats(model, x, trials, systems, weights, own, floors)
 
-    def _plain(
-        self, motion: Motion, weights: Mapping[int, Weights], own: Mapping[int, Floats], floors: Mapping[int, Floats]
-    ) -> Weights:
-        """Return the weights of a motion's rows by the sensors' noise alone."""
-        if not np.any(floors[motion.number]):
-            return weights[motion.number]
-        return self.weigh(motion, own[motion.number], np.zeros((2, self.arm.n_joint)))
+    def slopes(
+        self,
+        motion: Motion,
+        system: System,
+        weights: Mapping[int, Weights],
+        own: Mapping[int, Floats],
+        x: Floats | None,
+    ) -> Floats:
+        """Return the rows of which the slope of a motion's density is made, (n_row, n_factor + 1)."""
+        k = motion.number
+        phi = of_model(own[k], weights[k])
+        plain = weights[k] if not np.any(phi > 0.0) else self.weigh(motion, own[k], np.zeros((2, self.arm.n_joint)))
+        noise = plain.rows(system.noise) * np.repeat(np.sqrt(1.0 - phi).ravel(), 2)[:, None]
+        if x is None or not np.any(phi > 0.0):
+            return noise
+        root = np.linalg.cholesky(mass_covariance(system.masses @ np.append(-x, 1.0)))
+        white = np.linalg.solve(root, system.masses)
+        parts = np.stack([white.real, white.imag], axis=2).reshape(2 * phi.size, -1)
+        share = np.repeat(np.sqrt(phi * weights[k].freedom).ravel(), 2)
+        return np.vstack([noise, parts * share[:, None]])
 
-    def begun(self, start: Fit, model: Model) -> Floats | None:
-        """Return the factors that a fit of a model begins with, by those of a smaller one; None if they don't match."""
-        n_base, width = len(start.x) - start.model.n_column, model.n_column
-        if model.hypotheses[: len(start.model.hypotheses)] != start.model.hypotheses:
-            return None
-        kept = self.sought.of(self.view(model, self.motions[0]).arm)
-        if len(kept) != n_base:
-            return None
-        return np.concatenate([start.x, np.zeros(width - start.model.n_column)])
+    def density(self, motion: Motion, system: System, own: Floats, x: Floats) -> Density:
+        """Return what a motion's density depends on under a model."""
+        masses = mass_covariance(system.masses @ np.append(-x, 1.0))
+        return Density(log_variances(own), log_variances(masses))
+
+    def log_scale(self, motion: Motion, system: System, own: Floats, weights: Weights, x: Floats) -> float:
+        """Return the logarithm of a motion's density but for its residual [nats]."""
+        now = self.density(motion, system, own, x)
+        reference = self._reference.get(motion.number, now)
+        density = log_density(now, reference, of_model(own, weights), weights.freedom)
+        return density - float(np.sum(weights.freedom * weights.log_variance))
+
+    def begun(self, start: Fit, model: Model) -> Floats:
+        """Return the factors that a fit of a model begins with, by those of another one."""
+        was, now = (self.sought.of(self.view(one, self.motions[0]).arm) for one in (start.model, model))
+        standard = dict(zip(was.tolist(), start.x.tolist(), strict=False))
+        own = {}
+        at = len(was)
+        for hypothesis in start.model.hypotheses:
+            own[hypothesis.key] = start.x[at : at + hypothesis.n_column]
+            at += hypothesis.n_column
+        factors = [own.get(one.key, np.zeros(one.n_column)) for one in model.hypotheses]
+        return np.concatenate([[standard.get(column, 0.0) for column in now.tolist()], *factors])
 
     def judged(self, fit: Fit) -> Fit:
         """Return a fit with the likelihood of all trials, those too that it was not fitted to."""
@@ -329,7 +369,10 @@ class TorqueLikelihood:
         for motion in trials:
             k = motion.number
             left = weights[k].rows(systems[k].Z) @ np.append(-x, 1.0)
-            blocks.append(self.nats(motion, left, weights[k]))
+            if not model.hypotheses and k not in self._reference:
+                self._reference[k] = self.density(motion, systems[k], own[k], x)
+            scale = self.log_scale(motion, systems[k], own[k], weights[k], x)
+            blocks.append(self.nats(motion, left, weights[k], scale))
         count = [len(one) for one in blocks]
         return Fit(
             model,
@@ -368,19 +411,31 @@ class TorqueLikelihood:
         own = {motion.number: sensors.covariance(self.spectra[motion.number].f) for motion in trials}
         return {m.number: self.weigh(m, own[m.number], floor) for m in trials}, own, floors
 
-    def _total(self, left: Mapping[int, Floats], weights: Mapping[int, Weights]) -> float:
-        return sum(-0.5 * float(one @ one) - 0.5 * weights[number].log_det for number, one in left.items())
+    def _total(
+        self,
+        left: Mapping[int, Floats],
+        weights: Mapping[int, Weights],
+        own: Mapping[int, Floats],
+        systems: Mapping[int, System],
+        x: Floats,
+    ) -> float:
+        """Return the log-likelihood of some motions [nats]."""
+        by_number = {motion.number: motion for motion in self.motions}
+        return sum(
+            self.log_scale(by_number[k], systems[k], own[k], weights[k], x) - 0.5 * float(one @ one)
+            for k, one in left.items()
+        )
 
     def n_block(self, motion: Motion) -> int:
         """Return how many blocks a motion has."""
         return max(2, round(len(motion.t) * motion.dt_s / BLOCK_S))
 
-    def nats(self, motion: Motion, left: Floats, weights: Weights) -> Floats:
+    def nats(self, motion: Motion, left: Floats, weights: Weights, log_scale: float) -> Floats:
         """Return the log-likelihood of a motion block by block, (n_block,)."""
         series = self.spectra[motion.number].in_time(weights.coefficients(left[:, None])[:, :, 0])
         blocks = np.array_split(np.sum(series**2, axis=1), self.n_block(motion))
         n = sum(len(one) for one in blocks)
-        return np.array([-0.5 * one.sum() - 0.5 * weights.log_det * len(one) / n for one in blocks])
+        return np.array([-0.5 * one.sum() + log_scale * len(one) / n for one in blocks])
 
     def refined(
         self,
@@ -397,8 +452,6 @@ class TorqueLikelihood:
         low = np.concatenate([np.zeros(0), *(one.low for one in free.hypotheses)])
         high = np.concatenate([np.zeros(0), *(one.high for one in free.hypotheses)])
         begin = np.clip(free.flat, low + 1e-12, high - 1e-12)
-        none = np.zeros((2, self.arm.n_joint))
-        plain = {m.number: self.weigh(m, own[m.number], none) for m in trials}
 
         def at(flat: Floats) -> Model:
             return replace(model, psi=(*model.psi[:held], *free.at(flat).psi))
@@ -406,14 +459,13 @@ class TorqueLikelihood:
         def left(flat: Floats) -> Floats:
             systems = {motion.number: self.system(at(flat), motion) for motion in trials}
             rows = {k: weights[k].rows(system.Z) for k, system in systems.items()}
-            noise = {k: plain[k].rows(system.noise) for k, system in systems.items()}
             best = x
-            for _ in range(2):
-                best = self.newton(rows, noise, best)
-            # Half the logarithm of what the draw leaves is the density of the motion, see `newton`.
-            loud = {k: one @ np.append(-best, 1.0) for k, one in noise.items()}
-            n = sum(len(one) for one in loud.values())
-            scale = sum(float(one @ one) for one in loud.values()) / n
+            for _ in range(_INNER):
+                slopes = {m.number: self.slopes(m, systems[m.number], weights, own, best) for m in trials}
+                best = self.newton(rows, slopes, best)
+            # Half the logarithm of what draws leave is the density of the motion; it has the weights' size at x.
+            loud = [one @ np.append(-best, 1.0) for one in slopes.values()]
+            scale = sum(float(one @ one) for one in loud) / sum(len(one) for one in rows.values())
             return np.concatenate([one[:, -1] - one[:, :-1] @ best for one in rows.values()]) / np.sqrt(scale)
 
         found = scipy.optimize.least_squares(

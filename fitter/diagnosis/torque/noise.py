@@ -127,7 +127,7 @@ def floor_of(residual: "np.ndarray", own: Floats, freedom: Floats, start: Floats
     return np.asarray(floor.reshape(2, n_joint), dtype=np.float64)
 
 
-def sensor_noise(f: Floats, draw: "np.ndarray", least: Floats) -> SensorNoise:
+def sensor_noise(f: Floats, draw: "np.ndarray") -> SensorNoise:
     """Return the sensors' noise by what a draw of it leaves.
 
     Parameters
@@ -136,8 +136,6 @@ def sensor_noise(f: Floats, draw: "np.ndarray", least: Floats) -> SensorNoise:
         Of all motions' coefficients.
     draw : (n, n_joint) complex
         The draw's coefficients.
-    least : (n_joint,)
-        Least variance of the torque's noise: that of rounding.
     """
     power = 0.5 * np.abs(draw) ** 2
     fourth = (2.0 * np.pi * f) ** 4
@@ -149,7 +147,8 @@ def sensor_noise(f: Floats, draw: "np.ndarray", least: Floats) -> SensorNoise:
         acceleration -= np.diag(torque) * np.mean(1.0 / fourth[upper])
         acceleration = _possible(acceleration)
         above = power[lower] - fourth[lower, None] * np.diag(acceleration)
-        torque = np.maximum(above.mean(axis=0), least)
+        # There is no less at frequency zero than the accelerations' noise makes of the lowest frequency.
+        torque = np.maximum(above.mean(axis=0), np.diag(acceleration) * fourth.min())
     edges = f.max() * np.linspace(0.0, 1.0, _BINS + 1) ** 1.5
     at = np.clip(np.searchsorted(edges, f) - 1, 0, _BINS - 1)
     plain = SensorNoise(np.diag(torque), acceleration, np.zeros(1), np.ones((1, draw.shape[1])))

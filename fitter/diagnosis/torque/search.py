@@ -76,15 +76,17 @@ class TorqueSearch:
 
     def is_exact(self, fit: Fit) -> bool:
         """Say whether floors make the trials no likelier than chance would."""
-        likelihood = self.likelihood
-        floors = sum(float(np.count_nonzero(one > 0.0)) for one in fit.floors.values())
+        likelihood, floors = self.likelihood, sum(np.count_nonzero(one) for one in fit.floors.values())
         if not floors:
             return True
         without = 0.0
         for motion in likelihood.motions:
-            weights = likelihood.weigh(motion, fit.own[motion.number], np.zeros((2, likelihood.arm.n_joint)))
-            left = weights.rows(likelihood.system(fit.model, motion, noisy=False).Z) @ np.append(-fit.x, 1.0)
-            without += float(likelihood.nats(motion, left, weights).sum())
+            own = fit.own[motion.number]
+            weights = likelihood.weigh(motion, own, np.zeros((2, likelihood.arm.n_joint)))
+            system = likelihood.system(fit.model, motion)
+            left = weights.rows(system.Z) @ np.append(-fit.x, 1.0)
+            scale = likelihood.log_scale(motion, system, own, weights, fit.x)
+            without += float(likelihood.nats(motion, left, weights, scale).sum())
         return bool(2.0 * (fit.total - without) < chi2.ppf(1.0 - _CHANCE, 2.0 * floors))
 
 

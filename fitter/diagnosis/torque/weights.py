@@ -65,7 +65,7 @@ class Weights:
     unknown : Unknown
     """
 
-    def __init__(self, covariance: Floats, unknown: Unknown, sensors: Floats) -> None:
+    def __init__(self, covariance: Floats, unknown: Unknown) -> None:
         root = np.linalg.cholesky(covariance)
         self._inverse = np.linalg.inv(root)
         anyhow, roughly = self._white(unknown.anyhow), self._white(unknown.roughly)
@@ -79,10 +79,8 @@ class Weights:
         self.freedom = np.maximum(1.0 - lost.reshape(n_frequency, self.n_joint, 2).mean(axis=2), _ROUNDING)
         #: How many independent numbers the rows are.
         self.n_effective = float(2.0 * self.freedom.sum())
-        own = np.diagonal(np.linalg.cholesky(sensors), axis1=1, axis2=2)
-        log_det = 2.0 * np.log(np.diagonal(root, axis1=1, axis2=2) / own)
-        #: Sum over all rows of the logarithm of their variance, in units of the sensors' own.
-        self.log_det = float(2.0 * np.sum(log_det * self.freedom))
+        #: Logarithm of each white coefficient's variance, (n_frequency, n_joint).
+        self.log_variance = log_variances(covariance)
 
     def rows(self, coefficients: "np.ndarray") -> Floats:
         """Return coefficients (n_frequency, n_joint, k) as real rows with white noise, (2 n_frequency n_joint, k)."""
@@ -103,6 +101,12 @@ class Weights:
         white = self._inverse @ coefficients
         parts = np.stack([white.real, white.imag], axis=2)
         return parts.reshape(parts.shape[0] * parts.shape[1] * 2, coefficients.shape[2])
+
+
+def log_variances(covariance: Floats) -> Floats:
+    """Return the logarithms of variances of joints, each given those before it, (…, n_joint)."""
+    root = np.diagonal(np.linalg.cholesky(covariance), axis1=-2, axis2=-1)
+    return np.asarray(2.0 * np.log(root), dtype=np.float64)
 
 
 def _at(joint: int, torques: Floats, n_joint: int) -> Floats:
