@@ -1,13 +1,20 @@
-r"""The density of a motion: what makes residuals of models with different masses comparable.
+r"""The density of what was measured: what makes residuals of different models comparable.
 
-A residual ``r`` of the torque equation says how likely the *motion* was only together with the slope of ``r`` with
-respect to it. Where sensors' noise is all there is, that slope is the residual's noise ``S_n`` itself (a functional
-errors-in-variables model); where the model lacks something, a missing torque moved the arm, and the slope is that of
-the accelerations: the mass matrix. Each coefficient counts by the part phi of its variance that is the model's own,
+A residual ``r`` of the torque equation says how likely the data were only together with its slope with respect to
+them: a model that makes both sides smaller makes the slope smaller, too. Three errors have three slopes:
 
-.. math:: \tfrac12 (1 - \phi) \log |S_n| + \tfrac12 \phi \log |S_a|, \qquad \phi = 1 - S_n / S, \quad S_a = E[M M^T]
+- the sensors' noise, and errors of the motion that have its spectrum: the residual's own noise ``S_n`` (a functional
+  errors-in-variables model);
+- a white missing torque where the torque was measured: it is an error of that torque, whose slope is what the drive
+  passes on of it;
+- a white missing torque where it was not: it moved the arm, and the slope is the masses.
 
-both in units of what they are under the base model, so that it makes no difference by itself what phi is.
+Each coefficient counts by the part phi of its variance that is the white floor's,
+
+.. math:: \tfrac12 (1 - \phi) \log |S_n| + \tfrac12 \phi \log |S_a|, \qquad \phi = D / S,
+
+both in units of what they are under the base model, so that it makes no difference by itself what phi is. ``S_a`` is
+the covariance of what white torques, or white accelerations, of variance one make of the residual.
 """
 
 from collections.abc import Sequence
@@ -17,6 +24,7 @@ import numpy as np
 
 from arm.model import Floats
 from fitter.diagnosis.motion import Motion
+from fitter.diagnosis.torque.noise import with_floor
 from fitter.diagnosis.torque.weights import Weights, log_variances
 
 _SEED = 21
@@ -38,10 +46,15 @@ class Density:
     masses: Floats
 
 
-def shaken(motions: Sequence[Motion]) -> dict[int, Motion]:
-    """Return motions with white accelerations of variance one a sample added, by their numbers."""
+def shaken(motions: Sequence[Motion], torque_measured: bool) -> dict[int, Motion]:
+    """Return motions with white torques, or white accelerations, of variance one a sample added, by their numbers."""
     rng = np.random.default_rng(_SEED)
-    return {one.number: replace(one, ddq=one.ddq + rng.standard_normal(one.ddq.shape)) for one in motions}
+    column = "u" if torque_measured else "ddq"
+    found = {}
+    for one in motions:
+        values = getattr(one, column)
+        found[one.number] = replace(one, **{column: values + rng.standard_normal(values.shape)})
+    return found
 
 
 def mass_covariance(draw: "np.ndarray") -> Floats:
@@ -61,16 +74,19 @@ def mass_covariance(draw: "np.ndarray") -> Floats:
     return np.asarray((axes * np.maximum(values, _SINGULAR)) @ axes.T * np.outer(size, size))
 
 
-def of_model(own: Floats, weights: Weights) -> Floats:
+def of_model(floor: Floats, weights: Weights, own: Floats) -> Floats:
     """Return phi, (n_frequency, n_joint).
 
     Parameters
     ----------
+    floor : (2, n_joint)
+        See `noise.with_floor`.
+    weights : Weights
     own : (n_frequency, n_joint, n_joint)
         Covariance of the sensors' noise.
-    weights : Weights
     """
-    return np.asarray(np.clip(1.0 - np.exp(log_variances(own) - weights.log_variance), 0.0, 1.0))
+    white = log_variances(with_floor(own, np.stack([0.0 * floor[0], floor[1]])))
+    return np.asarray(np.clip(1.0 - np.exp(white - weights.log_variance), 0.0, 1.0))
 
 
 def log_density(density: Density, reference: Density, phi: Floats, freedom: Floats) -> float:

@@ -123,7 +123,7 @@ class TorqueLikelihood:
         self.learning = [motion for motion in motions if motion.learn]
         self.sought = BaseColumns(arm, denied, known)
         self.noisier = noisier(arm, self.motions)
-        self.shaken = shaken(self.motions)
+        self.shaken = shaken(self.motions, all("tau" in m.trial.whole and np.any(m.u) for m in motions))
         self._reference: dict[int, Density] = {}
         corner = min(*(motion.trial.cutoff_hz for motion in motions), 0.4 / max(m.dt_s for m in motions))
         self.band_hz = BAND_SHARE * corner
@@ -270,12 +270,12 @@ class TorqueLikelihood:
         x = None if start is None else self.begun(start, model)
         for _ in range(2 if free else 1):
             if free:
-                model = self.refined(model, trials, weights, own, x, held)
+                model = self.refined(model, trials, weights, own, floors, x, held)
             systems = {motion.number: self.system(model, motion) for motion in trials}
             before = -np.inf
             for _ in range(_ROUNDS):
                 rows = {k: weights[k].rows(system.Z) for k, system in systems.items()}
-                slopes = {m.number: self.slopes(m, systems[m.number], weights, own, x) for m in trials}
+                slopes = {m.number: self.slopes(m, systems[m.number], weights, own, floors, x) for m in trials}
                 x = self.newton(rows, slopes, x)
                 left = {k: one[:, -1] - one[:, :-1] @ x for k, one in rows.items()}
                 sensors = self.sensors(systems, x)
@@ -284,7 +284,7 @@ class TorqueLikelihood:
                     own[k] = self.own(motion, systems[k], x, sensors)
                     floors[k] = self.floor(weights[k], own[k], left[k], floors[k])
                     weights[k] = self.weigh(motion, own[k], floors[k])
-                total = self._total(left, weights, own, systems, x)
+                total = self._total(left, weights, own, floors, systems, x)
                 if abs(total - before) < _SETTLED * len(trials):
                     break
                 before = total
@@ -297,12 +297,13 @@ class TorqueLikelihood:
         system: System,
         weights: Mapping[int, Weights],
         own: Mapping[int, Floats],
+        floors: Mapping[int, Floats],
         x: Floats | None,
     ) -> Floats:
         """Return the rows of which the slope of a motion's density is made, (n_row, n_factor + 1)."""
         k = motion.number
-        phi = of_model(own[k], weights[k])
-        plain = weights[k] if not np.any(phi > 0.0) else self.weigh(motion, own[k], np.zeros((2, self.arm.n_joint)))
+        phi = of_model(floors[k], weights[k], own[k])
+        plain = weights[k] if not np.any(floors[k]) else self.weigh(motion, own[k], np.zeros((2, self.arm.n_joint)))
         noise = plain.rows(system.noise) * np.repeat(np.sqrt(1.0 - phi).ravel(), 2)[:, None]
         if x is None or not np.any(phi > 0.0):
             return noise
@@ -317,11 +318,13 @@ class TorqueLikelihood:
         masses = mass_covariance(system.masses @ np.append(-x, 1.0))
         return Density(log_variances(own), log_variances(masses))
 
-    def log_scale(self, motion: Motion, system: System, own: Floats, weights: Weights, x: Floats) -> float:
+    def log_scale(
+        self, motion: Motion, system: System, own: Floats, floor: Floats, weights: Weights, x: Floats
+    ) -> float:
         """Return the logarithm of a motion's density but for its residual [nats]."""
         now = self.density(motion, system, own, x)
         reference = self._reference.get(motion.number, now)
-        density = log_density(now, reference, of_model(own, weights), weights.freedom)
+        density = log_density(now, reference, of_model(floor, weights, own), weights.freedom)
         return density - float(np.sum(weights.freedom * weights.log_variance))
 
     def begun(self, start: Fit, model: Model) -> Floats:
@@ -371,7 +374,7 @@ class TorqueLikelihood:
             left = weights[k].rows(systems[k].Z) @ np.append(-x, 1.0)
             if not model.hypotheses and k not in self._reference:
                 self._reference[k] = self.density(motion, systems[k], own[k], x)
-            scale = self.log_scale(motion, systems[k], own[k], weights[k], x)
+            scale = self.log_scale(motion, systems[k], own[k], floors[k], weights[k], x)
             blocks.append(self.nats(motion, left, weights[k], scale))
         count = [len(one) for one in blocks]
         return Fit(
@@ -416,13 +419,14 @@ class TorqueLikelihood:
         left: Mapping[int, Floats],
         weights: Mapping[int, Weights],
         own: Mapping[int, Floats],
+        floors: Mapping[int, Floats],
         systems: Mapping[int, System],
         x: Floats,
     ) -> float:
         """Return the log-likelihood of some motions [nats]."""
         by_number = {motion.number: motion for motion in self.motions}
         return sum(
-            self.log_scale(by_number[k], systems[k], own[k], weights[k], x) - 0.5 * float(one @ one)
+            self.log_scale(by_number[k], systems[k], own[k], floors[k], weights[k], x) - 0.5 * float(one @ one)
             for k, one in left.items()
         )
 
@@ -443,6 +447,7 @@ class TorqueLikelihood:
         trials: Sequence[Motion],
         weights: Mapping[int, Weights],
         own: Mapping[int, Floats],
+        floors: Mapping[int, Floats],
         x: Floats | None,
         held: int,
         evaluations: int = _EVALUATIONS,
@@ -461,7 +466,7 @@ class TorqueLikelihood:
             rows = {k: weights[k].rows(system.Z) for k, system in systems.items()}
             best = x
             for _ in range(_INNER):
-                slopes = {m.number: self.slopes(m, systems[m.number], weights, own, best) for m in trials}
+                slopes = {m.number: self.slopes(m, systems[m.number], weights, own, floors, best) for m in trials}
                 best = self.newton(rows, slopes, best)
             # Half the logarithm of what draws leave is the density of the motion; it has the weights' size at x.
             loud = [one @ np.append(-best, 1.0) for one in slopes.values()]

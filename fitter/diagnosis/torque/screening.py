@@ -111,7 +111,7 @@ class Screening:
         if hypothesis.is_gradual:
             model, held = self._fit.model.plus(hypothesis, starts[best]), len(self._fit.model.hypotheses)
             model = self._likelihood.refined(
-                model, self._trials, self._weights, self._fit.own, self._likelihood.begun(self._fit, model), held, _STEPS
+                model, self._trials, self._weights, self._fit.own, self._fit.floors, self._likelihood.begun(self._fit, model), held, _STEPS
             )
             return model.psi[-1], left - 0.5 * _left(np.vstack(self._rows(model))), len(starts)
         return starts[best], gains[best], len(starts)

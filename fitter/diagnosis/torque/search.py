@@ -79,13 +79,13 @@ class TorqueSearch:
         likelihood, floors = self.likelihood, sum(np.count_nonzero(one) for one in fit.floors.values())
         if not floors:
             return True
-        without = 0.0
+        without, none = 0.0, np.zeros((2, likelihood.arm.n_joint))
         for motion in likelihood.motions:
             own = fit.own[motion.number]
-            weights = likelihood.weigh(motion, own, np.zeros((2, likelihood.arm.n_joint)))
+            weights = likelihood.weigh(motion, own, none)
             system = likelihood.system(fit.model, motion)
             left = weights.rows(system.Z) @ np.append(-fit.x, 1.0)
-            scale = likelihood.log_scale(motion, system, own, weights, fit.x)
+            scale = likelihood.log_scale(motion, system, own, none, weights, fit.x)
             without += float(likelihood.nats(motion, left, weights, scale).sum())
         return bool(2.0 * (fit.total - without) < chi2.ppf(1.0 - _CHANCE, 2.0 * floors))
 
