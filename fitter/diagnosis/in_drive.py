@@ -12,7 +12,7 @@ from arm.effects.effect import EffectKind
 from arm.model import Floats
 from fitter.data.derivatives import lowpass
 from fitter.diagnosis.hypothesis import Hypothesis
-from fitter.diagnosis.motion import Motion, drive_torque, sharp_torque
+from fitter.diagnosis.motion import Motion, sharp_torque
 from fitter.diagnosis.view import View
 
 _GRID = 10
@@ -149,12 +149,8 @@ def _limited(view: View, joints: tuple[int, ...], limit: float) -> Floats:
     whole = sharp_torque(view.arm, trial)[:, joints]
     limits = limit * view.factor[list(joints)]
     cut = lowpass(np.clip(whole, -limits, limits) - whole, trial.dt_s, trial.cutoff_hz)
-    inner = slice(trial.trimmed, trial.trimmed + len(trial.t))
-    step = round(motion.dt_s / trial.dt_s)
-    # What a draw of noise adds to the torque does not pass where the torque is cut off.
-    drawn = motion.u[:, joints] - drive_torque(view.arm, trial)[::step][:, joints]
-    passes = (np.abs(whole) < limits)[inner][::step]
-    return np.asarray(view.u[:, joints] + cut[inner][::step] - drawn * ~passes, dtype=np.float64)
+    inner = cut[trial.trimmed : trial.trimmed + len(trial.t)]
+    return np.asarray(view.u[:, joints] + inner[:: round(motion.dt_s / trial.dt_s)], dtype=np.float64)
 
 
 _DRIVES = {"actuator_delay": delayed, "actuator_lag": lagging}

@@ -13,7 +13,7 @@ import numpy as np
 from fitter.diagnosis.evidence import ODDS_NATS, Fitted, is_better, worth
 from fitter.diagnosis.hypothesis import Hypothesis
 
-#: The best starts of a screening that are fitted: the screening keeps the weights as they are, so its order is a guess.
+#: The best starts of a screening that are fitted: it keeps the weights as they are, so its order is a guess.
 FITTED = 8
 #: Of these so many are judged in any case, were they worse than the best where they were fitted.
 JUDGED = 3
@@ -171,9 +171,7 @@ class Stepwise(Generic[F]):
         places = int(np.prod([max(start.n_start, 1) for start in starts]))
         return worth(one, other, places, self._families ** len(starts))
 
-    def _best(
-        self, fit: F, candidates: Sequence[tuple[Sequence[Start], F]]
-    ) -> tuple[F, list[Step[F]]] | None:
+    def _best(self, fit: F, candidates: Sequence[tuple[Sequence[Start], F]]) -> tuple[F, list[Step[F]]] | None:
         """Return the best model that is worth it and helps where nothing was fitted, with its steps."""
         kept = [
             (starts, one)

@@ -3,18 +3,18 @@ r"""The density of what was measured: what makes residuals of different models c
 A residual ``r`` of the torque equation says how likely the data were only together with its slope with respect to
 them: a model that makes both sides smaller makes the slope smaller, too. Three errors have three slopes:
 
-- the sensors' noise, and errors of the motion that have its spectrum: the residual's own noise ``S_n`` (a functional
-  errors-in-variables model);
-- a white missing torque where the torque was measured: it is an error of that torque, whose slope is what the drive
-  passes on of it;
+- the sensors' noise, and errors of the motion that have its spectrum: the residual's own noise ``S_n`` (a
+  functional errors-in-variables model);
+- a white missing torque where the torque was measured: it is an error of that torque, whose slope is what the
+  drive passes on of it;
 - a white missing torque where it was not: it moved the arm, and the slope is the masses.
 
 Each coefficient counts by the part phi of its variance that is the white floor's,
 
 .. math:: \tfrac12 (1 - \phi) \log |S_n| + \tfrac12 \phi \log |S_a|, \qquad \phi = D / S,
 
-both in units of what they are under the base model, so that it makes no difference by itself what phi is. ``S_a`` is
-the covariance of what white torques, or white accelerations, of variance one make of the residual.
+both in units of what they are under the base model, so that it makes no difference by itself what phi is. ``S_a``
+is the covariance of what white torques, or white accelerations, of variance one make of the residual.
 """
 
 from collections.abc import Sequence
@@ -25,6 +25,7 @@ import numpy as np
 from arm.model import Floats
 from fitter.diagnosis.motion import Motion
 from fitter.diagnosis.torque.noise import with_floor
+from fitter.diagnosis.torque.spectra import Complexes
 from fitter.diagnosis.torque.weights import Weights, log_variances
 
 _SEED = 21
@@ -47,7 +48,7 @@ class Density:
 
 
 def shaken(motions: Sequence[Motion], torque_measured: bool) -> dict[int, Motion]:
-    """Return motions with white torques, or white accelerations, of variance one a sample added, by their numbers."""
+    """Return motions with white torques, or accelerations, of variance one a sample added, by their numbers."""
     rng = np.random.default_rng(_SEED)
     column = "u" if torque_measured else "ddq"
     found = {}
@@ -57,7 +58,7 @@ def shaken(motions: Sequence[Motion], torque_measured: bool) -> dict[int, Motion
     return found
 
 
-def mass_covariance(draw: "np.ndarray") -> Floats:
+def mass_covariance(draw: Complexes) -> Floats:
     """Return ``S_a`` by what white accelerations of variance one make of the torque.
 
     Parameters

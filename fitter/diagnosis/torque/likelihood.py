@@ -2,7 +2,6 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from functools import cached_property
 
 import numpy as np
 import scipy.optimize
@@ -10,19 +9,21 @@ from numpy.typing import NDArray
 
 from arm.model import Arm, Floats
 from fitter.diagnosis.attenuation import noisier
-from fitter.diagnosis.least_squares import solved
 from fitter.diagnosis.base_columns import BaseColumns
+from fitter.diagnosis.least_squares import solved
 from fitter.diagnosis.model import Model
 from fitter.diagnosis.motion import Motion, noise_of_angles, white_noise
 from fitter.diagnosis.order import downstream
 from fitter.diagnosis.torque.density import Density, log_density, mass_covariance, of_model, shaken
 from fitter.diagnosis.torque.noise import SensorNoise, floor_of, sensor_noise, with_floor
-from fitter.diagnosis.torque.spectra import BAND_SHARE, Spectra, spectra_of
+from fitter.diagnosis.torque.spectra import BAND_SHARE, Complexes, spectra_of
 from fitter.diagnosis.torque.weights import Unknown, Weights, log_variances, unknown_torques
 from fitter.diagnosis.view import View, view_of
 
 #: A perfect torque or angle has at least the noise of rounding, as a share of its rms.
 _LEAST_NOISE = 1e-4
+#: Share of a psi by which it is moved for a slope.
+_STRIDE = 1e-4
 #: Columns that are this near to depending on others, in terms of the normal equations, do so.
 _DEPENDENT = 1e-12
 #: Blocks of neighbouring rows last about so long [s].
@@ -50,9 +51,9 @@ class System:
         What a draw of the sensors' noise makes of them, and what one of white accelerations makes: the masses.
     """
 
-    Z: "np.ndarray"
-    noise: "np.ndarray"
-    masses: "np.ndarray"
+    Z: Complexes
+    noise: Complexes
+    masses: Complexes
 
 
 @dataclass(frozen=True)
@@ -222,8 +223,8 @@ class TorqueLikelihood:
 
         the second term being the density of the motion: a model that makes everything smaller makes the motion's
         noise smaller as well. Its slope is ``G x - h``, by the products of what a draw of noise makes of columns
-        and target, whitened by ``S_n``. Where there is no floor this is the score of a functional errors-in-variables
-        model (Stoica and Soderstrom 1982).
+        and target, whitened by ``S_n``. Where there is no floor this is the score of a functional
+        errors-in-variables model (Stoica and Soderstrom 1982).
 
         Parameters
         ----------
@@ -234,8 +235,8 @@ class TorqueLikelihood:
         x : (n_factor,), optional
             Where the step begins.
         """
-        gram = sum(one.T @ one for one in rows.values())
-        loud = sum(one.T @ one for one in noise.values())
+        gram = np.sum([one.T @ one for one in rows.values()], axis=0)
+        loud = np.sum([one.T @ one for one in noise.values()], axis=0)
         A, y, G, h = gram[:-1, :-1], gram[:-1, -1], loud[:-1, :-1], loud[:-1, -1]
         size = np.sqrt(np.diag(A) + np.diag(G))
         size[size == 0.0] = 1.0
@@ -303,10 +304,12 @@ class TorqueLikelihood:
         """Return the rows of which the slope of a motion's density is made, (n_row, n_factor + 1)."""
         k = motion.number
         phi = of_model(floors[k], weights[k], own[k])
-        plain = weights[k] if not np.any(floors[k]) else self.weigh(motion, own[k], np.zeros((2, self.arm.n_joint)))
+        plain = (
+            weights[k] if not np.any(floors[k]) else self.weigh(motion, own[k], np.zeros((2, self.arm.n_joint)))
+        )
         noise = plain.rows(system.noise) * np.repeat(np.sqrt(1.0 - phi).ravel(), 2)[:, None]
         if x is None or not np.any(phi > 0.0):
-            return noise
+            return np.asarray(noise)
         root = np.linalg.cholesky(mass_covariance(system.masses @ np.append(-x, 1.0)))
         white = np.linalg.solve(root, system.masses)
         parts = np.stack([white.real, white.imag], axis=2).reshape(2 * phi.size, -1)
@@ -464,21 +467,22 @@ class TorqueLikelihood:
         def left(flat: Floats) -> Floats:
             systems = {motion.number: self.system(at(flat), motion) for motion in trials}
             rows = {k: weights[k].rows(system.Z) for k, system in systems.items()}
-            best = x
+            best, slopes = x, dict[int, Floats]()
             for _ in range(_INNER):
                 slopes = {m.number: self.slopes(m, systems[m.number], weights, own, floors, best) for m in trials}
                 best = self.newton(rows, slopes, best)
             # Half the logarithm of what draws leave is the density of the motion; it has the weights' size at x.
-            loud = [one @ np.append(-best, 1.0) for one in slopes.values()]
+            solution = np.append(np.zeros(0) if best is None else -best, 1.0)
+            loud = [one @ solution for one in slopes.values()]
             scale = sum(float(one @ one) for one in loud) / sum(len(one) for one in rows.values())
-            return np.concatenate([one[:, -1] - one[:, :-1] @ best for one in rows.values()]) / np.sqrt(scale)
+            return np.asarray(np.concatenate([one @ solution for one in rows.values()]) / np.sqrt(scale))
 
         found = scipy.optimize.least_squares(
             left,
             begin,
             bounds=(low, high),
             x_scale=np.maximum(np.abs(begin), 1e-3),
-            diff_step=1e-4,
+            diff_step=np.array(_STRIDE),
             max_nfev=evaluations,
             xtol=1e-5,
             ftol=1e-6,

@@ -12,6 +12,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from arm.model import Floats
+from fitter.diagnosis.torque.spectra import Complexes
 
 #: Steps of Fisher scoring at the most, and the relative change after which it has settled.
 _ROUNDS, _SETTLED = 12, 0.01
@@ -45,7 +46,7 @@ class SensorNoise:
         gain = np.stack([np.interp(f, self.f, one) for one in self.gain.T], axis=1)
         return np.asarray((root * gain[:, None, :]) @ root.mT)
 
-    def of_trial(self, f: Floats, draw: "np.ndarray") -> "SensorNoise":
+    def of_trial(self, f: Floats, draw: Complexes) -> "SensorNoise":
         """Return the noise of one trial, in which masses are others, by its own part of the draw.
 
         Parameters
@@ -80,11 +81,11 @@ def with_floor(own: Floats, floor: Floats) -> Floats:
     return covariance
 
 
-def floor_of(residual: "np.ndarray", own: Floats, freedom: Floats, start: Floats) -> Floats:
+def floor_of(residual: Complexes, own: Floats, freedom: Floats, start: Floats) -> Floats:
     r"""Return the floor that makes a residual likeliest, by Fisher scoring.
 
-    With :math:`z = L^{-1} r`, :math:`S = L L^T` and :math:`A_p = L^{-1} \partial S / \partial \theta_p L^{-T}` the score
-    is :math:`\sum (z^H A_p z / 2 - tr A_p)` and its information :math:`\sum tr A_p A_q`.
+    With :math:`z = L^{-1} r`, :math:`S = L L^T` and :math:`A_p = L^{-1} \partial S / \partial \theta_p L^{-T}` the
+    score is :math:`\sum (z^H A_p z / 2 - tr A_p)` and its information :math:`\sum tr A_p A_q`.
 
     Parameters
     ----------
@@ -108,7 +109,7 @@ def floor_of(residual: "np.ndarray", own: Floats, freedom: Floats, start: Floats
     for _ in range(_ROUNDS):
         inverse = np.linalg.inv(np.linalg.cholesky(with_floor(own, floor.reshape(2, n_joint))))
         z = (inverse @ residual[:, :, None])[:, :, 0]
-        # A_p is v v^T, v being the joint's column of the inverse root, times that joint's own variance for the second.
+        # A_p is v v^T, v the joint's column of the inverse root, times its own variance for the second floor.
         columns = np.concatenate([inverse, inverse * np.sqrt(variance)[:, None, :]], axis=2)
         seen = 0.5 * np.sum(np.abs(np.einsum("fip,fi->fp", columns, z.conj())) ** 2, axis=0)
         expected = np.einsum("fip,fi->p", columns**2, freedom)
@@ -127,7 +128,7 @@ def floor_of(residual: "np.ndarray", own: Floats, freedom: Floats, start: Floats
     return np.asarray(floor.reshape(2, n_joint), dtype=np.float64)
 
 
-def sensor_noise(f: Floats, draw: "np.ndarray") -> SensorNoise:
+def sensor_noise(f: Floats, draw: Complexes) -> SensorNoise:
     """Return the sensors' noise by what a draw of it leaves.
 
     Parameters

@@ -1,4 +1,4 @@
-"""What each hypothesis would gain beside an accepted model, its weights as they are: a guess of where a fit begins."""
+"""What each hypothesis would gain in an accepted model, its weights as they are: where a fit begins."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -20,7 +20,7 @@ _STEPS = 4
 
 @dataclass(frozen=True)
 class Screened:
-    """The best start of a hypothesis: its psi, the gain in log-likelihood there [nats], and how many starts were tried."""
+    """The best start of a hypothesis: its psi, the gain there [nats], and how many starts were tried."""
 
     hypothesis: Hypothesis
     psi: Floats
@@ -61,18 +61,20 @@ class Screening:
 
     def _slopes(self, fit: Fit) -> Floats:
         """Return by how much the residual moves with each accepted psi, (n_row, n_psi)."""
-        columns = []
+        solution, joints = np.append(fit.x, -1.0), self._likelihood.arm.n_joint
+        n_row = sum(2 * len(self._likelihood.spectra[motion.number].f) * joints for motion in self._trials)
+        columns = [np.zeros((n_row, 0))]
         for more, less, apart in fit.model.beside():
-            parts = [a @ np.append(fit.x, -1.0) - b @ np.append(fit.x, -1.0) for a, b in zip(self._rows(more), self._rows(less), strict=True)]
-            columns.append(np.concatenate(parts) / apart)
-        return np.stack(columns, axis=1) if columns else np.zeros((sum(2 * len(self._likelihood.spectra[m.number].f) * self._likelihood.arm.n_joint for m in self._trials), 0))
+            both = zip(self._rows(more), self._rows(less), strict=True)
+            columns.append(np.concatenate([(a - b) @ solution for a, b in both])[:, None] / apart)
+        return np.hstack(columns)
 
     def all(self, tried: Sequence[Hypothesis]) -> list[Screened]:
         """Return every hypothesis at its best start, the one that gains most first."""
         linear = [one for one in tried if one.n_column and not one.is_event]
         others = [one for one in tried if not (one.n_column and not one.is_event)]
         found = [self._linear(one) for one in linear]
-        numbers = side_by_side(lambda one: self._other(one), others)
+        numbers = side_by_side(self._other, others)
         found += [Screened(one, *three) for one, three in zip(others, numbers, strict=True)]
         return sorted(found, key=lambda one: -one.gain)
 
@@ -81,7 +83,7 @@ class Screening:
         starts, width = hypothesis.starts(self._trials), hypothesis.n_column
         gram = np.zeros((len(starts), width, width))
         pull = np.zeros((len(starts), width))
-        across = 0.0
+        shared = np.zeros((self._Q.shape[1], len(starts) * width))
         residual = np.split(self.residual, self._ends)
         Q = np.split(self._Q, self._ends)
         for motion, r, q in zip(self._trials, residual, Q, strict=True):
@@ -93,8 +95,8 @@ class Screening:
             by_start = rows.reshape(len(rows), len(starts), width)
             gram += np.einsum("nsi,nsj->sij", by_start, by_start)
             pull += (rows.T @ r).reshape(len(starts), width)
-            across = across + q.T @ rows
-        across = np.asarray(across).reshape(self._Q.shape[1], len(starts), width)
+            shared += q.T @ rows
+        across = shared.reshape(self._Q.shape[1], len(starts), width)
         gains = [_gain(gram[k], gram[k] - across[:, k].T @ across[:, k], pull[k]) for k in range(len(starts))]
         best = int(np.argmax(gains))
         return Screened(hypothesis, starts[best], gains[best], len(starts))
@@ -110,9 +112,9 @@ class Screening:
         best = int(np.argmax(gains))
         if hypothesis.is_gradual:
             model, held = self._fit.model.plus(hypothesis, starts[best]), len(self._fit.model.hypotheses)
-            model = self._likelihood.refined(
-                model, self._trials, self._weights, self._fit.own, self._fit.floors, self._likelihood.begun(self._fit, model), held, _STEPS
-            )
+            x = self._likelihood.begun(self._fit, model)
+            own, floors = self._fit.own, self._fit.floors
+            model = self._likelihood.refined(model, self._trials, self._weights, own, floors, x, held, _STEPS)
             return model.psi[-1], left - 0.5 * _left(np.vstack(self._rows(model))), len(starts)
         return starts[best], gains[best], len(starts)
 

@@ -14,13 +14,16 @@ from functools import cached_property
 
 import numpy as np
 import scipy.fft
+from numpy.typing import NDArray
 
 from arm.model import Floats
 from fitter.diagnosis.motion import Motion
 from fitter.diagnosis.unknown_torque import end_weight
 
-#: The band ends at this part of the columns' corner, up to which their Butterworth filter of order 4, run both ways,
-#: passes 98 % of an amplitude: 1 / (1 + 0.6^8).
+Complexes = NDArray[np.complex128]
+
+#: The band ends at this part of the columns' corner, up to which their Butterworth filter of order 4, run both
+#: ways, passes 98 % of an amplitude: 1 / (1 + 0.6^8).
 BAND_SHARE = 0.6
 
 
@@ -64,13 +67,13 @@ class Spectra:
         scale[0] = np.sqrt(1.0 / self.size)
         return scale
 
-    def of(self, rows: Floats) -> "np.ndarray":
+    def of(self, rows: Floats) -> Complexes:
         """Return the coefficients of rows (n, n_joint, k), (n_frequency, n_joint, k) complex."""
         flat = rows.reshape(self.n, -1) * self.weight[:, None]
         found = scipy.fft.rfft(flat, self.size, axis=0)[: len(self.f)] * self._scale[:, None]
-        return found.reshape(len(self.f), *rows.shape[1:])
+        return np.asarray(found.reshape(len(self.f), *rows.shape[1:]), dtype=np.complex128)
 
-    def in_time(self, rows: "np.ndarray") -> Floats:
+    def in_time(self, rows: Complexes) -> Floats:
         """Return coefficients (n_frequency, …) as time series of the same sum of squares, (size, …)."""
         flat = rows.reshape(len(self.f), -1) * np.sqrt(self.size / 2.0)
         flat[0] *= np.sqrt(2.0)

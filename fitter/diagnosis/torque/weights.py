@@ -1,8 +1,8 @@
 r"""Weights of one motion's rows: white noise, and no torque of which nothing is known.
 
 With ``S = L L^T`` the rows ``L^-1 X`` have white noise of variance one. Torques of unknown size (what holds a
-joint at rest, what a filter makes of the ends) have a covariance ``U U^T`` beside it. With the singular values s of
-the whitened ``U`` rows count ``1 / sqrt(1 + s^2)`` times along each of its axes; those of any size are eliminated.
+joint at rest, what a filter makes of the ends) add a covariance ``U U^T``. With the singular values s of the
+whitened ``U`` rows count ``1 / sqrt(1 + s^2)`` times along each of its axes; those of any size are eliminated.
 """
 
 from dataclasses import dataclass
@@ -12,7 +12,7 @@ import scipy.linalg
 
 from arm.model import Floats
 from fitter.diagnosis.motion import Motion
-from fitter.diagnosis.torque.spectra import Spectra
+from fitter.diagnosis.torque.spectra import Complexes, Spectra
 from fitter.diagnosis.unknown_torque import end_shapes, holding_shapes, jump_shapes, rest_shapes
 
 #: Directions whose part of the largest is below this are rounding.
@@ -28,8 +28,8 @@ class Unknown:
     anyhow, roughly : (n_frequency, n_joint, k) complex
     """
 
-    anyhow: "np.ndarray"
-    roughly: "np.ndarray"
+    anyhow: Complexes
+    roughly: Complexes
 
 
 def unknown_torques(motion: Motion, spectra: Spectra, holding: Floats) -> Unknown:
@@ -82,22 +82,22 @@ class Weights:
         #: Logarithm of each white coefficient's variance, (n_frequency, n_joint).
         self.log_variance = log_variances(covariance)
 
-    def rows(self, coefficients: "np.ndarray") -> Floats:
-        """Return coefficients (n_frequency, n_joint, k) as real rows with white noise, (2 n_frequency n_joint, k)."""
+    def rows(self, coefficients: Complexes) -> Floats:
+        """Return coefficients (n_frequency, n_joint, k) as white real rows, (2 n_frequency n_joint, k)."""
         white = self._white(coefficients)
         along = self._axes.T @ white
         return np.asarray(white - self._axes @ (self._lost[:, None] * along))
 
-    def coefficients(self, rows: Floats) -> "np.ndarray":
-        """Return white rows (2 n_frequency n_joint, k) as white coefficients, (n_frequency, n_joint, k) complex."""
+    def coefficients(self, rows: Floats) -> Complexes:
+        """Return white rows (2 n_frequency n_joint, k) as white coefficients, (n_frequency, n_joint, k)."""
         parts = rows.reshape(len(self._inverse), self.n_joint, 2, -1)
         return np.asarray(parts[:, :, 0] + 1j * parts[:, :, 1])
 
-    def torque(self, rows: Floats) -> "np.ndarray":
+    def torque(self, rows: Floats) -> Complexes:
         """Return white rows (…, k) as coefficients of torque, (n_frequency, n_joint, k) complex [N m]."""
         return np.asarray(np.linalg.solve(self._inverse, self.coefficients(rows)))
 
-    def _white(self, coefficients: "np.ndarray") -> Floats:
+    def _white(self, coefficients: Complexes) -> Floats:
         white = self._inverse @ coefficients
         parts = np.stack([white.real, white.imag], axis=2)
         return parts.reshape(parts.shape[0] * parts.shape[1] * 2, coefficients.shape[2])
