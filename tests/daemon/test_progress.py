@@ -46,8 +46,7 @@ def test_a_line_at_the_start_and_one_at_the_end() -> None:
     )
     assert warning == "warning: disk [/dev/x] full"
     assert last == (
-        "7 s: 1000 samples at 31999.87 Hz, 32 lost, 1 checksum errors, latency p99 2.3 ms, "
-        "3 messages not recorded"
+        "7 s: 1000 samples at 31999.87 Hz, 32 lost, 1 checksum errors, latency p99 2.3 ms, 3 messages not recorded"
     )
 
 

@@ -72,9 +72,7 @@ def test_where_no_recording_was_asked_for_none_is_missed(make_info: MakeInfo) ->
 def test_a_rate_that_is_not_known_well_is_no_fault(make_info: MakeInfo) -> None:
     taker, looker = symptoms(make_info(RATE_HZ))
     rate = {"claimed_hz": 8000.0, "in_use_hz": 8000.0, "std_ppm": 200.0}
-    unsure = health(
-        rate_hz=8007.2, rate=rate, clock_ppm=900.0, clock={"ppm_std": 200.0, "host_ahead_s": 0.0}
-    )
+    unsure = health(rate_hz=8007.2, rate=rate, clock_ppm=900.0, clock={"ppm_std": 200.0, "host_ahead_s": 0.0})
     assert look(taker, looker, unsure, records=True) == {}
 
 

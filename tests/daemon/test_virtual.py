@@ -91,9 +91,7 @@ def test_it_says_its_path(limbd: Limbd, tmp_path: Path) -> None:
     assert device.stop() == 0
 
 
-def test_its_port_is_there_when_it_answers_and_not_before(
-    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
-) -> None:
+def test_its_port_is_there_when_it_answers_and_not_before(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     link, seen = tmp_path / "link", []
 
     def ready(_device: VirtualDevice, _timeout_s: float) -> bool:

@@ -56,9 +56,7 @@ def test_a_printed_command_parses(program, arguments):
         assert callable(parse(program, arguments).action)
 
 
-@pytest.mark.parametrize(
-    ("program", "arguments"), [case for case in COMMANDS if CHEAP & set(case.values[1][:1])]
-)
+@pytest.mark.parametrize(("program", "arguments"), [case for case in COMMANDS if CHEAP & set(case.values[1][:1])])
 def test_a_cheap_command_of_the_docs_works(program, arguments, capsys, monkeypatch):
     monkeypatch.chdir(ROOT)
     if any(not (ROOT / word).exists() for word in arguments[1:] if not word.startswith("-")):
