@@ -69,9 +69,7 @@ def diagnose_command(arguments: argparse.Namespace) -> Document:
     except OSError as error:
         raise DeviceError(f"{arguments.out}: cannot be made: {error.strerror}") from error
     sets = sets_of(arguments)
-    raw = [
-        readings(one.sources, arm, one.columns, arguments.rate_hz) if one.sources else None for one in sets[:2]
-    ]
+    raw = [readings(one.sources, arm, one.columns, arguments.rate_hz) if one.sources else None for one in sets[:2]]
     if raw[0] is not None and not arguments.evaluate:
         raise ConfigError("--evaluate is missing; expected readings to judge on, other than those to learn from")
     if raw[0] is not None and arguments.judge:

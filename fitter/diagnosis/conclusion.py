@@ -3,19 +3,21 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
-from fitter.diagnosis.bodies import has_bodies
-from fitter.diagnosis.cancellation import is_cancelled
+import numpy as np
+
+from fitter.diagnosis.candidate import Candidate
 from fitter.diagnosis.estimates import Estimates, estimates
 from fitter.diagnosis.falling_friction import with_humps
 from fitter.diagnosis.finding import Verdict
+from fitter.diagnosis.folds import Folds
 from fitter.diagnosis.holding import Holding, holdings
+from fitter.diagnosis.model import Model
 from fitter.diagnosis.regression import Regression
-from fitter.diagnosis.screening import Candidate, fitted
 from fitter.diagnosis.search import Search
-from fitter.diagnosis.settled import settled
-from fitter.diagnosis.unknown import Remainder, describe
-from fitter.diagnosis.untold import without_untold
-from fitter.diagnosis.verdict import verdict_of
+from fitter.diagnosis.unknown import Remainder, best_functions, describe, outdoes
+
+#: Something is there if what is left has so many times the noise's variance: the noise's power is known to 3 dB.
+PLAINLY = 2.0
 
 
 @dataclass(frozen=True)
@@ -25,10 +27,10 @@ class Conclusion:
     Attributes
     ----------
     search : Search
-        Without causes that have no size, with those that rests have told.
+        With those causes that rests have told.
     verdict : {"named", "ambiguous", "none", "unexplained"}
     final : Candidate
-        The search's final model, or its base where that explains too little.
+        The search's final model, or its base where no cause is believed.
     numbers : Estimates
         Of the search's final model.
     remainder : Remainder
@@ -48,36 +50,19 @@ class Conclusion:
     equals: Mapping[int, Candidate]
 
 
-def concluded(regression: Regression, search: Search, strict: bool) -> Conclusion:
+def concluded(regression: Regression, search: Search) -> Conclusion:
     """Return what follows from a search.
 
     Parameters
     ----------
     regression : Regression
+        Under the weights of the search's final model.
     search : Search
-    strict : bool
-        Whether causes are named only if next to nothing is left that they don't explain.
     """
-    final, numbers = settled(regression, search.final)
-    search = replace(search, final=final)
-    told = without_untold(regression, search, numbers) if strict else search
-    if told is not search:
-        search, numbers = told, estimates(regression, told.final)
-    remainder = describe(regression, search.final)
+    numbers = estimates(regression, search.final)
     held = holdings(regression, search.final, numbers.covariance)
-    verdict = verdict_of(search, remainder, numbers, bool(held), strict)
-    if verdict == "unexplained" and search.causes:
-        # Learning trials may have told their sizes only roughly. A function is fitted to trials of both kinds, so
-        # whether the causes are of the right form is asked of the model that is.
-        form = replace(search, final=fitted(regression, search.final.model, to_all=True))
-        verdict = verdict_of(form, describe(regression, form.final), numbers, bool(held), strict)
-    if strict and (is_cancelled(regression, search.final) or not has_bodies(regression, search.final)):
-        verdict = "unexplained"
-    if verdict == "none" and search.causes:  # they have no size
-        search = replace(search, final=search.base, causes=[])
-        numbers, remainder = estimates(regression, search.base), describe(regression, search.base)
-        held = holdings(regression, search.base, numbers.covariance)
-        verdict = "named" if held else "none"
+    remainder = describe(regression, search.final)
+    verdict = _verdict(regression, search, remainder, bool(held))
     if verdict == "unexplained":
         left = describe(regression, search.base) if search.causes else remainder
         return Conclusion(search, verdict, search.base, numbers, left, held, {})
@@ -85,3 +70,22 @@ def concluded(regression: Regression, search: Search, strict: bool) -> Conclusio
     if found is not search:
         numbers, remainder = estimates(regression, found.final), describe(regression, found.final)
     return Conclusion(found, "ambiguous" if equals else verdict, found.final, numbers, remainder, held, equals)
+
+
+def _verdict(regression: Regression, search: Search, remainder: Remainder, held: bool) -> Verdict:
+    """Return the verdict.
+
+    Causes are believed unless some unknown function of few variables, in their place, does clearly better:
+    they then imitate what stands in no catalogue.
+    """
+    if search.final.model.hypotheses:
+        fold = Folds(regression, search.base)
+        if outdoes(fold, search.final, best_functions(fold, regression.arm.n_joint)):
+            return "unexplained"
+        return "ambiguous" if any(cause.rivals for cause in search.causes) else "named"
+    fold = Folds(regression, replace(search.base, model=Model()))
+    if np.any(search.floor.ratio > PLAINLY) or outdoes(
+        fold, search.base, best_functions(fold, regression.arm.n_joint)
+    ):
+        return "unexplained"
+    return "named" if held else "none"

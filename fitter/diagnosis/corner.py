@@ -2,6 +2,9 @@
 
 Above some 30 Hz hardly any motion is left, and the noise of an angle that was differentiated twice is large enough
 to bend the regressors. A loop that is late by a few milliseconds may swing nearly as fast, and do nothing else.
+
+So far the noise must be understood. Where the angles' noise is not as white as their third differences have it
+(they were filtered, or resampled, or the mount shakes), no more is looked at than what stands out of it.
 """
 
 from collections.abc import Sequence
@@ -10,6 +13,8 @@ import numpy as np
 
 from arm.model import Floats
 from fitter.data.resample import Uniform
+from fitter.data.trials import choose_cutoff_hz
+from fitter.diagnosis.equation import BAND_SHARE
 from fitter.diagnosis.motion import white_noise
 
 #: Columns are cut off at this frequency …
@@ -17,6 +22,10 @@ CORNER_HZ = 30.0
 #: … or at so many times that below which this share of a joint's speed squared lies, for what is as quick has
 #: overtones; if the sampling allows it, for which this share of its rate is left.
 _TIMES, _MOST, _SHARE_OF_RATE = 3.0, 0.9, 0.2
+#: Noise is white if its least power between motion and corner is this near to what third differences tell: 3 dB.
+_WHITE = 2.0
+#: Parts of that band of which the least is taken.
+_PARTS = 10
 #: A joint whose motion is less than so many times its noise does not count.
 _MOVES = 10.0
 
@@ -31,7 +40,29 @@ def corner_hz(grids: Sequence[Uniform]) -> float:
     """
     highest = _SHARE_OF_RATE / max(grid.dt_s for grid in grids)
     quick = _quick_hz(grids, highest)
-    return float(min(max(CORNER_HZ, _TIMES * quick), highest))
+    widest = float(min(max(CORNER_HZ, _TIMES * quick), highest))
+    standing_out = choose_cutoff_hz(grids)
+    if standing_out >= widest or _is_white(grids, standing_out, widest):
+        return widest
+    return float(min(standing_out / BAND_SHARE, widest))
+
+
+def _is_white(grids: Sequence[Uniform], low_hz: float, high_hz: float) -> bool:
+    """Say whether the noise of the angles between two frequencies is as large as their third differences tell."""
+    angles = [grid.measured.columns["q"] for grid in grids]
+    noise = np.maximum(white_noise(angles), np.finfo(np.float64).tiny)
+    edges = np.linspace(low_hz, high_hz, _PARTS + 1)
+    power, count = np.zeros((_PARTS, len(noise))), np.zeros(_PARTS)
+    for grid, q in zip(grids, angles, strict=True):
+        window = np.hanning(len(q))[:, None]
+        own = np.abs(np.fft.rfft(window * (q - q.mean(axis=0)), axis=0)) ** 2 / np.sum(window**2)
+        at = np.searchsorted(edges, np.fft.rfftfreq(len(q), grid.dt_s)) - 1
+        for part in range(_PARTS):
+            power[part] += own[at == part].sum(axis=0)
+            count[part] += np.count_nonzero(at == part)
+    seen = count > 0.0
+    least = np.min(power[seen] / count[seen, None], axis=0)
+    return bool(np.all(least < _WHITE * noise**2))
 
 
 def _quick_hz(grids: Sequence[Uniform], highest: float) -> float:

@@ -13,10 +13,10 @@ from scipy.stats import rankdata
 
 from arm.model import Floats
 from fitter.data.derivatives import lowpass
+from fitter.diagnosis.candidate import Candidate
 from fitter.diagnosis.model import Model
 from fitter.diagnosis.motion import Motion
 from fitter.diagnosis.regression import Regression
-from fitter.diagnosis.screening import Candidate
 
 _SHIFTS = 99
 #: Instants of the run that are looked at.

@@ -3,32 +3,38 @@
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
+import numpy as np
+
 from arm.model import Arm
 from arm.regressor import standard_parameters
 from fitter.data.motions import Measured
 from fitter.data.resample import Uniform, resample, split_at_holes
 from fitter.data.trials import FIT_CORNER, Trial, derive, undriven
-from fitter.diagnosis.causes import Beginning, begin, find_causes
+from fitter.diagnosis.candidate import Candidate
 from fitter.diagnosis.chatter import chatter
-from fitter.diagnosis.conclusion import concluded
+from fitter.diagnosis.conclusion import PLAINLY, concluded
 from fitter.diagnosis.corner import corner_hz
 from fitter.diagnosis.finding import Finding
+from fitter.diagnosis.floor import Floor
 from fitter.diagnosis.hypotheses import hypotheses
-from fitter.diagnosis.hypothesis import Hypothesis
+from fitter.diagnosis.missed_pushes import with_pushes
 from fitter.diagnosis.model import Model
 from fitter.diagnosis.motion import Motion, run_of
 from fitter.diagnosis.regression import Regression
-from fitter.diagnosis.reweighting import will_do
-from fitter.diagnosis.screening import Candidate, fitted
-from fitter.diagnosis.search import Search
-from fitter.diagnosis.starts import Starts
+from fitter.diagnosis.screening import fitted
+from fitter.diagnosis.search import Cause, Search, cause_of, supports
+from fitter.diagnosis.stepwise import Found, Stepwise
 from fitter.diagnosis.telling import finding_of
-from fitter.diagnosis.unseen import UNSEEN, shows_only_where_it_is_judged
+from fitter.diagnosis.torque_likelihood import TorqueLikelihood
 from fitter.dynamics.structure import structural_parameters
 from limbcal.errors import DataError, NotIdentifiable
 from limbcal.note import Note
 
 Progress = Callable[[str, float], None]
+
+#: Causes that are sought at the most: a machine has more, but no run tells so many.
+_MOST = 6
+_UNSEEN = "what is wrong shows in evaluating trials only, so causes were sought in all: the gain is no prediction"
 
 
 @dataclass(frozen=True)
@@ -61,7 +67,6 @@ def diagnose(
     rate_hz: float | None = None,
     denied: tuple[str, ...] = (),
     free: bool = False,
-    strict: bool = True,
     progress: Progress | None = None,
 ) -> Diagnosis:
     """Find out what a calibrated simulation gets wrong, and why.
@@ -78,9 +83,6 @@ def diagnose(
         Frictions that the base model is denied: ``D``, ``fc``.
     free : bool
         The arm swings freely: its torque is zero.
-    strict : bool
-        Whether causes are named only if next to nothing is left that they don't explain. Real machines always have
-        something more: without this the causes are named, and what is left is described.
     progress : callable, optional
         Told what is being done, and how much of all is done (0 to 1).
 
@@ -98,66 +100,72 @@ def diagnose(
     say = progress or (lambda _what, _done: None)
     corner = corner_hz([grid for some in grids for grid in some])
     learning, evaluating = _trials(grids, corner, free)
-    regression = Regression(arm, run_of(arm, learning, evaluating), denied, _scale_of(arm) if free else None)
-    base = fitted(regression, Model())
-    if shows_only_where_it_is_judged(regression, base, base):
-        regression = regression.learning_from_all()
-    tried = hypotheses(arm.n_joint, denied, driven=not free)
-    regression, search = _searched(regression, tried, strict, say)
+    scale = _scale_of(arm) if free else None
+    likelihood, search = _searched(arm, run_of(arm, learning, evaluating), denied, scale, say)
     say("describing what is left", 0.8)
-    come_to = concluded(regression, search, strict)
+    come_to = concluded(likelihood.regression, search)
     say("judging on the evaluating trials", 0.92)
     motions = run_of(arm, learning, evaluating, thin=False)
-    finding = finding_of(regression, come_to, motions)
-    unseen = regression.learns_from_all and come_to.search.causes
-    warnings = chatter(arm, [*learning, *evaluating]) + ([UNSEEN] if unseen else [])
+    finding = finding_of(likelihood.regression, come_to, motions)
+    warnings = chatter(arm, [*learning, *evaluating]) + ([_UNSEEN] if search.from_all and search.causes else [])
     finding = replace(finding, warnings=tuple(Note("doubt", warning) for warning in warnings))
     say("done", 1.0)
-    return Diagnosis(finding, regression, come_to.search, motions, come_to.final)
+    return Diagnosis(finding, likelihood.regression, come_to.search, motions, come_to.final)
 
 
 def _searched(
-    regression: Regression, tried: Sequence[Hypothesis], strict: bool, say: Progress
-) -> tuple[Regression, Search]:
-    """Return what a search has come to.
-
-    It is made with the noise under the first cause, and made anew with that under all causes where it is another.
-    """
-    starts = Starts()
-
-    def begun() -> Beginning:
-        return begin(regression, tried, starts, lambda what, done: say(what, 0.4 * done))
-
-    beginning = begun()
-    if beginning.best is not None:
-        weighted = regression.weighting_under(beginning.best.model, beginning.best.x)
-        if not will_do(regression.weighting, weighted):
-            regression = regression.weighted_by(weighted)
-            beginning = begun()
-    first = regression
-
-    def is_right(candidate: Candidate) -> bool:
-        return will_do(first.weighting, first.weighting_under(candidate.model, candidate.x))
-
-    search = find_causes(
-        *(regression, tried, starts, lambda what, done: say(what, 0.8 * done), beginning),
-        strict=strict,
-        is_right=is_right,
+    arm: Arm, motions: Sequence[Motion], denied: tuple[str, ...], scale: tuple[int, float] | None, say: Progress
+) -> tuple[TorqueLikelihood, Search]:
+    """Return what a search has come to: by the learning trials, or by all if only the others show something."""
+    likelihood, found, was = _found(arm, motions, denied, scale, say)
+    regression = likelihood.regression
+    judging = np.array([not motion.learn for motion in motions])
+    left = found.final.candidate.squares[judging].sum() / regression.told[judging].sum()
+    from_all = not found.steps and likelihood.floor.is_none and left > PLAINLY
+    if from_all:
+        motions = [replace(motion, learn=True) for motion in motions]
+        likelihood, found, was = _found(arm, motions, denied, scale, say)
+        regression = likelihood.regression
+    final = with_pushes(regression, found.final.candidate)
+    causes = [cause_of(place, step) for place, step in enumerate(found.steps)]
+    for place in range(len(causes), len(final.model.hypotheses)):
+        causes.append(Cause(place, found.final.candidate, final))
+    if len(causes) > len(found.steps):
+        likelihood.reweigh(final)
+        regression = likelihood.regression
+    final = fitted(regression, final.model)
+    base = fitted(regression, Model())
+    return likelihood, Search(
+        base,
+        final,
+        causes,
+        found.base.candidate,
+        [one.candidate for one in found.first],
+        supports(found.first),
+        likelihood.floor,
+        was,
+        from_all,
     )
-    if search.from_all:
-        regression = regression.learning_from_all()
-    # A wrong drive is weighed by the noise that it lets through, which the first filter may have wrong.
-    in_vain = strict and search.outdone and all(one.kind.place != "drive" for one in search.final.model.hypotheses)
-    if search.causes and not in_vain and not is_right(search.final):
-        regression = regression.weighted_by(regression.weighting_under(search.final.model, search.final.x))
-        search = find_causes(
-            *(regression, tried, starts, lambda what, done: say(f"once more, {what}", 0.8 * done)),
-            before=search,
-            strict=strict,
-        )
-        if search.from_all:
-            regression = regression.learning_from_all()
-    return regression, search
+
+
+def _found(
+    arm: Arm, motions: Sequence[Motion], denied: tuple[str, ...], scale: tuple[int, float] | None, say: Progress
+) -> tuple[TorqueLikelihood, Found, Floor]:
+    """Return the likelihood, what was found by it, and the floor of the base model."""
+    tried = hypotheses(arm.n_joint, denied, driven=scale is None)
+    count = [0]
+
+    def trying(done: int, total: int) -> None:
+        part = 0.5 ** count[0]
+        say("trying every effect", 0.8 * (1.0 - part + 0.5 * part * done / total))
+
+    def one_more(n: int) -> None:
+        count[0] = n
+
+    likelihood = TorqueLikelihood(Regression(arm, motions, denied, scale), tried, trying)
+    search = Stepwise(likelihood, len(tried), _MOST, one_more)
+    found = search.run()
+    return likelihood, found, likelihood.was
 
 
 def _scale_of(arm: Arm) -> tuple[int, float]:

@@ -21,7 +21,7 @@ from fitter.diagnosis.whitening import Whitening
 from fitter.side_by_side import side_by_side
 
 #: The band ends at this share of the columns' corner, where their filter still lets all through.
-_BAND_SHARE = 0.6
+BAND_SHARE = 0.6
 #: Samples a period of the band's end on the slower grid.
 _SAMPLES = 2.5
 #: A perfect torque or angle has at least the noise of rounding, as a share of its rms.
@@ -217,6 +217,6 @@ def weighting(arm: Arm, motions: Sequence[Motion]) -> Weighting:
     acceleration = np.diag(angle**2)
     dt_s = max(motion.dt_s for motion in motions)
     corner = min(*(motion.trial.cutoff_hz for motion in motions), 0.4 / dt_s)
-    band = _BAND_SHARE * corner
+    band = BAND_SHARE * corner
     nothing_told = np.full(arm.n_joint, np.inf)
     return Weighting(torque, acceleration, band, max(1, int(1.0 / (dt_s * _SAMPLES * band))), nothing_told)

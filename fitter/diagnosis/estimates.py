@@ -10,12 +10,12 @@ from numpy.typing import NDArray
 from arm.base_parameters import BaseParameters, with_base_values
 from arm.model import Arm, Effect, Estimate, Floats, Joint
 from arm.physical_links import is_possible, link_parameters
+from fitter.diagnosis.candidate import Candidate
 from fitter.diagnosis.hypothesis import Hypothesis
 from fitter.diagnosis.in_arm import Payload
 from fitter.diagnosis.motion import Motion
 from fitter.diagnosis.regression import Regression
 from fitter.diagnosis.rows import SLOPE
-from fitter.diagnosis.screening import Candidate
 from fitter.dynamics.physical import nearest_possible
 from fitter.dynamics.structure import structural_parameters
 from fitter.search.fitted_parameter import FittedParameter

@@ -5,83 +5,126 @@ A hypothesis of k numbers, sought at m places, is worth
 .. math:: (l_1 - l_0) / \varphi - \tfrac{k}{2} \log n_{blocks} - \log m - \log n_{families}
 
 nats: Schwarz' criterion over blocks of about a second, the places and families that were tried as a uniform prior.
-Residuals of neighbouring blocks resemble each other where a model lacks something, so the gain counts divided by
-its dispersion :math:`\varphi`: the variance of the blocks' gains in units of what independent ones would have.
-Two models are equal if the sum of their blocks' differences is within two of its standard errors (Vuong 1989).
+What a model lacks makes residuals of neighbours, and of whole trials, resemble each other, so the gain counts
+divided by :math:`\varphi`: the variance of the score of what was added, over blocks or trials, in units of its information
+(Huber 1967; Takeuchi 1976). Two models are equal if the sum of their blocks' differences is within two of its
+standard errors (Vuong 1989).
 """
 
-from typing import Protocol
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from arm.model import Floats
+from fitter.diagnosis.candidate import Candidate
 
 #: Odds of a false cause, a hundred to one after Bonferroni over what was tried, are log(100) nats.
 ODDS_NATS = float(np.log(100.0))
 #: Standard errors within which a difference is none: 95 % of a normal distribution.
 EQUAL_SIGMAS = 1.96
+#: Neighbouring residuals are one block for so long [s]: what a model lacks is correlated for less.
+BLOCK_S = 1.0
 
 
-class Fitted(Protocol):
-    """What the search has to know of a fitted model."""
+@dataclass(frozen=True)
+class Fit:
+    """A fitted model, with what it leaves of every trial.
 
-    @property
-    def nats(self) -> Floats:
-        """Log-likelihood of blocks of all trials, (n_block,)."""
+    Attributes
+    ----------
+    candidate : Candidate
+    residual : (n_row, n_column)
+        White under the weights that all models of one comparison share.
+    variance : (n_column,)
+        Of the residual in the learning trials.
+    block : (n_row,) int
+    trial : (n_block,) int
+    learnt : (n_block,) bool
+        Whether the trial may be learnt from.
+    share : float
+        Independent numbers a row.
+    density : (n_block,)
+        Logarithm of the density of what was measured, but for the residual [nats].
+    """
 
-    @property
-    def trial(self) -> NDArray[np.intp]:
-        """The trial that each block is of, (n_block,)."""
-
-    @property
-    def learnt(self) -> NDArray[np.bool_]:
-        """Whether a block is of a trial that may be learnt from, (n_block,)."""
+    candidate: Candidate
+    residual: Floats
+    variance: Floats
+    block: NDArray[np.intp]
+    trial: NDArray[np.intp]
+    learnt: NDArray[np.bool_]
+    share: float
+    density: Floats
 
     @property
     def n_number(self) -> int:
         """How many numbers its effects have."""
+        return sum(one.n_number for one in self.candidate.model.hypotheses)
+
+    @property
+    def nats(self) -> Floats:
+        """Log-likelihood of the blocks, (n_block,), the residual's variance being the likeliest."""
+        squares = np.sum(self.residual**2 / self.variance + np.log(self.variance), axis=1)
+        return self.density - 0.5 * self.share * np.bincount(self.block, squares, len(self.trial))
+
+    def gain(self, other: "Fit", learnt: bool = True) -> float:
+        """Return by how many nats the learning trials, or the others, are likelier than under another model."""
+        return float((self.nats - other.nats)[self.learnt == learnt].sum())
+
+    def helps(self, other: "Fit") -> bool:
+        """Say whether trials that were not learnt from, if any, are likelier than under another model."""
+        return bool(np.all(self.learnt)) or self.gain(other, learnt=False) > 0.0
 
 
-def dispersion(gain: Floats, trial: NDArray[np.intp]) -> float:
-    """Return the variance of a sum of blocks' gains in units of that of independent blocks, at least 1.
-
-    Neighbouring blocks of a trial may resemble each other: Newey and West (1987) with one lag, for blocks last a
-    second and what a model lacks is correlated for less.
-    """
-    off = gain - gain.mean()
-    own = float(off @ off)
-    together = trial[1:] == trial[:-1]
-    neighbours = float(np.sum((off[1:] * off[:-1])[together]))
-    return max(1.0, (own + neighbours) / own) if own > 0.0 else 1.0
-
-
-def standard_error(gain: Floats, trial: NDArray[np.intp]) -> float:
-    """Return the standard error of the sum of blocks' gains [nats]."""
-    n = len(gain)
-    return float(np.sqrt(n / max(n - 1, 1) * np.sum((gain - gain.mean()) ** 2) * dispersion(gain, trial)))
-
-
-def worth(one: Fitted, other: Fitted, places: int, families: int) -> float:
-    """Return what a model is worth beside a smaller one [nats], see the module."""
-    gain = one.nats - other.nats
-    numbers = one.n_number - other.n_number
-    penalty = 0.5 * numbers * np.log(len(gain)) + np.log(places) + np.log(families)
-    return float(gain.sum() / dispersion(gain, one.trial) - penalty)
-
-
-def is_better(one: Fitted, other: Fitted, where_learnt: bool = False) -> bool:
-    """Say whether a model is better than another, beyond its numbers and what blocks' scatter explains.
+def dispersion(one: Fit, other: Fit) -> float:
+    """Return the variance of the score of what was added, in units of its information, at least 1.
 
     Parameters
     ----------
-    one, other : Fitted
-    where_learnt : bool
-        Whether only those trials count that may be learnt from.
+    one, other : Fit
+        With and without it.
     """
-    mine, theirs, trial = one.nats, other.nats, one.trial
-    if where_learnt:
-        mine, theirs, trial = mine[one.learnt], theirs[other.learnt], trial[one.learnt]
-    gain = mine - theirs
+    scale = np.sqrt(one.variance)
+    added, left = (other.residual - one.residual) / scale, one.residual / scale
+    by_row = np.where(one.learnt[one.block], np.sum(added * left, axis=1), 0.0)
+    information = one.share * float(np.sum(added[one.learnt[one.block]] ** 2))
+    score = one.share * np.bincount(one.block, by_row, len(one.trial))
+    score += np.where(one.learnt, one.density - other.density, 0.0)
+    trials = np.unique(one.trial[one.learnt])
+    by_trial = np.array([score[one.trial == trial].sum() for trial in trials])
+    largest = max(_summed_variance(score[one.learnt]), _summed_variance(by_trial))
+    return max(1.0, largest / information) if information > 0.0 else 1.0
+
+
+def _summed_variance(parts: Floats) -> float:
+    return len(parts) / max(len(parts) - 1, 1) * float(parts @ parts)
+
+
+def worth(one: Fit, other: Fit, places: float, families: int) -> float:
+    """Return what a model is worth beside a smaller one [nats], see the module.
+
+    Parameters
+    ----------
+    one, other : Fit
+    places : float
+        Logarithm of the number of places at which its additional numbers were sought.
+    families : int
+    """
+    numbers = one.n_number - other.n_number
+    penalty = 0.5 * numbers * np.log(np.count_nonzero(one.learnt)) + places + np.log(families)
+    return float(one.gain(other) / dispersion(one, other) - penalty)
+
+
+def likelihood_of(fit: Fit) -> float:
+    """Return the log-likelihood of the learning trials less Schwarz' penalty of the effects' numbers [nats]."""
+    n_block = np.count_nonzero(fit.learnt)
+    return float(fit.nats[fit.learnt].sum() - 0.5 * fit.n_number * np.log(n_block))
+
+
+def is_better(one: Fit, other: Fit) -> bool:
+    """Say whether a model is better than another, beyond its numbers and what blocks' scatter explains."""
+    gain = (one.nats - other.nats)[one.learnt]
     numbers = 0.5 * (one.n_number - other.n_number) * np.log(len(gain))
-    return bool(gain.sum() - numbers > EQUAL_SIGMAS * standard_error(gain, trial))
+    error = np.sqrt(_summed_variance(np.asarray(gain - gain.mean(), dtype=np.float64)))
+    return bool(gain.sum() - numbers > EQUAL_SIGMAS * error)

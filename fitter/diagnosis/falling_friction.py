@@ -18,17 +18,20 @@ import scipy.optimize
 from arm.effects.catalogue import catalogue
 from arm.model import Floats
 from fitter.diagnosis.at_joint import AtJoint
+from fitter.diagnosis.candidate import Candidate
 from fitter.diagnosis.holding import ABOVE, Holding
 from fitter.diagnosis.least_squares import own_square
 from fitter.diagnosis.motion import Motion
 from fitter.diagnosis.regression import Regression
-from fitter.diagnosis.screening import Candidate, fitted
+from fitter.diagnosis.screening import fitted
 from fitter.diagnosis.search import Cause, Search
 from fitter.diagnosis.view import View
-from fitter.diagnosis.worth import EQUAL
 
 #: A hump shows in the motion if its torque is so many times its noise.
 _SHOWS = 3.0
+#: A hump is no worse if it raises the sum of squares by no more than this share of what noise leaves: the noise's
+#: size is not known better.
+EQUAL = 0.01
 #: So many widths are tried for each that a search for causes tries.
 _FINER = 3
 
@@ -160,7 +163,7 @@ def with_humps(
         model = search.final.model.plus(hump.hypothesis, np.array([hump.width]))
         final = fitted(regression, model, refine=False)
         if hump.needed:
-            cause = Cause(len(model.hypotheses) - 1, worth=hump.lowers)
+            cause = Cause(len(model.hypotheses) - 1, search.final, final)
             search = replace(search, final=final, causes=[*search.causes, cause])
         else:
             others.append(one)

@@ -27,6 +27,10 @@ class NamedCause:
         How much of the belief it has among its equals, 0 to 1.
     where : mapping
         Trials or time, where it is not always there.
+    takes_away : mapping of str to float
+        By role, ``learn`` and ``evaluate``: share of the squared residual that it took away when it was accepted.
+    in_stead : bool
+        Whether it is an equal of the cause before it.
     """
 
     effect: str
@@ -34,6 +38,8 @@ class NamedCause:
     parameters: Mapping[str, FittedParameter]
     support: float
     where: Mapping[str, object] = field(default_factory=dict)
+    takes_away: Mapping[str, float] = field(default_factory=dict)
+    in_stead: bool = False
 
     def document(self) -> dict[str, object]:
         """Return it as JSON has it."""
@@ -47,7 +53,28 @@ class NamedCause:
             "joints": list(self.joints),
             "parameters": numbers,
             "support": self.support,
+            "takes_away": dict(self.takes_away),
         }
+
+
+@dataclass(frozen=True)
+class Left:
+    """What the final model leaves, on the evaluating trials.
+
+    Attributes
+    ----------
+    torque_rms_N_m : sequence of float
+        Of every joint.
+    share : float
+        Of what the base model leaves, as rms, 0 to 1.
+    times_noise : float
+        Standard deviation of the torque equation's residual in units of the sensors' noise, of the joint that has
+        most of it.
+    """
+
+    torque_rms_N_m: Sequence[float]
+    share: float
+    times_noise: float
 
 
 @dataclass(frozen=True)
@@ -78,6 +105,9 @@ class Finding:
     verdict : {"named", "ambiguous", "none", "unexplained"}
     causes, candidates : sequence
         Candidates ranked, all that were tried.
+    complete : bool
+        Whether what is left is no more than the sensors' noise.
+    left : Left
     confusable : sequence of pairs of effects
         That this data cannot tell apart.
     next_experiment : str
@@ -88,8 +118,6 @@ class Finding:
         What is left, described.
     structure : float
         What the base model leaves beyond noise, in units of the noise.
-    explained : float
-        The causes' share of it.
     base_arm, arm : Arm
         Learnt without, and with the causes.
     warnings : sequence of Note
@@ -104,6 +132,8 @@ class Finding:
     """
 
     verdict: Verdict
+    complete: bool
+    left: Left
     causes: Sequence[NamedCause]
     candidates: Sequence[Tried]
     confusable: Sequence[tuple[str, str]]
@@ -113,7 +143,6 @@ class Finding:
     gain: Gain
     remainder: Remainder
     structure: float
-    explained: float
     base_arm: Arm
     arm: Arm
     warnings: Sequence[Note] = ()
@@ -125,6 +154,8 @@ class Finding:
         """Return the JSON document of ``fitter diagnose``."""
         return {
             "verdict": self.verdict,
+            "complete": self.complete,
+            "left": vars(self.left),
             "causes": [cause.document() for cause in self.causes],
             "candidates": [candidate.document() for candidate in self.candidates],
             "confusable": [list(pair) for pair in self.confusable],
@@ -141,7 +172,7 @@ class Finding:
                 "dependences": [vars(one) for one in self.remainder.dependences],
             },
             "explained": self.torque_explained,
-            "structure": {"beyond_noise": self.structure, "explained": self.explained},
+            "structure": {"beyond_noise": self.structure},
             "suspected": [{"effect": effect, "joints": list(joints)} for effect, joints in self.suspected],
             "notes": documents([*self.warnings, *self.notes]),
         }

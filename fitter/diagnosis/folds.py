@@ -6,13 +6,13 @@ from dataclasses import dataclass
 import numpy as np
 
 from arm.model import Floats
-from fitter.diagnosis.agreement import typical
+from fitter.diagnosis.candidate import Candidate
 from fitter.diagnosis.functions import Functions
 from fitter.diagnosis.least_squares import scaled_lstsq
 from fitter.diagnosis.motion import Motion
 from fitter.diagnosis.products import products, spelled
 from fitter.diagnosis.regression import Regression
-from fitter.diagnosis.screening import Candidate
+from fitter.diagnosis.typical import typical
 from fitter.diagnosis.white_rows import Columns
 
 #: How strongly a function's factors are held towards zero, in units of a column's own sum of squares; those of a
@@ -47,7 +47,7 @@ class Folds:
         told = [regression.weighting.told(motion) for motion in regression.motions]
         self._told = np.array(told, dtype=np.float64)
         self._fold = np.arange(len(told)) % _FOLDS
-        self.left = self._left(self._products)
+        self.left = typical(self._left(self._products), self._told)
 
     def typical(self, some: Sequence[str], joint: int, smooth: bool = False) -> float:
         """Return what a function of some variables leaves in trials it has not seen, in units of noise.
@@ -60,16 +60,21 @@ class Folds:
         smooth : bool
             Whether the function may be a polynomial, or a product of simple functions, where that leaves less.
         """
+        return typical(self.squares(some, joint, smooth), self._told)
+
+    def squares(self, some: Sequence[str], joint: int, smooth: bool = False) -> Floats:
+        """Return the sum of squares that the same leaves in every trial, none of which it has seen, (n_trial,)."""
         hats = self._judged([self._functions.hats(motion, some) for motion in self._motions], joint)
         if not smooth:
             return hats
         powers = [self._functions.polynomials(motion, some) for motion in self._motions]
-        polynomials = self._judged(powers, joint)
-        return min(hats, polynomials, float(self._products_judged(some, joint).min()))
+        single = self._products_judged(some, joint)
+        tried = [hats, self._judged(powers, joint), *single.T]
+        return min(tried, key=lambda one: typical(one, self._told))
 
     def formula(self, some: Sequence[str], joint: int, gain: float) -> str:
         """Return the product of simple functions of the variables that explains most, if it is telling."""
-        left = self._products_judged(some, joint)
+        left = np.array([typical(one, self._told) for one in self._products_judged(some, joint).T])
         if not self.left - left.min() > _TELLING * gain:
             return ""
         k = int(np.argmin(left))
@@ -83,15 +88,15 @@ class Folds:
     def _motions(self) -> list[Motion]:
         return self._regression.motions
 
-    def _judged(self, features: Sequence[Floats], joint: int) -> float:
-        """Return what functions of all features at a joint's torque leave beside the base parameters."""
+    def _judged(self, features: Sequence[Floats], joint: int) -> Floats:
+        """Return the squares that functions of all features at a joint leave beside the base parameters."""
         parts = zip(self._motions, features, self._again, strict=True)
         sums = [_Sums.of(self._regression, motion, joint, one, again) for motion, one, again in parts]
         whole = np.array([one.beside(products) for one, products in zip(sums, self._products, strict=True)])
         return self._left(whole)
 
-    def _left(self, whole: Floats) -> float:
-        """Return what is left beside columns of which all products are known, those of the target among them."""
+    def _left(self, whole: Floats) -> Floats:
+        """Return the squares left beside columns of which all products are known, the target's among them."""
         target = self._products.shape[1] - 1  # base parameters, the target, and what was added behind it
         design = np.delete(np.arange(whole.shape[1]), target)
         grams, pulls = whole[:, design[:, None], design], whole[:, design, target]
@@ -105,10 +110,10 @@ class Folds:
             G[np.diag_indices(len(G))] += held
             x = np.linalg.solve(G, pulls[fold != k].sum(axis=0) / size) / size
             squares[fold == k] += x @ (grams[fold == k] @ x).T - 2.0 * pulls[fold == k] @ x
-        return typical(squares, self._told)
+        return squares
 
     def _products_judged(self, some: Sequence[str], joint: int) -> Floats:
-        """Return what every product of simple functions leaves, each with the base parameters only, (n_product,).
+        """Return the squares that every product of simple functions leaves beside the base, (n_trial, n_product).
 
         One column beside many known ones: its factor is what it has in common with the target once the known
         ones are taken off both.
@@ -136,7 +141,7 @@ class Folds:
             for i in np.flatnonzero(~learnt):
                 squares[i] += np.einsum("ij,ij->j", x, K[i] @ x) + factor**2 * V[i]
                 squares[i] += 2.0 * (factor * np.einsum("ij,ij->j", U[i], x) - p[i] @ x - factor * w[i])
-        return np.array([typical(one, self._told) for one in squares.T])
+        return squares
 
 
 @dataclass(frozen=True)

@@ -11,8 +11,8 @@ import numpy as np
 
 from arm.effects.catalogue import catalogue
 from arm.model import Floats
+from fitter.diagnosis.candidate import Candidate
 from fitter.diagnosis.regression import Regression
-from fitter.diagnosis.screening import Candidate
 from fitter.diagnosis.unknown_torque import inner_rests
 from fitter.search.fitted_parameter import FittedParameter
 

@@ -65,6 +65,10 @@ class Hypothesis(ABC):
         """Return values of psi to try first, (n_start, n_psi)."""
         return np.zeros((1, 0))
 
+    def log_places(self, motions: Sequence[Motion]) -> float:
+        """Return the logarithm of the number of places at which it is sought: values of psi, trials, moments."""
+        return float(np.log(max(len(self.starts(motions)), 1)))
+
     @abstractmethod
     def act(self, view: View, psi: Floats) -> View:
         """Return a motion as it is if this hypothesis holds too."""

@@ -13,6 +13,8 @@ from fitter.diagnosis.hypothesis import Hypothesis
 from fitter.diagnosis.motion import Motion
 from fitter.diagnosis.view import View
 
+#: By the third General Conference on Weights and Measures, 1901 [m/s^2].
+STANDARD_GRAVITY = 9.80665
 #: Tilts that are tried first [m/s^2], and zeros [rad].
 _TILTS = (-0.1, 0.1)
 _ZEROS = (-0.02, 0.02)
@@ -35,8 +37,10 @@ class GravityTilt(Hypothesis):
         return np.array([15.0, 15.0])
 
     def starts(self, motions: Sequence[Motion]) -> Floats:
-        """Return values to try first."""
-        return np.array([[x, y] for x in _TILTS for y in _TILTS])
+        """Return values to try first: a little of it, and all of it along eight directions of a level plane."""
+        turns = np.arange(8) * np.pi / 4.0
+        upright = STANDARD_GRAVITY * np.stack([np.cos(turns), np.sin(turns)], axis=1)
+        return np.concatenate([[[x, y] for x in _TILTS for y in _TILTS], upright])
 
     def act(self, view: View, psi: Floats) -> View:
         """Return a motion in another gravity."""
@@ -147,6 +151,12 @@ class Payload(Hypothesis):
         elif view.motion.number not in self.trials:
             column = np.zeros_like(column)
         return replace(view, columns=(*view.columns, column))
+
+    def log_places(self, motions: Sequence[Motion]) -> float:
+        """Return the logarithm of the number of sets of trials, or of moments."""
+        if self.since_s is None:
+            return float(len(motions) * np.log(2.0))
+        return float(np.log(sum(len(motion.t) for motion in motions)))
 
     def part_of(self, motion: Motion) -> object:
         """Return whether it is there, or from when on."""

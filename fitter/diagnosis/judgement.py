@@ -10,9 +10,9 @@ from arm.effects.effect_table import ROTOR, changed, effect_table
 from arm.model import Arm, Floats
 from arm.newton_euler import mass_matrix
 from arm.simulation import simulate
+from fitter.diagnosis.candidate import Candidate
 from fitter.diagnosis.motion import Motion
 from fitter.diagnosis.regression import Regression
-from fitter.diagnosis.screening import Candidate
 from fitter.dynamics.evaluation import HORIZON_S
 from fitter.side_by_side import side_by_side
 
@@ -119,9 +119,7 @@ def simulated(arm: Arm, motion: Motion, horizon_s: float = HORIZON_S) -> Floats:
         still = motion.stuck[0]
         q0 = np.where(still, trial.q[:rest].mean(axis=0), trial.q[0])
         dq0 = np.where(still, 0.0, trial.dq[0])
-        return simulate(
-            arm, trial.ref, trial.dt_s, q0, dq0, t0_s=t0, trial=motion.number, drives=trial.drives
-        ).q
+        return simulate(arm, trial.ref, trial.dt_s, q0, dq0, t0_s=t0, trial=motion.number, drives=trial.drives).q
     angles = trial.q.copy()
     torque = motion.u if len(motion.u) == len(trial.q) else np.asarray(trial.tau)
     stride = max(1, round(horizon_s / trial.dt_s))

@@ -17,6 +17,7 @@ from fitter.diagnosis.cut_off import cuts_off, distorts, let_through, undistorte
 from fitter.diagnosis.equation import Weighting, weighting
 from fitter.diagnosis.holding_size import holding_sizes
 from fitter.diagnosis.least_squares import scaled_lstsq
+from fitter.diagnosis.mass_density import MassDensity
 from fitter.diagnosis.model import Model
 from fitter.diagnosis.motion import Motion
 from fitter.diagnosis.noisy_rows import NoisyRows
@@ -44,6 +45,8 @@ class Regression:
         A standard parameter that is not sought: where no torque tells the scale of all the others, it does.
     weighted : Weighting, optional
         The filter that makes the noise white; by the mass matrix of a base model unless given.
+    density : MassDensity, optional
+        Of the motions, where something moves them that the model lacks.
     """
 
     def __init__(
@@ -53,19 +56,22 @@ class Regression:
         denied: tuple[str, ...] = (),
         known: tuple[int, float] | None = None,
         weighted: Weighting | None = None,
+        density: MassDensity | None = None,
     ) -> None:
         self.arm = arm
         self.motions = list(motions)
-        self.denied = denied
+        self.denied, self.density = denied, density
         self._scales: dict[object, Floats] = {}
         self._plain: dict[object, Floats] = {}
-        self._noisier = noisier(arm, self.motions)
+        self.noisier = noisier(arm, self.motions)
         self._made_for_base = weighted is None
         if weighted is None:
             crude = Equations(arm, weighting(arm, self.motions), denied, known)
             weighted = self._weighting_by(crude)
         self.equations = Equations(arm, weighted, denied, known)
-        self._noisy = NoisyRows(self.equations, self._noisier)
+        #: The sensors' noise alone, where no more is known of the masses.
+        self.sensors = weighted
+        self._noisy = NoisyRows(self.equations, self.noisier)
         weighted.prepare(self.motions)
 
     @cached_property
@@ -78,19 +84,6 @@ class Regression:
         return self.motions if model.is_event else self.learning
 
     @property
-    def learns_from_all(self) -> bool:
-        """Whether evaluating trials are learnt from, too."""
-        return len(self.learning) == len(self.motions)
-
-    def learning_from_all(self) -> "Regression":
-        """Return one that learns from all trials: what only those show that judge, nothing else can tell."""
-        if self.learns_from_all:
-            return self
-        other = self.weighted_by(self.weighting)
-        other.learning = other.motions
-        return other
-
-    @property
     def weighting(self) -> Weighting:
         """The filter that makes the noise white."""
         return self.equations.weighting
@@ -101,14 +94,10 @@ class Regression:
         return np.array([self.weighting.told(motion) for motion in self.motions], dtype=np.float64)
 
     def weighted_by(self, weighted: Weighting) -> "Regression":
-        """Return a regression of the same motions with another filter."""
+        """Return a regression of the same motions with another filter, and no density."""
         other = Regression(self.arm, self.motions, self.denied, self.equations.known, weighted)
-        other.learning = self.learning
+        other.sensors = self.sensors
         return other
-
-    def weighting_under(self, model: Model, x: Floats) -> Weighting:
-        """Return the filter that makes the noise white under a model."""
-        return reweighted(self.equations, model, x, self.motions, self._noisier)
 
     def view(self, model: Model, motion: Motion) -> View:
         """Return a motion under a model."""
@@ -130,7 +119,12 @@ class Regression:
         rows = [self.rows(model, motion) for motion in motions]
         noise = noise or self.noise(model, motions)
         gram, pull = sum(one.columns.gram for one in rows), sum(one.pull for one in rows)
-        return compensated(np.asarray(gram), np.asarray(pull), noise.gram.sum(axis=0), noise.pull.sum(axis=0))
+        x = compensated(np.asarray(gram), np.asarray(pull), noise.gram.sum(axis=0), noise.pull.sum(axis=0))
+        return (
+            x
+            if self.density is None
+            else self.density.solve(np.asarray(gram), np.asarray(pull), x, model, motions)
+        )
 
     def left(self, model: Model, x: Floats, motions: Sequence[Motion]) -> Floats:
         """Return what factors leave of some motions' equations, one after the other, in units of the noise."""
@@ -204,6 +198,6 @@ class Regression:
         values = scaled_lstsq(
             np.vstack([one.design for one in rows]), np.concatenate([one.target.ravel() for one in rows])
         )
-        weighted = reweighted(crude, Model(), values, self.motions, self._noisier)
+        weighted = reweighted(crude, crude.weighting, Model(), values, self.motions, self.noisier)
         fine = Equations(self.arm, weighted, self.denied, crude.known)
         return replace(weighted, holding=holding_sizes(fine, Model(), values, self.motions))

@@ -4,20 +4,19 @@ Each is tried for itself, so several processors share them.
 """
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
 from arm.effects.catalogue import catalogue
 from arm.model import Floats
-from fitter.diagnosis.agreement import agreed
+from fitter.diagnosis.candidate import Candidate
 from fitter.diagnosis.grid import Best, Grid
 from fitter.diagnosis.hypothesis import Hypothesis
 from fitter.diagnosis.least_squares import scaled_lstsq
 from fitter.diagnosis.loads import find_payloads
 from fitter.diagnosis.model import Model
 from fitter.diagnosis.motion import Motion
-from fitter.diagnosis.pushes import find_pushes
 from fitter.diagnosis.refinement import refined
 from fitter.diagnosis.regression import Regression
 from fitter.diagnosis.starts import Starts
@@ -37,30 +36,6 @@ _COMPETES = 0.6
 _LITTLE = 0.02
 #: … nor one that explains less than this share of a trial's residual.
 _NOTHING = 0.02
-
-
-@dataclass(frozen=True)
-class Candidate:
-    """A model with one hypothesis more, and what it leaves.
-
-    Attributes
-    ----------
-    model : Model
-        What was accepted before, and the hypothesis as its last.
-    x : (n_factor,)
-        Base parameters and the columns' factors.
-    squares : (n_trial,)
-        Sum of squares that is left in each trial, in units of the noise.
-    """
-
-    model: Model
-    x: Floats
-    squares: Floats
-
-    @property
-    def hypothesis(self) -> Hypothesis:
-        """What was added."""
-        return self.model.hypotheses[-1]
 
 
 def fitted(
@@ -223,11 +198,7 @@ def _possible(candidate: Candidate) -> bool:
 
 
 def _events(regression: Regression, accepted: Candidate) -> list[Hypothesis]:
-    known = {hypothesis.key for hypothesis in accepted.model.hypotheses}
-    kinds = catalogue()
-    found: list[Hypothesis] = []
-    if ("payload", ()) not in known:
-        found += find_payloads(kinds["payload"], regression, accepted.model)
-    expected = agreed(regression, accepted.model)
-    pushes = find_pushes(kinds["external_push"], regression, accepted.model, expected)
-    return found + [one for one in pushes if one.key not in known]
+    """Return loads; pushes are found in the missing torque, once the causes that always act are known."""
+    if any(hypothesis.kind.name == "payload" for hypothesis in accepted.model.hypotheses):
+        return []
+    return find_payloads(catalogue()["payload"], regression, accepted.model)

@@ -1,46 +1,49 @@
-"""What the search for causes has come to."""
+"""What the search for causes has come to, as it is judged and told."""
 
-from dataclasses import dataclass, field
+from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
 from arm.model import Floats
-from fitter.diagnosis.agreement import apart, typical
-from fitter.diagnosis.screening import Candidate
-
-#: Causes explain too little if they leave this share of what the base model leaves beyond noise, and so much of
-#: the noise.
-UNEXPLAINED, UNEXPLAINED_AT_LEAST = 0.0125, 1.0
-#: Causes that leave so large a share of it lead nowhere.
-_LEADS_NOWHERE = 0.05
-#: Causes of which trials are typically left with so many times what one unknown function of few variables leaves
-#: them with are none: ripples, springs and pushes together can imitate what is in no catalogue. Of true causes, if
-#: they are several, such a function explains a part only.
-_OUTDONE = 1.5
-#: No function leaves less than noise, of which the filter is sure to this much.
-_NOISE = 0.7
+from fitter.diagnosis.candidate import Candidate
+from fitter.diagnosis.evidence import Fit, likelihood_of
+from fitter.diagnosis.floor import Floor
+from fitter.diagnosis.stepwise import Step
 
 
 @dataclass(frozen=True)
 class Cause:
-    """One accepted hypothesis.
+    """One accepted hypothesis, and what was tried in its stead, all under the weights of that step.
 
     Attributes
     ----------
     place : int
         Its place in the model.
-    rivals : list of Candidate
-        Others that would explain as much in its stead; the model with each.
-    beaten : list of Candidate
-        All others that were tried in its stead, best first.
-    worth : float
-        By how much the sum of squares grows without it.
+    before, itself : Candidate
+        Without and with it.
+    rivals : sequence of Candidate
+        As likely, with as many numbers.
+    larger : sequence of Candidate
+        As likely, with more numbers.
+    beaten : sequence of Candidate
+        All others, the likeliest first.
+    support : sequence of float
+        Of it and of each rival: the likelihoods' ratios, one in all.
     """
 
     place: int
-    rivals: list[Candidate] = field(default_factory=list)
-    beaten: list[Candidate] = field(default_factory=list)
-    worth: float = 0.0
+    before: Candidate
+    itself: Candidate
+    rivals: Sequence[Candidate] = ()
+    larger: Sequence[Candidate] = ()
+    beaten: Sequence[Candidate] = ()
+    support: Sequence[float] = (1.0,)
+
+    def takes_away(self, which: Sequence[bool]) -> float:
+        """Return the share of the squared residual of some trials that it takes away."""
+        was, left = (float(one.squares[np.asarray(which)].sum()) for one in (self.before, self.itself))
+        return 1.0 - left / was if was > 0.0 else 0.0
 
 
 @dataclass(frozen=True)
@@ -50,68 +53,55 @@ class Search:
     Attributes
     ----------
     base, final : Candidate
-        Without and with all causes.
-    causes : list of Cause
-    first : list of Candidate
-        Every hypothesis beside the base model alone, best first.
-    told : (n_trial,)
-        How many numbers each trial tells: what noise alone would leave.
-    function : float
-        What trials are typically left with beside one unknown function of few variables in place of all causes,
-        in units of what noise would leave.
+        Without and with all causes, under the same weights.
+    causes : sequence of Cause
+        In the order of the model's hypotheses.
+    beside : Candidate
+        The base model as `first` was held against it.
+    first : sequence of Candidate
+        Every hypothesis beside the base model alone, the likeliest first.
+    support : sequence of float
+        Of each of these.
+    floor : Floor
+        Of the final model.
+    was : Floor
+        Of the base model.
     from_all : bool
         Whether evaluating trials were learnt from, too.
     """
 
     base: Candidate
     final: Candidate
-    causes: list[Cause]
-    first: list[Candidate]
-    told: Floats
-    function: float = np.inf
+    causes: Sequence[Cause]
+    beside: Candidate
+    first: Sequence[Candidate]
+    support: Sequence[float]
+    floor: Floor
+    was: Floor
     from_all: bool = False
 
-    @property
-    def structure(self) -> float:
-        """What the base model leaves beyond noise, as a share of the noise."""
-        return float((self.base.squares.sum() - self.noise) / self.noise)
 
-    @property
-    def noise(self) -> float:
-        """The sum of squares that noise alone leaves, not more than anything has left."""
-        return float(min(self.told.sum(), self.final.squares.sum()))
+def cause_of(place: int, step: Step) -> Cause:
+    """Return an accepted step as a cause, at its place in the final model."""
+    rivals = [one for one in step.equals if one.n_number == step.fit.n_number]
+    larger = [one for one in step.equals if one.n_number != step.fit.n_number]
+    alike = [step.fit, *rivals]
+    named = {id(one) for one in (*alike, *larger)}
+    return Cause(
+        place,
+        step.before.candidate,
+        step.fit.candidate,
+        [one.candidate for one in rivals],
+        [one.candidate for one in larger],
+        [one.candidate for one in step.options if id(one) not in named],
+        supports(alike),
+    )
 
-    @property
-    def outdone(self) -> bool:
-        """Whether one unknown function explains clearly more than all causes together."""
-        return typical(self.final.squares, self.told) > _OUTDONE * self.function
 
-    @property
-    def may_be_outdone(self) -> bool:
-        """Whether causes leave so much that a function could explain clearly more."""
-        return bool(self.causes) and typical(self.final.squares, self.told) > _OUTDONE * _NOISE
-
-    @property
-    def leads_nowhere(self) -> bool:
-        """Whether causes leave much of what the base model leaves."""
-        return self.leaves(_LEADS_NOWHERE, UNEXPLAINED_AT_LEAST)
-
-    @property
-    def is_nearly_all(self) -> bool:
-        """Whether several causes explain nearly all."""
-        return len(self.causes) > 1 and not self.leads_nowhere
-
-    def leaves(self, share: float, least: float) -> bool:
-        """Say whether more is left beyond noise than a share of what the base model leaves, and so much noise.
-
-        Trials that stand apart do not count: whatever happened in them, it is no part of the arm.
-        """
-        common = ~apart(self.final.squares, self.told)
-        noise, left, was = (float(one[common].sum()) for one in (self.told, self.final.squares, self.base.squares))
-        return left - noise > max(share * (was - min(noise, left)), least * noise)
-
-    @property
-    def explained(self) -> float:
-        """Share of that structure which the causes explain, 0 to 1."""
-        beyond = self.base.squares.sum() - self.noise
-        return float(np.clip((self.base.squares.sum() - self.final.squares.sum()) / max(beyond, 1e-300), 0.0, 1.0))
+def supports(fits: Sequence[Fit]) -> list[float]:
+    """Return the likelihoods of models as shares of their sum."""
+    if not fits:
+        return []
+    nats: Floats = np.array([likelihood_of(one) for one in fits])
+    odds = np.exp(nats - nats.max())
+    return [float(one) for one in odds / odds.sum()]

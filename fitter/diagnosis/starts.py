@@ -1,6 +1,5 @@
 """Where searches have come to: the same is not sought from the beginning again."""
 
-
 from arm.model import Floats
 from fitter.diagnosis.hypothesis import Hypothesis
 from fitter.diagnosis.model import Model

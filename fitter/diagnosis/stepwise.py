@@ -1,113 +1,94 @@
-"""Stepwise search for causes: forward, backward, and in pairs where two hide each other.
+"""Causes sought one by one: forward, in pairs where two hide each other, and backward after every step.
 
-It knows neither what a likelihood is made of nor any effect by its name.
+The search knows neither what a likelihood is made of nor any effect by its name.
 """
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from itertools import combinations
-from typing import Generic, Protocol, TypeVar
+from typing import Protocol
 
-import numpy as np
-
-from fitter.diagnosis.evidence import ODDS_NATS, Fitted, is_better, worth
+from fitter.diagnosis.evidence import ODDS_NATS, Fit, is_better, likelihood_of, worth
 from fitter.diagnosis.hypothesis import Hypothesis
 
-#: The best starts of a screening that are fitted: it keeps the weights as they are, so its order is a guess.
-FITTED = 8
-#: Of these so many are judged in any case, were they worse than the best where they were fitted.
-JUDGED = 3
-#: Of these the best are tried in pairs, where none is worth it alone.
+#: Of hypotheses none of which is worth it alone, so many of the likeliest are tried in pairs.
 PAIRED = 5
-
-F = TypeVar("F", bound=Fitted)
-
-
-class Start(Protocol):
-    """A hypothesis at its best start."""
-
-    @property
-    def hypothesis(self) -> Hypothesis:
-        """What it is."""
-
-    @property
-    def gain(self) -> float:
-        """About how many nats it gains."""
-
-    @property
-    def n_start(self) -> int:
-        """How many places were tried."""
+#: An equal gains more than this part of what the best gains, or it is a weaker cause and no other name for it.
+_EQUAL_GAIN = 0.5
 
 
-class Likelihood(Protocol[F]):
+class Likelihood(Protocol):
     """A likelihood that causes are sought by."""
 
-    def fit_base(self) -> F:
-        """Return the model without any effect."""
+    def base(self) -> Fit:
+        """Return the model without any effect, under weights of its own."""
 
-    def screen(self, fit: F) -> Sequence[Start]:
-        """Return all hypotheses that are not in a model, those first that gain most."""
+    def options(self, fit: Fit) -> Sequence[Fit]:
+        """Return a model with one hypothesis more, for all of them that are possible, the likeliest first."""
 
-    def fit_all(self, fit: F, some: Sequence[Sequence[Start]]) -> list[F]:
-        """Return models with further hypotheses, fitted, those that are accepted kept as they are."""
+    def joined(self, fit: Fit, options: Sequence[Fit]) -> Fit | None:
+        """Return a model with the last hypothesis of each of some options; None if its numbers are impossible."""
 
-    def judge(self, fits: Sequence[F]) -> list[F]:
-        """Return models with the likelihood of all trials, those too that they were not fitted to."""
-
-    def refit(self, fit: F) -> F:
-        """Return a model with all its numbers sought anew."""
-
-    def fit_without(self, fit: F, place: int) -> F:
+    def without(self, fit: Fit, place: int) -> Fit:
         """Return a model without one of its hypotheses, fitted."""
 
-    def is_possible(self, fit: F) -> bool:
-        """Say whether a model's numbers are such that a machine can have them."""
+    def reweighted(self, fit: Fit) -> Fit:
+        """Return a model under weights of its own, all its numbers sought anew."""
 
-    def is_exact(self, fit: F) -> bool:
+    def log_places(self, hypothesis: Hypothesis) -> float:
+        """Return the logarithm of the number of places at which a hypothesis is sought."""
+
+    def is_exact(self, fit: Fit) -> bool:
         """Say whether a model leaves no more than the sensors' noise."""
 
 
 @dataclass(frozen=True)
-class Step(Generic[F]):
+class Step:
     """One accepted cause.
 
     Attributes
     ----------
     hypothesis : Hypothesis
+    fit, before : Fit
+        With and without it, when it was accepted.
     worth : float
-        When it was accepted [nats].
-    equals : tuple of F
-        Models with another hypothesis in its place that fit equally well.
+        Then [nats].
+    equals : tuple of Fit
+        Models with another hypothesis in its place that are as likely.
+    options : tuple of Fit
+        All that were tried in its stead, the likeliest first.
     """
 
     hypothesis: Hypothesis
+    fit: Fit
+    before: Fit
     worth: float
-    equals: tuple[F, ...] = ()
+    equals: tuple[Fit, ...] = ()
+    options: tuple[Fit, ...] = ()
 
 
 @dataclass(frozen=True)
-class Found(Generic[F]):
+class Found:
     """What a search has found.
 
     Attributes
     ----------
-    base, final : F
+    final : Fit
     steps : tuple of Step
-        In the order of their acceptance.
-    tried : tuple of (Hypothesis, F)
-        Fitted beside the base alone, the best first.
-    screened : tuple of Start
-        All, beside the base alone.
+        In the order of the model's hypotheses.
+    first : tuple of Fit
+        Every hypothesis beside the base alone, the likeliest first.
+    base : Fit
+        Beside which these were tried.
     """
 
-    base: F
-    final: F
-    steps: tuple[Step[F], ...] = ()
-    tried: tuple[tuple[Hypothesis, F], ...] = ()
-    screened: tuple[Start, ...] = field(default=())
+    base: Fit
+    final: Fit
+    steps: tuple[Step, ...]
+    first: tuple[Fit, ...]
 
 
-class Stepwise(Generic[F]):
+class Stepwise:
     """A search for causes by some likelihood.
 
     Parameters
@@ -122,84 +103,69 @@ class Stepwise(Generic[F]):
     """
 
     def __init__(
-        self,
-        likelihood: Likelihood[F],
-        families: int,
-        most: int = 9,
-        progress: Callable[[int], None] | None = None,
+        self, likelihood: Likelihood, families: int, most: int, progress: Callable[[int], None] | None = None
     ) -> None:
         self._likelihood, self._families, self._most = likelihood, families, most
         self._progress = progress or (lambda _n: None)
 
-    def run(self) -> Found[F]:
+    def run(self) -> Found:
         """Return the causes of what the base model leaves."""
-        base = fit = self._likelihood.fit_base()
-        steps: list[Step[F]] = []
-        tried: tuple[tuple[Hypothesis, F], ...] = ()
-        screened: tuple[Start, ...] = ()
+        base = fit = self._likelihood.base()
+        steps: list[Step] = []
+        first: tuple[Fit, ...] = ()
+        known: set[frozenset[tuple[str, tuple[int, ...]]]] = set()
         while len(steps) < self._most and not self._likelihood.is_exact(fit):
-            starts = list(self._likelihood.screen(fit))
-            candidates = self._fitted(fit, [[one] for one in starts[:FITTED]])
-            if not steps:
-                screened = tuple(starts)
-                tried = tuple((some[0].hypothesis, one) for some, one in candidates)
-            new = self._best(fit, candidates)
-            if new is None:
-                pairs = [list(pair) for pair in combinations([some[0] for some, _ in candidates[:PAIRED]], 2)]
-                new = self._best(fit, self._fitted(fit, pairs))
+            options = tuple(self._likelihood.options(fit))
+            first = first or options
+            new = self._best(fit, options) or self._best_pair(fit, options)
             if new is None:
                 break
             fit, more = new
-            fit, steps = self._pruned(self._likelihood.refit(fit) if steps else fit, [*steps, *more])
+            fit, steps = self._pruned(self._likelihood.reweighted(fit), [*steps, *more])
+            names = frozenset(step.hypothesis.key for step in steps)
+            if names in known:  # what one step adds the next takes away
+                break
+            known.add(names)
             self._progress(len(steps))
-        return Found(base, fit, tuple(steps), tried, screened)
+        return Found(base, fit, tuple(steps), first)
 
-    def _fitted(self, fit: F, some: Sequence[Sequence[Start]]) -> list[tuple[Sequence[Start], F]]:
-        """Return possible models with further hypotheses, judged, the best first.
+    def _worth(self, one: Fit, fit: Fit) -> float:
+        new = one.candidate.model.hypotheses[len(fit.candidate.model.hypotheses) :]
+        places = sum(self._likelihood.log_places(hypothesis) for hypothesis in new)
+        return worth(one, fit, places, self._families ** len(new))
 
-        Models that are clearly worse than the best of them where they were fitted are not judged, but for a few.
-        """
-        fitted = list(zip(some, self._likelihood.fit_all(fit, some), strict=True))
-        possible = [one for one in fitted if self._likelihood.is_possible(one[1])]
-        ranked = sorted(possible, key=lambda one: -float(one[1].nats[one[1].learnt].sum()))
-        kept = [one for k, one in enumerate(ranked) if k < JUDGED or not is_better(ranked[0][1], one[1], True)]
-        judged = self._likelihood.judge([one for _, one in kept])
-        both = [(starts, one) for (starts, _), one in zip(kept, judged, strict=True)]
-        return sorted(both, key=lambda one: -self._worth(one[1], fit, one[0]))
+    def _accepted(self, fit: Fit, options: Sequence[Fit]) -> list[Fit]:
+        """Return those that are worth it and help where nothing was fitted, the likeliest first."""
+        kept = [one for one in options if self._worth(one, fit) > ODDS_NATS and one.helps(fit)]
+        return sorted(kept, key=likelihood_of, reverse=True)
 
-    def _worth(self, one: F, other: F, starts: Sequence[Start]) -> float:
-        places = int(np.prod([max(start.n_start, 1) for start in starts]))
-        return worth(one, other, places, self._families ** len(starts))
-
-    def _best(self, fit: F, candidates: Sequence[tuple[Sequence[Start], F]]) -> tuple[F, list[Step[F]]] | None:
-        """Return the best model that is worth it and helps where nothing was fitted, with its steps."""
-        kept = [
-            (starts, one)
-            for starts, one in candidates
-            if self._worth(one, fit, starts) > ODDS_NATS and held_out_gain(one, fit) > 0.0
-        ]
+    def _best(self, fit: Fit, options: tuple[Fit, ...]) -> tuple[Fit, list[Step]] | None:
+        """Return the likeliest model that is worth it with the fewest numbers among its equals."""
+        kept = self._accepted(fit, options)
         if not kept:
             return None
-        best = kept[0][1]
-        level = [(starts, one) for starts, one in kept if not is_better(best, one)]
-        fewest = min(one.n_number for _, one in level)
-        equal = [(starts, one) for starts, one in level if one.n_number == fewest]
-        (starts, chosen), others = equal[0], equal[1:]
-        own = self._worth(chosen, fit, starts)
-        if len(starts) == 1:
-            return chosen, [Step(starts[0].hypothesis, own, tuple(one for _, one in others))]
-        return chosen, [Step(start.hypothesis, own) for start in starts]
+        least = _EQUAL_GAIN * kept[0].gain(fit)
+        equal = [one for one in kept if one.gain(fit) > least and not is_better(kept[0], one)]
+        fewest = min(one.n_number for one in equal)
+        chosen = next(one for one in equal if one.n_number == fewest)
+        others = tuple(one for one in equal if one is not chosen)
+        hypothesis = chosen.candidate.hypothesis
+        return chosen, [Step(hypothesis, chosen, fit, self._worth(chosen, fit), others, options)]
 
-    def _pruned(self, fit: F, steps: list[Step[F]]) -> tuple[F, list[Step[F]]]:
+    def _best_pair(self, fit: Fit, options: Sequence[Fit]) -> tuple[Fit, list[Step]] | None:
+        """Return the likeliest model with two hypotheses more neither of which is worth it alone."""
+        pairs = [self._likelihood.joined(fit, pair) for pair in combinations(options[:PAIRED], 2)]
+        kept = self._accepted(fit, [pair for pair in pairs if pair is not None])
+        if not kept:
+            return None
+        own, new = self._worth(kept[0], fit), kept[0].candidate.model.hypotheses[-2:]
+        return kept[0], [Step(hypothesis, kept[0], fit, own, options=tuple(options)) for hypothesis in new]
+
+    def _pruned(self, fit: Fit, steps: list[Step]) -> tuple[Fit, list[Step]]:
         """Return a model without the causes that the last one has made needless."""
         for place in reversed(range(len(steps) - 1)):
-            smaller = self._likelihood.fit_without(fit, place)
-            if worth(fit, smaller, 1, self._families) < ODDS_NATS:
+            smaller = self._likelihood.without(fit, place)
+            places = self._likelihood.log_places(steps[place].hypothesis)
+            if worth(fit, smaller, places, self._families) < ODDS_NATS:
                 fit, steps = smaller, [one for k, one in enumerate(steps) if k != place]
         return fit, steps
-
-
-def held_out_gain(one: Fitted, other: Fitted) -> float:
-    """Return what a model gains on trials that it was not fitted to [nats]."""
-    gain = one.nats - other.nats
-    return float(gain[~one.learnt].sum()) if np.any(~one.learnt) else float("inf")

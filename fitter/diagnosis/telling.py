@@ -1,22 +1,24 @@
 """What a search has come to, as a finding: causes with their equals, all candidates, the arm, errors and gain."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
 
-from arm.model import Arm, Effect, Floats
-from fitter.diagnosis.conclusion import Conclusion
+from arm.model import Arm, Effect
+from fitter.diagnosis.candidate import Candidate
+from fitter.diagnosis.conclusion import PLAINLY, Conclusion
 from fitter.diagnosis.estimates import Estimates, estimates, extended_arm
-from fitter.diagnosis.finding import Finding, NamedCause, Tried
+from fitter.diagnosis.finding import Finding, Left, NamedCause, Tried
 from fitter.diagnosis.holding import Holding
 from fitter.diagnosis.hypothesis import Hypothesis
 from fitter.diagnosis.in_arm import Payload
-from fitter.diagnosis.judgement import gain, judged, torque_left
+from fitter.diagnosis.judgement import Errors, gain, judged, torque_left
 from fitter.diagnosis.motion import Motion
+from fitter.diagnosis.named_pushes import pushes_of
 from fitter.diagnosis.next_experiment import next_experiment
+from fitter.diagnosis.pushes import Pushes
 from fitter.diagnosis.regression import Regression
-from fitter.diagnosis.screening import Candidate
 from fitter.diagnosis.search import Search
 from fitter.search.fitted_parameter import FittedParameter
 from limbcal.note import of_source
@@ -53,6 +55,8 @@ def finding_of(regression: Regression, come_to: Conclusion, motions: Sequence[Mo
     joints = [j for cause in causes for j in cause.joints]
     return Finding(
         verdict=verdict,
+        complete=final is search.final and bool(np.all(search.floor.ratio <= PLAINLY)),
+        left=_left(search if final is search.final else replace(search, floor=search.was), before, after),
         causes=causes,
         candidates=_tried(regression, search, come_to.held),
         confusable=confusable,
@@ -61,8 +65,7 @@ def finding_of(regression: Regression, come_to: Conclusion, motions: Sequence[Mo
         after=after,
         gain=gain(before, after),
         remainder=come_to.remainder,
-        structure=search.structure,
-        explained=search.explained,
+        structure=float(np.max(search.was.ratio)) - 1.0,
         base_arm=base_arm,
         arm=extended,
         notes=[note for motion in motions for note in of_source(motion.trial.notes, motion.trial.name)],
@@ -72,6 +75,12 @@ def finding_of(regression: Regression, come_to: Conclusion, motions: Sequence[Mo
             for role, learning in (("learn", True), ("evaluate", False))
         },
     )
+
+
+def _left(search: Search, before: Errors, after: Errors) -> Left:
+    was, left = (float(np.sqrt(np.sum(one.torque_rms**2))) for one in (before, after))
+    noise = float(np.sqrt(np.max(search.floor.ratio)))
+    return Left(after.torque_rms.tolist(), float(np.clip(left / was, 0.0, 1.0)) if was > 0.0 else 0.0, noise)
 
 
 def _explained(regression: Regression, fitted: Candidate, motions: Sequence[Motion]) -> list[float]:
@@ -85,16 +94,19 @@ def _explained(regression: Regression, fitted: Candidate, motions: Sequence[Moti
 
 def _causes(regression: Regression, search: Search, found: Estimates) -> list[NamedCause]:
     """Return the accepted causes, each with those that explain as much in its stead right behind it."""
+    learnt = [motion.learn for motion in regression.motions]
+    held_out = [not one for one in learnt]
     listed = []
-    inflation = max(1.0, float(search.final.squares.sum() / search.told.sum()))
     for cause in search.causes:
-        odds = [float(np.exp(-_worse(search, rival) / (2.0 * inflation))) for rival in cause.rivals]
-        share = 1.0 / (1.0 + sum(odds))
+        taken = {"learn": cause.takes_away(learnt)}
+        if any(held_out):
+            taken["evaluate"] = cause.takes_away(held_out)
         hypothesis = search.final.model.hypotheses[cause.place]
-        listed.append(_named(hypothesis, found.effects[cause.place], share))
-        for rival, odd in zip(cause.rivals, odds, strict=True):
-            numbers = estimates(regression, rival).effects[-1]
-            listed.append(_named(rival.hypothesis, numbers, odd * share))
+        named = _named(hypothesis, found.effects[cause.place], cause.support[0], taken)
+        listed += pushes_of(regression.motions, named) if isinstance(hypothesis, Pushes) else [named]
+        for rival, share in zip(cause.rivals, cause.support[1:], strict=True):
+            own = estimates(regression, rival).effects[-1]
+            listed.append(replace(_named(rival.hypothesis, own, share, {}), in_stead=True))
     return listed
 
 
@@ -106,15 +118,14 @@ def _at_rest(regression: Regression, come_to: Conclusion) -> list[NamedCause]:
         share = 1.0 if equal is None else 0.5
         listed.append(NamedCause("stiction", (one.joint + 1,), {"static_N_m": one.parameter}, share))
         if equal is not None:
-            listed.append(_named(equal.hypothesis, estimates(regression, equal).effects[-1], share))
+            own = estimates(regression, equal).effects[-1]
+            listed.append(replace(_named(equal.hypothesis, own, share, {}), in_stead=True))
     return listed
 
 
-def _worse(search: Search, rival: Candidate) -> float:
-    return max(0.0, float(rival.squares.sum() - search.final.squares.sum()))
-
-
-def _named(hypothesis: Hypothesis, numbers: dict[str, FittedParameter], support: float) -> NamedCause:
+def _named(
+    hypothesis: Hypothesis, numbers: dict[str, FittedParameter], support: float, takes_away: Mapping[str, float]
+) -> NamedCause:
     where: dict[str, object] = {}
     if isinstance(hypothesis, Payload):
         where = (
@@ -123,14 +134,14 @@ def _named(hypothesis: Hypothesis, numbers: dict[str, FittedParameter], support:
             else {"trials": sorted(hypothesis.trials)}
         )
     joints = tuple(j + 1 for j in hypothesis.joints)
-    return NamedCause(hypothesis.kind.name, joints, numbers, support, where)
+    return NamedCause(hypothesis.kind.name, joints, numbers, support, where, takes_away)
 
 
 def _confusable(search: Search) -> list[tuple[str, str]]:
     pairs = {
-        tuple(sorted((search.final.model.hypotheses[cause.place].kind.name, rival.hypothesis.kind.name)))
+        tuple(sorted((cause.itself.hypothesis.kind.name, other.hypothesis.kind.name)))
         for cause in search.causes
-        for rival in cause.rivals
+        for other in (*cause.rivals, *cause.larger)
     }
     return sorted((a, b) for a, b in pairs)
 
@@ -138,22 +149,15 @@ def _confusable(search: Search) -> list[tuple[str, str]]:
 def _tried(regression: Regression, search: Search, held: Sequence[Holding]) -> list[Tried]:
     """Return every hypothesis that was tried beside the base model, by what it gains on the evaluating trials."""
     held_out = np.array([not motion.learn for motion in regression.motions])
-    was = float(search.base.squares[held_out].sum())
-    gains: Floats = np.array([1.0 - float(one.squares[held_out].sum()) / was for one in search.first])
-    inflation = max(1.0, float(search.final.squares.sum() / search.told.sum()))
-    total = np.array([float(one.squares.sum()) for one in search.first])
-    odds = np.exp(-(total - total.min(initial=np.inf)) / (2.0 * inflation)) if len(total) else total
-    support = odds / max(float(odds.sum()), 1e-300)
-    if not search.causes:
-        support = np.zeros(len(total))
+    was = max(float(search.beside.squares[held_out].sum()), np.finfo(np.float64).tiny)
     listed = [
         Tried(
             one.hypothesis.kind.name,
             tuple(j + 1 for j in one.hypothesis.joints),
-            float(np.clip(gain_, 0.0, 1.0)),
-            float(share),
+            float(np.clip(1.0 - one.squares[held_out].sum() / was, 0.0, 1.0)),
+            share if search.causes else 0.0,
         )
-        for one, gain_, share in zip(search.first, gains, support, strict=True)
+        for one, share in zip(search.first, search.support, strict=True)
     ]
     listed += [Tried("stiction", (one.joint + 1,), float(np.clip(one.gain, 0.0, 1.0)), 1.0) for one in held]
     return sorted(listed, key=lambda one: -one.gain)

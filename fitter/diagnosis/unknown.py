@@ -11,12 +11,13 @@ from itertools import combinations
 
 import numpy as np
 
-from fitter.diagnosis.agreement import typical
+from fitter.diagnosis.candidate import Candidate
 from fitter.diagnosis.dependence import Dependence, dependences
+from fitter.diagnosis.evidence import EQUAL_SIGMAS
 from fitter.diagnosis.folds import Folds
 from fitter.diagnosis.functions import names
 from fitter.diagnosis.regression import Regression
-from fitter.diagnosis.screening import Candidate
+from fitter.diagnosis.typical import typical
 from fitter.side_by_side import side_by_side
 
 #: A further variable must explain this share of what is explained then, or leave so many times less: where a
@@ -98,6 +99,28 @@ def best_functions(fold: Folds, n_joint: int) -> BestFunctions:
         k = int(np.argmin(by_triple))
         of_size[3], left[3] = triples[k], by_triple[k]
     return BestFunctions(joint, of_size, left)
+
+
+def outdoes(fold: Folds, final: Candidate, functions: BestFunctions) -> bool:
+    """Say whether a function of few variables, in place of all causes, leaves trials with clearly less than they do.
+
+    It is judged on trials that it was not fitted to; the difference of the logarithms has to be two of its standard
+    errors over the trials.
+
+    Parameters
+    ----------
+    fold : Folds
+        Of the base model.
+    final : Candidate
+        The model with all causes.
+    functions : BestFunctions
+        Of the base model.
+    """
+    size = min(functions.left, key=lambda k: functions.left[k])
+    left = fold.squares(functions.of_size[size], functions.joint, smooth=True)
+    less = np.log(np.maximum(final.squares, 1e-300) / np.maximum(left, 1e-300))
+    error = less.std(ddof=1) / np.sqrt(len(less)) if len(less) > 1 else np.inf
+    return bool(less.mean() > EQUAL_SIGMAS * error)
 
 
 def describe(regression: Regression, final: Candidate) -> Remainder:

@@ -81,9 +81,7 @@ def drawn_geometry(arm: Arm, found: Arm, which: NDArray[np.intp], trials: Sequen
     answers = np.linalg.lstsq(normal, scores.T, rcond=None)[0].T
     departures = np.zeros((n_draw, geometry_of(found).size))
     departures[:, which] = answers
-    return DrawnGeometry(
-        departures.reshape(n_draw, -1, 5), power - np.einsum("bi,bi->b", scores, answers), left
-    )
+    return DrawnGeometry(departures.reshape(n_draw, -1, 5), power - np.einsum("bi,bi->b", scores, answers), left)
 
 
 def _tip_sensor(arm: Arm) -> int:

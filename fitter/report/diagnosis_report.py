@@ -123,7 +123,14 @@ def _cause(page: Page, found: Diagnosis) -> None:
     if finding.verdict == "unexplained":
         page.section("The cause", _unexplained(found))
         return
-    text = f"{percent(finding.explained)} of what rises above the noise goes with it."
+    rest = (
+        "no more than the sensors' noise is left"
+        if finding.complete
+        else (
+            f"what is left has {finding.left.times_noise:.3g} times the sensors' noise: the model is not complete"
+        )
+    )
+    text = f"With {'them' if several else 'it'} in the model {rest}."
     if several:
         text += " The causes act together, and each is needed beside the others."
     if finding.verdict == "ambiguous":
@@ -145,7 +152,7 @@ def _unexplained(found: Diagnosis) -> str:
     if not found.search.causes:
         return text
     nearest = candidate_name(found.search.final.model.hypotheses[found.search.causes[0].place])
-    return f"{text} The nearest is {nearest}, but it leaves too much that is not noise to be named."
+    return f"{text} The nearest is {nearest}, but an unknown function explains clearly more."
 
 
 def _told(cause: NamedCause) -> str:
@@ -153,7 +160,14 @@ def _told(cause: NamedCause) -> str:
     among = (
         f" Its share of the belief among its equals is {percent(cause.support)}." if cause.support < 1.0 else ""
     )
-    return f"{sentence(cause.effect)} ({where}).{among}"
+    shares = {"learn": "learnt from", "evaluate": "held back"}
+    taken = " and ".join(
+        f"{percent(cause.takes_away[role])} on trials {said}"
+        for role, said in shares.items()
+        if role in cause.takes_away
+    )
+    gain = f" It took away {taken} of the squared residual." if taken else ""
+    return f"{sentence(cause.effect)} ({where}).{gain}{among}"
 
 
 def _rivals(page: Page, found: Diagnosis) -> None:

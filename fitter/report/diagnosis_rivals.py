@@ -4,8 +4,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from fitter.diagnosis.candidate import Candidate
 from fitter.diagnosis.diagnosis import Diagnosis
-from fitter.diagnosis.screening import Candidate
 from fitter.diagnosis.search import Cause
 from fitter.report.diagnosis_figures import AFTER, BEFORE
 from fitter.report.diagnosis_words import candidate_name, percent
@@ -41,11 +41,12 @@ def rivals(found: Diagnosis, cause: Cause | None) -> list[Rival]:
     """Return what was tried in the place of a cause (or at all): the winner, its equals, the beaten."""
     search = found.search
     judging = np.array([not motion.learn for motion in found.regression.motions])
-    was = max(float(search.base.squares[judging].sum()), 1e-300)
+    before = search.beside if cause is None else cause.before
+    was = max(float(before.squares[judging].sum()), np.finfo(np.float64).tiny)
 
-    def rival(one: Candidate, verdict: str, colour: str, name: str = "") -> Rival:
+    def rival(one: Candidate, verdict: str, colour: str) -> Rival:
         gain = float(np.clip(1.0 - one.squares[judging].sum() / was, 0.0, 1.0))
-        return Rival(name or candidate_name(one.hypothesis), gain, verdict, colour)
+        return Rival(candidate_name(one.hypothesis), gain, verdict, colour)
 
     def ranked(some: list[Rival]) -> list[Rival]:
         return sorted(some, key=lambda one: -one.gain)
@@ -53,14 +54,10 @@ def rivals(found: Diagnosis, cause: Cause | None) -> list[Rival]:
     if cause is None:
         verdict = "not above the noise" if found.finding.verdict == "none" else "explains too little"
         return ranked([rival(one, verdict, _FAINT) for one in search.first])
-    total = float(search.final.squares.sum())
-    winner = candidate_name(search.final.model.hypotheses[cause.place])
-    beaten = [
-        rival(one, "as good, but has more numbers" if float(one.squares.sum()) <= total else "beaten", _BEATEN)
-        for one in cause.beaten
-    ]
     equal = [rival(one, "as good: can't be told apart", BEFORE) for one in cause.rivals]
-    return [rival(search.final, "named", AFTER, winner), *ranked(equal), *ranked(beaten)]
+    larger = [rival(one, "as good, but has more numbers", _BEATEN) for one in cause.larger]
+    beaten = [rival(one, "beaten", _BEATEN) for one in cause.beaten]
+    return [rival(cause.itself, "named", AFTER), *ranked(equal), *ranked([*larger, *beaten])]
 
 
 def shown(listed: list[Rival]) -> tuple[list[Rival], list[Rival]]:

@@ -28,10 +28,13 @@ def headline(found: Diagnosis) -> str:
 
 def groups(found: Diagnosis) -> list[list[NamedCause]]:
     """Return the causes, each with those that explain as much in its stead."""
-    listed = iter(found.finding.causes)
-    if not found.finding.causes:
-        return []
-    return [[next(listed) for _ in range(1 + len(cause.rivals))] for cause in found.search.causes]
+    listed: list[list[NamedCause]] = []
+    for cause in found.finding.causes:
+        if cause.in_stead:
+            listed[-1].append(cause)
+        else:
+            listed.append([cause])
+    return listed
 
 
 def place(joints: Sequence[int], bearer: str = "the whole arm") -> str:
@@ -48,8 +51,9 @@ def when(cause: NamedCause) -> str:
     trials = cause.where.get("trials")
     if isinstance(trials, list):
         return f"in trial{'s' if len(trials) > 1 else ''} {_and([str(trial) for trial in trials])}"
-    starts = [p.value for name, p in cause.parameters.items() if name.startswith("start_s")]
-    return f"at {_and([f'{start:.2f}' for start in starts])} s of the run" if starts else ""
+    if "start_s" in cause.parameters:
+        return f"at {cause.parameters['start_s'].value:.2f} s of {cause.where['trial']}"
+    return ""
 
 
 def candidate_name(hypothesis: Hypothesis) -> str:

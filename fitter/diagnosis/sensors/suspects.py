@@ -121,8 +121,14 @@ def _base_columns(at: Linearisation, _sensor: int) -> Floats:
     phase = 2.0 * np.pi * at.instruments.base_hz * at.trial.t
     felt = at.from_base()
     c, s = np.cos(phase)[:, None, None], np.sin(phase)[:, None, None]
-    wave = 2.0 * np.pi * at.trial.t[:, None] * (
-        -np.sin(phase)[:, None] * at.instruments.base[:, 0] + np.cos(phase)[:, None] * at.instruments.base[:, 1]
+    wave = (
+        2.0
+        * np.pi
+        * at.trial.t[:, None]
+        * (
+            -np.sin(phase)[:, None] * at.instruments.base[:, 0]
+            + np.cos(phase)[:, None] * at.instruments.base[:, 1]
+        )
     )
     by_frequency = np.einsum("kcx,kx->kc", felt, wave)[..., None]
     return np.concatenate([felt * c, felt * s, by_frequency], axis=2)

@@ -13,7 +13,8 @@ from fitter.diagnosis.in_arm import GravityTilt
 from fitter.diagnosis.model import Model
 from fitter.diagnosis.motion import run_of
 from fitter.diagnosis.regression import Regression
-from fitter.diagnosis.screening import Candidate, fitted
+from fitter.diagnosis.candidate import Candidate
+from fitter.diagnosis.screening import fitted
 from tests.fitter.pendulum import pendulum, swings
 
 FULL = pendulum().gravity_m_s2

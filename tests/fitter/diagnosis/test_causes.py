@@ -17,7 +17,8 @@ from fitter.diagnosis.model import Model
 from fitter.diagnosis.motion import run_of
 from fitter.diagnosis.pushes import Pushes
 from fitter.diagnosis.regression import Regression
-from fitter.diagnosis.screening import Candidate, fitted, screen
+from fitter.diagnosis.candidate import Candidate
+from fitter.diagnosis.screening import fitted, screen
 from fitter.diagnosis.search import Cause
 from fitter.diagnosis.starts import Starts
 from tests.fitter.pendulum import pendulum, stop_that_no_learning_trial_reaches, swings

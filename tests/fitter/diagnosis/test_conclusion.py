@@ -15,7 +15,8 @@ from fitter.diagnosis.conclusion import concluded
 from fitter.diagnosis.model import Model
 from fitter.diagnosis.motion import run_of
 from fitter.diagnosis.regression import Regression
-from fitter.diagnosis.screening import Candidate, fitted
+from fitter.diagnosis.candidate import Candidate
+from fitter.diagnosis.screening import fitted
 from fitter.diagnosis.search import Search
 from fitter.diagnosis.unknown import describe
 from tests.fitter.pendulum import pendulum, swings

@@ -12,7 +12,7 @@ from fitter.diagnosis.hypothesis import Hypothesis
 from fitter.diagnosis.model import Model
 from fitter.diagnosis.pushes import Pushes
 from fitter.diagnosis.regression import Regression
-from fitter.diagnosis.screening import Candidate
+from fitter.diagnosis.candidate import Candidate
 from fitter.diagnosis.worth import best_of, more_to_find, reach, rivals_of
 
 TRIALS, TOLD = 22, np.full(22, 300.0)

@@ -1,0 +1,137 @@
+r"""The floor: how much the model lacks, as noise of each joint's equation beside the sensors'.
+
+.. math:: S_j(f) = P_j + D_j + E_j Q_j (2 \pi f)^4
+
+``P`` and ``Q`` are the sensors' noise under the model. ``D`` is a white missing torque, and ``E`` more noise of
+the angles than is known of, both by maximum likelihood (Whittle 1953) of what a model leaves of the learning trials.
+Where the model is exact there is no floor: ``D = 0, E = 1``.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+import scipy.optimize
+
+from arm.model import Floats
+from fitter.diagnosis.candidate import Candidate
+from fitter.diagnosis.equation import Weighting
+from fitter.diagnosis.regression import Regression
+from fitter.diagnosis.reweighting import reweighted
+
+#: The noise's size is known to a tenth (`whitening`): so much more variance than it has is no floor.
+KNOWN = 1.1**2
+#: Floors are sought in their logarithms, to a hundredth.
+_TOLERANCE = 0.01
+#: Starts: the white floor as a part of the mean power, and the logarithm of the other.
+_STARTS = tuple((white, steep) for white in (1.0, 0.1) for steep in (0.0, 4.0))
+
+
+@dataclass(frozen=True)
+class Floor:
+    """The floor of every joint.
+
+    Attributes
+    ----------
+    ratio : (n_joint,)
+        Variance of what is left, in units of the sensors' noise.
+    white : (n_joint,) [N m or N]
+        sqrt(D), a sample.
+    steep : (n_joint,)
+        E.
+    """
+
+    ratio: Floats
+    white: Floats
+    steep: Floats
+
+    @property
+    def is_none(self) -> bool:
+        """Whether nothing but the sensors' noise is left."""
+        return bool(np.all(self.ratio <= KNOWN))
+
+
+def floored(regression: Regression, candidate: Candidate) -> tuple[Weighting, Weighting, Floor]:
+    """Return the weights under a model by the sensors' noise alone, and with its floor, and the floor.
+
+    Parameters
+    ----------
+    regression : Regression
+        Its weights may have a floor already.
+    candidate : Candidate
+    """
+    model, x = candidate.model, candidate.x
+    own = reweighted(regression.equations, regression.sensors, model, x, regression.motions, regression.noisier)
+    f, power, freedom = _spectra(regression, candidate)
+    omega = (2.0 * np.pi * f) ** 4
+    n_joint = len(own.torque_noise)
+    ratio, white, steep = np.ones(n_joint), np.zeros(n_joint), np.ones(n_joint)
+    for j in range(n_joint):
+        torque, angle = own.torque_noise[j] ** 2, own.acceleration_noise[j, j] * omega
+        ratio[j] = float(np.sum(power[:, j] / (torque + angle)) / np.sum(freedom[:, j]))
+        if ratio[j] > KNOWN:
+            variance, steep[j] = _likeliest(power[:, j], freedom[:, j], torque, angle)
+            white[j] = np.sqrt(variance)
+    root = np.sqrt(steep)
+    with_floor = replace(
+        own,
+        torque_noise=np.sqrt(own.torque_noise**2 + white**2),
+        acceleration_noise=own.acceleration_noise * np.outer(root, root),
+    )
+    return own, with_floor, Floor(ratio, white, steep)
+
+
+def part_of_floor(own: Weighting, with_floor: Weighting) -> float:
+    """Return which part of the equations' variance is the floor's, averaged over band and joints, 0 to 1."""
+    f = own.band_hz * np.linspace(0.0, 1.0, 20)[:, None]
+    variances = [
+        one.torque_noise**2 + np.diag(one.acceleration_noise) * (2.0 * np.pi * f) ** 4 for one in (own, with_floor)
+    ]
+    return float(np.mean(1.0 - variances[0] / variances[1]))
+
+
+def _spectra(regression: Regression, candidate: Candidate) -> tuple[Floats, Floats, Floats]:
+    """Return frequencies (n,), the power of what is left there, and its degrees of freedom, (n, n_joint).
+
+    Residuals are white under the weights in use, without what is not known, such as what holds a joint; they get
+    back the colour that the weights took.
+    """
+    weighting = regression.weighting
+    parts: list[Sequence[Floats]] = []
+    for motion in regression.learning:
+        white = regression.rows(candidate.model, motion).left(candidate.x)
+        f = np.fft.rfftfreq(len(white), weighting.stride * motion.dt_s).astype(np.float64)
+        inside = (f > 0.0) & (weighting.band(f) == 1.0)
+        root = np.linalg.cholesky(np.array([weighting.covariance(at) for at in f[inside]]))
+        colour = (root @ np.fft.rfft(white, axis=0)[inside, :, None])[:, :, 0]
+        freedom = np.broadcast_to(_known(regression, motion.number), colour.shape)
+        parts.append((f[inside], np.abs(colour) ** 2 / len(white), freedom))
+    f, power, freedom = (np.concatenate(column) for column in zip(*parts, strict=True))
+    return f, np.asarray(power, dtype=np.float64), freedom
+
+
+def _known(regression: Regression, number: int) -> Floats:
+    """Return which part of a motion's equations is not eliminated, (n_joint,)."""
+    motion = next(one for one in regression.motions if one.number == number)
+    weighting = regression.weighting
+    n_row = -(-len(motion.t) // weighting.stride)
+    return np.clip(weighting.told_at_joints(motion) / weighting.n_told(n_row, motion.dt_s), 1e-3, 1.0)
+
+
+def _likeliest(power: Floats, freedom: Floats, torque: Floats | float, angle: Floats) -> tuple[float, float]:
+    """Return D and E of one joint: least sum of freedom log S + power / S."""
+
+    def loss(at: Floats) -> float:
+        S = torque + np.exp(at[0]) + angle * (1.0 + np.exp(at[1]))
+        return float(np.sum(freedom * np.log(S) + power / S))
+
+    mean = max(float(power.sum() / freedom.sum()), 1e-300)
+    options = {"xatol": _TOLERANCE, "fatol": _TOLERANCE}
+    found = [
+        scipy.optimize.minimize(  # type: ignore[call-overload]
+            loss, np.array([np.log(mean * white), steep]), method="Nelder-Mead", options=options
+        )
+        for white, steep in _STARTS
+    ]
+    best = min(found, key=lambda one: float(one.fun))
+    return float(np.exp(best.x[0])), 1.0 + float(np.exp(best.x[1]))

@@ -1,0 +1,143 @@
+"""The likelihood of the torque equation, with a floor of what the model lacks, as the search asks for it."""
+
+from collections.abc import Callable, Sequence
+
+import numpy as np
+
+from fitter.diagnosis.candidate import Candidate
+from fitter.diagnosis.evidence import BLOCK_S, Fit, likelihood_of
+from fitter.diagnosis.floor import Floor, floored, part_of_floor
+from fitter.diagnosis.hypothesis import Hypothesis
+from fitter.diagnosis.mass_density import MassDensity
+from fitter.diagnosis.model import Model
+from fitter.diagnosis.regression import Regression
+from fitter.diagnosis.screening import fitted, screen
+from fitter.diagnosis.starts import Starts
+
+#: Which part of what is lacking moved the arm: nobody knows where the torque was measured; all where it is known.
+_MEASURED, _KNOWN = 0.5, 1.0
+#: Of a screening, so many models are held against each other.
+_COMPARED = 20
+#: Floors of the base model are found in turn with it.
+_ROUNDS = 2
+#: A floor whose part is less than this is none.
+_NO_FLOOR = 0.01
+
+Progress = Callable[[int, int], None]
+
+
+class TorqueLikelihood:
+    """The likelihood of a run's torque equations.
+
+    Parameters
+    ----------
+    regression : Regression
+    tried : sequence of Hypothesis
+    progress : callable, optional
+        Told how many hypotheses were tried, and how many there are.
+
+    Attributes
+    ----------
+    regression : Regression
+        Under the weights that were used last.
+    floor, was : Floor
+        Of the model by which these were made, and of the base model.
+    """
+
+    def __init__(
+        self, regression: Regression, tried: Sequence[Hypothesis], progress: Progress | None = None
+    ) -> None:
+        self.regression = regression
+        self.floor = self.was = Floor(*np.ones((3, regression.arm.n_joint)))
+        self._tried, self._progress, self._starts = list(tried), progress, Starts()
+        measured = all(motion.trial.tau is not None for motion in regression.motions)
+        driven = any(np.any(motion.u) for motion in regression.motions)
+        self._weight = _MEASURED if measured and driven else _KNOWN
+
+    def base(self) -> Fit:
+        """Return the model without any effect, under weights of its own."""
+        for _ in range(_ROUNDS):
+            self.reweigh(fitted(self.regression, Model()))
+        self.was = self.floor
+        return self.fit_of(fitted(self.regression, Model()))
+
+    def options(self, fit: Fit) -> list[Fit]:
+        """Return a model with one hypothesis more, for all of them that are possible, the likeliest first."""
+        accepted = fit.candidate
+        known = {one.key for one in accepted.model.hypotheses}
+        tried = [one for one in self._tried if one.key not in known]
+        found = screen(self.regression, accepted, tried, self._starts, self._progress)
+        better = [one for one in found if one.squares is not accepted.squares]
+        return sorted(map(self.fit_of, better[:_COMPARED]), key=likelihood_of, reverse=True)
+
+    def joined(self, fit: Fit, options: Sequence[Fit]) -> Fit | None:
+        """Return a model with the last hypothesis of each of some options; None if its numbers are impossible."""
+        model = fit.candidate.model
+        for one in options:
+            model = model.plus(one.candidate.hypothesis, one.candidate.model.psi[-1])
+        candidate = fitted(self.regression, model, held=len(fit.candidate.model.hypotheses))
+        return self.fit_of(candidate) if is_possible(candidate) else None
+
+    def without(self, fit: Fit, place: int) -> Fit:
+        """Return a model without one of its hypotheses, fitted."""
+        return self.fit_of(fitted(self.regression, fit.candidate.model.without(place)))
+
+    def reweighted(self, fit: Fit) -> Fit:
+        """Return a model under weights of its own, all its numbers sought anew."""
+        candidate = fitted(self.regression, fit.candidate.model)
+        self.reweigh(candidate)
+        return self.fit_of(fitted(self.regression, candidate.model))
+
+    def log_places(self, hypothesis: Hypothesis) -> float:
+        """Return the logarithm of the number of places at which a hypothesis is sought."""
+        return hypothesis.log_places(self.regression.motions)
+
+    def is_exact(self, fit: Fit) -> bool:
+        """Say whether a model leaves no more than the sensors' noise."""
+        return floored(self.regression, fit.candidate)[2].is_none
+
+    def fit_of(self, candidate: Candidate) -> Fit:
+        """Return a model with what it leaves of every trial, and the density of its motions."""
+        regression, step_s = self.regression, self.regression.weighting.stride
+        residual, block, trial, learnt, density = [], [], list[int](), list[bool](), list[float]()
+        for motion in regression.motions:
+            left = regression.residual(candidate.model, candidate.x, motion)
+            n_block = max(1, int(len(left) * step_s * motion.dt_s / BLOCK_S))
+            own = np.minimum(np.arange(len(left)) * n_block // len(left), n_block - 1)
+            residual.append(left)
+            block.append(own + len(trial))
+            trial += [motion.number] * n_block
+            learnt += [motion.learn] * n_block
+            mass = regression.density
+            whole = mass.of(candidate.model, candidate.x, [motion]) if mass is not None else 0.0
+            density += [whole / n_block] * n_block
+        rows, blocks, may = np.concatenate(residual), np.concatenate(block), np.array(learnt)
+        share = float(regression.told.sum() / rows.size)
+        variance = np.mean(rows[may[blocks]] ** 2, axis=0) / share
+        least = np.finfo(np.float64).tiny
+        return Fit(
+            candidate, rows, np.maximum(variance, least), blocks, np.array(trial), may, share, np.array(density)
+        )
+
+    def reweigh(self, candidate: Candidate) -> None:
+        """Weigh the equations by the sensors' noise under a model, and its floor."""
+        own, weighted, self.floor = floored(self.regression, candidate)
+        anew = self.regression.weighted_by(weighted)
+        anew.sensors = own
+        weight = self._weight * part_of_floor(own, weighted)
+        if weight > _NO_FLOOR:
+            told = {motion.number: anew.weighting.told_at_joints(motion) for motion in anew.motions}
+            start = candidate.x[: len(candidate.x) - candidate.model.n_column]
+            anew.density = MassDensity(anew.equations, anew.motions, weight, told, start)
+        self.regression = anew
+        self._starts.forget()
+
+
+def is_possible(candidate: Candidate) -> bool:
+    """Say whether all effects' numbers are such that the catalogue allows them."""
+    model, at = candidate.model, len(candidate.x) - candidate.model.n_column
+    for hypothesis, psi in zip(model.hypotheses, model.psi, strict=True):
+        if not hypothesis.possible(psi, candidate.x[at : at + hypothesis.n_column]):
+            return False
+        at += hypothesis.n_column
+    return True
