@@ -68,6 +68,12 @@ class AtJoint(Hypothesis):
         """Greatest values of psi, (n_psi,)."""
         return np.array([self.kind.parameters[k].high for k in self._psi])
 
+    def log_places(self, motions: Sequence[Motion]) -> float:
+        """Return the logarithm of the number of places; a frequency is sought among all that the run can tell."""
+        if "frequency_hz" not in self.psi_names:
+            return super().log_places(motions)
+        return float(np.log(sum(motion.trial.cutoff_hz * len(motion.t) * motion.dt_s for motion in motions)))
+
     def starts(self, motions: Sequence[Motion]) -> Floats:
         """Return values of psi to try first, (n_start, n_psi)."""
         if not self._psi:

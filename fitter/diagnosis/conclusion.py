@@ -3,8 +3,6 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
-import numpy as np
-
 from fitter.diagnosis.candidate import Candidate
 from fitter.diagnosis.estimates import Estimates, estimates
 from fitter.diagnosis.falling_friction import with_humps
@@ -15,9 +13,6 @@ from fitter.diagnosis.model import Model
 from fitter.diagnosis.regression import Regression
 from fitter.diagnosis.search import Search
 from fitter.diagnosis.unknown import Remainder, best_functions, describe, outdoes
-
-#: Something is there if what is left has so many times the noise's variance: the noise's power is known to 3 dB.
-PLAINLY = 2.0
 
 
 @dataclass(frozen=True)
@@ -84,8 +79,6 @@ def _verdict(regression: Regression, search: Search, remainder: Remainder, held:
             return "unexplained"
         return "ambiguous" if any(cause.rivals for cause in search.causes) else "named"
     fold = Folds(regression, replace(search.base, model=Model()))
-    if np.any(search.floor.ratio > PLAINLY) or outdoes(
-        fold, search.base, best_functions(fold, regression.arm.n_joint)
-    ):
+    if search.floor.is_plain or outdoes(fold, search.base, best_functions(fold, regression.arm.n_joint)):
         return "unexplained"
     return "named" if held else "none"

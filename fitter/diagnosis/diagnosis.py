@@ -12,10 +12,10 @@ from fitter.data.resample import Uniform, resample, split_at_holes
 from fitter.data.trials import FIT_CORNER, Trial, derive, undriven
 from fitter.diagnosis.candidate import Candidate
 from fitter.diagnosis.chatter import chatter
-from fitter.diagnosis.conclusion import PLAINLY, concluded
+from fitter.diagnosis.conclusion import concluded
 from fitter.diagnosis.corner import corner_hz
 from fitter.diagnosis.finding import Finding
-from fitter.diagnosis.floor import Floor
+from fitter.diagnosis.floor import PLAINLY, Floor
 from fitter.diagnosis.hypotheses import hypotheses
 from fitter.diagnosis.missed_pushes import with_pushes
 from fitter.diagnosis.model import Model
@@ -126,7 +126,9 @@ def _searched(
         motions = [replace(motion, learn=True) for motion in motions]
         likelihood, found, was = _found(arm, motions, denied, scale, say)
         regression = likelihood.regression
-    final = with_pushes(regression, found.final.candidate)
+    final = found.final.candidate
+    if not likelihood.floor.is_none:
+        final = with_pushes(regression, final)
     causes = [cause_of(place, step) for place, step in enumerate(found.steps)]
     for place in range(len(causes), len(final.model.hypotheses)):
         causes.append(Cause(place, found.final.candidate, final))

@@ -6,9 +6,9 @@ A hypothesis of k numbers, sought at m places, is worth
 
 nats: Schwarz' criterion over blocks of about a second, the places and families that were tried as a uniform prior.
 What a model lacks makes residuals of neighbours, and of whole trials, resemble each other, so the gain counts
-divided by :math:`\varphi`: the variance of the score of what was added, over blocks or trials, in units of its information
-(Huber 1967; Takeuchi 1976). Two models are equal if the sum of their blocks' differences is within two of its
-standard errors (Vuong 1989).
+divided by :math:`\varphi`: the variance of the score of what was added, over blocks or trials, in units of its
+information (Huber 1967; Takeuchi 1976). Two models are equal if the sum of their blocks' differences is within two of
+its standard errors (Vuong 1989).
 """
 
 from dataclasses import dataclass
@@ -124,7 +124,7 @@ def likelihood_of(fit: Fit) -> float:
 
 def is_better(one: Fit, other: Fit) -> bool:
     """Say whether a model is better than another, beyond its numbers and what blocks' scatter explains."""
-    gain = (one.nats - other.nats)[one.learnt]
+    gain: Floats = (one.nats - other.nats)[one.learnt]
     numbers = 0.5 * (one.n_number - other.n_number) * np.log(len(gain))
     error = np.sqrt(_summed_variance(np.asarray(gain - gain.mean(), dtype=np.float64)))
     return bool(gain.sum() - numbers > EQUAL_SIGMAS * error)

@@ -3,8 +3,8 @@ r"""The floor: how much the model lacks, as noise of each joint's equation besid
 .. math:: S_j(f) = P_j + D_j + E_j Q_j (2 \pi f)^4
 
 ``P`` and ``Q`` are the sensors' noise under the model. ``D`` is a white missing torque, and ``E`` more noise of
-the angles than is known of, both by maximum likelihood (Whittle 1953) of what a model leaves of the learning trials.
-Where the model is exact there is no floor: ``D = 0, E = 1``.
+the angles than is known of, both by maximum likelihood (Whittle 1953) of what a model leaves of the learning
+trials. Where the model is exact there is no floor: ``D = 0, E = 1``.
 """
 
 from collections.abc import Sequence
@@ -21,6 +21,8 @@ from fitter.diagnosis.reweighting import reweighted
 
 #: The noise's size is known to a tenth (`whitening`): so much more variance than it has is no floor.
 KNOWN = 1.1**2
+#: Something is there if what is left has so many times the noise's variance: 3 dB.
+PLAINLY = 2.0
 #: Floors are sought in their logarithms, to a hundredth.
 _TOLERANCE = 0.01
 #: Starts: the white floor as a part of the mean power, and the logarithm of the other.
@@ -49,6 +51,11 @@ class Floor:
     def is_none(self) -> bool:
         """Whether nothing but the sensors' noise is left."""
         return bool(np.all(self.ratio <= KNOWN))
+
+    @property
+    def is_plain(self) -> bool:
+        """Whether much more is left."""
+        return bool(np.any(self.ratio > PLAINLY))
 
 
 def floored(regression: Regression, candidate: Candidate) -> tuple[Weighting, Weighting, Floor]:

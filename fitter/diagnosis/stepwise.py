@@ -13,8 +13,8 @@ from fitter.diagnosis.hypothesis import Hypothesis
 
 #: Of hypotheses none of which is worth it alone, so many of the likeliest are tried in pairs.
 PAIRED = 5
-#: An equal gains more than this part of what the best gains, or it is a weaker cause and no other name for it.
-_EQUAL_GAIN = 0.5
+#: What gains less than this part of what the best gains is a weaker cause and no other name for it.
+_CLOSE = 0.5
 
 
 class Likelihood(Protocol):
@@ -32,6 +32,9 @@ class Likelihood(Protocol):
     def without(self, fit: Fit, place: int) -> Fit:
         """Return a model without one of its hypotheses, fitted."""
 
+    def instead(self, fit: Fit, other: Fit) -> Fit | None:
+        """Return a model with another one's last hypothesis in place of its own; None if that is impossible."""
+
     def reweighted(self, fit: Fit) -> Fit:
         """Return a model under weights of its own, all its numbers sought anew."""
 
@@ -40,6 +43,9 @@ class Likelihood(Protocol):
 
     def is_exact(self, fit: Fit) -> bool:
         """Say whether a model leaves no more than the sensors' noise."""
+
+    def is_plainly_wrong(self, fit: Fit) -> bool:
+        """Say whether a model leaves so much that two hypotheses may hide each other in it."""
 
 
 @dataclass(frozen=True)
@@ -117,11 +123,13 @@ class Stepwise:
         while len(steps) < self._most and not self._likelihood.is_exact(fit):
             options = tuple(self._likelihood.options(fit))
             first = first or options
-            new = self._best(fit, options) or self._best_pair(fit, options)
+            new = self._best(fit, options)
+            if new is None and self._likelihood.is_plainly_wrong(fit):
+                new = self._best_pair(fit, options)
             if new is None:
                 break
             fit, more = new
-            fit, steps = self._pruned(self._likelihood.reweighted(fit), [*steps, *more])
+            fit, steps = self._pruned(fit, [*steps, *more])
             names = frozenset(step.hypothesis.key for step in steps)
             if names in known:  # what one step adds the next takes away
                 break
@@ -140,17 +148,30 @@ class Stepwise:
         return sorted(kept, key=likelihood_of, reverse=True)
 
     def _best(self, fit: Fit, options: tuple[Fit, ...]) -> tuple[Fit, list[Step]] | None:
-        """Return the likeliest model that is worth it with the fewest numbers among its equals."""
+        """Return the likeliest model that is worth it, under its own weights, with the step that led to it.
+
+        Of its equals there that have fewest numbers.
+        """
         kept = self._accepted(fit, options)
         if not kept:
             return None
-        least = _EQUAL_GAIN * kept[0].gain(fit)
-        equal = [one for one in kept if one.gain(fit) > least and not is_better(kept[0], one)]
-        fewest = min(one.n_number for one in equal)
-        chosen = next(one for one in equal if one.n_number == fewest)
-        others = tuple(one for one in equal if one is not chosen)
-        hypothesis = chosen.candidate.hypothesis
-        return chosen, [Step(hypothesis, chosen, fit, self._worth(chosen, fit), others, options)]
+        close = [one for one in kept if one.gain(fit) > _CLOSE * kept[0].gain(fit)]
+        best = kept[0]
+        for _ in close:
+            settled = self._likelihood.reweighted(best)
+            tried = [(one, self._likelihood.instead(settled, one)) for one in close if one is not best]
+            rivals = [(one, rival) for one, rival in tried if rival is not None]
+            beating = [one for one, rival in rivals if is_better(rival, settled)]
+            if not beating:
+                break
+            best, close = beating[0], [one for one in close if one is not best]
+        equal = [(best, settled), *((one, rival) for one, rival in rivals if not is_better(settled, rival))]
+        fewest = min(rival.n_number for _, rival in equal)
+        chosen, found = next((one, rival) for one, rival in equal if rival.n_number == fewest)
+        if chosen is not best:
+            found = self._likelihood.reweighted(chosen)
+        others = tuple(one for one, _ in equal if one is not chosen)
+        return found, [Step(chosen.candidate.hypothesis, chosen, fit, self._worth(chosen, fit), others, options)]
 
     def _best_pair(self, fit: Fit, options: Sequence[Fit]) -> tuple[Fit, list[Step]] | None:
         """Return the likeliest model with two hypotheses more neither of which is worth it alone."""
@@ -159,7 +180,9 @@ class Stepwise:
         if not kept:
             return None
         own, new = self._worth(kept[0], fit), kept[0].candidate.model.hypotheses[-2:]
-        return kept[0], [Step(hypothesis, kept[0], fit, own, options=tuple(options)) for hypothesis in new]
+        return self._likelihood.reweighted(kept[0]), [
+            Step(hypothesis, kept[0], fit, own, options=tuple(options)) for hypothesis in new
+        ]
 
     def _pruned(self, fit: Fit, steps: list[Step]) -> tuple[Fit, list[Step]]:
         """Return a model without the causes that the last one has made needless."""

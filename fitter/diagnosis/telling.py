@@ -7,7 +7,7 @@ import numpy as np
 
 from arm.model import Arm, Effect
 from fitter.diagnosis.candidate import Candidate
-from fitter.diagnosis.conclusion import PLAINLY, Conclusion
+from fitter.diagnosis.conclusion import Conclusion
 from fitter.diagnosis.estimates import Estimates, estimates, extended_arm
 from fitter.diagnosis.finding import Finding, Left, NamedCause, Tried
 from fitter.diagnosis.holding import Holding
@@ -55,7 +55,7 @@ def finding_of(regression: Regression, come_to: Conclusion, motions: Sequence[Mo
     joints = [j for cause in causes for j in cause.joints]
     return Finding(
         verdict=verdict,
-        complete=final is search.final and bool(np.all(search.floor.ratio <= PLAINLY)),
+        complete=final is search.final and not search.floor.is_plain,
         left=_left(search if final is search.final else replace(search, floor=search.was), before, after),
         causes=causes,
         candidates=_tried(regression, search, come_to.held),

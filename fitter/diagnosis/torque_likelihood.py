@@ -82,6 +82,13 @@ class TorqueLikelihood:
         """Return a model without one of its hypotheses, fitted."""
         return self.fit_of(fitted(self.regression, fit.candidate.model.without(place)))
 
+    def instead(self, fit: Fit, other: Fit) -> Fit | None:
+        """Return a model with another one's last hypothesis in place of its own; None if that is impossible."""
+        model = fit.candidate.model.without(len(fit.candidate.model.hypotheses) - 1)
+        model = model.plus(other.candidate.hypothesis, other.candidate.model.psi[-1])
+        candidate = fitted(self.regression, model)
+        return self.fit_of(candidate) if is_possible(candidate) else None
+
     def reweighted(self, fit: Fit) -> Fit:
         """Return a model under weights of its own, all its numbers sought anew."""
         candidate = fitted(self.regression, fit.candidate.model)
@@ -95,6 +102,10 @@ class TorqueLikelihood:
     def is_exact(self, fit: Fit) -> bool:
         """Say whether a model leaves no more than the sensors' noise."""
         return floored(self.regression, fit.candidate)[2].is_none
+
+    def is_plainly_wrong(self, fit: Fit) -> bool:
+        """Say whether a model leaves so much that two hypotheses may hide each other in it."""
+        return self.floor.is_plain
 
     def fit_of(self, candidate: Candidate) -> Fit:
         """Return a model with what it leaves of every trial, and the density of its motions."""

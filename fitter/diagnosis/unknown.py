@@ -14,6 +14,7 @@ import numpy as np
 from fitter.diagnosis.candidate import Candidate
 from fitter.diagnosis.dependence import Dependence, dependences
 from fitter.diagnosis.evidence import EQUAL_SIGMAS
+from fitter.diagnosis.floor import PLAINLY
 from fitter.diagnosis.folds import Folds
 from fitter.diagnosis.functions import names
 from fitter.diagnosis.regression import Regression
@@ -102,10 +103,10 @@ def best_functions(fold: Folds, n_joint: int) -> BestFunctions:
 
 
 def outdoes(fold: Folds, final: Candidate, functions: BestFunctions) -> bool:
-    """Say whether a function of few variables, in place of all causes, leaves trials with clearly less than they do.
+    """Say whether a function of few variables leaves trials with clearly less than all causes do in its place.
 
-    It is judged on trials that it was not fitted to; the difference of the logarithms has to be two of its standard
-    errors over the trials.
+    It is judged on trials that it was not fitted to. No formula is exact, so the causes have to leave twice as
+    much; the difference of the logarithms has to be two of its standard errors over the trials.
 
     Parameters
     ----------
@@ -118,9 +119,9 @@ def outdoes(fold: Folds, final: Candidate, functions: BestFunctions) -> bool:
     """
     size = min(functions.left, key=lambda k: functions.left[k])
     left = fold.squares(functions.of_size[size], functions.joint, smooth=True)
-    less = np.log(np.maximum(final.squares, 1e-300) / np.maximum(left, 1e-300))
-    error = less.std(ddof=1) / np.sqrt(len(less)) if len(less) > 1 else np.inf
-    return bool(less.mean() > EQUAL_SIGMAS * error)
+    logs = np.log(np.maximum(final.squares, 1e-300) / np.maximum(left, 1e-300))
+    error = logs.std(ddof=1) / np.sqrt(len(logs)) if len(logs) > 1 else np.inf
+    return bool(logs.mean() > max(EQUAL_SIGMAS * error, np.log(PLAINLY)))
 
 
 def describe(regression: Regression, final: Candidate) -> Remainder:

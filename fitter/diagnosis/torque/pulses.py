@@ -248,9 +248,18 @@ def _least_ratios(searches: Sequence[_Search], probability: float) -> Floats:
             for _ in range(_N_SIMULATED)
         ]
     )
-    modes, scales = np.transpose([gumbel_r.fit(column) for column in greatest.T])
+    modes, scales = _gumbel(greatest)
     over_all = np.max((greatest - modes) / scales, axis=1)
-    return np.asarray(modes + scales * gumbel_r.ppf(1.0 - probability, *gumbel_r.fit(over_all)))
+    return np.asarray(modes + scales * gumbel_r.ppf(1.0 - probability, *_gumbel(over_all)))
+
+
+def _gumbel(values: Floats) -> tuple[Floats, Floats]:
+    """Return mode and scale of Gumbel distributions by their mean and standard deviation, along the first axis.
+
+    A duration that no place has room for has ratios of zero only, and no scale: it alarms nobody.
+    """
+    scale = np.maximum(values.std(axis=0) * np.sqrt(6.0) / np.pi, np.finfo(np.float64).eps)
+    return values.mean(axis=0) - np.euler_gamma * scale, scale
 
 
 def _packed(first: NDArray[np.int64], last: NDArray[np.int64], templates: Sequence[Floats]) -> Floats:
