@@ -123,8 +123,8 @@ def likelihood_of(fit: Fit) -> float:
 
 
 def is_better(one: Fit, other: Fit) -> bool:
-    """Say whether a model is better than another, beyond its numbers and what blocks' scatter explains."""
+    """Say whether a model is better than another, beyond its numbers, chance, and what blocks' scatter explains."""
     gain: Floats = (one.nats - other.nats)[one.learnt]
     numbers = 0.5 * (one.n_number - other.n_number) * np.log(len(gain))
     error = np.sqrt(_summed_variance(np.asarray(gain - gain.mean(), dtype=np.float64)))
-    return bool(gain.sum() - numbers > EQUAL_SIGMAS * error)
+    return bool(gain.sum() - numbers > max(ODDS_NATS, EQUAL_SIGMAS * error))
