@@ -1,1 +1,1 @@
-"""Measured data, diagnosed: one page a case under ``docs/cases``, each made by one command."""
+"""Measured recordings, diagnosed: one page a case under ``docs/cases``, each made by `fitter diagnose`."""

@@ -1,161 +1,175 @@
-"""The page of a case, as Markdown with one picture."""
+"""The page of a case: `fitter diagnose` on measured recordings, and its answer as Markdown with one picture."""
 
+import json
 import os
-from collections.abc import Sequence
+import shlex
+import shutil
+import subprocess
+import sys
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import Any
 
 from arm.effects.catalogue import catalogue
-from examples.cases.search import WORTH, Found
-from fitter.diagnosis.judgement import smooth, torque_left
-from fitter.report.diagnosis_figures import places_figure
-from fitter.report.diagnosis_traces import Trace
-from fitter.report.diagnosis_words import candidate_name, measured
+from fitter.report.diagnosis_words import place
+from limbcal.arguments import Parser, common_options
+from limbcal.digits import NORMAL_95, with_half_width
 
 ROOT = Path(__file__).parent.parent.parent
+ARMS = ROOT / "examples"
 DATA = Path(os.environ.get("LIMBCAL_DATA", ROOT.parent / "shared" / "data"))
 DOCS = ROOT / "docs" / "cases"
-#: More than so many times the noise is no noise.
-_NOISE = 2.0
+_VERDICTS = {
+    "named": "`named`: these causes are there.",
+    "ambiguous": "`ambiguous`: something is there, and several effects explain it equally well.",
+    "none": "`none`: nothing rises above the noise.",
+    "unexplained": "`unexplained`: something is there, and no effect of the catalogue is believed.",
+}
+
+Document = Mapping[str, Any]
 
 
 @dataclass(frozen=True)
-class FigureTable:
-    """Figures that were measured: a caption, a header, and rows of a name with numbers."""
-
-    caption: str
-    header: tuple[str, ...]
-    rows: Sequence[tuple[str, ...]]
-
-    def lines(self) -> list[str]:
-        """Return it as Markdown."""
-        listed = [f"| {' | '.join(row)} |" for row in (self.header, *self.rows)]
-        return [*listed[:1], "|---" * len(self.header) + "|", *listed[1:], "", self.caption, ""]
-
-
-@dataclass(frozen=True)
-class Page:
-    """What a case's page says beside what the diagnosis says itself.
+class Case:
+    """A case: what is diagnosed, and what its page says of it.
 
     Attributes
     ----------
     name : str
-        Of the file, without its ending.
-    title, lead, module : str
-        The module's command makes the page again.
-    tables : sequence of FigureTable
-    left : sequence of str
-        Paragraphs on what stays unexplained.
+        Of the page, without its ending.
+    title, lead : str
+    folder : str
+        Of the recordings, in the folder of all data.
+    command : sequence of str
+        What stands behind ``fitter diagnose``; ``{data}`` and ``{arms}`` are folders.
+    picture, caption : str
+        One of the pictures that ``fitter diagnose`` writes, without ``diagnosis-``.
+    unit : str
+        Of the drive.
+    remarks : sequence of str
+        Paragraphs on what these recordings cannot tell.
     """
 
     name: str
     title: str
     lead: str
-    module: str
-    tables: Sequence[FigureTable]
-    left: Sequence[str]
-
-
-@dataclass(frozen=True)
-class Story:
-    """What was found, told: lines on the causes, a paragraph on what is left, a picture (PNG) and its caption."""
-
-    causes: Sequence[str]
-    left: str
-    picture: bytes
+    folder: str
+    command: Sequence[str]
+    picture: str
     caption: str
+    unit: str = "N m"
+    remarks: Sequence[str] = ()
+
+    def words(self, data: str, arms: str) -> list[str]:
+        """Return the words behind ``fitter diagnose``."""
+        return [word.replace("{data}", data).replace("{arms}", arms) for word in self.command]
 
 
-def story_of(found: Found, unit: str = "N m") -> Story:
-    """Tell what a search by equations has found; unit is that of the drive."""
-    return Story(
-        _causes(found, unit),
-        _left(found),
-        places_figure(found, _traces(found)),  # type: ignore[arg-type]
-        "The torque that is left on the evaluating trials, before (orange) and after (green): means over bins and "
-        "the middle half of the samples; in the last column every trial's rms.",
-    )
-
-
-def write_page(page: Page, story: Story, folder: Path) -> None:
-    """Write a case's page and its picture.
+def run_case(
+    case: Case, argv: Sequence[str] | None, more: Callable[[Path, Path], Sequence[str]] | None = None
+) -> int:
+    """Diagnose, write the page, and return the exit code.
 
     Parameters
     ----------
-    page : Page
-    story : Story
-    folder : Path
-        It is made.
+    case : Case
+    argv : sequence of str, optional
+    more : callable, optional
+        Further lines of the page, from the folders of the diagnosis and of all data.
     """
-    folder.mkdir(parents=True, exist_ok=True)
-    command = f"OMP_NUM_THREADS=1 .venv/bin/python -m examples.cases.{page.module}"
-    lines = [f"# {page.title}", "", page.lead, "", "This command makes the page again:", ""]
-    lines += ["```sh", command, "```", "", "## What is missing, in the order found", ""]
-    lines += story.causes
-    lines += ["", "## What was asked, and measured", ""]
-    lines += [line for table in page.tables for line in table.lines()]
-    lines += ["## What stays unexplained", "", story.left, ""]
-    lines += [line for paragraph in page.left for line in (paragraph, "")]
-    picture = folder / f"{page.name}.png"
-    picture.write_bytes(story.picture)
-    lines += [f"![{page.title}]({picture.name})", "", story.caption, ""]
-    (folder / f"{page.name}.md").write_text("\n".join(lines), encoding="utf-8")
+    parser = Parser(prog=case.name, description=case.title, parents=[common_options()])
+    parser.add_argument("--data", type=Path, default=DATA, metavar="DIR", help="folder of all recordings")
+    parser.add_argument("--out", type=Path, default=DOCS, metavar="DIR", help="where the page goes (docs/cases)")
+    parser.add_argument("--diagnosis", type=Path, metavar="DIR", help="an answer that is there already")
+    options = parser.parse_args(argv)
+    with TemporaryDirectory() as scratch:
+        folder = options.diagnosis or Path(scratch)
+        if options.diagnosis is None:
+            words = case.words(str(options.data / case.folder), str(ARMS))
+            command = [sys.executable, "-m", "fitter", "diagnose", *words, "--out", str(folder)]
+            done = subprocess.run(command, stdout=sys.stderr, check=False)
+            if done.returncode:
+                return done.returncode
+        document = json.loads((folder / "diagnosis.json").read_text(encoding="utf-8"))
+        lines = page(case, document) + list(more(folder, options.data) if more else ())
+        options.out.mkdir(parents=True, exist_ok=True)
+        (options.out / f"{case.name}.md").write_text("\n".join(lines), encoding="utf-8")
+        shutil.copyfile(folder / f"diagnosis-{case.picture}.png", options.out / f"{case.name}.png")
+    return 0
 
 
-def _traces(found: Found) -> list[Trace]:
-    seen_hz = found.regression.weighting.seen_hz
-    models = [found.steps[0].model, found.steps[-1].model]
-    return [
-        Trace(
-            motion,
-            [smooth(torque_left(found.regression, one, motion), motion.dt_s, seen_hz) for one in models],
-            [],
-        )
-        for motion in found.motions
-    ]
+def page(case: Case, document: Document) -> list[str]:
+    """Return the lines of a case's page.
+
+    Parameters
+    ----------
+    case : Case
+    document : mapping
+        The JSON document of ``fitter diagnose``.
+    """
+    command = shlex.join(["fitter", "diagnose", *case.words("DATA/" + case.folder, "examples"), "--out", "DIR"])
+    lines = [f"# {case.title}", "", case.lead, "", "```sh", command, "```", ""]
+    lines += ["## What is missing", "", f"The verdict is {_VERDICTS[document['verdict']]}", ""]
+    lines += [f"{k}. {_cause(one, case.unit)}" for k, one in enumerate(document["causes"], 1)]
+    if document["causes"]:
+        lines += ["", "Sizes are given ± half of their 95 % interval, beside all other causes.", ""]
+    lines += [f"Doubtful: {note['text']}.\n" for note in document["notes"] if note["kind"] == "doubt"]
+    lines += ["## On the trials held back", "", *_errors(document, case.unit), _left(document, case.unit), ""]
+    lines += [line for remark in case.remarks for line in (remark, "")]
+    lines += [f"![{case.title}]({case.name}.png)", "", case.caption, ""]
+    lines += [f"Next experiment: {document['next_experiment']}", ""]
+    name = case.name.replace("-", "_")
+    return [*lines, f"`python -m examples.cases.{name}` makes this page.", ""]
 
 
-def _causes(found: Found, unit: str) -> list[str]:
-    left = [float(step.model.squares.sum()) / found.told for step in found.steps]
-    lines = []
-    for number, step in enumerate(found.steps[1:], 1):
-        hypothesis = step.hypothesis
-        assert hypothesis is not None
-        sizes = [f"`{name}` {' '.join(measured(p))} {p.unit}" for name, p in step.numbers.items()]
-        line = (
-            f"{number}. **{candidate_name(hypothesis)}**: {catalogue()[hypothesis.kind.name].sentence}. "
-            f"{'; '.join(sizes).replace('N m', unit)}. It takes away "
-            f"{100.0 * (1.0 - left[number] / left[number - 1]):.0f} % of the squared residual."
-        )
-        if step.runner_up is not None:
-            line += f" Next best, with {100.0 * step.reaches:.0f} % of that: {candidate_name(step.runner_up)}."
-        lines.append(line)
-    return [
-        *lines,
-        "",
-        "Sizes are those in the model with all causes, ± half of their 95 % interval, which allows for what is "
-        "left. "
-        "The search goes forwards only, sets pushes and loads aside, learns from the learning trials alone, and "
-        "takes "
-        f"a cause if it lowers the squares of the learning and of the evaluating trials by {100 * WORTH:.0f} % "
-        "each, or, for what need not show in all trials, does the latter no harm "
-        "(`examples/cases/search.py`).",
-    ]
-
-
-def _left(found: Found) -> str:
-    first, last = (step.model.squares.sum() / found.told for step in (found.steps[0], found.steps[-1]))
-    left = found.remainder
+def _cause(cause: Document, unit: str) -> str:
+    sizes = []
+    for name, number in cause["parameters"].items():
+        if number["std"] is None:
+            sizes.append(f"`{name}` {number['value']}")
+            continue
+        size = " ± ".join(with_half_width(number["value"], NORMAL_95 * number["std"]))
+        sizes.append(f"`{name}` {size} {number['unit'].replace('N m', unit)}")
+    learn, evaluate = (100.0 * cause["takes_away"][role] for role in ("learn", "evaluate"))
     said = (
-        f"Squared, the starting model leaves {first:.3g} times what the sensors' noise alone would, and "
-        f"{last:.3g} "
-        "times with all that was found."
+        f"**{cause['effect']}, {place(cause['joints'])}**: {catalogue()[cause['effect']].sentence}. "
+        f"{'; '.join(sizes)}. It takes away {learn:.0f} % of the squared residual of the learning trials, "
+        f"{evaluate:.0f} % of the evaluating ones."
     )
-    if last > _NOISE:
-        said += " So the model is not complete."
-    if left.depends_on:
-        said += (
-            f" It depends on {', '.join(left.depends_on)} (joint {left.joint}): a smooth function of that would "
-            f"explain {100 * left.explained:.0f} % of it on motions that it has not seen."
+    if cause["support"] < 1.0:
+        said += f" It is one of several that do as well, with {100.0 * cause['support']:.0f} % of the support."
+    return said
+
+
+def _errors(document: Document, unit: str) -> list[str]:
+    before, after = document["before"], document["after"]
+    rows = [
+        (f"torque {j}, rms [{unit}]", f"{was:.4g}", f"{became:.4g}")
+        for j, (was, became) in enumerate(
+            zip(before["torque_rms_N_m"], after["torque_rms_N_m"], strict=True), start=1
         )
-    return said + (f" As a formula: {left.formula}." if left.formula else "")
+    ]
+    for name in ("mean", "max"):
+        sizes = (one["angle_error_deg"][name] for one in (before, after))
+        rows.append((f"simulated angle, {name} [deg]", *("runs away" if a is None else f"{a:.3g}" for a in sizes)))
+    head = ["| | base model | with the causes |", "|---|---|---|"]
+    return [*head, *(f"| {' | '.join(row)} |" for row in rows), ""]
+
+
+def _left(document: Document, unit: str) -> str:
+    left, residual = document["left"], document["residual"]
+    if document["complete"]:
+        return "The model is complete: no more than the sensors' noise is left."
+    torques = " and ".join(f"{rms:.3g}" for rms in left["torque_rms_N_m"])
+    said = (
+        f"The model is not complete. It leaves {torques} {unit}, {100.0 * left['share']:.0f} % of what the base "
+        f"model leaves and {left['times_noise']:.3g} times what the sensors' noise makes."
+    )
+    if residual["depends_on"]:
+        said += (
+            f" That depends on {', '.join(residual['depends_on'])} at joint {residual['joint']}: a smooth "
+            f"function explains {100.0 * residual['explained']:.0f} % of it where it was not fitted."
+        )
+    return said

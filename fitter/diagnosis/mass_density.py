@@ -124,7 +124,8 @@ class MassDensity:
 
     def _masses(self, model: Model, motion: Motion) -> _Masses:
         parts = zip(model.hypotheses, model.psi, strict=True)
-        key = (motion.number, *((hypothesis.key, psi.tobytes()) for hypothesis, psi in parts))
+        # By the hypotheses themselves, not by their keys: an effect may have several forms.
+        key = (motion.number, *((hypothesis, psi.tobytes()) for hypothesis, psi in parts))
         if key not in self._known:
             if len(self._known) >= _REMEMBERED * len(self._pushed):
                 self._known.clear()

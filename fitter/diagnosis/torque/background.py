@@ -133,9 +133,11 @@ def estimated(trials: Sequence[Rows], near: Background | None = None) -> Backgro
     sizes = np.concatenate([rows.r[rows.known] for rows in trials])
     signals = np.concatenate([rows.signals[rows.known] for rows in trials])
     scale = float(_rms(sizes))
-    size = _rms(signals)
+    # Of signals that are nothing, as the torque of an arm that swings freely, there are no errors in proportion.
+    acts = np.any(signals, axis=0)
+    unit = np.divide(scale, _rms(signals), out=np.zeros(len(acts)), where=acts)
     step_s, longest_s = trials[0].step_s, max(float(rows.t[-1] - rows.t[0]) for rows in trials)
-    n_signal = len(size)
+    n_signal = len(unit)
     spread = (np.log(_LEAST_RATIO), np.log(10.0))
     lasting = (np.log(step_s), np.log(longest_s))
     slow = (max(lasting[0], min(np.log(LONGEST_PULSE_S), lasting[1])), lasting[1])
@@ -151,7 +153,7 @@ def estimated(trials: Sequence[Rows], near: Background | None = None) -> Backgro
             scale * z[2],
             z[3],
             z[4],
-            scale * z[7 : 7 + n_signal] / size,
+            unit * z[7 : 7 + n_signal],
             z[7 + n_signal :],
             scale * z[5],
             z[6],
@@ -176,7 +178,7 @@ def estimated(trials: Sequence[Rows], near: Background | None = None) -> Backgro
                 [
                     [widths[0], b.time_constant_s, widths[1], b.ringing_rad_s, b.damping_ratio, widths[2]],
                     [b.degrees_of_freedom],
-                    b.in_proportion * size / scale,
+                    np.divide(b.in_proportion, unit, out=np.full(n_signal, _EQUAL_PARTS), where=acts),
                     b.proportion_s,
                 ]
             )

@@ -70,3 +70,12 @@ def test_an_estimate_goes_on_from_another():
     first = estimated([part])
     again = estimated([part], first)
     assert log_likelihood(again, part) >= log_likelihood(first, part) - 0.1
+
+
+@pytest.mark.filterwarnings("error")
+def test_an_arm_that_swings_freely_has_no_errors_of_its_torque():
+    free = replace(trial(np.random.default_rng(4)), torque=np.zeros((250, 1))).rows(0)
+    found = estimated([free])
+    again = estimated([free], found)
+    assert np.all(again.in_proportion == 0.0)
+    assert np.isfinite(log_likelihood(again, free))
