@@ -145,7 +145,7 @@ def _cause(cause: Document, unit: str) -> str:
 
 def _errors(document: Document, unit: str) -> list[str]:
     before, after = document["before"], document["after"]
-    rows = [
+    rows: list[tuple[str, ...]] = [
         (f"torque {j}, rms [{unit}]", f"{was:.4g}", f"{became:.4g}")
         for j, (was, became) in enumerate(
             zip(before["torque_rms_N_m"], after["torque_rms_N_m"], strict=True), start=1

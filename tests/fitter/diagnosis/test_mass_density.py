@@ -13,7 +13,7 @@ from fitter.diagnosis.regression import Regression
 from tests.fitter.pendulum import pendulum, swings
 
 
-def test_two_forms_of_one_effect_at_one_joint_are_kept_apart():
+def test_two_forms_of_one_effect_at_one_joint_are_kept_apart() -> None:
     trials = to_trials(swings((), trials=2, seed=2), cutoff_hz=25.0)
     regression = Regression(pendulum(), run_of(pendulum(), trials[:1], trials[1:]))
     motions = regression.motions
