@@ -15,7 +15,7 @@ from typing import Any
 from arm.effects.catalogue import catalogue
 from fitter.report.diagnosis_words import place
 from limbcal.arguments import Parser, common_options
-from limbcal.digits import NORMAL_95, with_half_width
+from limbcal.digits import NORMAL_95, plain, with_half_width
 
 ROOT = Path(__file__).parent.parent.parent
 ARMS = ROOT / "examples"
@@ -27,6 +27,7 @@ _VERDICTS = {
     "none": "`none`: nothing rises above the noise.",
     "unexplained": "`unexplained`: something is there, and no effect of the catalogue is believed.",
 }
+_TRIALS = {"learn": "learning", "evaluate": "evaluating"}
 
 Document = Mapping[str, Any]
 
@@ -127,17 +128,22 @@ def page(case: Case, document: Document) -> list[str]:
 def _cause(cause: Document, unit: str) -> str:
     sizes = []
     for name, number in cause["parameters"].items():
-        if number["std"] is None:
-            sizes.append(f"`{name}` {number['value']}")
+        value, std = number["value"], number["std"]
+        if not isinstance(value, float):  # such as the trial that a push is in
+            sizes.append(f"`{name}` {value}")
             continue
-        size = " ± ".join(with_half_width(number["value"], NORMAL_95 * number["std"]))
+        size = plain(value) if std is None else " ± ".join(with_half_width(value, NORMAL_95 * std))
         sizes.append(f"`{name}` {size} {number['unit'].replace('N m', unit)}")
-    learn, evaluate = (100.0 * cause["takes_away"][role] for role in ("learn", "evaluate"))
     said = (
         f"**{cause['effect']}, {place(cause['joints'])}**: {catalogue()[cause['effect']].sentence}. "
-        f"{'; '.join(sizes)}. It takes away {learn:.0f} % of the squared residual of the learning trials, "
-        f"{evaluate:.0f} % of the evaluating ones."
+        f"{'; '.join(sizes)}."
     )
+    shares = [
+        f"{100.0 * share:.0f} % of that of the {_TRIALS[role]} trials"
+        for role, share in cause["takes_away"].items()
+    ]
+    if shares:
+        said += f" Of the squared residual it takes away {' and '.join(shares)}."
     if cause["support"] < 1.0:
         said += f" It is one of several that do as well, with {100.0 * cause['support']:.0f} % of the support."
     return said
