@@ -110,7 +110,8 @@ def page(case: Case, document: Document) -> list[str]:
     document : mapping
         The JSON document of ``fitter diagnose``.
     """
-    command = shlex.join(["fitter", "diagnose", *case.words("DATA/" + case.folder, "examples"), "--out", "DIR"])
+    words = ["fitter", "diagnose", *case.words("DATA/" + case.folder, "examples"), "--out", "DIR"]
+    command = shlex.join(words).replace(" --", " \\\n  --")
     lines = [f"# {case.title}", "", case.lead, "", "```sh", command, "```", ""]
     lines += ["## What is missing", "", f"The verdict is {_VERDICTS[document['verdict']]}", ""]
     lines += [f"{k}. {_cause(one, case.unit)}" for k, one in enumerate(document["causes"], 1)]
@@ -139,8 +140,7 @@ def _cause(cause: Document, unit: str) -> str:
         f"{'; '.join(sizes)}."
     )
     shares = [
-        f"{100.0 * share:.0f} % of that of the {_TRIALS[role]} trials"
-        for role, share in cause["takes_away"].items()
+        f"{100.0 * share:.0f} % on the {_TRIALS[role]} trials" for role, share in cause["takes_away"].items()
     ]
     if shares:
         said += f" Of the squared residual it takes away {' and '.join(shares)}."

@@ -51,7 +51,7 @@ def text(case: Case, answer: object) -> str:
 def test_a_page_has_causes_sizes_equals_errors_and_what_is_left():
     said = text(DFKI, ANSWER)
     assert "`inertia_kg_m2` 0.00321 ± 0.00098 kg m^2" in said
-    assert "takes away 18 % of that of the learning trials and 41 % of that of the evaluating trials" in said
+    assert "takes away 18 % on the learning trials and 41 % on the evaluating trials" in said
     assert "`static_N_m` 0.3000 N m" in said and "60 % of the support" in said
     assert "| simulated angle, mean [deg] | runs away | 2.97 |" in said
     assert "56 % of what the base model leaves" in said and "depends on q2 at joint 2" in said
