@@ -139,9 +139,8 @@ def _cause(cause: Document, unit: str) -> str:
         f"**{cause['effect']}, {place(cause['joints'])}**: {catalogue()[cause['effect']].sentence}. "
         f"{'; '.join(sizes)}."
     )
-    shares = [
-        f"{100.0 * share:.0f} % on the {_TRIALS[role]} trials" for role, share in cause["takes_away"].items()
-    ]
+    taken = cause["takes_away"].items()
+    shares = [f"{100.0 * share:.0f} % on the {_TRIALS[role]} trials" for role, share in taken]
     if shares:
         said += f" Of the squared residual it takes away {' and '.join(shares)}."
     if cause["support"] < 1.0:
