@@ -7,8 +7,8 @@ A hypothesis of k numbers, sought at m places, is worth
 nats: Schwarz' criterion over blocks of about a second, the places and families that were tried as a uniform prior.
 What a model lacks makes residuals of neighbours, and of whole trials, resemble each other, so the gain counts
 divided by :math:`\varphi`: the variance of the score of what was added, over blocks or trials, in units of its
-information (Huber 1967; Takeuchi 1976). Two models are equal if the sum of their blocks' differences is within two of
-its standard errors (Vuong 1989).
+information (Huber 1967; Takeuchi 1976). Two models are equal if the sum of their blocks' differences is within
+two of its standard errors (Vuong 1989).
 """
 
 from dataclasses import dataclass
@@ -37,7 +37,7 @@ class Fit:
     residual : (n_row, n_column)
         White under the weights that all models of one comparison share.
     variance : (n_column,)
-        Of the residual in the learning trials.
+        Of the residual.
     block : (n_row,) int
     trial : (n_block,) int
     learnt : (n_block,) bool
@@ -68,13 +68,13 @@ class Fit:
         squares = np.sum(self.residual**2 / self.variance + np.log(self.variance), axis=1)
         return self.density - 0.5 * self.share * np.bincount(self.block, squares, len(self.trial))
 
-    def gain(self, other: "Fit", learnt: bool = True) -> float:
-        """Return by how many nats the learning trials, or the others, are likelier than under another model."""
-        return float((self.nats - other.nats)[self.learnt == learnt].sum())
+    def gain(self, other: "Fit") -> float:
+        """Return by how many nats all trials are likelier than under another model."""
+        return float((self.nats - other.nats).sum())
 
     def helps(self, other: "Fit") -> bool:
         """Say whether trials that were not learnt from, if any, are likelier than under another model."""
-        return bool(np.all(self.learnt)) or self.gain(other, learnt=False) > 0.0
+        return bool(np.all(self.learnt)) or float((self.nats - other.nats)[~self.learnt].sum()) > 0.0
 
 
 def dispersion(one: Fit, other: Fit) -> float:
@@ -87,13 +87,11 @@ def dispersion(one: Fit, other: Fit) -> float:
     """
     scale = np.sqrt(one.variance)
     added, left = (other.residual - one.residual) / scale, one.residual / scale
-    by_row = np.where(one.learnt[one.block], np.sum(added * left, axis=1), 0.0)
-    information = one.share * float(np.sum(added[one.learnt[one.block]] ** 2))
-    score = one.share * np.bincount(one.block, by_row, len(one.trial))
-    score += np.where(one.learnt, one.density - other.density, 0.0)
-    trials = np.unique(one.trial[one.learnt])
-    by_trial = np.array([score[one.trial == trial].sum() for trial in trials])
-    largest = max(_summed_variance(score[one.learnt]), _summed_variance(by_trial))
+    information = one.share * float(np.sum(added**2))
+    score = one.share * np.bincount(one.block, np.sum(added * left, axis=1), len(one.trial))
+    score += one.density - other.density
+    by_trial: Floats = np.bincount(np.unique(one.trial, return_inverse=True)[1], score).astype(np.float64)
+    largest = max(_summed_variance(score), _summed_variance(by_trial))
     return max(1.0, largest / information) if information > 0.0 else 1.0
 
 
@@ -112,19 +110,18 @@ def worth(one: Fit, other: Fit, places: float, families: int) -> float:
     families : int
     """
     numbers = one.n_number - other.n_number
-    penalty = 0.5 * numbers * np.log(np.count_nonzero(one.learnt)) + places + np.log(families)
+    penalty = 0.5 * numbers * np.log(len(one.trial)) + places + np.log(families)
     return float(one.gain(other) / dispersion(one, other) - penalty)
 
 
 def likelihood_of(fit: Fit) -> float:
-    """Return the log-likelihood of the learning trials less Schwarz' penalty of the effects' numbers [nats]."""
-    n_block = np.count_nonzero(fit.learnt)
-    return float(fit.nats[fit.learnt].sum() - 0.5 * fit.n_number * np.log(n_block))
+    """Return the log-likelihood of all trials less Schwarz' penalty of the effects' numbers [nats]."""
+    return float(fit.nats.sum() - 0.5 * fit.n_number * np.log(len(fit.trial)))
 
 
 def is_better(one: Fit, other: Fit) -> bool:
-    """Say whether a model is better than another, beyond its numbers, chance, and what blocks' scatter explains."""
-    gain: Floats = (one.nats - other.nats)[one.learnt]
+    """Say whether a model is better than another, beyond its numbers, chance, and the blocks' scatter."""
+    gain: Floats = one.nats - other.nats
     numbers = 0.5 * (one.n_number - other.n_number) * np.log(len(gain))
     error = np.sqrt(_summed_variance(np.asarray(gain - gain.mean(), dtype=np.float64)))
     return bool(gain.sum() - numbers > max(ODDS_NATS, EQUAL_SIGMAS * error))

@@ -95,7 +95,6 @@ def screen(
     best = float(explained.max(initial=0.0))
     rank = np.argsort(np.argsort(-explained))
     held = len(accepted.model.hypotheses)
-    alike = _fair(regression, accepted)
     numbers = {motion.number for motion in motions}
     learnt = [motion.number in numbers for motion in regression.motions]
 
@@ -109,7 +108,7 @@ def screen(
         if refine and rank[k] < _AT_LEAST and len(accepted.model.flat) and gained < _AS_PROMISED * gain:
             free = fitted(regression, candidate.model)
             candidate = min(candidate, free, key=lambda one: float(one.squares.sum()))
-        return alike(candidate) if candidate.model.is_event else candidate
+        return by_learning(regression, candidate) if candidate.model.is_event else candidate
 
     candidates = fitted_all(regression, as_lasting, accepted, tried)
     for one, candidate in zip(first, candidates, strict=True):
@@ -118,10 +117,10 @@ def screen(
 
     def as_event(k: int) -> Candidate:
         candidate = fitted(regression, accepted.model.plus(events[k], events[k].starts([])[0]), refine=False)
-        candidate = alike(candidate)
+        candidate = by_learning(regression, candidate)
         gain = float(accepted.squares.sum() - candidate.squares.sum())
         if gain > max(_WORTH * accepted.squares.sum(), _COMPETES * (accepted.squares.sum() - leading)):
-            candidate = alike(fitted(regression, candidate.model, held=held))
+            candidate = by_learning(regression, fitted(regression, candidate.model, held=held))
         return candidate
 
     candidates += fitted_all(regression, as_event, accepted, events)
@@ -168,27 +167,21 @@ def fitted_all(
     ]
 
 
-def _fair(regression: Regression, accepted: Candidate) -> Callable[[Candidate], Candidate]:
-    """Return what makes events comparable: they too predict the evaluating trials by what the learning ones tell.
+def by_learning(regression: Regression, candidate: Candidate) -> Candidate:
+    """Return a model with the factors that the learning trials tell, as every model has that holds no event.
 
     Only the size of what the learning trials do not show is told by the others.
     """
-    if accepted.model.is_event:
-        return lambda candidate: candidate
-
-    def learnt(candidate: Candidate) -> Candidate:
-        model = candidate.model
-        x = regression.solve(model, regression.learning)
-        grams = [regression.rows(model, motion).columns.gram for motion in regression.learning]
-        unseen = np.all([np.diag(one) == 0.0 for one in grams], axis=0)
-        judging = [motion for motion in regression.motions if not motion.learn]
-        if np.any(unseen) and judging:
-            rows = [regression.rows(model, motion) for motion in judging]
-            left = [one.target.ravel() - one.design @ np.where(unseen, 0.0, x) for one in rows]
-            x[unseen] = scaled_lstsq(np.vstack([one.design[:, unseen] for one in rows]), np.concatenate(left))
-        return replace(candidate, squares=regression.squares(model, x))
-
-    return learnt
+    model = candidate.model
+    x = regression.solve(model, regression.learning)
+    grams = [regression.rows(model, motion).columns.gram for motion in regression.learning]
+    unseen = np.all([np.diag(one) == 0.0 for one in grams], axis=0)
+    judging = [motion for motion in regression.motions if not motion.learn]
+    if np.any(unseen) and judging:
+        rows = [regression.rows(model, motion) for motion in judging]
+        left = [one.target.ravel() - one.design @ np.where(unseen, 0.0, x) for one in rows]
+        x[unseen] = scaled_lstsq(np.vstack([one.design[:, unseen] for one in rows]), np.concatenate(left))
+    return replace(candidate, x=x, squares=regression.squares(model, x))
 
 
 def _possible(candidate: Candidate) -> bool:

@@ -11,7 +11,7 @@ from fitter.diagnosis.hypothesis import Hypothesis
 from fitter.diagnosis.mass_density import MassDensity
 from fitter.diagnosis.model import Model
 from fitter.diagnosis.regression import Regression
-from fitter.diagnosis.screening import fitted, screen
+from fitter.diagnosis.screening import by_learning, fitted, screen
 from fitter.diagnosis.starts import Starts
 
 #: Which part of what is lacking moved the arm: nobody knows where the torque was measured; all where it is known.
@@ -110,6 +110,8 @@ class TorqueLikelihood:
     def fit_of(self, candidate: Candidate) -> Fit:
         """Return a model with what it leaves of every trial, and the density of its motions."""
         regression, step_s = self.regression, self.regression.weighting.stride
+        if candidate.model.is_event:
+            candidate = by_learning(regression, candidate)
         residual, block, trial, learnt, density = [], [], list[int](), list[bool](), list[float]()
         for motion in regression.motions:
             left = regression.residual(candidate.model, candidate.x, motion)
@@ -124,7 +126,7 @@ class TorqueLikelihood:
             density += [whole / n_block] * n_block
         rows, blocks, may = np.concatenate(residual), np.concatenate(block), np.array(learnt)
         share = float(regression.told.sum() / rows.size)
-        variance = np.mean(rows[may[blocks]] ** 2, axis=0) / share
+        variance = np.mean(rows**2, axis=0) / share
         least = np.finfo(np.float64).tiny
         return Fit(
             candidate, rows, np.maximum(variance, least), blocks, np.array(trial), may, share, np.array(density)
