@@ -74,7 +74,12 @@ class Fit:
 
     def helps(self, other: "Fit") -> bool:
         """Say whether trials that were not learnt from, if any, are likelier than under another model."""
-        return bool(np.all(self.learnt)) or float((self.nats - other.nats)[~self.learnt].sum()) > 0.0
+        return self.held_out(other) > 0.0
+
+    def held_out(self, other: "Fit") -> float:
+        """Return the gain of trials that were not learnt from, in standard errors; infinite if there are none."""
+        gain: Floats = (self.nats - other.nats)[~self.learnt]
+        return float(gain.sum()) / max(_scatter(gain), np.finfo(np.float64).tiny) if len(gain) else np.inf
 
 
 def dispersion(one: Fit, other: Fit) -> float:
@@ -90,8 +95,9 @@ def dispersion(one: Fit, other: Fit) -> float:
     information = one.share * float(np.sum(added**2))
     score = one.share * np.bincount(one.block, np.sum(added * left, axis=1), len(one.trial))
     score += one.density - other.density
-    by_trial: Floats = np.bincount(np.unique(one.trial, return_inverse=True)[1], score).astype(np.float64)
-    largest = max(_summed_variance(score), _summed_variance(by_trial))
+    trials = np.unique(one.trial)
+    by_trial: Floats = np.array([score[one.trial == trial].sum() for trial in trials], dtype=np.float64)
+    largest = max(map(_summed_variance, (np.asarray(score, dtype=np.float64), by_trial)))
     return max(1.0, largest / information) if information > 0.0 else 1.0
 
 
@@ -123,5 +129,9 @@ def is_better(one: Fit, other: Fit) -> bool:
     """Say whether a model is better than another, beyond its numbers, chance, and the blocks' scatter."""
     gain: Floats = one.nats - other.nats
     numbers = 0.5 * (one.n_number - other.n_number) * np.log(len(gain))
-    error = np.sqrt(_summed_variance(np.asarray(gain - gain.mean(), dtype=np.float64)))
-    return bool(gain.sum() - numbers > max(ODDS_NATS, EQUAL_SIGMAS * error))
+    return bool(gain.sum() - numbers > max(ODDS_NATS, EQUAL_SIGMAS * _scatter(gain)))
+
+
+def _scatter(gain: Floats) -> float:
+    """Return the standard error of the sum of blocks' gains [nats]."""
+    return float(np.sqrt(_summed_variance(np.asarray(gain - gain.mean(), dtype=np.float64))))

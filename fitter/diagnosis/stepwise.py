@@ -135,6 +135,7 @@ class Stepwise:
                 break
             known.add(names)
             self._progress(len(steps))
+        fit, steps = self._confirmed(fit, steps)
         return Found(base, fit, tuple(steps), first)
 
     def _worth(self, one: Fit, fit: Fit) -> float:
@@ -191,4 +192,16 @@ class Stepwise:
             places = self._likelihood.log_places(steps[place].hypothesis)
             if worth(fit, smaller, places, self._families) < ODDS_NATS:
                 fit, steps = smaller, [one for k, one in enumerate(steps) if k != place]
+        return fit, steps
+
+    def _confirmed(self, fit: Fit, steps: list[Step]) -> tuple[Fit, list[Step]]:
+        """Return a model without the causes that trials which were not learnt from contradict, now that all are in."""
+        while steps:
+            smaller = [self._likelihood.without(fit, place) for place in range(len(steps))]
+            sigmas = [fit.held_out(one) for one in smaller]
+            weakest = min(range(len(steps)), key=lambda place: sigmas[place])
+            if sigmas[weakest] > 0.0:
+                break
+            fit = self._likelihood.reweighted(smaller[weakest])
+            steps = [one for k, one in enumerate(steps) if k != weakest]
         return fit, steps

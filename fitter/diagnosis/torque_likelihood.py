@@ -5,7 +5,8 @@ from collections.abc import Callable, Sequence
 import numpy as np
 
 from fitter.diagnosis.candidate import Candidate
-from fitter.diagnosis.evidence import BLOCK_S, Fit, likelihood_of
+from fitter.diagnosis.estimates import estimates
+from fitter.diagnosis.evidence import BLOCK_S, EQUAL_SIGMAS, Fit, likelihood_of
 from fitter.diagnosis.floor import Floor, floored, part_of_floor
 from fitter.diagnosis.hypothesis import Hypothesis
 from fitter.diagnosis.mass_density import MassDensity
@@ -67,8 +68,19 @@ class TorqueLikelihood:
         known = {one.key for one in accepted.model.hypotheses}
         tried = [one for one in self._tried if one.key not in known]
         found = screen(self.regression, accepted, tried, self._starts, self._progress)
-        better = [one for one in found if one.squares is not accepted.squares]
+        better = [one for one in found if one.squares is not accepted.squares and self._is_told(one)]
         return sorted(map(self.fit_of, better[:_COMPARED]), key=likelihood_of, reverse=True)
+
+    def _is_told(self, candidate: Candidate) -> bool:
+        """Say whether an event's column, if that is what was added, has a size that is told from none.
+
+        A trial in which something happened may differ from others by what the model lacks as well.
+        """
+        hypothesis = candidate.hypothesis
+        if not (hypothesis.is_event and hypothesis.n_column):
+            return True
+        number = next(iter(estimates(self.regression, candidate).effects[-1].values()))
+        return bool(abs(number.value) > EQUAL_SIGMAS * number.std)
 
     def joined(self, fit: Fit, options: Sequence[Fit]) -> Fit | None:
         """Return a model with the last hypothesis of each of some options; None if its numbers are impossible."""
