@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from arm.model import Effect
-from fitter.diagnosis.diagnosis import UNSEEN, diagnose
+from fitter.diagnosis.diagnosis import _UNSEEN, diagnose
 from limbcal.errors import DataError
 from tests.fitter.pendulum import pendulum, stop_that_no_learning_trial_reaches, swings
 
@@ -69,7 +69,7 @@ def test_beside_another_cause_one_is_found_that_only_the_judging_trials_show():
     motions = stop_that_no_learning_trial_reaches(DRAG)
     finding = diagnose(pendulum(), motions[:4], motions[4:]).finding
     assert {cause.effect for cause in finding.causes} == {"quadratic_drag", "end_stop"}
-    assert UNSEEN in [note.text for note in finding.warnings]
+    assert _UNSEEN in [note.text for note in finding.warnings]
 
 
 def test_noise_in_the_regressors_does_not_pass_for_physics():

@@ -9,7 +9,6 @@ from arm.model import Control, Effect, Friction
 from arm.simulation import simulate
 from fitter.data.motions import Measured
 from fitter.data.trials import to_trials
-from fitter.diagnosis.causes import find_causes
 from fitter.diagnosis.conclusion import concluded
 from fitter.diagnosis.estimates import estimates
 from fitter.diagnosis.falling_friction import hump_of
@@ -18,6 +17,7 @@ from fitter.diagnosis.model import Model
 from fitter.diagnosis.motion import run_of
 from fitter.diagnosis.regression import Regression
 from fitter.diagnosis.screening import fitted
+from tests.fitter.diagnosis.searched import searched
 from tests.fitter.pendulum import pendulum
 
 DT_S, COULOMB, HEIGHT, WIDTH = 0.002, 0.05, 0.3, 0.06
@@ -61,7 +61,7 @@ def test_static_friction_is_no_hump():
 
 def test_no_cause_but_the_one_that_rests_tell():
     regression = sticking(Effect("stiction", {"static_N_m": COULOMB + HEIGHT}, joints=(1,)))
-    come_to = concluded(regression, find_causes(regression, []), strict=True)
+    come_to = concluded(*searched(regression, []))
     assert come_to.verdict == "named"
     assert [one.joint for one in come_to.held] == [0]
     assert not come_to.equals

@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 
 from fitter.data.trials import to_trials
-from fitter.diagnosis.agreement import typical
 from fitter.diagnosis.folds import Folds
 from fitter.diagnosis.functions import Functions
 from fitter.diagnosis.least_squares import scaled_lstsq
@@ -13,6 +12,7 @@ from fitter.diagnosis.motion import run_of
 from fitter.diagnosis.products import products
 from fitter.diagnosis.regression import Regression
 from fitter.diagnosis.screening import fitted
+from fitter.diagnosis.typical import typical
 from tests.fitter.pendulum import pendulum, swings
 
 
@@ -54,4 +54,6 @@ def test_the_best_of_all_products(regression):
     one_by_one = [
         left(regression, [columns[:, k : k + 1] for columns in features]) for k in range(features[0].shape[1])
     ]
-    assert fold._products_judged(("q1", "dq1"), 0) == pytest.approx(np.array(one_by_one), rel=1e-6)
+    told = np.array([regression.weighting.told(motion) for motion in regression.motions])
+    judged = [typical(squares, told) for squares in fold._products_judged(("q1", "dq1"), 0).T]
+    assert judged == pytest.approx(one_by_one, rel=1e-6)

@@ -13,6 +13,7 @@ from fitter.diagnosis.hypotheses import hypotheses
 from fitter.diagnosis.model import Model
 from fitter.diagnosis.motion import run_of
 from fitter.diagnosis.regression import Regression
+from fitter.diagnosis.reweighting import reweighted
 from fitter.diagnosis.screening import fitted, screen
 from fitter.diagnosis.starts import Starts
 from protocol.tables.columns import ColumnMap
@@ -36,4 +37,7 @@ def test_it_is_found_from_afar(seed: int, bench: Bench, tmp_path: Path) -> None:
         assert [j + 1 for j in best.hypothesis.joints] == effect["joints"]
         assert best.model.psi[-1][0] == pytest.approx(factor, rel=0.05)
         assert best.squares.sum() < 2.0 * sum(regression.weighting.told(motion) for motion in regression.motions)
-        regression = regression.weighted_by(regression.weighting_under(best.model, best.x))
+        own = reweighted(
+            regression.equations, regression.weighting, best.model, best.x, regression.motions, regression.noisier
+        )
+        regression = regression.weighted_by(own)

@@ -199,7 +199,7 @@ def test_a_gain_that_comes_last_is_as_one_that_comes_first(two_joints, beside):
     }.get(beside) or AtJoint(catalogue()[beside], 1)
     model = Model().plus(other, np.full(len(other.low), 3.0)).plus(gain, np.array([0.6]))
     equations = two_joints.equations
-    for motion in (two_joints.motions[0], two_joints._noisier[two_joints.motions[0].number]):
+    for motion in (two_joints.motions[0], two_joints.noisier[two_joints.motions[0].number]):
         view = equations.view(model, motion)
         filtered = equations.weighting.filtered(motion, view.equations(equations.independent(view.arm)))
         design = equations.rows(model, motion).design

@@ -9,16 +9,12 @@ import pytest
 from arm.effects.catalogue import catalogue
 from arm.model import Effect
 from fitter.data.motions import Measured
-from fitter.data.trials import to_trials
-from fitter.diagnosis.ascent import Ascent
 from fitter.diagnosis.at_joint import AtJoint
-from fitter.diagnosis.causes import find_causes
 from fitter.diagnosis.folds import Folds
 from fitter.diagnosis.model import Model
-from fitter.diagnosis.motion import run_of
-from fitter.diagnosis.regression import Regression
 from fitter.diagnosis.screening import fitted
-from fitter.diagnosis.unknown import best_functions, describe
+from fitter.diagnosis.unknown import best_functions, describe, outdoes
+from tests.fitter.diagnosis.searched import regression_of, searched
 from tests.fitter.pendulum import pendulum, swings
 
 
@@ -33,11 +29,6 @@ def resisted(motions: list[Measured], torque: Callable[[np.ndarray, np.ndarray],
     return found
 
 
-def regression_of(motions: list[Measured]) -> Regression:
-    trials = to_trials(motions, cutoff_hz=25.0)
-    return Regression(pendulum(), run_of(pendulum(), trials[:5], trials[5:]))
-
-
 PLAIN = swings((), trials=12, seed=4)
 
 
@@ -50,7 +41,7 @@ PLAIN = swings((), trials=12, seed=4)
     ],
 )
 def test_its_variables_are_found(torque, variables, formula):
-    regression = regression_of(resisted(PLAIN, torque))
+    regression = regression_of(resisted(PLAIN, torque), 5)
     remainder = describe(regression, fitted(regression, Model()))
     assert set(remainder.depends_on) == variables
     assert remainder.joint == 1
@@ -58,28 +49,21 @@ def test_its_variables_are_found(torque, variables, formula):
 
 
 def test_nothing_depends_on_nothing():
-    regression = regression_of(PLAIN)
+    regression = regression_of(PLAIN, 5)
     remainder = describe(regression, fitted(regression, Model()))
     assert (remainder.depends_on, remainder.joint, remainder.formula) == ((), 0, "")
 
 
+def is_outdone(regression, search):
+    fold = Folds(regression, search.base)
+    return outdoes(fold, search.final, best_functions(fold, 1))
+
+
 def test_a_soft_wall_outdoes_what_imitates_it():
-    regression = regression_of(resisted(PLAIN, lambda q, dq: 0.8 * np.tanh(q / 0.15)))
-    search = find_causes(regression, [AtJoint(catalogue()["cogging"], 0)])
+    plain = regression_of(resisted(PLAIN, lambda q, dq: 0.8 * np.tanh(q / 0.15)), 5)
+    regression, search = searched(plain, [AtJoint(catalogue()["cogging"], 0)])
     assert "cogging" in {one.kind.name for one in search.final.model.hypotheses}
-    assert search.outdone
-
-
-@pytest.mark.parametrize("strict", [True, False])
-def test_nothing_is_sought_beside_causes_of_which_none_will_be_named(strict, monkeypatch):
-    """Where they are named all the same, as of a machine that was measured, whatever explains more is sought."""
-    regression = regression_of(resisted(PLAIN, lambda q, dq: 0.8 * np.tanh(q / 0.15)))
-    tried = [AtJoint(catalogue()[name], 0) for name in ("cogging", "joint_spring")]
-    beside, sought = [], Ascent._next
-    monkeypatch.setattr(Ascent, "_next", lambda self, one: beside.append(len(one.model.psi)) or sought(self, one))
-    search = find_causes(regression, tried, strict=strict)
-    assert search.outdone and len(search.causes) == 2
-    assert max(beside) == (1 if strict else 2)
+    assert is_outdone(regression, search)
 
 
 @pytest.mark.parametrize(
@@ -90,9 +74,7 @@ def test_nothing_is_sought_beside_causes_of_which_none_will_be_named(strict, mon
     ],
 )
 def test_a_true_cause_is_outdone_by_no_function(name, numbers):
-    regression = regression_of(swings((Effect(name, numbers, joints=(1,)),), trials=12, seed=4))
-    search = find_causes(regression, [AtJoint(catalogue()[name], 0)])
+    plain = regression_of(swings((Effect(name, numbers, joints=(1,)),), trials=12, seed=4), 5)
+    regression, search = searched(plain, [AtJoint(catalogue()[name], 0)])
     assert [one.kind.name for one in search.final.model.hypotheses] == [name]
-    function = best_functions(Folds(regression, search.base), 1).least
-    assert not replace(search, function=function).outdone
-    assert not search.may_be_outdone and search.function == np.inf  # so it need not be sought
+    assert not is_outdone(regression, search)
