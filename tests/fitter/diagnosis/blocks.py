@@ -1,0 +1,31 @@
+"""Fitted models of made-up residuals."""
+
+import numpy as np
+
+from arm.model import Floats
+from fitter.diagnosis.candidate import Candidate
+from fitter.diagnosis.evidence import Fit
+from fitter.diagnosis.hypotheses import hypotheses
+from fitter.diagnosis.model import Model
+
+#: Rows a block, blocks a trial.
+ROWS, BLOCKS = 20, 5
+
+
+def fit_of(residual: Floats, numbers: int = 0, learnt: int | None = None) -> Fit:
+    """Return a model that has so many numbers and leaves this of one joint, of unit variance.
+
+    Parameters
+    ----------
+    residual : (n_row,)
+    numbers : int
+    learnt : int, optional
+        So many trials, the first ones, may be learnt from; all unless given.
+    """
+    one = next(one for one in hypotheses(1) if one.n_number == 1)
+    n_block = len(residual) // ROWS
+    trial = np.arange(n_block) // BLOCKS
+    may = trial < (trial[-1] + 1 if learnt is None else learnt)
+    candidate = Candidate(Model((one,) * numbers, (np.zeros(0),) * numbers), np.zeros(numbers), np.zeros(n_block))
+    block = np.arange(len(residual)) // ROWS
+    return Fit(candidate, residual[:, None], np.ones(1), block, trial, may, 1.0, np.zeros(n_block))

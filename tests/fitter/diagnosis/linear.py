@@ -1,0 +1,122 @@
+"""A likelihood of plain linear regression, by which `Stepwise` can be asked for causes that are known."""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from arm.effects.catalogue import catalogue
+from arm.model import Floats
+from fitter.diagnosis.candidate import Candidate
+from fitter.diagnosis.evidence import Fit, likelihood_of
+from fitter.diagnosis.hypothesis import Hypothesis
+from fitter.diagnosis.model import Model
+from fitter.diagnosis.view import View
+
+#: Rows a block, blocks a trial.
+ROWS, BLOCKS = 10, 5
+
+
+class Columns(Hypothesis):
+    """Some columns that may explain a series together.
+
+    Parameters
+    ----------
+    some : sequence of int
+    """
+
+    def __init__(self, *some: int) -> None:
+        super().__init__(catalogue()["torque_offset"], some)
+        self.n_column = len(some)
+
+    def act(self, view: View, psi: Floats) -> View:
+        """Return a view as it is: there are no motions."""
+        return view
+
+    def numbers(self, psi: Floats, factors: Floats) -> Floats:
+        """Return the factors."""
+        return factors
+
+
+class LinearLikelihood:
+    """Of a series y that columns may explain.
+
+    Parameters
+    ----------
+    columns : (n_row, n_column)
+    y : (n_row,)
+    tried : sequence of Columns
+    learnt : float
+        The share of the trials that may be learnt from.
+    wrong : bool
+        Whether two hypotheses may hide each other.
+    exact : float
+        A model is exact if it leaves no more variance.
+    """
+
+    def __init__(
+        self,
+        columns: Floats,
+        y: Floats,
+        tried: Sequence[Columns],
+        *,
+        learnt: float = 0.5,
+        wrong: bool = True,
+        exact: float = 0.0,
+    ) -> None:
+        self.columns, self.y, self.tried, self.wrong, self.exact = columns, y, tuple(tried), wrong, exact
+        self.block = np.arange(len(y)) // ROWS
+        self.trial = np.arange(self.block[-1] + 1) // BLOCKS
+        self.learnt = self.trial < learnt * (self.trial[-1] + 1)
+        self.weighed = 0
+
+    def fit_of(self, *hypotheses: Hypothesis) -> Fit:
+        """Return a model with some hypotheses, by least squares on the trials that may be learnt from."""
+        A = self.columns[:, [k for one in hypotheses for k in one.joints]]
+        may = self.learnt[self.block]
+        x = np.linalg.lstsq(A[may], self.y[may], rcond=None)[0]
+        left = (self.y - A @ x)[:, None]
+        model = Model(hypotheses, (np.zeros(0),) * len(hypotheses))
+        variance = np.mean(left[may] ** 2, axis=0)
+        candidate = Candidate(model, x, np.bincount(self.trial[self.block], left[:, 0] ** 2))
+        nothing = np.zeros(len(self.trial))
+        return Fit(candidate, left, variance, self.block, self.trial, self.learnt, 1.0, nothing)
+
+    def base(self) -> Fit:
+        """Return the model without any column."""
+        return self.fit_of()
+
+    def options(self, fit: Fit) -> Sequence[Fit]:
+        """Return a model with one hypothesis more, for all, the likeliest first."""
+        known = fit.candidate.model.hypotheses
+        return sorted(
+            (self.fit_of(*known, one) for one in self.tried if one not in known), key=likelihood_of, reverse=True
+        )
+
+    def joined(self, fit: Fit, options: Sequence[Fit]) -> Fit | None:
+        """Return a model with the last hypothesis of each of some options."""
+        return self.fit_of(*fit.candidate.model.hypotheses, *(one.candidate.hypothesis for one in options))
+
+    def without(self, fit: Fit, place: int) -> Fit:
+        """Return a model without one of its hypotheses."""
+        return self.fit_of(*fit.candidate.model.without(place).hypotheses)
+
+    def instead(self, fit: Fit, other: Fit) -> Fit | None:
+        """Return a model with another one's last hypothesis in place of its own."""
+        return self.fit_of(*fit.candidate.model.hypotheses[:-1], other.candidate.hypothesis)
+
+    def reweighted(self, fit: Fit) -> Fit:
+        """Return a model as it is: least squares have no weights."""
+        self.weighed += 1
+        return fit
+
+    def log_places(self, hypothesis: Hypothesis) -> float:
+        """Return zero: there is one place."""
+        return 0.0
+
+    def is_exact(self, fit: Fit) -> bool:
+        """Say whether a model leaves no more than it may."""
+        return bool(fit.variance[0] <= self.exact)
+
+    def is_plainly_wrong(self, fit: Fit) -> bool:
+        """Say whether two hypotheses may hide each other."""
+        return self.wrong

@@ -1,0 +1,116 @@
+"""Worth counts numbers, places and families; what resembles its neighbours counts less; equals lie within scatter."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from fitter.diagnosis.evidence import dispersion, is_better, likelihood_of, worth
+from tests.fitter.diagnosis.blocks import BLOCKS, ROWS, fit_of
+
+TRIALS = 8
+N = TRIALS * BLOCKS * ROWS
+SEEDS = st.integers(0, 10_000)
+
+
+def noise(seed, n=N):
+    return np.random.default_rng(seed).normal(size=n)
+
+
+def explained(seed, size=1.0, numbers=1, learnt=None):
+    """Return fits with and without a column, whose factor is found by least squares."""
+    column, left = noise(seed + 1), noise(seed)
+    left = left - column * (column @ left) / (column @ column)
+    return fit_of(left, numbers, learnt), fit_of(left + size * column, 0, learnt)
+
+
+@given(SEEDS, st.floats(0.0, 20.0), st.integers(1, 100), st.integers(0, 4))
+def test_worth_falls_with_places_families_and_numbers(seed, places, families, more):
+    one, base = explained(seed)
+    lean = worth(one, base, 0.0, 1)
+    assert worth(one, base, places, families) == pytest.approx(lean - places - np.log(families))
+    larger = replace(one, candidate=fit_of(noise(seed), 1 + more).candidate)
+    penalty = 0.5 * more * np.log(TRIALS * BLOCKS)
+    assert worth(larger, base, 0.0, 1) == pytest.approx(lean - penalty)
+    assert likelihood_of(larger) == pytest.approx(likelihood_of(one) - penalty)
+
+
+def test_worth_is_the_gain_by_its_dispersion_less_schwarz():
+    one, base = explained(3, 0.5)
+    found = one.gain(base) / dispersion(one, base) - 0.5 * np.log(TRIALS * BLOCKS) - 2.0 - np.log(30)
+    assert worth(one, base, 2.0, 30) == pytest.approx(found)
+
+
+def test_scores_of_independent_blocks_have_their_information():
+    found = [dispersion(*explained(k, 0.3)) for k in range(0, 60, 2)]
+    assert min(found) >= 1.0
+    # The larger one of two variances, over blocks and over few trials, is a little more than one.
+    assert np.median(found) < 1.6
+
+
+@pytest.mark.parametrize("length", [5, 20, 100])
+def test_what_is_left_for_longer_counts_less(length):
+    """Column and residual that keep their values for so many rows tell as many times less."""
+    column, left = (np.repeat(noise(k, N // length), length) for k in (1, 2))
+    left = left - column * (column @ left) / (column @ column)
+    found = dispersion(fit_of(left, 1), fit_of(left + 0.3 * column))
+    assert 0.4 * length < found < 2.5 * length
+
+
+def test_whole_trials_that_pull_their_own_way_count_once_each():
+    trial = np.arange(N) // (ROWS * BLOCKS)
+    pull = np.where(trial % 2, 1.0, -1.0)
+    column = noise(1)
+    left = noise(2) + 0.5 * pull * column
+    left = left - column * (column @ left) / (column @ column)
+    apart = dispersion(fit_of(left, 1), fit_of(left + 0.3 * column))
+    assert apart > 5.0 * dispersion(*explained(1, 0.3))
+
+
+def test_where_nothing_was_added_nothing_is_dispersed():
+    one, _ = explained(0)
+    assert dispersion(one, one) == 1.0
+    assert one.gain(one) == 0.0
+
+
+@given(SEEDS, SEEDS, st.integers(0, 3), st.integers(0, 3), st.floats(0.5, 1.5))
+@settings(max_examples=60)
+def test_of_two_models_at_most_one_is_better(seed, other_seed, numbers, others, scale):
+    one, other = fit_of(noise(seed), numbers), fit_of(scale * noise(other_seed), others)
+    assert one.gain(other) == pytest.approx(-other.gain(one))
+    assert not (is_better(one, other) and is_better(other, one))
+    assert not is_better(one, one)
+
+
+def test_a_difference_is_one_beyond_its_scatter_and_its_numbers():
+    base = fit_of(noise(0))
+    better = fit_of(0.8 * noise(0), 1)
+    assert is_better(better, base) and not is_better(base, better)
+    assert not is_better(fit_of(noise(1), 1), base)
+    assert not is_better(replace(better, candidate=fit_of(noise(0), 100).candidate), base)
+
+
+def test_learning_trials_and_the_others_are_asked_apart():
+    left = noise(4)
+    half = np.where(np.arange(N) < N // 2, 0.5, 1.2) * left
+    one, base = fit_of(half, 1, TRIALS // 2), fit_of(left, 0, TRIALS // 2)
+    assert one.gain(base) > 0.0 > one.gain(base, learnt=False)
+    assert not one.helps(base) and base.helps(one)
+    assert fit_of(half).helps(fit_of(left))  # where no trial is held out, none is asked
+
+
+def test_the_density_of_a_motion_counts_with_what_is_left_of_it():
+    one, base = explained(5, 0.0)
+    heavier = replace(one, density=np.full(len(one.trial), 0.25))
+    assert heavier.gain(base) == pytest.approx(one.gain(base) + 0.25 * len(one.trial))
+
+
+@given(SEEDS, st.floats(0.1, 10.0))
+def test_the_unit_of_what_is_left_does_not_matter(seed, unit):
+    """A variance that goes with the unit shifts all models alike."""
+    one, base = explained(seed)
+    scaled = [replace(fit, residual=unit * fit.residual, variance=unit**2 * fit.variance) for fit in (one, base)]
+    assert scaled[0].gain(scaled[1]) == pytest.approx(one.gain(base))
+    assert dispersion(*scaled) == pytest.approx(dispersion(one, base))

@@ -1,0 +1,146 @@
+"""The search by plain linear regression: it knows neither what a likelihood is made of nor what is tried."""
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from fitter.diagnosis.evidence import is_better, likelihood_of
+from fitter.diagnosis.stepwise import Stepwise
+from tests.fitter.diagnosis.linear import BLOCKS, ROWS, Columns, LinearLikelihood
+
+N, MOST = 16 * BLOCKS * ROWS, 6
+SEEDS = st.integers(0, 10_000)
+
+
+def drawn(seed, k):
+    """Return columns (n, k) and noise (n,)."""
+    rng = np.random.default_rng(seed)
+    return rng.normal(size=(N, k)), rng.normal(size=N)
+
+
+def search(columns, y, *tried, most=MOST, **given):
+    tried = tried or tuple(Columns(k) for k in range(columns.shape[1]))
+    likelihood = LinearLikelihood(columns, y, tried, **given)
+    return Stepwise(likelihood, len(tried), most).run()
+
+
+def columns_of(found):
+    assert [step.hypothesis for step in found.steps] == list(found.final.candidate.model.hypotheses)
+    return [step.hypothesis.joints for step in found.steps]
+
+
+@given(SEEDS, st.sets(st.integers(0, 7), max_size=4), st.floats(0.5, 3.0))
+@settings(max_examples=25, deadline=None)
+def test_true_columns_are_found_the_largest_first_and_no_others(seed, true, least):
+    A, noise = drawn(seed, 8)
+    sizes = least * 1.5 ** np.arange(len(true))
+    y = A[:, sorted(true)] @ sizes + noise
+    found = search(A, y)
+    assert columns_of(found) == [(k,) for k in sorted(true, reverse=True)]
+    assert all(step.worth > 0.0 for step in found.steps)
+    np.testing.assert_allclose(found.final.candidate.x, sizes[::-1], atol=0.3)
+    assert len(found.first) == 8
+    assert sorted(found.first, key=likelihood_of, reverse=True) == list(found.first)
+
+
+@given(SEEDS)
+@settings(max_examples=10, deadline=None)
+def test_noise_has_no_cause(seed):
+    A, noise = drawn(seed, 5)
+    found = search(A, noise)
+    assert found.steps == ()
+    assert found.final is found.base
+
+
+@given(SEEDS)
+@settings(max_examples=10, deadline=None)
+def test_what_later_ones_make_needless_goes(seed):
+    """A blend of two true columns comes first, and explains nothing once both of them are known."""
+    A, noise = drawn(seed, 5)
+    A[:, 4] = A[:, 0] + A[:, 1] + 0.5 * A[:, 4]
+    found = search(A, 2.0 * (A[:, 0] + A[:, 1]) + 0.5 * noise)
+    assert set(columns_of(found)) == {(0,), (1,)}
+    assert found.first[0].candidate.hypothesis.joints == (4,)
+
+
+def hiding(seed):
+    """Return columns of which two explain next to nothing alone, and much together."""
+    A, noise = drawn(seed, 5)
+    A[:, 1] = -A[:, 0] + 0.05 * A[:, 1]
+    return A, 12.0 * (A[:, 0] + A[:, 1]) + noise
+
+
+def test_two_that_hide_each_other_are_found_in_a_pair():
+    A, y = hiding(3)
+    found = search(A, y)
+    assert set(columns_of(found)) == {(0,), (1,)}
+    assert found.steps[0].worth == found.steps[1].worth
+
+
+def test_no_pair_is_sought_where_little_is_wrong():
+    A, y = hiding(3)
+    assert columns_of(search(A, y, wrong=False)) == []
+
+
+def nearly(column, seed, much=0.02):
+    return column + much * np.random.default_rng(seed).normal(size=len(column))
+
+
+@given(SEEDS)
+@settings(max_examples=10, deadline=None)
+def test_of_equals_the_one_with_fewest_numbers_is_taken(seed):
+    """Three columns explain a little more than one that is nearly the same, by no more than scatter does."""
+    A, noise = drawn(seed, 5)
+    A[:, 3] = nearly(A[:, 2], seed + 1)
+    lean, wide = Columns(3), Columns(0, 1, 2)
+    found = search(A, A[:, 2] + noise, wide, lean, Columns(4))
+    (step,) = found.steps
+    assert step.hypothesis is lean
+    assert [one.candidate.hypothesis for one in step.equals] in ([wide], [])
+    assert likelihood_of(step.fit) >= likelihood_of(step.before)
+
+
+def test_an_equal_is_kept_beside_the_cause_and_what_is_worse_is_not():
+    A, noise = drawn(5, 6)
+    A[:, 3], A[:, 4] = nearly(A[:, 2], 1), nearly(A[:, 2], 2, 0.7)
+    found = search(A, 2.0 * A[:, 2] + noise)
+    (step,) = found.steps
+    (equal,) = step.equals
+    assert {step.hypothesis.joints, equal.candidate.hypothesis.joints} == {(2,), (3,)}
+    assert not is_better(step.fit, equal) and not is_better(equal, step.fit)
+    assert len(step.options) == 6
+
+
+@given(SEEDS)
+@settings(max_examples=10, deadline=None)
+def test_what_does_not_help_where_nothing_was_fitted_is_no_cause(seed):
+    A, noise = drawn(seed, 4)
+    sign = np.where(np.arange(N) < N // 2, 1.0, -1.0)
+    y = 0.7 * A[:, 1] * sign + 1.5 * A[:, 2] + noise
+    assert columns_of(search(A, y)) == [(2,)]
+    # Where all trials may be learnt from none is asked.
+    assert columns_of(search(A, A[:, 1] + noise, learnt=1.0)) == [(1,)]
+
+
+@pytest.mark.parametrize("most", [0, 1, 2])
+def test_no_more_are_sought_than_may_be(most):
+    A, noise = drawn(7, 4)
+    found = search(A, A @ np.arange(1.0, 5.0) + noise, most=most)
+    assert columns_of(found) == [(3,), (2,)][:most]
+
+
+def test_a_model_that_leaves_noise_alone_is_asked_for_no_more():
+    A, noise = drawn(8, 4)
+    y = 3.0 * A[:, 0] + 0.4 * A[:, 1] + noise
+    assert columns_of(search(A, y, exact=1.5)) == [(0,)]
+    assert columns_of(search(A, y)) == [(0,), (1,)]
+
+
+def test_every_accepted_model_is_weighed_anew_and_progress_is_told():
+    A, noise = drawn(9, 4)
+    likelihood = LinearLikelihood(A, A[:, 0] + 2.0 * A[:, 1] + noise, [Columns(k) for k in range(4)])
+    told: list[int] = []
+    Stepwise(likelihood, 4, MOST, told.append).run()
+    assert told == [1, 2]
+    assert likelihood.weighed >= 2
