@@ -1,4 +1,4 @@
-"""Worth counts numbers, places and families; what resembles its neighbours counts less; equals lie within scatter."""
+"""Worth counts numbers, places and families; what resembles its neighbours counts less; equals scatter."""
 
 from dataclasses import replace
 

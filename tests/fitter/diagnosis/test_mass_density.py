@@ -1,25 +1,114 @@
-"""The density of a motion given the torque."""
+"""The density of a motion: its slopes, its scale, and what is no mass."""
+
+from dataclasses import replace
 
 import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
 from arm.effects.catalogue import catalogue
-from fitter.data.trials import to_trials
 from fitter.diagnosis.at_joint import AtJoint
 from fitter.diagnosis.falling_friction import HeldStribeck
+from fitter.diagnosis.in_arm import RotorInertia
 from fitter.diagnosis.mass_density import MassDensity
 from fitter.diagnosis.model import Model
-from fitter.diagnosis.motion import run_of
 from fitter.diagnosis.regression import Regression
-from tests.fitter.pendulum import pendulum, swings
+from tests.fitter.diagnosis.searched import swinging
+from tests.fitter.diagnosis.two_joints import regression_of_two
+
+WEIGHT = 0.5
+#: A model of the base parameters, and one with a column that is a mass.
+MODELS = {"base": Model(), "rotor": Model().plus(RotorInertia(catalogue()["rotor_inertia"], (1,)), np.zeros(0))}
 
 
-def test_two_forms_of_one_effect_at_one_joint_are_kept_apart() -> None:
-    trials = to_trials(swings((), trials=2, seed=2), cutoff_hz=25.0)
-    regression = Regression(pendulum(), run_of(pendulum(), trials[:1], trials[1:]))
+def density_of(regression, weight=WEIGHT):
+    told = {motion.number: regression.weighting.told_at_joints(motion) for motion in regression.motions}
+    start = regression.solve(Model(), regression.motions)
+    return MassDensity(regression.equations, regression.motions, weight, told, start)
+
+
+@pytest.fixture(scope="module")
+def regression():
+    """Return a run in which nothing is stuck: a stuck joint has a mass of one."""
+    plain = regression_of_two(trials=2)
+    motions = [replace(one, stuck=np.zeros_like(one.stuck)) for one in plain.motions]
+    return Regression(plain.arm, motions)
+
+
+@pytest.fixture(scope="module")
+def density(regression):
+    return density_of(regression)
+
+
+@pytest.mark.parametrize("name", MODELS)
+def test_slopes_are_those_of_the_density(regression, density, name):
+    model, motions = MODELS[name], regression.motions
+    x = regression.solve(model, motions)
+    score, information = density._slopes(model, x, motions)
+    for k in range(len(x)):
+        step = 1e-4 * max(abs(float(x[k])), 0.1) * (np.arange(len(x)) == k)
+        ahead, behind = (density.of(model, x + s, motions) for s in (step, -step))
+        assert score[k] == pytest.approx((ahead - behind) / (2.0 * step[k]), rel=1e-4, abs=1e-4)
+        ahead, behind = (density._slopes(model, x + s, motions)[0] for s in (step, -step))
+        bend = -(ahead - behind) / (2.0 * step[k])
+        np.testing.assert_allclose(information[k], bend, rtol=1e-3, atol=1e-4 * np.abs(information).max())
+    assert np.linalg.eigvalsh(information).min() > -1e-6 * np.abs(information).max()
+
+
+@given(st.floats(0.1, 10.0))
+@settings(max_examples=10, deadline=None)
+def test_twice_the_masses_add_log_2_for_each_number_that_is_told(regression, density, factor):
     motions = regression.motions
-    mass = MassDensity(regression.equations, motions, 1.0, {one.number: np.ones(1) for one in motions}, np.ones(4))
-    width = np.array([0.5])
+    x = regression.solve(Model(), motions)
+    numbers = sum(regression.weighting.told(motion) for motion in motions)
+    more = density.of(Model(), factor * x, motions) - density.of(Model(), x, motions)
+    assert more == pytest.approx(WEIGHT * numbers * np.log(factor), rel=1e-6, abs=1e-6)
+
+
+def test_what_is_no_mass_is_impossible(regression, density):
+    x = regression.solve(Model(), regression.motions)
+    assert density.of(Model(), -x, regression.motions) == -np.inf
+    assert density.of(Model(), 0.0 * x, regression.motions) == -np.inf
+
+
+def normal_equations(regression, model):
+    rows = [regression.rows(model, motion) for motion in regression.motions]
+    return sum(one.columns.gram for one in rows), sum(one.pull for one in rows)
+
+
+@pytest.mark.parametrize("begun", [1.0, 0.5, -1.0])
+def test_the_likeliest_factors_have_no_slope_left_wherever_they_are_begun(regression, density, begun):
+    """From masses that are none, it is begun with those that are some."""
+    motions = regression.motions
+    gram, pull = normal_equations(regression, Model())
+    plain = regression.solve(Model(), motions)
+    x = density.solve(gram, pull, begun * plain, Model(), motions)
+    score, information = density._slopes(Model(), x, motions)
+    slope = pull - gram @ x + score
+    assert slope @ np.linalg.lstsq(gram + information, slope, rcond=1e-11)[0] < 0.1  # nats, twice
+
+
+def test_without_weight_least_squares_stay_what_they_are(regression):
+    gram, pull = normal_equations(regression, Model())
+    plain = np.linalg.lstsq(gram, pull, rcond=None)[0]
+    x = density_of(regression, 0.0).solve(gram, pull, plain, Model(), regression.motions)
+    np.testing.assert_allclose(gram @ x, pull, rtol=1e-6, atol=1e-6 * np.abs(pull).max())
+
+
+def test_a_joint_that_is_stuck_has_a_mass_of_one():
+    plain = swinging(trials=2)
+    held = [replace(one, stuck=np.ones_like(one.stuck)) for one in plain.motions]
+    regression = Regression(plain.arm, [plain.motions[0], *held[1:]])
+    density = density_of(regression)
+    x = np.array([3.0] * len(plain.solve(Model(), plain.motions)))
+    assert density.of(Model(), x, held[1:]) == 0.0
+
+
+def test_two_forms_of_one_effect_at_one_joint_are_kept_apart():
+    regression = swinging(trials=2)
+    density, motions, width = density_of(regression), regression.motions, np.array([0.5])
     fitted = Model().plus(AtJoint(catalogue()["stribeck"], 0), width)
     given = Model().plus(HeldStribeck(0, 0.1), width)
-    values = [mass.of(model, regression.solve(model, motions), motions) for model in (Model(), fitted, given)]
+    values = [density.of(model, regression.solve(model, motions), motions) for model in (Model(), fitted, given)]
     assert np.all(np.isfinite(values))
