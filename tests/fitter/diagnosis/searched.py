@@ -33,7 +33,7 @@ def swinging(*effects: Effect, trials: int = 8, seed: int = 2) -> Regression:
 def found_in(regression: Regression, tried: Sequence[Hypothesis]) -> tuple[TorqueLikelihood, Found]:
     """Return what a search for some effects finds."""
     likelihood = TorqueLikelihood(regression, tried)
-    return likelihood, Stepwise(likelihood, len(tried), _MOST).run()
+    return likelihood, Stepwise(likelihood, max(len(tried), 1), _MOST).run()
 
 
 def searched(regression: Regression, tried: Sequence[Hypothesis]) -> tuple[Regression, Search]:

@@ -2,10 +2,15 @@
 
 import numpy as np
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
+from fitter.data.derivatives import lowpass
 from fitter.data.motions import Measured
 from fitter.data.resample import Uniform
+from fitter.data.trials import choose_cutoff_hz
 from fitter.diagnosis.corner import CORNER_HZ, corner_hz
+from fitter.diagnosis.equation import BAND_SHARE
 
 
 def grids(swings_hz: list[float], dt_s: float = 0.002, noise: float = 2e-4) -> list[Uniform]:
@@ -38,3 +43,38 @@ def test_a_joint_that_rests_says_nothing():
 @pytest.mark.parametrize(("dt_s", "most"), [(0.01, 20.0), (0.005, 40.0)])
 def test_sampling_allows_no_more(dt_s, most):
     assert corner_hz(grids([24.0], dt_s)) == pytest.approx(most)
+
+
+def averaged(column, samples):
+    """Return the mean of some samples in a row."""
+    return np.convolve(column, np.full(samples, 1.0 / samples), "same")
+
+
+def drawn_straight(column, samples):
+    """Return every few samples with straight lines between them, as a log of a higher rate than its sensor has."""
+    k = np.arange(len(column))
+    return np.interp(k, k[::samples], column[::samples])
+
+
+def shaken(column, size):
+    """Return a column to which a mount adds what shakes it, below some 30 Hz."""
+    return column + size * lowpass(np.random.default_rng(5).normal(size=column.shape), 0.002, 30.0)
+
+
+@pytest.mark.parametrize(
+    ("made", "by"), [(averaged, 2), (averaged, 3), (drawn_straight, 2), (drawn_straight, 3), (shaken, 5e-4)]
+)
+def test_of_noise_that_is_not_white_no_more_is_looked_at_than_what_stands_out(made, by):
+    """It is not what third differences tell of it."""
+    recorded = grids([0.7, 4.0])
+    for grid in recorded:
+        q = grid.measured.columns["q"]
+        q[:] = np.stack([made(column, by) for column in q.T], axis=1)
+    assert corner_hz(recorded) == pytest.approx(choose_cutoff_hz(recorded) / BAND_SHARE)
+    assert 8.0 < corner_hz(recorded) < 0.6 * CORNER_HZ
+
+
+@given(st.floats(1e-6, 1e-3), st.sampled_from([0.001, 0.002, 0.004]))
+@settings(max_examples=15, deadline=None)
+def test_white_noise_of_any_size_is_understood(noise, dt_s):
+    assert corner_hz(grids([0.7, 4.0], dt_s, noise)) == CORNER_HZ
