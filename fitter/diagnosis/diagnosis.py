@@ -135,8 +135,8 @@ def _searched(
     if len(causes) > len(found.steps):
         likelihood.reweigh(final)
         regression = likelihood.regression
-    final = fitted(regression, final.model)
     base = fitted(regression, Model())
+    final = fitted(regression, final.model) if final.model.hypotheses else base
     return likelihood, Search(
         base,
         final,
