@@ -29,6 +29,15 @@ DIAGNOSIS_FIELDS: Schema = {
         "enum": ["named", "ambiguous", "none", "unexplained"],
         "description": "whether there is anything above noise, and whether its cause is known",
     },
+    "complete": one("boolean", "whether no more is left than the sensors' noise"),
+    "left": {
+        **one("object", "what the final model leaves, evaluating trials"),
+        "properties": {
+            "torque_rms_N_m": _ERRORS["torque_rms_N_m"],
+            "share": one("number", "of what the base model leaves, as rms, 0 to 1"),
+            "times_noise": one("number", "of the sensors' noise, as rms, at the joint that has most of it"),
+        },
+    },
     "causes": {
         "type": "array",
         "description": "what was accepted; in the ambiguous case all that explain as much",
@@ -48,6 +57,9 @@ DIAGNOSIS_FIELDS: Schema = {
                     },
                 ),
                 "support": _SUPPORT,
+                "takes_away": one(
+                    "object", "share of the squared residual that it took away, by role of the trials"
+                ),
             },
         },
     },

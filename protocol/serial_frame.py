@@ -194,9 +194,7 @@ def _frame(kind: int, sequence: int, ticks: int, samples: int, channels: int, pa
     if not 0 <= ticks < 1 << 64:
         raise ProtocolError(f"frame: device clock is {ticks} ticks, expected 0 to 2**64 - 1")
     header = HEADER.pack(MAGIC, VERSION, kind, sequence % SEQUENCES, ticks, samples, channels, len(payload))
-    return b"".join(
-        (header, HEADER_CRC.pack(header_crc(header)), payload, PAYLOAD_CRC.pack(zlib.crc32(payload)))
-    )
+    return b"".join((header, HEADER_CRC.pack(header_crc(header)), payload, PAYLOAD_CRC.pack(zlib.crc32(payload))))
 
 
 def _channel(entry: Any, where: str) -> Channel:

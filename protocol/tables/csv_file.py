@@ -216,5 +216,3 @@ def _content(path: Path) -> tuple[pa.Buffer, str]:
         raise DataError(f"{path}: there is no such file") from error
     except OSError as error:
         raise DataError(f"{path}: cannot be read ({error.strerror or error})") from error
-
-

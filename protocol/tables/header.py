@@ -42,9 +42,7 @@ class Header:
             If several columns are of that name.
         """
         if self._count[wanted] > 1:
-            raise DataError(
-                f"{self.path}: column {wanted!r} is there {self._count[wanted]} times, expected once"
-            )
+            raise DataError(f"{self.path}: column {wanted!r} is there {self._count[wanted]} times, expected once")
         if wanted in self._count:
             return wanted
         found = [name for name in self._bare.get(wanted, []) if self._may_be_unit(name, dimensions)]

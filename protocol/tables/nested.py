@@ -304,4 +304,3 @@ def _stamp(text: str) -> np.datetime64:
 
 def _texts(row: Array, where: str) -> Labels:
     return np.array([str(value) for value in row.tolist()], dtype=np.str_)
-

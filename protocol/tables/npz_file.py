@@ -151,10 +151,7 @@ class NpzFile:
     def _rows(self, part: dict[str, NDArray[np.generic]], groups: Groups, label: str | None, first: int) -> Rows:
         matrices = {
             key: np.column_stack(
-                [
-                    to_si(part[column.address], column, f"{self.path}: {column.address}", first)
-                    for column in group
-                ]
+                [to_si(part[column.address], column, f"{self.path}: {column.address}", first) for column in group]
             )
             for key, group in groups.items()
         }

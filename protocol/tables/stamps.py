@@ -93,4 +93,3 @@ def trial_rows(labels: Labels | None, n: int, where: str, first_row: int = 0) ->
             )
         found[label] = (label, begin, end)
     return list(found.values())
-

@@ -19,8 +19,8 @@ FIELDS = {
     "connected recording recording_lost disk_free_bytes device",
     KINEMATICS: "generation frames parameters error",
     DYNAMICS: "generation samples parameters error",
-    DIAGNOSIS: "verdict causes candidates confusable next_experiment before after gain residual explained "
-    "structure suspected notes",
+    DIAGNOSIS: "verdict complete left causes candidates confusable next_experiment before after gain residual "
+    "explained structure suspected notes",
 }
 
 

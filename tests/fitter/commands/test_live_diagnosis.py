@@ -13,8 +13,8 @@ from protocol.message import DIAGNOSIS, TRIAL
 from protocol.subscriber import Subscriber
 
 FIELDS = (
-    "verdict causes candidates confusable next_experiment before after gain residual explained structure "
-    "suspected notes"
+    "verdict complete left causes candidates confusable next_experiment before after gain residual explained "
+    "structure suspected notes"
 )
 
 

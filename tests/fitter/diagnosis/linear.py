@@ -76,7 +76,7 @@ class LinearLikelihood:
         x = np.linalg.lstsq(A[may], self.y[may], rcond=None)[0]
         left = (self.y - A @ x)[:, None]
         model = Model(hypotheses, (np.zeros(0),) * len(hypotheses))
-        variance = np.mean(left[may] ** 2, axis=0)
+        variance = np.mean(left**2, axis=0)
         candidate = Candidate(model, x, np.bincount(self.trial[self.block], left[:, 0] ** 2))
         nothing = np.zeros(len(self.trial))
         return Fit(candidate, left, variance, self.block, self.trial, self.learnt, 1.0, nothing)

@@ -105,11 +105,11 @@ def test_numbers_that_the_catalogue_forbids_are_impossible(ranked):
     assert not is_possible(replace(first, x=signs * first.x))
 
 
-def test_under_the_weights_of_its_cause_a_model_is_exact():
+def test_under_the_weights_of_its_cause_a_model_leaves_little_more_than_noise():
     likelihood = TorqueLikelihood(regression_of_two(DRAG), tried()[:1] + tried()[4:5])
     found = likelihood.reweighted(likelihood.options(likelihood.base())[0])
     assert found.candidate.x[-1] == pytest.approx(0.5, rel=0.1)
-    assert likelihood.is_exact(found) and not likelihood.is_plainly_wrong(found)
+    assert not likelihood.is_plainly_wrong(found)
     assert np.all(likelihood.floor.ratio < 0.3 * likelihood.was.ratio)
 
 

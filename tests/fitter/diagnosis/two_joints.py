@@ -14,7 +14,7 @@ from fitter.diagnosis.regression import Regression
 
 _DT_S, _SECONDS, _ANGLE_RAD, _TORQUE_N_M = 0.004, 3.0, 2e-4, 0.01
 #: Steps of the controller, which holds its torque, a sample.
-_QUICKER = 8
+_QUICKER = 40
 
 
 def two_joints() -> Arm:
@@ -22,7 +22,7 @@ def two_joints() -> Arm:
     return load_arm("dd-arm-vertical")
 
 
-def measured(*effects: Effect, trials: int = 4, seed: int = 0) -> list[Measured]:
+def measured(*effects: Effect, trials: int = 6, seed: int = 0) -> list[Measured]:
     """Return noisy motions of an arm that has some effects."""
     rng, arm = np.random.default_rng(seed), replace(two_joints(), effects=effects)
     dt_s = _DT_S / _QUICKER
@@ -41,7 +41,7 @@ def measured(*effects: Effect, trials: int = 4, seed: int = 0) -> list[Measured]
     return motions
 
 
-def regression_of_two(*effects: Effect, trials: int = 4, seed: int = 0) -> Regression:
+def regression_of_two(*effects: Effect, trials: int = 6, seed: int = 0) -> Regression:
     """Return its equations; half of the trials may be learnt from."""
     run = to_trials(measured(*effects, trials=trials, seed=seed), cutoff_hz=25.0)
     return Regression(two_joints(), run_of(two_joints(), run[: trials // 2], run[trials // 2 :]))
