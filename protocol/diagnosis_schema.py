@@ -58,7 +58,7 @@ DIAGNOSIS_FIELDS: Schema = {
                 ),
                 "support": _SUPPORT,
                 "takes_away": one(
-                    "object", "share of the squared residual that it took away, by role of the trials"
+                    "object", "share of the squared residual that it took away, by role"
                 ),
             },
         },
