@@ -53,6 +53,10 @@ def test_the_document_has_the_contracts_fields(dragged):
         "gain",
         "residual",
     } <= set(document)
+    assert {"torque_rms_N_m", "share", "times_noise"} == set(document["left"])
+    assert document["complete"] is True and document["left"]["share"] < 0.5
+    (cause,) = document["causes"]
+    assert all(0.0 < cause["takes_away"][role] <= 1.0 for role in ("learn", "evaluate"))
     assert {"explained", "white", "depends_on"} <= set(document["residual"])
     assert {"torque", "angle", "ci95"} == set(document["gain"])
 
@@ -63,6 +67,13 @@ def test_nothing_is_named_where_nothing_is_wrong():
     assert finding.verdict == "none"
     assert not finding.causes and not finding.warnings
     assert finding.before is finding.after
+
+
+def test_what_only_the_judging_trials_show_is_learnt_from_them_and_said():
+    motions = stop_that_no_learning_trial_reaches()
+    finding = diagnose(pendulum(), motions[:4], motions[4:]).finding
+    assert [cause.effect for cause in finding.causes] == ["end_stop"]
+    assert _UNSEEN in [note.text for note in finding.warnings]
 
 
 def test_beside_another_cause_one_is_found_that_only_the_judging_trials_show():
