@@ -19,8 +19,8 @@ from fitter.diagnosis.starts import Starts
 _MEASURED, _KNOWN = 0.5, 1.0
 #: Of a screening, so many models are held against each other.
 _COMPARED = 20
-#: Floors of the base model are found in turn with it.
-_ROUNDS = 2
+#: A floor and its model are found in turn, until it changes by less than this share: it is no better known.
+_ROUNDS, _SETTLED = 8, 0.1
 #: A floor whose part is less than this is none.
 _NO_FLOOR = 0.01
 
@@ -57,10 +57,9 @@ class TorqueLikelihood:
 
     def base(self) -> Fit:
         """Return the model without any effect, under weights of its own."""
-        for _ in range(_ROUNDS):
-            self.reweigh(fitted(self.regression, Model()))
+        base = self._settled(fitted(self.regression, Model()))
         self.was = self.floor
-        return self.fit_of(fitted(self.regression, Model()))
+        return self.fit_of(base)
 
     def options(self, fit: Fit) -> list[Fit]:
         """Return a model with one hypothesis more, for all of them that are possible, the likeliest first."""
@@ -103,9 +102,18 @@ class TorqueLikelihood:
 
     def reweighted(self, fit: Fit) -> Fit:
         """Return a model under weights of its own, all its numbers sought anew."""
-        candidate = fitted(self.regression, fit.candidate.model)
-        self.reweigh(candidate)
-        return self.fit_of(fitted(self.regression, candidate.model))
+        return self.fit_of(self._settled(fitted(self.regression, fit.candidate.model)))
+
+    def _settled(self, candidate: Candidate) -> Candidate:
+        """Return a model and weigh by its own floor: under another model's its numbers are off, and so is this."""
+        was = np.full(self.regression.arm.n_joint, np.inf)
+        for _ in range(_ROUNDS):
+            self.reweigh(candidate)
+            candidate = fitted(self.regression, candidate.model)
+            if np.all(np.abs(self.floor.ratio - was) < _SETTLED * self.floor.ratio):
+                break
+            was = self.floor.ratio
+        return candidate
 
     def log_places(self, hypothesis: Hypothesis) -> float:
         """Return the logarithm of the number of places at which a hypothesis is sought."""

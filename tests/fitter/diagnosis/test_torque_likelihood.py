@@ -113,6 +113,17 @@ def test_under_the_weights_of_its_cause_a_model_leaves_little_more_than_noise():
     assert likelihood.floor.ratio[1] < 0.3 * likelihood.was.ratio[1]
 
 
+def test_weights_are_found_in_turn_with_the_model_until_they_stay_what_they_are():
+    """What the base model leaves is so much that numbers under its weights are far off by the sensors' noise."""
+    drag = Effect("quadratic_drag", {"drag_N_m_s2": 0.6}, joints=(1,))
+    likelihood = TorqueLikelihood(swinging(drag), [AtJoint(catalogue()["quadratic_drag"], 0)])
+    base = likelihood.base()
+    assert likelihood.was.ratio[0] > 1e4
+    found = likelihood.reweighted(likelihood.options(base)[0])
+    assert likelihood.floor.is_none and likelihood.is_exact(found)
+    assert likelihood.regression.density is None
+
+
 @pytest.mark.parametrize("hidden", ["quadratic_drag", None])
 def test_the_search_by_it_finds_what_is_hidden_and_nothing_else(hidden):
     effects = [Effect(hidden, {"drag_N_m_s2": 0.3}, joints=(1,))] if hidden else []
