@@ -121,7 +121,7 @@ def _searched(
     regression = likelihood.regression
     judging = np.array([not motion.learn for motion in motions])
     left = found.final.candidate.squares[judging].sum() / regression.told[judging].sum()
-    from_all = not found.steps and likelihood.floor.is_none and left > PLAINLY
+    from_all = likelihood.floor.is_none and left > PLAINLY
     if from_all:
         motions = [replace(motion, learn=True) for motion in motions]
         likelihood, found, was = _found(arm, motions, denied, scale, say)
