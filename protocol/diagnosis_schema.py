@@ -57,9 +57,7 @@ DIAGNOSIS_FIELDS: Schema = {
                     },
                 ),
                 "support": _SUPPORT,
-                "takes_away": one(
-                    "object", "share of the squared residual that it took away, by role"
-                ),
+                "takes_away": one("object", "share of the squared residual that it took away, by role"),
             },
         },
     },
