@@ -1,18 +1,16 @@
 """What follows from a search: a verdict, the model that holds, its numbers, what it leaves, what rests tell."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 from fitter.diagnosis.candidate import Candidate
 from fitter.diagnosis.estimates import Estimates, estimates
 from fitter.diagnosis.falling_friction import with_humps
 from fitter.diagnosis.finding import Verdict
-from fitter.diagnosis.folds import Folds
 from fitter.diagnosis.holding import Holding, holdings
-from fitter.diagnosis.model import Model
 from fitter.diagnosis.regression import Regression
 from fitter.diagnosis.search import Search
-from fitter.diagnosis.unknown import Remainder, best_functions, describe, outdoes
+from fitter.diagnosis.unknown import Remainder, describe, outdone
 
 
 @dataclass(frozen=True)
@@ -74,11 +72,9 @@ def _verdict(regression: Regression, search: Search, remainder: Remainder, held:
     they then imitate what stands in no catalogue.
     """
     if search.final.model.hypotheses:
-        fold = Folds(regression, search.base)
-        if outdoes(fold, search.final, best_functions(fold, regression.arm.n_joint)):
+        if outdone(regression, search.final):
             return "unexplained"
         return "ambiguous" if any(cause.rivals for cause in search.causes) else "named"
-    fold = Folds(regression, replace(search.base, model=Model()))
-    if search.floor.is_plain or outdoes(fold, search.base, best_functions(fold, regression.arm.n_joint)):
+    if (search.floor.is_plain and not remainder.white) or outdone(regression, search.base):
         return "unexplained"
     return "named" if held else "none"

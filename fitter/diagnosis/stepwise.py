@@ -195,7 +195,7 @@ class Stepwise:
         return fit, steps
 
     def _confirmed(self, fit: Fit, steps: list[Step]) -> tuple[Fit, list[Step]]:
-        """Return a model without the causes that trials which were not learnt from contradict, now that all are in."""
+        """Return a model without the causes that trials not learnt from contradict, now that all are in."""
         while steps:
             smaller = [self._likelihood.without(fit, place) for place in range(len(steps))]
             sigmas = [fit.held_out(one) for one in smaller]

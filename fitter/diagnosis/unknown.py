@@ -17,7 +17,9 @@ from fitter.diagnosis.evidence import EQUAL_SIGMAS
 from fitter.diagnosis.floor import PLAINLY
 from fitter.diagnosis.folds import Folds
 from fitter.diagnosis.functions import names
+from fitter.diagnosis.model import Model
 from fitter.diagnosis.regression import Regression
+from fitter.diagnosis.screening import fitted
 from fitter.diagnosis.typical import typical
 from fitter.side_by_side import side_by_side
 
@@ -102,24 +104,26 @@ def best_functions(fold: Folds, n_joint: int) -> BestFunctions:
     return BestFunctions(joint, of_size, left)
 
 
-def outdoes(fold: Folds, final: Candidate, functions: BestFunctions) -> bool:
+def outdone(regression: Regression, final: Candidate) -> bool:
     """Say whether a function of few variables leaves trials with clearly less than all causes do in its place.
 
-    It is judged on trials that it was not fitted to. No formula is exact, so the causes have to leave twice as
-    much; the difference of the logarithms has to be two of its standard errors over the trials.
+    It is judged on trials that it was not fitted to, by the sensors' noise: a floor was made for the causes. No
+    formula is exact, so the causes have to leave twice as much; the difference of the logarithms has to be two of
+    its standard errors over the trials.
 
     Parameters
     ----------
-    fold : Folds
-        Of the base model.
+    regression : Regression
     final : Candidate
         The model with all causes.
-    functions : BestFunctions
-        Of the base model.
     """
+    own = regression.weighted_by(regression.sensors)
+    fold = Folds(own, fitted(own, Model()))
+    functions = best_functions(fold, own.arm.n_joint)
     size = min(functions.left, key=lambda k: functions.left[k])
     left = fold.squares(functions.of_size[size], functions.joint, smooth=True)
-    logs = np.log(np.maximum(final.squares, 1e-300) / np.maximum(left, 1e-300))
+    by_causes, least = own.squares(final.model, final.x), np.finfo(np.float64).tiny
+    logs = np.log(np.maximum(by_causes, least) / np.maximum(left, least))
     error = logs.std(ddof=1) / np.sqrt(len(logs)) if len(logs) > 1 else np.inf
     return bool(logs.mean() > max(EQUAL_SIGMAS * error, np.log(PLAINLY)))
 

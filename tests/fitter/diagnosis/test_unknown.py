@@ -10,10 +10,9 @@ from arm.effects.catalogue import catalogue
 from arm.model import Effect
 from fitter.data.motions import Measured
 from fitter.diagnosis.at_joint import AtJoint
-from fitter.diagnosis.folds import Folds
 from fitter.diagnosis.model import Model
 from fitter.diagnosis.screening import fitted
-from fitter.diagnosis.unknown import best_functions, describe, outdoes
+from fitter.diagnosis.unknown import describe, outdone
 from tests.fitter.diagnosis.searched import regression_of, searched
 from tests.fitter.pendulum import pendulum, swings
 
@@ -54,16 +53,11 @@ def test_nothing_depends_on_nothing():
     assert (remainder.depends_on, remainder.joint, remainder.formula) == ((), 0, "")
 
 
-def is_outdone(regression, search):
-    fold = Folds(regression, search.base)
-    return outdoes(fold, search.final, best_functions(fold, 1))
-
-
 def test_a_soft_wall_outdoes_what_imitates_it():
     plain = regression_of(resisted(PLAIN, lambda q, dq: 0.8 * np.tanh(q / 0.15)), 5)
     regression, search = searched(plain, [AtJoint(catalogue()["cogging"], 0)])
     assert "cogging" in {one.kind.name for one in search.final.model.hypotheses}
-    assert is_outdone(regression, search)
+    assert outdone(regression, search.final)
 
 
 @pytest.mark.parametrize(
@@ -77,4 +71,4 @@ def test_a_true_cause_is_outdone_by_no_function(name, numbers):
     plain = regression_of(swings((Effect(name, numbers, joints=(1,)),), trials=12, seed=4), 5)
     regression, search = searched(plain, [AtJoint(catalogue()[name], 0)])
     assert [one.kind.name for one in search.final.model.hypotheses] == [name]
-    assert not is_outdone(regression, search)
+    assert not outdone(regression, search.final)
