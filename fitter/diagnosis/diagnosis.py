@@ -129,7 +129,7 @@ def _searched(
     final = found.final.candidate
     if not likelihood.floor.is_none:
         final = with_pushes(regression, final)
-    causes = [cause_of(place, step) for place, step in enumerate(found.steps)]
+    causes = [cause_of(place, found.steps) for place in range(len(found.steps))]
     for place in range(len(causes), len(final.model.hypotheses)):
         causes.append(Cause(place, found.final.candidate, final))
     if len(causes) > len(found.steps):

@@ -81,19 +81,24 @@ class Search:
     from_all: bool = False
 
 
-def cause_of(place: int, step: Step) -> Cause:
-    """Return an accepted step as a cause, at its place in the final model."""
-    rivals = [one for one in step.equals if one.n_number == step.fit.n_number]
-    larger = [one for one in step.equals if one.n_number != step.fit.n_number]
+def cause_of(place: int, steps: Sequence[Step]) -> Cause:
+    """Return one of the accepted steps as a cause, at its place in the final model.
+
+    An equal that was accepted beside it later on is none.
+    """
+    step, named = steps[place], {one.hypothesis.key for one in steps}
+    equals = [one for one in step.equals if one.candidate.hypothesis.key not in named]
+    rivals = [one for one in equals if one.n_number == step.fit.n_number]
+    larger = [one for one in equals if one.n_number != step.fit.n_number]
     alike = [step.fit, *rivals]
-    named = {id(one) for one in (*alike, *larger)}
+    known = {id(one) for one in (*alike, *larger)}
     return Cause(
         place,
         step.before.candidate,
         step.fit.candidate,
         [one.candidate for one in rivals],
         [one.candidate for one in larger],
-        [one.candidate for one in step.options if id(one) not in named],
+        [one.candidate for one in step.options if id(one) not in known],
         supports(alike),
     )
 

@@ -38,12 +38,12 @@ def cause():
     likelihood = LinearLikelihood(A, 2.0 * A[:, 0] + rng.normal(size=800), tried)
     fits = [likelihood.fit_of(one) for one in tried]
     step = Step(tried[0], fits[0], likelihood.base(), 50.0, (fits[1], fits[2]), tuple(fits))
-    return cause_of(3, step), tried
+    return cause_of(0, [step]), tried
 
 
 def test_all_that_was_tried_is_told_apart(cause):
     cause, tried = cause
-    assert cause.place == 3 and cause.itself.hypothesis is tried[0]
+    assert cause.place == 0 and cause.itself.hypothesis is tried[0]
     assert [[one.hypothesis for one in some] for some in (cause.rivals, cause.larger, cause.beaten)] == [
         [tried[1]],
         [tried[2]],
