@@ -23,6 +23,8 @@ _COMPARED = 20
 _ROUNDS, _SETTLED = 8, 0.1
 #: A floor whose part is less than this is none.
 _NO_FLOOR = 0.01
+#: A trial in which masses vanish is so unlikely that nothing makes up for it [nats].
+_NO_MASS = -1e6
 
 Progress = Callable[[int, int], None]
 
@@ -143,7 +145,7 @@ class TorqueLikelihood:
             learnt += [motion.learn] * n_block
             mass = regression.density
             whole = mass.of(candidate.model, candidate.x, [motion]) if mass is not None else 0.0
-            density += [whole / n_block] * n_block
+            density += [max(whole, _NO_MASS) / n_block] * n_block
         rows, blocks, may = np.concatenate(residual), np.concatenate(block), np.array(learnt)
         share = float(regression.told.sum() / rows.size)
         variance = np.mean(rows**2, axis=0) / share
