@@ -20,7 +20,7 @@ class Conclusion:
     Attributes
     ----------
     search : Search
-        With those causes that rests have told.
+        With the causes that rests of the joints reveal.
     verdict : {"named", "ambiguous", "none", "unexplained"}
     final : Candidate
         The search's final model, or its base where no cause is believed.

@@ -32,7 +32,7 @@ from limbcal.note import Note
 
 Progress = Callable[[str, float], None]
 
-#: Causes that are sought at the most: a machine has more, but no run tells so many.
+#: Greatest number of causes: a machine has more, but no run identifies more.
 _MOST = 6
 _UNSEEN = "what is wrong shows in evaluating trials only, so causes were sought in all: the gain is no prediction"
 

@@ -46,9 +46,6 @@ class Weighting(Whitening):
     holding: Floats
     _held: dict[int, tuple[Floats, Floats]] = field(default_factory=dict, init=False, repr=False)
     _told: dict[int, Floats] = field(default_factory=dict, init=False, repr=False)
-    _boxes: dict[tuple[int, int, float], tuple[Floats, Floats]] = field(
-        default_factory=dict, init=False, repr=False
-    )
 
     def filtered(self, motion: Motion, rows: Floats) -> Floats:
         """Return rows (n_sample, n_joint, …), filtered and on the slower grid, without what may hold a joint."""
@@ -89,28 +86,6 @@ class Weighting(Whitening):
         """Return white rows (n_slower * n_joint, n_column) along `axes`, (n_axis, n_column)."""
         # The other way round the same product takes a quarter longer: few columns are read in a row.
         return np.asarray((flat.T @ self.axes(motion)[0]).T, dtype=np.float64)
-
-    def boxes(self, motion: Motion, joint: int, length_s: float) -> tuple[Floats, Floats]:
-        """Return torques of 1 at a joint, one after the other, filtered, and their products with each other.
-
-        Parameters
-        ----------
-        motion : Motion
-        joint : int
-        length_s : float
-            How long each of them lasts; the first begins with the motion.
-
-        Returns
-        -------
-        (n_slower * n_joint, n_box), (n_box, n_box)
-        """
-        key = motion.number, joint, length_s
-        if key not in self._boxes:
-            starts = np.arange(motion.t[0], motion.t[-1], length_s)
-            boxes = (motion.t[:, None] >= starts) & (motion.t[:, None] < starts + length_s)
-            filtered = self.filtered_at(motion, joint, boxes.astype(np.float64))
-            self._boxes[key] = filtered, filtered.T @ filtered
-        return self._boxes[key]
 
     def prepare(self, motions: Sequence[Motion]) -> None:
         """Work out what may hold the joints in all motions, and what they tell, with all processors."""

@@ -29,8 +29,8 @@ from fitter.diagnosis.view import View
 
 #: A hump shows in the motion if its torque is so many times its noise.
 _SHOWS = 3.0
-#: A hump is no worse if it raises the sum of squares by no more than this share of what noise leaves: the noise's
-#: size is not known better.
+#: A hump is no worse if it raises the sum of squares by less than this ratio to that of noise: the variance of the
+#: noise is not known better.
 EQUAL = 0.01
 #: So many widths are tried for each that a search for causes tries.
 _FINER = 3

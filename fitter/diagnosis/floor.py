@@ -21,7 +21,7 @@ from fitter.diagnosis.reweighting import reweighted
 
 #: The noise's size is known to a tenth (`whitening`): so much more variance than it has is no floor.
 KNOWN = 1.1**2
-#: Something is there if what is left has so many times the noise's variance: 3 dB.
+#: The residual exceeds the noise plainly if its variance is this multiple of the noise's: 3 dB.
 PLAINLY = 2.0
 #: Floors are sought in their logarithms, to a hundredth.
 _TOLERANCE = 0.01

@@ -19,7 +19,7 @@ from fitter.diagnosis.model import Model
 from fitter.diagnosis.motion import Motion
 from fitter.diagnosis.rows import Equations
 
-#: Masses change slowly: their logarithm is averaged over so many instants.
+#: Masses change slowly: the logarithm is averaged over this number of instants.
 _INSTANTS = 1500
 #: Newton's steps at the most, the gain [nats] of the last one, and the least part of one.
 _ROUNDS, _SETTLED, _LEAST_PART = 20, 1e-3, 1e-4
@@ -43,7 +43,7 @@ class MassDensity:
     motions : sequence of Motion
     weight : float
         w, see the module.
-    told : mapping of int to (n_joint,)
+    count : mapping of int to (n_joint,)
         Independent numbers of each motion's equations.
     start : (n_base,)
         Base parameters with masses that a body can have.
@@ -54,10 +54,10 @@ class MassDensity:
         equations: Equations,
         motions: Sequence[Motion],
         weight: float,
-        told: Mapping[int, Floats],
+        count: Mapping[int, Floats],
         start: Floats,
     ) -> None:
-        self._equations, self._weight, self._told, self._start = equations, weight, told, start
+        self._equations, self._weight, self._count, self._start = equations, weight, count, start
         pushes = np.eye(equations.arm.n_joint)
         self._pushed = {one.number: [replace(one, ddq=one.ddq + push) for push in pushes] for one in motions}
         self._stride = max(1, sum(len(one.t) for one in motions) // _INSTANTS)
@@ -148,7 +148,7 @@ class MassDensity:
         moves = ~motion.stuck[sparse]
         both = moves[:, :, None] & moves[:, None, :]
         known = np.where(both, known, np.eye(known.shape[1]))
-        return slopes * both[:, None], known, float(np.mean(self._told[motion.number])) / len(slopes)
+        return slopes * both[:, None], known, float(np.mean(self._count[motion.number])) / len(slopes)
 
 
 def _solved(matrix: Floats, right: Floats) -> Floats:

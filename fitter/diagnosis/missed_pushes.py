@@ -36,7 +36,7 @@ def with_pushes(regression: Regression, final: Candidate) -> Candidate:
         dropped = bool(pulses)
         while dropped and found:
             candidate = pushed(regression, final, found)
-            found, dropped = _told(regression, final, candidate)
+            found, dropped = _significant(regression, final, candidate)
         if len(_flat(found)) <= len(_flat(known)):
             break
         known = found
@@ -47,20 +47,20 @@ def _flat(found: Mapping[int, list[tuple[float, float]]]) -> list[tuple[float, f
     return [one for times in found.values() for one in times]
 
 
-def _told(
+def _significant(
     regression: Regression, final: Candidate, candidate: Candidate
 ) -> tuple[dict[int, list[tuple[float, float]]], bool]:
-    """Return the pushes of a model whose torque is told from none, and whether there are others."""
-    first, told, dropped = len(final.model.hypotheses), dict[int, list[tuple[float, float]]](), False
+    """Return the pushes of a model whose torque differs significantly from zero, and whether others do not."""
+    first, kept, dropped = len(final.model.hypotheses), dict[int, list[tuple[float, float]]](), False
     effects = estimates(regression, candidate).effects[first:]
     for hypothesis, numbers in zip(candidate.model.hypotheses[first:], effects, strict=True):
         listed = list(numbers.values())
         for start, duration, torque in zip(listed[::3], listed[1::3], listed[2::3], strict=True):
             if abs(torque.value) > EQUAL_SIGMAS * torque.std:
-                told.setdefault(hypothesis.joints[0], []).append((start.value, duration.value))
+                kept.setdefault(hypothesis.joints[0], []).append((start.value, duration.value))
             else:
                 dropped = True
-    return told, dropped
+    return kept, dropped
 
 
 def pushed(regression: Regression, final: Candidate, found: Mapping[int, list[tuple[float, float]]]) -> Candidate:

@@ -32,10 +32,6 @@ class Model:
         keep = [i for i, one in enumerate(some) if one]
         return Model(tuple(self.hypotheses[i] for i in keep), tuple(self.psi[i] for i in keep))
 
-    def with_last(self, k: int) -> "Model":
-        """Return this model with its k-th hypothesis as the last."""
-        return self.without(k).plus(self.hypotheses[k], self.psi[k])
-
     def at(self, flat: Floats) -> "Model":
         """Return this model with other values of psi, one after the other."""
         sizes = np.cumsum([len(one) for one in self.psi])[:-1]

@@ -161,9 +161,9 @@ class TorqueLikelihood:
         anew.sensors = own
         weight = self._weight * part_of_floor(own, weighted)
         if weight > _NO_FLOOR:
-            told = {motion.number: anew.weighting.told_at_joints(motion) for motion in anew.motions}
+            count = {motion.number: anew.weighting.told_at_joints(motion) for motion in anew.motions}
             start = candidate.x[: len(candidate.x) - candidate.model.n_column]
-            anew.density = MassDensity(anew.equations, anew.motions, weight, told, start)
+            anew.density = MassDensity(anew.equations, anew.motions, weight, count, start)
         self.regression = anew
         self._starts.forget()
 
