@@ -40,6 +40,8 @@ class AtJoint(Hypothesis):
         Parameters that are given, such as the side of a stop.
     """
 
+    is_inertial = False
+
     def __init__(self, kind: EffectKind, joint: int, choice: dict[str, float] | None = None) -> None:
         super().__init__(kind, (joint,))
         self._joint = joint

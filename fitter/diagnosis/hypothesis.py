@@ -34,6 +34,8 @@ class Hypothesis(ABC):
     nothing: tuple[float, ...] = ()
     #: Its columns are made of angles and their derivatives, noise included.
     is_noisy = True
+    #: It changes how the equations turn with the acceleration.
+    is_inertial = True
     #: The share of psi over which is asked what a change of it makes: more where little changes jump.
     stride = 1e-4
 

@@ -41,6 +41,11 @@ class InDrive(Hypothesis):
         return self.kind.name == "gain_error"
 
     @property
+    def is_inertial(self) -> bool:  # type: ignore[override]
+        """A gain scales masses; what else the drive does changes the torque only."""
+        return self.is_gradual
+
+    @property
     def is_event(self) -> bool:  # type: ignore[override]
         """A limit may be reached in few trials, and in none of those that are learnt from."""
         return self.kind.name == "torque_saturation"

@@ -18,6 +18,7 @@ class FrictionDrift(Hypothesis):
     """Viscous and Coulomb friction of one joint grow alike with the run's time."""
 
     is_gradual = True
+    is_inertial = False
     nothing = (0.0,)
 
     @property

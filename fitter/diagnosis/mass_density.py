@@ -10,9 +10,10 @@ knows how much moved the arm (1) and how much is an error of the measured torque
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from arm.model import Floats
 from fitter.diagnosis.model import Model
@@ -27,11 +28,33 @@ _ROUNDS, _SETTLED, _LEAST_PART = 20, 1e-3, 1e-4
 _SINGULAR = 1e-6
 #: Columns that are this near to depending on others, in terms of the normal equations, do so.
 _DEPENDENT = 1e-11
-#: Models whose masses are remembered.
-_REMEMBERED = 300
+#: Models and sets of motions whose masses are remembered.
+_REMEMBERED = 100
 
-#: Slopes of the masses with the factors, (n, n_factor, n_joint, n_joint), their known part, rows an instant.
-_Masses = tuple[Floats, Floats, float]
+
+@dataclass(frozen=True)
+class _Masses:
+    """Masses of some motions, which are linear in the factors.
+
+    Attributes
+    ----------
+    slopes : (n, n_joint, n_joint, n_kept)
+        With the factors that they depend on.
+    known : (n, n_joint, n_joint)
+    weight : (n,)
+        Of an instant.
+    kept : (n_kept,) int
+        The places of these factors among all.
+    """
+
+    slopes: Floats
+    known: Floats
+    weight: Floats
+    kept: NDArray[np.intp]
+
+    def at(self, x: Floats) -> Floats:
+        """Return the masses under factors x, (n, n_joint, n_joint)."""
+        return self.known + self.slopes @ x[self.kept]
 
 
 class MassDensity:
@@ -61,19 +84,16 @@ class MassDensity:
         pushes = np.eye(equations.arm.n_joint)
         self._pushed = {one.number: [replace(one, ddq=one.ddq + push) for push in pushes] for one in motions}
         self._stride = max(1, sum(len(one.t) for one in motions) // _INSTANTS)
-        self._known: dict[tuple[object, ...], _Masses] = {}
+        self._known: dict[tuple[object, ...], tuple[Floats, ...]] = {}
 
     def of(self, model: Model, x: Floats, motions: Sequence[Motion]) -> float:
         """Return ``w sum log |det M|`` over some motions [nats]; minus infinity for what is no mass."""
-        total = 0.0
-        for motion in motions:
-            slopes, known, count = self._masses(model, motion)
-            M = np.einsum("tkab,k->tab", slopes, x) + known
-            values = np.linalg.eigvalsh(0.5 * (M + M.mT))
-            if np.any(values[:, 0] <= _SINGULAR * np.abs(values).max(axis=1)):
-                return -np.inf
-            total += self._weight * count * float(np.linalg.slogdet(M)[1].sum())
-        return total
+        masses = self._masses(model, motions)
+        M = masses.at(x)
+        values = np.linalg.eigvalsh(0.5 * (M + M.mT))
+        if np.any(values[:, 0] <= _SINGULAR * np.abs(values).max(axis=1)):
+            return -np.inf
+        return float(masses.weight @ np.linalg.slogdet(M)[1])
 
     def solve(self, gram: Floats, pull: Floats, x: Floats, model: Model, motions: Sequence[Motion]) -> Floats:
         """Return the likeliest factors by Newton's steps.
@@ -100,40 +120,54 @@ class MassDensity:
                 break
             score, information = self._slopes(model, x, motions)
             step = _solved(gram + information, pull - gram @ x + score)
-            part = 1.0
-            while part > _LEAST_PART and not value(x + part * step) > here:
+            part, there = 1.0, value(x + step)
+            while part > _LEAST_PART and not there > here:
                 part *= 0.5
+                there = value(x + part * step)
             if part <= _LEAST_PART:
                 break
-            x = x + part * step
-            before, here = here, value(x)
-            if here - before < _SETTLED:
+            x, gained, here = x + part * step, there - here, there
+            if gained < _SETTLED:
                 break
         return x
 
     def _slopes(self, model: Model, x: Floats, motions: Sequence[Motion]) -> tuple[Floats, Floats]:
         """Return the density's slope and its negative second derivative: tr(M^-1 M_k), tr(M^-1 M_k M^-1 M_l)."""
+        masses = self._masses(model, motions)
+        M, slopes = masses.at(x), masses.slopes
+        B = np.linalg.solve(M, slopes.reshape(*M.shape[:2], -1)).reshape(slopes.shape)
         score, information = np.zeros(len(x)), np.zeros((len(x), len(x)))
-        for motion in motions:
-            slopes, known, count = self._masses(model, motion)
-            M = np.einsum("tkab,k->tab", slopes, x) + known
-            B = np.linalg.solve(M[:, None], slopes)
-            score += self._weight * count * np.einsum("tkaa->k", B)
-            information += self._weight * count * np.einsum("tkab,tlba->kl", B, B)
+        score[masses.kept] = np.einsum("t,taak->k", masses.weight, B)
+        n_kept, weighted = len(masses.kept), masses.weight[:, None, None, None] * B
+        both = weighted.reshape(-1, n_kept).T @ B.transpose(0, 2, 1, 3).reshape(-1, n_kept)
+        information[np.ix_(masses.kept, masses.kept)] = both
         return score, information
 
-    def _masses(self, model: Model, motion: Motion) -> _Masses:
-        parts = zip(model.hypotheses, model.psi, strict=True)
+    def _masses(self, model: Model, motions: Sequence[Motion]) -> _Masses:
+        inertial = [hypothesis.is_inertial for hypothesis in model.hypotheses]
+        parts = model.only(inertial)
         # By the hypotheses themselves, not by their keys: an effect may have several forms.
-        key = (motion.number, *((hypothesis, psi.tobytes()) for hypothesis, psi in parts))
+        key = (
+            *(motion.number for motion in motions),
+            *((one, psi.tobytes()) for one, psi in zip(parts.hypotheses, parts.psi, strict=True)),
+        )
         if key not in self._known:
-            if len(self._known) >= _REMEMBERED * len(self._pushed):
+            if len(self._known) >= _REMEMBERED:
                 self._known.clear()
-            self._known[key] = self._made(model, motion)
-        return self._known[key]
+            made = [self._made(parts, motion) for motion in motions]
+            self._known[key] = tuple(np.concatenate(one) for one in zip(*made, strict=True))
+        slopes, known, weight = self._known[key]
+        columns = [
+            np.full(one.n_column, turns) for one, turns in zip(model.hypotheses, inertial, strict=True)
+        ]
+        base = np.ones(slopes.shape[-1] - parts.n_column, dtype=np.bool_)
+        return _Masses(slopes, known, weight, np.flatnonzero(np.concatenate([base, *columns])))
 
-    def _made(self, model: Model, motion: Motion) -> _Masses:
-        """Return the masses: what accelerations of one make of the equations; a stuck joint has one."""
+    def _made(self, model: Model, motion: Motion) -> tuple[Floats, Floats, Floats]:
+        """Return slopes, known part and weights: what accelerations of one make of the equations.
+
+        A stuck joint has a mass of one.
+        """
         sparse = slice(None, None, self._stride)
 
         def sides(one: Motion) -> tuple[Floats, Floats]:
@@ -143,12 +177,13 @@ class MassDensity:
 
         design, target = sides(motion)
         pushed = [sides(one) for one in self._pushed[motion.number]]
-        slopes = np.stack([one - design for one, _ in pushed], axis=-1).transpose(0, 2, 1, 3)
+        slopes = np.stack([one - design for one, _ in pushed], axis=2)
         known = np.stack([target - one for _, one in pushed], axis=-1)
         moves = ~motion.stuck[sparse]
         both = moves[:, :, None] & moves[:, None, :]
         known = np.where(both, known, np.eye(known.shape[1]))
-        return slopes * both[:, None], known, float(np.mean(self._count[motion.number])) / len(slopes)
+        count = self._weight * float(np.mean(self._count[motion.number]))
+        return slopes * both[..., None], known, np.full(len(slopes), count / len(slopes))
 
 
 def _solved(matrix: Floats, right: Floats) -> Floats:

@@ -64,13 +64,14 @@ class Regression:
         self._scales: dict[object, Floats] = {}
         self._plain: dict[object, Floats] = {}
         self.noisier = noisier(arm, self.motions)
-        self._made_for_base = weighted is None
         if weighted is None:
             crude = Equations(arm, weighting(arm, self.motions), denied, known)
             weighted = self._weighting_by(crude)
         self.equations = Equations(arm, weighted, denied, known)
         #: The sensors' noise alone, where no more is known of the masses.
         self.sensors = weighted
+        #: Which part of the equations' variance is no noise of the sensors (`floor`), 0 to 1.
+        self.floor_part = 0.0
         self._noisy = NoisyRows(self.equations, self.noisier)
         weighted.prepare(self.motions)
 
@@ -152,23 +153,16 @@ class Regression:
         now = self._let_through(model) if cuts_off(model) else np.ones(self.arm.n_joint)
         if distorts(model):
             left = self._noisy.of(model, self.learning, by_joint=True).left(x)
-            now = now * np.maximum(left / self._plainly(model), _LEAST_NOISE)
+            floor = self.floor_part * np.sum([self.weighting.told_at_joints(one) for one in self.learning], axis=0)
+            now = now * np.maximum((floor + left) / (floor + self._plainly(model)), _LEAST_NOISE)
         return np.asarray(1.0 / np.sqrt(now))
 
     def _plainly(self, model: Model) -> Floats:
-        """Return the noise that a model leaves without a drive that is late, weak or unequal, (n_joint,).
-
-        Of a filter that was made for another model the base model leaves no more than one an equation that tells
-        something, for which a filter is made. One that was made for the base model may have it a little wrong, but
-        for all models alike: none of them explains that.
-        """
+        """Return the noise that a model leaves without a drive that is late, weak or unequal, (n_joint,)."""
         plain = undistorted(model)
         key = tuple(hypothesis.key for hypothesis in plain.hypotheses)
         if key not in self._plain:
             left = self._noisy.of(plain, self.learning, by_joint=True).left(self.solve(plain, self.learning))
-            if not key and not self._made_for_base:
-                told = [self.weighting.told_at_joints(one) for one in self.learning]
-                left = np.minimum(left, np.sum(told, axis=0))
             self._plain[key] = np.asarray(np.maximum(left, 1e-300), dtype=np.float64)
         return self._plain[key]
 

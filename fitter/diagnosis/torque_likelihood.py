@@ -159,7 +159,8 @@ class TorqueLikelihood:
         own, weighted, self.floor = floored(self.regression, candidate)
         anew = self.regression.weighted_by(weighted)
         anew.sensors = own
-        weight = self._weight * part_of_floor(own, weighted)
+        anew.floor_part = part_of_floor(own, weighted)
+        weight = self._weight * anew.floor_part
         if weight > _NO_FLOOR:
             count = {motion.number: anew.weighting.told_at_joints(motion) for motion in anew.motions}
             start = candidate.x[: len(candidate.x) - candidate.model.n_column]
