@@ -5,6 +5,8 @@ A hypothesis of k numbers, sought at m places, is worth
 .. math:: (l_1 - l_0) / \varphi - \tfrac{k}{2} \log n_{blocks} - \log m - \log n_{families}
 
 nats: Schwarz' criterion over blocks of about a second, the places and families that were tried as a uniform prior.
+The gain is that of all trials, or of the learning trials alone: what one evaluating trial shows of a kind of its own
+must not hide what all others show, nor the other way round. The larger worth counts, less log 2 for the choice.
 What a model lacks makes residuals of neighbours, and of whole trials, resemble each other, so the gain counts
 divided by :math:`\varphi`: the variance of the score of what was added, over blocks or trials, in units of its
 information (Huber 1967; Takeuchi 1976). Two models are equal if the sum of their blocks' differences is within
@@ -82,22 +84,26 @@ class Fit:
         return float(gain.sum()) / max(_scatter(gain), np.finfo(np.float64).tiny) if len(gain) else np.inf
 
 
-def dispersion(one: Fit, other: Fit) -> float:
+def dispersion(one: Fit, other: Fit, of: NDArray[np.bool_] | None = None) -> float:
     """Return the variance of the score of what was added, in units of its information, at least 1.
 
     Parameters
     ----------
     one, other : Fit
         With and without it.
+    of : (n_block,) bool, optional
+        The blocks that count; all unless given.
     """
+    of = np.ones(len(one.trial), dtype=np.bool_) if of is None else of
     scale = np.sqrt(one.variance)
     added, left = (other.residual - one.residual) / scale, one.residual / scale
-    information = one.share * float(np.sum(added**2))
+    information = one.share * float(np.sum(added[of[one.block]] ** 2))
     score = one.share * np.bincount(one.block, np.sum(added * left, axis=1), len(one.trial))
     score += one.density - other.density
-    trials = np.unique(one.trial)
-    by_trial: Floats = np.array([score[one.trial == trial].sum() for trial in trials], dtype=np.float64)
-    largest = max(map(_summed_variance, (np.asarray(score, dtype=np.float64), by_trial)))
+    by_trial: Floats = np.array(
+        [score[one.trial == trial].sum() for trial in np.unique(one.trial[of])], dtype=np.float64
+    )
+    largest = max(map(_summed_variance, (np.asarray(score[of], dtype=np.float64), by_trial)))
     return max(1.0, largest / information) if information > 0.0 else 1.0
 
 
@@ -115,9 +121,13 @@ def worth(one: Fit, other: Fit, places: float, families: int) -> float:
         Logarithm of the number of places at which its additional numbers were sought.
     families : int
     """
-    numbers = one.n_number - other.n_number
-    penalty = 0.5 * numbers * np.log(len(one.trial)) + places + np.log(families)
-    return float(one.gain(other) / dispersion(one, other) - penalty)
+    everything = np.ones_like(one.learnt)
+    sets = [everything] if np.all(one.learnt) else [everything, one.learnt]
+    gain, numbers = one.nats - other.nats, one.n_number - other.n_number
+    worths = [
+        float(gain[of].sum()) / dispersion(one, other, of) - 0.5 * numbers * np.log(of.sum()) for of in sets
+    ]
+    return float(max(worths) - places - np.log(families) - np.log(len(sets)))
 
 
 def likelihood_of(fit: Fit) -> float:
