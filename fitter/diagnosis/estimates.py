@@ -194,13 +194,15 @@ def _covariance(regression: Regression, fitted: Candidate, learnt_from: list[Mot
     size = np.sqrt(sum(np.sum(designs[k] ** 2, axis=0) for k in fitting))
     told = size > 0.0
     designs = [A[:, told] / size[told] for A in designs]
-    W = np.linalg.qr(np.vstack([designs[k] for k in fitting])).R
+    extra, information = _by_density(regression, fitted)
+    extra, information = extra[:, told] / size[told], information[np.ix_(told, told)] / np.outer(size[told], size[told])
+    W = np.linalg.qr(np.vstack([*(designs[k] for k in fitting), _root(information)])).R
     grams, scores, groups = [], [], []
     for k in fitting:
         blocks = max(2, round(_BLOCKS * len(regression.motions[k].t) / total))
         for A, r in zip(np.array_split(designs[k], blocks), np.array_split(residuals[k], blocks), strict=True):
             grams.append(A.T @ A)
-            scores.append(A.T @ r)
+            scores.append(A.T @ r + extra[k] / blocks)
             groups.append(k)
     left = sum(float(residuals[k] @ residuals[k]) for k in fitting)
     told_by = float(sum(regression.weighting.told(regression.motions[k]) for k in fitting))
@@ -212,7 +214,7 @@ def _covariance(regression: Regression, fitted: Candidate, learnt_from: list[Mot
         part = part + _LEANING**2 * max(left - told_by, 0.0) * (root @ root.T)
         plain = np.einsum("ij,ij->i", root, root)
         # What a single block tells, such as when a push began, is fitted to that block's noise: no score shows it.
-        scatter = np.maximum(_between(designs, residuals), max(left / told_by, 1.0))
+        scatter = np.maximum(_between(designs, residuals, extra, information), max(left / told_by, 1.0))
         wider = np.sqrt(np.maximum(scatter * plain / np.diag(part), 1.0))
         part = part * np.outer(wider, wider)
     else:  # something is not told at all, such as how long a stuck joint was pushed: the rest still is
@@ -223,14 +225,41 @@ def _covariance(regression: Regression, fitted: Candidate, learnt_from: list[Mot
     return covariance
 
 
-def _between(designs: Sequence[Floats], residuals: Sequence[Floats]) -> Floats:
+def _by_density(regression: Regression, fitted: Candidate) -> tuple[Floats, Floats]:
+    """Return the slopes of the motions' density, (n_motion, n_number), and its information of those learnt from."""
+    model, n_number = fitted.model, len(fitted.x) + len(fitted.model.flat)
+    mass = regression.density
+    if mass is None or not np.isfinite(mass.of(model, fitted.x, regression.motions)):
+        return np.zeros((len(regression.motions), n_number)), np.zeros((n_number, n_number))
+    each = [mass.slopes(model, fitted.x, [motion]) for motion in regression.motions]
+    learnt = {motion.number for motion in regression.motions_of(model)}
+    informations = [
+        one for (_, one), motion in zip(each, regression.motions, strict=True) if motion.number in learnt
+    ]
+    return np.stack([score for score, _ in each]), np.asarray(np.sum(informations, axis=0), dtype=np.float64)
+
+
+def _root(information: Floats) -> Floats:
+    """Return a matrix whose Gram matrix it is."""
+    values, axes = np.linalg.eigh(information)
+    return np.asarray(np.sqrt(np.maximum(values, 0.0))[:, None] * axes.T, dtype=np.float64)
+
+
+def _between(
+    designs: Sequence[Floats], residuals: Sequence[Floats], extra: Floats, information: Floats
+) -> Floats:
     """Return how many times more variance answers have by the scatter of whole trials than by white noise of one.
 
     It is that of the answer to all trials together (Liang and Zeger 1986), so none is foreign to what it pulls at.
     """
     A, r = np.vstack(designs), np.concatenate(residuals)
-    inverse = np.linalg.pinv(A.T @ A, rcond=_SINGULAR, hermitian=True)
-    change = inverse @ (A.T @ r)
-    pulls = np.stack([inverse @ (A.T @ (r - A @ change)) for A, r in zip(designs, residuals, strict=True)])
+    inverse = np.linalg.pinv(A.T @ A + information, rcond=_SINGULAR, hermitian=True)
+    change = inverse @ (A.T @ r + extra.sum(axis=0))
+    pulls = np.stack(
+        [
+            inverse @ (A.T @ (r - A @ change) + more - information @ change / len(designs))
+            for A, r, more in zip(designs, residuals, extra, strict=True)
+        ]
+    )
     few = len(pulls) / max(len(pulls) - 1.0, 1.0)
     return np.asarray(few * np.sum(pulls**2, axis=0) / np.maximum(np.diag(inverse), 1e-300), dtype=np.float64)

@@ -9,7 +9,8 @@ The gain is that of all trials, or of the learning trials alone: what one evalua
 must not hide what all others show, nor the other way round. The larger worth counts, less log 2 for the choice.
 What a model lacks makes residuals of neighbours, and of whole trials, resemble each other, so the gain counts
 divided by :math:`\varphi`: the variance of the score of what was added, over blocks or trials, in units of its
-information (Huber 1967; Takeuchi 1976). Two models are equal if the sum of their blocks' differences is within
+information (Huber 1967; Takeuchi 1976). What a model lacks may depend on the motion alike in all trials, which no
+scatter shows: a block says no more of it than one number a joint. Two models are equal if the sum of their blocks' differences is within
 two of its standard errors (Vuong 1989).
 """
 
@@ -46,6 +47,8 @@ class Fit:
         Whether the trial may be learnt from.
     share : float
         Independent numbers a row.
+    noise : (n_column,)
+        Variance of the sensors' noise in the residual; the rest is what the model lacks.
     density : (n_block,)
         Logarithm of the density of what was measured, but for the residual [nats].
     """
@@ -57,6 +60,7 @@ class Fit:
     trial: NDArray[np.intp]
     learnt: NDArray[np.bool_]
     share: float
+    noise: Floats
     density: Floats
 
     @property
@@ -103,8 +107,16 @@ def dispersion(one: Fit, other: Fit, of: NDArray[np.bool_] | None = None) -> flo
     by_trial: Floats = np.array(
         [score[one.trial == trial].sum() for trial in np.unique(one.trial[of])], dtype=np.float64
     )
-    largest = max(map(_summed_variance, (np.asarray(score[of], dtype=np.float64), by_trial)))
-    return max(1.0, largest / information) if information > 0.0 else 1.0
+    scatter = max(map(_summed_variance, (np.asarray(score[of], dtype=np.float64), by_trial)))
+    return max(1.0, scatter / information, _systematic(one, added, of)) if information > 0.0 else 1.0
+
+
+def _systematic(one: Fit, added: Floats, of: NDArray[np.bool_]) -> float:
+    """Return the numbers that a block has of a joint, as far as they are of what the model lacks."""
+    lacking = np.maximum(1.0 - one.noise / one.variance, 0.0)
+    rows = of[one.block]
+    squares = np.sum(added[rows] ** 2, axis=0)
+    return float(one.share * rows.sum() / of.sum() * (squares @ lacking) / squares.sum())
 
 
 def _summed_variance(parts: Floats) -> float:

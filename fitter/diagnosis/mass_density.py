@@ -131,17 +131,27 @@ class MassDensity:
                 break
         return x
 
-    def _slopes(self, model: Model, x: Floats, motions: Sequence[Motion]) -> tuple[Floats, Floats]:
-        """Return the density's slope and its negative second derivative: tr(M^-1 M_k), tr(M^-1 M_k M^-1 M_l)."""
+    def slopes(self, model: Model, x: Floats, motions: Sequence[Motion]) -> tuple[Floats, Floats]:
+        """Return the density's slopes by factors and psi, and its negative second derivatives.
+
+        These are ``w tr(M^-1 M_k)`` and ``w tr(M^-1 M_k M^-1 M_l)``, for masses that are linear in the numbers.
+
+        Returns
+        -------
+        (n_factor + n_psi,), (n_factor + n_psi, n_factor + n_psi)
+        """
         masses = self._masses(model, motions)
-        M, slopes = masses.at(x), masses.slopes
-        B = np.linalg.solve(M, slopes.reshape(*M.shape[:2], -1)).reshape(slopes.shape)
-        score, information = np.zeros(len(x)), np.zeros((len(x), len(x)))
-        score[masses.kept] = np.einsum("t,taak->k", masses.weight, B)
-        n_kept, weighted = len(masses.kept), masses.weight[:, None, None, None] * B
-        both = weighted.reshape(-1, n_kept).T @ B.transpose(0, 2, 1, 3).reshape(-1, n_kept)
-        information[np.ix_(masses.kept, masses.kept)] = both
-        return score, information
+        by_psi = [
+            (self._masses(more, motions).at(x) - self._masses(less, motions).at(x))[..., None] / apart
+            for more, less, apart in model.beside()
+        ]
+        turned = np.concatenate([masses.slopes, *by_psi], axis=-1)
+        kept = np.concatenate([masses.kept, len(x) + np.arange(len(by_psi))]).astype(np.intp)
+        return _traces(masses, masses.at(x), turned, kept, len(x) + len(by_psi))
+
+    def _slopes(self, model: Model, x: Floats, motions: Sequence[Motion]) -> tuple[Floats, Floats]:
+        masses = self._masses(model, motions)
+        return _traces(masses, masses.at(x), masses.slopes, masses.kept, len(x))
 
     def _masses(self, model: Model, motions: Sequence[Motion]) -> _Masses:
         inertial = [hypothesis.is_inertial for hypothesis in model.hypotheses]
@@ -184,6 +194,19 @@ class MassDensity:
         known = np.where(both, known, np.eye(known.shape[1]))
         count = self._weight * float(np.mean(self._count[motion.number]))
         return slopes * both[..., None], known, np.full(len(slopes), count / len(slopes))
+
+
+def _traces(
+    masses: _Masses, M: Floats, slopes: Floats, kept: NDArray[np.intp], n_number: int
+) -> tuple[Floats, Floats]:
+    """Return the weighted traces of M^-1 M_k and of M^-1 M_k M^-1 M_l, zero for numbers that are not kept."""
+    B = np.linalg.solve(M, slopes.reshape(*M.shape[:2], -1)).reshape(slopes.shape)
+    score, information = np.zeros(n_number), np.zeros((n_number, n_number))
+    score[kept] = np.einsum("t,taak->k", masses.weight, B)
+    weighted = masses.weight[:, None, None, None] * B
+    both = weighted.reshape(-1, len(kept)).T @ B.transpose(0, 2, 1, 3).reshape(-1, len(kept))
+    information[np.ix_(kept, kept)] = both
+    return score, information
 
 
 def _solved(matrix: Floats, right: Floats) -> Floats:

@@ -150,8 +150,17 @@ class TorqueLikelihood:
         share = float(regression.told.sum() / rows.size)
         variance = np.mean(rows**2, axis=0) / share
         least = np.finfo(np.float64).tiny
+        noise = np.full(len(variance), 1.0 - regression.floor_part)
         return Fit(
-            candidate, rows, np.maximum(variance, least), blocks, np.array(trial), may, share, np.array(density)
+            candidate,
+            rows,
+            np.maximum(variance, least),
+            blocks,
+            np.array(trial),
+            may,
+            share,
+            noise,
+            np.array(density),
         )
 
     def reweigh(self, candidate: Candidate) -> None:

@@ -45,12 +45,12 @@ def density(regression):
 def test_slopes_are_those_of_the_density(regression, density, name):
     model, motions = MODELS[name], regression.motions
     x = regression.solve(model, motions)
-    score, information = density._slopes(model, x, motions)
+    score, information = density.slopes(model, x, motions)
     for k in range(len(x)):
         step = 1e-4 * max(abs(float(x[k])), 0.1) * (np.arange(len(x)) == k)
         ahead, behind = (density.of(model, x + s, motions) for s in (step, -step))
         assert score[k] == pytest.approx((ahead - behind) / (2.0 * step[k]), rel=1e-4, abs=1e-4)
-        ahead, behind = (density._slopes(model, x + s, motions)[0] for s in (step, -step))
+        ahead, behind = (density.slopes(model, x + s, motions)[0] for s in (step, -step))
         bend = -(ahead - behind) / (2.0 * step[k])
         np.testing.assert_allclose(information[k], bend, rtol=1e-3, atol=1e-4 * np.abs(information).max())
     assert np.linalg.eigvalsh(information).min() > -1e-6 * np.abs(information).max()
@@ -84,7 +84,7 @@ def test_the_likeliest_factors_have_no_slope_left_wherever_they_are_begun(regres
     gram, pull = normal_equations(regression, Model())
     plain = regression.solve(Model(), motions)
     x = density.solve(gram, pull, begun * plain, Model(), motions)
-    score, information = density._slopes(Model(), x, motions)
+    score, information = density.slopes(Model(), x, motions)
     slope = pull - gram @ x + score
     assert slope @ np.linalg.lstsq(gram + information, slope, rcond=1e-11)[0] < 0.1  # nats, twice
 
