@@ -15,6 +15,7 @@ two of its standard errors (Vuong 1989).
 """
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -28,6 +29,8 @@ ODDS_NATS = float(np.log(100.0))
 EQUAL_SIGMAS = 1.96
 #: Neighbouring residuals are one block for so long [s]: what a model lacks is correlated for less.
 BLOCK_S = 1.0
+#: The variance of fewer numbers is not known.
+_LEAST_COUNT = 1.0
 
 
 @dataclass(frozen=True)
@@ -39,14 +42,13 @@ class Fit:
     candidate : Candidate
     residual : (n_row, n_column)
         White under the weights that all models of one comparison share.
-    variance : (n_column,)
-        Of the residual.
+    count : (n_trial, n_column)
+        Independent numbers that a trial has.
     block : (n_row,) int
     trial : (n_block,) int
+        From 0.
     learnt : (n_block,) bool
         Whether the trial may be learnt from.
-    share : float
-        Independent numbers a row.
     noise : (n_column,)
         Variance of the sensors' noise in the residual; the rest is what the model lacks.
     density : (n_block,)
@@ -55,24 +57,39 @@ class Fit:
 
     candidate: Candidate
     residual: Floats
-    variance: Floats
+    count: Floats
     block: NDArray[np.intp]
     trial: NDArray[np.intp]
     learnt: NDArray[np.bool_]
-    share: float
     noise: Floats
     density: Floats
+
+    @cached_property
+    def row_trial(self) -> NDArray[np.intp]:
+        """The trial of each row, (n_row,)."""
+        return self.trial[self.block]
+
+    @cached_property
+    def variance(self) -> Floats:
+        """Of the residual, the likeliest of each trial, (n_trial, n_column); 1 where it is not known."""
+        n_trial = len(self.count)
+        squares = np.stack([np.bincount(self.row_trial, one, n_trial) for one in self.residual.T**2], axis=1)
+        is_known = (self.count > _LEAST_COUNT) & (squares > 0.0)
+        return np.where(is_known, squares / np.where(is_known, self.count, 1.0), 1.0)
 
     @property
     def n_number(self) -> int:
         """How many numbers its effects have."""
         return sum(one.n_number for one in self.candidate.model.hypotheses)
 
-    @property
+    @cached_property
     def nats(self) -> Floats:
         """Log-likelihood of the blocks, (n_block,), the residual's variance being the likeliest."""
-        squares = np.sum(self.residual**2 / self.variance + np.log(self.variance), axis=1)
-        return self.density - 0.5 * self.share * np.bincount(self.block, squares, len(self.trial))
+        variance = self.variance[self.row_trial]
+        rows = np.bincount(self.row_trial, minlength=len(self.count))
+        share = (self.count / np.maximum(rows, 1)[:, None])[self.row_trial]
+        squares = np.sum(self.residual**2 / variance + share * np.log(variance), axis=1)
+        return self.density - 0.5 * np.bincount(self.block, squares, len(self.trial))
 
     def gain(self, other: "Fit") -> float:
         """Return by how many nats all trials are likelier than under another model."""
@@ -99,11 +116,10 @@ def dispersion(one: Fit, other: Fit, of: NDArray[np.bool_] | None = None) -> flo
         The blocks that count; all unless given.
     """
     of = np.ones(len(one.trial), dtype=np.bool_) if of is None else of
-    scale = np.sqrt(one.variance)
+    scale = np.sqrt(one.variance)[one.row_trial]
     added, left = (other.residual - one.residual) / scale, one.residual / scale
-    information = one.share * float(np.sum(added[of[one.block]] ** 2))
-    score = one.share * np.bincount(one.block, np.sum(added * left, axis=1), len(one.trial))
-    score += one.density - other.density
+    information = float(np.sum(added[of[one.block]] ** 2))
+    score = np.bincount(one.block, np.sum(added * left, axis=1), len(one.trial)) + one.density - other.density
     by_trial: Floats = np.array(
         [score[one.trial == trial].sum() for trial in np.unique(one.trial[of])], dtype=np.float64
     )
@@ -113,14 +129,15 @@ def dispersion(one: Fit, other: Fit, of: NDArray[np.bool_] | None = None) -> flo
 
 def _systematic(one: Fit, added: Floats, of: NDArray[np.bool_]) -> float:
     """Return the numbers that a block has of a joint, as far as they are of what the model lacks."""
-    lacking = np.maximum(1.0 - one.noise / one.variance, 0.0)
-    rows = of[one.block]
-    squares = np.sum(added[rows] ** 2, axis=0)
-    return float(one.share * rows.sum() / of.sum() * (squares @ lacking) / squares.sum())
+    lacking, rows = np.maximum(1.0 - one.noise / one.variance, 0.0)[one.row_trial], of[one.block]
+    squares = added[rows] ** 2
+    numbers = one.count[np.unique(one.trial[of])].sum(axis=0) / of.sum()
+    return float(np.sum(numbers * squares * lacking[rows]) / np.sum(squares))
 
 
 def _summed_variance(parts: Floats) -> float:
-    return len(parts) / max(len(parts) - 1, 1) * float(parts @ parts)
+    """Return the variance of a sum of independent parts; at a bound of a number all may pull the same way."""
+    return len(parts) * float(np.var(parts, ddof=1)) if len(parts) > 1 else 0.0
 
 
 def worth(one: Fit, other: Fit, places: float, families: int) -> float:
@@ -156,4 +173,4 @@ def is_better(one: Fit, other: Fit) -> bool:
 
 def _scatter(gain: Floats) -> float:
     """Return the standard error of the sum of blocks' gains [nats]."""
-    return float(np.sqrt(_summed_variance(np.asarray(gain - gain.mean(), dtype=np.float64))))
+    return float(np.sqrt(_summed_variance(gain)))

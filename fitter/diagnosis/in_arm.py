@@ -44,12 +44,17 @@ class GravityTilt(Hypothesis):
 
     def act(self, view: View, psi: Floats) -> View:
         """Return a motion in another gravity."""
-        x, y, z = view.arm.gravity_m_s2
-        return replace(view, arm=replace(view.arm, gravity_m_s2=(x + psi[0], y + psi[1], z)))
+        (x, y, z), (dx, dy) = view.arm.gravity_m_s2, _part_of_gravity(psi)
+        return replace(view, arm=replace(view.arm, gravity_m_s2=(x + dx, y + dy, z)))
 
     def numbers(self, psi: Floats, factors: Floats) -> Floats:
         """Return the two components."""
-        return np.array(psi)
+        return _part_of_gravity(psi)
+
+
+def _part_of_gravity(psi: Floats) -> Floats:
+    """Return a vector (2,) that is no longer than gravity."""
+    return np.asarray(psi * min(1.0, STANDARD_GRAVITY / max(float(np.hypot(*psi)), STANDARD_GRAVITY)))
 
 
 class JointZero(Hypothesis):

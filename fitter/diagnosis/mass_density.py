@@ -26,8 +26,12 @@ _INSTANTS = 1500
 _ROUNDS, _SETTLED, _LEAST_PART = 20, 1e-3, 1e-4
 #: Masses have a direction without any if one eigenvalue is no larger than this part of the largest: rounding.
 _SINGULAR = 1e-6
+#: Logarithm of by how much more counts what is left where masses vanish: a base model leaves less.
+_VANISHED = 5.0
 #: Columns that are this near to depending on others, in terms of the normal equations, do so.
 _DEPENDENT = 1e-11
+#: A sum of squares by its parts is known to this share of the largest of them.
+_ROUNDED = 1e-14
 #: Models and sets of motions whose masses are remembered.
 _REMEMBERED = 100
 
@@ -57,6 +61,20 @@ class _Masses:
         return self.known + self.slopes @ x[self.kept]
 
 
+@dataclass(frozen=True)
+class Normal:
+    """Normal equations: products of columns (k, k), with the right-hand side (k,), and its square."""
+
+    gram: Floats
+    pull: Floats
+    square: float
+
+    def left(self, x: Floats) -> float:
+        """Return the sum of squares that factors (k,) leave."""
+        left = float(x @ self.gram @ x) - 2.0 * float(self.pull @ x) + self.square
+        return max(left, _ROUNDED * self.square, np.finfo(np.float64).tiny)
+
+
 class MassDensity:
     """The density of some motions given their torques.
 
@@ -84,6 +102,7 @@ class MassDensity:
         pushes = np.eye(equations.arm.n_joint)
         self._pushed = {one.number: [replace(one, ddq=one.ddq + push) for push in pushes] for one in motions}
         self._stride = max(1, sum(len(one.t) for one in motions) // _INSTANTS)
+        self._base: dict[tuple[int, ...], float] = {}
         self._known: dict[tuple[object, ...], tuple[Floats, ...]] = {}
 
     def of(self, model: Model, x: Floats, motions: Sequence[Motion]) -> float:
@@ -95,13 +114,34 @@ class MassDensity:
             return -np.inf
         return float(masses.weight @ np.linalg.slogdet(M)[1])
 
-    def solve(self, gram: Floats, pull: Floats, x: Floats, model: Model, motions: Sequence[Motion]) -> Floats:
-        """Return the likeliest factors by Newton's steps.
+    def unit(self, model: Model, x: Floats, motions: Sequence[Motion], numbers: float) -> float:
+        """Return ``exp(-w sum log |det M| / n)``, 1 for the base model; what has no mass is a large one.
 
         Parameters
         ----------
-        gram, pull : (n_factor, n_factor), (n_factor,)
-            Normal equations.
+        model : Model
+        x : (n_factor,)
+        motions : sequence of Motion
+        numbers : float
+            n, the independent numbers of their equations.
+        """
+        key = tuple(motion.number for motion in motions)
+        if key not in self._base:
+            self._base[key] = self.of(Model(), self._start, motions)
+        more = self.of(model, x, motions) - self._base[key]
+        return float(np.exp(min(-more / numbers, _VANISHED)))
+
+    def solve(
+        self, normal: Normal, numbers: float, x: Floats, model: Model, motions: Sequence[Motion]
+    ) -> Floats:
+        """Return the likeliest factors by Newton's steps, the residual's variance being the likeliest, too.
+
+        Parameters
+        ----------
+        normal : Normal
+            Normal equations of these motions.
+        numbers : float
+            Independent numbers of their equations.
         x : (n_factor,)
             Their answer.
         model : Model
@@ -109,7 +149,7 @@ class MassDensity:
         """
 
         def value(at: Floats) -> float:
-            return -0.5 * float(at @ gram @ at) + float(pull @ at) + self.of(model, at, motions)
+            return self.of(model, at, motions) - 0.5 * numbers * np.log(normal.left(at))
 
         here = value(x)
         if not np.isfinite(here):
@@ -119,7 +159,8 @@ class MassDensity:
             if not np.isfinite(here):
                 break
             score, information = self._slopes(model, x, motions)
-            step = _solved(gram + information, pull - gram @ x + score)
+            weight = numbers / normal.left(x)
+            step = _solved(weight * normal.gram + information, weight * (normal.pull - normal.gram @ x) + score)
             part, there = 1.0, value(x + step)
             while part > _LEAST_PART and not there > here:
                 part *= 0.5

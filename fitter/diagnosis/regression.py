@@ -17,7 +17,7 @@ from fitter.diagnosis.cut_off import cuts_off, distorts, let_through, undistorte
 from fitter.diagnosis.equation import Weighting, weighting
 from fitter.diagnosis.holding_size import holding_sizes
 from fitter.diagnosis.least_squares import scaled_lstsq
-from fitter.diagnosis.mass_density import MassDensity
+from fitter.diagnosis.mass_density import MassDensity, Normal
 from fitter.diagnosis.model import Model
 from fitter.diagnosis.motion import Motion
 from fitter.diagnosis.noisy_rows import NoisyRows
@@ -121,15 +121,24 @@ class Regression:
         noise = noise or self.noise(model, motions)
         gram, pull = sum(one.columns.gram for one in rows), sum(one.pull for one in rows)
         x = compensated(np.asarray(gram), np.asarray(pull), noise.gram.sum(axis=0), noise.pull.sum(axis=0))
-        return (
-            x
-            if self.density is None
-            else self.density.solve(np.asarray(gram), np.asarray(pull), x, model, motions)
-        )
+        if self.density is None:
+            return x
+        square = sum(float(one.right.gram[0, 0]) for one in rows)
+        normal = Normal(np.asarray(gram), np.asarray(pull), square)
+        return self.density.solve(normal, self._numbers(motions), x, model, motions)
+
+    def _numbers(self, motions: Sequence[Motion]) -> float:
+        return sum(self.weighting.told(motion) for motion in motions)
 
     def left(self, model: Model, x: Floats, motions: Sequence[Motion]) -> Floats:
-        """Return what factors leave of some motions' equations, one after the other, in units of the noise."""
+        """Return what factors leave of some motions' equations, one after the other, in units of the noise.
+
+        Its sum of squares is least where the motions are likeliest: with a residual of any variance, that is where
+        ``log sum r^2 - 2 w sum log |det M| / n`` is, so each counts exp(-w sum log |det M| / n).
+        """
         scale = self.scale(model, x)
+        if self.density is not None:
+            scale = scale * self.density.unit(model, x, motions, self._numbers(motions))
         return np.concatenate([(scale * self.rows(model, motion).left(x)).ravel() for motion in motions])
 
     def squares(self, model: Model, x: Floats, motions: Sequence[Motion] | None = None) -> Floats:

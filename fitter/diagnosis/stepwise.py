@@ -4,7 +4,7 @@ The search knows neither what a likelihood is made of nor any effect by its name
 """
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import combinations
 from typing import Protocol
 
@@ -143,17 +143,25 @@ class Stepwise:
         places = sum(self._likelihood.log_places(hypothesis) for hypothesis in new)
         return worth(one, fit, places, self._families ** len(new))
 
-    def _accepted(self, fit: Fit, options: Sequence[Fit]) -> list[Fit]:
-        """Return those that are worth it and help where nothing was fitted, the likeliest first."""
-        kept = [one for one in options if self._worth(one, fit) > ODDS_NATS and one.helps(fit)]
+    def _promising(self, fit: Fit, options: Sequence[Fit]) -> list[Fit]:
+        """Return those that are likelier than not and help where nothing was fitted, the likeliest first."""
+        kept = [one for one in options if self._worth(one, fit) > 0.0 and one.helps(fit)]
         return sorted(kept, key=likelihood_of, reverse=True)
+
+    def _accepted(self, fit: Fit, more: list[Step]) -> tuple[Fit, list[Step]] | None:
+        """Return a model with further causes if they are worth it under its own weights."""
+        smaller = fit
+        for _ in more:
+            smaller = self._likelihood.without(smaller, len(smaller.candidate.model.hypotheses) - 1)
+        own = self._worth(fit, smaller)
+        return (fit, [replace(step, worth=own) for step in more]) if own > ODDS_NATS else None
 
     def _best(self, fit: Fit, options: tuple[Fit, ...]) -> tuple[Fit, list[Step]] | None:
         """Return the likeliest model that is worth it, under its own weights, with the step that led to it.
 
         Of its equals there that have fewest numbers.
         """
-        kept = self._accepted(fit, options)
+        kept = self._promising(fit, options)
         if not kept:
             return None
         close = [one for one in kept if one.gain(fit) > _CLOSE * kept[0].gain(fit)]
@@ -172,18 +180,18 @@ class Stepwise:
         if chosen is not best:
             found = self._likelihood.reweighted(chosen)
         others = tuple(one for one, _ in equal if one is not chosen)
-        return found, [Step(chosen.candidate.hypothesis, chosen, fit, self._worth(chosen, fit), others, options)]
+        step = Step(chosen.candidate.hypothesis, chosen, fit, self._worth(chosen, fit), others, options)
+        return self._accepted(found, [step])
 
     def _best_pair(self, fit: Fit, options: Sequence[Fit]) -> tuple[Fit, list[Step]] | None:
         """Return the likeliest model with two hypotheses more neither of which is worth it alone."""
         pairs = [self._likelihood.joined(fit, pair) for pair in combinations(options[:PAIRED], 2)]
-        kept = self._accepted(fit, [pair for pair in pairs if pair is not None])
+        kept = self._promising(fit, [pair for pair in pairs if pair is not None])
         if not kept:
             return None
         own, new = self._worth(kept[0], fit), kept[0].candidate.model.hypotheses[-2:]
-        return self._likelihood.reweighted(kept[0]), [
-            Step(hypothesis, kept[0], fit, own, options=tuple(options)) for hypothesis in new
-        ]
+        steps = [Step(hypothesis, kept[0], fit, own, options=tuple(options)) for hypothesis in new]
+        return self._accepted(self._likelihood.reweighted(kept[0]), steps)
 
     def _pruned(self, fit: Fit, steps: list[Step]) -> tuple[Fit, list[Step]]:
         """Return a model without the causes that the last one has made needless."""

@@ -135,31 +135,25 @@ class TorqueLikelihood:
         if candidate.model.is_event:
             candidate = by_learning(regression, candidate)
         residual, block, trial, learnt, density = [], [], list[int](), list[bool](), list[float]()
-        for motion in regression.motions:
+        for k, motion in enumerate(regression.motions):
             left = regression.residual(candidate.model, candidate.x, motion)
             n_block = max(1, int(len(left) * step_s * motion.dt_s / BLOCK_S))
             own = np.minimum(np.arange(len(left)) * n_block // len(left), n_block - 1)
             residual.append(left)
             block.append(own + len(trial))
-            trial += [motion.number] * n_block
+            trial += [k] * n_block
             learnt += [motion.learn] * n_block
             mass = regression.density
             whole = mass.of(candidate.model, candidate.x, [motion]) if mass is not None else 0.0
             density += [max(whole, _NO_MASS) / n_block] * n_block
-        rows, blocks, may = np.concatenate(residual), np.concatenate(block), np.array(learnt)
-        share = float(regression.told.sum() / rows.size)
-        variance = np.mean(rows**2, axis=0) / share
-        least = np.finfo(np.float64).tiny
-        noise = np.full(len(variance), 1.0 - regression.floor_part)
         return Fit(
             candidate,
-            rows,
-            np.maximum(variance, least),
-            blocks,
+            np.concatenate(residual),
+            np.array([regression.weighting.told_at_joints(motion) for motion in regression.motions]),
+            np.concatenate(block),
             np.array(trial),
-            may,
-            share,
-            noise,
+            np.array(learnt),
+            np.full(regression.arm.n_joint, 1.0 - regression.floor_part),
             np.array(density),
         )
 

@@ -28,4 +28,5 @@ def fit_of(residual: Floats, numbers: int = 0, learnt: int | None = None) -> Fit
     may = trial < (trial[-1] + 1 if learnt is None else learnt)
     candidate = Candidate(Model((one,) * numbers, (np.zeros(0),) * numbers), np.zeros(numbers), np.zeros(n_block))
     block = np.arange(len(residual)) // ROWS
-    return Fit(candidate, residual[:, None], np.ones(1), block, trial, may, 1.0, np.zeros(n_block))
+    count = ROWS * np.bincount(trial)[:, None].astype(np.float64)
+    return Fit(candidate, residual[:, None], count, block, trial, may, np.ones(1), np.zeros(n_block))
