@@ -1,20 +1,21 @@
 """Pushes found in what a model misses, and the model with them."""
 
 from collections.abc import Mapping
+from dataclasses import replace
 
 import numpy as np
+from scipy.ndimage import binary_dilation
 
 from arm.effects.catalogue import catalogue
+from fitter.data.derivatives import lowpass
 from fitter.diagnosis.candidate import Candidate
-from fitter.diagnosis.estimates import estimates
-from fitter.diagnosis.evidence import EQUAL_SIGMAS
 from fitter.diagnosis.pushes import Pushes
 from fitter.diagnosis.regression import Regression
 from fitter.diagnosis.screening import fitted
 from fitter.diagnosis.torque.missing_torque import ResidualTorque
-from fitter.diagnosis.torque.pulses import find_pulses
+from fitter.diagnosis.torque.pulses import Pulse, find_pulses
 
-#: A push that stands beside a larger one is found once that one is known: so often they are sought.
+#: Pushes bend the parameters of the model that they are sought in: so often it is fitted with them and they anew.
 _ROUNDS = 3
 
 
@@ -27,40 +28,23 @@ def with_pushes(regression: Regression, final: Candidate) -> Candidate:
     final : Candidate
         With all causes that always act.
     """
-    candidate, known = final, dict[int, list[tuple[float, float]]]()
+    candidate, known = final, list[Pulse]()
     for _ in range(_ROUNDS):
-        pulses = find_pulses(missed(regression, candidate))
-        found = {joint: list(times) for joint, times in known.items()}
-        for pulse in pulses:
-            found.setdefault(pulse.joint, []).append((pulse.start_s, pulse.duration_s))
-        dropped = bool(pulses)
-        while dropped and found:
-            candidate = pushed(regression, final, found)
-            found, dropped = _significant(regression, final, candidate)
-        if len(_flat(found)) <= len(_flat(known)):
+        found = find_pulses(missed(regression, _without_pushes(final, candidate)))
+        if [(one.trial, one.joint) for one in found] == [(one.trial, one.joint) for one in known]:
             break
-        known = found
-    return pushed(regression, final, known) if known else final
+        known, times = found, dict[int, list[tuple[float, float]]]()
+        for one in found:
+            times.setdefault(one.joint, []).append((one.start_s, one.duration_s))
+        candidate = pushed(regression, final, times) if times else final
+    return candidate
 
 
-def _flat(found: Mapping[int, list[tuple[float, float]]]) -> list[tuple[float, float]]:
-    return [one for times in found.values() for one in times]
-
-
-def _significant(
-    regression: Regression, final: Candidate, candidate: Candidate
-) -> tuple[dict[int, list[tuple[float, float]]], bool]:
-    """Return the pushes of a model whose torque differs significantly from zero, and whether others do not."""
-    first, kept, dropped = len(final.model.hypotheses), dict[int, list[tuple[float, float]]](), False
-    effects = estimates(regression, candidate).effects[first:]
-    for hypothesis, numbers in zip(candidate.model.hypotheses[first:], effects, strict=True):
-        listed = list(numbers.values())
-        for start, duration, torque in zip(listed[::3], listed[1::3], listed[2::3], strict=True):
-            if abs(torque.value) > EQUAL_SIGMAS * torque.std:
-                kept.setdefault(hypothesis.joints[0], []).append((start.value, duration.value))
-            else:
-                dropped = True
-    return kept, dropped
+def _without_pushes(final: Candidate, candidate: Candidate) -> Candidate:
+    """Return a model that was fitted with pushes without them, its other numbers as they are."""
+    model, n_hypothesis = candidate.model, len(final.model.hypotheses)
+    kept = model.only([k < n_hypothesis for k in range(len(model.hypotheses))])
+    return replace(candidate, model=kept, x=candidate.x[: len(candidate.x) - model.n_column + kept.n_column])
 
 
 def pushed(regression: Regression, final: Candidate, found: Mapping[int, list[tuple[float, float]]]) -> Candidate:
@@ -73,18 +57,16 @@ def pushed(regression: Regression, final: Candidate, found: Mapping[int, list[tu
 
 
 def missed(regression: Regression, final: Candidate) -> list[ResidualTorque]:
-    """Return what a model misses in every trial: a push has its own sign."""
+    """Return what a model misses in every trial, within the band of its equations: a push has its own sign."""
     own = regression.sensors
     angle_noise = np.sqrt(np.diag(own.acceleration_noise))
-    return [
-        ResidualTorque(
-            motion.t,
-            -regression.equations.left(final.model, final.x, motion),
-            ~motion.stuck,
-            motion.u,
-            own.band_hz,
-            own.torque_noise,
-            angle_noise,
-        )
-        for motion in regression.motions
-    ]
+    trials = []
+    for motion in regression.motions:
+        left = regression.equations.left(final.model, final.x, motion)
+        r, torque = (lowpass(column, motion.dt_s, own.band_hz, "even") for column in (-left, motion.u))
+        reach = round(0.5 / (own.band_hz * motion.dt_s))  # half a period of the corner: what the filter looks at
+        near = np.ones((2 * reach + 1, 1), dtype=np.bool_)
+        known = ~binary_dilation(motion.stuck, near, border_value=1)
+        noises = own.band_hz, own.torque_noise, angle_noise
+        trials.append(ResidualTorque(motion.t, r, known, torque, *noises))
+    return trials

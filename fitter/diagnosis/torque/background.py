@@ -18,7 +18,8 @@ from scipy.optimize import Bounds, minimize
 from scipy.special import gammaln
 
 from arm.model import Floats
-from fitter.diagnosis.torque.kalman import Filter, gains
+from fitter.diagnosis.torque.kalman import Filter, gains, innovations
+from limbcal.compiled import compiled
 
 #: Least and greatest degrees of freedom: Cauchy's tails; at 30 Student's distribution passes for a normal one.
 _DEGREES_OF_FREEDOM = (1.0, 30.0)
@@ -32,6 +33,10 @@ LONGEST_PULSE_S = 1.0
 _TIME_CONSTANT_S = 0.3
 #: … with every part of the background having this ratio of the residual's standard deviation.
 _EQUAL_PARTS = 0.4
+#: Steps of the frequencies that are tried for it: an octave.
+_OCTAVE = np.log(2.0)
+#: Numbers of a background that no signal adds.
+_N_SINGLE = 8
 #: The ascent ends when the log likelihood of a row rises by less than this ratio.
 _TOLERANCE = 1e-5
 
@@ -47,6 +52,10 @@ class Rows:
     known : (n,) of bool
     signals : (n, n_signal)
         Signals in proportion to which the model may err.
+    n_sample : int
+        A row is the mean of so many samples…
+    band_hz : float
+        … behind a low-pass filter with this corner.
     torque_noise, angle_noise : float [N m], [N m s^2]
         Standard deviation of a row's white torque noise; of the angle's noise times the inertia.
     """
@@ -55,6 +64,8 @@ class Rows:
     r: Floats
     known: NDArray[np.bool_]
     signals: Floats
+    n_sample: int
+    band_hz: float
     torque_noise: float
     angle_noise: float
 
@@ -78,8 +89,8 @@ class Background:
         Standard deviations of the errors in proportion to the signals.
     proportion_s : (n_signal,) [s]
         Their time constants.
-    white : float [N m]
-        White noise beyond the sensor's.
+    white, angle : float [N m], [N m s^2]
+        White noise, and noise of the angles times the inertia, beyond the sensors'.
     degrees_of_freedom : float
         Of Student's distribution of the standardised innovations.
     """
@@ -92,37 +103,96 @@ class Background:
     in_proportion: Floats
     proportion_s: Floats
     white: float
+    angle: float
     degrees_of_freedom: float
+
+    @property
+    def numbers(self) -> Floats:
+        """All of them, those that signals add last, (8 + 2 n_signal,)."""
+        single = [self.std, self.time_constant_s, self.ringing, self.ringing_rad_s, self.damping_ratio]
+        single += [self.white, self.angle, self.degrees_of_freedom]
+        return np.concatenate([single, self.in_proportion, self.proportion_s])
+
+    @classmethod
+    def of(cls, numbers: Floats) -> "Background":
+        """Return the background of such numbers."""
+        n_signal = (len(numbers) - _N_SINGLE) // 2
+        single = map(float, numbers[:_N_SINGLE])
+        std, time_constant_s, ringing, ringing_rad_s, damping_ratio, white, angle, nu = single
+        in_proportion, proportion_s = numbers[_N_SINGLE : _N_SINGLE + n_signal], numbers[_N_SINGLE + n_signal :]
+        ringings = ringing, ringing_rad_s, damping_ratio
+        return cls(std, time_constant_s, *ringings, in_proportion, proportion_s, white, angle, nu)
 
     def filtered(self, rows: Rows) -> Filter:
         """Return the Kalman filter of a trial: its gains do not depend on the residual."""
-        h, n_signal = rows.step_s, rows.signals.shape[1]
-        d = 3 + n_signal
-        F, P, Q = np.zeros((d + 3, d + 3)), np.zeros((d + 3, d + 3)), np.zeros((d + 3, d + 3))
-        F[0, 0] = np.exp(-h / self.time_constant_s)
-        F[1:3, 1:3] = self._ringing_transition(h)
-        F[3:d, 3:d] = np.diag(np.exp(-h / self.proportion_s))
-        ringing = [self.ringing**2, (self.ringing_rad_s * self.ringing) ** 2]
-        P[:d, :d] = np.diag([self.std**2, *ringing, *self.in_proportion**2])
-        Q[:d, :d] = P[:d, :d] - F[:d, :d] @ P[:d, :d] @ F[:d, :d].T  # stationary
-        F[d + 1, d] = F[d + 2, d + 1] = 1.0  # the angle's noise of the next row, of this one, of the last one
-        P[d:, d:] = np.eye(3) * rows.angle_noise**2
-        Q[d, d] = rows.angle_noise**2
-        C = np.zeros((len(rows.t), d + 3))
-        C[:, 0] = C[:, 1] = 1.0
-        C[:, 3:d] = rows.signals
-        C[:, d:] = np.array([1.0, -2.0, 1.0]) / h**2
-        variance = rows.torque_noise**2 + self.white**2
+        F, P, Q, C, variance = _state_space(
+            self.numbers, rows.signals, rows.step_s, rows.torque_noise, rows.angle_noise
+        )
         gain, S = gains(F, Q, P, C, variance, rows.known)
         return Filter(F, Q, P, C, variance, gain, S, rows.known)
 
-    def _ringing_transition(self, h: float) -> Floats:
-        """Return the transition of the oscillator's value and rate over a step, (2, 2)."""
-        w, decay = self.ringing_rad_s, self.damping_ratio * self.ringing_rad_s
-        damped = w * np.sqrt(1.0 - self.damping_ratio**2)
-        cosine, sine = np.cos(damped * h), h * np.sinc(damped * h / np.pi)
-        turn = np.array([[cosine + decay * sine, sine], [-w * w * sine, cosine - decay * sine]])
-        return np.asarray(np.exp(-decay * h) * turn)
+
+@compiled
+def _state_space(
+    numbers: Floats, signals: Floats, h: float, torque_noise: float, angle_noise: float
+) -> tuple[Floats, Floats, Floats, Floats, float]:
+    """Return F, P, Q, C and the white noise's variance of eq. (m.1) with a step h."""
+    n, n_signal = signals.shape
+    d = 3 + n_signal
+    F, P, Q, C = np.zeros((d + 3, d + 3)), np.zeros((d + 3, d + 3)), np.zeros((d + 3, d + 3)), np.zeros((n, d + 3))
+    F[0, 0], P[0, 0] = np.exp(-h / numbers[1]), numbers[0] ** 2
+    ringing, w = numbers[2], numbers[3]
+    decay, damped = numbers[4] * w, w * np.sqrt(1.0 - numbers[4] ** 2)
+    sine = np.sin(damped * h) / damped if damped * h > 0.0 else h
+    F[1, 1], F[1, 2] = np.cos(damped * h) + decay * sine, sine
+    F[2, 1], F[2, 2] = -w * w * sine, np.cos(damped * h) - decay * sine
+    F[1:3, 1:3] *= np.exp(-decay * h)
+    P[1, 1], P[2, 2] = ringing**2, (w * ringing) ** 2
+    for i in range(n_signal):
+        F[3 + i, 3 + i] = np.exp(-h / numbers[_N_SINGLE + n_signal + i])
+        P[3 + i, 3 + i] = numbers[_N_SINGLE + i] ** 2
+    Q[:] = P - F @ P @ np.ascontiguousarray(F.T)  # stationary
+    F[d + 1, d] = F[d + 2, d + 1] = 1.0  # the angle's noise of the next row, of this one, of the last one
+    for i in range(3):
+        P[d + i, d + i] = angle_noise**2 + numbers[6] ** 2
+    Q[d, d] = P[d, d]
+    C[:, 0] = C[:, 1] = 1.0
+    C[:, 3:d] = signals
+    C[:, d], C[:, d + 1], C[:, d + 2] = 1.0 / h**2, -2.0 / h**2, 1.0 / h**2
+    return F, P, Q, C, torque_noise**2 + numbers[5] ** 2
+
+
+@compiled
+def _log_density(
+    numbers: Floats,
+    signals: Floats,
+    r: Floats,
+    known: NDArray[np.bool_],
+    h: float,
+    torque_noise: float,
+    angle_noise: float,
+) -> float:
+    """Return the logarithm of Student's density of a trial's innovations, but for its constant."""
+    F, P, Q, C, variance = _state_space(numbers, signals, h, torque_noise, angle_noise)
+    gain, S = gains(F, Q, P, C, variance, known)
+    e = np.zeros(len(r))
+    innovations(F, C, gain, S, known, r, 0, e)
+    total, nu = 0.0, numbers[7]
+    for k in range(len(r)):
+        if known[k]:
+            total -= 0.5 * (nu + 1.0) * np.log(1.0 + e[k] ** 2 / nu) + 0.5 * np.log(S[k])
+    return total
+
+
+def log_likelihood(background: Background, trials: Sequence[Rows]) -> float:
+    """Return the log likelihood of the trials' known rows: Student's density of the innovations [nats]."""
+    numbers, nu = background.numbers, background.degrees_of_freedom
+    constant = gammaln(0.5 * (nu + 1.0)) - gammaln(0.5 * nu) - 0.5 * np.log(nu * np.pi)
+    total = constant * sum(int(np.count_nonzero(rows.known)) for rows in trials)
+    for rows in trials:
+        noises = rows.step_s, rows.torque_noise, rows.angle_noise
+        total += _log_density(numbers, rows.signals, rows.r, rows.known, *noises)
+    return float(total)
 
 
 def estimated(trials: Sequence[Rows], near: Background | None = None) -> Background:
@@ -142,62 +212,29 @@ def estimated(trials: Sequence[Rows], near: Background | None = None) -> Backgro
     lasting = (np.log(step_s), np.log(longest_s))
     slow = (max(lasting[0], min(np.log(LONGEST_PULSE_S), lasting[1])), lasting[1])
     ringing = (np.log(2.0 * np.pi / longest_s), np.log(np.pi / step_s))  # up to Nyquist's frequency
-    bounds = [spread, lasting, spread, ringing, tuple(np.log(_DAMPING_RATIO)), spread]
+    bounds = [spread, lasting, spread, ringing, tuple(np.log(_DAMPING_RATIO)), spread, spread]
     bounds += [tuple(np.log(_DEGREES_OF_FREEDOM)), *[spread] * n_signal, *[slow] * n_signal]
-
-    def background(x: Floats) -> Background:
-        z = np.exp(x)
-        return Background(
-            scale * z[0],
-            z[1],
-            scale * z[2],
-            z[3],
-            z[4],
-            unit * z[7 : 7 + n_signal],
-            z[7 + n_signal :],
-            scale * z[5],
-            z[6],
-        )
+    low, high = np.transpose(bounds)
+    angle = scale * step_s**2 / np.sqrt(6.0)  # whose second difference is of the residual's size
+    units = np.concatenate([[scale, 1.0, scale, 1.0, 1.0, scale, angle, 1.0], unit, np.ones(n_signal)])
 
     def loss(x: Floats) -> float:
-        return -sum(log_likelihood(background(x), rows) for rows in trials) / max(len(sizes), 1)
+        return -log_likelihood(Background.of(units * np.exp(x)), trials) / max(len(sizes), 1)
 
-    middle = float(np.exp(np.mean(ringing)))
-    start = np.log(
-        [
-            *[_EQUAL_PARTS, _TIME_CONSTANT_S, _EQUAL_PARTS, middle, 0.5, _EQUAL_PARTS, 4.0],
-            *[_EQUAL_PARTS] * n_signal,
-            *[LONGEST_PULSE_S] * n_signal,
-        ]
-    )
-    if near is not None:
-        b = near
-        widths = np.array([b.std, b.ringing, b.white]) / scale
-        start = np.log(
-            np.concatenate(
-                [
-                    [widths[0], b.time_constant_s, widths[1], b.ringing_rad_s, b.damping_ratio, widths[2]],
-                    [b.degrees_of_freedom],
-                    np.divide(b.in_proportion, unit, out=np.full(n_signal, _EQUAL_PARTS), where=acts),
-                    b.proportion_s,
-                ]
-            )
-        )
-    low, high = np.transpose(bounds)
-    start = np.clip(start, low, high)
-    best = minimize(loss, start, method="L-BFGS-B", bounds=Bounds(low, high), options={"ftol": _TOLERANCE})
-    return background(best.x)
+    def begun(ringing_rad_s: float) -> Floats:
+        start = [_EQUAL_PARTS, _TIME_CONSTANT_S, _EQUAL_PARTS, ringing_rad_s, 0.5, _EQUAL_PARTS, _EQUAL_PARTS, 4.0]
+        start += [*[_EQUAL_PARTS] * n_signal, *[LONGEST_PULSE_S] * n_signal]
+        if near is not None:
+            start = list(np.divide(near.numbers, units, out=np.array(start), where=units > 0.0))
+        return np.asarray(np.clip(np.log(start), low, high))
+
+    # The likelihood has a maximum for every frequency that rings: the ascent starts near the greatest.
+    frequencies = np.exp(np.arange(ringing[0], ringing[1], _OCTAVE)) if near is None else [near.ringing_rad_s]
+    begin = min(map(begun, frequencies), key=loss)
+    best = minimize(loss, begin, method="L-BFGS-B", bounds=Bounds(low, high), options={"ftol": _TOLERANCE})
+    return Background.of(units * np.exp(best.x))
 
 
 def _rms(samples: Floats) -> Floats:
     """Return the rms of columns, never zero."""
     return np.asarray(np.sqrt(np.sum(samples**2, axis=0) / max(len(samples), 1)) + np.finfo(float).tiny)
-
-
-def log_likelihood(background: Background, rows: Rows) -> float:
-    """Return the log likelihood of a trial's known rows: Student's density of the innovations [nats]."""
-    kalman = background.filtered(rows)
-    e, S = kalman.innovations(rows.r)[rows.known], kalman.S[rows.known]
-    nu = background.degrees_of_freedom
-    constant = gammaln(0.5 * (nu + 1.0)) - gammaln(0.5 * nu) - 0.5 * np.log(nu * np.pi)
-    return float(np.sum(constant - 0.5 * (nu + 1.0) * np.log1p(e * e / nu) - 0.5 * np.log(S)))

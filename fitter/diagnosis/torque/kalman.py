@@ -1,4 +1,4 @@
-"""A Kalman filter in compiled loops: gains once a trial, innovations of many columns."""
+"""A Kalman filter in compiled loops: gains once a trial, innovations of any column."""
 
 from dataclasses import dataclass
 
@@ -34,37 +34,28 @@ class Filter:
     S: Floats
     known: NDArray[np.bool_]
 
-    def whitened(self, columns: Floats, first: NDArray[np.int64], last: NDArray[np.int64]) -> Floats:
-        """Return the standardised innovations of columns, each between its first and last (exclusive) row.
+    def innovations(self, r: Floats, first: int = 0) -> Floats:
+        """Return the standardised innovations of a residual, or of a column that is zero before its first row.
 
         Parameters
         ----------
-        columns : (n, m)
-            Zero before their first row.
-        first, last : (m,)
-
-        Returns
-        -------
-        (n, m)
+        r : (m,)
+            From the row `first` on.
+        first : int
         """
-        rows = np.ascontiguousarray(columns.T)
-        return np.asarray(_whitened(self.F, self.C, self.gain, self.S, self.known, rows, first, last).T)
-
-    def innovations(self, r: Floats) -> Floats:
-        """Return the standardised innovations (n,) of a residual (n,)."""
-        return self.whitened(r[:, None], np.zeros(1, dtype=np.int64), np.full(1, len(r), dtype=np.int64))[:, 0]
+        out = np.zeros(len(r))
+        innovations(self.F, self.C, self.gain, self.S, self.known, r, first, out)
+        return out
 
 
 @compiled
-def _multiplied(F: Floats, P: Floats, out: Floats) -> None:
-    """Put F P into an array; F is sparse."""
-    d = len(F)
+def _carried(F: Floats, at: NDArray[np.int64], P: Floats, out: Floats) -> None:
+    """Put ``(F P)'`` into an array; F is not zero at (row, column) only."""
     out[:] = 0.0
-    for i in range(d):
-        for k in range(d):
-            if F[i, k] != 0.0:
-                for j in range(d):
-                    out[i, j] += F[i, k] * P[k, j]
+    for n in range(len(at)):
+        i, k = at[n]
+        for j in range(len(F)):
+            out[j, i] += F[i, k] * P[k, j]
 
 
 @compiled
@@ -74,52 +65,47 @@ def gains(
     """Return the gains and the innovations' variances; a row that is not known has gain 0 and variance 1."""
     n, d = C.shape
     gain, S = np.zeros((n, d)), np.ones(n)
-    P, FP, p = P.copy(), np.zeros((d, d)), np.zeros(d)
+    P, turned, p = P.copy(), np.zeros((d, d)), np.zeros(d)
+    at = np.argwhere(F != 0.0)
     for k in range(n):
         if known[k]:
             S[k] = variance
+            p[:] = 0.0
             for i in range(d):
-                p[i] = 0.0
-                for j in range(d):
-                    p[i] += P[i, j] * C[k, j]
+                for j in range(d):  # P is symmetric
+                    p[j] += C[k, i] * P[i, j]
+            for i in range(d):
                 S[k] += C[k, i] * p[i]
             for i in range(d):
                 gain[k, i] = p[i] / S[k]
                 for j in range(d):
                     P[i, j] -= gain[k, i] * p[j]
-        _multiplied(F, P, FP)  # P is symmetric: F P F' = F (F P)'
-        _multiplied(F, FP.T, P)
+        _carried(F, at, P, turned)
+        _carried(F, at, turned, P)
         P += Q
     return gain, S
 
 
 @compiled
-def _whitened(
-    F: Floats,
-    C: Floats,
-    gain: Floats,
-    S: Floats,
-    known: NDArray[np.bool_],
-    columns: Floats,
-    first: NDArray[np.int64],
-    last: NDArray[np.int64],
-) -> Floats:
+def innovations(
+    F: Floats, C: Floats, gain: Floats, S: Floats, known: NDArray[np.bool_], r: Floats, first: int, out: Floats
+) -> None:
+    """Put the standardised innovations of a column into an array like it: r[0] is in the row `first`."""
     d = C.shape[1]
-    out = np.zeros(columns.shape)
     x, y = np.zeros(d), np.zeros(d)
-    for c in range(len(columns)):
-        x[:] = 0.0
-        for k in range(first[c], last[c]):
-            if known[k]:
-                e = columns[c, k]
-                for i in range(d):
-                    e -= C[k, i] * x[i]
-                out[c, k] = e / np.sqrt(S[k])
-                for i in range(d):
-                    x[i] += gain[k, i] * e
+    at = np.argwhere(F != 0.0)
+    for row in range(len(r)):
+        k = first + row
+        out[row] = 0.0
+        if known[k]:
+            e = r[row]
             for i in range(d):
-                y[i] = 0.0
-                for j in range(d):
-                    y[i] += F[i, j] * x[j]
-            x[:] = y
-    return out
+                e -= C[k, i] * x[i]
+            out[row] = e / np.sqrt(S[k])
+            for i in range(d):
+                x[i] += gain[k, i] * e
+        y[:] = 0.0
+        for n in range(len(at)):
+            i, j = at[n]
+            y[i] += F[i, j] * x[j]
+        x[:] = y

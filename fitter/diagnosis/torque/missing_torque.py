@@ -63,7 +63,8 @@ class ResidualTorque:
         r = np.where(self.known[:, joint], self.r[:, joint], 0.0)
         # Of m angles in a row one with the mean's noise: eq. (m.1) with its longer step.
         angle_noise = float(self.angle_noise[joint]) / np.sqrt(m)
-        return Rows(means(self.t), means(r), known, means(signals), float(self.torque_noise[joint]), angle_noise)
+        noises = float(self.torque_noise[joint]), angle_noise
+        return Rows(means(self.t), means(r), known, means(signals), m, self.band_hz, *noises)
 
 
 @dataclass(frozen=True)

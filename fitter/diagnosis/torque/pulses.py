@@ -1,8 +1,9 @@
 """Pulses: torques of some duration that stand in no column, found in the residual of the torque equation.
 
-A pulse is sought at every instant with every duration, by the likelihood ratio against the coloured background
-with Student's tails (`background`). It is found if the background alone reaches its ratio anywhere in all trials
-at a small rate only: the distribution of the greatest ratio is simulated from the background itself.
+A pulse is sought at every instant with every duration, by its evidence against the coloured background with
+Student's tails (`background`): the likelihood ratio integrated over a prior of its size, with all places equally
+likely beforehand. Whatever the background's tails, it exceeds odds of a hundred to one by chance no more often
+than once in a hundred searches (Markov's inequality: its mean under the background is one).
 """
 
 from collections.abc import Iterator, Sequence
@@ -11,23 +12,20 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import Bounds, minimize
-from scipy.stats import gumbel_r
 
 from arm.model import Floats
-from fitter.diagnosis.torque.background import LONGEST_PULSE_S, Rows, estimated
-from fitter.diagnosis.torque.kalman import Filter
+from fitter.data.derivatives import lowpass
+from fitter.diagnosis.evidence import ODDS_NATS
+from fitter.diagnosis.torque.background import LONGEST_PULSE_S, Background, Rows, estimated, log_likelihood
+from fitter.diagnosis.torque.kalman import Filter, innovations
 from fitter.diagnosis.torque.missing_torque import ResidualTorque
 from limbcal.compiled import compiled
 
-#: False alarms of a joint [1/s]: half of one in 100 s, the greatest rate of use to a person.
-_FALSE_ALARM_RATE = 0.005
 _FORMS = ("rectangular", "bell")
 #: Ratio of durations sought: two an octave, neighbours correlated by 0.84.
 _DURATION_RATIO = np.sqrt(2.0)
-#: Simulated backgrounds: they leave Gumbel's scale uncertain by about a tenth.
-_N_SIMULATED = 100
-#: Reweightings of the estimate of a size in Student's noise.
-_N_REWEIGHTED = 15
+#: Reweightings of the estimate of a size in Student's noise, at the most, and its change that ends them.
+_N_REWEIGHTED, _SIZED = 15, 1e-3
 #: A place is found when it moves by less than this ratio of the duration, its likelihood ratio by less [nats].
 _PLACED = 0.01
 #: Steps of the derivative by start and duration, as a ratio to the duration.
@@ -49,7 +47,9 @@ class Pulse:
         Standard errors.
     form : str
         ``rectangular``, or ``bell``: a raised cosine.
-    log_likelihood_ratio : float [nats]
+    log_likelihood_ratio, evidence : float [nats]
+        Under the background in which it was found: at its likeliest, and integrated over the prior of its size and
+        summed over all places in its trial.
     """
 
     trial: int
@@ -62,6 +62,7 @@ class Pulse:
     torque_std: float
     form: str
     log_likelihood_ratio: float
+    evidence: float
 
 
 def pulse_means(t: Floats, step_s: float, start_s: float, duration_s: float, form: str) -> Floats:
@@ -76,6 +77,35 @@ def pulse_means(t: Floats, step_s: float, start_s: float, duration_s: float, for
     return np.asarray((area(t + 0.5 * step_s) - area(t - 0.5 * step_s)) / step_s)
 
 
+def seen(rows: Rows, start_s: float, duration_s: float, form: str) -> tuple[int, Floats]:
+    """Return a pulse of size one as rows see it: behind their low-pass filter, as means over each row's samples.
+
+    Returns
+    -------
+    first : int
+        The first row that it touches.
+    column : (m,)
+        From there on, as long again as it lasts after its end: what follows from it in the background.
+    """
+    period_s = 1.0 / rows.band_hz  # so far the filter reaches
+    first_s, last_s = _reach(start_s, duration_s, form)
+    first, last = np.searchsorted(rows.t, [first_s - period_s, last_s + period_s])
+    step_s = rows.step_s / rows.n_sample
+    n_sample = (last - first) * rows.n_sample
+    begin_s = rows.t[0] + (first - 0.5) * rows.step_s + 0.5 * step_s
+    samples = pulse_means(begin_s + step_s * np.arange(n_sample), step_s, start_s, duration_s, form)
+    passed = lowpass(samples, step_s, rows.band_hz) if n_sample else samples
+    return int(first), np.asarray(passed.reshape(-1, rows.n_sample).mean(axis=1))
+
+
+def _column(rows: Rows, start_s: float, duration_s: float, form: str) -> Floats:
+    """Return a pulse of size one in all rows, (n,)."""
+    column = np.zeros(len(rows.t))
+    first, part = seen(rows, start_s, duration_s, form)
+    column[first : first + len(part)] = part
+    return column
+
+
 def find_pulses(trials: Sequence[ResidualTorque]) -> list[Pulse]:
     """Return the pulses in all trials, ordered by trial, joint and start.
 
@@ -87,99 +117,142 @@ def find_pulses(trials: Sequence[ResidualTorque]) -> list[Pulse]:
     -------
     list of Pulse
     """
-    n_joint = trials[0].r.shape[1]
-    found = [pulse for joint in range(n_joint) for pulse in _at_joint(trials, joint)]
+    joints = [[trial.rows(joint) for trial in trials] for joint in range(trials[0].r.shape[1])]
+    n_place = sum(int(np.count_nonzero(_Shapes(part).fit(part))) for rows in joints for part in rows)
+    log_places = float(np.log(max(n_place, 1)))
+    found = [pulse for joint, rows in enumerate(joints) for pulse in _at_joint(rows, joint, log_places)]
     return sorted(found, key=lambda pulse: (pulse.trial, pulse.joint, pulse.start_s))
 
 
-def _at_joint(trials: Sequence[ResidualTorque], joint: int) -> list[Pulse]:
-    """Return one joint's pulses; the background is estimated anew without them, as long as that finds more."""
-    rows = [trial.rows(joint) for trial in trials]
-    known_s = sum(float(np.sum(part.known)) * part.step_s for part in rows)
-    probability = 1.0 - np.exp(-_FALSE_ALARM_RATE * known_s)  # of one false alarm or more, Poisson
+def _at_joint(rows: Sequence[Rows], joint: int, log_places: float) -> list[Pulse]:
+    """Return one joint's pulses: those that are likely under a background are held against it, until none is new.
+
+    Pulses that are taken for background hide each other: without them there is less of it.
+    """
+    known = np.concatenate([part.r[part.known] for part in rows])
+    size = float(np.sqrt(np.sum(known**2) / max(len(known), 1))) or 1.0
     background, found = estimated(rows), list[Pulse]()
     while True:
         nu = background.degrees_of_freedom
-        searches = [_Search(k, joint, part, background.filtered(part), nu) for k, part in enumerate(rows)]
-        least = _least_ratios(searches, probability)
-        more = [pulse for search in searches for pulse in search.found(least)]
-        if len(more) <= len(found):
+        searches = [_Search(k, joint, part, background.filtered(part), nu, size) for k, part in enumerate(rows)]
+        likely = [pulse for search in searches for pulse in search.found(log_places)]
+        if len(likely) <= len(found):
             return found
-        found = more
-        background = estimated([_without(part, found, k) for k, part in enumerate(rows)], background)
+        kept, background = _held_against(background, rows, likely, log_places + ODDS_NATS)
+        if len(kept) <= len(found):
+            return found
+        found = kept
 
 
-def _without(rows: Rows, pulses: Sequence[Pulse], trial: int) -> Rows:
-    """Return the residual of a trial without the pulses found in it."""
-    r = rows.r.copy()
+def _held_against(
+    background: Background, rows: Sequence[Rows], pulses: Sequence[Pulse], least: float
+) -> tuple[list[Pulse], Background]:
+    """Return the pulses whose evidence exceeds the least one, and the background beside them.
+
+    A pulse is held against the background that is likeliest without it.
+    """
+    kept = sorted(pulses, key=lambda pulse: pulse.evidence)
+    beside = _without(rows, kept)
+    background = estimated(beside, background)
+    while kept:
+        weakest, *others = kept
+        with_it = _without(rows, others)
+        without_it = estimated(with_it, background)
+        gain = log_likelihood(background, beside) - log_likelihood(without_it, with_it)
+        if gain + weakest.evidence - weakest.log_likelihood_ratio > least:
+            break
+        kept, beside, background = others, with_it, without_it
+    return kept, background
+
+
+def _without(rows: Sequence[Rows], pulses: Sequence[Pulse]) -> list[Rows]:
+    """Return the residuals of the trials without some pulses."""
+    left = [replace(part, r=part.r.copy()) for part in rows]
     for pulse in pulses:
-        if pulse.trial == trial:
-            r -= pulse.torque_N_m * pulse_means(rows.t, rows.step_s, pulse.start_s, pulse.duration_s, pulse.form)
-    return replace(rows, r=r)
+        part = left[pulse.trial]
+        place = pulse.start_s, pulse.duration_s, pulse.form
+        part.r[:] -= pulse.torque_N_m * _column(part, *place)
+    return left
+
+
+class _Shapes:
+    """Pulses of size one of all durations and forms that begin with a row, as means over the rows about it.
+
+    Attributes
+    ----------
+    duration_s, form
+        Of each, [s].
+    values : (n_shape, n_longest)
+    before, length, lasting : (n_shape,)
+        From how many rows before the one it begins with, over how many rows, a pulse is felt; how many it lasts.
+    """
+
+    def __init__(self, rows: Rows) -> None:
+        h, longest_s = rows.step_s, 3.0 * LONGEST_PULSE_S + 2.0 / rows.band_hz
+        pairs = [(float(duration_s), form) for duration_s in _durations(h) for form in _FORMS]
+        self.duration_s, self.form = [list(part) for part in zip(*pairs, strict=True)]
+        self.lasting = np.array([round(duration_s / h) for duration_s, _ in pairs])
+        n = int(np.ceil(longest_s / h))  # on either side, so that no end cuts a pulse
+        around = replace(rows, t=h * np.arange(-n, n + 1))
+        parts = [seen(around, -0.5 * h, *pair) for pair in pairs]
+        self.before = np.array([n - first for first, _ in parts])
+        self.length = np.array([len(part) for _, part in parts])
+        self.values = np.zeros((len(pairs), int(self.length.max())))
+        for row, (_, part) in zip(self.values, parts, strict=True):
+            row[: len(part)] = part
+
+    def fit(self, rows: Rows) -> NDArray[np.bool_]:
+        """Say with which rows a pulse may begin, (n_shape, n): where all that it lasts is known."""
+        n = len(rows.t)
+        unknown = np.concatenate([[0], np.cumsum(~rows.known)])
+        begin = np.arange(n)
+        end = begin + self.lasting[:, None]
+        return np.asarray((end < n) & (unknown[np.minimum(end, n)] == unknown[begin]), dtype=np.bool_)
 
 
 class _Search:
-    """All places for a pulse in one trial at one joint, whitened."""
+    """All places for a pulse in one trial at one joint."""
 
-    def __init__(self, trial: int, joint: int, rows: Rows, kalman: Filter, nu: float) -> None:
-        self.trial, self.joint, self.rows, self.kalman, self.nu = trial, joint, rows, kalman, nu
-        self.places = list(_places(rows))
-        self.duration = np.searchsorted(_durations(rows.step_s), [0.999 * place[1] for place in self.places])
-        self.first, self.last = np.array([self._reach(*place) for place in self.places]).reshape(-1, 2).T
-        self.templates = _packed(self.first, self.last, [self.template(*place) for place in self.places])
+    def __init__(self, trial: int, joint: int, rows: Rows, kalman: Filter, nu: float, size: float) -> None:
+        self.trial, self.joint, self.rows, self.kalman, self.nu, self.size = trial, joint, rows, kalman, nu, size
+        self.shapes = _Shapes(rows)
+        self.fit = self.shapes.fit(rows)
 
-    def _reach(self, start_s: float, duration_s: float, form: str) -> tuple[int, int]:
-        """Return the first row that a pulse touches, and the last (exclusive) that still feels it."""
-        before = duration_s if form == "rectangular" else 1.5 * duration_s
-        first, last = np.searchsorted(
-            self.rows.t, [start_s - before + duration_s - self.rows.step_s, start_s + duration_s + before]
-        )
-        return int(first), int(last)
+    def evidence(self, e: Floats) -> Floats:
+        """Return the log evidence for a pulse of each shape that begins with each row, (n_shape, n) [nats]."""
+        k, s = self.kalman, self.shapes
+        pulses = s.values, s.before, s.length, self.fit
+        return np.asarray(_evidence(e, k.F, k.C, k.gain, k.S, k.known, *pulses, self.nu, self.size))
 
-    def template(self, start_s: float, duration_s: float, form: str) -> Floats:
-        """Return the innovations of a pulse of size one between the rows of its reach."""
-        first, last = self._reach(start_s, duration_s, form)
-        column = pulse_means(self.rows.t, self.rows.step_s, start_s, duration_s, form)
-        bounds = np.array([first]), np.array([last])
-        return self.kalman.whitened(column[:, None], *bounds)[first:last, 0]
-
-    def ratios(self, e: Floats) -> Floats:
-        """Return the log likelihood ratio of each place."""
-        return np.asarray(_ratios(e, self.templates, self.first, self.last, self.nu))
-
-    def greatest(self, e: Floats) -> Floats:
-        """Return the greatest log likelihood ratio of each duration, (n_duration,)."""
-        greatest = np.zeros(len(_durations(self.rows.step_s)))
-        np.maximum.at(greatest, self.duration, self.ratios(e))
-        return greatest
-
-    def found(self, least: Floats) -> Iterator[Pulse]:
-        """Yield the pulses whose ratios exceed the least ones of their durations, the greatest excess first."""
+    def found(self, least: float) -> Iterator[Pulse]:
+        """Yield the pulses whose evidence exceeds the least, the most evident first."""
         e = self.kalman.innovations(self.rows.r)
-        while len(self.places):
-            excess = self.ratios(e) - least[self.duration]
-            best = int(np.argmax(excess))
-            if excess[best] < 0.0:
+        while self.fit.any():
+            at_places = self.evidence(e)
+            shape, row = np.unravel_index(int(np.argmax(at_places)), at_places.shape)
+            evidence = float(np.logaddexp.reduce(at_places, axis=None))
+            if evidence < least:
                 return
-            start_s, duration_s, _ = self.places[best]
+            place = float(self.rows.t[row]) - 0.5 * self.rows.step_s, self.shapes.duration_s[shape]
             pulse = max(
-                (self._refined(e, start_s, duration_s, form) for form in _FORMS),
+                (self._refined(e, *place, form, evidence) for form in _FORMS),
                 key=lambda pulse: pulse.log_likelihood_ratio,
             )
             yield pulse
-            column = pulse_means(self.rows.t, self.rows.step_s, pulse.start_s, pulse.duration_s, pulse.form)
+            column = _column(self.rows, pulse.start_s, pulse.duration_s, pulse.form)
             e = e - self.kalman.innovations(pulse.torque_N_m * column)
 
-    def _refined(self, e: Floats, start_s: float, duration_s: float, form: str) -> Pulse:
+    def _refined(self, e: Floats, start_s: float, duration_s: float, form: str, evidence: float) -> Pulse:
         """Return a pulse at its likeliest start and duration, with standard errors from Fisher's information."""
+        h = self.rows.step_s
 
         def at(place: Floats) -> tuple[float, float]:
             start, lasting = start_s + duration_s * place[0], duration_s * np.exp(place[1])
-            first, last = self._reach(start, lasting, form)
-            return _ratio(e[first:last], self.template(start, lasting, form), self.nu)
+            first, column = seen(self.rows, start, lasting, form)
+            return _ratio(e[first : first + len(column)], self.kalman.innovations(column, first), self.nu)[:2]
 
         steps = [[0.0, 0.0], [0.25, 0.0], [0.0, 0.25]]
-        low, high = np.log([self.rows.step_s / duration_s, LONGEST_PULSE_S / duration_s])
+        low, high = np.log([h / duration_s, LONGEST_PULSE_S / duration_s])
         bounds = Bounds([-1.0, min(low, 0.0)], [1.0, max(high, 0.0)])
         options = {"initial_simplex": steps, "xatol": _PLACED, "fatol": _PLACED}
 
@@ -190,23 +263,19 @@ class _Search:
         ratio, size = at(best.x)
         start, lasting = start_s + duration_s * float(best.x[0]), duration_s * float(np.exp(best.x[1]))
         errors = self._errors(start, lasting, form, size)
-        return Pulse(self.trial, self.joint, start, lasting, size, *errors, form, ratio)
+        return Pulse(self.trial, self.joint, start, lasting, size, *errors, form, ratio, evidence)
 
     def _errors(self, start_s: float, duration_s: float, form: str, size: float) -> tuple[float, float, float]:
         """Return standard errors of start, duration and size; Fisher's information of Student's location."""
-        step, t, h = _STEP * duration_s, self.rows.t, self.rows.step_s
+        step, rows = _STEP * duration_s, self.rows
         ends = [(s, d) for s in (-step, step) for d in (0.0,)] + [(0.0, -step), (0.0, step)]
-        moved = [pulse_means(t, h, start_s + s, duration_s + d, form) for s, d in ends]
-        columns = np.stack(
-            [
-                size * (moved[1] - moved[0]) / (2.0 * step),
-                size * (moved[3] - moved[2]) / (2.0 * step),
-                pulse_means(t, h, start_s, duration_s, form),
-            ],
-            axis=1,
-        )
-        reach = np.zeros(3, dtype=np.int64), np.full(3, len(t), dtype=np.int64)
-        J = self.kalman.whitened(columns, *reach)
+        moved = [_column(rows, start_s + s, duration_s + d, form) for s, d in ends]
+        columns = [
+            size * (moved[1] - moved[0]) / (2.0 * step),
+            size * (moved[3] - moved[2]) / (2.0 * step),
+            _column(rows, start_s, duration_s, form),
+        ]
+        J = np.stack([self.kalman.innovations(column) for column in columns], axis=1)
         information = (self.nu + 1.0) / (self.nu + 3.0) * J.T @ J
         if np.linalg.matrix_rank(information, hermitian=True) < len(information):
             return np.inf, np.inf, np.inf  # most of the pulse lies where nothing is known
@@ -223,75 +292,64 @@ def _durations(step_s: float) -> Floats:
     return np.asarray(2.0 * step_s * _DURATION_RATIO ** np.arange(n))
 
 
-def _places(rows: Rows) -> Iterator[tuple[float, float, str]]:
-    """Yield start, duration and form of every pulse that is tried: one a row, where its rows are known."""
-    t, h = rows.t, rows.step_s
-    for duration_s in _durations(h):
-        n_row = round(duration_s / h)
-        for k in range(len(t) - n_row):
-            if rows.known[k : k + n_row].all():
-                for form in _FORMS:
-                    yield float(t[k]) - 0.5 * h, float(duration_s), form
-
-
-def _least_ratios(searches: Sequence[_Search], probability: float) -> Floats:
-    """Return the log likelihood ratios (n_duration,) that the background exceeds with a given probability.
-
-    Few rows of great error may pass for a short pulse: the shorter, the greater the least ratio. Innovations
-    are drawn from the background's Student's distribution. The greatest ratio of each duration in all trials
-    follows a Gumbel distribution; so does the greatest of these ratios over all durations, each in its own units.
-    """
-    rng = np.random.default_rng(0)
-    greatest = np.array(
-        [
-            np.max([s.greatest(rng.standard_t(s.nu, len(s.rows.t)) * s.rows.known) for s in searches], axis=0)
-            for _ in range(_N_SIMULATED)
-        ]
-    )
-    modes, scales = _gumbel(greatest)
-    over_all = np.max((greatest - modes) / scales, axis=1)
-    return np.asarray(modes + scales * gumbel_r.ppf(1.0 - probability, *_gumbel(over_all)))
-
-
-def _gumbel(values: Floats) -> tuple[Floats, Floats]:
-    """Return mode and scale of Gumbel distributions by their mean and standard deviation, along the first axis.
-
-    A duration that no place has room for has ratios of zero only, and no scale: it alarms nobody.
-    """
-    scale = np.maximum(values.std(axis=0) * np.sqrt(6.0) / np.pi, np.finfo(np.float64).eps)
-    return values.mean(axis=0) - np.euler_gamma * scale, scale
-
-
-def _packed(first: NDArray[np.int64], last: NDArray[np.int64], templates: Sequence[Floats]) -> Floats:
-    """Return templates of unequal length as rows of one array, zeros after each."""
-    packed = np.zeros((len(templates), int(np.max(last - first, initial=0))))
-    for row, template in zip(packed, templates, strict=True):
-        row[: len(template)] = template
-    return packed
+def _reach(start_s: float, duration_s: float, form: str) -> tuple[float, float]:
+    """Return from when to when a pulse is felt [s]: its torque, and as long as it lasts what follows from it."""
+    beyond = 0.0 if form == "rectangular" else 0.5 * duration_s
+    return start_s - beyond, start_s + 2.0 * duration_s + beyond
 
 
 @compiled
-def _ratios(e: Floats, templates: Floats, first: NDArray[np.int64], last: NDArray[np.int64], nu: float) -> Floats:
-    ratios = np.zeros(len(templates))
-    for k in range(len(templates)):
-        ratios[k] = _ratio(e[first[k] : last[k]], templates[k, : last[k] - first[k]], nu)[0]
-    return ratios
+def _evidence(
+    e: Floats,
+    F: Floats,
+    C: Floats,
+    gain: Floats,
+    S: Floats,
+    known: NDArray[np.bool_],
+    shapes: Floats,
+    before: NDArray[np.int64],
+    length: NDArray[np.int64],
+    fit: NDArray[np.bool_],
+    nu: float,
+    size: float,
+) -> Floats:
+    """Return the log evidence of each shape at each row, with Cauchy's prior of a pulse's size, eq. (m.2)."""
+    n_shape, n = fit.shape
+    evidence = np.full((n_shape, n), -np.inf)
+    template = np.zeros(shapes.shape[1])
+    for i in range(n_shape):
+        for k in range(n):
+            if not fit[i, k]:
+                continue
+            first, last = max(0, k - before[i]), min(n, k - before[i] + length[i])
+            cut = first - (k - before[i])
+            s = template[: last - first]
+            innovations(F, C, gain, S, known, shapes[i, cut : cut + last - first], first, s)
+            ratio, c, information = _ratio(e[first:last], s, nu)
+            width = 0.5 * np.log(2.0 * np.pi / information)  # of the likelihood, by Laplace
+            evidence[i, k] = ratio + width - np.log(np.pi * size * (1.0 + (c / size) ** 2))
+    return evidence
 
 
 @compiled
-def _ratio(e: Floats, s: Floats, nu: float) -> tuple[float, float]:
-    """Return the log likelihood ratio of ``e = c s + Student's noise`` against c = 0, and c, by reweighting."""
-    c = 0.0
+def _ratio(e: Floats, s: Floats, nu: float) -> tuple[float, float, float]:
+    """Return the log likelihood ratio of ``e = c s + Student's noise`` against c = 0, c, and the information on c.
+
+    By reweighting.
+    """
+    c, square = 0.0, 0.0
     for step in range(_N_REWEIGHTED):
-        product, square = 0.0, 1e-300
+        before, product, square = c, 0.0, 1e-300
         for i in range(len(e)):
             miss = e[i] - c * s[i]
             weight = 1.0 if step == 0 else (nu + 1.0) / (nu + miss * miss)
             product += weight * e[i] * s[i]
             square += weight * s[i] * s[i]
         c = product / square
+        if step > 0 and abs(c - before) < _SIZED * abs(c):
+            break
     ratio = 0.0
     for i in range(len(e)):
         miss = e[i] - c * s[i]
         ratio += np.log((nu + e[i] * e[i]) / (nu + miss * miss))
-    return 0.5 * (nu + 1.0) * ratio, c
+    return 0.5 * (nu + 1.0) * ratio, c, square

@@ -9,7 +9,7 @@ from fitter.diagnosis.torque.background import Background
 from fitter.diagnosis.torque.missing_torque import ResidualTorque, missing_torques
 from tests.fitter.diagnosis.torque.residuals import coloured, trial
 
-MODEL = Background(0.05, 0.3, 1e-6, 20.0, 0.5, np.full(2, 1e-9), np.ones(2), 1e-6, 30.0)
+MODEL = Background(0.05, 0.3, 1e-6, 20.0, 0.5, np.full(2, 1e-9), np.ones(2), 1e-6, 1e-9, 30.0)
 
 
 def noisy(rng: np.random.Generator) -> tuple[np.ndarray, ResidualTorque]:
