@@ -118,51 +118,59 @@ def find_pulses(trials: Sequence[ResidualTorque]) -> list[Pulse]:
     list of Pulse
     """
     joints = [[trial.rows(joint) for trial in trials] for joint in range(trials[0].r.shape[1])]
-    n_place = sum(int(np.count_nonzero(_Shapes(part).fit(part))) for rows in joints for part in rows)
-    log_places = float(np.log(max(n_place, 1)))
-    found = [pulse for joint, rows in enumerate(joints) for pulse in _at_joint(rows, joint, log_places)]
+    found = [pulse for joint, rows in enumerate(joints) for pulse in _at_joint(rows, joint, len(joints))]
     return sorted(found, key=lambda pulse: (pulse.trial, pulse.joint, pulse.start_s))
 
 
-def _at_joint(rows: Sequence[Rows], joint: int, log_places: float) -> list[Pulse]:
-    """Return one joint's pulses: those that are likely under a background are held against it, until none is new.
+def _at_joint(rows: Sequence[Rows], joint: int, n_joint: int) -> list[Pulse]:
+    """Return one joint's pulses.
 
-    Pulses that are taken for background hide each other: without them there is less of it.
+    Pulses that are taken for background hide each other. So all that are likelier than not are taken out, and the
+    background is estimated anew, as long as that shows more. Of these, those are found that are so likely as any
+    cause must be, each held against the background that is likeliest without it.
     """
     known = np.concatenate([part.r[part.known] for part in rows])
     size = float(np.sqrt(np.sum(known**2) / max(len(known), 1))) or 1.0
-    background, found = estimated(rows), list[Pulse]()
+    n_place = n_joint * sum(int(np.count_nonzero(_Shapes(part).fit(part))) for part in rows)
+    background, likely = estimated(rows), list[Pulse]()
     while True:
         nu = background.degrees_of_freedom
         searches = [_Search(k, joint, part, background.filtered(part), nu, size) for k, part in enumerate(rows)]
-        likely = [pulse for search in searches for pulse in search.found(log_places)]
-        if len(likely) <= len(found):
-            return found
-        kept, background = _held_against(background, rows, likely, log_places + ODDS_NATS)
-        if len(kept) <= len(found):
-            return found
-        found = kept
-
-
-def _held_against(
-    background: Background, rows: Sequence[Rows], pulses: Sequence[Pulse], least: float
-) -> tuple[list[Pulse], Background]:
-    """Return the pulses whose evidence exceeds the least one, and the background beside them.
-
-    A pulse is held against the background that is likeliest without it.
-    """
-    kept = sorted(pulses, key=lambda pulse: pulse.evidence)
-    beside = _without(rows, kept)
-    background = estimated(beside, background)
-    while kept:
-        weakest, *others = kept
-        with_it = _without(rows, others)
-        without_it = estimated(with_it, background)
-        gain = log_likelihood(background, beside) - log_likelihood(without_it, with_it)
-        if gain + weakest.evidence - weakest.log_likelihood_ratio > least:
+        least = _log_places(n_place, len(likely) + 1)
+        more = [pulse for search in searches for pulse in search.found(least)]
+        if len(more) <= len(likely):
             break
-        kept, beside, background = others, with_it, without_it
-    return kept, background
+        likely = more
+        background = estimated(_without(rows, likely), background)
+    least = _log_places(n_place, len(likely)) + ODDS_NATS
+    return [pulse for pulse in likely if _worth(rows, likely, pulse, background) > least]
+
+
+def _log_places(n_place: int, k: int) -> float:
+    """Return how many more sets of places there are for k pulses than for one fewer, as a logarithm.
+
+    All sets of so many pulses are equally likely beforehand, and that there are k of them with 1 / (k (k + 1)).
+    """
+    if k == 0:
+        return 0.0
+    more = (k + 1.0) / (k - 1.0) if k > 1 else 2.0
+    return float(np.log(max(n_place - k + 1, k) / k * more))
+
+
+def _worth(rows: Sequence[Rows], pulses: Sequence[Pulse], one: Pulse, background: Background) -> float:
+    """Return what one of some pulses is worth, its places left aside [nats].
+
+    Parameters
+    ----------
+    rows : sequence of Rows
+    pulses : sequence of Pulse
+    one : Pulse
+    background : Background
+        The likeliest without all of them.
+    """
+    alone = _without(rows, [pulse for pulse in pulses if pulse is not one])
+    gain = log_likelihood(background, _without(rows, pulses)) - log_likelihood(estimated(alone, background), alone)
+    return gain + one.evidence - one.log_likelihood_ratio
 
 
 def _without(rows: Sequence[Rows], pulses: Sequence[Pulse]) -> list[Rows]:
@@ -193,7 +201,7 @@ class _Shapes:
         self.duration_s, self.form = [list(part) for part in zip(*pairs, strict=True)]
         self.lasting = np.array([round(duration_s / h) for duration_s, _ in pairs])
         n = int(np.ceil(longest_s / h))  # on either side, so that no end cuts a pulse
-        around = replace(rows, t=h * np.arange(-n, n + 1))
+        around = replace(rows, t=h * np.arange(-n, n + 1, dtype=np.float64))
         parts = [seen(around, -0.5 * h, *pair) for pair in pairs]
         self.before = np.array([n - first for first, _ in parts])
         self.length = np.array([len(part) for _, part in parts])
