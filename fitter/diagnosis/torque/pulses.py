@@ -233,7 +233,10 @@ class _Search:
         return np.asarray(_evidence(e, k.F, k.C, k.gain, k.S, k.known, *pulses, self.nu, self.size))
 
     def found(self, least: float) -> Iterator[Pulse]:
-        """Yield the pulses whose evidence exceeds the least, the most evident first."""
+        """Yield the pulses whose evidence exceeds the least, the most evident first.
+
+        What overlaps one of them is its own form, which is neither a rectangle nor a bell, and no other pulse.
+        """
         e = self.kalman.innovations(self.rows.r)
         while self.fit.any():
             at_places = self.evidence(e)
@@ -247,8 +250,18 @@ class _Search:
                 key=lambda pulse: pulse.log_likelihood_ratio,
             )
             yield pulse
+            self.fit &= ~self._overlapping(pulse)
             column = _column(self.rows, pulse.start_s, pulse.duration_s, pulse.form)
             e = e - self.kalman.innovations(pulse.torque_N_m * column)
+
+    def _overlapping(self, pulse: Pulse) -> NDArray[np.bool_]:
+        """Say which places, (n_shape, n), have to do with a pulse, however slowly it rises and falls."""
+        begin = self.rows.t - 0.5 * self.rows.step_s
+        end = begin + np.array(self.shapes.duration_s)[:, None]
+        slope = 0.5 * pulse.duration_s
+        return np.asarray(
+            (end > pulse.start_s - slope) & (begin < pulse.start_s + pulse.duration_s + slope), dtype=np.bool_
+        )
 
     def _refined(self, e: Floats, start_s: float, duration_s: float, form: str, evidence: float) -> Pulse:
         """Return a pulse at its likeliest start and duration, with standard errors from Fisher's information."""
