@@ -8,6 +8,7 @@ than once in a hundred searches (Markov's inequality: its mean under the backgro
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
+from functools import cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -28,6 +29,8 @@ _DURATION_RATIO = np.sqrt(2.0)
 _N_REWEIGHTED, _SIZED = 15, 1e-3
 #: A place is found when it moves by less than this ratio of the duration, its likelihood ratio by less [nats].
 _PLACED = 0.01
+#: Digits to which a step is rounded [s]: a nanosecond is nothing.
+_STEP_DIGITS = 9
 #: Steps of the derivative by start and duration, as a ratio to the duration.
 _STEP = 0.05
 
@@ -131,7 +134,7 @@ def _at_joint(rows: Sequence[Rows], joint: int, n_joint: int) -> list[Pulse]:
     """
     known = np.concatenate([part.r[part.known] for part in rows])
     size = float(np.sqrt(np.sum(known**2) / max(len(known), 1))) or 1.0
-    n_place = n_joint * sum(int(np.count_nonzero(_Shapes(part).fit(part))) for part in rows)
+    n_place = n_joint * sum(int(np.count_nonzero(_Shapes.of(part).fit(part))) for part in rows)
     background, likely = estimated(rows), list[Pulse]()
     while True:
         nu = background.degrees_of_freedom
@@ -195,19 +198,24 @@ class _Shapes:
         From how many rows before the one it begins with, over how many rows, a pulse is felt; how many it lasts.
     """
 
-    def __init__(self, rows: Rows) -> None:
-        h, longest_s = rows.step_s, 3.0 * LONGEST_PULSE_S + 2.0 / rows.band_hz
-        pairs = [(float(duration_s), form) for duration_s in _durations(h) for form in _FORMS]
+    def __init__(self, step_s: float, n_sample: int, band_hz: float) -> None:
+        pairs = [(float(duration_s), form) for duration_s in _durations(step_s) for form in _FORMS]
         self.duration_s, self.form = [list(part) for part in zip(*pairs, strict=True)]
-        self.lasting = np.array([round(duration_s / h) for duration_s, _ in pairs])
-        n = int(np.ceil(longest_s / h))  # on either side, so that no end cuts a pulse
-        around = replace(rows, t=h * np.arange(-n, n + 1, dtype=np.float64))
-        parts = [seen(around, -0.5 * h, *pair) for pair in pairs]
+        self.lasting = np.array([round(duration_s / step_s) for duration_s, _ in pairs])
+        n = int(np.ceil((3.0 * LONGEST_PULSE_S + 2.0 / band_hz) / step_s))  # either side: no end cuts a pulse
+        t = step_s * np.arange(-n, n + 1, dtype=np.float64)
+        rows = Rows(t, 0.0 * t, np.ones(len(t), dtype=np.bool_), t[:, None], n_sample, band_hz, 0.0, 0.0)
+        parts = [seen(rows, -0.5 * step_s, *pair) for pair in pairs]
         self.before = np.array([n - first for first, _ in parts])
         self.length = np.array([len(part) for _, part in parts])
         self.values = np.zeros((len(pairs), int(self.length.max())))
         for row, (_, part) in zip(self.values, parts, strict=True):
             row[: len(part)] = part
+
+    @classmethod
+    def of(cls, rows: Rows) -> "_Shapes":
+        """Return the shapes of some rows: made once for all of the same step."""
+        return _shapes(round(rows.step_s, _STEP_DIGITS), rows.n_sample, rows.band_hz)
 
     def fit(self, rows: Rows) -> NDArray[np.bool_]:
         """Say with which rows a pulse may begin, (n_shape, n): where all that it lasts is known."""
@@ -218,12 +226,17 @@ class _Shapes:
         return np.asarray((end < n) & (unknown[np.minimum(end, n)] == unknown[begin]), dtype=np.bool_)
 
 
+@cache
+def _shapes(step_s: float, n_sample: int, band_hz: float) -> _Shapes:
+    return _Shapes(step_s, n_sample, band_hz)
+
+
 class _Search:
     """All places for a pulse in one trial at one joint."""
 
     def __init__(self, trial: int, joint: int, rows: Rows, kalman: Filter, nu: float, size: float) -> None:
         self.trial, self.joint, self.rows, self.kalman, self.nu, self.size = trial, joint, rows, kalman, nu, size
-        self.shapes = _Shapes(rows)
+        self.shapes = _Shapes.of(rows)
         self.fit = self.shapes.fit(rows)
 
     def evidence(self, e: Floats) -> Floats:
