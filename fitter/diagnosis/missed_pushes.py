@@ -65,9 +65,8 @@ def missed(regression: Regression, final: Candidate) -> list[ResidualTorque]:
         left = regression.equations.left(final.model, final.x, motion)
         r, torque = (lowpass(column, motion.dt_s, own.band_hz, "even") for column in (-left, motion.u))
         reach = round(0.5 / (own.band_hz * motion.dt_s))  # so far the filter looks: half a period of its corner
-        known = np.ones(r.shape, dtype=np.bool_)
-        known[:reach] = known[len(r) - reach :] = False
-        held = binary_dilation(motion.stuck, np.ones((2 * reach + 1, 1), dtype=np.bool_)).astype(np.float64)
+        near = np.ones((2 * reach + 1, 1), dtype=np.bool_)
+        known = ~binary_dilation(motion.stuck, near, border_value=1)
         noises = own.band_hz, own.torque_noise, angle_noise
-        trials.append(ResidualTorque(motion.t, r, known, held, torque, *noises))
+        trials.append(ResidualTorque(motion.t, r, known, torque, *noises))
     return trials

@@ -29,9 +29,7 @@ class ResidualTorque:
         Uniform.
     r : (n, n_joint) [N m]
     known : (n, n_joint) of bool
-        Whether the equation holds there.
-    held : (n, n_joint)
-        1 where static friction of unknown size holds a joint, 0 where it moves, filtered alike.
+        Whether the equation holds there, as it does not for a joint at rest of unknown friction.
     torque : (n, n_joint) [N m]
         The motors' torque tau, filtered alike. The model errs in proportion to it (a gain) and its rate (a lag).
     band_hz : float
@@ -45,7 +43,6 @@ class ResidualTorque:
     t: Floats
     r: Floats
     known: NDArray[np.bool_]
-    held: Floats
     torque: Floats
     band_hz: float
     torque_noise: Floats
@@ -61,7 +58,7 @@ class ResidualTorque:
             return np.asarray(samples[: n * m].reshape(n, m, *samples.shape[1:]).mean(axis=1))
 
         torque = self.torque[:, joint]
-        signals = np.stack([torque, np.gradient(torque, step_s), self.held[:, joint]], axis=1)
+        signals = np.stack([torque, np.gradient(torque, step_s)], axis=1)
         known = np.asarray(self.known[: n * m, joint].reshape(n, m).all(axis=1))
         r = np.where(self.known[:, joint], self.r[:, joint], 0.0)
         # Of m angles in a row one with the mean's noise: eq. (m.1) with its longer step.

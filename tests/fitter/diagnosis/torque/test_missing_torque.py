@@ -9,7 +9,7 @@ from fitter.diagnosis.torque.background import Background
 from fitter.diagnosis.torque.missing_torque import ResidualTorque, missing_torques
 from tests.fitter.diagnosis.torque.residuals import coloured, trial
 
-MODEL = Background(0.05, 0.3, 1e-6, 20.0, 0.5, np.full(3, 1e-9), np.ones(3), 1e-6, 1e-9, 30.0)
+MODEL = Background(0.05, 0.3, 1e-6, 20.0, 0.5, np.full(2, 1e-9), np.ones(2), 1e-6, 1e-9, 30.0)
 
 
 def noisy(rng: np.random.Generator) -> tuple[np.ndarray, ResidualTorque]:
@@ -46,4 +46,4 @@ def test_rows_have_two_samples_a_period_of_the_band():
     assert rows.step_s == pytest.approx(0.08)
     assert not rows.known[0]
     assert rows.known[1:].all()
-    assert rows.signals.shape == (len(rows.t), 3)
+    assert rows.signals.shape == (len(rows.t), 2)
