@@ -6,11 +6,13 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.stats import chi2
 
 from arm.base_parameters import BaseParameters, with_base_values
 from arm.model import Arm, Effect, Estimate, Floats, Joint
 from arm.physical_links import is_possible, link_parameters
 from fitter.diagnosis.candidate import Candidate
+from fitter.diagnosis.evidence import BLOCK_S, lacking
 from fitter.diagnosis.hypothesis import Hypothesis
 from fitter.diagnosis.in_arm import Payload
 from fitter.diagnosis.motion import Motion
@@ -24,9 +26,8 @@ from limbcal.errors import NotConverged
 
 #: Blocks of neighbouring equations whose scores tell the answer's scatter, over all trials.
 _BLOCKS = 240
-#: What is left beyond noise shifts a parameter by at most sqrt(excess (J^T J)^-1) (Cauchy and Schwarz), if it
-#: points its way altogether; an interval allows for half of that.
-_LEANING = 0.25
+#: Probability that an effect of no size passes for none.
+_SIGNIFICANT = 0.95
 #: Columns this near to depending on one another do so.
 _SINGULAR = 1e-9
 
@@ -81,6 +82,31 @@ def estimates(regression: Regression, fitted: Candidate) -> Estimates:
         effects.append(_numbers(hypothesis, psi, factors, covariance[np.ix_(own, own)], regression.motions))
         at, psi_at = at + hypothesis.n_column, psi_at + len(psi)
     return Estimates(base, values, errors, tuple(effects), covariance)
+
+
+def significant(fitted: Candidate, covariance: Floats) -> list[bool]:
+    """Say of every effect whether its size differs from none, by Wald's test at 95 %.
+
+    The size is what its columns count, or, where it has none, how far psi is from where it is nothing.
+
+    Parameters
+    ----------
+    fitted : Candidate
+    covariance : (n_factor + n_psi, n_factor + n_psi)
+    """
+    model, said = fitted.model, list[bool]()
+    numbers = np.concatenate([fitted.x, model.flat])
+    at, psi_at = len(fitted.x) - model.n_column, len(fitted.x)
+    for hypothesis, psi in zip(model.hypotheses, model.psi, strict=True):
+        n = hypothesis.n_column
+        own = np.arange(at, at + n) if n else np.arange(psi_at, psi_at + len(psi))
+        size = numbers[own] - (np.array(hypothesis.nothing) if hypothesis.nothing and not n else 0.0)
+        scatter = covariance[np.ix_(own, own)]
+        known = bool(np.all(np.isfinite(scatter)))
+        wald = float(size @ np.linalg.pinv(scatter, hermitian=True) @ size) if known else np.inf
+        said.append(wald > chi2.ppf(_SIGNIFICANT, max(len(own), 1)))
+        at, psi_at = at + n, psi_at + len(psi)
+    return said
 
 
 def extended_arm(regression: Regression, fitted: Candidate, found: Estimates) -> Arm:
@@ -211,10 +237,14 @@ def _covariance(regression: Regression, fitted: Candidate, learnt_from: list[Mot
         of_trial: NDArray[np.intp] = np.array(groups, dtype=np.intp)
         part = sandwich_covariance(np.asarray(W), np.array(grams), np.array(scores), of_trial)
         root = np.linalg.inv(W)
-        part = part + _LEANING**2 * max(left - told_by, 0.0) * (root @ root.T)
         plain = np.einsum("ij,ij->i", root, root)
         # What a single block tells, such as when a push began, is fitted to that block's noise: no score shows it.
-        scatter = np.maximum(_between(designs, residuals, extra, information), max(left / told_by, 1.0))
+        blocks_all = sum(max(1.0, len(regression.motions[k].t) * regression.motions[k].dt_s / BLOCK_S) for k in fitting)
+        numbers = told_by / blocks_all / regression.arm.n_joint
+        systematic = max(1.0, numbers * lacking(left / told_by, 1.0 - regression.floor_part))
+        scatter = np.maximum(
+            _between(designs, residuals, extra, information), max(left / told_by, 1.0) * systematic
+        )
         wider = np.sqrt(np.maximum(scatter * plain / np.diag(part), 1.0))
         part = part * np.outer(wider, wider)
     else:  # something is not told at all, such as how long a stuck joint was pushed: the rest still is

@@ -129,10 +129,15 @@ def dispersion(one: Fit, other: Fit, of: NDArray[np.bool_] | None = None) -> flo
 
 def _systematic(one: Fit, added: Floats, of: NDArray[np.bool_]) -> float:
     """Return the numbers that a block has of a joint, as far as they are of what the model lacks."""
-    lacking, rows = np.maximum(1.0 - one.noise / one.variance, 0.0)[one.row_trial], of[one.block]
-    squares = added[rows] ** 2
+    rows, squares = of[one.block], added[of[one.block]] ** 2
+    part = lacking(one.variance, one.noise)[one.row_trial][rows]
     numbers = one.count[np.unique(one.trial[of])].sum(axis=0) / of.sum()
-    return float(np.sum(numbers * squares * lacking[rows]) / np.sum(squares))
+    return float(np.sum(numbers * squares * part) / np.sum(squares))
+
+
+def lacking(variance: Floats | float, noise: Floats | float) -> Floats:
+    """Return which part of a residual's variance is no noise of the sensors, 0 to 1."""
+    return np.maximum(1.0 - noise / variance, 0.0)
 
 
 def _summed_variance(parts: Floats) -> float:

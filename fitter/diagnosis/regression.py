@@ -112,6 +112,15 @@ class Regression:
         """Return what a draw of noise makes of some motions' equations under a model."""
         return self._noisy.of(model, motions)
 
+    @contextmanager
+    def by_torque_alone(self) -> Iterator[None]:
+        """Let the motions' density not count within."""
+        density, self.density = self.density, None
+        try:
+            yield
+        finally:
+            self.density = density
+
     def solve(self, model: Model, motions: Sequence[Motion], noise: Noise | None = None) -> Floats:
         """Return the best factors of some motions' equations, (n_factor,).
 

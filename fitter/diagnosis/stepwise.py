@@ -41,6 +41,9 @@ class Likelihood(Protocol):
     def log_places(self, hypothesis: Hypothesis) -> float:
         """Return the logarithm of the number of places at which a hypothesis is sought."""
 
+    def is_significant(self, fit: Fit) -> bool:
+        """Say whether the sizes of all hypotheses of a model differ from none, under weights of its own."""
+
     def is_exact(self, fit: Fit) -> bool:
         """Say whether a model leaves no more than the sensors' noise."""
 
@@ -149,21 +152,27 @@ class Stepwise:
         return sorted(kept, key=likelihood_of, reverse=True)
 
     def _accepted(self, fit: Fit, more: list[Step]) -> tuple[Fit, list[Step]] | None:
-        """Return a model with further causes if they are worth it under its own weights."""
+        """Return a model with further causes if they are worth it under its own weights, and all sizes known."""
         smaller = fit
         for _ in more:
             smaller = self._likelihood.without(smaller, len(smaller.candidate.model.hypotheses) - 1)
         own = self._worth(fit, smaller)
-        return (fit, [replace(step, worth=own) for step in more]) if own > ODDS_NATS else None
+        if own < ODDS_NATS or not self._likelihood.is_significant(fit):
+            return None
+        return fit, [replace(step, worth=own) for step in more]
 
     def _best(self, fit: Fit, options: tuple[Fit, ...]) -> tuple[Fit, list[Step]] | None:
-        """Return the likeliest model that is worth it, under its own weights, with the step that led to it.
-
-        Of its equals there that have fewest numbers.
-        """
+        """Return the likeliest model that is worth it, under its own weights, with the step that led to it."""
         kept = self._promising(fit, options)
-        if not kept:
-            return None
+        while kept:
+            found, step = self._best_of(fit, kept, options)
+            if accepted := self._accepted(found, [step]):
+                return accepted
+            kept = [one for one in kept if one is not step.fit]
+        return None
+
+    def _best_of(self, fit: Fit, kept: Sequence[Fit], options: tuple[Fit, ...]) -> tuple[Fit, Step]:
+        """Return the likeliest of some models under its own weights; of its equals there that of fewest numbers."""
         close = [one for one in kept if one.gain(fit) > _CLOSE * kept[0].gain(fit)]
         best = kept[0]
         for _ in close:
@@ -180,8 +189,7 @@ class Stepwise:
         if chosen is not best:
             found = self._likelihood.reweighted(chosen)
         others = tuple(one for one, _ in equal if one is not chosen)
-        step = Step(chosen.candidate.hypothesis, chosen, fit, self._worth(chosen, fit), others, options)
-        return self._accepted(found, [step])
+        return found, Step(chosen.candidate.hypothesis, chosen, fit, self._worth(chosen, fit), others, options)
 
     def _best_pair(self, fit: Fit, options: Sequence[Fit]) -> tuple[Fit, list[Step]] | None:
         """Return the likeliest model with two hypotheses more neither of which is worth it alone."""

@@ -5,8 +5,8 @@ from collections.abc import Callable, Sequence
 import numpy as np
 
 from fitter.diagnosis.candidate import Candidate
-from fitter.diagnosis.estimates import estimates
-from fitter.diagnosis.evidence import BLOCK_S, EQUAL_SIGMAS, Fit, likelihood_of
+from fitter.diagnosis.estimates import estimates, significant
+from fitter.diagnosis.evidence import BLOCK_S, Fit, likelihood_of
 from fitter.diagnosis.floor import Floor, floored, part_of_floor
 from fitter.diagnosis.hypothesis import Hypothesis
 from fitter.diagnosis.mass_density import MassDensity
@@ -80,8 +80,11 @@ class TorqueLikelihood:
         hypothesis = candidate.hypothesis
         if not (hypothesis.is_event and hypothesis.n_column):
             return True
-        number = next(iter(estimates(self.regression, candidate).effects[-1].values()))
-        return bool(abs(number.value) > EQUAL_SIGMAS * number.std)
+        return significant(candidate, estimates(self.regression, candidate).covariance)[-1]
+
+    def is_significant(self, fit: Fit) -> bool:
+        """Say whether the sizes of all effects differ from none: two that cancel each other imitate a third."""
+        return all(significant(fit.candidate, estimates(self.regression, fit.candidate).covariance))
 
     def joined(self, fit: Fit, options: Sequence[Fit]) -> Fit | None:
         """Return a model with the last hypothesis of each of some options; None if its numbers are impossible."""
@@ -123,7 +126,7 @@ class TorqueLikelihood:
 
     def is_exact(self, fit: Fit) -> bool:
         """Say whether a model leaves no more than the sensors' noise."""
-        return floored(self.regression, fit.candidate)[2].is_none
+        return floored(self.regression, self._by_torque(fit.candidate))[2].is_none
 
     def is_plainly_wrong(self, fit: Fit) -> bool:
         """Say whether a model leaves so much that two hypotheses may hide each other in it."""
@@ -157,9 +160,16 @@ class TorqueLikelihood:
             np.array(density),
         )
 
+    def _by_torque(self, candidate: Candidate) -> Candidate:
+        """Return a model as the torque tells it alone: what the motions' density costs it is no floor."""
+        if self.regression.density is None:
+            return candidate
+        with self.regression.by_torque_alone():
+            return fitted(self.regression, candidate.model)
+
     def reweigh(self, candidate: Candidate) -> None:
         """Weigh the equations by the sensors' noise under a model, and its floor."""
-        own, weighted, self.floor = floored(self.regression, candidate)
+        own, weighted, self.floor = floored(self.regression, self._by_torque(candidate))
         anew = self.regression.weighted_by(weighted)
         anew.sensors = own
         anew.floor_part = part_of_floor(own, weighted)

@@ -108,8 +108,8 @@ def outdone(regression: Regression, final: Candidate) -> bool:
     """Say whether a function of few variables leaves trials with clearly less than all causes do in its place.
 
     It is judged on trials that it was not fitted to, by the sensors' noise: a floor was made for the causes. No
-    formula is exact, so the causes have to leave twice as much; the difference of the logarithms has to be two of
-    its standard errors over the trials.
+    formula is exact, so the causes have to leave twice as much beyond noise; the difference of the logarithms has
+    to be two of its standard errors over the trials.
 
     Parameters
     ----------
@@ -125,7 +125,8 @@ def outdone(regression: Regression, final: Candidate) -> bool:
     by_causes, least = own.squares(final.model, final.x), np.finfo(np.float64).tiny
     logs = np.log(np.maximum(by_causes, least) / np.maximum(left, least))
     error = logs.std(ddof=1) / np.sqrt(len(logs)) if len(logs) > 1 else np.inf
-    return bool(logs.mean() > max(EQUAL_SIGMAS * error, np.log(PLAINLY)))
+    beyond, least_beyond = (float(np.mean(one / own.told)) - 1.0 for one in (by_causes, left))
+    return bool(logs.mean() > EQUAL_SIGMAS * error and beyond > PLAINLY * least_beyond)
 
 
 def describe(regression: Regression, final: Candidate) -> Remainder:
