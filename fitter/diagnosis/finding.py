@@ -5,6 +5,7 @@ from dataclasses import dataclass, field
 from typing import Literal
 
 from arm.model import Arm
+from fitter.diagnosis.judged_sets import Judged
 from fitter.diagnosis.judgement import Errors, Gain
 from fitter.diagnosis.unknown import Remainder
 from fitter.search.fitted_parameter import FittedParameter
@@ -126,6 +127,8 @@ class Finding:
         What was done to the data.
     suspected : sequence of effect and joints
         What explains much of it, but not enough to be named.
+    judged : Judged, optional
+        What both models get wrong on trials that had no say in anything, if there are any.
     torque_explained : mapping of str to sequence of float
         By role, ``learn`` and ``evaluate``: of every joint, 1 − power of the torque that the final model leaves /
         power of the torque, while the joint moves; NaN where it never does.
@@ -149,6 +152,7 @@ class Finding:
     notes: Sequence[Note] = ()
     suspected: Sequence[tuple[str, tuple[int, ...]]] = ()
     torque_explained: Mapping[str, Sequence[float]] = field(default_factory=dict)
+    judged: Judged | None = None
 
     def document(self) -> dict[str, object]:
         """Return the JSON document of ``fitter diagnose``."""
@@ -163,6 +167,7 @@ class Finding:
             "before": self.before.document(),
             "after": self.after.document(),
             "gain": self.gain.document(),
+            "judged": None if self.judged is None else self.judged.document(),
             "residual": {
                 "explained": self.remainder.explained,
                 "white": self.remainder.white,

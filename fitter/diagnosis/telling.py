@@ -14,17 +14,21 @@ from fitter.diagnosis.holding import Holding
 from fitter.diagnosis.hypothesis import Hypothesis
 from fitter.diagnosis.in_arm import Payload
 from fitter.diagnosis.judgement import Errors, gain, judged, torque_left
+from fitter.diagnosis.likeness import likeness
 from fitter.diagnosis.motion import Motion
 from fitter.diagnosis.named_pushes import pushes_of
 from fitter.diagnosis.next_experiment import next_experiment
 from fitter.diagnosis.pushes import Pushes
 from fitter.diagnosis.regression import Regression
 from fitter.diagnosis.search import Search
+from fitter.dynamics.evaluation import HORIZON_S
 from fitter.search.fitted_parameter import FittedParameter
 from limbcal.note import of_source
 
 
-def finding_of(regression: Regression, come_to: Conclusion, motions: Sequence[Motion]) -> Finding:
+def finding_of(
+    regression: Regression, come_to: Conclusion, motions: Sequence[Motion], horizon_s: float = HORIZON_S
+) -> Finding:
     """Return what was found, judged on the evaluating trials.
 
     Parameters
@@ -33,6 +37,8 @@ def finding_of(regression: Regression, come_to: Conclusion, motions: Sequence[Mo
     come_to : Conclusion
     motions : sequence of Motion
         All trials, not thinned.
+    horizon_s : float
+        With measured or no torque, how long a simulation runs before it starts anew from the data.
     """
     search, final, verdict, numbers = come_to.search, come_to.final, come_to.verdict, come_to.numbers
     plain = numbers if search.final is search.base else estimates(regression, search.base)
@@ -47,9 +53,9 @@ def finding_of(regression: Regression, come_to: Conclusion, motions: Sequence[Mo
     if verdict in ("named", "ambiguous"):
         causes += _at_rest(regression, come_to)
         extended = _sticking(extended, come_to.held)
-    before = judged(regression, search.base, base_arm, judging)
-    after = before if extended is base_arm else judged(regression, final, extended, judging)
-    alike = sorted({cause.effect for cause in causes})
+    before = judged(regression, search.base, base_arm, judging, horizon_s)
+    after = before if extended is base_arm else judged(regression, final, extended, judging, horizon_s)
+    effects = sorted({cause.effect for cause in causes})
     confusable = [] if final is search.base else _confusable(search)
     confusable += [("stiction", "stribeck")] if come_to.equals else []
     joints = [j for cause in causes for j in cause.joints]
@@ -60,7 +66,7 @@ def finding_of(regression: Regression, come_to: Conclusion, motions: Sequence[Mo
         causes=causes,
         candidates=_tried(regression, search, come_to.held),
         confusable=confusable,
-        next_experiment=next_experiment(verdict, alike, joints, come_to.remainder.depends_on),
+        next_experiment=next_experiment(verdict, effects, joints, come_to.remainder.depends_on),
         before=before,
         after=after,
         gain=gain(before, after),
@@ -68,7 +74,10 @@ def finding_of(regression: Regression, come_to: Conclusion, motions: Sequence[Mo
         structure=float(np.max(search.was.ratio)) - 1.0,
         base_arm=base_arm,
         arm=extended,
-        notes=[note for motion in motions for note in of_source(motion.trial.notes, motion.trial.name)],
+        notes=[
+            *([alike] if (alike := likeness(regression)) is not None else []),
+            *(note for motion in motions for note in of_source(motion.trial.notes, motion.trial.name)),
+        ],
         suspected=suspected,
         torque_explained={
             role: _explained(regression, final, [motion for motion in motions if motion.learn is learning])
