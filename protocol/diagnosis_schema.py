@@ -98,6 +98,14 @@ DIAGNOSIS_FIELDS: Schema = {
             "ci95": {"type": "array", "items": {"type": "number"}, "description": "interval of the torque's"},
         },
     },
+    "polished": one("boolean", "whether numbers moved by simulated motion were kept"),
+    "polish": {
+        "type": ["object", "null"],
+        "description": "errors of the final model, evaluating trials, without and with them; null: not tried",
+        "properties": {
+            when: {**one("object", f"{when} they were moved"), "properties": _ERRORS} for when in ("before", "after")
+        },
+    },
     "judged": {
         "type": ["object", "null"],
         "description": "errors on trials that had no say in anything; null where there were none",

@@ -179,6 +179,8 @@ def _say(finding: Finding, out: Path) -> None:
     if finding.remainder.depends_on:
         variables, formula = ", ".join(finding.remainder.depends_on), finding.remainder.formula
         show(f"what is left depends on {variables} {formula}".strip())
+    if finding.polish is not None:
+        show(finding.polish.sentence)
     _show_errors("on the evaluating trials", finding.arm, (finding.before, finding.after))
     if finding.judged is not None:
         _show_errors("on the trials that had no say", finding.arm, (finding.judged.before, finding.judged.after))

@@ -25,6 +25,7 @@ from fitter.diagnosis.motion import Motion, run_of
 from fitter.diagnosis.regression import Regression
 from fitter.diagnosis.screening import fitted
 from fitter.diagnosis.search import Cause, Search, cause_of, supports
+from fitter.diagnosis.simulated_motion.polish import polished
 from fitter.diagnosis.stepwise import Found, Stepwise
 from fitter.diagnosis.telling import finding_of
 from fitter.diagnosis.torque_likelihood import TorqueLikelihood
@@ -111,9 +112,15 @@ def diagnose(
     likelihood, search = _searched(arm, run_of(arm, learning, evaluating), denied, scale, say)
     say("describing what is left", 0.8)
     come_to = concluded(likelihood.regression, search)
-    say("judging on the evaluating trials", 0.92)
     motions = run_of(arm, learning, evaluating, thin=False)
-    finding = finding_of(likelihood.regression, come_to, motions, horizon_s)
+    say("moving the numbers by simulated motion", 0.9)
+    polish = polished(likelihood.regression, come_to, motions, horizon_s)
+    if polish is not None and polish.said.kept:
+        come_to = replace(come_to, final=polish.candidate, numbers=polish.numbers)
+    say("judging on the evaluating trials", 0.95)
+    finding = finding_of(
+        likelihood.regression, come_to, motions, horizon_s, None if polish is None else polish.said
+    )
     if judge:
         say("judging on the trials that had no say", 0.97)
         unseen = _trials([_grids(some, rate_hz) for some in judge.values()], corner, free)

@@ -210,6 +210,8 @@ def _gain(page: Page, found: Diagnosis) -> None:
             "extended.toml is the arm with it, to be simulated."
         )
     page.section("The gain" if extended else "How well it simulates", text)
+    if finding.polish is not None:
+        page.points([f"{finding.polish.sentence[0].upper()}{finding.polish.sentence[1:]}."])
     header = ("on the trials held back", "before", "after")
     models = (before, after) if extended else (before,)
     rows: list[Row] = list(error_rows(found.regression.arm, models))
