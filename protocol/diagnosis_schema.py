@@ -103,7 +103,8 @@ DIAGNOSIS_FIELDS: Schema = {
         "type": ["object", "null"],
         "description": "errors of the final model, evaluating trials, without and with them; null: not tried",
         "properties": {
-            when: {**one("object", f"{when} they were moved"), "properties": _ERRORS} for when in ("before", "after")
+            "before": {**one("object", "before they were moved"), "properties": _ERRORS},
+            "after": {**one("object", "after"), "properties": _ERRORS},
         },
     },
     "judged": {
