@@ -1,13 +1,12 @@
-r"""Whether motions held back differ in kind from those that were learnt from.
+r"""Whether motions held back ask something of the arm that those that were learnt from did not.
 
-Motions are alike if they ask the same of the arm: the second moments of their regressors, a sample, are alike.
-These matrices are apart by a distance that no choice of units or of base parameters changes (Förstner and Moonen
-1999):
+What a motion asks is the second moments of its regressor, a sample. Of these matrices A, of it, and B, of others,
+the generalized eigenvalues are by how much more it tells of a combination of parameters than they do, whatever the
+units and the base parameters (Förstner and Moonen 1999). What is new in it counts, and not what it lacks:
 
-.. math:: d(A, B) = \sqrt{\sum_i \log^2 \lambda_i(A, B) / n}
+.. math:: d(A, B) = \sqrt{\sum_i \max(\log \lambda_i(A, B), 0)^2 / n}
 
-with their n generalized eigenvalues: the rms of the logarithm by which one tells more of a combination of
-parameters than the other. It is held against what the learning motions are apart from each other.
+It is held against what is new in each of the learning motions beside the other ones.
 """
 
 from collections.abc import Sequence
@@ -27,10 +26,7 @@ _PARTS = 2
 
 
 def likeness(regression: Regression) -> Note | None:
-    """Return a note if the evaluating motions are no farther from the learning ones than these from each other.
-
-    By the medians over motions.
-    """
+    """Return a note if no more is new in the evaluating motions than in the learning ones, by their medians."""
     rows = {motion.number: regression.rows(Model(), motion).design for motion in regression.motions}
     learnt, held_back = (
         [rows[motion.number] for motion in regression.motions if motion.learn is learn] for learn in (True, False)
@@ -38,20 +34,20 @@ def likeness(regression: Regression) -> Note | None:
     if not learnt or not held_back:
         return None
     parts = learnt if len(learnt) > 1 else np.array_split(learnt[0], _PARTS)
-    own = np.median([apart([one], [*parts[:k], *parts[k + 1 :]]) for k, one in enumerate(parts)])
-    others = np.median([apart([one], learnt) for one in held_back])
+    own = np.median([novelty([one], [*parts[:k], *parts[k + 1 :]]) for k, one in enumerate(parts)])
+    others = np.median([novelty([one], learnt) for one in held_back])
     if others > own:
         return None
     return Note(
         "alike",
-        "the evaluating motions are like the learning ones: the second moments of their regressors are apart by "
-        f"{np.exp(others):.3g} times, those of the learning motions by {np.exp(own):.3g} times; how motions of "
-        "another kind are predicted, this data does not show",
+        "the evaluating motions are like the learning ones: the second moments of their regressors are larger by "
+        f"{np.exp(others):.3g} times, those of a learning motion by {np.exp(own):.3g} times than the others'; how "
+        "motions of another kind are predicted, this data does not show",
     )
 
 
-def apart(some: Sequence[Floats], others: Sequence[Floats]) -> float:
-    """Return the distance of the second moments of two sets of rows (n_row, n_column) each."""
+def novelty(some: Sequence[Floats], others: Sequence[Floats]) -> float:
+    """Return what is new in some rows, (n_row, n_column) each, beside others."""
     A, B = (np.sum([one.T @ one for one in rows], axis=0) / sum(map(len, rows)) for rows in (some, others))
     size = np.sqrt(np.diag(A) + np.diag(B))
     told = size > 0.0
@@ -61,4 +57,4 @@ def apart(some: Sequence[Floats], others: Sequence[Floats]) -> float:
     root = axes[:, kept] / np.sqrt(values[kept])
     least = _UNTOLD * np.eye(root.shape[1])
     ratios = scipy.linalg.eigh(root.T @ A @ root + least, root.T @ B @ root + least, eigvals_only=True)
-    return float(np.sqrt(np.mean(np.log(ratios) ** 2)))
+    return float(np.sqrt(np.mean(np.log(np.maximum(ratios, 1.0)) ** 2)))
