@@ -184,6 +184,12 @@ def slopes(regression: Regression, fitted: Candidate, motion: Motion) -> Floats:
     return np.hstack(columns)
 
 
+def information_of(regression: Regression, fitted: Candidate) -> Floats:
+    """Return what the learning trials tell of factors and psi, as the search weighs them, (n_number, n_number)."""
+    designs = [slopes(regression, fitted, motion) for motion in regression.learning]
+    return np.asarray(np.sum([one.T @ one for one in designs], axis=0) + _by_density(regression, fitted)[1])
+
+
 def _covariance(regression: Regression, fitted: Candidate, learnt_from: list[Motion]) -> Floats:
     """Return the covariance of factors and psi together.
 
@@ -202,7 +208,10 @@ def _covariance(regression: Regression, fitted: Candidate, learnt_from: list[Mot
     told = size > 0.0
     designs = [A[:, told] / size[told] for A in designs]
     extra, information = _by_density(regression, fitted)
-    extra, information = extra[:, told] / size[told], information[np.ix_(told, told)] / np.outer(size[told], size[told])
+    extra, information = (
+        extra[:, told] / size[told],
+        information[np.ix_(told, told)] / np.outer(size[told], size[told]),
+    )
     W = np.linalg.qr(np.vstack([*(designs[k] for k in fitting), _root(information)])).R
     grams, scores, groups = [], [], []
     for k in fitting:
@@ -252,9 +261,7 @@ def _root(information: Floats) -> Floats:
     return np.asarray(np.sqrt(np.maximum(values, 0.0))[:, None] * axes.T, dtype=np.float64)
 
 
-def _between(
-    designs: Sequence[Floats], residuals: Sequence[Floats], extra: Floats, information: Floats
-) -> Floats:
+def _between(designs: Sequence[Floats], residuals: Sequence[Floats], extra: Floats, information: Floats) -> Floats:
     """Return how many times more variance answers have by the scatter of whole trials than by white noise of one.
 
     It is that of the answer to all trials together (Liang and Zeger 1986), so none is foreign to what it pulls at.

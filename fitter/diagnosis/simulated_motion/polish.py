@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from arm.model import Arm, Floats
 from fitter.diagnosis.candidate import Candidate
 from fitter.diagnosis.conclusion import Conclusion
-from fitter.diagnosis.estimates import Estimates, estimates, extended_arm, slopes
+from fitter.diagnosis.estimates import Estimates, estimates, extended_arm, information_of
 from fitter.diagnosis.evidence import BLOCK_S, EQUAL_SIGMAS
 from fitter.diagnosis.finding import Polished
 from fitter.diagnosis.holding import sticking
@@ -107,7 +107,7 @@ def _moved(
     numbers = model_numbers(arm, come_to.numbers, come_to.final, kept.tolist(), given)
     measured = is_measured(motions)
     torque = come_to.numbers.covariance
-    free, basis = _white(numbers, torque, information(regression, come_to.final) if measured else None)
+    free, basis = _white(numbers, torque, information_of(regression, come_to.final) if measured else None)
     width = np.sqrt(_STEP_S / BLOCK_S) if measured else _WIDER
     if not basis.shape[1]:
         return None
@@ -146,12 +146,6 @@ def _moved(
 def is_measured(motions: Sequence[Motion]) -> bool:
     """Say whether the torque was measured: it is known neither by a law nor because there is none."""
     return all(one.trial.tau is not None for one in motions) and any(np.any(one.u) for one in motions)
-
-
-def information(regression: Regression, fitted: Candidate) -> Floats:
-    """Return what the learning trials' torque equations tell of factors and psi, as the search weighs them."""
-    designs = [slopes(regression, fitted, motion) for motion in regression.learning]
-    return np.asarray(np.sum([one.T @ one for one in designs], axis=0))
 
 
 def _white(numbers: ModelNumbers, covariance: Floats, known: Floats | None) -> tuple[NDArray[np.intp], Floats]:

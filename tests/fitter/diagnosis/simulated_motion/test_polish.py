@@ -10,7 +10,7 @@ from arm.model import Effect
 from fitter.diagnosis.at_joint import AtJoint
 from fitter.diagnosis.candidate import Candidate
 from fitter.diagnosis.conclusion import Conclusion
-from fitter.diagnosis.estimates import estimates
+from fitter.diagnosis.estimates import estimates, information_of
 from fitter.diagnosis.floor import Floor
 from fitter.diagnosis.in_arm import RotorInertia
 from fitter.diagnosis.model import Model
@@ -18,7 +18,7 @@ from fitter.diagnosis.motion import run_of
 from fitter.diagnosis.regression import Regression
 from fitter.diagnosis.screening import fitted
 from fitter.diagnosis.search import Search
-from fitter.diagnosis.simulated_motion.polish import information, is_measured, loses, polished
+from fitter.diagnosis.simulated_motion.polish import is_measured, loses, polished
 from fitter.diagnosis.unknown import Remainder
 from tests.fitter.diagnosis.searched import swinging
 
@@ -74,7 +74,7 @@ def test_with_measured_torque_both_are_evidence(true_arm, trials):
     regression = Regression(bare, run_of(bare, trials[:1], trials[1:]))
     assert is_measured(regression.motions) and not is_measured(swinging(trials=2).motions)
     right = fitted(regression, Model().plus(ROTOR, np.zeros(0)))
-    off = right.x + 3.0 / np.sqrt(np.diag(information(regression, right)))
+    off = right.x + 3.0 / np.sqrt(np.diag(information_of(regression, right)))
     wrong = Candidate(right.model, off, right.squares)
     found = polished(regression, come_to(regression, wrong), whole(regression), 0.5)
     assert found is not None and found.said.kept
