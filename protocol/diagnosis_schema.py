@@ -4,12 +4,25 @@ from protocol.schema_parts import Schema, by_name, one
 
 _ERRORS: Schema = {
     "torque_rms_N_m": {"type": "array", "items": {"type": "number"}, "description": "one a joint [N m or N]"},
+    "torque_rms_unfiltered_N_m": {
+        "type": ["array", "null"],
+        "items": {"type": "number"},
+        "description": "the same of the torque as it was measured, noise included; null where none was",
+    },
     "angle_error_deg": {
         **one("object", "of simulated against measured angles; null where the simulation ran away", "deg"),
         "properties": {
-            "mean": {"type": ["number", "null"], "description": "over all evaluating trials [deg]"},
-            "max": {"type": ["number", "null"], "description": "over all evaluating trials [deg]"},
+            name: {"type": ["number", "null"], "description": "over all trials [deg]"}
+            for name in ("mean", "rms", "max")
         },
+    },
+}
+
+_JUDGED: Schema = {
+    **one("object", "errors on the trials that had no say in anything"),
+    "properties": {
+        **_ERRORS,
+        **{name: one("object", f"the same, one {name[:-1]} each") for name in ("sets", "trials")},
     },
 }
 
@@ -84,6 +97,20 @@ DIAGNOSIS_FIELDS: Schema = {
             "angle": {"type": ["number", "null"], "description": "of the simulated angles"},
             "ci95": {"type": "array", "items": {"type": "number"}, "description": "interval of the torque's"},
         },
+    },
+    "polished": one("boolean", "whether numbers moved by simulated motion were kept"),
+    "polish": {
+        "type": ["object", "null"],
+        "description": "errors of the final model, evaluating trials, without and with them; null: not tried",
+        "properties": {
+            "before": {**one("object", "before they were moved"), "properties": _ERRORS},
+            "after": {**one("object", "after"), "properties": _ERRORS},
+        },
+    },
+    "judged": {
+        "type": ["object", "null"],
+        "description": "errors on trials that had no say in anything; null where there were none",
+        "properties": {"before": _JUDGED, "after": _JUDGED},
     },
     "explained": one("object", "share of the power of each joint's torque that is explained, by role"),
     "residual": one("object", "what is left: how much of it is explained by what, and whether it is white"),

@@ -4,7 +4,6 @@ import argparse
 from collections.abc import Sequence
 from pathlib import Path
 
-import numpy as np
 from rich.markup import escape
 from rich.progress import Progress
 from rich.table import Table
@@ -20,10 +19,12 @@ from fitter.data.motions import Measured
 from fitter.data.trials import to_trials
 from fitter.diagnosis.diagnosis import diagnose
 from fitter.diagnosis.finding import Finding, NamedCause
+from fitter.diagnosis.judgement import Errors
 from fitter.dynamics.evaluation import HORIZON_S
 from fitter.dynamics.found_targets import HINT, lacks_torque, with_found_targets
 from fitter.dynamics.structure import structural_parameters
 from fitter.dynamics.torque_wiring import check_wiring
+from fitter.report.diagnosis_errors import BY_NAME, by_name_rows, error_rows
 from fitter.report.diagnosis_report import write_diagnosis
 from limbcal.command import Document, console, say, show, to_json
 from limbcal.errors import ConfigError, DeviceError, Unusable
@@ -77,10 +78,10 @@ def diagnose_command(arguments: argparse.Namespace) -> Document:
     if raw[0] is not None and raw[1] is not None:
         return diagnose_readings(arm, raw[0], raw[1], arguments.out)
     learn, evaluate, judge = _trial_sets(arm, arguments, sets)
-    if judge or arguments.horizon != HORIZON_S:
-        say("--judge and --horizon were read and checked; this version's figures do without them")
-    if not arguments.no_torque and any(lacks_torque(arm, motion) for motion in (*learn, *evaluate)):
+    given = [*learn, *evaluate, *(motion for some in judge.values() for motion in some)]
+    if not arguments.no_torque and any(lacks_torque(arm, motion) for motion in given):
         say(HINT)
+        judge = {name: with_found_targets(arm, learn, some)[1] for name, some in judge.items()}
         learn, evaluate = with_found_targets(arm, learn, evaluate)
     if not arguments.no_torque:
         _require_possible(arm, learn, arguments)
@@ -93,6 +94,8 @@ def diagnose_command(arguments: argparse.Namespace) -> Document:
             rate_hz=arguments.rate_hz,
             denied=denied,
             free=arguments.no_torque,
+            horizon_s=arguments.horizon,
+            judge=judge,
             progress=lambda what, done: progress.update(task, description=what, completed=done),
         )
     out: Path = arguments.out
@@ -134,11 +137,13 @@ def _require_possible(arm: Arm, learn: Sequence[Measured], arguments: argparse.N
 
 def _trial_sets(
     arm: Arm, arguments: argparse.Namespace, sets: tuple[TrialSet, TrialSet, TrialSet]
-) -> tuple[list[Measured], list[Measured], list[Measured]]:
+) -> tuple[list[Measured], list[Measured], dict[str, list[Measured]]]:
     """Read all sets; without ``--evaluate`` a recording's own roles tell learning and evaluating trials apart."""
-    read = [one.read(arm, arguments.rate_hz) for one in sets]
-    require_other_samples(list(zip(sets, read, strict=True)))
-    trials, held_back, judge = read
+    judge = {str(one): sets[2].only(one).read(arm, arguments.rate_hz) for one in sets[2].sources}
+    read = [one.read(arm, arguments.rate_hz) for one in sets[:2]]
+    unseen = [motion for some in judge.values() for motion in some]
+    require_other_samples(list(zip(sets, [*read, unseen], strict=True)))
+    trials, held_back = read
     if arguments.evaluate:
         return trials, held_back, judge
     held_back = [trial for trial in trials if trial.role == "evaluate"]
@@ -174,19 +179,24 @@ def _say(finding: Finding, out: Path) -> None:
     if finding.remainder.depends_on:
         variables, formula = ", ".join(finding.remainder.depends_on), finding.remainder.formula
         show(f"what is left depends on {variables} {formula}".strip())
-    table = Table("on the evaluating trials", "before", "after")
-    before, after = finding.before, finding.after
-    for j, (was, became) in enumerate(zip(before.torque_rms, after.torque_rms, strict=True)):
-        table.add_row(f"torque {j + 1}, rms [N m]", f"{was:.4g}", f"{became:.4g}")
-    table.add_row(escape("angle, mean [deg]"), _angle(before.angle_mean_deg), _angle(after.angle_mean_deg))
-    table.add_row(escape("angle, max [deg]"), _angle(before.angle_max_deg), _angle(after.angle_max_deg))
-    show(table)
+    if finding.polish is not None:
+        show(finding.polish.sentence)
+    _show_errors("on the evaluating trials", finding.arm, (finding.before, finding.after))
+    if finding.judged is not None:
+        _show_errors("on the trials that had no say", finding.arm, (finding.judged.before, finding.judged.after))
+        table = Table(*map(escape, ("set", *BY_NAME)))
+        for row in by_name_rows(finding.judged.by_set()):
+            table.add_row(*map(escape, row))
+        show(table)
     show(f"next: {finding.next_experiment}")
     show(f"report: {out / 'report.html'}")
 
 
-def _angle(degrees: float) -> str:
-    return f"{degrees:.3g}" if np.isfinite(degrees) else "runs away"
+def _show_errors(where: str, arm: Arm, models: Sequence[Errors]) -> None:
+    table = Table(where, "before", "after")
+    for row in error_rows(arm, models):
+        table.add_row(*map(escape, row))
+    show(table)
 
 
 def told(cause: NamedCause) -> str:

@@ -2,7 +2,7 @@
 
 import argparse
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -36,6 +36,10 @@ class TrialSet:
     option: str
     sources: Sequence[Path]
     columns: str | None
+
+    def only(self, source: Path) -> "TrialSet":
+        """Return what is of one of its sources."""
+        return replace(self, sources=[source])
 
     def read(self, arm: Arm, rate_hz: float | None) -> list[Measured]:
         """Return its trials, questioned; none where there are no sources."""

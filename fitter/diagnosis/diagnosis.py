@@ -1,7 +1,8 @@
 """`diagnose`: from trials to a verdict."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from itertools import chain
 
 import numpy as np
 
@@ -17,15 +18,18 @@ from fitter.diagnosis.corner import corner_hz
 from fitter.diagnosis.finding import Finding
 from fitter.diagnosis.floor import PLAINLY, Floor
 from fitter.diagnosis.hypotheses import hypotheses
+from fitter.diagnosis.judged_sets import judged_sets
 from fitter.diagnosis.missed_pushes import with_pushes
 from fitter.diagnosis.model import Model
 from fitter.diagnosis.motion import Motion, run_of
 from fitter.diagnosis.regression import Regression
 from fitter.diagnosis.screening import fitted
 from fitter.diagnosis.search import Cause, Search, cause_of, supports
+from fitter.diagnosis.simulated_motion.polish import polished
 from fitter.diagnosis.stepwise import Found, Stepwise
 from fitter.diagnosis.telling import finding_of
 from fitter.diagnosis.torque_likelihood import TorqueLikelihood
+from fitter.dynamics.evaluation import HORIZON_S
 from fitter.dynamics.structure import structural_parameters
 from limbcal.errors import DataError, NotIdentifiable
 from limbcal.note import Note
@@ -67,6 +71,8 @@ def diagnose(
     rate_hz: float | None = None,
     denied: tuple[str, ...] = (),
     free: bool = False,
+    horizon_s: float = HORIZON_S,
+    judge: Mapping[str, Sequence[Measured]] | None = None,
     progress: Progress | None = None,
 ) -> Diagnosis:
     """Find out what a calibrated simulation gets wrong, and why.
@@ -83,6 +89,10 @@ def diagnose(
         Frictions that the base model is denied: ``D``, ``fc``.
     free : bool
         The arm swings freely: its torque is zero.
+    horizon_s : float
+        With measured or no torque, how long a simulation runs before it starts anew from the data.
+    judge : mapping of str to sequence of Measured, optional
+        Sets of trials that have no say in anything, by their names.
     progress : callable, optional
         Told what is being done, and how much of all is done (0 to 1).
 
@@ -94,9 +104,7 @@ def diagnose(
     for name, some in (("learning", learn), ("evaluating", evaluate)):
         if not some:
             raise DataError(f"no {name} trial; expected at least one: what is learnt from cannot judge")
-    grids = [
-        [resample(part, rate_hz) for one in some for part in split_at_holes(one)] for some in (learn, evaluate)
-    ]
+    grids = [_grids(some, rate_hz) for some in (learn, evaluate)]
     say = progress or (lambda _what, _done: None)
     corner = corner_hz([grid for some in grids for grid in some])
     learning, evaluating = _trials(grids, corner, free)
@@ -104,9 +112,22 @@ def diagnose(
     likelihood, search = _searched(arm, run_of(arm, learning, evaluating), denied, scale, say)
     say("describing what is left", 0.8)
     come_to = concluded(likelihood.regression, search)
-    say("judging on the evaluating trials", 0.92)
     motions = run_of(arm, learning, evaluating, thin=False)
-    finding = finding_of(likelihood.regression, come_to, motions)
+    say("moving the numbers by simulated motion", 0.9)
+    polish = polished(likelihood.regression, come_to, motions, horizon_s)
+    if polish is not None and polish.said.kept:
+        come_to = replace(come_to, final=polish.candidate, numbers=polish.numbers)
+    say("judging on the evaluating trials", 0.95)
+    finding = finding_of(
+        likelihood.regression, come_to, motions, horizon_s, None if polish is None else polish.said
+    )
+    if judge:
+        say("judging on the trials that had no say", 0.97)
+        unseen = _trials([_grids(some, rate_hz) for some in judge.values()], corner, free)
+        others = run_of(arm, learning, [*evaluating, *chain.from_iterable(unseen)], thin=False)[len(motions) :]
+        names = [name for name, some in zip(judge, unseen, strict=True) for _ in some]
+        models = (come_to.search.base, finding.base_arm), (come_to.final, finding.arm)
+        finding = replace(finding, judged=judged_sets(likelihood.regression, models, others, names, horizon_s))
     warnings = chatter(arm, [*learning, *evaluating]) + ([_UNSEEN] if search.from_all and search.causes else [])
     finding = replace(finding, warnings=tuple(Note("doubt", warning) for warning in warnings))
     say("done", 1.0)
@@ -189,6 +210,10 @@ def _scale_of(arm: Arm) -> tuple[int, float]:
             "expected the last link's inertia in its file"
         )
     return base.independent[inertial[-1]], float(values[inertial[-1]])
+
+
+def _grids(motions: Sequence[Measured], rate_hz: float | None) -> list[Uniform]:
+    return [resample(part, rate_hz) for one in motions for part in split_at_holes(one)]
 
 
 def _trials(grids: Sequence[Sequence[Uniform]], cutoff_hz: float, free: bool) -> list[list[Trial]]:

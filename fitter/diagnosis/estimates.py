@@ -55,15 +55,18 @@ class Estimates:
     covariance: Floats
 
 
-def estimates(regression: Regression, fitted: Candidate) -> Estimates:
+def estimates(regression: Regression, fitted: Candidate, covariance: Floats | None = None) -> Estimates:
     """Return a fitted model's numbers, with standard errors that allow for residuals that resemble each other.
+
+    The covariance of factors and psi is that of the torque's equations, unless it is given.
 
     psi, the columns' factors and the base parameters scatter together; the parameters of an effect follow by the
     slopes of what it makes of them.
     """
     model = fitted.model
     motions = regression.motions if model.is_event else regression.learning
-    covariance = _covariance(regression, fitted, motions)
+    if covariance is None:
+        covariance = _covariance(regression, fitted, motions)
     n_base = len(fitted.x) - sum(hypothesis.n_column for hypothesis in model.hypotheses)
     std = np.sqrt(np.maximum(np.diag(covariance), 0.0))
     view = regression.view(model, regression.motions[0])
@@ -182,20 +185,35 @@ def _numbers(
     values = hypothesis.numbers(psi, factors)
     both = np.concatenate([factors, psi])
     n = len(factors)
-    slopes = np.empty((len(values), len(both)))
+    turns = np.empty((len(values), len(both)))
     for k in range(len(both)):
         step = np.zeros(len(both))
         step[k] = SLOPE * max(abs(both[k]), 1e-6)
         ahead, behind = (hypothesis.numbers((both + s)[n:], (both + s)[:n]) for s in (step, -step))
-        slopes[:, k] = (ahead - behind) / (2.0 * step[k])
-    variance = np.maximum(np.einsum("ij,jk,ik->i", slopes, np.nan_to_num(covariance), slopes), 0.0)
+        turns[:, k] = (ahead - behind) / (2.0 * step[k])
+    variance = np.maximum(np.einsum("ij,jk,ik->i", turns, np.nan_to_num(covariance), turns), 0.0)
     untold = np.isnan(np.diag(covariance))
-    variance[np.any(slopes[:, untold] != 0.0, axis=1)] = np.nan
+    variance[np.any(turns[:, untold] != 0.0, axis=1)] = np.nan
     std = np.sqrt(variance + hypothesis.hidden(motions, values) ** 2)
     return {
         name: FittedParameter(float(value), float(error), unit, bool(np.isfinite(error)))
         for name, value, error, unit in zip(hypothesis.names, values, std, hypothesis.units, strict=True)
     }
+
+
+def slopes(regression: Regression, fitted: Candidate, motion: Motion) -> Floats:
+    """Return the slopes of a motion's white equations, (n_slower * n_joint, n_factor + n_psi)."""
+    columns = [regression.rows(fitted.model, motion).design]
+    for *beside, apart in fitted.model.beside():
+        more, less = (regression.residual(one, fitted.x, motion) for one in beside)
+        columns.append((less - more).reshape(-1, 1) / apart)
+    return np.hstack(columns)
+
+
+def information_of(regression: Regression, fitted: Candidate) -> Floats:
+    """Return what the learning trials tell of factors and psi, as the search weighs them, (n_number, n_number)."""
+    designs = [slopes(regression, fitted, motion) for motion in regression.learning]
+    return np.asarray(np.sum([one.T @ one for one in designs], axis=0) + _by_density(regression, fitted)[1])
 
 
 def _covariance(regression: Regression, fitted: Candidate, learnt_from: list[Motion]) -> Floats:
@@ -209,19 +227,17 @@ def _covariance(regression: Regression, fitted: Candidate, learnt_from: list[Mot
     total = sum(len(motion.t) for motion in learnt_from)
     designs, residuals = [], []
     for motion in regression.motions:
-        r = regression.residual(model, fitted.x, motion).ravel()
-        columns = [regression.rows(model, motion).design]
-        for *beside, apart in model.beside():
-            more, less = (regression.residual(one, fitted.x, motion) for one in beside)
-            columns.append((less - more).reshape(-1, 1) / apart)
-        designs.append(np.hstack(columns))
-        residuals.append(r)
+        residuals.append(regression.residual(model, fitted.x, motion).ravel())
+        designs.append(slopes(regression, fitted, motion))
     fitting = [k for k, motion in enumerate(regression.motions) if motion.number in used]
     size = np.sqrt(sum(np.sum(designs[k] ** 2, axis=0) for k in fitting))
     told = size > 0.0
     designs = [A[:, told] / size[told] for A in designs]
     extra, information = _by_density(regression, fitted)
-    extra, information = extra[:, told] / size[told], information[np.ix_(told, told)] / np.outer(size[told], size[told])
+    extra, information = (
+        extra[:, told] / size[told],
+        information[np.ix_(told, told)] / np.outer(size[told], size[told]),
+    )
     W = np.linalg.qr(np.vstack([*(designs[k] for k in fitting), _root(information)])).R
     grams, scores, groups = [], [], []
     for k in fitting:
@@ -275,9 +291,7 @@ def _root(information: Floats) -> Floats:
     return np.asarray(np.sqrt(np.maximum(values, 0.0))[:, None] * axes.T, dtype=np.float64)
 
 
-def _between(
-    designs: Sequence[Floats], residuals: Sequence[Floats], extra: Floats, information: Floats
-) -> Floats:
+def _between(designs: Sequence[Floats], residuals: Sequence[Floats], extra: Floats, information: Floats) -> Floats:
     """Return how many times more variance answers have by the scatter of whole trials than by white noise of one.
 
     It is that of the answer to all trials together (Liang and Zeger 1986), so none is foreign to what it pulls at.

@@ -4,7 +4,10 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Literal
 
+import numpy as np
+
 from arm.model import Arm
+from fitter.diagnosis.judged_sets import Judged
 from fitter.diagnosis.judgement import Errors, Gain
 from fitter.diagnosis.unknown import Remainder
 from fitter.search.fitted_parameter import FittedParameter
@@ -78,6 +81,41 @@ class Left:
 
 
 @dataclass(frozen=True)
+class Polished:
+    """What became of errors on the evaluating trials when simulated motion moved the final model's numbers.
+
+    Attributes
+    ----------
+    kept : bool
+        Whether the angles gained, and the torque, if it was measured, lost nothing beyond chance.
+    before, after : Errors
+    """
+
+    kept: bool
+    before: Errors
+    after: Errors
+
+    def document(self) -> dict[str, object]:
+        """Return it as JSON has it."""
+        return {"before": self.before.document(), "after": self.after.document()}
+
+    @property
+    def sentence(self) -> str:
+        """What was done, what it gained, and what follows."""
+        angles = [
+            f"{size:.3g}°" if np.isfinite(size) else "away"
+            for size in (self.before.angle_mean_deg, self.after.angle_mean_deg)
+        ]
+        torque = [", ".join(f"{size:.3g}" for size in one.torque_rms) for one in (self.before, self.after)]
+        kept = "the moved numbers are kept" if self.kept else "so the numbers of the torque's equations stand"
+        return (
+            "the numbers were moved by the simulated motion of the learning trials; on the trials held back the "
+            f"angles' mean error went from {angles[0]} to {angles[1]} and the torque's rms from {torque[0]} to "
+            f"{torque[1]}: {kept}"
+        )
+
+
+@dataclass(frozen=True)
 class Tried:
     """One candidate: the share of the squared residual that it takes away on the evaluating trials."""
 
@@ -126,6 +164,10 @@ class Finding:
         What was done to the data.
     suspected : sequence of effect and joints
         What explains much of it, but not enough to be named.
+    judged : Judged, optional
+        What both models get wrong on trials that had no say in anything, if there are any.
+    polish : Polished, optional
+        What numbers moved by simulated motion gained, if that was tried.
     torque_explained : mapping of str to sequence of float
         By role, ``learn`` and ``evaluate``: of every joint, 1 − power of the torque that the final model leaves /
         power of the torque, while the joint moves; NaN where it never does.
@@ -149,6 +191,8 @@ class Finding:
     notes: Sequence[Note] = ()
     suspected: Sequence[tuple[str, tuple[int, ...]]] = ()
     torque_explained: Mapping[str, Sequence[float]] = field(default_factory=dict)
+    judged: Judged | None = None
+    polish: Polished | None = None
 
     def document(self) -> dict[str, object]:
         """Return the JSON document of ``fitter diagnose``."""
@@ -163,6 +207,9 @@ class Finding:
             "before": self.before.document(),
             "after": self.after.document(),
             "gain": self.gain.document(),
+            "polished": self.polish is not None and self.polish.kept,
+            "polish": None if self.polish is None else self.polish.document(),
+            "judged": None if self.judged is None else self.judged.document(),
             "residual": {
                 "explained": self.remainder.explained,
                 "white": self.remainder.white,

@@ -5,12 +5,13 @@ tell what holds the joint: the drive's torque less the arm's own. Coulomb fricti
 whatever holds more is the paper's F.
 """
 
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from arm.effects.catalogue import catalogue
-from arm.model import Floats
+from arm.model import Arm, Effect, Floats
 from fitter.diagnosis.candidate import Candidate
 from fitter.diagnosis.regression import Regression
 from fitter.diagnosis.unknown_torque import inner_rests
@@ -85,6 +86,14 @@ def holdings(regression: Regression, final: Candidate, covariance: Floats) -> li
         gain = 1.0 - left / was if was > 0.0 else 0.0
         found.append(Holding(j, FittedParameter(ABOVE * largest, error, unit, True), gain))
     return found
+
+
+def sticking(arm: Arm, held: Sequence[Holding]) -> Arm:
+    """Return an arm whose joints stick, too."""
+    effects = tuple(
+        Effect("stiction", {"static_N_m": one.parameter.value}, joints=(one.joint + 1,)) for one in held
+    )
+    return replace(arm, effects=(*arm.effects, *effects)) if effects else arm
 
 
 def _held(

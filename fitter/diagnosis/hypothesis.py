@@ -28,6 +28,8 @@ class Hypothesis(ABC):
     n_column = 0
     #: It acts at certain times or trials only, so these are sought over the whole run.
     is_event = False
+    #: It is there in some trials or for some time only: others tell nothing of its numbers.
+    comes_and_goes = False
     #: A few steps from a start near nothing tell what it can explain; the start itself does not.
     is_gradual = False
     #: The psi at which it is nothing, if slopes there tell as much of it; what is weak scales all noise, too.

@@ -140,6 +140,7 @@ class Payload(Hypothesis):
 
     n_column = 1
     is_event = True
+    comes_and_goes = True
 
     def __init__(
         self, kind: EffectKind, trials: frozenset[int] = frozenset(), since_s: float | None = None

@@ -36,6 +36,7 @@ class Pushes(Hypothesis):
 
     is_event = True
     is_inertial = False
+    comes_and_goes = True
     is_noisy = False
 
     def __init__(self, kind: EffectKind, joint: int, found: Floats, free: bool = False) -> None:

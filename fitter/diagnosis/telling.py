@@ -5,26 +5,33 @@ from dataclasses import replace
 
 import numpy as np
 
-from arm.model import Arm, Effect
 from fitter.diagnosis.candidate import Candidate
 from fitter.diagnosis.conclusion import Conclusion
 from fitter.diagnosis.estimates import Estimates, estimates, extended_arm
-from fitter.diagnosis.finding import Finding, Left, NamedCause, Tried
-from fitter.diagnosis.holding import Holding
+from fitter.diagnosis.finding import Finding, Left, NamedCause, Polished, Tried
+from fitter.diagnosis.holding import Holding, sticking
 from fitter.diagnosis.hypothesis import Hypothesis
 from fitter.diagnosis.in_arm import Payload
 from fitter.diagnosis.judgement import Errors, gain, judged, torque_left
+from fitter.diagnosis.likeness import likeness
 from fitter.diagnosis.motion import Motion
 from fitter.diagnosis.named_pushes import pushes_of
 from fitter.diagnosis.next_experiment import next_experiment
 from fitter.diagnosis.pushes import Pushes
 from fitter.diagnosis.regression import Regression
 from fitter.diagnosis.search import Search
+from fitter.dynamics.evaluation import HORIZON_S
 from fitter.search.fitted_parameter import FittedParameter
 from limbcal.note import of_source
 
 
-def finding_of(regression: Regression, come_to: Conclusion, motions: Sequence[Motion]) -> Finding:
+def finding_of(
+    regression: Regression,
+    come_to: Conclusion,
+    motions: Sequence[Motion],
+    horizon_s: float = HORIZON_S,
+    polish: Polished | None = None,
+) -> Finding:
     """Return what was found, judged on the evaluating trials.
 
     Parameters
@@ -33,6 +40,10 @@ def finding_of(regression: Regression, come_to: Conclusion, motions: Sequence[Mo
     come_to : Conclusion
     motions : sequence of Motion
         All trials, not thinned.
+    horizon_s : float
+        With measured or no torque, how long a simulation runs before it starts anew from the data.
+    polish : Polished, optional
+        Of the model, if that was tried; the numbers are its own already where it was kept.
     """
     search, final, verdict, numbers = come_to.search, come_to.final, come_to.verdict, come_to.numbers
     plain = numbers if search.final is search.base else estimates(regression, search.base)
@@ -46,29 +57,34 @@ def finding_of(regression: Regression, come_to: Conclusion, motions: Sequence[Mo
         suspected = [(one.kind.name, tuple(j + 1 for j in one.joints)) for one in search.final.model.hypotheses]
     if verdict in ("named", "ambiguous"):
         causes += _at_rest(regression, come_to)
-        extended = _sticking(extended, come_to.held)
-    before = judged(regression, search.base, base_arm, judging)
-    after = before if extended is base_arm else judged(regression, final, extended, judging)
-    alike = sorted({cause.effect for cause in causes})
+        extended = sticking(extended, come_to.held)
+    before = judged(regression, search.base, base_arm, judging, horizon_s)
+    after = before if extended is base_arm else judged(regression, final, extended, judging, horizon_s)
+    believed = final is not search.base or search.final is search.base
+    effects = sorted({cause.effect for cause in causes})
     confusable = [] if final is search.base else _confusable(search)
     confusable += [("stiction", "stribeck")] if come_to.equals else []
     joints = [j for cause in causes for j in cause.joints]
     return Finding(
         verdict=verdict,
-        complete=final is search.final and not search.floor.is_plain,
-        left=_left(search if final is search.final else replace(search, floor=search.was), before, after),
+        complete=believed and not search.floor.is_plain,
+        left=_left(search if believed else replace(search, floor=search.was), before, after),
         causes=causes,
         candidates=_tried(regression, search, come_to.held),
         confusable=confusable,
-        next_experiment=next_experiment(verdict, alike, joints, come_to.remainder.depends_on),
+        next_experiment=next_experiment(verdict, effects, joints, come_to.remainder.depends_on),
         before=before,
         after=after,
         gain=gain(before, after),
         remainder=come_to.remainder,
         structure=float(np.max(search.was.ratio)) - 1.0,
+        polish=polish,
         base_arm=base_arm,
         arm=extended,
-        notes=[note for motion in motions for note in of_source(motion.trial.notes, motion.trial.name)],
+        notes=[
+            *([alike] if (alike := likeness(regression)) is not None else []),
+            *(note for motion in motions for note in of_source(motion.trial.notes, motion.trial.name)),
+        ],
         suspected=suspected,
         torque_explained={
             role: _explained(regression, final, [motion for motion in motions if motion.learn is learning])
@@ -161,10 +177,3 @@ def _tried(regression: Regression, search: Search, held: Sequence[Holding]) -> l
     ]
     listed += [Tried("stiction", (one.joint + 1,), float(np.clip(one.gain, 0.0, 1.0)), 1.0) for one in held]
     return sorted(listed, key=lambda one: -one.gain)
-
-
-def _sticking(arm: Arm, held: Sequence[Holding]) -> Arm:
-    effects = tuple(
-        Effect("stiction", {"static_N_m": one.parameter.value}, joints=(one.joint + 1,)) for one in held
-    )
-    return replace(arm, effects=(*arm.effects, *effects)) if effects else arm

@@ -105,7 +105,9 @@ class MotionFit:
     ----------
     x : (n_free,)
     covariance : (n_free, n_free)
-        NaN where there is too little data to tell.
+        NaN where there is too little data to tell. Its scatter is the stretches' alone: a prior has none.
+    inverse : (n_free, n_free)
+        Of the information, the prior's included, in units of the noise; NaN where nothing was found.
     rms : (n_joint,) [rad or m]
         Simulated against measured angles.
     iterations : int
@@ -114,6 +116,7 @@ class MotionFit:
 
     x: Floats
     covariance: Floats
+    inverse: Floats
     rms: Floats
     iterations: int
     converged: bool
@@ -131,6 +134,7 @@ class _Task:
     allowed: Allowed
     pool: ThreadPoolExecutor
     own_noise: float
+    iterations: int
 
     def machine(self, x: Floats) -> Machine:
         return self.shooting.machine(self.complete(x))
@@ -179,6 +183,7 @@ def fit_motion(
     progress: Callable[[int, float], None] | None = None,
     allowed: Allowed | None = None,
     own_noise: float = 0.0,
+    iterations: int = _ITERATIONS,
 ) -> MotionFit:
     """Find the parameters whose simulated motion is nearest to the measured one.
 
@@ -198,13 +203,17 @@ def fit_motion(
         What a stretch is weighted by, from 0 to 1. 0: by the noise of all of them (least squares). 1: by its own
         noise, so that the sum of ``n log rms`` over stretches is made small (maximum likelihood where the model is
         off by more in some of them). Between: the sum of ``n rms^(2 - 2 own_noise)``.
+    iterations : int
+        Most steps.
 
     Returns
     -------
     MotionFit
     """
     with ThreadPoolExecutor(processors(len(stretches))) as pool:  # kernels run without the interpreter's lock
-        task = _Task(shooting, stretches, complete, np.array(x0), scale, allowed or Allowed(), pool, own_noise)
+        task = _Task(
+            shooting, stretches, complete, np.array(x0), scale, allowed or Allowed(), pool, own_noise, iterations
+        )
         return _search(task, progress)
 
 
@@ -219,12 +228,12 @@ def _search(task: _Task, progress: Callable[[int, float], None] | None) -> Motio
         if not np.isfinite(J).all():  # the arm beside this one runs away: there is no slope to go down
             pooled = np.full_like(pooled, np.inf)
             break
-        covariance = _covariance(task, here.x, linear)
+        covariance, inverse = _covariance(task, here.x, linear)
         J, r = _condensed(J, r)
         distance = _distance(_damped_step(task, here.x, J, r, 0.0), J, covariance)
         told = 1.0 / np.maximum(np.linalg.norm(J, axis=0), 1e-300)
         over = np.clip(told, _LEAST_SLOPE_STEP * task.scale, _MOST_SLOPE_STEP * task.scale)
-        if done == _ITERATIONS or (distance < _LITTLE and done > 0):
+        if done == task.iterations or (distance < _LITTLE and done > 0):
             break
         done += 1
         before, there = here.cost(task, pooled), here
@@ -243,8 +252,8 @@ def _search(task: _Task, progress: Callable[[int, float], None] | None) -> Motio
             progress(done, float(np.sqrt(np.mean(pooled**2))))
     if not np.isfinite(pooled).all():
         nowhere = np.full((len(task.x0), len(task.x0)), np.nan)
-        return MotionFit(here.x, nowhere, np.full(len(pooled), np.inf), done, False)
-    return MotionFit(here.x, covariance, pooled, done, distance < _GOOD_ENOUGH)
+        return MotionFit(here.x, nowhere, nowhere, np.full(len(pooled), np.inf), done, False)
+    return MotionFit(here.x, covariance, inverse, pooled, done, distance < _GOOD_ENOUGH)
 
 
 def _started(task: _Task, here: _Point) -> _Point:
@@ -399,8 +408,8 @@ def _slopes(moved: Sequence[Floats], simulated: Floats, over: Floats, noise: Flo
     return np.stack(columns, axis=1) if columns else np.zeros((simulated.size, 0))
 
 
-def _covariance(task: _Task, x: Floats, linear: _Linear) -> Floats:
-    """Return the covariance of x; across a limit that holds it back there is none."""
+def _covariance(task: _Task, x: Floats, linear: _Linear) -> tuple[Floats, Floats]:
+    """Return the covariance of x, and the inverse of its information; both are 0 across a limit that holds it."""
     J, r = _condensed(*linear.rows())
     g, G = task.allowed.inequalities(x, task.scale, _INSIDE)
     binds = constrained_step(J, r, g, G)[1]
@@ -416,4 +425,6 @@ def _covariance(task: _Task, x: Floats, linear: _Linear) -> Floats:
             scores.append(free.T @ left[rows])
             group.append(stretch.trial)
     of_trial: NDArray[np.intp] = np.array(group, dtype=np.intp)
-    return np.asarray(Z @ sandwich_covariance(W, np.array(grams), np.array(scores), of_trial) @ Z.T)
+    covariance = sandwich_covariance(W, np.array(grams), np.array(scores), of_trial)
+    inverse = np.linalg.pinv(W.T @ W, hermitian=True)
+    return np.asarray(Z @ covariance @ Z.T), np.asarray(Z @ inverse @ Z.T)

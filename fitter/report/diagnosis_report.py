@@ -1,16 +1,18 @@
 """The page that a diagnosis leaves behind: read from top to bottom, what is wrong and why."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 
 from arm.arm_file import save_arm
 from fitter.diagnosis.diagnosis import Diagnosis
 from fitter.diagnosis.finding import NamedCause
+from fitter.diagnosis.judged_sets import Judged
+from fitter.diagnosis.judgement import Errors
 from fitter.report import diagnosis_figures as figures
+from fitter.report.diagnosis_errors import BY_NAME, by_name_rows, error_rows
 from fitter.report.diagnosis_rivals import rivals, shown, table_rows
 from fitter.report.diagnosis_traces import traces
 from fitter.report.diagnosis_words import (
-    angle,
     assumptions,
     candidate_name,
     fell,
@@ -20,7 +22,6 @@ from fitter.report.diagnosis_words import (
     percent,
     place,
     sentence,
-    units,
     when,
     whiteness,
 )
@@ -209,14 +210,24 @@ def _gain(page: Page, found: Diagnosis) -> None:
             "extended.toml is the arm with it, to be simulated."
         )
     page.section("The gain" if extended else "How well it simulates", text)
-    rows: list[Row] = [
-        (f"torque left at joint {j + 1}, rms [{unit}]", *(f"{e.torque_rms[j]:.4g}" for e in (before, after)))
-        for j, unit in enumerate(units(found))
-    ]
-    rows.append(("simulated angle, mean error [deg]", *(angle(e.angle_mean_deg) for e in (before, after))))
-    rows.append(("simulated angle, largest error [deg]", *(angle(e.angle_max_deg) for e in (before, after))))
+    if finding.polish is not None:
+        page.points([f"{finding.polish.sentence[0].upper()}{finding.polish.sentence[1:]}."])
     header = ("on the trials held back", "before", "after")
-    page.table(header if extended else header[:2], rows if extended else [row[:2] for row in rows])
+    models = (before, after) if extended else (before,)
+    rows: list[Row] = list(error_rows(found.regression.arm, models))
+    page.table(header[: 1 + len(models)], rows)
+    if finding.judged is not None:
+        _judged(page, found, finding.judged, models)
+
+
+def _judged(page: Page, found: Diagnosis, judged: Judged, models: Sequence[Errors]) -> None:
+    own = (judged.before, judged.after)[: len(models)]
+    header = ("on the trials that had no say in anything", "before", "after")
+    page.table(header[: 1 + len(own)], list(error_rows(found.regression.arm, own)))
+    if len(by_set := judged.by_set()) > 1:
+        page.table(("set", *BY_NAME), list(by_name_rows(by_set)))
+    if len(by_trial := judged.by_trial()) > max(1, len(by_set)):
+        page.table(("trial", *BY_NAME), list(by_name_rows(by_trial)))
 
 
 def _dependences(page: Page, found: Diagnosis) -> None:

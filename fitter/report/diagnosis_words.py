@@ -6,6 +6,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from arm.effects.catalogue import catalogue
+from arm.model import Arm
 from fitter.diagnosis.at_joint import AtJoint
 from fitter.diagnosis.diagnosis import Diagnosis
 from fitter.diagnosis.finding import NamedCause
@@ -114,9 +115,9 @@ def angle(error_deg: float) -> str:
     return f"{error_deg:.3g}" if math.isfinite(error_deg) else "ran away"
 
 
-def units(found: Diagnosis) -> list[str]:
+def units(arm: Arm) -> list[str]:
     """Return the unit of every joint's torque or force."""
-    return ["N m" if joint.type == "revolute" else "N" for joint in found.regression.arm.joints]
+    return ["N m" if joint.type == "revolute" else "N" for joint in arm.joints]
 
 
 def whiteness(found: Diagnosis) -> str:
@@ -142,7 +143,9 @@ def assumptions(found: Diagnosis) -> list[str]:
     """Return what a diagnosis takes for granted."""
     weighting, law = found.regression.weighting, found.regression.arm.control.law
     drive = "measured torque" if law == "measured" else f"the control law ({law}) and its gains in the arm file"
-    noise = ", ".join(f"{rms:.2g} {unit}" for rms, unit in zip(weighting.torque_noise, units(found), strict=True))
+    noise = ", ".join(
+        f"{rms:.2g} {unit}" for rms, unit in zip(weighting.torque_noise, units(found.regression.arm), strict=True)
+    )
     denied = f" The base model was denied {', '.join(found.regression.denied)}." if found.regression.denied else ""
     return [
         "Geometry and gravity are those of the arm file; masses and friction were learnt anew from the learning "
@@ -161,7 +164,8 @@ def _sizes(found: Diagnosis, errors: Errors) -> str:
     drive = np.sqrt(np.mean(np.concatenate(asked) ** 2, axis=0))
     worst = int(np.argmax(errors.torque_rms / np.maximum(drive, 1e-12)))
     share = errors.torque_rms[worst] / max(float(drive[worst]), 1e-12)
-    torque = f"joint {worst + 1} needs {errors.torque_rms[worst]:.3g} {units(found)[worst]} rms of torque"
+    unit = units(found.regression.arm)[worst]
+    torque = f"joint {worst + 1} needs {errors.torque_rms[worst]:.3g} {unit} rms of torque"
     beside = f" ({percent(share)} of its drive)" if np.any(drive > 1e-9) else ""
     if not np.isfinite(errors.angle_max_deg):
         return f"{torque} that the model does not have{beside}, and the simulation runs away"

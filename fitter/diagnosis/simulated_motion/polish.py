@@ -1,194 +1,217 @@
-"""An arm's numbers moved until its simulated motion is nearest to the measured one; kept if other trials gain."""
+"""A model's numbers moved until its simulated motion is nearest to the measured one; kept if other trials gain.
 
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+The learning trials' angles move the numbers by multiple shooting (`fitter.dynamics.output_error`).
+
+Where a torque was measured, that is evidence beside the torque's equations. These count as the search weighs them;
+angles, which what the model lacks makes resemble each other, count once a block. Where none was, the equations are
+the same angles, differentiated: they hold what simulated motion does not tell, within a few of their standard
+errors. Numbers of what comes and goes stay: learning trials know nothing of what others have.
+"""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from arm.model import Arm, Floats
-from fitter.data.trials import Trial
+from fitter.diagnosis.candidate import Candidate
+from fitter.diagnosis.conclusion import Conclusion
+from fitter.diagnosis.estimates import Estimates, estimates, extended_arm, information_of
+from fitter.diagnosis.evidence import BLOCK_S, EQUAL_SIGMAS
+from fitter.diagnosis.finding import Polished
+from fitter.diagnosis.holding import sticking
+from fitter.diagnosis.judgement import judged, smooth, torque_left
+from fitter.diagnosis.motion import Motion
+from fitter.diagnosis.regression import Regression
 from fitter.diagnosis.simulated_motion.braking import friction_at, seen_states
-from fitter.diagnosis.simulated_motion.forward_error import ForwardError, forward_error
-from fitter.diagnosis.simulated_motion.numbers import Numbers, numbers_of
+from fitter.diagnosis.simulated_motion.model_numbers import ModelNumbers, model_numbers
 from fitter.diagnosis.simulated_motion.shooting import ShootingWithEffects, windows
-from fitter.diagnosis.simulated_motion.torque_error import torque_rms
 from fitter.dynamics.output_error import Allowed, fit_motion
-from fitter.dynamics.shooting import finest_needed
-from fitter.dynamics.stretches import LONGEST_STEP_S, Stretch
-from fitter.dynamics.structure import structural_parameters
+from fitter.dynamics.stretches import LONGEST_STEP_S
 
-#: A number without a standard error is felt if it moves by this share of itself, or of the largest of its unit.
-_FELT, _FELT_OF_LARGEST = 1.0, 1e-2
+#: By how much the torque's standard errors are widened for a prior where the torque was not measured.
+_WIDER = 3.0
 #: Weight of a window's own noise where nothing pulls a simulation back: the sum of rms errors is made small.
 _CHAOTIC = 0.5
-#: Slopes of what friction adds up to, nearly linear, are taken over this share of a number's scale.
-_LIMIT_STEP = 1e-4
+#: Step of the simulations [s], and steps of Gauss and Newton: a few, for the start is near.
+_STEP_S, _STEPS = 2.0 * LONGEST_STEP_S, 3
+#: Slopes of limits, nearly linear, are taken over this share of a standard error.
+_LIMIT_STEP = 1e-3
 #: A friction has at least this scale [N m or N]: less is none.
 _LEAST_FRICTION = 1e-9
-
-
-@dataclass(frozen=True)
-class Scores:
-    """What an arm gets wrong on some trials.
-
-    Attributes
-    ----------
-    torque_rms : (n_joint,) [N m or N], or None
-        None where nothing drove the arm.
-    motion : ForwardError
-    """
-
-    torque_rms: Floats | None
-    motion: ForwardError
+#: Combinations of which the torque tells no more than rounding does stay where they are.
+_ROUNDING = 1e-12
 
 
 @dataclass(frozen=True)
 class Polish:
-    """An arm whose numbers were moved by simulated motion.
+    """A model whose numbers were moved by simulated motion.
 
     Attributes
     ----------
-    arm : Arm
-        The moved one if it is kept, else the one that came in.
-    kept : bool
-        Whether the evaluating trials' forward error (mean) fell.
-    found : Arm
-        The moved one in any case.
-    values, std : mapping of str to float
-        The numbers that were sought, and their standard errors; NaN where data are too few to say.
-    converged : bool
-    iterations : int
-    learn, evaluate : (Scores, Scores)
-        Before and after, of the moved arm whether it is kept or not.
+    said : Polished
+        What it gained, and whether it is kept.
+    candidate : Candidate
+        The moved model, whether it is kept or not.
+    numbers : Estimates
+        Of that model; its standard errors are of the simulated motion.
     """
 
-    arm: Arm
-    kept: bool
-    found: Arm
-    values: Mapping[str, float]
-    std: Mapping[str, float]
-    converged: bool
-    iterations: int
-    learn: tuple[Scores, Scores]
-    evaluate: tuple[Scores, Scores]
+    said: Polished
+    candidate: Candidate
+    numbers: Estimates
 
 
-def polish(
-    arm: Arm,
-    learn: Sequence[Trial],
-    evaluate: Sequence[Trial],
-    sought: Sequence[str],
-    horizon_s: float,
-    std: Mapping[str, float] | None = None,
-    prior_factor: float = np.inf,
-    own_noise: float | None = None,
-    progress: Callable[[int, float], None] | None = None,
-) -> Polish:
-    """Move some numbers of an arm by the learning trials' simulated motion; keep them if the evaluating ones gain.
+def polished(
+    regression: Regression, come_to: Conclusion, motions: Sequence[Motion], horizon_s: float
+) -> Polish | None:
+    """Move a model's numbers by the learning trials' simulated motion; None if there is nothing to move.
+
+    That is where there are no causes, or where no more than the sensors' noise is left: the torque's equations
+    then say all.
 
     Parameters
     ----------
-    arm : Arm
-        With its effects.
-    learn, evaluate : sequence of Trial
-        On the run's clock.
-    sought : sequence of str
-        Base parameters by their names, friction among them, and effects' numbers such as
-        ``effect[0].coulomb_N_m``. All others stay. Where nothing drives the arm, one of its masses must stay.
+    regression : Regression
+    come_to : Conclusion
+    motions : sequence of Motion
+        All trials, not thinned.
     horizon_s : float
-        Length of the windows with measured torque or none, of the fit and of the forward error.
-    std : mapping of str to float, optional
-        Standard errors of the torque fit: what numbers are scaled by, and with ``prior_factor`` what is known of
-        them.
-    prior_factor : float
-        By how much the prior's standard errors are larger than these; infinite for no prior.
-    own_noise : float, optional
-        By how much windows that fit worse count less, from 0 to 1; see `fitter.dynamics.output_error.fit_motion`.
-        Unless given, the sum of squares is made small under a law, and with measured torque or none that of the
-        windows' rms errors: a few in which motion is chaotic then have no more say than the others.
-    progress : callable, optional
-        Called after every iteration: how many are done, and the rms error in units of the noise.
-
-    Raises
-    ------
-    ConfigError
-        If there is no number of some name.
+        Length of the windows with measured or no torque, of the fit and of the errors.
     """
-    numbers = numbers_of(arm, structural_parameters(arm))
-    free = numbers.sought(sought)
-    shooting = ShootingWithEffects(numbers, len(learn))
+    if come_to.final is come_to.search.base or come_to.search.floor.is_none:
+        return None
+    plain = sticking(extended_arm(regression, come_to.final, come_to.numbers), come_to.held)
+    moved = _moved(regression, come_to, plain, [one for one in motions if one.learn], horizon_s)
+    if moved is None:
+        return None
+    candidate, covariance = moved
+    numbers = estimates(regression, candidate, covariance)
+    arm = sticking(extended_arm(regression, candidate, numbers), come_to.held)
+    others = [one for one in motions if not one.learn]
+    before = judged(regression, come_to.final, plain, others, horizon_s)
+    after = judged(regression, candidate, arm, others, horizon_s)
+    kept = after.angle_mean_deg < before.angle_mean_deg
+    if kept and after.unfiltered_square is not None:
+        kept = not loses(regression, come_to.final, candidate, others)
+    return Polish(Polished(kept, before, after), candidate, numbers)
 
-    def complete(x: Floats) -> Floats:
-        values = numbers.values
-        values[free] = x
+
+def _moved(
+    regression: Regression, come_to: Conclusion, arm: Arm, motions: Sequence[Motion], horizon_s: float
+) -> tuple[Candidate, Floats] | None:
+    """Return the moved model, and its numbers' covariance; None if nothing moves or the arm runs away."""
+    kept = regression.equations.independent(regression.view(come_to.final.model, regression.motions[0]).arm)
+    given = len(regression.arm.effects)
+    numbers = model_numbers(arm, come_to.numbers, come_to.final, kept.tolist(), given)
+    measured = is_measured(motions)
+    torque = come_to.numbers.covariance
+    free, basis = _white(numbers, torque, information_of(regression, come_to.final) if measured else None)
+    width = np.sqrt(_STEP_S / BLOCK_S) if measured else _WIDER
+    if not basis.shape[1]:
+        return None
+
+    def flat(z: Floats) -> Floats:
+        values = numbers.start
+        values[free] += basis @ z
         return values
 
-    def cut(step_s: float) -> list[Stretch]:
-        return windows(arm, learn, step_s, horizon_s)
-
-    x0, known = numbers.values[free], dict(std or {})
-    scale = _scale(numbers, known)[free]
-    errors = np.array([known.get(name, np.inf) for name in sought])
-    low, high = (one[free] for one in numbers.bounds)
-    allowed = Allowed(low, high, _brakes(numbers, shooting, learn, complete, x0, scale), prior_factor * errors)
-    if own_noise is None:
-        own_noise = _CHAOTIC if arm.control.law == "measured" else 0.0
-    parts = cut(finest_needed(shooting, cut, numbers.values, LONGEST_STEP_S))
-    fit = fit_motion(shooting, parts, complete, x0, scale, progress, allowed, own_noise)
-    found = numbers.with_values(complete(fit.x))
-    before, after = (
-        [
-            Scores(torque_rms(one, trials, first), forward_error(one, trials, horizon_s, first))
-            for trials, first in ((learn, 1), (evaluate, 1 + len(learn)))
-        ]
-        for one in (arm, found)
+    trials = [replace(one.trial, began_s=float(one.t[0] - one.trial.t[0])) for one in motions]
+    shooting = ShootingWithEffects(numbers.numbers, len(trials), motions[0].number)
+    n = basis.shape[1]
+    limits = _limits(numbers, shooting, seen_states(trials), flat, n)
+    fit = fit_motion(
+        shooting,
+        windows(arm, trials, _STEP_S, horizon_s),
+        lambda z: numbers.values(flat(z)),
+        np.zeros(n),
+        np.ones(n),
+        None,
+        Allowed(limits=limits, prior_std=np.full(n, width)),
+        _CHAOTIC if arm.control.law == "measured" else 0.0,
+        _STEPS,
     )
-    kept = after[1].motion.total_mean < before[1].motion.total_mean
-    return Polish(
-        found if kept else arm,
-        kept,
-        found,
-        dict(zip(sought, fit.x.tolist(), strict=True)),
-        dict(zip(sought, np.sqrt(np.diag(fit.covariance)).tolist(), strict=True)),
-        fit.converged,
-        fit.iterations,
-        (before[0], after[0]),
-        (before[1], after[1]),
-    )
+    if not np.isfinite(fit.rms).all():
+        return None
+    covariance = torque.copy()
+    if np.isfinite(fit.covariance).all():
+        onto = np.linalg.pinv(basis) @ torque[np.ix_(free, free)] @ np.linalg.pinv(basis).T
+        both = fit.covariance + fit.inverse @ onto @ fit.inverse / width**4
+        covariance[free], covariance[:, free] = 0.0, 0.0
+        covariance[np.ix_(free, free)] = basis @ both @ basis.T
+    return numbers.at(flat(fit.x)), covariance
 
 
-def _scale(numbers: Numbers, std: Mapping[str, float]) -> Floats:
-    """Return by how much each number would have to move to be felt, roughly."""
-    size = np.abs(numbers.values)
-    units = numbers.units
-    largest = np.array([max(s for s, other in zip(size, units, strict=True) if other == unit) for unit in units])
-    scale = np.maximum(_FELT * size, _FELT_OF_LARGEST * np.where(largest > 0.0, largest, 1.0))
-    return scale
+def is_measured(motions: Sequence[Motion]) -> bool:
+    """Say whether the torque was measured: it is known neither by a law nor because there is none."""
+    return all(one.trial.tau is not None for one in motions) and any(np.any(one.u) for one in motions)
 
 
-def _brakes(
-    numbers: Numbers,
+def _white(numbers: ModelNumbers, covariance: Floats, known: Floats | None) -> tuple[NDArray[np.intp], Floats]:
+    """Return which factors and psi are moved, (n,), and a basis (n, n_z) of them.
+
+    In it the information that is given is that of one standard error each; unless it is, the covariance's inverse.
+    """
+    variance = np.diag(covariance)
+    free = np.flatnonzero(numbers.lasting & np.isfinite(variance) & (variance > 0.0))
+    square = np.ix_(free, free)
+    unit = np.sqrt(variance[free]) if known is None else 1.0 / np.sqrt(np.diag(known)[free])
+    matrix = covariance[square] / np.outer(unit, unit) if known is None else known[square] * np.outer(unit, unit)
+    values, axes = np.linalg.eigh(matrix)
+    told = values > _ROUNDING * values.max(initial=0.0)
+    size = np.sqrt(values[told]) if known is None else 1.0 / np.sqrt(values[told])
+    return free, unit[:, None] * axes[:, told] * size
+
+
+def _limits(
+    numbers: ModelNumbers,
     shooting: ShootingWithEffects,
-    trials: Sequence[Trial],
-    complete: Callable[[Floats], Floats],
-    x0: Floats,
-    scale: Floats,
+    states: Floats,
+    flat: Callable[[Floats], Floats],
+    n: int,
 ) -> Callable[[Floats], tuple[Floats, Floats]]:
-    """Return what must not be negative: friction at the speeds that were seen, in units of its largest term."""
-    states = seen_states(trials)
+    """Return what must not be negative: friction at the speeds that were seen, and what numbers may be, in units.
+
+    Parameters
+    ----------
+    n : int
+        How many coordinates there are.
+    """
     moved = states[2].max(axis=0) > 0.0
 
-    def total(x: Floats) -> tuple[Floats, Floats]:
-        machine = shooting.machine(complete(x))
+    def total(z: Floats) -> tuple[Floats, Floats]:
+        machine = shooting.machine(numbers.values(flat(z)))
         return friction_at(machine.arm, machine.chain.friction, states)
 
-    unit = np.maximum(total(x0)[1], _LEAST_FRICTION)
+    here, steps = np.zeros(n), _LIMIT_STEP * np.eye(n)
+    unit = np.maximum(total(here)[1], _LEAST_FRICTION)
+    at_start = numbers.admitted(numbers.start)
+    slopes = np.stack([numbers.admitted(flat(step)) - at_start for step in steps], axis=1) / _LIMIT_STEP
+    size = np.linalg.norm(slopes, axis=1)
+    counts = np.isfinite(at_start) & (size > 0.0)
 
-    def limits(x: Floats) -> tuple[Floats, Floats]:
-        def g(at: Floats) -> Floats:
-            return np.asarray((total(at)[0] / unit)[:, moved].ravel())
+    def g(z: Floats) -> Floats:
+        friction = (total(z)[0] / unit)[:, moved].ravel()
+        return np.concatenate([friction, (numbers.admitted(flat(z))[counts]) / size[counts]])
 
-        here = g(x)
-        return here, np.stack([(g(x + h) - here) / h.sum() for h in np.diag(_LIMIT_STEP * scale)], axis=1)
+    def limits(z: Floats) -> tuple[Floats, Floats]:
+        now = g(z)
+        return now, np.stack([(g(z + step) - now) / _LIMIT_STEP for step in steps], axis=1)
 
     return limits
+
+
+def loses(regression: Regression, before: Candidate, after: Candidate, motions: Sequence[Motion]) -> bool:
+    """Say whether the torque that is left grows beyond the scatter of blocks, each joint in units of its own."""
+    seen_hz, grows, was = regression.weighting.seen_hz, list[Floats](), list[Floats]()
+    for motion in motions:
+        left = [smooth(torque_left(regression, one, motion), motion.dt_s, seen_hz) for one in (before, after)]
+        squares = [np.nan_to_num(one) ** 2 for one in left]
+        parts = max(1, int(len(motion.t) * motion.dt_s / BLOCK_S))
+        was += [part.sum(axis=0) for part in np.array_split(squares[0], parts)]
+        grows += [part.sum(axis=0) for part in np.array_split(squares[1] - squares[0], parts)]
+    unit = np.maximum(np.sum(was, axis=0), np.finfo(np.float64).tiny)
+    growth = np.sum(np.array(grows) / unit, axis=1)
+    scatter = np.sqrt(len(growth) / max(len(growth) - 1, 1) * np.sum((growth - growth.mean()) ** 2))
+    return bool(growth.sum() > EQUAL_SIGMAS * scatter)

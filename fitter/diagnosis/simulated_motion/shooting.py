@@ -10,12 +10,10 @@ from collections.abc import Sequence
 import numpy as np
 
 from arm.chain import chain_of
-from arm.drive_state import DriveState
 from arm.effects.effect_table import changed, effect_table
 from arm.model import Arm, Floats
 from fitter.data.trials import Trial
 from fitter.diagnosis.simulated_motion.numbers import Numbers
-from fitter.dynamics.learned_torque import learned_torque, target_of
 from fitter.dynamics.shooting import Machine, Shooting
 from fitter.dynamics.stretches import Stretch, stretches
 
@@ -67,22 +65,3 @@ def windows(arm: Arm, trials: Sequence[Trial], step_s: float, horizon_s: float) 
         Length of a window with measured torque or none.
     """
     return stretches(arm, trials, step_s, horizon_s if arm.control.law == "measured" else np.inf)
-
-
-def horizons(arm: Arm, trials: Sequence[Trial], horizon_s: float) -> list[Stretch]:
-    """Cut trials into what is predicted in one go: sample by sample, each from the state that the trial has there.
-
-    Every sample of a trial but the first is predicted once.
-    """
-    cut = []
-    for k, trial in enumerate(trials):
-        law, n = arm.control.law != "measured", len(trial.q)
-        drive = target_of(arm, trial) if law else learned_torque(arm, trial)
-        stride = n if law else max(1, round(horizon_s / trial.dt_s))
-        for first in range(0, n - 1, stride):
-            part = slice(first, min(first + stride + 1, n))
-            drives: DriveState | None = trial.drives.rows(part) if law and trial.drives is not None else None
-            start = np.concatenate([trial.q[first], trial.dq[first]])
-            began_s = trial.began_s + float(trial.t[first])
-            cut.append(Stretch(k, trial.dt_s, drive[part], trial.q[part], start, drives, began_s))
-    return cut

@@ -58,6 +58,26 @@ def test_the_cause_is_named_added_and_measured(fitter, files, tmp_path):
         assert words in outcome.said
 
 
+def test_trials_that_judge_have_no_say_in_anything(fitter, files, tmp_path):
+    wrong = swings((Effect("viscous", {"viscous_N_m_s": 2.0}, joints=(1,)),), trials=2, seed=7)
+    write_motion(tmp_path / "judge.csv", columns(wrong))
+    write_motion(tmp_path / "like.csv", columns(swings(SPRING, trials=1, seed=8)))
+    given = ("--judge", tmp_path / "judge.csv", tmp_path / "like.csv")
+    with_them = fitter("diagnose", *arguments(files, tmp_path / "with", *given))
+    without = fitter("diagnose", *arguments(files, tmp_path / "without"))
+    assert with_them.code == without.code == 0 and without.document["judged"] is None
+    assert {**with_them.document, "judged": None} == without.document
+    before, after = (with_them.document["judged"][when] for when in ("before", "after"))
+    like, other = (after["sets"][str(tmp_path / name)] for name in ("like.csv", "judge.csv"))
+    assert (
+        like["angle_error_deg"]["rms"] < 0.3 * before["sets"][str(tmp_path / "like.csv")]["angle_error_deg"]["rms"]
+    )
+    assert other["torque_rms_N_m"][0] > 3.0 * like["torque_rms_N_m"][0]
+    assert len(after["trials"]) == 3
+    assert "on the trials that had no say" in with_them.said
+    assert "on the trials that had no say" in (tmp_path / "with" / "report.html").read_text()
+
+
 def test_a_recording_is_diagnosed_as_the_daemon_wrote_it(fitter, recording, short_run, tmp_path):
     outcome = fitter("diagnose", recording, "--arm", "dd-arm", "--out", tmp_path)
     assert outcome.code == 0

@@ -1,48 +1,71 @@
-"""What is simulated of a model, and of one that no masses can have."""
+"""Errors of models on some trials."""
 
 from dataclasses import replace
 
 import numpy as np
 import pytest
 
-from arm.model import Arm, Effect
+from arm.model import Control, Floats
 from fitter.data.trials import to_trials
-from fitter.diagnosis.judgement import simulated
-from fitter.diagnosis.motion import Motion, run_of
+from fitter.diagnosis.candidate import Candidate
+from fitter.diagnosis.judgement import Errors, judged, unfiltered
+from fitter.diagnosis.model import Model
+from fitter.diagnosis.motion import run_of
+from fitter.diagnosis.regression import Regression
 from tests.fitter.pendulum import pendulum, swings
 
 
-@pytest.fixture(scope="module")
-def motion() -> Motion:
-    trials = to_trials(swings((), trials=2, seed=3), cutoff_hz=25.0)
-    return run_of(pendulum(), trials[:1], trials[1:], thin=False)[-1]
+def errors(angle_square=(0.04, 0.0), raw=((4.0,), (0.0,))) -> Errors:
+    square, count = np.array([[1.0], [3.0]]), np.array([[2.0], [2.0]])
+    sums, size = np.array([0.2, 0.0]), np.array([2.0, 2.0])
+    return Errors(
+        square,
+        count,
+        None if raw is None else np.array(raw),
+        np.array(angle_square),
+        sums,
+        np.array([0.2, 0.0]),
+        size,
+        [np.zeros((2, 1))] * 2,
+    )
 
 
-def with_inertia(inertia: float) -> Arm:
-    """Return the pendulum with another inertia about its axis [kg m^2]."""
-    (joint,) = pendulum().joints
-    link = replace(joint.link, inertia_kg_m2=(0.0, 0.0, inertia, 0.0, 0.0, 0.0))
-    return replace(pendulum(), joints=(replace(joint, link=link),))
+def test_errors_of_all_trials_and_of_some():
+    document = errors().document()
+    assert document["torque_rms_N_m"] == [1.0] and document["torque_rms_unfiltered_N_m"] == [1.0]
+    assert document["angle_error_deg"] == pytest.approx(
+        {"mean": np.rad2deg(0.05), "rms": np.rad2deg(0.1), "max": np.rad2deg(0.2)}
+    )
+    second = errors().only([1])
+    assert second.torque_rms[0] == pytest.approx(np.sqrt(1.5)) and second.angle_max_deg == 0.0
+    assert len(second.simulated) == 1
 
 
-def test_the_right_arm_follows_the_measured_angles(motion):
-    assert np.abs(simulated(pendulum(), motion) - motion.trial.q).max() < 0.05
+def test_what_ran_away_or_was_not_measured_is_null():
+    document = errors((np.inf, 0.0), None).document()
+    assert document["torque_rms_unfiltered_N_m"] is None and document["angle_error_deg"]["rms"] is None
 
 
-def test_an_arm_of_negative_inertia_goes_nowhere(motion):
-    angles = simulated(with_inertia(-0.1), motion)
-    np.testing.assert_array_equal(angles[0], motion.trial.q[0])
-    assert np.all(np.isinf(angles[1:]))
+def test_the_noise_of_a_measured_torque_counts_in_the_unfiltered_error_alone():
+    arm = pendulum()
+    trials = to_trials(swings((), trials=3, seed=3), cutoff_hz=25.0)
+    plain = Regression(arm, run_of(arm, trials[:2], trials[2:]))
+    fitted = Candidate(Model(), plain.solve(Model(), plain.learning), np.zeros(3))
+    given, (driven,) = replace(arm, control=Control("measured")), run_of(arm, [], trials[2:], thin=False)
+    noise = 5.0 * np.random.default_rng(0).normal(size=driven.u.shape)
+
+    def found(measured: Floats) -> Errors:
+        trial = replace(driven.trial, tau=driven.u, tau_measured=measured, ref=None)
+        return judged(plain, fitted, given, [replace(driven, trial=trial)])
+
+    clean, noisy = found(driven.u), found(driven.u + noise)
+    assert clean.unfiltered_rms is not None and noisy.unfiltered_rms is not None
+    assert noisy.torque_rms == clean.torque_rms < clean.unfiltered_rms
+    assert noisy.unfiltered_rms[0] == pytest.approx(np.hypot(clean.unfiltered_rms[0], 5.0), rel=0.05)
+    assert judged(plain, fitted, arm, [driven]).unfiltered_rms is None
 
 
-def test_a_rotor_may_make_up_for_it(motion):
-    (joint,) = pendulum().joints
-    inertia = joint.link.inertia_kg_m2[2]
-    rotor = Effect("rotor_inertia", {"inertia_kg_m2": inertia + 0.1}, joints=(1,))
-    angles = simulated(replace(with_inertia(-0.1), effects=(rotor,)), motion)
-    np.testing.assert_allclose(angles, simulated(with_inertia(inertia), motion), atol=1e-6)
-
-
-def test_what_a_joint_weighs_that_never_moves_does_not_matter(motion):
-    held = replace(motion, stuck=np.ones_like(motion.stuck))
-    assert np.all(np.isfinite(simulated(with_inertia(-0.1), held)))
+def test_without_a_measured_torque_nothing_is_unfiltered():
+    (trial,) = to_trials(swings((), trials=1), cutoff_hz=25.0)
+    (motion,) = run_of(pendulum(), [], [trial], thin=False)
+    assert unfiltered(np.zeros_like(motion.u), motion) is None

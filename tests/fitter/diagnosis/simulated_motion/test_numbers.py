@@ -1,34 +1,30 @@
-"""Numbers of an arm by their names."""
+"""Numbers of an arm that simulations are shot with."""
 
 import math
 from dataclasses import replace
 
-import pytest
+import numpy as np
 
 from arm.model import Effect
-from arm.regressor import standard_parameters
 from fitter.diagnosis.simulated_motion.numbers import numbers_of
 from fitter.dynamics.structure import structural_parameters
-from limbcal.errors import ConfigError
 
 
-def test_base_parameters_and_effects_are_called_by_name(true_arm):
+def test_base_parameters_come_first_and_lists_and_infinities_are_no_numbers(true_arm):
     payload = Effect("payload", {"mass_kg": 0.1, "trials": [2]})
     limit = Effect("torque_saturation", {"limit_N_m": math.inf}, joints=(1,))
     base = structural_parameters(true_arm)
     numbers = numbers_of(replace(true_arm, effects=(*true_arm.effects, payload, limit)), base)
-    assert numbers.names == (*base.names, "effect[0].inertia_kg_m2", "effect[1].mass_kg")
-    assert numbers.units[-2:] == ("kg m^2", "kg")
+    assert numbers.places == ((0, "inertia_kg_m2"), (1, "mass_kg"))
+    assert numbers.place(1, "mass_kg") == len(base.names) + 1
+    assert numbers.place(2, "limit_N_m") is None
     low, high = numbers.bounds
     assert low[-2] == 0.0 and math.isinf(high[0])
-    with pytest.raises(ConfigError, match=r"nothing is called effect\[7\]"):
-        numbers.sought(["I2", "effect[7].mass_kg"])
+    np.testing.assert_allclose(numbers.values[-2:], [0.004, 0.1])
 
 
-def test_an_arm_with_other_numbers_has_them(true_arm):
-    base = structural_parameters(true_arm)
-    numbers = numbers_of(true_arm, base)
-    values = 1.1 * numbers.values
-    arm = numbers.with_values(values)
-    assert base.combination @ standard_parameters(arm) == pytest.approx(values[:-1])
-    assert arm.effects[0].parameters["inertia_kg_m2"] == pytest.approx(values[-1])
+def test_an_arm_with_other_effects_numbers_keeps_its_links(true_arm):
+    numbers = numbers_of(true_arm, structural_parameters(true_arm))
+    arm = numbers.with_effects(1.5 * numbers.values)
+    assert arm.effects[0].parameters["inertia_kg_m2"] == 1.5 * 0.004
+    assert arm.joints == true_arm.joints

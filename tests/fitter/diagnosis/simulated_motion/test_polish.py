@@ -1,66 +1,93 @@
-"""An arm's numbers moved by its simulated motion."""
+"""A model's numbers moved by its simulated motion."""
 
 from dataclasses import replace
 
 import numpy as np
 import pytest
 
-from arm.model import Effect, Friction
-from fitter.diagnosis.simulated_motion.polish import polish
-from fitter.dynamics.structure import structural_parameters
-from limbcal.errors import ConfigError
+from arm.effects.catalogue import catalogue
+from arm.model import Effect
+from fitter.diagnosis.at_joint import AtJoint
+from fitter.diagnosis.candidate import Candidate
+from fitter.diagnosis.conclusion import Conclusion
+from fitter.diagnosis.estimates import estimates, information_of
+from fitter.diagnosis.floor import Floor
+from fitter.diagnosis.in_arm import RotorInertia
+from fitter.diagnosis.model import Model
+from fitter.diagnosis.motion import run_of
+from fitter.diagnosis.regression import Regression
+from fitter.diagnosis.screening import fitted
+from fitter.diagnosis.search import Search
+from fitter.diagnosis.simulated_motion.polish import is_measured, loses, polished
+from fitter.diagnosis.unknown import Remainder
+from tests.fitter.diagnosis.searched import swinging
 
-ROTOR = "effect[0].inertia_kg_m2"
-
-
-def test_what_was_wrong_is_found_and_kept(wrong_arm, trials):
-    found = polish(wrong_arm, trials[:1], trials[1:], ["I2", "fc2", ROTOR], 0.5, std={"fc2": 0.01})
-    assert found.kept and found.converged
-    assert found.values[ROTOR] == pytest.approx(0.004, rel=0.1)
-    assert found.values["fc2"] == pytest.approx(0.02, rel=0.1)
-    assert abs(found.values[ROTOR] - 0.004) < 5.0 * found.std[ROTOR]
-    assert found.arm.effects[0].parameters["inertia_kg_m2"] == found.values[ROTOR]
-    assert found.arm.joints[1].friction.coulomb_N_m == pytest.approx(found.values["fc2"])
-    for before, after in (found.learn, found.evaluate):
-        assert after.motion.total_rms < 0.3 * before.motion.total_rms
-        assert after.torque_rms[1] < before.torque_rms[1]
-
-
-def test_what_makes_evaluating_trials_worse_is_not_kept(true_arm, wrong_arm, trials):
-    heavy = replace(
-        trials[0], tau=2.0 * trials[0].tau, whole=trials[0].whole | {"tau": 2.0 * trials[0].whole["tau"]}
-    )
-    found = polish(true_arm, [heavy], trials[1:], ["I2", "fc2"], 0.5)
-    assert not found.kept and found.arm == true_arm and found.found != true_arm
-    assert found.evaluate[1].motion.total_mean > found.evaluate[0].motion.total_mean
+DRAG = AtJoint(catalogue()["quadratic_drag"], 0)
+ROTOR = RotorInertia(catalogue()["rotor_inertia"], (1,))
 
 
-def test_a_close_prior_holds_numbers_where_they_were(wrong_arm, trials):
-    std = {"fc2": 1e-5}
-    held = polish(wrong_arm, trials[:1], trials[1:], ["fc2"], 0.5, std, prior_factor=1.0)
-    free = polish(wrong_arm, trials[:1], trials[1:], ["fc2"], 0.5, std)
-    assert abs(held.values["fc2"] - 0.03) < 0.2 * abs(free.values["fc2"] - 0.03)
+def whole(regression):
+    """Return all trials, not thinned."""
+    learn, others = ([one.trial for one in regression.motions if one.learn is learn] for learn in (True, False))
+    return run_of(regression.arm, learn, others, thin=False)
 
 
-def test_friction_brakes_in_sum_at_every_speed_that_was_seen(true_arm, trials):
-    driving = replace(
-        true_arm,
-        joints=(true_arm.joints[0], replace(true_arm.joints[1], friction=Friction(0.0, -0.02))),
-        effects=(Effect("viscous", {"viscous_N_m_s": 0.005}, joints=(2,)),),
-    )
-    found = polish(driving, trials[:1], trials[1:], ["fc2", "effect[0].viscous_N_m_s"], 0.5)
-    speed = np.abs(trials[0].dq[:, 1])
-    seen = np.array([speed[speed > 0.0].min(), speed.max()])
-    assert np.all(found.values["fc2"] + found.values["effect[0].viscous_N_m_s"] * seen >= -1e-9)
+def come_to(regression, final, scatter=1.0, ratio=9.0) -> Conclusion:
+    """Return a conclusion whose final model leaves something, and whose numbers are known so well."""
+    one = np.ones(regression.arm.n_joint)
+    floor, base = Floor(ratio * one, one, one), fitted(regression, Model())
+    search = Search(base, final, [], base, [], [], floor, floor)
+    numbers = estimates(regression, final)
+    numbers = replace(numbers, covariance=scatter**2 * numbers.covariance)
+    return Conclusion(search, "named", final, numbers, Remainder(0.0, 0.0, True, (), 0, "", []), [], {})
 
 
-def test_the_catalogues_bounds_are_kept(true_arm, trials):
-    base = structural_parameters(true_arm)
-    lighter = replace(true_arm, effects=(Effect("quadratic_drag", {"drag_N_m_s2": 1e-3}, joints=(2,)),))
-    found = polish(lighter, trials[:1], trials[1:], [base.names[-1], "effect[0].drag_N_m_s2"], 0.5)
-    assert found.values["effect[0].drag_N_m_s2"] >= 0.0
+@pytest.fixture(scope="module")
+def dragged():
+    """Return a run with a drag, and a model of it whose drag is off."""
+    regression = swinging(Effect("quadratic_drag", {"drag_N_m_s2": 0.3}, joints=(1,)), trials=4)
+    right = fitted(regression, Model().plus(DRAG, np.zeros(0)))
+    return regression, right, replace(right, x=right.x + np.r_[np.zeros(len(right.x) - 1), 0.2])
 
 
-def test_an_unknown_number_is_named(true_arm, trials):
-    with pytest.raises(ConfigError, match="nothing is called mass"):
-        polish(true_arm, trials[:1], trials[1:], ["mass"], 0.5)
+def test_numbers_that_are_off_come_back_and_are_kept_under_a_law(dragged):
+    regression, right, wrong = dragged
+    found = polished(regression, come_to(regression, wrong, scatter=20.0), whole(regression), 0.5)
+    assert found is not None and found.said.kept
+    drag = found.numbers.effects[0]["drag_N_m_s2"]
+    assert abs(drag.value - 0.3) < 4.0 * drag.std + 0.01
+    assert found.candidate.x[-1] == drag.value != wrong.x[-1]
+    assert found.said.after.angle_rms_deg < 0.5 * found.said.before.angle_rms_deg
+    assert set(found.said.document()) == {"before", "after"} and "are kept" in found.said.sentence
+
+
+def test_nothing_is_moved_where_noise_is_all_that_is_left_or_no_cause_is_there(dragged):
+    regression, right, _ = dragged
+    exact = come_to(regression, right, ratio=1.0)
+    assert polished(regression, exact, whole(regression), 0.5) is None
+    bare = come_to(regression, right)
+    assert polished(regression, replace(bare, final=bare.search.base), whole(regression), 0.5) is None
+
+
+def test_with_measured_torque_both_are_evidence(true_arm, trials):
+    bare = replace(true_arm, effects=())
+    regression = Regression(bare, run_of(bare, trials[:1], trials[1:]))
+    assert is_measured(regression.motions) and not is_measured(swinging(trials=2).motions)
+    right = fitted(regression, Model().plus(ROTOR, np.zeros(0)))
+    off = right.x + 3.0 / np.sqrt(np.diag(information_of(regression, right)))
+    wrong = Candidate(right.model, off, right.squares)
+    found = polished(regression, come_to(regression, wrong), whole(regression), 0.5)
+    assert found is not None and found.said.kept
+    assert found.said.after.unfiltered_rms is not None
+    assert found.said.after.angle_mean_deg < found.said.before.angle_mean_deg
+    rotor = found.numbers.effects[0]["inertia_kg_m2"]
+    torque = estimates(regression, wrong).effects[0]["inertia_kg_m2"]
+    assert 0.0 < rotor.std < 1.5 * torque.std
+
+
+def test_torque_that_grows_beyond_the_scatter_of_blocks_is_a_loss(dragged):
+    regression, right, wrong = dragged
+    motions = [one for one in whole(regression) if not one.learn]
+    assert loses(regression, right, replace(wrong, x=1.5 * wrong.x), motions)
+    assert not loses(regression, right, right, motions)
+    assert not loses(regression, wrong, right, motions)

@@ -1,0 +1,51 @@
+"""Whether motions held back are like those that were learnt from."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from fitter.data.trials import to_trials
+from fitter.diagnosis.likeness import likeness, novelty
+from fitter.diagnosis.motion import run_of
+from fitter.diagnosis.regression import Regression
+from tests.fitter.pendulum import pendulum, swings
+
+
+def test_what_is_new_is_no_matter_of_units_or_of_which_combinations_are_sought():
+    rng = np.random.default_rng(0)
+    some, others = rng.normal(size=(200, 4)), rng.normal(size=(300, 4)) * [1.0, 2.0, 3.0, 0.5]
+    mixed = rng.normal(size=(4, 4))
+    assert novelty([some @ mixed], [others @ mixed]) == pytest.approx(novelty([some], [others]), rel=1e-3)
+    assert novelty([some], [some]) < 1e-9
+    assert novelty([others], [some]) == pytest.approx(np.sqrt((np.log(4.0) ** 2 + np.log(9.0) ** 2) / 4), rel=0.15)
+
+
+def test_what_a_motion_lacks_is_nothing_new_and_what_others_do_not_tell_is_finite():
+    rows = np.random.default_rng(1).normal(size=(200, 2))
+    assert novelty([rows * [1.0, 0.0]], [rows]) < 0.05
+    assert 1.0 < novelty([rows], [rows * [1.0, 0.0]]) < np.inf
+
+
+@pytest.fixture(scope="module")
+def trials():
+    return to_trials(swings((), trials=5, seed=3), cutoff_hz=25.0)
+
+
+def test_motions_drawn_alike_are_said_to_be_alike(trials):
+    note = likeness(Regression(pendulum(), run_of(pendulum(), trials[:4], [*trials[4:], *trials[:4]])))
+    assert note is not None and note.kind == "alike" and "like the learning ones" in note.text
+
+
+def test_a_motion_that_goes_farther_is_another_kind_and_one_that_hardly_moves_is_none(trials):
+    (swing,) = swings((), trials=1, seed=9)
+    noted = []
+    for factor in (0.05, 4.0):
+        other = replace(swing, columns={name: factor * values for name, values in swing.columns.items()})
+        motions = run_of(pendulum(), trials, to_trials([other], cutoff_hz=25.0))
+        noted.append(likeness(Regression(pendulum(), motions)) is not None)
+    assert noted == [True, False]
+
+
+def test_without_motions_held_back_there_is_nothing_to_say(trials):
+    assert likeness(Regression(pendulum(), run_of(pendulum(), trials, []))) is None
