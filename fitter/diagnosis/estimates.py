@@ -255,7 +255,9 @@ def _covariance(regression: Regression, fitted: Candidate, learnt_from: list[Mot
         root = np.linalg.inv(W)
         plain = np.einsum("ij,ij->i", root, root)
         # What a single block tells, such as when a push began, is fitted to that block's noise: no score shows it.
-        blocks_all = sum(max(1.0, len(regression.motions[k].t) * regression.motions[k].dt_s / BLOCK_S) for k in fitting)
+        blocks_all = sum(
+            max(1.0, len(regression.motions[k].t) * regression.motions[k].dt_s / BLOCK_S) for k in fitting
+        )
         numbers = told_by / blocks_all / regression.arm.n_joint
         systematic = max(1.0, numbers * lacking(left / told_by, 1.0 - regression.floor_part))
         scatter = np.maximum(

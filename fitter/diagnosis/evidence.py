@@ -4,14 +4,15 @@ A hypothesis of k numbers, sought at m places, is worth
 
 .. math:: (l_1 - l_0) / \varphi - \tfrac{k}{2} \log n_{blocks} - \log m - \log n_{families}
 
-nats: Schwarz' criterion over blocks of about a second, the places and families that were tried as a uniform prior.
-The gain is that of all trials, or of the learning trials alone: what one evaluating trial shows of a kind of its own
-must not hide what all others show, nor the other way round. The larger worth counts, less log 2 for the choice.
+nats: Schwarz' criterion over blocks of about a second, and a uniform prior over places and families that were tried.
+The gain is that of all trials, or of the learning trials alone: what one evaluating trial shows of a kind of its
+own must not hide what all others show, nor the other way round. The larger worth counts, less log 2.
+
 What a model lacks makes residuals of neighbours, and of whole trials, resemble each other, so the gain counts
 divided by :math:`\varphi`: the variance of the score of what was added, over blocks or trials, in units of its
 information (Huber 1967; Takeuchi 1976). What a model lacks may depend on the motion alike in all trials, which no
-scatter shows: a block says no more of it than one number a joint. Two models are equal if the sum of their blocks' differences is within
-two of its standard errors (Vuong 1989).
+scatter shows: of it a block has no more than one number a joint. Two models are equal if the sum of their blocks'
+differences is within two of its standard errors (Vuong 1989).
 """
 
 from dataclasses import dataclass
@@ -158,9 +159,7 @@ def worth(one: Fit, other: Fit, places: float, families: int) -> float:
     everything = np.ones_like(one.learnt)
     sets = [everything] if np.all(one.learnt) else [everything, one.learnt]
     gain, numbers = one.nats - other.nats, one.n_number - other.n_number
-    worths = [
-        float(gain[of].sum()) / dispersion(one, other, of) - 0.5 * numbers * np.log(of.sum()) for of in sets
-    ]
+    worths = [float(gain[of].sum()) / dispersion(one, other, of) - 0.5 * numbers * np.log(of.sum()) for of in sets]
     return float(max(worths) - places - np.log(families) - np.log(len(sets)))
 
 

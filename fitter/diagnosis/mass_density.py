@@ -131,9 +131,7 @@ class MassDensity:
         more = self.of(model, x, motions) - self._base[key]
         return float(np.exp(min(-more / numbers, _VANISHED)))
 
-    def solve(
-        self, normal: Normal, numbers: float, x: Floats, model: Model, motions: Sequence[Motion]
-    ) -> Floats:
+    def solve(self, normal: Normal, numbers: float, x: Floats, model: Model, motions: Sequence[Motion]) -> Floats:
         """Return the likeliest factors by Newton's steps, the residual's variance being the likeliest, too.
 
         Parameters
@@ -208,9 +206,7 @@ class MassDensity:
             made = [self._made(parts, motion) for motion in motions]
             self._known[key] = tuple(np.concatenate(one) for one in zip(*made, strict=True))
         slopes, known, weight = self._known[key]
-        columns = [
-            np.full(one.n_column, turns) for one, turns in zip(model.hypotheses, inertial, strict=True)
-        ]
+        columns = [np.full(one.n_column, turns) for one, turns in zip(model.hypotheses, inertial, strict=True)]
         base = np.ones(slopes.shape[-1] - parts.n_column, dtype=np.bool_)
         return _Masses(slopes, known, weight, np.flatnonzero(np.concatenate([base, *columns])))
 

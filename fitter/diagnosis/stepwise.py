@@ -126,13 +126,12 @@ class Stepwise:
         while len(steps) < self._most and not self._likelihood.is_exact(fit):
             options = tuple(self._likelihood.options(fit))
             first = first or options
-            new = self._best(fit, options)
+            new = self._best(fit, steps, options)
             if new is None and self._likelihood.is_plainly_wrong(fit):
-                new = self._best_pair(fit, options)
+                new = self._best_pair(fit, steps, options)
             if new is None:
                 break
-            fit, more = new
-            fit, steps = self._pruned(fit, [*steps, *more])
+            fit, steps = new
             names = frozenset(step.hypothesis.key for step in steps)
             if names in known:  # what one step adds the next takes away
                 break
@@ -151,28 +150,32 @@ class Stepwise:
         kept = [one for one in options if self._worth(one, fit) > 0.0 and one.helps(fit)]
         return sorted(kept, key=likelihood_of, reverse=True)
 
-    def _accepted(self, fit: Fit, more: list[Step]) -> tuple[Fit, list[Step]] | None:
-        """Return a model with further causes if they are worth it under its own weights, and all sizes known."""
+    def _accepted(self, fit: Fit, steps: list[Step], more: list[Step]) -> tuple[Fit, list[Step]] | None:
+        """Return a model with further causes, without those that they make needless.
+
+        None if they are not worth it under its own weights, or if the size of any cause is then unknown.
+        """
         smaller = fit
         for _ in more:
             smaller = self._likelihood.without(smaller, len(smaller.candidate.model.hypotheses) - 1)
         own = self._worth(fit, smaller)
-        if own < ODDS_NATS or not self._likelihood.is_significant(fit):
+        if own < ODDS_NATS:
             return None
-        return fit, [replace(step, worth=own) for step in more]
+        pruned = self._pruned(fit, [*steps, *(replace(step, worth=own) for step in more)])
+        return pruned if self._likelihood.is_significant(pruned[0]) else None
 
-    def _best(self, fit: Fit, options: tuple[Fit, ...]) -> tuple[Fit, list[Step]] | None:
-        """Return the likeliest model that is worth it, under its own weights, with the step that led to it."""
+    def _best(self, fit: Fit, steps: list[Step], options: tuple[Fit, ...]) -> tuple[Fit, list[Step]] | None:
+        """Return the likeliest model that is worth it, under its own weights, with the steps that led to it."""
         kept = self._promising(fit, options)
         while kept:
             found, step = self._best_of(fit, kept, options)
-            if accepted := self._accepted(found, [step]):
+            if accepted := self._accepted(found, steps, [step]):
                 return accepted
             kept = [one for one in kept if one is not step.fit]
         return None
 
     def _best_of(self, fit: Fit, kept: Sequence[Fit], options: tuple[Fit, ...]) -> tuple[Fit, Step]:
-        """Return the likeliest of some models under its own weights; of its equals there that of fewest numbers."""
+        """Return the likeliest of some models under its own weights; of equals that of fewest numbers."""
         close = [one for one in kept if one.gain(fit) > _CLOSE * kept[0].gain(fit)]
         best = kept[0]
         for _ in close:
@@ -191,15 +194,15 @@ class Stepwise:
         others = tuple(one for one, _ in equal if one is not chosen)
         return found, Step(chosen.candidate.hypothesis, chosen, fit, self._worth(chosen, fit), others, options)
 
-    def _best_pair(self, fit: Fit, options: Sequence[Fit]) -> tuple[Fit, list[Step]] | None:
+    def _best_pair(self, fit: Fit, steps: list[Step], options: Sequence[Fit]) -> tuple[Fit, list[Step]] | None:
         """Return the likeliest model with two hypotheses more neither of which is worth it alone."""
         pairs = [self._likelihood.joined(fit, pair) for pair in combinations(options[:PAIRED], 2)]
         kept = self._promising(fit, [pair for pair in pairs if pair is not None])
         if not kept:
             return None
         own, new = self._worth(kept[0], fit), kept[0].candidate.model.hypotheses[-2:]
-        steps = [Step(hypothesis, kept[0], fit, own, options=tuple(options)) for hypothesis in new]
-        return self._accepted(self._likelihood.reweighted(kept[0]), steps)
+        more = [Step(hypothesis, kept[0], fit, own, options=tuple(options)) for hypothesis in new]
+        return self._accepted(self._likelihood.reweighted(kept[0]), steps, more)
 
     def _pruned(self, fit: Fit, steps: list[Step]) -> tuple[Fit, list[Step]]:
         """Return a model without the causes that the last one has made needless."""

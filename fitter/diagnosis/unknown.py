@@ -14,7 +14,7 @@ import numpy as np
 from fitter.diagnosis.candidate import Candidate
 from fitter.diagnosis.dependence import Dependence, dependences
 from fitter.diagnosis.evidence import EQUAL_SIGMAS
-from fitter.diagnosis.floor import PLAINLY
+from fitter.diagnosis.floor import KNOWN, PLAINLY
 from fitter.diagnosis.folds import Folds
 from fitter.diagnosis.functions import names
 from fitter.diagnosis.model import Model
@@ -108,8 +108,8 @@ def outdone(regression: Regression, final: Candidate) -> bool:
     """Say whether a function of few variables leaves trials with clearly less than all causes do in its place.
 
     It is judged on trials that it was not fitted to, by the sensors' noise: a floor was made for the causes. No
-    formula is exact, so the causes have to leave twice as much beyond noise; the difference of the logarithms has
-    to be two of its standard errors over the trials.
+    formula is exact, so the causes have to leave twice as much beyond noise, whose size is known to a tenth; the
+    difference of the logarithms has to be two of its standard errors over the trials.
 
     Parameters
     ----------
@@ -126,7 +126,7 @@ def outdone(regression: Regression, final: Candidate) -> bool:
     logs = np.log(np.maximum(by_causes, least) / np.maximum(left, least))
     error = logs.std(ddof=1) / np.sqrt(len(logs)) if len(logs) > 1 else np.inf
     beyond, least_beyond = (float(np.mean(one / own.told)) - 1.0 for one in (by_causes, left))
-    return bool(logs.mean() > EQUAL_SIGMAS * error and beyond > PLAINLY * least_beyond)
+    return bool(logs.mean() > EQUAL_SIGMAS * error and beyond > PLAINLY * max(least_beyond, KNOWN - 1.0))
 
 
 def describe(regression: Regression, final: Candidate) -> Remainder:

@@ -7,6 +7,7 @@ import numpy as np
 from arm.effects.catalogue import catalogue
 from arm.model import Floats
 from fitter.diagnosis.candidate import Candidate
+from fitter.diagnosis.estimates import significant
 from fitter.diagnosis.evidence import Fit, likelihood_of
 from fitter.diagnosis.hypothesis import Hypothesis
 from fitter.diagnosis.model import Model
@@ -76,10 +77,11 @@ class LinearLikelihood:
         x = np.linalg.lstsq(A[may], self.y[may], rcond=None)[0]
         left = (self.y - A @ x)[:, None]
         model = Model(hypotheses, (np.zeros(0),) * len(hypotheses))
-        variance = np.mean(left**2, axis=0)
         candidate = Candidate(model, x, np.bincount(self.trial[self.block], left[:, 0] ** 2))
         nothing = np.zeros(len(self.trial))
-        return Fit(candidate, left, variance, self.block, self.trial, self.learnt, 1.0, nothing)
+        count = ROWS * np.bincount(self.trial)[:, None].astype(np.float64)
+        # All is noise: nothing systematic is lacking that no scatter shows.
+        return Fit(candidate, left, count, self.block, self.trial, self.learnt, np.full(1, np.inf), nothing)
 
     def base(self) -> Fit:
         """Return the model without any column."""
@@ -113,9 +115,16 @@ class LinearLikelihood:
         """Return zero: there is one place."""
         return 0.0
 
+    def is_significant(self, fit: Fit) -> bool:
+        """Say whether the factors of each hypothesis differ from none: white noise of known columns."""
+        A = self.columns[:, [k for one in fit.candidate.model.hypotheses for k in one.joints]]
+        may = self.learnt[self.block]
+        scatter = np.mean(fit.residual[may] ** 2) * np.linalg.inv(A[may].T @ A[may])
+        return all(significant(fit.candidate, scatter))
+
     def is_exact(self, fit: Fit) -> bool:
         """Say whether a model leaves no more than it may."""
-        return bool(fit.variance[0] <= self.exact)
+        return bool(np.mean(fit.residual**2) <= self.exact)
 
     def is_plainly_wrong(self, fit: Fit) -> bool:
         """Say whether two hypotheses may hide each other."""

@@ -109,8 +109,8 @@ def test_the_density_of_a_motion_counts_with_what_is_left_of_it():
 
 @given(SEEDS, st.floats(0.1, 10.0))
 def test_the_unit_of_what_is_left_does_not_matter(seed, unit):
-    """A variance that goes with the unit shifts all models alike."""
+    """The sensors' noise goes with the unit, and all models are shifted alike."""
     one, base = explained(seed)
-    scaled = [replace(fit, residual=unit * fit.residual, variance=unit**2 * fit.variance) for fit in (one, base)]
+    scaled = [replace(fit, residual=unit * fit.residual, noise=unit**2 * fit.noise) for fit in (one, base)]
     assert scaled[0].gain(scaled[1]) == pytest.approx(one.gain(base))
     assert dispersion(*scaled) == pytest.approx(dispersion(one, base))

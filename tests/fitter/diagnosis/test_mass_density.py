@@ -11,7 +11,7 @@ from arm.effects.catalogue import catalogue
 from fitter.diagnosis.at_joint import AtJoint
 from fitter.diagnosis.falling_friction import HeldStribeck
 from fitter.diagnosis.in_arm import RotorInertia
-from fitter.diagnosis.mass_density import MassDensity
+from fitter.diagnosis.mass_density import MassDensity, Normal
 from fitter.diagnosis.model import Model
 from fitter.diagnosis.regression import Regression
 from tests.fitter.diagnosis.searched import swinging
@@ -74,26 +74,29 @@ def test_what_is_no_mass_is_impossible(regression, density):
 
 def normal_equations(regression, model):
     rows = [regression.rows(model, motion) for motion in regression.motions]
-    return sum(one.columns.gram for one in rows), sum(one.pull for one in rows)
+    square = sum(float(one.right.gram[0, 0]) for one in rows)
+    return Normal(sum(one.columns.gram for one in rows), sum(one.pull for one in rows), square)
 
 
 @pytest.mark.parametrize("begun", [1.0, 0.5, -1.0])
 def test_the_likeliest_factors_have_no_slope_left_wherever_they_are_begun(regression, density, begun):
     """From masses that are none, it is begun with those that are some."""
     motions = regression.motions
-    gram, pull = normal_equations(regression, Model())
+    normal, numbers = normal_equations(regression, Model()), float(regression.told.sum())
     plain = regression.solve(Model(), motions)
-    x = density.solve(gram, pull, begun * plain, Model(), motions)
+    x = density.solve(normal, numbers, begun * plain, Model(), motions)
     score, information = density.slopes(Model(), x, motions)
-    slope = pull - gram @ x + score
-    assert slope @ np.linalg.lstsq(gram + information, slope, rcond=1e-11)[0] < 0.1  # nats, twice
+    weight = numbers / normal.left(x)
+    slope = weight * (normal.pull - normal.gram @ x) + score
+    assert slope @ np.linalg.lstsq(weight * normal.gram + information, slope, rcond=1e-11)[0] < 0.1  # nats, twice
 
 
 def test_without_weight_least_squares_stay_what_they_are(regression):
-    gram, pull = normal_equations(regression, Model())
-    plain = np.linalg.lstsq(gram, pull, rcond=None)[0]
-    x = density_of(regression, 0.0).solve(gram, pull, plain, Model(), regression.motions)
-    np.testing.assert_allclose(gram @ x, pull, rtol=1e-6, atol=1e-6 * np.abs(pull).max())
+    normal = normal_equations(regression, Model())
+    plain = np.linalg.lstsq(normal.gram, normal.pull, rcond=None)[0]
+    numbers = float(regression.told.sum())
+    x = density_of(regression, 0.0).solve(normal, numbers, plain, Model(), regression.motions)
+    np.testing.assert_allclose(normal.gram @ x, normal.pull, rtol=1e-6, atol=1e-6 * np.abs(normal.pull).max())
 
 
 def test_a_joint_that_is_stuck_has_a_mass_of_one():
