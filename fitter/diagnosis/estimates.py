@@ -255,14 +255,11 @@ def _covariance(regression: Regression, fitted: Candidate, learnt_from: list[Mot
         root = np.linalg.inv(W)
         plain = np.einsum("ij,ij->i", root, root)
         # What a single block tells, such as when a push began, is fitted to that block's noise: no score shows it.
-        blocks_all = sum(
-            max(1.0, len(regression.motions[k].t) * regression.motions[k].dt_s / BLOCK_S) for k in fitting
-        )
-        numbers = told_by / blocks_all / regression.arm.n_joint
-        systematic = max(1.0, numbers * lacking(left / told_by, 1.0 - regression.floor_part))
-        scatter = np.maximum(
-            _between(designs, residuals, extra, information), max(left / told_by, 1.0) * systematic
-        )
+        lasts = sum(max(1.0, len(regression.motions[k].t) * regression.motions[k].dt_s / BLOCK_S) for k in fitting)
+        a_block = told_by / lasts / regression.arm.n_joint
+        excess = max(left / told_by, 1.0)
+        systematic = max(1.0, a_block * float(lacking(excess, 1.0 - regression.floor_part)))
+        scatter = np.maximum(_between(designs, residuals, extra, information), excess * systematic)
         wider = np.sqrt(np.maximum(scatter * plain / np.diag(part), 1.0))
         part = part * np.outer(wider, wider)
     else:  # something is not told at all, such as how long a stuck joint was pushed: the rest still is

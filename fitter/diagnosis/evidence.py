@@ -4,7 +4,7 @@ A hypothesis of k numbers, sought at m places, is worth
 
 .. math:: (l_1 - l_0) / \varphi - \tfrac{k}{2} \log n_{blocks} - \log m - \log n_{families}
 
-nats: Schwarz' criterion over blocks of about a second, and a uniform prior over places and families that were tried.
+nats: Schwarz' criterion over blocks of about a second, and a uniform prior over the places and families tried.
 The gain is that of all trials, or of the learning trials alone: what one evaluating trial shows of a kind of its
 own must not hide what all others show, nor the other way round. The larger worth counts, less log 2.
 

@@ -147,7 +147,7 @@ class MassDensity:
         """
 
         def value(at: Floats) -> float:
-            return self.of(model, at, motions) - 0.5 * numbers * np.log(normal.left(at))
+            return self.of(model, at, motions) - 0.5 * numbers * float(np.log(normal.left(at)))
 
         here = value(x)
         if not np.isfinite(here):
