@@ -271,7 +271,7 @@ def _covariance(regression: Regression, fitted: Candidate, learnt_from: list[Mot
 
 
 def _by_density(regression: Regression, fitted: Candidate) -> tuple[Floats, Floats]:
-    """Return the slopes of the motions' density, (n_motion, n_number), and its information of those learnt from."""
+    """Return the density's slopes, (n_motion, n_number), and its information of the motions learnt from."""
     model, n_number = fitted.model, len(fitted.x) + len(fitted.model.flat)
     mass = regression.density
     if mass is None or not np.isfinite(mass.of(model, fitted.x, regression.motions)):
