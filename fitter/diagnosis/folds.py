@@ -100,7 +100,7 @@ class Folds:
         target = self._products.shape[1] - 1  # base parameters, the target, and what was added behind it
         design = np.delete(np.arange(whole.shape[1]), target)
         grams, pulls = whole[:, design[:, None], design], whole[:, design, target]
-        size = np.sqrt(np.einsum("kii->i", grams))
+        size = np.sqrt(np.maximum(np.einsum("kii->i", grams), 0.0))  # rounding makes nothing less than that
         size[size == 0.0] = 1.0
         # A product of splines has cells that some trials hardly visit: what it makes there is held towards zero.
         held = np.where(np.arange(len(size)) < target, _EXACT, _RIDGE)

@@ -32,8 +32,8 @@ class Likelihood(Protocol):
     def without(self, fit: Fit, place: int) -> Fit:
         """Return a model without one of its hypotheses, fitted."""
 
-    def instead(self, fit: Fit, other: Fit) -> Fit | None:
-        """Return a model with another one's last hypothesis in place of its own; None if that is impossible."""
+    def instead(self, fit: Fit, place: int, other: Fit) -> Fit | None:
+        """Return a model without one of its hypotheses and with another model's last one; None if impossible."""
 
     def reweighted(self, fit: Fit) -> Fit:
         """Return a model under weights of its own, all its numbers sought anew."""
@@ -137,7 +137,7 @@ class Stepwise:
                 break
             known.add(names)
             self._progress(len(steps))
-        fit, steps = self._confirmed(fit, steps)
+        fit, steps = self._confirmed(*self._exchanged(fit, steps))
         return Found(base, fit, tuple(steps), first)
 
     def _worth(self, one: Fit, fit: Fit) -> float:
@@ -161,8 +161,8 @@ class Stepwise:
         own = self._worth(fit, smaller)
         if own < ODDS_NATS:
             return None
-        pruned = self._pruned(fit, [*steps, *(replace(step, worth=own) for step in more)])
-        return pruned if self._likelihood.is_significant(pruned[0]) else None
+        found = self._pruned(fit, [*steps, *(replace(step, worth=own) for step in more)])
+        return found if self._likelihood.is_significant(found[0]) else None
 
     def _best(self, fit: Fit, steps: list[Step], options: tuple[Fit, ...]) -> tuple[Fit, list[Step]] | None:
         """Return the likeliest model that is worth it, under its own weights, with the steps that led to it."""
@@ -180,7 +180,8 @@ class Stepwise:
         best = kept[0]
         for _ in close:
             settled = self._likelihood.reweighted(best)
-            tried = [(one, self._likelihood.instead(settled, one)) for one in close if one is not best]
+            last = len(settled.candidate.model.hypotheses) - 1
+            tried = [(one, self._likelihood.instead(settled, last, one)) for one in close if one is not best]
             rivals = [(one, rival) for one, rival in tried if rival is not None]
             beating = [one for one, rival in rivals if is_better(rival, settled)]
             if not beating:
@@ -213,6 +214,20 @@ class Stepwise:
                 fit, steps = smaller, [one for k, one in enumerate(steps) if k != place]
         return fit, steps
 
+    def _exchanged(self, fit: Fit, steps: list[Step]) -> tuple[Fit, list[Step]]:
+        """Return a model whose earlier causes are held again against all others, beside those found after them.
+
+        What stood in for two causes as long as none of them was known may be the wrong one beside the other.
+        """
+        for step in steps[:-1]:
+            place = steps.index(step)
+            options = tuple(self._likelihood.options(self._likelihood.without(fit, place)))
+            better = next((one for one in options if _is_preferred(one, fit)), None)
+            if better is not None and better.candidate.hypothesis.key != step.hypothesis.key:
+                new = replace(step, hypothesis=better.candidate.hypothesis, fit=better, equals=(), options=options)
+                fit, steps = self._likelihood.reweighted(better), [*steps[:place], *steps[place + 1 :], new]
+        return fit, steps
+
     def _confirmed(self, fit: Fit, steps: list[Step]) -> tuple[Fit, list[Step]]:
         """Return a model without the causes that trials not learnt from contradict, now that all are in."""
         while steps:
@@ -224,3 +239,8 @@ class Stepwise:
             fit = self._likelihood.reweighted(smaller[weakest])
             steps = [one for k, one in enumerate(steps) if k != weakest]
         return fit, steps
+
+
+def _is_preferred(one: Fit, other: Fit) -> bool:
+    """Say whether a model is better, or as good with fewer numbers."""
+    return is_better(one, other) or (one.n_number < other.n_number and not is_better(other, one))

@@ -98,9 +98,9 @@ class TorqueLikelihood:
         """Return a model without one of its hypotheses, fitted."""
         return self.fit_of(fitted(self.regression, fit.candidate.model.without(place)))
 
-    def instead(self, fit: Fit, other: Fit) -> Fit | None:
-        """Return a model with another one's last hypothesis in place of its own; None if that is impossible."""
-        model = fit.candidate.model.without(len(fit.candidate.model.hypotheses) - 1)
+    def instead(self, fit: Fit, place: int, other: Fit) -> Fit | None:
+        """Return a model without one of its hypotheses and with another model's last one; None if impossible."""
+        model = fit.candidate.model.without(place)
         model = model.plus(other.candidate.hypothesis, other.candidate.model.psi[-1])
         candidate = fitted(self.regression, model)
         return self.fit_of(candidate) if is_possible(candidate) else None

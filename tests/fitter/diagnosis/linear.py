@@ -102,9 +102,9 @@ class LinearLikelihood:
         """Return a model without one of its hypotheses."""
         return self.fit_of(*fit.candidate.model.without(place).hypotheses)
 
-    def instead(self, fit: Fit, other: Fit) -> Fit | None:
-        """Return a model with another one's last hypothesis in place of its own."""
-        return self.fit_of(*fit.candidate.model.hypotheses[:-1], other.candidate.hypothesis)
+    def instead(self, fit: Fit, place: int, other: Fit) -> Fit | None:
+        """Return a model without one of its hypotheses and with another model's last one."""
+        return self.fit_of(*fit.candidate.model.without(place).hypotheses, other.candidate.hypothesis)
 
     def reweighted(self, fit: Fit) -> Fit:
         """Return a model as it is: least squares have no weights."""

@@ -90,7 +90,7 @@ def test_hypotheses_come_and_go(dragged, ranked):
     assert [one.key for one in both.candidate.model.hypotheses] == keys
     alone = likelihood.without(both, len(keys) - 1)
     assert [one.key for one in alone.candidate.model.hypotheses] == keys[:-1]
-    other = likelihood.instead(first, second)
+    other = likelihood.instead(first, 0, second)
     assert other is None or [one.key for one in other.candidate.model.hypotheses] == [
         second.candidate.hypothesis.key
     ]
