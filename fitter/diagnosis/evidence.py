@@ -169,10 +169,14 @@ def likelihood_of(fit: Fit) -> float:
 
 
 def is_better(one: Fit, other: Fit) -> bool:
-    """Say whether a model is better than another, beyond its numbers, chance, and the blocks' scatter."""
+    """Say whether a model is better than another, beyond its numbers, chance, and the blocks' scatter.
+
+    What the learning trials leave open of the numbers shows in all trials as many times as these are longer.
+    """
     gain: Floats = one.nats - other.nats
     numbers = 0.5 * (one.n_number - other.n_number) * np.log(len(gain))
-    return bool(gain.sum() - numbers > max(ODDS_NATS, EQUAL_SIGMAS * _scatter(gain)))
+    chance = ODDS_NATS * len(gain) / max(np.count_nonzero(one.learnt), 1)
+    return bool(gain.sum() - numbers > max(chance, EQUAL_SIGMAS * _scatter(gain)))
 
 
 def _scatter(gain: Floats) -> float:
