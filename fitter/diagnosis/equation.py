@@ -7,7 +7,7 @@ each of their axes. Those of any size are eliminated from both sides, which cost
 leaves the noise of everything else white.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -41,25 +41,11 @@ class Weighting(Whitening):
     ----------
     holding : (n_joint,) [N m or N]
         What holds a stuck joint may be so large, as a standard deviation; inf where nothing tells.
-    louder : mapping of int to (n_joint,)
-        Ratio of a motion's noise to that of all, by its number; 1 where it is not there.
     """
 
     holding: Floats
-    louder: Mapping[int, Floats] = field(default_factory=dict)
     _held: dict[int, tuple[Floats, Floats]] = field(default_factory=dict, init=False, repr=False)
     _told: dict[int, Floats] = field(default_factory=dict, init=False, repr=False)
-
-    def of_motion(self, motion: Motion, rows: Floats, joints: slice = slice(None)) -> Floats:
-        """Return rows of some joints, filtered and on the slower grid, in units of the motion's own noise."""
-        white = self.white(rows, motion.dt_s, joints)
-        if not self.louder:
-            return white
-        return np.asarray(white / self.loudness(motion).reshape(1, -1, *[1] * (white.ndim - 2)), dtype=np.float64)
-
-    def loudness(self, motion: Motion) -> Floats:
-        """Return the ratio of a motion's noise to that of all, (n_joint,)."""
-        return self.louder.get(motion.number, np.ones(len(self.holding)))
 
     def filtered(self, motion: Motion, rows: Floats) -> Floats:
         """Return rows (n_sample, n_joint, …), filtered and on the slower grid, without what may hold a joint."""
@@ -72,14 +58,14 @@ class Weighting(Whitening):
 
     def whitened_at(self, motion: Motion, joint: int, torques: Floats) -> Floats:
         """Return the same with what may hold a joint."""
-        white = self.of_motion(motion, torques[:, None], slice(joint, joint + 1))
+        white = self.white(torques[:, None], motion.dt_s, slice(joint, joint + 1))
         return white.reshape(-1, torques.shape[1])
 
     def whitened(self, motion: Motion, rows: Floats) -> Floats:
         """Return rows (n_sample, n_joint, …), filtered and on the slower grid, with what may hold a joint."""
         acts = np.flatnonzero(np.any(rows.reshape(*rows.shape[:2], -1), axis=(0, 2)))
         only = slice(acts[0], acts[0] + 1) if len(acts) == 1 else slice(None)
-        return self.of_motion(motion, rows[:, only], only)
+        return self.white(rows[:, only], motion.dt_s, only)
 
     def freed(self, motion: Motion, flat: Floats, held: Floats | None = None) -> Floats:
         """Return white rows (n_slower * n_joint, n_column) without what may hold a joint.
@@ -148,7 +134,7 @@ class Weighting(Whitening):
                 roughly.append(_at(j, holding * shapes, n_joint))
                 shapes = rest_shapes(motion.stuck[:, j], motion.dt_s)
             anyhow.append(_at(j, shapes, n_joint))
-        white = (self.of_motion(motion, np.concatenate(part, axis=2)) for part in (anyhow, roughly))
+        white = (self.white(np.concatenate(part, axis=2), motion.dt_s) for part in (anyhow, roughly))
         first, second = (rows.reshape(rows.shape[0] * n_joint, rows.shape[2]) for rows in white)
         return first, second
 

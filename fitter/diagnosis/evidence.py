@@ -175,7 +175,7 @@ def is_better(one: Fit, other: Fit) -> bool:
     """
     gain: Floats = one.nats - other.nats
     numbers = 0.5 * (one.n_number - other.n_number) * np.log(len(gain))
-    chance = ODDS_NATS * len(gain) / max(np.count_nonzero(one.learnt), 1)
+    chance = ODDS_NATS * len(gain) / max(int(np.count_nonzero(one.learnt)), 1)
     return bool(gain.sum() - numbers > max(chance, EQUAL_SIGMAS * _scatter(gain)))
 
 

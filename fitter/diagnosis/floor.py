@@ -7,6 +7,7 @@ the angles than is known of, both by maximum likelihood (Whittle 1953) of what a
 trials. Where the model is exact there is no floor: ``D = 0, E = 1``.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -15,7 +16,6 @@ import scipy.optimize
 from arm.model import Floats
 from fitter.diagnosis.candidate import Candidate
 from fitter.diagnosis.equation import Weighting
-from fitter.diagnosis.motion import Motion
 from fitter.diagnosis.regression import Regression
 from fitter.diagnosis.reweighting import reweighted
 
@@ -23,8 +23,6 @@ from fitter.diagnosis.reweighting import reweighted
 KNOWN = 1.1**2
 #: The residual exceeds the noise plainly if its variance is this multiple of the noise's: 3 dB.
 PLAINLY = 2.0
-#: A trial's floor is that of all unless so many numbers say otherwise: they know a variance to a half.
-_PRIOR_NUMBERS = 10.0
 #: Floors are sought in their logarithms, to a hundredth.
 _TOLERANCE = 0.01
 #: Starts: the white floor as a part of the mean power, and the logarithm of the other.
@@ -71,40 +69,21 @@ def floored(regression: Regression, candidate: Candidate) -> tuple[Weighting, We
     """
     model, x = candidate.model, candidate.x
     own = reweighted(regression.equations, regression.sensors, model, x, regression.motions, regression.noisier)
-    spectra = [_spectrum(regression, candidate, motion) for motion in regression.motions]
+    f, power, freedom = _spectra(regression, candidate)
+    omega = (2.0 * np.pi * f) ** 4
     n_joint = len(own.torque_noise)
     ratio, white, steep = np.ones(n_joint), np.zeros(n_joint), np.ones(n_joint)
-    louder = np.ones((len(spectra), n_joint))
-    learning = np.array([motion.learn for motion in regression.motions])
     for j in range(n_joint):
-        each = [(one.f, one.power[:, j], one.freedom[j]) for one in spectra]
-        sensors = [own.torque_noise[j] ** 2 + own.acceleration_noise[j, j] * _fourth(f) for f, _, _ in each]
-        squares = np.array([np.sum(power / S) for (_, power, _), S in zip(each, sensors, strict=True)])
-        numbers = np.array([freedom * len(f) for f, _, freedom in each])
-        ratio[j] = float(squares[learning].sum() / numbers[learning].sum())
-        if ratio[j] <= KNOWN:
-            continue
-        was = np.array([regression.weighting.loudness(motion)[j] for motion in regression.motions])
-        used = [
-            (f, power / was[k] ** 2, np.full(len(f), freedom))
-            for k, (f, power, freedom) in enumerate(each)
-            if learning[k]
-        ]
-        f, power, freedom = (np.concatenate(column) for column in zip(*used, strict=True))
-        torque, angle = own.torque_noise[j] ** 2, own.acceleration_noise[j, j]
-        variance, steep[j] = _likeliest(power, freedom, torque, angle * _fourth(f))
-        white[j] = np.sqrt(variance)
-        squares = np.array(
-            [np.sum(power / (torque + variance + steep[j] * angle * _fourth(f))) for f, power, _ in each]
-        )
-        logs = 0.5 * np.log((squares + _PRIOR_NUMBERS) / (numbers + _PRIOR_NUMBERS))
-        louder[:, j] = np.exp(logs - logs[learning].mean())
+        torque, angle = own.torque_noise[j] ** 2, own.acceleration_noise[j, j] * omega
+        ratio[j] = float(np.sum(power[:, j] / (torque + angle)) / np.sum(freedom[:, j]))
+        if ratio[j] > KNOWN:
+            variance, steep[j] = _likeliest(power[:, j], freedom[:, j], torque, angle)
+            white[j] = np.sqrt(variance)
     root = np.sqrt(steep)
     with_floor = replace(
         own,
         torque_noise=np.sqrt(own.torque_noise**2 + white**2),
         acceleration_noise=own.acceleration_noise * np.outer(root, root),
-        louder={motion.number: one for motion, one in zip(regression.motions, louder, strict=True)},
     )
     return own, with_floor, Floor(ratio, white, steep)
 
@@ -118,37 +97,29 @@ def part_of_floor(own: Weighting, with_floor: Weighting) -> float:
     return float(np.mean(1.0 - variances[0] / variances[1]))
 
 
-@dataclass(frozen=True)
-class _Spectrum:
-    """What a model leaves of a motion: frequencies (n,), power (n, n_joint), degrees of freedom a frequency."""
-
-    f: Floats
-    power: Floats
-    freedom: Floats
-
-
-def _fourth(f: Floats) -> Floats:
-    return np.asarray((2.0 * np.pi * f) ** 4, dtype=np.float64)
-
-
-def _spectrum(regression: Regression, candidate: Candidate, motion: Motion) -> _Spectrum:
-    """Return the spectrum of what a model leaves of a motion.
+def _spectra(regression: Regression, candidate: Candidate) -> tuple[Floats, Floats, Floats]:
+    """Return frequencies (n,), the power of what is left there, and its degrees of freedom, (n, n_joint).
 
     Residuals are white under the weights in use, without what is not known, such as what holds a joint; they get
     back the colour that the weights took.
     """
     weighting = regression.weighting
-    white = regression.rows(candidate.model, motion).left(candidate.x) * weighting.loudness(motion)
-    f = np.fft.rfftfreq(len(white), weighting.stride * motion.dt_s).astype(np.float64)
-    inside = (f > 0.0) & (weighting.band(f) == 1.0)
-    root = np.linalg.cholesky(np.array([weighting.covariance(at) for at in f[inside]]))
-    colour = (root @ np.fft.rfft(white, axis=0)[inside, :, None])[:, :, 0]
-    power = np.asarray(np.abs(colour) ** 2 / len(white), dtype=np.float64)
-    return _Spectrum(f[inside], power, _known(regression, motion))
+    parts: list[Sequence[Floats]] = []
+    for motion in regression.learning:
+        white = regression.rows(candidate.model, motion).left(candidate.x)
+        f = np.fft.rfftfreq(len(white), weighting.stride * motion.dt_s).astype(np.float64)
+        inside = (f > 0.0) & (weighting.band(f) == 1.0)
+        root = np.linalg.cholesky(np.array([weighting.covariance(at) for at in f[inside]]))
+        colour = (root @ np.fft.rfft(white, axis=0)[inside, :, None])[:, :, 0]
+        freedom = np.broadcast_to(_known(regression, motion.number), colour.shape)
+        parts.append((f[inside], np.abs(colour) ** 2 / len(white), freedom))
+    f, power, freedom = (np.concatenate(column) for column in zip(*parts, strict=True))
+    return f, np.asarray(power, dtype=np.float64), freedom
 
 
-def _known(regression: Regression, motion: Motion) -> Floats:
+def _known(regression: Regression, number: int) -> Floats:
     """Return which part of a motion's equations is not eliminated, (n_joint,)."""
+    motion = next(one for one in regression.motions if one.number == number)
     weighting = regression.weighting
     n_row = -(-len(motion.t) // weighting.stride)
     return np.clip(weighting.told_at_joints(motion) / weighting.n_told(n_row, motion.dt_s), 1e-3, 1.0)
