@@ -9,6 +9,8 @@ from scipy.ndimage import binary_dilation
 from arm.effects.catalogue import catalogue
 from fitter.data.derivatives import lowpass
 from fitter.diagnosis.candidate import Candidate
+from fitter.diagnosis.estimates import estimates
+from fitter.diagnosis.evidence import EQUAL_SIGMAS
 from fitter.diagnosis.pushes import Pushes
 from fitter.diagnosis.regression import Regression
 from fitter.diagnosis.screening import fitted
@@ -36,8 +38,26 @@ def with_pushes(regression: Regression, final: Candidate) -> Candidate:
         known, times = found, dict[int, list[tuple[float, float]]]()
         for one in found:
             times.setdefault(one.joint, []).append((one.start_s, one.duration_s))
-        candidate = pushed(regression, final, times) if times else final
+        candidate = _pushed_significantly(regression, final, times)
     return candidate
+
+
+def _pushed_significantly(
+    regression: Regression, final: Candidate, times: Mapping[int, list[tuple[float, float]]]
+) -> Candidate:
+    """Return a model with those pushes whose torque, like the size of any cause, differs from none."""
+    while times:
+        candidate, kept = pushed(regression, final, times), dict[int, list[tuple[float, float]]]()
+        effects = estimates(regression, candidate).effects[len(final.model.hypotheses) :]
+        for joint, numbers in zip(times, effects, strict=True):
+            starts, durations, torques = (list(numbers.values())[k::3] for k in range(3))
+            for start, duration, torque in zip(starts, durations, torques, strict=True):
+                if abs(torque.value) > EQUAL_SIGMAS * torque.std:
+                    kept.setdefault(joint, []).append((start.value, duration.value))
+        if sum(map(len, kept.values())) == sum(map(len, times.values())):
+            return candidate
+        times = kept
+    return final
 
 
 def _without_pushes(final: Candidate, candidate: Candidate) -> Candidate:

@@ -5,7 +5,7 @@ import pytest
 
 from arm.model import Effect
 from fitter.diagnosis.estimates import estimates
-from fitter.diagnosis.missed_pushes import missed, pushed, with_pushes
+from fitter.diagnosis.missed_pushes import _pushed_significantly, missed, pushed, with_pushes
 from fitter.diagnosis.model import Model
 from fitter.diagnosis.screening import fitted
 from fitter.diagnosis.torque_likelihood import TorqueLikelihood
@@ -39,7 +39,8 @@ def test_pushes_are_found_with_their_times_and_torques(hit):
     assert len(values) == len(PUSHES)
     np.testing.assert_allclose(values[:, :2], np.array(PUSHES)[:, :2], atol=0.06)
     np.testing.assert_allclose(values[:, 2], np.array(PUSHES)[:, 2], rtol=0.15)
-    assert found.squares.sum() < 0.5 * base.squares.sum()
+    hit_trials = [any(one.t[0] < start < one.t[-1] for start, *_ in PUSHES) for one in regression.motions]
+    assert np.all(found.squares[hit_trials] < 0.5 * base.squares[hit_trials])
 
 
 def test_what_is_missed_has_the_sign_of_the_push(hit):
@@ -63,3 +64,17 @@ def test_pushes_stand_behind_what_always_acts(hit):
     (hypothesis,) = found.model.hypotheses
     assert hypothesis.key == ("external_push", (0,))
     np.testing.assert_allclose(found.model.psi[0][:2], PUSHES[0][:2], atol=0.1)
+
+
+def test_a_push_of_no_size_is_none(hit):
+    regression, base = hit
+    starts = [start for start, *_ in PUSHES]
+    quiet = next(one for one in regression.motions if not any(one.t[0] < s < one.t[-1] for s in starts))
+        one for one in regression.motions if not any(one.t[0] < start < one.t[-1] for start, *_ in PUSHES)
+    )
+    nowhere = (float(quiet.t[len(quiet.t) // 2]), 0.3)
+    times = {0: [nowhere, *((start, lasts) for start, lasts, _ in PUSHES)]}
+    found = _pushed_significantly(regression, base, times)
+    (numbers,) = estimates(regression, found).effects
+    assert len(numbers) == 3 * len(PUSHES)
+    assert _pushed_significantly(regression, base, {0: [nowhere]}) is base
