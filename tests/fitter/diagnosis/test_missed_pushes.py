@@ -70,8 +70,6 @@ def test_a_push_of_no_size_is_none(hit):
     regression, base = hit
     starts = [start for start, *_ in PUSHES]
     quiet = next(one for one in regression.motions if not any(one.t[0] < s < one.t[-1] for s in starts))
-        one for one in regression.motions if not any(one.t[0] < start < one.t[-1] for start, *_ in PUSHES)
-    )
     nowhere = (float(quiet.t[len(quiet.t) // 2]), 0.3)
     times = {0: [nowhere, *((start, lasts) for start, lasts, _ in PUSHES)]}
     found = _pushed_significantly(regression, base, times)
