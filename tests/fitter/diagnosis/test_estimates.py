@@ -8,7 +8,7 @@ import pytest
 from arm.effects.catalogue import catalogue
 from arm.model import Effect
 from fitter.data.trials import to_trials
-from fitter.diagnosis.estimates import estimates, extended_arm
+from fitter.diagnosis.estimates import estimates, extended_arm, significant
 from fitter.diagnosis.model import Model
 from fitter.diagnosis.motion import run_of
 from fitter.diagnosis.pushes import Pushes
@@ -87,3 +87,13 @@ def test_a_push_that_outlasts_the_recording_hides_no_other_number():
     assert not numbers["duration_s"].identifiable
     assert numbers["torque_N_m"].value == pytest.approx(0.5, abs=4.0 * numbers["torque_N_m"].std)
     assert numbers["start_s"].std < 0.05
+
+
+def test_a_size_differs_from_none_by_its_error(regression):
+    """Wald's test at 95 %: 1.96 standard errors of one number."""
+    pushes = Pushes(catalogue()["external_push"], 0, np.array([[1.0, 0.3]]))
+    base = fitted(regression, Model())
+    for sigmas, said in ((1.9, False), (2.0, True)):
+        pushed = replace(base, model=Model((pushes,), (np.zeros(0),)), x=np.append(base.x, 0.1))
+        covariance = np.diag(np.append(np.ones(len(base.x)), (0.1 / sigmas) ** 2))
+        assert significant(pushed, covariance) == [said]

@@ -114,3 +114,31 @@ def test_the_unit_of_what_is_left_does_not_matter(seed, unit):
     scaled = [replace(fit, residual=unit * fit.residual, noise=unit**2 * fit.noise) for fit in (one, base)]
     assert scaled[0].gain(scaled[1]) == pytest.approx(one.gain(base))
     assert dispersion(*scaled) == pytest.approx(dispersion(one, base))
+
+
+def test_what_a_model_lacks_counts_once_a_block():
+    """Alike in all trials, it scatters no more than noise does: only its size tells."""
+    one, base = explained(3, 0.3)
+    assert dispersion(one, base) < 0.5 * ROWS
+    for part in (0.25, 1.0):
+        lacking = replace(one, noise=(1.0 - part) * one.variance.mean(axis=0))
+        assert dispersion(lacking, base) == pytest.approx(max(part * ROWS, dispersion(one, base)), rel=0.2)
+
+
+def test_one_trial_of_another_kind_does_not_hide_what_the_others_show():
+    one, base = explained(4, 0.5, learnt=TRIALS - 1)
+    foreign = np.arange(N) // (ROWS * BLOCKS) == TRIALS - 1
+    odd = replace(one, residual=np.where(foreign[:, None], 3.0 * base.residual, one.residual))
+    assert odd.gain(base) < one.gain(base)
+    alone = replace(one, learnt=np.ones_like(one.learnt))
+    lean = worth(replace(odd, learnt=alone.learnt), base, 0.0, 1)
+    assert worth(odd, base, 0.0, 1) > lean
+
+
+def test_what_learning_trials_leave_open_shows_in_all():
+    """The same gain decides where most was learnt from, and does not where little was."""
+    one, base = explained(6, 0.12, 0)
+    gain = one.gain(base)
+    assert 5.0 < gain < 30.0
+    few = [replace(fit, learnt=fit.trial < 1) for fit in (one, base)]
+    assert not is_better(*few)

@@ -221,3 +221,16 @@ def test_friction_that_drifts_is_what_the_equations_say(two_joints):
     filtered = equations.weighting.filtered(motion, view.equations(equations.independent(view.arm)))
     design = equations.rows(model, motion).design
     np.testing.assert_allclose(design, filtered.reshape(design.shape), rtol=1e-9, atol=1e-9)
+
+
+@pytest.mark.parametrize("part", [0.0, 0.9])
+def test_a_drive_that_changes_nothing_explains_nothing(two_joints, part):
+    """However much a model lacks beside the noise: a delay of nothing leaves the equations as they are."""
+    regression = two_joints
+    regression.floor_part = part
+    try:
+        model = Model().plus(InDrive(catalogue()["actuator_delay"], (0,)), np.array([1e-9]))
+        x = regression.solve(model, regression.learning)
+        np.testing.assert_allclose(regression.scale(model, x), 1.0, atol=1e-3)
+    finally:
+        regression.floor_part = 0.0

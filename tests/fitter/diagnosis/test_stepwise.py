@@ -144,3 +144,23 @@ def test_every_accepted_model_is_weighed_anew_and_progress_is_told():
     Stepwise(likelihood, 4, MOST, told.append).run()
     assert told == [1, 2]
     assert likelihood.weighed >= 2
+
+
+@given(SEEDS)
+@settings(max_examples=10, deadline=None)
+def test_two_that_cancel_each_other_are_not_both_causes(seed):
+    """Nearly the same column twice: their difference may be worth it, but neither has a size."""
+    A, noise = drawn(seed, 2)
+    A[:, 1] = A[:, 0] + 1e-3 * A[:, 1]
+    assert len(columns_of(search(A, A[:, 0] + noise))) == 1
+
+
+@given(SEEDS)
+@settings(max_examples=10, deadline=None)
+def test_what_stood_in_for_two_is_exchanged_for_the_one_it_stood_for(seed):
+    """Two numbers explain nearly all of a true column, and some of another; beside that one fewer do as well."""
+    A, noise = drawn(seed, 4)
+    A[:, 2] = A[:, 0] + 0.3 * A[:, 1]
+    A[:, 3] *= 0.01
+    found = search(A, A[:, 0] + 0.6 * A[:, 1] + 0.3 * noise, Columns(2, 3), Columns(0), Columns(1))
+    assert set(columns_of(found)) == {(0,), (1,)}

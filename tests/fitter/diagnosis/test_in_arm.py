@@ -1,0 +1,48 @@
+"""Effects of the arm itself: what they do to a view of a motion, and what a tilt can be."""
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from arm.effects.catalogue import catalogue
+from arm.model import STANDARD_GRAVITY_M_S2
+from fitter.diagnosis.in_arm import GravityTilt, JointZero, arm_hypotheses
+from fitter.diagnosis.view import view_of
+from tests.fitter.diagnosis.two_joints import regression_of_two
+
+PARTS = st.floats(-15.0, 15.0)
+
+
+@pytest.fixture(scope="module")
+def view():
+    regression = regression_of_two(trials=2)
+    return view_of(regression.motions[0], regression.arm)
+
+
+@given(PARTS, PARTS)
+def test_a_tilt_is_no_larger_than_gravity_and_keeps_its_direction(x, y):
+    tilt = GravityTilt(catalogue()["gravity_tilt"], ())
+    gx, gy = tilt.numbers(np.array([x, y]), np.zeros(0))
+    assert np.hypot(gx, gy) == pytest.approx(min(np.hypot(x, y), STANDARD_GRAVITY_M_S2))
+    assert gx * y == pytest.approx(gy * x, abs=1e-9)
+
+
+def test_a_tilt_is_added_to_the_gravity_of_the_file(view):
+    tilt = GravityTilt(catalogue()["gravity_tilt"], ())
+    tilted = tilt.act(view, np.array([0.3, -20.0])).arm
+    added = np.subtract(tilted.gravity_m_s2, view.arm.gravity_m_s2)
+    np.testing.assert_allclose(added, [*tilt.numbers(np.array([0.3, -20.0]), np.zeros(0)), 0.0], atol=1e-12)
+
+
+def test_a_zero_turns_one_joint_and_leaves_the_measured_motion(view):
+    turned = JointZero(catalogue()["joint_zero"], (1,)).act(view, np.array([0.2]))
+    np.testing.assert_allclose(turned.q - view.q, np.array([0.0, 0.2]) * np.ones_like(view.q))
+    assert turned.motion is view.motion
+
+
+@pytest.mark.parametrize(
+    ("name", "places"), [("gravity_tilt", 1), ("joint_zero", 3), ("air_drag", 2), ("payload", 0)]
+)
+def test_places_of_an_effect_of_the_arm(name, places):
+    assert len(arm_hypotheses(catalogue()[name], 3)) == places
