@@ -69,6 +69,10 @@ class Hypothesis(ABC):
         """Return values of psi to try first, (n_start, n_psi)."""
         return np.zeros((1, 0))
 
+    def inside(self, psi: Floats) -> Floats:
+        """Return psi (n_psi,) that acts as it does and lies within what is possible, where bounds don't say it."""
+        return psi
+
     def log_places(self, motions: Sequence[Motion]) -> float:
         """Return the logarithm of the number of places at which it is sought: values of psi, trials, moments."""
         return float(np.log(max(len(self.starts(motions)), 1)))

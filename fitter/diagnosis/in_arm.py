@@ -42,19 +42,18 @@ class GravityTilt(Hypothesis):
         upright = STANDARD_GRAVITY * np.stack([np.cos(turns), np.sin(turns)], axis=1)
         return np.concatenate([[[x, y] for x in _TILTS for y in _TILTS], upright])
 
+    def inside(self, psi: Floats) -> Floats:
+        """Return a vector (2,) that is no longer than gravity."""
+        return np.asarray(psi * min(1.0, STANDARD_GRAVITY / max(float(np.hypot(*psi)), STANDARD_GRAVITY)))
+
     def act(self, view: View, psi: Floats) -> View:
         """Return a motion in another gravity."""
-        (x, y, z), (dx, dy) = view.arm.gravity_m_s2, _part_of_gravity(psi)
+        (x, y, z), (dx, dy) = view.arm.gravity_m_s2, self.inside(psi)
         return replace(view, arm=replace(view.arm, gravity_m_s2=(x + dx, y + dy, z)))
 
     def numbers(self, psi: Floats, factors: Floats) -> Floats:
         """Return the two components."""
-        return _part_of_gravity(psi)
-
-
-def _part_of_gravity(psi: Floats) -> Floats:
-    """Return a vector (2,) that is no longer than gravity."""
-    return np.asarray(psi * min(1.0, STANDARD_GRAVITY / max(float(np.hypot(*psi)), STANDARD_GRAVITY)))
+        return self.inside(psi)
 
 
 class JointZero(Hypothesis):

@@ -108,4 +108,6 @@ def refined(
         xtol=1e-5,
         ftol=1e-7,
     )
-    return misfit.at(found.x)
+    there = misfit.at(found.x)
+    inside = zip(there.hypotheses, there.psi, strict=True)
+    return replace(there, psi=tuple(hypothesis.inside(psi) for hypothesis, psi in inside))
