@@ -30,6 +30,8 @@ CASE = Case(
         "--evaluate",
         f"{{data}}/{RECORDING.name}",
         "--no-torque",
+        "--horizon",
+        f"{HORIZON_S:g}",
         "--arm",
         "{arms}/free-pendulum.toml",
         "--columns",
