@@ -20,7 +20,7 @@ FIELDS = {
     KINEMATICS: "generation frames parameters error",
     DYNAMICS: "generation samples parameters error",
     DIAGNOSIS: "verdict complete left causes candidates confusable next_experiment before after gain residual "
-    "explained structure suspected notes",
+    "explained structure suspected notes polished polish judged",
 }
 
 

@@ -14,7 +14,7 @@ from protocol.subscriber import Subscriber
 
 FIELDS = (
     "verdict complete left causes candidates confusable next_experiment before after gain residual explained "
-    "structure suspected notes"
+    "structure suspected notes polished polish judged"
 )
 
 
