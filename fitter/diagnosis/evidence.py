@@ -28,7 +28,8 @@ from fitter.diagnosis.candidate import Candidate
 ODDS_NATS = float(np.log(100.0))
 #: Standard errors within which a difference is none: 95 % of a normal distribution.
 EQUAL_SIGMAS = 1.96
-#: Neighbouring residuals are one block for so long [s]: what a model lacks is correlated for less.
+#: Length of a block [s]: about one swing of an arm, a choice. Within it residuals count as correlated, and what a
+#: model lacks as one number a joint.
 BLOCK_S = 1.0
 #: The variance of fewer numbers is not known.
 _LEAST_COUNT = 1.0

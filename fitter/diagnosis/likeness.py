@@ -19,9 +19,9 @@ from fitter.diagnosis.model import Model
 from fitter.diagnosis.regression import Regression
 from limbcal.note import Note
 
-#: A combination of which a motion tells less than this share of what all do is not told: the rest is rounding.
-_UNTOLD = 1e-6
-#: A single learning motion is held against itself in so many parts.
+#: Eigenvalues below this ratio to the largest are rounding: the combination is not identifiable.
+_SINGULAR = 1e-6
+#: Parts that a single learning motion is cut into, to compare them with each other.
 _PARTS = 2
 
 
@@ -50,11 +50,11 @@ def novelty(some: Sequence[Floats], others: Sequence[Floats]) -> float:
     """Return what is new in some rows, (n_row, n_column) each, beside others."""
     A, B = (np.sum([one.T @ one for one in rows], axis=0) / sum(map(len, rows)) for rows in (some, others))
     size = np.sqrt(np.diag(A) + np.diag(B))
-    told = size > 0.0
-    A, B = (moments[np.ix_(told, told)] / np.outer(size[told], size[told]) for moments in (A, B))
+    excited = size > 0.0
+    A, B = (moments[np.ix_(excited, excited)] / np.outer(size[excited], size[excited]) for moments in (A, B))
     values, axes = np.linalg.eigh(A + B)
-    kept = values > _UNTOLD * values[-1]
+    kept = values > _SINGULAR * values[-1]
     root = axes[:, kept] / np.sqrt(values[kept])
-    least = _UNTOLD * np.eye(root.shape[1])
+    least = _SINGULAR * np.eye(root.shape[1])
     ratios = scipy.linalg.eigh(root.T @ A @ root + least, root.T @ B @ root + least, eigvals_only=True)
     return float(np.sqrt(np.mean(np.log(np.maximum(ratios, 1.0)) ** 2)))

@@ -30,7 +30,7 @@ _SINGULAR = 1e-6
 _VANISHED = 5.0
 #: Columns that are this near to depending on others, in terms of the normal equations, do so.
 _DEPENDENT = 1e-11
-#: A sum of squares by its parts is known to this share of the largest of them.
+#: Relative rounding error of a sum of squares that is a difference of large products.
 _ROUNDED = 1e-14
 #: Models and sets of motions whose masses are remembered.
 _REMEMBERED = 100

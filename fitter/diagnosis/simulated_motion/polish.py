@@ -36,7 +36,7 @@ _WIDER = 3.0
 _CHAOTIC = 0.5
 #: Step of the simulations [s], and steps of Gauss and Newton: a few, for the start is near.
 _STEP_S, _STEPS = 2.0 * LONGEST_STEP_S, 3
-#: Slopes of limits, nearly linear, are taken over this share of a standard error.
+#: Slopes of limits, nearly linear, are differences over this fraction of a standard error.
 _LIMIT_STEP = 1e-3
 #: A friction has at least this scale [N m or N]: less is none.
 _LEAST_FRICTION = 1e-9
