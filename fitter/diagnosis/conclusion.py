@@ -54,14 +54,14 @@ def concluded(regression: Regression, search: Search) -> Conclusion:
     """
     numbers = estimates(regression, search.final)
     held = holdings(regression, search.final, numbers.covariance)
-    remainder = describe(regression, search.final)
+    remainder = describe(regression, search.final, search.floor)
     verdict = _verdict(regression, search, remainder, bool(held))
     if verdict == "unexplained":
-        left = describe(regression, search.base) if search.causes else remainder
+        left = describe(regression, search.base, search.was) if search.causes else remainder
         return Conclusion(search, verdict, search.base, numbers, left, held, {})
     found, held, equals = with_humps(regression, search, held)
     if found is not search:
-        numbers, remainder = estimates(regression, found.final), describe(regression, found.final)
+        numbers, remainder = estimates(regression, found.final), describe(regression, found.final, search.floor)
     return Conclusion(found, "ambiguous" if equals else verdict, found.final, numbers, remainder, held, equals)
 
 

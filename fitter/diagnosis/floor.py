@@ -11,11 +11,14 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
+import scipy.fft
 import scipy.optimize
+from numpy.typing import NDArray
 
 from arm.model import Floats
 from fitter.diagnosis.candidate import Candidate
 from fitter.diagnosis.equation import Weighting
+from fitter.diagnosis.motion import Motion
 from fitter.diagnosis.regression import Regression
 from fitter.diagnosis.reweighting import reweighted
 
@@ -23,6 +26,8 @@ from fitter.diagnosis.reweighting import reweighted
 KNOWN = 1.1**2
 #: The residual exceeds the noise plainly if its variance is this multiple of the noise's: 3 dB.
 PLAINLY = 2.0
+#: Less than this part of the noise is rounding where all of it is eliminated.
+_LEAST_FREEDOM = 1e-3
 #: Floors are sought in their logarithms, to a hundredth.
 _TOLERANCE = 0.01
 #: Starts: the white floor as a part of the mean power, and the logarithm of the other.
@@ -111,18 +116,23 @@ def _spectra(regression: Regression, candidate: Candidate) -> tuple[Floats, Floa
         inside = (f > 0.0) & (weighting.band(f) == 1.0)
         root = np.linalg.cholesky(np.array([weighting.covariance(at) for at in f[inside]]))
         colour = (root @ np.fft.rfft(white, axis=0)[inside, :, None])[:, :, 0]
-        freedom = np.broadcast_to(_known(regression, motion.number), colour.shape)
-        parts.append((f[inside], np.abs(colour) ** 2 / len(white), freedom))
+        left = root @ _freedom(weighting, motion)[inside] @ root.mT
+        freedom = np.einsum("fjj->fj", left).real / np.sum(root**2, axis=2)
+        parts.append((f[inside], np.abs(colour) ** 2 / len(white), np.maximum(freedom, _LEAST_FREEDOM)))
     f, power, freedom = (np.concatenate(column) for column in zip(*parts, strict=True))
     return f, np.asarray(power, dtype=np.float64), freedom
 
 
-def _known(regression: Regression, number: int) -> Floats:
-    """Return which part of a motion's equations is not eliminated, (n_joint,)."""
-    motion = next(one for one in regression.motions if one.number == number)
-    weighting = regression.weighting
-    n_row = -(-len(motion.t) // weighting.stride)
-    return np.clip(weighting.told_at_joints(motion) / weighting.n_told(n_row, motion.dt_s), 1e-3, 1.0)
+def _freedom(weighting: Weighting, motion: Motion) -> NDArray[np.complex128]:
+    r"""Return what is left of white noise at every frequency, as a covariance of the joints, (n, n_joint, n_joint).
+
+    What holds a joint is eliminated along axes ``u`` of which a part ``l`` is lost, so of the noise's power
+    ``I - \sum l (2 - l) U(f) U(f)^H / n`` is left: little of it where the joint rests and the frequency is low.
+    """
+    axes, lost = weighting.axes(motion)
+    rows = axes.reshape(-1, motion.q.shape[1], axes.shape[1])
+    spectra = scipy.fft.rfft(rows, axis=0) * np.sqrt(lost * (2.0 - lost) / len(rows))
+    return np.eye(rows.shape[1]) - spectra @ spectra.conj().mT
 
 
 def _likeliest(power: Floats, freedom: Floats, torque: Floats | float, angle: Floats) -> tuple[float, float]:

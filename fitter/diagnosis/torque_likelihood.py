@@ -7,7 +7,7 @@ import numpy as np
 from fitter.diagnosis.candidate import Candidate
 from fitter.diagnosis.estimates import estimates, significant
 from fitter.diagnosis.evidence import BLOCK_S, Fit, likelihood_of
-from fitter.diagnosis.floor import Floor, floored, part_of_floor
+from fitter.diagnosis.floor import KNOWN, Floor, floored, part_of_floor
 from fitter.diagnosis.hypothesis import Hypothesis
 from fitter.diagnosis.mass_density import MassDensity
 from fitter.diagnosis.model import Model
@@ -115,9 +115,10 @@ class TorqueLikelihood:
         for _ in range(_ROUNDS):
             self.reweigh(candidate)
             candidate = fitted(self.regression, candidate.model)
-            if np.all(np.abs(self.floor.ratio - was) < _SETTLED * self.floor.ratio):
+            now = np.maximum(self.floor.ratio, KNOWN)  # what is less is no floor, and weighs nothing
+            if np.all(np.abs(now - was) < _SETTLED * now):
                 break
-            was = self.floor.ratio
+            was = now
         return candidate
 
     def log_places(self, hypothesis: Hypothesis) -> float:

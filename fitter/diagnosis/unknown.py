@@ -14,7 +14,7 @@ import numpy as np
 from fitter.diagnosis.candidate import Candidate
 from fitter.diagnosis.dependence import Dependence, dependences
 from fitter.diagnosis.evidence import EQUAL_SIGMAS
-from fitter.diagnosis.floor import KNOWN, PLAINLY
+from fitter.diagnosis.floor import KNOWN, PLAINLY, Floor
 from fitter.diagnosis.folds import Folds
 from fitter.diagnosis.functions import names
 from fitter.diagnosis.model import Model
@@ -118,19 +118,34 @@ def outdone(regression: Regression, final: Candidate) -> bool:
         The model with all causes.
     """
     own = regression.weighted_by(regression.sensors)
+    by_causes, least = own.squares(final.model, final.x), np.finfo(np.float64).tiny
+    beyond, known = float(np.mean(by_causes / own.told)) - 1.0, KNOWN - 1.0
+    if beyond <= PLAINLY * known:  # whatever a function left, it would not be clearly less
+        return False
     fold = Folds(own, fitted(own, Model()))
     functions = best_functions(fold, own.arm.n_joint)
     size = min(functions.left, key=lambda k: functions.left[k])
     left = fold.squares(functions.of_size[size], functions.joint, smooth=True)
-    by_causes, least = own.squares(final.model, final.x), np.finfo(np.float64).tiny
     logs = np.log(np.maximum(by_causes, least) / np.maximum(left, least))
     error = logs.std(ddof=1) / np.sqrt(len(logs)) if len(logs) > 1 else np.inf
-    beyond, least_beyond = (float(np.mean(one / own.told)) - 1.0 for one in (by_causes, left))
-    return bool(logs.mean() > EQUAL_SIGMAS * error and beyond > PLAINLY * max(least_beyond, KNOWN - 1.0))
+    least_beyond = float(np.mean(left / own.told)) - 1.0
+    return bool(logs.mean() > EQUAL_SIGMAS * error and beyond > PLAINLY * max(least_beyond, known))
 
 
-def describe(regression: Regression, final: Candidate) -> Remainder:
-    """Describe what a model leaves."""
+def describe(regression: Regression, final: Candidate, floor: Floor) -> Remainder:
+    """Describe what a model leaves.
+
+    Parameters
+    ----------
+    regression : Regression
+        Under the weights with the floor.
+    final : Candidate
+    floor : Floor
+        Of the model; where there is none, noise is left, and noise is no function of anything.
+    """
+    white, alone = _white(regression, final), dependences(regression, final)
+    if floor.is_none:
+        return Remainder(0.0, 0.0, white, (), 0, "", alone)
     fold = Folds(regression, final)
     functions = best_functions(fold, regression.arm.n_joint)
     best, joint = functions.least, functions.joint
@@ -144,11 +159,11 @@ def describe(regression: Regression, final: Candidate) -> Remainder:
     return Remainder(
         explained=float(np.clip(worth / most, 0.0, 1.0)),
         worth=worth,
-        white=_white(regression, final),
+        white=white,
         depends_on=some if is_told else (),
         joint=joint + 1 if is_told else 0,
         formula=fold.formula(some, joint, fold.left - best) if is_told else "",
-        dependences=dependences(regression, final),
+        dependences=alone,
     )
 
 

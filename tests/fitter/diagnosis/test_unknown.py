@@ -10,6 +10,7 @@ from arm.effects.catalogue import catalogue
 from arm.model import Effect
 from fitter.data.motions import Measured
 from fitter.diagnosis.at_joint import AtJoint
+from fitter.diagnosis.floor import Floor
 from fitter.diagnosis.model import Model
 from fitter.diagnosis.screening import fitted
 from fitter.diagnosis.unknown import describe, outdone
@@ -29,6 +30,8 @@ def resisted(motions: list[Measured], torque: Callable[[np.ndarray, np.ndarray],
 
 
 PLAIN = swings((), trials=12, seed=4)
+#: Much more than noise is left, and no more.
+MORE, NOTHING = (Floor(np.full(1, ratio), np.zeros(1), np.ones(1)) for ratio in (9.0, 1.0))
 
 
 @pytest.mark.parametrize(
@@ -41,7 +44,7 @@ PLAIN = swings((), trials=12, seed=4)
 )
 def test_its_variables_are_found(torque, variables, formula):
     regression = regression_of(resisted(PLAIN, torque), 5)
-    remainder = describe(regression, fitted(regression, Model()))
+    remainder = describe(regression, fitted(regression, Model()), MORE)
     assert set(remainder.depends_on) == variables
     assert remainder.joint == 1
     assert remainder.formula.endswith(formula)
@@ -49,8 +52,13 @@ def test_its_variables_are_found(torque, variables, formula):
 
 def test_nothing_depends_on_nothing():
     regression = regression_of(PLAIN, 5)
-    remainder = describe(regression, fitted(regression, Model()))
+    remainder = describe(regression, fitted(regression, Model()), MORE)
     assert (remainder.depends_on, remainder.joint, remainder.formula) == ((), 0, "")
+
+
+def test_noise_is_no_function_of_anything():
+    regression = regression_of(resisted(PLAIN, lambda q, dq: 0.8 * q**3), 5)
+    assert describe(regression, fitted(regression, Model()), NOTHING).depends_on == ()
 
 
 def test_a_soft_wall_outdoes_what_imitates_it():
