@@ -124,7 +124,7 @@ def _spectra(regression: Regression, candidate: Candidate) -> tuple[Floats, Floa
 
 
 def _freedom(weighting: Weighting, motion: Motion) -> NDArray[np.complex128]:
-    r"""Return what is left of white noise at every frequency, as a covariance of the joints, (n, n_joint, n_joint).
+    r"""Return what is left of white noise at every frequency, as covariance of joints, (n, n_joint, n_joint).
 
     What holds a joint is eliminated along axes ``u`` of which a part ``l`` is lost, so of the noise's power
     ``I - \sum l (2 - l) U(f) U(f)^H / n`` is left: little of it where the joint rests and the frequency is low.
