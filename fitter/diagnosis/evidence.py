@@ -28,7 +28,7 @@ from fitter.diagnosis.candidate import Candidate
 ODDS_NATS = float(np.log(100.0))
 #: Standard errors within which a difference is none: 95 % of a normal distribution.
 EQUAL_SIGMAS = 1.96
-#: Length of a block [s]. Within it residuals count as correlated, and what a model lacks as one number a joint: the
+#: Length of a block [s]. Within it residuals count as correlated, and what a model lacks as one number a joint:
 #: joint velocities of measured runs have equivalent bandwidths of 0.5 to 1.2 Hz (decision 22).
 BLOCK_S = 1.0
 #: The variance of fewer numbers is not known.

@@ -6,6 +6,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 import scipy.optimize
 
+from arm.effects.effect_table import changed
+from arm.effects.resisting_torque import resisting_torque
 from arm.model import Arm, Floats
 from arm.newton_euler import inverse_dynamics
 from arm.simulation import simulate
@@ -76,6 +78,22 @@ def _rms(values: Floats) -> float:
     return float(np.sqrt(np.mean(values**2)))
 
 
+def explained_torque(arm: Arm, trial: Trial, u: Floats) -> Floats:
+    """Return the torque that an arm needs for a trial's motion: eq. (4), and its effects at the joints.
+
+    Parameters
+    ----------
+    arm : Arm
+    trial : Trial
+    u : (n_sample, n_joint) [N m or N]
+        What drives the joints; what a drive makes of it, such as a delay, is not reckoned.
+    """
+    rigid = inverse_dynamics(changed(arm), trial.q, trial.dq, trial.ddq)
+    if not arm.effects:
+        return rigid
+    return rigid + resisting_torque(arm, trial.q, trial.dq, trial.ddq, u, trial.t)
+
+
 def torque_rms(arm: Arm, trials: Sequence[Trial]) -> Floats:
     """Return the rms of the torque that eq. (4) leaves unexplained, (n_joint,) [N m or N].
 
@@ -87,7 +105,7 @@ def torque_rms(arm: Arm, trials: Sequence[Trial]) -> Floats:
     for trial in trials:
         law = arm.control.law != "measured"
         tau = learned_torque(arm, replace(trial, ref=target_of(arm, trial)) if law else trial)
-        explained = inverse_dynamics(arm, trial.q, trial.dq, trial.ddq)
+        explained = explained_torque(arm, trial, tau)
         if not law and trial.tau_measured is not None:
             residual = trial.tau_measured - explained
         else:
@@ -107,7 +125,7 @@ def torque_explained(arm: Arm, trials: Sequence[Trial]) -> Floats:
         law = arm.control.law != "measured"
         tau = learned_torque(arm, replace(trial, ref=target_of(arm, trial)) if law else trial)
         counts = moving_all_along(trial, slice(0, len(trial.q)), REST_SPEED) & trial.counted
-        explained = inverse_dynamics(arm, trial.q, trial.dq, trial.ddq)
+        explained = explained_torque(arm, trial, tau)
         left += np.sum(trial.lowpass(tau - explained) ** 2 * counts, axis=0)
         power += np.sum(trial.lowpass(tau) ** 2 * counts, axis=0)
     return 1.0 - left / np.where(power > 0.0, power, np.nan)

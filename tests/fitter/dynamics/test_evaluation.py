@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from arm.arm_file import load_arm
-from arm.model import Control, Friction
-from fitter.dynamics.evaluation import motion_error, score, torque_rms
+from arm.model import Control, Effect, Friction
+from fitter.dynamics.evaluation import motion_error, score, torque_explained, torque_rms
 from fitter.kinematics.evaluation import tip_score
 from limbcal.errors import DataError
 
@@ -52,6 +52,18 @@ def test_a_target_that_nobody_tells_is_estimated(bench_trials):
 
 def test_an_arm_that_runs_away_is_infinitely_wrong(bench_trials):
     assert score(heavier(ARM, -100.0), bench_trials[:1]).angle_max_deg == np.inf
+
+
+def test_effects_at_the_joints_are_of_the_torque(bench_trials):
+    rotor = Effect("rotor_inertia", {"inertia_kg_m2": 0.02}, joints=(2,))
+    geared = replace(MEASURED, effects=(rotor,))
+    alone = [replace(trial, tau=trial.tau + [0.0, 0.02] * trial.ddq, tau_measured=None) for trial in bench_trials]
+    assert max(torque_rms(geared, alone)) < 1e-9
+    moving = np.concatenate([trial.dq[:, 1] != 0.0 for trial in alone])
+    missed = 0.02 * np.concatenate([trial.ddq[:, 1] for trial in alone])[moving]
+    filtered = torque_rms(MEASURED, alone)[1]
+    assert 0.5 < filtered / np.sqrt(np.mean(missed**2)) <= 1.0 + 1e-9
+    assert torque_explained(geared, alone)[1] > 0.999 > torque_explained(MEASURED, alone)[1]
 
 
 def test_the_tip(bench_trials):
