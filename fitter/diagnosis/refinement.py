@@ -69,8 +69,8 @@ class Misfit:
         for k, value in enumerate(flat):
             step = SLOPE * max(abs(float(value)), _LEAST)
             step = step if value + step <= self.high[k] else -step
-            beside = np.where(np.arange(len(flat)) == k, value + step, flat)
-            columns.append((self._left(beside, noise) - here) / step)
+            column = (self._left(np.where(np.arange(len(flat)) == k, value + step, flat), noise) - here) / step
+            columns.append(column if np.all(np.isfinite(column)) else np.zeros_like(here))
         return np.stack(columns, axis=1)
 
     def _left(self, flat: Floats, noise: Noise | None = None) -> Floats:
@@ -95,8 +95,8 @@ def refined(
         The most; enough unless given.
     """
     misfit = Misfit(regression, model, motions, held)
-    if not len(misfit.start):
-        return model
+    if not len(misfit.start) or not np.all(np.isfinite(misfit.left(misfit.start))):
+        return model  # where masses vanish no slope leads back
     is_event = any(hypothesis.is_event for hypothesis in model.hypotheses[held:])
     found = scipy.optimize.least_squares(
         misfit.left,

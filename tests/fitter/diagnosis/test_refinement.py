@@ -50,3 +50,10 @@ def test_what_is_held_stays(regression: Regression):
     model = Model().plus(zero, np.array([0.05])).plus(lag, np.array([0.02]))
     assert refined(regression, model, regression.learning, held=1).psi[0] == [0.05]
     assert refined(regression, model, regression.learning, held=2) is model
+
+
+def test_where_masses_vanish_psi_stays(regression: Regression, monkeypatch):
+    lag = InDrive(catalogue()["actuator_lag"], (0,))
+    model = Model().plus(lag, np.array([0.02]))
+    monkeypatch.setattr(regression, "left", lambda *_: np.full(4, np.inf))
+    assert refined(regression, model, regression.learning) is model
