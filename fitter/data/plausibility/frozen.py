@@ -57,20 +57,24 @@ def look(motion: Measured, _arm: Arm) -> Measured:
 
 def frozen_rows(q: Floats) -> NDArray[np.bool_]:
     """Return which samples of an angle repeat the last one although the joint moves, (n,)."""
-    steps = np.abs(np.diff(q))
+    change = np.diff(q)
+    steps = np.abs(change)
     moving = steps[steps > 0.0]
     marked = np.zeros(len(q), dtype=bool)
     if len(moving) < _STANDS:
         return marked
-    abrupt = max(_ABRUPT * float(np.quantile(moving, 0.9)), _COUNTS * float(moving.min()))
+    usual = float(np.quantile(moving, 0.9))
+    abrupt = max(_ABRUPT * usual, _COUNTS * float(moving.min()))
     bounds = [0, *(np.flatnonzero(steps > 0.0) + 1).tolist(), len(q)]
     for begin, end in zip(bounds[:-1], bounds[1:], strict=True):
         if end - begin <= _STANDS or begin == 0:
             continue
         stops = steps[begin - 1] > abrupt
         leaps = end < len(q) - 1 and steps[end - 1] > max(abrupt, _LEAP * steps[end])
+        # A joint that turns is slow anyway; an encoder whose counts are interpolated then stays, and steps back.
+        turns = end < len(q) and change[begin - 1] * change[end - 1] < 0.0 and steps[end - 1] <= usual
         goes_on = end == len(q) or steps[end - 1] > abrupt
-        if leaps or (stops and goes_on) or steps[begin - 1] > _FROM_SPEED / _ABRUPT * abrupt:
+        if (leaps and not turns) or (stops and goes_on) or steps[begin - 1] > _FROM_SPEED / _ABRUPT * abrupt:
             marked[begin + 1 : end] = True
     return marked
 

@@ -44,3 +44,18 @@ def test_a_freeze_that_began_in_a_slow_moment_is_seen_by_its_leap(arm, clean):
     begin = 100 + int(np.argmin(np.abs(np.diff(q[100:600]))))
     found = look(standing(motion, 1, begin, begin + 60), arm)
     assert found.notes and len(found.t) < len(motion.t)
+
+
+def test_an_encoder_with_interpolated_counts_has_not_frozen_where_its_joint_turns():
+    """At a turn it stays until the joint has come back by a count, and then steps back by it."""
+    t = np.arange(0.0, 10.0, 1e-3)
+    true, count = 0.4 * np.sin(2.0 * t), 3.4e-4
+    q, way = true.copy(), 1.0
+    for k in range(1, len(t)):
+        off = true[k] - q[k - 1]
+        if way * off < 0.0 and abs(off) < count:
+            q[k] = q[k - 1]
+        else:
+            way = np.sign(off)
+    assert np.count_nonzero(np.diff(q) == 0.0) > 20
+    assert not frozen_rows(q).any()
