@@ -15,5 +15,6 @@ EFFECT = EffectKind(
     place="joint",
     parameters=(Parameter("coulomb_N_m", "N m", -1e3, 1e3, linear=True, neutral=0.0),),
     taken_for=("load_friction", "quadratic_drag", "stiction", "stribeck", "thermal_drift", "viscous"),
+    base="fc",
     torque=_torque,
 )

@@ -15,5 +15,6 @@ EFFECT = EffectKind(
     place="joint",
     parameters=(Parameter("difference_N_m", "N m", -1e3, 1e3, linear=True, neutral=0.0),),
     taken_for=("torque_offset",),
+    holds=True,
     torque=_torque,
 )

@@ -69,6 +69,12 @@ class EffectKind:
         Other effects that look like it in some data.
     whole : bool
         It acts on the arm as a whole: it has neither joints nor sensors.
+    base : str
+        Beginning of the names of the base parameters that are the same, such as ``D``; empty where none is.
+    holds : bool
+        It holds a joint at rest by more than Coulomb friction does.
+    event : bool
+        It acts at certain times only.
     torque : callable, optional
         For those that act at a joint: a C function of `arm.effects.joint_torque`, the torque with which the joint
         resists.
@@ -85,6 +91,9 @@ class EffectKind:
     parameters: tuple[Parameter, ...]
     taken_for: tuple[str, ...] = ()
     whole: bool = False
+    base: str = ""
+    holds: bool = False
+    event: bool = False
     torque: Callable[..., float] | None = None
     change: Change | None = None
     force: Reading | None = None

@@ -19,5 +19,6 @@ EFFECT = EffectKind(
         Parameter("torque_N_m", "N m", -1e3, 1e3, linear=True, neutral=0.0),
     ),
     taken_for=("payload",),
+    event=True,
     torque=_torque,
 )

@@ -15,5 +15,6 @@ EFFECT = EffectKind(
     place="joint",
     parameters=(Parameter("coefficient", "1", 0.0, 1.0, linear=True, neutral=0.0),),
     taken_for=("coulomb", "gain_error"),
+    holds=True,
     torque=_torque,
 )

@@ -20,5 +20,6 @@ EFFECT = EffectKind(
         Parameter("velocity_rad_s", "rad/s", 1e-3, 1e2),
     ),
     taken_for=("backlash", "coulomb", "stiction"),
+    holds=True,
     torque=_torque,
 )

@@ -15,5 +15,6 @@ EFFECT = EffectKind(
     place="joint",
     parameters=(Parameter("rate_1_s", "1/s", -0.1, 0.1, linear=True, neutral=0.0),),
     taken_for=("coulomb", "viscous"),
+    holds=True,
     torque=_torque,
 )

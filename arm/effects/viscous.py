@@ -15,5 +15,6 @@ EFFECT = EffectKind(
     place="joint",
     parameters=(Parameter("viscous_N_m_s", "N m s/rad", -1e3, 1e3, linear=True, neutral=0.0),),
     taken_for=("actuator_delay", "actuator_lag", "coulomb", "joint_elasticity", "quadratic_drag", "thermal_drift"),
+    base="D",
     torque=_torque,
 )

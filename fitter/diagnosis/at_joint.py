@@ -13,7 +13,7 @@ import numpy as np
 import scipy.optimize
 
 from arm.effects.effect import EffectKind, Parameter
-from arm.effects.joint_torque import DIRECTION, DQ, N_STATE, torque_along, torques_along
+from arm.effects.joint_torque import DIRECTION, DQ, N_STATE, TAU, torque_along, torques_along
 from arm.model import Floats
 from fitter.diagnosis.hypothesis import Hypothesis
 from fitter.diagnosis.motion import Motion
@@ -44,6 +44,7 @@ class AtJoint(Hypothesis):
 
     def __init__(self, kind: EffectKind, joint: int, choice: dict[str, float] | None = None) -> None:
         super().__init__(kind, (joint,))
+        self.feels_torque = depends_on(kind, TAU)
         self._joint = joint
         self.choice = choice or {}
         names = [parameter.name for parameter in kind.parameters]
@@ -113,7 +114,7 @@ class AtJoint(Hypothesis):
                 values[k] = factor
             return values
         (k,), (linear,) = self._folded, self._linear
-        states = self._probe()
+        states = _probe()
         wanted = self._columns(psi, states) @ factors
         parameter = self.kind.parameters[k]
         low, high = max(parameter.low, -1e3), min(parameter.high, 1e3)
@@ -176,7 +177,7 @@ class AtJoint(Hypothesis):
     def _bends(self, psi: Floats) -> bool:
         """Return whether the columns depend on the velocity otherwise than straight."""
         if not np.array_equal(psi, self._asked[0]):  # motion after motion is asked about with the same
-            states = self._probe()
+            states = _probe()
             bent = self._bent(psi, states, np.full(len(states), 0.1), self._columns(psi, states))
             self._asked = psi.copy(), bool(np.any(np.abs(bent) > _ROUNDING))
         return self._asked[1]
@@ -192,12 +193,6 @@ class AtJoint(Hypothesis):
     def _two_values(self, k: int) -> tuple[float, float]:
         return (0.0, np.pi / 2.0) if self.kind.parameters[k].name == "phase_rad" else (0.0, 1.0)
 
-    def _probe(self) -> Floats:
-        rng = np.random.default_rng(0)
-        states = rng.normal(size=(64, N_STATE))
-        states[:, DIRECTION] = np.sign(states[:, DQ])
-        return states
-
     def _plane(self, others: list[int]) -> list[int]:
         """Return the one parameter, if any, whose torques all lie in the plane of two of them."""
         if len(self._linear) != 1:
@@ -210,7 +205,7 @@ class AtJoint(Hypothesis):
             shapes = []
             for at in (0.2, 0.5, 0.9, 1.3):
                 values[k] = at
-                shapes.append(torque_along(self.kind, values, self._probe()))
+                shapes.append(torque_along(self.kind, values, _probe()))
             size = np.linalg.svd(np.stack(shapes), compute_uv=False)
             if size[1] > _ROUNDING * size[0] >= size[2]:
                 return [k]
@@ -239,3 +234,22 @@ def _moving(states: Floats, way: float) -> Floats:
     moved = states.copy()
     moved[:, DIRECTION] = way
     return moved
+
+
+def _probe() -> Floats:
+    """Return states, (64, 7), at which an effect is asked what it depends on."""
+    rng = np.random.default_rng(0)
+    states = rng.normal(size=(64, N_STATE))
+    states[:, DIRECTION] = np.sign(states[:, DQ])
+    return states
+
+
+def depends_on(kind: EffectKind, state: int) -> bool:
+    """Say whether the torque of an effect, if it is one against a joint's motion, depends on one of its states."""
+    if kind.torque is None:
+        return False
+    values = np.array([min(max(0.7, p.low), p.high) for p in kind.parameters])
+    states = _probe()
+    other = states.copy()
+    other[:, state] *= 2.0
+    return not np.array_equal(torque_along(kind, values, states), torque_along(kind, values, other))

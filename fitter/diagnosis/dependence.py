@@ -13,8 +13,7 @@ from scipy.stats import rankdata
 
 from arm.model import Floats
 from fitter.data.derivatives import lowpass
-from fitter.diagnosis.candidate import Candidate
-from fitter.diagnosis.model import Model
+from fitter.diagnosis.model import Candidate, Model
 from fitter.diagnosis.motion import Motion
 from fitter.diagnosis.regression import Regression
 

@@ -11,11 +11,11 @@ from scipy.stats import chi2
 from arm.base_parameters import BaseParameters, with_base_values
 from arm.model import Arm, Effect, Estimate, Floats, Joint
 from arm.physical_links import is_possible, link_parameters
-from fitter.diagnosis.candidate import Candidate
 from fitter.diagnosis.evidence import BLOCK_S, lacking
 from fitter.diagnosis.hypothesis import Hypothesis
-from fitter.diagnosis.in_arm import Payload
+from fitter.diagnosis.model import Candidate
 from fitter.diagnosis.motion import Motion
+from fitter.diagnosis.payload import Payload
 from fitter.diagnosis.regression import Regression
 from fitter.diagnosis.rows import SLOPE
 from fitter.dynamics.physical import nearest_possible

@@ -22,7 +22,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from arm.model import Floats
-from fitter.diagnosis.candidate import Candidate
+from fitter.diagnosis.model import Candidate
 
 #: Odds of a false cause, a hundred to one after Bonferroni over what was tried, are log(100) nats.
 ODDS_NATS = float(np.log(100.0))

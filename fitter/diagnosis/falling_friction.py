@@ -18,15 +18,17 @@ import scipy.optimize
 from arm.effects.catalogue import catalogue
 from arm.model import Floats
 from fitter.diagnosis.at_joint import AtJoint
-from fitter.diagnosis.candidate import Candidate
 from fitter.diagnosis.holding import ABOVE, Holding
 from fitter.diagnosis.least_squares import own_square
+from fitter.diagnosis.model import Candidate
 from fitter.diagnosis.motion import Motion
 from fitter.diagnosis.regression import Regression
 from fitter.diagnosis.screening import fitted
 from fitter.diagnosis.search import Cause, Search
 from fitter.diagnosis.view import View
 
+#: What it is called.
+_EFFECT = "stribeck"
 #: A hump shows in the motion if its torque is so many times its noise.
 _SHOWS = 3.0
 #: A hump is no worse if it raises the sum of squares by less than this ratio to that of noise: the variance of the
@@ -49,7 +51,7 @@ class HeldStribeck(AtJoint):
     """
 
     def __init__(self, joint: int, height: float, height_error: float = 0.0, width_error: float = 0.0) -> None:
-        super().__init__(catalogue()["stribeck"], joint, {"amplitude_N_m": height})
+        super().__init__(catalogue()[_EFFECT], joint, {"amplitude_N_m": height})
         self.n_column = 0
         self._errors = np.array([height_error, width_error])
 
@@ -101,7 +103,7 @@ def hump_of(regression: Regression, final: Candidate, holding: Holding) -> Hump 
     error = holding.parameter.std
     plain = float(regression.squares(final.model, regression.solve(final.model, motions)).sum())
     numbers = sum(regression.weighting.told(motion) for motion in motions)
-    free = AtJoint(catalogue()["stribeck"], joint)
+    free = AtJoint(catalogue()[_EFFECT], joint)
 
     def tried(width: float, given: float | None = None) -> tuple[float, float, bool]:
         """Return by how much a hump so wide raises the sum of squares, its height, and whether it shows."""

@@ -16,8 +16,8 @@ import scipy.optimize
 from numpy.typing import NDArray
 
 from arm.model import Floats
-from fitter.diagnosis.candidate import Candidate
 from fitter.diagnosis.equation import Weighting
+from fitter.diagnosis.model import Candidate
 from fitter.diagnosis.motion import Motion
 from fitter.diagnosis.regression import Regression
 from fitter.diagnosis.reweighting import reweighted

@@ -6,9 +6,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from arm.model import Floats
-from fitter.diagnosis.candidate import Candidate
 from fitter.diagnosis.functions import Functions
 from fitter.diagnosis.least_squares import scaled_lstsq
+from fitter.diagnosis.model import Candidate
 from fitter.diagnosis.motion import Motion
 from fitter.diagnosis.products import products, spelled
 from fitter.diagnosis.regression import Regression

@@ -12,17 +12,18 @@ import numpy as np
 
 from arm.effects.catalogue import catalogue
 from arm.model import Arm, Effect, Floats
-from fitter.diagnosis.candidate import Candidate
+from fitter.diagnosis.model import Candidate
 from fitter.diagnosis.regression import Regression
 from fitter.diagnosis.unknown_torque import inner_rests
 from fitter.search.fitted_parameter import FittedParameter
+
+#: What it is called.
+EFFECT = "stiction"
 
 #: A rest is held by more than Coulomb friction if it is so by this share of it, by so many times the standard
 #: error of what held it, which is the noise's and the model's, and by this share of the joint's rms torque: what
 #: no model has in it.
 _MORE, _SIGMAS, _KNOWN = 0.2, 4.0, 0.01
-#: Effects that hold a joint by more than Coulomb friction themselves.
-_HOLDS = ("stribeck", "load_friction", "coulomb_asymmetry", "torque_offset", "thermal_drift")
 #: F is told as so many times the largest torque that has held, and this share of that is its standard error.
 ABOVE, _ABOVE_ERROR = 1.2, 0.12
 #: So many rests must be, for one may be a hand.
@@ -64,13 +65,13 @@ def holdings(regression: Regression, final: Candidate, covariance: Floats) -> li
         Of what was learnt: where the arm's own torque at rest is not known well, a rest tells little.
     """
     known = np.nan_to_num(covariance)
-    unit = catalogue()["stiction"].parameters[0].unit
+    unit = catalogue()[EFFECT].parameters[0].unit
     if any(one.kind.place == "transmission" for one in final.model.hypotheses):
         return []  # what the links do at rest is not seen
     friction = regression.equations.friction(final.model, final.x, regression.motions[0])[:, 1]
     found = []
     for j in range(regression.arm.n_joint):
-        if any(one.kind.name in _HOLDS and j in one.joints for one in final.model.hypotheses):
+        if any(one.kind.holds and j in one.joints for one in final.model.hypotheses):
             continue
         coulomb = abs(float(friction[j]))
         sets = [_held(regression, final, known, j, learn) for learn in (True, False)]
@@ -90,9 +91,7 @@ def holdings(regression: Regression, final: Candidate, covariance: Floats) -> li
 
 def sticking(arm: Arm, held: Sequence[Holding]) -> Arm:
     """Return an arm whose joints stick, too."""
-    effects = tuple(
-        Effect("stiction", {"static_N_m": one.parameter.value}, joints=(one.joint + 1,)) for one in held
-    )
+    effects = tuple(Effect(EFFECT, {"static_N_m": one.parameter.value}, joints=(one.joint + 1,)) for one in held)
     return replace(arm, effects=(*arm.effects, *effects)) if effects else arm
 
 

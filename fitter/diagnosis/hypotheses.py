@@ -1,17 +1,43 @@
 """All that may be wrong with the arm: every effect of the catalogue at every place where it can be."""
 
-from arm.effects.catalogue import catalogue
-from fitter.diagnosis.at_joint import AtJoint
-from fitter.diagnosis.hypothesis import Hypothesis
-from fitter.diagnosis.in_arm import arm_hypotheses
-from fitter.diagnosis.in_drive import drive_hypotheses
-from fitter.diagnosis.in_friction import FrictionDrift
-from fitter.diagnosis.in_transmission import InTransmission
+from collections.abc import Callable
 
-#: These come about at certain times or trials, which are found in what the others leave.
-EVENTS = ("external_push", "payload")
-#: What the base model has already, unless it was denied it.
-_IN_BASE = {"viscous": "D", "coulomb": "fc"}
+from arm.effects.catalogue import catalogue
+from arm.effects.effect import EffectKind
+from arm.effects.joint_torque import COULOMB, TAU
+from fitter.diagnosis.at_joint import AtJoint, depends_on
+from fitter.diagnosis.hypothesis import Hypothesis
+from fitter.diagnosis.in_arm import AirDrag, FrictionDrift, GravityTilt, JointZero, RotorInertia
+from fitter.diagnosis.in_drive import Delay, Gain, Lag, Limit
+from fitter.diagnosis.in_transmission import Backlash, Elasticity
+
+_Maker = Callable[[EffectKind, tuple[int, ...]], Hypothesis]
+#: Places of an effect in an arm of so many joints.
+_Places = Callable[[int], list[tuple[int, ...]]]
+
+
+def _everywhere(n_joint: int) -> list[tuple[int, ...]]:
+    return [(j,) for j in range(n_joint)]
+
+
+def _or_all(n_joint: int) -> list[tuple[int, ...]]:
+    """Return every joint, and all of them alike."""
+    return [*_everywhere(n_joint), *([tuple(range(n_joint))] if n_joint > 1 else [])]
+
+
+#: How effects that are no torque against a joint's motion are sought, and where: those that are need no entry.
+_MAKERS: dict[str, tuple[_Maker, _Places]] = {
+    "gravity_tilt": (GravityTilt, lambda _n: [()]),
+    "joint_zero": (JointZero, _everywhere),
+    "rotor_inertia": (RotorInertia, _everywhere),
+    "air_drag": (AirDrag, lambda n: _everywhere(n)[1:]),  # at the first joint it is what quadratic_drag is
+    "gain_error": (Gain, _everywhere),
+    "torque_saturation": (Limit, _everywhere),
+    "actuator_delay": (Delay, _or_all),
+    "actuator_lag": (Lag, _or_all),
+    "backlash": (Backlash, _everywhere),
+    "joint_elasticity": (Elasticity, _everywhere),
+}
 
 
 def hypotheses(n_joint: int, denied: tuple[str, ...] = (), driven: bool = True) -> list[Hypothesis]:
@@ -27,19 +53,20 @@ def hypotheses(n_joint: int, denied: tuple[str, ...] = (), driven: bool = True) 
     """
     found: list[Hypothesis] = []
     for name, kind in catalogue().items():
-        if kind.place == "sensor" or name in EVENTS or (name in _IN_BASE and _IN_BASE[name] not in denied):
+        if kind.base and kind.base not in denied:  # the base model has it
             continue
-        if not driven and (kind.place in ("drive", "transmission") or name == "load_friction"):
+        if not driven and (kind.place in ("drive", "transmission") or depends_on(kind, TAU)):
             continue
-        if name == "thermal_drift":
-            found += [FrictionDrift(kind, (j,)) for j in range(n_joint)]
-        elif kind.place == "joint":
-            sides = [{"side": -1.0}, {"side": 1.0}] if any(p.name == "side" for p in kind.parameters) else [{}]
-            found += [AtJoint(kind, j, side) for j in range(n_joint) for side in sides]
-        elif kind.place == "drive":
-            found += drive_hypotheses(kind, n_joint)
-        elif kind.place == "transmission":
-            found += [InTransmission(kind, (j,)) for j in range(n_joint)]
-        else:
-            found += arm_hypotheses(kind, n_joint)
+        if name in _MAKERS:
+            maker, places = _MAKERS[name]
+            found += [maker(kind, place) for place in places(n_joint)]
+        elif kind.place == "joint" and not kind.event:
+            found += _at_joints(kind, n_joint)
     return found
+
+
+def _at_joints(kind: EffectKind, n_joint: int) -> list[Hypothesis]:
+    if depends_on(kind, COULOMB):
+        return [FrictionDrift(kind, (j,)) for j in range(n_joint)]
+    sides = [{"side": -1.0}, {"side": 1.0}] if any(p.name == "side" for p in kind.parameters) else [{}]
+    return [AtJoint(kind, j, side) for j in range(n_joint) for side in sides]

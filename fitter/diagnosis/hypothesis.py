@@ -2,6 +2,7 @@
 
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
+from enum import IntEnum, auto
 
 import numpy as np
 
@@ -9,6 +10,24 @@ from arm.effects.effect import EffectKind
 from arm.model import Floats
 from fitter.diagnosis.motion import Motion
 from fitter.diagnosis.view import View
+
+
+class Turn(IntEnum):
+    """In what order hypotheses act: from the drive to the link, whatever order they were found in.
+
+    What no torque enters comes first. A limit is the same before a delay and after it, but before it the torque is
+    as sharp as asked for. What acts on the torque does so before columns are made of it.
+    """
+
+    PLAY = auto()
+    ARM = auto()
+    GAIN = auto()
+    LIMIT = auto()
+    LATENESS = auto()
+    TWIST = auto()
+    COLUMNS = auto()
+    FRICTION = auto()
+    SCALE = auto()
 
 
 class Hypothesis(ABC):
@@ -38,6 +57,18 @@ class Hypothesis(ABC):
     is_noisy = True
     #: It changes how the equations turn with the acceleration.
     is_inertial = True
+    #: When it acts, unless it adds columns.
+    turn = Turn.TWIST
+    #: It is a factor of all that its joint resists with, noise included.
+    is_gain = False
+    #: It cuts the torque off.
+    is_limit = False
+    #: It makes the torque late, weak or unequal: what noise it lets through has to be computed.
+    distorts = False
+    #: It depends on how large the torque is that arrives.
+    feels_torque = False
+    #: psi scales noise, or turns the columns among themselves: what noise makes of them depends on it.
+    mixes_noise = False
     #: The share of psi over which is asked what a change of it makes: more where little changes jump.
     stride = 1e-4
 

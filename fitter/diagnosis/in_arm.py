@@ -1,15 +1,13 @@
-"""Effects that change the arm itself: gravity, a joint's zero, a rotor, air, a load."""
+"""Effects that change the arm itself: gravity, a joint's zero, a rotor, air, friction that drifts."""
 
 from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
 
-from arm.effects.effect import EffectKind
 from arm.model import Floats, Friction, Link
 from arm.newton_euler import inverse_dynamics
-from arm.regressor import regressor
-from fitter.diagnosis.hypothesis import Hypothesis
+from fitter.diagnosis.hypothesis import Hypothesis, Turn
 from fitter.diagnosis.motion import Motion
 from fitter.diagnosis.view import View
 
@@ -18,12 +16,16 @@ STANDARD_GRAVITY = 9.80665
 #: Tilts that are tried first [m/s^2], and zeros [rad].
 _TILTS = (-0.1, 0.1)
 _ZEROS = (-0.02, 0.02)
+#: Rates of friction that are tried first [1/s].
+_RATES = (-0.005, 0.005, 0.05)
 
 
 class GravityTilt(Hypothesis):
     """Gravity has a part in the plane that the arm file does not know of."""
 
+    turn = Turn.ARM
     is_gradual = True
+    mixes_noise = True
     nothing = (0.0, 0.0)
 
     @property
@@ -59,7 +61,9 @@ class GravityTilt(Hypothesis):
 class JointZero(Hypothesis):
     """The angle of a link is off by a constant."""
 
+    turn = Turn.ARM
     is_gradual = True
+    mixes_noise = True
     nothing = (0.0,)
 
     @property
@@ -125,81 +129,34 @@ class AirDrag(Hypothesis):
         return np.array(factors)
 
 
-class Payload(Hypothesis):
-    """A point mass at the tip, in some trials or from some time on.
+class FrictionDrift(Hypothesis):
+    """Viscous and Coulomb friction of one joint grow alike with the run's time."""
 
-    Parameters
-    ----------
-    kind : EffectKind
-    trials : frozenset of int
-        The trials in which it is there, from 1 over the run; or
-    since_s : float, optional
-        from when on.
-    """
+    turn = Turn.FRICTION
+    is_gradual = True
+    is_inertial = False
+    nothing = (0.0,)
 
-    n_column = 1
-    is_event = True
-    comes_and_goes = True
+    @property
+    def low(self) -> Floats:
+        """Least value, (1,)."""
+        return np.array([self.kind.parameters[0].low])
 
-    def __init__(
-        self, kind: EffectKind, trials: frozenset[int] = frozenset(), since_s: float | None = None
-    ) -> None:
-        super().__init__(kind, ())
-        self.trials = trials
-        self.since_s = since_s
+    @property
+    def high(self) -> Floats:
+        """Greatest value, (1,)."""
+        return np.array([self.kind.parameters[0].high])
+
+    def starts(self, motions: Sequence[Motion]) -> Floats:
+        """Return values to try first, (n_start, 1)."""
+        return np.array(_RATES)[:, None]
 
     def act(self, view: View, psi: Floats) -> View:
-        """Return a motion with what a kilogram at the tip would ask of the joints while it is there."""
-        column = tip_mass_column(view)
-        if self.since_s is not None:
-            column = column * (view.motion.t >= self.since_s)[:, None, None]
-        elif view.motion.number not in self.trials:
-            column = np.zeros_like(column)
-        return replace(view, columns=(*view.columns, column))
-
-    def log_places(self, motions: Sequence[Motion]) -> float:
-        """Return the logarithm of the number of sets of trials, or of moments."""
-        if self.since_s is None:
-            return float(len(motions) * np.log(2.0))
-        return float(np.log(sum(len(motion.t) for motion in motions)))
-
-    def part_of(self, motion: Motion) -> object:
-        """Return whether it is there, or from when on."""
-        if self.since_s is None:
-            return motion.number in self.trials
-        begun = motion.t[[0, -1]] >= self.since_s
-        return bool(begun[0]) if begun[0] == begun[1] else self.since_s
+        """Return a motion whose friction drifts."""
+        drift = view.drift.copy()
+        drift[self.joints[0]] += psi[0]
+        return replace(view, drift=drift)
 
     def numbers(self, psi: Floats, factors: Floats) -> Floats:
-        """Return the mass."""
-        return np.array(factors)
-
-    @property
-    def names(self) -> tuple[str, ...]:
-        """The mass alone is a number with an error."""
-        return ("mass_kg",)
-
-    @property
-    def units(self) -> tuple[str, ...]:
-        """Of the mass."""
-        return ("kg",)
-
-
-def tip_mass_column(view: View) -> Floats:
-    """Return the torque of one kilogram at the tip, (n_sample, n_joint, 1)."""
-    n = view.arm.n_joint
-    a = view.arm.joints[-1].a_m
-    mass = np.zeros(12 * n)
-    mass[10 * (n - 1) : 10 * n] = [0.0, a * a, a * a, 0.0, 0.0, 0.0, a, 0.0, 0.0, 1.0]
-    torque = regressor(view.arm, view.q, view.dq, view.ddq) @ mass
-    return np.asarray(torque[..., None], dtype=np.float64)
-
-
-def arm_hypotheses(kind: EffectKind, n_joint: int) -> list[Hypothesis]:
-    """Return the places where an effect of the arm may be; loads are sought elsewhere, for they are events."""
-    if kind.name == "gravity_tilt":
-        return [GravityTilt(kind, ())]
-    if kind.name == "air_drag":  # at the first joint it is what quadratic_drag is
-        return [AirDrag(kind, (j,)) for j in range(1, n_joint)]
-    makers = {"joint_zero": JointZero, "rotor_inertia": RotorInertia}
-    return [makers[kind.name](kind, (j,)) for j in range(n_joint)] if kind.name in makers else []
+        """Return the rate."""
+        return np.array(psi)

@@ -1,6 +1,7 @@
 """Effects between the torque that is asked for and the joint: it comes late, slowly, cut off or too large."""
 
 import math
+from abc import abstractmethod
 from collections.abc import Sequence
 from dataclasses import replace
 
@@ -11,7 +12,7 @@ from scipy.signal import lfilter
 from arm.effects.effect import EffectKind
 from arm.model import Floats
 from fitter.data.derivatives import lowpass
-from fitter.diagnosis.hypothesis import Hypothesis
+from fitter.diagnosis.hypothesis import Hypothesis, Turn
 from fitter.diagnosis.motion import Motion, sharp_torque
 from fitter.diagnosis.view import View
 
@@ -30,26 +31,6 @@ _GAINS = np.geomspace(1.0 / 3.0, 3.0, 20)
 class InDrive(Hypothesis):
     """An effect with one number, the same at all its joints."""
 
-    def __init__(self, kind: EffectKind, joints: Sequence[int]) -> None:
-        super().__init__(kind, joints)
-        #: The last view and psi of each motion, and what came of its torque.
-        self._last: dict[int, tuple[View, Floats, Floats]] = {}
-
-    @property
-    def is_gradual(self) -> bool:  # type: ignore[override]
-        """A gain is, what comes late is not."""
-        return self.kind.name == "gain_error"
-
-    @property
-    def is_inertial(self) -> bool:  # type: ignore[override]
-        """A gain scales masses; what else the drive does changes the torque only."""
-        return self.is_gradual
-
-    @property
-    def is_event(self) -> bool:  # type: ignore[override]
-        """A limit may be reached in few trials, and in none of those that are learnt from."""
-        return self.kind.name == "torque_saturation"
-
     @property
     def low(self) -> Floats:
         """Least value, (1,)."""
@@ -60,24 +41,43 @@ class InDrive(Hypothesis):
         """Greatest value, (1,)."""
         return np.array([self.kind.parameters[0].high])
 
+    def numbers(self, psi: Floats, factors: Floats) -> Floats:
+        """Return the number itself."""
+        return np.array(psi)
+
+
+class Gain(InDrive):
+    """Joints get another share of the torque than was asked for."""
+
+    turn = Turn.GAIN
+    is_gain = True
+    is_gradual = True
+    distorts = True
+    mixes_noise = True
+
     def starts(self, motions: Sequence[Motion]) -> Floats:
         """Return values to try first, (n_start, 1)."""
-        if self.kind.name == "torque_saturation":
-            u = np.concatenate([np.abs(motion.u[:, self.joints]) for motion in motions])
-            usual, most = float(np.quantile(u, _USUAL)), float(u.max())
-            starts = np.concatenate([usual + _ABOVE * (most - usual), _LIMITS * usual])
-            return np.asarray(starts[:, None], dtype=np.float64)
-        if self.kind.name == "gain_error":
-            return _GAINS[:, None]
-        step = motions[0].trial.dt_s
-        return np.geomspace(step, min(0.15, float(self.high[0])), _GRID)[:, None]
+        return _GAINS[:, None]
 
     def act(self, view: View, psi: Floats) -> View:
-        """Return a motion whose joints get another torque than was asked for."""
-        if self.kind.name == "gain_error":
-            factor = view.factor.copy()
-            factor[list(self.joints)] /= psi[0]
-            return replace(view, factor=factor)
+        """Return a motion whose joints resist with another share."""
+        factor = view.factor.copy()
+        factor[list(self.joints)] /= psi[0]
+        return replace(view, factor=factor)
+
+
+class Passing(InDrive):
+    """A drive that passes on another torque than was asked for, and changes nothing else."""
+
+    is_inertial = False
+
+    def __init__(self, kind: EffectKind, joints: Sequence[int]) -> None:
+        super().__init__(kind, joints)
+        #: The last view and psi of each motion, and what came of its torque.
+        self._last: dict[int, tuple[View, Floats, Floats]] = {}
+
+    def act(self, view: View, psi: Floats) -> View:
+        """Return a motion whose joints get another torque."""
         return replace(view, u=self._passed(view, psi))
 
     def _passed(self, view: View, psi: Floats) -> Floats:
@@ -91,17 +91,70 @@ class InDrive(Hypothesis):
             if same and np.array_equal(at, psi):
                 return passed
         u = view.u.copy()
-        if self.kind.name == "torque_saturation":
-            u[:, self.joints] = _limited(view, self.joints, float(psi[0]))
-        else:
-            for j in self.joints:
-                u[:, j] = _DRIVES[self.kind.name](view.u[:, j], float(psi[0]), view.motion.dt_s)
+        u[:, self.joints] = self.passed(view, float(psi[0]))
         self._last[id(view.motion)] = view, np.array(psi), u
         return u
 
-    def numbers(self, psi: Floats, factors: Floats) -> Floats:
-        """Return the number itself."""
-        return np.array(psi)
+    @abstractmethod
+    def passed(self, view: View, number: float) -> Floats:
+        """Return what arrives at its joints, (n_sample, n_own_joint)."""
+
+
+class Limit(Passing):
+    """A drive that gives no more than so much; in few trials, maybe, and in none of those that are learnt from."""
+
+    turn = Turn.LIMIT
+    is_limit = True
+    is_event = True
+    feels_torque = True
+
+    def starts(self, motions: Sequence[Motion]) -> Floats:
+        """Return values to try first, (n_start, 1)."""
+        u = np.concatenate([np.abs(motion.u[:, self.joints]) for motion in motions])
+        usual, most = float(np.quantile(u, _USUAL)), float(u.max())
+        starts = np.concatenate([usual + _ABOVE * (most - usual), _LIMITS * usual])
+        return np.asarray(starts[:, None], dtype=np.float64)
+
+    def passed(self, view: View, number: float) -> Floats:
+        """Return what arrives at its joints, (n_sample, n_own_joint)."""
+        return _limited(view, self.joints, number)
+
+
+class Late(Passing):
+    """A drive whose torque comes late or slowly."""
+
+    turn = Turn.LATENESS
+    distorts = True
+
+    def starts(self, motions: Sequence[Motion]) -> Floats:
+        """Return values to try first, (n_start, 1)."""
+        step = motions[0].trial.dt_s
+        return np.geomspace(step, min(0.15, float(self.high[0])), _GRID)[:, None]
+
+    def passed(self, view: View, number: float) -> Floats:
+        """Return what arrives at its joints, (n_sample, n_own_joint)."""
+        late = [self.late(view.u[:, j], number, view.motion.dt_s) for j in self.joints]
+        return np.stack(late, axis=1)
+
+    @abstractmethod
+    def late(self, u: Floats, number: float, dt_s: float) -> Floats:
+        """Return what comes of a torque (n_sample,)."""
+
+
+class Delay(Late):
+    """A drive whose torque comes late."""
+
+    def late(self, u: Floats, number: float, dt_s: float) -> Floats:
+        """Return what comes of a torque (n_sample,)."""
+        return delayed(u, number, dt_s)
+
+
+class Lag(Late):
+    """A drive whose torque follows slowly."""
+
+    def late(self, u: Floats, number: float, dt_s: float) -> Floats:
+        """Return what comes of a torque (n_sample,)."""
+        return lagging(u, number, dt_s)
 
 
 def delayed(u: Floats, delay_s: float, dt_s: float) -> Floats:
@@ -156,14 +209,3 @@ def _limited(view: View, joints: tuple[int, ...], limit: float) -> Floats:
     cut = lowpass(np.clip(whole, -limits, limits) - whole, trial.dt_s, trial.cutoff_hz)
     inner = cut[trial.trimmed : trial.trimmed + len(trial.t)]
     return np.asarray(view.u[:, joints] + inner[:: round(motion.dt_s / trial.dt_s)], dtype=np.float64)
-
-
-_DRIVES = {"actuator_delay": delayed, "actuator_lag": lagging}
-
-
-def drive_hypotheses(kind: EffectKind, n_joint: int) -> list[Hypothesis]:
-    """Return the places where an effect of the drive may be: at one joint, or alike at all."""
-    places: list[tuple[int, ...]] = [(j,) for j in range(n_joint)]
-    if n_joint > 1 and kind.name in ("actuator_delay", "actuator_lag"):
-        places.append(tuple(range(n_joint)))
-    return [InDrive(kind, place) for place in places]

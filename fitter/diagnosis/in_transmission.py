@@ -5,6 +5,7 @@ was measured less the twist that this torque causes. The torque has passed the s
 the twist. Friction acts on the link, which may still go one way while its motor goes the other.
 """
 
+from abc import abstractmethod
 from collections.abc import Sequence
 from dataclasses import replace
 
@@ -14,7 +15,7 @@ from scipy.special import erf
 from arm.effects.effect import EffectKind
 from arm.model import Floats
 from fitter.data.derivatives import both_derivatives
-from fitter.diagnosis.hypothesis import Hypothesis
+from fitter.diagnosis.hypothesis import Hypothesis, Turn
 from fitter.diagnosis.in_drive import lagging
 from fitter.diagnosis.motion import Motion
 from fitter.diagnosis.play import Play, play_of
@@ -27,44 +28,16 @@ _SETTLING_S = (0.002, 0.02)
 
 
 class InTransmission(Hypothesis):
-    """Play (its gap), or elasticity (its compliance and the time in which it settles)."""
+    """Something that lets the link's angle differ from the motor's."""
 
-    def __init__(self, kind: EffectKind, joints: Sequence[int]) -> None:
-        super().__init__(kind, joints)
-        self._known: dict[tuple[int, int], Play] = {}
-        if self._play:
-            self.stride = 0.05  # a crossing that a gap is just too small for is another path
-
-    @property
-    def _play(self) -> bool:
-        return self.kind.name == "backlash"
-
-    @property
-    def low(self) -> Floats:
-        """Least values of psi."""
-        return np.array([1e-6]) if self._play else np.array([1e-7, 1e-5])
-
-    @property
-    def high(self) -> Floats:
-        """Greatest values of psi."""
-        return np.array([1.0]) if self._play else np.array([1.0, 0.5])
-
-    def starts(self, motions: Sequence[Motion]) -> Floats:
-        """Return values of psi to try first."""
-        if self._play:
-            return _GAPS[:, None]
-        u = np.concatenate([np.abs(motion.u[:, self.joints[0]]) for motion in motions])
-        compliance = _TWISTS / max(float(np.quantile(u, 0.99)), 1e-12)
-        return np.array([[c, s] for c in compliance for s in _SETTLING_S])
+    @abstractmethod
+    def change(self, view: View, psi: Floats) -> Floats:
+        """Return by how much the link's angle and its derivatives differ from the motor's, (3, n_sample)."""
 
     def act(self, view: View, psi: Floats) -> View:
-        """Return a motion whose link lags behind the measured angle by the twist."""
-        j, dt_s = self.joints[0], view.motion.dt_s
-        if self._play:
-            change = self._play_in(view).change(float(psi[0]))
-        else:
-            twist = psi[0] * lagging(view.arrived[:, j], float(psi[1]), dt_s)
-            change = -np.stack([twist, *both_derivatives(twist, dt_s)])
+        """Return a motion whose link lags behind the measured angle."""
+        j = self.joints[0]
+        change = self.change(view, psi)
         q, dq, ddq = view.q.copy(), view.dq.copy(), view.ddq.copy()
         for column, added in zip((q, dq, ddq), change, strict=True):
             column[:, j] += added
@@ -73,15 +46,73 @@ class InTransmission(Hypothesis):
         direction[:, j] = np.where(view.motion.stuck[:, j], 0.0, seen)
         return replace(view, q=q, dq=dq, ddq=ddq, direction=direction)
 
-    def _play_in(self, view: View) -> Play:
+
+class Backlash(InTransmission):
+    """Play: its gap."""
+
+    turn = Turn.PLAY
+    stride = 0.05  # a crossing that a gap is just too small for is another path
+
+    def __init__(self, kind: EffectKind, joints: Sequence[int]) -> None:
+        super().__init__(kind, joints)
+        self._known: dict[tuple[int, int], Play] = {}
+
+    @property
+    def low(self) -> Floats:
+        """Least gap, (1,)."""
+        return np.array([1e-6])
+
+    @property
+    def high(self) -> Floats:
+        """Greatest gap, (1,)."""
+        return np.array([1.0])
+
+    def starts(self, motions: Sequence[Motion]) -> Floats:
+        """Return gaps to try first, (n_start, 1)."""
+        return _GAPS[:, None]
+
+    def change(self, view: View, psi: Floats) -> Floats:
+        """Return by how much the link's angle and its derivatives differ from the motor's, (3, n_sample)."""
         key = view.motion.number, len(view.motion.t)
         if key not in self._known:
             self._known[key] = play_of(view.arm, view.motion, self.joints[0])
-        return self._known[key]
+        return self._known[key].change(float(psi[0]))
 
     def numbers(self, psi: Floats, factors: Floats) -> Floats:
-        """Return the gap, or stiffness and damping."""
-        return np.array(psi) if self._play else np.array([1.0 / psi[0], psi[1] / psi[0]])
+        """Return the gap."""
+        return np.array(psi)
+
+
+class Elasticity(InTransmission):
+    """A spring: its compliance and the time in which it settles."""
+
+    feels_torque = True
+
+    @property
+    def low(self) -> Floats:
+        """Least values of psi, (2,)."""
+        return np.array([1e-7, 1e-5])
+
+    @property
+    def high(self) -> Floats:
+        """Greatest values of psi, (2,)."""
+        return np.array([1.0, 0.5])
+
+    def starts(self, motions: Sequence[Motion]) -> Floats:
+        """Return values of psi to try first, (n_start, 2)."""
+        u = np.concatenate([np.abs(motion.u[:, self.joints[0]]) for motion in motions])
+        compliance = _TWISTS / max(float(np.quantile(u, 0.99)), 1e-12)
+        return np.array([[c, s] for c in compliance for s in _SETTLING_S])
+
+    def change(self, view: View, psi: Floats) -> Floats:
+        """Return by how much the link's angle and its derivatives differ from the motor's, (3, n_sample)."""
+        dt_s = view.motion.dt_s
+        twist = psi[0] * lagging(view.arrived[:, self.joints[0]], float(psi[1]), dt_s)
+        return -np.stack([twist, *both_derivatives(twist, dt_s)])
+
+    def numbers(self, psi: Floats, factors: Floats) -> Floats:
+        """Return stiffness and damping."""
+        return np.array([1.0 / psi[0], psi[1] / psi[0]])
 
 
 def _direction(speed: Floats, noise: Floats) -> Floats:

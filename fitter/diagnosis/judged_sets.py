@@ -5,8 +5,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from arm.model import Arm
-from fitter.diagnosis.candidate import Candidate
 from fitter.diagnosis.judgement import Errors, judged
+from fitter.diagnosis.model import Candidate
 from fitter.diagnosis.motion import Motion
 from fitter.diagnosis.regression import Regression
 

@@ -7,7 +7,7 @@ import numpy as np
 from scipy.ndimage import binary_erosion, gaussian_filter1d
 
 from arm.model import Arm, Floats
-from fitter.diagnosis.candidate import Candidate
+from fitter.diagnosis.model import Candidate
 from fitter.diagnosis.motion import Motion
 from fitter.diagnosis.regression import Regression
 from fitter.diagnosis.simulated_motion.simulated import simulated

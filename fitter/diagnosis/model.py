@@ -1,4 +1,4 @@
-"""A model of what an arm does beyond its base parameters: some hypotheses, with values of their psi."""
+"""A model of what an arm does beyond its base parameters: hypotheses with values of their psi; fitted or not."""
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from arm.model import Floats
-from fitter.diagnosis.hypothesis import Hypothesis
+from fitter.diagnosis.hypothesis import Hypothesis, Turn
 
 #: A psi of less than this is moved as if it were this large.
 _LEAST = 1e-3
@@ -64,3 +64,58 @@ class Model:
     def is_event(self) -> bool:
         """Whether something in it happens at certain times or trials only."""
         return any(hypothesis.is_event for hypothesis in self.hypotheses)
+
+    @property
+    def cuts_off(self) -> bool:
+        """Whether a drive has a limit."""
+        return any(hypothesis.is_limit for hypothesis in self.hypotheses)
+
+    @property
+    def distorts(self) -> bool:
+        """Whether a drive is late, weak or unequal."""
+        return any(hypothesis.distorts for hypothesis in self.hypotheses)
+
+    def undistorted(self) -> "Model":
+        """Return this model without such drives."""
+        return self.only([not hypothesis.distorts for hypothesis in self.hypotheses])
+
+    @property
+    def scales_only(self) -> bool:
+        """Whether a gain in it does no more than scale what its joint resists with: nothing feels it."""
+        return not any(hypothesis.feels_torque for hypothesis in self.hypotheses)
+
+    def downstream(self) -> list[int]:
+        """Return the places of its hypotheses in the order in which they act; of those with columns it stays."""
+        gain = Turn.SCALE if self.scales_only else Turn.GAIN
+
+        def turn(k: int) -> Turn:
+            hypothesis = self.hypotheses[k]
+            if hypothesis.is_gain:
+                return gain
+            return Turn.COLUMNS if hypothesis.n_column else hypothesis.turn
+
+        return sorted(range(len(self.hypotheses)), key=turn)
+
+
+@dataclass(frozen=True)
+class Candidate:
+    """A fitted model.
+
+    Attributes
+    ----------
+    model : Model
+        What was accepted before, and a hypothesis as its last.
+    x : (n_factor,)
+        Base parameters and the columns' factors.
+    squares : (n_trial,)
+        Sum of squares that is left in each trial, in units of the noise.
+    """
+
+    model: Model
+    x: Floats
+    squares: Floats
+
+    @property
+    def hypothesis(self) -> Hypothesis:
+        """What was added last."""
+        return self.model.hypotheses[-1]

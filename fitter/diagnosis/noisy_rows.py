@@ -1,4 +1,7 @@
-"""What one draw of noise makes of the equations under a model, computed once for what it hardly depends on."""
+"""What one draw of noise makes of the equations under a model, computed once for what it hardly depends on.
+
+A drive with a limit lets less through, by how much of the torque it cuts off.
+"""
 
 from collections.abc import Mapping, Sequence
 
@@ -6,12 +9,14 @@ import numpy as np
 
 from arm.model import Floats
 from fitter.diagnosis.attenuation import Noise, added, noise_of
-from fitter.diagnosis.cut_off import distorts
 from fitter.diagnosis.hypothesis import Hypothesis
 from fitter.diagnosis.model import Model
 from fitter.diagnosis.motion import Motion
-from fitter.diagnosis.order import scales_only
 from fitter.diagnosis.rows import Equations
+from fitter.diagnosis.view import View
+
+#: A torque that another differs from by this share of its rms is cut off.
+_CUT = 0.01
 
 
 class NoisyRows:
@@ -32,11 +37,11 @@ class NoisyRows:
         """Return what the draw makes of the equations of some motions under a model.
 
         Joint by joint if that is asked for, or will be: a drive is held against the noise that it lets through,
-        unless it only cuts off (`cut_off`).
+        unless it only cuts off (`let_through`).
         """
-        by_joint = by_joint or distorts(model)
-        gains = [one.kind.name == "gain_error" for one in model.hypotheses]
-        if not any(gains) or not scales_only(model):
+        by_joint = by_joint or model.distorts
+        gains = [one.is_gain for one in model.hypotheses]
+        if not any(gains) or not model.scales_only:
             return added([self._noise(model, (), by_joint, motion) for motion in motions])
         weak, plain = model.only(gains), model.only([not one for one in gains])
         joints = tuple(hypothesis.joints[0] for hypothesis in weak.hypotheses)
@@ -86,5 +91,28 @@ def _key(hypothesis: Hypothesis, psi: Floats) -> tuple[object, ...]:
     psi hardly matters but where it scales it, or turns the columns among themselves: noise that stayed behind
     would make one zero of a joint seem better than another where they all are the same.
     """
-    matters = hypothesis.kind.name in ("gain_error", "joint_zero", "gravity_tilt")
-    return hypothesis.key, hypothesis.n_column, psi.tobytes() if matters else b""
+    return hypothesis.key, hypothesis.n_column, psi.tobytes() if hypothesis.mixes_noise else b""
+
+
+def let_through(views: Sequence[View], motions: Sequence[Motion]) -> Floats:
+    """Return the share of each joint's torque squared that a limit lets through, (n_joint,).
+
+    It counts as far as the limit is reached: of a torque that is cut off now and then nearly all noise stays.
+
+    Parameters
+    ----------
+    views : sequence of View
+        Motions as they are under the limit.
+    motions : sequence of Motion
+        The same as measured.
+    """
+    asked, reaches, cut, moving = np.zeros((4, motions[0].u.shape[1]))
+    for view, motion in zip(views, motions, strict=True):
+        moves = ~motion.stuck
+        asked += np.sum(motion.u**2 * moves, axis=0)
+        reaches += np.sum(view.u**2 * moves, axis=0)
+        off = np.abs(view.u - motion.u) > _CUT * np.sqrt(np.mean(motion.u**2, axis=0))
+        cut += np.sum(off & moves, axis=0)
+        moving += np.sum(moves, axis=0)
+    through = np.clip(reaches / np.maximum(asked, 1e-300), 1e-12, 1.0)
+    return np.asarray(through ** (cut / np.maximum(moving, 1.0)), dtype=np.float64)

@@ -48,7 +48,7 @@ class Misfit:
         self.high = np.concatenate([np.zeros(0), *(one.high for one in self._free.hypotheses)])
         self.start = np.clip(self._free.flat, self.low + 1e-12, self.high - 1e-12)
         #: A gain scales all noise, so it does not stay as it is.
-        self._is_weak = any(hypothesis.kind.name == "gain_error" for hypothesis in model.hypotheses)
+        self._is_weak = any(hypothesis.is_gain for hypothesis in model.hypotheses)
         self._last: tuple[Floats, Floats] | None = None
 
     def at(self, flat: Floats) -> Model:

@@ -13,14 +13,13 @@ import numpy as np
 
 from arm.model import Arm, Floats
 from fitter.diagnosis.attenuation import Noise, compensated, noisier
-from fitter.diagnosis.cut_off import cuts_off, distorts, let_through, undistorted
 from fitter.diagnosis.equation import Weighting, weighting
 from fitter.diagnosis.holding_size import holding_sizes
 from fitter.diagnosis.least_squares import scaled_lstsq
 from fitter.diagnosis.mass_density import MassDensity, Normal
 from fitter.diagnosis.model import Model
 from fitter.diagnosis.motion import Motion
-from fitter.diagnosis.noisy_rows import NoisyRows
+from fitter.diagnosis.noisy_rows import NoisyRows, let_through
 from fitter.diagnosis.reweighting import reweighted
 from fitter.diagnosis.rows import Equations
 from fitter.diagnosis.view import View
@@ -168,8 +167,8 @@ class Regression:
         Noise of the angles enters times masses that are in proportion to the torque that is let through: a
         torque that is cut off to nothing would leave nothing, and explain nothing.
         """
-        now = self._let_through(model) if cuts_off(model) else np.ones(self.arm.n_joint)
-        if distorts(model):
+        now = self._let_through(model) if model.cuts_off else np.ones(self.arm.n_joint)
+        if model.distorts:
             left = self._noisy.of(model, self.learning, by_joint=True).left(x)
             floor = self.floor_part * np.sum([self.weighting.told_at_joints(one) for one in self.learning], axis=0)
             now = now * np.maximum((floor + left) / (floor + self._plainly(model)), _LEAST_NOISE)
@@ -177,7 +176,7 @@ class Regression:
 
     def _plainly(self, model: Model) -> Floats:
         """Return the noise that a model leaves without a drive that is late, weak or unequal, (n_joint,)."""
-        plain = undistorted(model)
+        plain = model.undistorted()
         key = tuple(hypothesis.key for hypothesis in plain.hypotheses)
         if key not in self._plain:
             left = self._noisy.of(plain, self.learning, by_joint=True).left(self.solve(plain, self.learning))

@@ -13,7 +13,6 @@ from fitter.diagnosis.base_columns import BaseColumns
 from fitter.diagnosis.equation import Weighting
 from fitter.diagnosis.model import Model
 from fitter.diagnosis.motion import Motion
-from fitter.diagnosis.order import downstream
 from fitter.diagnosis.stage import Stage
 from fitter.diagnosis.view import View, view_of
 from fitter.diagnosis.white_rows import Rows
@@ -91,7 +90,7 @@ class Equations:
         stages = self._stages.get(id(motion))
         if stages is None or stages[0].view.motion is not motion:  # another may have got its id
             stages = self._stages[id(motion)] = [Stage(self._sought, self.weighting, view_of(motion, self.arm))]
-        for k, i in enumerate(downstream(model), start=1):
+        for k, i in enumerate(model.downstream(), start=1):
             hypothesis, psi = model.hypotheses[i], model.psi[i]
             by = stages[k].by if k < len(stages) else None
             if by is None or by[0] is not hypothesis or not np.array_equal(by[1], psi):

@@ -8,15 +8,13 @@ from dataclasses import replace
 
 import numpy as np
 
-from arm.effects.catalogue import catalogue
 from arm.model import Floats
-from fitter.diagnosis.candidate import Candidate
 from fitter.diagnosis.grid import Best, Grid
 from fitter.diagnosis.hypothesis import Hypothesis
 from fitter.diagnosis.least_squares import scaled_lstsq
-from fitter.diagnosis.loads import find_payloads
-from fitter.diagnosis.model import Model
+from fitter.diagnosis.model import Candidate, Model
 from fitter.diagnosis.motion import Motion
+from fitter.diagnosis.payload import find_payloads
 from fitter.diagnosis.refinement import refined
 from fitter.diagnosis.regression import Regression
 from fitter.diagnosis.starts import Starts
@@ -192,6 +190,4 @@ def _possible(candidate: Candidate) -> bool:
 
 def _events(regression: Regression, accepted: Candidate) -> list[Hypothesis]:
     """Return loads; pushes are found in the missing torque, once the causes that always act are known."""
-    if any(hypothesis.kind.name == "payload" for hypothesis in accepted.model.hypotheses):
-        return []
-    return find_payloads(catalogue()["payload"], regression, accepted.model)
+    return find_payloads(regression, accepted.model)

@@ -6,9 +6,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from arm.model import Floats
-from fitter.diagnosis.candidate import Candidate
 from fitter.diagnosis.evidence import Fit, likelihood_of
 from fitter.diagnosis.floor import Floor
+from fitter.diagnosis.model import Candidate
 from fitter.diagnosis.stepwise import Step
 
 

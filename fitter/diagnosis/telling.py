@@ -5,18 +5,19 @@ from dataclasses import replace
 
 import numpy as np
 
-from fitter.diagnosis.candidate import Candidate
 from fitter.diagnosis.conclusion import Conclusion
 from fitter.diagnosis.estimates import Estimates, estimates, extended_arm
 from fitter.diagnosis.finding import Finding, Left, NamedCause, Polished, Tried
+from fitter.diagnosis.holding import EFFECT as STICTION
 from fitter.diagnosis.holding import Holding, sticking
 from fitter.diagnosis.hypothesis import Hypothesis
-from fitter.diagnosis.in_arm import Payload
 from fitter.diagnosis.judgement import Errors, gain, judged, torque_left
 from fitter.diagnosis.likeness import likeness
+from fitter.diagnosis.model import Candidate
 from fitter.diagnosis.motion import Motion
 from fitter.diagnosis.named_pushes import pushes_of
 from fitter.diagnosis.next_experiment import next_experiment
+from fitter.diagnosis.payload import Payload
 from fitter.diagnosis.pushes import Pushes
 from fitter.diagnosis.regression import Regression
 from fitter.diagnosis.search import Search
@@ -63,7 +64,7 @@ def finding_of(
     believed = final is not search.base or search.final is search.base
     effects = sorted({cause.effect for cause in causes})
     confusable = [] if final is search.base else _confusable(search)
-    confusable += [("stiction", "stribeck")] if come_to.equals else []
+    confusable += sorted({(STICTION, one.hypothesis.kind.name) for one in come_to.equals.values()})
     joints = [j for cause in causes for j in cause.joints]
     return Finding(
         verdict=verdict,
@@ -132,7 +133,7 @@ def _at_rest(regression: Regression, come_to: Conclusion) -> list[NamedCause]:
     for one in come_to.held:
         equal = come_to.equals.get(one.joint)
         share = 1.0 if equal is None else 0.5
-        listed.append(NamedCause("stiction", (one.joint + 1,), {"static_N_m": one.parameter}, share))
+        listed.append(NamedCause(STICTION, (one.joint + 1,), {"static_N_m": one.parameter}, share))
         if equal is not None:
             own = estimates(regression, equal).effects[-1]
             listed.append(replace(_named(equal.hypothesis, own, share, {}), in_stead=True))
@@ -175,5 +176,5 @@ def _tried(regression: Regression, search: Search, held: Sequence[Holding]) -> l
         )
         for one, share in zip(search.first, search.support, strict=True)
     ]
-    listed += [Tried("stiction", (one.joint + 1,), float(np.clip(one.gain, 0.0, 1.0)), 1.0) for one in held]
+    listed += [Tried(STICTION, (one.joint + 1,), float(np.clip(one.gain, 0.0, 1.0)), 1.0) for one in held]
     return sorted(listed, key=lambda one: -one.gain)

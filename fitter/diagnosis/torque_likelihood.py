@@ -4,13 +4,12 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
-from fitter.diagnosis.candidate import Candidate
 from fitter.diagnosis.estimates import estimates, significant
 from fitter.diagnosis.evidence import BLOCK_S, Fit, likelihood_of
 from fitter.diagnosis.floor import KNOWN, Floor, floored, part_of_floor
 from fitter.diagnosis.hypothesis import Hypothesis
 from fitter.diagnosis.mass_density import MassDensity
-from fitter.diagnosis.model import Model
+from fitter.diagnosis.model import Candidate, Model
 from fitter.diagnosis.regression import Regression
 from fitter.diagnosis.screening import by_learning, fitted, screen
 from fitter.diagnosis.starts import Starts

@@ -11,13 +11,12 @@ from itertools import combinations
 
 import numpy as np
 
-from fitter.diagnosis.candidate import Candidate
 from fitter.diagnosis.dependence import Dependence, dependences
 from fitter.diagnosis.evidence import EQUAL_SIGMAS
 from fitter.diagnosis.floor import KNOWN, PLAINLY, Floor
 from fitter.diagnosis.folds import Folds
 from fitter.diagnosis.functions import names
-from fitter.diagnosis.model import Model
+from fitter.diagnosis.model import Candidate, Model
 from fitter.diagnosis.regression import Regression
 from fitter.diagnosis.screening import fitted
 from fitter.diagnosis.typical import typical

@@ -4,8 +4,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fitter.diagnosis.candidate import Candidate
 from fitter.diagnosis.diagnosis import Diagnosis
+from fitter.diagnosis.model import Candidate
 from fitter.diagnosis.search import Cause
 from fitter.report.diagnosis_figures import AFTER, BEFORE
 from fitter.report.diagnosis_words import candidate_name, percent

@@ -5,9 +5,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from arm.model import Floats
-from fitter.diagnosis.candidate import Candidate
 from fitter.diagnosis.diagnosis import Diagnosis
 from fitter.diagnosis.judgement import smooth, torque_left
+from fitter.diagnosis.model import Candidate
 from fitter.diagnosis.motion import Motion
 
 #: A simulation that is this far out has run away [rad or m].

@@ -121,7 +121,7 @@ def _finding(arm: Arm, search: Search, decision: Decision, rng: np.random.Genera
 def _unhelped(search: Search, decision: Decision) -> Fitted:
     """Return the arm file's own sensors with usual biases; those whose bias is a cause have none."""
     suspects = [cause.tried.suspect for cause in decision.causes]
-    odd = [one.sensor for one in suspects if one.effect == "sensor_bias" and one.sensor is not None]
+    odd = [one.sensor for one in suspects if one.kind.is_bias and one.sensor is not None]
     if not odd:
         return search.base
     bias = search.base.hypothesis.bias.copy()
@@ -154,16 +154,16 @@ def _sensors(arm: Arm, suspect: Suspect) -> tuple[str, ...]:
 def _grain(trials: Trials, suspect: Suspect) -> float:
     """Return what a converter leaves unknown of a level or a delay: a step or an interval, evenly distributed."""
     raw = trials.trials[0].raw
-    if suspect.sensor is not None and suspect.effect == "sensor_clipping":
+    if suspect.sensor is not None and suspect.kind.grain == "step":
         step = step_of(raw.a[:, 3 * suspect.sensor : 3 * suspect.sensor + 3])
         return float(step[np.isfinite(step)].max(initial=0.0) / np.sqrt(12.0))
-    return 1.0 / raw.rate_hz / np.sqrt(12.0) if suspect.effect == "time_skew" else 0.0
+    return 1.0 / raw.rate_hz / np.sqrt(12.0) if suspect.kind.grain == "interval" else 0.0
 
 
 def _numbers(fitted: Fitted, suspect: Suspect, wider: float, grain: float) -> dict[str, Number]:
     place = fitted.hypothesis.suspects.index(suspect)
     value, std = fitted.hypothesis.values[place], np.hypot(wider * fitted.std(place), grain)
-    if suspect.effect != "base_motion":
+    if suspect.kind.begins_neutral or not suspect.kind.whole:
         rows = zip(suspect.kind.parameters, value, std, strict=True)
         return {name: Number(float(v), float(s), unit) for (name, unit), v, s in rows}
     c, s = value[:3], value[3:6]

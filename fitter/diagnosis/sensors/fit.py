@@ -144,7 +144,7 @@ class Trials:
 
         What is not looked at leaves no residual; a hypothesis must not win by that.
         """
-        if not any(suspect.effect == "sensor_clipping" for suspect in hypothesis.suspects):
+        if not any(suspect.kind.is_level for suspect in hypothesis.suspects):
             return 0
         looked_at = self.linearised(number, hypothesis, c).weight > 0.0
         return int(np.count_nonzero((self.trials[number].weight > 0.0) & ~looked_at))

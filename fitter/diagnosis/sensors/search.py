@@ -17,10 +17,6 @@ from fitter.diagnosis.sensors.screening import Screened, screened, with_suspect
 from fitter.diagnosis.sensors.start import first_motions
 from fitter.diagnosis.sensors.suspects import EFFECTS, Suspect
 
-#: Effects of one sensor that are tried together, all to first order in parameters that begin as neutral.
-_TOGETHER = ("sensor_bias", "sensor_drift", "sensor_scale", "sensor_misalignment", "mounting_radius", "time_skew")
-#: Where the search for a corner starts [Hz].
-_FIRST_CORNER_HZ = 0.05
 #: Passes of the fits that only show which sensor is the odd one.
 _ROUGH = 5
 #: Suspects that are fitted in full: at least, and at most; those that explain this share of what the best does.
@@ -146,15 +142,20 @@ class Search:
         return found
 
     def _screen(self, known: Fitted) -> list[Screened]:
+        """Return what every suspect would explain: those that begin as neutral together, each other one alone."""
         there, found = known.hypothesis.suspects, []
+        learn = self.trials.trials[: self.trials.n_learn]
         for s in range(len(self.trials.arm.sensors)):
             motions = self._without(known, s)
-            new = [(Suspect(name, s), np.array(EFFECTS[name].neutral)) for name in _TOGETHER]
-            single = [[one for one in new if one[0] not in there]]
-            for name, value in (("sensor_highpass", self._corner(s)), ("sensor_clipping", self._level(s))):
-                if value is not None and Suspect(name, s) not in there:
-                    single.append([(Suspect(name, s), value)])
-            for group in single:
+            own = [
+                one for name, kind in EFFECTS.items() if not kind.whole and (one := Suspect(name, s)) not in there
+            ]
+            groups = [[(one, np.array(one.kind.neutral)) for one in own if one.kind.begins_neutral]]
+            for one in own:
+                first = one.kind.first and one.kind.first(learn, self.trials.nominal, s)
+                if first is not None:
+                    groups.append([(one, first)])
+            for group in groups:
                 found += screened(self.trials, known.hypothesis, group, motions)
             self._tell()
         return found + self._screen_base(known)
@@ -166,28 +167,16 @@ class Search:
         blind = self.trials.fit(replace(known.hypothesis, without=odd), known.motions, _ROUGH)
         return self.trials.judge(blind, _ROUGH).motions
 
-    def _corner(self, sensor: int) -> Floats | None:
-        return None if self.trials.nominal.corner_hz[sensor] > 0.0 else np.array([_FIRST_CORNER_HZ])
-
-    def _level(self, sensor: int) -> Floats:
-        """Return the largest frame that a sensor reads, less what noise adds to it."""
-        learn = self.trials.trials[: self.trials.n_learn]
-        channels = slice(3 * sensor, 3 * sensor + 3)
-        top = max(float(np.nanmax(np.abs(trial.values[:, channels]))) for trial in learn)
-        return np.array([top - 2.0 * float(learn[0].std[channels].max())])
-
     def _screen_base(self, known: Fitted) -> list[Screened]:
         there = {suspect.effect for suspect in known.hypothesis.suspects}
         free = self.trials.fit(replace(known.hypothesis, free_base=True), known.motions, _ROUGH)
         free = self.trials.judge(free, _ROUGH)
         found = []
-        if "base_motion" not in there:
-            waves = []
-            for frequency in base_frequencies(self.trials, free):
-                value = np.array([*EFFECTS["base_motion"].neutral[:6], frequency])
-                waves += screened(self.trials, known.hypothesis, [(Suspect("base_motion"), value)], free.motions)
-            found += [min(waves, key=lambda one: one.learn)] if waves else []
-        if "gravity_tilt" not in there:
-            value = np.array(EFFECTS["gravity_tilt"].neutral)
-            found += screened(self.trials, known.hypothesis, [(Suspect("gravity_tilt"), value)], free.motions)
+        for name, kind in EFFECTS.items():
+            if kind.whole and name not in there:
+                neutral, last = kind.neutral[:-1], [kind.neutral[-1]]
+                last = last if kind.begins_neutral else base_frequencies(self.trials, free)
+                places = [[(Suspect(name), np.array([*neutral, one]))] for one in last]
+                tried = [one for at in places for one in screened(self.trials, known.hypothesis, at, free.motions)]
+                found += [min(tried, key=lambda one: one.learn)] if tried else []
         return found

@@ -4,18 +4,24 @@ A column is the slope of the expected reading by a parameter, or minus that of t
 undone there.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from typing import Literal
 
 import numpy as np
 
 from arm.model import Floats
+from fitter.diagnosis.sensors.frames import TrialFrames
 from fitter.diagnosis.sensors.instruments import Instruments, added, turn_by_angles
 from fitter.diagnosis.sensors.linearisation import Linearisation
 from tracking.observation import MOUNTING
 
 Change = Callable[[Instruments, int, Floats], Instruments]
 Columns = Callable[[Linearisation, int], Floats]
+First = Callable[[Sequence[TrialFrames], Instruments, int], Floats | None]
+
+#: Where the search for a corner starts, and the least that forgets anything in the time of a trial [Hz].
+_FIRST_CORNER_HZ, _LEAST_CORNER_HZ = 0.05, 0.003
 
 
 @dataclass(frozen=True)
@@ -34,6 +40,17 @@ class SensorEffect:
         ``change(instruments, sensor, parameters)``.
     columns : callable
         ``columns(linearisation, sensor)`` is (n, n_channel, n_parameter).
+    whole : bool
+        It is the whole arm's, and no sensor's own.
+    first : callable, optional
+        ``first(trials, nominal, sensor)`` is where a fit starts that cannot start as neutral; None if the
+        sensor cannot have it.
+    least : float
+        A parameter below this is nothing in the time of a trial.
+    is_bias, is_level : bool
+        It is what every sensor has a little of; it keeps readings from being looked at.
+    grain : {"", "step", "interval"}
+        What a converter leaves unknown of it: its step, or the time from sample to sample.
     """
 
     name: str
@@ -42,6 +59,17 @@ class SensorEffect:
     spread: tuple[float, ...]
     change: Change
     columns: Columns
+    whole: bool = False
+    first: First | None = None
+    least: float = 0.0
+    is_bias: bool = False
+    is_level: bool = False
+    grain: Literal["", "step", "interval"] = ""
+
+    @property
+    def begins_neutral(self) -> bool:
+        """Whether a fit may start from what is neutral."""
+        return self.first is None and bool(np.all(np.isfinite(self.neutral)))
 
 
 @dataclass(frozen=True)
@@ -180,32 +208,49 @@ def _changed_delay(instruments: Instruments, sensor: int, value: Floats) -> Inst
     return instruments.with_entry("delay_s", sensor, float(value[0]))
 
 
-def _of_three(
-    name: str, parameters: str, unit: str, neutral: float, spread: float, change: Change, columns: Columns
+def _first_corner(_trials: Sequence[TrialFrames], nominal: Instruments, sensor: int) -> Floats | None:
+    return None if nominal.corner_hz[sensor] > 0.0 else np.array([_FIRST_CORNER_HZ])
+
+
+def _first_level(trials: Sequence[TrialFrames], _nominal: Instruments, sensor: int) -> Floats:
+    """Return the largest frame that a sensor reads, less what noise adds to it."""
+    channels = slice(3 * sensor, 3 * sensor + 3)
+    top = max(float(np.nanmax(np.abs(trial.values[:, channels]))) for trial in trials)
+    return np.array([top - 2.0 * float(trials[0].std[channels].max())])
+
+
+def _kind(
+    name: str, parameters: str, unit: str, before: tuple[float, float], change: Change, columns: Columns
 ) -> SensorEffect:
-    """Return an effect with three numbers of the same kind."""
+    """Return an effect with numbers of the same kind: what is neutral, and how far from there they may be."""
     named = tuple((parameter, unit) for parameter in parameters.split())
-    return SensorEffect(name, named, (neutral,) * 3, (spread,) * 3, change, columns)
-
-
-def _of_one(
-    name: str, parameter: str, unit: str, neutral: float, spread: float, change: Change, columns: Columns
-) -> SensorEffect:
-    """Return an effect with one number."""
-    return SensorEffect(name, ((parameter, unit),), (neutral,), (spread,), change, columns)
+    neutral, spread = ((one,) * len(named) for one in before)
+    return SensorEffect(name, named, neutral, spread, change, columns)
 
 
 _KINDS = (
-    _of_three("sensor_bias", "x_m_s2 y_m_s2 z_m_s2", "m/s^2", 0.0, 3.0, _changed_bias, bias_columns),
-    _of_three("sensor_drift", "x_m_s3 y_m_s3 z_m_s3", "m/s^3", 0.0, 1.0, _changed_drift, _drift_columns),
-    _of_three("sensor_scale", "x y z", "1", 1.0, 1.0, _changed_scale, _scale_columns),
-    _of_three(
-        "sensor_misalignment", "roll_rad pitch_rad yaw_rad", "rad", 0.0, 1.0, _changed_rotation, _turn_columns
+    replace(
+        _kind("sensor_bias", "x_m_s2 y_m_s2 z_m_s2", "m/s^2", (0.0, 3.0), _changed_bias, bias_columns),
+        is_bias=True,
     ),
-    _of_three("mounting_radius", "x_m y_m z_m", "m", 0.0, 0.3, _changed_place, _place_columns),
-    _of_one("sensor_highpass", "corner_hz", "Hz", 0.0, 5.0, _changed_corner, _corner_columns),
-    _of_one("sensor_clipping", "level_m_s2", "m/s^2", np.inf, 50.0, _changed_level, _level_columns),
-    _of_one("time_skew", "delay_s", "s", 0.0, 0.1, _changed_delay, _delay_columns),
+    _kind("sensor_drift", "x_m_s3 y_m_s3 z_m_s3", "m/s^3", (0.0, 1.0), _changed_drift, _drift_columns),
+    _kind("sensor_scale", "x y z", "1", (1.0, 1.0), _changed_scale, _scale_columns),
+    _kind(
+        "sensor_misalignment", "roll_rad pitch_rad yaw_rad", "rad", (0.0, 1.0), _changed_rotation, _turn_columns
+    ),
+    _kind("mounting_radius", "x_m y_m z_m", "m", (0.0, 0.3), _changed_place, _place_columns),
+    replace(
+        _kind("sensor_highpass", "corner_hz", "Hz", (0.0, 5.0), _changed_corner, _corner_columns),
+        first=_first_corner,
+        least=_LEAST_CORNER_HZ,
+    ),
+    replace(
+        _kind("sensor_clipping", "level_m_s2", "m/s^2", (np.inf, 50.0), _changed_level, _level_columns),
+        first=_first_level,
+        is_level=True,
+        grain="step",
+    ),
+    replace(_kind("time_skew", "delay_s", "s", (0.0, 0.1), _changed_delay, _delay_columns), grain="interval"),
     SensorEffect(
         "base_motion",
         (*((f"{axis}_{part}", "m/s^2") for part in ("cos", "sin") for axis in "xyz"), ("frequency_hz", "Hz")),
@@ -213,14 +258,10 @@ _KINDS = (
         (5.0,) * 6 + (0.1,),
         _changed_base,
         _base_columns,
+        whole=True,
     ),
-    SensorEffect(
-        "gravity_tilt",
-        (("gx_m_s2", "m/s^2"), ("gy_m_s2", "m/s^2")),
-        (0.0, 0.0),
-        (3.0, 3.0),
-        _changed_gravity,
-        _tilt_columns,
+    replace(
+        _kind("gravity_tilt", "gx_m_s2 gy_m_s2", "m/s^2", (0.0, 3.0), _changed_gravity, _tilt_columns), whole=True
     ),
 )
 #: By name.

@@ -23,8 +23,6 @@ ACCEPTED, EQUAL = 20.0, 12.0
 _SIGNIFICANT = 4.0
 #: A sensor that clips should read this many standard deviations of a frame beyond its level, on average.
 _BEYOND_LEVEL = 3.0
-#: A corner below this forgets nothing in the time of a trial [Hz].
-_LEAST_CORNER_HZ = 0.003
 _MOST_CAUSES = 4
 
 
@@ -101,9 +99,9 @@ def significant(search: Search, tried: Tried) -> int:
     place = tried.fitted.hypothesis.suspects.index(tried.suspect)
     value, std = tried.fitted.hypothesis.values[place], tried.fitted.std(place) * np.sqrt(search.noise)
     neutral = np.array(tried.suspect.kind.neutral)
-    if tried.suspect.effect == "sensor_highpass" and value[0] < _LEAST_CORNER_HZ:
+    if np.abs(value).max() < tried.suspect.kind.least:
         return 0
-    if tried.suspect.effect == "sensor_clipping" and tried.suspect.sensor is not None:
+    if tried.suspect.kind.is_level and tried.suspect.sensor is not None:
         return int(beyond_level(search.trials, tried.fitted, tried.suspect.sensor) > _BEYOND_LEVEL)
     there = np.abs(value - np.where(np.isfinite(neutral), neutral, 0.0)) > _SIGNIFICANT * std
     return int(np.count_nonzero(there))

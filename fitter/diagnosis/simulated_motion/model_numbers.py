@@ -7,8 +7,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from arm.model import Arm, Floats
-from fitter.diagnosis.candidate import Candidate
 from fitter.diagnosis.estimates import Estimates
+from fitter.diagnosis.model import Candidate
 from fitter.diagnosis.simulated_motion.numbers import Numbers, numbers_of
 
 

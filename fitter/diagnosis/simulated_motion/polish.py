@@ -15,13 +15,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from arm.model import Arm, Floats
-from fitter.diagnosis.candidate import Candidate
 from fitter.diagnosis.conclusion import Conclusion
 from fitter.diagnosis.estimates import Estimates, estimates, extended_arm, information_of
 from fitter.diagnosis.evidence import BLOCK_S, EQUAL_SIGMAS
 from fitter.diagnosis.finding import Polished
 from fitter.diagnosis.holding import sticking
 from fitter.diagnosis.judgement import judged, smooth, torque_left
+from fitter.diagnosis.model import Candidate
 from fitter.diagnosis.motion import Motion
 from fitter.diagnosis.regression import Regression
 from fitter.diagnosis.simulated_motion.braking import friction_at, seen_states

@@ -3,10 +3,9 @@
 import numpy as np
 
 from arm.model import Floats
-from fitter.diagnosis.candidate import Candidate
 from fitter.diagnosis.evidence import Fit
 from fitter.diagnosis.hypotheses import hypotheses
-from fitter.diagnosis.model import Model
+from fitter.diagnosis.model import Candidate, Model
 
 #: Rows a block, blocks a trial.
 ROWS, BLOCKS = 20, 5

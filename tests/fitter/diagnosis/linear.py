@@ -6,11 +6,10 @@ import numpy as np
 
 from arm.effects.catalogue import catalogue
 from arm.model import Floats
-from fitter.diagnosis.candidate import Candidate
 from fitter.diagnosis.estimates import significant
 from fitter.diagnosis.evidence import Fit, likelihood_of
 from fitter.diagnosis.hypothesis import Hypothesis
-from fitter.diagnosis.model import Model
+from fitter.diagnosis.model import Candidate, Model
 from fitter.diagnosis.view import View
 
 #: Rows a block, blocks a trial.

@@ -10,9 +10,8 @@ from arm.model import Effect
 from fitter.data.trials import to_trials
 from fitter.diagnosis.at_joint import AtJoint
 from fitter.diagnosis.grid import Grid
-from fitter.diagnosis.in_arm import GravityTilt
-from fitter.diagnosis.in_drive import InDrive
-from fitter.diagnosis.in_friction import FrictionDrift
+from fitter.diagnosis.in_arm import FrictionDrift, GravityTilt
+from fitter.diagnosis.in_drive import Lag
 from fitter.diagnosis.least_squares import scaled_lstsq
 from fitter.diagnosis.model import Model
 from fitter.diagnosis.motion import run_of
@@ -97,7 +96,7 @@ def test_a_columns_gain_is_what_fitting_it_takes_off(regression):
 
 def test_the_best_starts_are_told_by_the_trials_of_which_most_is_left(regression):
     """What is tried on all trials holds the best of all starts."""
-    lag = InDrive(catalogue()["actuator_lag"], (0,))
+    lag = Lag(catalogue()["actuator_lag"], (0,))
     starts = lag.starts(regression.learning)
     grid = Grid(regression, Model(), Starts())
     gains = [grid._gain(lag, psi) for psi in starts]

@@ -6,12 +6,17 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from arm.effects.catalogue import catalogue
-from arm.model import STANDARD_GRAVITY_M_S2
-from fitter.diagnosis.in_arm import GravityTilt, JointZero, arm_hypotheses
+from arm.model import STANDARD_GRAVITY_M_S2, Effect
+from fitter.diagnosis.diagnosis import diagnose
+from fitter.diagnosis.in_arm import FrictionDrift, GravityTilt, JointZero
+from fitter.diagnosis.model import Model
 from fitter.diagnosis.view import view_of
+from tests.fitter.diagnosis.test_payload import regression_of
 from tests.fitter.diagnosis.two_joints import regression_of_two
+from tests.fitter.pendulum import pendulum, swings
 
 PARTS = st.floats(-15.0, 15.0)
+DRIFT = Effect("thermal_drift", {"rate_1_s": 0.05}, joints=(1,))
 
 
 @pytest.fixture(scope="module")
@@ -41,8 +46,22 @@ def test_a_zero_turns_one_joint_and_leaves_the_measured_motion(view):
     assert turned.motion is view.motion
 
 
-@pytest.mark.parametrize(
-    ("name", "places"), [("gravity_tilt", 1), ("joint_zero", 3), ("air_drag", 2), ("payload", 0)]
-)
-def test_places_of_an_effect_of_the_arm(name, places):
-    assert len(arm_hypotheses(catalogue()[name], 3)) == places
+def test_the_columns_of_friction_grow_and_no_others():
+    regression = regression_of(DRIFT)
+    motion = regression.motions[2]
+    plain = regression.view(Model(), motion)
+    drifting = FrictionDrift(catalogue()["thermal_drift"], (0,)).act(plain, np.array([0.05]))
+    kept = regression.equations.independent(regression.arm)
+    was, is_now = plain.base(kept), drifting.base(kept)
+    friction = kept >= 10
+    grown = (1.0 + 0.05 * motion.t)[:, None, None]
+    np.testing.assert_allclose(is_now[..., friction], was[..., friction] * grown)
+    np.testing.assert_array_equal(is_now[..., ~friction], was[..., ~friction])
+
+
+def test_its_rate_is_found():
+    motions = swings((DRIFT,), trials=8)
+    (cause,) = diagnose(pendulum(), motions[:4], motions[4:]).finding.causes
+    rate = cause.parameters["rate_1_s"]
+    assert (cause.effect, cause.joints) == ("thermal_drift", (1,))
+    assert rate.value == pytest.approx(0.05, abs=3.0 * rate.std)

@@ -12,7 +12,7 @@ from arm.model import Effect
 from arm.simulation import simulate
 from fitter.data.motions import Measured
 from fitter.data.trials import to_trials
-from fitter.diagnosis.in_drive import InDrive, _shifted, delayed, lagging
+from fitter.diagnosis.in_drive import Lag, Limit, _shifted, delayed, lagging
 from fitter.diagnosis.model import Model
 from fitter.diagnosis.motion import run_of
 from fitter.diagnosis.regression import Regression
@@ -46,7 +46,7 @@ def test_what_does_not_change_is_not_changed():
 
 def test_a_torque_is_made_anew_only_where_something_changes_it():
     trials = to_trials(swings((), trials=2, seed=1), cutoff_hz=25.0)
-    lag = InDrive(catalogue()["actuator_lag"], (0,))
+    lag = Lag(catalogue()["actuator_lag"], (0,))
     one, other = (view_of(motion, pendulum()) for motion in run_of(pendulum(), trials[:1], trials[1:]))
     at, further = np.array([0.02]), np.array([0.03])
     known = lag.act(one, at).u
@@ -69,7 +69,7 @@ def test_a_limit_that_is_reached_now_and_then_is_not_weighed_as_if_it_were_a_gai
         motions.append(Measured(one.name, "test", 0, moved.t, measured))
     trials = to_trials(motions, cutoff_hz=25.0)
     regression = Regression(pendulum(), run_of(pendulum(), trials[:4], trials[4:]))
-    found = fitted(regression, Model().plus(InDrive(catalogue()["torque_saturation"], (0,)), np.array([27.0])))
+    found = fitted(regression, Model().plus(Limit(catalogue()["torque_saturation"], (0,)), np.array([27.0])))
     assert abs(found.model.psi[0][0] - 28.0) < 0.5
     assert found.squares.sum() < 0.3 * fitted(regression, Model()).squares.sum()
     assert 1.0 < regression.scale(found.model, found.x)[0] ** 2 < 1.05
@@ -78,7 +78,7 @@ def test_a_limit_that_is_reached_now_and_then_is_not_weighed_as_if_it_were_a_gai
 def test_a_limit_that_cuts_off_everything_explains_nothing():
     trials = to_trials(swings((), trials=6, seed=5), cutoff_hz=25.0)
     regression = Regression(pendulum(), run_of(pendulum(), trials[:4], trials[4:]))
-    limit = InDrive(catalogue()["torque_saturation"], (0,))
+    limit = Limit(catalogue()["torque_saturation"], (0,))
     nothing = fitted(regression, Model().plus(limit, np.array([1e-3])), refine=False)
     assert nothing.squares.sum() > 10.0 * fitted(regression, Model()).squares.sum()
 

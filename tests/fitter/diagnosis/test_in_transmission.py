@@ -7,7 +7,7 @@ from arm.effects.catalogue import catalogue
 from arm.model import Effect
 from fitter.data.trials import to_trials
 from fitter.diagnosis.estimates import estimates
-from fitter.diagnosis.in_transmission import InTransmission
+from fitter.diagnosis.in_transmission import Elasticity
 from fitter.diagnosis.model import Model
 from fitter.diagnosis.motion import Motion, run_of
 from fitter.diagnosis.regression import Regression
@@ -26,7 +26,7 @@ def motions() -> list[Motion]:
 
 
 def test_friction_follows_the_link_where_motor_and_link_part(motions):
-    spring = InTransmission(catalogue()["joint_elasticity"], (0,))
+    spring = Elasticity(catalogue()["joint_elasticity"], (0,))
     psi = np.array([1.0 / STIFF, DAMPED / STIFF])
     apart = same = 0
     for motion in motions:
@@ -41,7 +41,7 @@ def test_friction_follows_the_link_where_motor_and_link_part(motions):
 
 def test_spring_and_friction_behind_it_come_back(motions):
     regression = Regression(pendulum(), motions)
-    spring = InTransmission(catalogue()["joint_elasticity"], (0,))
+    spring = Elasticity(catalogue()["joint_elasticity"], (0,))
     start = min(
         (fitted(regression, Model().plus(spring, psi), refine=False) for psi in spring.starts(motions)),
         key=lambda one: float(one.squares.sum()),
@@ -58,7 +58,7 @@ def test_spring_and_friction_behind_it_come_back(motions):
 
 
 def test_a_stiff_spring_changes_no_direction(motions):
-    spring = InTransmission(catalogue()["joint_elasticity"], (0,))
+    spring = Elasticity(catalogue()["joint_elasticity"], (0,))
     view = view_of(motions[0], pendulum())
     stiff = spring.act(view, np.array([1e-7, 1e-5]))
     fast = np.abs(motions[0].speed[:, 0]) > 0.1

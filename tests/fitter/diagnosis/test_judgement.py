@@ -7,9 +7,8 @@ import pytest
 
 from arm.model import Control, Floats
 from fitter.data.trials import to_trials
-from fitter.diagnosis.candidate import Candidate
 from fitter.diagnosis.judgement import Errors, judged, unfiltered
-from fitter.diagnosis.model import Model
+from fitter.diagnosis.model import Candidate, Model
 from fitter.diagnosis.motion import run_of
 from fitter.diagnosis.regression import Regression
 from tests.fitter.pendulum import pendulum, swings

@@ -2,20 +2,26 @@
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 from arm.effects.catalogue import catalogue
 from arm.model import Effect
 from fitter.data.trials import to_trials
 from fitter.diagnosis.estimates import estimates
-from fitter.diagnosis.in_transmission import InTransmission
-from fitter.diagnosis.model import Model
+from fitter.diagnosis.hypotheses import hypotheses
+from fitter.diagnosis.in_transmission import Backlash, Elasticity
+from fitter.diagnosis.model import Candidate, Model
 from fitter.diagnosis.motion import run_of
 from fitter.diagnosis.play import play_of
 from fitter.diagnosis.regression import Regression
 from fitter.diagnosis.screening import fitted
+from tests.fitter.diagnosis.linear import Columns
 from tests.fitter.pendulum import pendulum, swings
 
-PLAY, TWIST = (InTransmission(catalogue()[name], [0]) for name in ("backlash", "joint_elasticity"))
+PLAY = Backlash(catalogue()["backlash"], [0])
+TWIST = Elasticity(catalogue()["joint_elasticity"], [0])
+ALL = {one.kind.name: one for one in hypotheses(1)}
 
 
 @pytest.mark.parametrize("psi", [PLAY.low, np.array([0.03]), PLAY.high])
@@ -50,3 +56,32 @@ def test_where_little_changes_jump_an_error_stays_what_it_is():
         one = fitted(regression, Model((PLAY,), (np.array([gap]),)), refine=False)
         found.append(estimates(regression, one).effects[0]["gap_rad"].std)
     assert max(found) < 2.0 * min(found)
+
+
+def test_its_hypothesis_is_the_last():
+    first, second = Columns(0), Columns(1)
+    model = Model().plus(first, np.zeros(0)).plus(second, np.zeros(0))
+    assert Candidate(model, np.zeros(2), np.ones(3)).hypothesis is second
+    assert Candidate(model.without(1), np.zeros(1), np.ones(3)).hypothesis is first
+
+
+def named(names):
+    """Return the names of a model's hypotheses in the order in which they act."""
+    model = Model()
+    for name in names:
+        model = model.plus(ALL[name], np.zeros(len(ALL[name].low)))
+    return [model.hypotheses[k].kind.name for k in model.downstream()], model
+
+
+@given(st.permutations(["cogging", "actuator_delay", "gain_error", "torque_saturation"]))
+def test_what_acts_on_the_torque_comes_before_columns_are_made_of_it(names):
+    order, model = named(names)
+    assert order == ["gain_error", "torque_saturation", "actuator_delay", "cogging"]
+    assert not model.scales_only
+
+
+@given(st.permutations(["cogging", "joint_spring", "gain_error"]))
+def test_a_gain_that_nothing_feels_comes_last_and_columns_stay_in_their_order(names):
+    order, model = named(names)
+    assert model.scales_only
+    assert order == [*(name for name in names if name != "gain_error"), "gain_error"]

@@ -10,7 +10,7 @@ from fitter.data.trials import to_trials
 from fitter.diagnosis.at_joint import AtJoint
 from fitter.diagnosis.hypothesis import Hypothesis
 from fitter.diagnosis.in_arm import JointZero
-from fitter.diagnosis.in_drive import InDrive
+from fitter.diagnosis.in_drive import Lag
 from fitter.diagnosis.model import Model
 from fitter.diagnosis.motion import run_of
 from fitter.diagnosis.refinement import refined
@@ -31,7 +31,7 @@ def regression() -> Regression:
     [
         (JointZero(catalogue()["joint_zero"], (0,)), 0.0, (-0.4, 0.4)),
         (AtJoint(catalogue()["cogging"], 0), 2.0, (1.5, 2.5)),
-        (InDrive(catalogue()["actuator_lag"], (0,)), 0.02, (1e-4, 0.1)),
+        (Lag(catalogue()["actuator_lag"], (0,)), 0.02, (1e-4, 0.1)),
     ],
 )
 def test_it_ends_where_least_is_left(regression: Regression, hypothesis: Hypothesis, start: float, around):
@@ -46,7 +46,7 @@ def test_it_ends_where_least_is_left(regression: Regression, hypothesis: Hypothe
 
 
 def test_what_is_held_stays(regression: Regression):
-    zero, lag = JointZero(catalogue()["joint_zero"], (0,)), InDrive(catalogue()["actuator_lag"], (0,))
+    zero, lag = JointZero(catalogue()["joint_zero"], (0,)), Lag(catalogue()["actuator_lag"], (0,))
     model = Model().plus(zero, np.array([0.05])).plus(lag, np.array([0.02]))
     assert refined(regression, model, regression.learning, held=1).psi[0] == [0.05]
     assert refined(regression, model, regression.learning, held=2) is model

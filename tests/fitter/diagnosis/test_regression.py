@@ -14,13 +14,13 @@ from fitter.data.motions import Measured
 from fitter.data.trials import to_trials
 from fitter.diagnosis.at_joint import AtJoint
 from fitter.diagnosis.attenuation import added, noise_of
-from fitter.diagnosis.in_arm import GravityTilt, Payload
-from fitter.diagnosis.in_drive import InDrive
-from fitter.diagnosis.in_friction import FrictionDrift
-from fitter.diagnosis.in_transmission import InTransmission
+from fitter.diagnosis.in_arm import FrictionDrift, GravityTilt
+from fitter.diagnosis.in_drive import Delay, Gain, Lag, Limit
+from fitter.diagnosis.in_transmission import Elasticity
 from fitter.diagnosis.least_squares import scaled_lstsq
 from fitter.diagnosis.model import Model
 from fitter.diagnosis.motion import run_of
+from fitter.diagnosis.payload import Payload
 from fitter.diagnosis.regression import Regression
 from fitter.diagnosis.rows import Equations
 from fitter.diagnosis.white_rows import Columns
@@ -103,9 +103,9 @@ def test_noise_in_the_columns_is_what_it_is_expected_to_be():
 
 def test_a_drive_that_does_nothing_explains_no_noise_whatever_it_is_beside(two_joints):
     """The gear's noise is not the base model's: a gain of one must not be paid for that."""
-    gear = InTransmission(catalogue()["joint_elasticity"], (1,))
+    gear = Elasticity(catalogue()["joint_elasticity"], (1,))
     alone = Model().plus(gear, np.array([0.02, 0.01]))
-    with_gain = alone.plus(InDrive(catalogue()["gain_error"], (0,)), np.ones(1))
+    with_gain = alone.plus(Gain(catalogue()["gain_error"], (0,)), np.ones(1))
     x = two_joints.solve(alone, two_joints.learning)
     np.testing.assert_allclose(two_joints.squares(with_gain, x), two_joints.squares(alone, x), rtol=1e-6)
 
@@ -114,9 +114,9 @@ def test_a_drive_that_does_nothing_explains_no_noise_whatever_it_is_beside(two_j
 @pytest.mark.parametrize("upstream", ["actuator_lag", "joint_elasticity", "torque_saturation"])
 def test_what_acts_first_does_not_depend_on_what_was_found_first(two_joints, upstream, column):
     early = {
-        "actuator_lag": (InDrive(catalogue()["actuator_lag"], (1,)), np.array([0.02])),
-        "torque_saturation": (InDrive(catalogue()["torque_saturation"], (1,)), np.array([0.5])),
-        "joint_elasticity": (InTransmission(catalogue()["joint_elasticity"], (1,)), np.array([0.02, 0.01])),
+        "actuator_lag": (Lag(catalogue()["actuator_lag"], (1,)), np.array([0.02])),
+        "torque_saturation": (Limit(catalogue()["torque_saturation"], (1,)), np.array([0.5])),
+        "joint_elasticity": (Elasticity(catalogue()["joint_elasticity"], (1,)), np.array([0.02, 0.01])),
     }[upstream]
     late = AtJoint(catalogue()[column], 1)
     last = late, np.full(len(late.low), 3.0)
@@ -131,7 +131,7 @@ def test_what_acts_first_does_not_depend_on_what_was_found_first(two_joints, ups
 
 def test_columns_stand_in_the_order_of_the_model(two_joints):
     spring, cogging = (AtJoint(catalogue()[name], 1) for name in ("joint_spring", "cogging"))
-    lag = InDrive(catalogue()["actuator_lag"], (0,))
+    lag = Lag(catalogue()["actuator_lag"], (0,))
     one = Model().plus(cogging, np.array([4.0])).plus(lag, np.array([0.02])).plus(spring, np.zeros(0))
     other = Model().plus(lag, np.array([0.02])).plus(cogging, np.array([4.0])).plus(spring, np.zeros(0))
     motion = two_joints.motions[0]
@@ -165,7 +165,7 @@ def test_half_the_work_gives_the_same_products(two_joints):
 def test_a_gain_makes_of_the_rows_what_it_makes_of_the_regressor(two_joints):
     kind = catalogue()["gain_error"]
     for joint, factor in ((0, 0.7), (1, 1.3)):
-        model = Model().plus(InDrive(kind, (joint,)), np.array([factor]))
+        model = Model().plus(Gain(kind, (joint,)), np.array([factor]))
         motion = two_joints.motions[1]
         view = two_joints.view(model, motion)
         rows = view.base(two_joints.equations.independent(view.arm))
@@ -182,8 +182,8 @@ def test_beside_a_gain_a_spring_is_as_stiff_as_it_is():
     regression = _measured(lambda tau, q: (tau + [0.0, stiffness] * q) / weak)
     spring = AtJoint(catalogue()["joint_spring"], 1)
     for model in (
-        Model().plus(InDrive(catalogue()["gain_error"], (1,)), np.array([gain])).plus(spring, np.zeros(0)),
-        Model().plus(spring, np.zeros(0)).plus(InDrive(catalogue()["gain_error"], (1,)), np.array([gain])),
+        Model().plus(Gain(catalogue()["gain_error"], (1,)), np.array([gain])).plus(spring, np.zeros(0)),
+        Model().plus(spring, np.zeros(0)).plus(Gain(catalogue()["gain_error"], (1,)), np.array([gain])),
     ):
         x = regression.solve(model, regression.motions)
         assert spring.numbers(np.zeros(0), x[-spring.n_column :])[0] == pytest.approx(stiffness, rel=0.1)
@@ -192,7 +192,7 @@ def test_beside_a_gain_a_spring_is_as_stiff_as_it_is():
 @pytest.mark.parametrize("beside", ["joint_spring", "cogging", "load_friction", "gravity_tilt", "payload"])
 def test_a_gain_that_comes_last_is_as_one_that_comes_first(two_joints, beside):
     """Whatever is scaled instead of made anew is the same."""
-    gain = InDrive(catalogue()["gain_error"], (1,))
+    gain = Gain(catalogue()["gain_error"], (1,))
     other = {
         "gravity_tilt": GravityTilt(catalogue()["gravity_tilt"], ()),
         "payload": Payload(catalogue()["payload"], frozenset({0})),
@@ -229,7 +229,7 @@ def test_a_drive_that_changes_nothing_explains_nothing(two_joints, part):
     regression = two_joints
     regression.floor_part = part
     try:
-        model = Model().plus(InDrive(catalogue()["actuator_delay"], (0,)), np.array([1e-9]))
+        model = Model().plus(Delay(catalogue()["actuator_delay"], (0,)), np.array([1e-9]))
         x = regression.solve(model, regression.learning)
         np.testing.assert_allclose(regression.scale(model, x), 1.0, atol=1e-3)
     finally:

@@ -11,7 +11,7 @@ from fitter.diagnosis.at_joint import AtJoint
 from fitter.diagnosis.evidence import BLOCK_S, likelihood_of
 from fitter.diagnosis.hypotheses import hypotheses
 from fitter.diagnosis.in_arm import RotorInertia
-from fitter.diagnosis.in_drive import InDrive
+from fitter.diagnosis.in_drive import Gain
 from fitter.diagnosis.torque_likelihood import TorqueLikelihood, is_possible
 from tests.fitter.diagnosis.searched import found_in, swinging
 from tests.fitter.diagnosis.two_joints import regression_of_two
@@ -24,7 +24,7 @@ def tried():
     kinds = catalogue()
     names = ("quadratic_drag", "joint_spring", "cogging", "torque_offset")
     at = [AtJoint(kinds[name], joint) for joint in range(2) for name in names]
-    drive = [InDrive(kinds["gain_error"], (joint,)) for joint in range(2)]
+    drive = [Gain(kinds["gain_error"], (joint,)) for joint in range(2)]
     return [*at, *drive, RotorInertia(kinds["rotor_inertia"], (1,))]
 
 

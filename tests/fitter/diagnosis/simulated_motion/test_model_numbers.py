@@ -5,9 +5,8 @@ import pytest
 
 from arm.effects.catalogue import catalogue
 from fitter.diagnosis.at_joint import AtJoint
-from fitter.diagnosis.candidate import Candidate
 from fitter.diagnosis.estimates import estimates, extended_arm
-from fitter.diagnosis.model import Model
+from fitter.diagnosis.model import Candidate, Model
 from fitter.diagnosis.pushes import Pushes
 from fitter.diagnosis.simulated_motion.model_numbers import model_numbers
 from tests.fitter.diagnosis.searched import swinging

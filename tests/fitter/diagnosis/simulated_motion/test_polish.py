@@ -8,12 +8,11 @@ import pytest
 from arm.effects.catalogue import catalogue
 from arm.model import Effect
 from fitter.diagnosis.at_joint import AtJoint
-from fitter.diagnosis.candidate import Candidate
 from fitter.diagnosis.conclusion import Conclusion
 from fitter.diagnosis.estimates import estimates, information_of
 from fitter.diagnosis.floor import Floor
 from fitter.diagnosis.in_arm import RotorInertia
-from fitter.diagnosis.model import Model
+from fitter.diagnosis.model import Candidate, Model
 from fitter.diagnosis.motion import run_of
 from fitter.diagnosis.regression import Regression
 from fitter.diagnosis.screening import fitted

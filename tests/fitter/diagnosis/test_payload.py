@@ -3,14 +3,12 @@
 import numpy as np
 import pytest
 
-from arm.effects.catalogue import catalogue
 from arm.model import Effect
 from fitter.data.resample import resample
 from fitter.data.trials import derive
-from fitter.diagnosis.in_arm import Payload
-from fitter.diagnosis.loads import find_payloads
 from fitter.diagnosis.model import Model
 from fitter.diagnosis.motion import run_of
+from fitter.diagnosis.payload import Payload, find_payloads
 from fitter.diagnosis.regression import Regression
 from tests.fitter.pendulum import pendulum, swings
 
@@ -21,7 +19,7 @@ def regression_of(effect: Effect) -> Regression:
 
 
 def found(effect: Effect) -> list[Payload]:
-    loads = find_payloads(catalogue()["payload"], regression_of(effect), Model())
+    loads = find_payloads(regression_of(effect), Model())
     return [load for load in loads if isinstance(load, Payload)]
 
 

@@ -4,20 +4,93 @@ As pushes are, they are sought over the whole run, learning and evaluating trial
 """
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 
+from arm.effects.catalogue import catalogue
 from arm.effects.effect import EffectKind
 from arm.model import Floats
+from arm.regressor import regressor
 from fitter.diagnosis.hypothesis import Hypothesis
-from fitter.diagnosis.in_arm import Payload, tip_mass_column
 from fitter.diagnosis.least_squares import scaled_lstsq
 from fitter.diagnosis.model import Model
 from fitter.diagnosis.motion import Motion
 from fitter.diagnosis.regression import Regression
+from fitter.diagnosis.view import View
 
 #: Moments are tried so far apart, then again around the best one [s].
 _STEP_S, _FINE_STEP_S = 0.1, 0.005
+
+
+class Payload(Hypothesis):
+    """A point mass at the tip, in some trials or from some time on.
+
+    Parameters
+    ----------
+    kind : EffectKind
+    trials : frozenset of int
+        The trials in which it is there, from 1 over the run; or
+    since_s : float, optional
+        from when on.
+    """
+
+    n_column = 1
+    is_event = True
+    comes_and_goes = True
+
+    def __init__(
+        self, kind: EffectKind, trials: frozenset[int] = frozenset(), since_s: float | None = None
+    ) -> None:
+        super().__init__(kind, ())
+        self.trials = trials
+        self.since_s = since_s
+
+    def act(self, view: View, psi: Floats) -> View:
+        """Return a motion with what a kilogram at the tip would ask of the joints while it is there."""
+        column = tip_mass_column(view)
+        if self.since_s is not None:
+            column = column * (view.motion.t >= self.since_s)[:, None, None]
+        elif view.motion.number not in self.trials:
+            column = np.zeros_like(column)
+        return replace(view, columns=(*view.columns, column))
+
+    def log_places(self, motions: Sequence[Motion]) -> float:
+        """Return the logarithm of the number of sets of trials, or of moments."""
+        if self.since_s is None:
+            return float(len(motions) * np.log(2.0))
+        return float(np.log(sum(len(motion.t) for motion in motions)))
+
+    def part_of(self, motion: Motion) -> object:
+        """Return whether it is there, or from when on."""
+        if self.since_s is None:
+            return motion.number in self.trials
+        begun = motion.t[[0, -1]] >= self.since_s
+        return bool(begun[0]) if begun[0] == begun[1] else self.since_s
+
+    def numbers(self, psi: Floats, factors: Floats) -> Floats:
+        """Return the mass."""
+        return np.array(factors)
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """The mass alone is a number with an error."""
+        return ("mass_kg",)
+
+    @property
+    def units(self) -> tuple[str, ...]:
+        """Of the mass."""
+        return ("kg",)
+
+
+def tip_mass_column(view: View) -> Floats:
+    """Return the torque of one kilogram at the tip, (n_sample, n_joint, 1)."""
+    n = view.arm.n_joint
+    a = view.arm.joints[-1].a_m
+    mass = np.zeros(12 * n)
+    mass[10 * (n - 1) : 10 * n] = [0.0, a * a, a * a, 0.0, 0.0, 0.0, a, 0.0, 0.0, 1.0]
+    torque = regressor(view.arm, view.q, view.dq, view.ddq) @ mass
+    return np.asarray(torque[..., None], dtype=np.float64)
 
 
 #: Products of a column with what is left, with itself, and with the design.
@@ -66,9 +139,14 @@ class _Sums:
         return np.asarray(np.linalg.lstsq(normal, s, rcond=1e-8)[0], dtype=np.float64)
 
 
-def find_payloads(kind: EffectKind, regression: Regression, model: Model) -> list[Hypothesis]:
-    """Return the trials, and the moment, whose load at the tip would explain most of what a model leaves."""
-    sums = _Sums(regression, model)
+def find_payloads(regression: Regression, model: Model) -> list[Hypothesis]:
+    """Return the trials, and the moment, whose load at the tip would explain most of what a model leaves.
+
+    None where it has a load already.
+    """
+    if any(isinstance(hypothesis, Payload) for hypothesis in model.hypotheses):
+        return []
+    kind, sums = catalogue()["payload"], _Sums(regression, model)
     order = np.argsort(sums.masses())[::-1]
     gains = [sums.gain([sums.whole[k] for k in order[: count + 1]]) for count in range(len(order) - 1)]
     heaviest = order[: int(np.argmax(gains)) + 1] if gains else order[:0]
