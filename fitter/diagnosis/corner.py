@@ -4,16 +4,17 @@ Above some 30 Hz hardly any motion is left, and the noise of an angle that was d
 to bend the regressors. A loop that is late by a few milliseconds may swing nearly as fast, and do nothing else.
 
 So far the noise must be understood. Where the angles' noise is not as white as their third differences have it
-(they were filtered, or resampled, or the mount shakes), no more is looked at than what stands out of it.
+(they were filtered, or resampled, or the mount shakes), no more is looked at than what stands out of it. And where
+a measured torque is mostly noise, whoever reads the verdict has to know.
 """
 
 from collections.abc import Sequence
 
 import numpy as np
 
-from arm.model import Floats
+from arm.model import Arm, Floats
 from fitter.data.resample import Uniform
-from fitter.data.trials import choose_cutoff_hz
+from fitter.data.trials import Trial, choose_cutoff_hz
 from fitter.diagnosis.equation import BAND_SHARE
 from fitter.diagnosis.motion import white_noise
 
@@ -28,6 +29,10 @@ _WHITE = 2.0
 _PARTS = 10
 #: A joint whose motion is less than so many times its noise does not count.
 _MOVES = 10.0
+
+
+#: A torque of which more than this share of its rms is white is mostly noise, or a drive that chatters.
+_MOSTLY = 0.5
 
 
 def corner_hz(grids: Sequence[Uniform]) -> float:
@@ -82,3 +87,24 @@ def _quick_hz(grids: Sequence[Uniform], highest: float) -> float:
     moves = power[-1] > _MOVES * own[-1]
     quick = [f[np.argmax(power[:, j] - own[:, j] > _MOST * (power - own)[-1, j])] for j in np.flatnonzero(moves)]
     return float(max(quick, default=0.0))
+
+
+def chatter(arm: Arm, trials: Sequence[Trial]) -> list[str]:
+    """Return a sentence for every joint whose measured torque changes from sample to sample as noise does.
+
+    Parameters
+    ----------
+    arm : Arm
+    trials : sequence of Trial
+    """
+    measured = [trial.whole["tau"] for trial in trials if "tau" in trial.whole]
+    if not measured:
+        return []
+    white = white_noise(measured)
+    size = np.sqrt(np.mean(np.concatenate(measured) ** 2, axis=0))
+    return [
+        f"the torque at joint {j + 1} changes from sample to sample like noise ({white[j]:.3g} {unit} of "
+        f"{size[j]:.3g} {unit} rms): what is smaller than that cannot be told; a drive that chatters looks so"
+        for j, unit in enumerate("N m" if joint.type == "revolute" else "N" for joint in arm.joints)
+        if white[j] > _MOSTLY * size[j] > 0.0
+    ]

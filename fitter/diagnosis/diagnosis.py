@@ -11,13 +11,12 @@ from arm.regressor import standard_parameters
 from fitter.data.motions import Measured
 from fitter.data.resample import Uniform, resample, split_at_holes
 from fitter.data.trials import FIT_CORNER, Trial, derive, undriven
-from fitter.diagnosis.chatter import chatter
 from fitter.diagnosis.conclusion import concluded
-from fitter.diagnosis.corner import corner_hz
+from fitter.diagnosis.corner import chatter, corner_hz
 from fitter.diagnosis.finding import Finding
 from fitter.diagnosis.floor import PLAINLY, Floor
+from fitter.diagnosis.held_out import judged_sets
 from fitter.diagnosis.hypotheses import hypotheses
-from fitter.diagnosis.judged_sets import judged_sets
 from fitter.diagnosis.missed_pushes import with_pushes
 from fitter.diagnosis.model import Candidate, Model
 from fitter.diagnosis.motion import Motion, run_of

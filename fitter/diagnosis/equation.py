@@ -1,7 +1,7 @@
 """The equation of motion of a whole run, weighted so that its noise is white (`whitening`).
 
 While a joint is stuck its friction is not known, and a torque that jumps does so between two samples: unknown
-torques j there, of a few shapes each (`unknown_torque`) and of known variance, make the noise's covariance
+torques j there, of a few shapes each (`whitening`) and of known variance, make the noise's covariance
 ``I + sum j j^T``, so with the singular values s of all of them, equations count ``1 / sqrt(1 + s^2)`` times along
 each of their axes. Those of any size are eliminated from both sides, which costs what they could have told and
 leaves the noise of everything else white.
@@ -16,8 +16,7 @@ import scipy.linalg
 
 from arm.model import Arm, Floats
 from fitter.diagnosis.motion import Motion, noise_of_angles, white_noise
-from fitter.diagnosis.unknown_torque import end_shapes, holding_shapes, jump_shapes, rest_shapes
-from fitter.diagnosis.whitening import Whitening
+from fitter.diagnosis.whitening import Whitening, end_shapes, holding_shapes, jump_shapes, rest_shapes
 from fitter.side_by_side import side_by_side
 
 #: The band ends at this share of the columns' corner, where their filter still lets all through.

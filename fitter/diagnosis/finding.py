@@ -7,7 +7,7 @@ from typing import Literal
 import numpy as np
 
 from arm.model import Arm
-from fitter.diagnosis.judged_sets import Judged
+from fitter.diagnosis.held_out import Judged
 from fitter.diagnosis.judgement import Errors, Gain
 from fitter.diagnosis.unknown import Remainder
 from fitter.search.fitted_parameter import FittedParameter

@@ -1,4 +1,4 @@
-"""Functions of some variables, fitted to most trials and judged on the others."""
+"""Functions of some variables, fitted to most trials and judged by what others are typically left with."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -6,14 +6,16 @@ from dataclasses import dataclass
 import numpy as np
 
 from arm.model import Floats
-from fitter.diagnosis.functions import Functions
+from fitter.diagnosis.functions import Functions, products, spelled
 from fitter.diagnosis.least_squares import scaled_lstsq
 from fitter.diagnosis.model import Candidate
 from fitter.diagnosis.motion import Motion
-from fitter.diagnosis.products import products, spelled
 from fitter.diagnosis.regression import Regression
-from fitter.diagnosis.typical import typical
 from fitter.diagnosis.white_rows import Columns
+
+#: No trial is left with nothing: its logarithm would count for all.
+_LEAST = 1e-300
+
 
 #: How strongly a function's factors are held towards zero, in units of a column's own sum of squares; those of a
 #: single formula are not, as little as the base parameters.
@@ -23,6 +25,17 @@ _TOLD = 1e-9
 _FOLDS = 8
 #: A formula is told if it explains this share of what the function does.
 _TELLING = 0.9
+
+
+def typical(squares: Floats, told: Floats) -> float:
+    """Return the geometric mean of what trials are left with, in units of noise.
+
+    Parameters
+    ----------
+    squares, told : (n_trial,)
+        Sum of squares that is left in each, and what noise would leave.
+    """
+    return float(np.exp(np.mean(np.log(np.maximum(squares / told, _LEAST)))))
 
 
 class Folds:

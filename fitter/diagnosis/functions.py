@@ -1,10 +1,11 @@
 """Functions of some variables of a motion, as columns: hats where they bend sharply, polynomials where they don't.
 
 Between the few places that some trials go to, hats of three variables know nothing of one another; a polynomial of
-few degrees goes on from the one to the other, but has no kink.
+few degrees goes on from the one to the other, but has no kink. Products of simple functions are formulas that one
+factor makes a torque of: if they are right, they know what to expect where no trial was.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from itertools import product
 
 import numpy as np
@@ -17,6 +18,17 @@ from fitter.diagnosis.motion import Motion
 #: it is the finer one, so that a further variable never wins for being one more.
 _HATS = {1: 8, 2: 6, 3: 4}
 _DEGREE = {1: 7, 2: 5, 3: 4}
+
+
+_SHAPES: dict[str, Callable[[Floats], Floats]] = {
+    "{}": lambda x: x,
+    "sin({})": np.sin,
+    "cos({})": np.cos,
+    "{}^2": np.square,
+    "{}^3": lambda x: x**3,
+    "|{}|": np.abs,
+    "{0}|{0}|": lambda x: x * np.abs(x),
+}
 
 
 def names(n_joint: int) -> list[str]:
@@ -106,3 +118,23 @@ def _is_sign(name: str) -> bool:
 def _range(columns: Sequence[Floats]) -> tuple[float, float]:
     low, high = np.quantile(np.concatenate(columns), [0.002, 0.998])
     return float(low), float(max(high, low + 1e-9))
+
+
+def products(motion: Motion, some: Sequence[str]) -> Floats:
+    """Return all products along a motion, (n_sample, n_product)."""
+    columns = np.ones((len(motion.t), 1))
+    for name in some:
+        values = variable(motion, name)
+        one = np.stack([_SHAPES[shape](values) for shape in _shapes(name)], axis=1)
+        columns = (columns[:, :, None] * one[:, None, :]).reshape(len(columns), -1)
+    return columns
+
+
+def spelled(some: Sequence[str]) -> list[str]:
+    """Return how they are written, in the same order."""
+    choices = product(*([shape.format(name) for shape in _shapes(name)] for name in some))
+    return [" ".join(parts) for parts in choices]
+
+
+def _shapes(name: str) -> list[str]:
+    return ["{}"] if name.startswith("sign(") else list(_SHAPES)

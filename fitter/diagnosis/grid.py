@@ -18,10 +18,9 @@ from fitter.diagnosis.hypothesis import Hypothesis
 from fitter.diagnosis.least_squares import solved
 from fitter.diagnosis.model import Model
 from fitter.diagnosis.motion import Motion
-from fitter.diagnosis.peaks import peaks
 from fitter.diagnosis.refinement import Misfit, refined
 from fitter.diagnosis.regression import Regression
-from fitter.diagnosis.starts import Starts
+from fitter.diagnosis.starts import Starts, peaks
 from fitter.diagnosis.white_rows import Columns
 
 #: So many of the best starts are kept.

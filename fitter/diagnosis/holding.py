@@ -14,7 +14,7 @@ from arm.effects.catalogue import catalogue
 from arm.model import Arm, Effect, Floats
 from fitter.diagnosis.model import Candidate
 from fitter.diagnosis.regression import Regression
-from fitter.diagnosis.unknown_torque import inner_rests
+from fitter.diagnosis.whitening import inner_rests
 from fitter.search.fitted_parameter import FittedParameter
 
 #: What it is called.

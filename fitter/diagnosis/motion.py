@@ -11,8 +11,8 @@ from arm.model import Arm, Floats
 from fitter.data.jumps import jumps
 from fitter.data.law_torque import law_torque
 from fitter.data.trials import Trial
-from fitter.diagnosis.unknown_torque import lasting
 from fitter.diagnosis.velocity import sharper, sharper_gain, told_from_rest, velocity
+from fitter.diagnosis.whitening import lasting
 from limbcal.errors import DataError
 
 #: A joint is taken to be stuck below this share of its top speed in the run, or where noise hides how it moves.

@@ -23,6 +23,10 @@ from fitter.diagnosis.view import View
 _STEP_S, _FINE_STEP_S = 0.1, 0.005
 
 
+#: Products of a column with what is left, with itself, and with the design.
+_Parts = tuple[float, float, Floats]
+
+
 class Payload(Hypothesis):
     """A point mass at the tip, in some trials or from some time on.
 
@@ -91,10 +95,6 @@ def tip_mass_column(view: View) -> Floats:
     mass[10 * (n - 1) : 10 * n] = [0.0, a * a, a * a, 0.0, 0.0, 0.0, a, 0.0, 0.0, 1.0]
     torque = regressor(view.arm, view.q, view.dq, view.ddq) @ mass
     return np.asarray(torque[..., None], dtype=np.float64)
-
-
-#: Products of a column with what is left, with itself, and with the design.
-_Parts = tuple[float, float, Floats]
 
 
 class _Sums:

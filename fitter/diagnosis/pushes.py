@@ -1,4 +1,4 @@
-"""Pushes: when there were any is part of the finding, as it is of loads (`loads`).
+"""Pushes: when there were any is part of the finding, as it is of loads (`payload`).
 
 They are sought over the whole run, learning and evaluating trials alike, for a trial that was not affected says
 nothing of them, and one that was cannot be predicted from others.

@@ -12,15 +12,13 @@ from functools import cached_property
 import numpy as np
 
 from arm.model import Arm, Floats
-from fitter.diagnosis.attenuation import Noise, compensated, noisier
+from fitter.diagnosis.attenuation import Noise, NoisyRows, let_through, noisier
 from fitter.diagnosis.equation import Weighting, weighting
-from fitter.diagnosis.holding_size import holding_sizes
-from fitter.diagnosis.least_squares import scaled_lstsq
+from fitter.diagnosis.least_squares import compensated, scaled_lstsq
 from fitter.diagnosis.mass_density import MassDensity, Normal
 from fitter.diagnosis.model import Model
 from fitter.diagnosis.motion import Motion
-from fitter.diagnosis.noisy_rows import NoisyRows, let_through
-from fitter.diagnosis.reweighting import reweighted
+from fitter.diagnosis.reweighting import holding_sizes, reweighted
 from fitter.diagnosis.rows import Equations
 from fitter.diagnosis.view import View
 from fitter.diagnosis.white_rows import Rows

@@ -1,6 +1,9 @@
 """The noise of the equations under a model: causes change the masses that noise of the angles is multiplied by.
 
-What one draw of noise, sent the way of the data, leaves under a model tells how it is weighed.
+What one draw of noise, sent the way of the data, leaves under a model tells how it is weighed. What the drive asks
+of a joint that rests tells how large the torque may be that holds it: no larger than what was seen to hold it
+anywhere. A joint that is asked for 1 N m, and has never been held by more than 0.01, moves at once; unknown
+torques of any size next to such a start could do whatever a lag, a limit or a play does to it.
 """
 
 from collections.abc import Mapping, Sequence
@@ -13,11 +16,20 @@ from fitter.diagnosis.equation import Weighting
 from fitter.diagnosis.model import Model
 from fitter.diagnosis.motion import Motion
 from fitter.diagnosis.rows import Equations
+from fitter.diagnosis.whitening import inner_rests
 
 #: Noise is measured in this part of the band, where differentiated angles are all of it.
 _FROM = 0.5
 #: No direction of the joints' torques has less noise than this share of the noisiest.
 _LEAST = 1e-6
+
+
+#: What holds is looked at in windows so long [s], and counts by what it exceeds so many times its noise by.
+_WINDOW_S, _SIGMAS = 0.2, 3.0
+#: So many times the largest torque that has held is allowed for, as a standard deviation: more might have held.
+_ALLOWED = 2.0
+#: What would hold a joint that never rests for long is taken for no more than so many times its Coulomb friction.
+_UNSEEN = 2.0
 
 
 def reweighted(
@@ -58,3 +70,37 @@ def reweighted(
     least = _LEAST * max(float(size.max()), 1e-300)
     noise = (axes * np.maximum(size, least)) @ axes.T
     return replace(used, acceleration_noise=noise)
+
+
+def holding_sizes(equations: Equations, model: Model, x: Floats, motions: Sequence[Motion]) -> Floats:
+    """Return the standard deviation of what may hold each joint.
+
+    It is told by what holds it well inside its rests, where it was seen to stand still for a while: the drive's
+    torque less the arm's own. Coulomb friction is allowed for in any case.
+
+    Parameters
+    ----------
+    equations : Equations
+    model : Model
+    x : (n_factor,)
+    motions : sequence of Motion
+
+    Returns
+    -------
+    (n_joint,) [N m or N]
+        inf where nothing tells: a joint never rests for long, and its Coulomb friction was denied.
+    """
+    largest = np.full(equations.arm.n_joint, np.nan)
+    for motion in motions:
+        held = equations.left(model, x, motion)
+        for j in range(len(largest)):
+            for rest in inner_rests(motion.stuck[:, j], motion.dt_s):
+                weight = np.hanning(min(rest.stop - rest.start, round(_WINDOW_S / motion.dt_s)) + 2)[1:-1]
+                weight /= weight.sum()
+                seen = np.abs(np.convolve(held[rest, j], weight, "valid"))
+                beyond = float(seen.max()) - _SIGMAS * equations.weighting.mean_noise(j, weight, motion.dt_s)
+                largest[j] = np.fmax(largest[j], max(beyond, 0.0))
+    coulomb = np.abs(equations.friction(model, x, motions[0])[:, 1])
+    unseen = np.inf if "fc" in equations.denied else _UNSEEN * coulomb
+    held = np.where(np.isnan(largest), unseen, np.fmax(largest, coulomb))
+    return np.asarray(_ALLOWED * held, dtype=np.float64)

@@ -1,8 +1,18 @@
-"""Where searches have come to: the same is not sought from the beginning again."""
+"""Where searches for psi begin: where others have come to, and at which frequencies what is left swings most."""
+
+from collections.abc import Sequence
+
+import numpy as np
+import scipy.signal
 
 from arm.model import Floats
 from fitter.diagnosis.hypothesis import Hypothesis
 from fitter.diagnosis.model import Model
+from fitter.diagnosis.motion import Motion
+from fitter.diagnosis.whitening import Whitening
+
+#: Peaks of the spectrum that may be a disturbance's frequency.
+_PEAKS = 4
 
 
 class Starts:
@@ -25,3 +35,35 @@ class Starts:
     def forget(self) -> None:
         """Forget all: they are of other trials."""
         self._known.clear()
+
+
+def peaks(left: Floats, motions: Sequence[Motion], whitening: Whitening) -> Floats:
+    """Return the frequencies at which residuals swing most, (n_peak, 1) [Hz].
+
+    Parameters
+    ----------
+    left : (n_slower of all motions,)
+        Of one joint, one motion after the other.
+    motions : sequence of Motion
+    whitening : Whitening
+        Says what the slower grid is.
+    """
+    stride = whitening.stride
+    ends = np.cumsum([0, *(len(motion.t[::stride]) for motion in motions)])
+    span = float(motions[-1].t[-1] - motions[0].t[0])
+    f = np.arange(0.05, whitening.band_hz, 0.25 / span)
+    swing = np.zeros(len(f), dtype=np.complex128)
+    for motion, first, last in zip(motions, ends, ends[1:], strict=False):
+        # A chirp transform: as fine as all trials together tell frequencies apart, at their own times.
+        spectrum = scipy.signal.zoom_fft(
+            left[first:last], [f[0], f[-1]], len(f), fs=1.0 / (stride * motion.dt_s), endpoint=True
+        )
+        swing += np.exp(-2j * np.pi * f * motion.t[0]) * spectrum
+    power = np.abs(swing)
+    found: list[float] = []
+    for k in np.argsort(power)[::-1]:
+        if all(abs(f[k] - other) > 1.0 / span for other in found):
+            found.append(float(f[k]))
+        if len(found) == _PEAKS:
+            break
+    return np.array(found)[:, None]

@@ -8,11 +8,11 @@ import numpy as np
 from fitter.diagnosis.conclusion import Conclusion
 from fitter.diagnosis.estimates import Estimates, estimates, extended_arm
 from fitter.diagnosis.finding import Finding, Left, NamedCause, Polished, Tried
+from fitter.diagnosis.held_out import likeness
 from fitter.diagnosis.holding import EFFECT as STICTION
 from fitter.diagnosis.holding import Holding, sticking
 from fitter.diagnosis.hypothesis import Hypothesis
 from fitter.diagnosis.judgement import Errors, gain, judged, torque_left
-from fitter.diagnosis.likeness import likeness
 from fitter.diagnosis.model import Candidate
 from fitter.diagnosis.motion import Motion
 from fitter.diagnosis.named_pushes import pushes_of

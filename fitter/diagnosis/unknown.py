@@ -14,12 +14,11 @@ import numpy as np
 from fitter.diagnosis.dependence import Dependence, dependences
 from fitter.diagnosis.evidence import EQUAL_SIGMAS
 from fitter.diagnosis.floor import KNOWN, PLAINLY, Floor
-from fitter.diagnosis.folds import Folds
+from fitter.diagnosis.folds import Folds, typical
 from fitter.diagnosis.functions import names
 from fitter.diagnosis.model import Candidate, Model
 from fitter.diagnosis.regression import Regression
 from fitter.diagnosis.screening import fitted
-from fitter.diagnosis.typical import typical
 from fitter.side_by_side import side_by_side
 
 #: A further variable must explain this share of what is explained then, or leave so many times less: where a

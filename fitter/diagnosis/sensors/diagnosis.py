@@ -8,8 +8,6 @@ import numpy as np
 
 from arm.model import Arm, Effect, Floats
 from fitter.data.raw import RawRun
-from fitter.diagnosis.sensors.advice import next_experiment
-from fitter.diagnosis.sensors.contradiction import judging_residuals
 from fitter.diagnosis.sensors.finding import (
     Course,
     Number,
@@ -17,11 +15,12 @@ from fitter.diagnosis.sensors.finding import (
     SensorCause,
     SensorFinding,
     Verdict,
+    next_experiment,
 )
 from fitter.diagnosis.sensors.fit import Fitted, Trials
 from fitter.diagnosis.sensors.frames import trials_of
 from fitter.diagnosis.sensors.linearisation import Linearisation
-from fitter.diagnosis.sensors.remaining import remaining
+from fitter.diagnosis.sensors.remaining import judging_residuals, remaining
 from fitter.diagnosis.sensors.search import Search, Tried
 from fitter.diagnosis.sensors.suspects import Suspect
 from fitter.diagnosis.sensors.verdict import Cause, Decision, decide

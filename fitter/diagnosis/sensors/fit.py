@@ -16,8 +16,7 @@ from numpy.typing import NDArray
 from arm.model import Arm, Floats
 from fitter.diagnosis.sensors.elimination import eliminate, go_back
 from fitter.diagnosis.sensors.frames import TrialFrames
-from fitter.diagnosis.sensors.instruments import Instruments, added, instruments_of
-from fitter.diagnosis.sensors.linearisation import Linearisation, linearise
+from fitter.diagnosis.sensors.linearisation import Instruments, Linearisation, added, instruments_of, linearise
 from fitter.diagnosis.sensors.suspects import Suspect, bias_columns
 
 #: Biases up to about this are usual (DESIGN section 5) and no finding [m/s^2].

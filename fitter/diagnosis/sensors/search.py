@@ -4,18 +4,19 @@ A fit starts from the motion that the other sensors show, so that a sensor's gro
 against which it is seen. All suspects are tried to first order; those that come near the best are fitted in full.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 
-from arm.model import Floats
-from fitter.diagnosis.sensors.base_frequency import base_frequencies
-from fitter.diagnosis.sensors.contradiction import Contradiction, contradiction, noise_factor
+from arm.model import Arm, Floats
 from fitter.diagnosis.sensors.fit import ORDINARY_BIAS, Fitted, Hypothesis, Trials
-from fitter.diagnosis.sensors.screening import Screened, screened, with_suspect
-from fitter.diagnosis.sensors.start import first_motions
+from fitter.diagnosis.sensors.frames import FRAME_RATE_HZ, TrialFrames
+from fitter.diagnosis.sensors.remaining import Contradiction, contradiction, noise_factor
+from fitter.diagnosis.sensors.screening import Screened, base_frequencies, screened, with_suspect
 from fitter.diagnosis.sensors.suspects import EFFECTS, Suspect
+from limbcal.errors import DataError
+from tracking.smoother import Smoother
 
 #: Passes of the fits that only show which sensor is the odd one.
 _ROUGH = 5
@@ -28,6 +29,24 @@ _SIGMAS, _UNUSUAL = 4.0, 16.3
 _NOTHING = 8.0
 #: A fit that leaves this share of excess may have begun with motions too far off; it begins anew with its sensors.
 _BEGUN_FAR_OFF = 0.01
+
+
+def first_motions(arm: Arm, trials: Sequence[TrialFrames]) -> list[Floats]:
+    """Return spline coefficients (n + 2, n_joint) of every trial; the arm is at its zero where the run begins.
+
+    A motion that the smoother cannot find at all begins as a standstill.
+    """
+    q = np.zeros(arm.n_joint)
+    motions = []
+    for trial in trials:
+        try:
+            states = Smoother(arm, q, trial.continues).smooth(trial.raw.readings(FRAME_RATE_HZ)).states
+            path = states[np.minimum(np.arange(len(trial.values)), len(states) - 1), : 3 * arm.n_joint : 3]
+        except DataError:
+            path = np.tile(q, (len(trial.values), 1))
+        motions.append(np.vstack([2.0 * path[0] - path[1], path, 2.0 * path[-1] - path[-2]]))
+        q = path[-1]
+    return motions
 
 
 @dataclass(frozen=True)

@@ -12,8 +12,7 @@ import numpy as np
 
 from arm.model import Floats
 from fitter.diagnosis.sensors.frames import TrialFrames
-from fitter.diagnosis.sensors.instruments import Instruments, added, turn_by_angles
-from fitter.diagnosis.sensors.linearisation import Linearisation
+from fitter.diagnosis.sensors.linearisation import Instruments, Linearisation, added, turn_by_angles
 from tracking.observation import MOUNTING
 
 Change = Callable[[Instruments, int, Floats], Instruments]

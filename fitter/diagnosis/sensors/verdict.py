@@ -10,8 +10,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from fitter.diagnosis.sensors.contradiction import beyond_level
 from fitter.diagnosis.sensors.fit import Fitted, Hypothesis
+from fitter.diagnosis.sensors.remaining import beyond_level
 from fitter.diagnosis.sensors.search import Search, Tried
 
 #: What a cause must explain, and by what it must beat a rival: squared, in noise units. Chosen by hand, with

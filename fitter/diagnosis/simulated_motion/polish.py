@@ -25,8 +25,12 @@ from fitter.diagnosis.model import Candidate
 from fitter.diagnosis.motion import Motion
 from fitter.diagnosis.regression import Regression
 from fitter.diagnosis.simulated_motion.braking import friction_at, seen_states
-from fitter.diagnosis.simulated_motion.model_numbers import ModelNumbers, model_numbers
-from fitter.diagnosis.simulated_motion.shooting import ShootingWithEffects, windows
+from fitter.diagnosis.simulated_motion.model_numbers import (
+    ModelNumbers,
+    ShootingWithEffects,
+    model_numbers,
+    windows,
+)
 from fitter.dynamics.output_error import Allowed, fit_motion
 from fitter.dynamics.stretches import LONGEST_STEP_S
 

@@ -5,7 +5,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from fitter.diagnosis.attenuation import added, compensated, noise_of
+from fitter.diagnosis.attenuation import added, noise_of
+from fitter.diagnosis.least_squares import compensated
 
 
 @given(st.integers(0, 1000), st.floats(0.05, 0.4))

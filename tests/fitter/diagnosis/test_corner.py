@@ -1,15 +1,18 @@
 """How far up columns are looked at follows the motion, and not its noise."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from arm.model import Arm, Joint
 from fitter.data.derivatives import lowpass
 from fitter.data.motions import Measured
 from fitter.data.resample import Uniform
 from fitter.data.trials import choose_cutoff_hz
-from fitter.diagnosis.corner import CORNER_HZ, corner_hz
+from fitter.diagnosis.corner import CORNER_HZ, chatter, corner_hz
 from fitter.diagnosis.equation import BAND_SHARE
 
 
@@ -78,3 +81,26 @@ def test_of_noise_that_is_not_white_no_more_is_looked_at_than_what_stands_out(ma
 @settings(max_examples=15, deadline=None)
 def test_white_noise_of_any_size_is_understood(noise, dt_s):
     assert corner_hz(grids([0.7, 4.0], dt_s, noise)) == CORNER_HZ
+
+
+ARM = Arm("two", (Joint(a_m=0.3), Joint(type="prismatic")))
+T = np.arange(2000) * 0.002
+
+
+def trial(noise):
+    smooth = np.sin(np.outer(T, [3.0, 5.0]))
+    white = np.random.default_rng(0).normal(size=smooth.shape)
+    return SimpleNamespace(whole={"tau": smooth + noise * white})
+
+
+def test_every_joint_is_asked_and_has_its_unit():
+    (sentence,) = chatter(ARM, [trial(np.array([0.0, 2.0]))])
+    assert sentence.startswith("the torque at joint 2 changes from sample to sample like noise")
+    assert "N of" in sentence and "N m" not in sentence
+    (other,) = chatter(ARM, [trial(np.array([2.0, 0.0]))])
+    assert "joint 1" in other and "N m rms" in other
+
+
+def test_smooth_torques_and_none_are_not():
+    assert chatter(ARM, [trial(np.array([0.1, 0.1]))]) == []
+    assert chatter(ARM, [SimpleNamespace(whole={})]) == []

@@ -4,7 +4,7 @@ import numpy as np
 
 from fitter.data.trials import to_trials
 from fitter.diagnosis.motion import run_of, white_noise
-from fitter.diagnosis.unknown_torque import end_weight, holding_shapes, lasting
+from fitter.diagnosis.whitening import end_weight, holding_shapes, lasting
 from tests.fitter.pendulum import pendulum, swings
 
 

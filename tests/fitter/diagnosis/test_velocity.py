@@ -7,8 +7,8 @@ import pytest
 from scipy.ndimage import gaussian_filter1d
 
 from fitter.data.trials import Trial, to_trials
-from fitter.diagnosis.unknown_torque import STUCK_S
 from fitter.diagnosis.velocity import sharper, sharper_gain, told_from_rest, velocity, velocity_gain
+from fitter.diagnosis.whitening import STUCK_S
 from tests.fitter.pendulum import swings
 
 NOISE = 2e-4

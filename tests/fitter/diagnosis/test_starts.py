@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from fitter.diagnosis.peaks import peaks
+from fitter.diagnosis.starts import peaks
 
 BAND_HZ, DT_S, STRIDE = 10.0, 0.01, 4
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.ndimage import gaussian_filter1d
 
-from fitter.diagnosis.unknown_torque import end_weight, holding_shapes, jump_shapes
+from fitter.diagnosis.whitening import end_weight, holding_shapes, jump_shapes
 
 
 def test_an_impulse_lies_between_two_samples_and_keeps_its_size():
