@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from arm.effects.catalogue import catalogue
-from arm.effects.joint_torque import DIRECTION, DQ, torque_along
+from arm.effects.joint_torque import COULOMB, DIRECTION, DQ, TAU, T, torque_along
 from fitter.data.trials import to_trials
-from fitter.diagnosis.at_joint import AtJoint
+from fitter.diagnosis.at_joint import AtJoint, depends_on
 from fitter.diagnosis.motion import run_of
 from fitter.diagnosis.view import view_of
 from tests.fitter.pendulum import pendulum, swings
@@ -81,3 +81,11 @@ def test_at_rest_stands_the_mean_of_what_it_is_either_way():
     asymmetry, hump = (AtJoint(catalogue()[name], 0) for name in ("coulomb_asymmetry", "stribeck"))
     np.testing.assert_array_equal(asymmetry.torque(view, np.zeros(0)), 1.0)
     np.testing.assert_array_equal(hump.torque(view, np.array([0.1])), 0.0)
+
+
+def test_an_effect_is_asked_what_it_depends_on():
+    """By what their files say: only friction by load knows the torque, only warm friction the joint's own."""
+    kinds = catalogue().values()
+    assert [one.name for one in kinds if depends_on(one, TAU)] == ["load_friction"]
+    assert [one.name for one in kinds if depends_on(one, COULOMB)] == ["thermal_drift"]
+    assert {one.name for one in kinds if depends_on(one, T)} >= {"periodic_disturbance", "thermal_drift"}

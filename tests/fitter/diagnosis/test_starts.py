@@ -1,4 +1,4 @@
-"""A swing that goes on over all trials is found at its frequency."""
+"""Where a search begins: where it has come to before, and where what is left swings most."""
 
 from types import SimpleNamespace
 
@@ -7,7 +7,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from fitter.diagnosis.starts import peaks
+from fitter.diagnosis.model import Model
+from fitter.diagnosis.starts import Starts, peaks
+from tests.fitter.diagnosis.linear import Columns
 
 BAND_HZ, DT_S, STRIDE = 10.0, 0.01, 4
 
@@ -22,3 +24,12 @@ def test_the_first_is_the_frequency_that_swings_most(frequency_hz, phase):
     assert found.shape == (4, 1)
     assert found[0, 0] == pytest.approx(frequency_hz, abs=0.02)
     assert np.diff(np.sort(found[:, 0])).min() > 1.0 / 15.0
+
+
+def test_what_was_sought_beside_the_same_is_found_again_whatever_the_order():
+    one, other, sought = Columns(0), Columns(1), Columns(2)
+    starts = Starts()
+    ahead, back = (Model((a, b), (np.zeros(0),) * 2) for a, b in ((one, other), (other, one)))
+    starts.keep(ahead, sought, np.array([[3.0]]))
+    np.testing.assert_array_equal(starts.of(back, sought), [[3.0]])
+    assert starts.of(Model(), sought) is None and starts.of(ahead, one) is None

@@ -59,7 +59,12 @@ def measured(
     return Run(arm, runs[:LEARNING], runs[LEARNING:])
 
 
-@pytest.fixture
+@pytest.fixture(scope="session")
+def measured_run() -> Run:
+    return measured("dd-arm-vertical", 31, {}, None)
+
+
+@pytest.fixture(scope="session")
 def measure() -> Callable[..., Run]:
     def of(name="dd-arm-vertical", seed=31, changed=None, touch=None) -> Run:
         return measured(name, seed, changed or {}, touch)

@@ -1,0 +1,46 @@
+"""The equations' weights: how large noise is, and what holds a joint is not seen."""
+
+import numpy as np
+import pytest
+
+from fitter.diagnosis.equation import weighting
+from fitter.diagnosis.whitening import holding_shapes
+from tests.fitter.diagnosis.searched import swinging
+from tests.fitter.diagnosis.two_joints import regression_of_two
+
+
+@pytest.fixture(scope="module")
+def regression():
+    return swinging(trials=4)
+
+
+def test_noise_is_as_large_as_it_was_made():
+    """0.01 N m and 2e-4 rad, by its third differences; their power per band is kept on a thinned grid."""
+    run = regression_of_two(trials=4)
+    found = weighting(run.arm, run.motions)
+    thinned = np.sqrt(run.motions[0].trial.dt_s / run.motions[0].dt_s)
+    np.testing.assert_allclose(found.torque_noise, 0.01 * thinned, rtol=0.1)
+    np.testing.assert_allclose(np.sqrt(np.diag(found.acceleration_noise)), 2e-4 * thinned, rtol=0.1)
+    assert np.all(np.isinf(found.holding))
+
+
+def test_a_torque_of_any_size_that_holds_a_joint_leaves_nothing(regression):
+    unknown = weighting(regression.arm, regression.motions)
+    motion = next(one for one in regression.motions if np.any(one.stuck))
+    shapes = holding_shapes(motion.stuck[:, 0], motion.dt_s)
+    seen, left = unknown.whitened_at(motion, 0, shapes), unknown.filtered_at(motion, 0, shapes)
+    assert np.linalg.norm(left) < 1e-4 * np.linalg.norm(seen)
+
+
+def test_axes_are_orthonormal_and_lose_no_more_than_all(regression):
+    axes, lost = regression.weighting.axes(regression.motions[0])
+    np.testing.assert_allclose(axes.T @ axes, np.eye(len(lost)), atol=1e-6)
+    assert np.all((lost >= 0.0) & (lost <= 1.0))
+
+
+def test_what_is_eliminated_is_not_told(regression):
+    filt, motion = regression.weighting, regression.motions[0]
+    rows = len(filt.whitened(motion, np.zeros((*motion.q.shape, 1))))
+    assert 0.0 < filt.told(motion) < filt.n_told(rows, motion.dt_s)
+    lost = filt.axes(motion)[1]
+    assert filt.n_told(rows, motion.dt_s) - filt.told(motion) <= len(lost)
