@@ -16,6 +16,7 @@ from arm.effects.effect import EffectKind, Parameter
 from arm.effects.joint_torque import DIRECTION, DQ, N_STATE, TAU, torque_along, torques_along
 from arm.model import Floats
 from fitter.diagnosis.hypothesis import Hypothesis
+from fitter.diagnosis.least_squares import ROUNDED, TINY
 from fitter.diagnosis.motion import Motion
 from fitter.diagnosis.view import View
 
@@ -25,7 +26,6 @@ _GRID = 12
 _PERIODS = np.arange(1.0, 81.0)
 #: Angles at which a stop may be, as shares of the range that the joint moves through.
 _SHARES = np.linspace(0.04, 0.96, 24)
-_ROUNDING = 1e-9
 
 
 class AtJoint(Hypothesis):
@@ -125,7 +125,7 @@ class AtJoint(Hypothesis):
 
         def missed(at: float) -> float:
             shape = torque(at)
-            size = float(shape @ wanted) / max(float(shape @ shape), 1e-300)
+            size = float(shape @ wanted) / max(float(shape @ shape), TINY)
             return float(np.sum((wanted - size * shape) ** 2))
 
         tried = (
@@ -136,10 +136,12 @@ class AtJoint(Hypothesis):
         best = int(np.argmin([missed(at) for at in tried]))
         around = (tried[max(best - 1, 0)], tried[min(best + 1, len(tried) - 1)])
         at = float(
-            scipy.optimize.minimize_scalar(missed, bounds=around, method="bounded", options={"xatol": 1e-9}).x
+            scipy.optimize.minimize_scalar(
+                missed, bounds=around, method="bounded", options={"xatol": np.sqrt(ROUNDED)}
+            ).x
         )
         shape = torque(at)
-        values[k], values[linear] = at, float(shape @ wanted) / max(float(shape @ shape), 1e-300)
+        values[k], values[linear] = at, float(shape @ wanted) / max(float(shape @ shape), TINY)
         if parameter.name == "phase_rad":
             turned = np.pi if values[linear] < 0.0 else 0.0
             values[linear] = abs(values[linear])
@@ -179,7 +181,7 @@ class AtJoint(Hypothesis):
         if not np.array_equal(psi, self._asked[0]):  # motion after motion is asked about with the same
             states = _probe()
             bent = self._bent(psi, states, np.full(len(states), 0.1), self._columns(psi, states))
-            self._asked = psi.copy(), bool(np.any(np.abs(bent) > _ROUNDING))
+            self._asked = psi.copy(), bool(np.any(np.abs(bent) > np.sqrt(ROUNDED)))
         return self._asked[1]
 
     def _values(self, psi: Floats) -> Floats:
@@ -207,7 +209,7 @@ class AtJoint(Hypothesis):
                 values[k] = at
                 shapes.append(torque_along(self.kind, values, _probe()))
             size = np.linalg.svd(np.stack(shapes), compute_uv=False)
-            if size[1] > _ROUNDING * size[0] >= size[2]:
+            if size[1] > np.sqrt(ROUNDED) * size[0] >= size[2]:
                 return [k]
         return []
 

@@ -21,6 +21,7 @@ from arm.control import control_torque
 from arm.model import Arm, Floats
 from fitter.data.derivatives import differentiate, lowpass, settling_samples
 from fitter.diagnosis.hypothesis import Hypothesis
+from fitter.diagnosis.least_squares import ROUNDED, TINY
 from fitter.diagnosis.model import Model
 from fitter.diagnosis.motion import Motion, noise_of_angles, white_noise
 from fitter.diagnosis.rows import Equations
@@ -213,5 +214,5 @@ def let_through(views: Sequence[View], motions: Sequence[Motion]) -> Floats:
         off = np.abs(view.u - motion.u) > _CUT * np.sqrt(np.mean(motion.u**2, axis=0))
         cut += np.sum(off & moves, axis=0)
         moving += np.sum(moves, axis=0)
-    through = np.clip(reaches / np.maximum(asked, 1e-300), 1e-12, 1.0)
+    through = np.clip(reaches / np.maximum(asked, TINY), ROUNDED, 1.0)
     return np.asarray(through ** (cut / np.maximum(moving, 1.0)), dtype=np.float64)

@@ -16,6 +16,7 @@ from arm.model import Arm, Floats
 from fitter.data.resample import Uniform
 from fitter.data.trials import Trial, choose_cutoff_hz
 from fitter.diagnosis.equation import BAND_SHARE
+from fitter.diagnosis.least_squares import PLAINLY
 from fitter.diagnosis.motion import white_noise
 
 #: Columns are cut off at this frequency …
@@ -23,8 +24,6 @@ CORNER_HZ = 30.0
 #: … or at so many times that below which this share of a joint's speed squared lies, for what is as quick has
 #: overtones; if the sampling allows it, for which this share of its rate is left.
 _TIMES, _MOST, _SHARE_OF_RATE = 3.0, 0.9, 0.2
-#: Noise is white if its least power between motion and corner is this near to what third differences tell: 3 dB.
-_WHITE = 2.0
 #: Parts of that band of which the least is taken.
 _PARTS = 10
 #: A joint whose motion is less than so many times its noise does not count.
@@ -67,7 +66,7 @@ def _is_white(grids: Sequence[Uniform], low_hz: float, high_hz: float) -> bool:
             count[part] += np.count_nonzero(at == part)
     seen = count > 0.0
     least = np.min(power[seen] / count[seen, None], axis=0)
-    return bool(np.all(least < _WHITE * noise**2))
+    return bool(np.all(least < PLAINLY * noise**2))
 
 
 def _quick_hz(grids: Sequence[Uniform], highest: float) -> float:

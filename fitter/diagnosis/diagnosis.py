@@ -14,9 +14,10 @@ from fitter.data.trials import FIT_CORNER, Trial, derive, undriven
 from fitter.diagnosis.conclusion import concluded
 from fitter.diagnosis.corner import chatter, corner_hz
 from fitter.diagnosis.finding import Finding
-from fitter.diagnosis.floor import PLAINLY, Floor
+from fitter.diagnosis.floor import Floor
 from fitter.diagnosis.held_out import judged_sets
 from fitter.diagnosis.hypotheses import hypotheses
+from fitter.diagnosis.least_squares import PLAINLY
 from fitter.diagnosis.missed_pushes import with_pushes
 from fitter.diagnosis.model import Candidate, Model
 from fitter.diagnosis.motion import Motion, run_of

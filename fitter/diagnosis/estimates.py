@@ -13,6 +13,7 @@ from arm.model import Arm, Effect, Estimate, Floats, Joint
 from arm.physical_links import is_possible, link_parameters
 from fitter.diagnosis.evidence import BLOCK_S, lacking
 from fitter.diagnosis.hypothesis import Hypothesis
+from fitter.diagnosis.least_squares import CONFIDENCE, ROUNDED, TINY
 from fitter.diagnosis.model import Candidate
 from fitter.diagnosis.motion import Motion
 from fitter.diagnosis.payload import Payload
@@ -26,10 +27,6 @@ from limbcal.errors import NotConverged
 
 #: Blocks of neighbouring equations whose scores tell the answer's scatter, over all trials.
 _BLOCKS = 240
-#: Probability that an effect of no size passes for none.
-_SIGNIFICANT = 0.95
-#: Columns this near to depending on one another do so.
-_SINGULAR = 1e-9
 
 
 @dataclass(frozen=True)
@@ -107,7 +104,7 @@ def significant(fitted: Candidate, covariance: Floats) -> list[bool]:
         scatter = covariance[np.ix_(own, own)]
         known = bool(np.all(np.isfinite(scatter)))
         wald = float(size @ np.linalg.pinv(scatter, hermitian=True) @ size) if known else np.inf
-        said.append(wald > chi2.ppf(_SIGNIFICANT, max(len(own), 1)))
+        said.append(wald > chi2.ppf(CONFIDENCE, max(len(own), 1)))
         at, psi_at = at + n, psi_at + len(psi)
     return said
 
@@ -188,7 +185,7 @@ def _numbers(
     turns = np.empty((len(values), len(both)))
     for k in range(len(both)):
         step = np.zeros(len(both))
-        step[k] = SLOPE * max(abs(both[k]), 1e-6)
+        step[k] = SLOPE * max(abs(both[k]), np.sqrt(ROUNDED))
         ahead, behind = (hypothesis.numbers((both + s)[n:], (both + s)[:n]) for s in (step, -step))
         turns[:, k] = (ahead - behind) / (2.0 * step[k])
     variance = np.maximum(np.einsum("ij,jk,ik->i", turns, np.nan_to_num(covariance), turns), 0.0)
@@ -249,7 +246,7 @@ def _covariance(regression: Regression, fitted: Candidate, learnt_from: list[Mot
     left = sum(float(residuals[k] @ residuals[k]) for k in fitting)
     told_by = float(sum(regression.weighting.told(regression.motions[k]) for k in fitting))
     diagonal = np.abs(np.diag(W))
-    if diagonal.min() > _SINGULAR * diagonal.max():
+    if diagonal.min() > np.sqrt(ROUNDED) * diagonal.max():
         of_trial: NDArray[np.intp] = np.array(groups, dtype=np.intp)
         part = sandwich_covariance(np.asarray(W), np.array(grams), np.array(scores), of_trial)
         root = np.linalg.inv(W)
@@ -264,7 +261,7 @@ def _covariance(regression: Regression, fitted: Candidate, learnt_from: list[Mot
         part = part * np.outer(wider, wider)
     else:  # something is not told at all, such as how long a stuck joint was pushed: the rest still is
         gram = np.sum(grams, axis=0)
-        part = np.linalg.pinv(gram, rcond=_SINGULAR, hermitian=True) * max(left / told_by, 1.0)
+        part = np.linalg.pinv(gram, rcond=ROUNDED, hermitian=True) * max(left / told_by, 1.0)
     covariance = np.full((len(size), len(size)), np.nan)
     covariance[np.ix_(told, told)] = part / np.outer(size[told], size[told])
     return covariance
@@ -296,7 +293,7 @@ def _between(designs: Sequence[Floats], residuals: Sequence[Floats], extra: Floa
     It is that of the answer to all trials together (Liang and Zeger 1986), so none is foreign to what it pulls at.
     """
     A, r = np.vstack(designs), np.concatenate(residuals)
-    inverse = np.linalg.pinv(A.T @ A + information, rcond=_SINGULAR, hermitian=True)
+    inverse = np.linalg.pinv(A.T @ A + information, rcond=ROUNDED, hermitian=True)
     change = inverse @ (A.T @ r + extra.sum(axis=0))
     pulls = np.stack(
         [
@@ -305,4 +302,4 @@ def _between(designs: Sequence[Floats], residuals: Sequence[Floats], extra: Floa
         ]
     )
     few = len(pulls) / max(len(pulls) - 1.0, 1.0)
-    return np.asarray(few * np.sum(pulls**2, axis=0) / np.maximum(np.diag(inverse), 1e-300), dtype=np.float64)
+    return np.asarray(few * np.sum(pulls**2, axis=0) / np.maximum(np.diag(inverse), TINY), dtype=np.float64)

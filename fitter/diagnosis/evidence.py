@@ -22,17 +22,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from arm.model import Floats
+from fitter.diagnosis.least_squares import EQUAL_SIGMAS
 from fitter.diagnosis.model import Candidate
 
 #: Odds of a false cause, a hundred to one after Bonferroni over what was tried, are log(100) nats.
 ODDS_NATS = float(np.log(100.0))
-#: Standard errors within which a difference is none: 95 % of a normal distribution.
-EQUAL_SIGMAS = 1.96
 #: Length of a block [s]. Within it residuals count as correlated, and what a model lacks as one number a joint:
 #: joint velocities of measured runs have equivalent bandwidths of 0.5 to 1.2 Hz (decision 22).
 BLOCK_S = 1.0
-#: The variance of fewer numbers is not known.
-_LEAST_COUNT = 1.0
 
 
 @dataclass(frozen=True)
@@ -76,7 +73,7 @@ class Fit:
         """Of the residual, the likeliest of each trial, (n_trial, n_column); 1 where it is not known."""
         n_trial = len(self.count)
         squares = np.stack([np.bincount(self.row_trial, one, n_trial) for one in self.residual.T**2], axis=1)
-        is_known = (self.count > _LEAST_COUNT) & (squares > 0.0)
+        is_known = (self.count > 1.0) & (squares > 0.0)
         return np.where(is_known, squares / np.where(is_known, self.count, 1.0), 1.0)
 
     @property

@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 from arm.model import Floats
 from fitter.diagnosis.equation import Weighting
+from fitter.diagnosis.least_squares import PLAINLY, TINY
 from fitter.diagnosis.model import Candidate
 from fitter.diagnosis.motion import Motion
 from fitter.diagnosis.regression import Regression
@@ -24,8 +25,6 @@ from fitter.diagnosis.reweighting import reweighted
 
 #: The noise's size is known to a tenth (`whitening`): so much more variance than it has is no floor.
 KNOWN = 1.1**2
-#: The residual exceeds the noise plainly if its variance is this multiple of the noise's: 3 dB.
-PLAINLY = 2.0
 #: Less than this part of the noise is rounding where all of it is eliminated.
 _LEAST_FREEDOM = 1e-3
 #: Floors are sought in their logarithms, to a hundredth.
@@ -142,7 +141,7 @@ def _likeliest(power: Floats, freedom: Floats, torque: Floats | float, angle: Fl
         S = torque + np.exp(at[0]) + angle * (1.0 + np.exp(at[1]))
         return float(np.sum(freedom * np.log(S) + power / S))
 
-    mean = max(float(power.sum() / freedom.sum()), 1e-300)
+    mean = max(float(power.sum() / freedom.sum()), TINY)
     options = {"xatol": _TOLERANCE, "fatol": _TOLERANCE}
     found = [
         scipy.optimize.minimize(  # type: ignore[call-overload]

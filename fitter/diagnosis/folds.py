@@ -7,21 +7,15 @@ import numpy as np
 
 from arm.model import Floats
 from fitter.diagnosis.functions import Functions, products, spelled
-from fitter.diagnosis.least_squares import scaled_lstsq
+from fitter.diagnosis.least_squares import ROUNDED, TINY, scaled_lstsq
 from fitter.diagnosis.model import Candidate
 from fitter.diagnosis.motion import Motion
 from fitter.diagnosis.regression import Regression
 from fitter.diagnosis.white_rows import Columns
 
-#: No trial is left with nothing: its logarithm would count for all.
-_LEAST = 1e-300
-
-
 #: How strongly a function's factors are held towards zero, in units of a column's own sum of squares; those of a
 #: single formula are not, as little as the base parameters.
-_RIDGE, _EXACT = 1e-4, 1e-12
-#: A column of which base parameters leave no more than this share says nothing that they don't.
-_TOLD = 1e-9
+_RIDGE = 1e-4
 _FOLDS = 8
 #: A formula is told if it explains this share of what the function does.
 _TELLING = 0.9
@@ -35,7 +29,7 @@ def typical(squares: Floats, told: Floats) -> float:
     squares, told : (n_trial,)
         Sum of squares that is left in each, and what noise would leave.
     """
-    return float(np.exp(np.mean(np.log(np.maximum(squares / told, _LEAST)))))
+    return float(np.exp(np.mean(np.log(np.maximum(squares / told, TINY)))))
 
 
 class Folds:
@@ -116,7 +110,7 @@ class Folds:
         size = np.sqrt(np.maximum(np.einsum("kii->i", grams), 0.0))  # rounding makes nothing less than that
         size[size == 0.0] = 1.0
         # A product of splines has cells that some trials hardly visit: what it makes there is held towards zero.
-        held = np.where(np.arange(len(size)) < target, _EXACT, _RIDGE)
+        held = np.where(np.arange(len(size)) < target, ROUNDED, _RIDGE)
         squares, fold = whole[:, target, target].copy(), self._fold
         for k in range(fold.max() + 1):
             G = grams[fold != k].sum(axis=0) / np.outer(size, size)
@@ -144,12 +138,14 @@ class Folds:
         for k in range(fold.max() + 1):
             learnt = fold != k
             G = K[learnt].sum(axis=0) / np.outer(size, size)
-            G[np.diag_indices(len(G))] += _EXACT
+            G[np.diag_indices(len(G))] += ROUNDED
             both = np.column_stack([p[learnt].sum(axis=0), U[learnt].sum(axis=0)])
             alone = np.linalg.solve(G, both / size[:, None]) / size[:, None]
             rest = V[learnt].sum(axis=0) - np.einsum("ij,ij->j", both[:, 1:], alone[:, 1:])
             common = w[learnt].sum(axis=0) - both[:, 1:].T @ alone[:, 0]
-            factor = np.where(rest > _TOLD * V[learnt].sum(axis=0), common / np.where(rest > 0.0, rest, 1.0), 0.0)
+            factor = np.where(
+                rest > ROUNDED * V[learnt].sum(axis=0), common / np.where(rest > 0.0, rest, 1.0), 0.0
+            )
             x = alone[:, :1] - alone[:, 1:] * factor
             for i in np.flatnonzero(~learnt):
                 squares[i] += np.einsum("ij,ij->j", x, K[i] @ x) + factor**2 * V[i]

@@ -12,6 +12,7 @@ import numpy as np
 from scipy.interpolate import BSpline
 
 from arm.model import Floats
+from fitter.diagnosis.least_squares import ROUNDED
 from fitter.diagnosis.motion import Motion
 
 #: Hats a variable, and degree of all variables together, by how many variables a function has. With fewer of them
@@ -98,7 +99,7 @@ class Functions:
                 if name.startswith("dq") and low < 0.0 < high:  # friction has its kink where a joint reverses
                     knots[1 + np.argmin(np.abs(knots[1:-1]))] = 0.0
                 knots = np.concatenate([[low], knots, [high]])
-                at = np.clip(values, low, high - 1e-9 * (high - low))
+                at = np.clip(values, low, high - ROUNDED * (high - low))
                 self._known[key] = np.asarray(BSpline.design_matrix(at, knots, 1).toarray(), dtype=np.float64)
         return self._known[key]
 
@@ -117,7 +118,7 @@ def _is_sign(name: str) -> bool:
 
 def _range(columns: Sequence[Floats]) -> tuple[float, float]:
     low, high = np.quantile(np.concatenate(columns), [0.002, 0.998])
-    return float(low), float(max(high, low + 1e-9))
+    return float(low), float(max(high, low + ROUNDED))
 
 
 def products(motion: Motion, some: Sequence[str]) -> Floats:

@@ -15,7 +15,7 @@ import scipy.linalg
 from arm.model import Floats
 from fitter.diagnosis.at_joint import AtJoint
 from fitter.diagnosis.hypothesis import Hypothesis
-from fitter.diagnosis.least_squares import solved
+from fitter.diagnosis.least_squares import ROUNDED, solved
 from fitter.diagnosis.model import Model
 from fitter.diagnosis.motion import Motion
 from fitter.diagnosis.refinement import Misfit, refined
@@ -32,10 +32,8 @@ _HARDLY = 0.02
 #: Of more starts than this that cost a fit each, so many are tried on all trials: those that explain most of this
 #: share of the trials, those of which most is left.
 _FOREMOST, _WORST = 4, 0.25
-#: A column of which others leave no more than this share is none of its own.
+#: A column, or a change, of which others leave no more than this share is none of its own.
 _FRESH = 1e-4
-#: A change of which others make all but this share is none of its own.
-_LITTLE = 1e-4
 
 
 @dataclass(frozen=True)
@@ -76,7 +74,7 @@ class Grid:
         self._target = np.concatenate([one.target.ravel() for one in rows])
         size = np.linalg.norm(A, axis=0)
         Q, R, _ = scipy.linalg.qr(A / np.where(size > 0.0, size, 1.0), mode="economic", pivoting=True)
-        told = np.abs(np.diag(R)) > 1e-9 * abs(R[0, 0])
+        told = np.abs(np.diag(R)) > np.sqrt(ROUNDED) * abs(R[0, 0])
         self._tangent = _beside(np.asarray(Q[:, told]), self._slopes())
         self._Q = np.hstack([Q[:, told], self._tangent])
         self._residual = self._target - self._Q @ (self._Q.T @ self._target)
@@ -226,7 +224,7 @@ def _beside(Q: Floats, columns: Floats) -> Floats:
     size = np.linalg.norm(columns, axis=0)
     columns = (columns - Q @ (Q.T @ columns)) / np.where(size > 0.0, size, 1.0)
     U, length, _ = np.linalg.svd(columns, full_matrices=False)
-    return np.asarray(U[:, length > _LITTLE], dtype=np.float64)
+    return np.asarray(U[:, length > _FRESH], dtype=np.float64)
 
 
 def _gain_of(gram: Floats, pull: Floats) -> float:

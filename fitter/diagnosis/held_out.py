@@ -18,6 +18,7 @@ import scipy.linalg
 
 from arm.model import Arm, Floats
 from fitter.diagnosis.judgement import Errors, judged
+from fitter.diagnosis.least_squares import ROUNDED
 from fitter.diagnosis.model import Candidate, Model
 from fitter.diagnosis.motion import Motion
 from fitter.diagnosis.regression import Regression
@@ -25,12 +26,6 @@ from limbcal.note import Note
 
 #: A fitted model, and the arm that it is, to be simulated.
 Fitted = tuple[Candidate, Arm]
-
-
-#: Eigenvalues below this ratio to the largest are rounding: the combination is not identifiable.
-_SINGULAR = 1e-6
-#: Parts that a single learning motion is cut into, to compare them with each other.
-_PARTS = 2
 
 
 @dataclass(frozen=True)
@@ -119,7 +114,7 @@ def likeness(regression: Regression) -> Note | None:
     )
     if not learnt or not held_back:
         return None
-    parts = learnt if len(learnt) > 1 else np.array_split(learnt[0], _PARTS)
+    parts = learnt if len(learnt) > 1 else np.array_split(learnt[0], 2)
     own = np.median([novelty([one], [*parts[:k], *parts[k + 1 :]]) for k, one in enumerate(parts)])
     others = np.median([novelty([one], learnt) for one in held_back])
     if others > own:
@@ -139,8 +134,8 @@ def novelty(some: Sequence[Floats], others: Sequence[Floats]) -> float:
     excited = size > 0.0
     A, B = (moments[np.ix_(excited, excited)] / np.outer(size[excited], size[excited]) for moments in (A, B))
     values, axes = np.linalg.eigh(A + B)
-    kept = values > _SINGULAR * values[-1]
+    kept = values > np.sqrt(ROUNDED) * values[-1]
     root = axes[:, kept] / np.sqrt(values[kept])
-    least = _SINGULAR * np.eye(root.shape[1])
+    least = np.sqrt(ROUNDED) * np.eye(root.shape[1])
     ratios = scipy.linalg.eigh(root.T @ A @ root + least, root.T @ B @ root + least, eigvals_only=True)
     return float(np.sqrt(np.mean(np.log(np.maximum(ratios, 1.0)) ** 2)))

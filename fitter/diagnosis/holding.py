@@ -12,6 +12,7 @@ import numpy as np
 
 from arm.effects.catalogue import catalogue
 from arm.model import Arm, Effect, Floats
+from fitter.diagnosis.least_squares import SIGMAS
 from fitter.diagnosis.model import Candidate
 from fitter.diagnosis.regression import Regression
 from fitter.diagnosis.whitening import inner_rests
@@ -23,9 +24,9 @@ EFFECT = "stiction"
 #: A rest is held by more than Coulomb friction if it is so by this share of it, by so many times the standard
 #: error of what held it, which is the noise's and the model's, and by this share of the joint's rms torque: what
 #: no model has in it.
-_MORE, _SIGMAS, _KNOWN = 0.2, 4.0, 0.01
+_MORE, _KNOWN = 0.2, 0.01
 #: F is told as so many times the largest torque that has held, and this share of that is its standard error.
-ABOVE, _ABOVE_ERROR = 1.2, 0.12
+ABOVE, _ABOVE_ERROR = 1.0 + _MORE, 0.6 * _MORE
 #: So many rests must be, for one may be a hand.
 _LEAST = 2
 
@@ -77,7 +78,7 @@ def holdings(regression: Regression, final: Candidate, covariance: Floats) -> li
         sets = [_held(regression, final, known, j, learn) for learn in (True, False)]
         torque, noise = (np.concatenate(column) for column in zip(*sets, strict=True))
         rms = float(np.sqrt(np.mean(np.concatenate([motion.u[:, j] for motion in regression.motions]) ** 2)))
-        beyond = torque > (1.0 + _MORE) * coulomb + _SIGMAS * noise + _KNOWN * rms
+        beyond = torque > (1.0 + _MORE) * coulomb + SIGMAS * noise + _KNOWN * rms
         if np.count_nonzero(beyond) < _LEAST:
             continue
         largest = float(torque.max())

@@ -5,14 +5,12 @@ from dataclasses import replace
 
 import numpy as np
 
-from arm.model import Floats, Friction, Link
+from arm.model import STANDARD_GRAVITY_M_S2, Floats, Friction, Link
 from arm.newton_euler import inverse_dynamics
 from fitter.diagnosis.hypothesis import Hypothesis, Turn
 from fitter.diagnosis.motion import Motion
 from fitter.diagnosis.view import View
 
-#: By the third General Conference on Weights and Measures, 1901 [m/s^2].
-STANDARD_GRAVITY = 9.80665
 #: Tilts that are tried first [m/s^2], and zeros [rad].
 _TILTS = (-0.1, 0.1)
 _ZEROS = (-0.02, 0.02)
@@ -41,12 +39,14 @@ class GravityTilt(Hypothesis):
     def starts(self, motions: Sequence[Motion]) -> Floats:
         """Return values to try first: a little of it, and all of it along eight directions of a level plane."""
         turns = np.arange(8) * np.pi / 4.0
-        upright = STANDARD_GRAVITY * np.stack([np.cos(turns), np.sin(turns)], axis=1)
+        upright = STANDARD_GRAVITY_M_S2 * np.stack([np.cos(turns), np.sin(turns)], axis=1)
         return np.concatenate([[[x, y] for x in _TILTS for y in _TILTS], upright])
 
     def inside(self, psi: Floats) -> Floats:
         """Return a vector (2,) that is no longer than gravity."""
-        return np.asarray(psi * min(1.0, STANDARD_GRAVITY / max(float(np.hypot(*psi)), STANDARD_GRAVITY)))
+        return np.asarray(
+            psi * min(1.0, STANDARD_GRAVITY_M_S2 / max(float(np.hypot(*psi)), STANDARD_GRAVITY_M_S2))
+        )
 
     def act(self, view: View, psi: Floats) -> View:
         """Return a motion in another gravity."""

@@ -17,6 +17,7 @@ from arm.model import Floats
 from fitter.data.derivatives import both_derivatives
 from fitter.diagnosis.hypothesis import Hypothesis, Turn
 from fitter.diagnosis.in_drive import lagging
+from fitter.diagnosis.least_squares import ROUNDED, TINY
 from fitter.diagnosis.motion import Motion
 from fitter.diagnosis.play import Play, play_of
 from fitter.diagnosis.view import View
@@ -101,7 +102,7 @@ class Elasticity(InTransmission):
     def starts(self, motions: Sequence[Motion]) -> Floats:
         """Return values of psi to try first, (n_start, 2)."""
         u = np.concatenate([np.abs(motion.u[:, self.joints[0]]) for motion in motions])
-        compliance = _TWISTS / max(float(np.quantile(u, 0.99)), 1e-12)
+        compliance = _TWISTS / max(float(np.quantile(u, 0.99)), ROUNDED)
         return np.array([[c, s] for c in compliance for s in _SETTLING_S])
 
     def change(self, view: View, psi: Floats) -> Floats:
@@ -118,4 +119,4 @@ class Elasticity(InTransmission):
 def _direction(speed: Floats, noise: Floats) -> Floats:
     """Return what is expected of a velocity's sign, by its noise and by how much it changes within a sample."""
     spread = np.maximum(noise, 0.5 * np.abs(np.gradient(speed)))
-    return np.asarray(erf(speed / (np.sqrt(2.0) * np.maximum(spread, 1e-300))), dtype=np.float64)
+    return np.asarray(erf(speed / (np.sqrt(2.0) * np.maximum(spread, TINY))), dtype=np.float64)

@@ -7,6 +7,7 @@ import numpy as np
 from scipy.ndimage import binary_erosion, gaussian_filter1d
 
 from arm.model import Arm, Floats
+from fitter.diagnosis.least_squares import CONFIDENCE, N_DRAWN, ROUNDED
 from fitter.diagnosis.model import Candidate
 from fitter.diagnosis.motion import Motion
 from fitter.diagnosis.regression import Regression
@@ -14,8 +15,6 @@ from fitter.diagnosis.simulated_motion.simulated import simulated
 from fitter.dynamics.evaluation import HORIZON_S
 from fitter.side_by_side import side_by_side
 
-#: Trials are drawn anew so often for an interval.
-_RESAMPLED = 1000
 #: A simulated angle that is this far off has run away [rad].
 _RUN_AWAY = 1e6
 #: Next to a gap the columns' own filter still has part of what is in it [s].
@@ -192,14 +191,16 @@ def gain(before: Errors, after: Errors) -> Gain:
     """Return by how much a model became better, trials drawn anew for the interval."""
     rng = np.random.default_rng(0)
     n = len(before.torque_square)
-    draws = rng.integers(0, n, (_RESAMPLED, n))
+    draws = rng.integers(0, n, (N_DRAWN, n))
 
     def fell(was: Floats, became: Floats) -> Floats:
         with np.errstate(invalid="ignore", divide="ignore"):
             return np.asarray(1.0 - np.sqrt(became / was), dtype=np.float64)
 
     was, became = before.torque_square.sum(axis=1), after.torque_square.sum(axis=1)
-    low, high = np.nanquantile(fell(was[draws].sum(axis=1), became[draws].sum(axis=1)), [0.025, 0.975])
+    low, high = np.nanquantile(
+        fell(was[draws].sum(axis=1), became[draws].sum(axis=1)), 0.5 + 0.5 * CONFIDENCE * np.array([-1.0, 1.0])
+    )
     angle = float(fell(before.angle_square.sum(), after.angle_square.sum()))
     return Gain(float(fell(was.sum(), became.sum())), angle, (float(low), float(high)))
 
@@ -211,4 +212,4 @@ def smooth(left: Floats, dt_s: float, corner_hz: float) -> Floats:
     width = _WIDTH_S / corner_hz / dt_s
     total = gaussian_filter1d(np.where(known, left, 0.0), width, axis=0, mode="constant")
     weight = gaussian_filter1d(known.astype(np.float64), width, axis=0, mode="constant")
-    return np.where(known, total / np.maximum(weight, 1e-12), np.nan)
+    return np.where(known, total / np.maximum(weight, ROUNDED), np.nan)

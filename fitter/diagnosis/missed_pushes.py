@@ -9,7 +9,7 @@ from scipy.ndimage import binary_dilation
 from arm.effects.catalogue import catalogue
 from fitter.data.derivatives import lowpass
 from fitter.diagnosis.estimates import estimates
-from fitter.diagnosis.evidence import EQUAL_SIGMAS
+from fitter.diagnosis.least_squares import EQUAL_SIGMAS
 from fitter.diagnosis.model import Candidate
 from fitter.diagnosis.pushes import Pushes
 from fitter.diagnosis.regression import Regression

@@ -8,8 +8,8 @@ import numpy as np
 from arm.model import Floats
 from fitter.diagnosis.hypothesis import Hypothesis, Turn
 
-#: A psi of less than this is moved as if it were this large.
-_LEAST = 1e-3
+#: A psi of less than this is moved as if it were this large: a milliradian, a millisecond.
+LEAST_PSI = 1e-3
 
 
 @dataclass(frozen=True)
@@ -46,7 +46,7 @@ class Model:
         """Yield for every psi this model with more and with less of it, and how far these are apart."""
         for k, (hypothesis, psi) in enumerate(zip(self.hypotheses, self.psi, strict=True)):
             for i, value in enumerate(psi):
-                step = hypothesis.stride * max(abs(float(value)), _LEAST)
+                step = hypothesis.stride * max(abs(float(value)), LEAST_PSI)
                 ends = min(value + step, hypothesis.high[i]), max(value - step, hypothesis.low[i])
                 one = np.arange(len(psi)) == i
                 more, less = (self._with(k, np.where(one, end, psi)) for end in ends)

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import binary_dilation
+from scipy.stats import norm
 
 from arm.model import Arm, Floats
 from fitter.data.jumps import jumps
@@ -197,7 +198,7 @@ def white_noise(columns: Sequence[Floats]) -> Floats:
     Motion has next to nothing in a third difference at these rates; it enlarges white noise by sqrt(20).
     """
     third = np.concatenate([np.diff(values, 3, axis=0) for values in columns])
-    return np.asarray(1.4826 * np.median(np.abs(third), axis=0) / np.sqrt(20.0), dtype=np.float64)
+    return np.asarray(np.median(np.abs(third), axis=0) / norm.ppf(0.75) / np.sqrt(20.0), dtype=np.float64)
 
 
 def _starts(trials: Sequence[Trial]) -> list[float]:

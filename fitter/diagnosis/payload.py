@@ -13,7 +13,7 @@ from arm.effects.effect import EffectKind
 from arm.model import Floats
 from arm.regressor import regressor
 from fitter.diagnosis.hypothesis import Hypothesis
-from fitter.diagnosis.least_squares import scaled_lstsq
+from fitter.diagnosis.least_squares import ROUNDED, scaled_lstsq
 from fitter.diagnosis.model import Model
 from fitter.diagnosis.motion import Motion
 from fitter.diagnosis.regression import Regression
@@ -111,7 +111,7 @@ class _Sums:
         self._designs = [one.design / self._size for one in rows]
         self._left = [one.target.ravel() - one.design @ x for one in rows]
         A = A / self._size
-        self._inverse = np.linalg.pinv(A.T @ A, rcond=1e-12, hermitian=True)
+        self._inverse = np.linalg.pinv(A.T @ A, rcond=ROUNDED, hermitian=True)
         views = [regression.view(model, motion) for motion in self.motions]
         self._columns = [tip_mass_column(view) * view.factor[:, None] for view in views]
         self.whole = [self.of(k, [-np.inf])[0] for k in range(len(self.motions))]
@@ -130,13 +130,13 @@ class _Sums:
             return 0.0
         s, q, B = (sum(column) for column in zip(*parts, strict=True))
         alone = float(q - B @ self._inverse @ B)
-        return float(s**2 / alone) if alone > 1e-6 * q else 0.0
+        return float(s**2 / alone) if alone > np.sqrt(ROUNDED) * q else 0.0
 
     def masses(self) -> Floats:
         """Return each trial's load when every trial may have one of its own; a common part is the arm's."""
         s, q, B = (np.array(column) for column in zip(*self.whole, strict=True))
         normal = np.diag(q) - B @ self._inverse @ B.T
-        return np.asarray(np.linalg.lstsq(normal, s, rcond=1e-8)[0], dtype=np.float64)
+        return np.asarray(np.linalg.lstsq(normal, s, rcond=np.sqrt(ROUNDED))[0], dtype=np.float64)
 
 
 def find_payloads(regression: Regression, model: Model) -> list[Hypothesis]:

@@ -13,14 +13,12 @@ import scipy.optimize
 
 from arm.model import Floats
 from fitter.diagnosis.attenuation import Noise
-from fitter.diagnosis.model import Model
+from fitter.diagnosis.model import LEAST_PSI, Model
 from fitter.diagnosis.motion import Motion
 from fitter.diagnosis.regression import Regression
 from fitter.diagnosis.rows import SLOPE
 
 _ROUNDS, _FEW_ROUNDS = 25, 8
-#: A psi of less than this is moved as if it were this large.
-_LEAST = 1e-3
 
 
 class Misfit:
@@ -67,7 +65,7 @@ class Misfit:
         noise = None if self._is_weak else self._regression.noise(self.at(flat), self._motions)
         columns = []
         for k, value in enumerate(flat):
-            step = SLOPE * max(abs(float(value)), _LEAST)
+            step = SLOPE * max(abs(float(value)), LEAST_PSI)
             step = step if value + step <= self.high[k] else -step
             column = (self._left(np.where(np.arange(len(flat)) == k, value + step, flat), noise) - here) / step
             columns.append(column if np.all(np.isfinite(column)) else np.zeros_like(here))
@@ -103,7 +101,7 @@ def refined(
         misfit.start,
         jac=misfit.slopes,
         bounds=(misfit.low, misfit.high),
-        x_scale=np.maximum(np.abs(misfit.start), 1e-3),
+        x_scale=np.maximum(np.abs(misfit.start), LEAST_PSI),
         max_nfev=rounds or (_FEW_ROUNDS if is_event else _ROUNDS),
         xtol=1e-5,
         ftol=1e-7,

@@ -13,6 +13,7 @@ import numpy as np
 
 from arm.model import Floats
 from fitter.diagnosis.equation import Weighting
+from fitter.diagnosis.least_squares import ROUNDED, TINY
 from fitter.diagnosis.model import Model
 from fitter.diagnosis.motion import Motion
 from fitter.diagnosis.rows import Equations
@@ -20,8 +21,6 @@ from fitter.diagnosis.whitening import inner_rests
 
 #: Noise is measured in this part of the band, where differentiated angles are all of it.
 _FROM = 0.5
-#: No direction of the joints' torques has less noise than this share of the noisiest.
-_LEAST = 1e-6
 
 
 #: What holds is looked at in windows so long [s], and counts by what it exceeds so many times its noise by.
@@ -67,7 +66,7 @@ def reweighted(
         total += np.real(spectrum.T @ spectrum.conj()) - white * np.sum(1.0 / scale)
         count += int(np.count_nonzero(inside))
     size, axes = np.linalg.eigh(total / max(count, 1))
-    least = _LEAST * max(float(size.max()), 1e-300)
+    least = np.sqrt(ROUNDED) * max(float(size.max()), TINY)
     noise = (axes * np.maximum(size, least)) @ axes.T
     return replace(used, acceleration_noise=noise)
 

@@ -12,10 +12,10 @@ from itertools import combinations
 import numpy as np
 
 from fitter.diagnosis.dependence import Dependence, dependences
-from fitter.diagnosis.evidence import EQUAL_SIGMAS
-from fitter.diagnosis.floor import KNOWN, PLAINLY, Floor
+from fitter.diagnosis.floor import KNOWN, Floor
 from fitter.diagnosis.folds import Folds, typical
 from fitter.diagnosis.functions import names
+from fitter.diagnosis.least_squares import EQUAL_SIGMAS, PLAINLY
 from fitter.diagnosis.model import Candidate, Model
 from fitter.diagnosis.regression import Regression
 from fitter.diagnosis.screening import fitted

@@ -5,6 +5,7 @@ from scipy.ndimage import gaussian_filter1d, maximum_filter1d
 
 from arm.model import Floats
 from fitter.data.trials import Trial
+from fitter.diagnosis.least_squares import SIGMAS
 
 #: The direction in which a joint moves is told behind a Gaussian of this width [s]: unlike a sharp filter it does
 #: not ring, so nothing seems to move the other way before it starts.
@@ -12,9 +13,9 @@ _DIRECTION_S = 0.006
 #: … or, where it is slow, behind one so many times wider, as long as it won't change its sign within so many of
 #: its widths.
 _WIDER, _WITHIN = (4.0, 2.0), 2.0
-#: Velocities so many times the noise are told from rest; below so many times that of the narrow filter they are
-#: slow. The wider one says so: a choice by the noisier would be a choice by its noise.
-_SIGMAS, _SLOW = 4.0, 8.0
+#: Velocities below so many times the narrow filter's noise are slow: twice what is told from rest. The wider one
+#: says so: a choice by the noisier would be a choice by its noise.
+_SLOW = 2.0 * SIGMAS
 #: What happens within so many widths of the narrow filter is spread into a rest.
 _AROUND = 3.0
 
@@ -52,7 +53,7 @@ def told_from_rest(trial: Trial, noise: Floats, least: Floats) -> tuple[Floats, 
             sure -= _WITHIN * times * _width(trial.dt_s) * np.abs(np.gradient(moves, trial.dt_s, axis=0))
         else:
             sure -= _blurred(moves, own, trial.dt_s)
-        told = may & (sure > np.maximum(least, _SIGMAS * own))
+        told = may & (sure > np.maximum(least, SIGMAS * own))
         found, left = np.where(told, moves, found), np.where(told, own, left)
     return found, left
 
@@ -64,7 +65,7 @@ def _blurred(moves: Floats, noise: Floats, dt_s: float) -> Floats:
     half a width times the acceleration high.
     """
     width = _width(dt_s)
-    steep = np.abs(np.gradient(moves, dt_s, axis=0)) - _SIGMAS * np.sqrt(1.5) / width * noise
+    steep = np.abs(np.gradient(moves, dt_s, axis=0)) - SIGMAS * np.sqrt(1.5) / width * noise
     around = 2 * round(_AROUND * width / dt_s) + 1
     return np.asarray(0.5 * width * maximum_filter1d(np.maximum(steep, 0.0), around, axis=0), dtype=np.float64)
 

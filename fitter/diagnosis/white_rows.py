@@ -13,10 +13,8 @@ import numpy as np
 
 from arm.model import Floats
 from fitter.diagnosis.equation import Weighting
+from fitter.diagnosis.least_squares import ROUNDED
 from fitter.diagnosis.motion import Motion
-
-#: A column of which no more than this share of its squares is left tells nothing: the rest is rounding.
-_GONE = 1e-12
 
 
 class Columns:
@@ -54,7 +52,7 @@ class Columns:
         """Products of the freed columns, (n_column, n_column); zero where next to nothing is left of one."""
         whole = self.white.T @ self.white
         left = whole - self.lost.T @ self.lost
-        gone = np.diag(left) <= _GONE * np.diag(whole)
+        gone = np.diag(left) <= ROUNDED * np.diag(whole)
         left[gone], left[:, gone] = 0.0, 0.0
         return np.asarray(left, dtype=np.float64)
 

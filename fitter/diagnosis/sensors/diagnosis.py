@@ -8,6 +8,7 @@ import numpy as np
 
 from arm.model import Arm, Effect, Floats
 from fitter.data.raw import RawRun
+from fitter.diagnosis.least_squares import ROUNDED, SIGMAS
 from fitter.diagnosis.sensors.finding import (
     Course,
     Number,
@@ -29,8 +30,6 @@ from tracking.noise import step_of
 
 #: Causes that leave more than this share of what contradicted don't explain it.
 _UNEXPLAINED = 0.05
-#: Standard deviations from which on more than noise is left.
-_SIGMAS = 4.0
 
 
 def diagnose_sensors(
@@ -82,8 +81,8 @@ def diagnose_sensors(
 
 def _finding(arm: Arm, search: Search, decision: Decision, rng: np.random.Generator) -> SensorFinding:
     before, after = search.left(_unhelped(search, decision)), search.left(decision.fitted)
-    contradicts = before.excess > 0.0 and before.sigmas > _SIGMAS
-    white = after.sigmas < _SIGMAS
+    contradicts = before.excess > 0.0 and before.sigmas > SIGMAS
+    white = after.sigmas < SIGMAS
     verdict: Verdict = "none"
     if decision.causes:
         verdict = "ambiguous" if any(cause.equals for cause in decision.causes) else "named"
@@ -166,7 +165,7 @@ def _numbers(fitted: Fitted, suspect: Suspect, wider: float, grain: float) -> di
         rows = zip(suspect.kind.parameters, value, std, strict=True)
         return {name: Number(float(v), float(s), unit) for (name, unit), v, s in rows}
     c, s = value[:3], value[3:6]
-    size = np.maximum(np.hypot(c, s), 1e-12)
+    size = np.maximum(np.hypot(c, s), ROUNDED)
     rms = np.where(s < 0.0, -1.0, 1.0) * size / np.sqrt(2.0)
     spread = np.sqrt(((c * std[:3]) ** 2 + (s * std[3:6]) ** 2) / 2.0) / size
     numbers = {f"{axis}_m_s2": Number(float(rms[k]), float(spread[k]), "m/s^2") for k, axis in enumerate("xyz")}
@@ -176,7 +175,7 @@ def _numbers(fitted: Fitted, suspect: Suspect, wider: float, grain: float) -> di
 def _candidates(arm: Arm, search: Search, decision: Decision) -> tuple[SensorCandidate, ...]:
     start = search.score(search.base)
     best = min((tried.score for tried in decision.first if tried.fitted is not None), default=start)
-    whole = max(start - best, search.left(search.base).beyond, 1e-12)
+    whole = max(start - best, search.left(search.base).beyond, ROUNDED)
     supports = {
         tried.suspect: cause.support / (1 + len(cause.equals))
         for cause in decision.causes

@@ -18,9 +18,6 @@ import numpy as np
 from arm.model import Floats
 from limbcal.compiled import compiled
 
-#: Weight of nothing: coefficients are held to where they are by one radian or metre.
-_FAINT = 1.0
-
 
 @compiled
 def motion_at_knots(c: Floats, h: float, q: Floats, dq: Floats, ddq: Floats) -> None:
@@ -66,7 +63,7 @@ def eliminate(
     for i in range(m):
         carried[i, i] = first[i]
     for i in range(2 * n_joint):
-        carried[m + i, m + i] = _FAINT
+        carried[m + i, m + i] = 1.0  # held to where they are by one radian or metre, which is nothing
     gram[:] = 0.0
     for k in range(n):
         A[:kept] = carried

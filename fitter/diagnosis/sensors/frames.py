@@ -25,8 +25,6 @@ FRAME_RATE_HZ = 100.0
 _CELL, _FIRST_CELLS = 5, 4
 #: How many standard deviations a cell may be off in a rest.
 _STRAYS = 5.0
-#: So many standard deviations of one reading between two in a row are a jump.
-_JUMPS = 7.0
 #: How far from zero a velocity may be in a rest all the same: an arm creeps for long [rad/s or m/s].
 CREEP_STD = 2e-3
 
@@ -97,7 +95,7 @@ class TrialFrames:
         noise = self.std * np.sqrt(self.factor)
         after = np.concatenate([self.raw.a[1:], self.raw.a[-1:]])
         change = in_frames(self.raw, np.abs(after - self.raw.a), self.factor).max(axis=1)
-        jump = np.where(change > _JUMPS * noise, change, 0.0)
+        jump = np.where(change > np.sqrt(2.0) * _STRAYS * noise, change, 0.0)
         jump[1:] = np.maximum(jump[1:], jump[:-1])  # the sample after it may lie in the next frame
         spread: Floats = np.sqrt(self.std**2 + (0.5 * jump / self.factor) ** 2)
         weight: Floats = np.where(np.isnan(self.values), 0.0, 1.0 / spread)

@@ -13,14 +13,11 @@ from numpy.typing import NDArray
 
 from arm.kinematics import axis_frames, rotation_from_rpy
 from arm.model import Arm, Floats, Sensor, Vector3
+from fitter.diagnosis.least_squares import SIGMAS
 from fitter.diagnosis.sensors.elimination import motion_at_knots
 from fitter.diagnosis.sensors.frames import CREEP_STD, TrialFrames
 from limbcal.compiled import compiled
 from tracking.observation import Observation, observation_of, observe, room_of
-
-#: A frame is taken as clipped, or left out, where its largest reading is within this much of the level: so many
-#: standard deviations of one reading.
-_NEAR = 4.0
 
 
 @dataclass(frozen=True)
@@ -233,9 +230,9 @@ def _clip(
     level = np.repeat(instruments.level, 3)
     if not np.isfinite(level).any():
         return clipped
-    margin = _NEAR * trial.std * np.sqrt(trial.factor)
+    margin = SIGMAS * trial.std * np.sqrt(trial.factor)
     near = trial.largest >= level - margin
-    flat = np.abs(readings) >= level - _NEAR * trial.std
+    flat = np.abs(readings) >= level - SIGMAS * trial.std
     weight[near & ~flat] = 0.0  # partly clipped, or about to be
     clipped[near & flat] = np.sign(readings[near & flat])
     where = clipped != 0.0

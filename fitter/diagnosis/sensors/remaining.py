@@ -8,8 +8,10 @@ time, which keeps its own course.
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.stats import chi2
 
 from arm.model import Floats
+from fitter.diagnosis.least_squares import ROUNDED
 from fitter.diagnosis.sensors.fit import Fitted, Trials
 from fitter.diagnosis.sensors.linearisation import Linearisation, linearise
 
@@ -19,8 +21,8 @@ _COUNTS = 0.3
 _RIDGE = 1e-3
 
 
-#: Median of a mean of ten squares of unit variance: what a frame's differences are made of, nearly enough.
-_MEDIAN_OF_TEN = 0.934
+#: A frame's differences are made of about ten squares of unit variance: the median of their mean.
+_MEDIAN = float(chi2.median(10)) / 10
 
 
 @dataclass(frozen=True)
@@ -101,7 +103,7 @@ def _by_bins(column: list[Floats], left: list[Floats]) -> float:
 def _by_polynomial(motions: list[Floats], left: list[Floats]) -> float:
     """Return what a polynomial of third degree and the directions of motion explain in trials left out."""
     whole = np.concatenate(motions)
-    middle, size = whole.mean(axis=0), np.maximum(whole.std(axis=0), 1e-12)
+    middle, size = whole.mean(axis=0), np.maximum(whole.std(axis=0), ROUNDED)
     n = (whole.shape[1] - 1) // 3
 
     def features(motion: Floats) -> Floats:
@@ -162,7 +164,7 @@ def noise_factor(trials: Trials, fitted: Fitted) -> float:
         change = np.diff(unit, axis=0)
         there = free[1:] > 0
         squares.append(((change**2).sum(axis=1)[there] / 2.0) / free[1:][there])
-    return float(np.median(np.concatenate(squares)) / _MEDIAN_OF_TEN)
+    return float(np.median(np.concatenate(squares)) / _MEDIAN)
 
 
 def beyond_level(trials: Trials, fitted: Fitted, sensor: int) -> float:

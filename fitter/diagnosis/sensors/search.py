@@ -8,8 +8,10 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
+from scipy.stats import chi2
 
 from arm.model import Arm, Floats
+from fitter.diagnosis.least_squares import SIGMAS
 from fitter.diagnosis.sensors.fit import ORDINARY_BIAS, Fitted, Hypothesis, Trials
 from fitter.diagnosis.sensors.frames import FRAME_RATE_HZ, TrialFrames
 from fitter.diagnosis.sensors.remaining import Contradiction, contradiction, noise_factor
@@ -22,9 +24,8 @@ from tracking.smoother import Smoother
 _ROUGH = 5
 #: Suspects that are fitted in full: at least, and at most; those that explain this share of what the best does.
 _FEWEST, _MOST, _NEAR_BEST = 3, 7, 0.5
-#: More than noise is left from so many standard deviations on; a sensor's bias is more than usual from this sum
-#: of three squares on, which one sensor in a thousand has.
-_SIGMAS, _UNUSUAL = 4.0, 16.3
+#: A sensor's bias is more than usual from this sum of three squares on, which one sensor in a thousand has.
+_UNUSUAL = float(chi2.isf(1e-3, 3))
 #: What explains less than this of the squared residual, in units of the noise, explains nothing.
 _NOTHING = 8.0
 #: A fit that leaves this share of excess may have begun with motions too far off; it begins anew with its sensors.
@@ -117,7 +118,7 @@ class Search:
     def doubtful(self, fitted: Fitted) -> bool:
         """Return whether something may still be wrong: more than noise is left, or a bias is larger than usual."""
         worst = float(np.sum((fitted.hypothesis.bias / ORDINARY_BIAS) ** 2, axis=1).max())
-        return self.left(fitted).sigmas > _SIGMAS or worst > _UNUSUAL
+        return self.left(fitted).sigmas > SIGMAS or worst > _UNUSUAL
 
     def fit_again(self, hypothesis: Hypothesis, motions: list[Floats]) -> Fitted:
         """Return a hypothesis fitted and judged."""

@@ -10,6 +10,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from fitter.diagnosis.least_squares import N_DRAWN, SIGMAS
 from fitter.diagnosis.sensors.fit import Fitted, Hypothesis
 from fitter.diagnosis.sensors.remaining import beyond_level
 from fitter.diagnosis.sensors.search import Search, Tried
@@ -19,8 +20,6 @@ from fitter.diagnosis.sensors.search import Search, Tried
 #: there no suspect whose numbers differ from nothing explained more than 2.3. Those whose numbers don't, which are
 #: never accepted, explained up to 31: levels drawn through the peaks of sound sensors.
 ACCEPTED, EQUAL = 20.0, 12.0
-#: A number differs from nothing if it is so many standard errors away.
-_SIGNIFICANT = 4.0
 #: A sensor that clips should read this many standard deviations of a frame beyond its level, on average.
 _BEYOND_LEVEL = 3.0
 _MOST_CAUSES = 4
@@ -103,7 +102,7 @@ def significant(search: Search, tried: Tried) -> int:
         return 0
     if tried.suspect.kind.is_level and tried.suspect.sensor is not None:
         return int(beyond_level(search.trials, tried.fitted, tried.suspect.sensor) > _BEYOND_LEVEL)
-    there = np.abs(value - np.where(np.isfinite(neutral), neutral, 0.0)) > _SIGNIFICANT * std
+    there = np.abs(value - np.where(np.isfinite(neutral), neutral, 0.0)) > SIGMAS * std
     return int(np.count_nonzero(there))
 
 
@@ -131,7 +130,7 @@ def _beats(one: Tried, other: Tried) -> float:
 
 def _support(best: Tried, others: Sequence[Tried], rng: np.random.Generator) -> float:
     n = best.each.size
-    drawn = rng.integers(0, n, (1000, n))
+    drawn = rng.integers(0, n, (N_DRAWN, n))
     usual = best.score - best.each.sum()
     won = np.ones(len(drawn), dtype=np.bool_)
     for other in others:

@@ -17,13 +17,15 @@ from numpy.typing import NDArray
 from arm.model import Arm, Floats
 from fitter.diagnosis.conclusion import Conclusion
 from fitter.diagnosis.estimates import Estimates, estimates, extended_arm, information_of
-from fitter.diagnosis.evidence import BLOCK_S, EQUAL_SIGMAS
+from fitter.diagnosis.evidence import BLOCK_S
 from fitter.diagnosis.finding import Polished
 from fitter.diagnosis.holding import sticking
 from fitter.diagnosis.judgement import judged, smooth, torque_left
+from fitter.diagnosis.least_squares import EQUAL_SIGMAS, ROUNDED
 from fitter.diagnosis.model import Candidate
 from fitter.diagnosis.motion import Motion
 from fitter.diagnosis.regression import Regression
+from fitter.diagnosis.rows import SLOPE
 from fitter.diagnosis.simulated_motion.braking import friction_at, seen_states
 from fitter.diagnosis.simulated_motion.model_numbers import (
     ModelNumbers,
@@ -40,12 +42,6 @@ _WIDER = 3.0
 _CHAOTIC = 0.5
 #: Step of the simulations [s], and steps of Gauss and Newton: a few, for the start is near.
 _STEP_S, _STEPS = 2.0 * LONGEST_STEP_S, 3
-#: Slopes of limits, nearly linear, are differences over this fraction of a standard error.
-_LIMIT_STEP = 1e-3
-#: A friction has at least this scale [N m or N]: less is none.
-_LEAST_FRICTION = 1e-9
-#: Combinations of which the torque tells no more than rounding does stay where they are.
-_ROUNDING = 1e-12
 
 
 @dataclass(frozen=True)
@@ -163,7 +159,7 @@ def _white(numbers: ModelNumbers, covariance: Floats, known: Floats | None) -> t
     unit = np.sqrt(variance[free]) if known is None else 1.0 / np.sqrt(np.diag(known)[free])
     matrix = covariance[square] / np.outer(unit, unit) if known is None else known[square] * np.outer(unit, unit)
     values, axes = np.linalg.eigh(matrix)
-    told = values > _ROUNDING * values.max(initial=0.0)
+    told = values > ROUNDED * values.max(initial=0.0)
     size = np.sqrt(values[told]) if known is None else 1.0 / np.sqrt(values[told])
     return free, unit[:, None] * axes[:, told] * size
 
@@ -188,10 +184,10 @@ def _limits(
         machine = shooting.machine(numbers.values(flat(z)))
         return friction_at(machine.arm, machine.chain.friction, states)
 
-    here, steps = np.zeros(n), _LIMIT_STEP * np.eye(n)
-    unit = np.maximum(total(here)[1], _LEAST_FRICTION)
+    here, steps = np.zeros(n), SLOPE * np.eye(n)
+    unit = np.maximum(total(here)[1], ROUNDED)
     at_start = numbers.admitted(numbers.start)
-    slopes = np.stack([numbers.admitted(flat(step)) - at_start for step in steps], axis=1) / _LIMIT_STEP
+    slopes = np.stack([numbers.admitted(flat(step)) - at_start for step in steps], axis=1) / SLOPE
     size = np.linalg.norm(slopes, axis=1)
     counts = np.isfinite(at_start) & (size > 0.0)
 
@@ -201,7 +197,7 @@ def _limits(
 
     def limits(z: Floats) -> tuple[Floats, Floats]:
         now = g(z)
-        return now, np.stack([(g(z + step) - now) / _LIMIT_STEP for step in steps], axis=1)
+        return now, np.stack([(g(z + step) - now) / SLOPE for step in steps], axis=1)
 
     return limits
 

@@ -8,8 +8,6 @@ from arm.newton_euler import mass_matrix
 from arm.simulation import simulate
 from fitter.diagnosis.motion import Motion
 
-#: Whether there is mass is asked of every so manieth sample.
-_EVERY = 10
 #: The first state of a trial at rest is the mean over this long [s].
 _REST_S = 0.04
 
@@ -50,9 +48,9 @@ def simulated(arm: Arm, motion: Motion, horizon_s: float) -> Floats:
 
 def _has_mass(arm: Arm, motion: Motion) -> bool:
     """Say whether the mass matrix of the joints that move, rotors included, is positive definite all the way."""
-    stuck, own = motion.stuck[::_EVERY], np.arange(arm.n_joint)
+    stuck, own = motion.stuck, np.arange(arm.n_joint)
     inner = changed(arm)
-    M = mass_matrix(inner, motion.q[::_EVERY])
+    M = mass_matrix(inner, motion.q)
     M[stuck[:, :, None] | stuck[:, None, :]] = 0.0
     M[:, own, own] += np.where(stuck, 1.0, effect_table(inner, motion.number).numbers[ROTOR])
     return bool(np.linalg.eigvalsh(M).min(initial=np.inf) > 0.0)
