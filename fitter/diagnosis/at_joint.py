@@ -10,18 +10,15 @@ from dataclasses import replace
 from functools import cached_property
 
 import numpy as np
-import scipy.optimize
 
 from arm.effects.effect import EffectKind, Parameter
 from arm.effects.joint_torque import DIRECTION, DQ, N_STATE, TAU, torque_along, torques_along
 from arm.model import Floats
-from fitter.diagnosis.hypothesis import Hypothesis
+from fitter.diagnosis.hypothesis import N_START, Hypothesis
 from fitter.diagnosis.least_squares import ROUNDED, TINY
 from fitter.diagnosis.motion import Motion
 from fitter.diagnosis.view import View
 
-#: Values tried of a number whose scale the motion does not tell.
-_GRID = 12
 #: Ripples a turn: with less than one they would be a spring or an offset.
 _PERIODS = np.arange(1.0, 81.0)
 #: Angles at which a stop may be, as shares of the range that the joint moves through.
@@ -113,39 +110,17 @@ class AtJoint(Hypothesis):
             for k, factor in zip(self._linear, factors, strict=True):
                 values[k] = factor
             return values
-        (k,), (linear,) = self._folded, self._linear
-        states = _probe()
-        wanted = self._columns(psi, states) @ factors
-        parameter = self.kind.parameters[k]
-        low, high = max(parameter.low, -1e3), min(parameter.high, 1e3)
-
-        def torque(at: float) -> Floats:
-            values[k], values[linear] = at, 1.0
-            return torque_along(self.kind, values, states)
-
-        def missed(at: float) -> float:
-            shape = torque(at)
-            size = float(shape @ wanted) / max(float(shape @ shape), TINY)
-            return float(np.sum((wanted - size * shape) ** 2))
-
-        tried = (
-            np.linspace(low, high, 400)
-            if high - low < 20
-            else np.concatenate([-np.geomspace(1e-3, -low, 200)[::-1], [0.0], np.geomspace(1e-3, high, 200)])
-        )
-        best = int(np.argmin([missed(at) for at in tried]))
-        around = (tried[max(best - 1, 0)], tried[min(best + 1, len(tried) - 1)])
-        at = float(
-            scipy.optimize.minimize_scalar(
-                missed, bounds=around, method="bounded", options={"xatol": np.sqrt(ROUNDED)}
-            ).x
-        )
-        shape = torque(at)
-        values[k], values[linear] = at, float(shape @ wanted) / max(float(shape @ shape), TINY)
-        if parameter.name == "phase_rad":
-            turned = np.pi if values[linear] < 0.0 else 0.0
-            values[linear] = abs(values[linear])
-            values[k] = (values[k] + turned + np.pi) % (2.0 * np.pi) - np.pi
+        (k,), (linear,), parameter = self._folded, self._linear, self.kind.parameters[self._folded[0]]
+        first, second = (float(one) for one in factors)
+        if _is_phase(parameter):
+            values[linear], values[k] = np.hypot(first, second), np.arctan2(second, first)
+            return values
+        values[linear] = size = first + second
+        values[k] = np.clip(second / (size if size else TINY), parameter.low, parameter.high)
+        if values[k] * size != second:  # it may not be so large
+            values[linear] = 1.0
+            shape, wanted = torque_along(self.kind, values, _probe()), self._columns(psi, _probe()) @ factors
+            values[linear] = float(shape @ wanted) / max(float(shape @ shape), TINY)
         return values
 
     def _columns(self, psi: Floats, states: Floats) -> Floats:
@@ -193,23 +168,23 @@ class AtJoint(Hypothesis):
         return values
 
     def _two_values(self, k: int) -> tuple[float, float]:
-        return (0.0, np.pi / 2.0) if self.kind.parameters[k].name == "phase_rad" else (0.0, 1.0)
+        return (0.0, np.pi / 2.0 if _is_phase(self.kind.parameters[k]) else 1.0)
 
     def _plane(self, others: list[int]) -> list[int]:
-        """Return the one parameter, if any, whose torques all lie in the plane of two of them."""
+        """Return the one parameter, if any, whose torques are made of those at two of its values."""
         if len(self._linear) != 1:
             return []
+        values = np.array([self.choice.get(p.name, min(max(1.0, p.low), p.high)) for p in self.kind.parameters])
         for k in others:
-            values = np.zeros(len(self.kind.parameters))
-            for i, parameter in enumerate(self.kind.parameters):
-                values[i] = self.choice.get(parameter.name, 0.7 * min(parameter.high, 2.0))
-            values[self._linear[0]] = 1.0
-            shapes = []
-            for at in (0.2, 0.5, 0.9, 1.3):
-                values[k] = at
-                shapes.append(torque_along(self.kind, values, _probe()))
-            size = np.linalg.svd(np.stack(shapes), compute_uv=False)
-            if size[1] > np.sqrt(ROUNDED) * size[0] >= size[2]:
+            if self.kind.parameters[k].low > 0.0:
+                continue
+            at = 0.5 * sum(self._two_values(k))
+            parts = (np.cos(at), np.sin(at)) if _is_phase(self.kind.parameters[k]) else (1.0 - at, at)
+            sets = np.repeat(values[None], 3, axis=0)
+            sets[:, k] = *self._two_values(k), at
+            first, second, between = torques_along(self.kind, sets, _probe()).T
+            least = np.sqrt(ROUNDED) * np.abs(between).max()
+            if np.abs(first - second).max() > least > np.abs(between - parts[0] * first - parts[1] * second).max():
                 return [k]
         return []
 
@@ -219,15 +194,15 @@ class AtJoint(Hypothesis):
         name = parameter.name
         if name.endswith("_rad_s"):
             top = float(np.abs(dq).max())
-            grid = np.geomspace(0.01 * top, 1.0 * top, _GRID)
+            grid = np.geomspace(0.01 * top, 1.0 * top, N_START)
         elif name.startswith("periods"):
             grid = _PERIODS
         elif name.endswith("_rad"):
             grid = q.min() + _SHARES * np.ptp(q)
         elif np.isfinite(parameter.low) and parameter.low > 0.0:
-            grid = np.geomspace(parameter.low, parameter.high, _GRID)
+            grid = np.geomspace(parameter.low, parameter.high, N_START)
         else:
-            grid = np.linspace(parameter.low, parameter.high, _GRID)
+            grid = np.linspace(parameter.low, parameter.high, N_START)
         inside = (grid >= parameter.low) & (grid <= parameter.high)
         return np.asarray(grid[inside] if np.any(inside) else grid, dtype=np.float64)
 
@@ -236,6 +211,10 @@ def _moving(states: Floats, way: float) -> Floats:
     moved = states.copy()
     moved[:, DIRECTION] = way
     return moved
+
+
+def _is_phase(parameter: Parameter) -> bool:
+    return parameter.name == "phase_rad"
 
 
 def _probe() -> Floats:

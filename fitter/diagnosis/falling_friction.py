@@ -19,7 +19,7 @@ from arm.effects.catalogue import catalogue
 from arm.model import Floats
 from fitter.diagnosis.at_joint import AtJoint
 from fitter.diagnosis.holding import ABOVE, Holding
-from fitter.diagnosis.least_squares import own_square
+from fitter.diagnosis.least_squares import SIGMAS, own_square
 from fitter.diagnosis.model import Candidate
 from fitter.diagnosis.motion import Motion
 from fitter.diagnosis.regression import Regression
@@ -29,8 +29,6 @@ from fitter.diagnosis.view import View
 
 #: What it is called.
 _EFFECT = "stribeck"
-#: A hump shows in the motion if its torque is so many times its noise.
-_SHOWS = 3.0
 #: A hump is no worse if it raises the sum of squares by less than this ratio to that of noise: the variance of the
 #: noise is not known better.
 EQUAL = 0.01
@@ -111,7 +109,7 @@ def hump_of(regression: Regression, final: Candidate, holding: Holding) -> Hump 
         x = regression.solve(model, motions)
         gram = sum(regression.rows(model, motion).columns.gram for motion in motions)
         told = own_square(np.asarray(gram))
-        if not told * likely**2 > _SHOWS**2:
+        if not told * likely**2 > SIGMAS**2:
             return 0.0, likely, False
         height = (x[-1] * told + likely / error**2) / (told + 1.0 / error**2)
         height = max(least, float(height)) if given is None else given

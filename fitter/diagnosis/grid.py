@@ -23,8 +23,6 @@ from fitter.diagnosis.regression import Regression
 from fitter.diagnosis.starts import Starts, peaks
 from fitter.diagnosis.white_rows import Columns
 
-#: So many of the best starts are kept.
-_KEPT = 3
 #: So many steps from a start near nothing tell what can be explained; what promises much is refined later.
 _STEPS = 4
 #: Where a straight step from nothing promises to explain less than this share of what is left, it is the only one.
@@ -103,7 +101,7 @@ class Grid:
         starts = self._foremost(hypothesis, self._starts_of(hypothesis))
         gains = self._gains_of(hypothesis, starts)
         order = np.argsort(-np.array(gains), kind="stable")
-        psi, gain, best = starts[order[0]], gains[order[0]], starts[order[:_KEPT]]
+        psi, gain, best = starts[order[0]], gains[order[0]], starts[order[:_FOREMOST]]
         if hypothesis.is_gradual:
             model = self._model.plus(hypothesis, psi)
             psi = refined(self._regression, model, self._motions, len(self._model.hypotheses), _STEPS).psi[-1]

@@ -11,6 +11,11 @@ from arm.model import Floats
 from fitter.diagnosis.motion import Motion
 from fitter.diagnosis.view import View
 
+#: Values tried of a number whose scale the motion does not tell: three a decade over four of them.
+N_START = 12
+#: A small turn, from which slopes lead to a larger one: under a degree [rad].
+SMALL_TURN = 0.01
+
 
 class Turn(IntEnum):
     """In what order hypotheses act: from the drive to the link, whatever order they were found in.

@@ -7,13 +7,10 @@ import numpy as np
 
 from arm.model import STANDARD_GRAVITY_M_S2, Floats, Friction, Link
 from arm.newton_euler import inverse_dynamics
-from fitter.diagnosis.hypothesis import Hypothesis, Turn
+from fitter.diagnosis.hypothesis import SMALL_TURN, Hypothesis, Turn
 from fitter.diagnosis.motion import Motion
 from fitter.diagnosis.view import View
 
-#: Tilts that are tried first [m/s^2], and zeros [rad].
-_TILTS = (-0.1, 0.1)
-_ZEROS = (-0.02, 0.02)
 #: Rates of friction that are tried first [1/s].
 _RATES = (-0.005, 0.005, 0.05)
 
@@ -29,18 +26,19 @@ class GravityTilt(Hypothesis):
     @property
     def low(self) -> Floats:
         """Least values, (2,)."""
-        return np.array([-15.0, -15.0])
+        return np.full(2, -2.0 * STANDARD_GRAVITY_M_S2)
 
     @property
     def high(self) -> Floats:
         """Greatest values, (2,)."""
-        return np.array([15.0, 15.0])
+        return np.full(2, 2.0 * STANDARD_GRAVITY_M_S2)
 
     def starts(self, motions: Sequence[Motion]) -> Floats:
         """Return values to try first: a little of it, and all of it along eight directions of a level plane."""
+        small = SMALL_TURN * STANDARD_GRAVITY_M_S2
         turns = np.arange(8) * np.pi / 4.0
         upright = STANDARD_GRAVITY_M_S2 * np.stack([np.cos(turns), np.sin(turns)], axis=1)
-        return np.concatenate([[[x, y] for x in _TILTS for y in _TILTS], upright])
+        return np.concatenate([small * np.array([[-1.0, -1.0], [-1.0, 1.0], [1.0, -1.0], [1.0, 1.0]]), upright])
 
     def inside(self, psi: Floats) -> Floats:
         """Return a vector (2,) that is no longer than gravity."""
@@ -69,16 +67,16 @@ class JointZero(Hypothesis):
     @property
     def low(self) -> Floats:
         """Least value, (1,)."""
-        return np.array([-1.5])
+        return np.array([-np.pi / 2.0])
 
     @property
     def high(self) -> Floats:
         """Greatest value, (1,)."""
-        return np.array([1.5])
+        return np.array([np.pi / 2.0])
 
     def starts(self, motions: Sequence[Motion]) -> Floats:
         """Return values to try first."""
-        return np.array(_ZEROS)[:, None]
+        return np.array([[-SMALL_TURN], [SMALL_TURN]])
 
     def act(self, view: View, psi: Floats) -> View:
         """Return a motion with another angle."""

@@ -12,18 +12,17 @@ from scipy.signal import lfilter
 from arm.effects.effect import EffectKind
 from arm.model import Floats
 from fitter.data.derivatives import lowpass
-from fitter.diagnosis.hypothesis import Hypothesis, Turn
+from fitter.diagnosis.hypothesis import N_START, Hypothesis, Turn
 from fitter.diagnosis.motion import Motion, sharp_torque
 from fitter.diagnosis.view import View
 
-_GRID = 10
 #: What a spline does does not reach further than so many samples (to 1e-7).
 _SPLINE = 12
 #: What follows a torque slowly is computed in steps no longer than this [s].
 _FINE_S = 0.002
 #: A limit may be this share of the torque that is hardly ever exceeded, or between that and the greatest.
 _USUAL = 0.9995
-_LIMITS, _ABOVE = np.linspace(0.98, 0.3, 12), np.array([0.8, 0.5, 0.2])
+_LIMITS, _ABOVE = np.linspace(0.98, 0.3, N_START), np.array([0.8, 0.5, 0.2])
 #: Gains that are tried first. From far away no slope leads to the right one: what noise leaves changes with it.
 _GAINS = np.geomspace(1.0 / 3.0, 3.0, 20)
 
@@ -129,7 +128,7 @@ class Late(Passing):
     def starts(self, motions: Sequence[Motion]) -> Floats:
         """Return values to try first, (n_start, 1)."""
         step = motions[0].trial.dt_s
-        return np.geomspace(step, min(0.15, float(self.high[0])), _GRID)[:, None]
+        return np.geomspace(step, min(0.15, float(self.high[0])), N_START)[:, None]
 
     def passed(self, view: View, number: float) -> Floats:
         """Return what arrives at its joints, (n_sample, n_own_joint)."""

@@ -22,9 +22,8 @@ from fitter.diagnosis.motion import Motion
 from fitter.diagnosis.play import Play, play_of
 from fitter.diagnosis.view import View
 
-#: Twists at the greatest torque that are tried first [rad].
+#: Twists at the greatest torque, and gaps, that are tried first [rad].
 _TWISTS = np.geomspace(1e-3, 0.3, 8)
-_GAPS = np.geomspace(1e-3, 0.2, 8)
 _SETTLING_S = (0.002, 0.02)
 
 
@@ -70,7 +69,7 @@ class Backlash(InTransmission):
 
     def starts(self, motions: Sequence[Motion]) -> Floats:
         """Return gaps to try first, (n_start, 1)."""
-        return _GAPS[:, None]
+        return _TWISTS[:, None]
 
     def change(self, view: View, psi: Floats) -> Floats:
         """Return by how much the link's angle and its derivatives differ from the motor's, (3, n_sample)."""

@@ -15,10 +15,9 @@ from scipy.ndimage import binary_erosion, gaussian_filter1d
 from arm.model import Arm, Floats
 from fitter.data.derivatives import both_derivatives, lowpass
 from fitter.data.trials import Trial
+from fitter.diagnosis.least_squares import SIGMAS
 from fitter.diagnosis.motion import Motion, sharp_torque, white_noise
 
-#: A torque within so many times its noise may have either sign.
-_SIGMAS = 5.0
 #: The torque's sign is told behind a Gaussian of this width [s]; what that brings forward of a touch is not sure.
 _WIDTH_S, _BROUGHT_FORWARD = 0.004, 2.0
 #: A torque that cannot be told from zero for so long lets the motor wander within its play; for longer, the link
@@ -26,8 +25,6 @@ _WIDTH_S, _BROUGHT_FORWARD = 0.004, 2.0
 _WANDERS_S, _RESTS_S, _STILL_S = 0.02, 0.8, 0.1
 #: An angle that scatters by less than so many times its noise is still, if so many samples say so.
 _STILL, _FEW = 2.0, 5
-#: Noise moves an angle by no more than so many times its rms.
-_SHAKES = 3.0
 #: Samples that a motor takes to cross when nothing holds it.
 _CROSSING = 2
 #: The link's velocity at an end of a crossing is that of a parabola through the angles of so long [s].
@@ -59,7 +56,7 @@ class Play:
 
     def off(self, gap: float) -> Floats:
         """Return by how much the link's angle differs from the motor's, not filtered, (n_whole,)."""
-        sideways, noise = -0.5 * gap * self.side, _SHAKES * self.shaking
+        sideways, noise = -0.5 * gap * self.side, SIGMAS * self.shaking
         bridged = self.bridge != 0.0
         edges = np.flatnonzero(np.diff(bridged, prepend=False, append=False))
         off = sideways + self.bridge
@@ -94,7 +91,7 @@ def touched(torque: Floats, noise: float, dt_s: float) -> Floats:
     """Return the side that a motor touches, (n_sample,), 0 where it is not sure."""
     width = max(_WIDTH_S / dt_s, 0.5)
     smooth = gaussian_filter1d(torque, width)
-    least = _SIGMAS * noise / np.sqrt(2.0 * np.sqrt(np.pi) * width)
+    least = SIGMAS * noise / np.sqrt(2.0 * np.sqrt(np.pi) * width)
     around = np.ones(2 * round(_BROUGHT_FORWARD * width) + 1, dtype=np.bool_)
     forwards, backwards = (binary_erosion(way * smooth > least, around, border_value=True) for way in (1.0, -1.0))
     return forwards.astype(np.float64) - backwards
@@ -173,9 +170,9 @@ def _rest(
     begin, start, end = span
     still = max(begin, start - still_for)
     mean = float(torque[still:start].mean()) if start > still else 0.0
-    if abs(mean) > _SIGMAS * noise / np.sqrt(max(start - still, 1)):
+    if abs(mean) > SIGMAS * noise / np.sqrt(max(start - still, 1)):
         return still, start, float(angle[still:start].mean()), float(np.sign(mean))
-    first = begin + int(np.argmax(np.abs(torque[begin : end + 1]) > _SIGMAS * noise))
+    first = begin + int(np.argmax(np.abs(torque[begin : end + 1]) > SIGMAS * noise))
     # `end` lies behind the touch by what was eroded, so no spike of noise long before it is taken for one.
     touch = min(end, max(first, end - round(2 * _BROUGHT_FORWARD * _WIDTH_S / _STILL_S * still_for)) + _CROSSING)
     return still, touch, float(angle[touch]), after

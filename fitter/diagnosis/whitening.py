@@ -34,11 +34,11 @@ RISE_S = 0.06
 #: A joint that is this slow for so long is stuck: one that only turns round is through in a millisecond [s].
 STUCK_S = 0.012
 #: What holds a stuck joint is as quick as what it is held against; hats this far apart follow it up to 8 Hz [s].
-HAT_S = 0.06
+HAT_S = RISE_S
 #: Where it comes to rest, friction jumps, nobody sees when: near both ends of a rest hats are so far apart [s].
 _ENDS_S = (0.0, 0.015, 0.03)
 #: Well inside a rest is what lasts this long once this much is cut off at both its ends [s].
-_LASTS_S, _CUT_S = 0.1, 0.06
+_LASTS_S, _CUT_S = 0.1, RISE_S
 
 
 @dataclass(frozen=True)

@@ -21,8 +21,9 @@ from fitter.diagnosis.sensors.suspects import Suspect, bias_columns
 
 #: Biases up to about this are usual (DESIGN section 5) and no finding [m/s^2].
 ORDINARY_BIAS = 0.02
-#: Where the offset of a sensor that forgot may begin, and a free base's step from frame to frame [m/s^2].
-_FORGOTTEN, _FREE = 20.0, 30.0
+#: Where the offset of a sensor that forgot may begin, and a free base's step from frame to frame: three times
+#: gravity [m/s^2].
+_ANYTHING = 30.0
 _PASSES, _HALVINGS = 12, 3
 #: How well an angle is the zero where nothing else says what it is [rad or m].
 _ANCHOR = 1e-3
@@ -185,10 +186,10 @@ class Trials:
         for k, channel in enumerate(forgetful.tolist()):
             E[:, channel, k] = at.weight[:, channel]
             step = 2.0 * np.pi * at.instruments.corner_hz[channel // 3] * at.trial.std[channel] * at.trial.dt_s
-            walk[k], first[k] = 1.0 / max(step, 1e-7), 1.0 / _FORGOTTEN
+            walk[k], first[k] = 1.0 / max(step, 1e-7), 1.0 / _ANYTHING
         if hypothesis.free_base:
             E[:, :n_channel, m - 3 :] = at.from_base() * at.weight[..., None]
-            walk[m - 3 :] = first[m - 3 :] = 1.0 / _FREE
+            walk[m - 3 :] = first[m - 3 :] = 1.0 / _ANYTHING
         return E, walk, first
 
     def fit(self, hypothesis: Hypothesis, motions: Sequence[Floats], passes: int = _PASSES) -> Fitted:

@@ -20,8 +20,6 @@ from fitter.diagnosis.sensors.search import Search, Tried
 #: there no suspect whose numbers differ from nothing explained more than 2.3. Those whose numbers don't, which are
 #: never accepted, explained up to 31: levels drawn through the peaks of sound sensors.
 ACCEPTED, EQUAL = 20.0, 12.0
-#: A sensor that clips should read this many standard deviations of a frame beyond its level, on average.
-_BEYOND_LEVEL = 3.0
 _MOST_CAUSES = 4
 
 
@@ -101,7 +99,7 @@ def significant(search: Search, tried: Tried) -> int:
     if np.abs(value).max() < tried.suspect.kind.least:
         return 0
     if tried.suspect.kind.is_level and tried.suspect.sensor is not None:
-        return int(beyond_level(search.trials, tried.fitted, tried.suspect.sensor) > _BEYOND_LEVEL)
+        return int(beyond_level(search.trials, tried.fitted, tried.suspect.sensor) > SIGMAS)
     there = np.abs(value - np.where(np.isfinite(neutral), neutral, 0.0)) > SIGMAS * std
     return int(np.count_nonzero(there))
 
