@@ -27,6 +27,7 @@ from fitter.diagnosis.motion import Motion, noise_of_angles, white_noise
 from fitter.diagnosis.rows import Equations
 from fitter.diagnosis.view import View
 
+#: Of the one draw of noise: any will do, as long as it is the same for all models.
 _SEED = 20
 
 

@@ -17,6 +17,7 @@ from fitter.diagnosis.model import Candidate, Model
 from fitter.diagnosis.motion import Motion
 from fitter.diagnosis.regression import Regression
 
+#: Shifts that tell what chance gives: the least p is a hundredth.
 _SHIFTS = 99
 #: Instants of the run that are looked at.
 _INSTANTS = 4000

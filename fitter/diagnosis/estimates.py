@@ -1,19 +1,17 @@
 """What was found in numbers: base parameters and effects with standard errors, and the arm that has them."""
 
-from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.stats import chi2
 
 from arm.base_parameters import BaseParameters, with_base_values
 from arm.model import Arm, Effect, Estimate, Floats, Joint
 from arm.physical_links import is_possible, link_parameters
-from fitter.diagnosis.evidence import BLOCK_S, lacking
+from fitter.diagnosis.covariance import covariance_of
 from fitter.diagnosis.hypothesis import Hypothesis
-from fitter.diagnosis.least_squares import CONFIDENCE, ROUNDED, TINY
+from fitter.diagnosis.least_squares import CONFIDENCE, ROUNDED
 from fitter.diagnosis.model import Candidate
 from fitter.diagnosis.motion import Motion
 from fitter.diagnosis.payload import Payload
@@ -22,11 +20,7 @@ from fitter.diagnosis.rows import SLOPE
 from fitter.dynamics.physical import nearest_possible
 from fitter.dynamics.structure import structural_parameters
 from fitter.search.fitted_parameter import FittedParameter
-from fitter.search.standard_errors import sandwich_covariance
 from limbcal.errors import NotConverged
-
-#: Blocks of neighbouring equations whose scores tell the answer's scatter, over all trials.
-_BLOCKS = 240
 
 
 @dataclass(frozen=True)
@@ -63,7 +57,7 @@ def estimates(regression: Regression, fitted: Candidate, covariance: Floats | No
     model = fitted.model
     motions = regression.motions if model.is_event else regression.learning
     if covariance is None:
-        covariance = _covariance(regression, fitted, motions)
+        covariance = covariance_of(regression, fitted, motions)
     n_base = len(fitted.x) - sum(hypothesis.n_column for hypothesis in model.hypotheses)
     std = np.sqrt(np.maximum(np.diag(covariance), 0.0))
     view = regression.view(model, regression.motions[0])
@@ -196,110 +190,3 @@ def _numbers(
         name: FittedParameter(float(value), float(error), unit, bool(np.isfinite(error)))
         for name, value, error, unit in zip(hypothesis.names, values, std, hypothesis.units, strict=True)
     }
-
-
-def slopes(regression: Regression, fitted: Candidate, motion: Motion) -> Floats:
-    """Return the slopes of a motion's white equations, (n_slower * n_joint, n_factor + n_psi)."""
-    columns = [regression.rows(fitted.model, motion).design]
-    for *beside, apart in fitted.model.beside():
-        more, less = (regression.residual(one, fitted.x, motion) for one in beside)
-        columns.append((less - more).reshape(-1, 1) / apart)
-    return np.hstack(columns)
-
-
-def information_of(regression: Regression, fitted: Candidate) -> Floats:
-    """Return what the learning trials tell of factors and psi, as the search weighs them, (n_number, n_number)."""
-    designs = [slopes(regression, fitted, motion) for motion in regression.learning]
-    return np.asarray(np.sum([one.T @ one for one in designs], axis=0) + _by_density(regression, fitted)[1])
-
-
-def _covariance(regression: Regression, fitted: Candidate, learnt_from: list[Motion]) -> Floats:
-    """Return the covariance of factors and psi together.
-
-    Residuals that resemble their neighbours are seen within the trials that were learnt from; what makes whole
-    trials pull their own way, such as how a joint comes to rest, is seen in how differently all trials pull.
-    """
-    model = fitted.model
-    used = {motion.number for motion in learnt_from}
-    total = sum(len(motion.t) for motion in learnt_from)
-    designs, residuals = [], []
-    for motion in regression.motions:
-        residuals.append(regression.residual(model, fitted.x, motion).ravel())
-        designs.append(slopes(regression, fitted, motion))
-    fitting = [k for k, motion in enumerate(regression.motions) if motion.number in used]
-    size = np.sqrt(sum(np.sum(designs[k] ** 2, axis=0) for k in fitting))
-    told = size > 0.0
-    designs = [A[:, told] / size[told] for A in designs]
-    extra, information = _by_density(regression, fitted)
-    extra, information = (
-        extra[:, told] / size[told],
-        information[np.ix_(told, told)] / np.outer(size[told], size[told]),
-    )
-    W = np.linalg.qr(np.vstack([*(designs[k] for k in fitting), _root(information)])).R
-    grams, scores, groups = [], [], []
-    for k in fitting:
-        blocks = max(2, round(_BLOCKS * len(regression.motions[k].t) / total))
-        for A, r in zip(np.array_split(designs[k], blocks), np.array_split(residuals[k], blocks), strict=True):
-            grams.append(A.T @ A)
-            scores.append(A.T @ r + extra[k] / blocks)
-            groups.append(k)
-    left = sum(float(residuals[k] @ residuals[k]) for k in fitting)
-    told_by = float(sum(regression.weighting.told(regression.motions[k]) for k in fitting))
-    diagonal = np.abs(np.diag(W))
-    if diagonal.min() > np.sqrt(ROUNDED) * diagonal.max():
-        of_trial: NDArray[np.intp] = np.array(groups, dtype=np.intp)
-        part = sandwich_covariance(np.asarray(W), np.array(grams), np.array(scores), of_trial)
-        root = np.linalg.inv(W)
-        plain = np.einsum("ij,ij->i", root, root)
-        # What a single block tells, such as when a push began, is fitted to that block's noise: no score shows it.
-        lasts = sum(max(1.0, len(regression.motions[k].t) * regression.motions[k].dt_s / BLOCK_S) for k in fitting)
-        a_block = told_by / lasts / regression.arm.n_joint
-        excess = max(left / told_by, 1.0)
-        systematic = max(1.0, a_block * float(lacking(excess, 1.0 - regression.floor_part)))
-        scatter = np.maximum(_between(designs, residuals, extra, information), excess * systematic)
-        wider = np.sqrt(np.maximum(scatter * plain / np.diag(part), 1.0))
-        part = part * np.outer(wider, wider)
-    else:  # something is not told at all, such as how long a stuck joint was pushed: the rest still is
-        gram = np.sum(grams, axis=0)
-        part = np.linalg.pinv(gram, rcond=ROUNDED, hermitian=True) * max(left / told_by, 1.0)
-    covariance = np.full((len(size), len(size)), np.nan)
-    covariance[np.ix_(told, told)] = part / np.outer(size[told], size[told])
-    return covariance
-
-
-def _by_density(regression: Regression, fitted: Candidate) -> tuple[Floats, Floats]:
-    """Return the density's slopes, (n_motion, n_number), and its information of the motions learnt from."""
-    model, n_number = fitted.model, len(fitted.x) + len(fitted.model.flat)
-    mass = regression.density
-    if mass is None or not np.isfinite(mass.of(model, fitted.x, regression.motions)):
-        return np.zeros((len(regression.motions), n_number)), np.zeros((n_number, n_number))
-    each = [mass.slopes(model, fitted.x, [motion]) for motion in regression.motions]
-    learnt = {motion.number for motion in regression.motions_of(model)}
-    informations = [
-        one for (_, one), motion in zip(each, regression.motions, strict=True) if motion.number in learnt
-    ]
-    return np.stack([score for score, _ in each]), np.asarray(np.sum(informations, axis=0), dtype=np.float64)
-
-
-def _root(information: Floats) -> Floats:
-    """Return a matrix whose Gram matrix it is."""
-    values, axes = np.linalg.eigh(information)
-    return np.asarray(np.sqrt(np.maximum(values, 0.0))[:, None] * axes.T, dtype=np.float64)
-
-
-def _between(designs: Sequence[Floats], residuals: Sequence[Floats], extra: Floats, information: Floats) -> Floats:
-    """Return how many times more variance answers have by the scatter of whole trials than by white noise of one.
-
-    It is that of the answer to all trials together (Liang and Zeger 1986), so none is foreign to what it pulls at.
-    """
-    A, r = np.vstack(designs), np.concatenate(residuals)
-    inverse = np.linalg.pinv(A.T @ A + information, rcond=ROUNDED, hermitian=True)
-    change = inverse @ (A.T @ r + extra.sum(axis=0))
-    pulls = np.stack(
-        [
-            inverse @ (A.T @ (r - A @ change) + more - information @ change / len(designs))
-            for A, r, more in zip(designs, residuals, extra, strict=True)
-        ]
-    )
-    few = len(pulls) / max(len(pulls) - 1.0, 1.0)
-    return np.asarray(few * np.sum(pulls**2, axis=0) / np.maximum(np.diag(inverse), TINY), dtype=np.float64)

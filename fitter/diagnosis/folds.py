@@ -16,6 +16,7 @@ from fitter.diagnosis.white_rows import Columns
 #: How strongly a function's factors are held towards zero, in units of a column's own sum of squares; those of a
 #: single formula are not, as little as the base parameters.
 _RIDGE = 1e-4
+#: Parts of the trials, each judged in turn by what the others tell.
 _FOLDS = 8
 #: A formula is told if it explains this share of what the function does.
 _TELLING = 0.9

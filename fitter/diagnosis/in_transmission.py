@@ -24,6 +24,7 @@ from fitter.diagnosis.view import View
 
 #: Twists at the greatest torque, and gaps, that are tried first [rad].
 _TWISTS = np.geomspace(1e-3, 0.3, 8)
+#: Times in which a spring settles that are tried first [s].
 _SETTLING_S = (0.002, 0.02)
 
 

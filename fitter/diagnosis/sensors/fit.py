@@ -24,6 +24,7 @@ ORDINARY_BIAS = 0.02
 #: Where the offset of a sensor that forgot may begin, and a free base's step from frame to frame: three times
 #: gravity [m/s^2].
 _ANYTHING = 30.0
+#: Passes of Gauss and Newton at the most, and halvings of one that leads uphill.
 _PASSES, _HALVINGS = 12, 3
 #: How well an angle is the zero where nothing else says what it is [rad or m].
 _ANCHOR = 1e-3

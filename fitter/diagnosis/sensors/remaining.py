@@ -15,9 +15,11 @@ from fitter.diagnosis.least_squares import ROUNDED
 from fitter.diagnosis.sensors.fit import Fitted, Trials
 from fitter.diagnosis.sensors.linearisation import Linearisation, linearise
 
+#: Bins of a variable, and shifts that tell what chance gives: none of 39 is as much at 97.5 %.
 _BINS, _SHIFTS = 12, 39
 #: A variable counts that explains this share of what the best does.
 _COUNTS = 0.3
+#: How strongly a polynomial is held towards nothing, in units of its columns' mean sum of squares.
 _RIDGE = 1e-3
 
 

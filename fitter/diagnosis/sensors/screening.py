@@ -18,6 +18,7 @@ from fitter.diagnosis.sensors.suspects import Suspect
 
 #: A base that moves more slowly looks like one that is not level [Hz].
 _LOWEST_HZ = 0.1
+#: Peaks of the spectrum that are tried.
 _PEAKS = 3
 #: Grid points a natural step of the spectrum.
 _FINER = 4

@@ -20,6 +20,7 @@ from fitter.diagnosis.sensors.search import Search, Tried
 #: there no suspect whose numbers differ from nothing explained more than 2.3. Those whose numbers don't, which are
 #: never accepted, explained up to 31: levels drawn through the peaks of sound sensors.
 ACCEPTED, EQUAL = 20.0, 12.0
+#: Greatest number of causes that are sought.
 _MOST_CAUSES = 4
 
 

@@ -16,7 +16,8 @@ from numpy.typing import NDArray
 
 from arm.model import Arm, Floats
 from fitter.diagnosis.conclusion import Conclusion
-from fitter.diagnosis.estimates import Estimates, estimates, extended_arm, information_of
+from fitter.diagnosis.covariance import information_of
+from fitter.diagnosis.estimates import Estimates, estimates, extended_arm
 from fitter.diagnosis.evidence import BLOCK_S
 from fitter.diagnosis.finding import Polished
 from fitter.diagnosis.holding import sticking

@@ -9,7 +9,8 @@ from arm.effects.catalogue import catalogue
 from arm.model import Effect
 from fitter.diagnosis.at_joint import AtJoint
 from fitter.diagnosis.conclusion import Conclusion
-from fitter.diagnosis.estimates import estimates, information_of
+from fitter.diagnosis.covariance import information_of
+from fitter.diagnosis.estimates import estimates
 from fitter.diagnosis.floor import Floor
 from fitter.diagnosis.in_arm import RotorInertia
 from fitter.diagnosis.model import Candidate, Model
