@@ -53,7 +53,7 @@ def test_what_is_held_stays(regression: Regression):
 
 
 def test_where_masses_vanish_psi_stays(regression: Regression, monkeypatch):
-    lag = InDrive(catalogue()["actuator_lag"], (0,))
+    lag = Lag(catalogue()["actuator_lag"], (0,))
     model = Model().plus(lag, np.array([0.02]))
     monkeypatch.setattr(regression, "left", lambda *_: np.full(4, np.inf))
     assert refined(regression, model, regression.learning) is model
