@@ -121,7 +121,7 @@ class Grid:
         if not np.array_equal(sought(without), sought(felt)):
             return None
         misfit = Misfit(self._regression, model, self._motions, held)
-        both = np.column_stack([misfit.slopes(nothing), misfit.left(nothing)])
+        both = np.column_stack([misfit.slopes(nothing), misfit.left(nothing)])[: len(self._target)]
         both -= self._tangent @ (self._tangent.T @ both)
         slopes, left = both[:, :-1], both[:, -1]
         step = solved(slopes.T @ slopes, -slopes.T @ left)

@@ -69,6 +69,10 @@ class Normal:
     pull: Floats
     square: float
 
+    def plus(self, more: "Normal") -> "Normal":
+        """Return the normal equations of these rows and others."""
+        return Normal(self.gram + more.gram, self.pull + more.pull, self.square + more.square)
+
     def left(self, x: Floats) -> float:
         """Return the sum of squares that factors (k,) leave."""
         left = float(x @ self.gram @ x) - 2.0 * float(self.pull @ x) + self.square

@@ -73,7 +73,7 @@ class Misfit:
 
     def _left(self, flat: Floats, noise: Noise | None = None) -> Floats:
         there = self.at(flat)
-        return self._regression.left(there, self._regression.solve(there, self._motions, noise), self._motions)
+        return self._regression.all_left(there, self._regression.solve(there, self._motions, noise), self._motions)
 
 
 def refined(

@@ -18,6 +18,7 @@ from fitter.diagnosis.least_squares import compensated, scaled_lstsq
 from fitter.diagnosis.mass_density import MassDensity, Normal
 from fitter.diagnosis.model import Model
 from fitter.diagnosis.motion import Motion
+from fitter.diagnosis.rests import Rests
 from fitter.diagnosis.reweighting import holding_sizes, reweighted
 from fitter.diagnosis.rows import Equations
 from fitter.diagnosis.view import View
@@ -25,6 +26,10 @@ from fitter.diagnosis.white_rows import Rows
 
 #: No drive leaves less noise than this share of what there is without it.
 _LEAST_NOISE = 0.05
+#: Steps towards the likeliest factors beside rests at the most, and the gain [nats] of the last one.
+_ROUNDS, _SETTLED = 20, 1e-3
+#: The least part of such a step.
+_LEAST_PART = 1e-3
 
 
 class Regression:
@@ -69,6 +74,8 @@ class Regression:
         self.sensors = weighted
         #: Which part of the equations' variance is no noise of the sensors (`floor`), 0 to 1.
         self.floor_part = 0.0
+        #: Where joints rest, if something is lacking.
+        self.rests: Rests | None = None
         self._noisy = NoisyRows(self.equations, self.noisier)
         weighted.prepare(self.motions)
 
@@ -111,12 +118,13 @@ class Regression:
 
     @contextmanager
     def by_torque_alone(self) -> Iterator[None]:
-        """Let the motions' density not count within."""
-        density, self.density = self.density, None
+        """Let neither the motions' density nor rests count within."""
+        density, rests = self.density, self.rests
+        self.density = self.rests = None
         try:
             yield
         finally:
-            self.density = density
+            self.density, self.rests = density, rests
 
     def solve(self, model: Model, motions: Sequence[Motion], noise: Noise | None = None) -> Floats:
         """Return the best factors of some motions' equations, (n_factor,).
@@ -131,7 +139,33 @@ class Regression:
             return x
         square = sum(float(one.right.gram[0, 0]) for one in rows)
         normal = Normal(np.asarray(gram), np.asarray(pull), square)
-        return self.density.solve(normal, self._numbers(motions), x, model, motions)
+        x = self.density.solve(normal, self._numbers(motions), x, model, motions)
+        return x if self.rests is None else self._beside_rests(self.rests, normal, x, model, motions)
+
+    def _beside_rests(
+        self, rests: Rests, normal: Normal, x: Floats, model: Model, motions: Sequence[Motion]
+    ) -> Floats:
+        """Return the likeliest factors if rests have a say: those that exceed their limits are equations as well."""
+        density, numbers = self.density, self._numbers(motions)
+        assert density is not None
+
+        def value(at: Floats) -> float:
+            square = normal.left(at) + sum(float(one @ one) for one in rests.beyond(model, at, motions))
+            return density.of(model, at, motions) - 0.5 * numbers * float(np.log(square))
+
+        here = value(x)
+        for _ in range(_ROUNDS):
+            step = density.solve(normal.plus(rests.normal(model, x, motions)), numbers, x, model, motions) - x
+            part, there = 1.0, value(x + step)
+            while part > _LEAST_PART and not there > here:
+                part *= 0.5
+                there = value(x + part * step)
+            if not there > here:
+                break
+            x, gained, here = x + part * step, there - here, there
+            if gained < _SETTLED:
+                break
+        return x
 
     def _numbers(self, motions: Sequence[Motion]) -> float:
         return sum(self.weighting.told(motion) for motion in motions)
@@ -147,13 +181,35 @@ class Regression:
             scale = scale * self.density.unit(model, x, motions, self._numbers(motions))
         return np.concatenate([(scale * self.rows(model, motion).left(x)).ravel() for motion in motions])
 
+    def all_left(self, model: Model, x: Floats, motions: Sequence[Motion]) -> Floats:
+        """Return the same, followed by what rests exceed their limits by."""
+        unit = 1.0 if self.density is None else self.density.unit(model, x, motions, self._numbers(motions))
+        at_rest = (unit * one.ravel() for one in self.beyond(model, x, motions))
+        return np.concatenate([self.left(model, x, motions), *at_rest])
+
     def squares(self, model: Model, x: Floats, motions: Sequence[Motion] | None = None) -> Floats:
-        """Return the sum of squares that factors leave in every trial, or in some, (n_trial,)."""
+        """Return the sum of squares that factors leave in every trial, or in some, (n_trial,), rests included."""
         scale = self.scale(model, x)
         rows = (self.rows(model, motion) for motion in motions or self.motions)
+        at_rest = [float(np.sum(one**2)) for one in self.beyond(model, x, motions or self.motions)]
         if np.all(scale == 1.0):
-            return np.array([one.square(x) for one in rows])
-        return np.array([float(np.sum((scale * one.left(x)) ** 2)) for one in rows])
+            return np.array([one.square(x) for one in rows]) + at_rest
+        return np.array([float(np.sum((scale * one.left(x)) ** 2)) for one in rows]) + at_rest
+
+    def beyond(self, model: Model, x: Floats, motions: Sequence[Motion]) -> list[Floats]:
+        """Return by how much rests exceed what friction can hold, in units of the noise, (n_row, n_joint) each.
+
+        Every row is that of one joint; there are none where nothing is lacking.
+        """
+        if self.rests is None:
+            return [np.zeros((0, self.arm.n_joint)) for _ in motions]
+        scale, found = self.scale(model, x), list[Floats]()
+        for motion, size in zip(motions, self.rests.beyond(model, x, motions), strict=True):
+            rows = np.zeros((len(size), self.arm.n_joint))
+            joint, _ = self.rests.places(motion)
+            rows[np.arange(len(size)), joint] = scale[joint] * size
+            found.append(rows)
+        return found
 
     def residual(self, model: Model, x: Floats, motion: Motion) -> Floats:
         """Return what factors leave of a motion's equations, (n_slower, n_joint), in units of the noise."""
@@ -165,7 +221,9 @@ class Regression:
         Noise of the angles enters times masses that are in proportion to the torque that is let through: a
         torque that is cut off to nothing would leave nothing, and explain nothing.
         """
-        now = self._let_through(model) if model.cuts_off else np.ones(self.arm.n_joint)
+        now = np.ones(self.arm.n_joint)
+        if model.cuts_off:  # what is lacking passes no drive
+            now = self.floor_part + (1.0 - self.floor_part) * self._let_through(model)
         if model.distorts:
             left = self._noisy.of(model, self.learning, by_joint=True).left(x)
             floor = self.floor_part * np.sum([self.weighting.told_at_joints(one) for one in self.learning], axis=0)

@@ -11,6 +11,7 @@ from fitter.diagnosis.hypothesis import Hypothesis
 from fitter.diagnosis.mass_density import MassDensity
 from fitter.diagnosis.model import Candidate, Model
 from fitter.diagnosis.regression import Regression
+from fitter.diagnosis.rests import Rests
 from fitter.diagnosis.screening import by_learning, fitted, screen
 from fitter.diagnosis.starts import Starts
 
@@ -138,12 +139,16 @@ class TorqueLikelihood:
         if candidate.model.is_event:
             candidate = by_learning(regression, candidate)
         residual, block, trial, learnt, density = [], [], list[int](), list[bool](), list[float]()
-        for k, motion in enumerate(regression.motions):
+        beyond = regression.beyond(candidate.model, candidate.x, regression.motions)
+        for k, (motion, at_rest) in enumerate(zip(regression.motions, beyond, strict=True)):
             left = regression.residual(candidate.model, candidate.x, motion)
             n_block = max(1, int(len(left) * step_s * motion.dt_s / BLOCK_S))
             own = np.minimum(np.arange(len(left)) * n_block // len(left), n_block - 1)
-            residual.append(left)
+            residual += [left, at_rest]
             block.append(own + len(trial))
+            if regression.rests is not None:
+                _, middle = regression.rests.places(motion)
+                block.append(middle * n_block // len(motion.t) + len(trial))
             trial += [k] * n_block
             learnt += [motion.learn] * n_block
             mass = regression.density
@@ -178,6 +183,7 @@ class TorqueLikelihood:
             count = {motion.number: anew.weighting.told_at_joints(motion) for motion in anew.motions}
             start = candidate.x[: len(candidate.x) - candidate.model.n_column]
             anew.density = MassDensity(anew.equations, anew.motions, weight, count, start)
+            anew.rests = Rests(anew.equations, anew.motions, anew.floor_part)
         self.regression = anew
         self._starts.forget()
 

@@ -38,7 +38,7 @@ HAT_S = RISE_S
 #: Where it comes to rest, friction jumps, nobody sees when: near both ends of a rest hats are so far apart [s].
 _ENDS_S = (0.0, 0.015, 0.03)
 #: Well inside a rest is what lasts this long once this much is cut off at both its ends [s].
-_LASTS_S, _CUT_S = 0.1, RISE_S
+_LASTS_S, CUT_S = 0.1, RISE_S
 
 
 @dataclass(frozen=True)
@@ -164,7 +164,7 @@ def holding_shapes(stuck: NDArray[np.bool_], dt_s: float) -> Floats:
 
 def rest_shapes(stuck: NDArray[np.bool_], dt_s: float) -> Floats:
     """Return torques that last as long as one long rest of a joint each, (n_sample, n_rest)."""
-    rests = [(begin, end) for begin, end in intervals(stuck) if (end - begin) * dt_s >= _LASTS_S + 2.0 * _CUT_S]
+    rests = [(begin, end) for begin, end in intervals(stuck) if (end - begin) * dt_s >= _LASTS_S + 2.0 * CUT_S]
     shapes = np.zeros((len(stuck), len(rests)))
     for k, (begin, end) in enumerate(rests):
         shapes[begin:end, k] = 1.0
@@ -198,7 +198,7 @@ def intervals(mask: NDArray[np.bool_]) -> list[tuple[int, int]]:
 
 def inner_rests(stuck: NDArray[np.bool_], dt_s: float) -> list[slice]:
     """Return the samples well inside the rests of one joint, (n_sample,): there it does stand still."""
-    cut = round(_CUT_S / dt_s)
+    cut = round(CUT_S / dt_s)
     return [
         slice(begin + cut, end - cut)
         for begin, end in intervals(stuck)
