@@ -73,6 +73,10 @@ class Normal:
         """Return the normal equations of these rows and others."""
         return Normal(self.gram + more.gram, self.pull + more.pull, self.square + more.square)
 
+    def of(self, free: NDArray[np.bool_]) -> "Normal":
+        """Return the normal equations of those factors that are free (k,); the others have no say."""
+        return Normal(self.gram * np.outer(free, free), self.pull * free, self.square)
+
     def left(self, x: Floats) -> float:
         """Return the sum of squares that factors (k,) leave."""
         left = float(x @ self.gram @ x) - 2.0 * float(self.pull @ x) + self.square

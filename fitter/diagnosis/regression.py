@@ -10,6 +10,7 @@ from dataclasses import replace
 from functools import cached_property
 
 import numpy as np
+from numpy.typing import NDArray
 
 from arm.model import Arm, Floats
 from fitter.diagnosis.attenuation import Noise, NoisyRows, let_through, noisier
@@ -30,6 +31,8 @@ _LEAST_NOISE = 0.05
 _ROUNDS, _SETTLED = 20, 1e-3
 #: The least part of such a step.
 _LEAST_PART = 1e-3
+#: Standard parameters are ten of every link, then viscous and then dry friction of every joint.
+_COULOMB = 11
 
 
 class Regression:
@@ -139,11 +142,35 @@ class Regression:
             return x
         square = sum(float(one.right.gram[0, 0]) for one in rows)
         normal = Normal(np.asarray(gram), np.asarray(pull), square)
-        x = self.density.solve(normal, self._numbers(motions), x, model, motions)
-        return x if self.rests is None else self._beside_rests(self.rests, normal, x, model, motions)
+        driving = np.zeros(len(x), dtype=np.bool_)
+        coulomb = self._coulomb(model, motions[0], len(x))
+        while True:  # dry friction brakes: of joints that it would drive it is none
+            x = self._likeliest(normal, np.where(driving, 0.0, x), model, motions, ~driving)
+            if not np.any(more := coulomb & (x < 0.0)):
+                return x
+            driving |= more
+
+    def _coulomb(self, model: Model, motion: Motion, n_factor: int) -> NDArray[np.bool_]:
+        """Say which factors of a model are base parameters of dry friction, (n_factor,)."""
+        kept = self.equations.independent(self.view(model, motion).arm)
+        return np.pad(kept // self.arm.n_joint == _COULOMB, (0, n_factor - len(kept)))
+
+    def _likeliest(
+        self, normal: Normal, x: Floats, model: Model, motions: Sequence[Motion], free: NDArray[np.bool_]
+    ) -> Floats:
+        """Return the likeliest factors where something is lacking; those that are not free stay at none."""
+        assert self.density is not None
+        x = self.density.solve(normal.of(free), self._numbers(motions), x, model, motions)
+        return x if self.rests is None else self._beside_rests(self.rests, normal, x, model, motions, free)
 
     def _beside_rests(
-        self, rests: Rests, normal: Normal, x: Floats, model: Model, motions: Sequence[Motion]
+        self,
+        rests: Rests,
+        normal: Normal,
+        x: Floats,
+        model: Model,
+        motions: Sequence[Motion],
+        free: NDArray[np.bool_],
     ) -> Floats:
         """Return the likeliest factors if rests have a say: those that exceed their limits are equations as well."""
         density, numbers = self.density, self._numbers(motions)
@@ -155,7 +182,8 @@ class Regression:
 
         here = value(x)
         for _ in range(_ROUNDS):
-            step = density.solve(normal.plus(rests.normal(model, x, motions)), numbers, x, model, motions) - x
+            both = normal.plus(rests.normal(model, x, motions))
+            step = density.solve(both.of(free), numbers, x, model, motions) - x
             part, there = 1.0, value(x + step)
             while part > _LEAST_PART and not there > here:
                 part *= 0.5
