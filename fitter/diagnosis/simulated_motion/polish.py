@@ -155,14 +155,17 @@ def _white(numbers: ModelNumbers, covariance: Floats, known: Floats | None) -> t
     In it the information that is given is that of one standard error each; unless it is, the covariance's inverse.
     """
     variance = np.diag(covariance)
-    free = np.flatnonzero(numbers.lasting & np.isfinite(variance) & (variance > 0.0))
+    told = np.isfinite(variance) & (variance > 0.0)
+    if known is not None:  # such as a limit that only others reach
+        told &= np.diag(known) > 0.0
+    free = np.flatnonzero(numbers.lasting & told)
     square = np.ix_(free, free)
     unit = np.sqrt(variance[free]) if known is None else 1.0 / np.sqrt(np.diag(known)[free])
     matrix = covariance[square] / np.outer(unit, unit) if known is None else known[square] * np.outer(unit, unit)
     values, axes = np.linalg.eigh(matrix)
-    told = values > ROUNDED * values.max(initial=0.0)
-    size = np.sqrt(values[told]) if known is None else 1.0 / np.sqrt(values[told])
-    return free, unit[:, None] * axes[:, told] * size
+    kept = values > ROUNDED * values.max(initial=0.0)
+    size = np.sqrt(values[kept]) if known is None else 1.0 / np.sqrt(values[kept])
+    return free, unit[:, None] * axes[:, kept] * size
 
 
 def _limits(
