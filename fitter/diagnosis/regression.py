@@ -249,9 +249,7 @@ class Regression:
         Noise of the angles enters times masses that are in proportion to the torque that is let through: a
         torque that is cut off to nothing would leave nothing, and explain nothing.
         """
-        now = np.ones(self.arm.n_joint)
-        if model.cuts_off:  # what is lacking passes no drive
-            now = self.floor_part + (1.0 - self.floor_part) * self._let_through(model)
+        now = self._let_through(model) if model.cuts_off else np.ones(self.arm.n_joint)
         if model.distorts:
             left = self._noisy.of(model, self.learning, by_joint=True).left(x)
             floor = self.floor_part * np.sum([self.weighting.told_at_joints(one) for one in self.learning], axis=0)
