@@ -172,7 +172,7 @@ class Regression:
         motions: Sequence[Motion],
         free: NDArray[np.bool_],
     ) -> Floats:
-        """Return the likeliest factors if rests have a say: those that exceed their limits are equations as well."""
+        """Return the likeliest factors if rests have a say: limits that are exceeded are equations, too."""
         density, numbers = self.density, self._numbers(motions)
         assert density is not None
 

@@ -7,9 +7,9 @@ that is held, in windows of a rest, and where the joint is torn away, obeys
 .. math:: |h| \le f + F \text{ (it rests)}, \qquad |h| \ge f + F \text{ (it is torn away)}
 
 with the friction f of the model, whatever that depends on. The probability of a rest under a torque that the model
-misses is nearly 1 inside these limits, and falls like a Gaussian beyond them. So what is beyond counts as a residual
-that is one-sided, in units of what the model lacks at any one instant. F >= 0 is the likeliest, joint by joint:
-nothing is sought by it.
+misses is nearly 1 inside these limits, and falls like a Gaussian beyond them. So what is beyond counts as a
+residual that is one-sided, in units of what the model lacks at any one instant. F >= 0 is the likeliest, joint by
+joint: nothing is sought by it.
 """
 
 from collections.abc import Sequence
@@ -164,9 +164,10 @@ def _excess(limits: _Limits, x: Floats, static: Floats) -> Floats:
 
 def _pushed(motion: Motion, way: float) -> Motion:
     """Return a motion whose resting joints are about to move one way."""
-    stuck = motion.stuck
-    still = {name: np.where(stuck, 0.0, getattr(motion, name)) for name in ("dq", "ddq", "speed", "speed_noise")}
-    return replace(motion, direction=np.where(stuck, way, motion.direction), **still)
+    stuck, moves = motion.stuck, (motion.dq, motion.ddq, motion.speed, motion.speed_noise)
+    dq, ddq, speed, noise = (np.where(stuck, 0.0, one) for one in moves)
+    direction = np.where(stuck, way, motion.direction)
+    return replace(motion, dq=dq, ddq=ddq, speed=speed, speed_noise=noise, direction=direction)
 
 
 def _windows(motion: Motion, weighting: Weighting, part: float) -> _Windows:
