@@ -38,7 +38,7 @@ _OCTAVE = np.log(2.0)
 #: Numbers of a background that no signal adds.
 _N_SINGLE = 8
 #: The ascent ends when the log likelihood of a row rises by less than this ratio.
-_TOLERANCE = 1e-5
+_TOLERANCE = 1e-4
 
 
 @dataclass(frozen=True)

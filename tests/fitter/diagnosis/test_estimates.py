@@ -6,12 +6,11 @@ import numpy as np
 import pytest
 
 from arm.effects.catalogue import catalogue
-from arm.model import Effect
 from fitter.data.trials import to_trials
+from fitter.diagnosis.at_joint import AtJoint
 from fitter.diagnosis.estimates import estimates, extended_arm, significant
 from fitter.diagnosis.model import Model
 from fitter.diagnosis.motion import run_of
-from fitter.diagnosis.pushes import Pushes
 from fitter.diagnosis.regression import Regression
 from fitter.diagnosis.screening import fitted
 from tests.fitter.pendulum import pendulum, swings
@@ -59,41 +58,11 @@ def test_friction_that_would_push_is_none_in_a_simulation(regression):
     assert np.isfinite(found.std).all()
 
 
-def test_the_numbers_of_a_push_which_one_place_tells_are_off_by_their_errors():
-    """What a single block tells is fitted to its noise: the blocks' scatter does not show its error."""
-    true = {"start_s": 2.2137, "duration_s": 0.2051, "torque_N_m": 0.5}
-    pushed = Effect("external_push", true, joints=(1,))
-    off = []
-    for seed in range(12):
-        trials = to_trials(swings((pushed,), trials=4, seed=seed), cutoff_hz=25.0)
-        regression = Regression(pendulum(), run_of(pendulum(), trials[:3], trials[3:]))
-        one = Pushes(catalogue()["external_push"], 0, np.array([[2.2, 0.2]]), free=True)
-        found = fitted(regression, Model().plus(one, one.starts([])[0]))
-        numbers = estimates(regression, found).effects[0]
-        off.append([(numbers[name].value - value) / numbers[name].std for name, value in true.items()])
-        assert all(numbers[name].std < 0.2 * value for name, value in true.items())
-    # More than 1.7 in the mean square comes by chance once in a thousand times.
-    np.testing.assert_array_less(np.sqrt(np.mean(np.square(off), axis=0)), 1.7)
-
-
-def test_a_push_that_outlasts_the_recording_hides_no_other_number():
-    """When it ended nobody knows: that is one number."""
-    pushed = Effect("external_push", {"start_s": 11.3, "duration_s": 2.0, "torque_N_m": 0.5}, joints=(1,))
-    trials = to_trials(swings((pushed,), trials=4, seed=3), cutoff_hz=25.0)
-    regression = Regression(pendulum(), run_of(pendulum(), trials[:3], trials[3:]))
-    one = Pushes(catalogue()["external_push"], 0, np.array([[11.3, 2.0]]), free=True)
-    found = fitted(regression, Model().plus(one, one.starts([])[0]), refine=False)
-    numbers = estimates(regression, found).effects[0]
-    assert not numbers["duration_s"].identifiable
-    assert numbers["torque_N_m"].value == pytest.approx(0.5, abs=4.0 * numbers["torque_N_m"].std)
-    assert numbers["start_s"].std < 0.05
-
-
 def test_a_size_differs_from_none_by_its_error(regression):
     """Wald's test at 95 %: 1.96 standard errors of one number."""
-    pushes = Pushes(catalogue()["external_push"], 0, np.array([[1.0, 0.3]]))
+    drag = AtJoint(catalogue()["quadratic_drag"], 0)
     base = fitted(regression, Model())
     for sigmas, said in ((1.9, False), (2.0, True)):
-        pushed = replace(base, model=Model((pushes,), (np.zeros(0),)), x=np.append(base.x, 0.1))
+        dragged = replace(base, model=Model((drag,), (np.zeros(0),)), x=np.append(base.x, 0.1))
         covariance = np.diag(np.append(np.ones(len(base.x)), (0.1 / sigmas) ** 2))
-        assert significant(pushed, covariance) == [said]
+        assert significant(dragged, covariance) == [said]

@@ -20,6 +20,7 @@ from fitter.diagnosis.refinement import refined
 from fitter.diagnosis.regression import Regression
 from fitter.diagnosis.screening import fitted, screen
 from fitter.diagnosis.starts import Starts
+from fitter.diagnosis.torque.pulse import Pulse
 from tests.fitter.pendulum import pendulum, stop_that_no_learning_trial_reaches, swings
 
 COGGING = Effect("cogging", {"amplitude_N_m": 0.3, "phase_rad": 0.3, "periods_per_turn": 7.0}, joints=(1,))
@@ -73,7 +74,8 @@ def test_beside_an_event_a_start_is_judged_by_all_trials():
     trials = to_trials(stop_that_no_learning_trial_reaches(), cutoff_hz=25.0)
     regression = Regression(pendulum(), run_of(pendulum(), trials[:4], trials[4:]))
     hypothesis = AtJoint(catalogue()["end_stop"], 0, {"side": 1.0})
-    push = Pushes(catalogue()["external_push"], 0, np.array([[1.0, 0.3]]))
+    nothing = Pulse(0, 0, 1.0, 0.3, 0.0, 0.01, 0.01, 0.01, "bell", 0.0, 0.0)
+    push = Pushes(catalogue()["external_push"], 0, [nothing])
     alone, beside = (Grid(regression, model, Starts()) for model in (Model(), Model().plus(push, np.zeros(0))))
     assert alone.best(hypothesis).gain < 0.01 * beside.best(hypothesis).gain
     assert beside.best(hypothesis).psi == pytest.approx([0.8], abs=0.1)

@@ -5,9 +5,8 @@ import pytest
 
 from arm.model import Effect
 from fitter.diagnosis.estimates import estimates
-from fitter.diagnosis.missed_pushes import _pushed_significantly, missed, pushed, with_pushes
-from fitter.diagnosis.model import Model
-from fitter.diagnosis.screening import fitted
+from fitter.diagnosis.missed_pushes import missed, pushed, with_pushes
+from fitter.diagnosis.torque.pulse import Pulse
 from fitter.diagnosis.torque_likelihood import TorqueLikelihood
 from tests.fitter.diagnosis.searched import swinging
 
@@ -60,19 +59,17 @@ def test_where_nothing_pushes_the_model_stays_as_it_is():
 
 def test_pushes_stand_behind_what_always_acts(hit):
     regression, base = hit
-    found = pushed(regression, fitted(regression, Model()), {0: [PUSHES[0][:2]]})
+    start, lasts, torque = PUSHES[0]
+    one = Pulse(3, 0, start, lasts, torque, 0.01, 0.01, 0.02, "rectangular", 100.0, 90.0)
+    found = pushed(regression, base, [one])
     (hypothesis,) = found.model.hypotheses
     assert hypothesis.key == ("external_push", (0,))
-    np.testing.assert_allclose(found.model.psi[0][:2], PUSHES[0][:2], atol=0.1)
+    assert found.squares.sum() < base.squares.sum()
 
 
-def test_a_push_of_no_size_is_none(hit):
-    regression, base = hit
-    starts = [start for start, *_ in PUSHES]
-    quiet = next(one for one in regression.motions if not any(one.t[0] < s < one.t[-1] for s in starts))
-    nowhere = (float(quiet.t[len(quiet.t) // 2]), 0.3)
-    times = {0: [nowhere, *((start, lasts) for start, lasts, _ in PUSHES)]}
-    found = _pushed_significantly(regression, base, times)
-    (numbers,) = estimates(regression, found).effects
-    assert len(numbers) == 3 * len(PUSHES)
-    assert _pushed_significantly(regression, base, {0: [nowhere]}) is base
+def test_the_errors_of_a_push_hold():
+    """A single place tells of it: the search's errors are those of the coloured background about it."""
+    regression, base = run((10.2, 0.25, 0.3))
+    (numbers,) = estimates(regression, with_pushes(regression, base)).effects
+    for name, value in (("start_s", 10.2), ("duration_s", 0.25), ("torque_N_m", 0.3)):
+        assert abs(numbers[name].value - value) < 3.5 * numbers[name].std < value

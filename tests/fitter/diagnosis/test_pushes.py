@@ -1,32 +1,34 @@
-"""Pushes as a hypothesis: times that are free, a torque each, and names that tell them apart."""
+"""Pushes as a hypothesis: known torques, and names that tell them apart."""
+
+from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
 
 from arm.effects.catalogue import catalogue
-from fitter.diagnosis.pushes import Pushes, _box
+from fitter.diagnosis.pushes import Pushes
+from fitter.diagnosis.torque.pulse import Pulse
+from fitter.diagnosis.view import view_of
 
 KIND = catalogue()["external_push"]
+PULSE = Pulse(0, 0, 1.0, 0.2, 5.0, 0.01, 0.02, 0.3, "rectangular", 20.0, 15.0)
+OTHER = replace(PULSE, start_s=1.5, duration_s=0.4, torque_N_m=-6.0, form="bell")
 
 
-class Grid:
-    """The instants of a motion, which is all that a push's column needs."""
-
-    dt_s = 0.01
-    t = np.arange(200) * dt_s
-
-
-@given(start=st.floats(0.1, 1.0), duration=st.floats(0.02, 0.8))
-def test_a_push_has_the_impulse_of_its_duration(start, duration):
-    assert _box(Grid, start, duration).sum() * Grid.dt_s == pytest.approx(duration, abs=0.5 * Grid.dt_s)
+def test_a_push_is_a_torque_beside_the_drives():
+    q = np.zeros((300, 2))
+    motion = SimpleNamespace(t=0.01 * np.arange(300), dt_s=0.01, q=q, dq=q, ddq=q, u=q + 1.0, direction=q)
+    view = Pushes(KIND, 1, [PULSE, OTHER]).act(view_of(motion, None), np.zeros(0))
+    assert np.all(view.u[:, 0] == 1.0)
+    assert view.u[110, 1] == pytest.approx(6.0)
+    assert (view.u[:, 1] - 1.0).sum() * motion.dt_s == pytest.approx(5.0 * 0.2 - 6.0 * 0.4)
+    assert np.all(motion.u == 1.0)
 
 
 def test_each_of_several_has_its_own_numbers():
-    pushes = Pushes(KIND, 0, np.array([[1.0, 0.2], [3.0, 0.4]]), free=True)
-    (psi,) = pushes.starts([])
-    assert np.all(pushes.low < psi) and np.all(psi < pushes.high)
-    assert pushes.numbers(psi, np.array([5.0, -6.0])).tolist() == [1.0, 0.2, 5.0, 3.0, 0.4, -6.0]
+    pushes, nothing = Pushes(KIND, 0, [PULSE, OTHER]), np.zeros(0)
+    assert pushes.numbers(nothing, nothing).tolist() == [1.0, 0.2, 5.0, 1.5, 0.4, -6.0]
+    assert pushes.hidden([], np.zeros(6)).tolist() == [0.01, 0.02, 0.3] * 2
     assert pushes.names[:3] == ("start_s_1", "duration_s_1", "torque_N_m_1") and len(pushes.units) == 6
-    assert Pushes(KIND, 0, np.array([[1.0, 0.2]])).names == ("start_s", "duration_s", "torque_N_m")
+    assert Pushes(KIND, 0, [PULSE]).names == ("start_s", "duration_s", "torque_N_m")

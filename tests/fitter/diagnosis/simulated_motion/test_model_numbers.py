@@ -14,22 +14,28 @@ from arm.simulation import simulate
 from fitter.diagnosis.at_joint import AtJoint
 from fitter.diagnosis.estimates import estimates, extended_arm
 from fitter.diagnosis.model import Candidate, Model
-from fitter.diagnosis.pushes import Pushes
 from fitter.diagnosis.simulated_motion.model_numbers import ShootingWithEffects, model_numbers, numbers_of, windows
 from fitter.dynamics.stretches import Stretch
 from fitter.dynamics.structure import structural_parameters
 from tests.fitter.diagnosis.searched import swinging
 
-PUSHES = Pushes(catalogue()["external_push"], 0, np.array([[1.0, 0.2], [4.0, 0.3]]))
+
+class Passing(AtJoint):
+    """Something that is there in some trials only."""
+
+    comes_and_goes = True
+
+
+PASSING = Passing(catalogue()["torque_offset"], 0)
 DRAG = AtJoint(catalogue()["quadratic_drag"], 0)
 
 
 @pytest.fixture(scope="module")
 def found():
     regression = swinging(trials=2)
-    model = Model().plus(PUSHES, np.zeros(0)).plus(DRAG, np.zeros(0))
+    model = Model().plus(PASSING, np.zeros(0)).plus(DRAG, np.zeros(0))
     n_base = len(regression.solve(Model(), regression.motions))
-    x = np.concatenate([regression.solve(Model(), regression.motions), [0.5, -0.4, 0.3]])
+    x = np.concatenate([regression.solve(Model(), regression.motions), [0.5, 0.3]])
     candidate = Candidate(model, x, np.zeros(2))
     numbers = estimates(regression, candidate)
     arm = extended_arm(regression, candidate, numbers)
@@ -39,17 +45,17 @@ def found():
 
 def test_the_start_is_what_the_arm_has(found):
     numbers, _ = found
-    assert [effect.name for effect in numbers.numbers.arm.effects] == ["external_push"] * 2 + ["quadratic_drag"]
+    assert [effect.name for effect in numbers.numbers.arm.effects] == ["torque_offset", "quadratic_drag"]
     np.testing.assert_allclose(numbers.values(numbers.start), numbers.numbers.values)
-    np.testing.assert_allclose(numbers.start[-3:], [0.5, -0.4, 0.3])
+    np.testing.assert_allclose(numbers.start[-2:], [0.5, 0.3])
 
 
 def test_what_is_moved_is_moved_in_the_arm_and_what_comes_and_goes_stays(found):
     numbers, n_base = found
-    np.testing.assert_array_equal(numbers.lasting, [*[True] * n_base, False, False, True])
+    np.testing.assert_array_equal(numbers.lasting, [*[True] * n_base, False, True])
     flat = numbers.start
     flat[0] += 0.1
-    flat[-3:] = 9.0, 9.0, 0.7
+    flat[-2:] = 9.0, 0.7
     moved = numbers.values(flat) - numbers.numbers.values
     assert moved[numbers.base[0]] == pytest.approx(0.1)
     assert np.count_nonzero(np.abs(moved) > 1e-12) == 2 and moved[-1] == pytest.approx(0.4)

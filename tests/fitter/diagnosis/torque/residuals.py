@@ -6,7 +6,7 @@ import numpy as np
 
 from arm.model import Floats
 from fitter.diagnosis.torque.missing_torque import ResidualTorque
-from fitter.diagnosis.torque.pulses import pulse_means
+from fitter.diagnosis.torque.pulse import pulse_means
 
 STEP_S, LASTS_S, BAND_HZ = 0.04, 10.0, 12.5
 

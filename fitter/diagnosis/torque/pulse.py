@@ -1,0 +1,118 @@
+"""A pulse: a torque of some duration, as the rows of a residual see it."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from arm.model import Floats
+from fitter.data.derivatives import lowpass
+from fitter.diagnosis.torque.background import Rows
+
+FORMS = ("rectangular", "bell")
+
+
+@dataclass(frozen=True)
+class Pulse:
+    """A torque of some duration at one joint.
+
+    Attributes
+    ----------
+    trial, joint : int
+    start_s, duration_s : float [s]
+        From when to when it is at more than half its size.
+    torque_N_m : float [N m]
+        Its greatest value.
+    start_std, duration_std, torque_std : float
+        Standard errors.
+    form : str
+        ``rectangular``, or ``bell``: a raised cosine.
+    log_likelihood_ratio, evidence : float [nats]
+        Under the background in which it was found: at its likeliest, and integrated over the prior of its size and
+        summed over all places in its trial.
+    """
+
+    trial: int
+    joint: int
+    start_s: float
+    duration_s: float
+    torque_N_m: float
+    start_std: float
+    duration_std: float
+    torque_std: float
+    form: str
+    log_likelihood_ratio: float
+    evidence: float
+
+
+def pulse_means(t: Floats, step_s: float, start_s: float, duration_s: float, form: str) -> Floats:
+    """Return the means of a pulse of size one over the steps about each instant, (n,)."""
+
+    def area(until: Floats) -> Floats:
+        if form == "rectangular":
+            return np.clip(until - start_s, 0.0, duration_s)
+        u = np.clip((until - start_s) / (2.0 * duration_s) + 0.25, 0.0, 1.0)
+        return np.asarray(duration_s * (u - np.sin(2.0 * np.pi * u) / (2.0 * np.pi)))
+
+    return np.asarray((area(t + 0.5 * step_s) - area(t - 0.5 * step_s)) / step_s)
+
+
+def seen(rows: Rows, start_s: float, duration_s: float, form: str) -> tuple[int, Floats]:
+    """Return a pulse of size one as rows see it: behind their low-pass filter, as means over each row's samples.
+
+    Returns
+    -------
+    first : int
+        The first row that it touches.
+    column : (m,)
+        From there on, as long again as it lasts after its end: what follows from it in the background.
+    """
+    period_s = 1.0 / rows.band_hz  # so far the filter reaches
+    first_s, last_s = _reach(start_s, duration_s, form)
+    first, last = np.searchsorted(rows.t, [first_s - period_s, last_s + period_s])
+    step_s = rows.step_s / rows.n_sample
+    n_sample = (last - first) * rows.n_sample
+    begin_s = rows.t[0] + (first - 0.5) * rows.step_s + 0.5 * step_s
+    samples = pulse_means(begin_s + step_s * np.arange(n_sample), step_s, start_s, duration_s, form)
+    passed = lowpass(samples, step_s, rows.band_hz) if n_sample else samples
+    return int(first), np.asarray(passed.reshape(-1, rows.n_sample).mean(axis=1))
+
+
+def in_rows(rows: Rows, start_s: float, duration_s: float, form: str) -> Floats:
+    """Return a pulse of size one in all rows, (n,)."""
+    column = np.zeros(len(rows.t))
+    first, part = seen(rows, start_s, duration_s, form)
+    column[first : first + len(part)] = part
+    return column
+
+
+def _reach(start_s: float, duration_s: float, form: str) -> tuple[float, float]:
+    """Return from when to when a pulse is felt [s]: its torque, and as long as it lasts what follows from it."""
+    beyond = 0.0 if form == "rectangular" else 0.5 * duration_s
+    return start_s - beyond, start_s + 2.0 * duration_s + beyond
+
+
+def either(forms: Sequence[Pulse]) -> Pulse:
+    """Return the likelier of one pulse's forms; its errors hold the other one, as likely as that is."""
+    one = max(forms, key=lambda form: form.log_likelihood_ratio)
+    weight = np.exp([form.log_likelihood_ratio - one.log_likelihood_ratio for form in forms])
+
+    def apart(of: Callable[[Pulse], float]) -> float:
+        return float(np.sqrt(np.average([(of(form) - of(one)) ** 2 for form in forms], weights=weight)))
+
+    return replace(
+        one,
+        start_std=float(np.hypot(one.start_std, apart(lambda form: form.start_s))),
+        duration_std=float(np.hypot(one.duration_std, apart(lambda form: form.duration_s))),
+        torque_std=float(np.hypot(one.torque_std, apart(lambda form: form.torque_N_m))),
+    )
+
+
+def unseen_s(rows: Rows, at_s: float, way: int) -> float:
+    """Return for how long before (-1) or after (1) an instant nothing is known, 0 if its row is and the next."""
+    k = int(np.clip(np.searchsorted(rows.t, at_s + 0.5 * rows.step_s) - 1, 0, len(rows.t) - 1))
+    known = rows.known[: k + 1][::-1] if way < 0 else rows.known[k:]
+    if np.all(known[:2]):
+        return 0.0
+    first = int(np.argmin(known))
+    return rows.step_s * (first + int(np.argmax(np.append(known[first:], True))))

@@ -1,0 +1,166 @@
+"""All places for a pulse in one trial at one joint, by their evidence beside the background."""
+
+from collections.abc import Iterator
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import Bounds, minimize
+
+from arm.model import Floats
+from fitter.diagnosis.torque.background import LONGEST_PULSE_S, Rows
+from fitter.diagnosis.torque.kalman import Filter, innovations
+from fitter.diagnosis.torque.pulse import FORMS, Pulse, either, in_rows, seen, unseen_s
+from fitter.diagnosis.torque.pulse_shapes import Shapes
+from limbcal.compiled import compiled
+
+#: Reweightings of the estimate of a size in Student's noise, at the most, and its change that ends them.
+_N_REWEIGHTED, _SIZED = 15, 1e-3
+#: A place is found when it moves by less than this ratio of the duration, its likelihood ratio by less [nats].
+_PLACED = 0.01
+#: Steps of the derivative by start and duration, as a ratio to the duration.
+_STEP = 0.05
+
+
+class Search:
+    """All places for a pulse in one trial at one joint."""
+
+    def __init__(self, trial: int, joint: int, rows: Rows, kalman: Filter, nu: float, size: float) -> None:
+        self.trial, self.joint, self.rows, self.kalman, self.nu, self.size = trial, joint, rows, kalman, nu, size
+        self.shapes = Shapes.of(rows)
+        self.fit = self.shapes.fit(rows)
+
+    def evidence(self, e: Floats) -> Floats:
+        """Return the log evidence for a pulse of each shape that begins with each row, (n_shape, n) [nats]."""
+        k, s = self.kalman, self.shapes
+        pulses = s.values, s.before, s.length, self.fit
+        return np.asarray(_evidence(e, k.F, k.C, k.gain, k.S, k.known, *pulses, self.nu, self.size))
+
+    def found(self, least: float) -> Iterator[Pulse]:
+        """Yield the pulses whose evidence exceeds the least, the most evident first.
+
+        What overlaps one of them is its own form, which is neither a rectangle nor a bell, and no other pulse.
+        """
+        e = self.kalman.innovations(self.rows.r)
+        while self.fit.any():
+            at_places = self.evidence(e)
+            shape, row = np.unravel_index(int(np.argmax(at_places)), at_places.shape)
+            evidence = float(np.logaddexp.reduce(at_places, axis=None))
+            if evidence < least:
+                return
+            place = float(self.rows.t[row]) - 0.5 * self.rows.step_s, self.shapes.duration_s[shape]
+            pulse = either([self._refined(e, *place, form, evidence) for form in FORMS])
+            yield pulse
+            self.fit &= ~self._overlapping(pulse)
+            column = in_rows(self.rows, pulse.start_s, pulse.duration_s, pulse.form)
+            e = e - self.kalman.innovations(pulse.torque_N_m * column)
+
+    def _overlapping(self, pulse: Pulse) -> NDArray[np.bool_]:
+        """Say which places, (n_shape, n), have to do with a pulse, however slowly it rises and falls."""
+        begin = self.rows.t - 0.5 * self.rows.step_s
+        end = begin + np.array(self.shapes.duration_s)[:, None]
+        slope = 0.5 * pulse.duration_s
+        return np.asarray(
+            (end > pulse.start_s - slope) & (begin < pulse.start_s + pulse.duration_s + slope), dtype=np.bool_
+        )
+
+    def _refined(self, e: Floats, start_s: float, duration_s: float, form: str, evidence: float) -> Pulse:
+        """Return a pulse at its likeliest start and duration, with standard errors from Fisher's information."""
+        h = self.rows.step_s
+
+        def at(place: Floats) -> tuple[float, float]:
+            start, lasting = start_s + duration_s * place[0], duration_s * np.exp(place[1])
+            first, column = seen(self.rows, start, lasting, form)
+            return _ratio(e[first : first + len(column)], self.kalman.innovations(column, first), self.nu)[:2]
+
+        steps = [[0.0, 0.0], [0.25, 0.0], [0.0, 0.25]]
+        low, high = np.log([h / duration_s, LONGEST_PULSE_S / duration_s])
+        bounds = Bounds([-1.0, min(low, 0.0)], [1.0, max(high, 0.0)])
+        options = {"initial_simplex": steps, "xatol": _PLACED, "fatol": _PLACED}
+
+        def loss(place: Floats) -> float:
+            return -at(place)[0]
+
+        best = minimize(loss, np.zeros(2), method="Nelder-Mead", bounds=bounds, options=options)  # type: ignore[call-overload]
+        ratio, size = at(best.x)
+        start, lasting = start_s + duration_s * float(best.x[0]), duration_s * float(np.exp(best.x[1]))
+        start_std, duration_std, torque_std = self._errors(start, lasting, form, size)
+        before, after = (unseen_s(self.rows, at, way) for at, way in ((start, -1), (start + lasting, 1)))
+        start_std = float(np.hypot(start_std, before / np.sqrt(12.0)))  # uniform where nothing is known
+        duration_std = float(np.hypot(duration_std, np.hypot(before, after) / np.sqrt(12.0)))
+        errors = start_std, duration_std, torque_std
+        return Pulse(self.trial, self.joint, start, lasting, size, *errors, form, ratio, evidence)
+
+    def _errors(self, start_s: float, duration_s: float, form: str, size: float) -> tuple[float, float, float]:
+        """Return standard errors of start, duration and size; Fisher's information of Student's location."""
+        step, rows = _STEP * duration_s, self.rows
+        ends = [(s, d) for s in (-step, step) for d in (0.0,)] + [(0.0, -step), (0.0, step)]
+        moved = [in_rows(rows, start_s + s, duration_s + d, form) for s, d in ends]
+        columns = [
+            size * (moved[1] - moved[0]) / (2.0 * step),
+            size * (moved[3] - moved[2]) / (2.0 * step),
+            in_rows(rows, start_s, duration_s, form),
+        ]
+        J = np.stack([self.kalman.innovations(column) for column in columns], axis=1)
+        information = (self.nu + 1.0) / (self.nu + 3.0) * J.T @ J
+        if np.linalg.matrix_rank(information, hermitian=True) < len(information):
+            return np.inf, np.inf, np.inf  # most of the pulse lies where nothing is known
+        variance = np.diag(np.linalg.inv(information))
+        start_std, duration_std, torque_std = np.sqrt(np.maximum(variance, 0.0)).tolist()
+        return start_std, duration_std, torque_std
+
+
+@compiled
+def _evidence(
+    e: Floats,
+    F: Floats,
+    C: Floats,
+    gain: Floats,
+    S: Floats,
+    known: NDArray[np.bool_],
+    shapes: Floats,
+    before: NDArray[np.int64],
+    length: NDArray[np.int64],
+    fit: NDArray[np.bool_],
+    nu: float,
+    size: float,
+) -> Floats:
+    """Return the log evidence of each shape at each row, with Cauchy's prior of a pulse's size, eq. (m.2)."""
+    n_shape, n = fit.shape
+    evidence = np.full((n_shape, n), -np.inf)
+    template = np.zeros(shapes.shape[1])
+    for i in range(n_shape):
+        for k in range(n):
+            if not fit[i, k]:
+                continue
+            first, last = max(0, k - before[i]), min(n, k - before[i] + length[i])
+            cut = first - (k - before[i])
+            s = template[: last - first]
+            innovations(F, C, gain, S, known, shapes[i, cut : cut + last - first], first, s)
+            ratio, c, information = _ratio(e[first:last], s, nu)
+            width = 0.5 * np.log(2.0 * np.pi / information)  # of the likelihood, by Laplace
+            evidence[i, k] = ratio + width - np.log(np.pi * size * (1.0 + (c / size) ** 2))
+    return evidence
+
+
+@compiled
+def _ratio(e: Floats, s: Floats, nu: float) -> tuple[float, float, float]:
+    """Return the log likelihood ratio of ``e = c s + Student's noise`` against c = 0, c, and the information on c.
+
+    By reweighting.
+    """
+    c, square = 0.0, 0.0
+    for step in range(_N_REWEIGHTED):
+        before, product, square = c, 0.0, 1e-300
+        for i in range(len(e)):
+            miss = e[i] - c * s[i]
+            weight = 1.0 if step == 0 else (nu + 1.0) / (nu + miss * miss)
+            product += weight * e[i] * s[i]
+            square += weight * s[i] * s[i]
+        c = product / square
+        if step > 0 and abs(c - before) < _SIZED * abs(c):
+            break
+    ratio = 0.0
+    for i in range(len(e)):
+        miss = e[i] - c * s[i]
+        ratio += np.log((nu + e[i] * e[i]) / (nu + miss * miss))
+    return 0.5 * (nu + 1.0) * ratio, c, square
