@@ -29,7 +29,7 @@ ADVICE = {
     "losses": "samples are lost: look at limb/gap for why; a shorter cable or a slower rate may help",
     "behind": "the machine is too slow for this rate, or something else takes its processors",
     "rate": "what is measured is followed, and no sample is lost by it",
-    "clock": "this machine's clock was set: stamps go on by the clock of the run",
+    "clock": "stamps go on by this machine's clock as it was when the run began, and by the frames' numbers",
     "disk": "the disk is nearly full: make room, or recording will pause",
     "not recorded": "nothing is recorded any more: make room on the disk; recording then goes on by itself",
 }

@@ -16,7 +16,8 @@ from daemon.sample_rate import SampleRate
 from daemon.sample_runs import CountedRuns, FrameTimes, Run, StepTimes
 from daemon.sequencer import Sequencer
 from daemon.tick_counter import TickCounter
-from protocol.serial_frame import InfoFrame, SamplesFrame, SamplesRun
+from daemon.tick_guard import TickGuard
+from protocol.serial_frame import SEQUENCES, InfoFrame, SamplesFrame, SamplesRun
 from protocol.serial_parser import Frame, FrameParser
 
 NewClock = Callable[[float, int, int, int, float], Clock]
@@ -27,6 +28,7 @@ _UNKNOWN = 8192
 _PATIENCE_NS = 20_000_000
 #: Nothing for so long is silence [ns].
 _SILENCE_NS = 300_000_000
+_JUMPED = "the device's clock jumped"
 #: How often the rate is reckoned anew [ns].
 _LOOK_NS = 50_000_000
 #: Time [ns] and number of frames from which the rate is known, whichever comes later.
@@ -77,6 +79,7 @@ class Reception:
         self.rate = SampleRate(self.info.rate_hz, self.info.tick_hz)
         self._steps = steps or self.rate
         self._counter = TickCounter(self.info.tick_hz)
+        self.guard = TickGuard(self.ledger)
         self._doubted = DoubtedFrames()
         self._first_ns: int | None = None
         self._look_ns = 0
@@ -122,7 +125,7 @@ class Reception:
             if chunk.mark is Mark.LOST:
                 self._pass_on(self.sequencer.release(), chunk.stamp_ns)
                 self._settle(chunk.stamp_ns)
-                self._why, self.connected = "unplugged", False
+                self._why, self.connected, self.guard.unplugged = "unplugged", False, True
                 self.strangers += len(self._unknown)
                 self._unknown.clear()
             else:
@@ -132,8 +135,9 @@ class Reception:
                 self.reconnects += 1
         if chunks:
             self._parse(data)
-        elif self.sequencer.waiting and (now_ns or time.monotonic_ns()) > self._arrival_ns + _PATIENCE_NS:
+        elif self._waits and (now_ns or time.monotonic_ns()) > self._arrival_ns + _PATIENCE_NS:
             self._pass_on(self.sequencer.release(), self._arrival_ns)
+            self._decide(self._arrival_ns)
         return self._counted.take()
 
     def finish(self) -> list[Run]:
@@ -141,6 +145,10 @@ class Reception:
         self._pass_on(self.sequencer.release(), self._arrival_ns)
         self._settle(self._arrival_ns)
         return self._counted.take()
+
+    @property
+    def _waits(self) -> bool:
+        return self.sequencer.waiting > 0 or self.guard.waiting
 
     def new_gaps(self) -> list[Gap]:
         """Return the gaps since the last time."""
@@ -172,20 +180,21 @@ class Reception:
         """Enter frames in their order; those of a device that has come back wait until it said what it is."""
         last = next((one for one in reversed(passed) if not isinstance(one, InfoFrame)), None)
         for one in passed:
-            if isinstance(one, SamplesRun) and self._goes_on(one):
-                self._enter_run(one)
+            if isinstance(one, SamplesRun) and self._goes_on(steady := self.guard.shifted(one)):
+                self._enter_run(steady)
                 continue
             if isinstance(last, SamplesRun):
                 last = last.last()
             for frame in one.frames() if isinstance(one, SamplesRun) else [one]:
                 self._pass_on_one(frame, last, arrival_ns)
-        if last is not None and self._known and not self._doubted and self.clock is not None:
+        doubted = self._doubted or self.guard.waiting
+        if last is not None and self._known and not doubted and self.clock is not None:
             self.clock.note(self.ledger.due_ticks or 0, arrival_ns)
 
     def _pass_on_one(self, frame: Frame, last: SamplesFrame | None, arrival_ns: int) -> None:
         if isinstance(frame, InfoFrame):
             self._settle(arrival_ns)
-            self._meet(frame, arrival_ns)
+            self._meet(self.guard.info(frame), arrival_ns)
         elif self.stranger is not None:
             self.strangers += 1
         elif not self._known:
@@ -197,19 +206,36 @@ class Reception:
             if self._doubted.enough:
                 self._settle(arrival_ns)
         else:
-            self._enter(frame, last or frame, arrival_ns)
+            self._guarded(frame, last or frame, arrival_ns)
 
     def _settle(self, arrival_ns: int) -> None:
-        """Enter the frames that waited until the majority of them tells the ticks of a sample."""
+        """Enter the frames that waited until the majority of them tells the ticks of a sample, or for the next."""
         doubted = self._doubted.take()
         if doubted:
             self.ledger.decide(doubted)
         for frame in doubted:
-            self._enter(frame, doubted[-1], arrival_ns)
+            self._guarded(frame, doubted[-1], arrival_ns)
+        self._decide(arrival_ns)
+
+    def _guarded(self, frame: SamplesFrame, last: SamplesFrame, arrival_ns: int) -> None:
+        self.guard.take(
+            frame, self._early_s(arrival_ns), lambda one, off: self._enter(one, last, arrival_ns, off)
+        )
+
+    def _decide(self, arrival_ns: int) -> None:
+        """Enter the frame whose clock is in doubt."""
+        self.guard.settle(
+            self._early_s(arrival_ns), lambda one, off: self._enter(one, one, arrival_ns, off)
+        )
+
+    def _early_s(self, arrival_ns: int) -> Callable[[int], float]:
+        """Return what says by how much something arrived before a tick was over [s]."""
+        return lambda ticks: 0.0 if self.clock is None else self.clock.early_s(ticks, arrival_ns)
 
     def _goes_on(self, run: SamplesRun) -> bool:
         """Say whether a run is of this device and goes on right where it was."""
-        known = self._known and self.stranger is None and self.clock is not None and not self._doubted
+        settled = not self._doubted and not self.guard.waiting
+        known = self._known and self.stranger is None and self.clock is not None and settled
         return known and run.counts.shape[1] == len(self.info.channels) and self.ledger.goes_on(run)
 
     def _enter_run(self, run: SamplesRun) -> None:
@@ -232,24 +258,32 @@ class Reception:
         self._pass_on(waiting, arrival_ns)
         self.ledger.pass_over(frame.sequence, frame.ticks)
 
-    def _enter(self, frame: SamplesFrame, last: SamplesFrame, arrival_ns: int) -> None:
-        lost = self.ledger.missing(frame)
+    def _enter(self, frame: SamplesFrame, last: SamplesFrame, arrival_ns: int, off: int | None = None) -> None:
+        """Enter a frame whose clock, if it was off, was so by some ticks."""
+        lost, numbered = self.ledger.missing(frame), self.ledger.numbered(frame)
         begun_anew = lost is None
         if self.clock is None or lost is None:
             by_host = self._start_clock(frame, last, arrival_ns)
             lost = by_host if lost is None else lost
         assert self.clock is not None
+        t_ns = self.clock.utc_ns(frame.ticks) - round(1e9 * lost / self._rate_hz)
+        if off is not None:
+            self._note(Gap(self.ledger.position, 0, t_ns, _jumped(off / self.info.tick_hz), False), _JUMPED)
         if lost or begun_anew:
             why = "the device was restarted" if begun_anew else self._cause(frame, lost)
-            t_ns = self.clock.utc_ns(frame.ticks) - round(1e9 * lost / self._rate_hz)
-            gap = Gap(self.ledger.position, lost, t_ns, why, not begun_anew)
-            self.ledger.note(gap)
-            self._new_gaps.append(gap)
+            infos = (numbered - lost) / max(self.ledger.frame_samples, 1)  # they have numbers and no samples
+            told = infos == 0.0 or (self.guard.unplugged and infos > 0.0 and infos.is_integer())
+            exact = told and not begun_anew and not self.guard.is_off
+            self._note(Gap(self.ledger.position, lost, t_ns, why, exact))
         first = self.ledger.position + lost
         times = FrameTimes(first, len(frame.counts), [frame.ticks], self.clock, self._steps)
         self._counted.add(times, frame.counts, lost)
         self.ledger.enter(frame, lost)
         self._why = None
+
+    def _note(self, gap: Gap, cause: str | None = None) -> None:
+        self.ledger.note(gap, cause)
+        self._new_gaps.append(gap)
 
     def _cause(self, frame: SamplesFrame, lost: int) -> str:
         if self._why is not None:
@@ -265,7 +299,8 @@ class Reception:
         """
         before, due = self.clock, self.ledger.due_ticks
         rate = 1.0 if before is None else before.state.rate
-        span_s = rate * (last.ticks - first.ticks) / self.info.tick_hz + len(last.counts) / self._rate_hz
+        frames = (last.sequence - first.sequence) % SEQUENCES  # by number: clocks may be off
+        span_s = (frames * len(first.counts) * (frames < SEQUENCES // 2) + len(last.counts)) / self._rate_hz
         first_ns = arrival_ns - round(1e9 * span_s)
         lost = 0
         if before is not None and due is not None:
@@ -279,3 +314,6 @@ class Reception:
     def _rate_hz(self) -> float:
         return self.rate.measured_hz or self.info.rate_hz
 
+
+def _jumped(by_s: float) -> str:
+    return f"{_JUMPED} by {by_s:+.3g} s"

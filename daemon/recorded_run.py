@@ -159,6 +159,10 @@ class RecordedClock:
         """Return the same: nothing else is known."""
         return self.utc_ns(ticks)
 
+    def early_s(self, ticks: int, arrival_ns: int) -> float:
+        """Return 0: samples were taken long ago."""
+        return 0.0
+
     def note(self, ticks: int, arrival_ns: int) -> None:
         """Pass over when a sample came again."""
 

@@ -27,7 +27,7 @@ class Gap:
     why : str
         A cause in few words, such as ``unplugged``.
     exact : bool
-        Whether the device's own count or clock tells the number; else the host's clock does.
+        Whether the numbers of frames tell how many, and the device's clock agrees; else one of both clocks does.
     """
 
     sample0: int
@@ -70,6 +70,7 @@ class SampleLedger:
         self._sequence: int | None = None
         self._skipped = 0
         self._announced_ticks = 0
+        self._announced_anew = False
         self._ticks: int | None = None
         self._frame_samples = 0
 
@@ -93,6 +94,7 @@ class SampleLedger:
     def pass_over(self, sequence: int, ticks: int) -> None:
         """Note a frame that has a number and no samples, such as INFO; frames may be missing before it, too."""
         skipped = None if self._sequence is None else (sequence - self._sequence - 1) % SEQUENCES
+        self._announced_anew = self._went_back(ticks)
         if skipped is None or skipped > SEQUENCES // 2:  # it begins to count, or anew
             self._skipped, self._announced_ticks = 0, ticks
         else:
@@ -146,6 +148,27 @@ class SampleLedger:
         least, longest, due = min(steps), max(steps), n * p
         return bool(least >= back and due - least <= most and longest - due <= most)
 
+    def begun_anew(self, frame: SamplesFrame) -> bool:
+        """Say whether a device was restarted before a frame, by its INFO or by the frame's number."""
+        if self._sequence is None or not self._went_back(frame.ticks):
+            return False
+        return self._announced_anew or (frame.sequence - self._sequence - 1) % SEQUENCES > SEQUENCES // 2
+
+    def in_sequence(self, frame: SamplesFrame) -> bool:
+        """Say whether no frame is missing before one, by number."""
+        return self._in_sequence(frame.sequence)
+
+    def number_after(self, sequence: int) -> int:
+        """Return the number of the frame after one."""
+        return (sequence + 1) % SEQUENCES
+
+    def numbered(self, frame: SamplesFrame) -> int:
+        """Return how many samples are missing before a frame by number."""
+        if self._sequence is None:
+            return 0
+        frames = self._skipped + (frame.sequence - self._sequence - 1) % SEQUENCES
+        return frames * (self._frame_samples or len(frame.counts))
+
     def _went_back(self, ticks: int) -> bool:
         return self._ticks is not None and self.step.went_back(ticks - self._ticks)
 
@@ -188,6 +211,7 @@ class SampleLedger:
                 self.step.stray(step, self._frame_samples)
             self.step.begin(frame.ticks)
         self._sequence, self._skipped, self._ticks, self._frame_samples = frame.sequence, 0, frame.ticks, n
+        self._announced_anew = False
         self.samples += n
         self.lost_samples += lost
 

@@ -5,6 +5,7 @@ stays: a better line is approached from there by a rate that differs a little. W
 still free.
 """
 
+import math
 from bisect import bisect_right
 from collections import deque
 from typing import NamedTuple
@@ -80,6 +81,15 @@ class StampLine:
         waiting = _Piece(self._asked_s, here_s, slow)
         self._go_on(waiting)
         self._go_on(_Piece(device_s, waiting.at(device_s), rate))
+
+    def catch_up(self, by_s: float) -> None:
+        """Let all that was not stamped yet be later [s]."""
+        last = self._pieces[-1]
+        if self._asked_s is None:
+            self._pieces[-1] = last._replace(host_s=last.host_s + by_s)
+            return
+        after_s = math.nextafter(self._asked_s, math.inf)
+        self._go_on(_Piece(after_s, self.at(self._asked_s) + by_s, last.rate))
 
     def _go_on(self, piece: _Piece) -> None:
         while self._pieces and self._pieces[-1].device_s >= piece.device_s:

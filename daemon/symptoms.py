@@ -16,6 +16,8 @@ _SURELY = 3.0
 _SET_S = 0.05
 #: Samples lost in a second: this share of them.
 _LOSSES = 1e-3
+#: Reports for which an error of the device's clock is told: enough to raise an alarm.
+_SAID = 3
 #: Frames that are published so much later than their bytes came are late [ms].
 _BEHIND_MS = 200.0
 #: The disk is nearly full if less than so many times is free than what stops the recording.
@@ -36,7 +38,8 @@ class Symptoms:
 
     def __init__(self, reception: Reception, names: Sequence[str], free_bytes: int) -> None:
         self._reception, self._names, self._free_bytes = reception, names, free_bytes
-        self._lost = self._frames = self._discarded = 0
+        self._lost = self._frames = self._discarded = self._clock_errors = 0
+        self._clock_off = 0
 
     def look(self, health: Mapping[str, Any], reading: Reading, records: bool) -> dict[tuple[str, str], str]:
         """Return what is wrong, by alarm and subject.
@@ -72,6 +75,8 @@ class Symptoms:
             wrong["contradiction", ""] = "the tracker's claims are broken too often"
         if (off := _rate_off(health)) is not None:
             wrong["rate", ""] = off
+        if said := self._device_clock():
+            wrong["clock", "device"] = said
         ahead_s = health["clock"]["host_ahead_s"]
         if abs(ahead_s) > _SET_S:
             wrong["clock", "host"] = f"it was set by {ahead_s:+.1f} s in all"
@@ -81,6 +86,15 @@ class Symptoms:
         elif free is not None and free < _NEARLY * self._free_bytes:
             wrong["disk", ""] = f"{free / 1e6:.0f} MB are left"
         return wrong
+
+    def _device_clock(self) -> str | None:
+        """Return what was wrong with the device's clock in the last few seconds."""
+        guard = self._reception.guard
+        errors, self._clock_errors = guard.errors - self._clock_errors, guard.errors
+        self._clock_off = _SAID if errors or guard.is_off else max(self._clock_off - 1, 0)
+        if not self._clock_off:
+            return None
+        return "it stands still or shows anything" if guard.is_off else f"it was off {guard.errors} times in all"
 
 
 def _rate_off(health: Mapping[str, Any]) -> str | None:

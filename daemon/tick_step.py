@@ -141,11 +141,16 @@ class TickStep:
         """Take a step that fits no p so far; as many as a majority in a row that agree are a new p."""
         self._strays.append((step, samples))
         if len(self._strays) == MAJORITY:
-            before = self.ticks_per_sample
-            self.decide(self._strays)
-            if any(abs(self.late(*one)) > self.tolerance() for one in self._strays):
-                self.ticks_per_sample = before
+            self.changed(self._strays)
             self._strays.clear()
+
+    def changed(self, steps: Sequence[tuple[int, int]]) -> bool:
+        """Take steps in a row that fit no p so far; say whether they agree on another, which then holds."""
+        before = self.ticks_per_sample
+        self.decide(steps)
+        if any(abs(self.late(*one)) > self.tolerance() for one in steps):
+            self.ticks_per_sample = before
+        return self.ticks_per_sample != before
 
     def decide(self, steps: Sequence[tuple[int, int]]) -> None:
         """Measure p from the majority of steps, each its ticks and its samples, and of those before.
@@ -153,7 +158,7 @@ class TickStep:
         Rounding cancels between steps that follow each other, so the sum of all near the median tells more
         than one. INFO is right unless that sum contradicts it.
         """
-        steps = [*self._first, *steps]
+        steps = [one for one in (*self._first, *steps) if one[0] > 0]  # no sample takes no time
         self._first.clear()
         if not steps:
             return
