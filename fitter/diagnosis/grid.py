@@ -187,10 +187,17 @@ class Grid:
         return self._regression.squares(model, x, self._run)
 
     def _gain(self, hypothesis: Hypothesis, psi: Floats) -> float:
-        model = self._model.plus(hypothesis, psi)
+        return self._left_of_accepted - self._left_by(self._model.plus(hypothesis, psi))
+
+    @cached_property
+    def _left_of_accepted(self) -> float:
+        """What the accepted model leaves as models are fitted: friction that brakes, masses by their density."""
+        return self._left_by(self._model)
+
+    def _left_by(self, model: Model) -> float:
         r = self._regression.left(model, self._regression.solve(model, self._motions), self._motions)
         straight = self._tangent.T @ r
-        return self.left - float(r @ r) + float(straight @ straight)
+        return float(r @ r) - float(straight @ straight)
 
     def _gains(self, hypothesis: Hypothesis, starts: Floats) -> list[float]:
         """Return the gains of columns beside all others, those of all starts filtered together.

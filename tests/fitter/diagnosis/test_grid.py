@@ -11,7 +11,7 @@ from fitter.data.trials import to_trials
 from fitter.diagnosis.at_joint import AtJoint
 from fitter.diagnosis.grid import Grid
 from fitter.diagnosis.in_arm import FrictionDrift, GravityTilt
-from fitter.diagnosis.in_drive import Lag
+from fitter.diagnosis.in_drive import Gain, Lag
 from fitter.diagnosis.least_squares import scaled_lstsq
 from fitter.diagnosis.model import Model
 from fitter.diagnosis.motion import run_of
@@ -21,6 +21,7 @@ from fitter.diagnosis.regression import Regression
 from fitter.diagnosis.screening import fitted, screen
 from fitter.diagnosis.starts import Starts
 from fitter.diagnosis.torque.pulse import Pulse
+from fitter.diagnosis.torque_likelihood import TorqueLikelihood
 from tests.fitter.pendulum import pendulum, stop_that_no_learning_trial_reaches, swings
 
 COGGING = Effect("cogging", {"amplitude_N_m": 0.3, "phase_rad": 0.3, "periods_per_turn": 7.0}, joints=(1,))
@@ -133,3 +134,17 @@ def test_a_tilt_that_makes_masses_felt_is_sought_by_steps():
     trials = to_trials(swings((), trials=4, seed=3), cutoff_hz=25.0)
     grid = Grid(Regression(level, run_of(level, trials[:2], trials[2:])), Model(), Starts())
     assert grid.best(GravityTilt(catalogue()["gravity_tilt"], ())).gain > 0.9 * grid.left
+
+
+def test_what_changes_nothing_explains_nothing_where_friction_has_to_brake():
+    """The accepted model is held against others as these are fitted, not against free least squares."""
+    plain = swings((), trials=6)
+    motions = [replace(one, columns={**one.columns, "ref": 0.6 * one.columns["ref"]}) for one in plain]
+    trials = to_trials(motions, cutoff_hz=25.0)
+    run = Regression(pendulum(), run_of(pendulum(), trials[:3], trials[3:]))
+    likelihood = TorqueLikelihood(run, [])
+    base = likelihood.base().candidate
+    assert likelihood.regression.density is not None
+    grid = Grid(likelihood.regression, base.model, Starts())
+    gain = Gain(catalogue()["gain_error"], (0,))
+    assert grid.gain(gain, np.array([1.0])) == pytest.approx(0.0, abs=1e-6 * grid.left)
