@@ -26,6 +26,7 @@ ADVICE = {
     "disconnected": "the device is gone: look at its cable and its supply; it is taken up again by itself",
     "stranger": "another device is on the port: plug the first one in, or start limbd anew to accept this one",
     "garbage": "bytes come and no frame: look at the baud rate and the cable",
+    "nonsense": "frames come whole and say what no device may: docs/protocol.md has what its firmware must",
     "losses": "samples are lost: look at limb/gap for why; a shorter cable or a slower rate may help",
     "behind": "the machine is too slow for this rate, or something else takes its processors",
     "rate": "what is measured is followed, and no sample is lost by it",

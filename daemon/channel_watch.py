@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from arm.model import Floats
 from limbcal.compiled import compiled
-from protocol.serial_frame import Channel
+from protocol.device_info import Channel
 
 Counts = NDArray[np.int16]
 Counted = NDArray[np.int64]

@@ -8,12 +8,11 @@ from multiprocessing.context import SpawnContext
 from typing import Any
 
 from daemon.control_line import ControlLine, Said, SupervisorGone
-from limbcal.errors import ConfigError, DataError, DeviceError, LimbcalError, ProtocolError
+from limbcal.errors import ConfigError, DataError, DeviceError, LimbcalError
 
-#: What a child may end with, by the name that crosses the line.
-_FAILURES: dict[str, type[LimbcalError]] = {
-    kind.__name__: kind for kind in (ConfigError, DataError, DeviceError, ProtocolError)
-}
+#: What a child may end with besides a `DeviceError`, by the name that crosses the line: a mistake in the config
+#: or in the recording that is replayed. Bytes that break a protocol are a fault at run time, exit code 3.
+_FAILURES: dict[str, type[LimbcalError]] = {kind.__name__: kind for kind in (ConfigError, DataError)}
 _KILLED_JOIN_S = 5.0
 
 

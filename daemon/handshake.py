@@ -6,12 +6,15 @@ from dataclasses import replace
 
 from arm.model import Arm
 from daemon.ring import Chunk, Mark
-from limbcal.errors import ConfigError, DeviceError
-from protocol.serial_frame import Channel, DeviceInfo, InfoFrame
+from limbcal.errors import DeviceError
+from protocol.device_info import Channel, DeviceInfo
+from protocol.serial_frame import InfoFrame
 from protocol.serial_parser import FrameParser
 
 #: A device that resets when its port is opened needs about two seconds to start.
 INFO_LIMIT_S = 5.0
+#: Channels that a sentence names; those of eight sensors.
+_NAMED = 24
 #: Ends the sentence of a run that ends because its device is not there.
 WAIT_ADVICE = "`limbd run --wait` waits for it"
 
@@ -69,11 +72,10 @@ class Handshake:
         counters = self._parser.counters
         if self._bytes == 0:
             return "the device sent nothing"
+        found = f"no valid frame in {self._bytes} bytes"
         if counters.frames:
-            return f"{counters.frames} frames of samples and no INFO frame"
-        if self._parser.last_error is not None:
-            return f"no valid frame in {self._bytes} bytes ({self._parser.last_error})"
-        return f"no valid frame in {self._bytes} bytes"
+            found = f"{counters.frames} frames of samples and no INFO frame"
+        return found if self._parser.last_error is None else f"{found} ({self._parser.last_error})"
 
 
 def check_channels(info: DeviceInfo, arm: Arm, port: str) -> None:
@@ -81,16 +83,22 @@ def check_channels(info: DeviceInfo, arm: Arm, port: str) -> None:
 
     Raises
     ------
-    ConfigError
-        If they are not.
+    DeviceError
+        If they are not: another device may come, and a config that was right still is.
     """
     expected = [f"{sensor.name}{axis}" for sensor in arm.sensors for axis in "xyz"]
     found = [channel.name for channel in info.channels]
     if found != expected:
-        raise ConfigError(
-            f"port {port}: the device's channels are {' '.join(found)}, "
-            f"expected the sensors of arm {arm.name!r}: {' '.join(expected)}"
+        raise DeviceError(
+            f"port {port}: the device's channels are {_listed(found)}, "
+            f"expected the sensors of arm {arm.name!r}: {_listed(expected)}"
         )
+
+
+def _listed(names: Sequence[str]) -> str:
+    if len(names) <= _NAMED:
+        return " ".join(names)
+    return f"{' '.join(names[:_NAMED])} and {len(names) - _NAMED} more"
 
 
 def same_device(first: DeviceInfo, second: DeviceInfo) -> bool:

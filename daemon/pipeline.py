@@ -45,9 +45,9 @@ class Pipeline:
         self, setup: Setup, run: str, reception: Reception, publisher: Publisher, link: RecordLink | None
     ) -> None:
         rate_hz = reception.info.rate_hz
-        warm_up(_tracker(setup, rate_hz), setup.arm, rate_hz, setup.initial_q_rad)
+        warm_up(tracker_for(setup, rate_hz), setup.arm, rate_hz, setup.initial_q_rad)
         self._setup = setup
-        self._tracker = _tracker(setup, rate_hz)
+        self._tracker = tracker_for(setup, rate_hz)
         self._dt_s = 1.0 / rate_hz
         self._waiting: list[Run] | None = []  # until the rate is known
         self._delay = Delay()
@@ -114,7 +114,7 @@ class Pipeline:
         if first is not None:
             self._dt_s = first.steps.dt_s(first.ticks[0])
         rate_hz = 1.0 / self._dt_s
-        self._tracker = _tracker(self._setup, rate_hz)
+        self._tracker = tracker_for(self._setup, rate_hz)
         self._blocks = SampleBlocks(rate_hz)
         return waiting
 
@@ -199,7 +199,14 @@ class Pipeline:
         return blocks
 
 
-def _tracker(setup: Setup, rate_hz: float) -> Tracker:
+def tracker_for(setup: Setup, rate_hz: float) -> Tracker:
+    """Return the tracker of a setup, for samples at some rate.
+
+    Raises
+    ------
+    ConfigError
+        If the arm's sensors cannot be tracked by the configured method.
+    """
     tracking, q0 = setup.config.tracking, setup.initial_q_rad
     zero = tracking.zero or "each-rest"
     return tracker_of(setup.arm, tracking.method, rate_hz, q0, tracking.frame_rate_hz, zero)

@@ -9,13 +9,13 @@ import zmq
 from daemon.config import Setup
 from daemon.control_line import ControlLine, SupervisorGone
 from daemon.handshake import WAIT_ADVICE, Handshake, check_channels
-from daemon.pipeline import Pipeline
+from daemon.pipeline import Pipeline, tracker_for
 from daemon.reception import Reception
 from daemon.record_link import Context, RecordLink
 from daemon.recorded_run import RecordedClock
 from daemon.ring import Memory, Ring
 from limbcal.allocator import give_back, large_blocks_apart
-from limbcal.errors import DeviceError
+from limbcal.errors import ConfigError, DeviceError
 from limbcal.real_time import PIPELINE, ask_for_real_time
 from protocol.curve import gate_of
 from protocol.publisher import Publisher
@@ -25,6 +25,8 @@ from protocol.serial_parser import FrameParser
 #: How long the ring may gather between two looks into it.
 _LOOK_S = 0.010
 _HEALTH_S = 1.0
+#: Any device that samples so fast [Hz] can be tracked, or none can.
+_ANY_RATE_HZ = 8000.0
 #: A device that has come back is asked so often what it is.
 _ASK_S = 1.0
 #: After a stop the reader closes the ring; one that was killed never does.
@@ -69,14 +71,13 @@ def run_pipeline(
         if recorder is not None:
             link = RecordLink(context, recorder, recording)
             stack.callback(link.close)
-        ring, parser, port = Ring(memory), FrameParser(), setup.config.device.port
+        ring, parser = Ring(memory), FrameParser()
         line.tell("ready", endpoint=publisher.endpoint)
-        introduction = _introduction(line, ring, parser, port)
+        introduction = _introduction(line, ring, parser, setup)
         if introduction is None:
             return
-        check_channels(introduction.info, setup.arm, port)
         reception = _reception(setup, parser, introduction)
-        pipeline = Pipeline(setup, run, reception, publisher, link)
+        pipeline = _pipeline(setup, run, reception, publisher, link)
         if setup.config.device.real_time:  # not before its kernels are compiled
             ask_for_real_time(PIPELINE)
         line.tell("tracking", rate_hz=introduction.info.rate_hz, device=introduction.info.device)
@@ -95,8 +96,28 @@ def _reception(setup: Setup, parser: FrameParser, introduction: InfoFrame) -> Re
     return Reception(parser, introduction, new_clock=lambda *_: recorded, steps=recorded)
 
 
-def _introduction(line: ControlLine, ring: Ring, parser: FrameParser, port: str) -> InfoFrame | None:
-    """Wait for the device's INFO from the moment that the supervisor asks for it; None where a stop came."""
+def _pipeline(
+    setup: Setup, run: str, reception: Reception, publisher: Publisher, link: RecordLink | None
+) -> Pipeline:
+    """Return the pipeline; what only this device is to blame for is no mistake in the config.
+
+    Raises
+    ------
+    ConfigError
+        If the arm's sensors cannot be tracked, whatever the device.
+    DeviceError
+        If they can, but not with what this device's INFO says.
+    """
+    try:
+        return Pipeline(setup, run, reception, publisher, link)
+    except ConfigError as error:
+        tracker_for(setup, _ANY_RATE_HZ)
+        raise DeviceError(f"port {setup.config.device.port}: {error}") from error
+
+
+def _introduction(line: ControlLine, ring: Ring, parser: FrameParser, setup: Setup) -> InfoFrame | None:
+    """Wait for the INFO of the arm's device from the moment that the supervisor asks; None where a stop came."""
+    port = setup.config.device.port
     handshake: Handshake | None = None
     wait = False
     while True:
@@ -110,6 +131,8 @@ def _introduction(line: ControlLine, ring: Ring, parser: FrameParser, port: str)
             handshake, wait = Handshake(parser, port), bool(said["wait"])
         try:
             introduction = None if handshake is None else handshake.hear(ring.read())
+            if introduction is not None:
+                check_channels(introduction.info, setup.arm, port)
         except DeviceError as error:
             if not wait:
                 raise DeviceError(f"{error}; {WAIT_ADVICE}") from error

@@ -34,8 +34,9 @@ _DRAIN_LIMIT_S = 1.0
 _FIRST_TRY_S, _LAST_TRY_S = 0.05, 1.0
 #: … or as soon as its name is there again, which costs next to nothing to see: what the device can hold is little.
 _APPEARS_S = 0.05
-#: A device that is silent for so long is told to start again, as one that was restarted must be.
-_SILENT_S = 0.5
+#: A device that is silent for so long is told to start again, as one that was restarted must be; then after the
+#: same time, then after twice as long each time up to the second, however long it had no power.
+_SILENT_S, _LAST_NUDGE_S = 0.5, 2.0
 #: The name of a port may come to mean another device file: looked at so often.
 _LOOK_S = 0.5
 
@@ -78,7 +79,8 @@ class _PortKeeper:
         self._try_s, self._pause_s = 0.0, _FIRST_TRY_S
         self._gather_s = _GATHER_S
         self._flows = False
-        self._heard_s, self._nudge_s, self._look_s = 0.0, _SILENT_S, 0.0
+        self._heard_s, self._look_s = 0.0, 0.0
+        self._nudge_s = self._pace_s = _SILENT_S
 
     def follow(self) -> None:
         """Serve the line and the port until told to stop."""
@@ -128,7 +130,8 @@ class _PortKeeper:
                 self._said = str(error)
                 self._line.tell("waiting", sentence=self._said)
             return
-        self._heard_s, self._nudge_s, self._pause_s = time.monotonic(), _SILENT_S, _FIRST_TRY_S
+        self._note_heard()
+        self._pause_s = _FIRST_TRY_S
         if not self._known:
             self._known = True
             self._line.tell("ready")
@@ -180,7 +183,8 @@ class _PortKeeper:
             self._gather_s = _GATHER_S if taken < _MUCH_BYTES else _GATHER_S * _MUCH_BYTES / taken
         now_s = time.monotonic()
         if self._started and now_s > self._heard_s + self._nudge_s:
-            self._nudge_s *= 2.0
+            self._nudge_s += self._pace_s
+            self._pace_s = min(2.0 * self._pace_s, _LAST_NUDGE_S)
             tty.write(b"START\n")
         if now_s > self._look_s + _LOOK_S:
             self._look_s = now_s
@@ -201,8 +205,12 @@ class _PortKeeper:
                 self._ring.write(self._taken[:taken], time.monotonic_ns())
         if not taken:
             raise OSError("it is readable, and nothing comes")
-        self._heard_s, self._nudge_s = time.monotonic(), _SILENT_S
+        self._note_heard()
         return taken
+
+    def _note_heard(self) -> None:
+        self._heard_s = time.monotonic()
+        self._nudge_s = self._pace_s = _SILENT_S
 
 
 def _silence(tty: serial.Serial) -> None:

@@ -13,9 +13,9 @@ from numpy.typing import NDArray
 from arm.model import Floats
 from daemon.device_clock import ClockState
 from limbcal.errors import DataError, ProtocolError
+from protocol.device_info import Channel, DeviceInfo
 from protocol.message import HEALTH, RAW
 from protocol.recording_reader import read_recording
-from protocol.serial_frame import Channel, DeviceInfo
 
 #: Ticks of a replayed device: fine enough that a single lost sample is beyond doubt.
 TICKS_PER_SAMPLE = 1000

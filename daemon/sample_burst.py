@@ -44,9 +44,8 @@ def sample_burst(port: str, baud: int, arm: Arm, seconds: float) -> tuple[float,
     Raises
     ------
     DeviceError
-        If the port cannot be opened, or the device says or sends nothing of sense or goes away.
-    ConfigError
-        If the device's channels are not the arm's sensors.
+        If the port cannot be opened, the device says or sends nothing of sense or goes away, or its channels are
+        not the arm's sensors.
     """
     context = get_context("spawn")
     memory = ring_memory(context, _RING_BYTES)

@@ -10,7 +10,7 @@ from arm.model import Floats
 from daemon.channel_watch import ChannelWatch, Counts
 from daemon.device_clock import Clock
 from limbcal.compiled import compiled
-from protocol.serial_frame import Channel
+from protocol.device_info import Channel
 
 
 class StepTimes(Protocol):

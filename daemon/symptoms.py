@@ -38,8 +38,8 @@ class Symptoms:
 
     def __init__(self, reception: Reception, names: Sequence[str], free_bytes: int) -> None:
         self._reception, self._names, self._free_bytes = reception, names, free_bytes
-        self._lost = self._frames = self._discarded = self._clock_errors = 0
-        self._clock_off = 0
+        self._lost = self._frames = self._discarded = self._malformed = 0
+        self._clock_errors = self._clock_off = 0
 
     def look(self, health: Mapping[str, Any], reading: Reading, records: bool) -> dict[tuple[str, str], str]:
         """Return what is wrong, by alarm and subject.
@@ -59,6 +59,7 @@ class Symptoms:
         counters = reception.parser.counters
         frames, discarded = counters.frames - self._frames, counters.discarded_bytes - self._discarded
         self._lost, self._frames = reception.ledger.lost_samples, counters.frames
+        malformed, self._malformed = counters.malformed - self._malformed, counters.malformed
         self._discarded = counters.discarded_bytes
         if not health["connected"]:
             wrong["disconnected", ""] = "there is no device"
@@ -66,6 +67,8 @@ class Symptoms:
             wrong["stranger", ""] = f"found {reception.stranger}, expected {reception.info.serial}"
         if discarded and not frames:
             wrong["garbage", ""] = f"{discarded} bytes and no frame in the last second"
+        if malformed:
+            wrong["nonsense", ""] = f"{malformed} in the last second, at last {reception.parser.last_error}"
         if lost > _LOSSES * max(reading.samples, 1):
             wrong["losses", ""] = f"{lost} samples in the last second"
         p99 = health["latency_ms"]["p99"]

@@ -7,7 +7,7 @@ from daemon.fault_schedule import Fault, acting
 from daemon.faulty_line import FaultyLine
 from daemon.virtual_device import VirtualDevice
 from daemon.virtual_port import VirtualPort
-from protocol.serial_frame import DeviceInfo
+from protocol.device_info import DeviceInfo
 
 #: How long it takes to pull one device and plug in another [s].
 _SWAP_S = 0.3

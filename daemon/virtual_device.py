@@ -8,7 +8,8 @@ from arm.bench import COUNT_M_S2, FULL_SCALE_M_S2
 from arm.model import Arm
 from daemon.motion_source import MotionSource
 from daemon.virtual_motion import Truth
-from protocol.serial_frame import Channel, DeviceInfo, encode_info, encode_samples
+from protocol.device_info import Channel, DeviceInfo
+from protocol.serial_frame import encode_info, encode_samples
 
 FRAME_SAMPLES = 32
 TICK_HZ = 10_000_000

@@ -5,18 +5,15 @@ little-endian.
 """
 
 import binascii
-import json
-import math
 import struct
 import zlib
-from collections.abc import Mapping
-from dataclasses import asdict, dataclass
-from typing import Any
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from limbcal.errors import ProtocolError
+from protocol.device_info import DeviceInfo
 
 MAGIC = b"\xa5\x5a"
 VERSION = 1
@@ -34,63 +31,6 @@ HEADER_CRC = struct.Struct("<H")
 PAYLOAD_CRC = struct.Struct("<I")
 
 _COUNTS = np.dtype("<i2")
-
-
-@dataclass(frozen=True)
-class Channel:
-    """One channel of the device: ``value = scale * count + offset`` [m/s^2], valid up to ``full_scale``."""
-
-    name: str
-    scale: float
-    offset: float
-    full_scale: float
-
-
-@dataclass(frozen=True)
-class DeviceInfo:
-    """What a device says of itself; the payload of an INFO frame."""
-
-    device: str
-    serial: str
-    firmware: str
-    rate_hz: float
-    tick_hz: float
-    channels: tuple[Channel, ...]
-
-    def to_json(self) -> bytes:
-        """Return the payload of an INFO frame, UTF-8 JSON."""
-        return json.dumps(asdict(self), separators=(",", ":"), ensure_ascii=False, allow_nan=False).encode()
-
-    @classmethod
-    def from_json(cls, payload: bytes) -> "DeviceInfo":
-        """Read the payload of an INFO frame; keys that this version does not know are passed over.
-
-        Raises
-        ------
-        ProtocolError
-            If it is not a JSON object, or a field is missing, of another type or out of range.
-        """
-        try:
-            document = json.loads(payload.decode("utf-8"))
-        except (ValueError, RecursionError) as error:
-            raise ProtocolError(f"INFO: found {payload[:40]!r}, expected UTF-8 JSON ({error})") from error
-        if not isinstance(document, dict):
-            raise ProtocolError(f"INFO: found a JSON {type(document).__name__}, expected an object")
-        found = document.get("channels")
-        if not isinstance(found, list) or not found:
-            raise ProtocolError(f"INFO: channels is {_short(found)}, expected a list of at least one channel")
-        channels = tuple(_channel(entry, f"INFO: channels[{place}]") for place, entry in enumerate(found))
-        names = [channel.name for channel in channels]
-        if len(set(names)) < len(names):
-            raise ProtocolError(f"INFO: channel names are {names}, expected each only once")
-        return cls(
-            device=_text(document, "device", "INFO"),
-            serial=_text(document, "serial", "INFO"),
-            firmware=_text(document, "firmware", "INFO"),
-            rate_hz=_positive(document, "rate_hz", "INFO"),
-            tick_hz=_positive(document, "tick_hz", "INFO"),
-            channels=channels,
-        )
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -195,52 +135,3 @@ def _frame(kind: int, sequence: int, ticks: int, samples: int, channels: int, pa
         raise ProtocolError(f"frame: device clock is {ticks} ticks, expected 0 to 2**64 - 1")
     header = HEADER.pack(MAGIC, VERSION, kind, sequence % SEQUENCES, ticks, samples, channels, len(payload))
     return b"".join((header, HEADER_CRC.pack(header_crc(header)), payload, PAYLOAD_CRC.pack(zlib.crc32(payload))))
-
-
-def _channel(entry: Any, where: str) -> Channel:
-    if not isinstance(entry, dict):
-        raise ProtocolError(f"{where} is {_short(entry)}, expected an object")
-    scale = _number(entry, "scale", where)
-    if scale == 0.0:
-        raise ProtocolError(f"{where}: scale is 0, expected a number other than 0")
-    return Channel(
-        name=_text(entry, "name", where),
-        scale=scale,
-        offset=_number(entry, "offset", where),
-        full_scale=_positive(entry, "full_scale", where),
-    )
-
-
-def _text(fields: Mapping[str, Any], name: str, where: str) -> str:
-    value = fields.get(name)
-    if not isinstance(value, str):
-        raise ProtocolError(f"{where}: {name} is {_short(value)}, expected a string")
-    return value
-
-
-def _number(fields: Mapping[str, Any], name: str, where: str) -> float:
-    value = fields.get(name)
-    if isinstance(value, int | float) and not isinstance(value, bool):
-        try:
-            number = float(value)
-        except OverflowError:  # an integer beyond what a float holds
-            number = math.inf
-        if math.isfinite(number):
-            return number
-    raise ProtocolError(f"{where}: {name} is {_short(value)}, expected a finite number")
-
-
-def _positive(fields: Mapping[str, Any], name: str, where: str) -> float:
-    number = _number(fields, name, where)
-    if number <= 0.0:
-        raise ProtocolError(f"{where}: {name} is {number:g}, expected a number above 0")
-    return number
-
-
-def _short(value: object) -> str:
-    if value is None:
-        return "missing"
-    if isinstance(value, int) and abs(value) >= 10**40:  # repr of a very long integer raises
-        return "an integer of more than 40 digits"
-    text = repr(value)
-    return text if len(text) <= 60 else text[:57] + "..."

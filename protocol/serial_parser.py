@@ -9,6 +9,7 @@ import zlib
 from dataclasses import dataclass
 
 from limbcal.errors import ProtocolError
+from protocol.device_info import DeviceInfo
 from protocol.serial_frame import (
     HEADER,
     HEADER_BYTES,
@@ -19,7 +20,6 @@ from protocol.serial_frame import (
     PAYLOAD_CRC,
     PAYLOAD_CRC_BYTES,
     VERSION,
-    DeviceInfo,
     InfoFrame,
     SamplesFrame,
     SamplesRun,

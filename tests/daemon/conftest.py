@@ -19,7 +19,8 @@ import psutil
 import pytest
 from numpy.typing import NDArray
 
-from protocol.serial_frame import Channel, DeviceInfo, encode_info
+from protocol.device_info import Channel, DeviceInfo
+from protocol.serial_frame import encode_info
 
 PATIENCE_S = 30.0
 SCALE = 0.0015
@@ -111,6 +112,11 @@ class PtyDevice:
         with self._lock:
             self._outgoing += data
         os.write(self._wake_write, b".")
+
+    def introduce(self, info: DeviceInfo) -> None:
+        """Be another device from now on."""
+        with self._lock:
+            self._info = info
 
     def close(self) -> None:
         if self._master >= 0:

@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 
 from daemon.alarms import ADVICE, Alarms, wrong_channels
 from daemon.channel_watch import ChannelWatch
-from protocol.serial_frame import Channel
+from protocol.device_info import Channel
 
 NAMES = [f"s{k}{axis}" for k in (1, 2) for axis in "xyz"]
 SCALE, NOISE = 0.0015, 10.0

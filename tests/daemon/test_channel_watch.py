@@ -3,7 +3,7 @@
 import numpy as np
 
 from daemon.channel_watch import ChannelWatch
-from protocol.serial_frame import Channel
+from protocol.device_info import Channel
 
 RATE_HZ = 1000.0
 

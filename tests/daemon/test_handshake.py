@@ -8,8 +8,9 @@ import pytest
 from arm.arm_file import load_arm
 from daemon.handshake import Handshake, check_channels, same_device
 from daemon.ring import Chunk
-from limbcal.errors import ConfigError, DeviceError
-from protocol.serial_frame import DeviceInfo, encode_info, encode_samples
+from limbcal.errors import DeviceError
+from protocol.device_info import DeviceInfo
+from protocol.serial_frame import encode_info, encode_samples
 from protocol.serial_parser import FrameParser
 
 MakeInfo = Callable[..., DeviceInfo]
@@ -41,7 +42,7 @@ def test_what_came_instead_is_said(sent: bytes, said: str) -> None:
 def test_channels_must_be_the_arms_sensors(make_info: MakeInfo) -> None:
     arm = load_arm("dd-arm")
     check_channels(make_info(), arm, "/dev/ttyX")
-    with pytest.raises(ConfigError, match="channels are ax ay az, expected the sensors of arm 'dd-arm': s1x s1y"):
+    with pytest.raises(DeviceError, match="channels are ax ay az, expected the sensors of arm 'dd-arm': s1x s1y"):
         check_channels(make_info(names=["ax", "ay", "az"]), arm, "/dev/ttyX")
 
 

@@ -13,7 +13,8 @@ from numpy.typing import NDArray
 from daemon.reception import Reception
 from daemon.ring import Chunk, Mark
 from daemon.sample_runs import Run
-from protocol.serial_frame import DeviceInfo, InfoFrame, encode_info, encode_samples
+from protocol.device_info import DeviceInfo
+from protocol.serial_frame import InfoFrame, encode_info, encode_samples
 from protocol.serial_parser import FrameParser
 
 MakeInfo = Callable[..., DeviceInfo]

@@ -14,9 +14,10 @@ from numpy.typing import NDArray
 
 from arm.arm_file import load_arm, parse_arm
 from daemon.virtual_motion import BenchPlan, stretches
+from protocol.device_info import DeviceInfo
 from protocol.message import FRAMES, HEALTH, PLOT, RAW, TRIAL
 from protocol.recording_reader import read_recording, recording_attachments
-from protocol.serial_frame import DeviceInfo, encode_samples
+from protocol.serial_frame import encode_samples
 from protocol.subscriber import Subscriber
 
 Limbd = Callable[..., Any]
@@ -221,7 +222,7 @@ def test_another_arms_device_is_refused(
 ) -> None:
     device = pty_device(make_info(names=["x", "y"]))
     daemon = limbd("run", "--port", device.path, "--arm", "dd-arm", *ANY_ENDPOINT)
-    assert daemon.wait() == 2
+    assert daemon.wait() == 3
     assert "the device's channels are x y, expected the sensors of arm 'dd-arm': s1x" in daemon.said
 
 

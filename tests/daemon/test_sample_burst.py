@@ -11,8 +11,9 @@ from numpy.typing import NDArray
 from arm.arm_file import load_arm
 from daemon import sample_burst as module
 from daemon.sample_burst import sample_burst
-from limbcal.errors import ConfigError, DeviceError
-from protocol.serial_frame import DeviceInfo, encode_samples
+from limbcal.errors import DeviceError
+from protocol.device_info import DeviceInfo
+from protocol.serial_frame import encode_samples
 
 MakeDevice = Callable[..., Any]
 MakeInfo = Callable[..., DeviceInfo]
@@ -48,7 +49,7 @@ def test_a_device_that_stays_silent_after_start(
 
 def test_another_arms_device(pty_device: MakeDevice, make_info: MakeInfo) -> None:
     device = pty_device(make_info(names=["x", "y"]))
-    with pytest.raises(ConfigError, match="the device's channels are x y, expected the sensors of arm 'dd-arm'"):
+    with pytest.raises(DeviceError, match="the device's channels are x y, expected the sensors of arm 'dd-arm'"):
         sample_burst(device.path, BAUD, ARM, 1.0)
 
 

@@ -11,7 +11,7 @@ from typing import Any
 import pytest
 
 from limbcal.notify import notify
-from protocol.serial_frame import DeviceInfo
+from protocol.device_info import DeviceInfo
 from tests.daemon.conftest import wait_until
 
 Limbd = Callable[..., Any]

@@ -10,7 +10,8 @@ from numpy.typing import NDArray
 from daemon.reception import Reception
 from daemon.ring import Chunk
 from daemon.symptoms import Symptoms
-from protocol.serial_frame import DeviceInfo, InfoFrame, encode_samples
+from protocol.device_info import DeviceInfo
+from protocol.serial_frame import InfoFrame, encode_samples
 from protocol.serial_parser import FrameParser
 
 MakeInfo = Callable[..., DeviceInfo]

@@ -8,7 +8,8 @@ from numpy.typing import NDArray
 
 from daemon.motion_source import MotionSource
 from daemon.virtual_device import TICK_HZ, FrameFifo, VirtualDevice
-from protocol.serial_frame import DeviceInfo, InfoFrame, SamplesFrame
+from protocol.device_info import DeviceInfo
+from protocol.serial_frame import InfoFrame, SamplesFrame
 from protocol.serial_parser import FrameParser
 
 RATE_HZ = 8000.0

@@ -17,7 +17,8 @@ from daemon.ring import Chunk
 from daemon.virtual_motion import BenchPlan, stretches
 from daemon.warm_up import warm_up
 from protocol import serial_scan
-from protocol.serial_frame import DeviceInfo, InfoFrame, encode_samples
+from protocol.device_info import DeviceInfo
+from protocol.serial_frame import InfoFrame, encode_samples
 from protocol.serial_parser import FrameParser
 from tracking.tracker import Method, tracker_of
 

@@ -10,10 +10,11 @@ import numpy as np
 
 from daemon.config import load_setup
 from limbcal.errors import ConfigError, DataError, ProtocolError
+from protocol.device_info import Channel, DeviceInfo
 from protocol.message import FRAMES, PLOT, RAW, decode, encode
 from protocol.recording import RecordingWriter
 from protocol.recording_reader import read_recording, recording_attachments
-from protocol.serial_frame import Channel, DeviceInfo, InfoFrame, SamplesFrame, encode_info, encode_samples
+from protocol.serial_frame import InfoFrame, SamplesFrame, encode_info, encode_samples
 from protocol.serial_parser import FrameParser
 from tests.fuzz.sealed_frames import sealed
 

@@ -3,7 +3,6 @@
 import json
 import struct
 import zlib
-from dataclasses import asdict, replace
 
 import numpy as np
 import pytest
@@ -12,10 +11,8 @@ from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
 
 from limbcal.errors import ProtocolError
+from protocol.device_info import Channel, DeviceInfo
 from protocol.serial_frame import (
-    Channel,
-    DeviceInfo,
-    InfoFrame,
     SamplesFrame,
     encode_info,
     encode_samples,
@@ -26,16 +23,6 @@ from protocol.serial_parser import FrameParser
 CHANNELS = tuple(Channel(f"s{s}{axis}", 0.0015, -0.2, 49.0) for s in (1, 2, 3, 4) for axis in "xyz")
 INFO = DeviceInfo("limb-x", "0007", "1.2.3", 32000.0, 1e6, CHANNELS)
 
-numbers = st.floats(allow_nan=False, allow_infinity=False)
-positive = st.floats(1e-300, 1e300)
-channels = st.builds(Channel, st.text(max_size=8), numbers.filter(bool), numbers, positive)
-infos = st.builds(
-    DeviceInfo,
-    *(st.text(max_size=20) for _ in range(3)),
-    positive,
-    positive,
-    st.lists(channels, min_size=1, max_size=6, unique_by=lambda channel: channel.name).map(tuple),
-)
 counts = hnp.arrays(np.int16, st.tuples(st.integers(1, 40), st.integers(1, 16)))
 sequences = st.integers(0, 2**32 - 1)
 ticks = st.integers(0, 2**64 - 1)
@@ -78,14 +65,17 @@ def test_samples_round_trip(block, sequence, tick):
     np.testing.assert_array_equal(frame.counts, block)
 
 
-@given(infos, sequences, ticks)
-def test_info_round_trip(info, sequence, tick):
-    assert FrameParser().feed(encode_info(info, sequence, tick)) == [InfoFrame(sequence, tick, info)]
-
-
 def test_sequence_wraps():
     (frame,) = FrameParser().feed(encode_samples(np.zeros((1, 1), np.int16), 2**32 + 5, 0))
     assert frame.sequence == 5
+
+
+def test_sequence_wraps_inside_a_run():
+    first, ones = 2**32 - 2, np.ones((2, 3), np.int16)
+    (run,) = FrameParser().feed_runs(b"".join(encode_samples(ones, first + k, 100 * k) for k in range(4)))
+    assert run.sequence == first and len(run.ticks) == 4
+    assert [frame.sequence for frame in run.frames()] == [first, first + 1, 0, 1]
+    assert run.last().sequence == 1
 
 
 def test_strided_counts_are_sent_in_order():
@@ -113,54 +103,3 @@ def test_counts_that_fit_no_frame_are_refused(block):
 def test_ticks_beyond_64_bits_are_refused(tick):
     with pytest.raises(ProtocolError, match="device clock"):
         encode_samples(np.zeros((1, 1), np.int16), 0, tick)
-
-
-def _with(**changes):
-    return json.dumps({**asdict(INFO), **changes}).encode()
-
-
-def _with_channel(**changes):
-    return _with(channels=[asdict(CHANNELS[0]), {**asdict(CHANNELS[1]), **changes}])
-
-
-@pytest.mark.parametrize(
-    ("payload", "said"),
-    [
-        (b"\xff\xfe", "expected UTF-8 JSON"),
-        (b"{", "expected UTF-8 JSON"),
-        (b"[" * 100_000, "expected UTF-8 JSON"),
-        (b"[1]", "expected an object"),
-        (_with(device=3), "device is 3, expected a string"),
-        (_with(rate_hz=0), "rate_hz is 0, expected a number above 0"),
-        (_with(rate_hz=True), "rate_hz is True, expected a finite number"),
-        (_with(rate_hz=float("nan")), "rate_hz is nan"),
-        (_with(tick_hz=10**400), "tick_hz is an integer of more than 40 digits"),
-        (_with(channels=[]), "at least one channel"),
-        (_with(channels=[7]), r"channels\[0\] is 7, expected an object"),
-        (_with(channels=[asdict(CHANNELS[0])] * 2), "each only once"),
-        (_with_channel(scale=0), r"channels\[1\]: scale is 0"),
-        (_with_channel(offset="x"), r"channels\[1\]: offset is 'x'"),
-        (_with_channel(full_scale=-1), r"channels\[1\]: full_scale is -1"),
-        (_with_channel(name=None), r"channels\[1\]: name is missing"),
-    ],
-)
-def test_info_says_what_is_wrong_with_it(payload, said):
-    with pytest.raises(ProtocolError, match=said):
-        DeviceInfo.from_json(payload)
-
-
-@given(st.binary(max_size=200))
-def test_info_raises_nothing_else(payload):
-    try:
-        DeviceInfo.from_json(payload)
-    except ProtocolError:
-        pass
-
-
-def test_info_passes_over_keys_of_a_later_firmware():
-    assert DeviceInfo.from_json(_with(temperature=21)) == INFO
-
-
-def test_info_that_is_no_number_is_not_sent():
-    with pytest.raises(ValueError, match="JSON compliant"):
-        encode_info(replace(INFO, rate_hz=float("inf")), 0, 0)

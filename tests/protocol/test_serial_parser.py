@@ -9,10 +9,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from protocol.device_info import Channel, DeviceInfo
 from protocol.serial_frame import (
     MAGIC,
-    Channel,
-    DeviceInfo,
     InfoFrame,
     encode_info,
     encode_samples,
