@@ -32,7 +32,8 @@ ADVICE = {
     "rate": "what is measured is followed, and no sample is lost by it",
     "clock": "stamps go on by this machine's clock as it was when the run began, and by the frames' numbers",
     "disk": "the disk is nearly full: make room, or recording will pause",
-    "not recorded": "nothing is recorded any more: make room on the disk; recording then goes on by itself",
+    "not recorded": "make room on the disk, or its folder anew; recording then goes on by itself",
+    "removed": "files of the recording were taken away: it goes on in a new one; who tidies up there?",
 }
 
 

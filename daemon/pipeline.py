@@ -167,7 +167,9 @@ class Pipeline:
             directory=self._directory,
         )
         now_ns = time.monotonic_ns() + self._reception.host.offset_ns
-        begun, ended = self._alarms.report(self._symptoms.look(fields, reading, self._link is not None), now_ns)
+        removed = 0 if self._link is None else self._link.removed
+        wrong = self._symptoms.look(fields, reading, self._link is not None, removed)
+        begun, ended = self._alarms.report(wrong, now_ns)
         fields["alarms"] = [alarm.document() for alarm in self._alarms.raised.values()]
         self._outlet.send_health(fields, now_ns)
         words = [

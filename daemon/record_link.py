@@ -37,11 +37,13 @@ class RecordLink:
         Path of the recording; None while nothing can be recorded.
     lost : int
         Messages that the recorder did not get.
+    removed : int
+        Files of the recording that somebody took away while they were written.
     """
 
     def __init__(self, context: Context, endpoint: str, recording: str) -> None:
         self.recording: str | None = recording
-        self.lost = 0
+        self.lost = self.removed = 0
         self._gathered: list[tuple[bytes, bytes, int]] = []
         self._due_s = 0.0
         self._socket = context.socket(zmq.PAIR)
@@ -71,7 +73,7 @@ class RecordLink:
     def check(self) -> None:
         """Hear what the recorder writes to now, if to anything."""
         while self._socket.poll(0):
-            self.recording = self._socket.recv().decode() or None
+            self.recording, self.removed = msgpack.unpackb(self._socket.recv())
 
     def close(self) -> None:
         """Say that this was all, and close; what was handed over still leaves."""
@@ -116,9 +118,12 @@ class RecordInlet:
             return []
         return [Entry(topic.decode(), payload, t_ns) for topic, payload, t_ns in msgpack.unpackb(message)]
 
-    def tell(self, recording: str | None) -> None:
-        """Tell the pipeline what is recorded to now, if to anything; one that is not there yet hears it later."""
-        self._untold = (recording or "").encode()
+    def tell(self, recording: str | None, removed: int = 0) -> None:
+        """Tell the pipeline what is recorded to now, if to anything; one that is not there yet hears it later.
+
+        ``removed`` is how many files were taken away so far.
+        """
+        self._untold = msgpack.packb((recording, removed))
         self._tell()
 
     def close(self) -> None:

@@ -50,11 +50,11 @@ def run_recorder(
 
         def pause(sentence: str) -> None:
             line.tell("disk-failed", sentence=sentence)
-            inlet.tell(None)
+            inlet.tell(None, segments.removed)
 
         def resume(path: str) -> None:
             line.tell("recording", path=path)
-            inlet.tell(path)
+            inlet.tell(path, segments.removed)
 
         segments = Segments(file, (arm_toml, config_toml), limits, pause, resume)
         line.tell("ready")

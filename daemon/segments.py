@@ -60,7 +60,9 @@ class Segments:
     messages : int
         Written so far.
     lost : int
-        Messages that could be neither written nor kept.
+        Messages that could be neither written nor kept, or were in a file that somebody took away.
+    removed : int
+        Files that were taken away while they were written.
     paused, ever_paused : bool
 
     Raises
@@ -80,6 +82,7 @@ class Segments:
     ) -> None:
         self.messages = 0
         self.lost = 0
+        self.removed = 0
         self.paused = False
         self.ever_paused = False
         self._path, self._texts, self._limits, self._clock = path, texts, limits, clock
@@ -89,6 +92,7 @@ class Segments:
         self._kept_bytes = 0
         self._began_s = self._look_s = self._try_s = clock()
         self._pause_s = _TRY_S
+        self._before = 0  # messages in the files before this one
         self._writer = RecordingWriter(path, *texts, clock=clock)
 
     def write(self, entries: Sequence[Entry]) -> None:
@@ -116,7 +120,9 @@ class Segments:
         self._look_s = now
         if now >= self._began_s + _LAST_TRY_S:  # it has worked for long: the next failure is another one
             self._pause_s = _TRY_S
-        if self._room() < self._limits.free_bytes:
+        if not self._writer.is_there():
+            self._begin_anew()
+        elif self._room() < self._limits.free_bytes:
             self._attempt(self._finish)
             if not self.paused:
                 self._pause(
@@ -129,6 +135,8 @@ class Segments:
         """Finish the file; one without a single message is taken away."""
         if self.paused:
             self._resume()
+        if not self.paused and not self._writer.is_there():
+            self._begin_anew()
         if not self.paused:
             self._attempt(self._writer.close)
         if self.paused:
@@ -144,11 +152,15 @@ class Segments:
         self._kept.append(entry)
         self._kept_bytes += len(entry.payload)
         if not self.paused:
-            while len(self._kept) > self._writer.unsafe + 1:
-                self._kept_bytes -= len(self._kept.popleft().payload)
+            self._forget(self._writer.unsafe + 1)  # and this one, which is not written yet
         while self._kept_bytes > _KEPT_BYTES:
             self._kept_bytes -= len(self._kept.popleft().payload)
             self.lost += 1
+
+    def _forget(self, but: int) -> None:
+        """Keep no more than so many messages, the newest."""
+        while len(self._kept) > but:
+            self._kept_bytes -= len(self._kept.popleft().payload)
 
     def _attempt(self, action: Callable[[], object]) -> None:
         unsafe = self._writer.unsafe
@@ -164,8 +176,20 @@ class Segments:
         self._try_s, self._pause_s = self._clock(), min(2.0 * self._pause_s, _LAST_TRY_S)
         self._on_pause(sentence)
 
+    def _begin_anew(self) -> None:
+        """Go on in a new file where somebody took this one away, and count what was in it as lost."""
+        gone, unsafe = self._writer.path, self._writer.unsafe
+        written = self.messages - self._before
+        self.lost += written - min(unsafe, written)  # what is not in the file yet is kept, and written again
+        self._forget(unsafe)
+        self.messages, self.removed = self._before, self.removed + 1
+        self._writer.abandon()
+        what = "it" if gone.parent.is_dir() else "its folder"
+        self._pause(f"recording {gone}: {what} was taken away while it was written, with what was in it")
+        self._resume()
+
     def _resume(self) -> None:
-        if self._room() < 2 * self._limits.free_bytes:
+        if not self._folder_is_there() or self._room() < 2 * self._limits.free_bytes:
             return
         messages = self.messages
         try:
@@ -196,7 +220,18 @@ class Segments:
         except DeviceError:
             path.unlink(missing_ok=True)
             raise
-        self._began_s = self._clock()
+        self._began_s, self._before = self._clock(), self.messages
+
+    def _folder_is_there(self) -> bool:
+        """Say whether there is a folder to record into; make it if what it was in is still there.
+
+        Without that it was on a disk that was taken out, and would be made on another one.
+        """
+        try:
+            self._path.parent.mkdir(exist_ok=True)
+        except OSError:
+            return False
+        return True
 
     def _room(self) -> int:
         try:

@@ -41,7 +41,9 @@ class Symptoms:
         self._lost = self._frames = self._discarded = self._malformed = 0
         self._clock_errors = self._clock_off = 0
 
-    def look(self, health: Mapping[str, Any], reading: Reading, records: bool) -> dict[tuple[str, str], str]:
+    def look(
+        self, health: Mapping[str, Any], reading: Reading, records: bool, removed: int = 0
+    ) -> dict[tuple[str, str], str]:
         """Return what is wrong, by alarm and subject.
 
         Parameters
@@ -52,6 +54,8 @@ class Symptoms:
             What channels read since the last report.
         records : bool
             Whether a recording was asked for.
+        removed : int
+            Files of the recording that somebody took away while they were written.
         """
         reception = self._reception
         wrong = wrong_channels(self._names, reading)
@@ -88,6 +92,8 @@ class Symptoms:
             wrong["not recorded", ""] = "nothing is recorded"
         elif free is not None and free < _NEARLY * self._free_bytes:
             wrong["disk", ""] = f"{free / 1e6:.0f} MB are left"
+        if removed:
+            wrong["removed", ""] = f"{removed} so far while written, with what was in them"
         return wrong
 
     def _device_clock(self) -> str | None:

@@ -79,6 +79,23 @@ class RecordingWriter:
         """Bytes in the file so far."""
         return self.path.stat().st_size if self._file.closed else self._file.tell()
 
+    def is_there(self) -> bool:
+        """Say whether the file still goes by its name; one that was taken away takes along what is written to it."""
+        try:
+            found = self.path.stat()
+        except OSError:
+            return False
+        if self._file.closed:
+            return True
+        mine = os.fstat(self._file.fileno())
+        return (found.st_dev, found.st_ino) == (mine.st_dev, mine.st_ino)
+
+    def abandon(self) -> None:
+        """Close the file as it is; nothing can be written any more."""
+        self._finished = True
+        with suppress(OSError):
+            self._file.close()
+
     def write(self, topic: str, payload: bytes, t_ns: int) -> None:
         """Add a message.
 
@@ -170,9 +187,8 @@ class RecordingWriter:
             raise DeviceError(f"recording {self.path} exists already, expected a new file") from error
         except OSError as error:
             self._finished = True
-            if hasattr(self, "_file"):
-                with suppress(OSError):  # its buffer cannot be written out either
-                    self._file.close()
+            if hasattr(self, "_file"):  # its buffer cannot be written out either
+                self.abandon()
             raise DeviceError(f"recording {self.path} cannot be written: {error.strerror}") from error
 
 

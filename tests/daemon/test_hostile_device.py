@@ -1,4 +1,4 @@
-"""A device that says what none may is refused with a sentence, waited out where one is waited for, and never exit 2."""
+"""A device that says what none may is refused with a sentence, or waited out, and never with exit code 2."""
 
 import json
 import threading
@@ -11,7 +11,7 @@ from typing import Any
 
 import pytest
 
-import daemon.reader as reader
+from daemon import reader
 from daemon.child import failure
 from daemon.control_line import ControlLine
 from daemon.ring import ring_memory

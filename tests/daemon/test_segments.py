@@ -2,11 +2,12 @@
 
 import resource
 import shutil
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
 
+import daemon.segments as module
 from daemon.record_link import Entry
 from daemon.segments import Limits, Segments
 from protocol.message import TRIAL, encode
@@ -80,7 +81,7 @@ def test_what_a_failed_disk_did_not_take_is_in_the_next_file(tmp_path: Path) -> 
         clock.now_s += 0.02
         some.write([entry(number, 20 + 37 * number % 91)])
     some.close()
-    assert sorted(set(numbers(tmp_path))) == list(range(3000))
+    assert numbers(tmp_path) == list(range(3000))  # neither lost nor twice
     assert [what for what, _ in told][:4] == ["pause", "resume", "pause", "resume"]
     assert some.lost == 0
 
@@ -114,3 +115,117 @@ def test_what_can_not_be_kept_is_counted(tmp_path: Path, monkeypatch: pytest.Mon
     assert some.messages + some.lost == 100
     assert some.lost > 90
     assert numbers(tmp_path) == list(range(some.messages))
+
+
+def test_every_file_is_as_long_as_the_first(tmp_path: Path) -> None:
+    told: Told = []
+    clock = Clock()
+    some = segments(tmp_path, told, clock, Limits(10**9, 10.0, 0))
+    for number in range(1000):
+        clock.now_s += 0.1
+        some.write([entry(number)])
+    some.close()
+    files = [len(list(read_recording(path))) for path in tmp_path.glob("*.mcap")]
+    assert len(files) in (9, 10, 11)  # 100 s at 10 s a file; it is looked at once a second
+    assert sorted(files)[1] >= 90
+
+
+def test_what_is_kept_while_nothing_can_be_written_is_the_newest_and_bounded(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    free = [10**9]
+    monkeypatch.setattr(shutil, "disk_usage", lambda _: shutil._ntuple_diskusage(0, 0, free[0]))
+    monkeypatch.setattr(module, "_KEPT_BYTES", 100_000)
+    told: Told = []
+    clock = Clock()
+    some = segments(tmp_path, told, clock, Limits(10**9, 1e9, 10**6))
+    for number in range(500):
+        clock.now_s += 0.1
+        free[0] = 0 if number >= 20 else 10**9
+        some.write([entry(number, 1000)])
+    free[0] = 10**9
+    some.close()
+    found = numbers(tmp_path)
+    kept = 100_000 // len(entry(400, 1000).payload)
+    assert found[-kept:] == list(range(500 - kept, 500))
+    assert 500 - kept - 1 not in found
+    assert (some.messages, some.lost) == (len(found), 500 - len(found))
+
+
+def _taken_away(folder: Path) -> None:
+    next(folder.glob("*.mcap")).unlink()
+
+
+def _replaced(folder: Path) -> None:
+    path = next(folder.glob("*.mcap"))
+    path.rename(folder / "elsewhere")
+    path.write_bytes(b"another file")
+    path.rename(folder / "run.other")
+
+
+def _with_its_folder(folder: Path) -> None:
+    shutil.rmtree(folder)
+
+
+def _moved_with_its_folder(folder: Path) -> None:
+    folder.rename(folder.with_name("moved"))
+
+
+@pytest.mark.parametrize(
+    ("what", "said"),
+    [
+        (_taken_away, "it was taken away while it was written"),
+        (_replaced, "it was taken away while it was written"),
+        (_with_its_folder, "its folder was taken away while it was written"),
+        (_moved_with_its_folder, "its folder was taken away while it was written"),
+    ],
+)
+def test_a_recording_that_is_taken_away_goes_on_in_a_new_file(
+    tmp_path: Path, what: Callable[[Path], None], said: str
+) -> None:
+    told: Told = []
+    clock = Clock()
+    folder = tmp_path / "recordings"
+    folder.mkdir()
+    some = segments(folder, told, clock, Limits(10**9, 1e9, 1))
+    for number in range(100):
+        clock.now_s += 0.1
+        if number == 50:
+            what(folder)
+        some.write([entry(number)])
+    some.close()
+    assert [what for what, _ in told] == ["pause", "resume"]
+    assert said in told[0][1] and "less than" not in told[0][1]
+    found = numbers(folder)
+    assert found == list(range(100 - len(found), 100)) and len(found) > 40
+    assert (some.removed, some.messages, some.lost) == (1, len(found), 100 - len(found))
+
+
+def test_a_file_that_is_taken_away_in_the_last_moment_is_noticed(tmp_path: Path) -> None:
+    told: Told = []
+    some = segments(tmp_path, told, Clock(), Limits(10**9, 1e9, 1))
+    some.write([entry(number) for number in range(10)])
+    _taken_away(tmp_path)
+    some.close()
+    assert some.removed == 1 and some.messages + some.lost == 10
+    assert len(numbers(tmp_path)) == some.messages
+
+
+def test_a_folder_on_a_disk_that_was_taken_out_is_not_made_on_another(tmp_path: Path) -> None:
+    told: Told = []
+    clock = Clock()
+    folder = tmp_path / "disk" / "recordings"
+    folder.mkdir(parents=True)
+    some = segments(folder, told, clock, Limits(10**9, 1e9, 1))
+    for number in range(300):
+        clock.now_s += 0.1
+        if number == 50:
+            shutil.rmtree(folder.parent)
+        if number == 150:
+            assert some.paused and not folder.parent.exists()
+            folder.parent.mkdir()
+        some.write([entry(number)])
+    some.close()
+    assert [what for what, _ in told] == ["pause", "resume"]
+    found = numbers(folder)
+    assert found == list(range(300 - len(found), 300)) and len(found) > 240

@@ -1,6 +1,7 @@
 """What one report after another gives away."""
 
 from collections.abc import Callable
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -11,7 +12,7 @@ from daemon.reception import Reception
 from daemon.ring import Chunk
 from daemon.symptoms import Symptoms
 from protocol.device_info import DeviceInfo
-from protocol.serial_frame import InfoFrame, encode_samples
+from protocol.serial_frame import InfoFrame, encode_info, encode_samples
 from protocol.serial_parser import FrameParser
 
 MakeInfo = Callable[..., DeviceInfo]
@@ -98,3 +99,20 @@ def test_losses_and_garbage_are_of_the_time_since_the_last_report(
     found = look(taker, looker, health(), records=True)
     assert ("garbage", "") in found and ("losses", "") not in found
     assert look(taker, looker, health(), records=True) == {}
+
+
+def test_a_recording_that_was_taken_away_is_wrong_for_the_rest_of_the_run(make_info: MakeInfo) -> None:
+    taker, looker = symptoms(make_info())
+    for _ in range(3):
+        wrong = looker.look(health(), taker.watch.take(), True, removed=2)
+        assert wrong["removed", ""] == "2 so far while written, with what was in them"
+
+
+def test_what_no_device_may_say_is_shown_by_its_field(make_info: MakeInfo) -> None:
+    taker, looker = symptoms(make_info())
+    assert ("nonsense", "") not in look(taker, looker, health(), True)
+    hostile = encode_info(replace(make_info(), serial="x\x1b[2J"), 1, 0)
+    taker.take([Chunk(0, hostile), Chunk(1, hostile)], 1)
+    said = look(taker, looker, health(), True)["nonsense", ""]
+    assert said.startswith("2 in the last second, at last serial frame: INFO: serial is 'x\\x1b[2J', expected")
+    assert ("nonsense", "") not in look(taker, looker, health(), True)
