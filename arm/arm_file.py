@@ -1,7 +1,6 @@
 """`arm.toml`: reading, with every mistake named, and writing."""
 
 import math
-import tomllib
 from collections.abc import Iterable, Mapping
 from importlib import resources
 from pathlib import Path
@@ -13,6 +12,7 @@ from arm.arm_schema import ArmTable, contradictions, mistakes_of
 from arm.model import Arm, Estimate
 from limbcal.errors import ConfigError, DeviceError
 from limbcal.suggestion import did_you_mean
+from limbcal.toml import parse_toml, read_toml_text
 
 _PRESETS = resources.files("arm") / "presets"
 
@@ -41,11 +41,11 @@ def load_arm(source: str | Path) -> Arm:
         return parse_arm((_PRESETS / f"{source}.toml").read_text(encoding="utf-8"), f"{source}.toml")
     path = Path(source)
     try:
-        text = path.read_text(encoding="utf-8")
-    except (OSError, UnicodeDecodeError) as error:
+        text = read_toml_text(path)
+    except OSError as error:
         known = ", ".join(preset_names()) + did_you_mean(str(source), preset_names())
-        reason = error.strerror if isinstance(error, OSError) else "it is not UTF-8 text"
-        raise ConfigError(f"arm {str(source)!r}: {reason}; expected an arm file or one of {known}") from error
+        expected = f"expected an arm file or one of {known}"
+        raise ConfigError(f"arm {str(source)!r}: {error.strerror}; {expected}") from error
     return parse_arm(text, str(source))
 
 
@@ -57,10 +57,7 @@ def parse_arm(text: str, where: str) -> Arm:
     ConfigError
         With every mistake in the text.
     """
-    try:
-        raw = tomllib.loads(text)
-    except tomllib.TOMLDecodeError as error:
-        raise ConfigError(f"{where}: not TOML: {error}") from error
+    raw = parse_toml(text, where)
     found = contradictions(raw, where)
     try:
         table = ArmTable.model_validate(raw)

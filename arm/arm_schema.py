@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from typing import Annotated, Any, Literal
 
-from pydantic import BaseModel, ConfigDict, Field, ValidationError
+from pydantic import AfterValidator, BaseModel, ConfigDict, Field, ValidationError
 
 from arm.effects.check import mistakes_in
 from arm.model import (
@@ -26,6 +26,25 @@ from arm.sensor_covariance import mistakes_of_covariance
 from limbcal.suggestion import did_you_mean
 
 Number = Annotated[float, Field(strict=True, allow_inf_nan=False)]  # neither "1.0" nor true is a number
+#: Characters of a name, which becomes part of file names and of the device's channels.
+_LONGEST_NAME = 64
+
+
+def _printable(name: str) -> str:
+    if not name.isprintable():
+        raise ValueError("expected only characters that can be printed")
+    if "/" in name or "\\" in name:
+        raise ValueError("expected no / and no \\, since it becomes part of a file's name")
+    return name
+
+
+def _for_a_file(name: str) -> str:
+    if name.startswith("."):
+        raise ValueError("expected no dot at its beginning, since it becomes the beginning of a file's name")
+    return name
+
+
+Name = Annotated[str, Field(min_length=1, max_length=_LONGEST_NAME), AfterValidator(_printable)]
 Vector = tuple[Number, Number, Number]
 Factor = Annotated[Number, Field(gt=0.0)]
 #: The gains that each law needs.
@@ -63,7 +82,7 @@ class _Joint(_Table):
 
 
 class _Sensor(_Table):
-    name: Annotated[str, Field(min_length=1)]
+    name: Name
     joint: Annotated[int, Field(strict=True, ge=1)]
     position_m: Vector = (0.0, 0.0, 0.0)
     rotation_rad: Vector = (0.0, 0.0, 0.0)
@@ -105,7 +124,7 @@ class ArmTable(_Table):
     """The whole file."""
 
     schema_version: Annotated[Literal[1], Field(alias="schema")]
-    name: str
+    name: Annotated[Name, AfterValidator(_for_a_file)]
     gravity_m_s2: Vector = (0.0, 0.0, -STANDARD_GRAVITY_M_S2)
     joint: Annotated[tuple[_Joint, ...], Field(min_length=1)]
     sensor: tuple[_Sensor, ...] = ()
@@ -171,7 +190,8 @@ def mistakes_of(error: ValidationError, where: str, schema: type[BaseModel]) -> 
         elif mistake["type"] == "model_type":
             sentences.append(f"{where}: {field} is {mistake['input']!r}; input should be a table")
         else:
-            expected = mistake["msg"][0].lower() + mistake["msg"][1:]
+            said = mistake["msg"].removeprefix("Value error, ")
+            expected = said[0].lower() + said[1:]
             sentences.append(f"{where}: {field} is {mistake['input']!r}; {expected}")
     return sentences
 

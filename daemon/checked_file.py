@@ -1,11 +1,12 @@
 """What a file is that `limbd check` is given: a config, or an arm."""
 
-import tomllib
 from pathlib import Path
 
 from arm.arm_file import load_arm, preset_names
 from arm.model import Arm
 from daemon.config import load_setup
+from limbcal.errors import ConfigError
+from limbcal.toml import parse_toml, read_toml_text
 
 #: Tables and keys that only an arm file has.
 _OF_AN_ARM = {"schema", "joint", "sensor", "gravity_m_s2", "tip", "base_parameters", "effect", "control"}
@@ -30,7 +31,7 @@ def _is_arm(file: Path) -> bool:
     if not file.exists():
         return str(file) in preset_names()
     try:
-        found = tomllib.loads(file.read_text(encoding="utf-8"))
-    except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError):
+        found = parse_toml(read_toml_text(file), str(file))
+    except (OSError, ConfigError):
         return False  # whoever reads it as a config says what is wrong
     return bool(_OF_AN_ARM & found.keys())

@@ -1,7 +1,6 @@
 """`limbd.toml`: its fields, the flags that win over them, and every mistake in either."""
 
 import json
-import tomllib
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -14,6 +13,7 @@ from arm.arm_schema import mistakes_of
 from arm.model import Arm, Floats
 from daemon.config_schema import Config, PublishTable
 from limbcal.errors import ConfigError, DataError
+from limbcal.toml import parse_toml, read_toml_text
 from protocol.curve import needs_keys
 from protocol.endpoint import is_local
 from protocol.recording import ARM_ATTACHMENT, CONFIG_ATTACHMENT
@@ -87,7 +87,7 @@ def replayed_setup(recording: Path, flags: Flags, speed: float) -> Setup:
     arm_text, config_text = (
         attached[name].decode(errors="replace") for name in (ARM_ATTACHMENT, CONFIG_ATTACHMENT)
     )
-    tables = _parse(config_text, f"{CONFIG_ATTACHMENT} in {recording}")
+    tables = parse_toml(config_text, f"{CONFIG_ATTACHMENT} in {recording}")
     publish = tables.pop("publish", {})
     raw = {"raw": publish["raw"]} if isinstance(publish, dict) and "raw" in publish else {}
     tables = _with_flags({**tables, "publish": raw, "record": None}, flags)
@@ -140,18 +140,9 @@ def format_config(config: Config) -> str:
 
 def _read(path: Path) -> dict[str, object]:
     try:
-        return _parse(path.read_text(encoding="utf-8"), str(path))
+        return parse_toml(read_toml_text(path), str(path))
     except OSError as error:
         raise ConfigError(f"{path}: {error.strerror}; expected a limbd config file") from error
-    except UnicodeDecodeError as error:
-        raise ConfigError(f"{path}: not TOML: {error}") from error
-
-
-def _parse(text: str, where: str) -> dict[str, object]:
-    try:
-        return tomllib.loads(text)
-    except tomllib.TOMLDecodeError as error:
-        raise ConfigError(f"{where}: not TOML: {error}") from error
 
 
 def _load_arm(table: object, where: str, mistakes: list[str]) -> Arm | None:

@@ -8,6 +8,8 @@ from rich.console import Console
 from rich.markup import escape
 from rich.status import Status
 
+from limbcal.escaped import escaped
+
 _WRONG = (
     "the readings contradict the tracker: check the lengths and the sensors' places in the arm file, and whether "
     "a sensor came loose; `fitter sensors` finds from a recording where each sits and what it reads"
@@ -39,7 +41,7 @@ class Progress:
         recording = announced["recording"]
         where = "recording nothing" if recording is None else f"recording to {recording}"
         self._console.print(
-            escape(
+            _text(
                 f"{announced['device']} on {announced['port']} at {announced['rate_hz']:g} Hz, "
                 f"arm {announced['arm']}; publishing on {announced['endpoint']}; {where}"
             ),
@@ -60,7 +62,11 @@ class Progress:
 
     def trouble(self, sentence: str) -> None:
         """Say what went wrong without ending the run."""
-        self._console.print(f"[yellow]warning:[/yellow] {escape(sentence)}", soft_wrap=True)
+        self._console.print(f"[yellow]warning:[/yellow] {_text(sentence)}", soft_wrap=True)
+
+
+def _text(sentence: str) -> str:
+    return escape(escaped(sentence))
 
 
 def _sentence(fields: Mapping[str, Any]) -> str:

@@ -15,6 +15,7 @@ from types import FrameType
 from rich.console import Console, RenderableType
 
 from limbcal.errors import DeviceError, LimbcalError
+from limbcal.escaped import escaped
 from limbcal.note import Note, documents, sentences
 
 
@@ -61,7 +62,7 @@ def show(answer: RenderableType) -> None:
     """
     with _writable():
         plain = isinstance(answer, str)  # a table may have its own markup
-        answers().print(answer, markup=not plain, soft_wrap=plain)
+        answers().print(escaped(answer) if isinstance(answer, str) else answer, markup=not plain, soft_wrap=plain)
         answers().file.flush()
 
 
@@ -76,8 +77,8 @@ def command_line() -> str:
 
 
 def say(sentence: str) -> None:
-    """Write words for the person at the terminal to stderr."""
-    console.print(sentence, markup=False, soft_wrap=True)
+    """Write words for the person at the terminal to stderr; characters that cannot be printed are written out."""
+    console.print(escaped(sentence), markup=False, soft_wrap=True)
 
 
 def say_notes(notes: Iterable[Note]) -> None:

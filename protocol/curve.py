@@ -6,7 +6,6 @@ are let in; taking a file away shuts its owner out at the next start. A client n
 
 import os
 import re
-import tomllib
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -17,6 +16,7 @@ import zmq.auth
 from zmq.auth.thread import ThreadAuthenticator
 
 from limbcal.errors import ConfigError, DeviceError
+from limbcal.toml import parse_toml, read_toml_text
 
 Context = zmq.Context[zmq.Socket[bytes]]
 
@@ -140,11 +140,9 @@ def load_client_key(path: Path) -> ClientKey:
         If it is none.
     """
     try:
-        table = tomllib.loads(path.read_text(encoding="utf-8"))
+        table = parse_toml(read_toml_text(path), str(path))
     except OSError as error:
         raise ConfigError(f"{path}: {error.strerror}; expected a key of `limbd keys new`") from error
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
-        raise ConfigError(f"{path}: not TOML: {error}") from error
     keys = [table.get(name) for name in ("public", "secret", "server")]
     if not all(isinstance(key, str) and len(key) == _KEY_CHARACTERS and key.isascii() for key in keys):
         raise ConfigError(f"{path}: expected public, secret and server, each of {_KEY_CHARACTERS} characters")

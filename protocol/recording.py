@@ -80,7 +80,7 @@ class RecordingWriter:
         return self.path.stat().st_size if self._file.closed else self._file.tell()
 
     def is_there(self) -> bool:
-        """Say whether the file still goes by its name; one that was taken away takes along what is written to it."""
+        """Say whether the file still goes by its name, and is not another one."""
         try:
             found = self.path.stat()
         except OSError:

@@ -31,7 +31,8 @@ JOINT = st.builds(
     link=LINK,
 )
 SCALE = st.tuples(*[st.floats(0.0, exclude_min=True, allow_infinity=False)] * 3)
-NAME = st.text(min_size=1)
+NAME = st.text(st.characters().filter(lambda c: c.isprintable() and c not in "/\\"), min_size=1, max_size=64)
+KEY = st.text(st.characters(codec="utf-8", exclude_characters="\0"))
 
 
 def parameters(kind):
@@ -61,12 +62,12 @@ def arms(draw):
     sensors = [draw(st.builds(Sensor, st.just(n), rides_on, VECTOR, VECTOR, SCALE, VECTOR, LEAST)) for n in names]
     gains = st.tuples(*[NUMBER] * len(joints))
     return Arm(
-        draw(st.text()),
+        draw(NAME.filter(lambda name: not name.startswith("."))),
         tuple(joints),
         draw(VECTOR),
         tuple(sensors),
         draw(st.builds(Tip, st.sampled_from(names), VECTOR)) if names else None,
-        draw(st.dictionaries(st.text(), st.builds(Estimate, NUMBER, NUMBER), max_size=3)),
+        draw(st.dictionaries(KEY, st.builds(Estimate, NUMBER, NUMBER), max_size=3)),
         tuple(draw(st.lists(effects(len(joints), names), unique_by=lambda effect: effect.name))),
         draw(
             st.just(Control())

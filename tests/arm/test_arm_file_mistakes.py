@@ -100,7 +100,7 @@ def test_a_file_that_is_not_there_is_named_with_the_arms_that_are(tmp_path):
     with pytest.raises(ConfigError, match="Is a directory"):
         load_arm(tmp_path)
     (tmp_path / "bytes.toml").write_bytes(b"\xff\xfe")
-    with pytest.raises(ConfigError, match="it is not UTF-8 text"):
+    with pytest.raises(ConfigError, match="expected UTF-8 text"):
         load_arm(tmp_path / "bytes.toml")
 
 
@@ -180,3 +180,28 @@ def test_limits_the_wrong_way_round_are_named(dd_arm) -> None:
     text = format_arm(dd_arm).replace("[[joint]]", "[[joint]]\nlimits = [1.0, -1]", 1)
     with pytest.raises(ConfigError, match=r"joint\[0\].limits is \[1.0, -1\], expected the least one first"):
         parse_arm(text, "arm.toml")
+
+
+@pytest.mark.parametrize(
+    ("name", "said"),
+    [
+        ("../../out", "expected no / and no"),
+        ("/etc/passwd", "expected no / and no"),
+        ("..\\\\out", "expected no / and no"),
+        (".hidden", "expected no dot at its beginning"),
+        ("\\u001b[2J", "is '\\x1b[2J'; expected only characters that can be printed"),
+        ("\\n<0>panic", "is '\\n<0>panic'; expected only characters that can be printed"),
+        ("\\u0000", "a NUL character"),
+        ("", "at least 1 character"),
+        ("x" * 65, "at most 64 characters"),
+    ],
+)
+def test_a_name_cannot_lead_out_of_a_folder(name, said):
+    with pytest.raises(ConfigError) as caught:
+        parse_arm(f'schema = 1\nname = "{name}"\n[[joint]]\na_m = 1.0\n', "arm.toml")
+    assert said in str(caught.value) and str(caught.value).isprintable()
+    if not name.startswith("."):  # a sensor's name becomes no beginning of a file's
+        with pytest.raises(ConfigError, match="."):
+            parse_arm(
+                f'schema = 1\nname = "a"\n[[joint]]\na_m = 1.0\n[[sensor]]\nname = "{name}"\njoint = 1\n', "x"
+            )

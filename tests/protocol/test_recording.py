@@ -13,7 +13,7 @@ from mcap.reader import make_reader
 
 from limbcal.errors import DeviceError, ProtocolError
 from protocol.message import FRAMES, GAP, HEALTH, PLOT, RAW, TRIAL, encode
-from protocol.recording import RecordingWriter
+from protocol.recording import FLUSH_PERIOD_S, RecordingWriter
 from protocol.recording_reader import read_recording, recording_attachments
 from protocol.schemas import schema_json
 
@@ -216,3 +216,24 @@ def test_the_size_is_known_and_closing_may_be_repeated(path, clock):
     writer.close()
     writer.close()
     assert writer.size_bytes == path.stat().st_size
+
+
+def test_what_was_flushed_is_not_unsafe_any_more(tmp_path):
+    now = [0.0]
+    with RecordingWriter(tmp_path / "x.mcap", "", "", clock=lambda: now[0]) as writer:
+        for number in range(3):
+            writer.write(GAP, encode(GAP, {"sample0": number})[1], number)
+        assert writer.unsafe == 3
+        now[0] += FLUSH_PERIOD_S
+        writer.poll()  # a flush, not yet a sync: the kernel has them, and they need not be written again
+        assert writer.unsafe == 0
+        assert len(list(read_recording(writer.path))) == 3
+
+
+def test_a_recording_knows_whether_it_goes_by_its_name(tmp_path):
+    with RecordingWriter(tmp_path / "x.mcap", "", "") as writer:
+        assert writer.is_there()
+        writer.path.rename(tmp_path / "y.mcap")
+        assert not writer.is_there()
+        writer.path.write_bytes(b"another")
+        assert not writer.is_there()
