@@ -5,9 +5,10 @@ from pathlib import Path
 from typing import IO, Any
 
 from mcap.records import Channel, Chunk, Message
-from mcap.stream_reader import StreamReader, breakup_chunk
+from mcap.stream_reader import StreamReader
 
 from limbcal.errors import ProtocolError
+from protocol.recorded_chunk import chunk_records
 from protocol.recording_files import files_of
 from protocol.recording_reader import DAMAGE, DECODE, MAGIC, MAX_RECORD_BYTES
 
@@ -129,6 +130,6 @@ class _GrowingFile:
             yield record
             return
         try:
-            yield from breakup_chunk(record, validate_crc=True)
+            yield from chunk_records(record)
         except DAMAGE:
             return

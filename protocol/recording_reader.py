@@ -1,23 +1,24 @@
 """Reading recordings as a stream, so that one whose writer was killed is read up to where it ends."""
 
 import struct
-from collections.abc import Callable, Collection, Generator, Iterator, Sequence
+from collections.abc import Callable, Collection, Generator, Iterator
 from pathlib import Path
 from types import TracebackType
 from typing import IO, Any, NamedTuple
 
 from mcap.exceptions import McapError
 from mcap.records import Attachment, Channel, Chunk, McapRecord, Message, Statistics
-from mcap.stream_reader import StreamReader, breakup_chunk
+from mcap.stream_reader import StreamReader
 from zstandard import ZstdError
 
 from limbcal.errors import DataError, ProtocolError
 from protocol.message import decode_payload
+from protocol.recorded_chunk import chunk_records
 from protocol.recorded_json import JSON_ENCODING, decode_json
 from protocol.recording import MESSAGE_ENCODING
 
 MAGIC = b"\x89MCAP0\r\n"
-#: No record or chunk of ours comes near; a length beyond it is damage, not data.
+#: No record of ours comes near; a length beyond it is damage, not data.
 MAX_RECORD_BYTES = 256 * 1024 * 1024
 
 #: What the library raises at bytes that are no record.
@@ -147,14 +148,11 @@ class RecordingReader(Iterator[tuple[str, dict[str, Any], int]]):
                     yield record
                 place = file.tell()
 
-    def _opened(self, chunk: Chunk, place: int) -> Sequence[McapRecord]:
+    def _opened(self, chunk: Chunk, place: int) -> Iterator[McapRecord]:
         try:
-            if chunk.uncompressed_size > MAX_RECORD_BYTES:
-                raise ValueError(f"it would grow to {chunk.uncompressed_size} bytes")
-            return breakup_chunk(chunk, validate_crc=True)
+            yield from chunk_records(chunk)
         except DAMAGE as error:
             self.warnings.append(f"{self.path}: the chunk at byte {place} is damaged and passed over: {error}")
-            return ()
 
 
 def read_recording(path: str | Path, topics: Collection[str] | None = None) -> RecordingReader:
