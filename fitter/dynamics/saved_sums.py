@@ -19,6 +19,7 @@ from arm.model import Arm
 from fitter.dynamics.structure import structural_parameters
 from fitter.dynamics.torque_sums import TorqueSums, add_up
 from limbcal.errors import ConfigError, DataError, DeviceError
+from protocol.tables.expansion import require_modest
 
 SCHEMA = 1
 #: What the reader of a damaged file is seen to raise.
@@ -192,8 +193,13 @@ def load_sums(path: Path) -> ArmSums:
     if not path.exists():
         raise DataError(f"{path}: there is no such file")
     try:
+        equation_fields = (field.name for field in fields(Equation))
+        names = ("sums_schema", "samples", "trials", *equation_fields, *_shapes(0, 0, 0))
+        with zipfile.ZipFile(path) as archive:
+            sizes = {member.filename: member.file_size for member in archive.infolist()}
+        require_modest(path, sum(sizes.get(f"{name}.npy", 0) for name in names), "its sums")
         with path.open("rb") as raw, np.load(raw, allow_pickle=False) as file:
-            arrays = {name: file[name] for name in file.files}
+            arrays = {name: file[name] for name in names}
         schema = arrays.pop("sums_schema").item()
         if schema != SCHEMA:
             raise DataError(f"{path}: sums of schema {schema}, expected {SCHEMA}")

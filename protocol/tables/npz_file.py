@@ -6,6 +6,7 @@ import zipfile
 import zlib
 from collections.abc import Collection, Iterator, Mapping
 from contextlib import ExitStack
+from io import BytesIO
 from pathlib import Path
 from typing import IO
 
@@ -15,6 +16,7 @@ from numpy.typing import NDArray
 
 from limbcal.errors import DataError
 from limbcal.note import Note
+from protocol.tables.expansion import require_modest
 from protocol.tables.header import Header
 from protocol.tables.nested import NestedFile
 from protocol.tables.source import Groups, Rows, to_si, wanted
@@ -23,6 +25,10 @@ from protocol.tables.units import Unit
 
 _MEMBER = ".npy"
 _NPY = b"\x93NUMPY"
+#: How long the header of an array is, in files of version 1, and later.
+_SHORT, _LONG = struct.Struct("<H"), struct.Struct("<I")
+#: Bytes of a header that numpy reads.
+_HEADER_BYTES = 10_000
 #: The name that an address begins with; what may follow leads inside an array, see `protocol.tables.nested`.
 _HEAD = re.compile(r"[^.\[\](){}]+")
 #: What the reader of a damaged file is seen to raise.
@@ -165,6 +171,7 @@ class _Members(Mapping[str, Node]):
     def __init__(self, path: Path, names: Collection[str]) -> None:
         self._path, self._names = path, names
         self._last: tuple[str, Array] | None = None  # joints are columns of one table
+        self._asked: dict[str, int] = {}  # bytes of each array that was read so far
 
     def __getitem__(self, name: str) -> Node:
         if self._last is not None and self._last[0] == name:
@@ -172,6 +179,9 @@ class _Members(Mapping[str, Node]):
         if name not in self._names:
             raise KeyError(name)
         try:
+            with zipfile.ZipFile(self._path) as archive:
+                self._asked[name] = archive.getinfo(name + _MEMBER).file_size
+                require_modest(self._path, sum(self._asked.values()), "what is asked for")
             with self._path.open("rb") as file:
                 found: Array = np.load(file, allow_pickle=False)[name]
         except _DAMAGE as error:
@@ -197,6 +207,10 @@ def _damaged(path: Path, error: BaseException) -> DataError:
 
 def _read_header(stream: IO[bytes]) -> tuple[tuple[int, ...], np.dtype[np.generic]]:
     version = npy.read_magic(stream)
-    read = npy.read_array_header_1_0 if version == (1, 0) else npy.read_array_header_2_0
-    shape, _, kind = read(stream)
+    layout, read = (_SHORT, npy.read_array_header_1_0) if version == (1, 0) else (_LONG, npy.read_array_header_2_0)
+    size = stream.read(layout.size)
+    (length,) = layout.unpack(size)
+    if length > _HEADER_BYTES:  # numpy would read it all before it refuses it
+        raise ValueError(f"an array's header has {length} bytes, expected at most {_HEADER_BYTES}")
+    shape, _, kind = read(BytesIO(size + stream.read(length)))
     return shape, kind

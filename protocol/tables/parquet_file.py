@@ -12,9 +12,13 @@ from numpy.typing import NDArray
 from limbcal.errors import DataError
 from limbcal.note import Note
 from protocol.tables.csv_file import numbers_of
+from protocol.tables.expansion import require_modest
 from protocol.tables.header import HeadedFile, Header
 from protocol.tables.source import Groups, Rows, to_si, uses, wanted
 from protocol.tables.table import Labels
+
+#: Of a number, whatever it is packed as.
+_CELL_BYTES = 8
 
 
 class ParquetFile(HeadedFile):
@@ -52,6 +56,7 @@ class ParquetFile(HeadedFile):
                 if column.path_in_schema == address and statistics is not None and statistics.has_null_count:
                     if statistics.null_count < column.num_values:
                         return False
+            require_modest(self.path, file.metadata.num_rows * _CELL_BYTES, f"column {address!r}")
             column = file.read(columns=[address]).column(0)
             return bool(column.null_count == len(column))
 
@@ -63,8 +68,11 @@ class ParquetFile(HeadedFile):
         DataError
             If a column holds text or a value that is not finite, naming column and row (from 1).
         """
+        names = wanted(groups, label)
         with _readable(self.path):
-            table = pyarrow.parquet.read_table(self.path, columns=wanted(groups, label))
+            rows = pyarrow.parquet.read_metadata(self.path).num_rows
+            require_modest(self.path, rows * len(names) * _CELL_BYTES, "what is asked for")
+            table = pyarrow.parquet.read_table(self.path, columns=names)
         return [self._rows(table, groups, label, 0)]
 
     def streams(self, groups: Groups, label: str | None) -> bool:

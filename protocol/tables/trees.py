@@ -1,6 +1,7 @@
 """MATLAB ``.mat``, JSON and JSON lines as trees: mappings, lists and arrays, whatever the format calls them."""
 
 import json
+import struct
 import zipfile
 import zlib
 from collections.abc import Iterator, Mapping
@@ -14,6 +15,7 @@ from scipy.io.matlab import MatReadError
 
 from limbcal.errors import DataError
 from limbcal.note import Note
+from protocol.tables.expansion import require_modest
 
 #: What the readers of damaged files are seen to raise.
 _DAMAGE = (
@@ -33,6 +35,8 @@ _MAT = (".mat",)
 _HDF5 = b"\x89HDF\r\n\x1a\n"
 #: Size of the header before the HDF5 of a MATLAB 7.3 file [bytes].
 _MAT_HEADER = 512
+#: … of one of version 5 to 7, the place of its order of bytes there, and the type of an element that is packed.
+_MAT5_HEADER, _MAT5_ENDIAN, _MAT5_PACKED = 128, slice(126, 128), 15
 #: How pandas writes a table as one object: names, and rows of cells.
 _SPLIT = ("columns", "data")
 
@@ -91,6 +95,7 @@ class _Variables(Mapping[str, "Node"]):
         if name not in self._kinds:
             raise KeyError(name)
         if name not in self._read:
+            require_modest(self._path, _unpacked_bytes(self._path), "what is in it")
             try:
                 content = scipy.io.loadmat(str(self._path), variable_names=[name])
                 self._read[name] = _from_mat(content[name])
@@ -111,6 +116,28 @@ class _Variables(Mapping[str, "Node"]):
     def has_fields(self, name: str) -> bool:
         """Say whether a variable is a struct."""
         return self._kinds[name] == "struct"
+
+
+def _unpacked_bytes(path: Path) -> int:
+    """Return how long the variables of a ``.mat`` file say that they are, unpacked.
+
+    Each is an element: its type and length, and where it is packed, its own type and length first in it.
+    """
+    total = 0
+    with path.open("rb") as file:
+        head = file.read(_MAT5_HEADER)
+        if head[_MAT5_ENDIAN] not in (b"IM", b"MI"):
+            return path.stat().st_size  # version 4 packs nothing
+        layout = struct.Struct("<II" if head[_MAT5_ENDIAN] == b"IM" else ">II")
+        while len(tag := file.read(layout.size)) == layout.size:
+            kind, length = layout.unpack(tag)
+            after = file.tell() + length
+            if kind == _MAT5_PACKED:
+                inner = zlib.decompressobj().decompress(file.read(min(length, _MAT5_HEADER)), layout.size)
+                length = layout.unpack(inner)[1] if len(inner) == layout.size else 0
+            total += length
+            file.seek(after)
+    return total
 
 
 def fields_within(root: Node, name: str) -> Mapping[str, Node]:
