@@ -2,8 +2,7 @@
 
 import sys
 
-from limbcal.arguments import parser_of
-from limbcal.command import run_command
+from limbcal.entry import enter
 
 COMMANDS = {
     "run": "acquire, track, publish and record until stopped",
@@ -21,7 +20,7 @@ COMMANDS = {
 def main(argv: list[str] | None = None) -> int:
     """Run one command and return its exit code."""
     words = "Reads accelerometers from a serial port, tracks the arm, streams it."
-    return run_command(parser_of("limbd", words, "daemon.commands", COMMANDS), argv)
+    return enter("limbd", words, "daemon.commands", COMMANDS, argv)
 
 
 if __name__ == "__main__":

@@ -9,6 +9,7 @@ from typing import Any
 
 from daemon.control_line import ControlLine, Said, SupervisorGone
 from limbcal.errors import ConfigError, DataError, DeviceError, LimbcalError
+from limbcal.interrupts import interrupts_held
 
 #: What a child may end with besides a `DeviceError`, by the name that crosses the line: a mistake in the config
 #: or in the recording that is replayed. Bytes that break a protocol are a fault at run time, exit code 3.
@@ -35,7 +36,8 @@ class Child:
         self._process = context.Process(
             target=_be_child, args=(theirs, work, arguments), name=f"limbd-{name}", daemon=False
         )
-        self._process.start()
+        with interrupts_held():
+            self._process.start()
         theirs.close()  # so that the end of the process is the end of the line
 
     @property

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from daemon.virtual_motion import BenchPlan, Stretch, Truth, stretches
 from limbcal.compilation import said_when_compiling
 from limbcal.errors import DeviceError, LimbcalError
+from limbcal.interrupts import interrupts_held
 
 #: Handed over a quarter of a second at a time: taking one delays the stream by a fraction of a millisecond.
 _PIECE_S = 0.25
@@ -41,7 +42,8 @@ class MotionSource:
         context = get_context("spawn")
         self._receiver, sender = context.Pipe(duplex=False)
         self._process = context.Process(target=_compute, args=(sender, plan), name="limbd-virtual-motion")
-        self._process.start()
+        with interrupts_held():
+            self._process.start()
         sender.close()
 
     def wait(self, timeout_s: float) -> bool:

@@ -3,8 +3,7 @@
 import sys
 
 import fitter.single_thread  # noqa: F401 - before all that loads numpy
-from limbcal.arguments import parser_of
-from limbcal.command import run_command
+from limbcal.entry import enter
 
 COMMANDS = {
     "subscribe": "follow the daemon and calibrate the arm while it moves",
@@ -25,7 +24,7 @@ COMMANDS = {
 def main(argv: list[str] | None = None) -> int:
     """Run one command and return its exit code."""
     words = "Learn an arm's kinematics and dynamics from its motion."
-    return run_command(parser_of("fitter", words, "fitter.commands", COMMANDS), argv)
+    return enter("fitter", words, "fitter.commands", COMMANDS, argv)
 
 
 if __name__ == "__main__":

@@ -2,8 +2,7 @@
 
 import sys
 
-from limbcal.arguments import parser_of
-from limbcal.command import run_command
+from limbcal.entry import enter
 
 COMMANDS = {
     "serve": "stream a recorded or simulated motion as limb/play",
@@ -17,7 +16,7 @@ COMMANDS = {
 
 def main(argv: list[str] | None = None) -> int:
     """Run one command and return its exit code."""
-    return run_command(parser_of("limbplay", "Play motion back as a stream.", "playback.commands", COMMANDS), argv)
+    return enter("limbplay", "Play motion back as a stream.", "playback.commands", COMMANDS, argv)
 
 
 if __name__ == "__main__":

@@ -17,6 +17,7 @@ from typing import TypeVar
 from urllib.parse import urlsplit
 
 from limbcal.errors import ConfigError, DeviceError
+from limbcal.interrupts import interrupts_held
 
 Job = TypeVar("Job")
 Result = TypeVar("Result")
@@ -67,7 +68,8 @@ def _in_processes(
     pool = ProcessPoolExecutor(workers, mp_context=context, initializer=be_worker)
     done = False
     try:
-        futures = [pool.submit(work, job) for job in jobs]
+        with interrupts_held():
+            futures = [pool.submit(work, job) for job in jobs]
         for future in futures:
             yield future.result()
         done = True

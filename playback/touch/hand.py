@@ -19,6 +19,7 @@ import zmq
 
 from arm.model import Floats
 from limbcal.errors import DeviceError, LimbcalError
+from limbcal.interrupts import interrupts_held
 from limbcal.real_time import PIPELINE, ask_for_real_time
 from playback.touch.device import TouchDevice
 from playback.touch.holders import STALE_S
@@ -90,7 +91,8 @@ class VirtualHand:
         self._line, theirs = context.Pipe()
         arguments = (theirs, haptic, model or HandModel(), rate_hz, key)
         self._process = context.Process(target=_be_hand, args=arguments, name="limbplay-hand")
-        self._process.start()
+        with interrupts_held():
+            self._process.start()
         theirs.close()
 
     def start(self) -> None:

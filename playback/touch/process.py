@@ -11,6 +11,7 @@ import numpy as np
 
 from arm.model import Arm, Floats
 from limbcal.errors import ConfigError, DataError, DeviceError, LimbcalError, ProtocolError
+from limbcal.interrupts import interrupts_held
 from playback.touch.limit import Coupling
 from playback.touch.loop import Setup
 from playback.touch.loop_process import be_loop
@@ -89,7 +90,8 @@ class TouchProcess:
         self._line, theirs = context.Pipe()
         self._process = context.Process(target=be_loop, args=(theirs, self._setup), name="limbplay-touch")
         try:
-            self._process.start()
+            with interrupts_held():
+                self._process.start()
             theirs.close()
             said = self._next(_START_S)
         except BaseException:

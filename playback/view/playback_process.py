@@ -14,6 +14,7 @@ from types import TracebackType
 import zmq
 
 from limbcal.errors import ConfigError, DeviceError, LimbcalError
+from limbcal.interrupts import interrupts_held
 from playback.client import ask
 from playback.commands import serve
 from playback.control_message import Request
@@ -52,7 +53,8 @@ class PlaybackProcess:
         ours, theirs = spawn.Pipe(duplex=False)
         self._process = spawn.Process(target=_serve, args=(given, theirs), name="limbplay serve")
         try:
-            self._process.start()
+            with interrupts_held():
+                self._process.start()
             theirs.close()
             self._wait(context, ours)
         except BaseException:
