@@ -1,6 +1,7 @@
 """The device is known by its INFO, or what it sent instead is said."""
 
 from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -48,7 +49,15 @@ def test_channels_must_be_the_arms_sensors(make_info: MakeInfo) -> None:
 
 def test_only_what_samples_mean_makes_another_device(make_info: MakeInfo) -> None:
     assert same_device(make_info(), make_info())
-    assert not same_device(make_info(8000.0), make_info(16000.0))
+    one = make_info()
+    assert not same_device(one, make_info(16000.0))
+    assert not same_device(one, replace(one, tick_hz=2.0 * one.tick_hz))
+    assert not same_device(one, replace(one, serial="2"))
+    assert not same_device(one, replace(one, device="another"))
+    assert not same_device(one, replace(one, channels=one.channels[::-1]))
+    other = (replace(one.channels[0], offset=1.0), *one.channels[1:])
+    assert not same_device(one, replace(one, channels=other))
+    assert same_device(one, replace(one, firmware="2"))
 
 
 def test_the_stream_is_what_comes_after_what_came_with_the_info(make_info: MakeInfo) -> None:

@@ -114,6 +114,23 @@ def test_what_is_sought_or_stepped_to_is_shown_at_once_and_once() -> None:
     assert head.take_due().position_s == 1.234
 
 
+def test_the_end_can_be_sought_and_nothing_beyond_it() -> None:
+    head, time = playing(10.0, 0.5)
+    time.now_s += 10.0
+    assert drain(head)[-1].position_s == 0.5 and not head.playing
+    head.seek(0.5)
+    assert [frame.position_s for frame in drain(head)] == [0.5]
+    for beyond in (np.nextafter(0.5, 1.0), 0.5 + 1e-9, 1e9):
+        with pytest.raises(ConfigError, match="expected 0 to 0.5"):
+            head.seek(float(beyond))
+        assert head.position_s == 0.5
+    head.seek(0.3)  # back from the end: it is gone on from there, and not from the beginning
+    drain(head)
+    head.play()
+    time.now_s += 10.0
+    assert [frame.position_s for frame in drain(head)] == pytest.approx([0.3, 0.4, 0.5])
+
+
 def test_a_loop_goes_round_without_a_pause() -> None:
     head, time = playing(10.0, 0.5)
     head.loop = True

@@ -240,3 +240,13 @@ def test_a_version_nested_a_thousand_deep_is_refused_like_any_other():
         nested = [nested]
     with pytest.raises(ProtocolError, match="limb/frames"):
         decode([b"limb/frames", msgpack.packb({"v": nested})])
+
+
+@pytest.mark.parametrize("wrap", [lambda inner: [inner], lambda inner: {"a": inner}])
+def test_the_deepest_that_may_be_is_read_and_one_deeper_is_not(wrap):
+    value = 1
+    for _ in range(MAX_DEPTH - 1):
+        value = wrap(value)
+    assert decode(encode(HEALTH, {"x": value}))[1]["x"] == value
+    with pytest.raises(ProtocolError, match=f"nested more than {MAX_DEPTH} deep"):
+        decode(encode(HEALTH, {"x": wrap(value)}))

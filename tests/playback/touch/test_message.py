@@ -70,6 +70,54 @@ def test_what_is_no_input_is_refused(payload: bytes, said: str) -> None:
 @given(st.binary(max_size=200))
 def test_no_bytes_get_past(payload: bytes) -> None:
     try:
-        decode_input(payload, 2)
+        said = decode_input(payload, 2)
     except ProtocolError:
-        pass
+        return
+    assert_in_bounds(said)
+
+
+numbers = st.one_of(st.floats(), st.integers(-(2**63), 2**64 - 1), st.booleans(), st.text(max_size=2))
+vectors = st.one_of(st.lists(numbers, max_size=5), st.lists(st.floats(-1.0, 1.0), min_size=3, max_size=3), numbers)
+fields = st.fixed_dictionaries(
+    {"v": st.just(1)},
+    optional={
+        "position": vectors,
+        "velocity": vectors,
+        "point": vectors,
+        "orientation": st.one_of(vectors, st.just([0.0, 0.6, 0.0, -0.8])),
+        "joint": st.one_of(st.integers(-3, 4), numbers),
+        "seq": numbers,
+        "cmd": st.sampled_from(["state", "hold", "free", "reset", "fly"]),
+        "q": st.one_of(vectors, st.lists(st.floats(-1.0, 1.0), min_size=2, max_size=2)),
+    },
+)
+
+
+@UNHURRIED
+@given(fields)
+def test_whatever_is_let_in_is_in_bounds(said: dict[str, object]) -> None:
+    """Nearly right: most bytes at random are no message at all."""
+    try:
+        found = decode_input(msgpack.packb(said), 2)
+    except ProtocolError:
+        return
+    assert_in_bounds(found)
+    assert isinstance(found, Command) == ("cmd" in said)
+
+
+def assert_in_bounds(said: Input | Command) -> None:
+    """Hold what was let in against what the loop may be given: finite, bounded, of the right count."""
+    assert said.seq is None or (type(said.seq) is int and 0 <= said.seq < 2**63)
+    if isinstance(said, Command):
+        assert said.cmd in ("state", "hold", "free", "reset")
+        assert said.q is None or (said.q.shape == (2,) and np.abs(said.q).max() <= 1e4)
+        assert said.q is None or said.cmd in ("hold", "reset")
+        return
+    assert isinstance(said, Input)
+    assert said.position.shape == (3,) and np.abs(said.position).max() <= 1e3
+    assert said.velocity is None or (said.velocity.shape == (3,) and np.abs(said.velocity).max() <= 1e4)
+    assert said.joint is None or (type(said.joint) is int and 1 <= said.joint <= 2)
+    assert said.point is None or (len(said.point) == 3 and max(map(abs, said.point)) <= 1e3)
+    if said.orientation is not None:
+        np.testing.assert_allclose(said.orientation @ said.orientation.T, np.eye(3), atol=1e-9)
+        assert np.linalg.det(said.orientation) > 0.0

@@ -33,6 +33,13 @@ def test_rows_of_an_array_are_counted_from_the_joint():
     assert text(mapping.joint("q", 2)) == "Y[2]"
 
 
+def test_a_number_may_be_counted_down_from_the_joint():
+    mapping = parse_mapping("q=axis{j-1}, dq=Y[{j-1}], tau=m{j+1}", 3)
+    assert [text(mapping.joint("q", j)) for j in (1, 2, 3)] == ["axis0", "axis1", "axis2"]
+    assert [text(mapping.joint("dq", j)) for j in (1, 3)] == ["Y[0]", "Y[2]"]
+    assert [text(mapping.joint("tau", j)) for j in (1, 3)] == ["m2", "m4"]
+
+
 def test_single_joints_can_be_named():
     mapping = parse_mapping("q1=shoulder,q2=elbow", 2)
     assert [text(mapping.joint("q", j)) for j in (1, 2)] == ["shoulder", "elbow"]
