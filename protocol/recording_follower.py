@@ -8,6 +8,7 @@ from mcap.records import Channel, Chunk, Message
 from mcap.stream_reader import StreamReader
 
 from limbcal.errors import ProtocolError
+from protocol.bounded_file import bounded
 from protocol.recorded_chunk import chunk_records
 from protocol.recording_files import files_of
 from protocol.recording_reader import DAMAGE, DECODE, MAGIC, MAX_RECORD_BYTES
@@ -113,7 +114,9 @@ class _GrowingFile:
         if not self._good:
             return
         self._file.seek(self._good)
-        reader = StreamReader(self._file, skip_magic=True, emit_chunks=True, record_size_limit=MAX_RECORD_BYTES)
+        reader = StreamReader(
+            bounded(self._file), skip_magic=True, emit_chunks=True, record_size_limit=MAX_RECORD_BYTES
+        )
         records = iter(reader.records)
         while True:
             try:

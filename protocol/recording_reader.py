@@ -12,6 +12,7 @@ from mcap.stream_reader import StreamReader
 from zstandard import ZstdError
 
 from limbcal.errors import DataError, ProtocolError
+from protocol.bounded_file import bounded
 from protocol.message import decode_payload
 from protocol.recorded_chunk import chunk_records
 from protocol.recorded_json import JSON_ENCODING, decode_json
@@ -186,7 +187,7 @@ def _records(file: IO[bytes]) -> Iterator[McapRecord | None]:
     The library's reader stops with one of several exceptions at a cut, depending on what it was reading.
     """
     try:
-        yield from StreamReader(file, emit_chunks=True, record_size_limit=MAX_RECORD_BYTES).records
+        yield from StreamReader(bounded(file), emit_chunks=True, record_size_limit=MAX_RECORD_BYTES).records
     except DAMAGE:
         yield None
 

@@ -19,6 +19,8 @@ from limbcal.escaped import escaped
 )
 def test_what_is_no_character_is_written_out(text: str, shown: str, capfd: pytest.CaptureFixture[str]) -> None:
     assert escaped(text) == shown
+    show("")  # and with it what another test has left in the console
+    capfd.readouterr()
     say(text)
     show(text)
     out, err = capfd.readouterr()

@@ -1,0 +1,35 @@
+"""Lengths that lie cost no memory."""
+
+import resource
+import struct
+from pathlib import Path
+
+import pytest
+
+from protocol.bounded_file import bounded
+from protocol.message import GAP
+from protocol.recording_follower import RecordingFollower
+from protocol.recording_reader import MAGIC, read_recording, recording_attachments
+
+
+@pytest.mark.parametrize("length", [10, 100_000, 2**32])
+def test_it_reads_what_is_left(tmp_path: Path, length: int) -> None:
+    (tmp_path / "x").write_bytes(bytes(70_000))
+    with (tmp_path / "x").open("rb") as file:
+        assert len(bounded(file).read(length)) == min(length, 70_000)
+        assert len(bounded(file).read(length)) == min(length, 70_000 - min(length, 70_000))
+
+
+@pytest.mark.parametrize("opcode", [0x01, 0x03, 0x06, 0x09])  # header, schema, chunk, attachment
+def test_a_text_of_gigabytes_inside_a_small_record(tmp_path: Path, opcode: int) -> None:
+    """As the fuzzer found: the record's own length is checked, and not those of what is in it."""
+    path = tmp_path / "x.mcap"
+    body = bytes(16 if opcode == 0x09 else 2 if opcode == 0x03 else 0) + struct.pack("<I", 0xC929_DD93) + bytes(64)
+    path.write_bytes(MAGIC + bytes([opcode]) + struct.pack("<Q", len(body)) + body)
+    before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+    assert list(read_recording(path)) == []
+    assert recording_attachments(path) == {} or opcode == 0x09
+    follower = RecordingFollower(path, (GAP,))
+    assert follower.next() is None
+    follower.close()
+    assert resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before < 64 * 1024
