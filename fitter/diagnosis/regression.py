@@ -146,8 +146,8 @@ class Regression:
         coulomb = self._coulomb(model, motions[0], len(x))
         while True:  # dry friction brakes: of joints that it would drive it is none
             x = self._likeliest(normal, np.where(driving, 0.0, x), model, motions, ~driving)
-            if not np.any(more := coulomb & (x < 0.0)):
-                return x
+            if not np.any(more := coulomb & ~driving & (x < 0.0)):
+                return np.where(driving, 0.0, x)
             driving |= more
 
     def _coulomb(self, model: Model, motion: Motion, n_factor: int) -> NDArray[np.bool_]:

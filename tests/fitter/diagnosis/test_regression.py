@@ -234,3 +234,15 @@ def test_a_drive_that_changes_nothing_explains_nothing(two_joints, part):
         np.testing.assert_allclose(regression.scale(model, x), 1.0, atol=1e-3)
     finally:
         regression.floor_part = 0.0
+
+
+def test_dry_friction_that_rounding_lets_drive_is_none(monkeypatch):
+    trials = to_trials(swings((), trials=8, seed=2), cutoff_hz=25.0)
+    lacking = Regression(pendulum(), run_of(pendulum(), trials[:4], trials[4:]))
+    coulomb = lacking._coulomb(Model(), lacking.motions[0], len(lacking.solve(Model(), lacking.learning)))
+    assert np.count_nonzero(coulomb) == 1
+    monkeypatch.setattr(lacking, "density", object())
+    monkeypatch.setattr(lacking, "_likeliest", lambda _n, x, *_: np.where(coulomb, -1e-18, 1.0))
+    x = lacking.solve(Model(), lacking.learning)
+    np.testing.assert_array_equal(x[coulomb], 0.0)
+    np.testing.assert_array_equal(x[~coulomb], 1.0)
