@@ -11,11 +11,11 @@ from pydantic import ValidationError
 from arm.arm_file import load_arm, parse_arm
 from arm.arm_schema import mistakes_of
 from arm.model import Arm, Floats
-from daemon.config_schema import Config, PublishTable
+from daemon.config_schema import Config
 from limbcal.errors import ConfigError, DataError
 from limbcal.toml import parse_toml, read_toml_text
 from protocol.curve import needs_keys
-from protocol.endpoint import is_local
+from protocol.endpoint import parse_endpoint
 from protocol.recording import ARM_ATTACHMENT, CONFIG_ATTACHMENT
 from protocol.recording_reader import recording_attachments
 
@@ -116,9 +116,7 @@ def _setup(where: str, tables: dict[str, object], arm: Arm | None = None) -> Set
         mistakes.append(
             f"{where}: tracking.zero is {tracking['zero']!r}, expected it only with tracking.method = 'integrate'"
         )
-    publish = config.publish if config is not None else PublishTable()
-    if publish.keys is None and not is_local(publish.endpoint):
-        mistakes.append(f"{where}: publish.{needs_keys(publish.endpoint)} in publish.keys")
+    mistakes += [f"{where}: publish.{mistake}" for mistake in _endpoint_mistakes(tables.get("publish"))]
     given = _given_angles(tracking)
     if arm is not None and given is not None and given != arm.n_joint:
         mistakes.append(
@@ -128,6 +126,18 @@ def _setup(where: str, tables: dict[str, object], arm: Arm | None = None) -> Set
     if mistakes or config is None or arm is None:
         raise ConfigError(mistakes)
     return Setup(config, arm)
+
+
+def _endpoint_mistakes(publish: object) -> list[str]:
+    """Say what is wrong with where is published, whatever else is wrong with the config."""
+    endpoint = publish.get("endpoint") if isinstance(publish, dict) else None
+    if not isinstance(publish, dict) or not isinstance(endpoint, str):
+        return []  # absent, or named already as a mistake of the field
+    try:
+        open_to_all = not parse_endpoint(endpoint).is_local and publish.get("keys") is None
+    except ConfigError as error:
+        return error.mistakes
+    return [f"{needs_keys(endpoint)} in publish.keys"] if open_to_all else []
 
 
 def format_config(config: Config) -> str:

@@ -49,7 +49,7 @@ class PublishTable(_Table):
     must have it.
     """
 
-    endpoint: Annotated[str, Field(pattern=r"^(tcp|ipc)://.+")] = "tcp://127.0.0.1:5770"
+    endpoint: str = "tcp://127.0.0.1:5770"
     raw: bool = False
     keys: Annotated[str, Field(min_length=1)] | None = None
 

@@ -10,6 +10,8 @@ from typing import NamedTuple
 import msgpack
 import zmq
 
+from protocol.binding import bind, connect
+
 Context = zmq.Context[zmq.Socket[bytes]]
 
 _GATHER_S = 0.1
@@ -49,7 +51,7 @@ class RecordLink:
         self._socket = context.socket(zmq.PAIR)
         self._socket.set(zmq.SNDHWM, _QUEUE)
         self._socket.set(zmq.LINGER, _LINGER_MS)
-        self._socket.connect(endpoint)
+        connect(self._socket, endpoint)
         self._send(_HELLO)
 
     def write(self, parts: Sequence[bytes], t_ns: int) -> None:
@@ -104,7 +106,7 @@ class RecordInlet:
         self._untold: bytes | None = None
         self._socket = context.socket(zmq.PAIR)
         self._socket.set(zmq.LINGER, 0)
-        self._socket.bind(endpoint)
+        bind(self._socket, endpoint)
 
     def receive(self, timeout_s: float) -> list[Entry]:
         """Return the next messages; none where none came within the time."""

@@ -2,9 +2,9 @@
 
 import zmq
 
-from limbcal.errors import ConfigError, DeviceError
+from limbcal.errors import DeviceError
 from playback.control_message import Request, decode_reply, encode_request
-from protocol.endpoint import allow_address
+from protocol.binding import connect
 
 
 def ask(
@@ -23,11 +23,7 @@ def ask(
     """
     with context.socket(zmq.REQ) as socket:
         socket.set(zmq.LINGER, 0)
-        allow_address(socket, endpoint)
-        try:
-            socket.connect(endpoint)
-        except zmq.ZMQError as error:
-            raise ConfigError(f"endpoint is {endpoint!r}, expected such as tcp://127.0.0.1:5773") from error
+        connect(socket, endpoint)
         socket.send(encode_request(request))
         if not socket.poll(timeout_ms):
             raise DeviceError(f"control endpoint {endpoint}: no answer within {timeout_ms / 1e3:g} s")

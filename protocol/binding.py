@@ -1,14 +1,15 @@
-"""Binding a socket, with what went wrong said in one sentence."""
+"""Binding and connecting a socket, with what went wrong said in one sentence."""
 
 import errno
 import socket as posix
+import stat
 from pathlib import Path
 
 import zmq
 
 from limbcal.errors import ConfigError, DeviceError
 from protocol.curve import Gate, needs_keys
-from protocol.endpoint import allow_address, is_local
+from protocol.endpoint import Endpoint, parse_endpoint
 
 
 def bind(socket: "zmq.Socket[bytes]", endpoint: str, gate: Gate | None = None) -> str:
@@ -26,39 +27,61 @@ def bind(socket: "zmq.Socket[bytes]", endpoint: str, gate: Gate | None = None) -
     DeviceError
         If the endpoint is taken or cannot be bound.
     ConfigError
-        If the endpoint is not one, or others can reach it and there is no gate.
+        If the endpoint is not one, others can reach it and there is no gate, or there is a file that is no socket.
     """
+    where = parse_endpoint(endpoint)
     if gate is not None:
         gate.guard(socket)
-    elif endpoint.partition("://")[0] == "tcp" and not is_local(endpoint):
+    elif not where.is_local:
         raise ConfigError(needs_keys(endpoint))
-    if not _port_in_range(endpoint):  # libzmq would take it modulo 65536
-        raise ConfigError(f"endpoint is {endpoint!r}, expected a port of at most 65535")
     taken = f"endpoint {endpoint} is already taken, expected a free one"
-    if _ipc_in_use(endpoint):
+    if where.path is not None and _in_use(where.path, endpoint):
         raise DeviceError(taken)
-    allow_address(socket, endpoint)
+    _allow_address(socket, where)
     try:
-        socket.bind(endpoint)
+        socket.bind(where.text)
     except zmq.ZMQError as error:
         if error.errno == errno.EADDRINUSE:
             raise DeviceError(taken) from error
-        if error.errno in (errno.EINVAL, errno.EPROTONOSUPPORT):
-            raise ConfigError(f"endpoint is {endpoint!r}, expected such as tcp://127.0.0.1:5770") from error
         raise DeviceError(f"endpoint {endpoint} cannot be bound: {zmq.strerror(error.errno or 0)}") from error
     return socket.getsockopt_string(zmq.LAST_ENDPOINT)
 
 
-def _ipc_in_use(endpoint: str) -> bool:
-    """Tell whether somebody listens on an ipc endpoint: libzmq would take it over without a word."""
-    scheme, _, path = endpoint.partition("://")
-    if scheme != "ipc" or not Path(path).is_socket():
+def connect(socket: "zmq.Socket[bytes]", endpoint: str) -> None:
+    """Connect a socket; whoever is to be there may come up later.
+
+    Raises
+    ------
+    ConfigError
+        If the endpoint is not one, or names nobody in particular.
+    """
+    where = parse_endpoint(endpoint)
+    if where.text.startswith("tcp://*:") or where.text.endswith((":*", ":0")):
+        raise ConfigError(f"endpoint is {endpoint!r}, expected a host and a port to connect to")
+    _allow_address(socket, where)
+    try:
+        socket.connect(where.text)
+    except zmq.ZMQError as error:
+        raise ConfigError(
+            f"endpoint is {endpoint!r}, which cannot be connected to: {zmq.strerror(error.errno or 0)}"
+        ) from error
+
+
+def _allow_address(socket: "zmq.Socket[bytes]", where: Endpoint) -> None:
+    """Let a socket have an address of IPv6, if it is one; with others ``*`` and names mean what they meant."""
+    if where.is_ipv6:
+        socket.set(zmq.IPV6, 1)
+
+
+def _in_use(path: Path, endpoint: str) -> bool:
+    """Tell whether somebody listens on a socket's path; ZeroMQ would take it over, and delete any file, unasked."""
+    try:
+        mode = path.lstat().st_mode
+    except FileNotFoundError:
         return False
+    except OSError as error:
+        raise DeviceError(f"endpoint {endpoint} cannot be bound: {error.strerror}") from error
+    if not stat.S_ISSOCK(mode):
+        raise ConfigError(f"endpoint {endpoint} is a file that is no socket; expected a path that is free")
     with posix.socket(posix.AF_UNIX) as probe:
-        return probe.connect_ex(path) == 0
-
-
-def _port_in_range(endpoint: str) -> bool:
-    scheme, _, address = endpoint.partition("://")
-    port = address.rpartition(":")[2]
-    return scheme != "tcp" or not port.isdecimal() or int(port) <= 0xFFFF
+        return probe.connect_ex(str(path)) == 0

@@ -6,6 +6,7 @@ are let in; taking a file away shuts its owner out at the next start. A client n
 
 import os
 import re
+import struct
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -14,6 +15,7 @@ from pathlib import Path
 import zmq
 import zmq.auth
 from zmq.auth.thread import ThreadAuthenticator
+from zmq.utils import z85
 
 from limbcal.errors import ConfigError, DeviceError
 from limbcal.toml import parse_toml, read_toml_text
@@ -22,7 +24,7 @@ Context = zmq.Context[zmq.Socket[bytes]]
 
 _SERVER, _CLIENTS = "server", "clients"
 _NAME = re.compile(r"[A-Za-z0-9._-]{1,64}")
-_KEY_CHARACTERS = 40
+_KEY_CHARACTERS, _KEY_BYTES = 40, 32
 
 
 @dataclass(frozen=True)
@@ -62,11 +64,12 @@ class Gate:
     Raises
     ------
     ConfigError
-        If the folder has no key of the service's own.
+        If the folder has no key of the service's own, lists nobody, or has a file that is no key.
     """
 
     def __init__(self, context: Context, folder: Path) -> None:
         self._public, self._secret = _load(folder / f"{_SERVER}.key_secret")
+        _check_clients(folder / _CLIENTS)  # pyzmq lets nobody in where it cannot read one of them, and says nothing
         self._authenticator = ThreadAuthenticator(context)
         self._authenticator.start()
         self._authenticator.configure_curve(domain="*", location=str(folder / _CLIENTS))
@@ -144,18 +147,59 @@ def load_client_key(path: Path) -> ClientKey:
     except OSError as error:
         raise ConfigError(f"{path}: {error.strerror}; expected a key of `limbd keys new`") from error
     keys = [table.get(name) for name in ("public", "secret", "server")]
-    if not all(isinstance(key, str) and len(key) == _KEY_CHARACTERS and key.isascii() for key in keys):
+    if not all(isinstance(key, str) and _is_key(key.encode()) for key in keys):
         raise ConfigError(f"{path}: expected public, secret and server, each of {_KEY_CHARACTERS} characters")
     return ClientKey(*(str(key).encode() for key in keys))
 
 
+def _check_clients(folder: Path) -> None:
+    """Read every key that is let in, as pyzmq will; name each file that is none."""
+    mistakes, n_key = [], 0
+    try:
+        listed = sorted(path for path in folder.iterdir() if path.name.endswith(".key"))
+    except OSError as error:
+        raise ConfigError(f"{folder}: {error.strerror}; `limbd keys new NAME` makes it") from error
+    for path in listed:
+        try:
+            _read(path)
+            n_key += 1
+        except ConfigError as error:
+            mistakes += error.mistakes
+    if not n_key and not mistakes:
+        mistakes.append(f"{folder}: nobody is let in; `limbd keys new NAME` lists a client")
+    if mistakes:
+        raise ConfigError(mistakes)
+
+
 def _load(path: Path) -> tuple[bytes, bytes]:
+    """Return a public key and the secret one that belongs to it."""
+    public, secret = _read(path)
+    if secret is None:
+        raise ConfigError(f"{path}: it has no secret key")
+    if zmq.curve_public(secret) != public:
+        raise ConfigError(f"{path}: its public key is not that of its secret key; `limbd keys new NAME` makes both")
+    return public, secret
+
+
+def _read(path: Path) -> tuple[bytes, bytes | None]:
+    """Return the keys in a file, each checked; the secret one is None where there is none."""
     try:
         public, secret = zmq.auth.load_certificate(path)
     except OSError as error:
         raise ConfigError(f"{path}: {error.strerror or 'not there'}; `limbd keys new NAME` makes it") from error
-    except ValueError as error:
-        raise ConfigError(f"{path}: no key of ZeroMQ's: {error}") from error
-    if secret is None:
-        raise ConfigError(f"{path}: it has no secret key")
+    except (ValueError, IndexError) as error:  # no line of a public key, or one without a `=`
+        raise ConfigError(f"{path}: no key of ZeroMQ's; `limbd keys new NAME` makes one") from error
+    for what, key in (("public", public), ("secret", secret)):
+        if key is not None and not _is_key(key):
+            raise ConfigError(f"{path}: its {what} key is none, expected {_KEY_CHARACTERS} characters of Z85")
     return public, secret
+
+
+def _is_key(key: bytes) -> bool:
+    """Say whether these are 32 bytes in Z85 (RFC 32)."""
+    if len(key) != _KEY_CHARACTERS or not set(key) <= set(z85.Z85CHARS):
+        return False
+    try:
+        return len(z85.decode(key)) == _KEY_BYTES
+    except (ValueError, struct.error):  # five characters may say more than four bytes hold
+        return False

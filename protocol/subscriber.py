@@ -6,9 +6,8 @@ from typing import Any
 
 import zmq
 
-from limbcal.errors import ConfigError
+from protocol.binding import connect
 from protocol.curve import ClientKey
-from protocol.endpoint import allow_address
 from protocol.message import HEALTH, MAX_PAYLOAD_BYTES, decode
 
 #: Messages kept while the reader is busy; what comes after is lost, and counted.
@@ -69,12 +68,11 @@ class Subscriber:
             key.apply(self._socket)
         for topic in topics:
             self._socket.setsockopt_string(zmq.SUBSCRIBE, topic)
-        allow_address(self._socket, endpoint)
         try:
-            self._socket.connect(endpoint)
-        except zmq.ZMQError as error:
+            connect(self._socket, endpoint)
+        except BaseException:
             self._socket.close()
-            raise ConfigError(f"endpoint is {endpoint!r}, expected such as tcp://127.0.0.1:5770") from error
+            raise
 
     @property
     def socket(self) -> "zmq.Socket[bytes]":

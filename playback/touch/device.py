@@ -5,10 +5,10 @@ from types import TracebackType
 import zmq
 
 from arm.model import Floats
-from limbcal.errors import ConfigError, DeviceError, ProtocolError
+from limbcal.errors import DeviceError, ProtocolError
 from playback.touch.message import decode_reply, encode_input
+from protocol.binding import connect
 from protocol.curve import ClientKey
-from protocol.endpoint import allow_address
 
 _RECONNECT_MS = 20
 
@@ -133,12 +133,11 @@ class TouchDevice:
             socket.set(zmq.CONFLATE, 1)
         if self._key is not None:
             self._key.apply(socket)
-        allow_address(socket, self._endpoint)
         try:
-            socket.connect(self._endpoint)
-        except zmq.ZMQError as error:
+            connect(socket, self._endpoint)
+        except BaseException:
             socket.close(0)
-            raise ConfigError(f"endpoint is {self._endpoint!r}, expected such as tcp://127.0.0.1:5774") from error
+            raise
         return socket
 
 

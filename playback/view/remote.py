@@ -8,11 +8,11 @@ from typing import Any
 import numpy as np
 import zmq
 
-from limbcal.errors import ConfigError, ProtocolError
+from limbcal.errors import ProtocolError
 from playback.control_message import Request, Value, decode_reply, encode_request
 from playback.trajectory import Floats
+from protocol.binding import connect
 from protocol.curve import ClientKey
-from protocol.endpoint import allow_address
 
 #: How often the state is asked for while nobody wants anything else [s].
 STATE_S = 0.2
@@ -112,14 +112,11 @@ class Remote:
         socket.set(zmq.LINGER, 0)
         if self._key is not None:
             self._key.apply(socket)
-        allow_address(socket, self.endpoint)
         try:
-            socket.connect(self.endpoint)
-        except zmq.ZMQError as error:
+            connect(socket, self.endpoint)
+        except BaseException:
             socket.close(0)
-            raise ConfigError(
-                f"control endpoint is {self.endpoint!r}, expected such as tcp://127.0.0.1:5773"
-            ) from error
+            raise
         return socket
 
     def _work(self) -> None:

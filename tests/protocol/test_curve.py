@@ -73,3 +73,61 @@ def test_mistakes_are_named(tmp_path: Path, context: zmq.Context) -> None:
         load_client_key(tmp_path / "bad")
     with pytest.raises(ConfigError, match=r"server.key_secret: .*; `limbd keys new NAME` makes it"):
         Gate(context, tmp_path / "nowhere")
+
+
+BROKEN = {
+    "empty": b"",
+    "no key": b"nothing of the kind",
+    "no value": b"public-key\n",
+    "short": b'public-key = "abc"\n',
+    "long": b'public-key = "' + b"0" * 41 + b'"\n',
+    "not Z85": b'public-key = "' + b"~" * 40 + b'"\n',
+    "beyond four bytes": b'public-key = "' + b"#" * 40 + b'"\n',
+    "NUL": b"\x00" * 200,
+}
+
+
+@pytest.mark.parametrize("kind", [*BROKEN, "a folder", "a link to nothing"])
+def test_one_broken_key_is_said_at_the_start(tmp_path: Path, context: zmq.Context, kind: str) -> None:
+    new_client(tmp_path, "friend", tmp_path / "friend.limbkey")
+    broken = tmp_path / "clients" / "broken.key"
+    match kind:
+        case "a folder":
+            broken.mkdir()
+        case "a link to nothing":
+            broken.symlink_to(tmp_path / "nothing")
+        case _:
+            broken.write_bytes(BROKEN[kind])
+    with pytest.raises(ConfigError, match=r"clients/broken\.key: ") as error:
+        Gate(context, tmp_path)
+    assert len(error.value.mistakes) == 1
+
+
+def test_every_broken_key_is_named(tmp_path: Path, context: zmq.Context) -> None:
+    new_client(tmp_path, "friend", tmp_path / "friend.limbkey")
+    for name in ("one", "two"):
+        (tmp_path / "clients" / f"{name}.key").write_text("")
+    with pytest.raises(ConfigError) as error:
+        Gate(context, tmp_path)
+    assert [Path(mistake.partition(": ")[0]).stem for mistake in error.value.mistakes] == ["one", "two"]
+
+
+def test_a_list_of_nobody_is_said(tmp_path: Path, context: zmq.Context) -> None:
+    new_client(tmp_path, "friend", tmp_path / "friend.limbkey")
+    (tmp_path / "clients" / "friend.key").unlink()
+    with pytest.raises(ConfigError, match="nobody is let in; `limbd keys new NAME` lists a client"):
+        Gate(context, tmp_path)
+    (tmp_path / "clients").rmdir()
+    with pytest.raises(ConfigError, match="clients: No such file"):
+        Gate(context, tmp_path)
+
+
+def test_a_service_whose_keys_do_not_belong_together_is_said(tmp_path: Path, context: zmq.Context) -> None:
+    for name in ("one", "two"):
+        new_client(tmp_path / name, "friend", tmp_path / f"{name}.limbkey")
+    own, other = (tmp_path / name / "server.key_secret" for name in ("one", "two"))
+    public = other.read_text().partition("public-key = ")[2].splitlines()[0]
+    lines = [f"    public-key = {public}" if "public-key" in line else line for line in own.read_text().splitlines()]
+    own.write_text("\n".join(lines))
+    with pytest.raises(ConfigError, match="its public key is not that of its secret key"):
+        Gate(context, tmp_path / "one")

@@ -1,13 +1,15 @@
 """Whom an address lets in, and that IPv6 is as good as IPv4."""
 
+import os
 import socket
+from pathlib import Path
 
 import pytest
 import zmq
 
 from limbcal.errors import ConfigError
-from protocol.binding import bind
-from protocol.endpoint import is_local
+from protocol.binding import bind, connect
+from protocol.endpoint import parse_endpoint
 from protocol.message import TRIAL
 from protocol.publisher import Publisher
 from protocol.subscriber import Subscriber
@@ -29,7 +31,6 @@ PATIENCE_MS = 20_000
         ("tcp://[::]:5770", False),
         ("tcp://[fe80::1]:5770", False),
         ("tcp://[2001:db8::1]:5770", False),
-        ("tcp://[::1", False),
         ("tcp://*:5770", False),
         ("tcp://0.0.0.0:5770", False),
         ("tcp://192.168.0.3:5770", False),
@@ -38,7 +39,7 @@ PATIENCE_MS = 20_000
     ],
 )
 def test_which_endpoints_others_can_reach(endpoint: str, local: bool) -> None:
-    assert is_local(endpoint) is local
+    assert parse_endpoint(endpoint).is_local is local
 
 
 def has_ipv6() -> bool:
@@ -67,3 +68,88 @@ def test_all_of_ipv6_needs_keys_as_all_of_ipv4_does() -> None:
         for endpoint in ("tcp://[::]:5770", "tcp://0.0.0.0:5770", "tcp://*:5770"):
             with pytest.raises(ConfigError, match="which other machines can reach"):
                 bind(bound, endpoint)
+
+
+@pytest.mark.parametrize(
+    "endpoint",
+    [
+        "tcp://127.0.0.1\x00.example.org:5770",
+        "tcp://0.0.0.0\x00127.0.0.1:5770",
+        "tcp://127.0.0.1:5770\x00",
+        "tcp://127.0.0.1:5770\n",
+        "tcp://127.0.0.1:5770;0.0.0.0:5771",
+        "tcp://0.0.0.0:0;127.0.0.1:5770",
+        "tcp://user@127.0.0.1:5770",
+        "tcp://127.1:5770",
+        "tcp://127.0.0.1.:5770",
+        "tcp://2130706433:5770",
+        "tcp://\u0661\u0662\u0667.0.0.1:5770",
+        "tcp://127.0.0.1:\u0665",
+        "tcp://127.0.0.1:65536",
+        "tcp://127.0.0.1:-1",
+        "tcp://127.0.0.1:",
+        "tcp://127.0.0.1",
+        "tcp://:5770",
+        "tcp://::1:5770",
+        "tcp://[127.0.0.1]:5770",
+        "tcp://[::1",
+        "tcp://[::1%a b]:5770",
+        "tcp://[[::1]]:5770",
+        "TCP://127.0.0.1:5770",
+        " tcp://127.0.0.1:5770",
+        "tipc://{5560,0,0}",
+        "ws://0.0.0.0:5770",
+        "udp://127.0.0.1:5770",
+        "vmci://*:5770",
+        "ipc://",
+        "ipc://@limb",
+        "ipc://*",
+        "ipc:///run/li\x00mb",
+        "ipc:///run/" + "x" * 120,
+        "inproc://",
+        "5770",
+        "",
+    ],
+)
+def test_what_has_another_form_is_refused_by_all(endpoint: str) -> None:
+    with zmq.Context() as context, context.socket(zmq.PUB) as socket:
+        for use in (bind, connect):
+            with pytest.raises(ConfigError, match="endpoint is "):
+                use(socket, endpoint)
+        assert socket.get_string(zmq.LAST_ENDPOINT) == ""
+
+
+@pytest.mark.parametrize("endpoint", ["tcp://*:5770", "tcp://127.0.0.1:*", "tcp://127.0.0.1:0"])
+def test_nobody_in_particular_is_not_connected_to(endpoint: str) -> None:
+    with zmq.Context() as context, context.socket(zmq.SUB) as socket, pytest.raises(ConfigError, match="a host and"):
+        connect(socket, endpoint)
+
+
+def test_what_is_bound_is_what_was_understood() -> None:
+    with zmq.Context() as context, context.socket(zmq.PUB) as socket:
+        assert bind(socket, "tcp://localhost:*").startswith("tcp://127.0.0.1:")
+
+
+@pytest.mark.parametrize("kind", ["file", "empty file", "folder", "pipe", "link", "link to nothing"])
+def test_what_is_no_socket_stays_where_it_is(tmp_path: Path, kind: str) -> None:
+    place, other = tmp_path / "place", tmp_path / "other"
+    other.write_text("kept")
+    match kind:
+        case "file":
+            place.write_text("kept")
+        case "empty file":
+            place.touch()
+        case "folder":
+            place.mkdir()
+        case "pipe":
+            os.mkfifo(place)
+        case "link":
+            place.symlink_to(other)
+        case "link to nothing":
+            place.symlink_to(tmp_path / "nothing")
+    before = place.lstat()
+    with zmq.Context() as context, context.socket(zmq.PUB) as socket:
+        with pytest.raises(ConfigError, match="is a file that is no socket; expected a path that is free"):
+            bind(socket, f"ipc://{place}")
+    assert (place.lstat().st_ino, place.lstat().st_mode) == (before.st_ino, before.st_mode)
+    assert other.read_text() == "kept"
