@@ -110,13 +110,13 @@ def _setup(where: str, tables: dict[str, object], arm: Arm | None = None) -> Set
         config = Config.model_validate(tables)
     except ValidationError as error:
         mistakes += [_with_flag(sentence) for sentence in mistakes_of(error, where, Config)]
+    mistakes += [f"{where}: publish.{mistake}" for mistake in _endpoint_mistakes(tables.get("publish"))]
     arm = arm or _load_arm(tables["arm"], where, mistakes)
     tracking = tables.get("tracking")
     if isinstance(tracking, dict) and "zero" in tracking and tracking.get("method", "filter") == "filter":
         mistakes.append(
             f"{where}: tracking.zero is {tracking['zero']!r}, expected it only with tracking.method = 'integrate'"
         )
-    mistakes += [f"{where}: publish.{mistake}" for mistake in _endpoint_mistakes(tables.get("publish"))]
     given = _given_angles(tracking)
     if arm is not None and given is not None and given != arm.n_joint:
         mistakes.append(
@@ -134,9 +134,12 @@ def _endpoint_mistakes(publish: object) -> list[str]:
     if not isinstance(publish, dict) or not isinstance(endpoint, str):
         return []  # absent, or named already as a mistake of the field
     try:
-        open_to_all = not parse_endpoint(endpoint).is_local and publish.get("keys") is None
+        found = parse_endpoint(endpoint)
     except ConfigError as error:
         return error.mistakes
+    if found.host is None and found.path is None:
+        return [f"endpoint is {endpoint!r}, expected tcp:// or ipc://, which other programs can reach"]
+    open_to_all = not found.is_local and publish.get("keys") is None
     return [f"{needs_keys(endpoint)} in publish.keys"] if open_to_all else []
 
 
