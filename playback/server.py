@@ -60,7 +60,7 @@ class Server:
         self._clocks = clocks
         self._sleep = sleep
         self._run = str(uuid.uuid4())
-        self._publisher = Publisher(context, endpoint, player.arm.name, self._run, gate, hears_joins=True)
+        self._publisher = Publisher(context, endpoint, player.arm.name, self._run, gate, watched=True)
         try:
             self._control = ControlSocket(context, control, self.answer, gate)
         except BaseException:

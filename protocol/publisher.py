@@ -1,4 +1,4 @@
-"""The sending end: a PUB socket that numbers its messages."""
+"""The sending end: a socket for subscribers that numbers its messages."""
 
 from collections.abc import Mapping
 from types import TracebackType
@@ -9,11 +9,10 @@ import zmq
 from protocol.binding import bind
 from protocol.curve import Gate
 from protocol.message import encode
+from protocol.subscriptions import Subscriptions
 
 #: Messages kept for a subscriber that is slow; beyond that it loses its own and nobody else's.
 SEND_QUEUE = 1000
-#: Bytes of what a subscriber may send: topics, and what keys are exchanged with; beyond, ZeroMQ drops it.
-SUBSCRIPTION_LIMIT = 4096
 #: How long closing waits for what was sent last to leave [ms].
 LINGER_MS = 250
 
@@ -31,8 +30,9 @@ class Publisher:
         UUID of this process.
     gate : Gate, optional
         Lets in only whom it knows; needed where other machines can reach the endpoint.
-    hears_joins : bool
-        Whether `joined` is to tell of new subscribers.
+    watched : bool
+        Whether subscribers are looked at from a thread of its own; otherwise whenever something is published, and by
+        `attend`, which is to be called a hundred times a second while nothing is.
 
     Attributes
     ----------
@@ -54,22 +54,23 @@ class Publisher:
         arm_name: str,
         run: str,
         gate: Gate | None = None,
-        hears_joins: bool = False,
+        watched: bool = False,
     ) -> None:
         self.last_seq: dict[str, int] = {}
         self._arm = arm_name
         self._run = run
-        self._socket = context.socket(zmq.XPUB if hears_joins else zmq.PUB)
-        if hears_joins:
-            self._socket.set(zmq.XPUB_VERBOSE, 1)  # tells of the second subscriber to a topic too
+        self._socket = context.socket(zmq.XPUB)
         self._socket.set(zmq.SNDHWM, SEND_QUEUE)
-        self._socket.set(zmq.MAXMSGSIZE, SUBSCRIPTION_LIMIT)
         self._socket.set(zmq.LINGER, LINGER_MS)
+        self._subscriptions = Subscriptions(context, self._socket)
         try:
             self._endpoint = bind(self._socket, endpoint, gate)
         except BaseException:
+            self._subscriptions.peers.close()
             self._socket.close(0)
             raise
+        if watched:
+            self._subscriptions.peers.watch()
 
     @property
     def endpoint(self) -> str:
@@ -94,22 +95,31 @@ class Publisher:
         self._socket.send(parts[0], zmq.SNDMORE)
         self._socket.send(parts[1])
         self.last_seq[topic] = seq
+        self.attend()
         return parts
 
     @property
+    def refused(self) -> int:
+        """Subscribers that were shown out: they asked for too much."""
+        return self._subscriptions.peers.refused
+
+    def attend(self) -> None:
+        """Take in what subscribers ask for, and show out who asks for too much."""
+        self._subscriptions.look()
+
+    @property
     def socket(self) -> "zmq.Socket[bytes]":
-        """The socket, to be waited on where joins are heard."""
+        """The socket, which can be read when somebody subscribes."""
         return self._socket
 
     def joined(self) -> bool:
         """Say whether anybody subscribed to something since the last time."""
-        joined = False
-        while self._socket.poll(0, zmq.POLLIN):
-            joined = self._socket.recv()[:1] == b"\x01" or joined
-        return joined
+        self.attend()
+        return self._subscriptions.joined()
 
     def close(self) -> None:
         """Close the socket; harmless when repeated."""
+        self._subscriptions.peers.close()
         self._socket.close()
 
     def __enter__(self) -> "Publisher":

@@ -115,7 +115,7 @@ def _follow(
         name, first = _named(stream, arguments)
         arm = questioned_arm(name)
         compared = load_compared(arguments.compare, arm)
-    publisher = stack.enter_context(Publisher(context, arguments.endpoint, arm.name, str(uuid.uuid4()), gate))
+    publisher = stack.enter_context(Publisher(context, arguments.endpoint, arm.name, str(uuid.uuid4()), gate, watched=True))
     warm_up()
     session = Session(Calibration(arm, arguments.seed), publisher, stream)
     followed = _Followed(session, compared, notes)

@@ -40,7 +40,7 @@ def block(k: int, n_joint: int = 2) -> dict[str, object]:
 
 @pytest.fixture
 def daemon(context) -> Iterator[Publisher]:
-    with Publisher(context, FREE, "dd-arm", "run", hears_joins=True) as publisher:
+    with Publisher(context, FREE, "dd-arm", "run") as publisher:
         yield publisher
 
 

@@ -53,7 +53,7 @@ def has_ipv6() -> bool:
 
 @pytest.mark.skipif(not has_ipv6(), reason="this machine has no IPv6")
 def test_a_message_goes_over_ipv6() -> None:
-    with zmq.Context() as context, Publisher(context, "tcp://[::1]:*", "arm", "run", hears_joins=True) as sender:
+    with zmq.Context() as context, Publisher(context, "tcp://[::1]:*", "arm", "run") as sender:
         assert sender.endpoint.startswith("tcp://[::1]:")
         with Subscriber(context, sender.endpoint, [TRIAL]) as hearer:
             assert sender.socket.poll(PATIENCE_MS)

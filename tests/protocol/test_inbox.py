@@ -21,7 +21,7 @@ def wire():
     with tempfile.TemporaryDirectory() as folder, zmq.Context() as context:
         endpoint = f"ipc://{folder}/wire"
         with (
-            Publisher(context, endpoint, "an arm", "a run", hears_joins=True) as publisher,
+            Publisher(context, endpoint, "an arm", "a run") as publisher,
             Subscriber(context, endpoint, ("",)) as subscriber,
         ):
             assert publisher.socket.poll(PATIENCE_MS)

@@ -7,8 +7,9 @@ import zmq
 from limbcal.errors import ConfigError, DeviceError, ProtocolError
 from protocol.curve import gate_of, new_client
 from protocol.message import FRAMES, HEALTH, decode
-from protocol.publisher import SUBSCRIPTION_LIMIT, Publisher
+from protocol.publisher import Publisher
 from protocol.subscriber import Subscriber
+from protocol.subscriptions import FRAME_LIMIT
 
 
 @pytest.fixture
@@ -94,7 +95,7 @@ def test_a_subscriber_that_sends_too_much_is_dropped_and_no_other(context, publi
         monitor = greedy.get_monitor_socket(zmq.EVENT_DISCONNECTED)
         greedy.set(zmq.LINGER, 0)
         greedy.connect(publisher.endpoint)
-        greedy.subscribe(b"x" * (2 * SUBSCRIPTION_LIMIT))
+        greedy.subscribe(b"x" * (2 * FRAME_LIMIT))
         assert monitor.poll(30_000), "it was not dropped"
         greedy.disable_monitor()
         monitor.close(0)
