@@ -73,7 +73,7 @@ def run_pipeline(
             stack.callback(link.close)
         ring, parser = Ring(memory), FrameParser()
         line.tell("ready", endpoint=publisher.endpoint)
-        introduction = _introduction(line, ring, parser, setup)
+        introduction = _introduction(line, ring, parser, setup, publisher)
         if introduction is None:
             return
         reception = _reception(setup, parser, introduction)
@@ -82,7 +82,7 @@ def run_pipeline(
             ask_for_real_time(PIPELINE)
         line.tell("tracking", rate_hz=introduction.info.rate_hz, device=introduction.info.device)
         try:
-            _stream(line, ring, pipeline)
+            _stream(line, ring, pipeline, publisher)
         finally:  # also where the device failed: what was tracked until then is sent and recorded
             pipeline.finish()
             line.tell("health", **pipeline.report(connected=False))
@@ -115,12 +115,15 @@ def _pipeline(
         raise DeviceError(f"port {setup.config.device.port}: {error}") from error
 
 
-def _introduction(line: ControlLine, ring: Ring, parser: FrameParser, setup: Setup) -> InfoFrame | None:
+def _introduction(
+    line: ControlLine, ring: Ring, parser: FrameParser, setup: Setup, publisher: Publisher
+) -> InfoFrame | None:
     """Wait for the INFO of the arm's device from the moment that the supervisor asks; None where a stop came."""
     port = setup.config.device.port
     handshake: Handshake | None = None
     wait = False
     while True:
+        publisher.attend()
         try:
             said = line.hear(_LOOK_S)
         except SupervisorGone:
@@ -143,11 +146,12 @@ def _introduction(line: ControlLine, ring: Ring, parser: FrameParser, setup: Set
             return introduction
 
 
-def _stream(line: ControlLine, ring: Ring, pipeline: Pipeline) -> None:
+def _stream(line: ControlLine, ring: Ring, pipeline: Pipeline, publisher: Publisher) -> None:
     next_health_s = time.monotonic() + _HEALTH_S
     abandoned_s: float | None = None
     asked_s, told = 0.0, False
     while True:
+        publisher.attend()  # also where no samples come
         closed = ring.closed  # asked before reading: what was written before the close is then in it
         chunks = ring.read()
         now_s = time.monotonic()

@@ -5,6 +5,7 @@ import zmq
 from limbcal.errors import DeviceError
 from playback.control_message import Request, decode_reply, encode_request
 from protocol.binding import connect
+from protocol.parts import MESSAGE_BYTES, receive_parts
 
 
 def ask(
@@ -23,8 +24,9 @@ def ask(
     """
     with context.socket(zmq.REQ) as socket:
         socket.set(zmq.LINGER, 0)
+        socket.set(zmq.MAXMSGSIZE, MESSAGE_BYTES)
         connect(socket, endpoint)
         socket.send(encode_request(request))
         if not socket.poll(timeout_ms):
             raise DeviceError(f"control endpoint {endpoint}: no answer within {timeout_ms / 1e3:g} s")
-        return decode_reply(socket.recv())
+        return decode_reply(receive_parts(socket, MESSAGE_BYTES).parts[-1])

@@ -6,13 +6,18 @@ from dataclasses import dataclass, field
 
 import zmq
 
+from playback.control_message import REQUEST_LIMIT
 from protocol.binding import bind
 from protocol.curve import Gate
+from protocol.parts import receive_parts
+from protocol.peers import Peers
 
 Answer = Callable[[Sequence[bytes]], bytes]
 
-#: Bytes of a message that the socket still takes in, to refuse it; beyond, ZeroMQ drops the peer.
-MESSAGE_LIMIT = 64 * 1024 * 1024
+#: Bytes of a part that the socket still takes in, to refuse it; beyond, ZeroMQ drops the peer.
+MESSAGE_LIMIT = 2 * REQUEST_LIMIT
+#: Bytes that a client may have sent and nobody has read, in whatever parts; beyond, it is shown out.
+UNREAD_LIMIT = 2 * 1024 * 1024
 #: Bytes of replies kept for a client that takes them slowly; beyond, it is not heard until it has taken some.
 KEPT_LIMIT = 8 * 1024 * 1024
 #: Replies that ZeroMQ holds of each client; what it cannot take is kept here, where bytes are counted.
@@ -67,12 +72,17 @@ class ControlSocket:
         self._socket.set(zmq.LINGER, LINGER_MS)
         self._socket.set(zmq.MAXMSGSIZE, MESSAGE_LIMIT)
         self._socket.set(zmq.SNDHWM, _QUEUE)
+        self._socket.set(zmq.RCVHWM, _QUEUE)
+        self._socket.set(zmq.RCVBUF, MESSAGE_LIMIT)
         self._socket.set(zmq.ROUTER_MANDATORY, 1)  # a client that cannot take a reply is told of, not passed over
+        self._peers = Peers(context, self._socket, UNREAD_LIMIT)
         try:
             self.endpoint = bind(self._socket, endpoint, gate)
         except BaseException:
+            self._peers.close()
             self._socket.close(0)
             raise
+        self._peers.watch()
 
     @property
     def socket(self) -> "zmq.Socket[bytes]":
@@ -90,7 +100,9 @@ class ControlSocket:
             self._send_on(client)
         if not self._socket.poll(0, zmq.POLLIN):
             return
-        parts = self._socket.recv_multipart()
+        received = receive_parts(self._socket, MESSAGE_LIMIT)
+        self._peers.handed(received.first, received.n_byte)
+        parts = received.parts
         kept = self._kept.get(parts[0], _Kept())
         if kept.n_byte > KEPT_LIMIT:
             self.unheard += 1
@@ -119,4 +131,5 @@ class ControlSocket:
 
     def close(self) -> None:
         """Let the last replies go and free the endpoint."""
+        self._peers.close()
         self._socket.close()

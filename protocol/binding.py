@@ -74,7 +74,7 @@ def _allow_address(socket: "zmq.Socket[bytes]", where: Endpoint) -> None:
 
 
 def _in_use(path: Path, endpoint: str) -> bool:
-    """Tell whether somebody listens on a socket's path; ZeroMQ would take it over, and delete any file, unasked."""
+    """Tell whether somebody listens there; ZeroMQ would take it over, and delete any file, unasked."""
     try:
         mode = path.lstat().st_mode
     except FileNotFoundError:

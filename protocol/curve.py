@@ -69,7 +69,7 @@ class Gate:
 
     def __init__(self, context: Context, folder: Path) -> None:
         self._public, self._secret = _load(folder / f"{_SERVER}.key_secret")
-        _check_clients(folder / _CLIENTS)  # pyzmq lets nobody in where it cannot read one of them, and says nothing
+        _check_clients(folder / _CLIENTS)  # where pyzmq cannot read one, it lets nobody in
         self._authenticator = ThreadAuthenticator(context)
         self._authenticator.start()
         self._authenticator.configure_curve(domain="*", location=str(folder / _CLIENTS))
@@ -177,7 +177,7 @@ def _load(path: Path) -> tuple[bytes, bytes]:
     if secret is None:
         raise ConfigError(f"{path}: it has no secret key")
     if zmq.curve_public(secret) != public:
-        raise ConfigError(f"{path}: its public key is not that of its secret key; `limbd keys new NAME` makes both")
+        raise ConfigError(f"{path}: its public key does not belong to its secret key")
     return public, secret
 
 

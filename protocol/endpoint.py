@@ -1,6 +1,6 @@
 """Where a socket is bound or connected: the few forms that are allowed, read once, and who can reach them.
 
-What ZeroMQ takes besides is refused (a source address before a ``;``, ``tipc``, ``ws``, an abstract name of ``ipc``):
+What ZeroMQ takes besides is refused (a source address after a ``;``, ``tipc``, ``ws``, abstract ``ipc``):
 nothing is handed to it but what was understood here.
 """
 
@@ -109,7 +109,7 @@ def parse_host(text: str) -> Host | None:
 def parse_endpoint(text: str) -> Endpoint:
     """Return an endpoint: ``tcp://HOST:PORT``, ``ipc://PATH``, or ``inproc://NAME`` within a process.
 
-    HOST is an address (IPv6 in brackets), a name, ``localhost`` or ``*``; PORT is 0 to 65535, or ``*`` for a free one.
+    HOST is an address (IPv6 in brackets), a name, ``localhost`` or ``*``; PORT is a number, or ``*`` for a free one.
 
     Raises
     ------
@@ -135,5 +135,5 @@ def parse_endpoint(text: str) -> Endpoint:
 
 def _ipc(text: str, path: str) -> Endpoint:
     if not path or path[0] in "@*" or not path.isprintable() or len(path.encode()) > MOST_PATH:
-        raise ConfigError(f"endpoint is {text!r}, expected ipc:// and the path of a socket, at most {MOST_PATH} bytes")
+        raise ConfigError(f"endpoint is {text!r}, expected the path of a socket, of at most {MOST_PATH} bytes")
     return Endpoint(text, path=Path(path))

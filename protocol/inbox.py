@@ -8,6 +8,7 @@ import zmq
 
 from limbcal.errors import DeviceError
 from protocol.message import decode
+from protocol.parts import MESSAGE_BYTES, receive_parts
 from protocol.spilling_queue import SpillingQueue
 from protocol.subscriber import Subscriber
 
@@ -91,7 +92,7 @@ class Inbox:
     def _drain(self) -> None:
         while not self._over.is_set():
             try:
-                parts = self._socket.recv_multipart(zmq.NOBLOCK)
+                parts = receive_parts(self._socket, MESSAGE_BYTES).parts
             except zmq.Again:
                 return
             self._queue.put(parts)

@@ -4,10 +4,13 @@ from dataclasses import dataclass
 
 import zmq
 
+from protocol.message import MAX_PAYLOAD_BYTES
 from protocol.peers import PART_OVERHEAD
 
 #: Parts that are kept; ours have 2, and 3 with an envelope. Those beyond are read and forgotten.
 MOST_PARTS = 8
+#: Bytes of a message: a payload, and beside it the topic and what CURVE adds.
+MESSAGE_BYTES = MAX_PAYLOAD_BYTES + 4096
 
 
 @dataclass(frozen=True)
@@ -43,7 +46,8 @@ def receive_parts(socket: "zmq.Socket[bytes]", most_bytes: int) -> Received:
         If there is none.
     """
     first = frame = socket.recv(zmq.NOBLOCK, copy=False)
-    parts, kept, n_byte = [], 0, 0
+    parts: list[bytes] = []
+    kept = n_byte = 0
     while True:
         size = len(frame)
         n_byte += size + PART_OVERHEAD

@@ -1,8 +1,8 @@
 """Who is connected to a socket that is bound, and when one of them is shown out.
 
-ZeroMQ bounds the size of one part and the number of whole messages that wait; of a message in parts it gathers without
-end, where nobody sees it. So what the kernel has received of each connection (TCP_INFO) is held against what its
-owner was handed. Only connections over TCP are measured: a socket in a folder admits whom the folder does.
+ZeroMQ bounds the size of one part and the number of whole messages that wait; parts of a message that does not end
+it gathers where nobody sees them. So what the kernel has received of each connection (TCP_INFO) is held against what
+its owner was handed. Only connections over TCP are measured: a socket in a folder admits whom the folder does.
 """
 
 import contextlib
@@ -28,7 +28,7 @@ PART_OVERHEAD = 64
 HANDSHAKE_MS = 3000
 #: Where `struct tcp_info` (linux/tcp.h) has its u64 of all bytes received, and its size up to there.
 _RECEIVED_AT, _INFO_BYTES = 128, 136
-_IDLE_MS, _JOIN_S = 50, 10.0
+_IDLE_S, _JOIN_S = 0.02, 10.0
 _EVENTS = zmq.EVENT_ACCEPTED | zmq.EVENT_DISCONNECTED
 _DISCARD = 1 << 20
 #: `struct linger` (socket(7)): on, and no time.
@@ -142,10 +142,7 @@ class Peers:
     def _watch(self) -> None:
         with contextlib.suppress(zmq.ContextTerminated):
             while not self._over.is_set():
-                if self._open:
-                    self._over.wait(LOOK_S)
-                else:
-                    self._monitor.poll(_IDLE_MS)
+                self._over.wait(LOOK_S if self._open else _IDLE_S)
                 self._look()
 
     def _look(self) -> None:

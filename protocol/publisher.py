@@ -31,8 +31,8 @@ class Publisher:
     gate : Gate, optional
         Lets in only whom it knows; needed where other machines can reach the endpoint.
     watched : bool
-        Whether subscribers are looked at from a thread of its own; otherwise whenever something is published, and by
-        `attend`, which is to be called a hundred times a second while nothing is.
+        Whether subscribers are looked at from a thread of its own; otherwise whenever something is published, and
+        by `attend`, which is to be called a hundred times a second while nothing is.
 
     Attributes
     ----------

@@ -8,7 +8,8 @@ import zmq
 
 from protocol.binding import connect
 from protocol.curve import ClientKey
-from protocol.message import HEALTH, MAX_PAYLOAD_BYTES, decode
+from protocol.message import HEALTH, decode
+from protocol.parts import MESSAGE_BYTES, receive_parts
 
 #: Messages kept while the reader is busy; what comes after is lost, and counted.
 RECEIVE_QUEUE = 10_000
@@ -63,7 +64,7 @@ class Subscriber:
         self._socket.set(zmq.LINGER, 0)
         self._socket.set(zmq.RCVHWM, RECEIVE_QUEUE)
         self._socket.set(zmq.RECONNECT_IVL, RECONNECT_MS)
-        self._socket.set(zmq.MAXMSGSIZE, 2 * MAX_PAYLOAD_BYTES)  # nothing of ours comes near
+        self._socket.set(zmq.MAXMSGSIZE, MESSAGE_BYTES)
         if key is not None:
             key.apply(self._socket)
         for topic in topics:
@@ -89,7 +90,7 @@ class Subscriber:
         """
         if not self._socket.poll(timeout_ms):
             return None
-        topic, fields = decode(self._socket.recv_multipart())
+        topic, fields = decode(receive_parts(self._socket, MESSAGE_BYTES).parts)
         self._account(topic, fields)
         return topic, fields
 

@@ -48,7 +48,7 @@ class Subscriptions:
             frame = self._socket.recv(copy=False)
             connection = self.peers.handed(frame)
             if connection is None:  # of this process, or of somebody who has left
-                self._joined |= bytes(frame.buffer[:1]) == b"\x01"
+                self._joined |= frame.bytes.startswith(b"\x01")
             elif not self.peers.is_refused(connection[1]):
                 self._take(connection, frame.bytes)
         self.peers.look()

@@ -6,13 +6,19 @@ from dataclasses import dataclass
 import zmq
 
 from limbcal.errors import ProtocolError
-from playback.touch.message import Command, Input, decode_input
+from playback.touch.message import INPUT_LIMIT, Command, Input, decode_input
 from protocol.binding import bind
 from protocol.curve import Gate
 from protocol.message import encode
+from protocol.parts import receive_parts
+from protocol.peers import Peers
 
-#: Bytes that the socket takes in, to refuse them; beyond, ZeroMQ drops the peer.
-MESSAGE_LIMIT = 64 * 1024
+#: Bytes of a part that the socket takes in, to refuse it; beyond, ZeroMQ drops the peer.
+MESSAGE_LIMIT = 2 * INPUT_LIMIT
+#: Bytes that a device may have sent and nobody has read, in whatever parts; beyond, it is shown out.
+UNREAD_LIMIT = 2 * 1024 * 1024
+#: Messages of a device that wait, and bytes that the kernel keeps beside.
+_QUEUE, _KERNEL_BYTES = 200, 64 * 1024
 #: Messages looked at in one tick: a flood costs a tick no more than this.
 AT_ONCE = 64
 _LINGER_MS = 100
@@ -53,9 +59,13 @@ class HapticChannel:
         self._socket = context.socket(zmq.ROUTER)
         self._socket.set(zmq.LINGER, _LINGER_MS)
         self._socket.set(zmq.MAXMSGSIZE, MESSAGE_LIMIT)
+        self._socket.set(zmq.RCVHWM, _QUEUE)
+        self._socket.set(zmq.RCVBUF, _KERNEL_BYTES)
+        self._peers = Peers(context, self._socket, UNREAD_LIMIT)
         try:
             self.endpoint = bind(self._socket, endpoint, gate)
         except BaseException:
+            self._peers.close()
             self._socket.close(0)
             raise
 
@@ -64,12 +74,15 @@ class HapticChannel:
 
         What is none is refused. An input that a newer one has overtaken is not answered.
         """
+        self._peers.look()  # from here and not from a thread, which could be late in giving way to the loop
         newest: dict[bytes, tuple[tuple[bytes, ...], bytes]] = {}
         for _ in range(AT_ONCE):
             try:
-                parts = self._socket.recv_multipart(zmq.NOBLOCK)
+                received = receive_parts(self._socket, MESSAGE_LIMIT)
             except zmq.Again:
                 break
+            self._peers.handed(received.first, received.n_byte)
+            parts = received.parts
             # REQ puts an empty part between address and payload, DEALER need not; the reply goes the way back
             n_envelope = 2 if len(parts) > 2 and not parts[1] else 1
             envelope = tuple(parts[:n_envelope])
@@ -93,6 +106,7 @@ class HapticChannel:
 
     def close(self) -> None:
         """Let the last answers go and free the endpoint."""
+        self._peers.close()
         self._socket.close()
 
     def _read(self, envelope: tuple[bytes, ...], payload: bytes) -> Iterator[Heard]:

@@ -9,6 +9,7 @@ from limbcal.errors import DeviceError, ProtocolError
 from playback.touch.message import decode_reply, encode_input
 from protocol.binding import connect
 from protocol.curve import ClientKey
+from protocol.parts import MESSAGE_BYTES, receive_parts
 
 _RECONNECT_MS = 20
 
@@ -90,7 +91,7 @@ class TouchDevice:
         """
         newest = None
         while self._socket.poll(0):
-            newest = self._socket.recv()
+            newest = receive_parts(self._socket, MESSAGE_BYTES).parts[-1]
         return None if newest is None else _accepted(decode_reply(newest))
 
     def wait(self, timeout_ms: int) -> dict[str, object] | None:
@@ -111,7 +112,7 @@ class TouchDevice:
             socket.send(encode_input({"cmd": cmd, "q": _listed(q)}))
             if not socket.poll(timeout_ms):
                 raise DeviceError(f"haptic endpoint {self._endpoint}: no answer within {timeout_ms / 1e3:g} s")
-            return _accepted(decode_reply(socket.recv()))
+            return _accepted(decode_reply(receive_parts(socket, MESSAGE_BYTES).parts[-1]))
 
     def close(self) -> None:
         """Let go."""
@@ -128,6 +129,7 @@ class TouchDevice:
     def _connected(self, kind: int, newest_only: bool) -> "zmq.Socket[bytes]":
         socket = self._context.socket(kind)
         socket.set(zmq.LINGER, 0)
+        socket.set(zmq.MAXMSGSIZE, MESSAGE_BYTES)
         socket.set(zmq.RECONNECT_IVL, _RECONNECT_MS)
         if newest_only:
             socket.set(zmq.CONFLATE, 1)

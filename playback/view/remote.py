@@ -13,6 +13,7 @@ from playback.control_message import Request, Value, decode_reply, encode_reques
 from playback.trajectory import Floats
 from protocol.binding import connect
 from protocol.curve import ClientKey
+from protocol.parts import MESSAGE_BYTES, receive_parts
 
 #: How often the state is asked for while nobody wants anything else [s].
 STATE_S = 0.2
@@ -110,6 +111,7 @@ class Remote:
     def _connect(self) -> "zmq.Socket[bytes]":
         socket = self._context.socket(zmq.REQ)
         socket.set(zmq.LINGER, 0)
+        socket.set(zmq.MAXMSGSIZE, MESSAGE_BYTES)
         if self._key is not None:
             self._key.apply(socket)
         try:
@@ -167,7 +169,7 @@ class Remote:
                 break
         else:
             try:
-                reply = decode_reply(self._socket.recv())
+                reply = decode_reply(receive_parts(self._socket, MESSAGE_BYTES).parts[-1])
             except ProtocolError:
                 reply = {"ok": False, "error": "what answers there is no playback"}
             state = reply.get("state")

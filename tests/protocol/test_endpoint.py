@@ -121,8 +121,9 @@ def test_what_has_another_form_is_refused_by_all(endpoint: str) -> None:
 
 @pytest.mark.parametrize("endpoint", ["tcp://*:5770", "tcp://127.0.0.1:*", "tcp://127.0.0.1:0"])
 def test_nobody_in_particular_is_not_connected_to(endpoint: str) -> None:
-    with zmq.Context() as context, context.socket(zmq.SUB) as socket, pytest.raises(ConfigError, match="a host and"):
-        connect(socket, endpoint)
+    with zmq.Context() as context, context.socket(zmq.SUB) as socket:
+        with pytest.raises(ConfigError, match="expected a host and a port"):
+            connect(socket, endpoint)
 
 
 def test_what_is_bound_is_what_was_understood() -> None:
