@@ -109,7 +109,7 @@ def parse_host(text: str) -> Host | None:
 def parse_endpoint(text: str) -> Endpoint:
     """Return an endpoint: ``tcp://HOST:PORT``, ``ipc://PATH``, or ``inproc://NAME`` within a process.
 
-    HOST is an address (IPv6 in brackets), a name, ``localhost`` or ``*``; PORT is a number, or ``*`` for a free one.
+    HOST is an address (IPv6 in brackets), a name, ``localhost`` or ``*``; PORT is a number, or ``*``: any.
 
     Raises
     ------

@@ -1,7 +1,7 @@
 """Who is connected to a socket that is bound, and when one of them is shown out.
 
 ZeroMQ bounds the size of one part and the number of whole messages that wait; parts of a message that does not end
-it gathers where nobody sees them. So what the kernel has received of each connection (TCP_INFO) is held against what
+it gathers where nobody sees them. So what the kernel has received of a connection (TCP_INFO) is held against what
 its owner was handed. Only connections over TCP are measured: a socket in a folder admits whom the folder does.
 """
 

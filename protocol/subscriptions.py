@@ -43,12 +43,12 @@ class Subscriptions:
     def look(self) -> None:
         """Take in what subscribers ask for, and show out who asks for too much."""
         for _ in range(_GO):
-            if not self._socket.get(zmq.EVENTS) & zmq.POLLIN:
+            if not int(self._socket.get(zmq.EVENTS)) & zmq.POLLIN:
                 break
             frame = self._socket.recv(copy=False)
             connection = self.peers.handed(frame)
             if connection is None:  # of this process, or of somebody who has left
-                self._joined |= frame.bytes.startswith(b"\x01")
+                self._joined = self._joined or frame.bytes.startswith(b"\x01")
             elif not self.peers.is_refused(connection[1]):
                 self._take(connection, frame.bytes)
         self.peers.look()

@@ -1,4 +1,4 @@
-"""The web server of the page, kept to itself: quiet, and never shared beyond this machine."""
+"""The web server of the page, kept to itself: quiet, and without a public address."""
 
 import asyncio
 import contextlib
@@ -11,6 +11,7 @@ import rich
 import viser
 
 from limbcal.errors import DeviceError
+from playback.view.visitors import Visitors, checked
 
 T = TypeVar("T")
 
@@ -37,7 +38,7 @@ def on_loop(server: viser.ViserServer, work: Callable[[], T]) -> T:
 
 
 @contextlib.contextmanager
-def web_server(host: str, port: int, title: str) -> Iterator[viser.ViserServer]:
+def web_server(visitors: Visitors, port: int, title: str) -> Iterator[viser.ViserServer]:
     """Serve a page until left.
 
     Raises
@@ -45,9 +46,10 @@ def web_server(host: str, port: int, title: str) -> Iterator[viser.ViserServer]:
     DeviceError
         If the port is taken or the host is none of this machine's.
     """
-    _require_free(host, port)
+    _require_free(visitors.address, port)
     rich.reconfigure(quiet=True)  # viser tells of itself on stdout, which belongs to the answer
-    server = QuietServer(host, port, title, verbose=False)
+    with checked(visitors):
+        server = QuietServer(visitors.address, port, title, verbose=False)
     try:
         yield server
     finally:

@@ -18,6 +18,7 @@ from playback.view.page import Page
 from playback.view.playback_process import PlaybackProcess
 from playback.view.remote import Remote
 from playback.view.server import on_loop, web_server
+from playback.view.visitors import Visitors
 from protocol.curve import load_client_key
 
 #: How long a playback that runs already may take to answer [s].
@@ -32,6 +33,7 @@ def run(arguments: argparse.Namespace, announce: Callable[[dict[str, object]], N
     LimbcalError
         If what is to be shown cannot be, or ends.
     """
+    visitors = Visitors(arguments.host)
     with ExitStack() as stack:
         context = stack.enter_context(zmq.Context())
         key = None if arguments.key is None else load_client_key(arguments.key)
@@ -47,12 +49,12 @@ def run(arguments: argparse.Namespace, announce: Callable[[dict[str, object]], N
         if control is not None:
             remote = stack.enter_context(closing(Remote(context, control, key)))
         arm, twin = _arms(arguments.arm, remote)
-        server = stack.enter_context(web_server(arguments.host, arguments.port, "limbplay"))
+        server = stack.enter_context(web_server(visitors, arguments.port, "limbplay"))
         handle = None
         if (running := touch) is not None:
             handle = stack.enter_context(closing(on_loop(server, lambda: Handle(server, context, arm, running))))
         page = on_loop(server, lambda: Page(server, feed, remote, arm, twin, handle))
-        url = f"http://{arguments.host}:{server.get_port()}"
+        url = visitors.url(server.get_port())
         announce({"url": url, "endpoint": endpoint, "control": control, "arm": arm.name})
         if arguments.open:
             webbrowser.open(url)
