@@ -185,9 +185,9 @@ class Peers:
                     return  # another one has the number by now
                 # closed with a reset: no kernel keeps what a peer that does not listen was still to be told
                 line.setsockopt(posix.SOL_SOCKET, posix.SO_LINGER, _RESET)
-                line.shutdown(posix.SHUT_RDWR)
                 self._gone.add(inode)
                 self.refused += 1
+                line.shutdown(posix.SHUT_RDWR)
                 while line.recv(_DISCARD, posix.MSG_DONTWAIT):  # what it had sent, so that ZeroMQ sees none of it
                     pass
         except OSError:
@@ -196,11 +196,14 @@ class Peers:
 
 def _received(descriptor: int) -> int:
     """Return the bytes that came over a TCP connection since it was made; 0 where that is not known."""
-    line = posix.socket(posix.AF_INET, posix.SOCK_STREAM, 0, fileno=descriptor)
+    try:
+        line = posix.socket(posix.AF_INET, posix.SOCK_STREAM, 0, fileno=descriptor)
+    except OSError:
+        return 0  # closed, which is told of later
     try:
         info = line.getsockopt(posix.IPPROTO_TCP, posix.TCP_INFO, _INFO_BYTES)
     except OSError:
-        return 0
+        return 0  # not over TCP
     finally:
         line.detach()  # it is ZeroMQ's
     return struct.unpack_from("<Q", info, _RECEIVED_AT)[0] if len(info) >= _INFO_BYTES else 0

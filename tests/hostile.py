@@ -29,6 +29,17 @@ def handshake(kind: bytes) -> bytes:
     return _GREETING + frame(b"\x05READY\x0bSocket-Type" + len(kind).to_bytes(4, "big") + kind, _COMMAND)
 
 
+def greet(line: socket.socket, kind: bytes) -> None:
+    """Greet and wait until greeted: ZeroMQ ends whoever goes on before."""
+    line.sendall(handshake(kind))
+    heard = b""
+    while len(heard) < 66 or len(heard) < 66 + heard[65]:
+        more = line.recv(1000)
+        if not more:
+            raise ConnectionError("shown out while greeting")
+        heard += more
+
+
 def open_line(port: int) -> socket.socket:
     line = socket.create_connection(("127.0.0.1", port), timeout=30.0)
     line.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
@@ -84,7 +95,7 @@ class Crowd:
         Bytes that each has sent, and how often it was shown out.
     """
 
-    #: One after the other gets what is behind it; a client sends no faster than this [bytes/s].
+    #: How long one that was shown out stays away [s].
     PACE_S = 0.02
 
     def __init__(self, acts: list[Callable[[threading.Event], int]]) -> None:
@@ -114,7 +125,7 @@ def sending(port: int, kind: bytes, pieces: Callable[[], Iterator[bytes]]) -> Ca
 
     def act(over: threading.Event) -> int:
         with open_line(port) as line:
-            line.sendall(handshake(kind))
+            greet(line, kind)
             sent, pile = 0, pieces()
             while not over.is_set():
                 now = send_until_shown_out(line, pile, _GULP)

@@ -18,6 +18,7 @@ from protocol.subscriber import Subscriber
 from protocol.subscriptions import FRAME_LIMIT, MOST_TOPICS, TOPIC_LIMIT
 from tests.hostile import (
     frame,
+    greet,
     handshake,
     many_topics,
     messages,
@@ -69,6 +70,12 @@ def attend_until(publisher: Publisher, done: Callable[[], bool]) -> None:
         publisher.publish(HEALTH, {})
 
 
+def hears(subscriber: Subscriber, publisher: Publisher, topic: str) -> bool:
+    publisher.publish(topic, {})
+    message = subscriber.receive(0)
+    return message is not None and message[0] == topic
+
+
 @pytest.mark.parametrize("pile", PILES)
 def test_who_sends_too_much_is_shown_out_and_nobody_else(
     publisher: Publisher, context: "zmq.Context[zmq.Socket[bytes]]", pile: str
@@ -77,9 +84,9 @@ def test_who_sends_too_much_is_shown_out_and_nobody_else(
         attend_until(publisher, lambda: honest.receive(0) is not None)
         before = psutil.Process().memory_info().rss
         with open_line(port_of(publisher)) as line:
+            greet(line, b"SUB")
             line.settimeout(0.05)
             pieces, sent = PILES[pile](), 0
-            line.sendall(handshake(b"SUB"))
             gulp = b"".join(itertools.islice(pieces, 1000))
             while sent < MOST_SENT:
                 publisher.publish(HEALTH, {})
@@ -101,11 +108,10 @@ def test_who_sends_too_much_is_shown_out_and_nobody_else(
 
 def test_as_many_topics_as_there_may_be(publisher: Publisher, context: "zmq.Context[zmq.Socket[bytes]]") -> None:
     topics = [f"{k:0{TOPIC_LIMIT}d}" for k in range(MOST_TOPICS)]
-    with Subscriber(context, publisher.endpoint, topics) as one, Subscriber(context, publisher.endpoint, topics) as two:
-        for subscriber in (one, two):
-            attend_until(publisher, lambda: (publisher.publish(topics[-1], {}), one.receive(0))[1] is not None)
-            attend_until(publisher, lambda: (publisher.publish(topics[0], {}), two.receive(0))[1] is not None)
-            assert subscriber is not None
+    where = publisher.endpoint
+    with Subscriber(context, where, topics) as one, Subscriber(context, where, topics) as two:
+        for subscriber, topic in itertools.product((one, two), (topics[0], topics[-1])):
+            attend_until(publisher, lambda: hears(subscriber, publisher, topic))  # noqa: B023 - called at once
         assert publisher.refused == 0
 
 
@@ -130,11 +136,11 @@ def test_topics_that_were_given_up_count_no_more(
             subscriber.socket.unsubscribe(f"limb/{k}")
         attend_until(publisher, lambda: subscriber.receive(0) is not None)
         subscriber.socket.subscribe("last")
-        attend_until(publisher, lambda: (publisher.publish("last", {}), subscriber.receive(0))[1][0] == "last")
+        attend_until(publisher, lambda: hears(subscriber, publisher, "last"))
         assert publisher.refused == 0
 
 
-def test_topics_of_who_has_a_key_are_bounded_too(context: "zmq.Context[zmq.Socket[bytes]]", tmp_path: Path) -> None:
+def test_topics_of_friends_are_bounded_too(context: "zmq.Context[zmq.Socket[bytes]]", tmp_path: Path) -> None:
     key = load_client_key(new_client(tmp_path, "friend", tmp_path / "friend.limbkey"))
     with gate_of(context, tmp_path) as gate, Publisher(context, "tcp://127.0.0.1:*", "a", "r", gate) as publisher:
         with Subscriber(context, publisher.endpoint, [HEALTH], key) as honest:
@@ -174,7 +180,7 @@ def test_a_request_without_end_is_shown_out(context: "zmq.Context[zmq.Socket[byt
         try:
             with context.socket(zmq.DEALER) as honest, open_line(port) as line:
                 before = psutil.Process().memory_info().rss
-                line.sendall(handshake(b"DEALER"))
+                greet(line, b"DEALER")
                 assert send_until_shown_out(line, parts_without_end(size), MOST_SENT) < MOST_SENT
                 assert peers.refused == 1
                 assert psutil.Process().memory_info().rss - before < 100 * limit / (1 + size) + 10 * limit
