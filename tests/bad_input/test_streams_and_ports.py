@@ -15,6 +15,7 @@ import numpy as np
 import pytest
 import zmq
 
+from protocol.curve import new_client
 from protocol.message import FRAMES, encode
 from protocol.publisher import Publisher
 
@@ -123,3 +124,37 @@ def test_a_port_that_is_taken(tmp_path):
                 process.terminate()
                 process.communicate(timeout=PATIENCE_S)
     assert first.returncode == device.returncode == 0
+
+
+def test_a_key_that_is_none_is_said_before_anybody_is_locked_out(tmp_path):
+    """One broken file in the list of keys would keep all others from being read."""
+    new_client(tmp_path / "keys", "friend", tmp_path / "friend.limbkey")
+    broken = tmp_path / "keys" / "clients" / "broken.key"
+    broken.write_text("public-key = 7\n")
+    with babbling_port() as port:
+        config = tmp_path / "limbd.toml"
+        config.write_text(
+            f'[device]\nport = "{port}"\n[arm]\nfile = "dd-arm"\n'
+            f'[publish]\nendpoint = "tcp://127.0.0.1:*"\nkeys = "{tmp_path}/keys"\n'
+        )
+        process = limbd("run", "--config", config)
+    assert process.returncode == 2
+    assert sentence_of(process) == f"{broken}: its public key is none, expected 40 characters of Z85"
+
+
+def test_an_endpoint_that_is_a_file_is_said_and_the_file_stays(tmp_path):
+    place = tmp_path / "results.csv"
+    place.write_text("t,q1\n")
+    with babbling_port() as port:
+        process = limbd("run", "--port", port, "--arm", "dd-arm", "--endpoint", f"ipc://{place}")
+    assert process.returncode == 2
+    said = sentence_of(process)
+    assert said == f"endpoint ipc://{place} is a file that is no socket; expected a path that is free"
+    assert place.read_text() == "t,q1\n"
+
+
+@pytest.mark.parametrize("endpoint", ["tipc://{5560,0,0}", "ws://0.0.0.0:5770", "tcp://127.0.0.1:5770;0.0.0.0:1"])
+def test_an_endpoint_of_another_form_is_said(endpoint):
+    process = limbd("run", "--port", "/dev/nope", "--arm", "dd-arm", "--endpoint", endpoint)
+    assert process.returncode == 2
+    assert f"publish.endpoint is {endpoint!r}, expected " in sentence_of(process)
