@@ -82,11 +82,7 @@ class Symptoms:
             wrong["contradiction", ""] = "the tracker's claims are broken too often"
         if (off := _rate_off(health)) is not None:
             wrong["rate", ""] = off
-        if said := self._device_clock():
-            wrong["clock", "device"] = said
-        ahead_s = health["clock"]["host_ahead_s"]
-        if abs(ahead_s) > _SET_S:
-            wrong["clock", "host"] = f"it was set by {ahead_s:+.1f} s in all"
+        wrong |= self._clocks(health["clock"]["host_ahead_s"])
         free = health["disk_free_bytes"]
         if records and health["recording"] is None:
             wrong["not recorded", ""] = "nothing is recorded"
@@ -96,14 +92,19 @@ class Symptoms:
             wrong["removed", ""] = f"{removed} so far while written, with what was in them"
         return wrong
 
-    def _device_clock(self) -> str | None:
-        """Return what was wrong with the device's clock in the last few seconds."""
+    def _clocks(self, ahead_s: float) -> dict[tuple[str, str], str]:
+        """Return what was wrong with the device's clock of late, and whether the host's was set."""
+        wrong: dict[tuple[str, str], str] = {}
         guard = self._reception.guard
         errors, self._clock_errors = guard.errors - self._clock_errors, guard.errors
         self._clock_off = _SAID if errors or guard.is_off else max(self._clock_off - 1, 0)
-        if not self._clock_off:
-            return None
-        return "it stands still or shows anything" if guard.is_off else f"it was off {guard.errors} times in all"
+        if guard.is_off:
+            wrong["clock", "device"] = "it stands still or shows anything"
+        elif self._clock_off:
+            wrong["clock", "device"] = f"it was off {guard.errors} times in all"
+        if abs(ahead_s) > _SET_S:
+            wrong["clock", "host"] = f"it was set by {ahead_s:+.1f} s in all"
+        return wrong
 
 
 def _rate_off(health: Mapping[str, Any]) -> str | None:
