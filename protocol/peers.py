@@ -180,9 +180,11 @@ class Peers:
         if connection is None or connection.inode != inode or inode in self._gone:
             return  # it has gone by itself, or is about to go
         try:
-            with posix.socket(fileno=os.dup(descriptor)) as line:
-                if os.fstat(line.fileno()).st_ino != inode:
-                    return  # another one has the number by now
+            own = os.dup(descriptor)
+            if os.fstat(own).st_ino != inode:
+                os.close(own)
+                return  # another one has the number by now
+            with posix.socket(fileno=own) as line:
                 # closed with a reset: no kernel keeps what a peer that does not listen was still to be told
                 line.setsockopt(posix.SOL_SOCKET, posix.SO_LINGER, _RESET)
                 self._gone.add(inode)
