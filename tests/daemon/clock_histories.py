@@ -9,7 +9,8 @@ from daemon.host_clock import HostClock
 from daemon.reception import Reception
 from daemon.ring import Chunk, Mark
 from daemon.sample_ledger import Gap
-from protocol.serial_frame import Channel, DeviceInfo, InfoFrame, encode_samples
+from protocol.device_info import Channel, DeviceInfo
+from protocol.serial_frame import InfoFrame, encode_samples
 from protocol.serial_parser import FrameParser
 
 RATE_HZ, FRAME = 1000.0, 10
