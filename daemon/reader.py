@@ -34,7 +34,7 @@ _DRAIN_LIMIT_S = 1.0
 _FIRST_TRY_S, _LAST_TRY_S = 0.05, 1.0
 #: … or as soon as its name is there again, which costs next to nothing to see: what the device can hold is little.
 _APPEARS_S = 0.05
-#: A device that is silent for so long is told to start again, as one that was restarted must be; then after the
+#: A device that is silent for so long gets the START command again, as a restarted one needs it; then after the
 #: same time, then after twice as long each time up to the second, however long it had no power.
 _SILENT_S, _LAST_NUDGE_S = 0.5, 2.0
 #: The name of a port may come to mean another device file: looked at so often.

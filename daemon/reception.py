@@ -272,8 +272,8 @@ class Reception:
         if lost or begun_anew:
             why = "the device was restarted" if begun_anew else self._cause(frame, lost)
             infos = (numbered - lost) / max(self.ledger.frame_samples, 1)  # they have numbers and no samples
-            told = infos == 0.0 or (self.guard.unplugged and infos > 0.0 and infos.is_integer())
-            exact = told and not begun_anew and not self.guard.is_off
+            by_number = infos == 0.0 or (self.guard.unplugged and infos > 0.0 and infos.is_integer())
+            exact = by_number and not begun_anew and not self.guard.is_off
             self._note(Gap(self.ledger.position, lost, t_ns, why, exact))
         first = self.ledger.position + lost
         times = FrameTimes(first, len(frame.counts), [frame.ticks], self.clock, self._steps)

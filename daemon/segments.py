@@ -158,7 +158,7 @@ class Segments:
             self.lost += 1
 
     def _forget(self, but: int) -> None:
-        """Keep no more than so many messages, the newest."""
+        """Bound the kept messages: the newest stay."""
         while len(self._kept) > but:
             self._kept_bytes -= len(self._kept.popleft().payload)
 

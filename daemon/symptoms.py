@@ -16,7 +16,7 @@ _SURELY = 3.0
 _SET_S = 0.05
 #: Samples lost in a second: this share of them.
 _LOSSES = 1e-3
-#: Reports for which an error of the device's clock is told: enough to raise an alarm.
+#: Reports that show an error of the device's clock after it happened: enough to raise an alarm.
 _SAID = 3
 #: Frames that are published so much later than their bytes came are late [ms].
 _BEHIND_MS = 200.0

@@ -31,7 +31,7 @@ from fitter.diagnosis.view import View
 _SEED = 20
 
 
-#: A torque that another differs from by this share of its rms is cut off.
+#: A torque is cut off where it differs from the commanded one by this fraction of its rms.
 _CUT = 0.01
 
 

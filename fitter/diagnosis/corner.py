@@ -30,7 +30,7 @@ _PARTS = 10
 _MOVES = 10.0
 
 
-#: A torque of which more than this share of its rms is white is mostly noise, or a drive that chatters.
+#: A torque whose white part exceeds this fraction of its rms is mostly noise, or its drive chatters.
 _MOSTLY = 0.5
 
 
@@ -103,7 +103,7 @@ def chatter(arm: Arm, trials: Sequence[Trial]) -> list[str]:
     size = np.sqrt(np.mean(np.concatenate(measured) ** 2, axis=0))
     return [
         f"the torque at joint {j + 1} changes from sample to sample like noise ({white[j]:.3g} {unit} of "
-        f"{size[j]:.3g} {unit} rms): what is smaller than that cannot be told; a drive that chatters looks so"
+        f"{size[j]:.3g} {unit} rms): smaller effects are not identifiable; a chattering drive looks the same"
         for j, unit in enumerate("N m" if joint.type == "revolute" else "N" for joint in arm.joints)
         if white[j] > _MOSTLY * size[j] > 0.0
     ]

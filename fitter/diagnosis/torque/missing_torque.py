@@ -9,7 +9,7 @@ from scipy.stats import norm
 from scipy.stats import t as student
 
 from arm.model import Floats
-from fitter.diagnosis.torque.background import Background, Rows, estimated
+from fitter.diagnosis.torque.background import Background, Rows
 from fitter.diagnosis.torque.kalman import Filter
 
 #: Probability of the band: that of a normal distribution within one standard deviation.
@@ -82,12 +82,6 @@ class MissingTorque:
     band: Floats
 
 
-def backgrounds(trials: Sequence[ResidualTorque]) -> list[Background]:
-    """Return the background of each joint, estimated over all trials."""
-    n_joint = trials[0].r.shape[1]
-    return [estimated([trial.rows(joint) for trial in trials]) for joint in range(n_joint)]
-
-
 def missing_torques(trials: Sequence[ResidualTorque], models: Sequence[Background]) -> list[MissingTorque]:
     """Return the missing torque of each trial: what the equation misses, without the sensors' noise.
 
@@ -95,7 +89,7 @@ def missing_torques(trials: Sequence[ResidualTorque], models: Sequence[Backgroun
     ----------
     trials : sequence of ResidualTorque
     models : sequence of Background
-        One a joint, as `backgrounds` finds them.
+        One a joint.
 
     Returns
     -------

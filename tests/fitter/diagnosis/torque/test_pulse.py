@@ -1,0 +1,45 @@
+"""A pulse as the rows of a residual see it, and how well its ends and its form are known."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from fitter.diagnosis.torque.pulse import Pulse, either, in_rows, pulse_means, unseen_s
+from tests.fitter.diagnosis.torque.residuals import trial
+
+
+@pytest.mark.parametrize("form", ["rectangular", "bell"])
+def test_a_pulse_is_at_half_its_size_at_its_ends(form):
+    t = np.arange(0.0, 2.0, 1e-3)
+    shape = pulse_means(t, 1e-3, 0.7, 0.4, form)
+    above = t[shape > 0.5]
+    assert (above[0], above[-1]) == pytest.approx((0.7, 1.1), abs=2e-3)
+    assert shape.max() == pytest.approx(1.0, abs=1e-4)
+    assert shape.sum() * 1e-3 == pytest.approx(0.4)
+
+
+def test_beside_rows_that_are_not_known_an_instant_may_be_anywhere_in_them():
+    rows = trial(np.random.default_rng(7)).rows(0)
+    rows.known[90:102] = False  # from 3.58 s to 4.06 s
+    for at_s in (4.05, 4.08):  # among them and in the row next to them
+        assert unseen_s(rows, at_s, -1) == pytest.approx(0.48, abs=0.05)
+    assert unseen_s(rows, 3.57, 1) == pytest.approx(0.48, abs=0.05)
+    assert unseen_s(rows, 4.2, -1) == unseen_s(rows, 4.2, 1) == unseen_s(rows, 4.08, 1) == 0.0
+
+
+def test_a_form_that_might_be_another_has_the_error_of_both():
+    bell = Pulse(0, 0, 1.0, 0.2, 0.6, 0.01, 0.01, 0.03, "bell", 20.0, 15.0)
+    for less, error in ((0.0, np.hypot(0.03, 0.1 / np.sqrt(2.0))), (30.0, 0.03)):
+        other = replace(bell, form="rectangular", torque_N_m=0.5, log_likelihood_ratio=20.0 - less)
+        one = either([other, bell])
+        assert one.torque_std == pytest.approx(error, rel=1e-3)
+
+
+@pytest.mark.parametrize("form", ["rectangular", "bell"])
+def test_the_filter_keeps_the_area_of_a_pulse_in_the_rows(form):
+    rows = trial(np.random.default_rng(8)).rows(0)
+    column = in_rows(rows, 4.0, 0.6, form)
+    assert column.shape == rows.t.shape
+    assert column.sum() * rows.step_s == pytest.approx(0.6, rel=0.01)
+    assert np.max(np.abs(column[rows.t < 3.0])) == 0.0

@@ -1,0 +1,45 @@
+"""The search of one trial: the likelihood ratio in Student's noise, and the evidence for the places of a pulse."""
+
+import numpy as np
+import pytest
+import scipy.optimize
+import scipy.stats
+
+from fitter.diagnosis.torque.background import Background
+from fitter.diagnosis.torque.pulse_search import Search, _ratio
+from tests.fitter.diagnosis.torque.residuals import trial
+
+MODEL = Background(0.05, 0.3, 1e-6, 20.0, 0.5, np.full(2, 1e-9), np.ones(2), 1e-6, 1e-9, 30.0)
+LEAST_NATS = 8.0
+
+
+def search(pulses):
+    rows = trial(np.random.default_rng(4), pulses).rows(0)
+    return Search(3, 1, rows, MODEL.filtered(rows), MODEL.degrees_of_freedom, 0.5)
+
+
+@pytest.mark.parametrize("nu", [3.0, 8.0, 100.0])
+def test_the_likelihood_ratio_is_that_of_students_distribution(nu):
+    rng = np.random.default_rng(2)
+    s = rng.normal(size=60)
+    e = 0.7 * s + scipy.stats.t.rvs(nu, size=60, random_state=rng)
+
+    def loss(c):
+        return -float(np.sum(scipy.stats.t.logpdf(e - c * s, nu)))
+
+    best = scipy.optimize.minimize_scalar(loss, bounds=(-5.0, 5.0), method="bounded")
+    ratio, c, _ = _ratio(e, s, nu)
+    assert c == pytest.approx(best.x, abs=0.01)
+    assert ratio == pytest.approx(loss(0.0) - best.fun, abs=0.01)
+
+
+def test_the_most_evident_pulse_comes_first_and_none_overlaps_another():
+    found = list(search([(2.0, 0.2, 0.4, "rectangular"), (6.0, 0.3, -0.8, "rectangular")]).found(LEAST_NATS))
+    assert [one.torque_N_m > 0.0 for one in found] == [False, True]
+    assert [one.start_s for one in found] == pytest.approx([6.0, 2.0], abs=0.06)
+    assert found[0].evidence > found[1].evidence >= LEAST_NATS
+    assert {(one.trial, one.joint) for one in found} == {(3, 1)}
+
+
+def test_evidence_below_the_least_is_no_pulse():
+    assert list(search([(2.0, 0.2, 0.4, "rectangular")]).found(1e6)) == []
