@@ -174,7 +174,6 @@ def _figures(value: float) -> str:
     return f"{value:.{max(0, 1 - int(np.floor(np.log10(max(value, 1e-9)))))}f}"
 
 
-
 def page(runs: Sequence[Run], initial: bool, picture: str | None) -> str:
     """Return the table with what explains it, in Markdown; ``picture`` is its plot as seen from it."""
     seeds = list(dict.fromkeys(run.seed for run in runs))

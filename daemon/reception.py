@@ -218,15 +218,11 @@ class Reception:
         self._decide(arrival_ns)
 
     def _guarded(self, frame: SamplesFrame, last: SamplesFrame, arrival_ns: int) -> None:
-        self.guard.take(
-            frame, self._early_s(arrival_ns), lambda one, off: self._enter(one, last, arrival_ns, off)
-        )
+        self.guard.take(frame, self._early_s(arrival_ns), lambda one, off: self._enter(one, last, arrival_ns, off))
 
     def _decide(self, arrival_ns: int) -> None:
         """Enter the frame whose clock is in doubt."""
-        self.guard.settle(
-            self._early_s(arrival_ns), lambda one, off: self._enter(one, one, arrival_ns, off)
-        )
+        self.guard.settle(self._early_s(arrival_ns), lambda one, off: self._enter(one, one, arrival_ns, off))
 
     def _early_s(self, arrival_ns: int) -> Callable[[int], float]:
         """Return what says by how much something arrived before a tick was over [s]."""

@@ -53,8 +53,10 @@ def filter_all(
     """
     n, size, n_channel, n_cell = course.push.size, x.size, course.noise.size, window.cells.shape[0]
     taken = Taken(
-        np.zeros((n_channel, size)), np.zeros((n_channel + n, size)), np.zeros(n_channel + n), np.zeros(n_channel +
-        n)
+        np.zeros((n_channel, size)),
+        np.zeros((n_channel + n, size)),
+        np.zeros(n_channel + n),
+        np.zeros(n_channel + n),
     )
     hidden, total = np.zeros(n), np.zeros(n_channel)
     before_x, before_P, at = x.copy(), P.copy(), x.copy()

@@ -24,6 +24,7 @@ _LONGEST_BRIDGE_S = 1.0
 #: Readings that a start needs at the least.
 _FEWEST = 8
 
+
 class KalmanTracker:
     """Joint motion by an extended Kalman filter at the frame rate.
 

@@ -119,7 +119,13 @@ def forget(of: Observation, course: Course, k: int, channel: int, x: Floats, P: 
 
 @compiled
 def take(
-    x: Floats, P: Floats, slope: Floats, columns: NDArray[np.int64], n_column: int, miss: float, variance: float,
+    x: Floats,
+    P: Floats,
+    slope: Floats,
+    columns: NDArray[np.int64],
+    n_column: int,
+    miss: float,
+    variance: float,
     gain: Floats,
 ) -> float:
     """Take in one reading that misses its prediction by ``miss``; return the variance of that.

@@ -97,8 +97,13 @@ def _forward(
         correct(of, room, course, k, at[k], x, P, taken)
         for channel in range(n_channel):
             _take_errors(
-                errors, taken.slope[channel], of.columns[channel], of.n_column[channel], taken.gain[channel],
-                noise[k, channel], miss[channel],
+                errors,
+                taken.slope[channel],
+                of.columns[channel],
+                of.n_column[channel],
+                taken.gain[channel],
+                noise[k, channel],
+                miss[channel],
             )
     hold(course, k, x, P, taken)
     for j in range(n):

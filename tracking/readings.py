@@ -129,8 +129,9 @@ class ReadingsBuilder:
             raise DataError(f"{len(self._longest)} samples without a gap, expected at least {_FEWEST}")
         dt_s = self._factor / self._rate_hz
         t0_s = (self._factor // 2) / self._rate_hz
-        return Readings(np.concatenate(self._frames), dt_s, t0_s, noise_of(self._longest, self._rate_hz),
-        self._factor)
+        return Readings(
+            np.concatenate(self._frames), dt_s, t0_s, noise_of(self._longest, self._rate_hz), self._factor
+        )
 
     def _close(self) -> None:
         self._frames.append(self._decimator.flush())

@@ -149,4 +149,3 @@ def _angle_covariance(H: Floats, given: bool) -> Floats:
     shown = information * GUESSED_STD**2 > 1.0
     covariance: Floats = (axes * np.where(shown, std**2, _EXACT_STD**2)) @ axes.T
     return covariance
-

@@ -37,9 +37,7 @@ def unwound(states: Floats, course: Course, arm: Arm, long_too: bool = False) ->
             continue
         begin = states[max(0, before - few + 1) : before + 1].mean(axis=0)
         end = states[after : after + few].mean(axis=0)
-        expected = most_probable_way(
-            T, begin[turning + 1], begin[turning + 2], end[turning + 1], end[turning + 2]
-        )
+        expected = most_probable_way(T, begin[turning + 1], begin[turning + 2], end[turning + 1], end[turning + 2])
         if T > TOLD_S:
             expected[:] = 0.0
         turns = np.round((states[after, turning] - states[before, turning] - expected) / _TURN)

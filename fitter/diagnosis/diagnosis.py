@@ -147,7 +147,7 @@ def _searched(
         likelihood, found, was = _found(arm, motions, denied, scale, say)
         regression = likelihood.regression
     final = found.final.candidate
-    if not likelihood.floor.is_none:
+    if not likelihood.is_exact(found.final):
         final = with_pushes(regression, final)
     causes = [cause_of(place, found.steps) for place in range(len(found.steps))]
     for place in range(len(causes), len(final.model.hypotheses)):

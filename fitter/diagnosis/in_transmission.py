@@ -74,10 +74,17 @@ class Backlash(InTransmission):
 
     def change(self, view: View, psi: Floats) -> Floats:
         """Return by how much the link's angle and its derivatives differ from the motor's, (3, n_sample)."""
+        return self._play(view).change(float(psi[0]))
+
+    def act(self, view: View, psi: Floats) -> View:
+        """Return a motion whose link lags behind the measured angle, and coasts while the motor crosses."""
+        return replace(super().act(view, psi), guessed=view.guessed | self._play(view).crosses)
+
+    def _play(self, view: View) -> Play:
         key = view.motion.number, len(view.motion.t)
         if key not in self._known:
             self._known[key] = play_of(view.arm, view.motion, self.joints[0])
-        return self._known[key].change(float(psi[0]))
+        return self._known[key]
 
     def numbers(self, psi: Floats, factors: Floats) -> Floats:
         """Return the gap."""

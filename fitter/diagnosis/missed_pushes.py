@@ -11,6 +11,7 @@ from fitter.data.derivatives import lowpass
 from fitter.diagnosis.model import Candidate
 from fitter.diagnosis.pushes import Pushes
 from fitter.diagnosis.regression import Regression
+from fitter.diagnosis.robust import robustly_fitted
 from fitter.diagnosis.screening import fitted
 from fitter.diagnosis.torque.missing_torque import ResidualTorque
 from fitter.diagnosis.torque.pulse import Pulse
@@ -29,7 +30,7 @@ def with_pushes(regression: Regression, final: Candidate) -> Candidate:
     final : Candidate
         With all causes that always act.
     """
-    candidate, known = final, list[Pulse]()
+    candidate, known = robustly_fitted(regression, final), list[Pulse]()
     for _ in range(_ROUNDS):
         found = find_pulses(missed(regression, _without_pushes(final, candidate)))
         candidate = pushed(regression, final, found)
@@ -65,7 +66,8 @@ def missed(regression: Regression, final: Candidate) -> list[ResidualTorque]:
         r, torque = (lowpass(column, motion.dt_s, own.band_hz, "even") for column in (-left, motion.u))
         reach = round(0.5 / (own.band_hz * motion.dt_s))  # so far the filter looks: half a period of its corner
         near = np.ones((2 * reach + 1, 1), dtype=np.bool_)
-        known = ~binary_dilation(motion.stuck, near, border_value=1)
+        guessed = regression.view(final.model, motion).guessed[:, None]
+        known = ~binary_dilation(motion.stuck | guessed, near, border_value=1)
         noises = own.band_hz, own.torque_noise, angle_noise
         trials.append(ResidualTorque(motion.t, r, known, torque, *noises))
     return trials

@@ -10,6 +10,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.ndimage import binary_erosion, gaussian_filter1d
 
 from arm.model import Arm, Floats
@@ -57,13 +58,23 @@ class Play:
     def off(self, gap: float) -> Floats:
         """Return by how much the link's angle differs from the motor's, not filtered, (n_whole,)."""
         sideways, noise = -0.5 * gap * self.side, SIGMAS * self.shaking
-        bridged = self.bridge != 0.0
-        edges = np.flatnonzero(np.diff(bridged, prepend=False, append=False))
-        off = sideways + self.bridge
-        for begin, end in zip(edges[::2], edges[1::2], strict=True):
-            if np.abs(off[begin:end]).max() > gap + 2.0 * noise:
-                off[begin:end] = sideways[begin:end]
+        off = np.where(self._bridged(gap), sideways + self.bridge, sideways)
         return np.clip(off, -0.5 * gap - noise, 0.5 * gap + noise)
+
+    def _bridged(self, gap: float) -> NDArray[np.bool_]:
+        """Say where the link coasts along a bridge, (n_whole,)."""
+        bridged: NDArray[np.bool_] = self.bridge != 0.0
+        edges = np.flatnonzero(np.diff(bridged, prepend=False, append=False))
+        off = np.abs(self.bridge - 0.5 * gap * self.side)
+        for begin, end in zip(edges[::2], edges[1::2], strict=True):
+            bridged[begin:end] = off[begin:end].max() <= gap + 2.0 * SIGMAS * self.shaking
+        return bridged
+
+    @property
+    def crosses(self) -> NDArray[np.bool_]:
+        """Where the motor may be anywhere in its gap: the link's motion is guessed there, (n_sample,)."""
+        inner = slice(self.cut, self.cut + len(self.trial.t))
+        return np.asarray(self.bridge != 0.0)[inner][:: self.step]
 
     def change(self, gap: float) -> Floats:
         """Return by how much the link's angle and its derivatives differ from the motor's, (3, n_sample)."""

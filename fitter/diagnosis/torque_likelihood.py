@@ -3,9 +3,10 @@
 from collections.abc import Callable, Sequence
 
 import numpy as np
+from scipy.stats import chi2
 
 from fitter.diagnosis.estimates import estimates, significant
-from fitter.diagnosis.evidence import BLOCK_S, Fit, likelihood_of
+from fitter.diagnosis.evidence import BLOCK_S, ODDS_NATS, Fit, likelihood_of
 from fitter.diagnosis.floor import KNOWN, Floor, floored, part_of_floor
 from fitter.diagnosis.hypothesis import Hypothesis
 from fitter.diagnosis.mass_density import MassDensity
@@ -126,8 +127,14 @@ class TorqueLikelihood:
         return hypothesis.log_places(self.regression.motions)
 
     def is_exact(self, fit: Fit) -> bool:
-        """Say whether a model leaves no more than the sensors' noise."""
-        return floored(self.regression, self._by_torque(fit.candidate))[2].is_none
+        """Say whether a model leaves no more than the sensors' noise, on average and in every single trial.
+
+        What acts for some moments, as a limit does, is lost in the average.
+        """
+        candidate = self._by_torque(fit.candidate)
+        told = self.regression.told
+        most = KNOWN * chi2.ppf(1.0 - np.exp(-ODDS_NATS) / len(told), told)
+        return floored(self.regression, candidate)[2].is_none and bool(np.all(candidate.squares <= most))
 
     def is_plainly_wrong(self, fit: Fit) -> bool:
         """Say whether a model leaves so much that two hypotheses may hide each other in it."""

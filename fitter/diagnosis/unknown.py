@@ -105,9 +105,10 @@ def best_functions(fold: Folds, n_joint: int) -> BestFunctions:
 def outdone(regression: Regression, final: Candidate) -> bool:
     """Say whether a function of few variables leaves trials with clearly less than all causes do in its place.
 
-    It is judged on trials that it was not fitted to, by the sensors' noise: a floor was made for the causes. No
-    formula is exact, so the causes have to leave twice as much beyond noise, whose size is known to a tenth; the
-    difference of the logarithms has to be two of its standard errors over the trials.
+    It is judged on trials that it was not fitted to, by the sensors' noise: a floor was made for the causes. Both
+    are fitted under those weights. No formula is exact, so the causes have to leave twice as much beyond noise,
+    whose size is known to a tenth; the difference of the logarithms has to be two of its standard errors over the
+    trials.
 
     Parameters
     ----------
@@ -116,7 +117,7 @@ def outdone(regression: Regression, final: Candidate) -> bool:
         The model with all causes.
     """
     own = regression.weighted_by(regression.sensors)
-    by_causes, least = own.squares(final.model, final.x), np.finfo(np.float64).tiny
+    by_causes, least = fitted(own, final.model, refine=False).squares, np.finfo(np.float64).tiny
     beyond, known = float(np.mean(by_causes / own.told)) - 1.0, KNOWN - 1.0
     if beyond <= PLAINLY * known:  # whatever a function left, it would not be clearly less
         return False

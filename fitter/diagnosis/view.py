@@ -68,6 +68,8 @@ class View:
         Rate at which the joints' friction grows with the run's time [1/s].
     columns : tuple of ndarray of shape (n_sample, n_joint, n_column)
         What stands in the equation of motion beside the regressor, for a gain of 1.
+    guessed : (n_sample,) of bool
+        Where an effect can only guess how the links move: they are not measured there.
     """
 
     motion: Motion
@@ -79,6 +81,7 @@ class View:
     direction: Floats
     factor: Floats
     drift: Floats
+    guessed: NDArray[np.bool_]
     columns: tuple[Floats, ...] = field(default=())
 
     @property
@@ -132,4 +135,6 @@ def view_of(motion: Motion, arm: Arm) -> View:
     """Return a motion as it was measured."""
     n = motion.q.shape[1]
     moves = motion.q, motion.dq, motion.ddq, motion.u, motion.direction
-    return View(motion, arm, *moves, factor=np.ones(n), drift=np.zeros(n))
+    return View(
+        motion, arm, *moves, factor=np.ones(n), drift=np.zeros(n), guessed=np.zeros(len(motion.t), dtype=np.bool_)
+    )

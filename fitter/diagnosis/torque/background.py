@@ -131,6 +131,17 @@ class Background:
         gain, S = gains(F, Q, P, C, variance, rows.known)
         return Filter(F, Q, P, C, variance, gain, S, rows.known)
 
+    def mean_log_density(self, rows: Rows, block_s: float) -> Floats:
+        """Return the mean log density of a row, in each row's block of some length, (n,); NaN if none is known."""
+        kalman, nu = self.filtered(rows), self.degrees_of_freedom
+        e = kalman.innovations(rows.r)
+        density = -0.5 * (nu + 1.0) * np.log1p(e**2 / nu) - 0.5 * np.log(kalman.S)
+        block = np.arange(len(e)) // max(1, round(block_s / rows.step_s))
+        known = np.bincount(block, rows.known)
+        with np.errstate(invalid="ignore"):
+            means = np.bincount(block, np.where(rows.known, density, 0.0)) / known
+        return np.asarray(means[block])
+
 
 @compiled
 def _state_space(

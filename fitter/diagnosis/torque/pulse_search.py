@@ -10,7 +10,7 @@ from arm.model import Floats
 from fitter.diagnosis.torque.background import LONGEST_PULSE_S, Rows
 from fitter.diagnosis.torque.kalman import Filter, innovations
 from fitter.diagnosis.torque.pulse import FORMS, Pulse, either, in_rows, seen, unseen_s
-from fitter.diagnosis.torque.pulse_shapes import Shapes
+from fitter.diagnosis.torque.pulse_shapes import DURATION_RATIO, Shapes
 from limbcal.compiled import compiled
 
 #: Reweightings of the estimate of a size in Student's noise, at the most, and its change that ends them.
@@ -28,6 +28,8 @@ class Search:
         self.trial, self.joint, self.rows, self.kalman, self.nu, self.size = trial, joint, rows, kalman, nu, size
         self.shapes = Shapes.of(rows)
         self.fit = self.shapes.fit(rows)
+        #: Evidence at all places that were left when no more was found, (n_shape, n) [nats].
+        self.left = np.full(self.fit.shape, -np.inf)
 
     def evidence(self, e: Floats) -> Floats:
         """Return the log evidence for a pulse of each shape that begins with each row, (n_shape, n) [nats]."""
@@ -46,6 +48,7 @@ class Search:
             shape, row = np.unravel_index(int(np.argmax(at_places)), at_places.shape)
             evidence = float(np.logaddexp.reduce(at_places, axis=None))
             if evidence < least:
+                self.left = at_places
                 return
             place = float(self.rows.t[row]) - 0.5 * self.rows.step_s, self.shapes.duration_s[shape]
             pulse = either([self._refined(e, *place, form, evidence) for form in FORMS])
@@ -53,6 +56,13 @@ class Search:
             self.fit &= ~self._overlapping(pulse)
             column = in_rows(self.rows, pulse.start_s, pulse.duration_s, pulse.form)
             e = e - self.kalman.innovations(pulse.torque_N_m * column)
+
+    def left_by_block(self) -> Floats:
+        """Return the evidence in blocks of a longest pulse's length where none was found, (n_block,) [nats]."""
+        n = max(1, round(LONGEST_PULSE_S / self.rows.step_s))
+        at_rows = np.logaddexp.reduce(self.left, axis=0)
+        blocks: Floats = np.logaddexp.reduceat(at_rows, np.arange(0, len(at_rows), n))
+        return np.asarray(blocks[np.isfinite(blocks)])
 
     def _overlapping(self, pulse: Pulse) -> NDArray[np.bool_]:
         """Say which places, (n_shape, n), have to do with a pulse, however slowly it rises and falls."""
@@ -83,15 +93,20 @@ class Search:
         best = minimize(loss, np.zeros(2), method="Nelder-Mead", bounds=bounds, options=options)  # type: ignore[call-overload]
         ratio, size = at(best.x)
         start, lasting = start_s + duration_s * float(best.x[0]), duration_s * float(np.exp(best.x[1]))
-        start_std, duration_std, torque_std = self._errors(start, lasting, form, size)
+        (start_std, duration_std, torque_std), places = self._errors(start, lasting, form, size)
         before, after = (unseen_s(self.rows, at, way) for at, way in ((start, -1), (start + lasting, 1)))
         start_std = float(np.hypot(start_std, before / np.sqrt(12.0)))  # uniform where nothing is known
         duration_std = float(np.hypot(duration_std, np.hypot(before, after) / np.sqrt(12.0)))
+        laplace = ratio + places - float(np.log(np.pi * self.size * (1.0 + (size / self.size) ** 2)))
         errors = start_std, duration_std, torque_std
-        return Pulse(self.trial, self.joint, start, lasting, size, *errors, form, ratio, evidence)
+        return Pulse(self.trial, self.joint, start, lasting, size, *errors, form, ratio, max(evidence, laplace))
 
-    def _errors(self, start_s: float, duration_s: float, form: str, size: float) -> tuple[float, float, float]:
-        """Return standard errors of start, duration and size; Fisher's information of Student's location."""
+    def _errors(self, start_s: float, duration_s: float, form: str, size: float) -> tuple[Floats, float]:
+        """Return standard errors of start, duration and size, and the logarithm of the likelihood's volume.
+
+        Both by Fisher's information of Student's location. The volume is in units of the places that are sought,
+        times the unit of the size, by Laplace; -inf where most of the pulse lies where nothing is known.
+        """
         step, rows = _STEP * duration_s, self.rows
         ends = [(s, d) for s in (-step, step) for d in (0.0,)] + [(0.0, -step), (0.0, step)]
         moved = [in_rows(rows, start_s + s, duration_s + d, form) for s, d in ends]
@@ -103,10 +118,10 @@ class Search:
         J = np.stack([self.kalman.innovations(column) for column in columns], axis=1)
         information = (self.nu + 1.0) / (self.nu + 3.0) * J.T @ J
         if np.linalg.matrix_rank(information, hermitian=True) < len(information):
-            return np.inf, np.inf, np.inf  # most of the pulse lies where nothing is known
-        variance = np.diag(np.linalg.inv(information))
-        start_std, duration_std, torque_std = np.sqrt(np.maximum(variance, 0.0)).tolist()
-        return start_std, duration_std, torque_std
+            return np.full(3, np.inf), -np.inf
+        place = rows.step_s * duration_s * float(np.log(DURATION_RATIO))
+        volume = 1.5 * np.log(2.0 * np.pi) - 0.5 * np.linalg.slogdet(information)[1] - np.log(place)
+        return np.sqrt(np.maximum(np.diag(np.linalg.inv(information)), 0.0)), float(volume)
 
 
 @compiled

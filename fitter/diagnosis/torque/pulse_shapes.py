@@ -10,7 +10,7 @@ from fitter.diagnosis.torque.background import LONGEST_PULSE_S, Rows
 from fitter.diagnosis.torque.pulse import FORMS, seen
 
 #: Ratio of durations sought: two an octave, neighbours correlated by 0.84.
-_DURATION_RATIO = np.sqrt(2.0)
+DURATION_RATIO = np.sqrt(2.0)
 #: Digits to which a step is rounded [s]: a nanosecond is nothing.
 _STEP_DIGITS = 9
 
@@ -47,12 +47,16 @@ class Shapes:
         return _shapes(round(rows.step_s, _STEP_DIGITS), rows.n_sample, rows.band_hz)
 
     def fit(self, rows: Rows) -> NDArray[np.bool_]:
-        """Say with which rows a pulse may begin, (n_shape, n): where all that it lasts is known."""
+        """Say with which rows a pulse may begin, (n_shape, n): where half of what it lasts is known.
+
+        It may begin or end unseen: a push that stops a joint, or moves one that rests, does.
+        """
         n = len(rows.t)
-        unknown = np.concatenate([[0], np.cumsum(~rows.known)])
+        known = np.concatenate([[0], np.cumsum(rows.known)])
         begin = np.arange(n)
         end = begin + self.lasting[:, None]
-        return np.asarray((end < n) & (unknown[np.minimum(end, n)] == unknown[begin]), dtype=np.bool_)
+        seen = known[np.minimum(end, n)] - known[begin]
+        return np.asarray((end < n) & (2 * seen >= self.lasting[:, None]), dtype=np.bool_)
 
 
 @cache
@@ -65,5 +69,5 @@ def durations(step_s: float) -> Floats:
 
     What is shorter has no duration in this band.
     """
-    n = 1 + max(0, int(np.log(LONGEST_PULSE_S / (2.0 * step_s)) / np.log(_DURATION_RATIO)))
-    return np.asarray(2.0 * step_s * _DURATION_RATIO ** np.arange(n))
+    n = 1 + max(0, int(np.log(LONGEST_PULSE_S / (2.0 * step_s)) / np.log(DURATION_RATIO)))
+    return np.asarray(2.0 * step_s * DURATION_RATIO ** np.arange(n))

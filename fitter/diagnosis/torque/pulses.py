@@ -3,7 +3,8 @@
 A pulse is sought at every instant with every duration, by its evidence against the coloured background with
 Student's tails (`background`): the likelihood ratio integrated over a prior of its size, with all places equally
 likely beforehand. Whatever the background's tails, it exceeds odds of a hundred to one by chance no more often
-than once in a hundred searches (Markov's inequality: its mean under the background is one).
+than once in a hundred searches (Markov's inequality: its mean under the background is one). What the background
+does not follow is told by the evidence of what is no pulse (`chance`).
 """
 
 from collections.abc import Sequence
@@ -12,11 +13,16 @@ from dataclasses import replace
 import numpy as np
 
 from fitter.diagnosis.evidence import ODDS_NATS
-from fitter.diagnosis.torque.background import Background, Rows, estimated, log_likelihood
+from fitter.diagnosis.torque.background import LONGEST_PULSE_S, Background, Rows, estimated, log_likelihood
+from fitter.diagnosis.torque.chance import Tail
 from fitter.diagnosis.torque.missing_torque import ResidualTorque
 from fitter.diagnosis.torque.pulse import Pulse, in_rows
 from fitter.diagnosis.torque.pulse_search import Search
 from fitter.diagnosis.torque.pulse_shapes import Shapes
+
+#: Share of the blocks that tell what is usual: a compromise of efficiency and robustness (Rousseeuw and Van
+#: Driessen 2006).
+_USUAL = 0.75
 
 
 def find_pulses(trials: Sequence[ResidualTorque]) -> list[Pulse]:
@@ -36,7 +42,13 @@ def find_pulses(trials: Sequence[ResidualTorque]) -> list[Pulse]:
 
 
 def _at_joint(rows: Sequence[Rows], joint: int, n_joint: int) -> list[Pulse]:
-    """Return one joint's pulses.
+    """Return one joint's pulses; if the background of all blocks hides them all, by that of the usual ones."""
+    whole = estimated(rows)
+    return _beside(whole, rows, joint, n_joint) or _beside(_usual(whole, rows), rows, joint, n_joint)
+
+
+def _beside(background: Background, rows: Sequence[Rows], joint: int, n_joint: int) -> list[Pulse]:
+    """Return one joint's pulses, sought beside a background first.
 
     Pulses that are taken for background hide each other. So all that are likelier than not are taken out, and the
     background is estimated anew, as long as that shows more. Of these, those are found that are so likely as any
@@ -45,7 +57,7 @@ def _at_joint(rows: Sequence[Rows], joint: int, n_joint: int) -> list[Pulse]:
     known = np.concatenate([part.r[part.known] for part in rows])
     size = float(np.sqrt(np.sum(known**2) / max(len(known), 1))) or 1.0
     n_place = n_joint * sum(int(np.count_nonzero(Shapes.of(part).fit(part))) for part in rows)
-    background, likely = estimated(rows), list[Pulse]()
+    likely = list[Pulse]()
     while True:
         nu = background.degrees_of_freedom
         searches = [Search(k, joint, part, background.filtered(part), nu, size) for k, part in enumerate(rows)]
@@ -55,8 +67,31 @@ def _at_joint(rows: Sequence[Rows], joint: int, n_joint: int) -> list[Pulse]:
             break
         likely = more
         background = estimated(_without(rows, likely), background)
-    least = _log_places(n_place, len(likely)) + ODDS_NATS
-    return [pulse for pulse in likely if _worth(rows, likely, pulse, background) > least]
+    left = np.concatenate([search.left_by_block() for search in searches])
+    tail = Tail.of(left, least)
+    places, blocks = _log_places(n_place, len(likely)), np.log(max(n_joint * len(left), 1))
+
+    def is_one(pulse: Pulse) -> bool:
+        nats = _worth(rows, likely, pulse, background)
+        return bool(min(nats - places, tail.nats(nats) - blocks) > ODDS_NATS)
+
+    return [pulse for pulse in likely if is_one(pulse)]
+
+
+def _usual(whole: Background, rows: Sequence[Rows]) -> Background:
+    """Return the background of those three quarters of the blocks that are likeliest by that of the whole.
+
+    Pushes of a joint that seldom moves may be much of what is known of it.
+    """
+    densities = [whole.mean_log_density(part, LONGEST_PULSE_S) for part in rows]
+    known = np.concatenate([density[part.known] for density, part in zip(densities, rows, strict=True)])
+    if len(known) == 0:
+        return whole
+    least = float(np.quantile(known, 1.0 - _USUAL))
+    usual = [
+        replace(part, known=part.known & (density >= least)) for density, part in zip(densities, rows, strict=True)
+    ]
+    return estimated(usual, whole)
 
 
 def _log_places(n_place: int, k: int) -> float:

@@ -357,7 +357,9 @@ def test_endpoints_that_cannot_be_used(fitter, place):
     assert outcome.errors == [f"error: endpoint {taken} is already taken, expected a free one"]
     outcome = fitter("subscribe", "--connect", "somewhere", "--arm", "dd-arm")
     assert outcome.code == 2
-    assert outcome.errors == ["error: endpoint is 'somewhere', expected such as tcp://127.0.0.1:5770 or ipc:///run/limb"]
+    assert outcome.errors == [
+        "error: endpoint is 'somewhere', expected such as tcp://127.0.0.1:5770 or ipc:///run/limb"
+    ]
 
 
 def test_a_place_that_cannot_be_written_to_is_told_before_anything_is_followed(fitter, place, tmp_path):

@@ -7,7 +7,7 @@ from arm.effects.catalogue import catalogue
 from arm.model import Effect
 from fitter.data.trials import to_trials
 from fitter.diagnosis.estimates import estimates
-from fitter.diagnosis.in_transmission import Elasticity
+from fitter.diagnosis.in_transmission import Backlash, Elasticity
 from fitter.diagnosis.model import Model
 from fitter.diagnosis.motion import Motion, run_of
 from fitter.diagnosis.regression import Regression
@@ -63,3 +63,13 @@ def test_a_stiff_spring_changes_no_direction(motions):
     stiff = spring.act(view, np.array([1e-7, 1e-5]))
     fast = np.abs(motions[0].speed[:, 0]) > 0.1
     np.testing.assert_allclose(stiff.direction[fast], view.direction[fast], atol=0.05)
+
+
+def test_while_its_motor_may_be_anywhere_in_a_play_a_links_motion_is_guessed(motions):
+    play = Backlash(catalogue()["backlash"], (0,))
+    views = [view_of(motion, pendulum()) for motion in motions]
+    assert not any(view.guessed.any() for view in views)
+    guessed = np.concatenate([play.act(view, np.array([0.02])).guessed for view in views])
+    pulled = np.concatenate([np.abs(motion.u[:, 0]) for motion in motions])
+    assert 0.0 < guessed.mean() < 0.5
+    assert np.median(pulled[guessed]) < 0.5 * np.median(pulled[~guessed])

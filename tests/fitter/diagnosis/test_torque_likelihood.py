@@ -132,3 +132,11 @@ def test_the_search_by_it_finds_what_is_hidden_and_nothing_else(hidden):
     assert [step.hypothesis.kind.name for step in found.steps] == [one.name for one in effects]
     if hidden:
         assert found.final.candidate.x[-1] == pytest.approx(0.3, rel=0.1)
+
+
+def test_a_model_is_not_exact_if_a_single_trial_shows_more():
+    push = Effect("external_push", {"start_s": 19.4, "duration_s": 0.1, "torque_N_m": 0.1}, joints=(1,))
+    likelihood = TorqueLikelihood(swinging(push), [])
+    base = likelihood.base()
+    assert likelihood.floor.is_none
+    assert not likelihood.is_exact(base)

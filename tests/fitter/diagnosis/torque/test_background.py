@@ -79,3 +79,14 @@ def test_an_arm_that_swings_freely_has_no_errors_of_its_torque():
     again = estimated([free], found)
     assert np.all(again.in_proportion == 0.0)
     assert np.isfinite(log_likelihood(again, [free]))
+
+
+def test_a_block_of_unlikely_rows_has_the_least_density():
+    part = trial(np.random.default_rng(3)).rows(0)
+    model = estimated([part])
+    part.r[50:75] += 0.5 * (-1.0) ** np.arange(25)
+    part.known[100:125] = False
+    density = model.mean_log_density(part, 25 * part.step_s)
+    assert np.all(np.isnan(density[100:125]))
+    assert np.nanargmin(density) == 50
+    np.testing.assert_array_equal(density[50:75], density[50])

@@ -43,3 +43,14 @@ def test_the_most_evident_pulse_comes_first_and_none_overlaps_another():
 
 def test_evidence_below_the_least_is_no_pulse():
     assert list(search([(2.0, 0.2, 0.4, "rectangular")]).found(1e6)) == []
+
+
+def test_evidence_does_not_depend_on_where_between_the_places_a_pulse_lies():
+    rows = trial(np.random.default_rng(4), [(2.0, 0.2, 3.0, "rectangular")]).rows(0)
+    begun = [(Search(0, 0, rows, MODEL.filtered(rows), MODEL.degrees_of_freedom, 0.5), 0.0)]
+    between = trial(np.random.default_rng(4), [(2.0 + 0.5 * rows.step_s, 0.24, 3.0, "rectangular")]).rows(0)
+    begun.append((Search(0, 0, between, MODEL.filtered(between), MODEL.degrees_of_freedom, 0.5), 0.0))
+    one, other = (next(search.found(LEAST_NATS)) for search, _ in begun)
+    occam = [pulse.log_likelihood_ratio - pulse.evidence for pulse in (one, other)]
+    assert occam[0] == pytest.approx(occam[1], abs=2.0)
+    assert all(-1.0 < cost < 20.0 for cost in occam)

@@ -1,11 +1,10 @@
 """Pulses are found in coloured residuals, with their errors; what is no pulse is not."""
 
-
 import numpy as np
 import pytest
 
 from fitter.diagnosis.torque.pulses import find_pulses
-from tests.fitter.diagnosis.torque.residuals import trial
+from tests.fitter.diagnosis.torque.residuals import coloured, trial
 
 HIDDEN = {0: [(2.0, 0.2, 0.5, "rectangular"), (6.5, 0.25, -0.6, "bell")], 2: [(4.0, 0.3, 0.4, "rectangular")]}
 
@@ -36,3 +35,24 @@ def test_nothing_is_found_where_nothing_is_known():
     part = trial(np.random.default_rng(6), [(4.0, 0.3, 0.6, "rectangular")])
     part.known[95:115] = False
     assert find_pulses([part]) == []
+
+
+def test_pulses_that_are_much_of_what_is_known_are_found():
+    rng = np.random.default_rng(8)
+    sizes = {1: 0.8, 4: -0.7, 6: 0.9}
+    trials = [trial(rng, [(4.0, 0.3, sizes[k], "rectangular")] if k in sizes else ()) for k in range(8)]
+    for part in trials:  # once and again for some tenths of a second
+        part.known[:, 0] = (part.t % 3.0 > 2.6) | ((part.t > 4.08) & (part.t < 4.28))
+    found = find_pulses(trials)
+    assert [pulse.trial for pulse in found] == list(sizes)
+    for pulse, size in zip(found, sizes.values(), strict=True):
+        assert pulse.torque_N_m == pytest.approx(size, rel=0.3)
+
+
+def test_of_bursts_of_louder_background_none_is_a_pulse():
+    rng = np.random.default_rng(9)
+    trials = [trial(rng) for _ in range(8)]
+    for part in trials:
+        loud = part.t % 1.1 < 0.4
+        part.r[loud, 0] += 4.0 * coloured(rng)[loud]
+    assert find_pulses(trials) == []
