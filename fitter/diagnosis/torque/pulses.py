@@ -42,9 +42,26 @@ def find_pulses(trials: Sequence[ResidualTorque]) -> list[Pulse]:
 
 
 def _at_joint(rows: Sequence[Rows], joint: int, n_joint: int) -> list[Pulse]:
-    """Return one joint's pulses; if the background of all blocks hides them all, by that of the usual ones."""
+    """Return one joint's pulses; if the background of all blocks hides them all, by that of the usual ones.
+
+    All of them together are likelier than a background without any.
+    """
     whole = estimated(rows)
-    return _beside(whole, rows, joint, n_joint) or _beside(_usual(whole, rows), rows, joint, n_joint)
+    found = _beside(whole, rows, joint, n_joint) or _beside(_usual(whole, rows), rows, joint, n_joint)
+    return found if found and _worth_of_all(rows, found, whole, n_joint) > ODDS_NATS else []
+
+
+def _worth_of_all(rows: Sequence[Rows], pulses: Sequence[Pulse], whole: Background, n_joint: int) -> float:
+    """Return what some pulses are worth beside the likeliest background without any [nats]."""
+    left, n_place = _without(rows, pulses), _n_place(rows, n_joint)
+    gain = log_likelihood(estimated(left, whole), left) - log_likelihood(whole, rows)
+    sized = sum(pulse.evidence - pulse.log_likelihood_ratio for pulse in pulses)
+    return gain + sized - sum(_log_places(n_place, k + 1) for k in range(len(pulses)))
+
+
+def _n_place(rows: Sequence[Rows], n_joint: int) -> int:
+    """Return at how many places a pulse may be."""
+    return n_joint * sum(int(np.count_nonzero(Shapes.of(part).fit(part))) for part in rows)
 
 
 def _beside(background: Background, rows: Sequence[Rows], joint: int, n_joint: int) -> list[Pulse]:
@@ -56,8 +73,7 @@ def _beside(background: Background, rows: Sequence[Rows], joint: int, n_joint: i
     """
     known = np.concatenate([part.r[part.known] for part in rows])
     size = float(np.sqrt(np.sum(known**2) / max(len(known), 1))) or 1.0
-    n_place = n_joint * sum(int(np.count_nonzero(Shapes.of(part).fit(part))) for part in rows)
-    likely = list[Pulse]()
+    n_place, likely = _n_place(rows, n_joint), list[Pulse]()
     while True:
         nu = background.degrees_of_freedom
         searches = [Search(k, joint, part, background.filtered(part), nu, size) for k, part in enumerate(rows)]
