@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Iterable, Mapping
+from dataclasses import replace
 from importlib import resources
 from pathlib import Path
 
@@ -9,6 +10,7 @@ import numpy as np
 from pydantic import ValidationError
 
 from arm.arm_schema import ArmTable, contradictions, mistakes_of
+from arm.body.limbs import LIMBS, MEAN_PERSON, limb
 from arm.model import Arm, Estimate
 from limbcal.errors import ConfigError, DeviceError
 from limbcal.suggestion import did_you_mean
@@ -26,7 +28,7 @@ _ONE_OF_MANY = "# one choice of many: only [base_parameters] is known"
 
 def preset_names() -> list[str]:
     """Return the names of the built-in arms."""
-    return sorted(entry.name.removesuffix(".toml") for entry in _PRESETS.iterdir())
+    return sorted([*(entry.name.removesuffix(".toml") for entry in _PRESETS.iterdir()), *LIMBS])
 
 
 def load_arm(source: str | Path) -> Arm:
@@ -37,6 +39,8 @@ def load_arm(source: str | Path) -> Arm:
     ConfigError
         If there is no such arm, or with every mistake that its file makes.
     """
+    if str(source) in LIMBS:
+        return limb(replace(MEAN_PERSON, preset=str(source)))
     if str(source) in preset_names():
         return parse_arm((_PRESETS / f"{source}.toml").read_text(encoding="utf-8"), f"{source}.toml")
     path = Path(source)
@@ -98,6 +102,9 @@ def format_arm(arm: Arm) -> str:
     if arm.base_parameters:
         blocks.append(_table("[base_parameters]", {name: _finite(e) for name, e in arm.base_parameters.items()}))
     blocks += [_table("[[effect]]", _given(vars(effect))) for effect in arm.effects]
+    blocks += [_table("[base]", vars(arm.base))] if arm.base is not None else []
+    blocks += [_table("[[marker]]", vars(marker)) for marker in arm.markers]
+    blocks += [_table("[body]", vars(arm.body))] if arm.body is not None else []
     blocks.append(_table("[control]", _given(vars(arm.control))))
     return "\n".join(blocks)
 

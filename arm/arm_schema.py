@@ -9,6 +9,8 @@ from arm.effects.check import mistakes_in
 from arm.model import (
     STANDARD_GRAVITY_M_S2,
     Arm,
+    Base,
+    Body,
     Control,
     Effect,
     Estimate,
@@ -17,6 +19,7 @@ from arm.model import (
     JointType,
     Law,
     Link,
+    Marker,
     Sensor,
     SensorCovariance,
     Tip,
@@ -101,6 +104,26 @@ class _Tip(_Table):
     offset_m: Vector = (0.0, 0.0, 0.0)
 
 
+class _Base(_Table):
+    position_m: Vector = (0.0, 0.0, 0.0)
+    rotation_rad: Vector = (0.0, 0.0, 0.0)
+    segment: Name | None = None
+
+
+class _Marker(_Table):
+    name: Name
+    joint: Annotated[int, Field(strict=True, ge=0)]
+    position_m: Vector = (0.0, 0.0, 0.0)
+    std_m: Annotated[Number, Field(ge=0.0)] | None = None
+
+
+class _Body(_Table):
+    preset: Name
+    mass_kg: Factor
+    height_m: Factor
+    sex: Literal["f", "m"]
+
+
 class _Estimate(_Table):
     value: Number
     std: Annotated[float, Field(strict=True)] = float("nan")
@@ -133,6 +156,9 @@ class ArmTable(_Table):
     effect: tuple[_Effect, ...] = ()
     control: _Control = _Control()
     sensor_covariance: _SensorCovariance | None = None
+    base: _Base | None = None
+    marker: tuple[_Marker, ...] = ()
+    body: _Body | None = None
 
     def arm(self) -> Arm:
         """Return the arm that the file describes."""
@@ -153,6 +179,9 @@ class ArmTable(_Table):
             effects=tuple(Effect(**effect.model_dump()) for effect in self.effect),
             control=Control(**self.control.model_dump()),
             sensor_covariance=self._sensor_covariance(),
+            base=None if self.base is None else Base(**self.base.model_dump()),
+            markers=tuple(Marker(**marker.model_dump()) for marker in self.marker),
+            body=None if self.body is None else Body(**self.body.model_dump()),
         )
 
     def _sensor_covariance(self) -> SensorCovariance | None:
@@ -205,16 +234,8 @@ def contradictions(raw: Mapping[str, Any], where: str) -> list[str]:
     n_joint = len(_tables(raw.get("joint")))
     sensors = _tables(raw.get("sensor"))
     names = [sensor.get("name") for sensor in sensors]
-    sentences = [
-        f"{where}: sensor[{k}].joint is {sensor['joint']}, expected 1 to {n_joint}"
-        for k, sensor in enumerate(sensors)
-        if isinstance(sensor.get("joint"), int) and sensor["joint"] > n_joint > 0
-    ]
-    sentences += [
-        f"{where}: sensor[{k}].name is {name!r}, which sensor[{names.index(name)}] has already"
-        for k, name in enumerate(names)
-        if isinstance(name, str) and names.index(name) < k
-    ]
+    sentences = _riding(sensors, "sensor", 1, n_joint, where)
+    sentences += _riding(_tables(raw.get("marker")), "marker", 0, n_joint, where)
     for k, joint in enumerate(_tables(raw.get("joint"))):
         match joint.get("limits"):
             case [int() | float() as least, int() | float() as most] if not least < most:
@@ -235,6 +256,22 @@ def contradictions(raw: Mapping[str, Any], where: str) -> list[str]:
                 sentences.append(
                     f"{where}: control.{gain} has {len(given)} numbers, expected one a joint ({n_joint})"
                 )
+    return sentences
+
+
+def _riding(tables: list[dict[str, Any]], kind: str, least: int, n_joint: int, where: str) -> list[str]:
+    """Return the mistakes in where sensors or markers ride, and in their names."""
+    names = [table.get("name") for table in tables]
+    sentences = [
+        f"{where}: {kind}[{k}].joint is {table['joint']}, expected {least} to {n_joint}"
+        for k, table in enumerate(tables)
+        if isinstance(table.get("joint"), int) and table["joint"] > n_joint > 0
+    ]
+    sentences += [
+        f"{where}: {kind}[{k}].name is {name!r}, which {kind}[{names.index(name)}] has already"
+        for k, name in enumerate(names)
+        if isinstance(name, str) and names.index(name) < k
+    ]
     return sentences
 
 

@@ -139,6 +139,41 @@ class Control:
 
 
 @dataclass(frozen=True)
+class Base:
+    """Where frame 0 stands: in the world, or on the tracked segment that carries it.
+
+    ``rotation_rad`` is roll, pitch and yaw, world to frame 0.
+    """
+
+    position_m: Vector3 = (0.0, 0.0, 0.0)
+    rotation_rad: Vector3 = (0.0, 0.0, 0.0)
+    segment: str | None = None
+
+
+@dataclass(frozen=True)
+class Marker:
+    """An optical marker on a link; ``joint`` counts from 1, and 0 is the base.
+
+    ``std_m`` is how far skin and glue let it wander.
+    """
+
+    name: str
+    joint: int
+    position_m: Vector3 = (0.0, 0.0, 0.0)
+    std_m: float | None = None
+
+
+@dataclass(frozen=True)
+class Body:
+    """Whose arm or leg it is."""
+
+    preset: str
+    mass_kg: float
+    height_m: float
+    sex: Literal["f", "m"]
+
+
+@dataclass(frozen=True)
 class Arm:
     """A serial chain, what rides on it, and what was learnt of it."""
 
@@ -151,6 +186,9 @@ class Arm:
     effects: tuple[Effect, ...] = ()
     control: Control = Control()
     sensor_covariance: SensorCovariance | None = None
+    base: Base | None = None
+    markers: tuple[Marker, ...] = ()
+    body: Body | None = None
 
     @property
     def n_joint(self) -> int:

@@ -47,6 +47,23 @@ offset_m = [0.02, 0.0, 0.0]                 # in the link's frame
 name = "gravity_tilt"
 parameters = { gx_m_s2 = 0.31, gy_m_s2 = -0.12 }
 
+[base]                                      # where frame 0 stands in the world
+position_m = [0.0, 0.1, 0.9]
+rotation_rad = [0.0, 0.1, 0.0]
+segment = "scapula_right"                   # a tracked segment carries it
+
+[[marker]]                                  # an optical marker
+name = "RUS"
+joint = 2                                   # the link it rides on; 0: the base
+position_m = [0.01, 0.02, 0.25]
+std_m = 0.006
+
+[body]                                      # whose arm or leg it is
+preset = "human-arm-right"
+mass_kg = 70.0
+height_m = 1.75
+sex = "f"
+
 [control]                                   # eq. (5), (6), (7): tau = kp (ref - q) + kv dq + ka ddq
 law = "pd"                                  # "pd" (5), "pda" (6), "p" (7), or "measured"
 kp = [9.5, 9.5]

@@ -138,7 +138,8 @@ def test_numbers_of_numpy_are_numbers(dd_arm):
 
 
 def test_presets_are_known_by_name():
-    assert preset_names() == ["dd-arm", "dd-arm-vertical", "spatial-arm"]
+    limbs = ["human-arm-left", "human-arm-right", "human-leg-left", "human-leg-right"]
+    assert preset_names() == ["dd-arm", "dd-arm-vertical", *limbs, "spatial-arm"]
     for name in preset_names():
         assert load_arm(name).name == name
 

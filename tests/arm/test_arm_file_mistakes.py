@@ -35,6 +35,7 @@ def test_mistakes_in_a_field_do_not_hide_those_between_fields():
     assert found[0].startswith("arm.toml: joint[0].a_m is True;")
     assert set(found[1:]) == {
         "arm.toml: sensor[1].joint is 3, expected 1 to 2",
+        "arm.toml: marker[0].joint is 3, expected 0 to 2",
         "arm.toml: sensor[1].name is 's1', which sensor[0] has already",
         "arm.toml: tip.sensor is 's9', expected one of s1, s1",
         "arm.toml: control.kp has 1 numbers, expected one a joint (2)",
@@ -95,7 +96,7 @@ def test_a_file_that_is_not_there_is_named_with_the_arms_that_are(tmp_path):
         load_arm(tmp_path / "no.toml")
     assert str(caught.value) == (
         f"arm '{tmp_path}/no.toml': No such file or directory; expected an arm file or one of "
-        "dd-arm, dd-arm-vertical, spatial-arm"
+        "dd-arm, dd-arm-vertical, human-arm-left, human-arm-right, human-leg-left, human-leg-right, spatial-arm"
     )
     with pytest.raises(ConfigError, match="Is a directory"):
         load_arm(tmp_path)

@@ -12,6 +12,8 @@ from arm.kinematics import axis_frames, sensor_positions, tip_position
 from arm.newton_euler import bias_torque
 from arm.physical_links import is_possible
 
+#: Arms with accelerometers; those of persons have none until somebody straps them on.
+MEASURED = [name for name in preset_names() if load_arm(name).sensors]
 BENCH = Bench(rate_hz=1000.0, learning=4, evaluating=0)
 
 
@@ -26,11 +28,11 @@ def trials(spatial):
 
 
 @pytest.mark.parametrize("name", preset_names())
-def test_every_link_could_exist(name):
-    assert all(is_possible(link) for link in chain_of(load_arm(name)).inertial)
+def test_every_link_that_weighs_anything_could_exist(name):
+    assert all(is_possible(link) for link in chain_of(load_arm(name)).inertial if link.any())
 
 
-@pytest.mark.parametrize("name", preset_names())
+@pytest.mark.parametrize("name", MEASURED)
 def test_two_sensors_of_every_link_lie_apart_across_its_axis(name):
     arm = load_arm(name)
     for i in range(arm.n_joint):
@@ -38,7 +40,7 @@ def test_two_sensors_of_every_link_lie_apart_across_its_axis(name):
         assert np.hypot(*(two - one)[:2]) > 0.1
 
 
-@pytest.mark.parametrize("name", preset_names())
+@pytest.mark.parametrize("name", MEASURED)
 def test_the_tip_is_at_the_end_of_the_last_link(name):
     arm = load_arm(name)
     q = np.random.default_rng(0).uniform(-1.2, 1.2, (20, arm.n_joint))

@@ -13,7 +13,7 @@ from arm.kinematics import link_transforms, sensor_positions
 from arm.model import Arm, Joint, Sensor
 from playback.shape import Mesh, base_mesh, link_meshes, link_poses, reach_m, sensor_mesh
 
-ARMS = ("dd-arm", "dd-arm-vertical", "spatial-arm", "examples/human-arm.toml")
+ARMS = ("dd-arm", "dd-arm-vertical", "spatial-arm", "human-arm-right", "human-leg-left", "examples/human-arm.toml")
 
 
 @pytest.fixture(params=ARMS)

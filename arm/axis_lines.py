@@ -1,0 +1,103 @@
+"""Eq. (1) for axes that are known as lines: from anatomy, or from a functional calibration.
+
+Frame i - 1 lies on axis i, and link i reaches perpendicularly from axis i to any point of axis i + 1. So a point
+and a direction of every axis, in one pose, fix all five numbers of each joint; the next point is the choice that
+a common normal would make otherwise, far outside the body where two axes are nearly parallel.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from arm.model import Arm, Floats, Joint
+
+#: Links shorter than this have no direction of their own [m].
+_SHORTEST_M = 1e-9
+
+
+@dataclass(frozen=True)
+class AxisLines:
+    """Axes in the pose in which all joint positions are zero, in the base frame.
+
+    Attributes
+    ----------
+    points : (n + 1, 3) [m]
+        A point on every axis, the origin on the first; then the tip.
+    directions : (n, 3)
+        Of the axes, of length one.
+    forward : (3,)
+        Where link frames point whose link has no length in their own x-y plane.
+    """
+
+    points: Floats
+    directions: Floats
+    forward: Floats
+
+    def frames(self) -> Floats:
+        """Return the poses of the joint-axis frames, (n, 4, 4)."""
+        n = len(self.directions)
+        frames = np.tile(np.eye(4), (n, 1, 1))
+        for i in range(n):
+            z, here = self.directions[i], self.points[i]
+            step = self.points[i + 1] - here
+            d = float(step @ z)
+            x = step - d * z
+            if np.linalg.norm(x) < _SHORTEST_M:
+                x = _across(z, self.forward)
+            x = x / np.linalg.norm(x)
+            frames[i, :3, :3] = np.column_stack([x, np.cross(z, x), z])
+            frames[i, :3, 3] = here + d * z
+        return frames
+
+    def joints(self) -> list[Joint]:
+        """Return the joints' geometry, eq. (1): all of them turn, and no link has a mass."""
+        before, joints = np.eye(3), list[Joint]()
+        for i, frame in enumerate(self.frames()):
+            z, x = before.T @ frame[:3, 2], before.T @ frame[:3, 0]
+            # The third column of Rot(y, beta) Rot(x, alpha) is (cos a sin b, -sin a, cos a cos b).
+            alpha, beta = np.arcsin(np.clip(-z[1], -1.0, 1.0)), np.arctan2(z[0], z[2])
+            turned = _rot_y(beta) @ _rot_x(alpha)
+            theta = np.arctan2(turned[:, 1] @ x, turned[:, 0] @ x)
+            step = self.points[i + 1] - self.points[i]
+            joints.append(
+                Joint(
+                    alpha_rad=float(alpha),
+                    a_m=float(max(step @ frame[:3, 0], 0.0)),
+                    d_m=float(step @ frame[:3, 2]),
+                    beta_rad=float(beta),
+                    theta_offset_rad=float(theta),
+                )
+            )
+            before = frame[:3, :3]
+        return joints
+
+
+def with_axes(arm: Arm, lines: AxisLines) -> Arm:
+    """Return an arm whose joints lie along other axes; limits, friction and links stay as they are."""
+    geometry: Sequence[Joint] = lines.joints()
+    names = "alpha_rad", "a_m", "d_m", "beta_rad", "theta_offset_rad"
+    joints = [
+        replace(joint, **{name: getattr(new, name) for name in names})
+        for joint, new in zip(arm.joints, geometry, strict=True)
+    ]
+    return replace(arm, joints=tuple(joints))
+
+
+def _across(z: Floats, forward: Floats) -> Floats:
+    """Return the part of a direction that is perpendicular to an axis; any one if there is none."""
+    across = forward - (forward @ z) * z
+    if np.linalg.norm(across) > _SHORTEST_M:
+        return np.asarray(across)
+    other = np.eye(3)[int(np.argmin(np.abs(z)))]
+    return np.asarray(other - (other @ z) * z)
+
+
+def _rot_x(angle: float) -> Floats:
+    c, s = np.cos(angle), np.sin(angle)
+    return np.array([[1.0, 0.0, 0.0], [0.0, c, -s], [0.0, s, c]])
+
+
+def _rot_y(angle: float) -> Floats:
+    c, s = np.cos(angle), np.sin(angle)
+    return np.array([[c, 0.0, s], [0.0, 1.0, 0.0], [-s, 0.0, c]])

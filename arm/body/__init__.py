@@ -1,0 +1,1 @@
+"""Persons' arms and legs: segments by published tables, and the chains that carry them."""
