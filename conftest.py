@@ -8,6 +8,13 @@ import fitter.single_thread  # noqa: F401 - before all that loads numpy, and for
 def pytest_addoption(parser: pytest.Parser) -> None:
     """Let ``make soak`` run the tests of endurance at length."""
     parser.addoption("--long", action="store_true", help="test endurance at length, and show the figures")
+    parser.addoption(
+        "--minutes",
+        type=float,
+        default=30.0,
+        metavar="M",
+        help="with --long: how long what takes half an hour is to take",
+    )
 
 
 def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter) -> None:

@@ -49,7 +49,8 @@ if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
 @pytest.fixture
 def long(request: pytest.FixtureRequest, record_property: Callable[[str, object], None]) -> Long:
     """Say whether endurance is tested at length."""
-    return Long(bool(request.config.getoption("--long")), lambda text: record_property("figure", text))
+    option = request.config.getoption
+    return Long(bool(option("--long")), lambda text: record_property("figure", text), float(option("--minutes")))
 
 
 @dataclass(frozen=True)

@@ -9,9 +9,10 @@ T = TypeVar("T")
 class Long:
     """How long a test of endurance is to be, and where its figures go."""
 
-    def __init__(self, at_length: bool, note: Callable[[str], None]) -> None:
+    def __init__(self, at_length: bool, note: Callable[[str], None], minutes: float = 30.0) -> None:
         self.at_length = at_length
         self.note = note
+        self.minutes = minutes
 
     def of(self, at_length: T, shortened: T) -> T:
         """Return what this run is to take."""
