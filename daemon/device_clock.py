@@ -164,11 +164,12 @@ class DeviceClock:
         rate, std, slope = _believed(line)
         off_s = self._stamps.approach(slope, line.host_s - slope * line.device_s)
         said = line.span_s >= _SAID_S
+        stated = said or self._state.error_ms is not None  # a line that is begun anew leaves no error unsaid
         self._line_s = off_s + line.spread_s
         self._state = ClockState(
             1e6 * (1.0 / line.rate - 1.0) if said else None,
             1e6 * line.rate_std if said else None,
-            1e3 * max(self._line_s, self._late_s) if said else None,
+            1e3 * max(self._line_s, self._late_s) if stated else None,
             rate,
             std,
         )

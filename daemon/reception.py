@@ -187,9 +187,10 @@ class Reception:
                 last = last.last()
             for frame in one.frames() if isinstance(one, SamplesRun) else [one]:
                 self._pass_on_one(frame, last, arrival_ns)
-        doubted = self._doubted or self.guard.waiting
-        if last is not None and self._known and not doubted and self.clock is not None:
-            self.clock.note(self.ledger.due_ticks or 0, arrival_ns)
+        arrived_ticks = self.guard.arrived_ticks
+        if last is None or not self._known or self._doubted or self.clock is None or arrived_ticks is None:
+            return
+        self.clock.note(arrived_ticks, arrival_ns)
 
     def _pass_on_one(self, frame: Frame, last: SamplesFrame | None, arrival_ns: int) -> None:
         if isinstance(frame, InfoFrame):

@@ -65,6 +65,17 @@ class TickGuard:
         """Whether the last frame's clock was off."""
         return self._off or self.waiting
 
+    @property
+    def arrived_ticks(self) -> int | None:
+        """What the clock is due to show after all that arrived; None while a single frame is in doubt.
+
+        A frame that waits while the clock is off takes its turn by number, whatever it turns out to have shown.
+        """
+        due = self._ledger.due_ticks
+        if self._suspect is None or due is None:
+            return due
+        return due + round(len(self._suspect.counts) * self._ledger.step.ticks_per_sample) if self._off else None
+
     def shifted(self, run: SamplesRun) -> SamplesRun:
         """Return a run without the jumps of the clock so far."""
         return replace(run, ticks=[tick + self.shift for tick in run.ticks]) if self.shift else run
@@ -114,7 +125,7 @@ class TickGuard:
             self._pass(frame, enter)
         elif off > 0 and next_off > off - self._tolerance and early_s(self._end(frame)) <= 0.0:
             self._pass(suspect, enter)
-            if abs(next_off - off) <= self._tolerance:
+            if abs(frame.ticks - (self._ledger.due_ticks or 0)) <= self._tolerance:
                 self._pass(frame, enter)
             else:  # more was lost after it, or something else happened
                 self._suspect = frame
