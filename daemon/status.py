@@ -44,7 +44,7 @@ def status(endpoint: str, key: Path | None, once: bool, as_json: bool, wait_s: f
         If no daemon is heard.
     """
     mine = None if key is None else load_client_key(key)
-    with zmq.Context() as context, Subscriber(context, endpoint, [HEALTH], mine) as subscriber:
+    with zmq.Context() as context, Subscriber(context, endpoint, [HEALTH], mine, watched=True) as subscriber:
         health = _first(subscriber, endpoint, wait_s)
         if as_json or once:
             while True:

@@ -8,7 +8,6 @@ import zmq
 
 from limbcal.errors import DeviceError
 from protocol.message import decode
-from protocol.parts import MESSAGE_BYTES, receive_parts
 from protocol.spilling_queue import SpillingQueue
 from protocol.subscriber import Subscriber
 
@@ -28,7 +27,7 @@ class Inbox:
     """
 
     def __init__(self, subscriber: Subscriber, queue: SpillingQueue | None = None) -> None:
-        self._socket = subscriber.socket
+        self._subscriber = subscriber
         self._queue = SpillingQueue() if queue is None else queue
         self._over = threading.Event()
         self._trouble: DeviceError | None = None
@@ -82,7 +81,7 @@ class Inbox:
     def _gather(self) -> None:
         try:
             while not self._over.is_set():
-                if self._socket.poll(_LOOK_MS):
+                if self._subscriber.socket.poll(_LOOK_MS):
                     self._drain()
         except DeviceError as error:
             self._trouble = error
@@ -92,7 +91,7 @@ class Inbox:
     def _drain(self) -> None:
         while not self._over.is_set():
             try:
-                parts = receive_parts(self._socket, MESSAGE_BYTES).parts
+                parts = self._subscriber.take()
             except zmq.Again:
                 return
             self._queue.put(parts)

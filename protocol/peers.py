@@ -1,4 +1,4 @@
-"""Who is connected to a socket that is bound, and when one of them is shown out.
+"""Who is connected to a socket, and when one of them is shown out.
 
 ZeroMQ bounds the size of one part and the number of whole messages that wait; parts of a message that does not end
 it gathers where nobody sees them. So what the kernel has received of a connection (TCP_INFO) is held against what
@@ -29,7 +29,8 @@ HANDSHAKE_MS = 3000
 #: Where `struct tcp_info` (linux/tcp.h) has its u64 of all bytes received, and its size up to there.
 _RECEIVED_AT, _INFO_BYTES = 128, 136
 _IDLE_S, _JOIN_S = 0.02, 10.0
-_EVENTS = zmq.EVENT_ACCEPTED | zmq.EVENT_DISCONNECTED
+_MADE = zmq.EVENT_ACCEPTED | zmq.EVENT_CONNECTED
+_EVENTS = _MADE | zmq.EVENT_DISCONNECTED
 _DISCARD = 1 << 20
 #: `struct linger` (socket(7)): on, and no time.
 _RESET = struct.pack("ii", 1, 0)
@@ -46,7 +47,7 @@ class _Connection:
 
 
 class Peers:
-    """The connections of one socket; made before it is bound.
+    """The connections of one socket; made before it is bound or connected.
 
     Parameters
     ----------
@@ -152,14 +153,16 @@ class Peers:
             self._hear(now_s)
             for descriptor, connection in list(self._open.items()):
                 free = self._limit + FREE_BYTES_S * (now_s - connection.since_s)
-                if connection.inode not in self._gone and _received(descriptor) - connection.handed > free:
+                received = _received(descriptor)
+                connection.handed = min(connection.handed, received)  # what parts take is guessed: no credit of it
+                if connection.inode not in self._gone and received - connection.handed > free:
                     self._refuse(descriptor, connection.inode)
 
     def _hear(self, now_s: float) -> None:
         """Take in who has come and who has gone."""
         while self._monitor.poll(0):
             event = recv_monitor_message(self._monitor)
-            if event["event"] == zmq.EVENT_ACCEPTED:
+            if event["event"] & _MADE:
                 self._accept(event["value"], now_s)
             elif (gone := self._open.pop(event["value"], None)) is not None:
                 self._gone.discard(gone.inode)

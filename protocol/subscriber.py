@@ -10,9 +10,13 @@ from protocol.binding import connect
 from protocol.curve import ClientKey
 from protocol.message import HEALTH, decode
 from protocol.parts import MESSAGE_BYTES, receive_parts
+from protocol.peers import Peers
 
 #: Messages kept while the reader is busy; what comes after is lost, and counted.
 RECEIVE_QUEUE = 10_000
+#: Bytes that a publisher may have sent and nobody has read: two of the largest messages, or 20 s of 32 kHz of an arm
+#: with twelve channels. A message that does not end is never read.
+UNREAD_LIMIT = 32 << 20
 #: How soon a publisher that comes up later is found [ms].
 RECONNECT_MS = 20
 
@@ -33,6 +37,9 @@ class Subscriber:
         Topics or beginnings of topics; ``""`` is all.
     key : ClientKey, optional
         Where the publisher lets in only whom it knows.
+    watched : bool
+        Whether a thread of its own looks at how much the publisher has sent that nobody has read; otherwise that is
+        done whenever something is received.
 
     Attributes
     ----------
@@ -55,6 +62,7 @@ class Subscriber:
         endpoint: str,
         topics: Iterable[str],
         key: ClientKey | None = None,
+        watched: bool = False,
     ) -> None:
         self.missed: dict[str, int] = {}
         self.restarts = 0
@@ -69,11 +77,14 @@ class Subscriber:
             key.apply(self._socket)
         for topic in topics:
             self._socket.setsockopt_string(zmq.SUBSCRIBE, topic)
+        self._peers = Peers(context, self._socket, UNREAD_LIMIT)
         try:
             connect(self._socket, endpoint)
         except BaseException:
-            self._socket.close()
+            self.close()
             raise
+        if watched:
+            self._peers.watch()
 
     @property
     def socket(self) -> "zmq.Socket[bytes]":
@@ -88,14 +99,33 @@ class Subscriber:
         ProtocolError
             If the message is not one, or of another version; it is used up, and the next can be received.
         """
+        self._peers.look()
         if not self._socket.poll(timeout_ms):
             return None
-        topic, fields = decode(receive_parts(self._socket, MESSAGE_BYTES).parts)
+        topic, fields = decode(self.take())
         self._account(topic, fields)
         return topic, fields
 
+    def take(self) -> list[bytes]:
+        """Return the parts of the next message as they came, without waiting for one; they count for nothing.
+
+        Raises
+        ------
+        zmq.Again
+            If there is none.
+        """
+        received = receive_parts(self._socket, MESSAGE_BYTES)
+        self._peers.handed(received.first, received.n_byte)
+        return received.parts
+
+    @property
+    def refused(self) -> int:
+        """How often a publisher was left that sent more than can be read; it is connected to anew."""
+        return self._peers.refused
+
     def close(self) -> None:
         """Close the socket; harmless when repeated."""
+        self._peers.close()
         self._socket.close()
 
     def __enter__(self) -> "Subscriber":

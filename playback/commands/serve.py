@@ -100,5 +100,5 @@ def _player(
         say(f"no --arm given: what moves is taken for {DEFAULT_ARM}")
     arm = load_arm(arguments.arm or DEFAULT_ARM)
     key = None if arguments.key is None else load_client_key(arguments.key)
-    subscriber = stack.enter_context(Subscriber(context, arguments.live, [FRAMES], key))
+    subscriber = stack.enter_context(Subscriber(context, arguments.live, [FRAMES], key, watched=True))
     return LivePlayer(subscriber, arguments.live, arm)

@@ -86,7 +86,7 @@ class Feed:
     ) -> None:
         self.endpoint = endpoint
         self.broken = 0  # messages that were none
-        self._subscriber = Subscriber(context, endpoint, [PLAY, FRAMES], key)
+        self._subscriber = Subscriber(context, endpoint, [PLAY, FRAMES], key, watched=True)
         self._lock = threading.Lock()
         self._picture: Picture | None = None
         self._rows: deque[Row] = deque(maxlen=HISTORY)

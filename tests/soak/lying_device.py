@@ -47,8 +47,8 @@ class Lie:
         return f"{self.kind} at {self.at_s:.1f} s by {self.by:.3g} for {self.lasts_s:.2g} s"
 
 
-def lies_of(seed: int, kinds: Sequence[str], every_s: float, lasting_s: float) -> list[Lie]:
-    """Draw a lie of each kind in turn, at random in its stretch of time; all kinds come before one comes again."""
+def lies_of(seed: int, bits: int, kinds: Sequence[str], every_s: float, lasting_s: float) -> list[Lie]:
+    """Draw lies at random, one in each stretch of time; all kinds come before one comes again."""
     rng = np.random.default_rng(seed)
     lies: list[Lie] = []
     for k in range(round(lasting_s / every_s)):
@@ -60,9 +60,9 @@ def lies_of(seed: int, kinds: Sequence[str], every_s: float, lasting_s: float) -
         sign = float(rng.choice([-1.0, 1.0]))
         by = {
             "jump": sign * float(np.exp(rng.uniform(np.log(0.05), np.log(1e5)))),
-            "torn": sign * float(rng.choice(_TORN)),
-            "clock drifts": sign * float(np.exp(rng.uniform(np.log(5e-3), np.log(0.1)))),
-            "oscillator drifts": sign * float(np.exp(rng.uniform(np.log(5e-3), np.log(0.1)))),
+            "torn": sign * float(rng.choice([torn for torn in _TORN if torn < bits])),
+            "clock drifts": sign * float(np.exp(rng.uniform(np.log(0.01), np.log(0.1)))),
+            "oscillator drifts": sign * float(np.exp(rng.uniform(np.log(0.01), np.log(0.1)))),
         }.get(kind, 0.0)
         lies.append(Lie(kind, at_s, lasts_s, by))
     return lies
@@ -97,6 +97,7 @@ class LyingDevice:
     rate_hz: float
     lies: list[Lie]
     bits: int = 64
+    starts_at: int = 1 << 31
     taken: list[tuple[float, float]] = field(default_factory=list)
     wrote_s: list[float] = field(default_factory=list)
 
@@ -106,7 +107,7 @@ class LyingDevice:
         self._sequence, self._frame = 0, 0
         self._began_s: float | None = None
         self._due_s = 0.0
-        self._ticks = float(1 << 31)
+        self._ticks = float(self.starts_at)
         self._held: float | None = None
         self._out = bytearray()
         self._master, self._slave = os.openpty()
