@@ -19,7 +19,7 @@ from collections.abc import Callable
 from dataclasses import replace
 
 from daemon.sample_ledger import SampleLedger
-from daemon.tick_step import MAJORITY
+from daemon.tick_step import INFO_OFF, MAJORITY
 from protocol.serial_frame import InfoFrame, SamplesFrame, SamplesRun
 
 #: Enters a frame; the number is by how many ticks its clock was off, None where it was not.
@@ -132,7 +132,7 @@ class TickGuard:
         elif abs(next_off - off) > self._tolerance:
             self._due(suspect, due, enter)
             self._steps.append((frame.ticks - suspect.ticks, len(suspect.counts)))
-            if len(self._steps) == MAJORITY and self._ledger.step.changed(self._steps):
+            if len(self._steps) == MAJORITY and self._ledger.step.changed(self._steps, 1.0 + INFO_OFF):
                 off = frame.ticks - (self._ledger.due_ticks or 0)
                 self.shift -= off
                 self._ledger.step.begin(suspect.ticks - off)

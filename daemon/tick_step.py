@@ -11,6 +11,7 @@ measured nothing follows from a step that contradicts INFO: the sum of the next 
 in which the rounding of each cancels that of the next.
 """
 
+import math
 from collections import deque
 from collections.abc import Sequence
 from statistics import median, median_low
@@ -31,7 +32,9 @@ _RECENT = 31
 #: A crystal's rate moves by less than this while nothing is heard of it [ratio].
 _WANDER = 1e-4
 #: INFO's rate is off by less than this: the tolerance of an untrimmed oscillator, by data sheets [ratio].
-_INFO_OFF = 0.15
+INFO_OFF = 0.15
+#: A clock that falls back to less than this share of its rate stands still rather.
+_LEAST = 1.0 / 8.0
 
 
 class TickStep:
@@ -91,7 +94,7 @@ class TickStep:
         if self.std is not None:
             off = 3.0 * self.std
         else:  # INFO's p, with which each step so far agreed as far as one step shows
-            off = min(_INFO_OFF, one_step / self._longest_samples) if self._longest_samples else _INFO_OFF
+            off = min(INFO_OFF, one_step / self._longest_samples) if self._longest_samples else INFO_OFF
         return one_step + (_WANDER + off) * samples
 
     def went_back(self, step: int) -> bool:
@@ -144,13 +147,29 @@ class TickStep:
             self.changed(self._strays)
             self._strays.clear()
 
-    def changed(self, steps: Sequence[tuple[int, int]]) -> bool:
-        """Take steps in a row that fit no p so far; say whether they agree on another, which then holds."""
-        before = self.ticks_per_sample
+    def changed(self, steps: Sequence[tuple[int, int]], most: float = math.inf) -> bool:
+        """Take steps in a row that fit no p so far; say whether they agree on another, which then holds.
+
+        They agree as well as steps did before, or nothing is changed: a clock that shows anything has no p. Nor has
+        one that all but stands still.
+
+        Parameters
+        ----------
+        most : float
+            By what p may rise, where the host's clock was not asked [ratio].
+        """
+        p, span, measured, jitter = self.ticks_per_sample, self._span_ticks, self.measured, self._jitter
+        first, recent = list(self._first), list(self._recent)
         self.decide(steps)
-        if any(abs(self.late(*one)) > self.tolerance() for one in steps):
-            self.ticks_per_sample = before
-        return self.ticks_per_sample != before
+        limit = _HALF * self.ticks_per_sample + _ROUNDING_TICKS + jitter
+        agreed = all(abs(ticks - samples * self.ticks_per_sample) <= limit for ticks, samples in steps)
+        if agreed and _LEAST * p <= self.ticks_per_sample <= most * p:
+            return self.ticks_per_sample != p
+        self.ticks_per_sample, self._span_ticks, self.measured, self._jitter = p, span, measured, jitter
+        self._first[:] = first
+        self._recent.clear()
+        self._recent.extend(recent)
+        return False
 
     def decide(self, steps: Sequence[tuple[int, int]]) -> None:
         """Measure p from the majority of steps, each its ticks and its samples, and of those before.
@@ -167,6 +186,10 @@ class TickStep:
         middle = min(middle_two, key=lambda p: abs(p - self.ticks_per_sample))
         off = [abs(step - samples * middle) for step, samples in steps]
         limit = max(_JITTERS * median_low(off), _ROUNDING_TICKS)
+        far = abs(middle / self.ticks_per_sample - 1.0) > INFO_OFF
+        if far and limit > _HALF * middle + _ROUNDING_TICKS:  # no majority: a clock that shows anything
+            self.measured = self.measured or len(steps) >= MAJORITY
+            return
         near = [one for one, distance in zip(steps, off, strict=True) if distance <= limit]
         total, n = sum(step for step, _ in near), sum(samples for _, samples in near)
         pieces = 1 + len(steps) - len(near)
