@@ -13,7 +13,7 @@ def pytest_addoption(parser: pytest.Parser) -> None:
         type=float,
         default=30.0,
         metavar="M",
-        help="with --long: how long what takes half an hour is to take",
+        help="with --long: how long half an hour is",
     )
 
 

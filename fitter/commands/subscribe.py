@@ -103,7 +103,9 @@ def _follow(
         _make_directory(arguments.out)  # learning for an hour and then having no place to write would be a pity
     key = None if arguments.key is None else load_client_key(arguments.key)
     gate = stack.enter_context(gate_of(context, arguments.keys))
-    subscriber = stack.enter_context(Subscriber(context, arguments.connect, (FRAMES, TRIAL, HEALTH), key, watched=True))
+    subscriber = stack.enter_context(
+        Subscriber(context, arguments.connect, (FRAMES, TRIAL, HEALTH), key, watched=True)
+    )
     inbox = Inbox(subscriber)
     stack.callback(inbox.close)
     inbox.start()  # from here on nothing is lost, whatever takes its time: compiling, learning, diagnosing
