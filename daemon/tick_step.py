@@ -177,6 +177,7 @@ class TickStep:
         Rounding cancels between steps that follow each other, so the sum of all near the median tells more
         than one. INFO is right unless that sum contradicts it.
         """
+        seen = len(self._first) + len(steps)
         steps = [one for one in (*self._first, *steps) if one[0] > 0]  # no sample takes no time
         self._first.clear()
         if not steps:
@@ -186,11 +187,12 @@ class TickStep:
         middle = min(middle_two, key=lambda p: abs(p - self.ticks_per_sample))
         off = [abs(step - samples * middle) for step, samples in steps]
         limit = max(_JITTERS * median_low(off), _ROUNDING_TICKS)
-        far = abs(middle / self.ticks_per_sample - 1.0) > INFO_OFF
-        if far and limit > _HALF * middle + _ROUNDING_TICKS:  # no majority: a clock that shows anything
-            self.measured = self.measured or len(steps) >= MAJORITY
-            return
         near = [one for one, distance in zip(steps, off, strict=True) if distance <= limit]
+        if abs(middle / self.ticks_per_sample - 1.0) > INFO_OFF and (
+            limit > _HALF * middle + _ROUNDING_TICKS or len(near) <= max(seen / 2, MAJORITY / 2)
+        ):  # no majority agrees on what no oscillator is off by: a clock that shows anything
+            self.measured = self.measured or seen >= MAJORITY
+            return
         total, n = sum(step for step, _ in near), sum(samples for _, samples in near)
         pieces = 1 + len(steps) - len(near)
         if abs(total - n * self.ticks_per_sample) <= pieces * self.tolerance_ticks:
