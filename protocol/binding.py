@@ -1,6 +1,7 @@
 """Binding and connecting a socket, with what went wrong said in one sentence."""
 
 import errno
+import os
 import socket as posix
 import stat
 from pathlib import Path
@@ -10,6 +11,9 @@ import zmq
 from limbcal.errors import ConfigError, DeviceError
 from protocol.curve import Gate, needs_keys
 from protocol.endpoint import Endpoint, parse_endpoint
+
+#: Bits that a socket's file does not get: connecting takes the right to write (unix(7)).
+_OWNER_ONLY = 0o177
 
 
 def bind(socket: "zmq.Socket[bytes]", endpoint: str, gate: Gate | None = None) -> str:
@@ -38,12 +42,17 @@ def bind(socket: "zmq.Socket[bytes]", endpoint: str, gate: Gate | None = None) -
     if where.path is not None and _in_use(where.path, endpoint):
         raise DeviceError(taken)
     _allow_address(socket, where)
+    # what a peer sends over a socket in a folder cannot be measured, so nobody but its owner may connect
+    before = os.umask(_OWNER_ONLY) if where.path is not None else None
     try:
         socket.bind(where.text)
     except zmq.ZMQError as error:
         if error.errno == errno.EADDRINUSE:
             raise DeviceError(taken) from error
         raise DeviceError(f"endpoint {endpoint} cannot be bound: {zmq.strerror(error.errno or 0)}") from error
+    finally:
+        if before is not None:
+            os.umask(before)
     return socket.getsockopt_string(zmq.LAST_ENDPOINT)
 
 

@@ -2,7 +2,7 @@
 
 ZeroMQ bounds the size of one part and the number of whole messages that wait; parts of a message that does not end
 it gathers where nobody sees them. So what the kernel has received of a connection (TCP_INFO) is held against what
-its owner was handed. Only connections over TCP are measured: a socket in a folder admits whom the folder does.
+its owner was handed. Only connections over TCP are measured: a socket in a folder admits nobody but its owner.
 """
 
 import contextlib

@@ -115,3 +115,15 @@ def test_ticks_of_another_length_are_no_jump_of_nothing(faster: float) -> None:
     found = received(history, 0)
     assert not [gap for gap in found.gaps if gap.samples == 0 and "+0 s" in gap.why]
     assert not [gap for gap in found.gaps if gap.exact]
+
+
+@pytest.mark.parametrize("bits", [24, 32, 40, 62])
+@pytest.mark.parametrize("seed", [4, 5, 9])
+def test_a_clock_that_shows_anything_from_the_start_moves_no_stamp(bits: int, seed: int) -> None:
+    history = drawn(6)
+    history.ticks[:] = [
+        int(tick) for tick in np.random.default_rng(seed).integers(0, 1 << bits, len(history.ticks))
+    ]
+    off_s, found = _off_s(history, seed)
+    assert off_s.max() < 2 * _WAY_S
+    np.testing.assert_array_equal(found.number, FRAME * np.arange(len(history.ticks)))

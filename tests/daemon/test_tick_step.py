@@ -50,3 +50,45 @@ def test_few_strays_change_nothing() -> None:
     step.go_on(10_000, 32, 10_000, 32)
     step.stray(10_400, 32)
     assert step.ticks_per_sample == 312.5
+
+
+@pytest.mark.parametrize("seed", range(20))
+@pytest.mark.parametrize("bits", [24, 32, 40, 62])
+def test_steps_that_do_not_agree_change_nothing(seed: int, bits: int) -> None:
+    rng, step = np.random.default_rng(seed), TickStep(312.5, 1e7)
+    before = step.tolerance_ticks
+    for _ in range(50):
+        assert not step.changed([(int(ticks), 32) for ticks in rng.integers(0, 1 << bits, MAJORITY)])
+    assert (step.ticks_per_sample, step.tolerance_ticks) == (312.5, before)
+
+
+@pytest.mark.parametrize(
+    ("ticks", "most", "changed"), [(11_000, 1.15, True), (12_000, 1.15, False), (12_000, 9.9, True)]
+)
+def test_a_rate_that_the_host_was_not_asked_about_rises_by_what_an_oscillator_is_off(
+    ticks: int, most: float, changed: bool
+) -> None:
+    step = TickStep(312.5, 1e7)
+    assert step.changed([(ticks, 32)] * MAJORITY, most) == changed
+    assert step.ticks_per_sample == (ticks / 32 if changed else 312.5)
+
+
+@pytest.mark.parametrize("creep", [1, 50, 1_000])
+def test_a_clock_that_creeps_is_followed_no_more_than_one_that_stands_still(creep: int) -> None:
+    step = TickStep(312.5, 1e7)
+    assert not step.changed([(creep, 32)] * MAJORITY)
+    assert step.ticks_per_sample == 312.5
+
+
+@pytest.mark.parametrize("given", [[(578_914_651_260, 32), (467_748_324_184, 32)], [(400_000_000, 32)] * 2])
+def test_two_steps_are_no_majority_for_what_no_oscillator_is_off_by(given: list[tuple[int, int]]) -> None:
+    step = TickStep(312.5, 1e7)
+    step.decide(given)
+    assert step.ticks_per_sample == 312.5
+
+
+@pytest.mark.parametrize("ticks", [5_000, 20_000, 40_000])
+def test_an_info_that_is_off_by_far_is_wrong_if_five_steps_say_so(ticks: int) -> None:
+    step = TickStep(312.5, 1e7)
+    step.decide([(ticks, 32)] * MAJORITY)
+    assert step.measured and step.ticks_per_sample == ticks / 32

@@ -2,12 +2,13 @@
 
 import os
 import socket
+import stat
 from pathlib import Path
 
 import pytest
 import zmq
 
-from limbcal.errors import ConfigError
+from limbcal.errors import ConfigError, DeviceError
 from protocol.binding import bind, connect
 from protocol.endpoint import parse_endpoint
 from protocol.message import TRIAL
@@ -154,3 +155,26 @@ def test_what_is_no_socket_stays_where_it_is(tmp_path: Path, kind: str) -> None:
             bind(socket, f"ipc://{place}")
     assert (place.lstat().st_ino, place.lstat().st_mode) == (before.st_ino, before.st_mode)
     assert other.read_text() == "kept"
+
+
+@pytest.mark.parametrize("mask", [0o000, 0o002, 0o022, 0o077])
+def test_a_socket_in_a_folder_is_its_owners_alone_whatever_the_mask(tmp_path: Path, mask: int) -> None:
+    before = os.umask(mask)
+    try:
+        with zmq.Context() as context, context.socket(zmq.XPUB) as socket:
+            bind(socket, f"ipc://{tmp_path}/frames")
+            assert stat.S_IMODE((tmp_path / "frames").stat().st_mode) == 0o600
+            (tmp_path / "other").touch()
+            assert stat.S_IMODE((tmp_path / "other").stat().st_mode) == 0o666 & ~mask
+    finally:
+        os.umask(before)
+
+
+def test_the_mask_is_as_it_was_where_nothing_could_be_bound(tmp_path: Path) -> None:
+    with zmq.Context() as context, context.socket(zmq.XPUB) as socket:
+        with pytest.raises(DeviceError, match="cannot be bound"):
+            bind(socket, f"ipc://{tmp_path}/nowhere/frames")
+    mask = os.umask(0o022)
+    os.umask(mask)
+    (tmp_path / "other").touch()
+    assert stat.S_IMODE((tmp_path / "other").stat().st_mode) == 0o666 & ~mask

@@ -29,7 +29,7 @@ _GRADUAL = ("clock drifts", "oscillator drifts")
 
 @dataclass
 class Found:
-    """What a subscriber saw: of each block's first sample its number, the one that it carries, and its stamp [s]."""
+    """What a subscriber saw: of each block's first sample its number, the one it carries, and its stamp [s]."""
 
     told: list[int] = field(default_factory=list)
     number: list[int] = field(default_factory=list)
@@ -68,7 +68,7 @@ def followed(limbd: Limbd, folder: Path, device: LyingDevice, seconds: float) ->
 
 
 def own_mb(process: psutil.Process) -> float:
-    """Return what a process holds that is no file's: whether others have its libraries open, too, is not its own."""
+    """Return what a process holds that is no file's: who else has its libraries open is nothing of its own."""
     memory = process.memory_info()
     return float(memory.rss - memory.shared) / MEGABYTE
 
