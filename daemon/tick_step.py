@@ -150,8 +150,8 @@ class TickStep:
     def changed(self, steps: Sequence[tuple[int, int]], most: float = math.inf) -> bool:
         """Take steps in a row that fit no p so far; say whether they agree on another, which then holds.
 
-        They agree as well as steps did before, or nothing is changed: a clock that shows anything has no p, nor has
-        one that all but stands still.
+        They agree as well as steps did before, or nothing is changed: a clock that shows anything has no p, nor
+        has one that all but stands still.
 
         Parameters
         ----------

@@ -14,8 +14,8 @@ from protocol.peers import Peers
 
 #: Messages kept while the reader is busy; what comes after is lost, and counted.
 RECEIVE_QUEUE = 10_000
-#: Bytes that a publisher may have sent and nobody has read: two of the largest messages, or 20 s of twelve channels
-#: at 32 kHz. A message that does not end is never read.
+#: Bytes that a publisher may have sent and nobody has read: two of the largest messages, or 20 s of twelve
+#: channels at 32 kHz. A message that does not end is never read.
 UNREAD_LIMIT = 32 << 20
 #: How soon a publisher that comes up later is found [ms].
 RECONNECT_MS = 20
