@@ -15,7 +15,7 @@ from daemon.virtual_motion import BenchPlan, stretches
 from protocol.message import GAP, HEALTH, RAW
 from protocol.subscriber import Subscriber
 
-PATIENCE_MS = 30_000
+PATIENCE_MS = 180_000
 Fields = dict[str, Any]
 Heard = dict[str, list[Fields]]
 Limbd = Callable[..., Any]

@@ -127,3 +127,22 @@ def test_a_clock_that_shows_anything_from_the_start_moves_no_stamp(bits: int, se
     off_s, found = _off_s(history, seed)
     assert off_s.max() < 2 * _WAY_S
     np.testing.assert_array_equal(found.number, FRAME * np.arange(len(history.ticks)))
+
+
+@pytest.mark.parametrize("shown", [0, (1 << 62) + 1, (1 << 63) - 1, 1 << 63, (1 << 64) - 1])
+def test_one_frame_at_the_end_of_what_can_be_written_is_misread_once(shown: int) -> None:
+    history = drawn(6)
+    history.ticks[120] = shown
+    off_s, found = _off_s(history)
+    assert [(gap.samples, gap.exact) for gap in found.gaps] == [(0, False)]
+    assert off_s.max() < 2 * _WAY_S
+
+
+@pytest.mark.parametrize("last", [1, 100, 250])
+def test_a_clock_that_begins_there_and_passes_zero_goes_on(last: int) -> None:
+    history = drawn(6)
+    by = (1 << 64) - 1 - history.ticks[last]
+    history.ticks[:] = [(tick + by) % (1 << 64) for tick in history.ticks]
+    off_s, found = _off_s(history)
+    assert off_s.max() < 2 * _WAY_S
+    np.testing.assert_array_equal(found.number, FRAME * np.arange(len(history.ticks)))

@@ -2,7 +2,7 @@
 
 import json
 import threading
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import asdict
 from multiprocessing import get_context
 from multiprocessing.connection import Pipe
@@ -85,22 +85,54 @@ def test_only_a_config_or_what_is_replayed_ends_with_what_is_not_tried_again(
     assert failure({"what": "failed", "kind": kind.__name__, "sentence": "so"}).exit_code == found
 
 
-def test_a_silent_device_is_told_to_start_at_an_even_pace(
+@pytest.fixture
+def told_to_start(
     pty_device: MakeDevice, monkeypatch: pytest.MonkeyPatch
-) -> None:
+) -> Iterator[Callable[[DeviceInfo | None], Any]]:
+    """Read from a device that does not stream, fifty times as fast as in earnest."""
     monkeypatch.setattr(reader, "_SILENT_S", 0.01)
     monkeypatch.setattr(reader, "_LAST_NUDGE_S", 0.04)
     monkeypatch.setattr(reader, "_IDLE_S", 0.005)
-    device, (ours, theirs) = pty_device(None), Pipe()
-    memory = ring_memory(get_context("spawn"), 4096)
-    thread = threading.Thread(target=reader.run_reader, args=(ControlLine(theirs), memory, device.path, 115200))
-    thread.start()
-    line = ControlLine(ours)
-    line.tell("start")
-    try:  # doubled without a cap, the fortieth would be sent after 17 years
-        wait_until(lambda: device.commands.count(b"START\n") >= 40, "it was told forty times", 10.0)
-    finally:
-        line.tell("stop")
-        thread.join()
-        ours.close()
-        theirs.close()
+    ours, theirs = Pipe()
+    line, threads = ControlLine(ours), list[threading.Thread]()
+
+    def reading(info: DeviceInfo | None) -> Any:
+        device = pty_device(info)
+        memory = ring_memory(get_context("spawn"), 65536)
+        arguments = (ControlLine(theirs), memory, device.path, 115200)
+        threads.append(threading.Thread(target=reader.run_reader, args=arguments))
+        threads[0].start()
+        line.tell("start")
+        return device
+
+    yield reading
+    line.tell("stop")
+    threads[0].join()
+    ours.close()
+    theirs.close()
+
+
+def starts(device: Any) -> int:
+    return int(device.commands.count(b"START\n"))
+
+
+@pytest.mark.parametrize("info", [None, device_info()], ids=["says nothing", "says what it is"])
+def test_one_that_does_not_stream_is_told_to_start_at_an_even_pace(
+    told_to_start: Callable[[DeviceInfo | None], Any], info: DeviceInfo | None
+) -> None:
+    device = told_to_start(info)  # doubled without a cap, the fortieth would be sent after 17 years
+    wait_until(lambda: starts(device) >= 40, "it was told forty times")
+
+
+def test_one_that_falls_silent_again_and_again_is_told_as_often(
+    told_to_start: Callable[[DeviceInfo | None], Any],
+) -> None:
+    device, told = told_to_start(None), 0
+    for info in (device_info(), None, device_info(), None):
+        told = starts(device)
+        wait_until(lambda: starts(device) >= told + 15, "it was told fifteen times more")  # noqa: B023 - called at once
+        device.introduce(info)
+
+
+def test_nobody_is_left_alone_for_longer_than_two_seconds() -> None:
+    assert 0.0 < reader._SILENT_S <= reader._LAST_NUDGE_S <= 2.0

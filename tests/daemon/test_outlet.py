@@ -15,15 +15,15 @@ from protocol.message import FRAMES, PLOT, RAW, TRIAL, decode
 from protocol.publisher import Publisher
 from tracking.frames import Frames, Phase
 
-PATIENCE_S = 30.0
+PATIENCE_S = 180.0
 RATE_HZ = 32000.0
 
 
 class Room:
     """An outlet and the recorder's end of it."""
 
-    def __init__(self, folder: Path, publish_raw: bool) -> None:
-        self.context: Context = zmq.Context()
+    def __init__(self, context: Context, folder: Path, publish_raw: bool) -> None:
+        self.context = context
         self.inlet = RecordInlet(self.context, f"ipc://{folder}/recorder")
         self.link = RecordLink(self.context, f"ipc://{folder}/recorder", "x.mcap")
         self.publisher = Publisher(self.context, f"ipc://{folder}/frames", "dd-arm", "run-1")
@@ -55,9 +55,10 @@ class Room:
 
 @pytest.fixture(params=[False, True], ids=["raw-private", "raw-published"])
 def room(request: pytest.FixtureRequest, tmp_path: Path) -> Iterator[Room]:
-    made = Room(tmp_path, request.param)
-    yield made
-    made.close()
+    with zmq.Context() as context:  # also where a room could not be made
+        made = Room(context, tmp_path, request.param)
+        yield made
+        made.close()
 
 
 def frames(first: int, n: int, gap: bool = False) -> Frames:

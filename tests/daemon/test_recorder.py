@@ -17,15 +17,14 @@ from limbcal.errors import DeviceError
 from protocol.message import GAP, TRIAL, encode
 from protocol.recording_reader import read_recording, recording_attachments
 
-PATIENCE_S = 30.0
+PATIENCE_S = 180.0
 LIMITS = Limits(10**9, 3600.0, 0)
 
 
 @pytest.fixture
 def context() -> Iterator[Context]:
-    made: Context = zmq.Context()
-    yield made
-    made.term()
+    with zmq.Context() as made:  # also where a test failed and left a socket
+        yield made
 
 
 class Recorder:
@@ -52,8 +51,19 @@ class Recorder:
     def join(self) -> None:
         self._thread.join(PATIENCE_S)
         assert not self._thread.is_alive()
+
+    def close(self) -> None:
+        """End it, whatever a test has left undone: its context is closed by its thread alone."""
         self.line.close()
+        self.join()
         self._its_line.close()
+
+
+@pytest.fixture
+def recorder(tmp_path: Path) -> Iterator[Recorder]:
+    started = Recorder(tmp_path)
+    yield started
+    started.close()
 
 
 def trial_message(number: int) -> list[bytes]:
@@ -64,8 +74,7 @@ def gap_message(number: int) -> list[bytes]:
     return encode(GAP, {"sample0": number, "samples": 1, "t_ns": 5, "why": "unplugged", "exact": True})
 
 
-def test_every_message_is_recorded_as_it_was(tmp_path: Path, context: Context) -> None:
-    recorder = Recorder(tmp_path)
+def test_every_message_is_recorded_as_it_was(recorder: Recorder, context: Context) -> None:
     link = RecordLink(context, recorder.endpoint, str(recorder.path))
     recorder.expect("linked")
     for number in range(500):
@@ -81,8 +90,7 @@ def test_every_message_is_recorded_as_it_was(tmp_path: Path, context: Context) -
     assert link.lost == 0
 
 
-def test_a_pipeline_that_says_no_goodbye_is_not_waited_for(tmp_path: Path, context: Context) -> None:
-    recorder = Recorder(tmp_path)
+def test_a_pipeline_that_says_no_goodbye_is_not_waited_for(recorder: Recorder, context: Context) -> None:
     socket = context.socket(zmq.PAIR)
     socket.connect(recorder.endpoint)
     for number in range(20):

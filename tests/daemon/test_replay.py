@@ -96,6 +96,29 @@ def test_what_was_not_recorded_by_limbd_is_said(tmp_path: Path, capsys: pytest.C
     assert main(["run", "--replay", str(tmp_path / "none.mcap")]) == 2
 
 
+@pytest.mark.parametrize("which", ["arm", "config"])
+@pytest.mark.parametrize(
+    ("bomb", "said"),
+    [
+        ("a = " + "[" * 100_000, "nested too deep"),
+        ("a = " + "1" * 6000, "an integer of too many digits"),
+        ('a = "\0"', "Illegal character"),
+        ("a = 9223372036854775808", "an integer beyond 64 bits"),
+    ],
+    ids=["nesting", "digits", "NUL", "integer"],
+)
+def test_a_bomb_in_an_attachment_is_one_sentence(
+    tmp_path: Path, which: str, bomb: str, said: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    arm = Path("arm/presets/dd-arm.toml").read_text(encoding="utf-8")
+    config = '[device]\nport = "x"\n[arm]\nfile = "dd-arm"\n'
+    attached = (bomb, config) if which == "arm" else (arm, bomb)
+    path = make(tmp_path / "a.mcap", health_of(asdict(device_info())), attached=attached)
+    assert main(["run", "--replay", str(path), *ANY_ENDPOINT]) == 2
+    err = capsys.readouterr().err
+    assert said in err and err.count("error:") == 1 and "Traceback" not in err
+
+
 def test_accelerations_that_are_no_counts_are_refused(tmp_path: Path) -> None:
     channels = len(device_info().channels)
     a = np.full((320, channels), 0.3)

@@ -23,24 +23,23 @@ from protocol.subscriber import Subscriber
 Limbd = Callable[..., Any]
 MakeDevice = Callable[..., Any]
 Fields = dict[str, Any]
-PATIENCE_MS = 30_000
+PATIENCE_MS = 180_000
 ANY_ENDPOINT = ("--endpoint", "tcp://127.0.0.1:*")
 COUNT = 5.0 * 9.80665 / 32768
 
 
 @pytest.fixture
 def subscribe() -> Iterator[Callable[..., Subscriber]]:
-    context: zmq.Context[zmq.Socket[bytes]] = zmq.Context()
     made: list[Subscriber] = []
 
     def connect(endpoint: str, *topics: str) -> Subscriber:
         made.append(Subscriber(context, endpoint, topics))
         return made[-1]
 
-    yield connect
-    for subscriber in made:
-        subscriber.close()
-    context.term()
+    with zmq.Context() as context:
+        yield connect
+        for subscriber in made:
+            subscriber.close()
 
 
 def receive(subscriber: Subscriber) -> tuple[str, Fields]:

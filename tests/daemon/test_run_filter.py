@@ -16,7 +16,7 @@ from protocol.subscriber import Subscriber
 
 Limbd = Callable[..., Any]
 Fields = dict[str, Any]
-PATIENCE_MS = 30_000
+PATIENCE_MS = 180_000
 #: A test machine may be busy, or full.
 OF_THE_MACHINE = {"behind", "disk"}
 ANY_ENDPOINT = ("--endpoint", "tcp://127.0.0.1:*")
