@@ -5,7 +5,6 @@ it gathers where nobody sees them. So what the kernel has received of a connecti
 its owner was handed. Only connections over TCP are measured: a socket in a folder admits nobody but its owner.
 """
 
-import contextlib
 import os
 import socket as posix
 import struct
@@ -141,10 +140,14 @@ class Peers:
             self._monitor.close(0)
 
     def _watch(self) -> None:
-        with contextlib.suppress(zmq.ContextTerminated):
+        try:
             while not self._over.is_set():
                 self._over.wait(LOOK_S if self._open else _IDLE_S)
                 self._look()
+        except zmq.ZMQError as error:
+            # an owner that was interrupted leaves the end of its sockets to the context
+            if not self._monitor.closed and not isinstance(error, zmq.ContextTerminated):
+                raise
 
     def _look(self) -> None:
         now_s = time.monotonic()

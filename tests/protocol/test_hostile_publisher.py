@@ -2,6 +2,7 @@
 
 import itertools
 import socket
+import threading
 from collections.abc import Callable, Iterator
 from contextlib import closing
 
@@ -129,6 +130,16 @@ def test_an_inbox_leaves_one_too(context: "zmq.Context[zmq.Socket[bytes]]", lair
     with Subscriber(context, endpoint_of(lair), [FRAMES], watched=True) as subscriber, Inbox(subscriber) as inbox:
         assert sent_until_left(lair, PILES["parts of a megabyte"](), lambda: None) < MOST_SENT
         assert inbox.receive(0) is None
+
+
+@pytest.mark.parametrize("waits", [0.0, 0.005, 0.05])
+def test_a_context_that_ends_first_ends_the_watch_too(waits: float) -> None:
+    context = zmq.Context()
+    subscriber = Subscriber(context, "tcp://127.0.0.1:1", [FRAMES], watched=True)
+    threading.Event().wait(waits)
+    context.destroy(linger=0)
+    subscriber.close()
+    assert not [thread for thread in threading.enumerate() if thread.name == "peers"]
 
 
 def test_what_is_read_counts_for_nothing(context: "zmq.Context[zmq.Socket[bytes]]") -> None:
