@@ -9,6 +9,7 @@ COMMANDS = {
     "subscribe": "follow the daemon and calibrate the arm while it moves",
     "track": "accelerations to joint motion",
     "sensors": "ordinary motions to what the sensors read and where they sit",
+    "markers": "what a C3D or TRC file holds, and what is wrong with it",
     "kinematics": "joint angles and a measured tip to the arm's geometry",
     "sums": "trials of any length to sums that add up, for `fitter dynamics`",
     "dynamics": "motion and torque to dynamic parameters",

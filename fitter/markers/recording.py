@@ -1,0 +1,102 @@
+"""A recording of optical markers, in metres, and the forces beside it."""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from arm.model import Floats
+
+
+@dataclass(frozen=True)
+class ForceRecord:
+    """What one force platform or instrumented rim measured.
+
+    Attributes
+    ----------
+    name : str
+    rate_hz : float
+    channels : (n_sample, n_channel)
+        Forces first, in the file's units; NaN where nothing was stored.
+    """
+
+    name: str
+    rate_hz: float
+    channels: Floats
+
+
+@dataclass(frozen=True)
+class RawRecording:
+    """A file as it says itself.
+
+    Attributes
+    ----------
+    path : str
+    rate_hz : float
+    unit : str
+        As the header has it.
+    labels : tuple of str
+    points : (n_frame, n_marker, 3)
+        In that unit; NaN where nothing was stored.
+    t : (n_frame,) [s], or None
+        A column of time, where the file has one.
+    up : str
+        Such as ``+z``, by the header; empty if it says nothing.
+    computed : frozenset of str
+        Labels that the header calls angles, forces, moments, powers or scalars.
+    other_rates : mapping of str to float [Hz]
+        What else in the file tells the rate of its frames.
+    forces : tuple of ForceRecord
+    """
+
+    path: str
+    rate_hz: float
+    unit: str
+    labels: tuple[str, ...]
+    points: Floats
+    t: Floats | None = None
+    up: str = ""
+    computed: frozenset[str] = frozenset()
+    other_rates: dict[str, float] = field(default_factory=dict)
+    forces: tuple[ForceRecord, ...] = ()
+
+
+@dataclass(frozen=True)
+class MarkerRecording:
+    """A recording of markers.
+
+    Attributes
+    ----------
+    path : str
+    rate_hz : float
+    names : tuple of str
+        Without prefix.
+    positions : (n_frame, n_marker, 3) [m]
+        NaN where a marker was not seen.
+    unit, up : str
+        Of the file; the axis that points up, such as ``+z``, empty if nothing tells it.
+    forces : tuple of ForceRecord
+    """
+
+    path: str
+    rate_hz: float
+    names: tuple[str, ...]
+    positions: Floats
+    unit: str
+    up: str
+    forces: tuple[ForceRecord, ...] = ()
+
+    @property
+    def t(self) -> Floats:
+        """Time from the first frame on [s], (n_frame,)."""
+        return np.arange(len(self.positions)) / self.rate_hz
+
+    @property
+    def missing(self) -> np.ndarray:
+        """Where a marker was not seen, (n_frame, n_marker) of bool."""
+        return np.isnan(self.positions[:, :, 0])
+
+
+def runs(mask: np.ndarray) -> list[tuple[int, int]]:
+    """Return first and one past the last frame of each run of true values in a mask (n_frame,)."""
+    edges = np.flatnonzero(np.diff(np.concatenate([[0], mask.astype(np.int8), [0]])))
+    return [(int(first), int(last)) for first, last in zip(edges[::2], edges[1::2], strict=True)]

@@ -1,0 +1,199 @@
+"""Labels that two markers have exchanged, found by the distances between markers alone.
+
+On one segment distances stay as they are. A marker whose distances to its own segment are wrong where another
+one's would be right, and the other way round, has that one's label.
+"""
+
+from collections import defaultdict
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import combinations
+
+import numpy as np
+
+from fitter.markers.recording import MarkerRecording, runs
+from limbcal.note import Note
+
+#: A marker is held against so many others whose distances change least, and by at most this [m], as skin moves.
+_PARTNERS, _RIGID_M = 6, 0.02
+#: Others of the same segment differ by less than this factor in how they keep their distance, or keep it within
+#: this [m], the noise of cameras.
+_ALIKE, _GLUED_M = 3.0, 0.002
+#: Fewer others say nothing of one: two distances tell a place but for a circle.
+_ENOUGH = 2
+#: Distances are wrong beyond this [m], and beyond so many times what they usually are.
+_WRONG_M, _TIMES = 0.015, 5.0
+#: Exchanged, they must be righter by this factor.
+_RIGHTER = 2.0
+#: A reference is made of so many frames at the most; an exchange lasts so many frames at the least.
+_FRAMES, _SHORTEST = 400, 3
+#: … and this long [s]: a glimpse tells nothing.
+_SHORTEST_S = 0.05
+#: … which must be so much of the time from its first to its last one.
+_MOSTLY = 0.5
+#: So many recordings of one person overrule one of them.
+_MAJORITY = 3
+
+
+@dataclass(frozen=True)
+class Reference:
+    """Distances between markers: their median and its absolute deviation, (n, n) [m]; NaN where not seen."""
+
+    distance: np.ndarray
+    deviation: np.ndarray
+
+
+def reference_of(positions: np.ndarray) -> Reference:
+    """Return the distances between the markers of a recording (n_frame, n, 3)."""
+    some = positions[:: max(1, len(positions) // _FRAMES)]
+    apart = np.linalg.norm(some[:, :, None] - some[:, None], axis=3)
+    with np.errstate(all="ignore"):
+        distance = _nanmedian(apart)
+        deviation = _nanmedian(np.abs(apart - distance))
+    return Reference(distance, deviation)
+
+
+def _nanmedian(values: np.ndarray) -> np.ndarray:
+    """Return the median over frames, NaN where less than a tenth of them is known."""
+    known = np.isfinite(values).sum(axis=0)
+    found = np.nanmedian(np.where(known > 0, values, 0.0), axis=0)
+    return np.where(10 * known >= len(values), found, np.nan)
+
+
+#: Distances that recordings of one person agree on, and how far they change within one, [m], by markers' names.
+Agreed = dict[tuple[str, str], tuple[float, float]]
+
+
+def agreed(recordings: Sequence[MarkerRecording]) -> Agreed:
+    """Return distances between markers that most of several recordings agree on, and their deviation [m]."""
+    if len(recordings) < _MAJORITY:
+        return {}
+    known: dict[tuple[str, str], list[tuple[float, float]]] = defaultdict(list)
+    for recording in recordings:
+        own = reference_of(recording.positions)
+        for i, j in np.argwhere(np.triu(np.isfinite(own.distance), 1)):
+            one, other = sorted((recording.names[i], recording.names[j]))
+            known[one, other].append((float(own.distance[i, j]), float(own.deviation[i, j])))
+    found: Agreed = {}
+    for names, values in known.items():
+        distance, deviation = np.median(values, axis=0)
+        alike = sum(abs(one - distance) < _WRONG_M for one, _ in values)
+        if len(values) >= _MAJORITY and 2 * alike > len(values) and deviation < _RIGID_M:
+            found[names] = float(distance), float(deviation)
+    return found
+
+
+def put_right(recording: MarkerRecording, others: Agreed) -> tuple[list[Note], np.ndarray, np.ndarray]:
+    """Say which markers have each other's labels, and return positions with them exchanged.
+
+    Parameters
+    ----------
+    recording : MarkerRecording
+    others : mapping
+        What most recordings of the person agree on, see `agreed`.
+
+    Returns
+    -------
+    list of Note, (n_frame, n_marker, 3), (n_frame, n_marker) of bool
+        The last is true where labels were exchanged.
+    """
+    names, positions = recording.names, recording.positions.copy()
+    n_frame, n, _ = positions.shape
+    exchanged, notes = np.zeros((n_frame, n), dtype=np.bool_), list[Note]()
+    if n < 4:
+        return notes, positions, exchanged
+    own = reference_of(positions)
+    distance, deviation = _by_majority(own, names, others)
+    partners = _partners(distance, deviation)
+    shortest = max(_SHORTEST, round(_SHORTEST_S * recording.rate_hz))
+    miss = np.stack([_miss(positions, k, partners[k], distance[k]) for k in range(n)], axis=1)
+    with np.errstate(all="ignore"):
+        usual = np.array([np.nanmedian(column) if np.isfinite(column).any() else np.inf for column in miss.T])
+    limit = np.maximum(_WRONG_M, _TIMES * np.where(usual > _WRONG_M, 0.0, usual))
+    wrong = miss > limit
+    places = {k: np.flatnonzero(wrong[:, k]) for k in range(n) if wrong[:, k].sum() >= _SHORTEST}
+    found: list[tuple[float, int, int, int, int]] = []
+    for i, j in combinations(places, 2):
+        frames = np.intersect1d(places[i], places[j], assume_unique=True)
+        if len(frames) < _SHORTEST:
+            continue
+        crossed = [
+            _miss(positions[frames], j, partners[i], distance[i], without=j),
+            _miss(positions[frames], i, partners[j], distance[j], without=i),
+        ]
+        straight = miss[frames, i] + miss[frames, j]
+        right = (
+            (straight > _RIGHTER * (crossed[0] + crossed[1])) & (crossed[0] < limit[i]) & (crossed[1] < limit[j])
+        )
+        mask = np.zeros(n_frame, dtype=np.bool_)
+        mask[frames[right]] = True
+        unseen = np.any(recording.missing[:, [i, j]], axis=1)
+        for first, last in runs(_bridged(mask, unseen)):
+            wrong_there, seen = mask[first:last].sum(), (~unseen[first:last]).sum()
+            if wrong_there >= max(shortest, _MOSTLY * seen):
+                gained = float(
+                    np.nansum((straight - crossed[0] - crossed[1])[(frames >= first) & (frames < last)])
+                )
+                found.append((gained, i, j, first, last))
+    for _, i, j, first, last in sorted(found, reverse=True):
+        if exchanged[first:last, [i, j]].any():
+            continue
+        positions[first:last, [i, j]] = positions[first:last, [j, i]]
+        exchanged[first:last, [i, j]] = True
+        whole = last - first >= n_frame - _SHORTEST
+        times = (None, None) if whole else (first / recording.rate_hz, last / recording.rate_hz)
+        when = "throughout" if whole else f"for {(last - first) / recording.rate_hz:.2f} s"
+        text = f"{names[i]} and {names[j]} have each other's labels {when}, by their distances: exchanged again"
+        notes.append(Note("swapped", text, "", (names[i], names[j]), None, *times))
+    return notes, positions, exchanged
+
+
+def _by_majority(own: Reference, names: tuple[str, ...], others: Agreed) -> tuple[np.ndarray, np.ndarray]:
+    """Return distances and deviations (n, n) [m], of a marker that others tell enough of theirs alone."""
+    distance, deviation = own.distance.copy(), own.deviation.copy()
+    index = {name: k for k, name in enumerate(names)}
+    told = np.zeros(distance.shape, dtype=np.bool_)
+    for (one, other), (value, spread) in others.items():
+        if one in index and other in index:
+            i, j = index[one], index[other]
+            distance[i, j] = distance[j, i] = value
+            deviation[i, j] = deviation[j, i] = spread
+            told[i, j] = told[j, i] = True
+    enough = told.sum(axis=1) >= _ENOUGH
+    deviation[enough[:, None] & ~told] = np.inf
+    return distance, deviation
+
+
+def _partners(distance: np.ndarray, deviation: np.ndarray) -> list[np.ndarray]:
+    """Return for each marker those that keep their distances to it best: of its own segment, where it has some."""
+    steady = np.where(np.isfinite(distance) & (deviation < _RIGID_M), deviation, np.inf)
+    np.fill_diagonal(steady, np.inf)
+    found = []
+    for row in steady:
+        order = np.argsort(row)[:_PARTNERS]
+        limit = max(_ALIKE * row[order[min(_ENOUGH, len(order)) - 1]], _GLUED_M)
+        found.append(order[np.isfinite(row[order]) & (row[order] <= limit)])
+    return found
+
+
+def _miss(
+    positions: np.ndarray, k: int, partners: np.ndarray, distance: np.ndarray, without: int = -1
+) -> np.ndarray:
+    """Return by how much the distances of marker k to some others differ from a reference, (n_frame,) [m]."""
+    some = partners[(partners != k) & (partners != without)]
+    if len(some) < _ENOUGH:
+        return np.full(len(positions), np.nan)
+    apart = np.linalg.norm(positions[:, some] - positions[:, [k]], axis=2) - distance[some]
+    with np.errstate(all="ignore"):
+        known = np.isfinite(apart).sum(axis=1) >= _ENOUGH
+        median = np.nanmedian(np.where(known[:, None], np.abs(apart), 0.0), axis=1)
+    return np.where(known, median, np.nan)
+
+
+def _bridged(mask: np.ndarray, missing: np.ndarray) -> np.ndarray:
+    """Return a mask that goes on where markers were not seen between two of its frames."""
+    filled = mask.copy()
+    for first, last in runs(~mask):
+        if first > 0 and last < len(mask) and missing[first:last].mean() > 0.5:
+            filled[first:last] = True
+    return filled

@@ -1,0 +1,63 @@
+"""TRC: a table of marker positions with tabs, as OpenSim and many laboratories write it."""
+
+from pathlib import Path
+
+import numpy as np
+
+from fitter.markers.recording import RawRecording
+from limbcal.errors import DataError
+
+#: Lines before the first frame: type, names and values of the header, labels, axes; then an empty one, if any.
+_HEADER_LINES = 5
+#: A longer file is none of markers [byte]: hours of a hundred of them fit.
+LARGEST_BYTES = 2_000_000_000
+
+
+def read_trc(path: Path) -> RawRecording:
+    """Read a TRC file.
+
+    Raises
+    ------
+    DataError
+        If it is none, or its frames do not fit its labels.
+    """
+    if path.stat().st_size > LARGEST_BYTES:
+        raise DataError(f"{path}: it has {path.stat().st_size} bytes, expected at most {LARGEST_BYTES}")
+    lines = path.read_text(encoding="utf-8", errors="replace").splitlines()
+    if len(lines) <= _HEADER_LINES or not lines[0].startswith("PathFileType"):
+        raise DataError(f"{path}: its first line does not begin with PathFileType, expected a TRC file")
+    header = dict(zip(lines[1].split(), lines[2].split(), strict=False))
+    rate_hz = _number(path, header, "DataRate")
+    labels = tuple(label.strip() for label in lines[3].split("\t")[2:] if label.strip())
+    rows = [line for line in lines[_HEADER_LINES:] if line.strip()]
+    table = np.full((len(rows), 2 + 3 * len(labels)), np.nan)
+    for k, row in enumerate(rows):
+        fields = row.split("\t")
+        # A row may end with tabs, and one of them may stand double where the header has none.
+        for i, text in enumerate(fields[: table.shape[1]]):
+            if text.strip():
+                table[k, i] = _value(path, text, k, i)
+        if len(fields) < 2 or any(text.strip() for text in fields[table.shape[1] :]):
+            raise DataError(f"{path}: row {k + 1} has {len(fields)} fields, expected {table.shape[1]}")
+    if not rows or not labels:
+        raise DataError(f"{path}: it has {len(rows)} frames of {len(labels)} markers, expected some of each")
+    points = table[:, 2:].reshape(len(rows), len(labels), 3)
+    points[np.isnan(points).any(axis=2)] = np.nan
+    return RawRecording(str(path), rate_hz, header.get("Units", ""), labels, points, table[:, 1])
+
+
+def _number(path: Path, header: dict[str, str], name: str) -> float:
+    try:
+        value = float(header[name])
+    except (KeyError, ValueError):
+        value = 0.0
+    if not 0.0 < value < np.inf:
+        raise DataError(f"{path}: {name} is {header.get(name)!r}, expected a number above 0")
+    return value
+
+
+def _value(path: Path, text: str, row: int, column: int) -> float:
+    try:
+        return float(text)
+    except ValueError:
+        raise DataError(f"{path}: row {row + 1}, field {column + 1} is {text!r}, expected a number") from None

@@ -1,0 +1,33 @@
+"""Units and the axis that points up, of a person of ordinary size."""
+
+import numpy as np
+import pytest
+
+from fitter.markers.frame import unit_of, up_of
+from tests.fitter.markers.figure import walking
+
+
+@pytest.mark.parametrize(("unit", "said", "found"), [(1.0, "mm", "m"), (1e3, "m", "mm"), (1e2, "m", "cm")])
+def test_a_unit_that_contradicts_the_size_of_a_person_is_put_right(unit, said, found):
+    notes, used = unit_of(unit * walking().points, said)
+    assert [note.kind for note in notes] == ["unit"] and used == found
+
+
+@pytest.mark.parametrize(("unit", "said"), [(1.0, "m"), (1e3, "mm"), (1e2, "cm")])
+def test_a_unit_that_fits_is_not_mentioned(unit, said):
+    assert unit_of(unit * walking().points, said) == ([], said)
+
+
+def test_a_person_stands_up():
+    positions = walking().points
+    assert up_of(positions, "+z") == ([], "+z")
+    assert up_of(positions, "") == ([], "+z")
+    notes, found = up_of(positions, "+y")
+    assert [note.kind for note in notes] == ["up"] and found == "+z"
+    assert up_of(-positions, "")[1] == "-z"
+    assert up_of(positions[:, :, [0, 2, 1]], "")[1] == "+y"
+
+
+def test_where_nothing_stands_up_the_header_is_believed():
+    cube = np.random.default_rng(0).uniform(0.0, 1.0, (10, 30, 3))
+    assert up_of(cube, "+y") == ([], "+y")
