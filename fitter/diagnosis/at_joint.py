@@ -21,8 +21,6 @@ from fitter.diagnosis.view import View
 
 #: Ripples a turn: with less than one they would be a spring or an offset.
 _PERIODS = np.arange(1.0, 81.0)
-#: Angles at which a stop may be, as shares of the range that the joint moves through.
-_SHARES = np.linspace(0.04, 0.96, 24)
 
 
 class AtJoint(Hypothesis):
@@ -198,7 +196,7 @@ class AtJoint(Hypothesis):
         elif name.startswith("periods"):
             grid = _PERIODS
         elif name.endswith("_rad"):
-            grid = q.min() + _SHARES * np.ptp(q)
+            grid = np.linspace(q.min(), q.max(), 2 * N_START + 2)[1:-1]  # within the range, for it may be a stop
         elif np.isfinite(parameter.low) and parameter.low > 0.0:
             grid = np.geomspace(parameter.low, parameter.high, N_START)
         else:

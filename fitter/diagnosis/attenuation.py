@@ -21,18 +21,14 @@ from arm.control import control_torque
 from arm.model import Arm, Floats
 from fitter.data.derivatives import differentiate, lowpass, settling_samples
 from fitter.diagnosis.hypothesis import Hypothesis
-from fitter.diagnosis.least_squares import ROUNDED, TINY
+from fitter.diagnosis.least_squares import NEGLIGIBLE, ROUNDED, TINY
 from fitter.diagnosis.model import Model
 from fitter.diagnosis.motion import Motion, noise_of_angles, white_noise
 from fitter.diagnosis.rows import Equations
 from fitter.diagnosis.view import View
 
-#: Of the one draw of noise: any will do, as long as it is the same for all models.
+#: Of the one draw of noise, the same for all models.
 _SEED = 20
-
-
-#: A torque is cut off where it differs from the commanded one by this fraction of its rms.
-_CUT = 0.01
 
 
 @dataclass(frozen=True)
@@ -212,7 +208,7 @@ def let_through(views: Sequence[View], motions: Sequence[Motion]) -> Floats:
         moves = ~motion.stuck
         asked += np.sum(motion.u**2 * moves, axis=0)
         reaches += np.sum(view.u**2 * moves, axis=0)
-        off = np.abs(view.u - motion.u) > _CUT * np.sqrt(np.mean(motion.u**2, axis=0))
+        off = np.abs(view.u - motion.u) > NEGLIGIBLE * np.sqrt(np.mean(motion.u**2, axis=0))
         cut += np.sum(off & moves, axis=0)
         moving += np.sum(moves, axis=0)
     through = np.clip(reaches / np.maximum(asked, TINY), ROUNDED, 1.0)

@@ -16,22 +16,16 @@ from arm.model import Arm, Floats
 from fitter.data.resample import Uniform
 from fitter.data.trials import Trial, choose_cutoff_hz
 from fitter.diagnosis.equation import BAND_SHARE
-from fitter.diagnosis.least_squares import PLAINLY
-from fitter.diagnosis.motion import white_noise
+from fitter.diagnosis.least_squares import PLAINLY, SIGMAS
+from fitter.diagnosis.motion import SAMPLES, white_noise
 
 #: Columns are cut off at this frequency …
 CORNER_HZ = 30.0
-#: … or at so many times that below which this share of a joint's speed squared lies, for what is as quick has
-#: overtones; if the sampling allows it, for which this share of its rate is left.
-_TIMES, _MOST, _SHARE_OF_RATE = 3.0, 0.9, 0.2
+#: … or at this multiple of the frequency below which this share of a joint's speed squared lies, for what is as
+#: quick has overtones; if the sampling allows it.
+_TIMES, _MOST = 3.0, 0.9
 #: Parts of that band of which the least is taken.
 _PARTS = 10
-#: A joint whose motion is less than so many times its noise does not count.
-_MOVES = 10.0
-
-
-#: A torque whose white part exceeds this fraction of its rms is mostly noise, or its drive chatters.
-_MOSTLY = 0.5
 
 
 def corner_hz(grids: Sequence[Uniform]) -> float:
@@ -42,7 +36,7 @@ def corner_hz(grids: Sequence[Uniform]) -> float:
     grids : sequence of Uniform
         Their angles ``q``.
     """
-    highest = _SHARE_OF_RATE / max(grid.dt_s for grid in grids)
+    highest = 1.0 / (SAMPLES * max(grid.dt_s for grid in grids))
     quick = _quick_hz(grids, highest)
     widest = float(min(max(CORNER_HZ, _TIMES * quick), highest))
     standing_out = choose_cutoff_hz(grids)
@@ -83,7 +77,7 @@ def _quick_hz(grids: Sequence[Uniform], highest: float) -> float:
         white = np.cumsum(4.0 * np.sin(np.pi * at * grid.dt_s) ** 2) * len(steps)
         power += np.stack([np.interp(f, at, column) for column in total.T], axis=1)
         own += np.interp(f, at, white)[:, None] * noise**2
-    moves = power[-1] > _MOVES * own[-1]
+    moves = power[-1] > SIGMAS**2 * own[-1]
     quick = [f[np.argmax(power[:, j] - own[:, j] > _MOST * (power - own)[-1, j])] for j in np.flatnonzero(moves)]
     return float(max(quick, default=0.0))
 
@@ -105,5 +99,5 @@ def chatter(arm: Arm, trials: Sequence[Trial]) -> list[str]:
         f"the torque at joint {j + 1} changes from sample to sample like noise ({white[j]:.3g} {unit} of "
         f"{size[j]:.3g} {unit} rms): smaller effects are not identifiable; a chattering drive looks the same"
         for j, unit in enumerate("N m" if joint.type == "revolute" else "N" for joint in arm.joints)
-        if white[j] > _MOSTLY * size[j] > 0.0
+        if PLAINLY * white[j] > size[j] > 0.0
     ]

@@ -11,14 +11,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from arm.model import Floats
-from fitter.diagnosis.evidence import BLOCK_S, lacking
-from fitter.diagnosis.least_squares import ROUNDED, TINY
+from fitter.diagnosis.evidence import lacking
+from fitter.diagnosis.least_squares import BLOCK_S, ROUNDED, TINY
 from fitter.diagnosis.model import Candidate
 from fitter.diagnosis.motion import Motion
 from fitter.diagnosis.regression import Regression
 from fitter.search.standard_errors import sandwich_covariance
 
-#: Blocks of neighbouring equations whose scores tell the answer's scatter, over all trials.
+#: Blocks of neighbouring equations whose scores tell the answer's scatter, over all trials: known to 5 % each.
 _BLOCKS = 240
 
 
@@ -44,8 +44,8 @@ def covariance_of(regression: Regression, fitted: Candidate, learnt_from: list[M
     trials pull their own way, such as how a joint comes to rest, is seen in how differently all trials pull.
     """
     model = fitted.model
-    used = {motion.number for motion in learnt_from}
     total = sum(len(motion.t) for motion in learnt_from)
+    used = {motion.number for motion in learnt_from}
     designs, residuals = [], []
     for motion in regression.motions:
         residuals.append(regression.residual(model, fitted.x, motion).ravel())

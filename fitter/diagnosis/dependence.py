@@ -13,16 +13,10 @@ from scipy.stats import rankdata
 
 from arm.model import Floats
 from fitter.data.derivatives import lowpass
+from fitter.diagnosis.least_squares import N_INSTANT, N_SHIFTED
 from fitter.diagnosis.model import Candidate, Model
 from fitter.diagnosis.motion import Motion
 from fitter.diagnosis.regression import Regression
-
-#: Shifts that tell what chance gives: the least p is a hundredth.
-_SHIFTS = 99
-#: Instants of the run that are looked at.
-_INSTANTS = 4000
-#: Torques are smoothed at this share of the band before they are compared.
-_SMOOTH = 0.3
 
 
 @dataclass(frozen=True)
@@ -49,7 +43,7 @@ class Dependence:
 def remaining_torque(regression: Regression, model: Model, x: Floats, motion: Motion) -> Floats:
     """Return the torque that a model leaves, smoothed, NaN where stuck, (n_sample, n_joint) [N m or N]."""
     left = regression.equations.left(model, x, motion)
-    left = lowpass(left, motion.dt_s, _SMOOTH * regression.weighting.band_hz)
+    left = lowpass(left, motion.dt_s, regression.weighting.seen_hz)
     return np.where(motion.stuck, np.nan, left)
 
 
@@ -58,7 +52,7 @@ def dependences(regression: Regression, final: Candidate) -> list[Dependence]:
     n_joint, rng = regression.arm.n_joint, np.random.default_rng(0)
     motions = regression.motions
     left = np.concatenate([remaining_torque(regression, final.model, final.x, motion) for motion in motions])
-    step = max(1, len(left) // _INSTANTS)
+    step = max(1, len(left) // N_INSTANT)
     columns: dict[str, Callable[[Motion], Floats]] = {"t": lambda motion: motion.t}
     for j in range(n_joint):
         columns |= {
@@ -72,12 +66,12 @@ def dependences(regression: Regression, final: Candidate) -> list[Dependence]:
         if len(moving) < 100:
             continue
         r = rankdata(left[moving, j], method="ordinal")
-        shifts = rng.integers(len(r) // 20, len(r) - len(r) // 20, _SHIFTS)
+        shifts = rng.integers(len(r) // 20, len(r) - len(r) // 20, N_SHIFTED)
         for name, column in columns.items():
             order = np.argsort(np.concatenate([column(motion) for motion in motions])[moving], kind="stable")
             xi = _xi(r[order])
             chance = np.array([_xi(np.roll(r, shift)[order]) for shift in shifts])
-            p = float((1 + np.count_nonzero(chance >= xi)) / (1 + _SHIFTS))
+            p = float((1 + np.count_nonzero(chance >= xi)) / (1 + N_SHIFTED))
             found.append(Dependence(j + 1, name, xi, p))
     return found
 

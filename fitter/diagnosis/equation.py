@@ -15,21 +15,15 @@ import scipy.fft
 import scipy.linalg
 
 from arm.model import Arm, Floats
-from fitter.diagnosis.motion import Motion, noise_of_angles, white_noise
+from fitter.diagnosis.least_squares import NEGLIGIBLE, ROUNDED
+from fitter.diagnosis.motion import SAMPLES, Motion, noise_of_angles, white_noise
 from fitter.diagnosis.whitening import Whitening, end_shapes, holding_shapes, jump_shapes, rest_shapes
 from fitter.side_by_side import side_by_side
 
 #: The band ends at this share of the columns' corner, where their filter still lets all through.
 BAND_SHARE = 0.6
-#: Samples a period of the band's end on the slower grid.
-_SAMPLES = 2.5
 #: A perfect torque or angle has at least the noise of rounding, as a share of its rms.
 _LEAST_NOISE = 1e-4
-#: Unknown torques that the filter leaves less than this of, beside the largest, do nothing.
-_LITTLE = 1e-6
-#: Those of roughly known size whose standard deviation is below this share of the noise change nothing; products
-#: of columns have no smaller ones beside a large one.
-_DROWNED, _ROUNDING = 0.01, 1e-13
 
 
 @dataclass(frozen=True)
@@ -151,7 +145,7 @@ def _orthonormal(columns: Floats) -> Floats:
     scaled = columns / np.where(size > 0.0, size, 1.0)  # a rest of one sample makes nothing of one of its hats
     Q, R, _ = scipy.linalg.qr(scaled, mode="economic", pivoting=True, check_finite=False)
     size = np.abs(np.diag(R))
-    return np.ascontiguousarray(Q[:, : len(size)][:, size > _LITTLE * size[0]])
+    return np.ascontiguousarray(Q[:, : len(size)][:, size > np.sqrt(ROUNDED) * size[0]])
 
 
 def _singular(columns: Floats) -> tuple[Floats, Floats]:
@@ -160,7 +154,7 @@ def _singular(columns: Floats) -> tuple[Floats, Floats]:
     By the columns' products: exact enough for what is not, in half the time.
     """
     squared, axes = scipy.linalg.eigh(columns.T @ columns, check_finite=False)
-    kept = squared > max(_DROWNED**2, _ROUNDING * float(squared.max(initial=0.0)))
+    kept = squared > max(NEGLIGIBLE**2, ROUNDED * float(squared.max(initial=0.0)))
     size = np.sqrt(squared[kept])
     return columns @ (axes[:, kept] / size), size
 
@@ -193,4 +187,4 @@ def weighting(arm: Arm, motions: Sequence[Motion]) -> Weighting:
     corner = min(*(motion.trial.cutoff_hz for motion in motions), 0.4 / dt_s)
     band = BAND_SHARE * corner
     nothing_told = np.full(arm.n_joint, np.inf)
-    return Weighting(torque, acceleration, band, max(1, int(1.0 / (dt_s * _SAMPLES * band))), nothing_told)
+    return Weighting(torque, acceleration, band, max(1, int(1.0 / (dt_s * 0.5 * SAMPLES * band))), nothing_told)

@@ -11,12 +11,11 @@ from arm.model import Arm, Effect, Estimate, Floats, Joint
 from arm.physical_links import is_possible, link_parameters
 from fitter.diagnosis.covariance import covariance_of
 from fitter.diagnosis.hypothesis import Hypothesis
-from fitter.diagnosis.least_squares import CONFIDENCE, ROUNDED
+from fitter.diagnosis.least_squares import CONFIDENCE, ROUNDED, SLOPE
 from fitter.diagnosis.model import Candidate
 from fitter.diagnosis.motion import Motion
 from fitter.diagnosis.payload import Payload
 from fitter.diagnosis.regression import Regression
-from fitter.diagnosis.rows import SLOPE
 from fitter.dynamics.physical import nearest_possible
 from fitter.dynamics.structure import structural_parameters
 from fitter.search.fitted_parameter import FittedParameter

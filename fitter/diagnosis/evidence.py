@@ -22,14 +22,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from arm.model import Floats
-from fitter.diagnosis.least_squares import EQUAL_SIGMAS
+from fitter.diagnosis.least_squares import EQUAL_SIGMAS, ODDS_NATS
 from fitter.diagnosis.model import Candidate
-
-#: Odds of a false cause, a hundred to one after Bonferroni over what was tried, are log(100) nats.
-ODDS_NATS = float(np.log(100.0))
-#: Length of a block [s]. Within it residuals count as correlated, and what a model lacks as one number a joint:
-#: joint velocities of measured runs have equivalent bandwidths of 0.5 to 1.2 Hz (decision 22).
-BLOCK_S = 1.0
 
 
 @dataclass(frozen=True)

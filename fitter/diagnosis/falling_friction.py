@@ -19,7 +19,7 @@ from arm.effects.catalogue import catalogue
 from arm.model import Floats
 from fitter.diagnosis.at_joint import AtJoint
 from fitter.diagnosis.holding import ABOVE, Holding
-from fitter.diagnosis.least_squares import SIGMAS, own_square
+from fitter.diagnosis.least_squares import NEGLIGIBLE, SIGMAS, own_square
 from fitter.diagnosis.model import Candidate
 from fitter.diagnosis.motion import Motion
 from fitter.diagnosis.regression import Regression
@@ -29,11 +29,6 @@ from fitter.diagnosis.view import View
 
 #: What it is called.
 _EFFECT = "stribeck"
-#: A hump is no worse if it raises the sum of squares by less than this ratio to that of noise: the variance of the
-#: noise is not known better.
-EQUAL = 0.01
-#: So many widths are tried for each that a search for causes tries.
-_FINER = 3
 
 
 class HeldStribeck(AtJoint):
@@ -126,16 +121,16 @@ def hump_of(regression: Regression, final: Candidate, holding: Holding) -> Hump 
         return float(np.exp(found.x))
 
     starts = free.starts(motions)[:, 0]
-    widths = np.geomspace(starts.min(), starts.max(), _FINER * len(starts))
+    widths = np.geomspace(starts.min(), starts.max(), len(starts))
     raised = [one if seen else np.inf for one, _, seen in map(tried, widths)]
     k = int(np.argmin(raised))
-    if raised[k] > EQUAL * numbers:
+    if raised[k] > NEGLIGIBLE * numbers:
         return None
     around = float(widths[max(k - 1, 0)]), float(widths[min(k + 1, len(widths) - 1)])
     width = best(around)
     raises, height, _ = tried(width)
     width_error = abs(best(around, height + error) - width)
-    return Hump(HeldStribeck(joint, height, error, width_error), width, -raises, -raises > EQUAL * numbers)
+    return Hump(HeldStribeck(joint, height, error, width_error), width, -raises, -raises > NEGLIGIBLE * numbers)
 
 
 def with_humps(

@@ -17,20 +17,16 @@ from numpy.typing import NDArray
 
 from arm.model import Floats
 from fitter.diagnosis.equation import Weighting
-from fitter.diagnosis.least_squares import PLAINLY, TINY
+from fitter.diagnosis.least_squares import NEGLIGIBLE, PLAINLY, ROUNDED, TINY
 from fitter.diagnosis.model import Candidate
 from fitter.diagnosis.motion import Motion
 from fitter.diagnosis.regression import Regression
 from fitter.diagnosis.reweighting import reweighted
 
-#: The noise's size is known to a tenth (`whitening`): so much more variance than it has is no floor.
-KNOWN = 1.1**2
-#: Less than this part of the noise is rounding where all of it is eliminated.
-_LEAST_FREEDOM = 1e-3
-#: Floors are sought in their logarithms, to a hundredth.
-_TOLERANCE = 0.01
-#: Starts: the white floor as a part of the mean power, and the logarithm of the other.
-_STARTS = tuple((white, steep) for white in (1.0, 0.1) for steep in (0.0, 4.0))
+#: The noise's size is known to a tenth (`whitening`) …
+SIZE_KNOWN = 0.1
+#: … so no more variance than this multiple of its own is a floor.
+KNOWN = (1.0 + SIZE_KNOWN) ** 2
 
 
 @dataclass(frozen=True)
@@ -117,7 +113,7 @@ def _spectra(regression: Regression, candidate: Candidate) -> tuple[Floats, Floa
         colour = (root @ np.fft.rfft(white, axis=0)[inside, :, None])[:, :, 0]
         left = root @ _freedom(weighting, motion)[inside] @ root.mT
         freedom = np.einsum("fjj->fj", left).real / np.sum(root**2, axis=2)
-        parts.append((f[inside], np.abs(colour) ** 2 / len(white), np.maximum(freedom, _LEAST_FREEDOM)))
+        parts.append((f[inside], np.abs(colour) ** 2 / len(white), np.maximum(freedom, np.sqrt(ROUNDED))))
     f, power, freedom = (np.concatenate(column) for column in zip(*parts, strict=True))
     return f, np.asarray(power, dtype=np.float64), freedom
 
@@ -142,12 +138,13 @@ def _likeliest(power: Floats, freedom: Floats, torque: Floats | float, angle: Fl
         return float(np.sum(freedom * np.log(S) + power / S))
 
     mean = max(float(power.sum() / freedom.sum()), TINY)
-    options = {"xatol": _TOLERANCE, "fatol": _TOLERANCE}
+    options = {"xatol": NEGLIGIBLE, "fatol": NEGLIGIBLE}  # of logarithms
+    starts = [(white, steep) for white in (1.0, 0.1) for steep in (0.0, 4.0)]  # either, or a part of both
     found = [
         scipy.optimize.minimize(  # type: ignore[call-overload]
             loss, np.array([np.log(mean * white), steep]), method="Nelder-Mead", options=options
         )
-        for white, steep in _STARTS
+        for white, steep in starts
     ]
     best = min(found, key=lambda one: float(one.fun))
     return float(np.exp(best.x[0])), 1.0 + float(np.exp(best.x[1]))

@@ -7,19 +7,14 @@ import numpy as np
 
 from arm.model import Floats
 from fitter.diagnosis.functions import Functions, products, spelled
-from fitter.diagnosis.least_squares import ROUNDED, TINY, scaled_lstsq
+from fitter.diagnosis.least_squares import RIDGE, ROUNDED, TINY, UNEXPLAINED, scaled_lstsq
 from fitter.diagnosis.model import Candidate
 from fitter.diagnosis.motion import Motion
 from fitter.diagnosis.regression import Regression
 from fitter.diagnosis.white_rows import Columns
 
-#: How strongly a function's factors are held towards zero, in units of a column's own sum of squares; those of a
-#: single formula are not, as little as the base parameters.
-_RIDGE = 1e-4
 #: Parts of the trials, each judged in turn by what the others tell.
 _FOLDS = 8
-#: A formula is told if it explains this share of what the function does.
-_TELLING = 0.9
 
 
 def typical(squares: Floats, told: Floats) -> float:
@@ -83,7 +78,7 @@ class Folds:
     def formula(self, some: Sequence[str], joint: int, gain: float) -> str:
         """Return the product of simple functions of the variables that explains most, if it is telling."""
         left = np.array([typical(one, self._told) for one in self._products_judged(some, joint).T])
-        if not self.left - left.min() > _TELLING * gain:
+        if not self.left - left.min() > (1.0 - 2.0 * UNEXPLAINED) * gain:
             return ""
         k = int(np.argmin(left))
         filtered_at = self._regression.weighting.filtered_at
@@ -111,7 +106,7 @@ class Folds:
         size = np.sqrt(np.maximum(np.einsum("kii->i", grams), 0.0))  # rounding makes nothing less than that
         size[size == 0.0] = 1.0
         # A product of splines has cells that some trials hardly visit: what it makes there is held towards zero.
-        held = np.where(np.arange(len(size)) < target, ROUNDED, _RIDGE)
+        held = np.where(np.arange(len(size)) < target, ROUNDED, RIDGE)
         squares, fold = whole[:, target, target].copy(), self._fold
         for k in range(fold.max() + 1):
             G = grams[fold != k].sum(axis=0) / np.outer(size, size)

@@ -15,7 +15,7 @@ import scipy.linalg
 from arm.model import Floats
 from fitter.diagnosis.at_joint import AtJoint
 from fitter.diagnosis.hypothesis import Hypothesis
-from fitter.diagnosis.least_squares import ROUNDED, solved
+from fitter.diagnosis.least_squares import NEGLIGIBLE, ROUNDED, solved
 from fitter.diagnosis.model import Model
 from fitter.diagnosis.motion import Motion
 from fitter.diagnosis.refinement import Misfit, refined
@@ -25,13 +25,9 @@ from fitter.diagnosis.white_rows import Columns
 
 #: So many steps from a start near nothing tell what can be explained; what promises much is refined later.
 _STEPS = 4
-#: Where a straight step from nothing promises to explain less than this share of what is left, it is the only one.
-_HARDLY = 0.02
 #: Of more starts than this that cost a fit each, so many are tried on all trials: those that explain most of this
 #: share of the trials, those of which most is left.
 _FOREMOST, _WORST = 4, 0.25
-#: A column, or a change, of which others leave no more than this share is none of its own.
-_FRESH = 1e-4
 
 
 @dataclass(frozen=True)
@@ -125,11 +121,11 @@ class Grid:
         both -= self._tangent @ (self._tangent.T @ both)
         slopes, left = both[:, :-1], both[:, -1]
         step = solved(slopes.T @ slopes, -slopes.T @ left)
-        if -float(left @ (slopes @ step)) >= _HARDLY * self.left:
+        if -float(left @ (slopes @ step)) >= NEGLIGIBLE * self.left:
             return None
         there = np.clip(nothing + step, misfit.low, misfit.high)
         gain = self._gain(hypothesis, there)
-        return Best(gain, there, there[None]) if gain < _HARDLY * self.left else None
+        return Best(gain, there, there[None]) if gain < NEGLIGIBLE * self.left else None
 
     def gain(self, hypothesis: Hypothesis, psi: Floats) -> float:
         """Return by how much a hypothesis with some psi lowers the sum of squares."""
@@ -147,7 +143,7 @@ class Grid:
         if len(starts) <= _FOREMOST or (hypothesis.n_column and not hypothesis.is_event):
             return starts
         gains = np.array(self._worst._gains_of(hypothesis, starts))  # noqa: SLF001 - of its own class
-        most = _FOREMOST if hypothesis.is_gradual or gains.max() > _HARDLY * self._worst.left else 1
+        most = _FOREMOST if hypothesis.is_gradual or gains.max() > NEGLIGIBLE * self._worst.left else 1
         return np.asarray(starts[np.argsort(-gains, kind="stable")[:most]], dtype=np.float64)
 
     @cached_property
@@ -219,7 +215,7 @@ class Grid:
             its = slice(k * width, (k + 1) * width)
             others = shared[:, its]
             alone = own - others.T @ others
-            fresh = np.diag(alone) > _FRESH**2 * np.diag(own)
+            fresh = np.diag(alone) > np.sqrt(ROUNDED) * np.diag(own)
             found.append(_gain_of(alone[np.ix_(fresh, fresh)], pull[its][fresh]))
         return found
 
@@ -229,7 +225,7 @@ def _beside(Q: Floats, columns: Floats) -> Floats:
     size = np.linalg.norm(columns, axis=0)
     columns = (columns - Q @ (Q.T @ columns)) / np.where(size > 0.0, size, 1.0)
     U, length, _ = np.linalg.svd(columns, full_matrices=False)
-    return np.asarray(U[:, length > _FRESH], dtype=np.float64)
+    return np.asarray(U[:, length > np.sqrt(ROUNDED)], dtype=np.float64)
 
 
 def _gain_of(gram: Floats, pull: Floats) -> float:

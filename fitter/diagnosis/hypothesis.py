@@ -8,6 +8,7 @@ import numpy as np
 
 from arm.effects.effect import EffectKind
 from arm.model import Floats
+from fitter.diagnosis.least_squares import SLOPE
 from fitter.diagnosis.motion import Motion
 from fitter.diagnosis.view import View
 
@@ -75,7 +76,7 @@ class Hypothesis(ABC):
     #: psi scales noise, or turns the columns among themselves: what noise makes of them depends on it.
     mixes_noise = False
     #: The share of psi over which is asked what a change of it makes: more where little changes jump.
-    stride = 1e-4
+    stride = SLOPE
 
     def __init__(self, kind: EffectKind, joints: Sequence[int]) -> None:
         self.kind = kind

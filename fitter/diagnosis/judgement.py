@@ -15,8 +15,8 @@ from fitter.diagnosis.simulated_motion.simulated import simulated
 from fitter.dynamics.evaluation import HORIZON_S
 from fitter.side_by_side import side_by_side
 
-#: A simulated angle that is this far off has run away [rad].
-_RUN_AWAY = 1e6
+#: A simulated angle that is this far off has run away: less than a millionth of a turn is left in it [rad].
+_RUN_AWAY = 1.0 / np.sqrt(ROUNDED)
 #: Next to a gap the columns' own filter still has part of what is in it [s].
 _MARGIN_S = 0.05
 #: Width of the Gaussian that halves the power at 1 Hz [s].

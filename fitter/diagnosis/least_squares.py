@@ -8,6 +8,8 @@ from arm.model import Floats
 #: Relative rounding of a sum of squares: some thousand additions in double precision. Columns that are this
 #: near to depending on others, in terms of the normal equations, do so.
 ROUNDED = 1e-12
+#: Relative step of a central difference: its error is least at the cube root of rounding (Press et al. 2007, 5.7).
+SLOPE = float(np.cbrt(ROUNDED))
 #: As good as nothing: it keeps a quotient finite.
 TINY = 1e-300
 #: Probability with which what is nothing passes for nothing, the field's usual one, and its standard errors.
@@ -17,10 +19,29 @@ EQUAL_SIGMAS = float(norm.ppf(0.5 + 0.5 * CONFIDENCE))
 SIGMAS = 4.0
 #: A variance exceeds another plainly if it is this multiple of it: 3 dB.
 PLAINLY = 2.0
+#: Odds of a false cause, a hundred to one after Bonferroni over what was tried, are log(100) nats.
+ODDS_NATS = float(np.log(100.0))
+#: Length of a block [s]. Within it residuals count as correlated, and what a model lacks as one number a joint:
+#: joint velocities of measured runs have equivalent bandwidths of 0.5 to 1.2 Hz (decision 22).
+BLOCK_S = 1.0
+#: Share of a torque, a variance or a gain that is negligible, a convention: models of arms are seldom that good.
+NEGLIGIBLE = 0.01
+#: Share of what is to be explained that may stay unexplained, as 1 - `CONFIDENCE` of a probability.
+UNEXPLAINED = 1.0 - CONFIDENCE
+#: Steps of an iteration at the most: Newton's doubles its digits with each, reweighting gains one in one or two.
+ITERATIONS = 20
+#: Relative change, or gain [nats], at which an iteration has settled, and the least part of a step: far below one
+#: standard error, which is half a nat.
+SETTLED = 1e-3
+#: How strongly flexible functions are held towards zero, in units of their columns' own sums of squares: where no
+#: trial goes they stay small, and where some do it takes less than a percent of them.
+RIDGE = 1e-4
+#: Shifts in time that tell what chance gives: the least p is a hundredth (Davison and Hinkley 1997: 99 at least).
+N_SHIFTED = 99
+#: Instants of a run over which what changes slowly is averaged: known to 3 % of its scatter.
+N_INSTANT = 1500
 #: Trials are drawn anew so often for an interval (Efron and Tibshirani 1993: about 1000).
 N_DRAWN = 1000
-#: No direction loses more than this share of what tells it: where noise is all there is, nothing can be put right.
-_MOST = 0.5
 
 
 def scaled_lstsq(A: Floats, y: Floats) -> Floats:
@@ -69,4 +90,6 @@ def compensated(gram: Floats, pull: Floats, noise_gram: Floats, noise_pull: Floa
     root = axes[:, kept] / np.sqrt(told[kept]) / size[:, None]  # root^T gram root = 1
     share, within = np.linalg.eigh(root.T @ noise_gram @ root)
     root = root @ within
-    return np.asarray(root @ ((root.T @ (pull - noise_pull)) / (1.0 - np.minimum(share, _MOST))), dtype=np.float64)
+    # No direction is enlarged plainly: where noise is all there is, nothing can be put right.
+    kept_share = np.maximum(1.0 - share, 1.0 / PLAINLY)
+    return np.asarray(root @ ((root.T @ (pull - noise_pull)) / kept_share), dtype=np.float64)

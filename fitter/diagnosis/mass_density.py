@@ -16,22 +16,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from arm.model import Floats
+from fitter.diagnosis.least_squares import ITERATIONS, N_INSTANT, ODDS_NATS, ROUNDED, SETTLED
 from fitter.diagnosis.model import Model
 from fitter.diagnosis.motion import Motion
 from fitter.diagnosis.rows import Equations
 
-#: Masses change slowly: the logarithm is averaged over this number of instants.
-_INSTANTS = 1500
-#: Newton's steps at the most, the gain [nats] of the last one, and the least part of one.
-_ROUNDS, _SETTLED, _LEAST_PART = 20, 1e-3, 1e-4
-#: Masses have a direction without any if one eigenvalue is no larger than this part of the largest: rounding.
-_SINGULAR = 1e-6
-#: Logarithm of by how much more counts what is left where masses vanish: a base model leaves less.
-_VANISHED = 5.0
-#: Columns that are this near to depending on others, in terms of the normal equations, do so.
-_DEPENDENT = 1e-11
-#: Relative rounding error of a sum of squares that is a difference of large products.
-_ROUNDED = 1e-14
 #: Models and sets of motions whose masses are remembered.
 _REMEMBERED = 100
 
@@ -80,7 +69,7 @@ class Normal:
     def left(self, x: Floats) -> float:
         """Return the sum of squares that factors (k,) leave."""
         left = float(x @ self.gram @ x) - 2.0 * float(self.pull @ x) + self.square
-        return max(left, _ROUNDED * self.square, np.finfo(np.float64).tiny)
+        return max(left, ROUNDED * self.square, np.finfo(np.float64).tiny)
 
 
 class MassDensity:
@@ -109,7 +98,7 @@ class MassDensity:
         self._equations, self._weight, self._count, self._start = equations, weight, count, start
         pushes = np.eye(equations.arm.n_joint)
         self._pushed = {one.number: [replace(one, ddq=one.ddq + push) for push in pushes] for one in motions}
-        self._stride = max(1, sum(len(one.t) for one in motions) // _INSTANTS)
+        self._stride = max(1, sum(len(one.t) for one in motions) // N_INSTANT)
         self._base: dict[tuple[int, ...], float] = {}
         self._known: dict[tuple[object, ...], tuple[Floats, ...]] = {}
 
@@ -118,7 +107,7 @@ class MassDensity:
         masses = self._masses(model, motions)
         M = masses.at(x)
         values = np.linalg.eigvalsh(0.5 * (M + M.mT))
-        if np.any(values[:, 0] <= _SINGULAR * np.abs(values).max(axis=1)):
+        if np.any(values[:, 0] <= np.sqrt(ROUNDED) * np.abs(values).max(axis=1)):
             return -np.inf
         return float(masses.weight @ np.linalg.slogdet(M)[1])
 
@@ -137,7 +126,7 @@ class MassDensity:
         if key not in self._base:
             self._base[key] = self.of(Model(), self._start, motions)
         more = self.of(model, x, motions) - self._base[key]
-        return float(np.exp(min(-more / numbers, _VANISHED)))
+        return float(np.exp(min(-more / numbers, ODDS_NATS)))
 
     def solve(self, normal: Normal, numbers: float, x: Floats, model: Model, motions: Sequence[Motion]) -> Floats:
         """Return the likeliest factors by Newton's steps, the residual's variance being the likeliest, too.
@@ -161,20 +150,20 @@ class MassDensity:
         if not np.isfinite(here):
             x = np.concatenate([self._start, np.zeros(len(x))])[: len(x)]
             here = value(x)
-        for _ in range(_ROUNDS):
+        for _ in range(ITERATIONS):
             if not np.isfinite(here):
                 break
             score, information = self._slopes(model, x, motions)
             weight = numbers / normal.left(x)
             step = _solved(weight * normal.gram + information, weight * (normal.pull - normal.gram @ x) + score)
             part, there = 1.0, value(x + step)
-            while part > _LEAST_PART and not there > here:
+            while part > SETTLED and not there > here:
                 part *= 0.5
                 there = value(x + part * step)
-            if part <= _LEAST_PART:
+            if part <= SETTLED:
                 break
             x, gained, here = x + part * step, there - here, there
-            if gained < _SETTLED:
+            if gained < SETTLED:
                 break
         return x
 
@@ -258,4 +247,4 @@ def _solved(matrix: Floats, right: Floats) -> Floats:
     size = np.sqrt(np.diag(matrix))
     size[size == 0.0] = 1.0
     scaled = matrix / np.outer(size, size)
-    return np.asarray(np.linalg.lstsq(scaled, right / size, rcond=_DEPENDENT)[0] / size, dtype=np.float64)
+    return np.asarray(np.linalg.lstsq(scaled, right / size, rcond=ROUNDED)[0] / size, dtype=np.float64)

@@ -17,9 +17,6 @@ from fitter.diagnosis.torque.missing_torque import ResidualTorque
 from fitter.diagnosis.torque.pulse import Pulse
 from fitter.diagnosis.torque.pulses import find_pulses
 
-#: Pushes bend the parameters of the model that they are sought in: so often it is fitted with them and they anew.
-_ROUNDS = 3
-
 
 def with_pushes(regression: Regression, final: Candidate) -> Candidate:
     """Return a model with the pushes that are found in what it misses; the same if there is none.
@@ -30,14 +27,14 @@ def with_pushes(regression: Regression, final: Candidate) -> Candidate:
     final : Candidate
         With all causes that always act.
     """
-    candidate, known = robustly_fitted(regression, final), list[Pulse]()
-    for _ in range(_ROUNDS):
+    candidate, known = robustly_fitted(regression, final), list[list[tuple[int, int]]]()
+    while True:  # pushes bend the parameters of the model that they are sought in
         found = find_pulses(missed(regression, _without_pushes(final, candidate)))
         candidate = pushed(regression, final, found)
-        if [(one.trial, one.joint) for one in found] == [(one.trial, one.joint) for one in known]:
-            break
-        known = found
-    return candidate
+        places = [(one.trial, one.joint) for one in found]
+        if not places or places in known:
+            return candidate
+        known.append(places)
 
 
 def _without_pushes(final: Candidate, candidate: Candidate) -> Candidate:

@@ -3,6 +3,7 @@
 As pushes are, they are sought over the whole run, learning and evaluating trials alike.
 """
 
+import math
 from collections.abc import Sequence
 from dataclasses import replace
 
@@ -18,10 +19,6 @@ from fitter.diagnosis.model import Model
 from fitter.diagnosis.motion import Motion
 from fitter.diagnosis.regression import Regression
 from fitter.diagnosis.view import View
-
-#: Moments are tried so far apart, then again around the best one [s].
-_STEP_S, _FINE_STEP_S = 0.1, 0.005
-
 
 #: Products of a column with what is left, with itself, and with the design.
 _Parts = tuple[float, float, Floats]
@@ -159,9 +156,10 @@ def _moment(sums: _Sums) -> float:
     """Return the moment from which a load explains most [s]: in the trial by which it has begun, or before it."""
     last = max(range(len(sums.motions)), key=lambda k: sums.gain(sums.whole[k:]))
     near = [k for k in (last - 1, last) if k >= 0]
-    tried = [(k, _moments(sums.motions[k], _STEP_S)) for k in near]
+    tried = [(k, _moments(sums.motions[k])) for k in near]
     _, k, at = max(_gained(sums, k, moments) for k, moments in tried)
-    return _gained(sums, k, np.arange(at - _STEP_S, at + _STEP_S, _FINE_STEP_S))[2]
+    near_s = np.ptp(_moments(sums.motions[k])[:2])
+    return _gained(sums, k, np.arange(at - near_s, at + near_s, sums.motions[k].dt_s))[2]
 
 
 def _gained(sums: _Sums, k: int, moments: Floats) -> tuple[float, int, float]:
@@ -172,5 +170,6 @@ def _gained(sums: _Sums, k: int, moments: Floats) -> tuple[float, int, float]:
     return gains[best], k, float(moments[best])
 
 
-def _moments(motion: Motion, step_s: float) -> Floats:
-    return np.arange(motion.t[0], motion.t[-1], step_s)
+def _moments(motion: Motion) -> Floats:
+    """Return moments of a trial, as far apart as there are of its samples between two of them."""
+    return np.linspace(motion.t[0], motion.t[-1], math.isqrt(len(motion.t)), endpoint=False)

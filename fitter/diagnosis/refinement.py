@@ -13,10 +13,10 @@ import scipy.optimize
 
 from arm.model import Floats
 from fitter.diagnosis.attenuation import Noise
+from fitter.diagnosis.least_squares import SLOPE
 from fitter.diagnosis.model import LEAST_PSI, Model
 from fitter.diagnosis.motion import Motion
 from fitter.diagnosis.regression import Regression
-from fitter.diagnosis.rows import SLOPE
 
 _ROUNDS, _FEW_ROUNDS = 25, 8
 

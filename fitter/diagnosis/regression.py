@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from arm.model import Arm, Floats
 from fitter.diagnosis.attenuation import Noise, NoisyRows, let_through, noisier
 from fitter.diagnosis.equation import Weighting, weighting
-from fitter.diagnosis.least_squares import compensated, scaled_lstsq
+from fitter.diagnosis.least_squares import ITERATIONS, SETTLED, TINY, UNEXPLAINED, compensated, scaled_lstsq
 from fitter.diagnosis.mass_density import MassDensity, Normal
 from fitter.diagnosis.model import Model
 from fitter.diagnosis.motion import Motion
@@ -24,15 +24,6 @@ from fitter.diagnosis.reweighting import holding_sizes, reweighted
 from fitter.diagnosis.rows import Equations
 from fitter.diagnosis.view import View
 from fitter.diagnosis.white_rows import Rows
-
-#: No drive leaves less noise than this share of what there is without it.
-_LEAST_NOISE = 0.05
-#: Steps towards the likeliest factors beside rests at the most, and the gain [nats] of the last one.
-_ROUNDS, _SETTLED = 20, 1e-3
-#: The least part of such a step.
-_LEAST_PART = 1e-3
-#: Standard parameters are ten of every link, then viscous and then dry friction of every joint.
-_COULOMB = 11
 
 
 class Regression:
@@ -153,7 +144,8 @@ class Regression:
     def _coulomb(self, model: Model, motion: Motion, n_factor: int) -> NDArray[np.bool_]:
         """Say which factors of a model are base parameters of dry friction, (n_factor,)."""
         kept = self.equations.independent(self.view(model, motion).arm)
-        return np.pad(kept // self.arm.n_joint == _COULOMB, (0, n_factor - len(kept)))
+        # Ten numbers of every link, viscous friction of every joint, then its dry friction.
+        return np.pad(kept >= 11 * self.arm.n_joint, (0, n_factor - len(kept)))
 
     def _likeliest(
         self, normal: Normal, x: Floats, model: Model, motions: Sequence[Motion], free: NDArray[np.bool_]
@@ -181,17 +173,17 @@ class Regression:
             return density.of(model, at, motions) - 0.5 * numbers * float(np.log(square))
 
         here = value(x)
-        for _ in range(_ROUNDS):
+        for _ in range(ITERATIONS):
             both = normal.plus(rests.normal(model, x, motions))
             step = density.solve(both.of(free), numbers, x, model, motions) - x
             part, there = 1.0, value(x + step)
-            while part > _LEAST_PART and not there > here:
+            while part > SETTLED and not there > here:
                 part *= 0.5
                 there = value(x + part * step)
             if not there > here:
                 break
             x, gained, here = x + part * step, there - here, there
-            if gained < _SETTLED:
+            if gained < SETTLED:
                 break
         return x
 
@@ -253,7 +245,7 @@ class Regression:
         if model.distorts:
             left = self._noisy.of(model, self.learning, by_joint=True).left(x)
             floor = self.floor_part * np.sum([self.weighting.told_at_joints(one) for one in self.learning], axis=0)
-            now = now * np.maximum((floor + left) / (floor + self._plainly(model)), _LEAST_NOISE)
+            now = now * np.maximum((floor + left) / (floor + self._plainly(model)), UNEXPLAINED)
         return np.asarray(1.0 / np.sqrt(now))
 
     def _plainly(self, model: Model) -> Floats:
@@ -262,7 +254,7 @@ class Regression:
         key = tuple(hypothesis.key for hypothesis in plain.hypotheses)
         if key not in self._plain:
             left = self._noisy.of(plain, self.learning, by_joint=True).left(self.solve(plain, self.learning))
-            self._plain[key] = np.asarray(np.maximum(left, 1e-300), dtype=np.float64)
+            self._plain[key] = np.asarray(np.maximum(left, TINY), dtype=np.float64)
         return self._plain[key]
 
     @contextmanager

@@ -20,16 +20,13 @@ from numpy.typing import NDArray
 
 from arm.model import Floats
 from fitter.diagnosis.equation import Weighting
+from fitter.diagnosis.least_squares import ITERATIONS
 from fitter.diagnosis.mass_density import Normal
 from fitter.diagnosis.model import Model
 from fitter.diagnosis.motion import Motion
 from fitter.diagnosis.rows import Equations
-from fitter.diagnosis.whitening import CUT_S, inner_rests
+from fitter.diagnosis.whitening import CUT_S, WINDOW_S, inner_rests
 
-#: Length of a window, in which what is held is averaged [s]: that of `holding_size`.
-_WINDOW_S = 0.2
-#: Steps of the search for F: each is exact unless another window gets or loses a say.
-_STEPS = 50
 #: Frequencies at which the noise's density is averaged over the band.
 _FREQUENCIES = 20
 #: Models and motions whose windows are remembered.
@@ -127,7 +124,7 @@ class Rests:
         for j in range(n_joint):
             of = joint == j
             own, by = free[of], weight[of]
-            for _ in range(_STEPS):
+            for _ in range(ITERATIONS):  # each is exact unless another window gets or loses a say
                 active = own - by * found[j] > 0.0
                 if not np.any(active):
                     break
@@ -175,7 +172,7 @@ def _windows(motion: Motion, weighting: Weighting, part: float) -> _Windows:
     n, n_joint = motion.u.shape
     size = _instant(weighting, motion.dt_s)
     rows: list[tuple[int, int, Floats, bool, float, float]] = []
-    longest, cut = max(1, round(_WINDOW_S / motion.dt_s)), max(1, round(CUT_S / motion.dt_s))
+    longest, cut = max(1, round(WINDOW_S / motion.dt_s)), max(1, round(CUT_S / motion.dt_s))
     for j in range(n_joint):
         for rest in inner_rests(motion.stuck[:, j], motion.dt_s):
             n_part = -(-(rest.stop - rest.start) // longest)

@@ -13,18 +13,14 @@ import numpy as np
 
 from arm.model import Floats
 from fitter.diagnosis.equation import Weighting
-from fitter.diagnosis.least_squares import ROUNDED, TINY
+from fitter.diagnosis.least_squares import ROUNDED, SIGMAS, TINY
 from fitter.diagnosis.model import Model
 from fitter.diagnosis.motion import Motion
 from fitter.diagnosis.rows import Equations
-from fitter.diagnosis.whitening import inner_rests
+from fitter.diagnosis.whitening import WINDOW_S, inner_rests
 
 #: Noise is measured in this part of the band, where differentiated angles are all of it.
 _FROM = 0.5
-
-
-#: What holds is looked at in windows so long [s], and counts by what it exceeds so many times its noise by.
-_WINDOW_S, _SIGMAS = 0.2, 3.0
 #: So many times the largest torque that has held is allowed for, as a standard deviation: more might have held.
 _ALLOWED = 2.0
 
@@ -92,10 +88,10 @@ def holding_sizes(equations: Equations, model: Model, x: Floats, motions: Sequen
         held = equations.left(model, x, motion)
         for j in range(len(largest)):
             for rest in inner_rests(motion.stuck[:, j], motion.dt_s):
-                weight = np.hanning(min(rest.stop - rest.start, round(_WINDOW_S / motion.dt_s)) + 2)[1:-1]
+                weight = np.hanning(min(rest.stop - rest.start, round(WINDOW_S / motion.dt_s)) + 2)[1:-1]
                 weight /= weight.sum()
                 seen = np.abs(np.convolve(held[rest, j], weight, "valid"))
-                beyond = float(seen.max()) - _SIGMAS * equations.weighting.mean_noise(j, weight, motion.dt_s)
+                beyond = float(seen.max()) - SIGMAS * equations.weighting.mean_noise(j, weight, motion.dt_s)
                 largest[j] = np.fmax(largest[j], max(beyond, 0.0))
     coulomb = np.abs(equations.friction(model, x, motions[0])[:, 1])
     unseen = np.inf if "fc" in equations.denied else _ALLOWED * coulomb

@@ -13,8 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from arm.model import Floats
-from fitter.diagnosis.evidence import BLOCK_S
-from fitter.diagnosis.least_squares import TINY
+from fitter.diagnosis.least_squares import BLOCK_S, ITERATIONS, NEGLIGIBLE, TINY
 from fitter.diagnosis.mass_density import Normal
 from fitter.diagnosis.model import Candidate
 from fitter.diagnosis.motion import Motion
@@ -22,8 +21,6 @@ from fitter.diagnosis.regression import Regression
 
 #: Degrees of freedom: those that Lange, Little and Taylor find to serve most data.
 _DEGREES_OF_FREEDOM = 4.0
-#: Reweightings at the most, and the change of the residual's scale that ends them.
-_N_REWEIGHTED, _SETTLED = 20, 1e-2
 
 
 def robustly_fitted(regression: Regression, candidate: Candidate) -> Candidate:
@@ -45,12 +42,12 @@ def robustly_fitted(regression: Regression, candidate: Candidate) -> Candidate:
     counts = [np.bincount(block).astype(np.float64)[:, None] for block in blocks]
     numbers, total = float(regression.told.sum()), sum(one.target.size for one in rows)
     variance = np.inf
-    for _ in range(_N_REWEIGHTED):
+    for _ in range(ITERATIONS):
         squares = [_in_blocks(one.left(x) ** 2, block) for one, block in zip(rows, blocks, strict=True)]
         weights = [_weights(square, count, variance) for square, count in zip(squares, counts, strict=True)]
         was, summed = variance, sum(float(np.sum(u * square)) for u, square in zip(weights, squares, strict=True))
         variance = max(summed / total, TINY)
-        if abs(was - variance) < _SETTLED * variance:
+        if abs(was - variance) < NEGLIGIBLE * variance:
             break
         parts = zip(designs, (one.target for one in rows), weights, blocks, strict=True)
         normal = _normal([(design, target, u[block]) for design, target, u, block in parts])

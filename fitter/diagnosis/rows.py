@@ -26,10 +26,6 @@ By = tuple[Hypothesis, Floats] | None
 _MOVES = ("arm", "q", "dq", "ddq", "direction")
 
 
-#: Slopes with respect to psi are taken over this share of its size.
-SLOPE = 1e-4
-
-
 class _LastTorque:
     """The torque that was last asked about at any stage of a motion, and its rows."""
 

@@ -8,8 +8,9 @@ from dataclasses import dataclass, replace
 from itertools import combinations
 from typing import Protocol
 
-from fitter.diagnosis.evidence import ODDS_NATS, Fit, is_better, likelihood_of, worth
+from fitter.diagnosis.evidence import Fit, is_better, likelihood_of, worth
 from fitter.diagnosis.hypothesis import Hypothesis
+from fitter.diagnosis.least_squares import ODDS_NATS
 
 #: Of hypotheses none of which is worth it alone, so many of the likeliest are tried in pairs.
 PAIRED = 5

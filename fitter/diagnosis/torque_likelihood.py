@@ -6,9 +6,10 @@ import numpy as np
 from scipy.stats import chi2
 
 from fitter.diagnosis.estimates import estimates, significant
-from fitter.diagnosis.evidence import BLOCK_S, ODDS_NATS, Fit, likelihood_of
-from fitter.diagnosis.floor import KNOWN, Floor, floored, part_of_floor
+from fitter.diagnosis.evidence import Fit, likelihood_of
+from fitter.diagnosis.floor import KNOWN, SIZE_KNOWN, Floor, floored, part_of_floor
 from fitter.diagnosis.hypothesis import Hypothesis
+from fitter.diagnosis.least_squares import BLOCK_S, ITERATIONS, NEGLIGIBLE, ODDS_NATS, ROUNDED
 from fitter.diagnosis.mass_density import MassDensity
 from fitter.diagnosis.model import Candidate, Model
 from fitter.diagnosis.regression import Regression
@@ -16,16 +17,10 @@ from fitter.diagnosis.rests import Rests
 from fitter.diagnosis.screening import by_learning, fitted, screen
 from fitter.diagnosis.starts import Starts
 
-#: Which part of what is lacking moved the arm: nobody knows where the torque was measured; all where it is known.
-_MEASURED, _KNOWN = 0.5, 1.0
-#: Of a screening, so many models are held against each other.
-_COMPARED = 20
-#: A floor and its model are found in turn, until it changes by less than this share: it is no better known.
-_ROUNDS, _SETTLED = 8, 0.1
-#: A floor whose part is less than this is none.
-_NO_FLOOR = 0.01
+#: Which part of what is lacking moved the arm where the torque was measured: nobody knows, none to all of it.
+_MOVED = 0.5
 #: A trial in which masses vanish is so unlikely that nothing makes up for it [nats].
-_NO_MASS = -1e6
+_NO_MASS = -1.0 / ROUNDED
 
 Progress = Callable[[int, int], None]
 
@@ -56,7 +51,7 @@ class TorqueLikelihood:
         self._tried, self._progress, self._starts = list(tried), progress, Starts()
         measured = all(motion.trial.tau is not None for motion in regression.motions)
         driven = any(np.any(motion.u) for motion in regression.motions)
-        self._weight = _MEASURED if measured and driven else _KNOWN
+        self._weight = _MOVED if measured and driven else 1.0
 
     def base(self) -> Fit:
         """Return the model without any effect, under weights of its own."""
@@ -71,7 +66,7 @@ class TorqueLikelihood:
         tried = [one for one in self._tried if one.key not in known]
         found = screen(self.regression, accepted, tried, self._starts, self._progress)
         better = [one for one in found if one.squares is not accepted.squares and self._is_told(one)]
-        return sorted(map(self.fit_of, better[:_COMPARED]), key=likelihood_of, reverse=True)
+        return sorted(map(self.fit_of, better), key=likelihood_of, reverse=True)
 
     def _is_told(self, candidate: Candidate) -> bool:
         """Say whether an event's column, if that is what was added, has a size that is told from none.
@@ -113,11 +108,11 @@ class TorqueLikelihood:
     def _settled(self, candidate: Candidate) -> Candidate:
         """Return a model and weigh by its own floor: under another model's its numbers are off, and so is this."""
         was = np.full(self.regression.arm.n_joint, np.inf)
-        for _ in range(_ROUNDS):
+        for _ in range(ITERATIONS):
             self.reweigh(candidate)
             candidate = fitted(self.regression, candidate.model)
             now = np.maximum(self.floor.ratio, KNOWN)  # what is less is no floor, and weighs nothing
-            if np.all(np.abs(now - was) < _SETTLED * now):
+            if np.all(np.abs(now - was) < SIZE_KNOWN * now):  # it is no better known
                 break
             was = now
         return candidate
@@ -186,7 +181,7 @@ class TorqueLikelihood:
         anew.sensors = own
         anew.floor_part = part_of_floor(own, weighted)
         weight = self._weight * anew.floor_part
-        if weight > _NO_FLOOR:
+        if weight > NEGLIGIBLE:
             count = {motion.number: anew.weighting.told_at_joints(motion) for motion in anew.motions}
             start = candidate.x[: len(candidate.x) - candidate.model.n_column]
             anew.density = MassDensity(anew.equations, anew.motions, weight, count, start)

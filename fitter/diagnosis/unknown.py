@@ -10,23 +10,17 @@ from dataclasses import dataclass
 from itertools import combinations
 
 import numpy as np
+from scipy.stats import kstwobign
 
 from fitter.diagnosis.dependence import Dependence, dependences
 from fitter.diagnosis.floor import KNOWN, Floor
 from fitter.diagnosis.folds import Folds, typical
 from fitter.diagnosis.functions import names
-from fitter.diagnosis.least_squares import EQUAL_SIGMAS, PLAINLY
+from fitter.diagnosis.least_squares import EQUAL_SIGMAS, ODDS_NATS, PLAINLY, UNEXPLAINED
 from fitter.diagnosis.model import Candidate, Model
 from fitter.diagnosis.regression import Regression
 from fitter.diagnosis.screening import fitted
 from fitter.side_by_side import side_by_side
-
-#: A further variable must explain this share of what is explained then, or leave so many times less: where a
-#: function of two explains much, little of it may still be far beyond noise.
-_NEEDED, _LEAVES_LESS = 0.04, 1.25
-#: A function must lower the sum of squares on trials that it has not seen by this share of what noise would leave;
-#: without an effect it was never more than 0.006 (`causes`).
-WORTH = 0.05
 
 
 @dataclass(frozen=True)
@@ -148,13 +142,14 @@ def describe(regression: Regression, final: Candidate, floor: Floor) -> Remainde
     fold = Folds(regression, final)
     functions = best_functions(fold, regression.arm.n_joint)
     best, joint = functions.least, functions.joint
-    enough = min(best + _NEEDED * max(fold.left - best, 0.0), _LEAVES_LESS * best)
+    # A further variable explains more than what may stay unexplained, and beyond what noise is known to.
+    enough = min(best + UNEXPLAINED * max(fold.left - best, 0.0), KNOWN * best)
     some = functions.of_size[min(size for size, left in functions.left.items() if left <= enough)]
     # A function must do better than the model does as it is, not only than one that fewer trials tell less of.
     told = regression.told
     most = min(fold.left, typical(final.squares, told))
     worth = max(most - best, 0.0)
-    is_told = worth > WORTH
+    is_told = worth > UNEXPLAINED
     return Remainder(
         explained=float(np.clip(worth / most, 0.0, 1.0)),
         worth=worth,
@@ -177,7 +172,9 @@ def _white(regression: Regression, final: Candidate) -> bool:
     Of white noise every frequency has the same share; the largest departure of its running sum from a straight
     line follows Kolmogorov's law (Bartlett 1954).
     """
-    worst = 0.0
+    # Kolmogorov's law leaves the probability of a false cause above this.
+    most, worst = float(kstwobign.isf(np.exp(-ODDS_NATS))), 0.0
+    flat = regression.weighting.flat_share(regression.motions[0].dt_s)
     for joint in range(regression.arm.n_joint):
         power = np.zeros(128)
         for motion in regression.motions:
@@ -186,15 +183,9 @@ def _white(regression: Regression, final: Candidate) -> bool:
             power = power + spectrum
         f = np.arange(1, 129) / 128.0
         # The band ends before the slower grid's own limit, and its edge is soft: only its flat part is looked at.
-        inside = f < _FLAT
+        inside = f < flat
         running = np.cumsum(power[inside]) / np.sum(power[inside])
         expected = np.arange(1, len(running) + 1) / len(running)
-        n = sum(len(motion.t) for motion in regression.motions) / regression.weighting.stride * _FLAT / 2.0
-        worst = max(worst, float(np.max(np.abs(running - expected))) - _KOLMOGOROV / np.sqrt(n))
-    return worst < _KNOWN
-
-
-#: The flat part of the band, as a share of the slower grid's limit.
-_FLAT = 0.6
-#: Kolmogorov's law leaves 1 % above this, and the spectrum of the noise is known to some percent only.
-_KOLMOGOROV, _KNOWN = 1.63, 0.06
+        n = sum(len(motion.t) for motion in regression.motions) / regression.weighting.stride * flat / 2.0
+        worst = max(worst, float(np.max(np.abs(running - expected))) - most / np.sqrt(n))
+    return worst < UNEXPLAINED  # the spectrum of the noise is known to some percent only

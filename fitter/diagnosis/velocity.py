@@ -5,19 +5,13 @@ from scipy.ndimage import gaussian_filter1d, maximum_filter1d
 
 from arm.model import Floats
 from fitter.data.trials import Trial
-from fitter.diagnosis.least_squares import SIGMAS
+from fitter.diagnosis.least_squares import EQUAL_SIGMAS, SIGMAS
 
 #: The direction in which a joint moves is told behind a Gaussian of this width [s]: unlike a sharp filter it does
 #: not ring, so nothing seems to move the other way before it starts.
 _DIRECTION_S = 0.006
-#: … or, where it is slow, behind one so many times wider, as long as it won't change its sign within so many of
-#: its widths.
-_WIDER, _WITHIN = (4.0, 2.0), 2.0
-#: Velocities below so many times the narrow filter's noise are slow: twice what is told from rest. The wider one
-#: says so: a choice by the noisier would be a choice by its noise.
-_SLOW = 2.0 * SIGMAS
-#: What happens within so many widths of the narrow filter is spread into a rest.
-_AROUND = 3.0
+#: … or, where it is slow, behind wider ones, as multiples of it: noise falls eightfold with each octave.
+_WIDER = (4.0, 2.0)
 
 
 def velocity(trial: Trial, times: float = 1.0) -> Floats:
@@ -44,13 +38,15 @@ def told_from_rest(trial: Trial, noise: Floats, least: Floats) -> tuple[Floats, 
         Slower joints rest.
     """
     found, left = np.zeros((2, *trial.dq.shape))
-    slow = _SLOW * noise * velocity_gain(trial.dt_s)
+    # Twice what is told from rest is slow. The wider filter says so, for the noisier would choose by its noise.
+    slow = 2.0 * SIGMAS * noise * velocity_gain(trial.dt_s)
     for times in (*_WIDER, 1.0):
         moves, own = velocity(trial, times), noise * velocity_gain(trial.dt_s, times)
         sure, may = np.abs(moves), found == 0.0
         if times > 1.0:
             may &= sure < slow
-            sure -= _WITHIN * times * _width(trial.dt_s) * np.abs(np.gradient(moves, trial.dt_s, axis=0))
+            # It must not change its sign within what the filter reaches.
+            sure -= EQUAL_SIGMAS * times * _width(trial.dt_s) * np.abs(np.gradient(moves, trial.dt_s, axis=0))
         else:
             sure -= _blurred(moves, own, trial.dt_s)
         told = may & (sure > np.maximum(least, SIGMAS * own))
@@ -66,7 +62,7 @@ def _blurred(moves: Floats, noise: Floats, dt_s: float) -> Floats:
     """
     width = _width(dt_s)
     steep = np.abs(np.gradient(moves, dt_s, axis=0)) - SIGMAS * np.sqrt(1.5) / width * noise
-    around = 2 * round(_AROUND * width / dt_s) + 1
+    around = 2 * round(SIGMAS * width / dt_s) + 1
     return np.asarray(0.5 * width * maximum_filter1d(np.maximum(steep, 0.0), around, axis=0), dtype=np.float64)
 
 

@@ -38,7 +38,9 @@ HAT_S = RISE_S
 #: Where it comes to rest, friction jumps, nobody sees when: near both ends of a rest hats are so far apart [s].
 _ENDS_S = (0.0, 0.015, 0.03)
 #: Well inside a rest is what lasts this long once this much is cut off at both its ends [s].
-_LASTS_S, CUT_S = 0.1, RISE_S
+LASTS_S, CUT_S = 0.1, RISE_S
+#: What holds a joint is averaged over windows of this length: two such rests [s].
+WINDOW_S = 2.0 * LASTS_S
 
 
 @dataclass(frozen=True)
@@ -119,6 +121,10 @@ class Whitening:
         edge = np.clip((self.band_hz - f) / (_EDGE * self.band_hz), 0.0, 1.0)
         return np.asarray(np.sin(np.pi / 2.0 * edge) ** 2, dtype=np.float64)
 
+    def flat_share(self, dt_s: float) -> float:
+        """Return which share of the slower grid's frequencies lies where the band is flat, 0 to 1."""
+        return min(2.0 * self.stride * dt_s * (1.0 - _EDGE) * self.band_hz, 1.0)
+
     def n_told(self, n_slower: int, dt_s: float) -> float:
         """Return how many independent numbers so many samples of the slower grid hold."""
         return 2.0 * self.stride * dt_s * (1.0 - 0.625 * _EDGE) * self.band_hz * n_slower
@@ -164,7 +170,7 @@ def holding_shapes(stuck: NDArray[np.bool_], dt_s: float) -> Floats:
 
 def rest_shapes(stuck: NDArray[np.bool_], dt_s: float) -> Floats:
     """Return torques that last as long as one long rest of a joint each, (n_sample, n_rest)."""
-    rests = [(begin, end) for begin, end in intervals(stuck) if (end - begin) * dt_s >= _LASTS_S + 2.0 * CUT_S]
+    rests = [(begin, end) for begin, end in intervals(stuck) if (end - begin) * dt_s >= LASTS_S + 2.0 * CUT_S]
     shapes = np.zeros((len(stuck), len(rests)))
     for k, (begin, end) in enumerate(rests):
         shapes[begin:end, k] = 1.0
@@ -202,7 +208,7 @@ def inner_rests(stuck: NDArray[np.bool_], dt_s: float) -> list[slice]:
     return [
         slice(begin + cut, end - cut)
         for begin, end in intervals(stuck)
-        if (end - begin - 2 * cut) * dt_s >= _LASTS_S
+        if (end - begin - 2 * cut) * dt_s >= LASTS_S
     ]
 
 

@@ -18,15 +18,13 @@ from arm.model import Arm, Floats
 from fitter.diagnosis.conclusion import Conclusion
 from fitter.diagnosis.covariance import information_of
 from fitter.diagnosis.estimates import Estimates, estimates, extended_arm
-from fitter.diagnosis.evidence import BLOCK_S
 from fitter.diagnosis.finding import Polished
 from fitter.diagnosis.holding import sticking
 from fitter.diagnosis.judgement import judged, smooth, torque_left
-from fitter.diagnosis.least_squares import EQUAL_SIGMAS, ROUNDED
+from fitter.diagnosis.least_squares import BLOCK_S, EQUAL_SIGMAS, ROUNDED, SLOPE
 from fitter.diagnosis.model import Candidate
 from fitter.diagnosis.motion import Motion
 from fitter.diagnosis.regression import Regression
-from fitter.diagnosis.rows import SLOPE
 from fitter.diagnosis.simulated_motion.braking import friction_at, seen_states
 from fitter.diagnosis.simulated_motion.model_numbers import (
     ModelNumbers,
@@ -41,8 +39,10 @@ from fitter.dynamics.stretches import LONGEST_STEP_S
 _WIDER = 3.0
 #: Weight of a window's own noise where nothing pulls a simulation back: the sum of rms errors is made small.
 _CHAOTIC = 0.5
-#: Step of the simulations [s], and steps of Gauss and Newton: a few, for the start is near.
-_STEP_S, _STEPS = 2.0 * LONGEST_STEP_S, 3
+#: Step of the simulations [s].
+_STEP_S = 2.0 * LONGEST_STEP_S
+#: Steps of Gauss and Newton: a few, for the start is near.
+_STEPS = 3
 
 
 @dataclass(frozen=True)

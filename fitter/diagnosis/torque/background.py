@@ -29,12 +29,6 @@ _DAMPING_RATIO = (0.03, 1.0)
 _LEAST_RATIO = 1e-3
 #: What lasts longer is no pulse but a bias or a load [s]. Errors in proportion to a signal do: they imitate none.
 LONGEST_PULSE_S = 1.0
-#: Time constant at which the likelihood's ascent starts [s]: part of a motion's period.
-_TIME_CONSTANT_S = 0.3
-#: … with every part of the background having this ratio of the residual's standard deviation.
-_EQUAL_PARTS = 0.4
-#: Steps of the frequencies that are tried for it: an octave.
-_OCTAVE = np.log(2.0)
 #: Numbers of a background that no signal adds.
 _N_SINGLE = 8
 #: The ascent ends when the log likelihood of a row rises by less than this ratio.
@@ -233,14 +227,15 @@ def estimated(trials: Sequence[Rows], near: Background | None = None) -> Backgro
         return -log_likelihood(Background.of(units * np.exp(x)), trials) / max(len(sizes), 1)
 
     def begun(ringing_rad_s: float) -> Floats:
-        start = [_EQUAL_PARTS, _TIME_CONSTANT_S, _EQUAL_PARTS, ringing_rad_s, 0.5, _EQUAL_PARTS, _EQUAL_PARTS, 4.0]
-        start += [*[_EQUAL_PARTS] * n_signal, *[LONGEST_PULSE_S] * n_signal]
+        part = 1.0 / np.sqrt(4.0 + n_signal)  # all parts of equal variance
+        start = [part, LONGEST_PULSE_S, part, ringing_rad_s, 0.5, part, part, 4.0]
+        start += [*[part] * n_signal, *[LONGEST_PULSE_S] * n_signal]
         if near is not None:
             start = list(np.divide(near.numbers, units, out=np.array(start), where=units > 0.0))
         return np.asarray(np.clip(np.log(start), low, high))
 
-    # The likelihood has a maximum for every frequency that rings: the ascent starts near the greatest.
-    frequencies = np.exp(np.arange(ringing[0], ringing[1], _OCTAVE)) if near is None else [near.ringing_rad_s]
+    # The likelihood has a maximum for every frequency that rings: of octaves the ascent starts near the greatest.
+    frequencies = np.exp(np.arange(ringing[0], ringing[1], np.log(2.0))) if near is None else [near.ringing_rad_s]
     begin = min(map(begun, frequencies), key=loss)
     best = minimize(loss, begin, method="L-BFGS-B", bounds=Bounds(low, high), options={"ftol": _TOLERANCE})
     return Background.of(units * np.exp(best.x))

@@ -16,13 +16,10 @@ import numpy as np
 from scipy.optimize import brentq
 
 from arm.model import Floats
+from fitter.diagnosis.least_squares import NEGLIGIBLE, ROUNDED
 
 #: Scale of the tail of a background that follows its model, by Markov's inequality [nats].
 _LEAST_SCALE = 1.0
-#: The greatest scale that is sought, in units of the longest excess that is no pulse's: a flat distribution.
-_LONGEST = 100.0
-#: Beyond this many scales a cut changes nothing: exp(-30) is rounding.
-_FAR = 30.0
 
 
 @dataclass(frozen=True)
@@ -65,13 +62,13 @@ class Tail:
 def _scale(mean: float, most: float) -> float:
     """Return the scale of an exponential distribution that is cut off, by its mean there."""
     if most <= 0.0 or mean >= 0.5 * most:  # as frequent up there as below
-        return _LONGEST * max(most, mean)
+        return max(most, mean) / NEGLIGIBLE
 
     def missing(scale: float) -> float:
         return scale - most / float(np.expm1(most / scale)) - mean
 
     uncut = mean
-    if most > _FAR * mean:
+    if most > -np.log(ROUNDED) * mean:  # so far out a cut is rounding
         return uncut
-    longest = _LONGEST * most
+    longest = most / NEGLIGIBLE  # as good as flat
     return float(brentq(missing, uncut, longest)) if missing(longest) > 0.0 else longest

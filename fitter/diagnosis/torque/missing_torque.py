@@ -12,9 +12,6 @@ from arm.model import Floats
 from fitter.diagnosis.torque.background import Background, Rows
 from fitter.diagnosis.torque.kalman import Filter
 
-#: Probability of the band: that of a normal distribution within one standard deviation.
-_BAND = float(norm.cdf(1.0))
-
 
 @dataclass(frozen=True)
 class ResidualTorque:
@@ -95,12 +92,12 @@ def missing_torques(trials: Sequence[ResidualTorque], models: Sequence[Backgroun
     -------
     list of MissingTorque
     """
-    smoothed = []
+    smoothed, within = [], norm.cdf(1.0)  # the band has the probability of one standard deviation
     for trial in trials:
         joints = [(trial.rows(joint), model) for joint, model in enumerate(models)]
         parts = [_smoothed(rows, model.filtered(rows)) for rows, model in joints]
         # The scale of Student's distribution becomes the half width of its band.
-        widths = [float(student.ppf(_BAND, model.degrees_of_freedom)) for model in models]
+        widths = [float(student.ppf(within, model.degrees_of_freedom)) for model in models]
         band = np.stack([np.sqrt(part[1]) * width for part, width in zip(parts, widths, strict=True)], axis=1)
         smoothed.append(MissingTorque(joints[0][0].t, np.stack([part[0] for part in parts], axis=1), band))
     return smoothed

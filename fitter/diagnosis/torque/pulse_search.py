@@ -7,16 +7,13 @@ from numpy.typing import NDArray
 from scipy.optimize import Bounds, minimize
 
 from arm.model import Floats
+from fitter.diagnosis.least_squares import ITERATIONS, NEGLIGIBLE, SETTLED
 from fitter.diagnosis.torque.background import LONGEST_PULSE_S, Rows
 from fitter.diagnosis.torque.kalman import Filter, innovations
 from fitter.diagnosis.torque.pulse import FORMS, Pulse, either, in_rows, seen, unseen_s
 from fitter.diagnosis.torque.pulse_shapes import DURATION_RATIO, Shapes
 from limbcal.compiled import compiled
 
-#: Reweightings of the estimate of a size in Student's noise, at the most, and its change that ends them.
-_N_REWEIGHTED, _SIZED = 15, 1e-3
-#: A place is found when it moves by less than this ratio of the duration, its likelihood ratio by less [nats].
-_PLACED = 0.01
 #: Steps of the derivative by start and duration, as a ratio to the duration.
 _STEP = 0.05
 
@@ -85,7 +82,7 @@ class Search:
         steps = [[0.0, 0.0], [0.25, 0.0], [0.0, 0.25]]
         low, high = np.log([h / duration_s, LONGEST_PULSE_S / duration_s])
         bounds = Bounds([-1.0, min(low, 0.0)], [1.0, max(high, 0.0)])
-        options = {"initial_simplex": steps, "xatol": _PLACED, "fatol": _PLACED}
+        options = {"initial_simplex": steps, "xatol": NEGLIGIBLE, "fatol": NEGLIGIBLE}
 
         def loss(place: Floats) -> float:
             return -at(place)[0]
@@ -164,7 +161,7 @@ def _ratio(e: Floats, s: Floats, nu: float) -> tuple[float, float, float]:
     By reweighting.
     """
     c, square = 0.0, 0.0
-    for step in range(_N_REWEIGHTED):
+    for step in range(ITERATIONS):
         before, product, square = c, 0.0, 1e-300
         for i in range(len(e)):
             miss = e[i] - c * s[i]
@@ -172,7 +169,7 @@ def _ratio(e: Floats, s: Floats, nu: float) -> tuple[float, float, float]:
             product += weight * e[i] * s[i]
             square += weight * s[i] * s[i]
         c = product / square
-        if step > 0 and abs(c - before) < _SIZED * abs(c):
+        if step > 0 and abs(c - before) < SETTLED * abs(c):
             break
     ratio = 0.0
     for i in range(len(e)):

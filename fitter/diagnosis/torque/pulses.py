@@ -12,7 +12,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from fitter.diagnosis.evidence import ODDS_NATS
+from fitter.diagnosis.least_squares import ODDS_NATS
 from fitter.diagnosis.torque.background import LONGEST_PULSE_S, Background, Rows, estimated, log_likelihood
 from fitter.diagnosis.torque.chance import Tail
 from fitter.diagnosis.torque.missing_torque import ResidualTorque

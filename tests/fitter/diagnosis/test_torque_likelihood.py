@@ -8,7 +8,8 @@ import pytest
 from arm.effects.catalogue import catalogue
 from arm.model import Effect
 from fitter.diagnosis.at_joint import AtJoint
-from fitter.diagnosis.evidence import BLOCK_S, likelihood_of
+from fitter.diagnosis.evidence import likelihood_of
+from fitter.diagnosis.least_squares import BLOCK_S
 from fitter.diagnosis.hypotheses import hypotheses
 from fitter.diagnosis.in_arm import RotorInertia
 from fitter.diagnosis.in_drive import Gain
