@@ -17,7 +17,7 @@ from fitter.diagnosis.finding import Finding
 from fitter.diagnosis.floor import Floor
 from fitter.diagnosis.held_out import judged_sets
 from fitter.diagnosis.hypotheses import hypotheses
-from fitter.diagnosis.least_squares import PLAINLY
+from fitter.diagnosis.least_squares import MOST_CAUSES, PLAINLY
 from fitter.diagnosis.missed_pushes import with_pushes
 from fitter.diagnosis.model import Candidate, Model
 from fitter.diagnosis.motion import Motion, run_of
@@ -35,8 +35,6 @@ from limbcal.note import Note
 
 Progress = Callable[[str, float], None]
 
-#: Greatest number of causes: a machine has more, but no run identifies more.
-_MOST = 6
 _UNSEEN = "what is wrong shows in evaluating trials only, so causes were sought in all: the gain is no prediction"
 
 
@@ -185,7 +183,7 @@ def _found(
         count[0] = n
 
     likelihood = TorqueLikelihood(Regression(arm, motions, denied, scale), tried, trying)
-    search = Stepwise(likelihood, len(tried), _MOST, one_more)
+    search = Stepwise(likelihood, len(tried), MOST_CAUSES, one_more)
     found = search.run()
     return likelihood, found, likelihood.was
 

@@ -90,7 +90,7 @@ def floored(regression: Regression, candidate: Candidate) -> tuple[Weighting, We
 
 def part_of_floor(own: Weighting, with_floor: Weighting) -> float:
     """Return which part of the equations' variance is the floor's, averaged over band and joints, 0 to 1."""
-    f = own.band_hz * np.linspace(0.0, 1.0, 20)[:, None]
+    f = own.frequencies[:, None]
     variances = [
         one.torque_noise**2 + np.diag(one.acceleration_noise) * (2.0 * np.pi * f) ** 4 for one in (own, with_floor)
     ]

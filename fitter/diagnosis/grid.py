@@ -4,7 +4,6 @@ The psi of what is accepted are where they do best alone, which may be far from 
 they are free as far as a straight line goes: what they could explain, by their slopes, is taken from both sides.
 """
 
-import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -15,7 +14,7 @@ import scipy.linalg
 from arm.model import Floats
 from fitter.diagnosis.at_joint import AtJoint
 from fitter.diagnosis.hypothesis import Hypothesis
-from fitter.diagnosis.least_squares import NEGLIGIBLE, ROUNDED, solved
+from fitter.diagnosis.least_squares import FOREMOST, NEGLIGIBLE, ROUNDED, solved
 from fitter.diagnosis.model import Model
 from fitter.diagnosis.motion import Motion
 from fitter.diagnosis.refinement import Misfit, refined
@@ -25,9 +24,6 @@ from fitter.diagnosis.white_rows import Columns
 
 #: So many steps from a start near nothing tell what can be explained; what promises much is refined later.
 _STEPS = 4
-#: Of more starts than this that cost a fit each, so many are tried on all trials: those that explain most of this
-#: share of the trials, those of which most is left.
-_FOREMOST, _WORST = 4, 0.25
 
 
 @dataclass(frozen=True)
@@ -97,7 +93,7 @@ class Grid:
         starts = self._foremost(hypothesis, self._starts_of(hypothesis))
         gains = self._gains_of(hypothesis, starts)
         order = np.argsort(-np.array(gains), kind="stable")
-        psi, gain, best = starts[order[0]], gains[order[0]], starts[order[:_FOREMOST]]
+        psi, gain, best = starts[order[0]], gains[order[0]], starts[order[:FOREMOST]]
         if hypothesis.is_gradual:
             model = self._model.plus(hypothesis, psi)
             psi = refined(self._regression, model, self._motions, len(self._model.hypotheses), _STEPS).psi[-1]
@@ -139,11 +135,11 @@ class Grid:
         return [self._gain(hypothesis, psi) for psi in starts]
 
     def _foremost(self, hypothesis: Hypothesis, starts: Floats) -> Floats:
-        """Return the starts to try on all trials."""
-        if len(starts) <= _FOREMOST or (hypothesis.n_column and not hypothesis.is_event):
+        """Return the starts to try on all trials: of many that cost a fit each those that do best on the worst."""
+        if len(starts) <= FOREMOST or (hypothesis.n_column and not hypothesis.is_event):
             return starts
         gains = np.array(self._worst._gains_of(hypothesis, starts))  # noqa: SLF001 - of its own class
-        most = _FOREMOST if hypothesis.is_gradual or gains.max() > NEGLIGIBLE * self._worst.left else 1
+        most = FOREMOST if hypothesis.is_gradual or gains.max() > NEGLIGIBLE * self._worst.left else 1
         return np.asarray(starts[np.argsort(-gains, kind="stable")[:most]], dtype=np.float64)
 
     @cached_property
@@ -156,7 +152,7 @@ class Grid:
 
     def _most_left(self, motions: Sequence[Motion], left: Floats) -> list[Motion]:
         ratio = left / [self._regression.weighting.told(motion) for motion in motions]
-        kept = np.argsort(-ratio)[: max(2, math.ceil(_WORST * len(motions)))]
+        kept = np.argsort(-ratio)[:FOREMOST]
         return [motions[k] for k in sorted(kept)]
 
     def _starts_of(self, hypothesis: Hypothesis) -> Floats:

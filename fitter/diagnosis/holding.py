@@ -12,7 +12,7 @@ import numpy as np
 
 from arm.effects.catalogue import catalogue
 from arm.model import Arm, Effect, Floats
-from fitter.diagnosis.least_squares import SIGMAS
+from fitter.diagnosis.least_squares import EQUAL_SIGMAS, NEGLIGIBLE, SIGMAS
 from fitter.diagnosis.model import Candidate
 from fitter.diagnosis.regression import Regression
 from fitter.diagnosis.whitening import inner_rests
@@ -21,14 +21,11 @@ from fitter.search.fitted_parameter import FittedParameter
 #: What it is called.
 EFFECT = "stiction"
 
-#: A rest is held by more than Coulomb friction if it is so by this share of it, by so many times the standard
-#: error of what held it, which is the noise's and the model's, and by this share of the joint's rms torque: what
-#: no model has in it.
-_MORE, _KNOWN = 0.2, 0.01
-#: F is told as so many times the largest torque that has held, and this share of that is its standard error.
-ABOVE, _ABOVE_ERROR = 1.0 + _MORE, 0.6 * _MORE
-#: So many rests must be, for one may be a hand.
-_LEAST = 2
+#: Static friction exceeds Coulomb friction, and the largest torque that has held, by this share: F is told in the
+#: middle of what reaches from that torque to almost half as much again with a probability of 95 %.
+_MORE = 0.2
+#: F is told as this multiple of the largest torque that has held.
+ABOVE = 1.0 + _MORE
 
 
 @dataclass(frozen=True)
@@ -78,11 +75,12 @@ def holdings(regression: Regression, final: Candidate, covariance: Floats) -> li
         sets = [_held(regression, final, known, j, learn) for learn in (True, False)]
         torque, noise = (np.concatenate(column) for column in zip(*sets, strict=True))
         rms = float(np.sqrt(np.mean(np.concatenate([motion.u[:, j] for motion in regression.motions]) ** 2)))
-        beyond = torque > (1.0 + _MORE) * coulomb + SIGMAS * noise + _KNOWN * rms
-        if np.count_nonzero(beyond) < _LEAST:
+        # Beyond the errors of noise and model, and what no model has in it.
+        beyond = torque > ABOVE * coulomb + SIGMAS * noise + NEGLIGIBLE * rms
+        if np.count_nonzero(beyond) <= 1:  # one may be a hand
             continue
         largest = float(torque.max())
-        error = float(np.hypot(_ABOVE_ERROR * largest, noise[int(np.argmax(torque))]))
+        error = float(np.hypot(ABOVE * _MORE / EQUAL_SIGMAS * largest, noise[int(np.argmax(torque))]))
         learnt = float(sets[0][0].max(initial=coulomb))
         was, left = (float(np.sum(np.maximum(sets[1][0] - level, 0.0) ** 2)) for level in (coulomb, learnt))
         gain = 1.0 - left / was if was > 0.0 else 0.0

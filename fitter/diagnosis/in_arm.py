@@ -11,9 +11,6 @@ from fitter.diagnosis.hypothesis import SMALL_TURN, Hypothesis, Turn
 from fitter.diagnosis.motion import Motion
 from fitter.diagnosis.view import View
 
-#: Rates of friction that are tried first [1/s].
-_RATES = (-0.005, 0.005, 0.05)
-
 
 class GravityTilt(Hypothesis):
     """Gravity has a part in the plane that the arm file does not know of."""
@@ -146,8 +143,8 @@ class FrictionDrift(Hypothesis):
         return np.array([self.kind.parameters[0].high])
 
     def starts(self, motions: Sequence[Motion]) -> Floats:
-        """Return values to try first, (n_start, 1)."""
-        return np.array(_RATES)[:, None]
+        """Return values to try first, (2, 1): half of the friction comes or goes in the run."""
+        return np.array([[-0.5], [0.5]]) / float(motions[-1].t[-1] - motions[0].t[0])
 
     def act(self, view: View, psi: Floats) -> View:
         """Return a motion whose friction drifts."""

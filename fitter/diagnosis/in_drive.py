@@ -13,16 +13,14 @@ from arm.effects.effect import EffectKind
 from arm.model import Floats
 from fitter.data.derivatives import lowpass
 from fitter.diagnosis.hypothesis import N_START, Hypothesis, Turn
+from fitter.diagnosis.least_squares import ROUNDED
 from fitter.diagnosis.motion import Motion, sharp_torque
 from fitter.diagnosis.view import View
 
-#: What a spline does does not reach further than so many samples (to 1e-7).
-_SPLINE = 12
+#: What a cubic spline does at a sample falls by 2 - sqrt(3) with each further one: to rounding in this many.
+_SPLINE = math.ceil(np.log(ROUNDED) / np.log(2.0 - np.sqrt(3.0)))
 #: What follows a torque slowly is computed in steps no longer than this [s].
 _FINE_S = 0.002
-#: A limit may be this share of the torque that is hardly ever exceeded, or between that and the greatest.
-_USUAL = 0.9995
-_LIMITS, _ABOVE = np.linspace(0.98, 0.3, N_START), np.array([0.8, 0.5, 0.2])
 #: Gains that are tried first. From far away no slope leads to the right one: what noise leaves changes with it.
 _GAINS = np.geomspace(1.0 / 3.0, 3.0, 20)
 
@@ -108,11 +106,10 @@ class Limit(Passing):
     feels_torque = True
 
     def starts(self, motions: Sequence[Motion]) -> Floats:
-        """Return values to try first, (n_start, 1)."""
+        """Return values to try first, (n_start, 1): they cut off shares of samples, three a decade."""
         u = np.concatenate([np.abs(motion.u[:, self.joints]) for motion in motions])
-        usual, most = float(np.quantile(u, _USUAL)), float(u.max())
-        starts = np.concatenate([usual + _ABOVE * (most - usual), _LIMITS * usual])
-        return np.asarray(starts[:, None], dtype=np.float64)
+        starts = np.quantile(u, 1.0 - 10.0 ** (-np.arange(1.0, N_START + 1.0) / 3.0))
+        return np.asarray(np.maximum(starts, self.low)[:, None], dtype=np.float64)
 
     def passed(self, view: View, number: float) -> Floats:
         """Return what arrives at its joints, (n_sample, n_own_joint)."""

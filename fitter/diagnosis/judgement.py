@@ -12,15 +12,12 @@ from fitter.diagnosis.model import Candidate
 from fitter.diagnosis.motion import Motion
 from fitter.diagnosis.regression import Regression
 from fitter.diagnosis.simulated_motion.simulated import simulated
+from fitter.diagnosis.whitening import CUT_S
 from fitter.dynamics.evaluation import HORIZON_S
 from fitter.side_by_side import side_by_side
 
 #: A simulated angle that is this far off has run away: less than a millionth of a turn is left in it [rad].
 _RUN_AWAY = 1.0 / np.sqrt(ROUNDED)
-#: Next to a gap the columns' own filter still has part of what is in it [s].
-_MARGIN_S = 0.05
-#: Width of the Gaussian that halves the power at 1 Hz [s].
-_WIDTH_S = np.sqrt(np.log(2.0)) / (2.0 * np.pi)
 
 
 @dataclass(frozen=True)
@@ -206,10 +203,13 @@ def gain(before: Errors, after: Errors) -> Gain:
 
 
 def smooth(left: Floats, dt_s: float, corner_hz: float) -> Floats:
-    """Return what of a torque is slower than a corner, as a mean of what is known: gaps are not bridged."""
-    margin = np.ones((2 * max(1, round(_MARGIN_S / dt_s)) + 1, 1), dtype=np.bool_)
+    """Return what of a torque is slower than a corner, as a mean of what is known: gaps are not bridged.
+
+    Next to a gap the columns' own filter still has part of what is in it.
+    """
+    margin = np.ones((2 * max(1, round(CUT_S / dt_s)) + 1, 1), dtype=np.bool_)
     known = binary_erosion(np.isfinite(left), margin, border_value=True)
-    width = _WIDTH_S / corner_hz / dt_s
+    width = np.sqrt(np.log(2.0)) / (2.0 * np.pi * corner_hz * dt_s)  # its power is halved at the corner
     total = gaussian_filter1d(np.where(known, left, 0.0), width, axis=0, mode="constant")
     weight = gaussian_filter1d(known.astype(np.float64), width, axis=0, mode="constant")
     return np.where(known, total / np.maximum(weight, ROUNDED), np.nan)

@@ -28,6 +28,10 @@ BLOCK_S = 1.0
 NEGLIGIBLE = 0.01
 #: Share of what is to be explained that may stay unexplained, as 1 - `CONFIDENCE` of a probability.
 UNEXPLAINED = 1.0 - CONFIDENCE
+#: Of what is tried roughly, so many of the best are looked at again: the best is seldom further behind.
+FOREMOST = 5
+#: Greatest number of causes: a machine has more, but no run identifies more.
+MOST_CAUSES = 6
 #: Steps of an iteration at the most: Newton's doubles its digits with each, reweighting gains one in one or two.
 ITERATIONS = 20
 #: Relative change, or gain [nats], at which an iteration has settled, and the least part of a step: far below one

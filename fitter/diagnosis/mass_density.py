@@ -21,8 +21,8 @@ from fitter.diagnosis.model import Model
 from fitter.diagnosis.motion import Motion
 from fitter.diagnosis.rows import Equations
 
-#: Models and sets of motions whose masses are remembered.
-_REMEMBERED = 100
+#: Models of which what was computed is remembered.
+REMEMBERED = 100
 
 
 @dataclass(frozen=True)
@@ -198,7 +198,7 @@ class MassDensity:
             *((one, psi.tobytes()) for one, psi in zip(parts.hypotheses, parts.psi, strict=True)),
         )
         if key not in self._known:
-            if len(self._known) >= _REMEMBERED:
+            if len(self._known) >= REMEMBERED:
                 self._known.clear()
             made = [self._made(parts, motion) for motion in motions]
             self._known[key] = tuple(np.concatenate(one) for one in zip(*made, strict=True))

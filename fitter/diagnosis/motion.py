@@ -25,8 +25,6 @@ _JUMPED = 0.1
 _NEAR = 3
 #: Samples a period of the corner that are kept of a motion.
 SAMPLES = 5.0
-#: The file's clocks go on from trial to trial if none begins more than this before the end of the one before [s].
-_OVERLAP_S = 0.05
 
 
 @dataclass(frozen=True)
@@ -202,10 +200,13 @@ def white_noise(columns: Sequence[Floats]) -> Floats:
 
 
 def _starts(trials: Sequence[Trial]) -> list[float]:
-    """Return each trial's first instant on the run's clock [s]."""
+    """Return each trial's first instant on the run's clock [s].
+
+    The file's clocks go on if no trial begins before the end of the one before, but for a period of the corner.
+    """
     began = [trial.began_s for trial in trials]
-    ends = [trial.began_s + trial.t[-1] for trial in trials]
-    if all(b >= e - _OVERLAP_S for b, e in zip(began[1:], ends[:-1], strict=True)):
+    ends = [trial.began_s + trial.t[-1] - 1.0 / trial.cutoff_hz for trial in trials]
+    if all(b >= e for b, e in zip(began[1:], ends[:-1], strict=True)):
         return began
     starts, t = [], 0.0
     for trial in trials:

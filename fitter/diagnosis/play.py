@@ -16,16 +16,17 @@ from scipy.ndimage import binary_erosion, gaussian_filter1d
 from arm.model import Arm, Floats
 from fitter.data.derivatives import both_derivatives, lowpass
 from fitter.data.trials import Trial
-from fitter.diagnosis.least_squares import SIGMAS
+from fitter.diagnosis.least_squares import BLOCK_S, EQUAL_SIGMAS, SIGMAS
 from fitter.diagnosis.motion import Motion, sharp_torque, white_noise
+from fitter.diagnosis.whitening import LASTS_S
 
 #: The torque's sign is told behind a Gaussian of this width [s]; what that brings forward of a touch is not sure.
-_WIDTH_S, _BROUGHT_FORWARD = 0.004, 2.0
-#: A torque that cannot be told from zero for so long lets the motor wander within its play; for longer, the link
-#: comes to rest, and is still at least for so long before it is touched again [s].
-_WANDERS_S, _RESTS_S, _STILL_S = 0.02, 0.8, 0.1
-#: An angle that scatters by less than so many times its noise is still, if so many samples say so.
-_STILL, _FEW = 2.0, 5
+_WIDTH_S = 0.004
+#: A torque that cannot be told from zero for this long lets the motor wander within its play [s]; for a block, the
+#: link comes to rest.
+_WANDERS_S = 0.02
+#: Samples that say whether an angle is still, or how it moves.
+_FEW = 5
 #: Samples that a motor takes to cross when nothing holds it.
 _CROSSING = 2
 #: The link's velocity at an end of a crossing is that of a parabola through the angles of so long [s].
@@ -103,7 +104,7 @@ def touched(torque: Floats, noise: float, dt_s: float) -> Floats:
     width = max(_WIDTH_S / dt_s, 0.5)
     smooth = gaussian_filter1d(torque, width)
     least = SIGMAS * noise / np.sqrt(2.0 * np.sqrt(np.pi) * width)
-    around = np.ones(2 * round(_BROUGHT_FORWARD * width) + 1, dtype=np.bool_)
+    around = np.ones(2 * round(EQUAL_SIGMAS * width) + 1, dtype=np.bool_)
     forwards, backwards = (binary_erosion(way * smooth > least, around, border_value=True) for way in (1.0, -1.0))
     return forwards.astype(np.float64) - backwards
 
@@ -126,7 +127,7 @@ def bridged(angle: Floats, torque: Floats, starts: Sequence[int], dt_s: float) -
     noise = float(white_noise([torque[:, None]])[0])
     touching = touched(torque, noise, dt_s)
     for at in starts:  # a large jump is brought forward by more
-        touching[max(0, at - round(2 * _BROUGHT_FORWARD * _WIDTH_S / dt_s)) : at] = 0.0
+        touching[max(0, at - round(2 * EQUAL_SIGMAS * _WIDTH_S / dt_s)) : at] = 0.0
     bridge, side = np.zeros((2, len(angle)))
     sure = np.flatnonzero(touching)
     if not len(sure):
@@ -134,9 +135,7 @@ def bridged(angle: Floats, torque: Floats, starts: Sequence[int], dt_s: float) -
     sign = touching[sure]
     side += sign[np.clip(np.searchsorted(sure, np.arange(len(angle)), side="right") - 1, 0, None)]
     shaking = float(white_noise([angle[:, None]])[0])
-    window, wanders, rests, still_for = (
-        max(3, round(s / dt_s)) for s in (_SLOPE_S, _WANDERS_S, _RESTS_S, _STILL_S)
-    )
+    window, wanders, rests, still_for = (max(3, round(s / dt_s)) for s in (_SLOPE_S, _WANDERS_S, BLOCK_S, LASTS_S))
     away = np.diff(sure)
     leaves = np.flatnonzero((away > wanders) | (np.diff(sign) != 0.0))
     runs = np.concatenate([[0], leaves + 1, [len(sure)]])
@@ -146,7 +145,7 @@ def bridged(angle: Floats, torque: Floats, starts: Sequence[int], dt_s: float) -
         last = min(max(int(sure[runs[k + 1] - 1]), end + _FEW), end + window, len(angle) - 1)
         slope = _at_end(angle[end : last + 1])[1]
         inner = [at for at in starts if begin + _FEW <= at <= end]
-        started = [at for at in inner if np.std(angle[max(begin, at - still_for) : at]) < _STILL * shaking]
+        started = [at for at in inner if np.std(angle[max(begin, at - still_for) : at]) < EQUAL_SIGMAS * shaking]
         if started or not k or end - begin > rests:
             start = max(started, default=begin)
             end = max(end, min(start + _CROSSING, len(angle) - 1)) if started else end
@@ -185,7 +184,7 @@ def _rest(
         return still, start, float(angle[still:start].mean()), float(np.sign(mean))
     first = begin + int(np.argmax(np.abs(torque[begin : end + 1]) > SIGMAS * noise))
     # `end` lies behind the touch by what was eroded, so no spike of noise long before it is taken for one.
-    touch = min(end, max(first, end - round(2 * _BROUGHT_FORWARD * _WIDTH_S / _STILL_S * still_for)) + _CROSSING)
+    touch = min(end, max(first, end - round(2 * EQUAL_SIGMAS * _WIDTH_S / LASTS_S * still_for)) + _CROSSING)
     return still, touch, float(angle[touch]), after
 
 

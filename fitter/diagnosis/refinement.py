@@ -13,12 +13,10 @@ import scipy.optimize
 
 from arm.model import Floats
 from fitter.diagnosis.attenuation import Noise
-from fitter.diagnosis.least_squares import SLOPE
+from fitter.diagnosis.least_squares import ITERATIONS, SLOPE
 from fitter.diagnosis.model import LEAST_PSI, Model
 from fitter.diagnosis.motion import Motion
 from fitter.diagnosis.regression import Regression
-
-_ROUNDS, _FEW_ROUNDS = 25, 8
 
 
 class Misfit:
@@ -95,14 +93,13 @@ def refined(
     misfit = Misfit(regression, model, motions, held)
     if not len(misfit.start) or not np.all(np.isfinite(misfit.left(misfit.start))):
         return model  # where masses vanish no slope leads back
-    is_event = any(hypothesis.is_event for hypothesis in model.hypotheses[held:])
     found = scipy.optimize.least_squares(
         misfit.left,
         misfit.start,
         jac=misfit.slopes,
         bounds=(misfit.low, misfit.high),
         x_scale=np.maximum(np.abs(misfit.start), LEAST_PSI),
-        max_nfev=rounds or (_FEW_ROUNDS if is_event else _ROUNDS),
+        max_nfev=rounds or ITERATIONS,
         xtol=1e-5,
         ftol=1e-7,
     )

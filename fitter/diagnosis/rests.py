@@ -21,16 +21,11 @@ from numpy.typing import NDArray
 from arm.model import Floats
 from fitter.diagnosis.equation import Weighting
 from fitter.diagnosis.least_squares import ITERATIONS
-from fitter.diagnosis.mass_density import Normal
+from fitter.diagnosis.mass_density import REMEMBERED, Normal
 from fitter.diagnosis.model import Model
 from fitter.diagnosis.motion import Motion
 from fitter.diagnosis.rows import Equations
 from fitter.diagnosis.whitening import CUT_S, WINDOW_S, inner_rests
-
-#: Frequencies at which the noise's density is averaged over the band.
-_FREQUENCIES = 20
-#: Models and motions whose windows are remembered.
-_REMEMBERED = 500
 
 
 @dataclass(frozen=True)
@@ -86,7 +81,7 @@ class Rests:
         self._equations = equations
         self._windows = {one.number: _windows(one, equations.weighting, part) for one in motions}
         self._pushed = {one.number: tuple(_pushed(one, way) for way in (1.0, -1.0)) for one in motions}
-        self._known: dict[tuple[object, ...], _Limits] = {}
+        self._known: dict[tuple[object, ...], dict[int, _Limits]] = {}
 
     def places(self, motion: Motion) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
         """Return the joint and the middle sample of every row of a motion, (n_row,) each."""
@@ -137,12 +132,15 @@ class Rests:
     def _limits(self, model: Model, motion: Motion) -> _Limits:
         # What lies between motor and link turns the link while the motor rests, and nobody sees that.
         seen = model.only([one.kind.place != "transmission" for one in model.hypotheses])
-        key = motion.number, *((one, psi.tobytes()) for one, psi in zip(seen.hypotheses, seen.psi, strict=True))
+        key = tuple((one, psi.tobytes()) for one, psi in zip(seen.hypotheses, seen.psi, strict=True))
         if key not in self._known:
-            if len(self._known) >= _REMEMBERED:
+            if len(self._known) >= REMEMBERED:
                 self._known.clear()
-            self._known[key] = self._made(seen, motion)
-        return self._known[key]
+            self._known[key] = {}
+        known = self._known[key]
+        if motion.number not in known:
+            known[motion.number] = self._made(seen, motion)
+        return known[motion.number]
 
     def _made(self, model: Model, motion: Motion) -> _Limits:
         own, sides = self._windows[motion.number], []
@@ -199,6 +197,5 @@ def _windows(motion: Motion, weighting: Weighting, part: float) -> _Windows:
 
 def _instant(weighting: Weighting, dt_s: float) -> Floats:
     """Return the standard deviation of the noise of every joint's equation at any one instant, (n_joint,)."""
-    f = weighting.band_hz * np.linspace(0.0, 1.0, _FREQUENCIES)
-    power = np.mean([np.diag(weighting.covariance(at)) for at in f], axis=0)
+    power = np.mean([np.diag(weighting.covariance(at)) for at in weighting.frequencies], axis=0)
     return np.asarray(np.sqrt(power * min(weighting.n_told(1, dt_s) / weighting.stride, 1.0)), dtype=np.float64)

@@ -11,7 +11,7 @@ import numpy as np
 from arm.model import Floats
 from fitter.diagnosis.grid import Best, Grid
 from fitter.diagnosis.hypothesis import Hypothesis
-from fitter.diagnosis.least_squares import scaled_lstsq
+from fitter.diagnosis.least_squares import FOREMOST, NEGLIGIBLE, PLAINLY, UNEXPLAINED, scaled_lstsq
 from fitter.diagnosis.model import Candidate, Model
 from fitter.diagnosis.motion import Motion
 from fitter.diagnosis.payload import find_payloads
@@ -19,21 +19,6 @@ from fitter.diagnosis.refinement import refined
 from fitter.diagnosis.regression import Regression
 from fitter.diagnosis.starts import Starts
 from fitter.side_by_side import side_by_side
-
-#: A hypothesis is refined if it explains this share of what the best one does on the trials it is fitted to …
-PROMISING = 0.3
-#: … or if it is among so many of the best.
-_AT_LEAST = 4
-#: … as long as it explains this share of what is left.
-_WORTH = 0.04
-#: What explains less than this share of what it could if the accepted psi gave way is tried with all psi free.
-_AS_PROMISED = 0.8
-#: Events are found in coarse steps; they are refined if they explain this share of what the best one does.
-_COMPETES = 0.6
-#: One that explains less than this share of what the best one does is not looked at any further.
-_LITTLE = 0.02
-#: … nor one that explains less than this share of a trial's residual.
-_NOTHING = 0.02
 
 
 def fitted(
@@ -98,12 +83,14 @@ def screen(
 
     def as_lasting(k: int) -> Candidate:
         model, gain = accepted.model.plus(tried[k], first[k].psi), first[k].gain
-        if gain < max(_NOTHING * grid.left / len(motions), _LITTLE * best):
+        if gain < NEGLIGIBLE * max(grid.left / len(motions), best):  # of a trial's residual
             return Candidate(model, accepted.x, accepted.squares)
-        refine = gain >= _WORTH * grid.left and (gain >= PROMISING * best or rank[k] < _AT_LEAST)
+        # What explains plainly less than the best one is no rival, unless it is among the foremost.
+        refine = gain >= UNEXPLAINED * grid.left and (PLAINLY * gain >= best or rank[k] < FOREMOST)
         candidate = fitted(regression, model, refine, held)
         gained = float((accepted.squares - candidate.squares)[learnt].sum())
-        if refine and rank[k] < _AT_LEAST and len(accepted.model.flat) and gained < _AS_PROMISED * gain:
+        # The grid's gain is with accepted psi that give way.
+        if refine and rank[k] < FOREMOST and len(accepted.model.flat) and gained < gain:
             free = fitted(regression, candidate.model)
             candidate = min(candidate, free, key=lambda one: float(one.squares.sum()))
         return by_learning(regression, candidate) if candidate.model.is_event else candidate
@@ -117,7 +104,7 @@ def screen(
         candidate = fitted(regression, accepted.model.plus(events[k], events[k].starts([])[0]), refine=False)
         candidate = by_learning(regression, candidate)
         gain = float(accepted.squares.sum() - candidate.squares.sum())
-        if gain > max(_WORTH * accepted.squares.sum(), _COMPETES * (accepted.squares.sum() - leading)):
+        if gain > max(UNEXPLAINED * accepted.squares.sum(), (accepted.squares.sum() - leading) / PLAINLY):
             candidate = by_learning(regression, fitted(regression, candidate.model, held=held))
         return candidate
 

@@ -7,12 +7,10 @@ import scipy.signal
 
 from arm.model import Floats
 from fitter.diagnosis.hypothesis import Hypothesis
+from fitter.diagnosis.least_squares import FOREMOST
 from fitter.diagnosis.model import Model
 from fitter.diagnosis.motion import Motion
 from fitter.diagnosis.whitening import Whitening
-
-#: Peaks of the spectrum that may be a disturbance's frequency.
-_PEAKS = 4
 
 
 class Starts:
@@ -64,6 +62,6 @@ def peaks(left: Floats, motions: Sequence[Motion], whitening: Whitening) -> Floa
     for k in np.argsort(power)[::-1]:
         if all(abs(f[k] - other) > 1.0 / span for other in found):
             found.append(float(f[k]))
-        if len(found) == _PEAKS:
+        if len(found) == FOREMOST:
             break
     return np.array(found)[:, None]

@@ -10,12 +10,7 @@ from typing import Protocol
 
 from fitter.diagnosis.evidence import Fit, is_better, likelihood_of, worth
 from fitter.diagnosis.hypothesis import Hypothesis
-from fitter.diagnosis.least_squares import ODDS_NATS
-
-#: Of hypotheses none of which is worth it alone, so many of the likeliest are tried in pairs.
-PAIRED = 5
-#: What gains less than this part of what the best gains is a weaker cause and no other name for it.
-_CLOSE = 0.5
+from fitter.diagnosis.least_squares import FOREMOST, ODDS_NATS, PLAINLY
 
 
 class Likelihood(Protocol):
@@ -177,7 +172,8 @@ class Stepwise:
 
     def _best_of(self, fit: Fit, kept: Sequence[Fit], options: tuple[Fit, ...]) -> tuple[Fit, Step]:
         """Return the likeliest of some models under its own weights; of equals that of fewest numbers."""
-        close = [one for one in kept if one.gain(fit) > _CLOSE * kept[0].gain(fit)]
+        # What gains plainly less than the best is a weaker cause and no other name for it.
+        close = [one for one in kept if PLAINLY * one.gain(fit) > kept[0].gain(fit)]
         best = kept[0]
         for _ in close:
             settled = self._likelihood.reweighted(best)
@@ -198,7 +194,7 @@ class Stepwise:
 
     def _best_pair(self, fit: Fit, steps: list[Step], options: Sequence[Fit]) -> tuple[Fit, list[Step]] | None:
         """Return the likeliest model with two hypotheses more neither of which is worth it alone."""
-        pairs = [self._likelihood.joined(fit, pair) for pair in combinations(options[:PAIRED], 2)]
+        pairs = [self._likelihood.joined(fit, pair) for pair in combinations(options[:FOREMOST], 2)]
         kept = self._promising(fit, [pair for pair in pairs if pair is not None])
         if not kept:
             return None

@@ -72,6 +72,11 @@ class Whitening:
         rate = np.sqrt(np.max(self.torque_noise / np.sqrt(np.maximum(np.diag(self.acceleration_noise), TINY))))
         return float(np.clip(rate / (2.0 * np.pi), 1.0, self.band_hz))
 
+    @property
+    def frequencies(self) -> Floats:
+        """Frequencies over which what is smooth is averaged over the band, (20,) [Hz]."""
+        return self.band_hz * np.linspace(0.0, 1.0, 20)
+
     def covariance(self, f: float) -> Floats:
         """Return the noise's covariance a sample at a frequency [Hz], (n_joint, n_joint)."""
         return np.diag(self.torque_noise**2) + self.acceleration_noise * (2.0 * np.pi * f) ** 4

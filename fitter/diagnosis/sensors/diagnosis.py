@@ -8,7 +8,7 @@ import numpy as np
 
 from arm.model import Arm, Effect, Floats
 from fitter.data.raw import RawRun
-from fitter.diagnosis.least_squares import ROUNDED, SIGMAS
+from fitter.diagnosis.least_squares import ROUNDED, SIGMAS, UNEXPLAINED
 from fitter.diagnosis.sensors.finding import (
     Course,
     Number,
@@ -27,9 +27,6 @@ from fitter.diagnosis.sensors.suspects import Suspect
 from fitter.diagnosis.sensors.verdict import Cause, Decision, decide
 from limbcal.errors import ConfigError, DataError, NotIdentifiable
 from tracking.noise import step_of
-
-#: Causes that leave more than this share of what contradicted don't explain it.
-_UNEXPLAINED = 0.05
 
 
 def diagnose_sensors(
@@ -86,7 +83,7 @@ def _finding(arm: Arm, search: Search, decision: Decision, rng: np.random.Genera
     verdict: Verdict = "none"
     if decision.causes:
         verdict = "ambiguous" if any(cause.equals for cause in decision.causes) else "named"
-        if not white and after.excess > _UNEXPLAINED * before.excess:
+        if not white and after.excess > UNEXPLAINED * before.excess:
             verdict = "unexplained"
     elif not white:
         verdict = "unexplained"

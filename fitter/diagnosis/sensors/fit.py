@@ -13,7 +13,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from arm.model import Arm, Floats
+from arm.model import STANDARD_GRAVITY_M_S2, Arm, Floats
+from fitter.diagnosis.least_squares import ITERATIONS, UNEXPLAINED
 from fitter.diagnosis.sensors.elimination import eliminate, go_back
 from fitter.diagnosis.sensors.frames import TrialFrames
 from fitter.diagnosis.sensors.linearisation import Instruments, Linearisation, added, instruments_of, linearise
@@ -23,14 +24,12 @@ from fitter.diagnosis.sensors.suspects import Suspect, bias_columns
 ORDINARY_BIAS = 0.02
 #: Where the offset of a sensor that forgot may begin, and a free base's step from frame to frame: three times
 #: gravity [m/s^2].
-_ANYTHING = 30.0
-#: Passes of Gauss and Newton at the most, and halvings of one that leads uphill.
-_PASSES, _HALVINGS = 12, 3
+_ANYTHING = 3.0 * STANDARD_GRAVITY_M_S2
+#: Halvings of a pass of Gauss and Newton that leads uphill.
+_HALVINGS = 3
 #: How well an angle is the zero where nothing else says what it is [rad or m].
 _ANCHOR = 1e-3
 _THREADS = ThreadPoolExecutor(os.cpu_count())
-#: A pass that promises less than this much of the squared residual, in units of the noise, was the last.
-_LITTLE = 0.05
 
 
 @dataclass(frozen=True)
@@ -193,7 +192,7 @@ class Trials:
             walk[m - 3 :] = first[m - 3 :] = 1.0 / _ANYTHING
         return E, walk, first
 
-    def fit(self, hypothesis: Hypothesis, motions: Sequence[Floats], passes: int = _PASSES) -> Fitted:
+    def fit(self, hypothesis: Hypothesis, motions: Sequence[Floats], passes: int = ITERATIONS) -> Fitted:
         """Return a hypothesis with its best parameters, by the learning trials.
 
         Parameters
@@ -217,7 +216,7 @@ class Trials:
             done = self.all_eliminated(learn, now, motions, suspects)
             gram = np.sum([g for g, _ in done], axis=0)
             cost = float(gram[-1, -1] + np.sum(((theta - mean) / std) ** 2))
-            if before is not None and not cost < before[0] + _LITTLE and halved < _HALVINGS:
+            if before is not None and not cost < before[0] + UNEXPLAINED and halved < _HALVINGS:
                 halved += 1
                 _, theta_was, motions_was, backs, step = before
                 step = 0.5 * step
@@ -234,7 +233,7 @@ class Trials:
             before = cost, theta, list(motions), backs, step
             motions = self._moved(motions, backs, step)
             theta = theta + step
-            if right @ step < _LITTLE and self._still(before[2], motions):
+            if right @ step < UNEXPLAINED and self._still(before[2], motions):
                 break
         assert before is not None
         return Fitted(
@@ -267,7 +266,7 @@ class Trials:
         moved: Floats = c + change
         return moved
 
-    def judge(self, fitted: Fitted, passes: int = _PASSES) -> Fitted:
+    def judge(self, fitted: Fitted, passes: int = ITERATIONS) -> Fitted:
         """Return a fit with the squared residual of every judging trial.
 
         Parameters that the learning trials show poorly are not held against a hypothesis where the judging trials
@@ -284,7 +283,7 @@ class Trials:
             left = []
             for number, (gram, back) in zip(going, done, strict=True):
                 now = float(gram[-1, -1])
-                if squares[number] - now > _LITTLE:
+                if squares[number] - now > UNEXPLAINED:
                     left.append(number)
                     motions[number] = self._gone_back(motions[number], back, np.zeros(len(gram) - 1))
                 squares[number] = min(now, squares[number])

@@ -11,18 +11,12 @@ import numpy as np
 from scipy.stats import chi2
 
 from arm.model import Floats
-from fitter.diagnosis.least_squares import ROUNDED
+from fitter.diagnosis.least_squares import N_SHIFTED, PLAINLY, RIDGE, ROUNDED
 from fitter.diagnosis.sensors.fit import Fitted, Trials
 from fitter.diagnosis.sensors.linearisation import Linearisation, linearise
 
-#: Bins of a variable, and shifts that tell what chance gives: none of 39 is as much at 97.5 %.
-_BINS, _SHIFTS = 12, 39
-#: A variable counts that explains this share of what the best does.
-_COUNTS = 0.3
-#: How strongly a polynomial is held towards nothing, in units of its columns' mean sum of squares.
-_RIDGE = 1e-3
-
-
+#: Bins of a variable.
+_BINS = 12
 #: A frame's differences are made of about ten squares of unit variance: the median of their mean.
 _MEDIAN = float(chi2.median(10)) / 10
 
@@ -67,13 +61,13 @@ def remaining(judged: list[Linearisation], white: bool, rng: np.random.Generator
         column = [motion[:, k] for motion in motions]
         share = _by_bins(column, left)
         chance = []
-        for _ in range(_SHIFTS):
+        for _ in range(N_SHIFTED):
             shifted = [np.roll(r, int(rng.integers(len(r) // 10, 9 * len(r) // 10)), axis=0) for r in left]
             chance.append(_by_bins(column, shifted))
         if share > max(chance):
             found[name] = share
     best = max(found.values(), default=0.0)
-    order = sorted((name for name in found if found[name] > _COUNTS * best), key=lambda name: -found[name])
+    order = sorted((name for name in found if PLAINLY * found[name] > best), key=lambda name: -found[name])
     return Remaining(_by_polynomial(motions, left), False, tuple(order))
 
 
@@ -120,7 +114,7 @@ def _by_polynomial(motions: list[Floats], left: list[Floats]) -> float:
         others = [k for k in range(len(A)) if k != out]
         normal = sum((A[k].T @ A[k] for k in others), np.zeros((A[0].shape[1],) * 2))
         right = sum((A[k].T @ left[k] for k in others), np.zeros((A[0].shape[1], left[0].shape[1])))
-        x = np.linalg.solve(normal + _RIDGE * np.trace(normal) / len(normal) * np.eye(len(normal)), right)
+        x = np.linalg.solve(normal + RIDGE * np.trace(normal) / len(normal) * np.eye(len(normal)), right)
         total += float(np.sum(left[out] ** 2))
         gained += float(np.sum(left[out] ** 2) - np.sum((left[out] - A[out] @ x) ** 2))
     return min(1.0, max(0.0, gained / total))

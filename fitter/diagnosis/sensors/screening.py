@@ -13,13 +13,12 @@ import numpy as np
 from scipy.signal import detrend, find_peaks
 
 from arm.model import Floats
+from fitter.diagnosis.least_squares import FOREMOST
 from fitter.diagnosis.sensors.fit import ORDINARY_BIAS, Fitted, Hypothesis, Trials
 from fitter.diagnosis.sensors.suspects import Suspect
 
 #: A base that moves more slowly looks like one that is not level [Hz].
 _LOWEST_HZ = 0.1
-#: Peaks of the spectrum that are tried.
-_PEAKS = 3
 #: Grid points a natural step of the spectrum.
 _FINER = 4
 
@@ -51,7 +50,7 @@ def base_frequencies(trials: Trials, free: Fitted) -> list[float]:
     frequency = np.fft.rfftfreq(n, dt)
     power[frequency < _LOWEST_HZ] = 0.0
     peaks, _ = find_peaks(power, distance=4 * _FINER)
-    highest = peaks[np.argsort(-power[peaks])][:_PEAKS]
+    highest = peaks[np.argsort(-power[peaks])][:FOREMOST]
     return [float(frequency[peak]) for peak in highest]
 
 

@@ -10,18 +10,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from fitter.diagnosis.least_squares import N_DRAWN, SIGMAS
+from fitter.diagnosis.least_squares import MOST_CAUSES, N_DRAWN, SIGMAS
 from fitter.diagnosis.sensors.fit import Fitted, Hypothesis
 from fitter.diagnosis.sensors.remaining import beyond_level
-from fitter.diagnosis.sensors.search import Search, Tried
-
-#: What a cause must explain, and by what it must beat a rival: squared, in noise units. Chosen by hand, with
-#: a margin over 16 runs of the bench without any effect (seeds 1001 to 1003 and 1010 to 1014, lying and hanging):
-#: there no suspect whose numbers differ from nothing explained more than 2.3. Those whose numbers don't, which are
-#: never accepted, explained up to 31: levels drawn through the peaks of sound sensors.
-ACCEPTED, EQUAL = 20.0, 12.0
-#: Greatest number of causes that are sought.
-_MOST_CAUSES = 4
+from fitter.diagnosis.sensors.search import ACCEPTED, EQUAL, Search, Tried
 
 
 @dataclass(frozen=True)
@@ -72,7 +64,7 @@ def decide(search: Search, rng: np.random.Generator) -> Decision:
     known = search.base
     causes: list[Cause] = []
     first: list[Tried] = []
-    while len(causes) < _MOST_CAUSES:
+    while len(causes) < MOST_CAUSES:
         tried = search.try_all(known)
         first = first or tried
         found = _accepted(search, known, tried, rng)

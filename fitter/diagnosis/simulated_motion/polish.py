@@ -21,7 +21,7 @@ from fitter.diagnosis.estimates import Estimates, estimates, extended_arm
 from fitter.diagnosis.finding import Polished
 from fitter.diagnosis.holding import sticking
 from fitter.diagnosis.judgement import judged, smooth, torque_left
-from fitter.diagnosis.least_squares import BLOCK_S, EQUAL_SIGMAS, ROUNDED, SLOPE
+from fitter.diagnosis.least_squares import BLOCK_S, EQUAL_SIGMAS, ROUNDED, SIGMAS, SLOPE
 from fitter.diagnosis.model import Candidate
 from fitter.diagnosis.motion import Motion
 from fitter.diagnosis.regression import Regression
@@ -35,8 +35,6 @@ from fitter.diagnosis.simulated_motion.model_numbers import (
 from fitter.dynamics.output_error import Allowed, fit_motion
 from fitter.dynamics.stretches import LONGEST_STEP_S
 
-#: By how much the torque's standard errors are widened for a prior where the torque was not measured.
-_WIDER = 3.0
 #: Weight of a window's own noise where nothing pulls a simulation back: the sum of rms errors is made small.
 _CHAOTIC = 0.5
 #: Step of the simulations [s].
@@ -109,7 +107,7 @@ def _moved(
     measured = is_measured(motions)
     torque = come_to.numbers.covariance
     free, basis = _white(numbers, torque, information_of(regression, come_to.final) if measured else None)
-    width = np.sqrt(_STEP_S / BLOCK_S) if measured else _WIDER
+    width = np.sqrt(_STEP_S / BLOCK_S) if measured else SIGMAS
     if not basis.shape[1]:
         return None
 

@@ -9,10 +9,10 @@ from arm.effects.catalogue import catalogue
 from arm.model import Effect
 from fitter.diagnosis.at_joint import AtJoint
 from fitter.diagnosis.evidence import likelihood_of
-from fitter.diagnosis.least_squares import BLOCK_S
 from fitter.diagnosis.hypotheses import hypotheses
 from fitter.diagnosis.in_arm import RotorInertia
 from fitter.diagnosis.in_drive import Gain
+from fitter.diagnosis.least_squares import BLOCK_S
 from fitter.diagnosis.torque_likelihood import TorqueLikelihood, is_possible
 from tests.fitter.diagnosis.searched import found_in, swinging
 from tests.fitter.diagnosis.two_joints import regression_of_two
