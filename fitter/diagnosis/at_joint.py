@@ -14,8 +14,8 @@ import numpy as np
 from arm.effects.effect import EffectKind, Parameter
 from arm.effects.joint_torque import DIRECTION, DQ, N_STATE, TAU, torque_along, torques_along
 from arm.model import Floats
-from fitter.diagnosis.hypothesis import N_START, Hypothesis
 from fitter.diagnosis.least_squares import ROUNDED, TINY
+from fitter.diagnosis.model import N_START, Hypothesis
 from fitter.diagnosis.motion import Motion
 from fitter.diagnosis.view import View
 

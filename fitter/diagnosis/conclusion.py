@@ -5,11 +5,10 @@ from dataclasses import dataclass
 
 from fitter.diagnosis.estimates import Estimates, estimates
 from fitter.diagnosis.falling_friction import with_humps
-from fitter.diagnosis.finding import Verdict
 from fitter.diagnosis.holding import Holding, holdings
 from fitter.diagnosis.model import Candidate
 from fitter.diagnosis.regression import Regression
-from fitter.diagnosis.search import Search
+from fitter.diagnosis.search import Search, Verdict
 from fitter.diagnosis.unknown import Remainder, describe, outdone
 
 

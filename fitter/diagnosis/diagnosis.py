@@ -14,17 +14,18 @@ from fitter.data.trials import FIT_CORNER, Trial, derive, undriven
 from fitter.diagnosis.conclusion import concluded
 from fitter.diagnosis.corner import chatter, corner_hz
 from fitter.diagnosis.finding import Finding
-from fitter.diagnosis.floor import Floor
 from fitter.diagnosis.held_out import judged_sets
 from fitter.diagnosis.hypotheses import hypotheses
 from fitter.diagnosis.least_squares import MOST_CAUSES, PLAINLY
-from fitter.diagnosis.missed_pushes import with_pushes
 from fitter.diagnosis.model import Candidate, Model
-from fitter.diagnosis.motion import Motion, run_of
+from fitter.diagnosis.motion import Motion
+from fitter.diagnosis.polish import polished
+from fitter.diagnosis.pushes import with_pushes
+from fitter.diagnosis.refinement import fitted
 from fitter.diagnosis.regression import Regression
-from fitter.diagnosis.screening import fitted
+from fitter.diagnosis.reweighting import Floor
+from fitter.diagnosis.run import run_of
 from fitter.diagnosis.search import Cause, Search, cause_of, supports
-from fitter.diagnosis.simulated_motion.polish import polished
 from fitter.diagnosis.stepwise import Found, Stepwise
 from fitter.diagnosis.telling import finding_of
 from fitter.diagnosis.torque_likelihood import TorqueLikelihood

@@ -10,9 +10,8 @@ from arm.base_parameters import BaseParameters, with_base_values
 from arm.model import Arm, Effect, Estimate, Floats, Joint
 from arm.physical_links import is_possible, link_parameters
 from fitter.diagnosis.covariance import covariance_of
-from fitter.diagnosis.hypothesis import Hypothesis
 from fitter.diagnosis.least_squares import CONFIDENCE, ROUNDED, SLOPE
-from fitter.diagnosis.model import Candidate
+from fitter.diagnosis.model import Candidate, Hypothesis
 from fitter.diagnosis.motion import Motion
 from fitter.diagnosis.payload import Payload
 from fitter.diagnosis.regression import Regression

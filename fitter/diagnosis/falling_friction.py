@@ -22,8 +22,8 @@ from fitter.diagnosis.holding import ABOVE, Holding
 from fitter.diagnosis.least_squares import NEGLIGIBLE, SIGMAS, own_square
 from fitter.diagnosis.model import Candidate
 from fitter.diagnosis.motion import Motion
+from fitter.diagnosis.refinement import fitted
 from fitter.diagnosis.regression import Regression
-from fitter.diagnosis.screening import fitted
 from fitter.diagnosis.search import Cause, Search
 from fitter.diagnosis.view import View
 

@@ -2,18 +2,16 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Literal
 
 import numpy as np
 
 from arm.model import Arm
 from fitter.diagnosis.held_out import Judged
 from fitter.diagnosis.judgement import Errors, Gain
+from fitter.diagnosis.search import Verdict
 from fitter.diagnosis.unknown import Remainder
 from fitter.search.fitted_parameter import FittedParameter
 from limbcal.note import Note, documents
-
-Verdict = Literal["named", "ambiguous", "none", "unexplained"]
 
 
 @dataclass(frozen=True)

@@ -8,7 +8,7 @@ trials. Where the model is exact there is no floor: ``D = 0, E = 1``.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 import scipy.fft
@@ -17,45 +17,11 @@ from numpy.typing import NDArray
 
 from arm.model import Floats
 from fitter.diagnosis.equation import Weighting
-from fitter.diagnosis.least_squares import NEGLIGIBLE, PLAINLY, ROUNDED, TINY
+from fitter.diagnosis.least_squares import NEGLIGIBLE, ROUNDED, TINY
 from fitter.diagnosis.model import Candidate
 from fitter.diagnosis.motion import Motion
 from fitter.diagnosis.regression import Regression
-from fitter.diagnosis.reweighting import reweighted
-
-#: The noise's size is known to a tenth (`whitening`) …
-SIZE_KNOWN = 0.1
-#: … so no more variance than this multiple of its own is a floor.
-KNOWN = (1.0 + SIZE_KNOWN) ** 2
-
-
-@dataclass(frozen=True)
-class Floor:
-    """The floor of every joint.
-
-    Attributes
-    ----------
-    ratio : (n_joint,)
-        Variance of what is left, in units of the sensors' noise.
-    white : (n_joint,) [N m or N]
-        sqrt(D), a sample.
-    steep : (n_joint,)
-        E.
-    """
-
-    ratio: Floats
-    white: Floats
-    steep: Floats
-
-    @property
-    def is_none(self) -> bool:
-        """Whether nothing but the sensors' noise is left."""
-        return bool(np.all(self.ratio <= KNOWN))
-
-    @property
-    def is_plain(self) -> bool:
-        """Whether much more is left."""
-        return bool(np.any(self.ratio > PLAINLY))
+from fitter.diagnosis.reweighting import KNOWN, Floor, reweighted
 
 
 def floored(regression: Regression, candidate: Candidate) -> tuple[Weighting, Weighting, Floor]:

@@ -13,13 +13,11 @@ import scipy.linalg
 
 from arm.model import Floats
 from fitter.diagnosis.at_joint import AtJoint
-from fitter.diagnosis.hypothesis import Hypothesis
 from fitter.diagnosis.least_squares import FOREMOST, NEGLIGIBLE, ROUNDED, solved
-from fitter.diagnosis.model import Model
+from fitter.diagnosis.model import Hypothesis, Model
 from fitter.diagnosis.motion import Motion
-from fitter.diagnosis.refinement import Misfit, refined
+from fitter.diagnosis.refinement import Misfit, Starts, peaks, refined
 from fitter.diagnosis.regression import Regression
-from fitter.diagnosis.starts import Starts, peaks
 from fitter.diagnosis.white_rows import Columns
 
 #: So many steps from a start near nothing tell what can be explained; what promises much is refined later.

@@ -6,10 +6,10 @@ from arm.effects.catalogue import catalogue
 from arm.effects.effect import EffectKind
 from arm.effects.joint_torque import COULOMB, TAU
 from fitter.diagnosis.at_joint import AtJoint, depends_on
-from fitter.diagnosis.hypothesis import Hypothesis
 from fitter.diagnosis.in_arm import AirDrag, FrictionDrift, GravityTilt, JointZero, RotorInertia
 from fitter.diagnosis.in_drive import Delay, Gain, Lag, Limit
 from fitter.diagnosis.in_transmission import Backlash, Elasticity
+from fitter.diagnosis.model import Hypothesis
 
 _Maker = Callable[[EffectKind, tuple[int, ...]], Hypothesis]
 #: Places of an effect in an arm of so many joints.

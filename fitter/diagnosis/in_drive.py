@@ -12,8 +12,8 @@ from scipy.signal import lfilter
 from arm.effects.effect import EffectKind
 from arm.model import Floats
 from fitter.data.derivatives import lowpass
-from fitter.diagnosis.hypothesis import N_START, Hypothesis, Turn
 from fitter.diagnosis.least_squares import ROUNDED
+from fitter.diagnosis.model import N_START, Hypothesis, Turn
 from fitter.diagnosis.motion import Motion, sharp_torque
 from fitter.diagnosis.view import View
 

@@ -15,9 +15,9 @@ from scipy.special import erf
 from arm.effects.effect import EffectKind
 from arm.model import Floats
 from fitter.data.derivatives import both_derivatives
-from fitter.diagnosis.hypothesis import Hypothesis, Turn
 from fitter.diagnosis.in_drive import lagging
 from fitter.diagnosis.least_squares import ROUNDED, TINY
+from fitter.diagnosis.model import Hypothesis, Turn
 from fitter.diagnosis.motion import Motion
 from fitter.diagnosis.play import Play, play_of
 from fitter.diagnosis.view import View

@@ -1,10 +1,15 @@
 """Least squares where columns may depend on one another, and when what is left differs from nothing."""
 
+from dataclasses import dataclass
+
 import numpy as np
+from numpy.typing import NDArray
 from scipy.stats import norm
 
 from arm.model import Floats
 
+#: Models of which what was computed is remembered.
+REMEMBERED = 100
 #: Relative rounding of a sum of squares: some thousand additions in double precision. Columns that are this
 #: near to depending on others, in terms of the normal equations, do so.
 ROUNDED = 1e-12
@@ -46,6 +51,28 @@ N_SHIFTED = 99
 N_INSTANT = 1500
 #: Trials are drawn anew so often for an interval (Efron and Tibshirani 1993: about 1000).
 N_DRAWN = 1000
+
+
+@dataclass(frozen=True)
+class Normal:
+    """Normal equations: products of columns (k, k), with the right-hand side (k,), and its square."""
+
+    gram: Floats
+    pull: Floats
+    square: float
+
+    def plus(self, more: "Normal") -> "Normal":
+        """Return the normal equations of these rows and others."""
+        return Normal(self.gram + more.gram, self.pull + more.pull, self.square + more.square)
+
+    def of(self, free: NDArray[np.bool_]) -> "Normal":
+        """Return the normal equations of those factors that are free (k,); the others have no say."""
+        return Normal(self.gram * np.outer(free, free), self.pull * free, self.square)
+
+    def left(self, x: Floats) -> float:
+        """Return the sum of squares that factors (k,) leave."""
+        left = float(x @ self.gram @ x) - 2.0 * float(self.pull @ x) + self.square
+        return max(left, ROUNDED * self.square, np.finfo(np.float64).tiny)
 
 
 def scaled_lstsq(A: Floats, y: Floats) -> Floats:

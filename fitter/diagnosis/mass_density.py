@@ -16,13 +16,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from arm.model import Floats
-from fitter.diagnosis.least_squares import ITERATIONS, N_INSTANT, ODDS_NATS, ROUNDED, SETTLED
+from fitter.diagnosis.least_squares import ITERATIONS, N_INSTANT, ODDS_NATS, REMEMBERED, ROUNDED, SETTLED, Normal
 from fitter.diagnosis.model import Model
 from fitter.diagnosis.motion import Motion
 from fitter.diagnosis.rows import Equations
-
-#: Models of which what was computed is remembered.
-REMEMBERED = 100
 
 
 @dataclass(frozen=True)
@@ -48,28 +45,6 @@ class _Masses:
     def at(self, x: Floats) -> Floats:
         """Return the masses under factors x, (n, n_joint, n_joint)."""
         return self.known + self.slopes @ x[self.kept]
-
-
-@dataclass(frozen=True)
-class Normal:
-    """Normal equations: products of columns (k, k), with the right-hand side (k,), and its square."""
-
-    gram: Floats
-    pull: Floats
-    square: float
-
-    def plus(self, more: "Normal") -> "Normal":
-        """Return the normal equations of these rows and others."""
-        return Normal(self.gram + more.gram, self.pull + more.pull, self.square + more.square)
-
-    def of(self, free: NDArray[np.bool_]) -> "Normal":
-        """Return the normal equations of those factors that are free (k,); the others have no say."""
-        return Normal(self.gram * np.outer(free, free), self.pull * free, self.square)
-
-    def left(self, x: Floats) -> float:
-        """Return the sum of squares that factors (k,) leave."""
-        left = float(x @ self.gram @ x) - 2.0 * float(self.pull @ x) + self.square
-        return max(left, ROUNDED * self.square, np.finfo(np.float64).tiny)
 
 
 class MassDensity:

@@ -5,24 +5,13 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.ndimage import binary_dilation
 from scipy.stats import norm
 
 from arm.model import Arm, Floats
-from fitter.data.jumps import jumps
 from fitter.data.law_torque import law_torque
 from fitter.data.trials import Trial
-from fitter.diagnosis.velocity import sharper, sharper_gain, told_from_rest, velocity
-from fitter.diagnosis.whitening import lasting
 from limbcal.errors import DataError
 
-#: A joint is taken to be stuck below this share of its top speed in the run, or where noise hides how it moves.
-_STUCK_SHARE = 0.004
-#: A jump comes at a sample, as far as controller and recorder share a clock; what a fast loop does within the step
-#: is not seen. This is the standard error of its instant, in samples.
-_JUMPED = 0.1
-#: So many samples before and after a joint was seen to be stuck it may have been.
-_NEAR = 3
 #: Samples a period of the corner that are kept of a motion.
 SAMPLES = 5.0
 
@@ -73,68 +62,6 @@ class Motion:
     jumps: tuple[tuple[float, int, float], ...] = ()
 
 
-def run_of(arm: Arm, learn: Sequence[Trial], evaluate: Sequence[Trial], thin: bool = True) -> list[Motion]:
-    """Return all trials of a run, learning ones first, on one clock.
-
-    Parameters
-    ----------
-    arm : Arm
-        Its control law gives the torque where none was measured.
-    learn, evaluate : sequence of Trial
-    thin : bool
-        Whether samples may be left out that the corner of the columns makes superfluous.
-
-    Raises
-    ------
-    DataError
-        If a trial has neither torque nor a target for the law.
-    """
-    trials = [*learn, *evaluate]
-    angles = noise_of_angles(trials)
-    slow = [velocity(trial) for trial in trials]
-    top = np.max([np.max(np.abs(dq), axis=0) for dq in slow], axis=0)
-    motions = []
-    for k, (trial, dq, t0) in enumerate(zip(trials, slow, _starts(trials), strict=True)):
-        seen, noise = told_from_rest(trial, angles, _STUCK_SHARE * top)
-        moves = np.where(seen == 0.0, dq, seen)
-        sharp = moves == dq
-        t, u, stuck = t0 + trial.t, drive_torque(arm, trial), lasting(seen == 0.0, trial.dt_s)
-        step = max(1, int(1.0 / (SAMPLES * trial.cutoff_hz * trial.dt_s))) if thin else 1
-        stuck = binary_dilation(stuck, np.ones((2 * _NEAR + 1, 1), dtype=np.bool_))
-        q, dq_, ddq, u_, speed, speed_noise, direction = (
-            part[::step]
-            for part in (
-                trial.q,
-                trial.dq,
-                trial.ddq,
-                u,
-                np.where(sharp, sharper(dq, trial.dt_s), moves),
-                np.where(sharp, angles * sharper_gain(trial.dt_s), noise) * ("q" in trial.whole),
-                np.where(stuck, 0.0, np.sign(moves)),
-            )
-        )
-        dt_s = step * trial.dt_s
-        motions.append(
-            Motion(
-                trial,
-                k + 1,
-                k < len(learn),
-                t[::step],
-                q,
-                dq_,
-                ddq,
-                u_,
-                speed,
-                speed_noise,
-                direction,
-                stuck[::step],
-                dt_s,
-                _jumps(arm, trial, step),
-            )
-        )
-    return motions
-
-
 def drive_torque(arm: Arm, trial: Trial) -> Floats:
     """Return the torque that the drive was asked for: measured, or by the law, eq. (5), (6), (7).
 
@@ -174,17 +101,6 @@ def sharp_torque(arm: Arm, trial: Trial) -> Floats:
     return np.pad(u, ((trial.trimmed, trial.trimmed), (0, 0)), mode="edge")
 
 
-def _jumps(arm: Arm, trial: Trial, step: int) -> tuple[tuple[float, int, float], ...]:
-    """Return the jumps of the torque that was asked for, on the grid of every ``step``-th sample."""
-    asked = trial.tau_measured
-    if asked is None:
-        asked = sharp_torque(arm, trial)[trial.trimmed : trial.trimmed + len(trial.t)]
-    size = jumps(asked)
-    return tuple(
-        (k / step, int(j), _JUMPED * float(abs(size[k, j])) / step) for k, j in zip(*np.nonzero(size), strict=True)
-    )
-
-
 def noise_of_angles(trials: Sequence[Trial]) -> Floats:
     """Return the rms of the white noise in the measured angles, (n_joint,) [rad or m]."""
     return white_noise([trial.whole.get("q", trial.q) for trial in trials])
@@ -197,20 +113,3 @@ def white_noise(columns: Sequence[Floats]) -> Floats:
     """
     third = np.concatenate([np.diff(values, 3, axis=0) for values in columns])
     return np.asarray(np.median(np.abs(third), axis=0) / norm.ppf(0.75) / np.sqrt(20.0), dtype=np.float64)
-
-
-def _starts(trials: Sequence[Trial]) -> list[float]:
-    """Return each trial's first instant on the run's clock [s].
-
-    The file's clocks go on if no trial begins before the end of the one before, but for a period of the corner.
-    """
-    began = [trial.began_s for trial in trials]
-    ends = [trial.began_s + trial.t[-1] - 1.0 / trial.cutoff_hz for trial in trials]
-    if all(b >= e for b, e in zip(began[1:], ends[:-1], strict=True)):
-        return began
-    starts, t = [], 0.0
-    for trial in trials:
-        ends_cut = trial.trimmed * trial.dt_s
-        starts.append(t + ends_cut)
-        t += trial.t[-1] + trial.dt_s + 2 * ends_cut
-    return starts

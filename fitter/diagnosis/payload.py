@@ -13,9 +13,8 @@ from arm.effects.catalogue import catalogue
 from arm.effects.effect import EffectKind
 from arm.model import Floats
 from arm.regressor import regressor
-from fitter.diagnosis.hypothesis import Hypothesis
 from fitter.diagnosis.least_squares import ROUNDED, scaled_lstsq
-from fitter.diagnosis.model import Model
+from fitter.diagnosis.model import Hypothesis, Model
 from fitter.diagnosis.motion import Motion
 from fitter.diagnosis.regression import Regression
 from fitter.diagnosis.view import View

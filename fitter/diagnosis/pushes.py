@@ -8,15 +8,26 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
+from numpy.typing import NDArray
+from scipy.ndimage import binary_dilation
 
+from arm.effects.catalogue import catalogue
 from arm.effects.effect import EffectKind
 from arm.model import Floats
-from fitter.diagnosis.hypothesis import Hypothesis
+from fitter.data.derivatives import lowpass
+from fitter.diagnosis.least_squares import BLOCK_S, ITERATIONS, NEGLIGIBLE, TINY, Normal
+from fitter.diagnosis.model import Candidate, Hypothesis
 from fitter.diagnosis.motion import Motion
+from fitter.diagnosis.refinement import fitted
+from fitter.diagnosis.regression import Regression
+from fitter.diagnosis.torque.missing_torque import ResidualTorque
 from fitter.diagnosis.torque.pulse import Pulse, pulse_means
+from fitter.diagnosis.torque.pulses import find_pulses
 from fitter.diagnosis.view import View
 
 _NUMBERS = ("start_s", "duration_s", "torque_N_m")
+#: Degrees of freedom: those that Lange, Little and Taylor find to serve most data.
+_DEGREES_OF_FREEDOM = 4.0
 
 
 class Pushes(Hypothesis):
@@ -73,3 +84,120 @@ class Pushes(Hypothesis):
     def units(self) -> tuple[str, ...]:
         """Of each."""
         return tuple(parameter.unit for parameter in self.kind.parameters) * len(self.found)
+
+
+def robustly_fitted(regression: Regression, candidate: Candidate) -> Candidate:
+    r"""Return a model with factors fitted robustly to all trials, its psi as they are.
+
+    The residual of a joint in a block of a second follows Student's distribution of n dimensions, so a block
+    counts ``u = (nu + n) / (nu + chi^2 / s^2)`` with ``s^2 = sum u chi^2 / sum n``, in turn with the factors
+    (Lange, Little and Taylor 1989). What moves an arm for a moment has little say then.
+
+    Parameters
+    ----------
+    regression : Regression
+    candidate : Candidate
+        Fitted by least squares.
+    """
+    model, x = candidate.model, candidate.x
+    if regression.density is None or not len(x):
+        return candidate
+    motions = regression.motions
+    rows = [regression.rows(model, motion) for motion in motions]
+    designs = [one.design.reshape(*one.target.shape, -1) for one in rows]
+    blocks = [_blocks(regression, motion, len(one.target)) for motion, one in zip(motions, rows, strict=True)]
+    counts = [np.bincount(block).astype(np.float64)[:, None] for block in blocks]
+    numbers, total = float(regression.told.sum()), sum(one.target.size for one in rows)
+    variance = np.inf
+    for _ in range(ITERATIONS):
+        squares = [_in_blocks(one.left(x) ** 2, block) for one, block in zip(rows, blocks, strict=True)]
+        weights = [_weights(square, count, variance) for square, count in zip(squares, counts, strict=True)]
+        was, summed = variance, sum(float(np.sum(u * square)) for u, square in zip(weights, squares, strict=True))
+        variance = max(summed / total, TINY)
+        if abs(was - variance) < NEGLIGIBLE * variance:
+            break
+        parts = zip(designs, (one.target for one in rows), weights, blocks, strict=True)
+        normal = _normal([(design, target, u[block]) for design, target, u, block in parts])
+        counted = sum(float(np.sum(u * count)) for u, count in zip(weights, counts, strict=True))
+        x = regression.density.solve(normal, numbers * counted / total, x, model, motions)
+    return replace(candidate, x=x, squares=regression.squares(model, x))
+
+
+def _blocks(regression: Regression, motion: Motion, n: int) -> NDArray[np.intp]:
+    """Return the block that each row of a motion's equations is in, (n,)."""
+    n_block = max(1, int(n * regression.weighting.stride * motion.dt_s / BLOCK_S))
+    return np.minimum(np.arange(n) * n_block // n, n_block - 1)
+
+
+def _in_blocks(squares: Floats, block: NDArray[np.intp]) -> Floats:
+    """Return the sums of rows (n, n_joint) over blocks, (n_block, n_joint)."""
+    sums = np.zeros((int(block[-1]) + 1, squares.shape[1]))
+    np.add.at(sums, block, squares)
+    return sums
+
+
+def _weights(squares: Floats, counts: Floats, variance: float) -> Floats:
+    """Return how much each block of each joint counts, (n_block, n_joint)."""
+    if not np.isfinite(variance):
+        return np.ones_like(squares)
+    return np.asarray((_DEGREES_OF_FREEDOM + counts) / (_DEGREES_OF_FREEDOM + squares / variance))
+
+
+def _normal(parts: list[tuple[Floats, Floats, Floats]]) -> Normal:
+    """Return the normal equations of weighted rows: of design, target and weights of each motion."""
+    gram = sum(np.einsum("rji,rj,rjk->ik", design, u, design, optimize=True) for design, _, u in parts)
+    pull = sum(np.einsum("rji,rj->i", design, u * target) for design, target, u in parts)
+    square = sum(float(np.sum(u * target**2)) for _, target, u in parts)
+    return Normal(np.asarray(gram), np.asarray(pull), square)
+
+
+def with_pushes(regression: Regression, final: Candidate) -> Candidate:
+    """Return a model with the pushes that are found in what it misses; the same if there is none.
+
+    Parameters
+    ----------
+    regression : Regression
+    final : Candidate
+        With all causes that always act.
+    """
+    candidate, known = robustly_fitted(regression, final), list[list[tuple[int, int]]]()
+    while True:  # pushes bend the parameters of the model that they are sought in
+        found = find_pulses(missed(regression, _without_pushes(final, candidate)))
+        candidate = pushed(regression, final, found)
+        places = [(one.trial, one.joint) for one in found]
+        if not places or places in known:
+            return candidate
+        known.append(places)
+
+
+def _without_pushes(final: Candidate, candidate: Candidate) -> Candidate:
+    """Return a model that was fitted with pushes without them, its other numbers as they are."""
+    n_hypothesis = len(final.model.hypotheses)
+    return replace(
+        candidate, model=candidate.model.only([k < n_hypothesis for k in range(len(candidate.model.hypotheses))])
+    )
+
+
+def pushed(regression: Regression, final: Candidate, found: Sequence[Pulse]) -> Candidate:
+    """Return a model with some pushes, fitted beside them; the same if there is none."""
+    model, kind = final.model, catalogue()["external_push"]
+    for joint in sorted({one.joint for one in found}):
+        model = model.plus(Pushes(kind, joint, [one for one in found if one.joint == joint]), np.zeros(0))
+    return fitted(regression, model, refine=False) if found else final
+
+
+def missed(regression: Regression, final: Candidate) -> list[ResidualTorque]:
+    """Return what a model misses in every trial, within the band of its equations: a push has its own sign."""
+    own = regression.sensors
+    angle_noise = np.sqrt(np.diag(own.acceleration_noise))
+    trials = []
+    for motion in regression.motions:
+        left = regression.equations.left(final.model, final.x, motion)
+        r, torque = (lowpass(column, motion.dt_s, own.band_hz, "even") for column in (-left, motion.u))
+        reach = round(0.5 / (own.band_hz * motion.dt_s))  # so far the filter looks: half a period of its corner
+        near = np.ones((2 * reach + 1, 1), dtype=np.bool_)
+        guessed = regression.view(final.model, motion).guessed[:, None]
+        known = ~binary_dilation(motion.stuck | guessed, near, border_value=1)
+        noises = own.band_hz, own.torque_noise, angle_noise
+        trials.append(ResidualTorque(motion.t, r, known, torque, *noises))
+    return trials

@@ -2,7 +2,8 @@
 
 Base parameters and the columns' factors are solved for at every psi (variable projection, Golub and Pereyra 1973).
 Slopes are taken with the noise in the columns as it is: what it adds to the normal equations changes the residual
-along the columns only, where next to nothing is left, so its own slope moves no end of the search.
+along the columns only, where next to nothing is left, so its own slope moves no end of the search. It begins where
+others have come to, or at the frequencies at which what is left swings most.
 """
 
 from collections.abc import Sequence
@@ -10,13 +11,60 @@ from dataclasses import replace
 
 import numpy as np
 import scipy.optimize
+import scipy.signal
 
 from arm.model import Floats
 from fitter.diagnosis.attenuation import Noise
-from fitter.diagnosis.least_squares import ITERATIONS, SLOPE
-from fitter.diagnosis.model import LEAST_PSI, Model
+from fitter.diagnosis.least_squares import (
+    FOREMOST,
+    ITERATIONS,
+    SLOPE,
+    scaled_lstsq,
+)
+from fitter.diagnosis.model import LEAST_PSI, Candidate, Hypothesis, Model
 from fitter.diagnosis.motion import Motion
 from fitter.diagnosis.regression import Regression
+from fitter.diagnosis.whitening import Whitening
+
+
+def fitted(
+    regression: Regression, model: Model, refine: bool = True, held: int = 0, to_all: bool = False
+) -> Candidate:
+    """Return a model fitted to the trials that may be learnt from, and what it leaves in all of them.
+
+    Parameters
+    ----------
+    regression : Regression
+    model : Model
+    refine : bool
+        Whether psi is sought, too.
+    held : int
+        So many hypotheses, from the first on, keep their psi.
+    to_all : bool
+        Whether it is fitted to all trials, as a model with an event always is.
+    """
+    motions = regression.motions if to_all else regression.motions_of(model)
+    if refine:
+        model = refined(regression, model, motions, held)
+    x = regression.solve(model, motions)
+    return Candidate(model, x, regression.squares(model, x))
+
+
+def by_learning(regression: Regression, candidate: Candidate) -> Candidate:
+    """Return a model with the factors that the learning trials tell, as every model has that holds no event.
+
+    Only the size of what the learning trials do not show is told by the others.
+    """
+    model = candidate.model
+    x = regression.solve(model, regression.learning)
+    grams = [regression.rows(model, motion).columns.gram for motion in regression.learning]
+    unseen = np.all([np.diag(one) == 0.0 for one in grams], axis=0)
+    judging = [motion for motion in regression.motions if not motion.learn]
+    if np.any(unseen) and judging:
+        rows = [regression.rows(model, motion) for motion in judging]
+        left = [one.target.ravel() - one.design @ np.where(unseen, 0.0, x) for one in rows]
+        x[unseen] = scaled_lstsq(np.vstack([one.design[:, unseen] for one in rows]), np.concatenate(left))
+    return replace(candidate, x=x, squares=regression.squares(model, x))
 
 
 class Misfit:
@@ -106,3 +154,57 @@ def refined(
     there = misfit.at(found.x)
     inside = zip(there.hypotheses, there.psi, strict=True)
     return replace(there, psi=tuple(hypothesis.inside(psi) for hypothesis, psi in inside))
+
+
+class Starts:
+    """Values of psi from which a search has come far: when the same is sought anew, it begins there.
+
+    Where only weights have changed, or the psi of what was accepted, the best of them has hardly moved.
+    """
+
+    def __init__(self) -> None:
+        self._known: dict[tuple[frozenset[Hypothesis], Hypothesis], Floats] = {}
+
+    def of(self, model: Model, hypothesis: Hypothesis) -> Floats | None:
+        """Return those of a hypothesis beside a model's, (n_start, n_psi); None if it was not tried there."""
+        return self._known.get((frozenset(model.hypotheses), hypothesis))
+
+    def keep(self, model: Model, hypothesis: Hypothesis, starts: Floats) -> None:
+        """Keep those that did best."""
+        self._known[frozenset(model.hypotheses), hypothesis] = starts
+
+    def forget(self) -> None:
+        """Forget all: they are of other trials."""
+        self._known.clear()
+
+
+def peaks(left: Floats, motions: Sequence[Motion], whitening: Whitening) -> Floats:
+    """Return the frequencies at which residuals swing most, (n_peak, 1) [Hz].
+
+    Parameters
+    ----------
+    left : (n_slower of all motions,)
+        Of one joint, one motion after the other.
+    motions : sequence of Motion
+    whitening : Whitening
+        Says what the slower grid is.
+    """
+    stride = whitening.stride
+    ends = np.cumsum([0, *(len(motion.t[::stride]) for motion in motions)])
+    span = float(motions[-1].t[-1] - motions[0].t[0])
+    f = np.arange(0.05, whitening.band_hz, 0.25 / span)
+    swing = np.zeros(len(f), dtype=np.complex128)
+    for motion, first, last in zip(motions, ends, ends[1:], strict=False):
+        # A chirp transform: as fine as all trials together tell frequencies apart, at their own times.
+        spectrum = scipy.signal.zoom_fft(
+            left[first:last], [f[0], f[-1]], len(f), fs=1.0 / (stride * motion.dt_s), endpoint=True
+        )
+        swing += np.exp(-2j * np.pi * f * motion.t[0]) * spectrum
+    power = np.abs(swing)
+    found: list[float] = []
+    for k in np.argsort(power)[::-1]:
+        if all(abs(f[k] - other) > 1.0 / span for other in found):
+            found.append(float(f[k]))
+        if len(found) == FOREMOST:
+            break
+    return np.array(found)[:, None]

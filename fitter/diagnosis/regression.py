@@ -15,8 +15,16 @@ from numpy.typing import NDArray
 from arm.model import Arm, Floats
 from fitter.diagnosis.attenuation import Noise, NoisyRows, let_through, noisier
 from fitter.diagnosis.equation import Weighting, weighting
-from fitter.diagnosis.least_squares import ITERATIONS, SETTLED, TINY, UNEXPLAINED, compensated, scaled_lstsq
-from fitter.diagnosis.mass_density import MassDensity, Normal
+from fitter.diagnosis.least_squares import (
+    ITERATIONS,
+    SETTLED,
+    TINY,
+    UNEXPLAINED,
+    Normal,
+    compensated,
+    scaled_lstsq,
+)
+from fitter.diagnosis.mass_density import MassDensity
 from fitter.diagnosis.model import Model
 from fitter.diagnosis.motion import Motion
 from fitter.diagnosis.rests import Rests

@@ -20,8 +20,7 @@ from numpy.typing import NDArray
 
 from arm.model import Floats
 from fitter.diagnosis.equation import Weighting
-from fitter.diagnosis.least_squares import ITERATIONS
-from fitter.diagnosis.mass_density import REMEMBERED, Normal
+from fitter.diagnosis.least_squares import ITERATIONS, REMEMBERED, Normal
 from fitter.diagnosis.model import Model
 from fitter.diagnosis.motion import Motion
 from fitter.diagnosis.rows import Equations

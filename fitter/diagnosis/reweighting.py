@@ -7,22 +7,55 @@ torques of any size next to such a start could do whatever a lag, a limit or a p
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from arm.model import Floats
 from fitter.diagnosis.equation import Weighting
-from fitter.diagnosis.least_squares import ROUNDED, SIGMAS, TINY
+from fitter.diagnosis.least_squares import PLAINLY, ROUNDED, SIGMAS, TINY
 from fitter.diagnosis.model import Model
 from fitter.diagnosis.motion import Motion
 from fitter.diagnosis.rows import Equations
 from fitter.diagnosis.whitening import WINDOW_S, inner_rests
 
+#: The noise's size is known to a tenth (`whitening`) …
+SIZE_KNOWN = 0.1
+#: … so no more variance than this multiple of its own is a floor.
+KNOWN = (1.0 + SIZE_KNOWN) ** 2
 #: Noise is measured in this part of the band, where differentiated angles are all of it.
 _FROM = 0.5
 #: So many times the largest torque that has held is allowed for, as a standard deviation: more might have held.
 _ALLOWED = 2.0
+
+
+@dataclass(frozen=True)
+class Floor:
+    """The floor of every joint.
+
+    Attributes
+    ----------
+    ratio : (n_joint,)
+        Variance of what is left, in units of the sensors' noise.
+    white : (n_joint,) [N m or N]
+        sqrt(D), a sample.
+    steep : (n_joint,)
+        E.
+    """
+
+    ratio: Floats
+    white: Floats
+    steep: Floats
+
+    @property
+    def is_none(self) -> bool:
+        """Whether nothing but the sensors' noise is left."""
+        return bool(np.all(self.ratio <= KNOWN))
+
+    @property
+    def is_plain(self) -> bool:
+        """Whether much more is left."""
+        return bool(np.any(self.ratio > PLAINLY))
 
 
 def reweighted(

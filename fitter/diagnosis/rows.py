@@ -14,8 +14,7 @@ from numpy.typing import NDArray
 from arm.model import Arm, Floats
 from arm.regressor import standard_parameters
 from fitter.diagnosis.equation import Weighting
-from fitter.diagnosis.hypothesis import Hypothesis
-from fitter.diagnosis.model import Model
+from fitter.diagnosis.model import Hypothesis, Model
 from fitter.diagnosis.motion import Motion
 from fitter.diagnosis.view import BaseColumns, View, view_of
 from fitter.diagnosis.white_rows import Columns, Rows

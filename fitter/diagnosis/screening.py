@@ -4,44 +4,18 @@ Each is tried for itself, so several processors share them.
 """
 
 from collections.abc import Callable, Sequence
-from dataclasses import replace
 
 import numpy as np
 
 from arm.model import Floats
 from fitter.diagnosis.grid import Best, Grid
-from fitter.diagnosis.hypothesis import Hypothesis
-from fitter.diagnosis.least_squares import FOREMOST, NEGLIGIBLE, PLAINLY, UNEXPLAINED, scaled_lstsq
-from fitter.diagnosis.model import Candidate, Model
+from fitter.diagnosis.least_squares import FOREMOST, NEGLIGIBLE, PLAINLY, UNEXPLAINED
+from fitter.diagnosis.model import Candidate, Hypothesis, Model
 from fitter.diagnosis.motion import Motion
 from fitter.diagnosis.payload import find_payloads
-from fitter.diagnosis.refinement import refined
+from fitter.diagnosis.refinement import Starts, by_learning, fitted
 from fitter.diagnosis.regression import Regression
-from fitter.diagnosis.starts import Starts
 from fitter.side_by_side import side_by_side
-
-
-def fitted(
-    regression: Regression, model: Model, refine: bool = True, held: int = 0, to_all: bool = False
-) -> Candidate:
-    """Return a model fitted to the trials that may be learnt from, and what it leaves in all of them.
-
-    Parameters
-    ----------
-    regression : Regression
-    model : Model
-    refine : bool
-        Whether psi is sought, too.
-    held : int
-        So many hypotheses, from the first on, keep their psi.
-    to_all : bool
-        Whether it is fitted to all trials, as a model with an event always is.
-    """
-    motions = regression.motions if to_all else regression.motions_of(model)
-    if refine:
-        model = refined(regression, model, motions, held)
-    x = regression.solve(model, motions)
-    return Candidate(model, x, regression.squares(model, x))
 
 
 def screen(
@@ -150,23 +124,6 @@ def fitted_all(
         Candidate(Model((*before, hypothesis), psi), x, accepted.squares if squares is None else squares)
         for hypothesis, (psi, x, squares) in zip(hypotheses, found, strict=True)
     ]
-
-
-def by_learning(regression: Regression, candidate: Candidate) -> Candidate:
-    """Return a model with the factors that the learning trials tell, as every model has that holds no event.
-
-    Only the size of what the learning trials do not show is told by the others.
-    """
-    model = candidate.model
-    x = regression.solve(model, regression.learning)
-    grams = [regression.rows(model, motion).columns.gram for motion in regression.learning]
-    unseen = np.all([np.diag(one) == 0.0 for one in grams], axis=0)
-    judging = [motion for motion in regression.motions if not motion.learn]
-    if np.any(unseen) and judging:
-        rows = [regression.rows(model, motion) for motion in judging]
-        left = [one.target.ravel() - one.design @ np.where(unseen, 0.0, x) for one in rows]
-        x[unseen] = scaled_lstsq(np.vstack([one.design[:, unseen] for one in rows]), np.concatenate(left))
-    return replace(candidate, x=x, squares=regression.squares(model, x))
 
 
 def _possible(candidate: Candidate) -> bool:

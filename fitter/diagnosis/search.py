@@ -2,14 +2,17 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Literal
 
 import numpy as np
 
 from arm.model import Floats
 from fitter.diagnosis.evidence import Fit, likelihood_of
-from fitter.diagnosis.floor import Floor
 from fitter.diagnosis.model import Candidate
+from fitter.diagnosis.reweighting import Floor
 from fitter.diagnosis.stepwise import Step
+
+Verdict = Literal["named", "ambiguous", "none", "unexplained"]
 
 
 @dataclass(frozen=True)

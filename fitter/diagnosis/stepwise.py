@@ -9,8 +9,8 @@ from itertools import combinations
 from typing import Protocol
 
 from fitter.diagnosis.evidence import Fit, is_better, likelihood_of, worth
-from fitter.diagnosis.hypothesis import Hypothesis
 from fitter.diagnosis.least_squares import FOREMOST, ODDS_NATS, PLAINLY
+from fitter.diagnosis.model import Hypothesis
 
 
 class Likelihood(Protocol):

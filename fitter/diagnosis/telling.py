@@ -11,11 +11,9 @@ from fitter.diagnosis.finding import Finding, Left, NamedCause, Polished, Tried
 from fitter.diagnosis.held_out import likeness
 from fitter.diagnosis.holding import EFFECT as STICTION
 from fitter.diagnosis.holding import Holding, sticking
-from fitter.diagnosis.hypothesis import Hypothesis
 from fitter.diagnosis.judgement import Errors, gain, judged, torque_left
-from fitter.diagnosis.model import Candidate
+from fitter.diagnosis.model import Candidate, Hypothesis
 from fitter.diagnosis.motion import Motion
-from fitter.diagnosis.named_pushes import pushes_of
 from fitter.diagnosis.next_experiment import next_experiment
 from fitter.diagnosis.payload import Payload
 from fitter.diagnosis.pushes import Pushes
@@ -24,6 +22,34 @@ from fitter.diagnosis.search import Search
 from fitter.dynamics.evaluation import HORIZON_S
 from fitter.search.fitted_parameter import FittedParameter
 from limbcal.note import of_source
+
+_START = "start_s"
+_NAMES = (_START, "duration_s", "torque_N_m")
+
+
+def pushes_of(motions: Sequence[Motion], cause: NamedCause) -> list[NamedCause]:
+    """Return a cause of several pushes as one cause each, with the trial that it is in.
+
+    Parameters
+    ----------
+    motions : sequence of Motion
+    cause : NamedCause
+        Its starts are on the run's clock.
+    """
+    count, listed = len(cause.parameters) // len(_NAMES), []
+    for k in range(1, count + 1):
+        end = f"_{k}" if count > 1 else ""
+        own = {name: cause.parameters[name + end] for name in _NAMES}
+        motion = _trial_of(motions, own[_START].value)
+        began = motion.trial.began_s - float(motion.t[0] - motion.trial.t[0])
+        own[_START] = replace(own[_START], value=own[_START].value + began)
+        listed.append(replace(cause, parameters=own, where={"trial": motion.trial.name}))
+    return listed
+
+
+def _trial_of(motions: Sequence[Motion], at_s: float) -> Motion:
+    """Return the trial that an instant of the run's clock is in, or the one nearest to it."""
+    return min(motions, key=lambda motion: max(float(motion.t[0]) - at_s, at_s - float(motion.t[-1])))
 
 
 def finding_of(

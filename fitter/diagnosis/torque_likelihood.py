@@ -7,15 +7,15 @@ from scipy.stats import chi2
 
 from fitter.diagnosis.estimates import estimates, significant
 from fitter.diagnosis.evidence import Fit, likelihood_of
-from fitter.diagnosis.floor import KNOWN, SIZE_KNOWN, Floor, floored, part_of_floor
-from fitter.diagnosis.hypothesis import Hypothesis
+from fitter.diagnosis.floor import floored, part_of_floor
 from fitter.diagnosis.least_squares import BLOCK_S, ITERATIONS, NEGLIGIBLE, ODDS_NATS, ROUNDED
 from fitter.diagnosis.mass_density import MassDensity
-from fitter.diagnosis.model import Candidate, Model
+from fitter.diagnosis.model import Candidate, Hypothesis, Model
+from fitter.diagnosis.refinement import Starts, by_learning, fitted
 from fitter.diagnosis.regression import Regression
 from fitter.diagnosis.rests import Rests
-from fitter.diagnosis.screening import by_learning, fitted, screen
-from fitter.diagnosis.starts import Starts
+from fitter.diagnosis.reweighting import KNOWN, SIZE_KNOWN, Floor
+from fitter.diagnosis.screening import screen
 
 #: Which part of what is lacking moved the arm where the torque was measured: nobody knows, none to all of it.
 _MOVED = 0.5

@@ -23,7 +23,6 @@ import scipy.fft
 from numpy.typing import NDArray
 
 from arm.model import Floats
-from fitter.diagnosis.least_squares import TINY
 
 #: The band falls off, as a squared sine, over this share of it: 3/8 of the noise in there pass.
 _EDGE = 0.2
@@ -69,7 +68,12 @@ class Whitening:
     @property
     def seen_hz(self) -> float:
         """Where the noise of differentiated angles outgrows that of the torque, at the last joint to."""
-        rate = np.sqrt(np.max(self.torque_noise / np.sqrt(np.maximum(np.diag(self.acceleration_noise), TINY))))
+        rate = np.sqrt(
+            np.max(
+                self.torque_noise
+                / np.sqrt(np.maximum(np.diag(self.acceleration_noise), np.finfo(np.float64).tiny))
+            )
+        )
         return float(np.clip(rate / (2.0 * np.pi), 1.0, self.band_hz))
 
     @property

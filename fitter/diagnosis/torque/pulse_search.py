@@ -10,8 +10,7 @@ from arm.model import Floats
 from fitter.diagnosis.least_squares import ITERATIONS, NEGLIGIBLE, SETTLED
 from fitter.diagnosis.torque.background import LONGEST_PULSE_S, Rows
 from fitter.diagnosis.torque.kalman import Filter, innovations
-from fitter.diagnosis.torque.pulse import FORMS, Pulse, either, in_rows, seen, unseen_s
-from fitter.diagnosis.torque.pulse_shapes import DURATION_RATIO, Shapes
+from fitter.diagnosis.torque.pulse import DURATION_RATIO, FORMS, Pulse, Shapes, either, in_rows, seen, unseen_s
 from limbcal.compiled import compiled
 
 #: Steps of the derivative by start and duration, as a ratio to the duration.

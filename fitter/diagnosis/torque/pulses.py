@@ -4,25 +4,84 @@ A pulse is sought at every instant with every duration, by its evidence against 
 Student's tails (`background`): the likelihood ratio integrated over a prior of its size, with all places equally
 likely beforehand. Whatever the background's tails, it exceeds odds of a hundred to one by chance no more often
 than once in a hundred searches (Markov's inequality: its mean under the background is one). What the background
-does not follow is told by the evidence of what is no pulse (`chance`).
+does not follow is told by the evidence of what is no pulse (`Tail`).
 """
 
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
+from scipy.optimize import brentq
 
-from fitter.diagnosis.least_squares import ODDS_NATS
+from arm.model import Floats
+from fitter.diagnosis.least_squares import NEGLIGIBLE, ODDS_NATS, ROUNDED
 from fitter.diagnosis.torque.background import LONGEST_PULSE_S, Background, Rows, estimated, log_likelihood
-from fitter.diagnosis.torque.chance import Tail
 from fitter.diagnosis.torque.missing_torque import ResidualTorque
-from fitter.diagnosis.torque.pulse import Pulse, in_rows
+from fitter.diagnosis.torque.pulse import Pulse, Shapes, in_rows
 from fitter.diagnosis.torque.pulse_search import Search
-from fitter.diagnosis.torque.pulse_shapes import Shapes
 
+#: Scale of the tail of a background that follows its model, by Markov's inequality [nats].
+_LEAST_SCALE = 1.0
 #: Share of the blocks that tell what is usual: a compromise of efficiency and robustness (Rousseeuw and Van
 #: Driessen 2006).
 _USUAL = 0.75
+
+
+@dataclass(frozen=True)
+class Tail:
+    r"""The tail of the evidence of blocks without a pulse: how evident pulses are by chance.
+
+    Evidence has a longer tail where a background does not follow its model, as where an effect is modelled roughly
+    and its errors come in bursts; so that tail is learnt from what no pulse is taken for (an empirical null: Efron
+    2004). The excesses over the median are exponential, ``P(E > u + y) = exp(-y / beta) / 2`` (m.3), as those of
+    light tails are (Balkema and de Haan 1974).
+
+    Attributes
+    ----------
+    threshold, scale : float [nats]
+        The median u, and beta.
+    """
+
+    threshold: float
+    scale: float
+
+    @classmethod
+    def of(cls, evidence: Floats, most: float) -> "Tail":
+        """Return the tail by maximum likelihood.
+
+        Parameters
+        ----------
+        evidence : (n_block,) [nats]
+            Of blocks without a pulse.
+        most : float [nats]
+            Blocks of more evidence are taken for pulses: the excesses' distribution is cut off there.
+        """
+        if len(evidence) == 0:
+            return cls(0.0, _LEAST_SCALE)
+        threshold = float(np.median(evidence))
+        excess = evidence[evidence > threshold] - threshold
+        if len(excess) == 0:
+            return cls(threshold, _LEAST_SCALE)
+        return cls(threshold, max(_LEAST_SCALE, _scale(float(excess.mean()), most - threshold)))
+
+    def nats(self, evidence: float) -> float:
+        """Return minus the logarithm of the probability of so evident a block by chance, eq. (m.3)."""
+        return float(np.log(2.0) + max(evidence - self.threshold, 0.0) / self.scale)
+
+
+def _scale(mean: float, most: float) -> float:
+    """Return the scale of an exponential distribution that is cut off, by its mean there."""
+    if most <= 0.0 or mean >= 0.5 * most:  # as frequent up there as below
+        return max(most, mean) / NEGLIGIBLE
+
+    def missing(scale: float) -> float:
+        return scale - most / float(np.expm1(most / scale)) - mean
+
+    uncut = mean
+    if most > -np.log(ROUNDED) * mean:  # so far out a cut is rounding
+        return uncut
+    longest = most / NEGLIGIBLE  # as good as flat
+    return float(brentq(missing, uncut, longest)) if missing(longest) > 0.0 else longest
 
 
 def find_pulses(trials: Sequence[ResidualTorque]) -> list[Pulse]:

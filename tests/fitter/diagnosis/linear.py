@@ -8,8 +8,7 @@ from arm.effects.catalogue import catalogue
 from arm.model import Floats
 from fitter.diagnosis.estimates import significant
 from fitter.diagnosis.evidence import Fit, likelihood_of
-from fitter.diagnosis.hypothesis import Hypothesis
-from fitter.diagnosis.model import Candidate, Model
+from fitter.diagnosis.model import Candidate, Hypothesis, Model
 from fitter.diagnosis.view import View
 
 #: Rows a block, blocks a trial.

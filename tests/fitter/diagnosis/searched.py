@@ -5,11 +5,10 @@ from collections.abc import Sequence
 from arm.model import Effect
 from fitter.data.motions import Measured
 from fitter.data.trials import to_trials
-from fitter.diagnosis.hypothesis import Hypothesis
-from fitter.diagnosis.model import Model
-from fitter.diagnosis.motion import run_of
+from fitter.diagnosis.model import Hypothesis, Model
+from fitter.diagnosis.refinement import fitted
 from fitter.diagnosis.regression import Regression
-from fitter.diagnosis.screening import fitted
+from fitter.diagnosis.run import run_of
 from fitter.diagnosis.search import Search, cause_of, supports
 from fitter.diagnosis.stepwise import Found, Stepwise
 from fitter.diagnosis.torque_likelihood import TorqueLikelihood

@@ -8,7 +8,7 @@ from arm.model import Effect
 from fitter.diagnosis.covariance import _between, covariance_of, information_of, slopes
 from fitter.diagnosis.in_drive import Lag
 from fitter.diagnosis.model import Model
-from fitter.diagnosis.screening import fitted
+from fitter.diagnosis.refinement import fitted
 from tests.fitter.diagnosis.searched import swinging
 
 LAG = Lag(catalogue()["actuator_lag"], (0,))

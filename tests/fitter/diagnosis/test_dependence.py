@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 import scipy.stats
 
-from fitter.diagnosis import dependence
-from fitter.diagnosis.dependence import _xi, dependences
+from fitter.diagnosis import folds
+from fitter.diagnosis.folds import _xi, dependences
 from fitter.diagnosis.model import Candidate, Model
 
 FINAL = Candidate(Model(), np.zeros(0), np.zeros(0))
@@ -23,7 +23,7 @@ def run(left):
 
 @pytest.fixture(autouse=True)
 def remaining(monkeypatch):
-    monkeypatch.setattr(dependence, "remaining_torque", lambda _regression, _model, _x, motion: motion.left)
+    monkeypatch.setattr(folds, "remaining_torque", lambda _regression, _model, _x, motion: motion.left)
 
 
 def test_ranks_that_go_up_steadily_are_all_but_a_function():

@@ -10,9 +10,9 @@ from fitter.data.trials import to_trials
 from fitter.diagnosis.at_joint import AtJoint
 from fitter.diagnosis.estimates import estimates, extended_arm, significant
 from fitter.diagnosis.model import Model
-from fitter.diagnosis.motion import run_of
+from fitter.diagnosis.refinement import fitted
 from fitter.diagnosis.regression import Regression
-from fitter.diagnosis.screening import fitted
+from fitter.diagnosis.run import run_of
 from tests.fitter.pendulum import pendulum, swings
 
 

@@ -14,9 +14,9 @@ from fitter.diagnosis.estimates import estimates
 from fitter.diagnosis.falling_friction import hump_of
 from fitter.diagnosis.holding import holdings
 from fitter.diagnosis.model import Model
-from fitter.diagnosis.motion import run_of
+from fitter.diagnosis.refinement import fitted
 from fitter.diagnosis.regression import Regression
-from fitter.diagnosis.screening import fitted
+from fitter.diagnosis.run import run_of
 from tests.fitter.diagnosis.searched import searched
 from tests.fitter.pendulum import pendulum
 

@@ -7,10 +7,11 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from fitter.diagnosis.floor import Floor, _freedom, _likeliest, floored, part_of_floor
+from fitter.diagnosis.floor import _freedom, _likeliest, floored, part_of_floor
 from fitter.diagnosis.model import Model
+from fitter.diagnosis.refinement import fitted
 from fitter.diagnosis.regression import Regression
-from fitter.diagnosis.screening import fitted
+from fitter.diagnosis.reweighting import Floor
 from tests.fitter.diagnosis.searched import swinging
 from tests.fitter.diagnosis.two_joints import regression_of_two
 

@@ -10,9 +10,9 @@ from fitter.diagnosis.folds import Folds, typical
 from fitter.diagnosis.functions import Functions, products
 from fitter.diagnosis.least_squares import scaled_lstsq
 from fitter.diagnosis.model import Model
-from fitter.diagnosis.motion import run_of
+from fitter.diagnosis.refinement import fitted
 from fitter.diagnosis.regression import Regression
-from fitter.diagnosis.screening import fitted
+from fitter.diagnosis.run import run_of
 from tests.fitter.pendulum import pendulum, swings
 
 

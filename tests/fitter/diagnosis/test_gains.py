@@ -11,11 +11,11 @@ from fitter.data.motions import read_motions
 from fitter.data.trials import to_trials
 from fitter.diagnosis.hypotheses import hypotheses
 from fitter.diagnosis.model import Model
-from fitter.diagnosis.motion import run_of
+from fitter.diagnosis.refinement import Starts, fitted
 from fitter.diagnosis.regression import Regression
 from fitter.diagnosis.reweighting import reweighted
-from fitter.diagnosis.screening import fitted, screen
-from fitter.diagnosis.starts import Starts
+from fitter.diagnosis.run import run_of
+from fitter.diagnosis.screening import screen
 from protocol.tables.columns import ColumnMap
 
 

@@ -14,12 +14,11 @@ from fitter.diagnosis.in_arm import FrictionDrift, GravityTilt
 from fitter.diagnosis.in_drive import Gain, Lag
 from fitter.diagnosis.least_squares import scaled_lstsq
 from fitter.diagnosis.model import Model
-from fitter.diagnosis.motion import run_of
 from fitter.diagnosis.pushes import Pushes
-from fitter.diagnosis.refinement import refined
+from fitter.diagnosis.refinement import Starts, fitted, refined
 from fitter.diagnosis.regression import Regression
-from fitter.diagnosis.screening import fitted, screen
-from fitter.diagnosis.starts import Starts
+from fitter.diagnosis.run import run_of
+from fitter.diagnosis.screening import screen
 from fitter.diagnosis.torque.pulse import Pulse
 from fitter.diagnosis.torque_likelihood import TorqueLikelihood
 from tests.fitter.pendulum import pendulum, stop_that_no_learning_trial_reaches, swings

@@ -8,8 +8,8 @@ import pytest
 from fitter.data.trials import to_trials
 from fitter.diagnosis.held_out import Judged, likeness, novelty
 from fitter.diagnosis.judgement import Errors
-from fitter.diagnosis.motion import run_of
 from fitter.diagnosis.regression import Regression
+from fitter.diagnosis.run import run_of
 from tests.fitter.pendulum import pendulum, swings
 
 

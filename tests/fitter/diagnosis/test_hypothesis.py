@@ -6,7 +6,7 @@ import pytest
 from arm.effects.catalogue import catalogue
 from fitter.diagnosis.at_joint import AtJoint
 from fitter.diagnosis.hypotheses import hypotheses
-from fitter.diagnosis.hypothesis import Turn
+from fitter.diagnosis.model import Turn
 from tests.fitter.diagnosis.searched import swinging
 
 

@@ -9,9 +9,10 @@ from fitter.data.trials import to_trials
 from fitter.diagnosis.estimates import estimates
 from fitter.diagnosis.in_transmission import Backlash, Elasticity
 from fitter.diagnosis.model import Model
-from fitter.diagnosis.motion import Motion, run_of
+from fitter.diagnosis.motion import Motion
+from fitter.diagnosis.refinement import fitted
 from fitter.diagnosis.regression import Regression
-from fitter.diagnosis.screening import fitted
+from fitter.diagnosis.run import run_of
 from fitter.diagnosis.view import view_of
 from tests.fitter.pendulum import pendulum, swings
 

@@ -9,8 +9,8 @@ from arm.model import Control, Floats
 from fitter.data.trials import to_trials
 from fitter.diagnosis.judgement import Errors, judged, unfiltered
 from fitter.diagnosis.model import Candidate, Model
-from fitter.diagnosis.motion import run_of
 from fitter.diagnosis.regression import Regression
+from fitter.diagnosis.run import run_of
 from tests.fitter.pendulum import pendulum, swings
 
 

@@ -11,7 +11,8 @@ from arm.effects.catalogue import catalogue
 from fitter.diagnosis.at_joint import AtJoint
 from fitter.diagnosis.falling_friction import HeldStribeck
 from fitter.diagnosis.in_arm import RotorInertia
-from fitter.diagnosis.mass_density import MassDensity, Normal
+from fitter.diagnosis.least_squares import Normal
+from fitter.diagnosis.mass_density import MassDensity
 from fitter.diagnosis.model import Model
 from fitter.diagnosis.regression import Regression
 from tests.fitter.diagnosis.searched import swinging

@@ -5,7 +5,7 @@ import pytest
 
 from arm.model import Effect
 from fitter.diagnosis.estimates import estimates
-from fitter.diagnosis.missed_pushes import missed, pushed, with_pushes
+from fitter.diagnosis.pushes import missed, pushed, with_pushes
 from fitter.diagnosis.torque.pulse import Pulse
 from fitter.diagnosis.torque_likelihood import TorqueLikelihood
 from tests.fitter.diagnosis.searched import swinging

@@ -12,10 +12,10 @@ from fitter.diagnosis.estimates import estimates
 from fitter.diagnosis.hypotheses import hypotheses
 from fitter.diagnosis.in_transmission import Backlash, Elasticity
 from fitter.diagnosis.model import Candidate, Model
-from fitter.diagnosis.motion import run_of
 from fitter.diagnosis.play import play_of
+from fitter.diagnosis.refinement import fitted
 from fitter.diagnosis.regression import Regression
-from fitter.diagnosis.screening import fitted
+from fitter.diagnosis.run import run_of
 from tests.fitter.diagnosis.linear import Columns
 from tests.fitter.pendulum import pendulum, swings
 

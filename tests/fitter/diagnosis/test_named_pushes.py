@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from fitter.diagnosis.finding import NamedCause
-from fitter.diagnosis.named_pushes import pushes_of
+from fitter.diagnosis.telling import pushes_of
 from fitter.search.fitted_parameter import FittedParameter
 
 LASTS_S, TRIMMED_S = 5.0, 0.1

@@ -7,9 +7,9 @@ from arm.model import Effect
 from fitter.data.resample import resample
 from fitter.data.trials import derive
 from fitter.diagnosis.model import Model
-from fitter.diagnosis.motion import run_of
 from fitter.diagnosis.payload import Payload, find_payloads
 from fitter.diagnosis.regression import Regression
+from fitter.diagnosis.run import run_of
 from tests.fitter.pendulum import pendulum, swings
 
 

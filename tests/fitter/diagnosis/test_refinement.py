@@ -8,13 +8,12 @@ from arm.effects.catalogue import catalogue
 from arm.model import Effect
 from fitter.data.trials import to_trials
 from fitter.diagnosis.at_joint import AtJoint
-from fitter.diagnosis.hypothesis import Hypothesis
 from fitter.diagnosis.in_arm import JointZero
 from fitter.diagnosis.in_drive import Lag
-from fitter.diagnosis.model import Model
-from fitter.diagnosis.motion import run_of
+from fitter.diagnosis.model import Hypothesis, Model
 from fitter.diagnosis.refinement import refined
 from fitter.diagnosis.regression import Regression
+from fitter.diagnosis.run import run_of
 from tests.fitter.pendulum import pendulum, swings
 
 _ZERO = Effect("joint_zero", {"offset_rad": 0.2}, joints=(1,))

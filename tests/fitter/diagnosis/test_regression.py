@@ -19,10 +19,10 @@ from fitter.diagnosis.in_drive import Delay, Gain, Lag, Limit
 from fitter.diagnosis.in_transmission import Elasticity
 from fitter.diagnosis.least_squares import scaled_lstsq
 from fitter.diagnosis.model import Model
-from fitter.diagnosis.motion import run_of
 from fitter.diagnosis.payload import Payload
 from fitter.diagnosis.regression import Regression
 from fitter.diagnosis.rows import Equations
+from fitter.diagnosis.run import run_of
 from fitter.diagnosis.white_rows import Columns
 from tests.fitter.pendulum import pendulum, swings
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from arm.model import Effect
-from fitter.diagnosis.robust import robustly_fitted
+from fitter.diagnosis.pushes import robustly_fitted
 from fitter.diagnosis.torque_likelihood import TorqueLikelihood
 from tests.fitter.diagnosis.searched import swinging
 

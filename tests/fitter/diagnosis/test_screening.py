@@ -7,8 +7,8 @@ from arm.effects.catalogue import catalogue
 from arm.model import Effect
 from fitter.diagnosis.at_joint import AtJoint
 from fitter.diagnosis.model import Model
-from fitter.diagnosis.screening import by_learning, fitted, screen
-from fitter.diagnosis.starts import Starts
+from fitter.diagnosis.refinement import Starts, by_learning, fitted
+from fitter.diagnosis.screening import screen
 from tests.fitter.diagnosis.searched import swinging
 
 SPRING, DRAG = (AtJoint(catalogue()[name], 0) for name in ("joint_spring", "quadratic_drag"))

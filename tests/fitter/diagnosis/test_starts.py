@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from fitter.diagnosis.model import Model
-from fitter.diagnosis.starts import Starts, peaks
+from fitter.diagnosis.refinement import Starts, peaks
 from tests.fitter.diagnosis.linear import Columns
 
 BAND_HZ, DT_S, STRIDE = 10.0, 0.01, 4

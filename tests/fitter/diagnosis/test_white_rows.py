@@ -9,8 +9,8 @@ from fitter.diagnosis.at_joint import AtJoint
 from fitter.diagnosis.in_arm import JointZero
 from fitter.diagnosis.least_squares import own_square, scaled_lstsq
 from fitter.diagnosis.model import Model
-from fitter.diagnosis.motion import run_of
 from fitter.diagnosis.regression import Regression
+from fitter.diagnosis.run import run_of
 from fitter.diagnosis.white_rows import Columns
 from tests.fitter.pendulum import pendulum, swings
 

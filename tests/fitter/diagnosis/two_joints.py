@@ -9,8 +9,8 @@ from arm.model import Arm, Effect
 from arm.simulation import simulate
 from fitter.data.motions import Measured
 from fitter.data.trials import to_trials
-from fitter.diagnosis.motion import run_of
 from fitter.diagnosis.regression import Regression
+from fitter.diagnosis.run import run_of
 
 _DT_S, _SECONDS, _ANGLE_RAD, _TORQUE_N_M = 0.004, 3.0, 2e-4, 0.01
 #: Steps of the controller, which holds its torque, a sample.

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from fitter.diagnosis.torque.chance import Tail
+from fitter.diagnosis.torque.pulses import Tail
 
 
 @pytest.mark.parametrize("scale", [1.5, 3.0])

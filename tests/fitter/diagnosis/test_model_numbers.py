@@ -14,7 +14,7 @@ from arm.simulation import simulate
 from fitter.diagnosis.at_joint import AtJoint
 from fitter.diagnosis.estimates import estimates, extended_arm
 from fitter.diagnosis.model import Candidate, Model
-from fitter.diagnosis.simulated_motion.model_numbers import ShootingWithEffects, model_numbers, numbers_of, windows
+from fitter.diagnosis.model_numbers import ShootingWithEffects, model_numbers, numbers_of, windows
 from fitter.dynamics.stretches import Stretch
 from fitter.dynamics.structure import structural_parameters
 from tests.fitter.diagnosis.searched import swinging

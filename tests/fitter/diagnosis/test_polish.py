@@ -11,14 +11,14 @@ from fitter.diagnosis.at_joint import AtJoint
 from fitter.diagnosis.conclusion import Conclusion
 from fitter.diagnosis.covariance import information_of
 from fitter.diagnosis.estimates import estimates
-from fitter.diagnosis.floor import Floor
 from fitter.diagnosis.in_arm import RotorInertia
 from fitter.diagnosis.model import Candidate, Model
-from fitter.diagnosis.motion import run_of
+from fitter.diagnosis.polish import is_measured, loses, polished
+from fitter.diagnosis.refinement import fitted
 from fitter.diagnosis.regression import Regression
-from fitter.diagnosis.screening import fitted
+from fitter.diagnosis.reweighting import Floor
+from fitter.diagnosis.run import run_of
 from fitter.diagnosis.search import Search
-from fitter.diagnosis.simulated_motion.polish import is_measured, loses, polished
 from fitter.diagnosis.unknown import Remainder
 from tests.fitter.diagnosis.searched import swinging
 

@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from arm.model import Arm, Floats
+from fitter.diagnosis.braking import friction_at, seen_states
 from fitter.diagnosis.conclusion import Conclusion
 from fitter.diagnosis.covariance import information_of
 from fitter.diagnosis.estimates import Estimates, estimates, extended_arm
@@ -23,15 +24,14 @@ from fitter.diagnosis.holding import sticking
 from fitter.diagnosis.judgement import judged, smooth, torque_left
 from fitter.diagnosis.least_squares import BLOCK_S, EQUAL_SIGMAS, ROUNDED, SIGMAS, SLOPE
 from fitter.diagnosis.model import Candidate
-from fitter.diagnosis.motion import Motion
-from fitter.diagnosis.regression import Regression
-from fitter.diagnosis.simulated_motion.braking import friction_at, seen_states
-from fitter.diagnosis.simulated_motion.model_numbers import (
+from fitter.diagnosis.model_numbers import (
     ModelNumbers,
     ShootingWithEffects,
     model_numbers,
     windows,
 )
+from fitter.diagnosis.motion import Motion
+from fitter.diagnosis.regression import Regression
 from fitter.dynamics.output_error import Allowed, fit_motion
 from fitter.dynamics.stretches import LONGEST_STEP_S
 

@@ -7,7 +7,7 @@ import pytest
 from scipy.ndimage import gaussian_filter1d
 
 from fitter.data.trials import Trial, to_trials
-from fitter.diagnosis.velocity import sharper, sharper_gain, told_from_rest, velocity, velocity_gain
+from fitter.diagnosis.run import sharper, sharper_gain, told_from_rest, velocity, velocity_gain
 from fitter.diagnosis.whitening import STUCK_S
 from tests.fitter.pendulum import swings
 

@@ -1,1 +1,0 @@
-"""How far an arm's simulated motion goes astray, and its numbers moved until it does least."""
