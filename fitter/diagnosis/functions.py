@@ -15,9 +15,10 @@ from arm.model import Floats
 from fitter.diagnosis.least_squares import ROUNDED
 from fitter.diagnosis.motion import Motion
 
-#: Hats a variable, and powers of all variables together, by how many variables a function has. With fewer of them
+#: Hats a variable, and degree of all variables together, by how many variables a function has. With fewer of them
 #: it is the finer one, so that a further variable never wins for being one more.
-_FUNCTIONS = {1: 8, 2: 6, 3: 4}
+_HATS = {1: 8, 2: 6, 3: 4}
+_DEGREE = {1: 7, 2: 5, 3: 4}
 
 
 _SHAPES: dict[str, Callable[[Floats], Floats]] = {
@@ -68,13 +69,13 @@ class Functions:
         """Return all products of hats of some variables, (n_sample, n_function)."""
         columns = np.ones((len(motion.t), 1))
         for name in some:
-            one = self._hats(motion, name, _FUNCTIONS[len(some)])
+            one = self._hats(motion, name, _HATS[len(some)])
             columns = (columns[:, :, None] * one[:, None, :]).reshape(len(columns), -1)
         return columns
 
     def polynomials(self, motion: Motion, some: Sequence[str]) -> Floats:
         """Return all products of Legendre polynomials up to a degree of all together, (n_sample, n_function)."""
-        most = _FUNCTIONS[len(some)] - 1
+        most = _DEGREE[len(some)]
         powers = [self._powers(motion, name, most) for name in some]
         kept = [
             degrees
