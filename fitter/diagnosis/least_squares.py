@@ -1,4 +1,7 @@
-"""Least squares where columns may depend on one another, and when what is left differs from nothing."""
+"""Least squares where columns may depend on one another, and when what is left differs from nothing.
+
+With the tolerances, probabilities and limits that all parts of a diagnosis share.
+"""
 
 from dataclasses import dataclass
 
@@ -31,8 +34,8 @@ ODDS_NATS = float(np.log(100.0))
 BLOCK_S = 1.0
 #: Share of a torque, a variance or a gain that is negligible, a convention: models of arms are seldom that good.
 NEGLIGIBLE = 0.01
-#: Share of what is to be explained that may stay unexplained, as 1 - `CONFIDENCE` of a probability.
-UNEXPLAINED = 1.0 - CONFIDENCE
+#: Share of what is to be explained that may stay unexplained, a convention.
+UNEXPLAINED = 0.05
 #: Of what is tried roughly, so many of the best are looked at again: the best is seldom further behind.
 FOREMOST = 5
 #: Greatest number of causes: a machine has more, but no run identifies more.
