@@ -9,6 +9,7 @@ from scipy.stats import chi2
 from arm.base_parameters import BaseParameters, with_base_values
 from arm.model import Arm, Effect, Estimate, Floats, Joint
 from arm.physical_links import is_possible, link_parameters
+from arm.regressor import standard_parameters
 from fitter.diagnosis.covariance import covariance_of
 from fitter.diagnosis.least_squares import CONFIDENCE, ROUNDED, SLOPE
 from fitter.diagnosis.model import Candidate, Hypothesis
@@ -74,6 +75,28 @@ def estimates(regression: Regression, fitted: Candidate, covariance: Floats | No
         effects.append(_numbers(hypothesis, psi, factors, covariance[np.ix_(own, own)], regression.motions))
         at, psi_at = at + hypothesis.n_column, psi_at + len(psi)
     return Estimates(base, values, errors, tuple(effects), covariance)
+
+
+def possible_base(regression: Regression, fitted: Candidate) -> Floats:
+    """Return base parameters of links that can exist, the nearest to those of a fitted model, (n_base,).
+
+    Parameters
+    ----------
+    regression : Regression
+    fitted : Candidate
+
+    Raises
+    ------
+    NotConverged
+        If there are none.
+    """
+    view = regression.view(fitted.model, regression.motions[0])
+    base = structural_parameters(_generic(regression.arm, view.arm))
+    where = [base.independent.index(int(column)) for column in regression.equations.independent(view.arm)]
+    values = np.full(len(base.names), np.nan)
+    values[where] = fitted.x[: len(where)]
+    possible = nearest_possible(regression.arm, base, values)
+    return np.asarray((base.combination @ standard_parameters(possible))[where], dtype=np.float64)
 
 
 def significant(fitted: Candidate, covariance: Floats) -> list[bool]:

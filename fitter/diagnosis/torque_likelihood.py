@@ -1,11 +1,12 @@
 """The likelihood of the torque equation, with a floor of what the model lacks, as the search asks for it."""
 
 from collections.abc import Callable, Sequence
+from contextlib import suppress
 
 import numpy as np
 from scipy.stats import chi2
 
-from fitter.diagnosis.estimates import estimates, significant
+from fitter.diagnosis.estimates import estimates, possible_base, significant
 from fitter.diagnosis.evidence import Fit, likelihood_of
 from fitter.diagnosis.floor import floored, part_of_floor
 from fitter.diagnosis.least_squares import BLOCK_S, ITERATIONS, NEGLIGIBLE, ODDS_NATS, ROUNDED
@@ -16,6 +17,7 @@ from fitter.diagnosis.regression import Regression
 from fitter.diagnosis.rests import Rests
 from fitter.diagnosis.reweighting import KNOWN, SIZE_KNOWN, Floor
 from fitter.diagnosis.screening import screen
+from limbcal.errors import NotConverged
 
 #: Which part of what is lacking moved the arm where the torque was measured: nobody knows, none to all of it.
 _MOVED = 0.5
@@ -185,6 +187,10 @@ class TorqueLikelihood:
             count = {motion.number: anew.weighting.told_at_joints(motion) for motion in anew.motions}
             start = candidate.x[: len(candidate.x) - candidate.model.n_column]
             anew.density = MassDensity(anew.equations, anew.motions, weight, count, start)
+            if not np.isfinite(anew.density.of(Model(), start, anew.motions)):  # torques the wrong way round
+                with suppress(NotConverged):
+                    start = possible_base(self.regression, candidate)
+                    anew.density = MassDensity(anew.equations, anew.motions, weight, count, start)
             anew.rests = Rests(anew.equations, anew.motions, anew.floor_part)
         self.regression = anew
         self._starts.forget()

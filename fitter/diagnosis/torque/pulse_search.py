@@ -114,7 +114,8 @@ class Search:
         J = np.stack([self.kalman.innovations(column) for column in columns], axis=1)
         information = (self.nu + 1.0) / (self.nu + 3.0) * J.T @ J
         if np.linalg.matrix_rank(information, hermitian=True) < len(information):
-            return np.full(3, np.inf), -np.inf
+            sized = 1.0 / np.sqrt(information[2, 2]) if information[2, 2] > 0.0 else np.inf
+            return np.array([np.inf, np.inf, sized]), -np.inf  # its size is known where its ends are not seen
         place = rows.step_s * duration_s * float(np.log(DURATION_RATIO))
         volume = 1.5 * np.log(2.0 * np.pi) - 0.5 * np.linalg.slogdet(information)[1] - np.log(place)
         return np.sqrt(np.maximum(np.diag(np.linalg.inv(information)), 0.0)), float(volume)

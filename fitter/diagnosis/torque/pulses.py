@@ -14,7 +14,7 @@ import numpy as np
 from scipy.optimize import brentq
 
 from arm.model import Floats
-from fitter.diagnosis.least_squares import NEGLIGIBLE, ODDS_NATS, ROUNDED
+from fitter.diagnosis.least_squares import EQUAL_SIGMAS, NEGLIGIBLE, ODDS_NATS, ROUNDED
 from fitter.diagnosis.torque.background import LONGEST_PULSE_S, Background, Rows, estimated, log_likelihood
 from fitter.diagnosis.torque.missing_torque import ResidualTorque
 from fitter.diagnosis.torque.pulse import Pulse, Shapes, in_rows
@@ -148,7 +148,8 @@ def _beside(background: Background, rows: Sequence[Rows], joint: int, n_joint: i
 
     def is_one(pulse: Pulse) -> bool:
         nats = _worth(rows, likely, pulse, background)
-        return bool(min(nats - places, tail.nats(nats) - blocks) > ODDS_NATS)
+        is_sized = abs(pulse.torque_N_m) > EQUAL_SIGMAS * pulse.torque_std  # as of any cause
+        return bool(is_sized and min(nats - places, tail.nats(nats) - blocks) > ODDS_NATS)
 
     return [pulse for pulse in likely if is_one(pulse)]
 

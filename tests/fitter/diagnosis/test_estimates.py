@@ -8,11 +8,12 @@ import pytest
 from arm.effects.catalogue import catalogue
 from fitter.data.trials import to_trials
 from fitter.diagnosis.at_joint import AtJoint
-from fitter.diagnosis.estimates import estimates, extended_arm, significant
+from fitter.diagnosis.estimates import estimates, extended_arm, possible_base, significant
 from fitter.diagnosis.model import Model
 from fitter.diagnosis.refinement import fitted
 from fitter.diagnosis.regression import Regression
 from fitter.diagnosis.run import run_of
+from tests.fitter.diagnosis.two_joints import regression_of_two
 from tests.fitter.pendulum import pendulum, swings
 
 
@@ -66,3 +67,13 @@ def test_a_size_differs_from_none_by_its_error(regression):
         dragged = replace(base, model=Model((drag,), (np.zeros(0),)), x=np.append(base.x, 0.1))
         covariance = np.diag(np.append(np.ones(len(base.x)), (0.1 / sigmas) ** 2))
         assert significant(dragged, covariance) == [said]
+
+
+def test_masses_that_no_body_has_become_the_nearest_that_one_can_have():
+    regression = regression_of_two()
+    base = fitted(regression, Model())
+    same = possible_base(regression, base)
+    np.testing.assert_allclose(same, base.x, rtol=0.05, atol=0.02 * np.abs(base.x).max())
+    upside_down = possible_base(regression, replace(base, x=-base.x))
+    names = estimates(regression, base).base.names
+    assert all(upside_down[k] >= 0.0 for k, name in enumerate(names) if name.startswith("I"))

@@ -39,7 +39,7 @@ def test_nothing_is_found_where_nothing_is_known():
 
 def test_pulses_that_are_much_of_what_is_known_are_found():
     rng = np.random.default_rng(8)
-    sizes = {1: 0.8, 4: -0.7, 6: 0.9}
+    sizes = {1: 2.0, 4: -1.8, 6: 2.2}
     trials = [trial(rng, [(4.0, 0.3, sizes[k], "rectangular")] if k in sizes else ()) for k in range(8)]
     for part in trials:  # once and again for some tenths of a second
         part.known[:, 0] = (part.t % 3.0 > 2.6) | ((part.t > 4.08) & (part.t < 4.28))
