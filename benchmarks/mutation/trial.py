@@ -1,0 +1,146 @@
+"""One fault and its tests: whether they notice it."""
+
+import json
+import os
+import re
+import subprocess
+import sys
+from collections.abc import Callable, Sequence
+from contextlib import AbstractContextManager
+from pathlib import Path
+from typing import Any, Self
+
+from benchmarks.mutation.checkout import Copy
+from benchmarks.mutation.mirror import mirrored, tests_of
+from benchmarks.mutation.mutants import Mutant, change, mutated
+from benchmarks.mutation.server import TOO_LONG
+
+Line = dict[str, Any]
+
+#: What a test file may take with a fault: this many times what it takes without, and some seconds: processors are
+#: shared, and a short run is mostly a matter of what else they do.
+LIMIT_FACTOR, LIMIT_MORE_S = 4.0, 20.0
+#: What a test file may take without a fault; one that takes longer is too slow to be run for each fault.
+SLOWEST_S = 240.0
+_FIRST_FAILED = re.compile(r"^(?:FAILED|ERROR) (\S+)", re.MULTILINE)
+
+
+class Tests(AbstractContextManager["Tests"]):
+    """Runs the test files of a copy of the checkout.
+
+    Parameters
+    ----------
+    copy : Copy
+    log : Path
+        What the last run said; outside of the copy.
+    """
+
+    def __init__(self, copy: Copy, log: Path) -> None:
+        self.copy, self._log = copy, log
+        self._process: subprocess.Popen[str] | None = None
+
+    def __enter__(self) -> Self:
+        """Start the process that runs tests."""
+        environment = {
+            **os.environ,
+            "PYTHONPATH": str(self.copy.root),
+            "PYTHONDONTWRITEBYTECODE": "1",
+            **dict.fromkeys(("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS"), "1"),
+        }
+        self._process = subprocess.Popen(  # noqa: S603 - our own module
+            [sys.executable, "-m", "benchmarks.mutation.server"],
+            **{"stdin": subprocess.PIPE, "stdout": subprocess.PIPE, "text": True},
+            cwd=self.copy.root,
+            env=environment,
+        )
+        self._read()
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        """End it."""
+        assert self._process is not None
+        assert self._process.stdin is not None
+        assert self._process.stdout is not None
+        self._process.stdin.close()
+        self._process.wait()
+        self._process.stdout.close()
+
+    def run(self, file: str, limit_s: float) -> Line:
+        """Run a test file, up to the first test that fails; return its exit code, time and that test."""
+        arguments = ["-x", "-q", "--tb=no", "-p", "no:cacheprovider", file]
+        request = {"arguments": arguments, "log": str(self._log), "limit_s": limit_s}
+        assert self._process is not None
+        assert self._process.stdin is not None
+        self._process.stdin.write(json.dumps(request) + "\n")
+        self._process.stdin.flush()
+        answer = self._read()
+        failed = _FIRST_FAILED.search(self._log.read_text(encoding="utf-8", errors="replace"))
+        return answer | {"failed": failed and failed[1]}
+
+    def _read(self) -> Line:
+        assert self._process is not None
+        assert self._process.stdout is not None
+        answer: Line = json.loads(self._process.stdout.readline())
+        return answer
+
+
+class Trials:
+    """Puts faults into the copy and runs the tests that should notice.
+
+    Parameters
+    ----------
+    tests : Tests
+    known : mapping
+        What is known of test files without a fault, by their name.
+    note : callable
+        Is given each line that becomes known of them.
+    most : int
+        How many test files a fault has to be noticed by one of.
+    """
+
+    def __init__(self, tests: Tests, known: dict[str, Line], note: Callable[[Line], None], most: int) -> None:
+        self._tests, self._known, self._note, self._most = tests, known, note, most
+
+    def run(self, mutant: Mutant) -> Line:
+        """Try one fault; the line says what noticed it."""
+        root = self._tests.copy.root
+        code = (root / mutant.path).read_text(encoding="utf-8")
+        changed = mutated(code, mutant)
+        own = mirrored(root, mutant.path)
+        line: Line = {"key": mutant.key, "path": mutant.path, "line": mutant.line, "change": change(code, changed)}
+        files = [file for file in tests_of(root, mutant.path, self._most) if self._usable(file)]
+        with self._tests.copy.having(mutant.path, changed):
+            for file in files:
+                limit_s = LIMIT_FACTOR * self._known[file]["seconds"] + LIMIT_MORE_S
+                found = self._tests.run(file, limit_s)
+                if found["code"]:
+                    outcome = "timed out" if found["code"] == TOO_LONG else "killed"
+                    by = found["failed"] or file
+                    return line | {"outcome": outcome, "by": by, "mirrored": file == own}
+        return line | {"outcome": "survived", "tried": files}
+
+    def _usable(self, file: str) -> bool:
+        """Say whether a test file passes without a fault, and soon enough."""
+        if file not in self._known:
+            found = self._tests.run(file, SLOWEST_S)
+            if not found["code"]:  # the first run may have compiled kernels
+                found = min(found, self._tests.run(file, SLOWEST_S), key=lambda one: float(one["seconds"]))
+            self._known[file] = {"key": file, **found}
+            self._note(self._known[file])
+        return not self._known[file]["code"]
+
+
+def summary(lines: Sequence[Line]) -> str:
+    """Return what became of the faults, and those that nobody noticed."""
+    counts = {name: sum(line["outcome"] == name for line in lines) for name in ("killed", "timed out", "survived")}
+    noticed = counts["killed"] + counts["timed out"]
+    own = sum(bool(line.get("mirrored")) for line in lines)
+    share = 100.0 * noticed / len(lines) if lines else 0.0
+    survivors = [f"{line['path']}:{line['line']}  {line['change']}" for line in lines if line["outcome"] == "survived"]
+    return "\n".join(
+        [
+            f"{len(lines)} mutants: " + ", ".join(f"{count} {name}" for name, count in counts.items()),
+            f"{share:.1f} % noticed; {own} by the test file of the module's name",
+            *(["survivors:", *sorted(survivors)] if survivors else []),
+        ]
+    )
