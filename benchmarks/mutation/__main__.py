@@ -90,7 +90,7 @@ def main(argv: list[str] | None = None) -> int:
     add("--sample", type=int, default=200, metavar="N", help="faults to try (default 200)")
     add("--seed", type=int, default=0, help="of the sample (default 0)")
     add("--packages", nargs="+", default=list(PACKAGES), metavar="PATH", help=f"default: {' '.join(PACKAGES)}")
-    add("--nearest", type=int, default=5, metavar="N", help="test files tried; 1: the nearest alone (default 5)")
+    add("--nearest", type=int, default=3, metavar="N", help="test files tried; 1: the nearest alone (default 3)")
     add("--again", type=Path, metavar="FILE", help="only what survived in an earlier results file")
     parser.set_defaults(action=act)
     return run_command(parser, argv)

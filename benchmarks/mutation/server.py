@@ -13,6 +13,7 @@ import select
 import signal
 import sys
 import time
+import traceback
 import types
 from pathlib import Path
 
@@ -70,9 +71,11 @@ def _run(arguments: list[str], log: Path) -> None:
         sys.argv = ["pytest", *arguments]
         sys.modules["__main__"] = types.ModuleType("__main__")  # which processes that tests start need not load
         code = int(pytest.main(arguments))
+    except BaseException:  # whatever it is, it must not lead back to the parent's loop
+        traceback.print_exc()
+    finally:
         sys.stdout.flush()
         sys.stderr.flush()
-    finally:
         os._exit(code)
 
 

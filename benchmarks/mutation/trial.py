@@ -20,8 +20,9 @@ Line = dict[str, Any]
 #: What a test file may take with a fault: this many times what it takes without, and some seconds: processors are
 #: shared, and a short run is mostly a matter of what else they do.
 LIMIT_FACTOR, LIMIT_MORE_S = 4.0, 20.0
-#: What a test file may take without a fault; one that takes longer is too slow to be run for each fault.
-SLOWEST_S = 240.0
+#: What the test file of the module's name, and any other, may take without a fault: one that takes longer is too slow
+#: to be run for each fault.
+SLOWEST_OWN_S, SLOWEST_S = 120.0, 30.0
 _FIRST_FAILED = re.compile(r"^(?:FAILED|ERROR) (\S+)", re.MULTILINE)
 
 
@@ -67,7 +68,9 @@ class Tests(AbstractContextManager["Tests"]):
 
     def run(self, file: str, limit_s: float) -> Line:
         """Run a test file, up to the first test that fails; return its exit code, time and that test."""
-        arguments = ["-x", "-q", "--tb=no", "-p", "no:cacheprovider", file]
+        # Libraries are there before pytest looks at what they assert; nobody asks what that is.
+        loaded = ["-W", "ignore::pytest.PytestAssertRewriteWarning"]
+        arguments = ["-x", "-q", "--tb=no", "-p", "no:cacheprovider", *loaded, file]
         request = {"arguments": arguments, "log": str(self._log), "limit_s": limit_s}
         assert self._process is not None
         assert self._process.stdin is not None
@@ -108,24 +111,22 @@ class Trials:
         changed = mutated(code, mutant)
         own = mirrored(root, mutant.path)
         line: Line = {"key": mutant.key, "path": mutant.path, "line": mutant.line, "change": change(code, changed)}
-        files = [file for file in tests_of(root, mutant.path, self._most) if self._usable(file)]
-        with self._tests.copy.having(mutant.path, changed):
-            for file in files:
-                limit_s = LIMIT_FACTOR * self._known[file]["seconds"] + LIMIT_MORE_S
-                found = self._tests.run(file, limit_s)
-                if found["code"]:
-                    outcome = "timed out" if found["code"] == TOO_LONG else "killed"
-                    by = found["failed"] or file
-                    return line | {"outcome": outcome, "by": by, "mirrored": file == own}
-        return line | {"outcome": "survived", "tried": files}
+        tried = []
+        for file in tests_of(root, mutant.path, self._most):
+            if not self._usable(file, SLOWEST_OWN_S if file == own else SLOWEST_S):
+                continue
+            tried.append(file)
+            with self._tests.copy.having(mutant.path, changed):
+                found = self._tests.run(file, LIMIT_FACTOR * self._known[file]["seconds"] + LIMIT_MORE_S)
+            if found["code"]:
+                outcome = "timed out" if found["code"] == TOO_LONG else "killed"
+                return line | {"outcome": outcome, "by": found["failed"] or file, "mirrored": file == own}
+        return line | {"outcome": "survived", "tried": tried}
 
-    def _usable(self, file: str) -> bool:
+    def _usable(self, file: str, slowest_s: float) -> bool:
         """Say whether a test file passes without a fault, and soon enough."""
         if file not in self._known:
-            found = self._tests.run(file, SLOWEST_S)
-            if not found["code"]:  # the first run may have compiled kernels
-                found = min(found, self._tests.run(file, SLOWEST_S), key=lambda one: float(one["seconds"]))
-            self._known[file] = {"key": file, **found}
+            self._known[file] = {"key": file, **self._tests.run(file, slowest_s)}
             self._note(self._known[file])
         return not self._known[file]["code"]
 
