@@ -221,7 +221,7 @@ class SampleLedger:
         assert self._ticks is not None
         before, samples = (run.ticks[-2], n) if count > 1 else (self._ticks, self._frame_samples)
         self.step.go_on(run.ticks[-1] - before, samples, run.ticks[-1], self._frame_samples + (count - 1) * n)
-        self._sequence, self._skipped = (run.sequence + count - 1) % SEQUENCES, 0
+        self._sequence = (run.sequence + count - 1) % SEQUENCES
         self._ticks, self._frame_samples = run.ticks[-1], n
         self.samples += len(run.counts)
 

@@ -12,7 +12,7 @@ def tests_of(root: Path, path: str, most: int) -> list[str]:
 
     The nearest is that of its name in the same place under ``tests/``. After it come those of its package that import
     it, those that name it most often first, and those that call a command by its name; then, in the same way, those of
-    the modules that import it.
+    the modules that import it. Where its package has none, those of others do.
 
     Parameters
     ----------
@@ -32,7 +32,7 @@ def tests_of(root: Path, path: str, most: int) -> list[str]:
         users = [user for user in _importers(root, module, _modules(root, path)) if user not in seen]
         seen.update(users)
         waiting += users
-    return list(found)[:most]
+    return list(found or dict.fromkeys(_importers(root, path, _tests(root, ""))))[:most]
 
 
 def mirrored(root: Path, path: str) -> str | None:
@@ -47,7 +47,7 @@ def mirrored(root: Path, path: str) -> str | None:
 
 
 def _tests(root: Path, path: str) -> list[str]:
-    folder = root / "tests" / Path(path).parts[0]
+    folder = root.joinpath("tests", *Path(path).parts[:1])
     return sorted(str(file.relative_to(root)) for file in folder.rglob("test_*.py"))
 
 
@@ -71,7 +71,9 @@ def _uses(file: Path) -> Counter[str]:
     names = Counter(node.id for node in ast.walk(tree) if isinstance(node, ast.Name))
     words = (node.value for node in ast.walk(tree) if isinstance(node, ast.Constant) and isinstance(node.value, str))
     imported = Counter({module: 1 + count for module, count in _imports(tree, names)})
-    return imported + Counter(repr(word) for word in words)
+    strings = Counter(words)
+    named = Counter({word.split(":")[0]: count for word, count in strings.items()})  # "package.module:function"
+    return imported + named + Counter({repr(word): count for word, count in strings.items()})
 
 
 def _imports(tree: ast.AST, names: Counter[str]) -> Iterator[tuple[str, int]]:

@@ -19,10 +19,10 @@ Line = dict[str, Any]
 
 #: What a test file may take with a fault: this many times what it takes without, and some seconds: processors are
 #: shared, and a short run is mostly a matter of what else they do.
-LIMIT_FACTOR, LIMIT_MORE_S = 4.0, 20.0
+LIMIT_FACTOR, LIMIT_MORE_S = 4.0, 15.0
 #: What the test file of the module's name, and any other, may take without a fault: one that takes longer is too slow
 #: to be run for each fault.
-SLOWEST_OWN_S, SLOWEST_S = 120.0, 30.0
+SLOWEST_OWN_S, SLOWEST_S = 60.0, 15.0
 _FIRST_FAILED = re.compile(r"^(?:FAILED|ERROR) (\S+)", re.MULTILINE)
 
 

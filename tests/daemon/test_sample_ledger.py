@@ -57,6 +57,26 @@ def test_a_lost_info_is_no_loss_of_samples() -> None:
     assert entered(ledger, SamplesFrame(three.sequence, round(1000 + 1000), three.counts)) == 0
 
 
+def test_frames_missed_before_an_info_are_counted_once() -> None:
+    every = frames(5, 0, 32000.0, 1e6)
+    ledger = SampleLedger(32000.0, 1e6)
+    entered(ledger, every[0])
+    ledger.pass_over(3, every[3].ticks)  # frames 1 and 2 did not come
+    assert entered(ledger, SamplesFrame(4, every[3].ticks, every[3].counts)) == 64
+    after = SamplesFrame(5, every[4].ticks, every[4].counts)
+    assert ledger.in_sequence(after)
+    assert ledger.numbered(after) == 0
+
+
+def test_what_was_missed_before_a_restart_is_not_missed_after_it() -> None:
+    before, after = frames(1, 500, 32000.0, 1e6)[0], frames(1, 7, 32000.0, 1e6)[0]
+    ledger = SampleLedger(32000.0, 1e6)
+    entered(ledger, before)
+    ledger.pass_over(503, before.ticks + 3000)
+    ledger.pass_over(6, 0)
+    assert ledger.numbered(after) == 0
+
+
 def test_samples_that_the_device_lost_before_numbering_are_seen_by_its_clock() -> None:
     one, two = frames(2, 0, 32000.0, 1e6)
     ledger = SampleLedger(32000.0, 1e6)

@@ -43,6 +43,13 @@ def test_jitter_of_the_clock_widens_what_is_no_loss() -> None:
     assert step.ticks_per_sample == pytest.approx(312.5, rel=1e-3)
 
 
+def test_one_sample_more_is_more_than_rounding_explains() -> None:
+    step = TickStep(312.5, 1e7)
+    assert step.late(33 * 10_000 // 32, 32) == pytest.approx(1.0, abs=0.01)
+    assert 0.5 < step.tolerance() < 0.6  # half a sample, and what two rounded stamps may be off
+    assert 0.5 * 312.5 < step.tolerance_ticks < 0.6 * 312.5
+
+
 def test_few_strays_change_nothing() -> None:
     step = TickStep(312.5, 1e7)
     for _ in range(MAJORITY - 1):

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from arm.arm_file import load_arm
 from arm.kinematics import link_transforms, sensor_positions
-from arm.model import Arm, Joint, Sensor
+from arm.model import Arm, Joint, Sensor, Tip
 from playback.shape import Mesh, base_mesh, link_meshes, link_poses, reach_m, sensor_mesh
 
 ARMS = ("dd-arm", "dd-arm-vertical", "spatial-arm", "human-arm-right", "human-leg-left", "examples/human-arm.toml")
@@ -110,6 +110,14 @@ def test_a_last_link_of_no_length_reaches_to_what_rides_on_it() -> None:
     wrist = np.array(arm.sensors[-1].position_m) + np.array(arm.tip.offset_m if arm.tip else 0.0)
     hand = link_meshes(arm)[-1].vertices
     assert np.min(np.linalg.norm(hand - wrist, axis=1)) < 0.05 * reach_m(arm)
+
+
+def test_a_tip_off_its_sensor_is_where_the_last_link_ends() -> None:
+    arm = load_arm("examples/human-arm.toml")
+    sensor = arm.sensors[-1]
+    off = replace(arm, tip=Tip(sensor.name, (0.1, 0.0, 0.2)))
+    end = np.array(sensor.position_m) + np.array([0.1, 0.0, 0.2])
+    assert np.min(np.linalg.norm(link_meshes(off)[-1].vertices - end, axis=1)) < 0.05 * reach_m(off)
 
 
 def test_a_wrist_is_only_a_hub() -> None:

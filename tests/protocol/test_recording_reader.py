@@ -1,15 +1,18 @@
 """Recordings as they are read, whole, cut and damaged."""
 
+import tracemalloc
+
 import msgpack
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from mcap.opcode import Opcode
 
 from limbcal.errors import DataError, ProtocolError
 from protocol.message import FRAMES, RAW, encode
 from protocol.recording import RecordingWriter
-from protocol.recording_reader import read_recording, recording_attachments
+from protocol.recording_reader import MAGIC, MAX_RECORD_BYTES, read_recording, recording_attachments
 
 N = 150
 
@@ -144,6 +147,20 @@ def test_what_is_no_recording_is_said(tmp_path, function):
         function(tmp_path / "none.mcap")
     with pytest.raises(DataError, match="Is a directory"):
         function(tmp_path)
+
+
+def test_a_record_longer_than_any_is_not_read(tmp_path):
+    path = tmp_path / "long.mcap"
+    with path.open("wb") as file:
+        file.write(MAGIC + bytes([Opcode.ATTACHMENT]) + (MAX_RECORD_BYTES + 1).to_bytes(8, "little"))
+        file.truncate(file.tell() + MAX_RECORD_BYTES + 1)  # a hole, which takes no room on the disk
+    tracemalloc.start()
+    try:
+        with read_recording(path) as reader:
+            assert list(reader) == []
+        assert tracemalloc.get_traced_memory()[1] < 1 << 20
+    finally:
+        tracemalloc.stop()
 
 
 def test_attachments_of_a_file_cut_before_them(recording, scratch):

@@ -49,6 +49,16 @@ def test_a_faster_sensor_is_brought_to_the_rate_of_the_slower(tmp_path):
     assert np.allclose(run.a[inner, 3:], readings(run.t, 2)[inner], atol=1e-3)
 
 
+def test_what_the_slower_rate_cannot_carry_is_taken_off_the_faster_sensor(tmp_path):
+    write(tmp_path / "s1.csv", 0.01 * np.arange(500), 1)
+    t = 0.0025 * np.arange(2000)
+    shaken = readings(t, 2) + 3.0 * np.sin(2.0 * np.pi * 130.0 * t)[:, None]
+    write_motion(tmp_path / "s2.csv", {"t": t} | {name: shaken[:, k] for k, name in enumerate("xyz")})
+    (run,) = load_raw([tmp_path], SENSORS, 2)
+    inner = slice(50, -50)
+    assert np.allclose(run.a[inner, 3:], readings(run.t, 2)[inner], atol=0.05)
+
+
 def test_several_runs_are_told_by_their_names_or_folders(tmp_path):
     for run in ("one", "two"):
         for k, sensor in enumerate(SENSORS, 1):
