@@ -4,11 +4,14 @@ VENV := .venv
 BIN := $(VENV)/bin
 STAMP := $(VENV)/.installed
 BENCH_STAMP := $(VENV)/.installed-bench
+MUTATE_STAMP := $(VENV)/.installed-mutate
 KERNELS := $(VENV)/.kernels
+SAMPLE ?= 200
+SEED ?= 0
 SOURCES := $(shell find arm daemon fitter limbcal playback protocol tracking -name '*.py')
 
 .DEFAULT_GOAL := help
-.PHONY: help run test soak check bench lock clean
+.PHONY: help run test soak check bench mutate lock clean
 
 help: ## list the targets
 	@grep -hE '^[a-z]+:.*##' $(MAKEFILE_LIST) | sed 's/:.*## /\t/' | expand -t 10
@@ -49,12 +52,19 @@ bench: $(BENCH_STAMP) ## the torque fit beside its peers (docs/benchmarks.md); a
 	$(BIN)/python -m benchmarks.tracking --seeds 0-2
 	$(BIN)/python -m benchmarks.gaps
 
+$(MUTATE_STAMP): $(STAMP)
+	$(BIN)/python -m pip install --quiet --constraint constraints.txt --editable '.[mutate]'
+	@touch $@
+
+mutate: $(MUTATE_STAMP) ## whether tests notice small faults, put into a copy of the code (SAMPLE=200, SEED=0)
+	$(BIN)/python -m benchmarks.mutation --sample $(SAMPLE) --seed $(SEED)
+
 lock: ## rewrite constraints.txt from the newest versions that fit
 	rm -rf $(VENV)
 	$(PYTHON) -m venv $(VENV)
-	$(BIN)/python -m pip install --quiet --editable '.[dev,view,cluster,bench]'
+	$(BIN)/python -m pip install --quiet --editable '.[dev,view,cluster,bench,mutate]'
 	$(BIN)/python -m pip freeze --exclude-editable > constraints.txt
-	@touch $(STAMP) $(BENCH_STAMP)
+	@touch $(STAMP) $(BENCH_STAMP) $(MUTATE_STAMP)
 
 clean: ## remove what the targets made
 	rm -rf $(VENV) out build *.egg-info

@@ -2,8 +2,8 @@
 
 A sample of faults is put into a copy of the checkout, one at a time: a number one more or less, a comparison, an
 operator, a condition turned round, a loop never run, an exception not caught. The test file of the module's name
-runs, and if it passes, those nearest to it in its package. A fault that none of them notices has survived; one that
-makes them take far longer than without it counts as noticed.
+runs, and if it passes, those nearest to it in its package. A fault that none of them notices has survived; one with
+which they take far longer than without it counts as noticed.
 
 Results are those of one commit: ``benchmarks/results/mutation-<commit>.jsonl``, a line a fault, which a later call
 adds to. Where the checkout differs from its commit they begin anew.
@@ -14,11 +14,18 @@ import sys
 from pathlib import Path
 from typing import Any
 
-from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
+from rich.progress import (
+    BarColumn,
+    MofNCompleteColumn,
+    Progress,
+    TextColumn,
+    TimeElapsedColumn,
+    TimeRemainingColumn,
+)
 
 from benchmarks.mutation.checkout import Copy
 from benchmarks.mutation.mutants import Mutant, mutants_of, sample
-from benchmarks.mutation.trial import Tests, Trials, summary
+from benchmarks.mutation.trial import Runner, Trials, summary
 from benchmarks.record import append, known_lines, path_of, read_lines
 from limbcal.arguments import Parser, common_options
 from limbcal.command import Document, console, emit, run_command
@@ -37,7 +44,9 @@ def files_of(root: Path, packages: list[str]) -> list[str]:
     for name in packages:
         place = root / name
         if not place.exists():
-            raise ConfigError(f"--packages has {name}, which is not there; expected some like {', '.join(PACKAGES)}")
+            raise ConfigError(
+                f"--packages has {name}, which is not there; expected some like {', '.join(PACKAGES)}"
+            )
         found += [place] if place.is_file() else sorted(place.rglob("*.py"))
     return [str(file.relative_to(root)) for file in found]
 
@@ -66,11 +75,11 @@ def act(options: argparse.Namespace) -> Document:
     work = ROOT / "out" / "mutation"
     copy = Copy(ROOT, work / "checkout")
     with (
-        Tests(copy, work / "last_run.txt") as tests,
+        Runner(copy, work / "last_run.txt") as runner,
         Progress(*columns, TextColumn("{task.description}"), console=console) as bar,
     ):
         task = bar.add_task("", total=len(todo))
-        trials = Trials(tests, known, lambda line: append(path, line), options.nearest)
+        trials = Trials(runner, known, lambda line: append(path, line), options.nearest)
         for mutant in todo:
             if mutant.key not in known:
                 bar.update(task, description=f"{mutant.path}:{mutant.line}")

@@ -33,8 +33,8 @@ class Copy:
     def having(self, name: str, code: str) -> Iterator[None]:
         """Give a file other code for a while.
 
-        Its time and size stay, by which the compiler knows its kernels (it looks at those themselves, too): they need
-        not be compiled anew for a fault beside them. Python would take it for the old one just so, hence forgets it.
+        Its time and size stay, by which the compiler knows its kernels (it looks at those themselves, too): they
+        need not be compiled anew for a fault beside them. What Python has compiled of it goes: it knows it just so.
         """
         file = self.root / name
         before, stat = file.read_bytes(), file.stat()

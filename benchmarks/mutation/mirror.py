@@ -10,9 +10,9 @@ from pathlib import Path
 def tests_of(root: Path, path: str, most: int) -> list[str]:
     """Return the test files nearest to a module, nearest first.
 
-    The nearest is that of its name in the same place under ``tests/``. After it come those of its package that import
-    it, those that name it most often first, and those that call a command by its name; then, in the same way, those of
-    the modules that import it. Where its package has none, those of others do.
+    The nearest is that of its name in the same place under ``tests/``. After it come those of its package that
+    import it, those that name it most often first, and those that call a command by its name; then, in the same way,
+    those of the modules that import it. Where its package has none, those of others do.
 
     Parameters
     ----------
@@ -69,7 +69,9 @@ def _uses(file: Path) -> Counter[str]:
     """Return how often a file names what it imports, module by module; and, in quotes, its strings."""
     tree = ast.parse(file.read_text(encoding="utf-8"))
     names = Counter(node.id for node in ast.walk(tree) if isinstance(node, ast.Name))
-    words = (node.value for node in ast.walk(tree) if isinstance(node, ast.Constant) and isinstance(node.value, str))
+    words = (
+        node.value for node in ast.walk(tree) if isinstance(node, ast.Constant) and isinstance(node.value, str)
+    )
     imported = Counter({module: 1 + count for module, count in _imports(tree, names)})
     strings = Counter(words)
     named = Counter({word.split(":")[0]: count for word, count in strings.items()})  # "package.module:function"

@@ -25,7 +25,7 @@ def may_change(node: NodeOrLeaf, compiled: frozenset[str]) -> bool:
     compiled : frozenset of str
         Names that compiled functions of the module look up: `compiled_names`.
     """
-    if _is_union(node):
+    if _is_union(node) or node.type == "assert_stmt":
         return False
     child = node
     while (parent := child.parent) is not None:
@@ -44,11 +44,7 @@ def may_change(node: NodeOrLeaf, compiled: frozenset[str]) -> bool:
 def compiled_names(tree: NodeOrLeaf) -> frozenset[str]:
     """Return the names that the compiled functions of a module contain."""
     return frozenset(
-        leaf.value
-        for node in nodes(tree)
-        if _is_kernel(node)
-        for leaf in nodes(node)
-        if isinstance(leaf, Name)
+        leaf.value for node in nodes(tree) if _is_kernel(node) for leaf in nodes(node) if isinstance(leaf, Name)
     )
 
 

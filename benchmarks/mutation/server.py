@@ -1,4 +1,4 @@
-"""A process that has loaded the libraries, and forks a process for each run of tests: that saves seconds each time.
+"""A process that has loaded the libraries, and forks one for each run of tests: that saves seconds each time.
 
 It reads requests from its input, a JSON line each, and answers each by a line. Nothing of the project is loaded
 before it forks: each run loads the code as it then is.
@@ -36,9 +36,14 @@ def serve() -> None:
     for library in LIBRARIES:
         importlib.import_module(library)
     gc.freeze()
-    print(json.dumps({"ready": True}), flush=True)
+    _tell({"ready": True})
     for line in sys.stdin:
-        print(json.dumps(_answer(json.loads(line))), flush=True)
+        _tell(_answer(json.loads(line)))
+
+
+def _tell(answer: dict[str, object]) -> None:
+    sys.stdout.write(json.dumps(answer) + "\n")
+    sys.stdout.flush()
 
 
 def _answer(request: dict[str, object]) -> dict[str, object]:

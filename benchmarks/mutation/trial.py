@@ -20,13 +20,13 @@ Line = dict[str, Any]
 #: What a test file may take with a fault: this many times what it takes without, and some seconds: processors are
 #: shared, and a short run is mostly a matter of what else they do.
 LIMIT_FACTOR, LIMIT_MORE_S = 4.0, 15.0
-#: What the test file of the module's name, and any other, may take without a fault: one that takes longer is too slow
-#: to be run for each fault.
+#: What the test file of the module's name, and any other, may take without a fault: one that takes longer is too
+#: slow to be run for each fault.
 SLOWEST_OWN_S, SLOWEST_S = 60.0, 15.0
 _FIRST_FAILED = re.compile(r"^(?:FAILED|ERROR) (\S+)", re.MULTILINE)
 
 
-class Tests(AbstractContextManager["Tests"]):
+class Runner(AbstractContextManager["Runner"]):
     """Runs the test files of a copy of the checkout.
 
     Parameters
@@ -92,7 +92,7 @@ class Trials:
 
     Parameters
     ----------
-    tests : Tests
+    runner : Runner
     known : mapping
         What is known of test files without a fault, by their name.
     note : callable
@@ -101,12 +101,12 @@ class Trials:
         How many test files a fault has to be noticed by one of.
     """
 
-    def __init__(self, tests: Tests, known: dict[str, Line], note: Callable[[Line], None], most: int) -> None:
-        self._tests, self._known, self._note, self._most = tests, known, note, most
+    def __init__(self, runner: Runner, known: dict[str, Line], note: Callable[[Line], None], most: int) -> None:
+        self._runner, self._known, self._note, self._most = runner, known, note, most
 
     def run(self, mutant: Mutant) -> Line:
         """Try one fault; the line says what noticed it."""
-        root = self._tests.copy.root
+        root = self._runner.copy.root
         code = (root / mutant.path).read_text(encoding="utf-8")
         changed = mutated(code, mutant)
         own = mirrored(root, mutant.path)
@@ -116,8 +116,8 @@ class Trials:
             if not self._usable(file, SLOWEST_OWN_S if file == own else SLOWEST_S):
                 continue
             tried.append(file)
-            with self._tests.copy.having(mutant.path, changed):
-                found = self._tests.run(file, LIMIT_FACTOR * self._known[file]["seconds"] + LIMIT_MORE_S)
+            with self._runner.copy.having(mutant.path, changed):
+                found = self._runner.run(file, LIMIT_FACTOR * self._known[file]["seconds"] + LIMIT_MORE_S)
             if found["code"]:
                 outcome = "timed out" if found["code"] == TOO_LONG else "killed"
                 return line | {"outcome": outcome, "by": found["failed"] or file, "mirrored": file == own}
@@ -126,7 +126,7 @@ class Trials:
     def _usable(self, file: str, slowest_s: float) -> bool:
         """Say whether a test file passes without a fault, and soon enough."""
         if file not in self._known:
-            self._known[file] = {"key": file, **self._tests.run(file, slowest_s)}
+            self._known[file] = {"key": file, **self._runner.run(file, slowest_s)}
             self._note(self._known[file])
         return not self._known[file]["code"]
 
@@ -137,7 +137,9 @@ def summary(lines: Sequence[Line]) -> str:
     noticed = counts["killed"] + counts["timed out"]
     own = sum(bool(line.get("mirrored")) for line in lines)
     share = 100.0 * noticed / len(lines) if lines else 0.0
-    survivors = [f"{line['path']}:{line['line']}  {line['change']}" for line in lines if line["outcome"] == "survived"]
+    survivors = [
+        f"{line['path']}:{line['line']}  {line['change']}" for line in lines if line["outcome"] == "survived"
+    ]
     return "\n".join(
         [
             f"{len(lines)} mutants: " + ", ".join(f"{count} {name}" for name, count in counts.items()),
