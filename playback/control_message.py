@@ -73,9 +73,10 @@ def decode_request(parts: Sequence[bytes]) -> Request:
     """
     if len(parts) != 1:
         raise ProtocolError(f"request: {len(parts)} parts, expected 1")
-    if len(parts[0]) > REQUEST_LIMIT:
-        raise ProtocolError(f"request: {len(parts[0])} bytes, expected at most {REQUEST_LIMIT}")
-    fields = decode_payload("request", parts[0])
+    (payload,) = parts
+    if len(payload) > REQUEST_LIMIT:
+        raise ProtocolError(f"request: {len(payload)} bytes, expected at most {REQUEST_LIMIT}")
+    fields = decode_payload("request", payload)
     cmd = fields.get("cmd")
     if not isinstance(cmd, str) or cmd not in COMMANDS:
         raise ProtocolError(f"request: cmd is {reprlib.repr(cmd)}, expected one of {', '.join(COMMANDS)}")

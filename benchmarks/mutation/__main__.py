@@ -2,8 +2,8 @@
 
 A sample of faults is put into a copy of the checkout, one at a time: a number one more or less, a comparison, an
 operator, a condition turned round, a loop never run, an exception not caught. The test file of the module's name
-runs, and if it passes, those nearest to it in its package. A fault that none of them notices has survived; one with
-which they take far longer than without it counts as noticed.
+runs, and if it passes, those nearest to it in its package. A fault that none of them notices has survived; where
+they take far longer with it than without, it counts as noticed.
 
 Results are those of one commit: ``benchmarks/results/mutation-<commit>.jsonl``, a line a fault, which a later call
 adds to. Where the checkout differs from its commit they begin anew.

@@ -34,7 +34,7 @@ class Copy:
         """Give a file other code for a while.
 
         Its time and size stay, by which the compiler knows its kernels (it looks at those themselves, too): they
-        need not be compiled anew for a fault beside them. What Python has compiled of it goes: it knows it just so.
+        need not be compiled anew for a fault beside them. What Python has compiled of it goes: it would pass.
         """
         file = self.root / name
         before, stat = file.read_bytes(), file.stat()

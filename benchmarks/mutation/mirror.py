@@ -11,7 +11,7 @@ def tests_of(root: Path, path: str, most: int) -> list[str]:
     """Return the test files nearest to a module, nearest first.
 
     The nearest is that of its name in the same place under ``tests/``. After it come those of its package that
-    import it, those that name it most often first, and those that call a command by its name; then, in the same way,
+    import it, those that name it most often first, and those that call a command by its name; then, likewise,
     those of the modules that import it. Where its package has none, those of others do.
 
     Parameters

@@ -35,6 +35,12 @@ def test_missing_derivatives_are_taken_without_a_shift_in_time(tmp_path: Path, a
     np.testing.assert_allclose(motion.ddq, np.tile([2.0, -2.0], (201, 1)), atol=1e-9)
 
 
+def test_three_rows_show_how_the_speed_changes(tmp_path: Path, arm: Arm) -> None:
+    path = tmp_path / "three.csv"
+    path.write_text("t,q1,q2\n0,0,0\n1,1,2\n2,4,8\n", encoding="utf-8")  # t^2 and 2 t^2
+    np.testing.assert_allclose(file_source(path, arm).load().dq, [[0.0, 0.0], [2.0, 4.0], [4.0, 8.0]])
+
+
 def test_two_rows_are_a_motion(tmp_path: Path, arm: Arm) -> None:
     path = tmp_path / "two.csv"
     path.write_text("t,q1,q2\n0,0,0\n0.5,1,2\n", encoding="utf-8")

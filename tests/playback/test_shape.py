@@ -124,3 +124,9 @@ def test_a_wrist_is_only_a_hub() -> None:
     arm = Arm("wrist", (Joint(a_m=0.3), Joint(alpha_rad=1.0), Joint(alpha_rad=-1.0, a_m=0.1)))
     hub = link_meshes(arm)[1].vertices
     assert np.linalg.norm(hub, axis=1).max() < 0.1 * reach_m(arm)
+
+
+def test_a_last_link_of_no_length_with_nothing_on_it_is_only_a_hub() -> None:
+    arm = Arm("wrist", (Joint(a_m=0.3), Joint(alpha_rad=1.0)))
+    hub = link_meshes(arm)[1].vertices
+    assert np.linalg.norm(hub, axis=1).max() < 0.1 * reach_m(arm)

@@ -23,6 +23,7 @@ def test_the_tip_is_dragged_and_springs_back(touched: Viewing, window: Callable[
     eventually(lambda: bool(np.abs(page.joints() - REST).max() < 0.02), "an arm at rest")
     mouse = page.page.mouse
     x, y = page.place_of("/handle")
+    rest = page.tip()
     mouse.move(x, y)
     mouse.down()
     for k in range(1, 6):
@@ -33,6 +34,7 @@ def test_the_tip_is_dragged_and_springs_back(touched: Viewing, window: Callable[
     ball, tip = page.node("/handle"), page.tip()
     assert ball is not None
     assert np.linalg.norm(np.array(ball["position"]) - tip) > 0.005  # the spring between the two is stretched
+    assert (tip - rest) @ (np.array(ball["position"]) - rest) > 0.0  # it is pulled, not pushed
     mouse.up()
     eventually(lambda: bool(np.abs(page.joints() - REST).max() < 0.05), "an arm that is back where it rested")
     eventually(
