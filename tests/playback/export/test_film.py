@@ -2,6 +2,7 @@
 
 import subprocess
 from collections.abc import Iterator
+from dataclasses import replace
 from pathlib import Path
 
 import imageio_ffmpeg
@@ -103,3 +104,21 @@ def test_all_of_the_arm_is_in_the_picture_all_the_time(motion: Sampled, width: i
         drawn = np.any(bare._image != empty, axis=2)
         assert drawn.mean() > 0.01
         assert not drawn[[0, -1]].any() and not drawn[:, [0, -1]].any()
+
+
+def test_a_legend_names_both_arms_in_their_colours(pair: Sampled) -> None:
+    width, height = 640, 360
+    size, left = max(11, round(height / 42)), round(0.56 * width)
+    head = next(iter(pictures(pair, width, height)))[: 2 * size, left:]
+    for mover in pair.movers:
+        swatch = (head == np.array(mover.colours.link)).all(axis=2)
+        rows, columns = np.nonzero(swatch)
+        assert np.ptp(rows) + 1 == pytest.approx(0.8 * size, abs=1.5)
+        assert np.ptp(columns) + 1 == pytest.approx(0.8 * size, abs=1.5)
+        assert len(rows) == (np.ptp(rows) + 1) * (np.ptp(columns) + 1)
+
+
+def test_one_arm_needs_no_legend(pair: Sampled) -> None:
+    alone = replace(pair, movers=pair.movers[:1])
+    head = next(iter(pictures(alone, 640, 360)))[:22, 358:]
+    assert np.all(head == np.array(PAPER))

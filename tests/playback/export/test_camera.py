@@ -1,0 +1,75 @@
+"""The camera sees all of a motion, turns up what is up, and keeps shapes."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from arm.arm_file import load_arm
+from playback.export.camera import FILLED, TILT_DEG, look_at
+from playback.export.gravity import upward
+from playback.export.sampled import Sampled
+from playback.shape import base_mesh, link_meshes, link_poses
+
+WIDTH, HEIGHT, HEAD = 400, 300, 60
+
+
+def corners(motion: Sampled) -> np.ndarray:
+    """Return all points of the first arm at all instants, and of its base."""
+    mover = motion.movers[0]
+    poses = link_poses(mover.arm, mover.q)
+    places = [base_mesh(mover.arm).vertices]
+    for i, mesh in enumerate(link_meshes(mover.arm)):
+        places.append((poses[:, i, None, :3, :3] @ mesh.vertices[:, :, None])[..., 0] + poses[:, i, None, :3, 3])
+    return np.concatenate([place.reshape(-1, 3) for place in places])
+
+
+def test_all_of_it_is_seen_and_not_too_small(motion: Sampled) -> None:
+    camera = look_at(motion.movers, WIDTH, HEIGHT, HEAD)
+    seen = camera.project(corners(motion))[:, :2]
+    low, high = seen.min(axis=0), seen.max(axis=0)
+    assert np.all(low >= [0.0, HEAD]) and np.all(high <= [WIDTH, HEIGHT])
+    share = (high - low) / [WIDTH, HEIGHT - HEAD]
+    assert 0.7 * FILLED < share.max() <= FILLED + 1e-9
+    assert 0.5 * (low + high) == pytest.approx([WIDTH / 2, (HEIGHT + HEAD) / 2], abs=0.12 * WIDTH)
+
+
+def test_it_is_a_rotation_and_up_is_up(motion: Sampled) -> None:
+    camera = look_at(motion.movers, WIDTH, HEIGHT)
+    assert camera.axes @ camera.axes.T == pytest.approx(np.eye(3), abs=1e-12)
+    assert np.linalg.det(camera.axes) == pytest.approx(1.0)
+    up = upward(motion.movers[0].arm)
+    along = camera.axes @ up
+    assert along[0] == pytest.approx(0.0, abs=1e-9)  # up leans neither right nor left
+    assert along[1] > 0.0
+
+
+def test_pixels_are_scaled_metres_with_down_counted_down(motion: Sampled) -> None:
+    camera = look_at(motion.movers, WIDTH, HEIGHT)
+    origin = camera.project(np.zeros((1, 3)))[0]
+    for k, step in enumerate(([1.0, 0.0], [0.0, -1.0])):
+        moved = camera.project(camera.axes[k][None])[0]
+        assert (moved - origin)[:2] == pytest.approx(camera.scale * np.array(step), abs=1e-9)
+    assert camera.project(camera.axes[2][None])[0, 2] - origin[2] == pytest.approx(camera.scale)
+
+
+def test_a_planar_arm_is_seen_along_its_axis_a_little_tilted(pair: Sampled) -> None:
+    camera = look_at(pair.movers, WIDTH, HEIGHT)
+    assert camera.axes[2, 2] == pytest.approx(np.cos(np.radians(TILT_DEG)))
+
+
+def test_the_floor_is_under_the_base(motion: Sampled) -> None:
+    camera = look_at(motion.movers, WIDTH, HEIGHT)
+    one, other, place = camera.floor
+    normal = np.cross(one, other)
+    assert np.linalg.norm(normal) == pytest.approx(1.0)
+    assert one @ other == pytest.approx(0.0, abs=1e-12)
+    heights = (base_mesh(motion.movers[0].arm).vertices - place) @ (normal * np.sign(normal @ place or 1.0))
+    assert min(abs(heights.min()), abs(heights.max())) == pytest.approx(0.0, abs=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("gravity", "up"), [((0.0, 0.0, -9.81), [0, 0, 1]), ((3.0, 0.0, -4.0), [-0.6, 0, 0.8]), ((0, 0, 0), [0, 0, 1])]
+)
+def test_up_is_against_gravity(gravity: tuple[float, float, float], up: list[float]) -> None:
+    assert upward(replace(load_arm("dd-arm"), gravity_m_s2=gravity)) == pytest.approx(up)
