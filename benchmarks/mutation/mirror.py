@@ -59,8 +59,8 @@ def _modules(root: Path, path: str) -> list[str]:
 def _importers(root: Path, path: str, files: list[str]) -> list[str]:
     """Return those of some files that import a module; first those that name most often what they import."""
     name = ".".join(Path(path).with_suffix("").parts).removesuffix(".__init__")
-    command = f"{Path(path).stem!r}" if ".commands." in name else ""
-    uses = {file: _uses(root / file)[name] + _uses(root / file)[command] for file in files if file != path}
+    names = [name, repr(Path(path).stem)] if ".commands." in name else [name]
+    uses = {file: sum(_uses(root / file)[one] for one in names) for file in files if file != path}
     return sorted((file for file, count in uses.items() if count), key=lambda file: -uses[file])
 
 

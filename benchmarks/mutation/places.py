@@ -16,8 +16,8 @@ _LOADING = ("TYPE_CHECKING", "__name__")
 def may_change(node: NodeOrLeaf, compiled: frozenset[str]) -> bool:
     """Say whether a fault may be put at a node.
 
-    Left out are annotations, unions of types, decorators, assertions (they are there for the type checker), what
-    is said in sentences, machine code and its constants, and conditions of how a module is loaded.
+    Left out are annotations, unions of types, decorators, assertions and what asserts (``strict`` of a zip), what is
+    said in sentences, machine code and its constants, and conditions of how a module is loaded.
 
     Parameters
     ----------
@@ -29,7 +29,7 @@ def may_change(node: NodeOrLeaf, compiled: frozenset[str]) -> bool:
         return False
     child = node
     while (parent := child.parent) is not None:
-        if parent.type in ("decorator", "decorators", "assert_stmt"):
+        if parent.type in ("decorator", "decorators", "assert_stmt") or _is_strict(parent):
             return False
         if _is_annotation(parent, child) or _is_sentence(parent) or _is_kernel(parent):
             return False
@@ -66,6 +66,10 @@ def _is_sentence(node: NodeOrLeaf) -> bool:
     return node.type == "fstring" and any(
         " " in part.get_code() for part in node.children if part.type == "fstring_string"
     )
+
+
+def _is_strict(node: NodeOrLeaf) -> bool:
+    return node.type == "argument" and node.get_code().strip().startswith("strict=")
 
 
 def _is_kernel(node: NodeOrLeaf) -> bool:

@@ -21,6 +21,7 @@ FILES = {
     "tests/room/test_main.py": "run('go')",
     "tests/room/go/test_go_command.py": "",
     "tests/other/test_user.py": "import room.hidden",
+    "tests/room/test_nothing.py": "nothing = ''",
 }
 
 

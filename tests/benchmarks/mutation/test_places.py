@@ -21,6 +21,7 @@ LEFT_ALONE = [
     "@njit(nogil=True)\ndef f(a): return a + 1",
     "def f(a, *, b): return a",
     "f(*a, **b)",
+    "zip(a, b, strict=True)",
     '__all__ = ["one"]',
     '"""One of 2 + 2."""',
 ]
