@@ -16,8 +16,8 @@ _LOADING = ("TYPE_CHECKING", "__name__")
 def may_change(node: NodeOrLeaf, compiled: frozenset[str]) -> bool:
     """Say whether a fault may be put at a node.
 
-    Left out are annotations, unions of types, decorators, assertions and what asserts (``strict`` of a zip), what is
-    said in sentences, machine code and its constants, and conditions of how a module is loaded.
+    Left out are annotations, unions of types, decorators, assertions (and ``strict`` of a zip, which is one), what
+    is said in sentences, machine code and its constants, and conditions of how a module is loaded.
 
     Parameters
     ----------
