@@ -110,6 +110,32 @@ def test_another_device_is_not_listened_to(
     assert taker.strangers == 4
 
 
+def test_samples_that_wait_for_an_info_are_a_strangers_when_it_comes(
+    make_info: MakeInfo, random_counts: Callable[[int], NDArray[np.int16]]
+) -> None:
+    info = make_info(RATE_HZ)
+    frames, taker = encoded(random_counts(160)), reception(info)
+    taker.take(chunk(frames[0]))
+    now_ns = time.monotonic_ns()
+    taker.take(
+        [Chunk(now_ns, b"", Mark.LOST), Chunk(now_ns, b"", Mark.OPENED), Chunk(now_ns, b"".join(frames[1:4]))]
+    )
+    assert taker.strangers == 0
+    taker.take(chunk(encode_info(replace(info, serial="other"), 9, 0)))
+    assert taker.strangers == 4  # three frames, and the INFO
+
+
+def test_a_rate_is_known_a_quarter_of_a_second_after_the_first_samples(
+    make_info: MakeInfo, random_counts: Callable[[int], NDArray[np.int16]]
+) -> None:
+    taker = reception(make_info(RATE_HZ))
+    assert not taker.knows_rate(time.monotonic_ns() + 10**12)
+    at_ns = time.monotonic_ns()
+    taker.take([Chunk(at_ns, b"".join(encoded(random_counts(64))))], at_ns)
+    assert not taker.knows_rate(at_ns + 240_000_000)
+    assert taker.knows_rate(at_ns + 260_000_000)
+
+
 def test_frames_of_another_width_are_passed_over(make_info: MakeInfo) -> None:
     narrow = encode_samples(np.zeros((32, 6), dtype=np.int16), 1, 0)
     taker = reception(make_info(RATE_HZ))

@@ -99,3 +99,12 @@ def test_an_info_that_is_off_by_far_is_wrong_if_five_steps_say_so(ticks: int) ->
     step = TickStep(312.5, 1e7)
     step.decide([(ticks, 32)] * MAJORITY)
     assert step.measured and step.ticks_per_sample == ticks / 32
+
+
+def test_a_clock_that_goes_back_by_more_than_rounding_went_back() -> None:
+    step = TickStep(312.5, 1e7)
+    assert not step.went_back(10_000)
+    assert not step.went_back(0)
+    assert not step.went_back(-1)
+    assert step.went_back(-2)
+    assert step.went_back(-10_000)
