@@ -55,3 +55,20 @@ def test_a_recorder_that_ends_before_its_file_is_closed_is_to_blame() -> None:
         with pytest.raises(DeviceError, match="recorder ended"):
             supervisor._listen()
     recorder.close()
+
+
+def test_what_the_recorder_could_not_write_is_said_at_the_end() -> None:
+    setup = load_setup(None, {"device": {"port": "/dev/ttyX"}, "arm": {"file": "dd-arm"}})
+    for heard, said in (
+        ({}, None),
+        ({("recorder", "closed"): {"lost": 0}}, None),
+        (
+            {("recorder", "closed"): {"lost": 3}, ("recorder", "disk-failed"): {"sentence": "no room"}},
+            "the recording is incomplete: no room",
+        ),
+    ):
+        with StopSignal() as stop:
+            supervisor = Supervisor(setup, stop, lambda said: None, lambda said: None, lambda said: None)
+            supervisor._heard.update(heard)
+            trouble = supervisor._shut_down()
+        assert (None if trouble is None else str(trouble)) == said

@@ -85,6 +85,7 @@ def test_a_pause_holds_frames_back_and_the_state_goes_on(daemon: Publisher, play
     daemon.publish(FRAMES, block(0))
     assert come(player) is None
     assert player.state()["q"] == pytest.approx(np.sin([0.009, 1.009]).tolist())
+    assert player.state()["rate_hz"] == pytest.approx(1000.0)  # a frame each millisecond
     player.carry_out(Request("play"))
     daemon.publish(FRAMES, block(1))
     assert come(player)["frame0"] == 10
