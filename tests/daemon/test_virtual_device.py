@@ -220,3 +220,16 @@ def test_other_devices_wait_for_nobody(bench: Callable[..., Bench]) -> None:
     for k in range(1, 201):
         b.device.advance(100.0 + 0.01 * k)
     assert b.fifo.dropped > 0
+
+
+def test_a_device_that_was_without_power_counts_from_zero(bench: Callable[..., Bench]) -> None:
+    one = bench()
+    one.device.receive(b"START\n", 100.0)
+    one.device.advance(100.5)
+    one.taken()
+    one.device.restart(100.6)
+    one.device.receive(b"START\n", 100.7)
+    one.device.advance(101.0)
+    found = one.taken()
+    assert isinstance(found[0], InfoFrame)
+    assert [frame.sequence for frame in found[:4]] == [0, 1, 2, 3]

@@ -68,3 +68,7 @@ def test_the_device_whose_touch_began_last_holds_the_arm() -> None:
     holders.hear(b"c", 1.0)
     holders.hear(b"d", 1.0)
     assert holders.holder(1.0) == b"d"
+
+
+def test_before_time_has_passed_there_is_no_rate() -> None:
+    assert Pace(1e-3, lambda: 50.0).held_rate_hz == 0.0
