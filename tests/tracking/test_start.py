@@ -7,6 +7,7 @@ import pytest
 
 from arm.accelerometer import specific_force
 from arm.arm_file import load_arm
+from arm.model import SensorCovariance
 from tracking.observation import MOUNTING, observation_of
 from tracking.start import GIVEN_STD, GUESSED_STD, MountingPrior, start_state
 
@@ -129,3 +130,19 @@ def test_covariance_is_one(vertical, spatial):
         P = started(arm, first)[2]
         np.testing.assert_array_equal(P, P.T)
         assert np.linalg.eigvalsh(P).min() > 0.0
+
+
+def test_what_is_known_of_mountings_changes_nothing_where_they_are_not_asked_for(vertical):
+    known = SensorCovariance(("s1 scale_x", "s2 turn_z"), ((4.0,), (0.0, 9.0)))
+    _, x, P = started(vertical, at_rest(vertical, Q))
+    _, known_x, known_P = started(replace(vertical, sensor_covariance=known), at_rest(vertical, Q))
+    np.testing.assert_array_equal(known_x, x)
+    np.testing.assert_array_equal(known_P, P)
+
+
+def test_what_is_known_of_mountings_takes_the_place_of_what_is_held_of_them(vertical):
+    known = SensorCovariance(("s1 scale_x", "s2 turn_z"), ((4.0,), (0.5, 9.0)))
+    arm = replace(vertical, sensor_covariance=known)
+    of, _, P = started(arm, at_rest(vertical, Q), mounting=MountingPrior())
+    scale, turn = of.mounting_column[0], of.mounting_column[1] + 5  # scale, turn, place; x, y, z of each
+    assert (P[scale, scale], P[turn, turn], P[scale, turn], P[turn, scale]) == (4.0, 9.0, 0.5, 0.5)
