@@ -6,10 +6,13 @@ import numpy as np
 import pytest
 
 from arm.arm_file import load_arm
+from arm.kinematics import axis_frames
+from arm.model import Arm, Joint
 from playback.export.camera import FILLED, TILT_DEG, look_at
 from playback.export.gravity import upward
-from playback.export.sampled import Sampled
+from playback.export.sampled import Sampled, sample
 from playback.shape import base_mesh, link_meshes, link_poses
+from tests.playback.export.conftest import source_of
 
 WIDTH, HEIGHT, HEAD = 400, 300, 60
 
@@ -56,6 +59,17 @@ def test_pixels_are_scaled_metres_with_down_counted_down(motion: Sampled) -> Non
 def test_a_planar_arm_is_seen_along_its_axis_a_little_tilted(pair: Sampled) -> None:
     camera = look_at(pair.movers, WIDTH, HEIGHT)
     assert camera.axes[2, 2] == pytest.approx(np.cos(np.radians(TILT_DEG)))
+
+
+@pytest.mark.parametrize("turn_rad", [0.0, np.pi / 2.0, -np.pi / 2.0])
+def test_it_is_so_also_where_gravity_pulls_along_the_axis(turn_rad: float) -> None:
+    arm = Arm("flat", (Joint(alpha_rad=turn_rad, a_m=0.0), Joint(a_m=0.3)))
+    axis = axis_frames(arm, np.zeros((1, 2)))[0, 0, :3, 2]
+    arm = replace(arm, gravity_m_s2=tuple(-9.81 * axis))
+    camera = look_at(sample(source_of(arm), None, 60.0, 1.0).movers, WIDTH, HEIGHT)
+    assert camera.axes @ camera.axes.T == pytest.approx(np.eye(3), abs=1e-12)
+    assert abs(camera.axes[2] @ axis) == pytest.approx(np.cos(np.radians(TILT_DEG)))
+    assert camera.axes[0] @ axis == pytest.approx(0.0, abs=1e-12)
 
 
 def test_the_floor_is_under_the_base(motion: Sampled) -> None:

@@ -169,3 +169,18 @@ def test_gains_of_all_joints_in_one_row_of_a_mat(tmp_path):
     scipy.io.savemat(path, {"t": np.arange(4.0), "q": np.ones((4, 2)), "kp": [[9.5, 2.0]]})
     (kp,) = drive_of(path, 2, "q=q[{j}],kp=kp[{j}]")
     assert kp.tolist() == [[9.5, 2.0]] * 4
+
+
+def test_a_column_of_nulls_alone_is_blank(tmp_path):
+    path = tmp_path / "run.json"
+    rows = [{"t": 0.1 * k, "q": None, "tau": None if k else 1.0, "on": "yes"} for k in range(4)]
+    path.write_text(json.dumps(rows), encoding="utf-8")
+    source = open_source(path)
+    assert isinstance(source, NestedFile)
+    assert [source.is_blank(name) for name in ("t", "q", "tau", "on", "nowhere")] == [
+        False,
+        True,
+        False,
+        False,
+        False,
+    ]

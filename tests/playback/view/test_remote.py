@@ -1,0 +1,115 @@
+"""A page's line to a playback: what is wanted is asked for, and the newest state is kept."""
+
+import threading
+from collections.abc import Iterator, Mapping
+from typing import Any
+
+import numpy as np
+import pytest
+import zmq
+
+from playback.control_message import decode_request, encode_refusal, encode_reply
+from playback.view.remote import Remote
+from tests.playback.view.conftest import eventually
+
+Context = zmq.Context[zmq.Socket[bytes]]
+MOTION: Mapping[str, Any] = {"t": [0.0, 1.0], "q": [[0.0, 1.0], [2.0, 3.0]], "tip": [[0.0] * 3, [1.0] * 3]}
+
+
+class Playback:
+    """Answers what is asked as a playback does, and notes it."""
+
+    def __init__(self, context: Context) -> None:
+        self.asked: list[tuple[str, object]] = []
+        self.state: dict[str, Any] = {"run": "a", "trial": 1, "source": "file", "position_s": 0.5}
+        self.refused = ""
+        self.held = threading.Event()
+        self.held.set()
+        self.over = threading.Event()
+        self._socket = context.socket(zmq.REP)
+        self._socket.bind("tcp://127.0.0.1:*")
+        self.endpoint = self._socket.get(zmq.LAST_ENDPOINT).decode()
+        self._thread = threading.Thread(target=self._serve)
+        self._thread.start()
+
+    def close(self) -> None:
+        self.held.set()
+        self.over.set()
+        self._thread.join()
+        self._socket.close(0)
+
+    def wishes(self) -> list[tuple[str, object]]:
+        """Return what somebody wanted, which a page's own questions are not."""
+        return [one for one in self.asked if one[0] not in ("state", "arm", "motion")]
+
+    def _serve(self) -> None:
+        while not self.over.is_set():
+            if not self._socket.poll(20):
+                continue
+            request = decode_request([self._socket.recv()])
+            self.asked.append((request.cmd, request.value))
+            self.held.wait()
+            more: dict[str, Any] = {"arm": {"arm": "an arm", "twin": None}, "motion": {"motion": MOTION}}.get(
+                request.cmd, {}
+            )
+            if self.refused and self.wishes() and (request.cmd, request.value) == self.wishes()[-1]:
+                self._socket.send(encode_refusal(self.refused))
+            else:
+                self._socket.send(encode_reply(self.state, **more))
+
+
+@pytest.fixture
+def playback(context: Context) -> Iterator[Playback]:
+    made = Playback(context)
+    yield made
+    made.close()
+
+
+@pytest.fixture
+def remote(context: Context, playback: Playback) -> Iterator[Remote]:
+    made = Remote(context, playback.endpoint)
+    yield made
+    playback.held.set()
+    made.close()
+
+
+def test_state_arm_and_motion_come_by_themselves(remote: Remote, playback: Playback) -> None:
+    assert remote.answered.wait(60.0)
+    assert remote.state == playback.state
+    assert remote.arms == ("an arm", None)
+    assert remote.motion is not None
+    assert remote.motion.q == pytest.approx(np.array([[0.0, 1.0], [2.0, 3.0]]))
+    assert remote.motion.twin_q is None
+    assert playback.wishes() == []
+    assert [cmd for cmd, _ in playback.asked[:3]] == ["state", "arm", "motion"]
+
+
+def test_motion_is_asked_for_again_where_another_trial_is_loaded(remote: Remote, playback: Playback) -> None:
+    assert remote.answered.wait(60.0)
+    playback.state = playback.state | {"trial": 2}
+    eventually(lambda: [cmd for cmd, _ in playback.asked].count("motion") == 2, "another motion")
+    assert [cmd for cmd, _ in playback.asked].count("arm") == 1
+    playback.state = playback.state | {"run": "b"}
+    eventually(lambda: [cmd for cmd, _ in playback.asked].count("arm") == 2, "another run's arm")
+
+
+def test_of_many_seeks_the_last_counts_and_steps_add_up(remote: Remote, playback: Playback) -> None:
+    assert remote.answered.wait(60.0)
+    playback.held.clear()
+    n = len(playback.asked)
+    eventually(lambda: len(playback.asked) > n, "a question that is not answered yet")
+    for wish in (("seek", 1.0), ("step", 1), ("seek", 2.0), ("step", 10), ("play", None), ("seek", 3.0)):
+        remote.want(*wish)
+    playback.held.set()
+    eventually(lambda: len(playback.wishes()) == 3, "all wishes")
+    assert playback.wishes() == [("step", 11), ("play", None), ("seek", 3.0)]
+
+
+def test_a_refusal_is_kept_until_a_wish_is_granted(remote: Remote, playback: Playback) -> None:
+    assert remote.answered.wait(60.0)
+    playback.refused = "not there"
+    remote.want("seek", 99.0)
+    eventually(lambda: remote.refusal == "not there", "a refusal")
+    playback.refused = ""
+    remote.want("seek", 1.0)
+    eventually(lambda: remote.refusal == "", "no refusal")
