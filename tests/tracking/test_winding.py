@@ -86,3 +86,15 @@ def test_after_a_long_gap_a_joint_is_about_where_it_was(dd_arm, turns):
     assert unwound(states, course(lost=long), dd_arm) is None
     found = unwound(states, course(lost=long), dd_arm, long_too=True)
     assert abs(found[long.stop, 0] - states[long.start - 1, 0]) < np.pi
+
+
+@pytest.mark.parametrize(
+    ("lost", "speed"), [(slice(1, 301), 3.0), (slice(N - 301, N - 1), -4.0), (slice(3, 303), 6.5)]
+)
+def test_a_gap_at_either_end_has_one_reading_to_go_by(dd_arm, lost, speed):
+    states = motion([speed, 0.3])
+    way_s = (lost.stop - lost.start + 1) * DT
+    more = states.copy()
+    more[:, 0] += 4.0 * np.pi * np.clip((np.arange(N) - lost.start + 1) * DT / way_s, 0.0, 1.0)
+    more[lost, 1] += 4.0 * np.pi / way_s
+    np.testing.assert_allclose(unwound(more, course(lost=lost), dd_arm), states, atol=1e-9)
