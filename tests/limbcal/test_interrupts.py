@@ -8,7 +8,6 @@ import pytest
 
 from limbcal.interrupts import interrupts_held
 
-
 #: In a process of its own: a signal goes to any thread that does not block it, and others may have left some here.
 HOLDING = """
 import os, signal
