@@ -5,12 +5,11 @@ and a direction of every axis, in one pose, fix all five numbers of each joint; 
 a common normal would make otherwise, far outside the body where two axes are nearly parallel.
 """
 
-from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
-from arm.model import Arm, Floats, Joint
+from arm.model import Floats, Joint
 
 #: Links shorter than this have no direction of their own [m].
 _SHORTEST_M = 1e-9
@@ -71,17 +70,6 @@ class AxisLines:
             )
             before = frame[:3, :3]
         return joints
-
-
-def with_axes(arm: Arm, lines: AxisLines) -> Arm:
-    """Return an arm whose joints lie along other axes; limits, friction and links stay as they are."""
-    geometry: Sequence[Joint] = lines.joints()
-    names = "alpha_rad", "a_m", "d_m", "beta_rad", "theta_offset_rad"
-    joints = [
-        replace(joint, **{name: getattr(new, name) for name in names})
-        for joint, new in zip(arm.joints, geometry, strict=True)
-    ]
-    return replace(arm, joints=tuple(joints))
 
 
 def _across(z: Floats, forward: Floats) -> Floats:

@@ -10,13 +10,17 @@ Recordings as they are must have no exchanged labels.
 import argparse
 import sys
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 
 import numpy as np
 
 from fitter.markers.reading import look_at, read_raw
 from fitter.markers.recording import RawRecording
+from limbcal.arguments import Parser, common_options
+from limbcal.command import Document, emit, run_command, say
+from limbcal.errors import ConfigError
+from limbcal.note import Note
 
 Rng = np.random.Generator
 #: Recordings of each person that are damaged, by folder.
@@ -38,43 +42,51 @@ class Damage:
     to_s: float | None = None
 
 
-def main(argv: Sequence[str] | None = None) -> int:
-    """Run the benchmark."""
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("data", type=Path)
-    parser.add_argument("--copies", type=int, default=40)
-    parser.add_argument("--seed", type=int, default=0)
-    options = parser.parse_args(argv)
+def measure(options: argparse.Namespace) -> Document:
+    """Damage copies, look through them, and say what was named."""
     persons = {
         folder: [
             read_raw(options.data / folder / name) for name in names if (options.data / folder / name).exists()
         ]
         for folder, names in FILES.items()
     }
-    persons = {folder: raws for folder, raws in persons.items() if raws}
-    clean = sum(note.kind == "swapped" for raws in persons.values() for one in look_at(raws) for note in one.notes)
-    print(f"{clean} exchanges claimed in {sum(map(len, persons.values()))} recordings as they are")  # noqa: T201
-    rng, found = np.random.default_rng(options.seed), 0
-    kinds = list(DAMAGES)
+    people = [raws for raws in persons.values() if raws]
+    if not people:
+        raise ConfigError(f"{options.data}: none of the recordings is there, expected some of {', '.join(FILES)}")
+    clean = sum(note.kind == "swapped" for raws in people for one in look_at(raws) for note in one.notes)
+    rng, kinds, copies = np.random.default_rng(options.seed), list(DAMAGES), list[Document]()
     for k in range(options.copies):
-        raws = list(persons.values())[int(rng.integers(len(persons)))]
+        raws = people[int(rng.integers(len(people)))]
         which = int(rng.integers(len(raws)))
-        done = DAMAGES[kinds[k % len(kinds)]](rng, raws[which])
-        if done is None:  # it cannot be done to this recording
-            done = _swapped(rng, raws[which])
-        copy, damage = done
+        # What cannot be done to a recording is replaced by an exchange of labels.
+        copy, damage = DAMAGES[kinds[k % len(kinds)]](rng, raws[which]) or _swapped(rng, raws[which])
         notes = look_at([copy if i == which else raw for i, raw in enumerate(raws)])[which].notes
-        named = any(
-            note.kind == damage.kind
-            and set(damage.markers) <= set(note.columns)
-            and (damage.from_s is None or note.from_s is None or _overlap(damage, note.from_s, note.to_s))
-            for note in notes
-        )
-        found += named
+        named = any(_names(note, damage) for note in notes)
         where = "" if damage.from_s is None else f" {damage.from_s:.2f}-{damage.to_s:.2f} s"
-        print(f"{'found ' if named else 'MISSED'} {damage.kind} {Path(copy.path).name} {damage.markers}{where}")  # noqa: T201
-    print(f"{found} of {options.copies} named")  # noqa: T201
-    return 0
+        say(f"{'found ' if named else 'MISSED'} {damage.kind} {Path(copy.path).name} {damage.markers}{where}")
+        copies.append({"file": Path(copy.path).name, **asdict(damage), "named": named})
+    found = sum(bool(one["named"]) for one in copies)
+    if not options.json:
+        emit(f"{clean} exchanges claimed in {sum(map(len, people))} recordings as they are")
+        emit(f"{found} of {options.copies} named")
+    return {"claimed": clean, "copies": copies}
+
+
+def main(argv: Sequence[str] | None = None) -> int:
+    """Run the benchmark and return its exit code."""
+    parser = Parser(prog="python -m benchmarks.damaged_markers", description=__doc__, parents=[common_options()])
+    parser.add_argument("data", type=Path)
+    parser.add_argument("--copies", type=int, default=40)
+    parser.add_argument("--seed", type=int, default=0)
+    parser.set_defaults(action=measure)
+    return run_command(parser, argv)
+
+
+def _names(note: Note, damage: Damage) -> bool:
+    """Say whether a note has a damage's kind and its markers, and overlaps it in time."""
+    if note.kind != damage.kind or not set(damage.markers) <= set(note.columns):
+        return False
+    return damage.from_s is None or note.from_s is None or _overlap(damage, note.from_s, note.to_s)
 
 
 def _overlap(damage: Damage, from_s: float | None, to_s: float | None) -> bool:

@@ -33,7 +33,7 @@ _RECENT = 31
 _WANDER = 1e-4
 #: INFO's rate is off by less than this: the tolerance of an untrimmed oscillator, by data sheets [ratio].
 INFO_OFF = 0.15
-#: A clock that falls back to less than this share of its rate stands still rather.
+#: A clock below this ratio to its previous rate counts as halted: an eighth, a convention.
 _LEAST = 1.0 / 8.0
 
 

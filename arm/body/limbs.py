@@ -22,7 +22,7 @@ DOWN = -UP
 #: Half the breadth of the shoulders, and height of the ankle above the sole, as shares of stature (Drillis and
 #: Contini 1966, after Winter, Biomechanics and Motor Control of Human Movement, 2009, fig. 4.1).
 _HALF_SHOULDERS, _ANKLE = 0.129, 0.039
-#: The ankle lies before the heel by this share of the foot's length: a guess that a calibration replaces.
+#: Distance from heel to ankle as a ratio to the foot's length: assumed; a calibration replaces it.
 _BEFORE_HEEL = 0.25
 
 

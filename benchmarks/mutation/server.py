@@ -85,7 +85,7 @@ def _run(arguments: list[str], log: Path) -> None:
 
 
 def _end(child: int) -> None:
-    """Kill what is left of a run: its group, and what has left the group."""
+    """Kill the remaining processes of a run, those that have left its process group included."""
     left = []
     with contextlib.suppress(psutil.NoSuchProcess):
         left = psutil.Process(child).children(recursive=True)

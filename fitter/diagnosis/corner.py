@@ -21,8 +21,8 @@ from fitter.diagnosis.motion import SAMPLES, white_noise
 
 #: Columns are cut off at this frequency …
 CORNER_HZ = 30.0
-#: … or at this multiple of the frequency below which this share of a joint's speed squared lies, for what is as
-#: quick has overtones; if the sampling allows it.
+#: … or at this multiple of the frequency below which this fraction of the power of a joint's velocity lies,
+#: for its overtones; if the sampling allows it.
 _TIMES, _MOST = 3.0, 0.9
 #: Parts of that band of which the least is taken.
 _PARTS = 10

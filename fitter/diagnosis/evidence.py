@@ -22,7 +22,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from arm.model import Floats
-from fitter.diagnosis.least_squares import EQUAL_SIGMAS, ODDS_NATS
+from fitter.diagnosis.least_squares import BLOCK_S, EQUAL_SIGMAS, ODDS_NATS
 from fitter.diagnosis.model import Candidate
 
 
@@ -96,6 +96,19 @@ class Fit:
         """Return the gain of trials that were not learnt from, in standard errors; infinite if there are none."""
         gain: Floats = (self.nats - other.nats)[~self.learnt]
         return float(gain.sum()) / max(_scatter(gain), np.finfo(np.float64).tiny) if len(gain) else np.inf
+
+
+def blocks_of(n_row: int, step_s: float) -> NDArray[np.intp]:
+    """Return the block of about `BLOCK_S` that each of some rows is in, from 0, (n_row,).
+
+    Parameters
+    ----------
+    n_row : int
+    step_s : float
+        Between rows.
+    """
+    n_block = max(1, int(n_row * step_s / BLOCK_S))
+    return np.minimum(np.arange(n_row) * n_block // n_row, n_block - 1)
 
 
 def dispersion(one: Fit, other: Fit, of: NDArray[np.bool_] | None = None) -> float:

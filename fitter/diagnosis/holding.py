@@ -21,10 +21,10 @@ from fitter.search.fitted_parameter import FittedParameter
 #: What it is called.
 EFFECT = "stiction"
 
-#: Static friction exceeds Coulomb friction, and the largest torque that has held, by this share: F is told in the
-#: middle of what reaches from that torque to almost half as much again with a probability of 95 %.
+#: Half width of the 95 % interval of F, relative to the largest torque that has held: F lies between that torque
+#: and 1.4 times it.
 _MORE = 0.2
-#: F is told as this multiple of the largest torque that has held.
+#: Ratio of the estimate of F, the middle of that interval, to the largest torque that has held.
 ABOVE = 1.0 + _MORE
 
 

@@ -36,7 +36,7 @@ BLOCK_S = 1.0
 NEGLIGIBLE = 0.01
 #: Share of what is to be explained that may stay unexplained, a convention.
 UNEXPLAINED = 0.05
-#: Of what is tried roughly, so many of the best are looked at again: the best is seldom further behind.
+#: Number of candidates that are refined after a coarse search, a convention.
 FOREMOST = 5
 #: Greatest number of causes: a machine has more, but no run identifies more.
 MOST_CAUSES = 6

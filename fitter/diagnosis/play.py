@@ -22,8 +22,8 @@ from fitter.diagnosis.whitening import LASTS_S
 
 #: The torque's sign is told behind a Gaussian of this width [s]; what that brings forward of a touch is not sure.
 _WIDTH_S = 0.004
-#: A torque that cannot be told from zero for this long lets the motor wander within its play [s]; for a block, the
-#: link comes to rest.
+#: A motor whose torque does not differ significantly from zero for this long may be anywhere in its play [s];
+#: after a block's length its link is at rest.
 _WANDERS_S = 0.02
 #: Samples that say whether an angle is still, or how it moves.
 _FEW = 5

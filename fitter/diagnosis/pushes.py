@@ -15,7 +15,8 @@ from arm.effects.catalogue import catalogue
 from arm.effects.effect import EffectKind
 from arm.model import Floats
 from fitter.data.derivatives import lowpass
-from fitter.diagnosis.least_squares import BLOCK_S, ITERATIONS, NEGLIGIBLE, TINY, Normal
+from fitter.diagnosis.evidence import blocks_of
+from fitter.diagnosis.least_squares import ITERATIONS, NEGLIGIBLE, TINY, Normal
 from fitter.diagnosis.model import Candidate, Hypothesis
 from fitter.diagnosis.motion import Motion
 from fitter.diagnosis.refinement import fitted
@@ -105,7 +106,8 @@ def robustly_fitted(regression: Regression, candidate: Candidate) -> Candidate:
     motions = regression.motions
     rows = [regression.rows(model, motion) for motion in motions]
     designs = [one.design.reshape(*one.target.shape, -1) for one in rows]
-    blocks = [_blocks(regression, motion, len(one.target)) for motion, one in zip(motions, rows, strict=True)]
+    stride = regression.weighting.stride
+    blocks = [blocks_of(len(one.target), stride * motion.dt_s) for motion, one in zip(motions, rows, strict=True)]
     counts = [np.bincount(block).astype(np.float64)[:, None] for block in blocks]
     numbers, total = float(regression.told.sum()), sum(one.target.size for one in rows)
     variance = np.inf
@@ -121,12 +123,6 @@ def robustly_fitted(regression: Regression, candidate: Candidate) -> Candidate:
         counted = sum(float(np.sum(u * count)) for u, count in zip(weights, counts, strict=True))
         x = regression.density.solve(normal, numbers * counted / total, x, model, motions)
     return replace(candidate, x=x, squares=regression.squares(model, x))
-
-
-def _blocks(regression: Regression, motion: Motion, n: int) -> NDArray[np.intp]:
-    """Return the block that each row of a motion's equations is in, (n,)."""
-    n_block = max(1, int(n * regression.weighting.stride * motion.dt_s / BLOCK_S))
-    return np.minimum(np.arange(n) * n_block // n, n_block - 1)
 
 
 def _in_blocks(squares: Floats, block: NDArray[np.intp]) -> Floats:

@@ -39,7 +39,7 @@ def fitted(
     refine : bool
         Whether psi is sought, too.
     held : int
-        So many hypotheses, from the first on, keep their psi.
+        Number of hypotheses, from the first on, whose psi is fixed.
     to_all : bool
         Whether it is fitted to all trials, as a model with an event always is.
     """
@@ -51,9 +51,9 @@ def fitted(
 
 
 def by_learning(regression: Regression, candidate: Candidate) -> Candidate:
-    """Return a model with the factors that the learning trials tell, as every model has that holds no event.
+    """Return a model with factors fitted to the learning trials, as every model without an event has.
 
-    Only the size of what the learning trials do not show is told by the others.
+    Factors that have no effect in the learning trials are fitted to the others.
     """
     model = candidate.model
     x = regression.solve(model, regression.learning)

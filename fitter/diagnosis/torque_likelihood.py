@@ -7,9 +7,9 @@ import numpy as np
 from scipy.stats import chi2
 
 from fitter.diagnosis.estimates import estimates, possible_base, significant
-from fitter.diagnosis.evidence import Fit, likelihood_of
+from fitter.diagnosis.evidence import Fit, blocks_of, likelihood_of
 from fitter.diagnosis.floor import floored, part_of_floor
-from fitter.diagnosis.least_squares import BLOCK_S, ITERATIONS, NEGLIGIBLE, ODDS_NATS, ROUNDED
+from fitter.diagnosis.least_squares import ITERATIONS, NEGLIGIBLE, ODDS_NATS, ROUNDED
 from fitter.diagnosis.mass_density import MassDensity
 from fitter.diagnosis.model import Candidate, Hypothesis, Model
 from fitter.diagnosis.refinement import Starts, by_learning, fitted
@@ -146,8 +146,8 @@ class TorqueLikelihood:
         beyond = regression.beyond(candidate.model, candidate.x, regression.motions)
         for k, (motion, at_rest) in enumerate(zip(regression.motions, beyond, strict=True)):
             left = regression.residual(candidate.model, candidate.x, motion)
-            n_block = max(1, int(len(left) * step_s * motion.dt_s / BLOCK_S))
-            own = np.minimum(np.arange(len(left)) * n_block // len(left), n_block - 1)
+            own = blocks_of(len(left), step_s * motion.dt_s)
+            n_block = int(own[-1]) + 1
             residual += [left, at_rest]
             block.append(own + len(trial))
             if regression.rests is not None:

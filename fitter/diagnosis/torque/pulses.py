@@ -4,7 +4,7 @@ A pulse is sought at every instant with every duration, by its evidence against 
 Student's tails (`background`): the likelihood ratio integrated over a prior of its size, with all places equally
 likely beforehand. Whatever the background's tails, it exceeds odds of a hundred to one by chance no more often
 than once in a hundred searches (Markov's inequality: its mean under the background is one). What the background
-does not follow is told by the evidence of what is no pulse (`Tail`).
+does not follow is estimated from the evidence in blocks without a pulse (`Tail`).
 """
 
 from collections.abc import Sequence

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from fitter.diagnosis.evidence import dispersion, is_better, likelihood_of, worth
+from fitter.diagnosis.evidence import blocks_of, dispersion, is_better, likelihood_of, worth
 from tests.fitter.diagnosis.blocks import BLOCKS, ROWS, fit_of
 
 TRIALS = 8
@@ -142,3 +142,11 @@ def test_what_learning_trials_leave_open_shows_in_all():
     assert 5.0 < gain < 30.0
     few = [replace(fit, learnt=fit.trial < 1) for fit in (one, base)]
     assert not is_better(*few)
+
+
+@pytest.mark.parametrize(("n_row", "step_s", "n_block"), [(250, 0.01, 2), (30, 0.01, 1), (400, 0.01, 4)])
+def test_rows_are_split_into_blocks_of_equal_length_of_a_second_or_more(n_row, step_s, n_block):
+    block = blocks_of(n_row, step_s)
+    assert len(block) == n_row and np.all(np.diff(block) >= 0)
+    sizes = np.bincount(block)
+    assert len(sizes) == n_block and np.ptp(sizes) <= 1
