@@ -20,9 +20,10 @@ import numpy as np
 from arm.control import control_torque
 from arm.model import Arm, Floats
 from fitter.data.derivatives import differentiate, lowpass, settling_samples
+from fitter.diagnosis.cutoff import noise_of_angles, white_noise
 from fitter.diagnosis.least_squares import NEGLIGIBLE, ROUNDED, TINY
 from fitter.diagnosis.model import Hypothesis, Model
-from fitter.diagnosis.motion import Motion, noise_of_angles, white_noise
+from fitter.diagnosis.motion import Motion
 from fitter.diagnosis.rows import Equations
 from fitter.diagnosis.view import View
 

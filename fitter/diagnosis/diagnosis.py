@@ -12,7 +12,7 @@ from fitter.data.motions import Measured
 from fitter.data.resample import Uniform, resample, split_at_holes
 from fitter.data.trials import FIT_CORNER, Trial, derive, undriven
 from fitter.diagnosis.conclusion import concluded
-from fitter.diagnosis.corner import chatter, corner_hz
+from fitter.diagnosis.cutoff import chatter, corner_hz
 from fitter.diagnosis.finding import Finding
 from fitter.diagnosis.held_out import judged_sets
 from fitter.diagnosis.hypotheses import hypotheses

@@ -14,16 +14,11 @@ import numpy as np
 import scipy.fft
 import scipy.linalg
 
-from arm.model import Arm, Floats
-from fitter.diagnosis.least_squares import NEGLIGIBLE, ROUNDED
-from fitter.diagnosis.motion import SAMPLES, Motion, noise_of_angles, white_noise
+from arm.model import Floats
+from fitter.diagnosis.least_squares import orthonormal, singular
+from fitter.diagnosis.motion import Motion
 from fitter.diagnosis.whitening import Whitening, end_shapes, holding_shapes, jump_shapes, rest_shapes
 from fitter.side_by_side import side_by_side
-
-#: The band ends at this share of the columns' corner, where their filter still lets all through.
-BAND_SHARE = 0.6
-#: A perfect torque or angle has at least the noise of rounding, as a share of its rms.
-_LEAST_NOISE = 1e-4
 
 
 @dataclass(frozen=True)
@@ -108,8 +103,8 @@ class Weighting(Whitening):
         """Return orthonormal axes of what is not known of the torque, filtered, and how much of each is lost."""
         if motion.number not in self._held:
             anyhow, roughly = self._unknown(motion)
-            held = _orthonormal(anyhow)
-            U, size = _singular(roughly - held @ (held.T @ roughly))
+            held = orthonormal(anyhow)
+            U, size = singular(roughly - held @ (held.T @ roughly))
             lost = np.concatenate([np.ones(held.shape[1]), 1.0 - 1.0 / np.sqrt(1.0 + size**2)])
             # In this order their products with few columns take three quarters of the time.
             self._held[motion.number] = np.asfortranarray(np.hstack([held, U])), lost
@@ -137,54 +132,3 @@ def _at(joint: int, torques: Floats, n_joint: int) -> Floats:
     rows = np.zeros((len(torques), n_joint, torques.shape[1]))
     rows[:, joint] = torques
     return rows
-
-
-def _orthonormal(columns: Floats) -> Floats:
-    """Return an orthonormal basis of what columns span."""
-    size = np.linalg.norm(columns, axis=0)
-    scaled = columns / np.where(size > 0.0, size, 1.0)  # a rest of one sample makes nothing of one of its hats
-    Q, R, _ = scipy.linalg.qr(scaled, mode="economic", pivoting=True, check_finite=False)
-    size = np.abs(np.diag(R))
-    return np.ascontiguousarray(Q[:, : len(size)][:, size > np.sqrt(ROUNDED) * size[0]])
-
-
-def _singular(columns: Floats) -> tuple[Floats, Floats]:
-    """Return the left singular vectors of columns and their values, but for those that noise drowns.
-
-    By the columns' products: exact enough for what is not, in half the time.
-    """
-    squared, axes = scipy.linalg.eigh(columns.T @ columns, check_finite=False)
-    kept = squared > max(NEGLIGIBLE**2, ROUNDED * float(squared.max(initial=0.0)))
-    size = np.sqrt(squared[kept])
-    return columns @ (axes[:, kept] / size), size
-
-
-def weighting(arm: Arm, motions: Sequence[Motion]) -> Weighting:
-    """Return the filter for a run of which no more is known: every joint turns a mass of one by itself.
-
-    Parameters
-    ----------
-    arm : Arm
-        Its law says how the noise of the angles enters a torque that was not measured.
-    motions : sequence of Motion
-    """
-    angle = noise_of_angles([motion.trial for motion in motions])
-    u = np.concatenate([motion.u for motion in motions])
-    if all("tau" in motion.trial.whole for motion in motions):
-        torque = white_noise([motion.trial.whole["tau"] for motion in motions])
-    elif arm.control.kp and motions[0].trial.tau is None:
-        torque = np.abs(arm.control.kp) * angle
-    else:
-        torque = np.zeros(arm.n_joint)
-    # What counts is the noise's density; the slower grid has the same with fewer samples.
-    thinned = np.sqrt(np.mean([motion.trial.dt_s / motion.dt_s for motion in motions]))
-    torque, angle = thinned * torque, thinned * angle
-    torque = np.maximum(torque, _LEAST_NOISE * np.maximum(np.sqrt(np.mean(u**2, axis=0)), 1e-9))
-    q = np.concatenate([motion.q for motion in motions])
-    angle = np.maximum(angle, 1e-9 * np.maximum(np.std(q, axis=0), 1.0))
-    acceleration = np.diag(angle**2)
-    dt_s = max(motion.dt_s for motion in motions)
-    corner = min(*(motion.trial.cutoff_hz for motion in motions), 0.4 / dt_s)
-    band = BAND_SHARE * corner
-    nothing_told = np.full(arm.n_joint, np.inf)
-    return Weighting(torque, acceleration, band, max(1, int(1.0 / (dt_s * 0.5 * SAMPLES * band))), nothing_told)

@@ -6,6 +6,8 @@ With the tolerances, probabilities and limits that all parts of a diagnosis shar
 from dataclasses import dataclass
 
 import numpy as np
+import scipy.fft
+import scipy.linalg
 from numpy.typing import NDArray
 from scipy.stats import norm
 
@@ -127,3 +129,23 @@ def compensated(gram: Floats, pull: Floats, noise_gram: Floats, noise_pull: Floa
     # No direction is enlarged plainly: where noise is all there is, nothing can be put right.
     kept_share = np.maximum(1.0 - share, 1.0 / PLAINLY)
     return np.asarray(root @ ((root.T @ (pull - noise_pull)) / kept_share), dtype=np.float64)
+
+
+def orthonormal(columns: Floats) -> Floats:
+    """Return an orthonormal basis of what columns span."""
+    size = np.linalg.norm(columns, axis=0)
+    scaled = columns / np.where(size > 0.0, size, 1.0)  # a rest of one sample makes nothing of one of its hats
+    Q, R, _ = scipy.linalg.qr(scaled, mode="economic", pivoting=True, check_finite=False)
+    size = np.abs(np.diag(R))
+    return np.ascontiguousarray(Q[:, : len(size)][:, size > np.sqrt(ROUNDED) * size[0]])
+
+
+def singular(columns: Floats) -> tuple[Floats, Floats]:
+    """Return the left singular vectors of columns and their values, but for those that noise drowns.
+
+    By the columns' products: exact enough for what is not, in half the time.
+    """
+    squared, axes = scipy.linalg.eigh(columns.T @ columns, check_finite=False)
+    kept = squared > max(NEGLIGIBLE**2, ROUNDED * float(squared.max(initial=0.0)))
+    size = np.sqrt(squared[kept])
+    return columns @ (axes[:, kept] / size), size

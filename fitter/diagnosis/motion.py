@@ -1,11 +1,9 @@
 """Trials as a diagnosis sees them: on the run's clock, with the drive's torque, and where friction is known."""
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.stats import norm
 
 from arm.model import Arm, Floats
 from fitter.data.law_torque import law_torque
@@ -99,17 +97,3 @@ def sharp_torque(arm: Arm, trial: Trial) -> Floats:
     elif trial.ref is not None and trial.ref_filtered is not None and trial.tau is None:
         u = u + np.asarray(arm.control.kp) * (trial.ref - trial.ref_filtered)
     return np.pad(u, ((trial.trimmed, trial.trimmed), (0, 0)), mode="edge")
-
-
-def noise_of_angles(trials: Sequence[Trial]) -> Floats:
-    """Return the rms of the white noise in the measured angles, (n_joint,) [rad or m]."""
-    return white_noise([trial.whole.get("q", trial.q) for trial in trials])
-
-
-def white_noise(columns: Sequence[Floats]) -> Floats:
-    """Return the rms of what is white in some columns: that of their third differences, robustly.
-
-    Motion has next to nothing in a third difference at these rates; it enlarges white noise by sqrt(20).
-    """
-    third = np.concatenate([np.diff(values, 3, axis=0) for values in columns])
-    return np.asarray(np.median(np.abs(third), axis=0) / norm.ppf(0.75) / np.sqrt(20.0), dtype=np.float64)

@@ -16,8 +16,9 @@ from scipy.ndimage import binary_erosion, gaussian_filter1d
 from arm.model import Arm, Floats
 from fitter.data.derivatives import both_derivatives, lowpass
 from fitter.data.trials import Trial
+from fitter.diagnosis.cutoff import white_noise
 from fitter.diagnosis.least_squares import BLOCK_S, EQUAL_SIGMAS, SIGMAS
-from fitter.diagnosis.motion import Motion, sharp_torque, white_noise
+from fitter.diagnosis.motion import Motion, sharp_torque
 from fitter.diagnosis.whitening import LASTS_S
 
 #: The torque's sign is told behind a Gaussian of this width [s]; what that brings forward of a touch is not sure.

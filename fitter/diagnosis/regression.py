@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from arm.model import Arm, Floats
 from fitter.diagnosis.attenuation import Noise, NoisyRows, let_through, noisier
-from fitter.diagnosis.equation import Weighting, weighting
+from fitter.diagnosis.equation import Weighting
 from fitter.diagnosis.least_squares import (
     ITERATIONS,
     SETTLED,
@@ -28,7 +28,7 @@ from fitter.diagnosis.mass_density import MassDensity
 from fitter.diagnosis.model import Model
 from fitter.diagnosis.motion import Motion
 from fitter.diagnosis.rests import Rests
-from fitter.diagnosis.reweighting import holding_sizes, reweighted
+from fitter.diagnosis.reweighting import holding_sizes, reweighted, weighting
 from fitter.diagnosis.rows import Equations
 from fitter.diagnosis.view import View
 from fitter.diagnosis.white_rows import Rows

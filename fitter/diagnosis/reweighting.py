@@ -11,13 +11,21 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from arm.model import Floats
+from arm.model import Arm, Floats
+from fitter.diagnosis.cutoff import BAND_SHARE, noise_of_angles, white_noise
 from fitter.diagnosis.equation import Weighting
 from fitter.diagnosis.least_squares import PLAINLY, ROUNDED, SIGMAS, TINY
 from fitter.diagnosis.model import Model
-from fitter.diagnosis.motion import Motion
+from fitter.diagnosis.motion import SAMPLES, Motion
 from fitter.diagnosis.rows import Equations
-from fitter.diagnosis.whitening import WINDOW_S, inner_rests
+from fitter.diagnosis.whitening import (
+    WINDOW_S,
+    inner_rests,
+)
+
+#: A perfect torque or angle has at least the noise of rounding, as a share of its rms.
+_LEAST_NOISE = 1e-4
+
 
 #: The noise's size is known to a tenth (`whitening`) …
 SIZE_KNOWN = 0.1
@@ -130,3 +138,34 @@ def holding_sizes(equations: Equations, model: Model, x: Floats, motions: Sequen
     unseen = np.inf if "fc" in equations.denied else _ALLOWED * coulomb
     held = np.where(np.isnan(largest), unseen, np.fmax(largest, coulomb))
     return np.asarray(_ALLOWED * held, dtype=np.float64)
+
+
+def weighting(arm: Arm, motions: Sequence[Motion]) -> Weighting:
+    """Return the filter for a run of which no more is known: every joint turns a mass of one by itself.
+
+    Parameters
+    ----------
+    arm : Arm
+        Its law says how the noise of the angles enters a torque that was not measured.
+    motions : sequence of Motion
+    """
+    angle = noise_of_angles([motion.trial for motion in motions])
+    u = np.concatenate([motion.u for motion in motions])
+    if all("tau" in motion.trial.whole for motion in motions):
+        torque = white_noise([motion.trial.whole["tau"] for motion in motions])
+    elif arm.control.kp and motions[0].trial.tau is None:
+        torque = np.abs(arm.control.kp) * angle
+    else:
+        torque = np.zeros(arm.n_joint)
+    # What counts is the noise's density; the slower grid has the same with fewer samples.
+    thinned = np.sqrt(np.mean([motion.trial.dt_s / motion.dt_s for motion in motions]))
+    torque, angle = thinned * torque, thinned * angle
+    torque = np.maximum(torque, _LEAST_NOISE * np.maximum(np.sqrt(np.mean(u**2, axis=0)), 1e-9))
+    q = np.concatenate([motion.q for motion in motions])
+    angle = np.maximum(angle, 1e-9 * np.maximum(np.std(q, axis=0), 1.0))
+    acceleration = np.diag(angle**2)
+    dt_s = max(motion.dt_s for motion in motions)
+    corner = min(*(motion.trial.cutoff_hz for motion in motions), 0.4 / dt_s)
+    band = BAND_SHARE * corner
+    nothing_told = np.full(arm.n_joint, np.inf)
+    return Weighting(torque, acceleration, band, max(1, int(1.0 / (dt_s * 0.5 * SAMPLES * band))), nothing_told)

@@ -12,8 +12,7 @@ from fitter.data.derivatives import lowpass
 from fitter.data.motions import Measured
 from fitter.data.resample import Uniform
 from fitter.data.trials import choose_cutoff_hz
-from fitter.diagnosis.corner import CORNER_HZ, chatter, corner_hz
-from fitter.diagnosis.equation import BAND_SHARE
+from fitter.diagnosis.cutoff import BAND_SHARE, CORNER_HZ, chatter, corner_hz
 
 
 def grids(swings_hz: list[float], dt_s: float = 0.002, noise: float = 2e-4) -> list[Uniform]:

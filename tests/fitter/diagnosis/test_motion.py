@@ -3,7 +3,7 @@
 import numpy as np
 
 from fitter.data.trials import to_trials
-from fitter.diagnosis.motion import white_noise
+from fitter.diagnosis.cutoff import white_noise
 from fitter.diagnosis.run import run_of
 from fitter.diagnosis.whitening import end_weight, holding_shapes, lasting
 from tests.fitter.pendulum import pendulum, swings

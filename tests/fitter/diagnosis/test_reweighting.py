@@ -9,9 +9,9 @@ from arm.model import Control, Effect, Friction
 from arm.simulation import simulate
 from fitter.data.motions import Measured
 from fitter.data.trials import to_trials
+from fitter.diagnosis.cutoff import noise_of_angles
 from fitter.diagnosis.hypotheses import hypotheses
 from fitter.diagnosis.model import Model
-from fitter.diagnosis.motion import noise_of_angles
 from fitter.diagnosis.refinement import fitted
 from fitter.diagnosis.regression import Regression
 from fitter.diagnosis.reweighting import holding_sizes, reweighted

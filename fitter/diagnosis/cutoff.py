@@ -11,13 +11,17 @@ a measured torque is mostly noise, whoever reads the verdict has to know.
 from collections.abc import Sequence
 
 import numpy as np
+from scipy.stats import norm
 
 from arm.model import Arm, Floats
 from fitter.data.resample import Uniform
 from fitter.data.trials import Trial, choose_cutoff_hz
-from fitter.diagnosis.equation import BAND_SHARE
 from fitter.diagnosis.least_squares import PLAINLY, SIGMAS
-from fitter.diagnosis.motion import SAMPLES, white_noise
+from fitter.diagnosis.motion import SAMPLES
+
+#: The band ends at this share of the columns' corner, where their filter still lets all through.
+BAND_SHARE = 0.6
+
 
 #: Columns are cut off at this frequency …
 CORNER_HZ = 30.0
@@ -101,3 +105,17 @@ def chatter(arm: Arm, trials: Sequence[Trial]) -> list[str]:
         for j, unit in enumerate("N m" if joint.type == "revolute" else "N" for joint in arm.joints)
         if PLAINLY * white[j] > size[j] > 0.0
     ]
+
+
+def noise_of_angles(trials: Sequence[Trial]) -> Floats:
+    """Return the rms of the white noise in the measured angles, (n_joint,) [rad or m]."""
+    return white_noise([trial.whole.get("q", trial.q) for trial in trials])
+
+
+def white_noise(columns: Sequence[Floats]) -> Floats:
+    """Return the rms of what is white in some columns: that of their third differences, robustly.
+
+    Motion has next to nothing in a third difference at these rates; it enlarges white noise by sqrt(20).
+    """
+    third = np.concatenate([np.diff(values, 3, axis=0) for values in columns])
+    return np.asarray(np.median(np.abs(third), axis=0) / norm.ppf(0.75) / np.sqrt(20.0), dtype=np.float64)
