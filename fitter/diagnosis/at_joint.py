@@ -16,8 +16,7 @@ from arm.effects.joint_torque import DIRECTION, DQ, N_STATE, TAU, torque_along, 
 from arm.model import Floats
 from fitter.diagnosis.least_squares import ROUNDED, TINY
 from fitter.diagnosis.model import N_START, Hypothesis
-from fitter.diagnosis.motion import Motion
-from fitter.diagnosis.view import View
+from fitter.diagnosis.motion import Motion, View
 
 #: Ripples a turn: with less than one they would be a spring or an offset.
 _PERIODS = np.arange(1.0, 81.0)

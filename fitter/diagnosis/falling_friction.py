@@ -21,11 +21,10 @@ from fitter.diagnosis.at_joint import AtJoint
 from fitter.diagnosis.holding import ABOVE, Holding
 from fitter.diagnosis.least_squares import NEGLIGIBLE, SIGMAS, own_square
 from fitter.diagnosis.model import Candidate
-from fitter.diagnosis.motion import Motion
+from fitter.diagnosis.motion import Motion, View
 from fitter.diagnosis.refinement import fitted
 from fitter.diagnosis.regression import Regression
 from fitter.diagnosis.search import Cause, Search
-from fitter.diagnosis.view import View
 
 #: What it is called.
 _EFFECT = "stribeck"

@@ -16,12 +16,12 @@ import scipy.optimize
 from numpy.typing import NDArray
 
 from arm.model import Floats
-from fitter.diagnosis.equation import Weighting
 from fitter.diagnosis.least_squares import NEGLIGIBLE, ROUNDED, TINY
 from fitter.diagnosis.model import Candidate
 from fitter.diagnosis.motion import Motion
 from fitter.diagnosis.regression import Regression
 from fitter.diagnosis.reweighting import KNOWN, Floor, reweighted
+from fitter.diagnosis.weighting import Weighting
 
 
 def floored(regression: Regression, candidate: Candidate) -> tuple[Weighting, Weighting, Floor]:

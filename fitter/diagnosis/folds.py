@@ -19,7 +19,7 @@ from fitter.diagnosis.least_squares import N_INSTANT, N_SHIFTED, RIDGE, ROUNDED,
 from fitter.diagnosis.model import Candidate, Model
 from fitter.diagnosis.motion import Motion
 from fitter.diagnosis.regression import Regression
-from fitter.diagnosis.white_rows import Columns
+from fitter.diagnosis.weighting import Columns
 
 
 @dataclass(frozen=True)

@@ -18,7 +18,7 @@ from fitter.diagnosis.model import Hypothesis, Model
 from fitter.diagnosis.motion import Motion
 from fitter.diagnosis.refinement import Misfit, Starts, peaks, refined
 from fitter.diagnosis.regression import Regression
-from fitter.diagnosis.white_rows import Columns
+from fitter.diagnosis.weighting import Columns
 
 #: So many steps from a start near nothing tell what can be explained; what promises much is refined later.
 _STEPS = 4

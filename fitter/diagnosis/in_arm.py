@@ -8,8 +8,7 @@ import numpy as np
 from arm.model import STANDARD_GRAVITY_M_S2, Floats, Friction, Link
 from arm.newton_euler import inverse_dynamics
 from fitter.diagnosis.model import SMALL_TURN, Hypothesis, Turn
-from fitter.diagnosis.motion import Motion
-from fitter.diagnosis.view import View
+from fitter.diagnosis.motion import Motion, View
 
 
 class GravityTilt(Hypothesis):

@@ -14,8 +14,7 @@ from arm.model import Floats
 from fitter.data.derivatives import lowpass
 from fitter.diagnosis.least_squares import ROUNDED
 from fitter.diagnosis.model import N_START, Hypothesis, Turn
-from fitter.diagnosis.motion import Motion, sharp_torque
-from fitter.diagnosis.view import View
+from fitter.diagnosis.motion import Motion, View, sharp_torque
 
 #: What a cubic spline does at a sample falls by 2 - sqrt(3) with each further one: to rounding in this many.
 _SPLINE = math.ceil(np.log(ROUNDED) / np.log(2.0 - np.sqrt(3.0)))

@@ -18,9 +18,8 @@ from fitter.data.derivatives import both_derivatives
 from fitter.diagnosis.in_drive import lagging
 from fitter.diagnosis.least_squares import ROUNDED, TINY
 from fitter.diagnosis.model import Hypothesis, Turn
-from fitter.diagnosis.motion import Motion
+from fitter.diagnosis.motion import Motion, View
 from fitter.diagnosis.play import Play, play_of
-from fitter.diagnosis.view import View
 
 #: Twists at the greatest torque, and gaps, that are tried first [rad].
 _TWISTS = np.geomspace(1e-3, 0.3, 8)

@@ -16,10 +16,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from arm.model import Floats
+from fitter.diagnosis.equations import Equations
 from fitter.diagnosis.least_squares import ITERATIONS, N_INSTANT, ODDS_NATS, REMEMBERED, ROUNDED, SETTLED, Normal
 from fitter.diagnosis.model import Model
 from fitter.diagnosis.motion import Motion
-from fitter.diagnosis.rows import Equations
 
 
 @dataclass(frozen=True)

@@ -13,8 +13,7 @@ import numpy as np
 from arm.effects.effect import EffectKind
 from arm.model import Floats
 from fitter.diagnosis.least_squares import SLOPE
-from fitter.diagnosis.motion import Motion
-from fitter.diagnosis.view import View
+from fitter.diagnosis.motion import Motion, View
 
 #: Values tried of a number whose scale the motion does not tell: three a decade over four of them.
 N_START = 12

@@ -1,13 +1,18 @@
 """Trials as a diagnosis sees them: on the run's clock, with the drive's torque, and where friction is known."""
 
-from dataclasses import dataclass
+# DOC """What a motion looks like if some hypotheses hold: another arm, angle or torque, further columns."""
+# DOC
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
+from arm.effects.joint_torque import N_STATE
 from arm.model import Arm, Floats
+from arm.regressor import regressor
 from fitter.data.law_torque import law_torque
 from fitter.data.trials import Trial
+from fitter.dynamics.structure import structural_parameters
 from limbcal.errors import DataError
 
 #: Samples a period of the corner that are kept of a motion.
@@ -97,3 +102,131 @@ def sharp_torque(arm: Arm, trial: Trial) -> Floats:
     elif trial.ref is not None and trial.ref_filtered is not None and trial.tau is None:
         u = u + np.asarray(arm.control.kp) * (trial.ref - trial.ref_filtered)
     return np.pad(u, ((trial.trimmed, trial.trimmed), (0, 0)), mode="edge")
+
+
+class BaseColumns:
+    """The base parameters that are sought, in any gravity.
+
+    Parameters
+    ----------
+    arm : Arm
+        As its file has it.
+    denied : tuple of str
+        Beginnings of names of base parameters that are left out, such as ``D`` and ``fc``.
+    known : (column, value), optional
+        A standard parameter that is not sought.
+    """
+
+    def __init__(self, arm: Arm, denied: tuple[str, ...], known: tuple[int, float] | None) -> None:
+        self.arm, self.denied, self.known = arm, denied, known
+        self._independent: dict[tuple[float, ...], NDArray[np.intp]] = {}
+
+    def of(self, arm: Arm) -> NDArray[np.intp]:
+        """Return the columns of the standard regressor that stand for an arm's base parameters."""
+        key = (*np.sign(arm.gravity_m_s2), *(np.sign(np.subtract(arm.gravity_m_s2, self.arm.gravity_m_s2))))
+        if key not in self._independent:
+            x, y, z = (
+                float(g if g == g0 else g0 + 0.7 + 0.1 * k)
+                for k, (g, g0) in enumerate(zip(arm.gravity_m_s2, self.arm.gravity_m_s2, strict=True))
+            )
+            base = structural_parameters(replace(arm, gravity_m_s2=(x, y, z)))
+            kept = [
+                column
+                for column, name in zip(base.independent, base.names, strict=True)
+                if not any(name.rstrip("0123456789") == start for start in self.denied)
+                and not (self.known is not None and column == self.known[0])
+            ]
+            self._independent[key] = np.array(kept)
+        return self._independent[key]
+
+
+@dataclass(frozen=True)
+class View:
+    """A motion under hypotheses.
+
+    Attributes
+    ----------
+    motion : Motion
+        As it was measured.
+    arm : Arm
+        Its geometry and gravity.
+    q, dq, ddq, u : (n_sample, n_joint)
+        Of the links, and the torque at the joints but for a gain of the drive.
+    factor : (n_joint,)
+        By which all that a joint resists with counts beside u: 1 over that gain.
+    direction : (n_sample, n_joint)
+        Of the links' motion, -1 to 1.
+    drift : (n_joint,)
+        Rate at which the joints' friction grows with the run's time [1/s].
+    columns : tuple of ndarray of shape (n_sample, n_joint, n_column)
+        What stands in the equation of motion beside the regressor, for a gain of 1.
+    guessed : (n_sample,) of bool
+        Where an effect can only guess how the links move: they are not measured there.
+    """
+
+    motion: Motion
+    arm: Arm
+    q: Floats
+    dq: Floats
+    ddq: Floats
+    u: Floats
+    direction: Floats
+    factor: Floats
+    drift: Floats
+    guessed: NDArray[np.bool_]
+    columns: tuple[Floats, ...] = field(default=())
+
+    @property
+    def arrived(self) -> Floats:
+        """The torque that reaches the joints, (n_sample, n_joint)."""
+        return np.asarray(self.u / self.factor, dtype=np.float64)
+
+    def states(self, joint: int) -> Floats:
+        """Return what a joint's torque may depend on, (n_sample, 7), as in `arm.effects.joint_torque`.
+
+        The joint's own friction is not among it: no effect that is linear beside it depends on it.
+        """
+        states = np.zeros((len(self.q), N_STATE))
+        dq = (self.motion.speed if self.dq is self.motion.dq else self.dq)[:, joint]
+        states[:, 0], states[:, 1], states[:, 2] = self.motion.t, self.q[:, joint], dq
+        states[:, 3], states[:, 4] = self.direction[:, joint], self.arrived[:, joint]
+        return states
+
+    def speed_noise(self, joint: int) -> Floats:
+        """Return the rms noise of the velocity among `states`, (n_sample,), 0 where that is not known."""
+        noise = self.motion.speed_noise[:, joint]
+        return noise if self.dq is self.motion.dq else np.zeros_like(noise)
+
+    def base(self, independent: NDArray[np.intp]) -> Floats:
+        """Return the base regressor's rows, (n_sample, n_joint, n_base)."""
+        n = self.arm.n_joint
+        Y = regressor(self.arm, self.q, self.dq, self.ddq)
+        for j in range(n):
+            Y[:, j, 11 * n + j] = self.direction[:, j]
+            if self.drift[j]:
+                Y[:, j, 10 * n + j :: n] *= 1.0 + self.drift[j] * np.maximum(self.motion.t, 0.0)[:, None]
+        rows = np.take(Y, independent, axis=2)
+        rows *= self.factor[:, None]
+        return rows
+
+    def equations(self, independent: NDArray[np.intp]) -> Floats:
+        """Return base and further columns side by side, (n_sample, n_joint, n_factor)."""
+        added = (one * self.factor[:, None] for one in self.columns)
+        return np.concatenate([self.base(independent), *added], axis=2)
+
+    def target(self, known: tuple[int, float] | None) -> Floats:
+        """Return the right-hand side of the equation: the torque, less what a known parameter asks for."""
+        if known is None:
+            return self.u
+        column, value = known
+        Y = regressor(self.arm, self.q, self.dq, self.ddq)[..., column]
+        return np.asarray(self.u - value * Y * self.factor, dtype=np.float64)
+
+
+def view_of(motion: Motion, arm: Arm) -> View:
+    """Return a motion as it was measured."""
+    n = motion.q.shape[1]
+    moves = motion.q, motion.dq, motion.ddq, motion.u, motion.direction
+    return View(
+        motion, arm, *moves, factor=np.ones(n), drift=np.zeros(n), guessed=np.zeros(len(motion.t), dtype=np.bool_)
+    )

@@ -15,9 +15,8 @@ from arm.model import Floats
 from arm.regressor import regressor
 from fitter.diagnosis.least_squares import ROUNDED, scaled_lstsq
 from fitter.diagnosis.model import Hypothesis, Model
-from fitter.diagnosis.motion import Motion
+from fitter.diagnosis.motion import Motion, View
 from fitter.diagnosis.regression import Regression
-from fitter.diagnosis.view import View
 
 #: Products of a column with what is left, with itself, and with the design.
 _Parts = tuple[float, float, Floats]

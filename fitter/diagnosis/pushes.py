@@ -18,13 +18,12 @@ from fitter.data.derivatives import lowpass
 from fitter.diagnosis.evidence import blocks_of
 from fitter.diagnosis.least_squares import ITERATIONS, NEGLIGIBLE, TINY, Normal
 from fitter.diagnosis.model import Candidate, Hypothesis
-from fitter.diagnosis.motion import Motion
+from fitter.diagnosis.motion import Motion, View
 from fitter.diagnosis.refinement import fitted
 from fitter.diagnosis.regression import Regression
 from fitter.diagnosis.torque.missing_torque import ResidualTorque
 from fitter.diagnosis.torque.pulse import Pulse, pulse_means
 from fitter.diagnosis.torque.pulses import find_pulses
-from fitter.diagnosis.view import View
 
 _NUMBERS = ("start_s", "duration_s", "torque_N_m")
 #: Degrees of freedom: those that Lange, Little and Taylor find to serve most data.

@@ -14,7 +14,7 @@ import scipy.optimize
 import scipy.signal
 
 from arm.model import Floats
-from fitter.diagnosis.attenuation import Noise
+from fitter.diagnosis.errors_in_variables import Noise
 from fitter.diagnosis.least_squares import (
     FOREMOST,
     ITERATIONS,

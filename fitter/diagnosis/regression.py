@@ -13,8 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from arm.model import Arm, Floats
-from fitter.diagnosis.attenuation import Noise, NoisyRows, let_through, noisier
-from fitter.diagnosis.equation import Weighting
+from fitter.diagnosis.equations import Equations
+from fitter.diagnosis.errors_in_variables import Noise, NoisyRows, let_through, noisier
 from fitter.diagnosis.least_squares import (
     ITERATIONS,
     SETTLED,
@@ -26,12 +26,10 @@ from fitter.diagnosis.least_squares import (
 )
 from fitter.diagnosis.mass_density import MassDensity
 from fitter.diagnosis.model import Model
-from fitter.diagnosis.motion import Motion
+from fitter.diagnosis.motion import Motion, View
 from fitter.diagnosis.rests import Rests
 from fitter.diagnosis.reweighting import holding_sizes, reweighted, weighting
-from fitter.diagnosis.rows import Equations
-from fitter.diagnosis.view import View
-from fitter.diagnosis.white_rows import Rows
+from fitter.diagnosis.weighting import Rows, Weighting
 
 
 class Regression:

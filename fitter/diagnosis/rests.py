@@ -19,11 +19,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from arm.model import Floats
-from fitter.diagnosis.equation import Weighting
+from fitter.diagnosis.equations import Equations
 from fitter.diagnosis.least_squares import ITERATIONS, REMEMBERED, Normal
 from fitter.diagnosis.model import Model
 from fitter.diagnosis.motion import Motion
-from fitter.diagnosis.rows import Equations
+from fitter.diagnosis.weighting import Weighting
 from fitter.diagnosis.whitening import CUT_S, WINDOW_S, inner_rests
 
 

@@ -13,11 +13,11 @@ import numpy as np
 
 from arm.model import Arm, Floats
 from fitter.diagnosis.cutoff import BAND_SHARE, noise_of_angles, white_noise
-from fitter.diagnosis.equation import Weighting
+from fitter.diagnosis.equations import Equations
 from fitter.diagnosis.least_squares import PLAINLY, ROUNDED, SIGMAS, TINY
 from fitter.diagnosis.model import Model
 from fitter.diagnosis.motion import SAMPLES, Motion
-from fitter.diagnosis.rows import Equations
+from fitter.diagnosis.weighting import Weighting
 from fitter.diagnosis.whitening import (
     WINDOW_S,
     inner_rests,

@@ -9,7 +9,7 @@ from arm.model import Floats
 from fitter.diagnosis.estimates import significant
 from fitter.diagnosis.evidence import Fit, likelihood_of
 from fitter.diagnosis.model import Candidate, Hypothesis, Model
-from fitter.diagnosis.view import View
+from fitter.diagnosis.motion import View
 
 #: Rows a block, blocks a trial.
 ROWS, BLOCKS = 10, 5

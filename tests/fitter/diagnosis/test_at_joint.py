@@ -9,8 +9,8 @@ from arm.effects.catalogue import catalogue
 from arm.effects.joint_torque import COULOMB, DIRECTION, DQ, TAU, T, torque_along
 from fitter.data.trials import to_trials
 from fitter.diagnosis.at_joint import AtJoint, depends_on
+from fitter.diagnosis.motion import view_of
 from fitter.diagnosis.run import run_of
-from fitter.diagnosis.view import view_of
 from tests.fitter.pendulum import pendulum, swings
 
 

@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from fitter.diagnosis.attenuation import added, noise_of
+from fitter.diagnosis.errors_in_variables import added, noise_of
 from fitter.diagnosis.least_squares import compensated
 
 

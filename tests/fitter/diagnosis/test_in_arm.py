@@ -10,7 +10,7 @@ from arm.model import STANDARD_GRAVITY_M_S2, Effect
 from fitter.diagnosis.diagnosis import diagnose
 from fitter.diagnosis.in_arm import FrictionDrift, GravityTilt, JointZero
 from fitter.diagnosis.model import Model
-from fitter.diagnosis.view import view_of
+from fitter.diagnosis.motion import view_of
 from tests.fitter.diagnosis.test_payload import regression_of
 from tests.fitter.diagnosis.two_joints import regression_of_two
 from tests.fitter.pendulum import pendulum, swings

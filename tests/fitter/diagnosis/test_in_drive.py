@@ -14,10 +14,10 @@ from fitter.data.motions import Measured
 from fitter.data.trials import to_trials
 from fitter.diagnosis.in_drive import Lag, Limit, _shifted, delayed, lagging
 from fitter.diagnosis.model import Model
+from fitter.diagnosis.motion import view_of
 from fitter.diagnosis.refinement import fitted
 from fitter.diagnosis.regression import Regression
 from fitter.diagnosis.run import run_of
-from fitter.diagnosis.view import view_of
 from tests.fitter.pendulum import pendulum, swings
 
 DT = 0.002

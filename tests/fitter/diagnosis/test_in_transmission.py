@@ -9,11 +9,10 @@ from fitter.data.trials import to_trials
 from fitter.diagnosis.estimates import estimates
 from fitter.diagnosis.in_transmission import Backlash, Elasticity
 from fitter.diagnosis.model import Model
-from fitter.diagnosis.motion import Motion
+from fitter.diagnosis.motion import Motion, view_of
 from fitter.diagnosis.refinement import fitted
 from fitter.diagnosis.regression import Regression
 from fitter.diagnosis.run import run_of
-from fitter.diagnosis.view import view_of
 from tests.fitter.pendulum import pendulum, swings
 
 STIFF, DAMPED = 40.0, 0.8

@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 
 from arm.effects.catalogue import catalogue
+from fitter.diagnosis.motion import view_of
 from fitter.diagnosis.pushes import Pushes
 from fitter.diagnosis.torque.pulse import Pulse
-from fitter.diagnosis.view import view_of
 
 KIND = catalogue()["external_push"]
 PULSE = Pulse(0, 0, 1.0, 0.2, 5.0, 0.01, 0.02, 0.3, "rectangular", 20.0, 15.0)

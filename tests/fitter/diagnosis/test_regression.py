@@ -13,7 +13,8 @@ from arm.simulation import simulate
 from fitter.data.motions import Measured
 from fitter.data.trials import to_trials
 from fitter.diagnosis.at_joint import AtJoint
-from fitter.diagnosis.attenuation import added, noise_of
+from fitter.diagnosis.equations import Equations
+from fitter.diagnosis.errors_in_variables import added, noise_of
 from fitter.diagnosis.in_arm import FrictionDrift, GravityTilt
 from fitter.diagnosis.in_drive import Delay, Gain, Lag, Limit
 from fitter.diagnosis.in_transmission import Elasticity
@@ -21,9 +22,8 @@ from fitter.diagnosis.least_squares import scaled_lstsq
 from fitter.diagnosis.model import Model
 from fitter.diagnosis.payload import Payload
 from fitter.diagnosis.regression import Regression
-from fitter.diagnosis.rows import Equations
 from fitter.diagnosis.run import run_of
-from fitter.diagnosis.white_rows import Columns
+from fitter.diagnosis.weighting import Columns
 from tests.fitter.pendulum import pendulum, swings
 
 

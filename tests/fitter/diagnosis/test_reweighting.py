@@ -10,12 +10,12 @@ from arm.simulation import simulate
 from fitter.data.motions import Measured
 from fitter.data.trials import to_trials
 from fitter.diagnosis.cutoff import noise_of_angles
+from fitter.diagnosis.equations import Equations
 from fitter.diagnosis.hypotheses import hypotheses
 from fitter.diagnosis.model import Model
 from fitter.diagnosis.refinement import fitted
 from fitter.diagnosis.regression import Regression
 from fitter.diagnosis.reweighting import holding_sizes, reweighted
-from fitter.diagnosis.rows import Equations
 from fitter.diagnosis.run import run_of
 from fitter.diagnosis.whitening import inner_rests
 from tests.fitter.diagnosis.searched import swinging

@@ -5,10 +5,10 @@ import pytest
 
 from arm.effects.catalogue import catalogue
 from fitter.diagnosis.at_joint import AtJoint
+from fitter.diagnosis.equations import Equations
 from fitter.diagnosis.in_arm import FrictionDrift, JointZero
 from fitter.diagnosis.in_drive import Gain, Lag
 from fitter.diagnosis.model import Model
-from fitter.diagnosis.rows import Equations
 from tests.fitter.diagnosis.two_joints import regression_of_two
 
 KINDS = catalogue()

@@ -11,7 +11,7 @@ from fitter.diagnosis.least_squares import own_square, scaled_lstsq
 from fitter.diagnosis.model import Model
 from fitter.diagnosis.regression import Regression
 from fitter.diagnosis.run import run_of
-from fitter.diagnosis.white_rows import Columns
+from fitter.diagnosis.weighting import Columns
 from tests.fitter.pendulum import pendulum, swings
 
 

@@ -13,11 +13,9 @@ from numpy.typing import NDArray
 
 from arm.model import Arm, Floats
 from arm.regressor import standard_parameters
-from fitter.diagnosis.equation import Weighting
 from fitter.diagnosis.model import Hypothesis, Model
-from fitter.diagnosis.motion import Motion
-from fitter.diagnosis.view import BaseColumns, View, view_of
-from fitter.diagnosis.white_rows import Columns, Rows
+from fitter.diagnosis.motion import BaseColumns, Motion, View, view_of
+from fitter.diagnosis.weighting import Columns, Rows, Weighting
 
 By = tuple[Hypothesis, Floats] | None
 

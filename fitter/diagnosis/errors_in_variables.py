@@ -21,11 +21,10 @@ from arm.control import control_torque
 from arm.model import Arm, Floats
 from fitter.data.derivatives import differentiate, lowpass, settling_samples
 from fitter.diagnosis.cutoff import noise_of_angles, white_noise
+from fitter.diagnosis.equations import Equations
 from fitter.diagnosis.least_squares import NEGLIGIBLE, ROUNDED, TINY
 from fitter.diagnosis.model import Hypothesis, Model
-from fitter.diagnosis.motion import Motion
-from fitter.diagnosis.rows import Equations
-from fitter.diagnosis.view import View
+from fitter.diagnosis.motion import Motion, View
 
 #: Of the one draw of noise, the same for all models.
 _SEED = 20
