@@ -13,17 +13,18 @@ from fitter.data.resample import Uniform, resample, split_at_holes
 from fitter.data.trials import FIT_CORNER, Trial, derive, undriven
 from fitter.diagnosis.conclusion import concluded
 from fitter.diagnosis.cutoff import chatter, corner_hz
+from fitter.diagnosis.evidence import Floor
 from fitter.diagnosis.finding import Finding
 from fitter.diagnosis.held_out import judged_sets
 from fitter.diagnosis.hypotheses import hypotheses
 from fitter.diagnosis.least_squares import MOST_CAUSES, PLAINLY
 from fitter.diagnosis.model import Candidate, Model
 from fitter.diagnosis.motion import Motion
+from fitter.diagnosis.noise_floor import regression_of
 from fitter.diagnosis.polish import polished
 from fitter.diagnosis.pushes import with_pushes
 from fitter.diagnosis.refinement import fitted
 from fitter.diagnosis.regression import Regression
-from fitter.diagnosis.reweighting import Floor
 from fitter.diagnosis.run import run_of
 from fitter.diagnosis.search import Cause, Search, cause_of, supports
 from fitter.diagnosis.stepwise import Found, Stepwise
@@ -183,7 +184,7 @@ def _found(
     def one_more(n: int) -> None:
         count[0] = n
 
-    likelihood = TorqueLikelihood(Regression(arm, motions, denied, scale), tried, trying)
+    likelihood = TorqueLikelihood(regression_of(arm, motions, denied, scale), tried, trying)
     search = Stepwise(likelihood, len(tried), MOST_CAUSES, one_more)
     found = search.run()
     return likelihood, found, likelihood.was

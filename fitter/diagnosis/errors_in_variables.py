@@ -14,6 +14,7 @@ a percent itself.
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from typing import Protocol
 
 import numpy as np
 
@@ -21,10 +22,10 @@ from arm.control import control_torque
 from arm.model import Arm, Floats
 from fitter.data.derivatives import differentiate, lowpass, settling_samples
 from fitter.diagnosis.cutoff import noise_of_angles, white_noise
-from fitter.diagnosis.equations import Equations
 from fitter.diagnosis.least_squares import NEGLIGIBLE, ROUNDED, TINY
 from fitter.diagnosis.model import Hypothesis, Model
 from fitter.diagnosis.motion import Motion, View
+from fitter.diagnosis.weighting import Rows
 
 #: Of the one draw of noise, the same for all models.
 _SEED = 20
@@ -115,17 +116,27 @@ def _sent(white: Floats, order: int, motion: Motion, beyond: int) -> Floats:
     return np.asarray(column[beyond:-beyond][:: round(motion.dt_s / trial.dt_s)], dtype=np.float64)
 
 
+class Design(Protocol):
+    """Equations of motions, whatever they are made of."""
+
+    def rows(self, model: Model, motion: Motion) -> Rows:
+        """Return a motion's equations under a model."""
+
+    def design_at(self, model: Model, motion: Motion, joint: int) -> Floats:
+        """Return what a joint's own equation makes of the columns, by itself."""
+
+
 class NoisyRows:
     """What one draw of noise makes of equations.
 
     Parameters
     ----------
-    equations : Equations
+    equations : Design
     noisier : mapping of int to Motion
         The same motions by their numbers, with one draw of noise more.
     """
 
-    def __init__(self, equations: Equations, noisier: Mapping[int, Motion]) -> None:
+    def __init__(self, equations: Design, noisier: Mapping[int, Motion]) -> None:
         self._equations, self._noisier = equations, noisier
         self.known: dict[object, Noise] = {}
 

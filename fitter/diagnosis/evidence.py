@@ -22,8 +22,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from arm.model import Floats
-from fitter.diagnosis.least_squares import BLOCK_S, EQUAL_SIGMAS, ODDS_NATS
+from fitter.diagnosis.least_squares import BLOCK_S, EQUAL_SIGMAS, ODDS_NATS, PLAINLY
 from fitter.diagnosis.model import Candidate
+
+#: The noise's size is known to a tenth (`whitening`) …
+SIZE_KNOWN = 0.1
+#: … so no more variance than this multiple of its own is a floor.
+KNOWN = (1.0 + SIZE_KNOWN) ** 2
 
 
 @dataclass(frozen=True)
@@ -187,3 +192,32 @@ def is_better(one: Fit, other: Fit) -> bool:
 def _scatter(gain: Floats) -> float:
     """Return the standard error of the sum of blocks' gains [nats]."""
     return float(np.sqrt(_summed_variance(gain)))
+
+
+@dataclass(frozen=True)
+class Floor:
+    """The floor of every joint.
+
+    Attributes
+    ----------
+    ratio : (n_joint,)
+        Variance of what is left, in units of the sensors' noise.
+    white : (n_joint,) [N m or N]
+        sqrt(D), a sample.
+    steep : (n_joint,)
+        E.
+    """
+
+    ratio: Floats
+    white: Floats
+    steep: Floats
+
+    @property
+    def is_none(self) -> bool:
+        """Whether nothing but the sensors' noise is left."""
+        return bool(np.all(self.ratio <= KNOWN))
+
+    @property
+    def is_plain(self) -> bool:
+        """Whether much more is left."""
+        return bool(np.any(self.ratio > PLAINLY))

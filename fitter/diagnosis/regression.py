@@ -6,8 +6,8 @@ The columns' factors and the base parameters follow from psi by linear least squ
 
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
-from dataclasses import replace
 from functools import cached_property
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,20 +16,52 @@ from arm.model import Arm, Floats
 from fitter.diagnosis.equations import Equations
 from fitter.diagnosis.errors_in_variables import Noise, NoisyRows, let_through, noisier
 from fitter.diagnosis.least_squares import (
-    ITERATIONS,
-    SETTLED,
     TINY,
     UNEXPLAINED,
     Normal,
     compensated,
-    scaled_lstsq,
 )
-from fitter.diagnosis.mass_density import MassDensity
 from fitter.diagnosis.model import Model
 from fitter.diagnosis.motion import Motion, View
-from fitter.diagnosis.rests import Rests
-from fitter.diagnosis.reweighting import holding_sizes, reweighted, weighting
 from fitter.diagnosis.weighting import Rows, Weighting
+
+
+class Density(Protocol):
+    """What keeps masses from being made small (`mass_density`)."""
+
+    def of(self, model: Model, x: Floats, motions: Sequence[Motion]) -> float:
+        """Return its logarithm [nats]."""
+
+    def unit(self, model: Model, x: Floats, motions: Sequence[Motion], numbers: float) -> float:
+        """Return by how much residuals count more for it."""
+
+    def slopes(self, model: Model, x: Floats, motions: Sequence[Motion]) -> tuple[Floats, Floats]:
+        """Return its slopes with factors and psi, and its information of them."""
+
+    def solve(self, normal: Normal, numbers: float, x: Floats, model: Model, motions: Sequence[Motion]) -> Floats:
+        """Return the likeliest factors."""
+
+
+class RestLimits(Protocol):
+    """What no rest may ask of friction (`rests`)."""
+
+    def beyond(self, model: Model, x: Floats, motions: Sequence[Motion]) -> list[Floats]:
+        """Return by how much limits are exceeded."""
+
+    def places(self, motion: Motion) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
+        """Return joint and middle sample of each limit."""
+
+    def likeliest(
+        self,
+        density: Density,
+        normal: Normal,
+        numbers: float,
+        x: Floats,
+        model: Model,
+        motions: Sequence[Motion],
+        free: NDArray[np.bool_],
+    ) -> Floats:
+        """Return the likeliest factors if rests have a say."""
 
 
 class Regression:
@@ -41,41 +73,37 @@ class Regression:
         Geometry, gravity, law.
     motions : sequence of Motion
         Learning ones first.
+    weighted : Weighting
+        The filter that makes the noise white.
     denied : tuple of str
         Beginnings of names of base parameters that are left out, such as ``D`` and ``fc``.
     known : (column, value), optional
         A standard parameter that is not sought: where no torque tells the scale of all the others, it does.
-    weighted : Weighting, optional
-        The filter that makes the noise white; by the mass matrix of a base model unless given.
-    density : MassDensity, optional
-        Of the motions, where something moves them that the model lacks.
     """
 
     def __init__(
         self,
         arm: Arm,
         motions: Sequence[Motion],
+        weighted: Weighting,
         denied: tuple[str, ...] = (),
         known: tuple[int, float] | None = None,
-        weighted: Weighting | None = None,
-        density: MassDensity | None = None,
     ) -> None:
         self.arm = arm
         self.motions = list(motions)
-        self.denied, self.density = denied, density
+        self.denied = denied
         self._scales: dict[object, Floats] = {}
         self._plain: dict[object, Floats] = {}
         self.noisier = noisier(arm, self.motions)
-        if weighted is None:
-            crude = Equations(arm, weighting(arm, self.motions), denied, known)
-            weighted = self._weighting_by(crude)
         self.equations = Equations(arm, weighted, denied, known)
         #: The sensors' noise alone, where no more is known of the masses.
         self.sensors = weighted
         #: Which part of the equations' variance is no noise of the sensors (`floor`), 0 to 1.
         self.floor_part = 0.0
         #: Where joints rest, if something is lacking.
-        self.rests: Rests | None = None
+        self.rests: RestLimits | None = None
+        #: Of the motions, where something moves them that the model lacks.
+        self.density: Density | None = None
         self._noisy = NoisyRows(self.equations, self.noisier)
         weighted.prepare(self.motions)
 
@@ -100,7 +128,7 @@ class Regression:
 
     def weighted_by(self, weighted: Weighting) -> "Regression":
         """Return a regression of the same motions with another filter, and no density."""
-        other = Regression(self.arm, self.motions, self.denied, self.equations.known, weighted)
+        other = Regression(self.arm, self.motions, weighted, self.denied, self.equations.known)
         other.sensors = self.sensors
         return other
 
@@ -158,40 +186,11 @@ class Regression:
     ) -> Floats:
         """Return the likeliest factors where something is lacking; those that are not free stay at none."""
         assert self.density is not None
-        x = self.density.solve(normal.of(free), self._numbers(motions), x, model, motions)
-        return x if self.rests is None else self._beside_rests(self.rests, normal, x, model, motions, free)
-
-    def _beside_rests(
-        self,
-        rests: Rests,
-        normal: Normal,
-        x: Floats,
-        model: Model,
-        motions: Sequence[Motion],
-        free: NDArray[np.bool_],
-    ) -> Floats:
-        """Return the likeliest factors if rests have a say: limits that are exceeded are equations, too."""
-        density, numbers = self.density, self._numbers(motions)
-        assert density is not None
-
-        def value(at: Floats) -> float:
-            square = normal.left(at) + sum(float(one @ one) for one in rests.beyond(model, at, motions))
-            return density.of(model, at, motions) - 0.5 * numbers * float(np.log(square))
-
-        here = value(x)
-        for _ in range(ITERATIONS):
-            both = normal.plus(rests.normal(model, x, motions))
-            step = density.solve(both.of(free), numbers, x, model, motions) - x
-            part, there = 1.0, value(x + step)
-            while part > SETTLED and not there > here:
-                part *= 0.5
-                there = value(x + part * step)
-            if not there > here:
-                break
-            x, gained, here = x + part * step, there - here, there
-            if gained < SETTLED:
-                break
-        return x
+        numbers = self._numbers(motions)
+        x = self.density.solve(normal.of(free), numbers, x, model, motions)
+        if self.rests is None:
+            return x
+        return self.rests.likeliest(self.density, normal, numbers, x, model, motions, free)
 
     def _numbers(self, motions: Sequence[Motion]) -> float:
         return sum(self.weighting.told(motion) for motion in motions)
@@ -282,13 +281,3 @@ class Regression:
             views = [self.view(model, motion) for motion in self.learning]
             self._scales[key] = let_through(views, self.learning)
         return self._scales[key]
-
-    def _weighting_by(self, crude: Equations) -> Weighting:
-        """Return the filter for a run whose noise is only guessed from a first fit."""
-        rows = [crude.rows(Model(), motion) for motion in self.learning]
-        values = scaled_lstsq(
-            np.vstack([one.design for one in rows]), np.concatenate([one.target.ravel() for one in rows])
-        )
-        weighted = reweighted(crude, crude.weighting, Model(), values, self.motions, self.noisier)
-        fine = Equations(self.arm, weighted, self.denied, crude.known)
-        return replace(weighted, holding=holding_sizes(fine, Model(), values, self.motions))

@@ -20,9 +20,10 @@ from numpy.typing import NDArray
 
 from arm.model import Floats
 from fitter.diagnosis.equations import Equations
-from fitter.diagnosis.least_squares import ITERATIONS, REMEMBERED, Normal
+from fitter.diagnosis.least_squares import ITERATIONS, REMEMBERED, SETTLED, Normal
 from fitter.diagnosis.model import Model
 from fitter.diagnosis.motion import Motion
+from fitter.diagnosis.regression import Density
 from fitter.diagnosis.weighting import Weighting
 from fitter.diagnosis.whitening import CUT_S, WINDOW_S, inner_rests
 
@@ -107,6 +108,52 @@ class Rests:
                 rows = rows - np.outer(own, own @ rows) / float(own @ own)
         gram = rows.T @ rows
         return Normal(gram[:-1, :-1], gram[:-1, -1], float(gram[-1, -1]))
+
+    def likeliest(
+        self,
+        density: Density,
+        normal: Normal,
+        numbers: float,
+        x: Floats,
+        model: Model,
+        motions: Sequence[Motion],
+        free: NDArray[np.bool_],
+    ) -> Floats:
+        """Return the likeliest factors if rests have a say: limits that are exceeded are equations, too.
+
+        Parameters
+        ----------
+        density : Density
+        normal : Normal
+            The torque equation's.
+        numbers : float
+            How many independent ones it has.
+        x : (n_factor,)
+            Where the search begins.
+        model : Model
+        motions : sequence of Motion
+        free : (n_factor,) bool
+            Factors that are sought.
+        """
+
+        def value(at: Floats) -> float:
+            square = normal.left(at) + sum(float(one @ one) for one in self.beyond(model, at, motions))
+            return density.of(model, at, motions) - 0.5 * numbers * float(np.log(square))
+
+        here = value(x)
+        for _ in range(ITERATIONS):
+            both = normal.plus(self.normal(model, x, motions))
+            step = density.solve(both.of(free), numbers, x, model, motions) - x
+            part, there = 1.0, value(x + step)
+            while part > SETTLED and not there > here:
+                part *= 0.5
+                there = value(x + part * step)
+            if not there > here:
+                break
+            x, gained, here = x + part * step, there - here, there
+            if gained < SETTLED:
+                break
+        return x
 
     def _static(self, limits: Sequence[_Limits], x: Floats) -> Floats:
         """Return F of every joint [in its own unit], (n_joint,): the likeliest, found by Newton's steps."""

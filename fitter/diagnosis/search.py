@@ -7,9 +7,8 @@ from typing import Literal
 import numpy as np
 
 from arm.model import Floats
-from fitter.diagnosis.evidence import Fit, likelihood_of
+from fitter.diagnosis.evidence import Fit, Floor, likelihood_of
 from fitter.diagnosis.model import Candidate
-from fitter.diagnosis.reweighting import Floor
 from fitter.diagnosis.stepwise import Step
 
 Verdict = Literal["named", "ambiguous", "none", "unexplained"]

@@ -12,13 +12,13 @@ from itertools import combinations
 import numpy as np
 from scipy.stats import kstwobign
 
+from fitter.diagnosis.evidence import KNOWN, Floor
 from fitter.diagnosis.folds import Dependence, Folds, dependences, typical
 from fitter.diagnosis.functions import names
 from fitter.diagnosis.least_squares import EQUAL_SIGMAS, ODDS_NATS, PLAINLY, UNEXPLAINED
 from fitter.diagnosis.model import Candidate, Model
 from fitter.diagnosis.refinement import fitted
 from fitter.diagnosis.regression import Regression
-from fitter.diagnosis.reweighting import KNOWN, Floor
 from fitter.side_by_side import side_by_side
 
 

@@ -6,6 +6,7 @@ from arm.model import Effect
 from fitter.data.motions import Measured
 from fitter.data.trials import to_trials
 from fitter.diagnosis.model import Hypothesis, Model
+from fitter.diagnosis import noise_floor
 from fitter.diagnosis.refinement import fitted
 from fitter.diagnosis.regression import Regression
 from fitter.diagnosis.run import run_of
@@ -21,12 +22,12 @@ _MOST = 4
 def regression_of(motions: Sequence[Measured], learning: int) -> Regression:
     """Return a pendulum's equations; so many of its motions, the first ones, may be learnt from."""
     trials = to_trials(motions, cutoff_hz=25.0)
-    return Regression(pendulum(), run_of(pendulum(), trials[:learning], trials[learning:]))
+    return noise_floor.regression_of(pendulum(), run_of(pendulum(), trials[:learning], trials[learning:]))
 
 
 def swinging(*effects: Effect, trials: int = 8, seed: int = 2) -> Regression:
     """Return the equations of a pendulum that has some effects; half of its trials may be learnt from."""
-    return regression_of(swings(effects, trials=trials, seed=seed), trials // 2)
+    return noise_floor.regression_of(swings(effects, trials=trials, seed=seed), trials // 2)
 
 
 def found_in(regression: Regression, tried: Sequence[Hypothesis]) -> tuple[TorqueLikelihood, Found]:

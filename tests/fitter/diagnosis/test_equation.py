@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from fitter.diagnosis.reweighting import weighting
+from fitter.diagnosis.noise_floor import weighting
 from fitter.diagnosis.whitening import holding_shapes
 from tests.fitter.diagnosis.searched import swinging
 from tests.fitter.diagnosis.two_joints import regression_of_two

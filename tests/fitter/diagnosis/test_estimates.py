@@ -10,8 +10,8 @@ from fitter.data.trials import to_trials
 from fitter.diagnosis.at_joint import AtJoint
 from fitter.diagnosis.estimates import estimates, extended_arm, possible_base, significant
 from fitter.diagnosis.model import Model
+from fitter.diagnosis.noise_floor import regression_of
 from fitter.diagnosis.refinement import fitted
-from fitter.diagnosis.regression import Regression
 from fitter.diagnosis.run import run_of
 from tests.fitter.diagnosis.two_joints import regression_of_two
 from tests.fitter.pendulum import pendulum, swings
@@ -20,7 +20,7 @@ from tests.fitter.pendulum import pendulum, swings
 @pytest.fixture(scope="module")
 def regression():
     trials = to_trials(swings((), trials=6, seed=2), cutoff_hz=25.0)
-    return Regression(pendulum(), run_of(pendulum(), trials[:3], trials[3:]))
+    return regression_of(pendulum(), run_of(pendulum(), trials[:3], trials[3:]))
 
 
 def test_numbers_lie_within_their_errors(regression):
@@ -36,7 +36,7 @@ def test_errors_are_as_large_as_they_are_said_to_be_and_what_is_left_is_noise():
     off, left = [], []
     for seed in range(16):
         trials = to_trials(swings((), trials=6, seed=seed), cutoff_hz=25.0)
-        one = Regression(pendulum(), run_of(pendulum(), trials[:3], trials[3:]))
+        one = regression_of(pendulum(), run_of(pendulum(), trials[:3], trials[3:]))
         base = fitted(one, Model())
         found = extended_arm(one, base, estimates(one, base)).base_parameters
         off.append([(found[name].value - true) / found[name].std for name, true in (("D1", 0.3), ("fc1", 0.05))])

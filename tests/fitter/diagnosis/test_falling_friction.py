@@ -14,8 +14,8 @@ from fitter.diagnosis.estimates import estimates
 from fitter.diagnosis.falling_friction import hump_of
 from fitter.diagnosis.holding import holdings
 from fitter.diagnosis.model import Model
+from fitter.diagnosis.noise_floor import regression_of
 from fitter.diagnosis.refinement import fitted
-from fitter.diagnosis.regression import Regression
 from fitter.diagnosis.run import run_of
 from tests.fitter.diagnosis.searched import searched
 from tests.fitter.pendulum import pendulum
@@ -36,7 +36,7 @@ def sticking(effect):
         q = motion.q + 1e-4 * rng.normal(size=ref.shape)
         motions.append(Measured(f"{k + 1}", "test", 0, t, {"q": q, "ref": ref}))
     trials = to_trials(motions, cutoff_hz=30.0)
-    return Regression(arm, run_of(arm, trials[:4], trials[4:]))
+    return regression_of(arm, run_of(arm, trials[:4], trials[4:]))
 
 
 def held(regression):

@@ -7,11 +7,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from fitter.diagnosis.floor import _freedom, _likeliest, floored, part_of_floor
+from fitter.diagnosis.evidence import Floor
 from fitter.diagnosis.model import Model
+from fitter.diagnosis.noise_floor import _freedom, _likeliest, floored, part_of_floor, regression_of
 from fitter.diagnosis.refinement import fitted
-from fitter.diagnosis.regression import Regression
-from fitter.diagnosis.reweighting import Floor
 from tests.fitter.diagnosis.searched import swinging
 from tests.fitter.diagnosis.two_joints import regression_of_two
 
@@ -30,7 +29,7 @@ def shaken(regression, size):
     """Return the equations of a run whose drives missed a white torque of so much a sample, (n_joint,)."""
     rng = np.random.default_rng(1)
     motions = [replace(one, u=one.u + size * rng.normal(size=one.u.shape)) for one in regression.motions]
-    return Regression(regression.arm, motions)
+    return regression_of(regression.arm, motions)
 
 
 def floor_of(regression):

@@ -10,6 +10,7 @@ from fitter.diagnosis.folds import Folds, typical
 from fitter.diagnosis.functions import Functions, products
 from fitter.diagnosis.least_squares import scaled_lstsq
 from fitter.diagnosis.model import Model
+from fitter.diagnosis.noise_floor import regression_of
 from fitter.diagnosis.refinement import fitted
 from fitter.diagnosis.regression import Regression
 from fitter.diagnosis.run import run_of
@@ -19,7 +20,7 @@ from tests.fitter.pendulum import pendulum, swings
 @pytest.fixture(scope="module")
 def regression() -> Regression:
     trials = to_trials(swings((), trials=10, seed=3), cutoff_hz=25.0)
-    return Regression(pendulum(), run_of(pendulum(), trials[:5], trials[5:]))
+    return regression_of(pendulum(), run_of(pendulum(), trials[:5], trials[5:]))
 
 
 def left(regression: Regression, features: list[np.ndarray], ridge: float = 0.0) -> float:

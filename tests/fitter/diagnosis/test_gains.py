@@ -11,9 +11,8 @@ from fitter.data.motions import read_motions
 from fitter.data.trials import to_trials
 from fitter.diagnosis.hypotheses import hypotheses
 from fitter.diagnosis.model import Model
+from fitter.diagnosis.noise_floor import regression_of, reweighted
 from fitter.diagnosis.refinement import Starts, fitted
-from fitter.diagnosis.regression import Regression
-from fitter.diagnosis.reweighting import reweighted
 from fitter.diagnosis.run import run_of
 from fitter.diagnosis.screening import screen
 from protocol.tables.columns import ColumnMap
@@ -30,7 +29,7 @@ def test_it_is_found_from_afar(seed: int, bench: Bench, tmp_path: Path) -> None:
     arm = load_arm(arm_file)
     sets = [read_motions(path, arm.n_joint, ColumnMap(), None, ("q", "tau", "ref")) for path in (learn, evaluate)]
     learning, evaluating = (to_trials(some) for some in sets)
-    regression = Regression(arm, run_of(arm, learning, evaluating))
+    regression = regression_of(arm, run_of(arm, learning, evaluating))
     gains = [one for one in hypotheses(arm.n_joint, (), driven=True) if one.kind.name == "gain_error"]
     for _ in range(2):  # and once more, weighed by the noise that there is under the right gain
         best = screen(regression, fitted(regression, Model()), gains, Starts())[0]

@@ -14,6 +14,7 @@ from fitter.diagnosis.in_arm import FrictionDrift, GravityTilt
 from fitter.diagnosis.in_drive import Gain, Lag
 from fitter.diagnosis.least_squares import scaled_lstsq
 from fitter.diagnosis.model import Model
+from fitter.diagnosis.noise_floor import regression_of
 from fitter.diagnosis.pushes import Pushes
 from fitter.diagnosis.refinement import Starts, fitted, refined
 from fitter.diagnosis.regression import Regression
@@ -29,7 +30,7 @@ COGGING = Effect("cogging", {"amplitude_N_m": 0.3, "phase_rad": 0.3, "periods_pe
 @pytest.fixture(scope="module")
 def regression() -> Regression:
     trials = to_trials(swings((COGGING,), trials=6, seed=2), cutoff_hz=25.0)
-    return Regression(pendulum(), run_of(pendulum(), trials[:3], trials[3:]))
+    return regression_of(pendulum(), run_of(pendulum(), trials[:3], trials[3:]))
 
 
 def test_the_same_is_found_again_from_few_starts(regression, monkeypatch):
@@ -72,7 +73,7 @@ def test_accepted_psi_that_are_a_little_off_leave_nothing_to_others(regression):
 
 def test_beside_an_event_a_start_is_judged_by_all_trials():
     trials = to_trials(stop_that_no_learning_trial_reaches(), cutoff_hz=25.0)
-    regression = Regression(pendulum(), run_of(pendulum(), trials[:4], trials[4:]))
+    regression = regression_of(pendulum(), run_of(pendulum(), trials[:4], trials[4:]))
     hypothesis = AtJoint(catalogue()["end_stop"], 0, {"side": 1.0})
     nothing = Pulse(0, 0, 1.0, 0.3, 0.0, 0.01, 0.01, 0.01, "bell", 0.0, 0.0)
     push = Pushes(catalogue()["external_push"], 0, [nothing])
@@ -122,7 +123,7 @@ def test_where_hardly_anything_is_promised_one_straight_step_finds_it(regression
     assert grid.best(drift).gain == pytest.approx(searched, abs=0.01 * grid.left)
     hidden = Effect("thermal_drift", {"rate_1_s": -0.02}, joints=(1,))
     trials = to_trials(swings((hidden,), trials=4, seed=3), cutoff_hz=25.0)
-    other = Regression(pendulum(), run_of(pendulum(), trials[:2], trials[2:]))
+    other = regression_of(pendulum(), run_of(pendulum(), trials[:2], trials[2:]))
     with pytest.raises(AssertionError, match="a search"):
         Grid(other, Model(), Starts()).best(drift)
 
@@ -131,7 +132,7 @@ def test_a_tilt_that_makes_masses_felt_is_sought_by_steps():
     """An arm that its file has level hangs: at no tilt its centre of mass is not among what is sought."""
     level = replace(pendulum(), gravity_m_s2=(0.0, 0.0, -9.80665))
     trials = to_trials(swings((), trials=4, seed=3), cutoff_hz=25.0)
-    grid = Grid(Regression(level, run_of(level, trials[:2], trials[2:])), Model(), Starts())
+    grid = Grid(regression_of(level, run_of(level, trials[:2], trials[2:])), Model(), Starts())
     assert grid.best(GravityTilt(catalogue()["gravity_tilt"], ())).gain > 0.9 * grid.left
 
 
@@ -140,7 +141,7 @@ def test_what_changes_nothing_explains_nothing_where_friction_has_to_brake():
     plain = swings((), trials=6)
     motions = [replace(one, columns={**one.columns, "ref": 0.6 * one.columns["ref"]}) for one in plain]
     trials = to_trials(motions, cutoff_hz=25.0)
-    run = Regression(pendulum(), run_of(pendulum(), trials[:3], trials[3:]))
+    run = regression_of(pendulum(), run_of(pendulum(), trials[:3], trials[3:]))
     likelihood = TorqueLikelihood(run, [])
     base = likelihood.base().candidate
     assert likelihood.regression.density is not None

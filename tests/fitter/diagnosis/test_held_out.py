@@ -8,7 +8,7 @@ import pytest
 from fitter.data.trials import to_trials
 from fitter.diagnosis.held_out import Judged, likeness, novelty
 from fitter.diagnosis.judgement import Errors
-from fitter.diagnosis.regression import Regression
+from fitter.diagnosis.noise_floor import regression_of
 from fitter.diagnosis.run import run_of
 from tests.fitter.pendulum import pendulum, swings
 
@@ -55,7 +55,7 @@ def trials():
 
 
 def test_motions_drawn_alike_are_said_to_be_alike(trials):
-    note = likeness(Regression(pendulum(), run_of(pendulum(), trials[:4], [*trials[4:], *trials[:4]])))
+    note = likeness(regression_of(pendulum(), run_of(pendulum(), trials[:4], [*trials[4:], *trials[:4]])))
     assert note is not None and note.kind == "alike" and "like the learning ones" in note.text
 
 
@@ -65,9 +65,9 @@ def test_a_motion_that_goes_farther_is_another_kind_and_one_that_hardly_moves_is
     for factor in (0.05, 4.0):
         other = replace(swing, columns={name: factor * values for name, values in swing.columns.items()})
         motions = run_of(pendulum(), trials, to_trials([other], cutoff_hz=25.0))
-        noted.append(likeness(Regression(pendulum(), motions)) is not None)
+        noted.append(likeness(regression_of(pendulum(), motions)) is not None)
     assert noted == [True, False]
 
 
 def test_without_motions_held_back_there_is_nothing_to_say(trials):
-    assert likeness(Regression(pendulum(), run_of(pendulum(), trials, []))) is None
+    assert likeness(regression_of(pendulum(), run_of(pendulum(), trials, []))) is None

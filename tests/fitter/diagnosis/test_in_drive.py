@@ -15,8 +15,8 @@ from fitter.data.trials import to_trials
 from fitter.diagnosis.in_drive import Lag, Limit, _shifted, delayed, lagging
 from fitter.diagnosis.model import Model
 from fitter.diagnosis.motion import view_of
+from fitter.diagnosis.noise_floor import regression_of
 from fitter.diagnosis.refinement import fitted
-from fitter.diagnosis.regression import Regression
 from fitter.diagnosis.run import run_of
 from tests.fitter.pendulum import pendulum, swings
 
@@ -68,7 +68,7 @@ def test_a_limit_that_is_reached_now_and_then_is_not_weighed_as_if_it_were_a_gai
         measured = {"q": moved.q + 2e-4 * noise[0], "tau": moved.tau + 0.1 * noise[1]}
         motions.append(Measured(one.name, "test", 0, moved.t, measured))
     trials = to_trials(motions, cutoff_hz=25.0)
-    regression = Regression(pendulum(), run_of(pendulum(), trials[:4], trials[4:]))
+    regression = regression_of(pendulum(), run_of(pendulum(), trials[:4], trials[4:]))
     found = fitted(regression, Model().plus(Limit(catalogue()["torque_saturation"], (0,)), np.array([27.0])))
     assert abs(found.model.psi[0][0] - 28.0) < 0.5
     assert found.squares.sum() < 0.3 * fitted(regression, Model()).squares.sum()
@@ -77,7 +77,7 @@ def test_a_limit_that_is_reached_now_and_then_is_not_weighed_as_if_it_were_a_gai
 
 def test_a_limit_that_cuts_off_everything_explains_nothing():
     trials = to_trials(swings((), trials=6, seed=5), cutoff_hz=25.0)
-    regression = Regression(pendulum(), run_of(pendulum(), trials[:4], trials[4:]))
+    regression = regression_of(pendulum(), run_of(pendulum(), trials[:4], trials[4:]))
     limit = Limit(catalogue()["torque_saturation"], (0,))
     nothing = fitted(regression, Model().plus(limit, np.array([1e-3])), refine=False)
     assert nothing.squares.sum() > 10.0 * fitted(regression, Model()).squares.sum()

@@ -10,8 +10,8 @@ from fitter.diagnosis.estimates import estimates
 from fitter.diagnosis.in_transmission import Backlash, Elasticity
 from fitter.diagnosis.model import Model
 from fitter.diagnosis.motion import Motion, view_of
+from fitter.diagnosis.noise_floor import regression_of
 from fitter.diagnosis.refinement import fitted
-from fitter.diagnosis.regression import Regression
 from fitter.diagnosis.run import run_of
 from tests.fitter.pendulum import pendulum, swings
 
@@ -40,7 +40,7 @@ def test_friction_follows_the_link_where_motor_and_link_part(motions):
 
 
 def test_spring_and_friction_behind_it_come_back(motions):
-    regression = Regression(pendulum(), motions)
+    regression = regression_of(pendulum(), motions)
     spring = Elasticity(catalogue()["joint_elasticity"], (0,))
     start = min(
         (fitted(regression, Model().plus(spring, psi), refine=False) for psi in spring.starts(motions)),

@@ -9,7 +9,7 @@ from arm.model import Control, Floats
 from fitter.data.trials import to_trials
 from fitter.diagnosis.judgement import Errors, judged, unfiltered
 from fitter.diagnosis.model import Candidate, Model
-from fitter.diagnosis.regression import Regression
+from fitter.diagnosis.noise_floor import regression_of
 from fitter.diagnosis.run import run_of
 from tests.fitter.pendulum import pendulum, swings
 
@@ -48,7 +48,7 @@ def test_what_ran_away_or_was_not_measured_is_null():
 def test_the_noise_of_a_measured_torque_counts_in_the_unfiltered_error_alone():
     arm = pendulum()
     trials = to_trials(swings((), trials=3, seed=3), cutoff_hz=25.0)
-    plain = Regression(arm, run_of(arm, trials[:2], trials[2:]))
+    plain = regression_of(arm, run_of(arm, trials[:2], trials[2:]))
     fitted = Candidate(Model(), plain.solve(Model(), plain.learning), np.zeros(3))
     given, (driven,) = replace(arm, control=Control("measured")), run_of(arm, [], trials[2:], thin=False)
     noise = 5.0 * np.random.default_rng(0).normal(size=driven.u.shape)

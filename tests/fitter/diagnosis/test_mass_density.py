@@ -14,7 +14,7 @@ from fitter.diagnosis.in_arm import RotorInertia
 from fitter.diagnosis.least_squares import Normal
 from fitter.diagnosis.mass_density import MassDensity
 from fitter.diagnosis.model import Model
-from fitter.diagnosis.regression import Regression
+from fitter.diagnosis.noise_floor import regression_of
 from tests.fitter.diagnosis.searched import swinging
 from tests.fitter.diagnosis.two_joints import regression_of_two
 
@@ -34,7 +34,7 @@ def regression():
     """Return a run in which nothing is stuck: a stuck joint has a mass of one."""
     plain = regression_of_two(trials=2)
     motions = [replace(one, stuck=np.zeros_like(one.stuck)) for one in plain.motions]
-    return Regression(plain.arm, motions)
+    return regression_of(plain.arm, motions)
 
 
 @pytest.fixture(scope="module")
@@ -103,7 +103,7 @@ def test_without_weight_least_squares_stay_what_they_are(regression):
 def test_a_joint_that_is_stuck_has_a_mass_of_one():
     plain = swinging(trials=2)
     held = [replace(one, stuck=np.ones_like(one.stuck)) for one in plain.motions]
-    regression = Regression(plain.arm, [plain.motions[0], *held[1:]])
+    regression = regression_of(plain.arm, [plain.motions[0], *held[1:]])
     density = density_of(regression)
     x = np.array([3.0] * len(plain.solve(Model(), plain.motions)))
     assert density.of(Model(), x, held[1:]) == 0.0

@@ -12,9 +12,9 @@ from fitter.diagnosis.estimates import estimates
 from fitter.diagnosis.hypotheses import hypotheses
 from fitter.diagnosis.in_transmission import Backlash, Elasticity
 from fitter.diagnosis.model import Candidate, Model
+from fitter.diagnosis.noise_floor import regression_of
 from fitter.diagnosis.play import play_of
 from fitter.diagnosis.refinement import fitted
-from fitter.diagnosis.regression import Regression
 from fitter.diagnosis.run import run_of
 from tests.fitter.diagnosis.linear import Columns
 from tests.fitter.pendulum import pendulum, swings
@@ -41,7 +41,7 @@ def test_one_number_at_a_time():
 def test_where_little_changes_jump_an_error_stays_what_it_is():
     effect = Effect("backlash", {"gap_rad": 0.02}, joints=(1,))
     trials = to_trials(swings((effect,), trials=4, seed=1), cutoff_hz=25.0)
-    regression = Regression(pendulum(), run_of(pendulum(), trials[:3], trials[3:]))
+    regression = regression_of(pendulum(), run_of(pendulum(), trials[:3], trials[3:]))
     plays = [play_of(pendulum(), motion, 0) for motion in regression.motions[:3]]
 
     def off(gap: float) -> float:

@@ -11,12 +11,12 @@ from fitter.diagnosis.at_joint import AtJoint
 from fitter.diagnosis.conclusion import Conclusion
 from fitter.diagnosis.covariance import information_of
 from fitter.diagnosis.estimates import estimates
+from fitter.diagnosis.evidence import Floor
 from fitter.diagnosis.in_arm import RotorInertia
 from fitter.diagnosis.model import Candidate, Model
+from fitter.diagnosis.noise_floor import regression_of
 from fitter.diagnosis.polish import is_measured, loses, polished
 from fitter.diagnosis.refinement import fitted
-from fitter.diagnosis.regression import Regression
-from fitter.diagnosis.reweighting import Floor
 from fitter.diagnosis.run import run_of
 from fitter.diagnosis.search import Search
 from fitter.diagnosis.unknown import Remainder
@@ -71,7 +71,7 @@ def test_nothing_is_moved_where_noise_is_all_that_is_left_or_no_cause_is_there(d
 
 def test_with_measured_torque_both_are_evidence(true_arm, trials):
     bare = replace(true_arm, effects=())
-    regression = Regression(bare, run_of(bare, trials[:1], trials[1:]))
+    regression = regression_of(bare, run_of(bare, trials[:1], trials[1:]))
     assert is_measured(regression.motions) and not is_measured(swinging(trials=2).motions)
     right = fitted(regression, Model().plus(ROTOR, np.zeros(0)))
     off = right.x + 3.0 / np.sqrt(np.diag(information_of(regression, right)))

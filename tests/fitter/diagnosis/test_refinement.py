@@ -11,6 +11,7 @@ from fitter.diagnosis.at_joint import AtJoint
 from fitter.diagnosis.in_arm import JointZero
 from fitter.diagnosis.in_drive import Lag
 from fitter.diagnosis.model import Hypothesis, Model
+from fitter.diagnosis.noise_floor import regression_of
 from fitter.diagnosis.refinement import refined
 from fitter.diagnosis.regression import Regression
 from fitter.diagnosis.run import run_of
@@ -22,7 +23,7 @@ _ZERO = Effect("joint_zero", {"offset_rad": 0.2}, joints=(1,))
 @pytest.fixture(scope="module")
 def regression() -> Regression:
     trials = to_trials(swings((_ZERO,), trials=6, seed=5), cutoff_hz=25.0)
-    return Regression(pendulum(), run_of(pendulum(), trials[:3], trials[3:]))
+    return regression_of(pendulum(), run_of(pendulum(), trials[:3], trials[3:]))
 
 
 @pytest.mark.parametrize(

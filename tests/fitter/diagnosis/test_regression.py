@@ -20,8 +20,8 @@ from fitter.diagnosis.in_drive import Delay, Gain, Lag, Limit
 from fitter.diagnosis.in_transmission import Elasticity
 from fitter.diagnosis.least_squares import scaled_lstsq
 from fitter.diagnosis.model import Model
+from fitter.diagnosis.noise_floor import regression_of
 from fitter.diagnosis.payload import Payload
-from fitter.diagnosis.regression import Regression
 from fitter.diagnosis.run import run_of
 from fitter.diagnosis.weighting import Columns
 from tests.fitter.pendulum import pendulum, swings
@@ -30,7 +30,7 @@ from tests.fitter.pendulum import pendulum, swings
 @pytest.fixture(scope="module")
 def regression():
     trials = to_trials(swings((), trials=8, seed=2), cutoff_hz=25.0)
-    return Regression(pendulum(), run_of(pendulum(), trials[:4], trials[4:]))
+    return regression_of(pendulum(), run_of(pendulum(), trials[:4], trials[4:]))
 
 
 @pytest.fixture(scope="module")
@@ -52,7 +52,7 @@ def _measured(asked):
         }
         motions.append(Measured(f"{k}", "test", 0, t, columns))
     trials = to_trials(motions, cutoff_hz=25.0)
-    return Regression(arm, run_of(arm, trials[:1], trials[1:]))
+    return regression_of(arm, run_of(arm, trials[:1], trials[1:]))
 
 
 def test_what_is_left_of_the_true_model_has_the_variance_of_noise(regression):
@@ -84,7 +84,7 @@ def test_noise_in_the_columns_is_what_it_is_expected_to_be():
         for one in quiet
     ]
     loud, true = (
-        Regression(pendulum(), run_of(pendulum(), trials, trials[:1]))
+        regression_of(pendulum(), run_of(pendulum(), trials, trials[:1]))
         for trials in (to_trials(noisy, cutoff_hz=25.0), to_trials(quiet, cutoff_hz=25.0))
     )
     true.equations = Equations(true.arm, loud.weighting)
@@ -238,7 +238,7 @@ def test_a_drive_that_changes_nothing_explains_nothing(two_joints, part):
 
 def test_dry_friction_that_rounding_lets_drive_is_none(monkeypatch):
     trials = to_trials(swings((), trials=8, seed=2), cutoff_hz=25.0)
-    lacking = Regression(pendulum(), run_of(pendulum(), trials[:4], trials[4:]))
+    lacking = regression_of(pendulum(), run_of(pendulum(), trials[:4], trials[4:]))
     coulomb = lacking._coulomb(Model(), lacking.motions[0], len(lacking.solve(Model(), lacking.learning)))
     assert np.count_nonzero(coulomb) == 1
     monkeypatch.setattr(lacking, "density", object())

@@ -8,7 +8,7 @@ import pytest
 from arm.effects.catalogue import catalogue
 from fitter.diagnosis.at_joint import AtJoint
 from fitter.diagnosis.model import Model
-from fitter.diagnosis.regression import Regression
+from fitter.diagnosis.noise_floor import regression_of
 from fitter.diagnosis.rests import Rests
 from fitter.diagnosis.torque_likelihood import TorqueLikelihood
 from tests.fitter.diagnosis.two_joints import regression_of_two
@@ -37,7 +37,7 @@ def resting(torque_N_m, trials=2):
         u[REST, 1] = needed[REST, 1]
         u[ASKED, 1] += torque_N_m
         motions.append(replace(still, u=u))
-    return Regression(plain.arm, motions), x
+    return regression_of(plain.arm, motions), x
 
 
 def test_what_friction_can_hold_is_no_residual():
@@ -89,7 +89,7 @@ def test_dry_friction_brakes_where_something_is_lacking():
     motions = [
         replace(one, u=one.u - 0.8 * np.sign(one.dq) + 0.3 * np.sin(5.0 * one.t)[:, None]) for one in plain.motions
     ]
-    regression = Regression(plain.arm, motions)
+    regression = regression_of(plain.arm, motions)
     likelihood = TorqueLikelihood(regression, [])
     base = likelihood.base().candidate
     friction = likelihood.regression.equations.friction(Model(), base.x, motions[0])[:, 1]

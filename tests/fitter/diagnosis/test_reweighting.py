@@ -13,9 +13,9 @@ from fitter.diagnosis.cutoff import noise_of_angles
 from fitter.diagnosis.equations import Equations
 from fitter.diagnosis.hypotheses import hypotheses
 from fitter.diagnosis.model import Model
+from fitter.diagnosis.noise_floor import holding_sizes, regression_of, reweighted
 from fitter.diagnosis.refinement import fitted
 from fitter.diagnosis.regression import Regression
-from fitter.diagnosis.reweighting import holding_sizes, reweighted
 from fitter.diagnosis.run import run_of
 from fitter.diagnosis.whitening import inner_rests
 from tests.fitter.diagnosis.searched import swinging
@@ -68,7 +68,7 @@ def starts():
         q = simulate(lagging, ref, DT_S, ref[0]).q + 1e-4 * rng.normal(size=ref.shape)
         motions.append(Measured(f"start {k + 1}", "test", 0, t, {"q": q, "ref": ref}))
     trials = to_trials(motions, cutoff_hz=30.0)
-    return Regression(arm, run_of(arm, trials[:4], trials[4:]))
+    return regression_of(arm, run_of(arm, trials[:4], trials[4:]))
 
 
 def test_what_was_seen_to_hold_limits_what_may_hold(starts):

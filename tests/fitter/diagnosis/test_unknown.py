@@ -10,9 +10,9 @@ from arm.effects.catalogue import catalogue
 from arm.model import Effect
 from fitter.data.motions import Measured
 from fitter.diagnosis.at_joint import AtJoint
+from fitter.diagnosis.evidence import Floor
 from fitter.diagnosis.model import Model
 from fitter.diagnosis.refinement import fitted
-from fitter.diagnosis.reweighting import Floor
 from fitter.diagnosis.unknown import describe, outdone
 from tests.fitter.diagnosis.searched import regression_of, searched
 from tests.fitter.pendulum import pendulum, swings

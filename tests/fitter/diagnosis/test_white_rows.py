@@ -9,6 +9,7 @@ from fitter.diagnosis.at_joint import AtJoint
 from fitter.diagnosis.in_arm import JointZero
 from fitter.diagnosis.least_squares import own_square, scaled_lstsq
 from fitter.diagnosis.model import Model
+from fitter.diagnosis.noise_floor import regression_of
 from fitter.diagnosis.regression import Regression
 from fitter.diagnosis.run import run_of
 from fitter.diagnosis.weighting import Columns
@@ -18,7 +19,7 @@ from tests.fitter.pendulum import pendulum, swings
 @pytest.fixture(scope="module")
 def regression() -> Regression:
     trials = to_trials(swings((), trials=4, seed=3), cutoff_hz=25.0)
-    return Regression(pendulum(), run_of(pendulum(), trials[:2], trials[2:]))
+    return regression_of(pendulum(), run_of(pendulum(), trials[:2], trials[2:]))
 
 
 @pytest.fixture

@@ -9,6 +9,7 @@ from arm.model import Arm, Effect
 from arm.simulation import simulate
 from fitter.data.motions import Measured
 from fitter.data.trials import to_trials
+from fitter.diagnosis.noise_floor import regression_of
 from fitter.diagnosis.regression import Regression
 from fitter.diagnosis.run import run_of
 
@@ -44,4 +45,4 @@ def measured(*effects: Effect, trials: int = 6, seed: int = 0) -> list[Measured]
 def regression_of_two(*effects: Effect, trials: int = 6, seed: int = 0) -> Regression:
     """Return its equations; half of the trials may be learnt from."""
     run = to_trials(measured(*effects, trials=trials, seed=seed), cutoff_hz=25.0)
-    return Regression(two_joints(), run_of(two_joints(), run[: trials // 2], run[trials // 2 :]))
+    return regression_of(two_joints(), run_of(two_joints(), run[: trials // 2], run[trials // 2 :]))

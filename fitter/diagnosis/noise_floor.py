@@ -1,0 +1,271 @@
+"""The noise of the equations under a model: causes change the masses that noise of the angles is multiplied by.
+
+What one draw of noise, sent the way of the data, leaves under a model tells how it is weighed. What the drive asks
+of a joint that rests tells how large the torque may be that holds it: no larger than what was seen to hold it
+anywhere. A joint that is asked for 1 N m, and has never been held by more than 0.01, moves at once; unknown
+torques of any size next to such a start could do whatever a lag, a limit or a play does to it.
+"""
+
+# DOC r"""The floor: how much the model lacks, as noise of each joint's equation beside the sensors'.
+# DOC
+# DOC .. math:: S_j(f) = P_j + D_j + E_j Q_j (2 \pi f)^4
+# DOC
+# DOC ``P`` and ``Q`` are the sensors' noise under the model. ``D`` is a white missing torque, and ``E`` more noise of
+# DOC the angles than is known of, both by maximum likelihood (Whittle 1953) of what a model leaves of the learning
+# DOC trials. Where the model is exact there is no floor: ``D = 0, E = 1``.
+# DOC """
+# DOC
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+
+import numpy as np
+import scipy.fft
+import scipy.optimize
+from numpy.typing import NDArray
+
+from arm.model import Arm, Floats
+from fitter.diagnosis.cutoff import BAND_SHARE, noise_of_angles, white_noise
+from fitter.diagnosis.equations import Equations
+from fitter.diagnosis.errors_in_variables import noisier
+from fitter.diagnosis.evidence import KNOWN, Floor
+from fitter.diagnosis.least_squares import NEGLIGIBLE, ROUNDED, SIGMAS, TINY, scaled_lstsq
+from fitter.diagnosis.model import Candidate, Model
+from fitter.diagnosis.motion import SAMPLES, Motion
+from fitter.diagnosis.regression import Regression
+from fitter.diagnosis.weighting import Weighting
+from fitter.diagnosis.whitening import WINDOW_S, inner_rests
+
+#: A perfect torque or angle has at least the noise of rounding, as a share of its rms.
+_LEAST_NOISE = 1e-4
+
+
+#: Noise is measured in this part of the band, where differentiated angles are all of it.
+_FROM = 0.5
+#: So many times the largest torque that has held is allowed for, as a standard deviation: more might have held.
+_ALLOWED = 2.0
+
+
+def regression_of(
+    arm: Arm,
+    motions: Sequence[Motion],
+    denied: tuple[str, ...] = (),
+    known: tuple[int, float] | None = None,
+) -> Regression:
+    """Return the equations of a run whose noise is only guessed from a first fit of the base model.
+
+    Parameters
+    ----------
+    arm : Arm
+        Geometry, gravity, law.
+    motions : sequence of Motion
+        Learning ones first.
+    denied : tuple of str
+        See `Regression`.
+    known : (column, value), optional
+    """
+    crude = Equations(arm, _first_weighting(arm, motions), denied, known)
+    rows = [crude.rows(Model(), motion) for motion in motions if motion.learn]
+    values = scaled_lstsq(
+        np.vstack([one.design for one in rows]), np.concatenate([one.target.ravel() for one in rows])
+    )
+    weighted = reweighted(crude, crude.weighting, Model(), values, motions, noisier(arm, motions))
+    fine = Equations(arm, weighted, denied, known)
+    weighted = replace(weighted, holding=holding_sizes(fine, Model(), values, motions))
+    return Regression(arm, motions, weighted, denied, known)
+
+
+def reweighted(
+    equations: Equations,
+    used: Weighting,
+    model: Model,
+    x: Floats,
+    motions: Sequence[Motion],
+    louder: Mapping[int, Motion],
+) -> Weighting:
+    """Return the filter that makes the noise white under a model.
+
+    Parameters
+    ----------
+    equations : Equations
+    used : Weighting
+        It says how large the torque's own noise is, and how wide the band.
+    model : Model
+    x : (n_factor,)
+    motions : sequence of Motion
+    louder : mapping of int to Motion
+        The same with as much noise again, by their numbers.
+    """
+    n_joint = equations.arm.n_joint
+    total, count = np.zeros((n_joint, n_joint)), 0
+    white = np.diag(used.torque_noise**2)
+    for motion in motions:
+        plain, noisy = (equations.left(model, x, one) for one in (motion, louder[motion.number]))
+        window = np.hanning(len(plain))[:, None]
+        f = np.fft.rfftfreq(len(plain), motion.dt_s)
+        inside = (f >= _FROM * used.band_hz) & (f <= used.band_hz)
+        scale = (2.0 * np.pi * f[inside]) ** 4
+        spectrum = np.fft.rfft(window * (noisy - plain), axis=0)[inside]
+        spectrum /= np.sqrt(np.sum(window**2) * scale)[:, None]
+        total += np.real(spectrum.T @ spectrum.conj()) - white * np.sum(1.0 / scale)
+        count += int(np.count_nonzero(inside))
+    size, axes = np.linalg.eigh(total / max(count, 1))
+    least = np.sqrt(ROUNDED) * max(float(size.max()), TINY)
+    noise = (axes * np.maximum(size, least)) @ axes.T
+    return replace(used, acceleration_noise=noise)
+
+
+def holding_sizes(equations: Equations, model: Model, x: Floats, motions: Sequence[Motion]) -> Floats:
+    """Return the standard deviation of what may hold each joint.
+
+    It is told by what holds it well inside its rests, where it was seen to stand still for a while: the drive's
+    torque less the arm's own. Coulomb friction is allowed for in any case.
+
+    Parameters
+    ----------
+    equations : Equations
+    model : Model
+    x : (n_factor,)
+    motions : sequence of Motion
+
+    Returns
+    -------
+    (n_joint,) [N m or N]
+        inf where nothing tells: a joint never rests for long, and its Coulomb friction was denied.
+    """
+    largest = np.full(equations.arm.n_joint, np.nan)
+    for motion in motions:
+        held = equations.left(model, x, motion)
+        for j in range(len(largest)):
+            for rest in inner_rests(motion.stuck[:, j], motion.dt_s):
+                weight = np.hanning(min(rest.stop - rest.start, round(WINDOW_S / motion.dt_s)) + 2)[1:-1]
+                weight /= weight.sum()
+                seen = np.abs(np.convolve(held[rest, j], weight, "valid"))
+                beyond = float(seen.max()) - SIGMAS * equations.weighting.mean_noise(j, weight, motion.dt_s)
+                largest[j] = np.fmax(largest[j], max(beyond, 0.0))
+    coulomb = np.abs(equations.friction(model, x, motions[0])[:, 1])
+    unseen = np.inf if "fc" in equations.denied else _ALLOWED * coulomb
+    held = np.where(np.isnan(largest), unseen, np.fmax(largest, coulomb))
+    return np.asarray(_ALLOWED * held, dtype=np.float64)
+
+
+def _first_weighting(arm: Arm, motions: Sequence[Motion]) -> Weighting:
+    """Return the filter for a run of which no more is known: every joint turns a mass of one by itself.
+
+    Parameters
+    ----------
+    arm : Arm
+        Its law says how the noise of the angles enters a torque that was not measured.
+    motions : sequence of Motion
+    """
+    angle = noise_of_angles([motion.trial for motion in motions])
+    u = np.concatenate([motion.u for motion in motions])
+    if all("tau" in motion.trial.whole for motion in motions):
+        torque = white_noise([motion.trial.whole["tau"] for motion in motions])
+    elif arm.control.kp and motions[0].trial.tau is None:
+        torque = np.abs(arm.control.kp) * angle
+    else:
+        torque = np.zeros(arm.n_joint)
+    # What counts is the noise's density; the slower grid has the same with fewer samples.
+    thinned = np.sqrt(np.mean([motion.trial.dt_s / motion.dt_s for motion in motions]))
+    torque, angle = thinned * torque, thinned * angle
+    torque = np.maximum(torque, _LEAST_NOISE * np.maximum(np.sqrt(np.mean(u**2, axis=0)), 1e-9))
+    q = np.concatenate([motion.q for motion in motions])
+    angle = np.maximum(angle, 1e-9 * np.maximum(np.std(q, axis=0), 1.0))
+    acceleration = np.diag(angle**2)
+    dt_s = max(motion.dt_s for motion in motions)
+    corner = min(*(motion.trial.cutoff_hz for motion in motions), 0.4 / dt_s)
+    band = BAND_SHARE * corner
+    nothing_told = np.full(arm.n_joint, np.inf)
+    return Weighting(torque, acceleration, band, max(1, int(1.0 / (dt_s * 0.5 * SAMPLES * band))), nothing_told)
+
+
+def floored(regression: Regression, candidate: Candidate) -> tuple[Weighting, Weighting, Floor]:
+    """Return the weights under a model by the sensors' noise alone, and with its floor, and the floor.
+
+    Parameters
+    ----------
+    regression : Regression
+        Its weights may have a floor already.
+    candidate : Candidate
+    """
+    model, x = candidate.model, candidate.x
+    own = reweighted(regression.equations, regression.sensors, model, x, regression.motions, regression.noisier)
+    f, power, freedom = _spectra(regression, candidate)
+    omega = (2.0 * np.pi * f) ** 4
+    n_joint = len(own.torque_noise)
+    ratio, white, steep = np.ones(n_joint), np.zeros(n_joint), np.ones(n_joint)
+    for j in range(n_joint):
+        torque, angle = own.torque_noise[j] ** 2, own.acceleration_noise[j, j] * omega
+        ratio[j] = float(np.sum(power[:, j] / (torque + angle)) / np.sum(freedom[:, j]))
+        if ratio[j] > KNOWN:
+            variance, steep[j] = _likeliest(power[:, j], freedom[:, j], torque, angle)
+            white[j] = np.sqrt(variance)
+    root = np.sqrt(steep)
+    with_floor = replace(
+        own,
+        torque_noise=np.sqrt(own.torque_noise**2 + white**2),
+        acceleration_noise=own.acceleration_noise * np.outer(root, root),
+    )
+    return own, with_floor, Floor(ratio, white, steep)
+
+
+def part_of_floor(own: Weighting, with_floor: Weighting) -> float:
+    """Return which part of the equations' variance is the floor's, averaged over band and joints, 0 to 1."""
+    f = own.frequencies[:, None]
+    variances = [
+        one.torque_noise**2 + np.diag(one.acceleration_noise) * (2.0 * np.pi * f) ** 4 for one in (own, with_floor)
+    ]
+    return float(np.mean(1.0 - variances[0] / variances[1]))
+
+
+def _spectra(regression: Regression, candidate: Candidate) -> tuple[Floats, Floats, Floats]:
+    """Return frequencies (n,), the power of what is left there, and its degrees of freedom, (n, n_joint).
+
+    Residuals are white under the weights in use, without what is not known, such as what holds a joint; they get
+    back the colour that the weights took.
+    """
+    weighting = regression.weighting
+    parts: list[Sequence[Floats]] = []
+    for motion in regression.learning:
+        white = regression.rows(candidate.model, motion).left(candidate.x)
+        f = np.fft.rfftfreq(len(white), weighting.stride * motion.dt_s).astype(np.float64)
+        inside = (f > 0.0) & (weighting.band(f) == 1.0)
+        root = np.linalg.cholesky(np.array([weighting.covariance(at) for at in f[inside]]))
+        colour = (root @ np.fft.rfft(white, axis=0)[inside, :, None])[:, :, 0]
+        left = root @ _freedom(weighting, motion)[inside] @ root.mT
+        freedom = np.einsum("fjj->fj", left).real / np.sum(root**2, axis=2)
+        parts.append((f[inside], np.abs(colour) ** 2 / len(white), np.maximum(freedom, np.sqrt(ROUNDED))))
+    f, power, freedom = (np.concatenate(column) for column in zip(*parts, strict=True))
+    return f, np.asarray(power, dtype=np.float64), freedom
+
+
+def _freedom(weighting: Weighting, motion: Motion) -> NDArray[np.complex128]:
+    r"""Return what is left of white noise at every frequency, as covariance of joints, (n, n_joint, n_joint).
+
+    What holds a joint is eliminated along axes ``u`` of which a part ``l`` is lost, so of the noise's power
+    ``I - \sum l (2 - l) U(f) U(f)^H / n`` is left: little of it where the joint rests and the frequency is low.
+    """
+    axes, lost = weighting.axes(motion)
+    rows = axes.reshape(-1, motion.q.shape[1], axes.shape[1])
+    spectra = scipy.fft.rfft(rows, axis=0) * np.sqrt(lost * (2.0 - lost) / len(rows))
+    return np.eye(rows.shape[1]) - spectra @ spectra.conj().mT
+
+
+def _likeliest(power: Floats, freedom: Floats, torque: Floats | float, angle: Floats) -> tuple[float, float]:
+    """Return D and E of one joint: least sum of freedom log S + power / S."""
+
+    def loss(at: Floats) -> float:
+        S = torque + np.exp(at[0]) + angle * (1.0 + np.exp(at[1]))
+        return float(np.sum(freedom * np.log(S) + power / S))
+
+    mean = max(float(power.sum() / freedom.sum()), TINY)
+    options = {"xatol": NEGLIGIBLE, "fatol": NEGLIGIBLE}  # of logarithms
+    starts = [(white, steep) for white in (1.0, 0.1) for steep in (0.0, 4.0)]  # either, or a part of both
+    found = [
+        scipy.optimize.minimize(  # type: ignore[call-overload]
+            loss, np.array([np.log(mean * white), steep]), method="Nelder-Mead", options=options
+        )
+        for white, steep in starts
+    ]
+    best = min(found, key=lambda one: float(one.fun))
+    return float(np.exp(best.x[0])), 1.0 + float(np.exp(best.x[1]))
