@@ -19,7 +19,7 @@ from fitter.data.motions import Measured
 from fitter.data.trials import to_trials
 from fitter.diagnosis.diagnosis import diagnose
 from fitter.diagnosis.finding import Finding, NamedCause
-from fitter.diagnosis.judgement import Errors
+from fitter.diagnosis.held_out_error import Errors
 from fitter.dynamics.evaluation import HORIZON_S
 from fitter.dynamics.found_targets import HINT, lacks_torque, with_found_targets
 from fitter.dynamics.structure import structural_parameters

@@ -11,7 +11,6 @@ from arm.regressor import standard_parameters
 from fitter.data.motions import Measured
 from fitter.data.resample import Uniform, resample, split_at_holes
 from fitter.data.trials import FIT_CORNER, Trial, derive, undriven
-from fitter.diagnosis.conclusion import concluded
 from fitter.diagnosis.cutoff import chatter, corner_hz
 from fitter.diagnosis.evidence import Floor
 from fitter.diagnosis.finding import Finding
@@ -26,9 +25,10 @@ from fitter.diagnosis.pushes import with_pushes
 from fitter.diagnosis.refinement import fitted
 from fitter.diagnosis.regression import Regression
 from fitter.diagnosis.run import run_of
+from fitter.diagnosis.screening import screen
 from fitter.diagnosis.search import Cause, Search, cause_of, supports
 from fitter.diagnosis.stepwise import Found, Stepwise
-from fitter.diagnosis.telling import finding_of
+from fitter.diagnosis.telling import concluded, finding_of
 from fitter.diagnosis.torque_likelihood import TorqueLikelihood
 from fitter.dynamics.evaluation import HORIZON_S
 from fitter.dynamics.structure import structural_parameters
@@ -184,7 +184,7 @@ def _found(
     def one_more(n: int) -> None:
         count[0] = n
 
-    likelihood = TorqueLikelihood(regression_of(arm, motions, denied, scale), tried, trying)
+    likelihood = TorqueLikelihood(regression_of(arm, motions, denied, scale), tried, screen, trying)
     search = Stepwise(likelihood, len(tried), MOST_CAUSES, one_more)
     found = search.run()
     return likelihood, found, likelihood.was

@@ -1,25 +1,31 @@
 """What was found in numbers: base parameters and effects with standard errors, and the arm that has them."""
 
-from contextlib import suppress
+# DOC r"""How well factors and psi of a fitted model are known together: a sandwich covariance over blocks and trials.
+# DOC
+# DOC Residuals that resemble their neighbours are seen within trials (Huber 1967); what makes whole trials pull their
+# DOC own way, in how differently they do (Liang and Zeger 1986); and what a model lacks alike in all of them, in
+# DOC neither, so a block has no more of it than one number a joint (`evidence`).
+# DOC """
+# DOC
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.stats import chi2
 
-from arm.base_parameters import BaseParameters, with_base_values
-from arm.model import Arm, Effect, Estimate, Floats, Joint
-from arm.physical_links import is_possible, link_parameters
+from arm.base_parameters import BaseParameters
+from arm.model import Arm, Floats
 from arm.regressor import standard_parameters
-from fitter.diagnosis.covariance import covariance_of
-from fitter.diagnosis.least_squares import CONFIDENCE, ROUNDED, SLOPE
+from fitter.diagnosis.evidence import lacking
+from fitter.diagnosis.least_squares import BLOCK_S, CONFIDENCE, ROUNDED, SLOPE, TINY
 from fitter.diagnosis.model import Candidate, Hypothesis
 from fitter.diagnosis.motion import Motion
-from fitter.diagnosis.payload import Payload
 from fitter.diagnosis.regression import Regression
 from fitter.dynamics.physical import nearest_possible
 from fitter.dynamics.structure import structural_parameters
 from fitter.search.fitted_parameter import FittedParameter
-from limbcal.errors import NotConverged
+from fitter.search.standard_errors import sandwich_covariance
 
 
 @dataclass(frozen=True)
@@ -124,40 +130,6 @@ def significant(fitted: Candidate, covariance: Floats) -> list[bool]:
     return said
 
 
-def extended_arm(regression: Regression, fitted: Candidate, found: Estimates) -> Arm:
-    """Return the arm with the base parameters that were learnt, and with its effects."""
-    arm = regression.arm
-    learnt = np.nan_to_num(found.values)
-    tilted = regression.view(fitted.model, regression.motions[0]).arm
-    moved = with_base_values(replace(arm, gravity_m_s2=tilted.gravity_m_s2), found.base, learnt)
-    if not all(is_possible(link_parameters(joint.link)) for joint in moved.joints):
-        with suppress(NotConverged):
-            moved = nearest_possible(arm, found.base, found.values)
-    effects = tuple(
-        _effect(hypothesis, numbers)
-        for hypothesis, numbers in zip(fitted.model.hypotheses, found.effects, strict=True)
-    )
-    split = [one for effect in effects for one in _single(effect)]
-    parameters = {
-        name: Estimate(float(value), float(std))
-        for name, value, std in zip(found.base.names, found.values, found.std, strict=True)
-        if np.isfinite(value)
-    }
-    return replace(
-        moved,
-        joints=tuple(map(_braked, moved.joints)),
-        gravity_m_s2=arm.gravity_m_s2,
-        base_parameters=parameters,
-        effects=(*arm.effects, *split),
-    )
-
-
-def _braked(joint: Joint) -> Joint:
-    """Return a joint whose Coulomb friction brakes: one that is fitted to push would rattle in a simulation."""
-    friction = joint.friction
-    return replace(joint, friction=replace(friction, coulomb_N_m=max(friction.coulomb_N_m, 0.0)))
-
-
 def _generic(arm: Arm, tilted: Arm) -> Arm:
     """Return the arm in a gravity that hides nothing that the tilted one shows."""
     x, y, z = (
@@ -165,30 +137,6 @@ def _generic(arm: Arm, tilted: Arm) -> Arm:
         for k, (g, g0) in enumerate(zip(tilted.gravity_m_s2, arm.gravity_m_s2, strict=True))
     )
     return replace(arm, gravity_m_s2=(x, y, z))
-
-
-def _effect(hypothesis: Hypothesis, numbers: dict[str, FittedParameter]) -> Effect:
-    values: dict[str, object] = {name: number.value for name, number in numbers.items()}
-    if isinstance(hypothesis, Payload):
-        values |= (
-            {"since_s": hypothesis.since_s}
-            if hypothesis.since_s is not None
-            else {"trials": sorted(hypothesis.trials)}
-        )
-    return Effect(hypothesis.kind.name, values, joints=tuple(j + 1 for j in hypothesis.joints))
-
-
-def _single(effect: Effect) -> list[Effect]:
-    """Return one effect for each of several pushes."""
-    if "start_s_1" not in effect.parameters:
-        return [effect]
-    pushes = []
-    k = 1
-    while f"start_s_{k}" in effect.parameters:
-        names = ("start_s", "duration_s", "torque_N_m")
-        pushes.append(replace(effect, parameters={name: effect.parameters[f"{name}_{k}"] for name in names}))
-        k += 1
-    return pushes
 
 
 def _numbers(
@@ -211,3 +159,114 @@ def _numbers(
         name: FittedParameter(float(value), float(error), unit, bool(np.isfinite(error)))
         for name, value, error, unit in zip(hypothesis.names, values, std, hypothesis.units, strict=True)
     }
+
+
+#: Blocks of neighbouring equations whose scores tell the answer's scatter, over all trials: known to 5 % each.
+_BLOCKS = 240
+
+
+def slopes(regression: Regression, fitted: Candidate, motion: Motion) -> Floats:
+    """Return the slopes of a motion's white equations, (n_slower * n_joint, n_factor + n_psi)."""
+    columns = [regression.rows(fitted.model, motion).design]
+    for *beside, apart in fitted.model.beside():
+        more, less = (regression.residual(one, fitted.x, motion) for one in beside)
+        columns.append((less - more).reshape(-1, 1) / apart)
+    return np.hstack(columns)
+
+
+def information_of(regression: Regression, fitted: Candidate) -> Floats:
+    """Return what the learning trials tell of factors and psi, as the search weighs them, (n_number, n_number)."""
+    designs = [slopes(regression, fitted, motion) for motion in regression.learning]
+    return np.asarray(np.sum([one.T @ one for one in designs], axis=0) + by_density(regression, fitted)[1])
+
+
+def covariance_of(regression: Regression, fitted: Candidate, learnt_from: list[Motion]) -> Floats:
+    """Return the covariance of factors and psi together.
+
+    Residuals that resemble their neighbours are seen within the trials that were learnt from; what makes whole
+    trials pull their own way, such as how a joint comes to rest, is seen in how differently all trials pull.
+    """
+    model = fitted.model
+    total = sum(len(motion.t) for motion in learnt_from)
+    used = {motion.number for motion in learnt_from}
+    designs, residuals = [], []
+    for motion in regression.motions:
+        residuals.append(regression.residual(model, fitted.x, motion).ravel())
+        designs.append(slopes(regression, fitted, motion))
+    fitting = [k for k, motion in enumerate(regression.motions) if motion.number in used]
+    size = np.sqrt(sum(np.sum(designs[k] ** 2, axis=0) for k in fitting))
+    told = size > 0.0
+    designs = [A[:, told] / size[told] for A in designs]
+    extra, information = by_density(regression, fitted)
+    extra, information = (
+        extra[:, told] / size[told],
+        information[np.ix_(told, told)] / np.outer(size[told], size[told]),
+    )
+    W = np.linalg.qr(np.vstack([*(designs[k] for k in fitting), _root(information)])).R
+    grams, scores, groups = [], [], []
+    for k in fitting:
+        blocks = max(2, round(_BLOCKS * len(regression.motions[k].t) / total))
+        for A, r in zip(np.array_split(designs[k], blocks), np.array_split(residuals[k], blocks), strict=True):
+            grams.append(A.T @ A)
+            scores.append(A.T @ r + extra[k] / blocks)
+            groups.append(k)
+    left = sum(float(residuals[k] @ residuals[k]) for k in fitting)
+    told_by = float(sum(regression.weighting.told(regression.motions[k]) for k in fitting))
+    diagonal = np.abs(np.diag(W))
+    if diagonal.min() > np.sqrt(ROUNDED) * diagonal.max():
+        of_trial: NDArray[np.intp] = np.array(groups, dtype=np.intp)
+        part = sandwich_covariance(np.asarray(W), np.array(grams), np.array(scores), of_trial)
+        root = np.linalg.inv(W)
+        plain = np.einsum("ij,ij->i", root, root)
+        # What a single block tells, such as when a push began, is fitted to that block's noise: no score shows it.
+        lasts = sum(max(1.0, len(regression.motions[k].t) * regression.motions[k].dt_s / BLOCK_S) for k in fitting)
+        a_block = told_by / lasts / regression.arm.n_joint
+        excess = max(left / told_by, 1.0)
+        systematic = max(1.0, a_block * float(lacking(excess, 1.0 - regression.floor_part)))
+        scatter = np.maximum(_between(designs, residuals, extra, information), excess * systematic)
+        wider = np.sqrt(np.maximum(scatter * plain / np.diag(part), 1.0))
+        part = part * np.outer(wider, wider)
+    else:  # something is not told at all, such as how long a stuck joint was pushed: the rest still is
+        gram = np.sum(grams, axis=0)
+        part = np.linalg.pinv(gram, rcond=ROUNDED, hermitian=True) * max(left / told_by, 1.0)
+    covariance = np.full((len(size), len(size)), np.nan)
+    covariance[np.ix_(told, told)] = part / np.outer(size[told], size[told])
+    return covariance
+
+
+def by_density(regression: Regression, fitted: Candidate) -> tuple[Floats, Floats]:
+    """Return the density's slopes, (n_motion, n_number), and its information of the motions learnt from."""
+    model, n_number = fitted.model, len(fitted.x) + len(fitted.model.flat)
+    mass = regression.density
+    if mass is None or not np.isfinite(mass.of(model, fitted.x, regression.motions)):
+        return np.zeros((len(regression.motions), n_number)), np.zeros((n_number, n_number))
+    each = [mass.slopes(model, fitted.x, [motion]) for motion in regression.motions]
+    learnt = {motion.number for motion in regression.motions_of(model)}
+    informations = [
+        one for (_, one), motion in zip(each, regression.motions, strict=True) if motion.number in learnt
+    ]
+    return np.stack([score for score, _ in each]), np.asarray(np.sum(informations, axis=0), dtype=np.float64)
+
+
+def _root(information: Floats) -> Floats:
+    """Return a matrix whose Gram matrix it is."""
+    values, axes = np.linalg.eigh(information)
+    return np.asarray(np.sqrt(np.maximum(values, 0.0))[:, None] * axes.T, dtype=np.float64)
+
+
+def _between(designs: Sequence[Floats], residuals: Sequence[Floats], extra: Floats, information: Floats) -> Floats:
+    """Return how many times more variance answers have by the scatter of whole trials than by white noise of one.
+
+    It is that of the answer to all trials together (Liang and Zeger 1986), so none is foreign to what it pulls at.
+    """
+    A, r = np.vstack(designs), np.concatenate(residuals)
+    inverse = np.linalg.pinv(A.T @ A + information, rcond=ROUNDED, hermitian=True)
+    change = inverse @ (A.T @ r + extra.sum(axis=0))
+    pulls = np.stack(
+        [
+            inverse @ (A.T @ (r - A @ change) + more - information @ change / len(designs))
+            for A, r, more in zip(designs, residuals, extra, strict=True)
+        ]
+    )
+    few = len(pulls) / max(len(pulls) - 1.0, 1.0)
+    return np.asarray(few * np.sum(pulls**2, axis=0) / np.maximum(np.diag(inverse), TINY), dtype=np.float64)

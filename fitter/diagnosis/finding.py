@@ -6,10 +6,11 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from arm.model import Arm
-from fitter.diagnosis.held_out import Judged
-from fitter.diagnosis.judgement import Errors, Gain
-from fitter.diagnosis.search import Verdict
-from fitter.diagnosis.unknown import Remainder
+from fitter.diagnosis.estimates import Estimates
+from fitter.diagnosis.functions import Remainder
+from fitter.diagnosis.held_out_error import Errors, Gain, Judged
+from fitter.diagnosis.model import Candidate
+from fitter.diagnosis.search import Holding, Search, Verdict
 from fitter.search.fitted_parameter import FittedParameter
 from limbcal.note import Note, documents
 
@@ -221,3 +222,33 @@ class Finding:
             "suspected": [{"effect": effect, "joints": list(joints)} for effect, joints in self.suspected],
             "notes": documents([*self.warnings, *self.notes]),
         }
+
+
+@dataclass(frozen=True)
+class Conclusion:
+    """What a search has come to.
+
+    Attributes
+    ----------
+    search : Search
+        With the causes that rests of the joints reveal.
+    verdict : {"named", "ambiguous", "none", "unexplained"}
+    final : Candidate
+        The search's final model, or its base where no cause is believed.
+    numbers : Estimates
+        Of the search's final model.
+    remainder : Remainder
+        What `final` leaves.
+    held : sequence of Holding
+        Joints that are held by static friction.
+    equals : mapping of int to Candidate
+        With a hump of friction that might as well hold such a joint, by its number.
+    """
+
+    search: Search
+    verdict: Verdict
+    final: Candidate
+    numbers: Estimates
+    remainder: Remainder
+    held: Sequence[Holding]
+    equals: Mapping[int, Candidate]

@@ -14,33 +14,12 @@ from scipy.stats import rankdata
 
 from arm.model import Floats
 from fitter.data.derivatives import lowpass
-from fitter.diagnosis.functions import Functions, products, spelled
+from fitter.diagnosis.functions import Dependence, Functions, products, spelled
 from fitter.diagnosis.least_squares import N_INSTANT, N_SHIFTED, RIDGE, ROUNDED, TINY, UNEXPLAINED, scaled_lstsq
 from fitter.diagnosis.model import Candidate, Model
 from fitter.diagnosis.motion import Motion
 from fitter.diagnosis.regression import Regression
 from fitter.diagnosis.weighting import Columns
-
-
-@dataclass(frozen=True)
-class Dependence:
-    """How much a joint's remaining torque depends on one variable.
-
-    Attributes
-    ----------
-    joint : int
-        From 1.
-    variable : str
-    xi : float
-        0 for independence, 1 for a function of the variable.
-    p : float
-        How often chance gives as much.
-    """
-
-    joint: int
-    variable: str
-    xi: float
-    p: float
 
 
 def remaining_torque(regression: Regression, model: Model, x: Floats, motion: Motion) -> Floats:

@@ -6,6 +6,7 @@ factor makes a torque of: if they are right, they know what to expect where no t
 """
 
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from itertools import product
 
 import numpy as np
@@ -139,3 +140,53 @@ def spelled(some: Sequence[str]) -> list[str]:
 
 def _shapes(name: str) -> list[str]:
     return ["{}"] if name.startswith("sign(") else list(_SHAPES)
+
+
+@dataclass(frozen=True)
+class Dependence:
+    """How much a joint's remaining torque depends on one variable.
+
+    Attributes
+    ----------
+    joint : int
+        From 1.
+    variable : str
+    xi : float
+        0 for independence, 1 for a function of the variable.
+    p : float
+        How often chance gives as much.
+    """
+
+    joint: int
+    variable: str
+    xi: float
+    p: float
+
+
+@dataclass(frozen=True)
+class Remainder:
+    """What is left, described.
+
+    Attributes
+    ----------
+    explained : float
+        Share of what trials are typically left with that a function explains where it was not fitted, 0 to 1.
+    worth : float
+        The same in units of what noise would leave.
+    white : bool
+    depends_on : tuple of str
+        Such as ``q2``, ``sign(dq1)``, ``t``.
+    joint : int
+        At whose torque, from 1; 0 where nothing was found.
+    formula : str
+    dependences : list of Dependence
+        Of the remaining torque on each variable alone, with a permutation test.
+    """
+
+    explained: float
+    worth: float
+    white: bool
+    depends_on: tuple[str, ...]
+    joint: int
+    formula: str
+    dependences: list[Dependence]

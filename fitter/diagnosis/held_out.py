@@ -9,74 +9,30 @@ units and the base parameters (Förstner and Moonen 1999). What is new in it cou
 It is held against what is new in each of the learning motions beside the other ones.
 """
 
-from collections import Counter
+# DOC """How wrong an arm with its effects is on trials that it was not fitted to: by torque, and by simulated motion."""
+# DOC
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 import scipy.linalg
+from scipy.ndimage import binary_erosion, gaussian_filter1d
 
+from arm.effects.effect_table import ROTOR, changed, effect_table
 from arm.model import Arm, Floats
-from fitter.diagnosis.judgement import Errors, judged
+from arm.newton_euler import mass_matrix
+from arm.simulation import simulate
+from fitter.diagnosis.held_out_error import Errors, Judged
 from fitter.diagnosis.least_squares import ROUNDED
 from fitter.diagnosis.model import Candidate, Model
 from fitter.diagnosis.motion import Motion
 from fitter.diagnosis.regression import Regression
+from fitter.diagnosis.whitening import CUT_S
+from fitter.dynamics.evaluation import HORIZON_S
+from fitter.side_by_side import side_by_side
 from limbcal.note import Note
 
 #: A fitted model, and the arm that it is, to be simulated.
 Fitted = tuple[Candidate, Arm]
-
-
-@dataclass(frozen=True)
-class Judged:
-    """What the base and the final model get wrong on trials that had no say in anything.
-
-    Attributes
-    ----------
-    sets, trials : sequence of str
-        Of every trial, the set that it is of, and its name.
-    before, after : Errors
-    """
-
-    sets: Sequence[str]
-    trials: Sequence[str]
-    before: Errors
-    after: Errors
-
-    def by_set(self) -> dict[str, tuple[Errors, Errors]]:
-        """Return the errors before and after of every set."""
-        places: dict[str, list[int]] = {}
-        for k, name in enumerate(self.sets):
-            places.setdefault(name, []).append(k)
-        return {name: (self.before.only(some), self.after.only(some)) for name, some in places.items()}
-
-    def by_trial(self) -> dict[str, tuple[Errors, Errors]]:
-        """Return the errors before and after of every trial; trials of one name are told apart by their sets."""
-        names = [
-            f"{one}/{name}" if count > 1 else name
-            for one, name, count in zip(
-                self.sets, self.trials, map(Counter(self.trials).__getitem__, self.trials), strict=True
-            )
-        ]
-        same = Counter[str]()
-        parted = {}
-        for k, name in enumerate(names):
-            same[name] += 1
-            own = name if same[name] == 1 else f"{name} ({same[name]})"
-            parted[own] = self.before.only([k]), self.after.only([k])
-        return parted
-
-    def document(self) -> dict[str, object]:
-        """Return it as JSON has it."""
-        return {
-            when: {
-                **errors.document(),
-                "sets": {name: both[k].document() for name, both in self.by_set().items()},
-                "trials": {name: both[k].document() for name, both in self.by_trial().items()},
-            }
-            for k, (when, errors) in enumerate((("before", self.before), ("after", self.after)))
-        }
 
 
 def judged_sets(
@@ -139,3 +95,129 @@ def novelty(some: Sequence[Floats], others: Sequence[Floats]) -> float:
     least = np.sqrt(ROUNDED) * np.eye(root.shape[1])
     ratios = scipy.linalg.eigh(root.T @ A @ root + least, root.T @ B @ root + least, eigvals_only=True)
     return float(np.sqrt(np.mean(np.log(np.maximum(ratios, 1.0)) ** 2)))
+
+
+#: A simulated angle that is this far off has run away: less than a millionth of a turn is left in it [rad].
+_RUN_AWAY = 1.0 / np.sqrt(ROUNDED)
+#: The first state of a trial at rest is the mean over this long [s].
+_REST_S = 0.04
+
+
+def torque_left(regression: Regression, fitted: Candidate, motion: Motion) -> Floats:
+    """Return the torque that a model leaves of what was measured, NaN while stuck, (n_sample, n_joint)."""
+    return np.where(motion.stuck, np.nan, regression.equations.left(fitted.model, fitted.x, motion))
+
+
+def unfiltered(left: Floats, motion: Motion) -> Floats | None:
+    """Return the torque that is left of what was measured, its noise included; None where none was measured.
+
+    Parameters
+    ----------
+    left : (n_sample, n_joint)
+        The same behind the filter of the trial's columns, see `torque_left`.
+    motion : Motion
+        Not thinned.
+    """
+    trial = motion.trial
+    return None if trial.tau is None or trial.tau_measured is None else left + trial.tau_measured - trial.tau
+
+
+def judged(
+    regression: Regression, fitted: Candidate, arm: Arm, motions: Sequence[Motion], horizon_s: float = HORIZON_S
+) -> Errors:
+    """Return what a model gets wrong.
+
+    Parameters
+    ----------
+    regression : Regression
+    fitted : Candidate
+        The model, by its equations.
+    arm : Arm
+        The same, to be simulated.
+    motions : sequence of Motion
+        Not thinned.
+    horizon_s : float
+        With measured or no torque, how long a simulation runs before it starts anew from the data.
+    """
+    turning = np.array([joint.type == "revolute" for joint in arm.joints])
+    torque, raw, angle = list[Floats](), list[Floats](), []
+    angles = side_by_side(lambda motion: simulated(arm, motion, horizon_s), motions)
+    for motion, followed in zip(motions, angles, strict=True):
+        left = torque_left(regression, fitted, motion)
+        seen = smooth(left, motion.dt_s, regression.weighting.seen_hz)
+        torque.append(np.array([np.nansum(seen**2, axis=0), np.sum(np.isfinite(seen), axis=0)]))
+        whole = unfiltered(np.where(np.isfinite(seen), left, np.nan), motion)
+        if whole is not None:
+            raw.append(np.nansum(whole**2, axis=0))
+        off = np.abs(followed - motion.trial.q)[:, turning]
+        off = np.where(off < _RUN_AWAY, off, np.inf)
+        angle.append((np.sum(off**2), np.sum(off), off.max(initial=0.0), off.size))
+    squares, sums, worst, count = (np.array(column) for column in zip(*angle, strict=True))
+    driven = any(np.any(motion.u) for motion in motions)
+    return Errors(
+        np.array(torque)[:, 0],
+        np.array(torque)[:, 1],
+        np.array(raw) if driven and len(raw) == len(motions) else None,
+        squares,
+        sums,
+        worst,
+        count.astype(np.float64),
+        angles,
+    )
+
+
+def smooth(left: Floats, dt_s: float, corner_hz: float) -> Floats:
+    """Return what of a torque is slower than a corner, as a mean of what is known: gaps are not bridged.
+
+    Next to a gap the columns' own filter still has part of what is in it.
+    """
+    margin = np.ones((2 * max(1, round(CUT_S / dt_s)) + 1, 1), dtype=np.bool_)
+    known = binary_erosion(np.isfinite(left), margin, border_value=True)
+    width = np.sqrt(np.log(2.0)) / (2.0 * np.pi * corner_hz * dt_s)  # its power is halved at the corner
+    total = gaussian_filter1d(np.where(known, left, 0.0), width, axis=0, mode="constant")
+    weight = gaussian_filter1d(known.astype(np.float64), width, axis=0, mode="constant")
+    return np.where(known, total / np.maximum(weight, ROUNDED), np.nan)
+
+
+def simulated(arm: Arm, motion: Motion, horizon_s: float) -> Floats:
+    """Return the angles of an arm with its effects, driven as in a trial, (n_sample, n_joint).
+
+    Under a control law it runs through the whole trial; with measured torque it starts anew every ``horizon_s``.
+    Infinite where masses that none can have would run from a push towards where it comes from.
+    """
+    trial = motion.trial
+    if not _has_mass(arm, motion):
+        return np.where(np.arange(len(trial.q))[:, None] == 0, trial.q, np.inf)
+    t0 = float(motion.t[0])
+    if arm.control.law != "measured" and trial.ref is not None:
+        rest = max(1, round(_REST_S / trial.dt_s))
+        still = motion.stuck[0]
+        q0 = np.where(still, trial.q[:rest].mean(axis=0), trial.q[0])
+        dq0 = np.where(still, 0.0, trial.dq[0])
+        return simulate(arm, trial.ref, trial.dt_s, q0, dq0, t0_s=t0, trial=motion.number, drives=trial.drives).q
+    angles = trial.q.copy()
+    torque = motion.u if len(motion.u) == len(trial.q) else np.asarray(trial.tau)
+    stride = max(1, round(horizon_s / trial.dt_s))
+    for start in range(0, len(trial.q) - 1, stride):
+        part = slice(start, min(start + stride + 1, len(trial.q)))
+        angles[start + 1 : part.stop] = simulate(
+            arm,
+            trial.q[part],
+            trial.dt_s,
+            trial.q[start],
+            np.where(motion.stuck[min(start, len(motion.stuck) - 1)], 0.0, trial.dq[start]),
+            torque=torque[part],
+            t0_s=t0 + start * trial.dt_s,
+            trial=motion.number,
+        ).q[1:]
+    return angles
+
+
+def _has_mass(arm: Arm, motion: Motion) -> bool:
+    """Say whether the mass matrix of the joints that move, rotors included, is positive definite all the way."""
+    stuck, own = motion.stuck, np.arange(arm.n_joint)
+    inner = changed(arm)
+    M = mass_matrix(inner, motion.q)
+    M[stuck[:, :, None] | stuck[:, None, :]] = 0.0
+    M[:, own, own] += np.where(stuck, 1.0, effect_table(inner, motion.number).numbers[ROTOR])
+    return bool(np.linalg.eigvalsh(M).min(initial=np.inf) > 0.0)

@@ -15,24 +15,18 @@ import numpy as np
 from numpy.typing import NDArray
 
 from arm.model import Arm, Floats
-from fitter.diagnosis.braking import friction_at, seen_states
-from fitter.diagnosis.conclusion import Conclusion
-from fitter.diagnosis.covariance import information_of
-from fitter.diagnosis.estimates import Estimates, estimates, extended_arm
-from fitter.diagnosis.finding import Polished
-from fitter.diagnosis.holding import sticking
-from fitter.diagnosis.judgement import judged, smooth, torque_left
+from fitter.diagnosis.estimates import Estimates, estimates, information_of
+from fitter.diagnosis.extended_arm import ModelNumbers, extended_arm, model_numbers
+from fitter.diagnosis.finding import Conclusion, Polished
+from fitter.diagnosis.held_out import judged, smooth, torque_left
 from fitter.diagnosis.least_squares import BLOCK_S, EQUAL_SIGMAS, ROUNDED, SIGMAS, SLOPE
 from fitter.diagnosis.model import Candidate
-from fitter.diagnosis.model_numbers import (
-    ModelNumbers,
-    ShootingWithEffects,
-    model_numbers,
-    windows,
-)
 from fitter.diagnosis.motion import Motion
 from fitter.diagnosis.regression import Regression
+from fitter.diagnosis.static_friction import sticking
+from fitter.dynamics.braking import friction_at, seen_states
 from fitter.dynamics.output_error import Allowed, fit_motion
+from fitter.dynamics.shooting_effects import ShootingWithEffects, windows
 from fitter.dynamics.stretches import LONGEST_STEP_S
 
 #: Weight of a window's own noise where nothing pulls a simulation back: the sum of rms errors is made small.

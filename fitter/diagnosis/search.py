@@ -10,6 +10,7 @@ from arm.model import Floats
 from fitter.diagnosis.evidence import Fit, Floor, likelihood_of
 from fitter.diagnosis.model import Candidate
 from fitter.diagnosis.stepwise import Step
+from fitter.search.fitted_parameter import FittedParameter
 
 Verdict = Literal["named", "ambiguous", "none", "unexplained"]
 
@@ -112,3 +113,23 @@ def supports(fits: Sequence[Fit]) -> list[float]:
     nats: Floats = np.array([likelihood_of(one) for one in fits])
     odds = np.exp(nats - nats.max())
     return [float(one) for one in odds / odds.sum()]
+
+
+@dataclass(frozen=True)
+class Holding:
+    """Static friction of one joint.
+
+    Attributes
+    ----------
+    joint : int
+        From 0.
+    parameter : FittedParameter
+        F, the most that has held it [N m or N].
+    gain : float
+        Share of the squared torque beyond Coulomb friction, in the evaluating trials' rests, that the learning
+        trials' F allows for.
+    """
+
+    joint: int
+    parameter: FittedParameter
+    gain: float

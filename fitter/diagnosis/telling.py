@@ -1,24 +1,28 @@
 """What a search has come to, as a finding: causes with their equals, all candidates, the arm, errors and gain."""
 
+# DOC """What follows from a search: a verdict, the model that holds, its numbers, what it leaves, what rests tell."""
+# DOC
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
 
-from fitter.diagnosis.conclusion import Conclusion
-from fitter.diagnosis.estimates import Estimates, estimates, extended_arm
-from fitter.diagnosis.finding import Finding, Left, NamedCause, Polished, Tried
-from fitter.diagnosis.held_out import likeness
-from fitter.diagnosis.holding import EFFECT as STICTION
-from fitter.diagnosis.holding import Holding, sticking
-from fitter.diagnosis.judgement import Errors, gain, judged, torque_left
+from fitter.diagnosis.estimates import Estimates, estimates
+from fitter.diagnosis.extended_arm import extended_arm
+from fitter.diagnosis.finding import Conclusion, Finding, Left, NamedCause, Polished, Tried
+from fitter.diagnosis.functions import Remainder
+from fitter.diagnosis.held_out import judged, likeness, torque_left
+from fitter.diagnosis.held_out_error import Errors, gain
 from fitter.diagnosis.model import Candidate, Hypothesis
 from fitter.diagnosis.motion import Motion
 from fitter.diagnosis.next_experiment import next_experiment
 from fitter.diagnosis.payload import Payload
 from fitter.diagnosis.pushes import Pushes
 from fitter.diagnosis.regression import Regression
-from fitter.diagnosis.search import Search
+from fitter.diagnosis.search import Holding, Search, Verdict
+from fitter.diagnosis.static_friction import EFFECT as STICTION
+from fitter.diagnosis.static_friction import holdings, sticking, with_humps
+from fitter.diagnosis.unknown import describe, outdone
 from fitter.dynamics.evaluation import HORIZON_S
 from fitter.search.fitted_parameter import FittedParameter
 from limbcal.note import of_source
@@ -204,3 +208,40 @@ def _tried(regression: Regression, search: Search, held: Sequence[Holding]) -> l
     ]
     listed += [Tried(STICTION, (one.joint + 1,), float(np.clip(one.gain, 0.0, 1.0)), 1.0) for one in held]
     return sorted(listed, key=lambda one: -one.gain)
+
+
+def concluded(regression: Regression, search: Search) -> Conclusion:
+    """Return what follows from a search.
+
+    Parameters
+    ----------
+    regression : Regression
+        Under the weights of the search's final model.
+    search : Search
+    """
+    numbers = estimates(regression, search.final)
+    held = holdings(regression, search.final, numbers.covariance)
+    remainder = describe(regression, search.final, search.floor)
+    verdict = _verdict(regression, search, remainder, bool(held))
+    if verdict == "unexplained":
+        left = describe(regression, search.base, search.was) if search.causes else remainder
+        return Conclusion(search, verdict, search.base, numbers, left, held, {})
+    found, held, equals = with_humps(regression, search, held)
+    if found is not search:
+        numbers, remainder = estimates(regression, found.final), describe(regression, found.final, search.floor)
+    return Conclusion(found, "ambiguous" if equals else verdict, found.final, numbers, remainder, held, equals)
+
+
+def _verdict(regression: Regression, search: Search, remainder: Remainder, held: bool) -> Verdict:
+    """Return the verdict.
+
+    Causes are believed unless some unknown function of few variables, in their place, does clearly better:
+    they then imitate what stands in no catalogue.
+    """
+    if search.final.model.hypotheses:
+        if outdone(regression, search.final):
+            return "unexplained"
+        return "ambiguous" if any(cause.rivals for cause in search.causes) else "named"
+    if (search.floor.is_plain and not remainder.white) or outdone(regression, search.base):
+        return "unexplained"
+    return "named" if held else "none"

@@ -15,7 +15,6 @@ from fitter.diagnosis.noise_floor import floored, part_of_floor
 from fitter.diagnosis.refinement import Starts, by_learning, fitted
 from fitter.diagnosis.regression import Regression
 from fitter.diagnosis.rests import Rests
-from fitter.diagnosis.screening import screen
 from limbcal.errors import NotConverged
 
 #: Which part of what is lacking moved the arm where the torque was measured: nobody knows, none to all of it.
@@ -24,6 +23,7 @@ _MOVED = 0.5
 _NO_MASS = -1.0 / ROUNDED
 
 Progress = Callable[[int, int], None]
+Screen = Callable[[Regression, Candidate, Sequence[Hypothesis], Starts, Progress | None], list[Candidate]]
 
 
 class TorqueLikelihood:
@@ -33,6 +33,8 @@ class TorqueLikelihood:
     ----------
     regression : Regression
     tried : sequence of Hypothesis
+    screen : callable
+        Tries hypotheses beside a model and returns them fitted (`screening`).
     progress : callable, optional
         Told how many hypotheses were tried, and how many there are.
 
@@ -45,11 +47,15 @@ class TorqueLikelihood:
     """
 
     def __init__(
-        self, regression: Regression, tried: Sequence[Hypothesis], progress: Progress | None = None
+        self,
+        regression: Regression,
+        tried: Sequence[Hypothesis],
+        screen: Screen,
+        progress: Progress | None = None,
     ) -> None:
         self.regression = regression
         self.floor = self.was = Floor(*np.ones((3, regression.arm.n_joint)))
-        self._tried, self._progress, self._starts = list(tried), progress, Starts()
+        self._tried, self._screen, self._progress, self._starts = list(tried), screen, progress, Starts()
         measured = all(motion.trial.tau is not None for motion in regression.motions)
         driven = any(np.any(motion.u) for motion in regression.motions)
         self._weight = _MOVED if measured and driven else 1.0
@@ -65,7 +71,7 @@ class TorqueLikelihood:
         accepted = fit.candidate
         known = {one.key for one in accepted.model.hypotheses}
         tried = [one for one in self._tried if one.key not in known]
-        found = screen(self.regression, accepted, tried, self._starts, self._progress)
+        found = self._screen(self.regression, accepted, tried, self._starts, self._progress)
         better = [one for one in found if one.squares is not accepted.squares and self._is_told(one)]
         return sorted(map(self.fit_of, better), key=likelihood_of, reverse=True)
 

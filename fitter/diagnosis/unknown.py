@@ -13,42 +13,13 @@ import numpy as np
 from scipy.stats import kstwobign
 
 from fitter.diagnosis.evidence import KNOWN, Floor
-from fitter.diagnosis.folds import Dependence, Folds, dependences, typical
-from fitter.diagnosis.functions import names
+from fitter.diagnosis.folds import Folds, dependences, typical
+from fitter.diagnosis.functions import Remainder, names
 from fitter.diagnosis.least_squares import EQUAL_SIGMAS, ODDS_NATS, PLAINLY, UNEXPLAINED
 from fitter.diagnosis.model import Candidate, Model
 from fitter.diagnosis.refinement import fitted
 from fitter.diagnosis.regression import Regression
 from fitter.side_by_side import side_by_side
-
-
-@dataclass(frozen=True)
-class Remainder:
-    """What is left, described.
-
-    Attributes
-    ----------
-    explained : float
-        Share of what trials are typically left with that a function explains where it was not fitted, 0 to 1.
-    worth : float
-        The same in units of what noise would leave.
-    white : bool
-    depends_on : tuple of str
-        Such as ``q2``, ``sign(dq1)``, ``t``.
-    joint : int
-        At whose torque, from 1; 0 where nothing was found.
-    formula : str
-    dependences : list of Dependence
-        Of the remaining torque on each variable alone, with a permutation test.
-    """
-
-    explained: float
-    worth: float
-    white: bool
-    depends_on: tuple[str, ...]
-    joint: int
-    formula: str
-    dependences: list[Dependence]
 
 
 @dataclass(frozen=True)

@@ -3,7 +3,7 @@
 from collections.abc import Mapping, Sequence
 
 from arm.model import Arm, Floats
-from fitter.diagnosis.judgement import Errors
+from fitter.diagnosis.held_out_error import Errors
 from fitter.report.diagnosis_words import angle, units
 
 #: One row of text cells.

@@ -6,8 +6,7 @@ from pathlib import Path
 from arm.arm_file import save_arm
 from fitter.diagnosis.diagnosis import Diagnosis
 from fitter.diagnosis.finding import NamedCause
-from fitter.diagnosis.held_out import Judged
-from fitter.diagnosis.judgement import Errors
+from fitter.diagnosis.held_out_error import Errors, Judged
 from fitter.report import diagnosis_figures as figures
 from fitter.report.diagnosis_errors import BY_NAME, by_name_rows, error_rows
 from fitter.report.diagnosis_rivals import rivals, shown, table_rows

@@ -6,7 +6,7 @@ import numpy as np
 
 from arm.model import Floats
 from fitter.diagnosis.diagnosis import Diagnosis
-from fitter.diagnosis.judgement import smooth, torque_left
+from fitter.diagnosis.held_out import smooth, torque_left
 from fitter.diagnosis.model import Candidate
 from fitter.diagnosis.motion import Motion
 

@@ -10,7 +10,7 @@ from arm.model import Arm
 from fitter.diagnosis.at_joint import AtJoint
 from fitter.diagnosis.diagnosis import Diagnosis
 from fitter.diagnosis.finding import NamedCause
-from fitter.diagnosis.judgement import Errors
+from fitter.diagnosis.held_out_error import Errors
 from fitter.diagnosis.model import Hypothesis
 from fitter.diagnosis.payload import Payload
 from fitter.search.fitted_parameter import FittedParameter

@@ -5,11 +5,12 @@ from collections.abc import Sequence
 from arm.model import Effect
 from fitter.data.motions import Measured
 from fitter.data.trials import to_trials
-from fitter.diagnosis.model import Hypothesis, Model
 from fitter.diagnosis import noise_floor
+from fitter.diagnosis.model import Hypothesis, Model
 from fitter.diagnosis.refinement import fitted
 from fitter.diagnosis.regression import Regression
 from fitter.diagnosis.run import run_of
+from fitter.diagnosis.screening import screen
 from fitter.diagnosis.search import Search, cause_of, supports
 from fitter.diagnosis.stepwise import Found, Stepwise
 from fitter.diagnosis.torque_likelihood import TorqueLikelihood
@@ -32,7 +33,7 @@ def swinging(*effects: Effect, trials: int = 8, seed: int = 2) -> Regression:
 
 def found_in(regression: Regression, tried: Sequence[Hypothesis]) -> tuple[TorqueLikelihood, Found]:
     """Return what a search for some effects finds."""
-    likelihood = TorqueLikelihood(regression, tried)
+    likelihood = TorqueLikelihood(regression, tried, screen)
     return likelihood, Stepwise(likelihood, max(len(tried), 1), _MOST).run()
 
 

@@ -8,10 +8,10 @@ import pytest
 from arm.effects.catalogue import catalogue
 from arm.model import Effect
 from fitter.diagnosis.at_joint import AtJoint
-from fitter.diagnosis.conclusion import concluded
 from fitter.diagnosis.model import Model
 from fitter.diagnosis.refinement import fitted
 from fitter.diagnosis.search import Cause
+from fitter.diagnosis.telling import concluded
 from tests.fitter.diagnosis.searched import regression_of, searched, swinging
 from tests.fitter.diagnosis.test_unknown import PLAIN, resisted
 

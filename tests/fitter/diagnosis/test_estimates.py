@@ -8,7 +8,8 @@ import pytest
 from arm.effects.catalogue import catalogue
 from fitter.data.trials import to_trials
 from fitter.diagnosis.at_joint import AtJoint
-from fitter.diagnosis.estimates import estimates, extended_arm, possible_base, significant
+from fitter.diagnosis.estimates import estimates, possible_base, significant
+from fitter.diagnosis.extended_arm import extended_arm
 from fitter.diagnosis.model import Model
 from fitter.diagnosis.noise_floor import regression_of
 from fitter.diagnosis.refinement import fitted

@@ -142,7 +142,7 @@ def test_what_changes_nothing_explains_nothing_where_friction_has_to_brake():
     motions = [replace(one, columns={**one.columns, "ref": 0.6 * one.columns["ref"]}) for one in plain]
     trials = to_trials(motions, cutoff_hz=25.0)
     run = regression_of(pendulum(), run_of(pendulum(), trials[:3], trials[3:]))
-    likelihood = TorqueLikelihood(run, [])
+    likelihood = TorqueLikelihood(run, [], screen)
     base = likelihood.base().candidate
     assert likelihood.regression.density is not None
     grid = Grid(likelihood.regression, base.model, Starts())

@@ -1,7 +1,8 @@
 """Joints that are held by static friction."""
 
 from arm.model import Effect
-from fitter.diagnosis.holding import Holding, sticking
+from fitter.diagnosis.search import Holding
+from fitter.diagnosis.static_friction import sticking
 from fitter.search.fitted_parameter import FittedParameter
 from tests.fitter.pendulum import pendulum
 

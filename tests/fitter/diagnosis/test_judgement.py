@@ -7,7 +7,8 @@ import pytest
 
 from arm.model import Control, Floats
 from fitter.data.trials import to_trials
-from fitter.diagnosis.judgement import Errors, judged, unfiltered
+from fitter.diagnosis.held_out import judged, unfiltered
+from fitter.diagnosis.held_out_error import Errors
 from fitter.diagnosis.model import Candidate, Model
 from fitter.diagnosis.noise_floor import regression_of
 from fitter.diagnosis.run import run_of

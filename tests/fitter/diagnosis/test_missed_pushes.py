@@ -6,6 +6,7 @@ import pytest
 from arm.model import Effect
 from fitter.diagnosis.estimates import estimates
 from fitter.diagnosis.pushes import missed, pushed, with_pushes
+from fitter.diagnosis.screening import screen
 from fitter.diagnosis.torque.pulse import Pulse
 from fitter.diagnosis.torque_likelihood import TorqueLikelihood
 from tests.fitter.diagnosis.searched import swinging
@@ -19,7 +20,7 @@ def run(*pushes):
         Effect("external_push", {"start_s": start, "duration_s": lasts, "torque_N_m": torque}, joints=(1,))
         for start, lasts, torque in pushes
     ]
-    likelihood = TorqueLikelihood(swinging(*effects), [])
+    likelihood = TorqueLikelihood(swinging(*effects), [], screen)
     base = likelihood.base()
     return likelihood.regression, base.candidate
 

@@ -12,9 +12,10 @@ from arm.effects.catalogue import catalogue
 from arm.model import Arm, Control, Effect
 from arm.simulation import simulate
 from fitter.diagnosis.at_joint import AtJoint
-from fitter.diagnosis.estimates import estimates, extended_arm
+from fitter.diagnosis.estimates import estimates
+from fitter.diagnosis.extended_arm import extended_arm, model_numbers
 from fitter.diagnosis.model import Candidate, Model
-from fitter.diagnosis.model_numbers import ShootingWithEffects, model_numbers, numbers_of, windows
+from fitter.dynamics.shooting_effects import ShootingWithEffects, numbers_of, windows
 from fitter.dynamics.stretches import Stretch
 from fitter.dynamics.structure import structural_parameters
 from tests.fitter.diagnosis.searched import swinging

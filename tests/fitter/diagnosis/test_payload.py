@@ -6,8 +6,8 @@ import pytest
 from arm.model import Effect
 from fitter.data.resample import resample
 from fitter.data.trials import derive
-from fitter.diagnosis.model import Model
 from fitter.diagnosis import noise_floor
+from fitter.diagnosis.model import Model
 from fitter.diagnosis.payload import Payload, find_payloads
 from fitter.diagnosis.regression import Regression
 from fitter.diagnosis.run import run_of

@@ -10,6 +10,7 @@ from fitter.diagnosis.at_joint import AtJoint
 from fitter.diagnosis.model import Model
 from fitter.diagnosis.noise_floor import regression_of
 from fitter.diagnosis.rests import Rests
+from fitter.diagnosis.screening import screen
 from fitter.diagnosis.torque_likelihood import TorqueLikelihood
 from tests.fitter.diagnosis.two_joints import regression_of_two
 
@@ -90,7 +91,7 @@ def test_dry_friction_brakes_where_something_is_lacking():
         replace(one, u=one.u - 0.8 * np.sign(one.dq) + 0.3 * np.sin(5.0 * one.t)[:, None]) for one in plain.motions
     ]
     regression = regression_of(plain.arm, motions)
-    likelihood = TorqueLikelihood(regression, [])
+    likelihood = TorqueLikelihood(regression, [], screen)
     base = likelihood.base().candidate
     friction = likelihood.regression.equations.friction(Model(), base.x, motions[0])[:, 1]
     assert np.all(friction >= 0.0)

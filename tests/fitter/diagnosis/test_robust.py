@@ -5,6 +5,7 @@ import pytest
 
 from arm.model import Effect
 from fitter.diagnosis.pushes import robustly_fitted
+from fitter.diagnosis.screening import screen
 from fitter.diagnosis.torque_likelihood import TorqueLikelihood
 from tests.fitter.diagnosis.searched import swinging
 
@@ -13,7 +14,7 @@ PUSH = Effect("external_push", {"start_s": 1.0, "duration_s": 0.6, "torque_N_m":
 
 
 def fitted_base(*effects):
-    likelihood = TorqueLikelihood(swinging(*effects), [])
+    likelihood = TorqueLikelihood(swinging(*effects), [], screen)
     base = likelihood.base().candidate
     return likelihood.regression, base
 

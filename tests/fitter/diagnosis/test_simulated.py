@@ -7,7 +7,7 @@ import pytest
 
 from arm.model import Arm, Control, Effect
 from fitter.data.trials import to_trials
-from fitter.diagnosis.judgement import simulated
+from fitter.diagnosis.held_out import simulated
 from fitter.diagnosis.motion import Motion
 from fitter.diagnosis.run import run_of
 from tests.fitter.pendulum import pendulum, swings

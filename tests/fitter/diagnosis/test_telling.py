@@ -6,9 +6,8 @@ import pytest
 from arm.effects.catalogue import catalogue
 from arm.model import Effect
 from fitter.diagnosis.at_joint import AtJoint
-from fitter.diagnosis.conclusion import concluded
 from fitter.diagnosis.run import run_of
-from fitter.diagnosis.telling import finding_of
+from fitter.diagnosis.telling import concluded, finding_of
 from tests.fitter.diagnosis.searched import searched, swinging
 from tests.fitter.pendulum import pendulum
 

@@ -13,6 +13,7 @@ from fitter.diagnosis.hypotheses import hypotheses
 from fitter.diagnosis.in_arm import RotorInertia
 from fitter.diagnosis.in_drive import Gain
 from fitter.diagnosis.least_squares import BLOCK_S
+from fitter.diagnosis.screening import screen
 from fitter.diagnosis.torque_likelihood import TorqueLikelihood, is_possible
 from tests.fitter.diagnosis.searched import found_in, swinging
 from tests.fitter.diagnosis.two_joints import regression_of_two
@@ -31,7 +32,7 @@ def tried():
 
 @pytest.fixture(scope="module")
 def dragged():
-    likelihood = TorqueLikelihood(regression_of_two(DRAG), tried())
+    likelihood = TorqueLikelihood(regression_of_two(DRAG), tried(), screen)
     return likelihood, likelihood.base()
 
 
@@ -42,7 +43,7 @@ def ranked(dragged):
 
 
 def test_where_nothing_is_hidden_the_base_model_is_exact():
-    likelihood = TorqueLikelihood(regression_of_two(), tried())
+    likelihood = TorqueLikelihood(regression_of_two(), tried(), screen)
     base = likelihood.base()
     assert likelihood.is_exact(base) and not likelihood.is_plainly_wrong(base)
     assert likelihood.floor.is_none and likelihood.was is likelihood.floor
@@ -107,7 +108,7 @@ def test_numbers_that_the_catalogue_forbids_are_impossible(ranked):
 
 
 def test_under_the_weights_of_its_cause_a_model_leaves_little_more_than_noise():
-    likelihood = TorqueLikelihood(regression_of_two(DRAG), tried()[:1] + tried()[4:5])
+    likelihood = TorqueLikelihood(regression_of_two(DRAG), tried()[:1] + tried()[4:5], screen)
     found = likelihood.reweighted(likelihood.options(likelihood.base())[0])
     assert found.candidate.x[-1] == pytest.approx(0.5, rel=0.1)
     assert not likelihood.is_plainly_wrong(found)
@@ -117,7 +118,7 @@ def test_under_the_weights_of_its_cause_a_model_leaves_little_more_than_noise():
 def test_weights_are_found_in_turn_with_the_model_until_they_stay_what_they_are():
     """What the base model leaves is so much that numbers under its weights are far off by the sensors' noise."""
     drag = Effect("quadratic_drag", {"drag_N_m_s2": 0.6}, joints=(1,))
-    likelihood = TorqueLikelihood(swinging(drag), [AtJoint(catalogue()["quadratic_drag"], 0)])
+    likelihood = TorqueLikelihood(swinging(drag), [AtJoint(catalogue()["quadratic_drag"], 0)], screen)
     base = likelihood.base()
     assert likelihood.was.ratio[0] > 1e4
     found = likelihood.reweighted(likelihood.options(base)[0])
@@ -137,7 +138,7 @@ def test_the_search_by_it_finds_what_is_hidden_and_nothing_else(hidden):
 
 def test_a_model_is_not_exact_if_a_single_trial_shows_more():
     push = Effect("external_push", {"start_s": 19.4, "duration_s": 0.1, "torque_N_m": 0.1}, joints=(1,))
-    likelihood = TorqueLikelihood(swinging(push), [])
+    likelihood = TorqueLikelihood(swinging(push), [], screen)
     base = likelihood.base()
     assert likelihood.floor.is_none
     assert not likelihood.is_exact(base)

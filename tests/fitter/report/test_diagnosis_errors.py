@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from arm.arm_file import load_arm
-from fitter.diagnosis.judgement import Errors
+from fitter.diagnosis.held_out_error import Errors
 from fitter.report.diagnosis_errors import BY_NAME, by_name_rows, error_rows
 
 

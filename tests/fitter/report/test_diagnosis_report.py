@@ -11,7 +11,7 @@ from arm.arm_file import load_arm
 from arm.effects.catalogue import catalogue
 from arm.model import Effect
 from fitter.diagnosis.diagnosis import diagnose
-from fitter.diagnosis.judgement import smooth
+from fitter.diagnosis.held_out import smooth
 from fitter.report.diagnosis_report import write_diagnosis
 from fitter.report.diagnosis_rivals import rivals, shown
 from fitter.report.diagnosis_traces import traces

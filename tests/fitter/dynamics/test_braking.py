@@ -7,7 +7,7 @@ import pytest
 
 from arm.chain import chain_of
 from arm.model import Effect
-from fitter.diagnosis.braking import friction_at, seen_states
+from fitter.dynamics.braking import friction_at, seen_states
 
 SEEN = np.zeros((3, 4, 2))
 SEEN[2] = np.array([0.5, 1.0, 2.0, 4.0])[:, None]
