@@ -11,8 +11,8 @@ from typing import Literal
 import numpy as np
 
 from arm.model import Floats
-from fitter.diagnosis.sensors.frames import TrialFrames
-from fitter.diagnosis.sensors.linearisation import Instruments, Linearisation, added, turn_by_angles
+from fitter.diagnosis.readings.linearisation import Instruments, Linearisation, added, turn_by_angles
+from fitter.diagnosis.readings.sensor_frames import TrialFrames
 from tracking.observation import MOUNTING
 
 Change = Callable[[Instruments, int, Floats], Instruments]

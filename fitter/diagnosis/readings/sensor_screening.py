@@ -14,8 +14,8 @@ from scipy.signal import detrend, find_peaks
 
 from arm.model import Floats
 from fitter.diagnosis.least_squares import FOREMOST
-from fitter.diagnosis.sensors.fit import ORDINARY_BIAS, Fitted, Hypothesis, Trials
-from fitter.diagnosis.sensors.suspects import Suspect
+from fitter.diagnosis.readings.sensor_fit import ORDINARY_BIAS, Fitted, Hypothesis, Trials
+from fitter.diagnosis.readings.suspects import Suspect
 
 #: A base that moves more slowly looks like one that is not level [Hz].
 _LOWEST_HZ = 0.1

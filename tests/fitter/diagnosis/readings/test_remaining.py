@@ -5,7 +5,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from fitter.diagnosis.sensors.remaining import contradiction, noise_factor, remaining
+from fitter.diagnosis.readings.remaining import contradiction, noise_factor, remaining
 
 N_CHANNEL, N_JOINT, N = 12, 2, 800
 

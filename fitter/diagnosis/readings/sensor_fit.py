@@ -15,10 +15,10 @@ from numpy.typing import NDArray
 
 from arm.model import STANDARD_GRAVITY_M_S2, Arm, Floats
 from fitter.diagnosis.least_squares import ITERATIONS, UNEXPLAINED
-from fitter.diagnosis.sensors.elimination import eliminate, go_back
-from fitter.diagnosis.sensors.frames import TrialFrames
-from fitter.diagnosis.sensors.linearisation import Instruments, Linearisation, added, instruments_of, linearise
-from fitter.diagnosis.sensors.suspects import Suspect, bias_columns
+from fitter.diagnosis.readings.elimination import eliminate, go_back
+from fitter.diagnosis.readings.linearisation import Instruments, Linearisation, added, instruments_of, linearise
+from fitter.diagnosis.readings.sensor_frames import TrialFrames
+from fitter.diagnosis.readings.suspects import Suspect, bias_columns
 
 #: Biases up to about this are usual (DESIGN section 5) and no finding [m/s^2].
 ORDINARY_BIAS = 0.02

@@ -12,11 +12,11 @@ from scipy.stats import chi2
 
 from arm.model import Arm, Floats
 from fitter.diagnosis.least_squares import FOREMOST, NEGLIGIBLE, ODDS_NATS, SIGMAS
-from fitter.diagnosis.sensors.fit import ORDINARY_BIAS, Fitted, Hypothesis, Trials
-from fitter.diagnosis.sensors.frames import FRAME_RATE_HZ, TrialFrames
-from fitter.diagnosis.sensors.remaining import Contradiction, contradiction, noise_factor
-from fitter.diagnosis.sensors.screening import Screened, base_frequencies, screened, with_suspect
-from fitter.diagnosis.sensors.suspects import EFFECTS, Suspect
+from fitter.diagnosis.readings.remaining import Contradiction, contradiction, noise_factor
+from fitter.diagnosis.readings.sensor_fit import ORDINARY_BIAS, Fitted, Hypothesis, Trials
+from fitter.diagnosis.readings.sensor_frames import FRAME_RATE_HZ, TrialFrames
+from fitter.diagnosis.readings.sensor_screening import Screened, base_frequencies, screened, with_suspect
+from fitter.diagnosis.readings.suspects import EFFECTS, Suspect
 from limbcal.errors import DataError
 from tracking.smoother import Smoother
 

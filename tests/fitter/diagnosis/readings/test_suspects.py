@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from fitter.diagnosis.sensors.frames import trials_of
-from fitter.diagnosis.sensors.linearisation import instruments_of, linearise
-from fitter.diagnosis.sensors.suspects import EFFECTS, Suspect
+from fitter.diagnosis.readings.linearisation import instruments_of, linearise
+from fitter.diagnosis.readings.sensor_frames import trials_of
+from fitter.diagnosis.readings.suspects import EFFECTS, Suspect
 
 #: Where each is asked, and how far to either side, for what is not smooth in it is not small against noise.
 AT = {"sensor_clipping": [4.0], "base_motion": [0.3, -0.2, 0.1, 0.2, 0.4, -0.1, 0.7]}

@@ -5,11 +5,11 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from fitter.diagnosis.sensors.fit import Fitted, Trials
-from fitter.diagnosis.sensors.frames import trials_of
-from fitter.diagnosis.sensors.screening import base_frequencies, screened, with_suspect
-from fitter.diagnosis.sensors.search import first_motions
-from fitter.diagnosis.sensors.suspects import Suspect
+from fitter.diagnosis.readings.sensor_fit import Fitted, Trials
+from fitter.diagnosis.readings.sensor_frames import trials_of
+from fitter.diagnosis.readings.sensor_screening import base_frequencies, screened, with_suspect
+from fitter.diagnosis.readings.sensor_search import first_motions
+from fitter.diagnosis.readings.suspects import Suspect
 
 
 def test_what_is_linear_is_foretold_as_it_is_fitted(measure):

@@ -2,8 +2,8 @@
 
 import pytest
 
-from fitter.diagnosis.sensors.finding import SensorCause, next_experiment
-from fitter.diagnosis.sensors.remaining import Remaining
+from fitter.diagnosis.readings.finding import SensorCause, next_experiment
+from fitter.diagnosis.readings.remaining import Remaining
 
 NOISE, ANGLE = Remaining(0.0, True, ()), Remaining(0.4, False, ("q2", "t"))
 

@@ -11,9 +11,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from fitter.diagnosis.least_squares import MOST_CAUSES, N_DRAWN, SIGMAS
-from fitter.diagnosis.sensors.fit import Fitted, Hypothesis
-from fitter.diagnosis.sensors.remaining import beyond_level
-from fitter.diagnosis.sensors.search import ACCEPTED, EQUAL, Search, Tried
+from fitter.diagnosis.readings.remaining import beyond_level
+from fitter.diagnosis.readings.sensor_fit import Fitted, Hypothesis
+from fitter.diagnosis.readings.sensor_search import ACCEPTED, EQUAL, Search, Tried
 
 
 @dataclass(frozen=True)

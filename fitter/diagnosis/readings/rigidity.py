@@ -9,7 +9,7 @@ import numpy as np
 from arm.model import Arm, Effect, Floats
 from fitter.data.raw import RawRun
 from fitter.diagnosis.least_squares import ROUNDED, SIGMAS, UNEXPLAINED
-from fitter.diagnosis.sensors.finding import (
+from fitter.diagnosis.readings.finding import (
     Course,
     Number,
     SensorCandidate,
@@ -18,13 +18,13 @@ from fitter.diagnosis.sensors.finding import (
     Verdict,
     next_experiment,
 )
-from fitter.diagnosis.sensors.fit import Fitted, Trials
-from fitter.diagnosis.sensors.frames import trials_of
-from fitter.diagnosis.sensors.linearisation import Linearisation
-from fitter.diagnosis.sensors.remaining import judging_residuals, remaining
-from fitter.diagnosis.sensors.search import Search, Tried
-from fitter.diagnosis.sensors.suspects import Suspect
-from fitter.diagnosis.sensors.verdict import Cause, Decision, decide
+from fitter.diagnosis.readings.linearisation import Linearisation
+from fitter.diagnosis.readings.remaining import judging_residuals, remaining
+from fitter.diagnosis.readings.sensor_fit import Fitted, Trials
+from fitter.diagnosis.readings.sensor_frames import trials_of
+from fitter.diagnosis.readings.sensor_search import Search, Tried
+from fitter.diagnosis.readings.suspects import Suspect
+from fitter.diagnosis.readings.verdict import Cause, Decision, decide
 from limbcal.errors import ConfigError, DataError, NotIdentifiable
 from tracking.noise import step_of
 

@@ -5,11 +5,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from fitter.diagnosis.sensors.fit import ORDINARY_BIAS, Trials, with_theta
-from fitter.diagnosis.sensors.frames import trials_of
-from fitter.diagnosis.sensors.screening import with_suspect
-from fitter.diagnosis.sensors.search import first_motions
-from fitter.diagnosis.sensors.suspects import Suspect
+from fitter.diagnosis.readings.sensor_fit import ORDINARY_BIAS, Trials, with_theta
+from fitter.diagnosis.readings.sensor_frames import trials_of
+from fitter.diagnosis.readings.sensor_screening import with_suspect
+from fitter.diagnosis.readings.sensor_search import first_motions
+from fitter.diagnosis.readings.suspects import Suspect
 
 WRONG = (0.3, -0.2, 0.25)
 

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 from arm.model import Arm, Floats
-from fitter.diagnosis.sensors.remaining import Remaining
+from fitter.diagnosis.readings.remaining import Remaining
 
 Verdict = Literal["named", "ambiguous", "none", "unexplained"]
 

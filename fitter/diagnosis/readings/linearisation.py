@@ -14,8 +14,8 @@ from numpy.typing import NDArray
 from arm.kinematics import axis_frames, rotation_from_rpy
 from arm.model import Arm, Floats, Sensor, Vector3
 from fitter.diagnosis.least_squares import SIGMAS
-from fitter.diagnosis.sensors.elimination import motion_at_knots
-from fitter.diagnosis.sensors.frames import CREEP_STD, TrialFrames
+from fitter.diagnosis.readings.elimination import motion_at_knots
+from fitter.diagnosis.readings.sensor_frames import CREEP_STD, TrialFrames
 from limbcal.compiled import compiled
 from tracking.observation import Observation, observation_of, observe, room_of
 
