@@ -9,22 +9,24 @@ import numpy as np
 from arm.model import Arm, Effect, Floats
 from fitter.data.raw import RawRun
 from fitter.diagnosis.least_squares import ROUNDED, SIGMAS, UNEXPLAINED
-from fitter.diagnosis.readings.finding import (
-    Course,
-    Number,
-    SensorCandidate,
-    SensorCause,
-    SensorFinding,
-    Verdict,
-    next_experiment,
-)
+from fitter.diagnosis.next_experiment import next_for_sensors
 from fitter.diagnosis.readings.linearisation import Linearisation
 from fitter.diagnosis.readings.remaining import judging_residuals, remaining
 from fitter.diagnosis.readings.sensor_fit import Fitted, Trials
 from fitter.diagnosis.readings.sensor_frames import trials_of
 from fitter.diagnosis.readings.sensor_search import Search, Tried
+from fitter.diagnosis.readings.sensor_verdict import (
+    Cause,
+    Course,
+    Decision,
+    Number,
+    SensorCandidate,
+    SensorCause,
+    SensorFinding,
+    decide,
+)
 from fitter.diagnosis.readings.suspects import Suspect
-from fitter.diagnosis.readings.verdict import Cause, Decision, decide
+from fitter.diagnosis.search import Verdict
 from limbcal.errors import ConfigError, DataError, NotIdentifiable
 from tracking.noise import step_of
 
@@ -102,7 +104,7 @@ def _finding(arm: Arm, search: Search, decision: Decision, rng: np.random.Genera
         causes if verdict != "unexplained" else (),
         _candidates(arm, search, decision),
         pairs,
-        next_experiment(verdict, pairs, causes, left),
+        next_for_sensors(verdict, pairs, [(cause.effect, *cause.sensors) for cause in causes], left.depends_on),
         _rms(arm, unhelped),
         _rms(arm, judged),
         max(0.0, 1.0 - max(after.excess, 0.0) / before.excess) if contradicts else 0.0,

@@ -2,8 +2,8 @@
 
 import pytest
 
-from fitter.diagnosis.readings.finding import SensorCause, next_experiment
 from fitter.diagnosis.readings.remaining import Remaining
+from fitter.diagnosis.readings.sensor_verdict import SensorCause, next_experiment
 
 NOISE, ANGLE = Remaining(0.0, True, ()), Remaining(0.4, False, ("q2", "t"))
 

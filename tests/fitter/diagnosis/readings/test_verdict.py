@@ -8,8 +8,8 @@ import pytest
 
 from fitter.diagnosis.readings.sensor_fit import Fitted, Hypothesis
 from fitter.diagnosis.readings.sensor_search import Tried
+from fitter.diagnosis.readings.sensor_verdict import ACCEPTED, EQUAL, _beats, _support, decide, significant
 from fitter.diagnosis.readings.suspects import Suspect
-from fitter.diagnosis.readings.verdict import ACCEPTED, EQUAL, _beats, _support, decide, significant
 
 N = 8
 NOTHING = Fitted(
@@ -95,5 +95,7 @@ def test_a_level_is_one_that_clipped_frames_lie_beyond(monkeypatch):
     level = tried("sensor_clipping", [4.0], 0.0)
     search = SimpleNamespace(noise=1.0, trials=None)
     for beyond, n in ((10.0, 1), (1.0, 0)):
-        monkeypatch.setattr("fitter.diagnosis.readings.verdict.beyond_level", lambda *_, beyond=beyond: beyond)
+        monkeypatch.setattr(
+            "fitter.diagnosis.readings.sensor_verdict.beyond_level", lambda *_, beyond=beyond: beyond
+        )
         assert significant(search, level) == n
