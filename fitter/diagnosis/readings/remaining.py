@@ -13,7 +13,8 @@ from scipy.stats import chi2
 from arm.model import Floats
 from fitter.diagnosis.least_squares import N_SHIFTED, PLAINLY, RIDGE, ROUNDED
 from fitter.diagnosis.readings.linearisation import Linearisation, linearise
-from fitter.diagnosis.readings.sensor_fit import Fitted, Trials
+from fitter.diagnosis.readings.sensor_fit import Trials
+from fitter.diagnosis.readings.suspects import Fitted
 
 #: Bins of a variable.
 _BINS = 12

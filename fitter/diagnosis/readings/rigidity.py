@@ -12,7 +12,7 @@ from fitter.diagnosis.least_squares import ROUNDED, SIGMAS, UNEXPLAINED
 from fitter.diagnosis.next_experiment import next_for_sensors
 from fitter.diagnosis.readings.linearisation import Linearisation
 from fitter.diagnosis.readings.remaining import judging_residuals, remaining
-from fitter.diagnosis.readings.sensor_fit import Fitted, Trials
+from fitter.diagnosis.readings.sensor_fit import Trials
 from fitter.diagnosis.readings.sensor_frames import trials_of
 from fitter.diagnosis.readings.sensor_search import Search, Tried
 from fitter.diagnosis.readings.sensor_verdict import (
@@ -25,7 +25,7 @@ from fitter.diagnosis.readings.sensor_verdict import (
     SensorFinding,
     decide,
 )
-from fitter.diagnosis.readings.suspects import Suspect
+from fitter.diagnosis.readings.suspects import Fitted, Suspect
 from fitter.diagnosis.search import Verdict
 from limbcal.errors import ConfigError, DataError, NotIdentifiable
 from tracking.noise import step_of

@@ -8,7 +8,7 @@ sensor has a small bias of its own besides, as every real one has, held to be no
 import os
 from collections.abc import Iterable, Sequence
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,12 +16,17 @@ from numpy.typing import NDArray
 from arm.model import STANDARD_GRAVITY_M_S2, Arm, Floats
 from fitter.diagnosis.least_squares import ITERATIONS, UNEXPLAINED
 from fitter.diagnosis.readings.elimination import eliminate, go_back
-from fitter.diagnosis.readings.linearisation import Instruments, Linearisation, added, instruments_of, linearise
+from fitter.diagnosis.readings.linearisation import Linearisation, instruments_of, linearise
 from fitter.diagnosis.readings.sensor_frames import TrialFrames
-from fitter.diagnosis.readings.suspects import Suspect, bias_columns
+from fitter.diagnosis.readings.suspects import (
+    ORDINARY_BIAS,
+    Fitted,
+    SensorHypothesis,
+    Suspect,
+    bias_columns,
+    with_theta,
+)
 
-#: Biases up to about this are usual (DESIGN section 5) and no finding [m/s^2].
-ORDINARY_BIAS = 0.02
 #: Where the offset of a sensor that forgot may begin, and a free base's step from frame to frame: three times
 #: gravity [m/s^2].
 _ANYTHING = 3.0 * STANDARD_GRAVITY_M_S2
@@ -30,78 +35,6 @@ _HALVINGS = 3
 #: How well an angle is the zero where nothing else says what it is [rad or m].
 _ANCHOR = 1e-3
 _THREADS = ThreadPoolExecutor(os.cpu_count())
-
-
-@dataclass(frozen=True)
-class Hypothesis:
-    """What the sensors may be.
-
-    Attributes
-    ----------
-    suspects : tuple of Suspect
-    values : tuple of (n_parameter,)
-    bias : (n_sensor, 3) [m/s^2]
-        The small one that every sensor has.
-    without : (n_sensor,) bool
-        Sensors that are not looked at.
-    free_base : bool
-        The base may accelerate in any way.
-    """
-
-    suspects: tuple[Suspect, ...]
-    values: tuple[Floats, ...]
-    bias: Floats
-    without: NDArray[np.bool_]
-    free_base: bool = False
-
-    def instruments(self, nominal: Instruments) -> Instruments:
-        """Return the sensors as it has them."""
-        found = nominal
-        for s, bias in enumerate(self.bias):
-            found = found.with_sensor(s, bias_m_s2=added(found.arm.sensors[s].bias_m_s2, bias))
-        for suspect, value in zip(self.suspects, self.values, strict=True):
-            found = suspect.changed(found, value)
-        return found
-
-
-@dataclass(frozen=True)
-class Fitted:
-    """A hypothesis with its best parameters.
-
-    Attributes
-    ----------
-    hypothesis : Hypothesis
-    motions : list of (n + 2, n_joint)
-        Spline coefficients of every trial.
-    cost : float
-        Squared residual of the learning trials that contradicts rigidity, in units of the noise, with what is
-        held of the parameters before.
-    covariance : (n_theta, n_theta)
-        Of the biases, then of the suspects' parameters; for noise of unit variance.
-    squares : (n_trial,)
-        Each trial's squared residual; NaN where it was not judged.
-    surprise : float
-        What it takes beyond that for the judging trials to be as the learning trials foretold, see `Trials.judge`.
-    """
-
-    hypothesis: Hypothesis
-    motions: list[Floats]
-    cost: float
-    covariance: Floats
-    squares: Floats
-    surprise: float = 0.0
-
-    @property
-    def usual(self) -> float:
-        """What the small biases cost by being larger than none, squared and in units of what is usual."""
-        return float(np.sum((self.hypothesis.bias / ORDINARY_BIAS) ** 2))
-
-    def std(self, place: int) -> Floats:
-        """Return the standard errors of one suspect's parameters."""
-        begin = self.hypothesis.bias.size + sum(value.size for value in self.hypothesis.values[:place])
-        diagonal = np.diag(self.covariance)[begin : begin + self.hypothesis.values[place].size]
-        std: Floats = np.sqrt(diagonal)
-        return std
 
 
 class Trials:
@@ -120,12 +53,12 @@ class Trials:
 
         self._anchored = _gauge(self.arm, self.trials[0])
 
-    def nothing(self) -> Hypothesis:
+    def nothing(self) -> SensorHypothesis:
         """Return the arm file's own sensors as a hypothesis."""
         n = len(self.arm.sensors)
-        return Hypothesis((), (), np.zeros((n, 3)), np.zeros(n, dtype=np.bool_))
+        return SensorHypothesis((), (), np.zeros((n, 3)), np.zeros(n, dtype=np.bool_))
 
-    def columns(self, at: Linearisation, hypothesis: Hypothesis, suspects: Sequence[Suspect]) -> Floats:
+    def columns(self, at: Linearisation, hypothesis: SensorHypothesis, suspects: Sequence[Suspect]) -> Floats:
         """Return all columns by the biases and some suspects, and the residual: (n, n_row, p), of unit noise."""
         n_joint = self.arm.n_joint
         blocks = [bias_columns(at, s) for s in range(len(hypothesis.bias))]
@@ -135,11 +68,11 @@ class Trials:
         X[:, : block.shape[1], :-1] = block * at.weight[..., None]
         return X
 
-    def linearised(self, number: int, hypothesis: Hypothesis, c: Floats) -> Linearisation:
+    def linearised(self, number: int, hypothesis: SensorHypothesis, c: Floats) -> Linearisation:
         """Return a trial along a motion with the sensors of a hypothesis."""
         return linearise(self.trials[number], hypothesis.instruments(self.nominal), c, hypothesis.without)
 
-    def dropped(self, number: int, hypothesis: Hypothesis, c: Floats) -> int:
+    def dropped(self, number: int, hypothesis: SensorHypothesis, c: Floats) -> int:
         """Return how many readings of a trial a hypothesis doesn't look at, as those near a level.
 
         What is not looked at leaves no residual; a hypothesis must not win by that.
@@ -150,7 +83,7 @@ class Trials:
         return int(np.count_nonzero((self.trials[number].weight > 0.0) & ~looked_at))
 
     def eliminated(
-        self, number: int, hypothesis: Hypothesis, c: Floats, suspects: Sequence[Suspect]
+        self, number: int, hypothesis: SensorHypothesis, c: Floats, suspects: Sequence[Suspect]
     ) -> tuple[Floats, Floats]:
         """Linearise a trial and eliminate its motion.
 
@@ -176,7 +109,7 @@ class Trials:
         eliminate(S, E, X, at.trial.dt_s, walk, first, gram, back)
         return gram, back
 
-    def _walks(self, at: Linearisation, hypothesis: Hypothesis) -> tuple[Floats, Floats, Floats]:
+    def _walks(self, at: Linearisation, hypothesis: SensorHypothesis) -> tuple[Floats, Floats, Floats]:
         n, n_channel = at.weight.shape
         forgetful = np.flatnonzero(np.repeat(at.instruments.corner_hz, 3))
         if hypothesis.without.any():
@@ -192,12 +125,12 @@ class Trials:
             walk[m - 3 :] = first[m - 3 :] = 1.0 / _ANYTHING
         return E, walk, first
 
-    def fit(self, hypothesis: Hypothesis, motions: Sequence[Floats], passes: int = ITERATIONS) -> Fitted:
+    def fit(self, hypothesis: SensorHypothesis, motions: Sequence[Floats], passes: int = ITERATIONS) -> Fitted:
         """Return a hypothesis with its best parameters, by the learning trials.
 
         Parameters
         ----------
-        hypothesis : Hypothesis
+        hypothesis : SensorHypothesis
             With where its parameters start; one whose neutral value is infinite is held to be near there.
         motions : sequence of (n + 2, n_joint)
             Where the motions start; those of the judging trials are passed on.
@@ -247,7 +180,7 @@ class Trials:
         moved = [self._gone_back(c, back, step) for c, back in zip(motions, backs, strict=False)]
         return moved + motions[len(backs) :]
 
-    def explained(self, number: int, hypothesis: Hypothesis, c: Floats) -> Linearisation:
+    def explained(self, number: int, hypothesis: SensorHypothesis, c: Floats) -> Linearisation:
         """Return a trial along a motion; what is expected holds where offsets of forgetful sensors walk."""
         at = self.linearised(number, hypothesis, c)
         E, _, _ = self._walks(at, hypothesis)
@@ -304,7 +237,7 @@ class Trials:
     def all_eliminated(
         self,
         numbers: Iterable[int],
-        hypothesis: Hypothesis,
+        hypothesis: SensorHypothesis,
         motions: Sequence[Floats],
         suspects: Sequence[Suspect],
     ) -> list[tuple[Floats, Floats]]:
@@ -313,7 +246,7 @@ class Trials:
             _THREADS.map(lambda number: self.eliminated(number, hypothesis, motions[number], suspects), numbers)
         )
 
-    def before(self, hypothesis: Hypothesis) -> tuple[Floats, Floats]:
+    def before(self, hypothesis: SensorHypothesis) -> tuple[Floats, Floats]:
         """Return what is held of all parameters before: mean and standard deviation."""
         mean, std = [np.zeros(hypothesis.bias.size)], [np.full(hypothesis.bias.size, ORDINARY_BIAS)]
         for suspect, value in zip(hypothesis.suspects, hypothesis.values, strict=True):
@@ -321,16 +254,6 @@ class Trials:
             mean.append(np.where(np.isfinite(neutral), neutral, value))
             std.append(np.array(suspect.kind.spread))
         return np.concatenate(mean), np.concatenate(std)
-
-
-def with_theta(hypothesis: Hypothesis, theta: Floats) -> Hypothesis:
-    """Return a hypothesis with other parameters."""
-    n = hypothesis.bias.size
-    ends = np.cumsum([n, *(value.size for value in hypothesis.values)])
-    values = tuple(theta[begin:end].copy() for begin, end in zip(ends[:-1], ends[1:], strict=True))
-    return Hypothesis(
-        hypothesis.suspects, values, theta[:n].reshape(-1, 3).copy(), hypothesis.without, hypothesis.free_base
-    )
 
 
 def _gauge(arm: Arm, trial: TrialFrames) -> NDArray[np.bool_]:

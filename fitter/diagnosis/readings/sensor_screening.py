@@ -14,8 +14,8 @@ from scipy.signal import detrend, find_peaks
 
 from arm.model import Floats
 from fitter.diagnosis.least_squares import FOREMOST
-from fitter.diagnosis.readings.sensor_fit import ORDINARY_BIAS, Fitted, Hypothesis, Trials
-from fitter.diagnosis.readings.suspects import Suspect
+from fitter.diagnosis.readings.sensor_fit import Trials
+from fitter.diagnosis.readings.suspects import ORDINARY_BIAS, Fitted, SensorHypothesis, Suspect, with_suspect
 
 #: A base that moves more slowly looks like one that is not level [Hz].
 _LOWEST_HZ = 0.1
@@ -76,22 +76,15 @@ class Screened:
     judge: float
 
 
-def with_suspect(hypothesis: Hypothesis, suspect: Suspect, value: Floats) -> Hypothesis:
-    """Return a hypothesis with one suspect more."""
-    return replace(
-        hypothesis, suspects=(*hypothesis.suspects, suspect), values=(*hypothesis.values, np.asarray(value))
-    )
-
-
 def screened(
-    trials: Trials, known: Hypothesis, new: Sequence[tuple[Suspect, Floats]], motions: list[Floats]
+    trials: Trials, known: SensorHypothesis, new: Sequence[tuple[Suspect, Floats]], motions: list[Floats]
 ) -> list[Screened]:
     """Return what each of several suspects would explain on top of what is known.
 
     Parameters
     ----------
     trials : Trials
-    known : Hypothesis
+    known : SensorHypothesis
     new : sequence of (Suspect, value)
         With where their parameters start; together they must leave everything as it is.
     motions : list of (n + 2, n_joint)

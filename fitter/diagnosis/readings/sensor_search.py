@@ -13,10 +13,11 @@ from scipy.stats import chi2
 from arm.model import Arm, Floats
 from fitter.diagnosis.least_squares import FOREMOST, NEGLIGIBLE, ODDS_NATS, SIGMAS
 from fitter.diagnosis.readings.remaining import Contradiction, contradiction, noise_factor
-from fitter.diagnosis.readings.sensor_fit import ORDINARY_BIAS, Fitted, Hypothesis, Trials
+from fitter.diagnosis.readings.sensor_effects import EFFECTS
+from fitter.diagnosis.readings.sensor_fit import Trials
 from fitter.diagnosis.readings.sensor_frames import FRAME_RATE_HZ, TrialFrames
-from fitter.diagnosis.readings.sensor_screening import Screened, base_frequencies, screened, with_suspect
-from fitter.diagnosis.readings.suspects import EFFECTS, Suspect
+from fitter.diagnosis.readings.sensor_screening import Screened, base_frequencies, screened
+from fitter.diagnosis.readings.suspects import ORDINARY_BIAS, Fitted, SensorHypothesis, Suspect, with_suspect
 from limbcal.errors import DataError
 from tracking.smoother import Smoother
 
@@ -117,7 +118,7 @@ class Search:
         worst = float(np.sum((fitted.hypothesis.bias / ORDINARY_BIAS) ** 2, axis=1).max())
         return self.left(fitted).sigmas > SIGMAS or worst > chi2.isf(np.exp(-ODDS_NATS), 3)
 
-    def fit_again(self, hypothesis: Hypothesis, motions: list[Floats]) -> Fitted:
+    def fit_again(self, hypothesis: SensorHypothesis, motions: list[Floats]) -> Fitted:
         """Return a hypothesis fitted and judged."""
         return self.trials.judge(self.trials.fit(hypothesis, motions))
 
@@ -163,7 +164,7 @@ class Search:
         for s in range(len(self.trials.arm.sensors)):
             motions = self._without(known, s)
             own = [
-                one for name, kind in EFFECTS.items() if not kind.whole and (one := Suspect(name, s)) not in there
+                one for name, kind in EFFECTS.items() if not kind.whole and (one := Suspect(kind, s)) not in there
             ]
             groups = [[(one, np.array(one.kind.neutral)) for one in own if one.kind.begins_neutral]]
             for one in own:
@@ -191,7 +192,7 @@ class Search:
             if kind.whole and name not in there:
                 neutral, last = kind.neutral[:-1], [kind.neutral[-1]]
                 last = last if kind.begins_neutral else base_frequencies(self.trials, free)
-                places = [[(Suspect(name), np.array([*neutral, one]))] for one in last]
+                places = [[(Suspect(kind), np.array([*neutral, one]))] for one in last]
                 tried = [one for at in places for one in screened(self.trials, known.hypothesis, at, free.motions)]
                 found += [min(tried, key=lambda one: one.learn)] if tried else []
         return found

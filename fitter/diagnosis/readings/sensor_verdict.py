@@ -15,8 +15,8 @@ import numpy as np
 from arm.model import Arm, Floats
 from fitter.diagnosis.least_squares import MOST_CAUSES, N_DRAWN, SIGMAS
 from fitter.diagnosis.readings.remaining import Remaining, beyond_level
-from fitter.diagnosis.readings.sensor_fit import Fitted, Hypothesis
 from fitter.diagnosis.readings.sensor_search import ACCEPTED, EQUAL, Search, Tried
+from fitter.diagnosis.readings.suspects import Fitted, SensorHypothesis
 from fitter.diagnosis.search import Verdict
 
 
@@ -133,7 +133,7 @@ def _support(best: Tried, others: Sequence[Tried], rng: np.random.Generator) -> 
     return float(np.mean(won))
 
 
-def _without(hypothesis: Hypothesis, tried: Tried) -> Hypothesis:
+def _without(hypothesis: SensorHypothesis, tried: Tried) -> SensorHypothesis:
     place = hypothesis.suspects.index(tried.suspect)
     keep = [k for k in range(len(hypothesis.suspects)) if k != place]
     return replace(

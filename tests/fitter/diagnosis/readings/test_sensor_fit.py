@@ -5,11 +5,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from fitter.diagnosis.readings.sensor_fit import ORDINARY_BIAS, Trials, with_theta
+from fitter.diagnosis.readings.sensor_effects import EFFECTS
+from fitter.diagnosis.readings.sensor_fit import Trials
 from fitter.diagnosis.readings.sensor_frames import trials_of
-from fitter.diagnosis.readings.sensor_screening import with_suspect
 from fitter.diagnosis.readings.sensor_search import first_motions
-from fitter.diagnosis.readings.suspects import Suspect
+from fitter.diagnosis.readings.suspects import ORDINARY_BIAS, Suspect, with_suspect, with_theta
 
 WRONG = (0.3, -0.2, 0.25)
 
@@ -22,7 +22,7 @@ def trials(measure):
 
 @pytest.fixture(scope="module")
 def biased(trials):
-    hypothesis = with_suspect(trials.nothing(), Suspect("sensor_bias", 1), np.zeros(3))
+    hypothesis = with_suspect(trials.nothing(), Suspect(EFFECTS["sensor_bias"], 1), np.zeros(3))
     return trials.judge(trials.fit(hypothesis, first_motions(trials.arm, trials.trials)))
 
 

@@ -5,11 +5,12 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from fitter.diagnosis.readings.sensor_fit import Fitted, Trials
+from fitter.diagnosis.readings.sensor_effects import EFFECTS
+from fitter.diagnosis.readings.sensor_fit import Trials
 from fitter.diagnosis.readings.sensor_frames import trials_of
-from fitter.diagnosis.readings.sensor_screening import base_frequencies, screened, with_suspect
+from fitter.diagnosis.readings.sensor_screening import base_frequencies, screened
 from fitter.diagnosis.readings.sensor_search import first_motions
-from fitter.diagnosis.readings.suspects import Suspect
+from fitter.diagnosis.readings.suspects import Fitted, Suspect, with_suspect
 
 
 def test_what_is_linear_is_foretold_as_it_is_fitted(measure):
@@ -17,11 +18,11 @@ def test_what_is_linear_is_foretold_as_it_is_fitted(measure):
     trials = Trials(run.arm, trials_of(run.arm, [*run.learn, *run.evaluate]), len(run.learn))
     known = trials.nothing()
     fitted = trials.fit(
-        with_suspect(known, Suspect("sensor_bias", 1), np.zeros(3)), first_motions(run.arm, trials.trials)
+        with_suspect(known, Suspect(EFFECTS["sensor_bias"], 1), np.zeros(3)), first_motions(run.arm, trials.trials)
     )
-    (foretold,) = screened(trials, known, [(Suspect("sensor_bias", 1), np.zeros(3))], fitted.motions)
+    (foretold,) = screened(trials, known, [(Suspect(EFFECTS["sensor_bias"], 1), np.zeros(3))], fitted.motions)
     np.testing.assert_allclose(foretold.value, fitted.hypothesis.values[0], atol=0.02)
-    (scale,) = screened(trials, known, [(Suspect("sensor_scale", 1), np.ones(3))], fitted.motions)
+    (scale,) = screened(trials, known, [(Suspect(EFFECTS["sensor_scale"], 1), np.ones(3))], fitted.motions)
     assert foretold.learn < scale.learn and foretold.judge < scale.judge
 
 

@@ -4,8 +4,9 @@ import numpy as np
 import pytest
 
 from fitter.diagnosis.readings.linearisation import instruments_of, linearise
+from fitter.diagnosis.readings.sensor_effects import EFFECTS
 from fitter.diagnosis.readings.sensor_frames import trials_of
-from fitter.diagnosis.readings.suspects import EFFECTS, Suspect
+from fitter.diagnosis.readings.suspects import Suspect
 
 #: Where each is asked, and how far to either side, for what is not smooth in it is not small against noise.
 AT = {"sensor_clipping": [4.0], "base_motion": [0.3, -0.2, 0.1, 0.2, 0.4, -0.1, 0.7]}
@@ -24,7 +25,7 @@ SMOOTH = [name for name in EFFECTS if name != "time_skew"]
 @pytest.mark.parametrize("name", SMOOTH)
 def test_columns_are_slopes(trial, name):
     arm, frames = trial
-    suspect = Suspect(name, None if EFFECTS[name].whole else 3)
+    suspect = Suspect(EFFECTS[name], None if EFFECTS[name].whole else 3)
     rng, nominal = np.random.default_rng(0), instruments_of(arm)
     n = len(frames.values) + 2
     c = 0.4 * np.sin(np.outer(np.arange(n) * frames.dt_s, [3.0, 5.0]) + rng.uniform(0.0, 6.0, 2))
@@ -52,7 +53,7 @@ def test_those_that_begin_as_neutral_change_nothing_there(trial):
     nominal = instruments_of(trial[0])
     for name, kind in EFFECTS.items():
         if kind.begins_neutral:
-            changed = Suspect(name, None if kind.whole else 1).changed(nominal, np.array(kind.neutral))
+            changed = Suspect(kind, None if kind.whole else 1).changed(nominal, np.array(kind.neutral))
             np.testing.assert_allclose(changed.bias, nominal.bias)
             assert changed.arm.sensors[1].rotation_rad == nominal.arm.sensors[1].rotation_rad
             assert changed.arm.sensors[1].position_m == nominal.arm.sensors[1].position_m

@@ -6,20 +6,20 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from fitter.diagnosis.readings.sensor_fit import Fitted, Hypothesis
+from fitter.diagnosis.readings.sensor_effects import EFFECTS
 from fitter.diagnosis.readings.sensor_search import Tried
 from fitter.diagnosis.readings.sensor_verdict import ACCEPTED, EQUAL, _beats, _support, decide, significant
-from fitter.diagnosis.readings.suspects import Suspect
+from fitter.diagnosis.readings.suspects import Fitted, SensorHypothesis, Suspect
 
 N = 8
 NOTHING = Fitted(
-    Hypothesis((), (), np.zeros((4, 3)), np.zeros(4, dtype=np.bool_)), [], 0.0, np.eye(12), np.zeros(N)
+    SensorHypothesis((), (), np.zeros((4, 3)), np.zeros(4, dtype=np.bool_)), [], 0.0, np.eye(12), np.zeros(N)
 )
 
 
 def tried(effect, value, score, each=None, std=0.01):
     """Return a suspect of sensor 1 with some numbers, all of one standard error."""
-    suspect, value = Suspect(effect, 1), np.array(value)
+    suspect, value = Suspect(EFFECTS[effect], 1), np.array(value)
     hypothesis = replace(NOTHING.hypothesis, suspects=(suspect,), values=(value,))
     covariance = np.diag(np.r_[np.ones(12), np.full(len(value), std**2)])
     fitted = replace(NOTHING, hypothesis=hypothesis, covariance=covariance)
