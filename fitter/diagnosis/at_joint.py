@@ -18,9 +18,6 @@ from fitter.diagnosis.least_squares import ROUNDED, TINY
 from fitter.diagnosis.model import N_START, Hypothesis
 from fitter.diagnosis.motion import Motion, View
 
-#: Ripples a turn: with less than one they would be a spring or an offset.
-_PERIODS = np.arange(1.0, 81.0)
-
 
 class AtJoint(Hypothesis):
     """An effect that resists the motion of one joint.
@@ -35,6 +32,8 @@ class AtJoint(Hypothesis):
     """
 
     is_inertial = False
+    #: Ripples a turn that are tried: with less than one they would be a spring or an offset.
+    periods = np.arange(1.0, 81.0)
 
     def __init__(self, kind: EffectKind, joint: int, choice: dict[str, float] | None = None) -> None:
         super().__init__(kind, (joint,))
@@ -58,7 +57,9 @@ class AtJoint(Hypothesis):
     def low(self) -> Floats:
         """Least values of psi, (n_psi,)."""
         parameters = [self.kind.parameters[k] for k in self._psi]
-        return np.array([max(p.low, _PERIODS[0]) if p.name.startswith("periods") else p.low for p in parameters])
+        return np.array(
+            [max(p.low, self.periods[0]) if p.name.startswith("periods") else p.low for p in parameters]
+        )
 
     @cached_property
     def high(self) -> Floats:
@@ -193,7 +194,7 @@ class AtJoint(Hypothesis):
             top = float(np.abs(dq).max())
             grid = np.geomspace(0.01 * top, 1.0 * top, N_START)
         elif name.startswith("periods"):
-            grid = _PERIODS
+            grid = self.periods
         elif name.endswith("_rad"):
             grid = np.linspace(q.min(), q.max(), 2 * N_START + 2)[1:-1]  # within the range, for it may be a stop
         elif np.isfinite(parameter.low) and parameter.low > 0.0:

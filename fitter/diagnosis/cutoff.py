@@ -23,43 +23,46 @@ from fitter.diagnosis.motion import SAMPLES
 BAND_SHARE = 0.6
 
 
-#: Columns are cut off at this frequency …
+#: Columns are cut off at this frequency [Hz], or higher where motion is quicker: arms move below 10 Hz, and overtones
+#: of friction and gravity go a little further.
 CORNER_HZ = 30.0
-#: … or at this multiple of the frequency below which this fraction of the power of a joint's velocity lies,
-#: for its overtones; if the sampling allows it.
-_TIMES, _MOST = 3.0, 0.9
-#: Parts of that band of which the least is taken.
-_PARTS = 10
 
 
-def corner_hz(grids: Sequence[Uniform]) -> float:
+def corner_hz(grids: Sequence[Uniform], *, overtones: float = 3.0, share: float = 0.9) -> float:
     """Return the corner that the columns of a run are cut off at [Hz].
 
     Parameters
     ----------
     grids : sequence of Uniform
         Their angles ``q``.
+    overtones : float
+        Quick motion is looked at up to this multiple of the frequency below which most of it lies.
+    share : float
+        Of the power of a joint's velocity that is most of it.
     """
     highest = 1.0 / (SAMPLES * max(grid.dt_s for grid in grids))
-    quick = _quick_hz(grids, highest)
-    widest = float(min(max(CORNER_HZ, _TIMES * quick), highest))
+    quick = _quick_hz(grids, highest, share)
+    widest = float(min(max(CORNER_HZ, overtones * quick), highest))
     standing_out = choose_cutoff_hz(grids)
     if standing_out >= widest or _is_white(grids, standing_out, widest):
         return widest
     return float(min(standing_out / BAND_SHARE, widest))
 
 
-def _is_white(grids: Sequence[Uniform], low_hz: float, high_hz: float) -> bool:
-    """Say whether the noise of the angles between two frequencies is as large as their third differences tell."""
+def _is_white(grids: Sequence[Uniform], low_hz: float, high_hz: float, parts: int = 10) -> bool:
+    """Say whether the noise of the angles between two frequencies is as large as their third differences tell.
+
+    It is that of the quietest of some parts of the band: motion may be in the others.
+    """
     angles = [grid.measured.columns["q"] for grid in grids]
     noise = np.maximum(white_noise(angles), np.finfo(np.float64).tiny)
-    edges = np.linspace(low_hz, high_hz, _PARTS + 1)
-    power, count = np.zeros((_PARTS, len(noise))), np.zeros(_PARTS)
+    edges = np.linspace(low_hz, high_hz, parts + 1)
+    power, count = np.zeros((parts, len(noise))), np.zeros(parts)
     for grid, q in zip(grids, angles, strict=True):
         window = np.hanning(len(q))[:, None]
         own = np.abs(np.fft.rfft(window * (q - q.mean(axis=0)), axis=0)) ** 2 / np.sum(window**2)
         at = np.searchsorted(edges, np.fft.rfftfreq(len(q), grid.dt_s)) - 1
-        for part in range(_PARTS):
+        for part in range(parts):
             power[part] += own[at == part].sum(axis=0)
             count[part] += np.count_nonzero(at == part)
     seen = count > 0.0
@@ -67,7 +70,7 @@ def _is_white(grids: Sequence[Uniform], low_hz: float, high_hz: float) -> bool:
     return bool(np.all(least < PLAINLY * noise**2))
 
 
-def _quick_hz(grids: Sequence[Uniform], highest: float) -> float:
+def _quick_hz(grids: Sequence[Uniform], highest: float, share: float) -> float:
     """Return the frequency below which most of the quickest joint's speed squared lies, noise taken off."""
     angles = [grid.measured.columns["q"] for grid in grids]
     noise = white_noise(angles)
@@ -82,7 +85,7 @@ def _quick_hz(grids: Sequence[Uniform], highest: float) -> float:
         power += np.stack([np.interp(f, at, column) for column in total.T], axis=1)
         own += np.interp(f, at, white)[:, None] * noise**2
     moves = power[-1] > SIGMAS**2 * own[-1]
-    quick = [f[np.argmax(power[:, j] - own[:, j] > _MOST * (power - own)[-1, j])] for j in np.flatnonzero(moves)]
+    quick = [f[np.argmax(power[:, j] - own[:, j] > share * (power - own)[-1, j])] for j in np.flatnonzero(moves)]
     return float(max(quick, default=0.0))
 
 

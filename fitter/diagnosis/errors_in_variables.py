@@ -27,9 +27,6 @@ from fitter.diagnosis.model import Hypothesis, Model
 from fitter.diagnosis.motion import Motion, View
 from fitter.diagnosis.weighting import Rows
 
-#: Of the one draw of noise, the same for all models.
-_SEED = 20
-
 
 @dataclass(frozen=True)
 class Noise:
@@ -70,7 +67,7 @@ def added(parts: Sequence[Noise]) -> Noise:
     return Noise(gram, pull, own)
 
 
-def noisier(arm: Arm, motions: Sequence[Motion]) -> dict[int, Motion]:
+def noisier(arm: Arm, motions: Sequence[Motion], seed: int = 20) -> dict[int, Motion]:
     """Return motions with as much noise again as they have, by their numbers.
 
     Parameters
@@ -78,12 +75,14 @@ def noisier(arm: Arm, motions: Sequence[Motion]) -> dict[int, Motion]:
     arm : Arm
         By its law the noise of the angles is in a torque that was not measured.
     motions : sequence of Motion
+    seed : int
+        Of the one draw of noise, the same for all models.
     """
     trials = [motion.trial for motion in motions]
     angle = noise_of_angles(trials)
     measured = all("tau" in trial.whole for trial in trials)
     torque = white_noise([trial.whole["tau"] for trial in trials]) if measured else np.zeros(arm.n_joint)
-    rng = np.random.default_rng(_SEED)
+    rng = np.random.default_rng(seed)
     found = {}
     for motion in motions:
         trial = motion.trial

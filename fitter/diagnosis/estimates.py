@@ -161,10 +161,6 @@ def _numbers(
     }
 
 
-#: Blocks of neighbouring equations whose scores tell the answer's scatter, over all trials: known to 5 % each.
-_BLOCKS = 240
-
-
 def slopes(regression: Regression, fitted: Candidate, motion: Motion) -> Floats:
     """Return the slopes of a motion's white equations, (n_slower * n_joint, n_factor + n_psi)."""
     columns = [regression.rows(fitted.model, motion).design]
@@ -180,7 +176,9 @@ def information_of(regression: Regression, fitted: Candidate) -> Floats:
     return np.asarray(np.sum([one.T @ one for one in designs], axis=0) + by_density(regression, fitted)[1])
 
 
-def covariance_of(regression: Regression, fitted: Candidate, learnt_from: list[Motion]) -> Floats:
+def covariance_of(
+    regression: Regression, fitted: Candidate, learnt_from: list[Motion], n_block: int = 240
+) -> Floats:
     """Return the covariance of factors and psi together.
 
     Residuals that resemble their neighbours are seen within the trials that were learnt from; what makes whole
@@ -205,7 +203,7 @@ def covariance_of(regression: Regression, fitted: Candidate, learnt_from: list[M
     W = np.linalg.qr(np.vstack([*(designs[k] for k in fitting), _root(information)])).R
     grams, scores, groups = [], [], []
     for k in fitting:
-        blocks = max(2, round(_BLOCKS * len(regression.motions[k].t) / total))
+        blocks = max(2, round(n_block * len(regression.motions[k].t) / total))
         for A, r in zip(np.array_split(designs[k], blocks), np.array_split(residuals[k], blocks), strict=True):
             grams.append(A.T @ A)
             scores.append(A.T @ r + extra[k] / blocks)

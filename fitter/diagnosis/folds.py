@@ -15,7 +15,7 @@ from scipy.stats import rankdata
 from arm.model import Floats
 from fitter.data.derivatives import lowpass
 from fitter.diagnosis.functions import Dependence, Functions, products, spelled
-from fitter.diagnosis.least_squares import N_INSTANT, N_SHIFTED, RIDGE, ROUNDED, TINY, UNEXPLAINED, scaled_lstsq
+from fitter.diagnosis.least_squares import NEGLIGIBLE, ROUNDED, TINY, UNEXPLAINED, scaled_lstsq
 from fitter.diagnosis.model import Candidate, Model
 from fitter.diagnosis.motion import Motion
 from fitter.diagnosis.regression import Regression
@@ -29,12 +29,24 @@ def remaining_torque(regression: Regression, model: Model, x: Floats, motion: Mo
     return np.where(motion.stuck, np.nan, left)
 
 
-def dependences(regression: Regression, final: Candidate) -> list[Dependence]:
-    """Return the dependence of every joint's remaining torque on every variable."""
+def dependences(
+    regression: Regression, final: Candidate, n_shifted: int = 99, n_instant: int = 1500
+) -> list[Dependence]:
+    """Return the dependence of every joint's remaining torque on every variable.
+
+    Parameters
+    ----------
+    regression : Regression
+    final : Candidate
+    n_shifted : int
+        Shifts in time that say what chance gives: the least p is a hundredth (Davison and Hinkley 1997).
+    n_instant : int
+        Instants at which it is looked at.
+    """
     n_joint, rng = regression.arm.n_joint, np.random.default_rng(0)
     motions = regression.motions
     left = np.concatenate([remaining_torque(regression, final.model, final.x, motion) for motion in motions])
-    step = max(1, len(left) // N_INSTANT)
+    step = max(1, len(left) // n_instant)
     columns: dict[str, Callable[[Motion], Floats]] = {"t": lambda motion: motion.t}
     for j in range(n_joint):
         columns |= {
@@ -48,12 +60,12 @@ def dependences(regression: Regression, final: Candidate) -> list[Dependence]:
         if len(moving) < 100:
             continue
         r = rankdata(left[moving, j], method="ordinal")
-        shifts = rng.integers(len(r) // 20, len(r) - len(r) // 20, N_SHIFTED)
+        shifts = rng.integers(len(r) // 20, len(r) - len(r) // 20, n_shifted)
         for name, column in columns.items():
             order = np.argsort(np.concatenate([column(motion) for motion in motions])[moving], kind="stable")
             xi = _xi(r[order])
             chance = np.array([_xi(np.roll(r, shift)[order]) for shift in shifts])
-            p = float((1 + np.count_nonzero(chance >= xi)) / (1 + N_SHIFTED))
+            p = float((1 + np.count_nonzero(chance >= xi)) / (1 + n_shifted))
             found.append(Dependence(j + 1, name, xi, p))
     return found
 
@@ -61,10 +73,6 @@ def dependences(regression: Regression, final: Candidate) -> list[Dependence]:
 def _xi(ranks: Floats) -> float:
     n = len(ranks)
     return float(1.0 - 3.0 * np.abs(np.diff(ranks)).sum() / (n * n - 1.0))
-
-
-#: Parts of the trials, each judged in turn by what the others tell.
-_FOLDS = 8
 
 
 def typical(squares: Floats, told: Floats) -> float:
@@ -85,7 +93,7 @@ class Folds:
     and little in all others, so what counts is what trials are typically left with.
     """
 
-    def __init__(self, regression: Regression, final: Candidate) -> None:
+    def __init__(self, regression: Regression, final: Candidate, folds: int = 8) -> None:
         self._regression, self._model = regression, final.model
         rows = [regression.rows(final.model, motion) for motion in regression.motions]
         n_base = rows[0].design.shape[1] - final.model.n_column
@@ -99,7 +107,7 @@ class Folds:
         self._functions = Functions(regression.motions, regression.arm.n_joint)
         told = [regression.weighting.told(motion) for motion in regression.motions]
         self._told = np.array(told, dtype=np.float64)
-        self._fold = np.arange(len(told)) % _FOLDS
+        self._fold = np.arange(len(told)) % folds
         self.left = typical(self._left(self._products), self._told)
 
     def typical(self, some: Sequence[str], joint: int, smooth: bool = False) -> float:
@@ -156,7 +164,7 @@ class Folds:
         size = np.sqrt(np.maximum(np.einsum("kii->i", grams), 0.0))  # rounding makes nothing less than that
         size[size == 0.0] = 1.0
         # A product of splines has cells that some trials hardly visit: what it makes there is held towards zero.
-        held = np.where(np.arange(len(size)) < target, ROUNDED, RIDGE)
+        held = np.where(np.arange(len(size)) < target, ROUNDED, NEGLIGIBLE**2)
         squares, fold = whole[:, target, target].copy(), self._fold
         for k in range(fold.max() + 1):
             G = grams[fold != k].sum(axis=0) / np.outer(size, size)

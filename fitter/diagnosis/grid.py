@@ -20,9 +20,6 @@ from fitter.diagnosis.refinement import Misfit, Starts, peaks, refined
 from fitter.diagnosis.regression import Regression
 from fitter.diagnosis.weighting import Columns
 
-#: So many steps from a start near nothing tell what can be explained; what promises much is refined later.
-_STEPS = 4
-
 
 @dataclass(frozen=True)
 class Best:
@@ -84,8 +81,8 @@ class Grid:
         ]
         return np.stack([np.concatenate(one) for one in columns], axis=1)
 
-    def best(self, hypothesis: Hypothesis) -> Best:
-        """Return the start of a hypothesis that lowers the sum of squares most."""
+    def best(self, hypothesis: Hypothesis, rounds: int = 4) -> Best:
+        """Return the start of a hypothesis that lowers the sum of squares most; gradual ones take some rounds."""
         if hypothesis.nothing and (hardly := self._hardly(hypothesis)):
             return hardly
         starts = self._foremost(hypothesis, self._starts_of(hypothesis))
@@ -94,7 +91,7 @@ class Grid:
         psi, gain, best = starts[order[0]], gains[order[0]], starts[order[:FOREMOST]]
         if hypothesis.is_gradual:
             model = self._model.plus(hypothesis, psi)
-            psi = refined(self._regression, model, self._motions, len(self._model.hypotheses), _STEPS).psi[-1]
+            psi = refined(self._regression, model, self._motions, len(self._model.hypotheses), rounds).psi[-1]
             gain = self._gain(hypothesis, psi)
         return Best(gain, psi, best)
 

@@ -26,7 +26,7 @@ from fitter.diagnosis.least_squares import ROUNDED
 from fitter.diagnosis.model import Candidate, Model
 from fitter.diagnosis.motion import Motion
 from fitter.diagnosis.regression import Regression
-from fitter.diagnosis.whitening import CUT_S
+from fitter.diagnosis.whitening import RISE_S
 from fitter.dynamics.evaluation import HORIZON_S
 from fitter.side_by_side import side_by_side
 from limbcal.note import Note
@@ -97,12 +97,6 @@ def novelty(some: Sequence[Floats], others: Sequence[Floats]) -> float:
     return float(np.sqrt(np.mean(np.log(np.maximum(ratios, 1.0)) ** 2)))
 
 
-#: A simulated angle that is this far off has run away: less than a millionth of a turn is left in it [rad].
-_RUN_AWAY = 1.0 / np.sqrt(ROUNDED)
-#: The first state of a trial at rest is the mean over this long [s].
-_REST_S = 0.04
-
-
 def torque_left(regression: Regression, fitted: Candidate, motion: Motion) -> Floats:
     """Return the torque that a model leaves of what was measured, NaN while stuck, (n_sample, n_joint)."""
     return np.where(motion.stuck, np.nan, regression.equations.left(fitted.model, fitted.x, motion))
@@ -150,7 +144,8 @@ def judged(
         if whole is not None:
             raw.append(np.nansum(whole**2, axis=0))
         off = np.abs(followed - motion.trial.q)[:, turning]
-        off = np.where(off < _RUN_AWAY, off, np.inf)
+        # So far off less than a millionth of a turn is left in an angle: it has run away.
+        off = np.where(off < 1.0 / np.sqrt(ROUNDED), off, np.inf)
         angle.append((np.sum(off**2), np.sum(off), off.max(initial=0.0), off.size))
     squares, sums, worst, count = (np.array(column) for column in zip(*angle, strict=True))
     driven = any(np.any(motion.u) for motion in motions)
@@ -171,7 +166,7 @@ def smooth(left: Floats, dt_s: float, corner_hz: float) -> Floats:
 
     Next to a gap the columns' own filter still has part of what is in it.
     """
-    margin = np.ones((2 * max(1, round(CUT_S / dt_s)) + 1, 1), dtype=np.bool_)
+    margin = np.ones((2 * max(1, round(RISE_S / dt_s)) + 1, 1), dtype=np.bool_)
     known = binary_erosion(np.isfinite(left), margin, border_value=True)
     width = np.sqrt(np.log(2.0)) / (2.0 * np.pi * corner_hz * dt_s)  # its power is halved at the corner
     total = gaussian_filter1d(np.where(known, left, 0.0), width, axis=0, mode="constant")
@@ -179,10 +174,11 @@ def smooth(left: Floats, dt_s: float, corner_hz: float) -> Floats:
     return np.where(known, total / np.maximum(weight, ROUNDED), np.nan)
 
 
-def simulated(arm: Arm, motion: Motion, horizon_s: float) -> Floats:
+def simulated(arm: Arm, motion: Motion, horizon_s: float, rest_s: float = 0.04) -> Floats:
     """Return the angles of an arm with its effects, driven as in a trial, (n_sample, n_joint).
 
     Under a control law it runs through the whole trial; with measured torque it starts anew every ``horizon_s``.
+    A trial that begins at rest begins at the mean of its first ``rest_s``.
     Infinite where masses that none can have would run from a push towards where it comes from.
     """
     trial = motion.trial
@@ -190,7 +186,7 @@ def simulated(arm: Arm, motion: Motion, horizon_s: float) -> Floats:
         return np.where(np.arange(len(trial.q))[:, None] == 0, trial.q, np.inf)
     t0 = float(motion.t[0])
     if arm.control.law != "measured" and trial.ref is not None:
-        rest = max(1, round(_REST_S / trial.dt_s))
+        rest = max(1, round(rest_s / trial.dt_s))
         still = motion.stuck[0]
         q0 = np.where(still, trial.q[:rest].mean(axis=0), trial.q[0])
         dq0 = np.where(still, 0.0, trial.dq[0])

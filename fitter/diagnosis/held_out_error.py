@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from arm.model import Floats
-from fitter.diagnosis.least_squares import CONFIDENCE, N_DRAWN
+from fitter.diagnosis.least_squares import CONFIDENCE
 
 
 @dataclass(frozen=True)
@@ -111,11 +111,11 @@ class Gain:
         }
 
 
-def gain(before: Errors, after: Errors) -> Gain:
-    """Return by how much a model became better, trials drawn anew for the interval."""
+def gain(before: Errors, after: Errors, n_drawn: int = 1000) -> Gain:
+    """Return by how much a model became better, trials drawn anew for the interval (Efron and Tibshirani 1993)."""
     rng = np.random.default_rng(0)
     n = len(before.torque_square)
-    draws = rng.integers(0, n, (N_DRAWN, n))
+    draws = rng.integers(0, n, (n_drawn, n))
 
     def fell(was: Floats, became: Floats) -> Floats:
         with np.errstate(invalid="ignore", divide="ignore"):

@@ -7,7 +7,8 @@ import numpy as np
 
 from arm.model import STANDARD_GRAVITY_M_S2, Floats, Friction, Link
 from arm.newton_euler import inverse_dynamics
-from fitter.diagnosis.model import SMALL_TURN, Hypothesis, Turn
+from fitter.diagnosis.least_squares import NEGLIGIBLE
+from fitter.diagnosis.model import Hypothesis, Turn
 from fitter.diagnosis.motion import Motion, View
 
 
@@ -31,7 +32,7 @@ class GravityTilt(Hypothesis):
 
     def starts(self, motions: Sequence[Motion]) -> Floats:
         """Return values to try first: a little of it, and all of it along eight directions of a level plane."""
-        small = SMALL_TURN * STANDARD_GRAVITY_M_S2
+        small = NEGLIGIBLE * STANDARD_GRAVITY_M_S2
         turns = np.arange(8) * np.pi / 4.0
         upright = STANDARD_GRAVITY_M_S2 * np.stack([np.cos(turns), np.sin(turns)], axis=1)
         return np.concatenate([small * np.array([[-1.0, -1.0], [-1.0, 1.0], [1.0, -1.0], [1.0, 1.0]]), upright])
@@ -72,7 +73,7 @@ class JointZero(Hypothesis):
 
     def starts(self, motions: Sequence[Motion]) -> Floats:
         """Return values to try first."""
-        return np.array([[-SMALL_TURN], [SMALL_TURN]])
+        return np.array([[-NEGLIGIBLE], [NEGLIGIBLE]])
 
     def act(self, view: View, psi: Floats) -> View:
         """Return a motion with another angle."""

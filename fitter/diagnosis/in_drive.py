@@ -16,13 +16,6 @@ from fitter.diagnosis.least_squares import ROUNDED
 from fitter.diagnosis.model import N_START, Hypothesis, Turn
 from fitter.diagnosis.motion import Motion, View, sharp_torque
 
-#: What a cubic spline does at a sample falls by 2 - sqrt(3) with each further one: to rounding in this many.
-_SPLINE = math.ceil(np.log(ROUNDED) / np.log(2.0 - np.sqrt(3.0)))
-#: What follows a torque slowly is computed in steps no longer than this [s].
-_FINE_S = 0.002
-#: Gains that are tried first. From far away no slope leads to the right one: what noise leaves changes with it.
-_GAINS = np.geomspace(1.0 / 3.0, 3.0, 20)
-
 
 class InDrive(Hypothesis):
     """An effect with one number, the same at all its joints."""
@@ -50,10 +43,12 @@ class Gain(InDrive):
     is_gradual = True
     distorts = True
     mixes_noise = True
+    #: Gains that are tried first. From far away no slope leads to the right one: what noise leaves changes with it.
+    tried = np.geomspace(1.0 / 3.0, 3.0, 20)
 
     def starts(self, motions: Sequence[Motion]) -> Floats:
         """Return values to try first, (n_start, 1)."""
-        return _GAINS[:, None]
+        return self.tried[:, None]
 
     def act(self, view: View, psi: Floats) -> View:
         """Return a motion whose joints resist with another share."""
@@ -166,7 +161,9 @@ def _shifted(u: Floats, samples: float) -> Floats:
 
 def _at_shifts(u: Floats, shifts: Sequence[float]) -> list[Floats]:
     """Return the same for several shifts, of one spline: four of its weights each, by the cubic B-spline."""
-    beyond = min(math.ceil(max(abs(samples) for samples in shifts)) + _SPLINE, len(u) - 1)
+    # What a cubic spline does at a sample falls by 2 - sqrt(3) with each further one: to rounding in this many.
+    reach = math.ceil(np.log(ROUNDED) / np.log(2.0 - np.sqrt(3.0)))
+    beyond = min(math.ceil(max(abs(samples) for samples in shifts)) + reach, len(u) - 1)
     whole = np.concatenate([2.0 * u[0] - u[beyond:0:-1], u, 2.0 * u[-1] - u[-2 : -beyond - 2 : -1]])
     weights, found = spline_filter1d(whole, order=3), []
     for samples in shifts:
@@ -180,9 +177,9 @@ def _at_shifts(u: Floats, shifts: Sequence[float]) -> list[Floats]:
     return found
 
 
-def lagging(u: Floats, time_constant_s: float, dt_s: float) -> Floats:
-    """Return a torque that follows slowly: ``T x' = u - x``, u a cubic spline, straight between finer samples."""
-    parts = max(1, math.ceil(dt_s / _FINE_S))
+def lagging(u: Floats, time_constant_s: float, dt_s: float, fine_s: float = 0.002) -> Floats:
+    """Return a torque that follows slowly: ``T x' = u - x``, u a cubic spline, straight between samples of fine_s."""
+    parts = max(1, math.ceil(dt_s / fine_s))
     between = _at_shifts(u, [-k / parts for k in range(1, parts)]) if parts > 1 else []
     fine = np.stack([u, *between], axis=1).ravel()
     h = dt_s / parts / time_constant_s

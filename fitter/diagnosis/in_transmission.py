@@ -21,14 +21,12 @@ from fitter.diagnosis.model import Hypothesis, Turn
 from fitter.diagnosis.motion import Motion, View
 from fitter.diagnosis.play import Play, play_of
 
-#: Twists at the greatest torque, and gaps, that are tried first [rad].
-_TWISTS = np.geomspace(1e-3, 0.3, 8)
-#: Times in which a spring settles that are tried first [s].
-_SETTLING_S = (0.002, 0.02)
-
 
 class InTransmission(Hypothesis):
     """Something that lets the link's angle differ from the motor's."""
+
+    #: Twists at the greatest torque, and gaps, that are tried first [rad].
+    twists = np.geomspace(1e-3, 0.3, 8)
 
     @abstractmethod
     def change(self, view: View, psi: Floats) -> Floats:
@@ -69,7 +67,7 @@ class Backlash(InTransmission):
 
     def starts(self, motions: Sequence[Motion]) -> Floats:
         """Return gaps to try first, (n_start, 1)."""
-        return _TWISTS[:, None]
+        return self.twists[:, None]
 
     def change(self, view: View, psi: Floats) -> Floats:
         """Return by how much the link's angle and its derivatives differ from the motor's, (3, n_sample)."""
@@ -93,6 +91,8 @@ class Backlash(InTransmission):
 class Elasticity(InTransmission):
     """A spring: its compliance and the time in which it settles."""
 
+    #: Times in which a spring settles that are tried first [s].
+    settling_s = (0.002, 0.02)
     feels_torque = True
 
     @property
@@ -108,8 +108,8 @@ class Elasticity(InTransmission):
     def starts(self, motions: Sequence[Motion]) -> Floats:
         """Return values of psi to try first, (n_start, 2)."""
         u = np.concatenate([np.abs(motion.u[:, self.joints[0]]) for motion in motions])
-        compliance = _TWISTS / max(float(np.quantile(u, 0.99)), ROUNDED)
-        return np.array([[c, s] for c in compliance for s in _SETTLING_S])
+        compliance = self.twists / max(float(np.quantile(u, 0.99)), ROUNDED)
+        return np.array([[c, s] for c in compliance for s in self.settling_s])
 
     def change(self, view: View, psi: Floats) -> Floats:
         """Return by how much the link's angle and its derivatives differ from the motor's, (3, n_sample)."""

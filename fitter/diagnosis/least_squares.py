@@ -13,8 +13,6 @@ from scipy.stats import norm
 
 from arm.model import Floats
 
-#: Models of which what was computed is remembered.
-REMEMBERED = 100
 #: Relative rounding of a sum of squares: some thousand additions in double precision. Columns that are this
 #: near to depending on others, in terms of the normal equations, do so.
 ROUNDED = 1e-12
@@ -47,15 +45,6 @@ ITERATIONS = 20
 #: Relative change, or gain [nats], at which an iteration has settled, and the least part of a step: far below one
 #: standard error, which is half a nat.
 SETTLED = 1e-3
-#: How strongly flexible functions are held towards zero, in units of their columns' own sums of squares: where no
-#: trial goes they stay small, and where some do it takes less than a percent of them.
-RIDGE = 1e-4
-#: Shifts in time that tell what chance gives: the least p is a hundredth (Davison and Hinkley 1997: 99 at least).
-N_SHIFTED = 99
-#: Instants of a run over which what changes slowly is averaged: known to 3 % of its scatter.
-N_INSTANT = 1500
-#: Trials are drawn anew so often for an interval (Efron and Tibshirani 1993: about 1000).
-N_DRAWN = 1000
 
 
 @dataclass(frozen=True)

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from arm.model import Floats
 from fitter.diagnosis.equations import Equations
-from fitter.diagnosis.least_squares import ITERATIONS, N_INSTANT, ODDS_NATS, REMEMBERED, ROUNDED, SETTLED, Normal
+from fitter.diagnosis.least_squares import ITERATIONS, ODDS_NATS, ROUNDED, SETTLED, Normal
 from fitter.diagnosis.model import Model
 from fitter.diagnosis.motion import Motion
 
@@ -60,6 +60,10 @@ class MassDensity:
         Independent numbers of each motion's equations.
     start : (n_base,)
         Base parameters with masses that a body can have.
+    n_instant : int
+        Instants over which masses are averaged: known to 3 % of their scatter.
+    remembered : int
+        Models of which what was computed is kept.
     """
 
     def __init__(
@@ -69,11 +73,14 @@ class MassDensity:
         weight: float,
         count: Mapping[int, Floats],
         start: Floats,
+        n_instant: int = 1500,
+        remembered: int = 100,
     ) -> None:
         self._equations, self._weight, self._count, self._start = equations, weight, count, start
+        self._remembered = remembered
         pushes = np.eye(equations.arm.n_joint)
         self._pushed = {one.number: [replace(one, ddq=one.ddq + push) for push in pushes] for one in motions}
-        self._stride = max(1, sum(len(one.t) for one in motions) // N_INSTANT)
+        self._stride = max(1, sum(len(one.t) for one in motions) // n_instant)
         self._base: dict[tuple[int, ...], float] = {}
         self._known: dict[tuple[object, ...], tuple[Floats, ...]] = {}
 
@@ -173,7 +180,7 @@ class MassDensity:
             *((one, psi.tobytes()) for one, psi in zip(parts.hypotheses, parts.psi, strict=True)),
         )
         if key not in self._known:
-            if len(self._known) >= REMEMBERED:
+            if len(self._known) >= self._remembered:
                 self._known.clear()
             made = [self._made(parts, motion) for motion in motions]
             self._known[key] = tuple(np.concatenate(one) for one in zip(*made, strict=True))

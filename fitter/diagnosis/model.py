@@ -17,8 +17,6 @@ from fitter.diagnosis.motion import Motion, View
 
 #: Values tried of a number whose scale the motion does not tell: three a decade over four of them.
 N_START = 12
-#: A small turn, from which slopes lead to a larger one: under a degree [rad].
-SMALL_TURN = 0.01
 
 
 class Turn(IntEnum):

@@ -33,16 +33,7 @@ from fitter.diagnosis.model import Candidate, Model
 from fitter.diagnosis.motion import SAMPLES, Motion
 from fitter.diagnosis.regression import Regression
 from fitter.diagnosis.weighting import Weighting
-from fitter.diagnosis.whitening import WINDOW_S, inner_rests
-
-#: A perfect torque or angle has at least the noise of rounding, as a share of its rms.
-_LEAST_NOISE = 1e-4
-
-
-#: Noise is measured in this part of the band, where differentiated angles are all of it.
-_FROM = 0.5
-#: So many times the largest torque that has held is allowed for, as a standard deviation: more might have held.
-_ALLOWED = 2.0
+from fitter.diagnosis.whitening import LASTS_S, inner_rests
 
 
 def regression_of(
@@ -63,7 +54,7 @@ def regression_of(
         See `Regression`.
     known : (column, value), optional
     """
-    crude = Equations(arm, _first_weighting(arm, motions), denied, known)
+    crude = Equations(arm, first_weighting(arm, motions), denied, known)
     rows = [crude.rows(Model(), motion) for motion in motions if motion.learn]
     values = scaled_lstsq(
         np.vstack([one.design for one in rows]), np.concatenate([one.target.ravel() for one in rows])
@@ -81,6 +72,7 @@ def reweighted(
     x: Floats,
     motions: Sequence[Motion],
     louder: Mapping[int, Motion],
+    part: float = 0.5,
 ) -> Weighting:
     """Return the filter that makes the noise white under a model.
 
@@ -94,6 +86,8 @@ def reweighted(
     motions : sequence of Motion
     louder : mapping of int to Motion
         The same with as much noise again, by their numbers.
+    part : float
+        Noise is measured above this part of the band, where differentiated angles are all of it.
     """
     n_joint = equations.arm.n_joint
     total, count = np.zeros((n_joint, n_joint)), 0
@@ -102,7 +96,7 @@ def reweighted(
         plain, noisy = (equations.left(model, x, one) for one in (motion, louder[motion.number]))
         window = np.hanning(len(plain))[:, None]
         f = np.fft.rfftfreq(len(plain), motion.dt_s)
-        inside = (f >= _FROM * used.band_hz) & (f <= used.band_hz)
+        inside = (f >= part * used.band_hz) & (f <= used.band_hz)
         scale = (2.0 * np.pi * f[inside]) ** 4
         spectrum = np.fft.rfft(window * (noisy - plain), axis=0)[inside]
         spectrum /= np.sqrt(np.sum(window**2) * scale)[:, None]
@@ -114,7 +108,9 @@ def reweighted(
     return replace(used, acceleration_noise=noise)
 
 
-def holding_sizes(equations: Equations, model: Model, x: Floats, motions: Sequence[Motion]) -> Floats:
+def holding_sizes(
+    equations: Equations, model: Model, x: Floats, motions: Sequence[Motion], allowed: float = 2.0
+) -> Floats:
     """Return the standard deviation of what may hold each joint.
 
     It is told by what holds it well inside its rests, where it was seen to stand still for a while: the drive's
@@ -126,6 +122,8 @@ def holding_sizes(equations: Equations, model: Model, x: Floats, motions: Sequen
     model : Model
     x : (n_factor,)
     motions : sequence of Motion
+    allowed : float
+        Multiple of the largest torque that has held which is one standard deviation: more might have held.
 
     Returns
     -------
@@ -137,18 +135,18 @@ def holding_sizes(equations: Equations, model: Model, x: Floats, motions: Sequen
         held = equations.left(model, x, motion)
         for j in range(len(largest)):
             for rest in inner_rests(motion.stuck[:, j], motion.dt_s):
-                weight = np.hanning(min(rest.stop - rest.start, round(WINDOW_S / motion.dt_s)) + 2)[1:-1]
+                weight = np.hanning(min(rest.stop - rest.start, round(2.0 * LASTS_S / motion.dt_s)) + 2)[1:-1]
                 weight /= weight.sum()
                 seen = np.abs(np.convolve(held[rest, j], weight, "valid"))
                 beyond = float(seen.max()) - SIGMAS * equations.weighting.mean_noise(j, weight, motion.dt_s)
                 largest[j] = np.fmax(largest[j], max(beyond, 0.0))
     coulomb = np.abs(equations.friction(model, x, motions[0])[:, 1])
-    unseen = np.inf if "fc" in equations.denied else _ALLOWED * coulomb
+    unseen = np.inf if "fc" in equations.denied else allowed * coulomb
     held = np.where(np.isnan(largest), unseen, np.fmax(largest, coulomb))
-    return np.asarray(_ALLOWED * held, dtype=np.float64)
+    return np.asarray(allowed * held, dtype=np.float64)
 
 
-def _first_weighting(arm: Arm, motions: Sequence[Motion]) -> Weighting:
+def first_weighting(arm: Arm, motions: Sequence[Motion]) -> Weighting:
     """Return the filter for a run of which no more is known: every joint turns a mass of one by itself.
 
     Parameters
@@ -168,7 +166,7 @@ def _first_weighting(arm: Arm, motions: Sequence[Motion]) -> Weighting:
     # What counts is the noise's density; the slower grid has the same with fewer samples.
     thinned = np.sqrt(np.mean([motion.trial.dt_s / motion.dt_s for motion in motions]))
     torque, angle = thinned * torque, thinned * angle
-    torque = np.maximum(torque, _LEAST_NOISE * np.maximum(np.sqrt(np.mean(u**2, axis=0)), 1e-9))
+    torque = np.maximum(torque, NEGLIGIBLE**2 * np.maximum(np.sqrt(np.mean(u**2, axis=0)), 1e-9))
     q = np.concatenate([motion.q for motion in motions])
     angle = np.maximum(angle, 1e-9 * np.maximum(np.std(q, axis=0), 1.0))
     acceleration = np.diag(angle**2)

@@ -23,15 +23,6 @@ from fitter.diagnosis.whitening import LASTS_S
 
 #: The torque's sign is told behind a Gaussian of this width [s]; what that brings forward of a touch is not sure.
 _WIDTH_S = 0.004
-#: A motor whose torque does not differ significantly from zero for this long may be anywhere in its play [s];
-#: after a block's length its link is at rest.
-_WANDERS_S = 0.02
-#: Samples that say whether an angle is still, or how it moves.
-_FEW = 5
-#: Samples that a motor takes to cross when nothing holds it.
-_CROSSING = 2
-#: The link's velocity at an end of a crossing is that of a parabola through the angles of so long [s].
-_SLOPE_S = 0.03
 
 
 @dataclass(frozen=True)
@@ -110,7 +101,17 @@ def touched(torque: Floats, noise: float, dt_s: float) -> Floats:
     return forwards.astype(np.float64) - backwards
 
 
-def bridged(angle: Floats, torque: Floats, starts: Sequence[int], dt_s: float) -> tuple[Floats, Floats]:
+def bridged(
+    angle: Floats,
+    torque: Floats,
+    starts: Sequence[int],
+    dt_s: float,
+    *,
+    wanders_s: float = 0.02,
+    slope_s: float = 0.03,
+    few: int = 5,
+    crossing: int = 2,
+) -> tuple[Floats, Floats]:
     """Return what a link's crossing adds to a motor's angle, and the side at which the motor is (-1 to 1).
 
     Parameters
@@ -120,6 +121,15 @@ def bridged(angle: Floats, torque: Floats, starts: Sequence[int], dt_s: float) -
     starts : sequence of int
         Samples at which some drive was suddenly asked for another torque: what rested, rested till then.
     dt_s : float
+    wanders_s : float
+        A motor whose torque does not differ significantly from zero for this long may be anywhere in its play;
+        after a block's length its link is at rest.
+    slope_s : float
+        The link's velocity at an end of a crossing is that of a parabola through the angles of so long.
+    few : int
+        Samples that say whether an angle is still, or how it moves.
+    crossing : int
+        Samples that a motor takes to cross when nothing holds it.
 
     Returns
     -------
@@ -136,21 +146,23 @@ def bridged(angle: Floats, torque: Floats, starts: Sequence[int], dt_s: float) -
     sign = touching[sure]
     side += sign[np.clip(np.searchsorted(sure, np.arange(len(angle)), side="right") - 1, 0, None)]
     shaking = float(white_noise([angle[:, None]])[0])
-    window, wanders, rests, still_for = (max(3, round(s / dt_s)) for s in (_SLOPE_S, _WANDERS_S, BLOCK_S, LASTS_S))
+    window, wanders, rests, still_for = (max(3, round(s / dt_s)) for s in (slope_s, wanders_s, BLOCK_S, LASTS_S))
     away = np.diff(sure)
     leaves = np.flatnonzero((away > wanders) | (np.diff(sign) != 0.0))
     runs = np.concatenate([[0], leaves + 1, [len(sure)]])
     for k, leave in enumerate([-1, *leaves]):
         begin, end = int(sure[leave]) if k else 0, int(sure[leave + 1])
         before, after = sign[leave] if k else 0.0, sign[leave + 1]
-        last = min(max(int(sure[runs[k + 1] - 1]), end + _FEW), end + window, len(angle) - 1)
-        slope = _at_end(angle[end : last + 1])[1]
-        inner = [at for at in starts if begin + _FEW <= at <= end]
+        last = min(max(int(sure[runs[k + 1] - 1]), end + few), end + window, len(angle) - 1)
+        slope = _at_end(angle[end : last + 1], few)[1]
+        inner = [at for at in starts if begin + few <= at <= end]
         started = [at for at in inner if np.std(angle[max(begin, at - still_for) : at]) < EQUAL_SIGMAS * shaking]
         if started or not k or end - begin > rests:
             start = max(started, default=begin)
-            end = max(end, min(start + _CROSSING, len(angle) - 1)) if started else end
-            still, start, where, rest = _rest(angle, torque, noise, (begin, start, end), still_for, after)
+            end = max(end, min(start + crossing, len(angle) - 1)) if started else end
+            still, start, where, rest = _rest(
+                angle, torque, noise, (begin, start, end), still_for, after, crossing
+            )
             if k and not started:  # nothing says when it came to rest
                 still = max(begin, start - still_for)
             settled = _rising(np.linspace(0.0, 1.0, max(still - begin, 0)))
@@ -159,8 +171,8 @@ def bridged(angle: Floats, torque: Floats, starts: Sequence[int], dt_s: float) -
             bridge[still:start], side[still:start] = where - angle[still:start], rest
             q0, slope0, begin, before = where, 0.0, start, rest
         else:
-            first = max(min(int(sure[runs[k - 1]]), begin - _FEW), begin - window, 0)
-            q0, slope0 = _at_end(angle[first : begin + 1][::-1])
+            first = max(min(int(sure[runs[k - 1]]), begin - few), begin - window, 0)
+            q0, slope0 = _at_end(angle[first : begin + 1][::-1], few)
         if end > begin:
             share = (np.arange(begin, end + 1) - begin) / (end - begin)
             side[begin : end + 1] = before + (after - before) * _rising(share)
@@ -170,7 +182,13 @@ def bridged(angle: Floats, torque: Floats, starts: Sequence[int], dt_s: float) -
 
 
 def _rest(
-    angle: Floats, torque: Floats, noise: float, span: tuple[int, int, int], still_for: int, after: float
+    angle: Floats,
+    torque: Floats,
+    noise: float,
+    span: tuple[int, int, int],
+    still_for: int,
+    after: float,
+    crossing: int,
 ) -> tuple[int, int, float, float]:
     """Return from which sample a link was still, until when, its motor's angle then, and the side it was at.
 
@@ -185,7 +203,7 @@ def _rest(
         return still, start, float(angle[still:start].mean()), float(np.sign(mean))
     first = begin + int(np.argmax(np.abs(torque[begin : end + 1]) > SIGMAS * noise))
     # `end` lies behind the touch by what was eroded, so no spike of noise long before it is taken for one.
-    touch = min(end, max(first, end - round(2 * EQUAL_SIGMAS * _WIDTH_S / LASTS_S * still_for)) + _CROSSING)
+    touch = min(end, max(first, end - round(2 * EQUAL_SIGMAS * _WIDTH_S / LASTS_S * still_for)) + crossing)
     return still, touch, float(angle[touch]), after
 
 
@@ -200,8 +218,8 @@ def _rising(share: Floats) -> Floats:
     return np.asarray(share**2 * (3.0 - 2.0 * share), dtype=np.float64)
 
 
-def _at_end(angles: Floats) -> tuple[float, float]:
+def _at_end(angles: Floats, few: int) -> tuple[float, float]:
     """Return the first of some angles and the slope there, a sample: of a parabola, of few of a straight line."""
-    order = 2 if len(angles) > 2 * _FEW else min(1, len(angles) - 1)
+    order = 2 if len(angles) > 2 * few else min(1, len(angles) - 1)
     slope, value = [0.0, *np.polyfit(np.arange(len(angles)), angles, order)][-2:]
     return float(value), float(slope)

@@ -29,13 +29,6 @@ from fitter.dynamics.output_error import Allowed, fit_motion
 from fitter.dynamics.shooting_effects import ShootingWithEffects, windows
 from fitter.dynamics.stretches import LONGEST_STEP_S
 
-#: Weight of a window's own noise where nothing pulls a simulation back: the sum of rms errors is made small.
-_CHAOTIC = 0.5
-#: Step of the simulations [s].
-_STEP_S = 2.0 * LONGEST_STEP_S
-#: Steps of Gauss and Newton: a few, for the start is near.
-_STEPS = 3
-
 
 @dataclass(frozen=True)
 class Polish:
@@ -92,16 +85,28 @@ def polished(
 
 
 def _moved(
-    regression: Regression, come_to: Conclusion, arm: Arm, motions: Sequence[Motion], horizon_s: float
+    regression: Regression,
+    come_to: Conclusion,
+    arm: Arm,
+    motions: Sequence[Motion],
+    horizon_s: float,
+    *,
+    step_s: float = 2.0 * LONGEST_STEP_S,
+    steps: int = 3,
+    own_noise: float = 0.5,
 ) -> tuple[Candidate, Floats] | None:
-    """Return the moved model, and its numbers' covariance; None if nothing moves or the arm runs away."""
+    """Return the moved model, and its numbers' covariance; None if nothing moves or the arm runs away.
+
+    Simulations go on by ``step_s``, Gauss and Newton's method by a few ``steps``, for the start is near. Where
+    nothing pulls a simulation back, a window's ``own_noise`` has this weight: the sum of rms errors is made small.
+    """
     kept = regression.equations.independent(regression.view(come_to.final.model, regression.motions[0]).arm)
     given = len(regression.arm.effects)
     numbers = model_numbers(arm, come_to.numbers, come_to.final, kept.tolist(), given)
     measured = is_measured(motions)
     torque = come_to.numbers.covariance
     free, basis = _white(numbers, torque, information_of(regression, come_to.final) if measured else None)
-    width = np.sqrt(_STEP_S / BLOCK_S) if measured else SIGMAS
+    width = np.sqrt(step_s / BLOCK_S) if measured else SIGMAS
     if not basis.shape[1]:
         return None
 
@@ -116,14 +121,14 @@ def _moved(
     limits = _limits(numbers, shooting, seen_states(trials), flat, n)
     fit = fit_motion(
         shooting,
-        windows(arm, trials, _STEP_S, horizon_s),
+        windows(arm, trials, step_s, horizon_s),
         lambda z: numbers.values(flat(z)),
         np.zeros(n),
         np.ones(n),
         None,
         Allowed(limits=limits, prior_std=np.full(n, width)),
-        _CHAOTIC if arm.control.law == "measured" else 0.0,
-        _STEPS,
+        own_noise if arm.control.law == "measured" else 0.0,
+        steps,
     )
     if not np.isfinite(fit.rms).all():
         return None

@@ -26,8 +26,6 @@ from fitter.diagnosis.torque.pulse import Pulse, pulse_means
 from fitter.diagnosis.torque.pulses import find_pulses
 
 _NUMBERS = ("start_s", "duration_s", "torque_N_m")
-#: Degrees of freedom: those that Lange, Little and Taylor find to serve most data.
-_DEGREES_OF_FREEDOM = 4.0
 
 
 class Pushes(Hypothesis):
@@ -131,11 +129,14 @@ def _in_blocks(squares: Floats, block: NDArray[np.intp]) -> Floats:
     return sums
 
 
-def _weights(squares: Floats, counts: Floats, variance: float) -> Floats:
-    """Return how much each block of each joint counts, (n_block, n_joint)."""
+def _weights(squares: Floats, counts: Floats, variance: float, freedom: float = 4.0) -> Floats:
+    """Return how much each block of each joint counts by Student's likelihood, (n_block, n_joint).
+
+    With 4 degrees of freedom it hardly loses anything to a normal one, and is not misled (Lange et al. 1989).
+    """
     if not np.isfinite(variance):
         return np.ones_like(squares)
-    return np.asarray((_DEGREES_OF_FREEDOM + counts) / (_DEGREES_OF_FREEDOM + squares / variance))
+    return np.asarray((freedom + counts) / (freedom + squares / variance))
 
 
 def _normal(parts: list[tuple[Floats, Floats, Floats]]) -> Normal:

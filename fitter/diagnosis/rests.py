@@ -20,12 +20,12 @@ from numpy.typing import NDArray
 
 from arm.model import Floats
 from fitter.diagnosis.equations import Equations
-from fitter.diagnosis.least_squares import ITERATIONS, REMEMBERED, SETTLED, Normal
+from fitter.diagnosis.least_squares import ITERATIONS, SETTLED, Normal
 from fitter.diagnosis.model import Model
 from fitter.diagnosis.motion import Motion
 from fitter.diagnosis.regression import Density
 from fitter.diagnosis.weighting import Weighting
-from fitter.diagnosis.whitening import CUT_S, WINDOW_S, inner_rests
+from fitter.diagnosis.whitening import LASTS_S, RISE_S, inner_rests
 
 
 @dataclass(frozen=True)
@@ -77,7 +77,10 @@ class Rests:
         Which part of the equations' variance is of what the model lacks: so far rests count.
     """
 
-    def __init__(self, equations: Equations, motions: Sequence[Motion], part: float) -> None:
+    def __init__(
+        self, equations: Equations, motions: Sequence[Motion], part: float, remembered: int = 100
+    ) -> None:
+        self._remembered = remembered
         self._equations = equations
         self._windows = {one.number: _windows(one, equations.weighting, part) for one in motions}
         self._pushed = {one.number: tuple(_pushed(one, way) for way in (1.0, -1.0)) for one in motions}
@@ -180,7 +183,7 @@ class Rests:
         seen = model.only([one.kind.place != "transmission" for one in model.hypotheses])
         key = tuple((one, psi.tobytes()) for one, psi in zip(seen.hypotheses, seen.psi, strict=True))
         if key not in self._known:
-            if len(self._known) >= REMEMBERED:
+            if len(self._known) >= self._remembered:
                 self._known.clear()
             self._known[key] = {}
         known = self._known[key]
@@ -216,7 +219,7 @@ def _windows(motion: Motion, weighting: Weighting, part: float) -> _Windows:
     n, n_joint = motion.u.shape
     size = _instant(weighting, motion.dt_s)
     rows: list[tuple[int, int, Floats, bool, float, float]] = []
-    longest, cut = max(1, round(WINDOW_S / motion.dt_s)), max(1, round(CUT_S / motion.dt_s))
+    longest, cut = max(1, round(2.0 * LASTS_S / motion.dt_s)), max(1, round(RISE_S / motion.dt_s))
     for j in range(n_joint):
         for rest in inner_rests(motion.stuck[:, j], motion.dt_s):
             n_part = -(-(rest.stop - rest.start) // longest)

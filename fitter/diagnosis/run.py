@@ -19,15 +19,6 @@ from fitter.diagnosis.whitening import lasting
 #: The direction in which a joint moves is told behind a Gaussian of this width [s]: unlike a sharp filter it does
 #: not ring, so nothing seems to move the other way before it starts.
 _DIRECTION_S = 0.006
-#: … or, where it is slow, behind wider ones, as multiples of it: noise falls eightfold with each octave.
-_WIDER = (4.0, 2.0)
-#: A joint is taken to be stuck below this share of its top speed in the run, or where noise hides how it moves.
-_STUCK_SHARE = 0.004
-#: A jump comes at a sample, as far as controller and recorder share a clock; what a fast loop does within the step
-#: is not seen. This is the standard error of its instant, in samples.
-_JUMPED = 0.1
-#: So many samples before and after a joint was seen to be stuck it may have been.
-_NEAR = 3
 
 
 def velocity(trial: Trial, times: float = 1.0) -> Floats:
@@ -39,7 +30,9 @@ def velocity(trial: Trial, times: float = 1.0) -> Floats:
     return np.asarray(slopes[trial.trimmed : trial.trimmed + len(trial.t)], dtype=np.float64)
 
 
-def told_from_rest(trial: Trial, noise: Floats, least: Floats) -> tuple[Floats, Floats]:
+def told_from_rest(
+    trial: Trial, noise: Floats, least: Floats, wider: tuple[float, ...] = (4.0, 2.0)
+) -> tuple[Floats, Floats]:
     """Return the velocity where a joint is seen to move, 0 elsewhere, and its rms noise, (n_sample, n_joint) each.
 
     A wide filter sees slow motion, and blurs when it began: so the velocity it shows counts only where it is far
@@ -52,11 +45,13 @@ def told_from_rest(trial: Trial, noise: Floats, least: Floats) -> tuple[Floats, 
         Rms of the white noise in the angles [rad or m].
     least : (n_joint,)
         Slower joints rest.
+    wider : tuple of float
+        Multiples of the narrow filter's width where a joint is slow: noise falls eightfold with each octave.
     """
     found, left = np.zeros((2, *trial.dq.shape))
     # Twice what is told from rest is slow. The wider filter says so, for the noisier would choose by its noise.
     slow = 2.0 * SIGMAS * noise * velocity_gain(trial.dt_s)
-    for times in (*_WIDER, 1.0):
+    for times in (*wider, 1.0):
         moves, own = velocity(trial, times), noise * velocity_gain(trial.dt_s, times)
         sure, may = np.abs(moves), found == 0.0
         if times > 1.0:
@@ -110,7 +105,15 @@ def _width(dt_s: float) -> float:
     return max(_DIRECTION_S, 1.5 * dt_s)
 
 
-def run_of(arm: Arm, learn: Sequence[Trial], evaluate: Sequence[Trial], thin: bool = True) -> list[Motion]:
+def run_of(
+    arm: Arm,
+    learn: Sequence[Trial],
+    evaluate: Sequence[Trial],
+    thin: bool = True,
+    *,
+    stuck_share: float = 0.004,
+    near: int = 3,
+) -> list[Motion]:
     """Return all trials of a run, learning ones first, on one clock.
 
     Parameters
@@ -120,6 +123,10 @@ def run_of(arm: Arm, learn: Sequence[Trial], evaluate: Sequence[Trial], thin: bo
     learn, evaluate : sequence of Trial
     thin : bool
         Whether samples may be left out that the corner of the columns makes superfluous.
+    stuck_share : float
+        A joint is taken to be stuck below this share of its top speed in the run, or where noise hides its motion.
+    near : int
+        So many samples before and after a joint was seen to be stuck it may have been.
 
     Raises
     ------
@@ -132,12 +139,12 @@ def run_of(arm: Arm, learn: Sequence[Trial], evaluate: Sequence[Trial], thin: bo
     top = np.max([np.max(np.abs(dq), axis=0) for dq in slow], axis=0)
     motions = []
     for k, (trial, dq, t0) in enumerate(zip(trials, slow, _starts(trials), strict=True)):
-        seen, noise = told_from_rest(trial, angles, _STUCK_SHARE * top)
+        seen, noise = told_from_rest(trial, angles, stuck_share * top)
         moves = np.where(seen == 0.0, dq, seen)
         sharp = moves == dq
         t, u, stuck = t0 + trial.t, drive_torque(arm, trial), lasting(seen == 0.0, trial.dt_s)
         step = max(1, int(1.0 / (SAMPLES * trial.cutoff_hz * trial.dt_s))) if thin else 1
-        stuck = binary_dilation(stuck, np.ones((2 * _NEAR + 1, 1), dtype=np.bool_))
+        stuck = binary_dilation(stuck, np.ones((2 * near + 1, 1), dtype=np.bool_))
         q, dq_, ddq, u_, speed, speed_noise, direction = (
             part[::step]
             for part in (
@@ -172,14 +179,18 @@ def run_of(arm: Arm, learn: Sequence[Trial], evaluate: Sequence[Trial], thin: bo
     return motions
 
 
-def _jumps(arm: Arm, trial: Trial, step: int) -> tuple[tuple[float, int, float], ...]:
-    """Return the jumps of the torque that was asked for, on the grid of every ``step``-th sample."""
+def _jumps(arm: Arm, trial: Trial, step: int, error: float = 0.1) -> tuple[tuple[float, int, float], ...]:
+    """Return the jumps of the torque that was asked for, on the grid of every ``step``-th sample.
+
+    A jump comes at a sample, as far as controller and recorder share a clock; what a fast loop does within the
+    step is not seen. Its instant has a standard error of ``error`` samples.
+    """
     asked = trial.tau_measured
     if asked is None:
         asked = sharp_torque(arm, trial)[trial.trimmed : trial.trimmed + len(trial.t)]
     size = jumps(asked)
     return tuple(
-        (k / step, int(j), _JUMPED * float(abs(size[k, j])) / step) for k, j in zip(*np.nonzero(size), strict=True)
+        (k / step, int(j), error * float(abs(size[k, j])) / step) for k, j in zip(*np.nonzero(size), strict=True)
     )
 
 

@@ -40,8 +40,6 @@ EFFECT = "stiction"
 #: Half width of the 95 % interval of F, relative to the largest torque that has held: F lies between that torque
 #: and 1.4 times it.
 _MORE = 0.2
-#: Ratio of the estimate of F, the middle of that interval, to the largest torque that has held.
-ABOVE = 1.0 + _MORE
 
 
 def holdings(regression: Regression, final: Candidate, covariance: Floats) -> list[Holding]:
@@ -72,15 +70,15 @@ def holdings(regression: Regression, final: Candidate, covariance: Floats) -> li
         torque, noise = (np.concatenate(column) for column in zip(*sets, strict=True))
         rms = float(np.sqrt(np.mean(np.concatenate([motion.u[:, j] for motion in regression.motions]) ** 2)))
         # Beyond the errors of noise and model, and what no model has in it.
-        beyond = torque > ABOVE * coulomb + SIGMAS * noise + NEGLIGIBLE * rms
+        beyond = torque > (1.0 + _MORE) * coulomb + SIGMAS * noise + NEGLIGIBLE * rms
         if np.count_nonzero(beyond) <= 1:  # one may be a hand
             continue
         largest = float(torque.max())
-        error = float(np.hypot(ABOVE * _MORE / EQUAL_SIGMAS * largest, noise[int(np.argmax(torque))]))
+        error = float(np.hypot((1.0 + _MORE) * _MORE / EQUAL_SIGMAS * largest, noise[int(np.argmax(torque))]))
         learnt = float(sets[0][0].max(initial=coulomb))
         was, left = (float(np.sum(np.maximum(sets[1][0] - level, 0.0) ** 2)) for level in (coulomb, learnt))
         gain = 1.0 - left / was if was > 0.0 else 0.0
-        found.append(Holding(j, FittedParameter(ABOVE * largest, error, unit, True), gain))
+        found.append(Holding(j, FittedParameter((1.0 + _MORE) * largest, error, unit, True), gain))
     return found
 
 
@@ -178,7 +176,7 @@ def hump_of(regression: Regression, final: Candidate, holding: Holding) -> Hump 
     """
     joint, motions = holding.joint, regression.motions
     coulomb = abs(float(regression.equations.friction(final.model, final.x, motions[0])[joint, 1]))
-    least, likely = holding.parameter.value / ABOVE - coulomb, holding.parameter.value - coulomb
+    least, likely = holding.parameter.value / (1.0 + _MORE) - coulomb, holding.parameter.value - coulomb
     error = holding.parameter.std
     plain = float(regression.squares(final.model, regression.solve(final.model, motions)).sum())
     numbers = sum(regression.weighting.told(motion) for motion in motions)

@@ -17,11 +17,6 @@ from fitter.diagnosis.regression import Regression
 from fitter.diagnosis.rests import Rests
 from limbcal.errors import NotConverged
 
-#: Which part of what is lacking moved the arm where the torque was measured: nobody knows, none to all of it.
-_MOVED = 0.5
-#: A trial in which masses vanish is so unlikely that nothing makes up for it [nats].
-_NO_MASS = -1.0 / ROUNDED
-
 Progress = Callable[[int, int], None]
 Screen = Callable[[Regression, Candidate, Sequence[Hypothesis], Starts, Progress | None], list[Candidate]]
 
@@ -37,6 +32,8 @@ class TorqueLikelihood:
         Tries hypotheses beside a model and returns them fitted (`screening`).
     progress : callable, optional
         Told how many hypotheses were tried, and how many there are.
+    moved : float
+        Share of what the model lacks that moved the arm, where the torque was measured (`mass_density`).
 
     Attributes
     ----------
@@ -52,13 +49,14 @@ class TorqueLikelihood:
         tried: Sequence[Hypothesis],
         screen: Screen,
         progress: Progress | None = None,
+        moved: float = 0.5,
     ) -> None:
         self.regression = regression
         self.floor = self.was = Floor(*np.ones((3, regression.arm.n_joint)))
         self._tried, self._screen, self._progress, self._starts = list(tried), screen, progress, Starts()
         measured = all(motion.trial.tau is not None for motion in regression.motions)
         driven = any(np.any(motion.u) for motion in regression.motions)
-        self._weight = _MOVED if measured and driven else 1.0
+        self._weight = moved if measured and driven else 1.0
 
     def base(self) -> Fit:
         """Return the model without any effect, under weights of its own."""
@@ -162,7 +160,8 @@ class TorqueLikelihood:
             learnt += [motion.learn] * n_block
             mass = regression.density
             whole = mass.of(candidate.model, candidate.x, [motion]) if mass is not None else 0.0
-            density += [max(whole, _NO_MASS) / n_block] * n_block
+            # A trial in which masses vanish is so unlikely that nothing makes up for it.
+            density += [max(whole, -1.0 / ROUNDED) / n_block] * n_block
         return Fit(
             candidate,
             np.concatenate(residual),

@@ -32,14 +32,8 @@ _EDGE = 0.2
 RISE_S = 0.06
 #: A joint that is this slow for so long is stuck: one that only turns round is through in a millisecond [s].
 STUCK_S = 0.012
-#: What holds a stuck joint is as quick as what it is held against; hats this far apart follow it up to 8 Hz [s].
-HAT_S = RISE_S
-#: Where it comes to rest, friction jumps, nobody sees when: near both ends of a rest hats are so far apart [s].
-_ENDS_S = (0.0, 0.015, 0.03)
 #: Well inside a rest is what lasts this long once this much is cut off at both its ends [s].
-LASTS_S, CUT_S = 0.1, RISE_S
-#: What holds a joint is averaged over windows of this length: two such rests [s].
-WINDOW_S = 2.0 * LASTS_S
+LASTS_S = 0.1
 
 
 @dataclass(frozen=True)
@@ -163,7 +157,7 @@ def end_shapes(n: int, dt_s: float) -> Floats:
 def holding_shapes(stuck: NDArray[np.bool_], dt_s: float) -> Floats:
     """Return the shapes of which the torque is made up that holds one joint, (n_sample, n_shape).
 
-    It is as smooth as the drive's is meanwhile: hats `HAT_S` apart.
+    It is as smooth as the drive's is meanwhile: hats `RISE_S` apart.
     """
     n = len(stuck)
     shapes = [np.zeros((n, 0))]
@@ -179,19 +173,19 @@ def holding_shapes(stuck: NDArray[np.bool_], dt_s: float) -> Floats:
 
 def rest_shapes(stuck: NDArray[np.bool_], dt_s: float) -> Floats:
     """Return torques that last as long as one long rest of a joint each, (n_sample, n_rest)."""
-    rests = [(begin, end) for begin, end in intervals(stuck) if (end - begin) * dt_s >= LASTS_S + 2.0 * CUT_S]
+    rests = [(begin, end) for begin, end in intervals(stuck) if (end - begin) * dt_s >= LASTS_S + 2.0 * RISE_S]
     shapes = np.zeros((len(stuck), len(rests)))
     for k, (begin, end) in enumerate(rests):
         shapes[begin:end, k] = 1.0
     return shapes
 
 
-def _knots(begin: int, end: int, dt_s: float) -> Floats:
+def _knots(begin: int, end: int, dt_s: float, ends_s: tuple[float, ...] = (0.0, 0.015, 0.03)) -> Floats:
     """Return where the hats of a rest stand, in samples: close at its ends, not so close between."""
-    near = np.array(_ENDS_S) / dt_s
+    near = np.array(ends_s) / dt_s
     near = near[(near == 0.0) | (near < 0.5 * (end - 1 - begin))]
     low, high = begin + near[-1], end - 1 - near[-1]
-    count = max(1, round((high - low) * dt_s / HAT_S)) + 1
+    count = max(1, round((high - low) * dt_s / RISE_S)) + 1
     return np.concatenate([begin + near[:-1], np.linspace(low, high, count), end - 1 - near[:-1][::-1]])
 
 
@@ -213,7 +207,7 @@ def intervals(mask: NDArray[np.bool_]) -> list[tuple[int, int]]:
 
 def inner_rests(stuck: NDArray[np.bool_], dt_s: float) -> list[slice]:
     """Return the samples well inside the rests of one joint, (n_sample,): there it does stand still."""
-    cut = round(CUT_S / dt_s)
+    cut = round(RISE_S / dt_s)
     return [
         slice(begin + cut, end - cut)
         for begin, end in intervals(stuck)

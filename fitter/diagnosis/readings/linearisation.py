@@ -15,7 +15,7 @@ from arm.kinematics import axis_frames, rotation_from_rpy
 from arm.model import Arm, Floats, Sensor, Vector3
 from fitter.diagnosis.least_squares import SIGMAS
 from fitter.diagnosis.readings.elimination import motion_at_knots
-from fitter.diagnosis.readings.sensor_frames import CREEP_STD, TrialFrames
+from fitter.diagnosis.readings.sensor_frames import TrialFrames
 from limbcal.compiled import compiled
 from tracking.observation import Observation, observation_of, observe, room_of
 
@@ -143,10 +143,10 @@ class Linearisation:
             columns[:, 3 * s : 3 * s + 3] = np.swapaxes(turned, 1, 2) * np.array(sensor.scale)[:, None]
         return np.where(self.clipped[..., None] != 0.0, 0.0, columns)
 
-    def motion_rows(self) -> tuple[Floats, Floats]:
+    def motion_rows(self, creep: float = 2e-3) -> tuple[Floats, Floats]:
         """Return slopes (n, n_channel + n_joint, 3 n_joint) by the motion, and the residual, both with unit noise.
 
-        The last rows say that velocities are zero in a rest.
+        The last rows say that velocities are zero in a rest, but for ``creep`` [rad/s or m/s]: an arm creeps for long.
         """
         n, n_channel = self.expected.shape
         n_joint = self.q.shape[1]
@@ -154,7 +154,7 @@ class Linearisation:
         S[:, :n_channel] = self.slope[:, :, : 3 * n_joint] * self.weight[..., None]
         r[:, :n_channel] = self.residual * self.weight
         rest = self.trial.resting
-        sure = 1.0 / (CREEP_STD * np.sqrt(max(rest, 1)))
+        sure = 1.0 / (creep * np.sqrt(max(rest, 1)))
         for j in range(n_joint):
             S[:rest, n_channel + j, 3 * j + 1] = sure
             r[:rest, n_channel + j] = -self.dq[:rest, j] * sure

@@ -11,15 +11,10 @@ import numpy as np
 from scipy.stats import chi2
 
 from arm.model import Floats
-from fitter.diagnosis.least_squares import N_SHIFTED, PLAINLY, RIDGE, ROUNDED
+from fitter.diagnosis.least_squares import NEGLIGIBLE, PLAINLY, ROUNDED
 from fitter.diagnosis.readings.linearisation import Linearisation, linearise
 from fitter.diagnosis.readings.sensor_fit import Trials
 from fitter.diagnosis.readings.suspects import Fitted
-
-#: Bins of a variable.
-_BINS = 12
-#: A frame's differences are made of about ten squares of unit variance: the median of their mean.
-_MEDIAN = float(chi2.median(10)) / 10
 
 
 @dataclass(frozen=True)
@@ -41,7 +36,9 @@ class Remaining:
     depends_on: tuple[str, ...]
 
 
-def remaining(judged: list[Linearisation], white: bool, rng: np.random.Generator) -> Remaining:
+def remaining(
+    judged: list[Linearisation], white: bool, rng: np.random.Generator, n_shifted: int = 99
+) -> Remaining:
     """Describe what is left in the judging trials.
 
     Parameters
@@ -52,6 +49,8 @@ def remaining(judged: list[Linearisation], white: bool, rng: np.random.Generator
         It is no more than noise.
     rng : Generator
         Draws shifts.
+    n_shifted : int
+        Shifts in time that say what chance gives.
     """
     if white or len(judged) < 2:
         return Remaining(0.0, white, ())
@@ -62,7 +61,7 @@ def remaining(judged: list[Linearisation], white: bool, rng: np.random.Generator
         column = [motion[:, k] for motion in motions]
         share = _by_bins(column, left)
         chance = []
-        for _ in range(N_SHIFTED):
+        for _ in range(n_shifted):
             shifted = [np.roll(r, int(rng.integers(len(r) // 10, 9 * len(r) // 10)), axis=0) for r in left]
             chance.append(_by_bins(column, shifted))
         if share > max(chance):
@@ -80,16 +79,16 @@ def _variables(judged: list[Linearisation]) -> tuple[list[str], list[Floats]]:
     ]
 
 
-def _by_bins(column: list[Floats], left: list[Floats]) -> float:
-    edges = np.quantile(np.concatenate(column), np.linspace(0.0, 1.0, _BINS + 1)[1:-1])
+def _by_bins(column: list[Floats], left: list[Floats], bins: int = 12) -> float:
+    edges = np.quantile(np.concatenate(column), np.linspace(0.0, 1.0, bins + 1)[1:-1])
     places = [np.searchsorted(edges, values) for values in column]
     gained = total = 0.0
     for half in (0, 1):
-        means = np.zeros((_BINS, left[0].shape[1]))
-        counts = np.zeros(_BINS)
+        means = np.zeros((bins, left[0].shape[1]))
+        counts = np.zeros(bins)
         for place, r in zip(places[half::2], left[half::2], strict=True):
             np.add.at(means, place, r)
-            counts += np.bincount(place, minlength=_BINS)
+            counts += np.bincount(place, minlength=bins)
         means /= np.maximum(counts, 1.0)[:, None]
         for place, r in zip(places[1 - half :: 2], left[1 - half :: 2], strict=True):
             total += float(np.sum(r**2))
@@ -115,7 +114,7 @@ def _by_polynomial(motions: list[Floats], left: list[Floats]) -> float:
         others = [k for k in range(len(A)) if k != out]
         normal = sum((A[k].T @ A[k] for k in others), np.zeros((A[0].shape[1],) * 2))
         right = sum((A[k].T @ left[k] for k in others), np.zeros((A[0].shape[1], left[0].shape[1])))
-        x = np.linalg.solve(normal + RIDGE * np.trace(normal) / len(normal) * np.eye(len(normal)), right)
+        x = np.linalg.solve(normal + NEGLIGIBLE**2 * np.trace(normal) / len(normal) * np.eye(len(normal)), right)
         total += float(np.sum(left[out] ** 2))
         gained += float(np.sum(left[out] ** 2) - np.sum((left[out] - A[out] @ x) ** 2))
     return min(1.0, max(0.0, gained / total))
@@ -148,11 +147,11 @@ def judging_residuals(trials: Trials, fitted: Fitted) -> list[Linearisation]:
     ]
 
 
-def noise_factor(trials: Trials, fitted: Fitted) -> float:
+def noise_factor(trials: Trials, fitted: Fitted, degrees: int = 10) -> float:
     """Return the noise's variance as a share of what was measured in third differences of the readings.
 
     What is left from frame to frame once the motion is known is nearly nothing but noise, whatever the sensors
-    get wrong slowly; the median over frames does not mind a jolt.
+    get wrong slowly; the median over frames does not mind a jolt. A frame's differences are some ``degrees`` of freedom.
     """
     squares = []
     for at in judging_residuals(trials, fitted):
@@ -161,7 +160,7 @@ def noise_factor(trials: Trials, fitted: Fitted) -> float:
         change = np.diff(unit, axis=0)
         there = free[1:] > 0
         squares.append(((change**2).sum(axis=1)[there] / 2.0) / free[1:][there])
-    return float(np.median(np.concatenate(squares)) / _MEDIAN)
+    return float(np.median(np.concatenate(squares)) / (chi2.median(degrees) / degrees))
 
 
 def beyond_level(trials: Trials, fitted: Fitted, sensor: int) -> float:

@@ -15,9 +15,6 @@ from fitter.diagnosis.readings.sensor_frames import TrialFrames
 from fitter.diagnosis.readings.suspects import Change, Columns, SensorEffect, bias_columns
 from tracking.observation import MOUNTING
 
-#: Where the search for a corner starts, and the least that forgets anything in the time of a trial [Hz].
-_FIRST_CORNER_HZ, _LEAST_CORNER_HZ = 0.05, 0.003
-
 
 def _drift_columns(at: Linearisation, sensor: int) -> Floats:
     return bias_columns(at, sensor) * at.trial.t[:, None, None]
@@ -123,8 +120,10 @@ def _changed_delay(instruments: Instruments, sensor: int, value: Floats) -> Inst
     return instruments.with_entry("delay_s", sensor, float(value[0]))
 
 
-def _first_corner(_trials: Sequence[TrialFrames], nominal: Instruments, sensor: int) -> Floats | None:
-    return None if nominal.corner_hz[sensor] > 0.0 else np.array([_FIRST_CORNER_HZ])
+def _first_corner(
+    _trials: Sequence[TrialFrames], nominal: Instruments, sensor: int, first_hz: float = 0.05
+) -> Floats | None:
+    return None if nominal.corner_hz[sensor] > 0.0 else np.array([first_hz])
 
 
 def _first_level(trials: Sequence[TrialFrames], _nominal: Instruments, sensor: int) -> Floats:
@@ -157,7 +156,7 @@ _KINDS = (
     replace(
         _kind("sensor_highpass", "corner_hz", "Hz", (0.0, 5.0), _changed_corner, _corner_columns),
         first=_first_corner,
-        least=_LEAST_CORNER_HZ,
+        least=0.003,  # Hz: a lower one forgets nothing in the time of a trial
     ),
     replace(
         _kind("sensor_clipping", "level_m_s2", "m/s^2", (np.inf, 50.0), _changed_level, _level_columns),

@@ -27,13 +27,6 @@ from fitter.diagnosis.readings.suspects import (
     with_theta,
 )
 
-#: Where the offset of a sensor that forgot may begin, and a free base's step from frame to frame: three times
-#: gravity [m/s^2].
-_ANYTHING = 3.0 * STANDARD_GRAVITY_M_S2
-#: Halvings of a pass of Gauss and Newton that leads uphill.
-_HALVINGS = 3
-#: How well an angle is the zero where nothing else says what it is [rad or m].
-_ANCHOR = 1e-3
 _THREADS = ThreadPoolExecutor(os.cpu_count())
 
 
@@ -45,10 +38,22 @@ class Trials:
     arm : Arm
     trials : sequence of TrialFrames
     n_learn : int
+    anything : float
+        Where the offset of a sensor that forgot may begin, and a free base's step from frame to frame [m/s^2].
+    anchor : float
+        How well an angle is the zero where nothing else says what it is [rad or m].
     """
 
-    def __init__(self, arm: Arm, trials: Sequence[TrialFrames], n_learn: int) -> None:
+    def __init__(
+        self,
+        arm: Arm,
+        trials: Sequence[TrialFrames],
+        n_learn: int,
+        anything: float = 3.0 * STANDARD_GRAVITY_M_S2,
+        anchor: float = 1e-3,
+    ) -> None:
         self.arm, self.trials, self.n_learn = arm, list(trials), n_learn
+        self._anything, self._anchor = anything, anchor
         self.nominal = instruments_of(arm)
 
         self._anchored = _gauge(self.arm, self.trials[0])
@@ -100,8 +105,8 @@ class Trials:
             n_channel = at.weight.shape[1]
             for j in np.flatnonzero(self._anchored):
                 S[0, n_channel + j] = 0.0
-                S[0, n_channel + j, 3 * j] = 1.0 / _ANCHOR
-                X[0, n_channel + j, -1] = -at.q[0, j] / _ANCHOR
+                S[0, n_channel + j, 3 * j] = 1.0 / self._anchor
+                X[0, n_channel + j, -1] = -at.q[0, j] / self._anchor
         E, walk, first = self._walks(at, hypothesis)
         n_joint, m, p = self.arm.n_joint, len(walk), X.shape[2]
         gram = np.empty((p, p))
@@ -119,13 +124,19 @@ class Trials:
         for k, channel in enumerate(forgetful.tolist()):
             E[:, channel, k] = at.weight[:, channel]
             step = 2.0 * np.pi * at.instruments.corner_hz[channel // 3] * at.trial.std[channel] * at.trial.dt_s
-            walk[k], first[k] = 1.0 / max(step, 1e-7), 1.0 / _ANYTHING
+            walk[k], first[k] = 1.0 / max(step, 1e-7), 1.0 / self._anything
         if hypothesis.free_base:
             E[:, :n_channel, m - 3 :] = at.from_base() * at.weight[..., None]
-            walk[m - 3 :] = first[m - 3 :] = 1.0 / _ANYTHING
+            walk[m - 3 :] = first[m - 3 :] = 1.0 / self._anything
         return E, walk, first
 
-    def fit(self, hypothesis: SensorHypothesis, motions: Sequence[Floats], passes: int = ITERATIONS) -> Fitted:
+    def fit(
+        self,
+        hypothesis: SensorHypothesis,
+        motions: Sequence[Floats],
+        passes: int = ITERATIONS,
+        halvings: int = 3,
+    ) -> Fitted:
         """Return a hypothesis with its best parameters, by the learning trials.
 
         Parameters
@@ -136,6 +147,8 @@ class Trials:
             Where the motions start; those of the judging trials are passed on.
         passes : int
             At the most.
+        halvings : int
+            Of a pass that leads uphill.
         """
         suspects, learn = hypothesis.suspects, range(self.n_learn)
         mean, std = self.before(hypothesis)
@@ -149,7 +162,7 @@ class Trials:
             done = self.all_eliminated(learn, now, motions, suspects)
             gram = np.sum([g for g, _ in done], axis=0)
             cost = float(gram[-1, -1] + np.sum(((theta - mean) / std) ** 2))
-            if before is not None and not cost < before[0] + UNEXPLAINED and halved < _HALVINGS:
+            if before is not None and not cost < before[0] + UNEXPLAINED and halved < halvings:
                 halved += 1
                 _, theta_was, motions_was, backs, step = before
                 step = 0.5 * step

@@ -25,8 +25,6 @@ FRAME_RATE_HZ = 100.0
 _CELL, _FIRST_CELLS = 5, 4
 #: How many standard deviations a cell may be off in a rest.
 _STRAYS = 5.0
-#: How far from zero a velocity may be in a rest all the same: an arm creeps for long [rad/s or m/s].
-CREEP_STD = 2e-3
 
 
 @dataclass(frozen=True)

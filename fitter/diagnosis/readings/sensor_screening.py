@@ -17,13 +17,8 @@ from fitter.diagnosis.least_squares import FOREMOST
 from fitter.diagnosis.readings.sensor_fit import Trials
 from fitter.diagnosis.readings.suspects import ORDINARY_BIAS, Fitted, SensorHypothesis, Suspect, with_suspect
 
-#: A base that moves more slowly looks like one that is not level [Hz].
-_LOWEST_HZ = 0.1
-#: Grid points a natural step of the spectrum.
-_FINER = 4
 
-
-def base_frequencies(trials: Trials, free: Fitted) -> list[float]:
+def base_frequencies(trials: Trials, free: Fitted, lowest_hz: float = 0.1, finer: int = 4) -> list[float]:
     """Return the frequencies [Hz] of the highest peaks in a base's acceleration.
 
     Parameters
@@ -31,6 +26,10 @@ def base_frequencies(trials: Trials, free: Fitted) -> list[float]:
     trials : Trials
     free : Fitted
         With the motions of a base that may move in any way.
+    lowest_hz : float
+        A base that moves more slowly looks like one that is not level.
+    finer : int
+        Grid points a natural step of the spectrum.
     """
     times, base = [], []
     hypothesis = replace(free.hypothesis, free_base=False)
@@ -45,11 +44,11 @@ def base_frequencies(trials: Trials, free: Fitted) -> list[float]:
     place = np.round((t - t[0]) / dt).astype(int)
     even: Floats = np.zeros((int(place[-1]) + 1, 3))
     even[place] = a
-    n = _FINER * len(even)
+    n = finer * len(even)
     power = (np.abs(np.fft.rfft(even, n=n, axis=0)) ** 2).sum(axis=1)
     frequency = np.fft.rfftfreq(n, dt)
-    power[frequency < _LOWEST_HZ] = 0.0
-    peaks, _ = find_peaks(power, distance=4 * _FINER)
+    power[frequency < lowest_hz] = 0.0
+    peaks, _ = find_peaks(power, distance=4 * finer)
     highest = peaks[np.argsort(-power[peaks])][:FOREMOST]
     return [float(frequency[peak]) for peak in highest]
 

@@ -21,8 +21,6 @@ from fitter.diagnosis.readings.suspects import ORDINARY_BIAS, Fitted, SensorHypo
 from limbcal.errors import DataError
 from tracking.smoother import Smoother
 
-#: Passes of the fits that only show which sensor is the odd one.
-_ROUGH = 5
 #: What a cause must explain, and by what it must beat a rival: squared, in noise units. Chosen by hand, with
 #: a margin over 16 runs of the bench without any effect (seeds 1001 to 1003 and 1010 to 1014, lying and hanging):
 #: there no suspect whose numbers differ from nothing explained more than 2.3. Those whose numbers don't, which are
@@ -78,10 +76,12 @@ class Search:
     trials : Trials
     progress : callable, optional
         Told after every fit.
+    rough : int
+        Passes of the fits that only show which sensor is the odd one.
     """
 
-    def __init__(self, trials: Trials, progress: Callable[[], None] | None = None) -> None:
-        self.trials = trials
+    def __init__(self, trials: Trials, progress: Callable[[], None] | None = None, rough: int = 5) -> None:
+        self.trials, self._rough = trials, rough
         self._tell = progress or (lambda: None)
         motions = first_motions(trials.arm, trials.trials)
         self.base = trials.judge(trials.fit(trials.nothing(), motions))
@@ -180,13 +180,13 @@ class Search:
         """Return the motions that the other sensors show."""
         odd = np.zeros(len(self.trials.arm.sensors), dtype=np.bool_)
         odd[sensor] = True
-        blind = self.trials.fit(replace(known.hypothesis, without=odd), known.motions, _ROUGH)
-        return self.trials.judge(blind, _ROUGH).motions
+        blind = self.trials.fit(replace(known.hypothesis, without=odd), known.motions, self._rough)
+        return self.trials.judge(blind, self._rough).motions
 
     def _screen_base(self, known: Fitted) -> list[Screened]:
         there = {suspect.effect for suspect in known.hypothesis.suspects}
-        free = self.trials.fit(replace(known.hypothesis, free_base=True), known.motions, _ROUGH)
-        free = self.trials.judge(free, _ROUGH)
+        free = self.trials.fit(replace(known.hypothesis, free_base=True), known.motions, self._rough)
+        free = self.trials.judge(free, self._rough)
         found = []
         for name, kind in EFFECTS.items():
             if kind.whole and name not in there:

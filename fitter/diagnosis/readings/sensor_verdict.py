@@ -13,7 +13,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from arm.model import Arm, Floats
-from fitter.diagnosis.least_squares import MOST_CAUSES, N_DRAWN, SIGMAS
+from fitter.diagnosis.least_squares import MOST_CAUSES, SIGMAS
 from fitter.diagnosis.readings.remaining import Remaining, beyond_level
 from fitter.diagnosis.readings.sensor_search import ACCEPTED, EQUAL, Search, Tried
 from fitter.diagnosis.readings.suspects import Fitted, SensorHypothesis
@@ -123,9 +123,9 @@ def _beats(one: Tried, other: Tried) -> float:
     return whole - (EQUAL + min(spread, 0.5 * whole))
 
 
-def _support(best: Tried, others: Sequence[Tried], rng: np.random.Generator) -> float:
+def _support(best: Tried, others: Sequence[Tried], rng: np.random.Generator, n_drawn: int = 1000) -> float:
     n = best.each.size
-    drawn = rng.integers(0, n, (N_DRAWN, n))
+    drawn = rng.integers(0, n, (n_drawn, n))
     usual = best.score - best.each.sum()
     won = np.ones(len(drawn), dtype=np.bool_)
     for other in others:

@@ -21,18 +21,10 @@ from arm.model import Floats
 from fitter.diagnosis.torque.kalman import Filter, gains, innovations
 from limbcal.compiled import compiled
 
-#: Least and greatest degrees of freedom: Cauchy's tails; at 30 Student's distribution passes for a normal one.
-_DEGREES_OF_FREEDOM = (1.0, 30.0)
-#: Damping ratios of the oscillator: ten periods of ringing; critical damping.
-_DAMPING_RATIO = (0.03, 1.0)
-#: Least standard deviation of any part of the background, as a ratio to that of the residual: rounding to zero.
-_LEAST_RATIO = 1e-3
 #: What lasts longer is no pulse but a bias or a load [s]. Errors in proportion to a signal do: they imitate none.
 LONGEST_PULSE_S = 1.0
 #: Numbers of a background that no signal adds.
 _N_SINGLE = 8
-#: The ascent ends when the log likelihood of a row rises by less than this ratio.
-_TOLERANCE = 1e-4
 
 
 @dataclass(frozen=True)
@@ -200,10 +192,31 @@ def log_likelihood(background: Background, trials: Sequence[Rows]) -> float:
     return float(total)
 
 
-def estimated(trials: Sequence[Rows], near: Background | None = None) -> Background:
+def estimated(
+    trials: Sequence[Rows],
+    near: Background | None = None,
+    *,
+    freedom: tuple[float, float] = (1.0, 30.0),
+    damping: tuple[float, float] = (0.03, 1.0),
+    least: float = 1e-3,
+    tolerance: float = 1e-4,
+) -> Background:
     """Return the background of one joint, by maximum likelihood over its trials.
 
     Student's tails keep a few pushes from being taken for background. The ascent starts at the background `near`.
+
+    Parameters
+    ----------
+    trials : sequence of Rows
+    near : Background, optional
+    freedom : (float, float)
+        Degrees of freedom, from Cauchy's tails; at 30 Student's distribution passes for a normal one.
+    damping : (float, float)
+        Damping ratios of the oscillator: ten periods of ringing; critical damping.
+    least : float
+        Standard deviation of any part of the background, as a ratio to that of the residual: rounding to zero.
+    tolerance : float
+        The ascent ends when the log likelihood of a row rises by less than this ratio.
     """
     sizes = np.concatenate([rows.r[rows.known] for rows in trials])
     signals = np.concatenate([rows.signals[rows.known] for rows in trials])
@@ -213,12 +226,12 @@ def estimated(trials: Sequence[Rows], near: Background | None = None) -> Backgro
     unit = np.divide(scale, _rms(signals), out=np.zeros(len(acts)), where=acts)
     step_s, longest_s = trials[0].step_s, max(float(rows.t[-1] - rows.t[0]) for rows in trials)
     n_signal = len(unit)
-    spread = (np.log(_LEAST_RATIO), np.log(10.0))
+    spread = (np.log(least), np.log(10.0))
     lasting = (np.log(step_s), np.log(longest_s))
     slow = (max(lasting[0], min(np.log(LONGEST_PULSE_S), lasting[1])), lasting[1])
     ringing = (np.log(2.0 * np.pi / longest_s), np.log(np.pi / step_s))  # up to Nyquist's frequency
-    bounds = [spread, lasting, spread, ringing, tuple(np.log(_DAMPING_RATIO)), spread, spread]
-    bounds += [tuple(np.log(_DEGREES_OF_FREEDOM)), *[spread] * n_signal, *[slow] * n_signal]
+    bounds = [spread, lasting, spread, ringing, tuple(np.log(damping)), spread, spread]
+    bounds += [tuple(np.log(freedom)), *[spread] * n_signal, *[slow] * n_signal]
     low, high = np.transpose(bounds)
     angle = scale * step_s**2 / np.sqrt(6.0)  # whose second difference is of the residual's size
     units = np.concatenate([[scale, 1.0, scale, 1.0, 1.0, scale, angle, 1.0], unit, np.ones(n_signal)])
@@ -237,7 +250,7 @@ def estimated(trials: Sequence[Rows], near: Background | None = None) -> Backgro
     # The likelihood has a maximum for every frequency that rings: of octaves the ascent starts near the greatest.
     frequencies = np.exp(np.arange(ringing[0], ringing[1], np.log(2.0))) if near is None else [near.ringing_rad_s]
     begin = min(map(begun, frequencies), key=loss)
-    best = minimize(loss, begin, method="L-BFGS-B", bounds=Bounds(low, high), options={"ftol": _TOLERANCE})
+    best = minimize(loss, begin, method="L-BFGS-B", bounds=Bounds(low, high), options={"ftol": tolerance})
     return Background.of(units * np.exp(best.x))
 
 

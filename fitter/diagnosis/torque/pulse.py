@@ -14,8 +14,6 @@ from fitter.diagnosis.torque.background import LONGEST_PULSE_S, Rows
 FORMS = ("rectangular", "bell")
 #: Ratio of durations sought: two an octave, neighbours correlated by 0.84.
 DURATION_RATIO = np.sqrt(2.0)
-#: Digits to which a step is rounded [s]: a nanosecond is nothing.
-_STEP_DIGITS = 9
 
 
 @dataclass(frozen=True)
@@ -151,9 +149,9 @@ class Shapes:
             row[: len(part)] = part
 
     @classmethod
-    def of(cls, rows: Rows) -> "Shapes":
+    def of(cls, rows: Rows, digits: int = 9) -> "Shapes":
         """Return the shapes of some rows: made once for all of the same step."""
-        return _shapes(round(rows.step_s, _STEP_DIGITS), rows.n_sample, rows.band_hz)
+        return _shapes(round(rows.step_s, digits), rows.n_sample, rows.band_hz)
 
     def fit(self, rows: Rows) -> NDArray[np.bool_]:
         """Say with which rows a pulse may begin, (n_shape, n): where half of what it lasts is known.

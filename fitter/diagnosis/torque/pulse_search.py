@@ -13,9 +13,6 @@ from fitter.diagnosis.torque.kalman import Filter, innovations
 from fitter.diagnosis.torque.pulse import DURATION_RATIO, FORMS, Pulse, Shapes, either, in_rows, seen, unseen_s
 from limbcal.compiled import compiled
 
-#: Steps of the derivative by start and duration, as a ratio to the duration.
-_STEP = 0.05
-
 
 class Search:
     """All places for a pulse in one trial at one joint."""
@@ -97,13 +94,15 @@ class Search:
         errors = start_std, duration_std, torque_std
         return Pulse(self.trial, self.joint, start, lasting, size, *errors, form, ratio, max(evidence, laplace))
 
-    def _errors(self, start_s: float, duration_s: float, form: str, size: float) -> tuple[Floats, float]:
+    def _errors(
+        self, start_s: float, duration_s: float, form: str, size: float, part: float = 0.05
+    ) -> tuple[Floats, float]:
         """Return standard errors of start, duration and size, and the logarithm of the likelihood's volume.
 
         Both by Fisher's information of Student's location. The volume is in units of the places that are sought,
-        times the unit of the size, by Laplace; -inf where most of the pulse lies where nothing is known.
+        times the unit of the size, by Laplace; -inf where most of the pulse lies where nothing is known. Slopes are taken over a ``part`` of the duration.
         """
-        step, rows = _STEP * duration_s, self.rows
+        step, rows = part * duration_s, self.rows
         ends = [(s, d) for s in (-step, step) for d in (0.0,)] + [(0.0, -step), (0.0, step)]
         moved = [in_rows(rows, start_s + s, duration_s + d, form) for s, d in ends]
         columns = [

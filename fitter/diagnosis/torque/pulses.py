@@ -20,12 +20,6 @@ from fitter.diagnosis.torque.missing_torque import ResidualTorque
 from fitter.diagnosis.torque.pulse import Pulse, Shapes, in_rows
 from fitter.diagnosis.torque.pulse_search import Search
 
-#: Scale of the tail of a background that follows its model, by Markov's inequality [nats].
-_LEAST_SCALE = 1.0
-#: Share of the blocks that tell what is usual: a compromise of efficiency and robustness (Rousseeuw and Van
-#: Driessen 2006).
-_USUAL = 0.75
-
 
 @dataclass(frozen=True)
 class Tail:
@@ -46,7 +40,7 @@ class Tail:
     scale: float
 
     @classmethod
-    def of(cls, evidence: Floats, most: float) -> "Tail":
+    def of(cls, evidence: Floats, most: float, least: float = 1.0) -> "Tail":
         """Return the tail by maximum likelihood.
 
         Parameters
@@ -55,14 +49,16 @@ class Tail:
             Of blocks without a pulse.
         most : float [nats]
             Blocks of more evidence are taken for pulses: the excesses' distribution is cut off there.
+        least : float [nats]
+            Scale of a background that follows its model, by Markov's inequality.
         """
         if len(evidence) == 0:
-            return cls(0.0, _LEAST_SCALE)
+            return cls(0.0, least)
         threshold = float(np.median(evidence))
         excess = evidence[evidence > threshold] - threshold
         if len(excess) == 0:
-            return cls(threshold, _LEAST_SCALE)
-        return cls(threshold, max(_LEAST_SCALE, _scale(float(excess.mean()), most - threshold)))
+            return cls(threshold, least)
+        return cls(threshold, max(least, _scale(float(excess.mean()), most - threshold)))
 
     def nats(self, evidence: float) -> float:
         """Return minus the logarithm of the probability of so evident a block by chance, eq. (m.3)."""
@@ -156,16 +152,17 @@ def _beside(background: Background, rows: Sequence[Rows], joint: int, n_joint: i
     return [pulse for pulse in likely if is_one(pulse)]
 
 
-def _usual(whole: Background, rows: Sequence[Rows]) -> Background:
+def _usual(whole: Background, rows: Sequence[Rows], share: float = 0.75) -> Background:
     """Return the background of those three quarters of the blocks that are likeliest by that of the whole.
 
-    Pushes of a joint that seldom moves may be much of what is known of it.
+    Pushes of a joint that seldom moves may be much of what is known of it. The share is a compromise of efficiency and
+    robustness (Rousseeuw and Van Driessen 2006).
     """
     densities = [whole.mean_log_density(part, LONGEST_PULSE_S) for part in rows]
     known = np.concatenate([density[part.known] for density, part in zip(densities, rows, strict=True)])
     if len(known) == 0:
         return whole
-    least = float(np.quantile(known, 1.0 - _USUAL))
+    least = float(np.quantile(known, 1.0 - share))
     usual = [
         replace(part, known=part.known & (density >= least)) for density, part in zip(densities, rows, strict=True)
     ]
