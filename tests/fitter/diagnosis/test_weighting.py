@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from fitter.diagnosis.noise_floor import weighting
+from fitter.diagnosis.noise_floor import first_weighting
 from fitter.diagnosis.whitening import holding_shapes
 from tests.fitter.diagnosis.searched import swinging
 from tests.fitter.diagnosis.two_joints import regression_of_two
@@ -17,7 +17,7 @@ def regression():
 def test_noise_is_as_large_as_it_was_made():
     """0.01 N m and 2e-4 rad, by its third differences; their power per band is kept on a thinned grid."""
     run = regression_of_two(trials=4)
-    found = weighting(run.arm, run.motions)
+    found = first_weighting(run.arm, run.motions)
     thinned = np.sqrt(run.motions[0].trial.dt_s / run.motions[0].dt_s)
     np.testing.assert_allclose(found.torque_noise, 0.01 * thinned, rtol=0.1)
     np.testing.assert_allclose(np.sqrt(np.diag(found.acceleration_noise)), 2e-4 * thinned, rtol=0.1)
@@ -25,7 +25,7 @@ def test_noise_is_as_large_as_it_was_made():
 
 
 def test_a_torque_of_any_size_that_holds_a_joint_leaves_nothing(regression):
-    unknown = weighting(regression.arm, regression.motions)
+    unknown = first_weighting(regression.arm, regression.motions)
     motion = next(one for one in regression.motions if np.any(one.stuck))
     shapes = holding_shapes(motion.stuck[:, 0], motion.dt_s)
     seen, left = unknown.whitened_at(motion, 0, shapes), unknown.filtered_at(motion, 0, shapes)
