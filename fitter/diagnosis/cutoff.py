@@ -23,8 +23,8 @@ from fitter.diagnosis.motion import SAMPLES
 BAND_SHARE = 0.6
 
 
-#: Columns are cut off at this frequency [Hz], or higher where motion is quicker: arms move below 10 Hz, and overtones
-#: of friction and gravity go a little further.
+#: Columns are cut off at this frequency [Hz], or higher where motion is quicker: arms move below 10 Hz, and
+#: overtones of friction and gravity go a little further.
 CORNER_HZ = 30.0
 
 

@@ -12,6 +12,7 @@ from fitter.data.motions import Measured
 from fitter.data.resample import Uniform, resample, split_at_holes
 from fitter.data.trials import FIT_CORNER, Trial, derive, undriven
 from fitter.diagnosis.cutoff import chatter, corner_hz
+from fitter.diagnosis.error_floor import regression_of
 from fitter.diagnosis.evidence import Floor
 from fitter.diagnosis.finding import Finding
 from fitter.diagnosis.held_out import judged_sets
@@ -19,7 +20,6 @@ from fitter.diagnosis.hypotheses import hypotheses
 from fitter.diagnosis.least_squares import MOST_CAUSES, PLAINLY
 from fitter.diagnosis.model import Candidate, Model
 from fitter.diagnosis.motion import Motion
-from fitter.diagnosis.noise_floor import regression_of
 from fitter.diagnosis.polish import polished
 from fitter.diagnosis.pushes import with_pushes
 from fitter.diagnosis.refinement import fitted

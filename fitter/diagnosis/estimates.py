@@ -1,12 +1,11 @@
-"""What was found in numbers: base parameters and effects with standard errors, and the arm that has them."""
+r"""What was found in numbers: base parameters and effects with standard errors.
 
-# DOC r"""How well factors and psi of a fitted model are known together: a sandwich covariance over blocks and trials.
-# DOC
-# DOC Residuals that resemble their neighbours are seen within trials (Huber 1967); what makes whole trials pull their
-# DOC own way, in how differently they do (Liang and Zeger 1986); and what a model lacks alike in all of them, in
-# DOC neither, so a block has no more of it than one number a joint (`evidence`).
-# DOC """
-# DOC
+Factors and psi have a sandwich covariance over blocks and trials. Residuals that resemble their neighbours are
+seen within trials (Huber 1967); what makes whole trials pull their own way, in how differently they do (Liang and
+Zeger 1986); and what a model lacks alike in all of them, in neither, so a block has no more of it than one number
+a joint (`evidence`).
+"""
+
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
@@ -16,13 +15,11 @@ from scipy.stats import chi2
 
 from arm.base_parameters import BaseParameters
 from arm.model import Arm, Floats
-from arm.regressor import standard_parameters
 from fitter.diagnosis.evidence import lacking
 from fitter.diagnosis.least_squares import BLOCK_S, CONFIDENCE, ROUNDED, SLOPE, TINY
 from fitter.diagnosis.model import Candidate, Hypothesis
 from fitter.diagnosis.motion import Motion
 from fitter.diagnosis.regression import Regression
-from fitter.dynamics.physical import nearest_possible
 from fitter.dynamics.structure import structural_parameters
 from fitter.search.fitted_parameter import FittedParameter
 from fitter.search.standard_errors import sandwich_covariance
@@ -66,7 +63,7 @@ def estimates(regression: Regression, fitted: Candidate, covariance: Floats | No
     n_base = len(fitted.x) - sum(hypothesis.n_column for hypothesis in model.hypotheses)
     std = np.sqrt(np.maximum(np.diag(covariance), 0.0))
     view = regression.view(model, regression.motions[0])
-    base = structural_parameters(_generic(regression.arm, view.arm))
+    base = structural_parameters(generic_arm(regression.arm, view.arm))
     kept = regression.equations.independent(view.arm)
     values, errors = np.full((2, len(base.names)), np.nan)
     where = [base.independent.index(int(column)) for column in kept]
@@ -81,28 +78,6 @@ def estimates(regression: Regression, fitted: Candidate, covariance: Floats | No
         effects.append(_numbers(hypothesis, psi, factors, covariance[np.ix_(own, own)], regression.motions))
         at, psi_at = at + hypothesis.n_column, psi_at + len(psi)
     return Estimates(base, values, errors, tuple(effects), covariance)
-
-
-def possible_base(regression: Regression, fitted: Candidate) -> Floats:
-    """Return base parameters of links that can exist, the nearest to those of a fitted model, (n_base,).
-
-    Parameters
-    ----------
-    regression : Regression
-    fitted : Candidate
-
-    Raises
-    ------
-    NotConverged
-        If there are none.
-    """
-    view = regression.view(fitted.model, regression.motions[0])
-    base = structural_parameters(_generic(regression.arm, view.arm))
-    where = [base.independent.index(int(column)) for column in regression.equations.independent(view.arm)]
-    values = np.full(len(base.names), np.nan)
-    values[where] = fitted.x[: len(where)]
-    possible = nearest_possible(regression.arm, base, values)
-    return np.asarray((base.combination @ standard_parameters(possible))[where], dtype=np.float64)
 
 
 def significant(fitted: Candidate, covariance: Floats) -> list[bool]:
@@ -130,7 +105,7 @@ def significant(fitted: Candidate, covariance: Floats) -> list[bool]:
     return said
 
 
-def _generic(arm: Arm, tilted: Arm) -> Arm:
+def generic_arm(arm: Arm, tilted: Arm) -> Arm:
     """Return the arm in a gravity that hides nothing that the tilted one shows."""
     x, y, z = (
         float(g0 if g == g0 else g0 + 0.7 + 0.1 * k)

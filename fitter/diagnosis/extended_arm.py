@@ -1,10 +1,4 @@
-"""The factors and psi of a fitted model as numbers of an arm with effects, and simulations for any of them.
-
-Trials are cut into windows (multiple shooting; Bock 1983). Under a control law a trial is one window: the law
-pulls the simulation back to the target. With measured torque, or none, nothing does: errors grow, without bound
-where the arm can fall, so a trial is cut every ``horizon_s``. The run's time in effects is the trials' own,
-``began_s + t``.
-"""
+"""A fitted model as an arm with effects, and its factors and psi as that arm's numbers."""
 
 from collections.abc import Sequence
 from contextlib import suppress
@@ -16,12 +10,14 @@ from numpy.typing import NDArray
 from arm.base_parameters import with_base_values
 from arm.model import Arm, Effect, Estimate, Floats, Joint
 from arm.physical_links import is_possible, link_parameters
-from fitter.diagnosis.estimates import Estimates
+from arm.regressor import standard_parameters
+from fitter.diagnosis.estimates import Estimates, generic_arm
 from fitter.diagnosis.model import Candidate, Hypothesis
 from fitter.diagnosis.payload import Payload
 from fitter.diagnosis.regression import Regression
 from fitter.dynamics.physical import nearest_possible
 from fitter.dynamics.shooting_effects import Numbers, numbers_of
+from fitter.dynamics.structure import structural_parameters
 from fitter.search.fitted_parameter import FittedParameter
 from limbcal.errors import NotConverged
 
@@ -174,3 +170,25 @@ def _single(effect: Effect) -> list[Effect]:
         pushes.append(replace(effect, parameters={name: effect.parameters[f"{name}_{k}"] for name in names}))
         k += 1
     return pushes
+
+
+def possible_base(regression: Regression, fitted: Candidate) -> Floats:
+    """Return base parameters of links that can exist, the nearest to those of a fitted model, (n_base,).
+
+    Parameters
+    ----------
+    regression : Regression
+    fitted : Candidate
+
+    Raises
+    ------
+    NotConverged
+        If there are none.
+    """
+    view = regression.view(fitted.model, regression.motions[0])
+    base = structural_parameters(generic_arm(regression.arm, view.arm))
+    where = [base.independent.index(int(column)) for column in regression.equations.independent(view.arm)]
+    values = np.full(len(base.names), np.nan)
+    values[where] = fitted.x[: len(where)]
+    possible = nearest_possible(regression.arm, base, values)
+    return np.asarray((base.combination @ standard_parameters(possible))[where], dtype=np.float64)

@@ -9,8 +9,6 @@ units and the base parameters (Förstner and Moonen 1999). What is new in it cou
 It is held against what is new in each of the learning motions beside the other ones.
 """
 
-# DOC """How wrong an arm with its effects is on trials that it was not fitted to: by torque, and by simulated motion."""
-# DOC
 from collections.abc import Sequence
 
 import numpy as np

@@ -43,7 +43,7 @@ class Gain(InDrive):
     is_gradual = True
     distorts = True
     mixes_noise = True
-    #: Gains that are tried first. From far away no slope leads to the right one: what noise leaves changes with it.
+    #: Gains that are tried first. From far away no slope leads to the right one: the noise left changes with it.
     tried = np.geomspace(1.0 / 3.0, 3.0, 20)
 
     def starts(self, motions: Sequence[Motion]) -> Floats:
@@ -178,7 +178,10 @@ def _at_shifts(u: Floats, shifts: Sequence[float]) -> list[Floats]:
 
 
 def lagging(u: Floats, time_constant_s: float, dt_s: float, fine_s: float = 0.002) -> Floats:
-    """Return a torque that follows slowly: ``T x' = u - x``, u a cubic spline, straight between samples of fine_s."""
+    """Return a torque that follows slowly: ``T x' = u - x``, u a cubic spline.
+
+    It is taken to be straight between samples that are no more than ``fine_s`` apart.
+    """
     parts = max(1, math.ceil(dt_s / fine_s))
     between = _at_shifts(u, [-k / parts for k in range(1, parts)]) if parts > 1 else []
     fine = np.stack([u, *between], axis=1).ravel()

@@ -1,7 +1,9 @@
-"""Trials as a diagnosis sees them: on the run's clock, with the drive's torque, and where friction is known."""
+"""Trials as a diagnosis sees them, and what they look like if some hypotheses hold.
 
-# DOC """What a motion looks like if some hypotheses hold: another arm, angle or torque, further columns."""
-# DOC
+A motion is a trial on the run's clock, with the drive's torque, and where friction is known. A view of it has
+another arm, angle or torque, and further columns.
+"""
+
 from dataclasses import dataclass, field, replace
 
 import numpy as np

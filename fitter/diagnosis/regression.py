@@ -98,7 +98,7 @@ class Regression:
         self.equations = Equations(arm, weighted, denied, known)
         #: The sensors' noise alone, where no more is known of the masses.
         self.sensors = weighted
-        #: Which part of the equations' variance is no noise of the sensors (`floor`), 0 to 1.
+        #: Which part of the equations' variance is no noise of the sensors (`error_floor`), 0 to 1.
         self.floor_part = 0.0
         #: Where joints rest, if something is lacking.
         self.rests: RestLimits | None = None

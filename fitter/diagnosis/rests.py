@@ -1,6 +1,6 @@
 r"""What rests tell: friction holds a joint, so no more is asked of it there than friction can hold.
 
-While a joint is stuck its friction is not known, and its equation is eliminated (`equation`). But friction is no
+While a joint is stuck its friction is not known, and its equation is eliminated (`weighting`). But friction is no
 larger than it is while the joint moves, and some static friction F that is the same in all rests: so the torque h
 that is held, in windows of a rest, and where the joint is torn away, obeys
 

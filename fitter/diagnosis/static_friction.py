@@ -1,21 +1,20 @@
-"""Static friction: a joint at rest is held by more than ever resists it while it moves.
+r"""Static friction: a joint at rest is held by more than ever resists it while it moves.
 
-The equations of a stuck joint tell nothing of the arm, and are eliminated from every fit (`equation`). They do
+The equations of a stuck joint tell nothing of the arm, and are eliminated from every fit (`weighting`). They do
 tell what holds the joint: the drive's torque less the arm's own. Coulomb friction holds up to its own level;
 whatever holds more is the paper's F.
+
+What holds a joint by more than its friction: static friction, or friction that falls as the joint moves.
+
+At rest both are the same. Stribeck's hump of that height, ``A exp(-(v / v_s)^2)``, is still there while the joint
+creeps; how wide it may be, or must be, is told by the motion. Its height is told by the rests: at least what has
+held beyond Coulomb friction,
+
+    A = max(A_held, (x / s_x^2 + A_0 / s_0^2) / (1 / s_x^2 + 1 / s_0^2)),
+
+with the fit's own factor x of the hump, and the A_0 that the rests make likely.
 """
 
-# DOC r"""What holds a joint by more than its friction: static friction, or friction that falls as the joint moves.
-# DOC
-# DOC At rest both are the same. Stribeck's hump of that height, ``A exp(-(v / v_s)^2)``, is still there while the joint
-# DOC creeps; how wide it may be, or must be, is told by the motion. Its height is told by the rests: at least what has
-# DOC held beyond Coulomb friction,
-# DOC
-# DOC     A = max(A_held, (x / s_x^2 + A_0 / s_0^2) / (1 / s_x^2 + 1 / s_0^2)),
-# DOC
-# DOC with the fit's own factor x of the hump, and the A_0 that the rests make likely.
-# DOC """
-# DOC
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 

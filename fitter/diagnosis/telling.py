@@ -1,7 +1,5 @@
-"""What a search has come to, as a finding: causes with their equals, all candidates, the arm, errors and gain."""
+"""What follows from a search: the verdict, and a finding of causes with their equals, the arm, errors and gain."""
 
-# DOC """What follows from a search: a verdict, the model that holds, its numbers, what it leaves, what rests tell."""
-# DOC
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 

@@ -6,12 +6,13 @@ from contextlib import suppress
 import numpy as np
 from scipy.stats import chi2
 
-from fitter.diagnosis.estimates import estimates, possible_base, significant
+from fitter.diagnosis.error_floor import floored, part_of_floor
+from fitter.diagnosis.estimates import estimates, significant
 from fitter.diagnosis.evidence import KNOWN, SIZE_KNOWN, Fit, Floor, blocks_of, likelihood_of
+from fitter.diagnosis.extended_arm import possible_base
 from fitter.diagnosis.least_squares import ITERATIONS, NEGLIGIBLE, ODDS_NATS, ROUNDED
 from fitter.diagnosis.mass_density import MassDensity
 from fitter.diagnosis.model import Candidate, Hypothesis, Model
-from fitter.diagnosis.noise_floor import floored, part_of_floor
 from fitter.diagnosis.refinement import Starts, by_learning, fitted
 from fitter.diagnosis.regression import Regression
 from fitter.diagnosis.rests import Rests

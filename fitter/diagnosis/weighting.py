@@ -5,15 +5,14 @@ torques j there, of a few shapes each (`whitening`) and of known variance, make 
 ``I + sum j j^T``, so with the singular values s of all of them, equations count ``1 / sqrt(1 + s^2)`` times along
 each of their axes. Those of any size are eliminated from both sides, which costs what they could have told and
 leaves the noise of everything else white.
+
+A motion's equations on the slower grid, their noise white: their products without what may hold a joint.
+
+What may hold a joint takes rows V to ``V - U diag(l) U'V``, with orthonormal axes U and what is lost along each,
+l. Products of such rows are ``V'V - Z'Z`` with ``Z = diag(sqrt(l (2 - l))) U'V``, so one pass along the axes gives
+them, and what a model leaves is freed as one column: the rows themselves seldom need be.
 """
 
-# DOC """A motion's equations on the slower grid, their noise white: their products without what may hold a joint.
-# DOC
-# DOC What may hold a joint takes rows V to ``V - U diag(l) U'V``, with orthonormal axes U and what is lost along each,
-# DOC l. Products of such rows are ``V'V - Z'Z`` with ``Z = diag(sqrt(l (2 - l))) U'V``, so one pass along the axes gives
-# DOC them, and what a model leaves is freed as one column: the rows themselves seldom need be.
-# DOC """
-# DOC
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property

@@ -12,7 +12,7 @@ away that tells something. A slower grid holds all that is left.
 
 What holds a stuck joint, what a jump has done within the step it came in, and what the ends of a motion do have
 shapes. Those of any size are eliminated from the equations, those whose size is known roughly only weigh less
-(`equation`).
+(`weighting`).
 """
 
 from collections.abc import Sequence

@@ -1,4 +1,10 @@
-"""."""
+"""The numbers of an arm with effects, and its simulations for any of them.
+
+Trials are cut into windows (multiple shooting; Bock 1983). Under a control law a trial is one window: the law
+pulls the simulation back to the target. With measured torque, or none, nothing does: errors grow, without bound
+where the arm can fall, so a trial is cut every ``horizon_s``. The run's time in effects is the trials' own,
+``began_s + t``.
+"""
 
 import math
 from collections.abc import Sequence

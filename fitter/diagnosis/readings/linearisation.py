@@ -146,7 +146,7 @@ class Linearisation:
     def motion_rows(self, creep: float = 2e-3) -> tuple[Floats, Floats]:
         """Return slopes (n, n_channel + n_joint, 3 n_joint) by the motion, and the residual, both with unit noise.
 
-        The last rows say that velocities are zero in a rest, but for ``creep`` [rad/s or m/s]: an arm creeps for long.
+        The last rows say that velocities are zero in a rest but for ``creep`` [rad/s or m/s]: arms creep for long.
         """
         n, n_channel = self.expected.shape
         n_joint = self.q.shape[1]

@@ -151,7 +151,8 @@ def noise_factor(trials: Trials, fitted: Fitted, degrees: int = 10) -> float:
     """Return the noise's variance as a share of what was measured in third differences of the readings.
 
     What is left from frame to frame once the motion is known is nearly nothing but noise, whatever the sensors
-    get wrong slowly; the median over frames does not mind a jolt. A frame's differences are some ``degrees`` of freedom.
+    get wrong slowly; the median over frames does not mind a jolt. A frame's differences
+    have some ``degrees`` of freedom.
     """
     squares = []
     for at in judging_residuals(trials, fitted):

@@ -13,10 +13,10 @@ from scipy.stats import chi2
 from arm.model import Arm, Floats
 from fitter.diagnosis.least_squares import FOREMOST, NEGLIGIBLE, ODDS_NATS, SIGMAS
 from fitter.diagnosis.readings.remaining import Contradiction, contradiction, noise_factor
-from fitter.diagnosis.readings.sensor_effects import EFFECTS
 from fitter.diagnosis.readings.sensor_fit import Trials
 from fitter.diagnosis.readings.sensor_frames import FRAME_RATE_HZ, TrialFrames
 from fitter.diagnosis.readings.sensor_screening import Screened, base_frequencies, screened
+from fitter.diagnosis.readings.suspected_effects import EFFECTS
 from fitter.diagnosis.readings.suspects import ORDINARY_BIAS, Fitted, SensorHypothesis, Suspect, with_suspect
 from limbcal.errors import DataError
 from tracking.smoother import Smoother

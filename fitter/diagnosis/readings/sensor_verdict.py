@@ -3,10 +3,10 @@
 A cause is accepted if it explains more of trials that it was not fitted to than chance would, in units of the
 noise. A rival is its equal if these trials don't tell the two apart; then the one with fewer numbers that differ
 from nothing is preferred, and if they have as many, both are named.
+
+Its finding says so, with the numbers of the causes and what they leave.
 """
 
-# DOC """What a diagnosis of the sensors found, and which experiment would say more."""
-# DOC
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 

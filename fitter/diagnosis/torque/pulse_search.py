@@ -100,7 +100,8 @@ class Search:
         """Return standard errors of start, duration and size, and the logarithm of the likelihood's volume.
 
         Both by Fisher's information of Student's location. The volume is in units of the places that are sought,
-        times the unit of the size, by Laplace; -inf where most of the pulse lies where nothing is known. Slopes are taken over a ``part`` of the duration.
+        times the unit of the size, by Laplace; -inf where most of the pulse lies where nothing is known.
+        Slopes are taken over a ``part`` of the duration.
         """
         step, rows = part * duration_s, self.rows
         ends = [(s, d) for s in (-step, step) for d in (0.0,)] + [(0.0, -step), (0.0, step)]

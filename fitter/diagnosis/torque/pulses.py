@@ -155,8 +155,8 @@ def _beside(background: Background, rows: Sequence[Rows], joint: int, n_joint: i
 def _usual(whole: Background, rows: Sequence[Rows], share: float = 0.75) -> Background:
     """Return the background of those three quarters of the blocks that are likeliest by that of the whole.
 
-    Pushes of a joint that seldom moves may be much of what is known of it. The share is a compromise of efficiency and
-    robustness (Rousseeuw and Van Driessen 2006).
+    Pushes of a joint that seldom moves may be much of what is known of it. The share is a compromise of
+    efficiency and robustness (Rousseeuw and Van Driessen 2006).
     """
     densities = [whole.mean_log_density(part, LONGEST_PULSE_S) for part in rows]
     known = np.concatenate([density[part.known] for density, part in zip(densities, rows, strict=True)])

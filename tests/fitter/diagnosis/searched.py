@@ -5,7 +5,7 @@ from collections.abc import Sequence
 from arm.model import Effect
 from fitter.data.motions import Measured
 from fitter.data.trials import to_trials
-from fitter.diagnosis import noise_floor
+from fitter.diagnosis import error_floor
 from fitter.diagnosis.model import Hypothesis, Model
 from fitter.diagnosis.refinement import fitted
 from fitter.diagnosis.regression import Regression
@@ -23,12 +23,12 @@ _MOST = 4
 def regression_of(motions: Sequence[Measured], learning: int) -> Regression:
     """Return a pendulum's equations; so many of its motions, the first ones, may be learnt from."""
     trials = to_trials(motions, cutoff_hz=25.0)
-    return noise_floor.regression_of(pendulum(), run_of(pendulum(), trials[:learning], trials[learning:]))
+    return error_floor.regression_of(pendulum(), run_of(pendulum(), trials[:learning], trials[learning:]))
 
 
 def swinging(*effects: Effect, trials: int = 8, seed: int = 2) -> Regression:
     """Return the equations of a pendulum that has some effects; half of its trials may be learnt from."""
-    return noise_floor.regression_of(swings(effects, trials=trials, seed=seed), trials // 2)
+    return error_floor.regression_of(swings(effects, trials=trials, seed=seed), trials // 2)
 
 
 def found_in(regression: Regression, tried: Sequence[Hypothesis]) -> tuple[TorqueLikelihood, Found]:

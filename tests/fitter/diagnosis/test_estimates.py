@@ -8,10 +8,10 @@ import pytest
 from arm.effects.catalogue import catalogue
 from fitter.data.trials import to_trials
 from fitter.diagnosis.at_joint import AtJoint
-from fitter.diagnosis.estimates import estimates, possible_base, significant
-from fitter.diagnosis.extended_arm import extended_arm
+from fitter.diagnosis.error_floor import regression_of
+from fitter.diagnosis.estimates import estimates, significant
+from fitter.diagnosis.extended_arm import extended_arm, possible_base
 from fitter.diagnosis.model import Model
-from fitter.diagnosis.noise_floor import regression_of
 from fitter.diagnosis.refinement import fitted
 from fitter.diagnosis.run import run_of
 from tests.fitter.diagnosis.two_joints import regression_of_two

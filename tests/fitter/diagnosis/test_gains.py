@@ -9,9 +9,9 @@ from benchmarks.hidden_arms.cases import draw_case
 from benchmarks.hidden_arms.hiding import Bench
 from fitter.data.motions import read_motions
 from fitter.data.trials import to_trials
+from fitter.diagnosis.error_floor import regression_of, reweighted
 from fitter.diagnosis.hypotheses import hypotheses
 from fitter.diagnosis.model import Model
-from fitter.diagnosis.noise_floor import regression_of, reweighted
 from fitter.diagnosis.refinement import Starts, fitted
 from fitter.diagnosis.run import run_of
 from fitter.diagnosis.screening import screen

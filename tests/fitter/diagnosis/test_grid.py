@@ -9,12 +9,12 @@ from arm.effects.catalogue import catalogue
 from arm.model import Effect
 from fitter.data.trials import to_trials
 from fitter.diagnosis.at_joint import AtJoint
+from fitter.diagnosis.error_floor import regression_of
 from fitter.diagnosis.grid import Grid
 from fitter.diagnosis.in_arm import FrictionDrift, GravityTilt
 from fitter.diagnosis.in_drive import Gain, Lag
 from fitter.diagnosis.least_squares import scaled_lstsq
 from fitter.diagnosis.model import Model
-from fitter.diagnosis.noise_floor import regression_of
 from fitter.diagnosis.pushes import Pushes
 from fitter.diagnosis.refinement import Starts, fitted, refined
 from fitter.diagnosis.regression import Regression

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from fitter.data.trials import to_trials
+from fitter.diagnosis.error_floor import regression_of
 from fitter.diagnosis.held_out import likeness, novelty
 from fitter.diagnosis.held_out_error import Errors, Judged
-from fitter.diagnosis.noise_floor import regression_of
 from fitter.diagnosis.run import run_of
 from tests.fitter.pendulum import pendulum, swings
 

@@ -7,10 +7,10 @@ import pytest
 
 from arm.model import Control, Floats
 from fitter.data.trials import to_trials
+from fitter.diagnosis.error_floor import regression_of
 from fitter.diagnosis.held_out import judged, unfiltered
 from fitter.diagnosis.held_out_error import Errors
 from fitter.diagnosis.model import Candidate, Model
-from fitter.diagnosis.noise_floor import regression_of
 from fitter.diagnosis.run import run_of
 from tests.fitter.pendulum import pendulum, swings
 

@@ -12,10 +12,10 @@ from arm.model import Effect
 from arm.simulation import simulate
 from fitter.data.motions import Measured
 from fitter.data.trials import to_trials
+from fitter.diagnosis.error_floor import regression_of
 from fitter.diagnosis.in_drive import Lag, Limit, _shifted, delayed, lagging
 from fitter.diagnosis.model import Model
 from fitter.diagnosis.motion import view_of
-from fitter.diagnosis.noise_floor import regression_of
 from fitter.diagnosis.refinement import fitted
 from fitter.diagnosis.run import run_of
 from tests.fitter.pendulum import pendulum, swings

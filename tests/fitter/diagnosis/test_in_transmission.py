@@ -6,11 +6,11 @@ import pytest
 from arm.effects.catalogue import catalogue
 from arm.model import Effect
 from fitter.data.trials import to_trials
+from fitter.diagnosis.error_floor import regression_of
 from fitter.diagnosis.estimates import estimates
 from fitter.diagnosis.in_transmission import Backlash, Elasticity
 from fitter.diagnosis.model import Model
 from fitter.diagnosis.motion import Motion, view_of
-from fitter.diagnosis.noise_floor import regression_of
 from fitter.diagnosis.refinement import fitted
 from fitter.diagnosis.run import run_of
 from tests.fitter.pendulum import pendulum, swings

@@ -9,11 +9,11 @@ from hypothesis import strategies as st
 
 from arm.effects.catalogue import catalogue
 from fitter.diagnosis.at_joint import AtJoint
+from fitter.diagnosis.error_floor import regression_of
 from fitter.diagnosis.in_arm import RotorInertia
 from fitter.diagnosis.least_squares import Normal
 from fitter.diagnosis.mass_density import MassDensity
 from fitter.diagnosis.model import Model
-from fitter.diagnosis.noise_floor import regression_of
 from fitter.diagnosis.static_friction import HeldStribeck
 from tests.fitter.diagnosis.searched import swinging
 from tests.fitter.diagnosis.two_joints import regression_of_two

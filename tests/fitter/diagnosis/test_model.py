@@ -8,11 +8,11 @@ from hypothesis import strategies as st
 from arm.effects.catalogue import catalogue
 from arm.model import Effect
 from fitter.data.trials import to_trials
+from fitter.diagnosis.error_floor import regression_of
 from fitter.diagnosis.estimates import estimates
 from fitter.diagnosis.hypotheses import hypotheses
 from fitter.diagnosis.in_transmission import Backlash, Elasticity
 from fitter.diagnosis.model import Candidate, Model
-from fitter.diagnosis.noise_floor import regression_of
 from fitter.diagnosis.play import play_of
 from fitter.diagnosis.refinement import fitted
 from fitter.diagnosis.run import run_of

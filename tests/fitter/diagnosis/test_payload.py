@@ -6,7 +6,7 @@ import pytest
 from arm.model import Effect
 from fitter.data.resample import resample
 from fitter.data.trials import derive
-from fitter.diagnosis import noise_floor
+from fitter.diagnosis import error_floor
 from fitter.diagnosis.model import Model
 from fitter.diagnosis.payload import Payload, find_payloads
 from fitter.diagnosis.regression import Regression
@@ -16,7 +16,7 @@ from tests.fitter.pendulum import pendulum, swings
 
 def regression_of(effect: Effect) -> Regression:
     trials = [derive(resample(motion), 30.0, 40.0) for motion in swings((effect,), trials=6)]
-    return noise_floor.regression_of(pendulum(), run_of(pendulum(), trials[:3], trials[3:]))
+    return error_floor.regression_of(pendulum(), run_of(pendulum(), trials[:3], trials[3:]))
 
 
 def found(effect: Effect) -> list[Payload]:

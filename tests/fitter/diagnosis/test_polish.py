@@ -8,13 +8,13 @@ import pytest
 from arm.effects.catalogue import catalogue
 from arm.model import Effect
 from fitter.diagnosis.at_joint import AtJoint
+from fitter.diagnosis.error_floor import regression_of
 from fitter.diagnosis.estimates import estimates, information_of
 from fitter.diagnosis.evidence import Floor
 from fitter.diagnosis.finding import Conclusion
 from fitter.diagnosis.functions import Remainder
 from fitter.diagnosis.in_arm import RotorInertia
 from fitter.diagnosis.model import Candidate, Model
-from fitter.diagnosis.noise_floor import regression_of
 from fitter.diagnosis.polish import is_measured, loses, polished
 from fitter.diagnosis.refinement import fitted
 from fitter.diagnosis.run import run_of

@@ -8,10 +8,10 @@ from arm.effects.catalogue import catalogue
 from arm.model import Effect
 from fitter.data.trials import to_trials
 from fitter.diagnosis.at_joint import AtJoint
+from fitter.diagnosis.error_floor import regression_of
 from fitter.diagnosis.in_arm import JointZero
 from fitter.diagnosis.in_drive import Lag
 from fitter.diagnosis.model import Hypothesis, Model
-from fitter.diagnosis.noise_floor import regression_of
 from fitter.diagnosis.refinement import refined
 from fitter.diagnosis.regression import Regression
 from fitter.diagnosis.run import run_of

@@ -14,13 +14,13 @@ from fitter.data.motions import Measured
 from fitter.data.trials import to_trials
 from fitter.diagnosis.at_joint import AtJoint
 from fitter.diagnosis.equations import Equations
+from fitter.diagnosis.error_floor import regression_of
 from fitter.diagnosis.errors_in_variables import added, noise_of
 from fitter.diagnosis.in_arm import FrictionDrift, GravityTilt
 from fitter.diagnosis.in_drive import Delay, Gain, Lag, Limit
 from fitter.diagnosis.in_transmission import Elasticity
 from fitter.diagnosis.least_squares import scaled_lstsq
 from fitter.diagnosis.model import Model
-from fitter.diagnosis.noise_floor import regression_of
 from fitter.diagnosis.payload import Payload
 from fitter.diagnosis.run import run_of
 from fitter.diagnosis.weighting import Columns

@@ -7,8 +7,8 @@ import pytest
 
 from arm.effects.catalogue import catalogue
 from fitter.diagnosis.at_joint import AtJoint
+from fitter.diagnosis.error_floor import regression_of
 from fitter.diagnosis.model import Model
-from fitter.diagnosis.noise_floor import regression_of
 from fitter.diagnosis.rests import Rests
 from fitter.diagnosis.screening import screen
 from fitter.diagnosis.torque_likelihood import TorqueLikelihood

@@ -9,9 +9,9 @@ from arm.model import Control, Effect, Friction
 from arm.simulation import simulate
 from fitter.data.motions import Measured
 from fitter.data.trials import to_trials
+from fitter.diagnosis.error_floor import regression_of
 from fitter.diagnosis.estimates import estimates
 from fitter.diagnosis.model import Model
-from fitter.diagnosis.noise_floor import regression_of
 from fitter.diagnosis.refinement import fitted
 from fitter.diagnosis.run import run_of
 from fitter.diagnosis.static_friction import holdings, hump_of

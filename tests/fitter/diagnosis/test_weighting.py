@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from fitter.diagnosis.noise_floor import first_weighting
+from fitter.diagnosis.error_floor import first_weighting
 from fitter.diagnosis.whitening import holding_shapes
 from tests.fitter.diagnosis.searched import swinging
 from tests.fitter.diagnosis.two_joints import regression_of_two

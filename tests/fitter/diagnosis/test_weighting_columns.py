@@ -6,10 +6,10 @@ import pytest
 from arm.effects.catalogue import catalogue
 from fitter.data.trials import to_trials
 from fitter.diagnosis.at_joint import AtJoint
+from fitter.diagnosis.error_floor import regression_of
 from fitter.diagnosis.in_arm import JointZero
 from fitter.diagnosis.least_squares import own_square, scaled_lstsq
 from fitter.diagnosis.model import Model
-from fitter.diagnosis.noise_floor import regression_of
 from fitter.diagnosis.regression import Regression
 from fitter.diagnosis.run import run_of
 from fitter.diagnosis.weighting import Columns

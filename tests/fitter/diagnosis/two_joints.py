@@ -9,7 +9,7 @@ from arm.model import Arm, Effect
 from arm.simulation import simulate
 from fitter.data.motions import Measured
 from fitter.data.trials import to_trials
-from fitter.diagnosis.noise_floor import regression_of
+from fitter.diagnosis.error_floor import regression_of
 from fitter.diagnosis.regression import Regression
 from fitter.diagnosis.run import run_of
 

@@ -5,10 +5,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from fitter.diagnosis.readings.sensor_effects import EFFECTS
 from fitter.diagnosis.readings.sensor_fit import Trials
 from fitter.diagnosis.readings.sensor_frames import trials_of
 from fitter.diagnosis.readings.sensor_search import first_motions
+from fitter.diagnosis.readings.suspected_effects import EFFECTS
 from fitter.diagnosis.readings.suspects import ORDINARY_BIAS, Suspect, with_suspect, with_theta
 
 WRONG = (0.3, -0.2, 0.25)

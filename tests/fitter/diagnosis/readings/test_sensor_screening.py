@@ -5,11 +5,11 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from fitter.diagnosis.readings.sensor_effects import EFFECTS
 from fitter.diagnosis.readings.sensor_fit import Trials
 from fitter.diagnosis.readings.sensor_frames import trials_of
 from fitter.diagnosis.readings.sensor_screening import base_frequencies, screened
 from fitter.diagnosis.readings.sensor_search import first_motions
+from fitter.diagnosis.readings.suspected_effects import EFFECTS
 from fitter.diagnosis.readings.suspects import Fitted, Suspect, with_suspect
 
 

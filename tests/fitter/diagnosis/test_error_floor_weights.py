@@ -11,9 +11,9 @@ from fitter.data.motions import Measured
 from fitter.data.trials import to_trials
 from fitter.diagnosis.cutoff import noise_of_angles
 from fitter.diagnosis.equations import Equations
+from fitter.diagnosis.error_floor import holding_sizes, regression_of, reweighted
 from fitter.diagnosis.hypotheses import hypotheses
 from fitter.diagnosis.model import Model
-from fitter.diagnosis.noise_floor import holding_sizes, regression_of, reweighted
 from fitter.diagnosis.refinement import fitted
 from fitter.diagnosis.regression import Regression
 from fitter.diagnosis.run import run_of

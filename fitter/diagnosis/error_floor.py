@@ -1,20 +1,19 @@
-"""The noise of the equations under a model: causes change the masses that noise of the angles is multiplied by.
+r"""The noise of the equations under a model: causes change the masses that noise of the angles is multiplied by.
 
 What one draw of noise, sent the way of the data, leaves under a model tells how it is weighed. What the drive asks
 of a joint that rests tells how large the torque may be that holds it: no larger than what was seen to hold it
 anywhere. A joint that is asked for 1 N m, and has never been held by more than 0.01, moves at once; unknown
 torques of any size next to such a start could do whatever a lag, a limit or a play does to it.
+
+The floor: how much the model lacks, as noise of each joint's equation beside the sensors'.
+
+.. math:: S_j(f) = P_j + D_j + E_j Q_j (2 \pi f)^4
+
+``P`` and ``Q`` are the sensors' noise under the model. ``D`` is a white missing torque, and ``E`` more noise of
+the angles than is known of, both by maximum likelihood (Whittle 1953) of what a model leaves of the learning
+trials. Where the model is exact there is no floor: ``D = 0, E = 1``.
 """
 
-# DOC r"""The floor: how much the model lacks, as noise of each joint's equation beside the sensors'.
-# DOC
-# DOC .. math:: S_j(f) = P_j + D_j + E_j Q_j (2 \pi f)^4
-# DOC
-# DOC ``P`` and ``Q`` are the sensors' noise under the model. ``D`` is a white missing torque, and ``E`` more noise of
-# DOC the angles than is known of, both by maximum likelihood (Whittle 1953) of what a model leaves of the learning
-# DOC trials. Where the model is exact there is no floor: ``D = 0, E = 1``.
-# DOC """
-# DOC
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 

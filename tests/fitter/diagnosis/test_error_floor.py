@@ -7,9 +7,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from fitter.diagnosis.error_floor import _freedom, _likeliest, floored, part_of_floor, regression_of
 from fitter.diagnosis.evidence import Floor
 from fitter.diagnosis.model import Model
-from fitter.diagnosis.noise_floor import _freedom, _likeliest, floored, part_of_floor, regression_of
 from fitter.diagnosis.refinement import fitted
 from tests.fitter.diagnosis.searched import swinging
 from tests.fitter.diagnosis.two_joints import regression_of_two

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from fitter.diagnosis.readings.linearisation import instruments_of, linearise
-from fitter.diagnosis.readings.sensor_effects import EFFECTS
 from fitter.diagnosis.readings.sensor_frames import trials_of
+from fitter.diagnosis.readings.suspected_effects import EFFECTS
 from fitter.diagnosis.readings.suspects import Suspect
 
 #: Where each is asked, and how far to either side, for what is not smooth in it is not small against noise.
@@ -51,7 +51,7 @@ def test_columns_are_slopes(trial, name):
 
 def test_those_that_begin_as_neutral_change_nothing_there(trial):
     nominal = instruments_of(trial[0])
-    for name, kind in EFFECTS.items():
+    for kind in EFFECTS.values():
         if kind.begins_neutral:
             changed = Suspect(kind, None if kind.whole else 1).changed(nominal, np.array(kind.neutral))
             np.testing.assert_allclose(changed.bias, nominal.bias)
