@@ -7,7 +7,7 @@ each of their axes. Those of any size are eliminated from both sides, which cost
 leaves the noise of everything else white.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -32,11 +32,12 @@ class Weighting(Whitening):
 
     Attributes
     ----------
-    holding : (n_joint,) [N m or N]
-        What holds a stuck joint may be so large, as a standard deviation; inf where nothing tells.
+    holding : mapping of int to (n_sample, n_joint) [N m or N]
+        Standard deviation of what may hold each joint, by the motions' numbers; inf, or no entry, where nothing
+        tells.
     """
 
-    holding: Floats
+    holding: Mapping[int, Floats]
     _held: dict[int, tuple[Floats, Floats]] = field(default_factory=dict, init=False, repr=False)
     _told: dict[int, Floats] = field(default_factory=dict, init=False, repr=False)
 
@@ -121,10 +122,11 @@ class Weighting(Whitening):
         ends = end_shapes(n, motion.dt_s)
         anyhow = [_at(j, ends, n_joint) for j in range(n_joint)]
         roughly = [jump_shapes(motion.jumps, n, n_joint)]
-        for j, holding in enumerate(self.holding):
+        holding = self.holding.get(motion.number, np.full(motion.q.shape, np.inf))
+        for j, size in enumerate(holding.T):
             shapes = holding_shapes(motion.stuck[:, j], motion.dt_s)
-            if np.isfinite(holding):
-                roughly.append(_at(j, holding * shapes, n_joint))
+            if np.all(np.isfinite(size)):
+                roughly.append(_at(j, size[:, None] * shapes, n_joint))
                 shapes = rest_shapes(motion.stuck[:, j], motion.dt_s)
             anyhow.append(_at(j, shapes, n_joint))
         white = (self.white(np.concatenate(part, axis=2), motion.dt_s) for part in (anyhow, roughly))
@@ -186,5 +188,4 @@ def weighting(arm: Arm, motions: Sequence[Motion]) -> Weighting:
     dt_s = max(motion.dt_s for motion in motions)
     corner = min(*(motion.trial.cutoff_hz for motion in motions), 0.4 / dt_s)
     band = BAND_SHARE * corner
-    nothing_told = np.full(arm.n_joint, np.inf)
-    return Weighting(torque, acceleration, band, max(1, int(1.0 / (dt_s * 0.5 * SAMPLES * band))), nothing_told)
+    return Weighting(torque, acceleration, band, max(1, int(1.0 / (dt_s * 0.5 * SAMPLES * band))), {})

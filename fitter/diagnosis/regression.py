@@ -6,7 +6,6 @@ The columns' factors and the base parameters follow from psi by linear least squ
 
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
-from dataclasses import replace
 from functools import cached_property
 
 import numpy as np
@@ -28,7 +27,7 @@ from fitter.diagnosis.mass_density import MassDensity
 from fitter.diagnosis.model import Model
 from fitter.diagnosis.motion import Motion
 from fitter.diagnosis.rests import Rests
-from fitter.diagnosis.reweighting import holding_sizes, reweighted
+from fitter.diagnosis.reweighting import reweighted
 from fitter.diagnosis.rows import Equations
 from fitter.diagnosis.view import View
 from fitter.diagnosis.white_rows import Rows
@@ -291,6 +290,4 @@ class Regression:
         values = scaled_lstsq(
             np.vstack([one.design for one in rows]), np.concatenate([one.target.ravel() for one in rows])
         )
-        weighted = reweighted(crude, crude.weighting, Model(), values, self.motions, self.noisier)
-        fine = Equations(self.arm, weighted, self.denied, crude.known)
-        return replace(weighted, holding=holding_sizes(fine, Model(), values, self.motions))
+        return reweighted(crude, crude.weighting, Model(), values, self.motions, self.noisier)

@@ -17,7 +17,7 @@ from fitter.diagnosis.least_squares import PLAINLY, ROUNDED, SIGMAS, TINY
 from fitter.diagnosis.model import Model
 from fitter.diagnosis.motion import Motion
 from fitter.diagnosis.rows import Equations
-from fitter.diagnosis.whitening import WINDOW_S, inner_rests
+from fitter.diagnosis.whitening import WINDOW_S, Whitening, inner_rests
 
 #: The noise's size is known to a tenth (`whitening`) …
 SIZE_KNOWN = 0.1
@@ -94,26 +94,31 @@ def reweighted(
         count += int(np.count_nonzero(inside))
     size, axes = np.linalg.eigh(total / max(count, 1))
     least = np.sqrt(ROUNDED) * max(float(size.max()), TINY)
-    noise = (axes * np.maximum(size, least)) @ axes.T
-    return replace(used, acceleration_noise=noise)
+    noisy = replace(used, acceleration_noise=(axes * np.maximum(size, least)) @ axes.T)
+    return replace(noisy, holding=holding_sizes(equations, noisy, model, x, motions))
 
 
-def holding_sizes(equations: Equations, model: Model, x: Floats, motions: Sequence[Motion]) -> Floats:
-    """Return the standard deviation of what may hold each joint.
+def holding_sizes(
+    equations: Equations, weighting: Whitening, model: Model, x: Floats, motions: Sequence[Motion]
+) -> dict[int, Floats]:
+    """Return the standard deviation of what may hold each joint, by the motions' numbers.
 
     It is told by what holds it well inside its rests, where it was seen to stand still for a while: the drive's
-    torque less the arm's own. Coulomb friction is allowed for in any case.
+    torque less the arm's own. What the model's friction could hold is allowed for in any case, whatever that
+    depends on: a joint that has just begun to move is not seen to, and its friction counts already.
 
     Parameters
     ----------
     equations : Equations
+    weighting : Whitening
+        By it noise is not taken for what holds a joint.
     model : Model
     x : (n_factor,)
     motions : sequence of Motion
 
     Returns
     -------
-    (n_joint,) [N m or N]
+    mapping of int to (n_sample, n_joint) [N m or N]
         inf where nothing tells: a joint never rests for long, and its Coulomb friction was denied.
     """
     largest = np.full(equations.arm.n_joint, np.nan)
@@ -124,9 +129,22 @@ def holding_sizes(equations: Equations, model: Model, x: Floats, motions: Sequen
                 weight = np.hanning(min(rest.stop - rest.start, round(WINDOW_S / motion.dt_s)) + 2)[1:-1]
                 weight /= weight.sum()
                 seen = np.abs(np.convolve(held[rest, j], weight, "valid"))
-                beyond = float(seen.max()) - SIGMAS * equations.weighting.mean_noise(j, weight, motion.dt_s)
+                beyond = float(seen.max()) - SIGMAS * weighting.mean_noise(j, weight, motion.dt_s)
                 largest[j] = np.fmax(largest[j], max(beyond, 0.0))
-    coulomb = np.abs(equations.friction(model, x, motions[0])[:, 1])
-    unseen = np.inf if "fc" in equations.denied else _ALLOWED * coulomb
-    held = np.where(np.isnan(largest), unseen, np.fmax(largest, coulomb))
-    return np.asarray(_ALLOWED * held, dtype=np.float64)
+    found = {}
+    for motion in motions:
+        friction = _friction(equations, model, x, motion)
+        unseen = np.inf if "fc" in equations.denied else _ALLOWED * friction
+        found[motion.number] = _ALLOWED * np.where(np.isnan(largest), unseen, np.fmax(largest, friction))
+    return found
+
+
+def _friction(equations: Equations, model: Model, x: Floats, motion: Motion) -> Floats:
+    """Return the friction of joints at rest, if they were about to move either way, (n_sample, n_joint)."""
+    coulomb = np.abs(equations.friction(model, x, motion)[:, 1])
+    found = np.broadcast_to(coulomb, motion.q.shape)
+    if not any(hypothesis.kind.holds for hypothesis in model.hypotheses):
+        return found
+    ways = (replace(motion, direction=np.where(motion.stuck, way, motion.direction)) for way in (1.0, -1.0))
+    forward, backward = (equations.left(model, x, one) for one in ways)
+    return np.maximum(found, 0.5 * np.abs(forward - backward))

@@ -73,22 +73,36 @@ def starts():
 
 def test_what_was_seen_to_hold_limits_what_may_hold(starts):
     """The jump asks for 2 to 4 N m; the joint was never held by more than friction."""
-    assert COULOMB < starts.weighting.holding[0] < 10.0 * COULOMB
+    for size in starts.weighting.holding.values():
+        assert np.all((size > COULOMB) & (size < 10.0 * COULOMB))
 
 
 def test_a_joint_that_never_rests_for_long_is_held_by_little_more_than_friction(starts):
     moving = [replace(motion, stuck=np.zeros_like(motion.stuck)) for motion in starts.motions]
     x = starts.solve(Model(), starts.learning)
-    assert 2.0 * COULOMB < holding_sizes(starts.equations, Model(), x, moving)[0] < 8.0 * COULOMB
+    for size in holding_sizes(starts.equations, starts.weighting, Model(), x, moving).values():
+        assert np.all((size > 2.0 * COULOMB) & (size < 8.0 * COULOMB))
     denied = Equations(starts.arm, starts.weighting, ("fc",))
-    assert holding_sizes(denied, Model(), x[:-1], moving)[0] == np.inf  # nothing tells of friction
+    for size in holding_sizes(denied, denied.weighting, Model(), x[:-1], moving).values():
+        assert np.all(np.isinf(size))  # nothing tells of friction
+
+
+def test_friction_that_grows_with_the_load_may_hold_as_much(starts):
+    """A joint that has just begun to move is taken for stuck, and its friction counts already."""
+    (load,) = (h for h in hypotheses(1, (), driven=True) if h.kind.name == "load_friction")
+    model = Model().plus(load, np.zeros(0))
+    x = np.append(starts.solve(Model(), starts.learning), 0.3)
+    for motion in starts.motions:
+        at_rest = motion.stuck[:, 0]
+        size = holding_sizes(starts.equations, starts.weighting, model, x, starts.motions)[motion.number][:, 0]
+        assert np.all(size[at_rest] >= 2.0 * 0.3 * np.abs(motion.u[at_rest, 0]))
 
 
 def test_a_start_tells_of_a_lag_unless_anything_might_hold(starts):
     (lag,) = (h for h in hypotheses(1, (), driven=True) if h.kind.name == "actuator_lag")
     found = fitted(starts, Model().plus(lag, np.array([0.002])))
     assert found.model.psi[0][0] == pytest.approx(LAG_S, rel=0.15)
-    anything = starts.weighted_by(replace(starts.weighting, holding=np.array([np.inf])))
+    anything = starts.weighted_by(replace(starts.weighting, holding={}))
     gains = [
         1.0 - fitted(one, found.model, refine=False).squares.sum() / fitted(one, Model()).squares.sum()
         for one in (starts, anything)
