@@ -66,34 +66,42 @@ def part_of_floor(own: Weighting, with_floor: Weighting) -> float:
 def _spectra(regression: Regression, candidate: Candidate) -> tuple[Floats, Floats, Floats]:
     """Return frequencies (n,), the power of what is left there, and its degrees of freedom, (n, n_joint).
 
-    Residuals are white under the weights in use, without what is not known, such as what holds a joint; they get
-    back the colour that the weights took.
+    Residuals are white under the weights in use, without anything along the axes of what is not known, such as
+    what holds a joint: how much of that is left in them depends on how large it was. They get back the colour that
+    the weights took.
     """
     weighting = regression.weighting
     parts: list[Sequence[Floats]] = []
     for motion in regression.learning:
-        white = regression.rows(candidate.model, motion).left(candidate.x)
+        left = regression.rows(candidate.model, motion).left(candidate.x)
+        white = _known(weighting, motion, left.reshape(-1, 1)).reshape(left.shape)
         f = np.fft.rfftfreq(len(white), weighting.stride * motion.dt_s).astype(np.float64)
         inside = (f > 0.0) & (weighting.band(f) == 1.0)
         root = np.linalg.cholesky(np.array([weighting.covariance(at) for at in f[inside]]))
         colour = (root @ np.fft.rfft(white, axis=0)[inside, :, None])[:, :, 0]
-        left = root @ _freedom(weighting, motion)[inside] @ root.mT
-        freedom = np.einsum("fjj->fj", left).real / np.sum(root**2, axis=2)
+        free = root @ _freedom(weighting, motion)[inside] @ root.mT
+        freedom = np.einsum("fjj->fj", free).real / np.sum(root**2, axis=2)
         parts.append((f[inside], np.abs(colour) ** 2 / len(white), np.maximum(freedom, np.sqrt(ROUNDED))))
     f, power, freedom = (np.concatenate(column) for column in zip(*parts, strict=True))
     return f, np.asarray(power, dtype=np.float64), freedom
 
 
+def _known(weighting: Weighting, motion: Motion, flat: Floats) -> Floats:
+    """Return white rows (n_slower * n_joint, n_column) without anything along the axes of what is not known."""
+    axes, _ = weighting.axes(motion)
+    return np.asarray(flat - axes @ (axes.T @ flat), dtype=np.float64)
+
+
 def _freedom(weighting: Weighting, motion: Motion) -> NDArray[np.complex128]:
     r"""Return what is left of white noise at every frequency, as covariance of joints, (n, n_joint, n_joint).
 
-    What holds a joint is eliminated along axes ``u`` of which a part ``l`` is lost, so of the noise's power
-    ``I - \sum l (2 - l) U(f) U(f)^H / n`` is left: little of it where the joint rests and the frequency is low.
+    All along the axes ``u`` of what is not known is eliminated, so of the noise's power
+    ``I - \sum U(f) U(f)^H / n`` is left: little of it where a joint rests and the frequency is low.
     """
-    axes, lost = weighting.axes(motion)
+    axes, _ = weighting.axes(motion)
     rows = axes.reshape(-1, motion.q.shape[1], axes.shape[1])
-    spectra = scipy.fft.rfft(rows, axis=0) * np.sqrt(lost * (2.0 - lost) / len(rows))
-    return np.eye(rows.shape[1]) - spectra @ spectra.conj().mT
+    spectra = scipy.fft.rfft(rows, axis=0) / np.sqrt(len(rows))
+    return np.asarray(np.eye(rows.shape[1]) - spectra @ spectra.conj().mT, dtype=np.complex128)
 
 
 def _likeliest(power: Floats, freedom: Floats, torque: Floats | float, angle: Floats) -> tuple[float, float]:

@@ -94,8 +94,8 @@ def reweighted(
         count += int(np.count_nonzero(inside))
     size, axes = np.linalg.eigh(total / max(count, 1))
     least = np.sqrt(ROUNDED) * max(float(size.max()), TINY)
-    noisy = replace(used, acceleration_noise=(axes * np.maximum(size, least)) @ axes.T)
-    return replace(noisy, holding=holding_sizes(equations, noisy, model, x, motions))
+    found = replace(used, acceleration_noise=(axes * np.maximum(size, least)) @ axes.T)
+    return replace(found, holding=holding_sizes(equations, found, model, x, motions))
 
 
 def holding_sizes(
@@ -147,4 +147,4 @@ def _friction(equations: Equations, model: Model, x: Floats, motion: Motion) -> 
         return found
     ways = (replace(motion, direction=np.where(motion.stuck, way, motion.direction)) for way in (1.0, -1.0))
     forward, backward = (equations.left(model, x, one) for one in ways)
-    return np.maximum(found, 0.5 * np.abs(forward - backward))
+    return np.asarray(np.maximum(found, 0.5 * np.abs(forward - backward)), dtype=np.float64)
