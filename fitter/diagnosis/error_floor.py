@@ -1,9 +1,6 @@
 r"""The noise of the equations under a model: causes change the masses that noise of the angles is multiplied by.
 
-What one draw of noise, sent the way of the data, leaves under a model tells how it is weighed. What the drive asks
-of a joint that rests tells how large the torque may be that holds it: no larger than what was seen to hold it
-anywhere. A joint that is asked for 1 N m, and has never been held by more than 0.01, moves at once; unknown
-torques of any size next to such a start could do whatever a lag, a limit or a play does to it.
+What one draw of noise, sent the way of the data, leaves under a model tells how it is weighed.
 
 The floor: how much the model lacks, as noise of each joint's equation beside the sensors'.
 
@@ -27,12 +24,12 @@ from fitter.diagnosis.cutoff import BAND_SHARE, noise_of_angles, white_noise
 from fitter.diagnosis.equations import Equations
 from fitter.diagnosis.errors_in_variables import noisier
 from fitter.diagnosis.evidence import KNOWN, Floor
-from fitter.diagnosis.least_squares import NEGLIGIBLE, ROUNDED, SIGMAS, TINY, scaled_lstsq
+from fitter.diagnosis.holding_torque import holding_sizes
+from fitter.diagnosis.least_squares import NEGLIGIBLE, ROUNDED, TINY, scaled_lstsq
 from fitter.diagnosis.model import Candidate, Model
 from fitter.diagnosis.motion import SAMPLES, Motion
 from fitter.diagnosis.regression import Regression
 from fitter.diagnosis.weighting import Weighting
-from fitter.diagnosis.whitening import LASTS_S, inner_rests
 
 
 def regression_of(
@@ -59,8 +56,6 @@ def regression_of(
         np.vstack([one.design for one in rows]), np.concatenate([one.target.ravel() for one in rows])
     )
     weighted = reweighted(crude, crude.weighting, Model(), values, motions, noisier(arm, motions))
-    fine = Equations(arm, weighted, denied, known)
-    weighted = replace(weighted, holding=holding_sizes(fine, Model(), values, motions))
     return Regression(arm, motions, weighted, denied, known)
 
 
@@ -103,46 +98,8 @@ def reweighted(
         count += int(np.count_nonzero(inside))
     size, axes = np.linalg.eigh(total / max(count, 1))
     least = np.sqrt(ROUNDED) * max(float(size.max()), TINY)
-    noise = (axes * np.maximum(size, least)) @ axes.T
-    return replace(used, acceleration_noise=noise)
-
-
-def holding_sizes(
-    equations: Equations, model: Model, x: Floats, motions: Sequence[Motion], allowed: float = 2.0
-) -> Floats:
-    """Return the standard deviation of what may hold each joint.
-
-    It is told by what holds it well inside its rests, where it was seen to stand still for a while: the drive's
-    torque less the arm's own. Coulomb friction is allowed for in any case.
-
-    Parameters
-    ----------
-    equations : Equations
-    model : Model
-    x : (n_factor,)
-    motions : sequence of Motion
-    allowed : float
-        Multiple of the largest torque that has held which is one standard deviation: more might have held.
-
-    Returns
-    -------
-    (n_joint,) [N m or N]
-        inf where nothing tells: a joint never rests for long, and its Coulomb friction was denied.
-    """
-    largest = np.full(equations.arm.n_joint, np.nan)
-    for motion in motions:
-        held = equations.left(model, x, motion)
-        for j in range(len(largest)):
-            for rest in inner_rests(motion.stuck[:, j], motion.dt_s):
-                weight = np.hanning(min(rest.stop - rest.start, round(2.0 * LASTS_S / motion.dt_s)) + 2)[1:-1]
-                weight /= weight.sum()
-                seen = np.abs(np.convolve(held[rest, j], weight, "valid"))
-                beyond = float(seen.max()) - SIGMAS * equations.weighting.mean_noise(j, weight, motion.dt_s)
-                largest[j] = np.fmax(largest[j], max(beyond, 0.0))
-    coulomb = np.abs(equations.friction(model, x, motions[0])[:, 1])
-    unseen = np.inf if "fc" in equations.denied else allowed * coulomb
-    held = np.where(np.isnan(largest), unseen, np.fmax(largest, coulomb))
-    return np.asarray(allowed * held, dtype=np.float64)
+    found = replace(used, acceleration_noise=(axes * np.maximum(size, least)) @ axes.T)
+    return replace(found, holding=holding_sizes(equations, found, model, x, motions))
 
 
 def first_weighting(arm: Arm, motions: Sequence[Motion]) -> Weighting:
@@ -172,8 +129,7 @@ def first_weighting(arm: Arm, motions: Sequence[Motion]) -> Weighting:
     dt_s = max(motion.dt_s for motion in motions)
     corner = min(*(motion.trial.cutoff_hz for motion in motions), 0.4 / dt_s)
     band = BAND_SHARE * corner
-    nothing_told = np.full(arm.n_joint, np.inf)
-    return Weighting(torque, acceleration, band, max(1, int(1.0 / (dt_s * 0.5 * SAMPLES * band))), nothing_told)
+    return Weighting(torque, acceleration, band, max(1, int(1.0 / (dt_s * 0.5 * SAMPLES * band))), {})
 
 
 def floored(regression: Regression, candidate: Candidate) -> tuple[Weighting, Weighting, Floor]:
@@ -218,34 +174,42 @@ def part_of_floor(own: Weighting, with_floor: Weighting) -> float:
 def _spectra(regression: Regression, candidate: Candidate) -> tuple[Floats, Floats, Floats]:
     """Return frequencies (n,), the power of what is left there, and its degrees of freedom, (n, n_joint).
 
-    Residuals are white under the weights in use, without what is not known, such as what holds a joint; they get
-    back the colour that the weights took.
+    Residuals are white under the weights in use, without anything along the axes of what is not known, such as
+    what holds a joint: how much of that is left in them depends on how large it was. They get back the colour that
+    the weights took.
     """
     weighting = regression.weighting
     parts: list[Sequence[Floats]] = []
     for motion in regression.learning:
-        white = regression.rows(candidate.model, motion).left(candidate.x)
+        left = regression.rows(candidate.model, motion).left(candidate.x)
+        white = _known(weighting, motion, left.reshape(-1, 1)).reshape(left.shape)
         f = np.fft.rfftfreq(len(white), weighting.stride * motion.dt_s).astype(np.float64)
         inside = (f > 0.0) & (weighting.band(f) == 1.0)
         root = np.linalg.cholesky(np.array([weighting.covariance(at) for at in f[inside]]))
         colour = (root @ np.fft.rfft(white, axis=0)[inside, :, None])[:, :, 0]
-        left = root @ _freedom(weighting, motion)[inside] @ root.mT
-        freedom = np.einsum("fjj->fj", left).real / np.sum(root**2, axis=2)
+        free = root @ _freedom(weighting, motion)[inside] @ root.mT
+        freedom = np.einsum("fjj->fj", free).real / np.sum(root**2, axis=2)
         parts.append((f[inside], np.abs(colour) ** 2 / len(white), np.maximum(freedom, np.sqrt(ROUNDED))))
     f, power, freedom = (np.concatenate(column) for column in zip(*parts, strict=True))
     return f, np.asarray(power, dtype=np.float64), freedom
 
 
+def _known(weighting: Weighting, motion: Motion, flat: Floats) -> Floats:
+    """Return white rows (n_slower * n_joint, n_column) without anything along the axes of what is not known."""
+    axes, _ = weighting.axes(motion)
+    return np.asarray(flat - axes @ (axes.T @ flat), dtype=np.float64)
+
+
 def _freedom(weighting: Weighting, motion: Motion) -> NDArray[np.complex128]:
     r"""Return what is left of white noise at every frequency, as covariance of joints, (n, n_joint, n_joint).
 
-    What holds a joint is eliminated along axes ``u`` of which a part ``l`` is lost, so of the noise's power
-    ``I - \sum l (2 - l) U(f) U(f)^H / n`` is left: little of it where the joint rests and the frequency is low.
+    All along the axes ``u`` of what is not known is eliminated, so of the noise's power
+    ``I - \sum U(f) U(f)^H / n`` is left: little of it where a joint rests and the frequency is low.
     """
-    axes, lost = weighting.axes(motion)
+    axes, _ = weighting.axes(motion)
     rows = axes.reshape(-1, motion.q.shape[1], axes.shape[1])
-    spectra = scipy.fft.rfft(rows, axis=0) * np.sqrt(lost * (2.0 - lost) / len(rows))
-    return np.eye(rows.shape[1]) - spectra @ spectra.conj().mT
+    spectra = scipy.fft.rfft(rows, axis=0) / np.sqrt(len(rows))
+    return np.asarray(np.eye(rows.shape[1]) - spectra @ spectra.conj().mT, dtype=np.complex128)
 
 
 def _likeliest(power: Floats, freedom: Floats, torque: Floats | float, angle: Floats) -> tuple[float, float]:

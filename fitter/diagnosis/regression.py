@@ -100,6 +100,8 @@ class Regression:
         self.sensors = weighted
         #: Which part of the equations' variance is no noise of the sensors (`error_floor`), 0 to 1.
         self.floor_part = 0.0
+        #: The share of the noise that is left by the drive of the model by which the equations are weighed.
+        self.own_share = np.ones(arm.n_joint)
         #: Where joints rest, if something is lacking.
         self.rests: RestLimits | None = None
         #: Of the motions, where something moves them that the model lacks.
@@ -243,6 +245,13 @@ class Regression:
     def scale(self, model: Model, x: Floats) -> Floats:
         """Return by how much residuals of a model count more because it leaves less noise in them, (n_joint,).
 
+        Less than the model by which they are weighed: its own have the variance that they are expected to.
+        """
+        return np.asarray(1.0 / np.sqrt(self.noise_share(model, x) / self.own_share))
+
+    def noise_share(self, model: Model, x: Floats) -> Floats:
+        """Return which share of the noise's variance is left by a drive that is late, weak or unequal, (n_joint,).
+
         Noise of the angles enters times masses that are in proportion to the torque that is let through: a
         torque that is cut off to nothing would leave nothing, and explain nothing.
         """
@@ -251,7 +260,7 @@ class Regression:
             left = self._noisy.of(model, self.learning, by_joint=True).left(x)
             floor = self.floor_part * np.sum([self.weighting.told_at_joints(one) for one in self.learning], axis=0)
             now = now * np.maximum((floor + left) / (floor + self._plainly(model)), UNEXPLAINED)
-        return np.asarray(1.0 / np.sqrt(now))
+        return np.asarray(now, dtype=np.float64)
 
     def _plainly(self, model: Model) -> Floats:
         """Return the noise that a model leaves without a drive that is late, weak or unequal, (n_joint,)."""

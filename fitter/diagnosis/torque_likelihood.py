@@ -187,6 +187,7 @@ class TorqueLikelihood:
         anew = self.regression.weighted_by(weighted)
         anew.sensors = own
         anew.floor_part = part_of_floor(own, weighted)
+        anew.own_share = anew.noise_share(candidate.model, candidate.x)
         weight = self._weight * anew.floor_part
         if weight > NEGLIGIBLE:
             count = {motion.number: anew.weighting.told_at_joints(motion) for motion in anew.motions}

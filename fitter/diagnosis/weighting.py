@@ -13,7 +13,7 @@ l. Products of such rows are ``V'V - Z'Z`` with ``Z = diag(sqrt(l (2 - l))) U'V`
 them, and what a model leaves is freed as one column: the rows themselves seldom need be.
 """
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 
@@ -34,11 +34,12 @@ class Weighting(Whitening):
 
     Attributes
     ----------
-    holding : (n_joint,) [N m or N]
-        What holds a stuck joint may be so large, as a standard deviation; inf where nothing tells.
+    holding : mapping of int to (n_sample, n_joint) [N m or N]
+        Standard deviation of what may hold each joint, by the motions' numbers; inf, or no entry, where nothing
+        tells.
     """
 
-    holding: Floats
+    holding: Mapping[int, Floats]
     _held: dict[int, tuple[Floats, Floats]] = field(default_factory=dict, init=False, repr=False)
     _told: dict[int, Floats] = field(default_factory=dict, init=False, repr=False)
 
@@ -123,10 +124,11 @@ class Weighting(Whitening):
         ends = end_shapes(n, motion.dt_s)
         anyhow = [_at(j, ends, n_joint) for j in range(n_joint)]
         roughly = [jump_shapes(motion.jumps, n, n_joint)]
-        for j, holding in enumerate(self.holding):
+        holding = self.holding.get(motion.number, np.full(motion.q.shape, np.inf))
+        for j, size in enumerate(holding.T):
             shapes = holding_shapes(motion.stuck[:, j], motion.dt_s)
-            if np.isfinite(holding):
-                roughly.append(_at(j, holding * shapes, n_joint))
+            if np.all(np.isfinite(size)):
+                roughly.append(_at(j, size[:, None] * shapes, n_joint))
                 shapes = rest_shapes(motion.stuck[:, j], motion.dt_s)
             anyhow.append(_at(j, shapes, n_joint))
         white = (self.white(np.concatenate(part, axis=2), motion.dt_s) for part in (anyhow, roughly))

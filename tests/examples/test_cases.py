@@ -15,7 +15,7 @@ from fitter.__main__ import COMMANDS
 from limbcal.arguments import parser_of
 
 ROOT = Path(__file__).parents[2]
-PATIENCE_S = 60.0
+PATIENCE_S = 300.0
 ANSWER = {
     "verdict": "ambiguous",
     "complete": False,

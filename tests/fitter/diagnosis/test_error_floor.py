@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from fitter.diagnosis.error_floor import _freedom, _likeliest, floored, part_of_floor, regression_of
+from fitter.diagnosis.error_floor import _freedom, _known, _likeliest, floored, part_of_floor, regression_of
 from fitter.diagnosis.evidence import Floor
 from fitter.diagnosis.model import Model
 from fitter.diagnosis.refinement import fitted
@@ -101,11 +101,16 @@ def test_both_parts_are_told_apart_by_their_colour(seed, white, steep):
 
 
 def test_noise_that_is_left_where_joints_are_held_is_told_at_every_frequency(plain_two):
-    """By draws of it: little is left of low frequencies where a joint rests, and all of high ones."""
+    """By draws of it: little is left of low frequencies where a joint rests, and all of high ones.
+
+    Whatever held the joints: a torque there of any size changes nothing.
+    """
     weighting, motion = plain_two.weighting, plain_two.learning[0]
     n, n_joint = -(-len(motion.t) // weighting.stride), motion.q.shape[1]
-    draws = np.random.default_rng(5).normal(size=(n * n_joint, 2000))
-    left = np.fft.rfft(weighting.freed(motion, draws).reshape(n, n_joint, -1), axis=0)
+    rng = np.random.default_rng(5)
+    draws, axes = rng.normal(size=(n * n_joint, 2000)), weighting.axes(motion)[0]
+    held = axes @ rng.normal(size=(axes.shape[1], draws.shape[1]), scale=100.0)
+    left = np.fft.rfft(_known(weighting, motion, draws + held).reshape(n, n_joint, -1), axis=0)
     power = left @ left.conj().mT / (n * draws.shape[1])
     freedom = _freedom(weighting, motion)
     np.testing.assert_allclose(freedom, power, atol=0.15)  # five standard errors

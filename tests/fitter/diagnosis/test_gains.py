@@ -40,3 +40,4 @@ def test_it_is_found_from_afar(seed: int, bench: Bench, tmp_path: Path) -> None:
             regression.equations, regression.weighting, best.model, best.x, regression.motions, regression.noisier
         )
         regression = regression.weighted_by(own)
+        regression.own_share = regression.noise_share(best.model, best.x)

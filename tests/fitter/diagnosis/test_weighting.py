@@ -21,7 +21,7 @@ def test_noise_is_as_large_as_it_was_made():
     thinned = np.sqrt(run.motions[0].trial.dt_s / run.motions[0].dt_s)
     np.testing.assert_allclose(found.torque_noise, 0.01 * thinned, rtol=0.1)
     np.testing.assert_allclose(np.sqrt(np.diag(found.acceleration_noise)), 2e-4 * thinned, rtol=0.1)
-    assert np.all(np.isinf(found.holding))
+    assert not found.holding  # nothing tells yet
 
 
 def test_a_torque_of_any_size_that_holds_a_joint_leaves_nothing(regression):
