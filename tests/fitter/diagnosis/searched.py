@@ -28,7 +28,7 @@ def regression_of(motions: Sequence[Measured], learning: int) -> Regression:
 
 def swinging(*effects: Effect, trials: int = 8, seed: int = 2) -> Regression:
     """Return the equations of a pendulum that has some effects; half of its trials may be learnt from."""
-    return error_floor.regression_of(swings(effects, trials=trials, seed=seed), trials // 2)
+    return regression_of(swings(effects, trials=trials, seed=seed), trials // 2)
 
 
 def found_in(regression: Regression, tried: Sequence[Hypothesis]) -> tuple[TorqueLikelihood, Found]:
