@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from arm.arm_file import load_arm
+from arm.kinematics import axis_frames
 from arm.model import Arm, Control, Effect, Friction
 from arm.newton_euler import mass_matrix
 from arm.outer_wrench import touched_forward_dynamics
@@ -197,3 +198,16 @@ def test_what_does_not_fit_is_refused() -> None:
             arm.reset(q)
     with pytest.raises(DataError, match="joint is 3, expected one of 1 to 2"):
         arm.take(Grip(3, (0.0, 0.0, 0.0)), Hand(np.zeros(3)))
+
+
+def test_a_place_on_one_link_is_not_that_on_another() -> None:
+    drawn, point = draw_arm(np.random.default_rng(3), 3), (0.1, -0.05, 0.2)
+    q = np.array([0.3, -0.7, 1.1])
+    arm = TouchedArm(frictionless(drawn, control=Control()), q, T, Coupling())
+    for held in (1, 2, 3):
+        arm.take(Grip(held, point), Hand(arm.touched_point(Grip(held, point))))
+        arm.step(1, Hand(arm.touched_point(Grip(held, point))))
+        for joint in (1, 2, 3):
+            pose = axis_frames(drawn, arm.state[:1])[0, joint - 1]
+            expected = pose[:3, :3] @ np.array(point) + pose[:3, 3]
+            np.testing.assert_allclose(arm.touched_point(Grip(joint, point)), expected, rtol=0, atol=1e-6)
