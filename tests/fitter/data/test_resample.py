@@ -29,6 +29,12 @@ def test_an_even_clock_keeps_its_samples(dt_s):
     assert uniform.measured.t[0] == 0.0
 
 
+def test_stamps_off_the_grid_by_less_than_a_millisecond_were_not_rounded_to_one():
+    t = 0.01 * np.arange(500) + np.random.default_rng(0).uniform(-4e-4, 4e-4, 500)
+    assert not time_step(t)[1]
+    assert time_step(np.round(0.0105 * np.arange(500), 3))[1]  # off by half a millisecond each, as rounding says
+
+
 def test_stamps_rounded_in_a_text_file_are_an_even_clock():
     for rate_hz, decimals in ((32000, 6), (480, 3), (10, 1)):
         step, uniform = time_step(np.round(3.0 + np.arange(5000) / rate_hz, decimals))
