@@ -211,3 +211,15 @@ def test_a_place_on_one_link_is_not_that_on_another() -> None:
             pose = axis_frames(drawn, arm.state[:1])[0, joint - 1]
             expected = pose[:3, :3] @ np.array(point) + pose[:3, 3]
             np.testing.assert_allclose(arm.touched_point(Grip(joint, point)), expected, rtol=0, atol=1e-6)
+
+
+def test_a_hand_that_does_not_say_how_fast_it_is_goes_from_place_to_place() -> None:
+    states = []
+    for says in (True, False):
+        arm = TouchedArm(frictionless(load_arm("dd-arm"), control=Control()), Q0, T, Coupling())
+        x, v = arm.touched_point(arm.tip), np.array([0.2, -0.1, 0.0])
+        arm.take(arm.tip, Hand(x, v if says else None))
+        for k in range(1, 200):
+            arm.step(1, Hand(x + k * T * v, v if says else None))
+        states.append(arm.state.copy())
+    np.testing.assert_allclose(states[0], states[1], rtol=1e-6, atol=1e-9)
