@@ -192,11 +192,11 @@ def test_health_says_where_the_arm_is_and_how_it_is_doing(room: Make, counts: np
     assert np.abs(told["q"]).max() < 0.2  # at rest where it began
     off = [here.pipeline.report(connected=False) for _ in range(5)]
     assert off[-1]["connected"] is False
-    words = [word for one in off for word in one["words"]]  # type: ignore[attr-defined]
+    words = [word for one in off for word in one["words"]]
     assert len(words) == 1 and words[0].startswith("alarm: ") and "there is no device" in words[0]
-    assert [alarm["name"] for alarm in off[-1]["alarms"]] == ["disconnected"]  # type: ignore[attr-defined]
+    assert [alarm["name"] for alarm in off[-1]["alarms"]] == ["disconnected"]
     on = [here.pipeline.report(connected=True) for _ in range(30)]
-    assert [word for one in on for word in one["words"]] == ["over: disconnected "]  # type: ignore[attr-defined]
+    assert [word for one in on for word in one["words"]] == ["over: disconnected "]
 
 
 def test_a_clock_that_is_set_is_told_as_a_gap_without_loss(room: Make, counts: np.ndarray) -> None:

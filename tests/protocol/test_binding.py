@@ -106,7 +106,7 @@ def test_a_gate_is_put_before_what_others_reach(sockets: Callable[[int], Socket]
             self.guarded.append(socket)
 
     gate, socket = Guard(), sockets(zmq.PULL)
-    bind(socket, "tcp://*:*", gate)  # type: ignore[arg-type]
+    bind(socket, "tcp://*:*", gate)
     assert gate.guarded == [socket]
 
 
