@@ -75,8 +75,9 @@ class Controls:
     def show(self, state: Mapping[str, Any] | None, position_s: float) -> None:
         """Show the playback's state, and the place of the frame that is shown."""
         here = state is not None
-        for widget in (self._play, self.time, self._step, self._speed, self._loop, self._trial):
+        for widget in (self._play, self.time, self._speed, self._loop, self._trial):
             widget.disabled = not here
+        self._step.visible = here  # a group of buttons cannot be disabled
         if state is None:
             return
         self._playing = bool(state["playing"])
