@@ -84,8 +84,8 @@ class Controls:
         self._play.label = "Pause" if self._playing else "Play"
         self._play.icon = viser.Icon.PLAYER_PAUSE if self._playing else viser.Icon.PLAYER_PLAY
         stored = not state.get("live")
-        for widget in (self.time, self._step, self._speed, self._loop, self._trial):
-            widget.visible = stored
+        for part in (self.time, self._step, self._speed, self._loop, self._trial):
+            part.visible = stored
         if not stored:
             return
         duration_s = round(float(state["duration_s"]), 6)
