@@ -52,7 +52,7 @@ def test_more_is_further_up(pair: Sampled) -> None:
 def test_below_the_last_there_is_room_for_the_time(pair: Sampled, height: int) -> None:
     plots = draw_plots(pair, WIDTH, height, HEAD)
     left = height - plots.rows[-1][1]
-    assert 20.0 < left <= 0.2 * height + 1.0
+    assert 20.0 < left <= min(0.2 * height, 52.0) + 1.0
     ink = np.any(plots.picture[-int(left) :].astype(int).min(axis=2, keepdims=True) < 120, axis=(1, 2))
     assert ink.sum() > 5 and not ink[-1]  # numbers and a word, none of them cut off
     heights = np.diff(plots.rows, axis=1)
