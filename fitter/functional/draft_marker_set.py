@@ -20,8 +20,9 @@ _MOVES_M = 0.02
 _MAD_TO_STD = 1.4826
 #: Frames, evenly spread, that scatter is taken from.
 _MOST_FRAMES = 1000
-#: Frames in which two markers must be seen together for their distance to say anything.
-_LEAST_TOGETHER = 20
+#: Frames in which two markers must be seen together for their distance to say anything, and their share: in fewer the
+#: person may just not have moved.
+_LEAST_TOGETHER, _LEAST_SHARE_TOGETHER = 20, 0.05
 
 
 @dataclass(frozen=True)
@@ -35,7 +36,7 @@ class Draft:
     scatter_m : tuple of float
         Mean scatter of the distances within each cluster; NaN for a single marker.
     perhaps : tuple of str or None
-        The segment of a built-in set that has most of a cluster's markers.
+        The segment that the markers ride on in a built-in set, or the segments where they are of several.
     """
 
     clusters: tuple[tuple[str, ...], ...]
@@ -58,7 +59,7 @@ class Draft:
             said += [f"perhaps {segment}"] if segment else []
             comment = f"  # {', '.join(said)}" if said else ""
             lines.append(f"cluster_{i + 1} = [{', '.join(map(_quoted, markers))}]{comment}")
-        lines += ["", "[landmarks]", "# acromion_right = …, by the names in DESIGN or docs/commands.md", ""]
+        lines += ["", "[landmarks]", "# acromion_right = \"the marker on it\"", ""]
         return "\n".join(lines)
 
 
@@ -106,7 +107,7 @@ def distance_scatter(frames: Floats) -> Floats:
     scatter = np.full((n, n), np.nan)
     for i in range(n):
         distance = np.linalg.norm(frames - frames[:, i : i + 1], axis=2)
-        enough = np.isfinite(distance).sum(axis=0) >= _LEAST_TOGETHER
+        enough = np.isfinite(distance).sum(axis=0) >= max(_LEAST_TOGETHER, _LEAST_SHARE_TOGETHER * len(frames))
         some = distance[:, enough]
         scatter[i, enough] = _MAD_TO_STD * np.nanmedian(np.abs(some - np.nanmedian(some, axis=0)), axis=0)
     return scatter
@@ -120,14 +121,19 @@ def _within(scatter: Floats, group: np.ndarray) -> float:
 
 
 def _perhaps(cluster: Sequence[str]) -> str | None:
-    """Return the segment that most of a cluster's markers ride on in one of the built-in sets."""
-    votes: dict[str, int] = {}
+    """Return the segments that a cluster's markers ride on in the built-in set that knows most of them."""
+    best: dict[str, int] = {}
     for name in marker_set_names():
-        for segment, listed in load_marker_set(name).segments.items():
-            votes[segment] = max(votes.get(segment, 0), len(set(listed) & set(cluster)))
-    most = max(votes.values(), default=0)
-    best = [segment for segment, count in votes.items() if count == most]
-    return best[0] if 2 * most > len(cluster) and len(best) == 1 else None
+        segments = load_marker_set(name).segments.items()
+        counts = {segment: len(set(listed) & set(cluster)) for segment, listed in segments}
+        if sum(counts.values()) > sum(best.values()):
+            best = {segment: count for segment, count in counts.items() if count}
+    if 2 * sum(best.values()) <= len(cluster):
+        return None
+    first = max(best, key=lambda segment: best[segment])
+    if 3 * best[first] > 2 * sum(best.values()):
+        return first
+    return f"{', '.join(best)}, which hardly moved relative to each other"
 
 
 def _quoted(text: str) -> str:

@@ -18,7 +18,7 @@ from limbcal.errors import DataError
 _MOST_FRAMES = 2000
 _MOST_ITERATIONS = 200
 #: Iterations end where the shape moves by less [m]; a marker is measured to some tenths of a millimetre.
-_CONVERGED_M = 1e-7
+_CONVERGED_M = 1e-6
 
 
 @dataclass(frozen=True)
