@@ -1,12 +1,12 @@
-"""Which motion would reveal what a functional trial left open, joint by joint, in words for the person who moves."""
+"""Which motion would reveal what a functional trial left open, in words for the person who moves."""
 
-#: For a centre: two planes of swing at the least. Ranges as Camomilla et al. (2006) found enough for the hip, star and
-#: arc together; the shoulder below 90°, because above it the scapula must follow (Lempereur et al. 2010).
+#: For a centre: two planes of swing at the least; of the hip star and arc, which Camomilla et al. (2006) found
+#: best; the shoulder below 90°, because above it the scapula must follow.
 _CENTRE = {
     "hip": "swing the leg forward and back, sideways and halfway between, 30° to each side, then in a circle",
     "knee": "bend the knee over 60° and turn the shank inward and outward with the knee bent",
     "ankle": "move the foot up and down, in and out, and in a circle",
-    "shoulder": "swing the arm forward, sideways and halfway between, below the height of the shoulder, then in a circle",
+    "shoulder": "swing the arm forward, sideways and halfway between, not above the shoulder, then in a circle",
     "elbow": "bend the elbow over 90° and turn the palm up and down with the elbow bent",
     "wrist": "bend the hand up and down, to the sides, and in a circle",
 }

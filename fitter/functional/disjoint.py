@@ -1,9 +1,9 @@
 """Disjoint parts of a recording, and what their disagreement says of an answer.
 
-Skin moves coherently over seconds, so the frames' residuals are not independent and an error that is computed as if
-they were is several times too small. What is left out instead is a whole part at a time: the jackknife over parts
-(Efron and Stein 1981; over clusters MacKinnon, Nielsen and Webb 2023) needs no model of how frames hang together
-within a part. A trial is never split between a part and another where there are trials enough.
+Skin moves coherently over seconds, so the frames' residuals are not independent and an error that is computed as
+if they were is several times too small. What is left out instead is a whole part at a time: the jackknife over
+parts (Efron and Stein 1981; over clusters MacKinnon, Nielsen and Webb 2023) needs no model of how frames hang
+together within a part. A trial is never split between a part and another where there are trials enough.
 """
 
 from collections.abc import Callable, Sequence
@@ -92,7 +92,7 @@ def jackknife(answer: Callable[[NDArray[np.bool_]], Floats], n_part: int) -> Flo
 
 
 def coverage_factor(n_part: int, probability: float = 0.95) -> float:
-    """Return how many standard deviations make an interval: Student's t with a degree of freedom less than parts."""
+    """Return how many standard deviations make an interval: Student's t, one degree of freedom below the parts."""
     return float(student.ppf(0.5 + probability / 2.0, n_part - 1)) if n_part > 1 else np.nan
 
 

@@ -8,6 +8,7 @@ from scipy.cluster.hierarchy import fcluster, linkage
 from scipy.spatial.distance import squareform
 
 from arm.model import Floats
+from fitter.functional.anatomy import SEGMENTS
 from fitter.functional.marker_set import load_marker_set, marker_set_names
 from limbcal.errors import DataError
 
@@ -20,8 +21,8 @@ _MOVES_M = 0.02
 _MAD_TO_STD = 1.4826
 #: Frames, evenly spread, that scatter is taken from.
 _MOST_FRAMES = 1000
-#: Frames in which two markers must be seen together for their distance to say anything, and their share: in fewer the
-#: person may just not have moved.
+#: Frames in which two markers must be seen together for their distance to say anything, and their share: in
+#: fewer the person may just not have moved.
 _LEAST_TOGETHER, _LEAST_SHARE_TOGETHER = 20, 0.05
 
 
@@ -46,20 +47,22 @@ class Draft:
     def toml(self, name: str) -> str:
         """Return the text of a marker-set file whose segments the user has still to name."""
         lines = [
-            "# A draft: markers that keep their distances ride on one segment. Give every line the segment's name",
-            "# (pelvis, thorax, scapula_right, upper_arm_right, forearm_right, hand_right, thigh_right, shank_right,",
-            "# foot_right, or with _left), join what belongs together, and take out what rides on nothing.",
+            "# A draft: markers that keep their distances ride on one segment. Give every line its name,",
+            "# join what belongs together, and take out what rides on nothing. The names are",
+            *(f"#   {', '.join(SEGMENTS[i : i + 4])}" for i in range(0, len(SEGMENTS), 4)),
             "schema = 1",
             f"name = {_quoted(name)}",
             "",
             "[segments]",
         ]
-        for i, (markers, scatter, segment) in enumerate(zip(self.clusters, self.scatter_m, self.perhaps, strict=True)):
+        for i, (markers, scatter, segment) in enumerate(
+            zip(self.clusters, self.scatter_m, self.perhaps, strict=True)
+        ):
             said = [] if np.isnan(scatter) else [f"distances keep to {1e3 * scatter:.1f} mm"]
             said += [f"perhaps {segment}"] if segment else []
             comment = f"  # {', '.join(said)}" if said else ""
             lines.append(f"cluster_{i + 1} = [{', '.join(map(_quoted, markers))}]{comment}")
-        lines += ["", "[landmarks]", "# acromion_right = \"the marker on it\"", ""]
+        lines += ["", "[landmarks]", '# acromion_right = "the marker on it"', ""]
         return "\n".join(lines)
 
 
@@ -87,14 +90,14 @@ def draft_marker_set(markers: Sequence[str], trials_m: Sequence[Floats], rigid_m
         raise DataError("no two markers are seen together, expected a recording with clusters of markers")
     if np.max(scatter[known]) < _MOVES_M:
         raise DataError(
-            f"all distances between markers keep to {1e3 * np.max(scatter[known]):.0f} mm, expected a recording in "
-            "which the person moves every joint"
+            f"all distances between markers keep to {1e3 * np.max(scatter[known]):.0f} mm, expected a recording "
+            "in which the person moves every joint"
         )
     filled = np.where(np.isfinite(scatter), scatter, max(_MOVES_M, 2.0 * rigid_m))  # never seen together: apart
     np.fill_diagonal(filled, 0.0)
     label = fcluster(linkage(squareform(filled, checks=False), "average"), rigid_m, "distance")
     groups = sorted((np.flatnonzero(label == one) for one in np.unique(label)), key=lambda g: (-len(g), g[0]))
-    clusters = tuple(tuple(markers[i] for i in group) for group in groups)
+    clusters = tuple(tuple(markers[int(i)] for i in group) for group in groups)
     return Draft(clusters, tuple(_within(scatter, g) for g in groups), tuple(map(_perhaps, clusters)))
 
 

@@ -18,8 +18,8 @@ from fitter.functional.segment_motion import SegmentMotion
 from limbcal.errors import NotIdentifiable
 from limbcal.note import Note
 
-#: A turn about an axis is a hinge's where it is this much larger, rms, than that about the next: the direction is then
-#: decided by the hinge and not by the rest.
+#: A turn about an axis is a hinge's where it is this much larger, rms, than that about the next: the direction
+#: is then decided by the hinge and not by the rest.
 _SINGLE_AXIS = 2.0
 
 
@@ -129,8 +129,8 @@ def _axis_notes(joint: str, turned: Turning) -> tuple[Note, ...]:
     if about[0] >= _SINGLE_AXIS * about[1]:
         return ()
     text = (
-        f"{joint} turned by {np.degrees(about[0]):.0f}° rms about one axis and by {np.degrees(about[1]):.0f}° about "
-        f"another, so that it has no single axis in this motion; to reveal one, {motion_for_axis(joint)}"
+        f"{joint} turned by {np.degrees(about[0]):.0f}° rms about one axis and by {np.degrees(about[1]):.0f}° "
+        f"about another, so that it has no single axis in this motion; to reveal one, {motion_for_axis(joint)}"
     )
     return (Note("no_single_axis", text),)
 

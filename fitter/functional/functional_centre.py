@@ -72,7 +72,7 @@ class FunctionalCentre:
 
     @property
     def half_width_m(self) -> Floats:
-        """Half-widths of the 95 % intervals of the place in the parent, (3,) [m]; infinite where it is not revealed."""
+        """Half-widths of the 95 % intervals of the place in the parent, (3,) [m]; infinite where not revealed."""
         half = coverage_factor(self.n_part) * np.sqrt(np.diag(self.covariance_m2[:3, :3]))
         along = np.abs(self.turning.in_parent[self.unseen]).max(axis=0, initial=0.0) > 1e-6
         return np.where(along, np.inf, half)
@@ -160,8 +160,8 @@ def _centre_notes(
     towards = " and ".join(_along(direction, parent) for direction in turned.in_parent[unseen])
     how = ", ".join(f"{np.degrees(x):.1f}°" for x in turned.turned_rad[unseen])
     text = (
-        f"the motion does not reveal where the centre of {joint} lies along {towards}, which turned by {how} rms only; "
-        f"it is left halfway between the markers of both segments; to reveal it, {motion_for_centre(joint)}"
+        f"the motion does not reveal where the centre of {joint} lies along {towards}, which turned by {how} rms "
+        f"only; it is left halfway between the markers of both segments; to reveal it, {motion_for_centre(joint)}"
     )
     return (Note("hinge", text),)
 

@@ -39,7 +39,7 @@ class MarkerSet:
         return tuple(dict.fromkeys([*on_segments, *self.landmarks.values()]))
 
     def segment_of(self, marker: str) -> str | None:
-        """Return the segment that a marker rides on; by its landmark where no segment lists it; None if none does."""
+        """Return the segment that a marker rides on, or that its landmark is part of; None if there is none."""
         for segment, markers in self.segments.items():
             if marker in markers:
                 return segment
@@ -48,7 +48,9 @@ class MarkerSet:
 
 def marker_set_names() -> list[str]:
     """Return the names of the built-in marker sets."""
-    return sorted(entry.name.removesuffix(".toml") for entry in _BUILT_IN.iterdir() if entry.name.endswith(".toml"))
+    return sorted(
+        entry.name.removesuffix(".toml") for entry in _BUILT_IN.iterdir() if entry.name.endswith(".toml")
+    )
 
 
 def load_marker_set(source: str | Path) -> MarkerSet:
@@ -98,7 +100,9 @@ def parse_marker_set(text: str, where: str) -> MarkerSet:
 
 def _segments(raw: object, where: str, mistakes: list[str]) -> dict[str, tuple[str, ...]]:
     if not isinstance(raw, dict) or not raw:
-        mistakes.append(f"{where}: segments: found {_found(raw)}, expected a table [segments] with at least one segment")
+        mistakes.append(
+            f"{where}: segments: found {_found(raw)}, expected a table [segments] with at least one segment"
+        )
         return {}
     found: dict[str, tuple[str, ...]] = {}
     rides_on: dict[str, str] = {}
@@ -112,9 +116,8 @@ def _segments(raw: object, where: str, mistakes: list[str]) -> dict[str, tuple[s
             continue
         for marker in markers:
             if marker in rides_on:
-                mistakes.append(
-                    f"{where}: segments.{segment}: {marker!r} is on {rides_on[marker]} too, expected each marker once"
-                )
+                twice = f"{marker!r} is on {rides_on[marker]} too, expected each marker once"
+                mistakes.append(f"{where}: segments.{segment}: {twice}")
             rides_on.setdefault(marker, segment)
         found[segment] = tuple(markers)
     return found

@@ -90,7 +90,9 @@ def _wrong_set(marker_set: MarkerSet, missing: Sequence[str], markers: Sequence[
         return []
     name, share = best_built_in(markers)
     better = f"; of {name} there are {100.0 * share:.0f} %" if share > found / len(listed) else ""
-    text = f"only {found} of the {len(listed)} markers of marker set {marker_set.name} are in the recording{better}"
+    text = (
+        f"only {found} of the {len(listed)} markers of marker set {marker_set.name} are in the recording{better}"
+    )
     return [Note("wrong_marker_set", text)]
 
 

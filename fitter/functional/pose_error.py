@@ -11,8 +11,8 @@ import numpy as np
 from arm.model import Floats
 from fitter.functional.rigid_fit import LEAST_WIDTH_M, Poses
 
-#: A marker's noise at the least [m], rms along each axis: some tenths of a millimetre, as makers of optical systems
-#: state it. It only keeps the weights finite where data are free of noise.
+#: A marker's noise at the least [m], rms along each axis: some tenths of a millimetre, as makers of optical
+#: systems state it. It only keeps the weights finite where data are free of noise.
 _LEAST_NOISE_M = 2e-4
 
 

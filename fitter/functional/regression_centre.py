@@ -1,7 +1,7 @@
 """Centres of joints from bony landmarks alone, by published regressions: rivals of what motion tells.
 
-Each says how far off others found it, against images of the bones. All are of people on the average: none knows this
-one.
+Each says how far off others found it, against images of the bones. All are of people on the average: none knows
+this one.
 """
 
 from collections.abc import Callable, Mapping
@@ -39,22 +39,23 @@ class RegressionCentre:
     source: str
 
 
-#: Harrington et al. 2007, the equations of one variable each (abstract: "for single-variable regression, the exclusion
-#: of leg length and pelvic depth from the latter two"): factor and constant [m] forward (of pelvic depth), up and
-#: lateral (of pelvic width). Digits as in two independent programs that cite the paper, whose table we have not seen.
+#: Harrington et al. 2007, the equations of one variable each (abstract: "for single-variable regression, the
+#: exclusion of leg length and pelvic depth from the latter two"): factor and constant [m] forward (of pelvic
+#: depth), up and lateral (of pelvic width). Digits as in two independent programs that cite the paper, whose
+#: table we have not seen.
 _HARRINGTON_FORWARD = (-0.24, -9.9e-3)
 _HARRINGTON_UP = (-0.30, -10.9e-3)
 _HARRINGTON_LATERAL = (0.33, 7.3e-3)
 #: Mantovani et al. 2016 (abstract): 12.3 ± 5.9 mm from the centre in CT, 67 people; sqrt(12.3² + 5.9²).
 _HARRINGTON_ERROR_M = 13.6e-3
-#: Bell, Pedersen, Brand 1990: forward, up and lateral from the middle of the ASIS, of the distance between them; digits
-#: as in the manual of Visual3D. Up and lateral are those of Bell et al. 1989 (abstract: 30 % distal, 14 % medial of the
-#: ASIS, hence 36 % lateral of the middle), whose 22 % posterior the later paper made 19 %.
+#: Bell, Pedersen, Brand 1990: forward, up and lateral from the middle of the ASIS, of the distance between them;
+#: digits as in the manual of Visual3D. Up and lateral are those of Bell et al. 1989 (abstract: 30 % distal, 14 %
+#: medial of the ASIS, hence 36 % lateral of the middle), whose 22 % posterior the later paper made 19 %.
 _BELL = (-0.19, -0.30, 0.36)
 #: Bell et al. 1990, mean distance from the centre in X-rays, as programs that cite it hand it on.
 _BELL_ERROR_M = 19.0e-3
-#: Rab, Petuskey, Bagley 2002, the constant offset: how far below the acromion along the trunk, of the distance between
-#: both acromia. From the literature that uses it; the paper itself we have not seen.
+#: Rab, Petuskey, Bagley 2002, the constant offset: how far below the acromion along the trunk, of the distance
+#: between both acromia. From the literature that uses it; the paper itself we have not seen.
 _RAB_BELOW = 0.17
 
 
@@ -107,14 +108,15 @@ def _harrington(landmarks: _Landmarks, side: str) -> Floats:
             (width, _HARRINGTON_LATERAL),
         )
     )
-    return origin + np.einsum("nij,nj->ni", R, np.column_stack([forward, up, _to_side(lateral, side)]))
+    at = np.column_stack([forward, up, _to_side(lateral, side)])
+    return np.asarray(origin + np.einsum("nij,nj->ni", R, at))
 
 
 def _bell(landmarks: _Landmarks, side: str) -> Floats:
     R, origin, width, _ = pelvis_axes(landmarks)
     forward, up, lateral = _BELL
     at = np.column_stack([forward * width, up * width, _to_side(lateral * width, side)])
-    return origin + np.einsum("nij,nj->ni", R, at)
+    return np.asarray(origin + np.einsum("nij,nj->ni", R, at))
 
 
 def _rab(landmarks: _Landmarks, side: str) -> Floats:

@@ -1,13 +1,14 @@
 """How one segment moved relative to its neighbour, summed up part by part.
 
-With parent's and child's poses ``R, p`` and ``S, q``, a point that is fixed in both, ``u`` in the parent and ``v`` in
-the child, obeys ``R u + p = S v + q`` in every frame (Ehrig et al. 2006, eq. 7). Its normal equations over n frames
-need no more than the mean relative rotation ``Q`` and the mean places of the origins in each other:
+With parent's and child's poses ``R, p`` and ``S, q``, a point that is fixed in both, ``u`` in the parent and
+``v`` in the child, obeys ``R u + p = S v + q`` in every frame (Ehrig et al. 2006). Its normal equations
+over n frames need no more than the mean relative rotation ``Q`` and the mean places of the origins in each
+other:
 
     u - Q v = s,  v - Q^T u = t,  Q = mean R^T S,  s = mean R^T (q - p),  t = mean S^T (p - q)
 
-With ``Q = sum_k sigma_k a_k b_k^T`` they fall apart into three pairs of equations. A direction ``a_k`` that is turned
-about no other axis has ``sigma_k = 1``; the rms turn that moves it is ``sqrt(2 (1 - sigma_k))``.
+With ``Q = sum_k sigma_k a_k b_k^T`` they fall apart into three pairs of equations. A direction ``a_k`` that is
+turned about no other axis has ``sigma_k = 1``; the rms turn that moves it is ``sqrt(2 (1 - sigma_k))``.
 """
 
 from collections.abc import Sequence
@@ -125,6 +126,6 @@ def part_sums(motion: RelativeMotion, group: NDArray[np.intp], weight: Floats | 
 
 def turning(gram: Floats) -> Turning:
     """Return the principal directions of the mean relative rotation, from unweighted normal equations (6, 6)."""
-    Q = -gram[:3, 3:] / (np.trace(gram) / 6.0)
+    Q: Floats = -gram[:3, 3:] / (np.trace(gram) / 6.0)
     U, sigma, Vt = np.linalg.svd(Q)
-    return Turning(U.T, Vt, np.minimum(sigma, 1.0))
+    return Turning(np.asarray(U.T), np.asarray(Vt), np.minimum(sigma, 1.0))

@@ -1,4 +1,4 @@
-"""Whether a motion reveals a joint: turn enough between its segments, in frames that show both, in trials enough."""
+"""Whether a motion reveals a joint: turn enough between its segments, in frames that show both."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -9,8 +9,8 @@ from limbcal.errors import NotIdentifiable
 from limbcal.note import Note
 
 #: Turn, rms, that a centre's place or an axis needs to be called revealed [rad]: 8°, a swing of 11° to each side.
-#: Skin turns a cluster by 3° rms about the bone (Benoit et al. 2006), and (3/8)² = 14 % is how far such noise in the
-#: regressor draws a centre towards the markers.
+#: Skin turns a cluster by 3° rms about the bone (Benoit et al. 2006), and (3/8)² = 14 % is how far such noise in
+#: the regressor draws a centre towards the markers.
 LEAST_TURN_RAD = np.radians(8.0)
 #: The same for noise as large as the residuals of the markers show it: (1/3)² = 11 %.
 _LEAST_TURN_IN_NOISE = 3.0
@@ -32,7 +32,9 @@ def joint_motion(joint: str, parent: SegmentMotion, child: SegmentMotion) -> Rel
     """
     motion = relative_motion(parent.trials, child.trials)
     if not motion.n_frame:
-        seen = f"{int(parent.whole.valid.sum())} and {int(child.whole.valid.sum())} frames have a pose, none together"
+        seen = (
+            f"{int(parent.whole.valid.sum())} and {int(child.whole.valid.sum())} frames have a pose, none together"
+        )
         raise NotIdentifiable(f"{joint}: of {parent.name} and {child.name} {seen}, expected frames that show both")
     return motion
 
@@ -62,6 +64,8 @@ def trial_notes(joint: str, parent: SegmentMotion, trials: list[NDArray[np.bool_
     """Say what the error does not know where there are no two trials that tell of the joint."""
     if len(parent.trials) > 1 and len(trials) > 1:
         return ()
-    which = "parts of one trial" if len(parent.trials) == 1 else "trials of which no two turned enough by themselves"
-    text = f"the error of {joint} is from {which} and does not know how trials differ; to know it, record a second one"
+    which = (
+        "parts of one trial" if len(parent.trials) == 1 else "trials of which no two turned enough by themselves"
+    )
+    text = f"the error of {joint} is from {which} and does not know how trials differ: record a second one"
     return (Note("one_trial", text),)

@@ -7,11 +7,13 @@ Least squares over rotations has a closed answer in the singular value decomposi
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from arm.model import Floats
 
-#: Least rms distance of the seen points from the straight line nearest to them [m]. Skin lets a marker wander by some
-#: millimetres (Leardini et al. 2005); on points nearer to a line than that, the turn about the line is arbitrary.
+#: Least rms distance of the seen points from the straight line nearest to them [m]. Skin lets a marker wander by
+#: some millimetres (Leardini et al. 2005); on points nearer to a line than that, the turn about the line is
+#: arbitrary.
 LEAST_WIDTH_M = 0.005
 
 
@@ -34,7 +36,7 @@ class Poses:
     residual_m: Floats
 
     @property
-    def valid(self) -> np.ndarray:
+    def valid(self) -> NDArray[np.bool_]:
         """Which frames have a pose, (n_frame,) bool."""
         return np.isfinite(self.p[:, 0])
 
@@ -60,7 +62,7 @@ class Poses:
 
     def to_segment(self, points_m: Floats) -> Floats:
         """Return where points in the world, (n_frame, 3), are in the segment's frame, (n_frame, 3)."""
-        return np.einsum("nji,nj->ni", self.R, points_m - self.p)
+        return np.asarray(np.einsum("nji,nj->ni", self.R, points_m - self.p))
 
 
 def fit_poses(points_m: Floats, measured_m: Floats) -> Poses:
@@ -78,14 +80,16 @@ def fit_poses(points_m: Floats, measured_m: Floats) -> Poses:
     Poses
         NaN in frames with fewer than three points, or with points too near to a straight line.
     """
-    seen = np.isfinite(measured_m).all(axis=2) & np.isfinite(points_m).all(axis=1)
+    seen = np.asarray(np.isfinite(measured_m).all(axis=2) & np.isfinite(points_m).all(axis=1))
     weight = seen / np.maximum(seen.sum(axis=1, keepdims=True), 1)
     local = np.nan_to_num(points_m)
     world = np.where(seen[..., None], measured_m, 0.0)
     local_mean = weight @ local
     world_mean = np.einsum("nm,nmi->ni", weight, world)
     # sums of products about the means; unseen points have weight 0
-    dispersion = np.einsum("nm,nmi,mj->nij", weight, world, local) - world_mean[:, :, None] * local_mean[:, None, :]
+    dispersion = (
+        np.einsum("nm,nmi,mj->nij", weight, world, local) - world_mean[:, :, None] * local_mean[:, None, :]
+    )
     own = np.einsum("nm,mi,mj->nij", weight, local, local) - local_mean[:, :, None] * local_mean[:, None, :]
     U, _, Vt = np.linalg.svd(dispersion)
     U[:, :, 2] *= np.sign(np.linalg.det(U) * np.linalg.det(Vt))[:, None]  # a rotation, not a mirror
@@ -94,5 +98,7 @@ def fit_poses(points_m: Floats, measured_m: Floats) -> Poses:
     good = (seen.sum(axis=1) >= 3) & (width >= LEAST_WIDTH_M)
     R = np.where(good[:, None, None], R, np.nan)
     p = world_mean - np.einsum("nij,nj->ni", R, local_mean)
-    residual = np.einsum("nji,nmj->nmi", R, np.where(seen[..., None], measured_m, np.nan) - p[:, None, :]) - points_m
+    residual = (
+        np.einsum("nji,nmj->nmi", R, np.where(seen[..., None], measured_m, np.nan) - p[:, None, :]) - points_m
+    )
     return Poses(R, p, residual)

@@ -5,8 +5,8 @@ other axis only the difference of ``u`` and ``v`` is seen; the sum is then left 
 hinge's axis halfway between the two segments' origins.
 
 Symmetrical weighting: each frame's three equations have the inverse of the covariance of both poses at the centre
-(`pose_error`), so that a segment whose markers are far from the joint, few, or wandering has less say where it knows
-less; the centre in the world is the mean of both with the same weights.
+(`pose_error`), so that a segment whose markers are far from the joint, few, or wandering has less say where it
+knows less; the centre in the world is the mean of both with the same weights.
 """
 
 import numpy as np

@@ -66,9 +66,7 @@ def learn_template(markers: Sequence[str], trials_m: Sequence[Floats]) -> Templa
     frames = frames[seen.sum(axis=1) >= 3]
     seen = np.isfinite(frames).all(axis=2)
     if not len(frames):
-        raise DataError(
-            f"markers {', '.join(markers)}: never three of them in one frame, expected a segment with at least three"
-        )
+        raise DataError(f"markers {', '.join(markers)}: never three of them in one frame, expected at least three")
     points = _fullest_frame(frames, seen, markers)
     chosen = frames[np.linspace(0, len(frames) - 1, min(len(frames), _MOST_FRAMES)).round().astype(int)]
     for _ in range(_MOST_ITERATIONS):

@@ -28,7 +28,7 @@ def segments(limbs: list[Limb]) -> tuple[SegmentMotion, SegmentMotion]:
 
 
 def written_out(parent: SegmentMotion, child: SegmentMotion):
-    """Return the matrix and right-hand side of SCoRE, frame under frame (Ehrig et al. 2006, eq. 8)."""
+    """Return the matrix and right-hand side of SCoRE, frame under frame (Ehrig et al. 2006)."""
     rows, right = [], []
     for a, b in zip(parent.trials, child.trials, strict=True):
         for i in np.flatnonzero(a.valid & b.valid):

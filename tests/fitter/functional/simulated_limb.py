@@ -9,7 +9,8 @@ from scipy.spatial.transform import Rotation
 
 Floats = NDArray[np.float64]
 
-#: Where markers sit on the parent (a pelvis, or a thigh) and on the child, in their own frames, the joint at the origin.
+#: Where markers sit on the parent (a pelvis, or a thigh) and on the child, in their own frames, the joint at the
+#: origin.
 PARENT_M = np.array([[0.05, 0.09, 0.12], [0.04, 0.10, -0.13], [-0.14, 0.09, 0.05], [-0.15, 0.10, -0.05]])
 CHILD_M = np.array([[0.05, -0.15, 0.06], [-0.03, -0.20, 0.08], [0.06, -0.26, 0.03], [0.02, -0.33, 0.07]])
 RATE_HZ = 100.0
@@ -17,7 +18,7 @@ RATE_HZ = 100.0
 
 @dataclass(frozen=True)
 class Limb:
-    """Markers of both segments in the world, (n_frame, 4, 3) [m]; the joint's centre in the world, its axis (z)."""
+    """Markers of both segments in the world, (n_frame, 4, 3) [m]; the parent's turn and the joint's centre."""
 
     parent_m: Floats
     child_m: Floats
@@ -44,9 +45,14 @@ def hinge_angles(rng: np.random.Generator, n: int) -> Floats:
 
 
 def limb(
-    angles: Floats, rng: np.random.Generator, *, skin_m: float = 0.004, skin_rad: float = 0.02, noise_m: float = 3e-4
+    angles: Floats,
+    rng: np.random.Generator,
+    *,
+    skin_m: float = 0.004,
+    skin_rad: float = 0.02,
+    noise_m: float = 3e-4,
 ) -> Limb:
-    """Simulate markers; skin shifts and turns each cluster as a whole, and each marker besides, over 0.3 s or so."""
+    """Simulate markers; skin shifts and turns each cluster as a whole, and each marker besides, over 0.3 s."""
     n = len(angles)
     sway = np.radians(8.0) * _wander(rng, n, 1.0, 3)
     R = Rotation.from_rotvec(sway) * Rotation.from_rotvec(rng.normal(size=3))
@@ -61,7 +67,13 @@ def limb(
 
 
 def _markers(
-    points: Floats, R: Rotation, p: Floats, rng: np.random.Generator, skin_m: float, skin_rad: float, noise_m: float
+    points: Floats,
+    R: Rotation,
+    p: Floats,
+    rng: np.random.Generator,
+    skin_m: float,
+    skin_rad: float,
+    noise_m: float,
 ) -> Floats:
     n = len(p)
     mean = points.mean(axis=0)
@@ -69,7 +81,11 @@ def _markers(
     turned = Rotation.from_rotvec(skin_rad * _wander(rng, n, 0.3, 3)).as_matrix()
     own = 0.5 * skin_m * _wander(rng, n, 0.3, 3 * len(points)).reshape(n, len(points), 3)
     local = np.einsum("nij,mj->nmi", turned, points - mean) + mean + shift[:, None] + own
-    return np.einsum("nij,nmj->nmi", R.as_matrix(), local) + p[:, None] + noise_m * rng.normal(size=(n, len(points), 3))
+    return (
+        np.einsum("nij,nmj->nmi", R.as_matrix(), local)
+        + p[:, None]
+        + noise_m * rng.normal(size=(n, len(points), 3))
+    )
 
 
 def _wander(rng: np.random.Generator, n: int, seconds: float, columns: int) -> Floats:

@@ -55,7 +55,9 @@ def test_a_marker_that_is_seldom_seen_stays_alone():
 
 def test_somebody_who_stands_still_cannot_be_drafted():
     x = np.repeat(recording(3)[:1], 100, axis=0)
-    with pytest.raises(DataError, match="keep to 0 mm, expected a recording in which the person moves every joint"):
+    with pytest.raises(
+        DataError, match="keep to 0 mm, expected a recording in which the person moves every joint"
+    ):
         draft_marker_set(NAMES, [x])
 
 

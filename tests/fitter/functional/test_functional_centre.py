@@ -51,7 +51,9 @@ def test_the_order_of_markers_changes_nothing(order):
     one = functional_centre("hip_right", parent, child)
     other_parent, other_child = segments(mixed)
     other = functional_centre("hip_right", other_parent, other_child)
-    assert np.allclose(distances(parent, one.in_parent_m)[order], distances(other_parent, other.in_parent_m), atol=1e-5)
+    assert np.allclose(
+        distances(parent, one.in_parent_m)[order], distances(other_parent, other.in_parent_m), atol=1e-5
+    )
 
 
 @pytest.mark.parametrize("scale", [0.7, 1.4])
@@ -93,7 +95,9 @@ def test_segments_that_are_never_seen_together_are_refused():
 def test_a_parent_that_does_not_move_is_a_parent():
     limbs, _, _ = simulated("ball", 9, 800, skin_m=0.0, skin_rad=0.0)
     x = limbs[0]
-    fixed = np.einsum("nji,nmj->nmi", x.R, x.child_m - x.p[:, None])  # the world turned into the parent's own frame
+    fixed = np.einsum(
+        "nji,nmj->nmi", x.R, x.child_m - x.p[:, None]
+    )  # the world turned into the parent's own frame
     base = np.einsum("nji,nmj->nmi", x.R, x.parent_m - x.p[:, None])
     parent, child = segments([Limb(base, fixed, x.R, x.p)])
     centre = functional_centre("shoulder_right", parent, child)

@@ -65,7 +65,11 @@ def test_a_name_that_is_nearly_one_is_told(tmp_path):
         ("[landmarks]", 'forearm_right = ["EL"]\n[landmarks]', "'EL' is on upper_arm_right too"),
         ("lateral_epicondyle_right", "lateral_epicondile_right", "did you mean 'lateral_epicondyle_right'"),
         ('acromion_right = "AC"', "acromion_right = 3", "landmarks.acromion_right: found '3'"),
-        ('acromion_right = "AC"', 'acromion_right = "UA1"', "'UA1' is on upper_arm_right, expected it on scapula_right"),
+        (
+            'acromion_right = "AC"',
+            'acromion_right = "UA1"',
+            "'UA1' is on upper_arm_right, expected it on scapula_right",
+        ),
         ('acromion_right = "AC"', 'medial_epicondyle_right = "EL"', "'EL' is lateral_epicondyle_right too"),
         ("[segments]", "[segments", "not TOML"),
     ],
@@ -92,12 +96,15 @@ values = st.recursive(
 @settings(max_examples=200)
 @given(
     st.lists(
-        st.tuples(st.sampled_from(["schema", "name", "segments", "landmarks", "x"]), values), unique_by=lambda x: x[0]
+        st.tuples(st.sampled_from(["schema", "name", "segments", "landmarks", "x"]), values),
+        unique_by=lambda x: x[0],
     ),
     st.booleans(),
 )
 def test_whatever_stands_in_it_is_read_or_refused(fields, with_table):
-    text = "\n".join(f"{key} = {str(value).lower() if value in ('True', 'False') else value}" for key, value in fields)
+    text = "\n".join(
+        f"{key} = {str(value).lower() if value in ('True', 'False') else value}" for key, value in fields
+    )
     if with_table:
         text += "\n[extra]\na = 1\n"
     with pytest.raises(ConfigError):  # none of these has segments

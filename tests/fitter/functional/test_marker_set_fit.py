@@ -27,7 +27,9 @@ def test_missing_markers_are_told_one_by_one_with_what_they_may_be_called():
     assert fit.unused == ("s_2", "S.3")
     first, second = texts(fit, "missing_marker")
     assert first == "marker 'S2' on shank_left: not in the recording; did you mean 's_2'?"
-    assert second.startswith("marker 'S3' on shank_left, its lateral_malleolus_left: not in the recording; did you mean")
+    assert second.startswith(
+        "marker 'S3' on shank_left, its lateral_malleolus_left: not in the recording; did you mean"
+    )
     assert texts(fit, "unused_marker") == ["no segment of marker set lab uses s_2, S.3"]
     assert texts(fit, "too_few_markers") == [
         "shank_left has 1 of its 3 markers, expected three for a pose of its own"

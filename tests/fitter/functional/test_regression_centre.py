@@ -8,7 +8,8 @@ from scipy.spatial.transform import Rotation
 
 from fitter.functional.regression_centre import regression_centres
 
-#: A pelvis 240 mm wide and 160 mm deep in ISB axes, forward, up, right; shoulders 400 mm apart on an upright trunk.
+#: A pelvis 240 mm wide and 160 mm deep in ISB axes, forward, up, right; shoulders 400 mm apart on an upright
+#: trunk.
 STANDING = {
     "asis_right": [0.0, 0.0, 0.12],
     "asis_left": [0.0, 0.0, -0.12],

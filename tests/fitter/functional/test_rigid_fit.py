@@ -8,7 +8,9 @@ from scipy.spatial.transform import Rotation
 
 from fitter.functional.rigid_fit import LEAST_WIDTH_M, fit_poses
 
-SHAPE = np.array([[0.1, 0.0, 0.0], [0.0, 0.08, 0.0], [-0.05, -0.03, 0.06], [0.02, -0.09, -0.04], [-0.06, 0.05, 0.02]])
+SHAPE = np.array(
+    [[0.1, 0.0, 0.0], [0.0, 0.08, 0.0], [-0.05, -0.03, 0.06], [0.02, -0.09, -0.04], [-0.06, 0.05, 0.02]]
+)
 seeds = st.integers(0, 2**32 - 1)
 
 

@@ -7,7 +7,10 @@ import scipy.linalg
 from fitter.functional.functional_centre import functional_centre
 from tests.fitter.functional.poses import recorded, simulated, written_out
 
-HIP = {"pelvis": ["LASI", "RASI", "LPSI", "RPSI"], "thigh_left": ["LTHI", "LKNE", "LF01", "LF02", "LF03", "LF04", "LF05"]}
+HIP = {
+    "pelvis": ["LASI", "RASI", "LPSI", "RPSI"],
+    "thigh_left": ["LTHI", "LKNE", "LF01", "LF02", "LF03", "LF04", "LF05"],
+}
 #: The issue's bound.
 EQUAL_M = 1e-4
 
