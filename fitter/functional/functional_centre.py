@@ -1,7 +1,8 @@
 """A joint's centre from functional trials, with its error and with what the motion left open.
 
-The error comes from disjoint trials or parts of trials (`disjoint`). It tells how far the answer would move with
-another motion of the same kind, and nothing of what skin does alike in all of them.
+The error comes from disjoint trials or parts of trials (`disjoint`), and from how far turns of the skin draw a
+centre towards the markers (`attenuation`). It knows nothing of skin that goes with the joint's angle and alike
+in all trials.
 """
 
 from dataclasses import dataclass
@@ -11,6 +12,7 @@ from numpy.typing import NDArray
 
 from arm.model import Floats
 from fitter.functional.advice import motion_for_centre
+from fitter.functional.attenuation import skin_turns, without_attenuation
 from fitter.functional.disjoint import coverage_factor, jackknife, rms_apart
 from fitter.functional.pose_error import pose_covariance
 from fitter.functional.relative_motion import RelativeMotion, Turning, part_sums, turning
@@ -20,7 +22,8 @@ from fitter.functional.segment_motion import SegmentMotion
 from limbcal.errors import NotIdentifiable
 from limbcal.note import Note
 
-#: Iterations of the weights, which depend on the centre: the second moves it by tenths of a millimetre.
+#: Iterations of what depends on the centre, weights and attenuation: the second moves it by tenths of a
+#: millimetre.
 _ITERATIONS = 3
 
 
@@ -37,7 +40,9 @@ class FunctionalCentre:
     in_parent_m, in_child_m : (3,)
         The centre in the frames of the segments' templates.
     covariance_m2 : (6, 6)
-        Of both, from disjoint parts; NaN where there are fewer than two.
+        Of both, from disjoint parts and of the attenuation; NaN where there are fewer than two parts.
+    attenuation_m : (6,)
+        How far both would move without what turns of the skin take off the rotations.
     n_part : int
         Parts behind it: ``coverage_factor(n_part)`` standard deviations make the 95 % interval.
     apart_m : float
@@ -58,6 +63,7 @@ class FunctionalCentre:
     in_parent_m: Floats
     in_child_m: Floats
     covariance_m2: Floats
+    attenuation_m: Floats
     n_part: int
     apart_m: float
     rms_m: float
@@ -86,6 +92,7 @@ class FunctionalCentre:
             "position_m": self.in_parent_m.tolist(),
             "std_mm": _millimetres(self.std_m),
             "apart_mm": _millimetres(self.apart_m),
+            "attenuation_mm": _millimetres(float(np.linalg.norm(self.attenuation_m[:3]))),
             "markers_m": {name: place for name, place in points if np.isfinite(place).all()},
         }
 
@@ -116,6 +123,7 @@ def functional_centre(
     if unseen.all():
         raise NotIdentifiable(nothing_turned(joint, turned, parent, child, motion_for_centre(joint)))
     basis = revealed_basis(turned, unseen)
+    attenuation = _attenuation(motion, basis)
     everything = np.ones(motion.parts.n_part, dtype=bool)
     both = centre(plain, everything, basis)
     weight = None
@@ -133,7 +141,8 @@ def functional_centre(
         "weighted score" if weighted else "score",
         both[:3],
         both[3:],
-        jackknife(lambda use: centre(sums, use, basis), motion.parts.n_part),
+        jackknife(lambda use: centre(sums, use, basis), motion.parts.n_part) + np.outer(attenuation, attenuation),
+        attenuation,
         motion.parts.n_part,
         rms_apart([centre(trials, use, basis)[:3] for use in moved]),
         float(np.sqrt(np.mean(np.sum(gap**2, axis=1)))),
@@ -141,6 +150,14 @@ def functional_centre(
         unseen,
         _centre_notes(joint, parent, turned, unseen) + trial_notes(joint, parent, moved),
     )
+
+
+def _attenuation(motion: RelativeMotion, basis: Floats) -> Floats:
+    """Return how far the centre would move without the attenuation by turns of the skin, (6,) [m]."""
+    plain = both = without_attenuation(motion, (0.0, 0.0), basis)
+    for _ in range(_ITERATIONS):
+        both = without_attenuation(motion, skin_turns(motion, both), basis)
+    return both - plain
 
 
 def _weights(parent: SegmentMotion, child: SegmentMotion, motion: RelativeMotion, both: Floats) -> Floats:

@@ -84,13 +84,13 @@ class Turning:
     @property
     def turned_rad(self) -> Floats:
         """How far the rotations turn each direction away, rms, (3,) [rad]: what sees a centre's place along it."""
-        return np.sqrt(2.0 * np.maximum(1.0 - self.sigma, 0.0))
+        return np.asarray(np.sqrt(2.0 * np.maximum(1.0 - self.sigma, 0.0)))
 
     @property
     def about_rad(self) -> Floats:
         """How far the rotations go about each direction, rms, (3,) [rad]; of small rotations exactly."""
         squares = self.turned_rad**2
-        return np.sqrt(np.maximum(squares.sum() / 2.0 - squares, 0.0))
+        return np.asarray(np.sqrt(np.maximum(squares.sum() / 2.0 - squares, 0.0)))
 
 
 def relative_motion(parent: Sequence[Poses], child: Sequence[Poses]) -> RelativeMotion:
