@@ -120,7 +120,7 @@ def functional_axis(joint: str, parent: SegmentMotion, child: SegmentMotion) -> 
         rms_apart([axis(trials, use, both)[:3] for use in moved]),
         float(np.sqrt(np.mean(np.sum(gap**2, axis=1)))),
         turned,
-        _axis_notes(joint, turned) + trial_notes(joint, parent, moved),
+        _axis_notes(joint, turned) + trial_notes(joint, parent, moved) + parent.notes + child.notes,
     )
 
 

@@ -148,7 +148,10 @@ def functional_centre(
         float(np.sqrt(np.mean(np.sum(gap**2, axis=1)))),
         turned,
         unseen,
-        _centre_notes(joint, parent, turned, unseen) + trial_notes(joint, parent, moved),
+        _centre_notes(joint, parent, turned, unseen)
+        + trial_notes(joint, parent, moved)
+        + parent.notes
+        + child.notes,
     )
 
 

@@ -56,6 +56,14 @@ class Poses:
         count = seen.sum(axis=0)
         return np.where(count > 0, np.sqrt(squares / np.maximum(count, 1)), np.nan)
 
+    def without(self, frames: NDArray[np.bool_]) -> "Poses":
+        """Return the poses with none in some frames, (n_frame,) bool."""
+        return Poses(
+            np.where(frames[:, None, None], np.nan, self.R),
+            np.where(frames[:, None], np.nan, self.p),
+            np.where(frames[:, None, None], np.nan, self.residual_m),
+        )
+
     def to_world(self, point_m: Floats) -> Floats:
         """Return where a point of the segment is in the world, (n_frame, 3)."""
         return np.asarray(self.R @ point_m + self.p)

@@ -17,6 +17,9 @@ from limbcal.errors import DataError
 #: Frames, evenly spread, that a shape is learnt from at the most: its error is that of skin, not of counting.
 _MOST_FRAMES = 2000
 _MOST_ITERATIONS = 200
+#: A frame is doubted whose rms residual is this much larger than the median, and larger than a wobble of skin [m]:
+#: soft tissue moves by 10 mm and more where it is thickest (Leardini et al. 2005), a wrong label by much more.
+_DOUBTFUL, _DOUBTFUL_M = 5.0, 0.01
 #: Iterations end where the shape moves by less [m]; a marker is measured to some tenths of a millimetre.
 _CONVERGED_M = 1e-6
 
@@ -67,18 +70,43 @@ def learn_template(markers: Sequence[str], trials_m: Sequence[Floats]) -> Templa
     seen = np.isfinite(frames).all(axis=2)
     if not len(frames):
         raise DataError(f"markers {', '.join(markers)}: never three of them in one frame, expected at least three")
-    points = _fullest_frame(frames, seen, markers)
     chosen = frames[np.linspace(0, len(frames) - 1, min(len(frames), _MOST_FRAMES)).round().astype(int)]
+    points = _shape(_fullest_frame(frames, seen, markers), chosen)
+    # once more without the frames that are far off: there a marker leapt, or was another one
+    rms = fit_poses(points, chosen).rms_m
+    chosen = chosen[~(rms > doubtful_rms_m(rms))]
+    points = _with_seldom_seen(_shape(points, chosen), frames)
+    points = points - np.nanmean(points, axis=0)
+    return Template(tuple(markers), points, fit_poses(points, chosen).marker_rms_m)
+
+
+def doubtful_rms_m(rms_m: Floats) -> float:
+    """Return from which rms residual on a frame is doubted, given those of all frames, (n_frame,) with NaN [m]."""
+    known = rms_m[np.isfinite(rms_m)]
+    return max(_DOUBTFUL_M, _DOUBTFUL * float(np.median(known))) if len(known) else np.inf
+
+
+def _shape(points: Floats, frames: Floats) -> Floats:
+    """Return the shape that poses and means in turn end at."""
     for _ in range(_MOST_ITERATIONS):
-        poses = fit_poses(points, chosen)
-        mean = _mean_shape(points, poses, chosen)
+        mean = _mean_shape(points, fit_poses(points, frames), frames)
         step = np.abs(mean - points)
         grown = np.isfinite(mean).sum() > np.isfinite(points).sum()
         points = mean
         if not grown and np.nanmax(step) < _CONVERGED_M:
             break
-    points = points - np.nanmean(points, axis=0)
-    return Template(tuple(markers), points, fit_poses(points, chosen).marker_rms_m)
+    return points
+
+
+def _with_seldom_seen(points: Floats, frames: Floats) -> Floats:
+    """Return the shape with the markers that none of the chosen frames could place."""
+    for _ in points:
+        mean = _mean_shape(points, fit_poses(points, frames), frames)
+        new = np.isnan(points) & np.isfinite(mean)
+        if not new.any():
+            break
+        points = np.where(new, mean, points)
+    return points
 
 
 def _fullest_frame(frames: Floats, seen: np.ndarray, markers: Sequence[str]) -> Floats:

@@ -10,7 +10,7 @@ from tests.fitter.functional.test_functional_centre import DRAWS, LEAST_HELD
 def test_intervals_of_axes_hold_them_although_skin_moves_coherently():
     held = []
     for seed in range(DRAWS):
-        limbs, parent, child = simulated("hinge", seed, 900, trials=2)
+        limbs, parent, child = simulated("hinge", seed, 700, trials=2)
         axis = functional_axis("knee_right", parent, child)
         true = [np.einsum("nji,nj->ni", t.R, x.R[:, :, 2]) for t, x in zip(parent.trials, limbs, strict=True)]
         mean = np.mean(np.concatenate(true), axis=0)

@@ -23,7 +23,7 @@ def distances(segment, point):
 def test_intervals_of_centres_hold_them_although_skin_moves_coherently():
     held = []
     for seed in range(DRAWS):
-        limbs, parent, child = simulated("ball", seed, 900, trials=2)
+        limbs, parent, child = simulated("ball", seed, 700, trials=2)
         centre = functional_centre("hip_right", parent, child)
         held.append(np.abs(centre.in_parent_m - parent.place([x.p for x in limbs])) <= centre.half_width_m)
     assert np.mean(held) >= LEAST_HELD

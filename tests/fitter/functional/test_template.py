@@ -73,3 +73,19 @@ def test_markers_in_a_line_are_refused():
     x = np.tile(np.linspace(0.0, 0.2, 4)[None, :, None] * [1.0, 0.0, 0.0], (30, 1, 1))
     with pytest.raises(DataError, match="straight line"):
         learn_template(NAMES[:4], [x])
+
+
+def test_a_marker_that_leaps_now_and_then_does_not_bend_the_shape():
+    _, _, x = moved(np.random.default_rng(9), 400, noise_m=0.001)
+    calm = learn_template(NAMES, [x])
+    x[50:100, 3] += 0.4
+    assert np.allclose(pdist(learn_template(NAMES, [x]).points_m), pdist(calm.points_m), atol=5e-4)
+
+
+def test_a_marker_that_is_seen_once_in_a_long_recording_is_placed():
+    _, _, x = moved(np.random.default_rng(10), 9000)
+    x[:, 4] = np.nan
+    x[4321, 4] = moved(np.random.default_rng(10), 9000)[2][4321, 4]
+    template = learn_template(NAMES, [x])
+    assert template.missing == ()
+    assert np.allclose(pdist(template.points_m), pdist(SHAPE), atol=1e-4)
