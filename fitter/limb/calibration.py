@@ -1,0 +1,265 @@
+"""A person's arm or leg from recordings of markers: from files' positions to a fitted chain."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
+
+from arm.body.landmarks import LANDMARK_STD_M, LimbMap, landmark_places, limb_map
+from arm.body.limbs import MEAN_PERSON, Girdle, limb
+from arm.kinematics import axis_frames
+from arm.marker_kinematics import Integers
+from arm.model import Arm, Body, Floats
+from fitter.functional.disjoint import disjoint_parts
+from fitter.functional.functional_centre import FunctionalCentre
+from fitter.functional.marker_set import MarkerSet
+from fitter.limb.base_motion import BaseMotion, base_motion, poses_of
+from fitter.limb.bundle import Bundle, Prior, Task, fit_bundle
+from fitter.limb.centres import joint_centres
+from fitter.limb.free_geometry import FreeGeometry, free_geometry
+from fitter.limb.inverse_kinematics import follow, link_poses, predicted
+from fitter.limb.limb_trials import LimbTrials, columns_of, limb_trials
+from fitter.limb.observation import AnglePrior, Frames, MarkerModel
+from fitter.limb.standing import away_from_lock, standing
+from fitter.limb.start import PLACE_STD_M, Start, first_angles, placed, start
+from fitter.limb.uncertainty import Errors, errors
+from fitter.markers.recording import MarkerRecording
+from limbcal.errors import NotIdentifiable
+from limbcal.note import Note
+
+#: Frames that a fit takes, evenly spread over all that can be used.
+FIT_FRAMES = 500
+#: How long skin keeps an error [s]: frames nearer in time than that count together as one. As long as a movement's
+#: own acceleration lasts, which is what sets soft tissue going.
+COHERENCE_S = 0.3
+#: Markers of the chain that a frame must show.
+_LEAST_MARKERS = 3
+#: Where each marker's scale begins [m].
+_FIRST_STD_M = 0.01
+
+
+@dataclass(frozen=True)
+class LimbFit:
+    """A calibrated limb.
+
+    Attributes
+    ----------
+    arm : Arm
+        The preset that it began with.
+    where : LimbMap
+    trials : LimbTrials
+    base : BaseMotion
+    task : Task
+    bundle : Bundle
+    functional : tuple of FunctionalCentre
+    errors : Errors
+    notes : tuple of Note
+    """
+
+    arm: Arm
+    where: LimbMap
+    trials: LimbTrials
+    base: BaseMotion
+    task: Task
+    bundle: Bundle
+    functional: tuple[FunctionalCentre, ...]
+    errors: Errors
+    notes: tuple[Note, ...]
+
+    @property
+    def free(self) -> FreeGeometry:
+        """What was free."""
+        return self.task.free
+
+    def frames(self, recordings: Sequence[MarkerRecording]) -> tuple[Frames, NDArray[np.bool_]]:
+        """Return the frames of recordings in which base and chain are seen, and which of all they are."""
+        y = np.concatenate([columns_of(r, self.bundle.markers.names) for r in recordings])
+        carried = np.concatenate([columns_of(r, self.base.markers) for r in recordings])
+        R, p = poses_of(self.base.points_m, carried)
+        return _usable(y, R, p, [r.t for r in recordings])
+
+    def residuals_m(self, recordings: Sequence[MarkerRecording], seed: int) -> Floats:
+        """Return the distance of every marker from where the chain has it, (n_frame, m), NaN where not seen."""
+        frames, _ = self.frames(recordings)
+        chain = self.bundle.markers.chain(self.bundle.geometry)
+        q = follow(chain, frames, self.bundle.markers.std, self.task.angles, seed)
+        return np.asarray(np.linalg.norm(frames.y - predicted(chain, frames, q), axis=2))
+
+
+def calibrate(
+    recordings: Sequence[MarkerRecording],
+    marker_set: MarkerSet,
+    preset: str,
+    girdle: Girdle = "scapula",
+    body: Body | None = None,
+    seed: int = 0,
+    fit_frames: int = FIT_FRAMES,
+    progress: Callable[[str, int], None] | None = None,
+) -> LimbFit:
+    """Learn a limb's geometry, where its markers sit, and how far both may be off.
+
+    Parameters
+    ----------
+    recordings : sequence of MarkerRecording
+        Of one person.
+    marker_set : MarkerSet
+    preset : str
+        One of `arm.body.limbs.LIMBS`.
+    girdle : {"scapula", "thorax"}
+        From where on an arm begins.
+    body : Body, optional
+        Mass, height and sex, where they are known.
+    seed : int
+        Of the postures that angles begin from.
+    fit_frames : int
+        How many frames the fit takes.
+    progress : callable, optional
+        Told what is being done, and the iteration.
+
+    Raises
+    ------
+    DataError
+        If the recordings have no marker of the limb.
+    NotIdentifiable
+        If no frame shows base and limb together.
+    """
+    person = replace(MEAN_PERSON, preset=preset) if body is None else body
+    arm = limb(person, girdle)
+    where = limb_map(preset, arm.n_joint)
+    trials = limb_trials(recordings, marker_set, where)
+    base = base_motion(trials, where.base)
+    axes, base_notes = standing(trials, base, where.side)
+    centres, functional, centre_notes = joint_centres(trials, where)
+    begin = start(arm, where, trials, base, axes, centres, person.height_m)
+    names, links = _chain_markers(trials, where)
+    y = np.stack([trials.of(name) for name in names], axis=1)
+    frames, usable = _usable(y, base.R, base.p, trials.t)
+    rows = _thinned(usable, fit_frames)
+    chosen = Frames(*(part[_thinned(np.ones(len(frames.t), dtype=bool), fit_frames)] for part in frames))
+    begin, lock_notes = _clear_of_lock(begin, arm, where, chosen, rows, seed)
+    q = first_angles(begin, chosen, rows, seed)
+    place = placed(begin, names, links, chosen, q)
+    there = np.isfinite(place).all(axis=1)
+    names = tuple(name for name, ok in zip(names, there, strict=True) if ok)
+    chosen = chosen._replace(y=np.ascontiguousarray(chosen.y[:, there]))
+    markers = MarkerModel(names, links[there], place[there], np.full(len(names), _FIRST_STD_M))
+    task, n_part, trial = _task(arm, where, trials, begin, markers, chosen, person.height_m)
+    q = follow(markers.chain(begin.geometry), chosen, markers.std, begin.angles, seed, q)
+    bundle = fit_bundle(task, begin.geometry, markers, q, _told(progress, "fitting"))
+    halves = {}
+    for one in np.unique(trial):
+        own = np.flatnonzero(trial == one)
+        if len(own) >= 10:
+            halves[int(one)] = fit_bundle(
+                task.rows(own), bundle.geometry, bundle.markers, bundle.q[own],
+                _told(progress, f"trial {one + 1} by itself"), 25, True,
+            )  # fmt: skip
+    found = errors(where, task, bundle, n_part, halves)
+    notes = (*trials.notes, *base.notes, *base_notes, *centre_notes, *lock_notes, *_open(task, found))
+    return LimbFit(arm, where, trials, base, task, bundle, tuple(functional), found, tuple(dict.fromkeys(notes)))
+
+
+def _told(progress: Callable[[str, int], None] | None, what: str) -> Callable[[int], None] | None:
+    return None if progress is None else lambda iteration: progress(what, iteration)
+
+
+def _chain_markers(trials: LimbTrials, where: LimbMap) -> tuple[tuple[str, ...], Integers]:
+    on = [
+        (m, part.link)
+        for segment, part in where.parts.items()
+        for m in trials.segments.get(segment, ())
+        if m not in trials.computed
+    ]
+    return tuple(m for m, _ in on), np.array([link for _, link in on], dtype=np.int64)
+
+
+def _usable(
+    y: Floats, R: Floats, p: Floats, times: Sequence[Floats]
+) -> tuple[Frames, NDArray[np.bool_]]:
+    """Return the frames in which the base has a pose and enough markers of the chain are seen."""
+    trial = np.concatenate([np.full(len(t), i, dtype=np.int64) for i, t in enumerate(times)])
+    usable = np.isfinite(p).all(axis=1) & (np.isfinite(y[..., 0]).sum(axis=1) >= _LEAST_MARKERS)
+    if not usable.any():
+        raise NotIdentifiable(
+            f"no frame shows the base and {_LEAST_MARKERS} markers of the limb together, expected some: check the "
+            "marker set, or take another base"
+        )
+    parts = (y[usable], R[usable], p[usable], trial[usable], np.concatenate(times)[usable])
+    return Frames(*(np.ascontiguousarray(part) for part in parts)), usable
+
+
+def _thinned(usable: NDArray[np.bool_], n: int) -> Integers:
+    there = np.flatnonzero(usable)
+    return there[np.linspace(0, len(there) - 1, min(n, len(there))).round().astype(np.int64)]
+
+
+def _clear_of_lock(
+    begin: Start, arm: Arm, where: LimbMap, frames: Frames, rows: Integers, seed: int
+) -> tuple[Start, tuple[Note, ...]]:
+    """Turn frame 0 where the motion comes near gimbal lock of the ball joint behind it."""
+    if where.balls[0]:
+        return begin, ()
+    q = first_angles(begin, frames, rows, seed)
+    _, o = link_poses(begin.virtual.chain(begin.geometry), frames, q)
+    far = o[:, 2] - o[:, 0]
+    long_axis = np.einsum("nji,nj->ni", frames.R, far / np.linalg.norm(far, axis=1, keepdims=True))
+    lateral = begin.geometry.base_R @ axis_frames(arm, np.zeros(arm.n_joint))[0, 0, :3, 2]
+    better = away_from_lock(long_axis, lateral)
+    if better is None:
+        return begin, ()
+    turn, _ = Rotation.align_vectors(better[None], lateral[None])
+    degrees = float(np.degrees(np.arccos(np.clip(better @ lateral, -1.0, 1.0))))
+    text = (
+        f"the motion comes near the posture in which two axes of the {next(iter(where.centres))} fall together: "
+        f"frame 0 is turned by {degrees:.0f}° from forward, left and up, so its angles are not the anatomical ones"
+    )
+    turned = replace(begin.geometry, base_R=turn.as_matrix() @ begin.geometry.base_R)
+    return replace(begin, geometry=turned), (Note("gimbal_lock", text),)
+
+
+def _task(
+    arm: Arm, where: LimbMap, trials: LimbTrials, begin: Start, markers: MarkerModel, frames: Frames, height_m: float
+) -> tuple[Task, int, Integers]:
+    free = free_geometry(arm, begin.centre_std_m, begin.length_std_m)
+    place, std = markers.place.copy(), np.full(len(markers.names), PLACE_STD_M)
+    about = landmark_places(arm, where, height_m)
+    for landmark, marker in trials.landmarks.items():
+        if marker in markers.names and landmark in about and about[landmark][0] >= 0:
+            m = markers.names.index(marker)
+            place[m], std[m] = about[landmark][1], LANDMARK_STD_M
+    information = np.concatenate([free.std**-2, np.repeat(std**-2, 3)])
+    n_trial = int(frames.trial.max()) + 1
+    parts = disjoint_parts([np.ones(int((frames.trial == i).sum()), dtype=bool) for i in range(n_trial)])
+    task = Task(
+        free, frames, _shares(frames), np.maximum(parts.part, 0).astype(np.int64),
+        Prior(begin.geometry, place, information), begin.angles,
+    )  # fmt: skip
+    return task, parts.n_part, parts.trial.astype(np.int64)
+
+
+def _shares(frames: Frames) -> Floats:
+    """Return how much each frame counts: those within the time that skin keeps an error count together as one."""
+    share = np.empty(len(frames.t))
+    for i in np.unique(frames.trial):
+        own = frames.trial == i
+        t = frames.t[own]
+        lasts = (t[-1] - t[0]) / max(len(t) - 1, 1)
+        share[own] = min(1.0, lasts / COHERENCE_S) if len(t) > 1 else 1.0
+    return share
+
+
+def _open(task: Task, found: Errors) -> list[Note]:
+    left = [name for name, learnt in zip(task.free.names, found.learnt, strict=True) if not learnt]
+    if not left:
+        return []
+    text = f"the motion tells little of {', '.join(left)}: left near the prior, which is the table's or a landmark's"
+    return [Note("left_at_prior", text, columns=tuple(left))]
+
+
+def angles_of(fit: LimbFit, frames: Frames, seed: int) -> Floats:
+    """Return the angles in frames, (n_frame, n_joint)."""
+    chain = fit.bundle.markers.chain(fit.bundle.geometry)
+    prior: AnglePrior = fit.task.angles
+    return follow(chain, frames, fit.bundle.markers.std, prior, seed)
