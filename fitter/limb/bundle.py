@@ -15,13 +15,15 @@ from arm.model import Floats
 from fitter.limb.free_geometry import FreeGeometry, Geometry
 from fitter.limb.inverse_kinematics import predicted
 from fitter.limb.normal_equations import bundle_cost, eliminate
-from fitter.limb.observation import FREEDOM, AnglePrior, Frames, MarkerModel
+from fitter.limb.observation import FREEDOM, AnglePrior, Frames, MarkerModel, swayed
 
 #: Iterations at the most, and the relative gain below which they end.
 _MOST_ITERATIONS, _CONVERGED = 80, 1e-6
 #: The scale is sought between these [m]: what skin makes of markers at the least, whatever the others of a cluster
 #: say that is a plate of its own, and at its worst (Leardini et al. 2005).
-_LEAST_STD_M, _MOST_STD_M = 0.006, 0.025
+_LEAST_STD_M, _MOST_STD_M = 0.008, 0.025
+#: Shares of a step that are tried, and the damping beyond which there is none left.
+_SHORTENED, _MOST_DAMPING = (1.0, 0.3, 0.1), 1e4
 #: Iterations after which scales are learnt anew.
 _RESCALED = (2, 5, 9, 14, 20)
 
@@ -145,22 +147,24 @@ def fit_bundle(
             progress(iteration)
         chain, variance = markers.chain(geometry), markers.std**2
         eliminate(
-            chain, frames, q, variance, task.angles, task.share, free.what, 1e-2 * damping, task.part, room,
+            chain, frames, q, variance, task.angles, task.share, swayed(free.what), 1e-2 * damping, task.part, room,
             gain, shift, S, b,
         )  # fmt: skip
         H = S.sum(axis=0) + np.diag(task.prior.information)
         h = b.sum(axis=0) - task.prior.information * shared_away(task, geometry, markers.place)
-        better, before = False, now
-        while not better and damping < 1e8:
-            step = np.linalg.solve(H + damping * np.diag(np.diag(H)), h)
-            moved = geometry.moved(free, step[:n_free])
-            placed = replace(markers, place=markers.place + step[n_free:].reshape(m, 3))
-            turned = q + shift - gain @ step
-            found = cost(moved, placed, turned)
+        step = np.linalg.solve(H + damping * np.diag(np.diag(H)), h)
+        turn, before, better = shift - gain @ step, now, False
+        for part in _SHORTENED:
+            moved = geometry.moved(free, part * step[:n_free])
+            placed = replace(markers, place=markers.place + part * step[n_free:].reshape(m, 3))
+            found = cost(moved, placed, q + part * turn)
             better = found < now
-            damping = max(0.2 * damping, 1e-9) if better else 6.0 * damping
             if better:
-                geometry, markers, q, now = moved, placed, turned, found
+                geometry, markers, q, now = moved, placed, q + part * turn, found
+                break
+        damping = max(0.2 * damping, 1e-9) if better else 30.0 * damping
+        if not better and damping < _MOST_DAMPING:
+            continue
         still = not better or before - now < _CONVERGED * abs(now)
         if still and not pending:
             converged = True
@@ -170,7 +174,7 @@ def fit_bundle(
             markers = rescaled(geometry, markers, frames, q)
             now, damping = cost(geometry, markers, q), 1e-3
     eliminate(
-        markers.chain(geometry), frames, q, markers.std**2, task.angles, task.share, free.what, 0.0, task.part,
+        markers.chain(geometry), frames, q, markers.std**2, task.angles, task.share, swayed(free.what), 0.0, task.part,
         room, gain, shift, S, b,
     )  # fmt: skip
     return Bundle(geometry, markers, q, S, b, converged, iteration)

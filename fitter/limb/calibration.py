@@ -16,12 +16,13 @@ from fitter.functional.disjoint import disjoint_parts
 from fitter.functional.functional_centre import FunctionalCentre
 from fitter.functional.marker_set import MarkerSet
 from fitter.limb.base_motion import BaseMotion, base_motion, poses_of
+from fitter.limb.base_sway import shared_out
 from fitter.limb.bundle import Bundle, Prior, Task, fit_bundle
 from fitter.limb.centres import joint_centres
 from fitter.limb.free_geometry import FreeGeometry, free_geometry
 from fitter.limb.inverse_kinematics import follow, link_poses, predicted
 from fitter.limb.limb_trials import LimbTrials, columns_of, limb_trials
-from fitter.limb.observation import AnglePrior, Frames, MarkerModel
+from fitter.limb.observation import SWAY, Frames, MarkerModel, without_sway
 from fitter.limb.standing import away_from_lock, standing
 from fitter.limb.start import PLACE_STD_M, Start, first_angles, placed, start
 from fitter.limb.uncertainty import Errors, errors
@@ -52,6 +53,8 @@ class LimbFit:
     trials : LimbTrials
     base : BaseMotion
     task : Task
+    rows : (n,) int64
+        Which of all frames were fitted.
     bundle : Bundle
     functional : tuple of FunctionalCentre
     errors : Errors
@@ -63,6 +66,7 @@ class LimbFit:
     trials: LimbTrials
     base: BaseMotion
     task: Task
+    rows: Integers
     bundle: Bundle
     functional: tuple[FunctionalCentre, ...]
     errors: Errors
@@ -73,6 +77,16 @@ class LimbFit:
         """What was free."""
         return self.task.free
 
+    @property
+    def base_std_m(self) -> float:
+        """How far a marker of the base wanders along an axis [m]."""
+        motion = self.trials.motions.get(str(self.base.segment))
+        return float(self.bundle.markers.std[0]) if motion is None else max(float(np.sqrt(motion.variance_m2)), 1e-3)
+
+    def frames_of_fit(self) -> tuple[Frames, Integers]:
+        """Return the frames that were fitted, and which of all they are."""
+        return self.task.frames, self.rows
+
     def frames(self, recordings: Sequence[MarkerRecording]) -> tuple[Frames, NDArray[np.bool_]]:
         """Return the frames of recordings in which base and chain are seen, and which of all they are."""
         y = np.concatenate([columns_of(r, self.bundle.markers.names) for r in recordings])
@@ -81,11 +95,31 @@ class LimbFit:
         return _usable(y, R, p, [r.t for r in recordings])
 
     def residuals_m(self, recordings: Sequence[MarkerRecording], seed: int) -> Floats:
-        """Return the distance of every marker from where the chain has it, (n_frame, m), NaN where not seen."""
-        frames, _ = self.frames(recordings)
-        chain = self.bundle.markers.chain(self.bundle.geometry)
-        q = follow(chain, frames, self.bundle.markers.std, self.task.angles, seed)
-        return np.asarray(np.linalg.norm(frames.y - predicted(chain, frames, q), axis=2))
+        """Return the distance of every marker from where the chain has it, NaN where not seen.
+
+        Returns
+        -------
+        (n_frame, m + m_base) [m]
+            The markers of the links, then those of the base, which is where base and limb together have it.
+        """
+        frames, usable = self.frames(recordings)
+        _, frames, predicted_m = self.solved(frames, seed)
+        on_limb = np.linalg.norm(frames.y - predicted_m, axis=2)
+        carried = np.concatenate([columns_of(r, self.base.markers) for r in recordings])[usable]
+        there = np.einsum("nij,mj->nmi", frames.R, self.base.points_m) + frames.p[:, None, :]
+        return np.hstack([on_limb, np.linalg.norm(carried - there, axis=2)])
+
+    def solved(self, frames: Frames, seed: int) -> tuple[Floats, Frames, Floats]:
+        """Return sway (none) and angles of frames, the frames with the base's pose as the limb has it, and markers."""
+        bundle, geometry = self.bundle, self.bundle.geometry
+        chain = bundle.markers.chain(geometry)
+        q = follow(chain, frames, bundle.markers.std, self.task.angles, seed)
+        shift = q[:, :SWAY] @ geometry.base_R.T
+        R, p = shared_out(self.base.points_m, geometry.base_p, shift, frames.R, frames.p)
+        moved = frames._replace(R=np.ascontiguousarray(R), p=p)
+        q[:, :SWAY] = 0.0
+        q = follow(chain, moved, bundle.markers.std, without_sway(self.task.angles), seed, q)
+        return q, moved, predicted(chain, moved, q)
 
 
 def calibrate(
@@ -158,7 +192,7 @@ def calibrate(
             )  # fmt: skip
     found = errors(where, task, bundle, n_part, halves)
     notes = (*trials.notes, *base.notes, *base_notes, *centre_notes, *lock_notes, *_open(task, found))
-    return LimbFit(arm, where, trials, base, task, bundle, tuple(functional), found, tuple(dict.fromkeys(notes)))
+    return LimbFit(arm, where, trials, base, task, rows, bundle, tuple(functional), found, tuple(dict.fromkeys(notes)))
 
 
 def _told(progress: Callable[[str, int], None] | None, what: str) -> Callable[[int], None] | None:
@@ -203,7 +237,7 @@ def _clear_of_lock(
         return begin, ()
     q = first_angles(begin, frames, rows, seed)
     _, o = link_poses(begin.virtual.chain(begin.geometry), frames, q)
-    far = o[:, 2] - o[:, 0]
+    far = o[:, SWAY + 2] - o[:, SWAY]
     long_axis = np.einsum("nji,nj->ni", frames.R, far / np.linalg.norm(far, axis=1, keepdims=True))
     lateral = begin.geometry.base_R @ axis_frames(arm, np.zeros(arm.n_joint))[0, 0, :3, 2]
     better = away_from_lock(long_axis, lateral)
@@ -257,9 +291,3 @@ def _open(task: Task, found: Errors) -> list[Note]:
     text = f"the motion tells little of {', '.join(left)}: left near the prior, which is the table's or a landmark's"
     return [Note("left_at_prior", text, columns=tuple(left))]
 
-
-def angles_of(fit: LimbFit, frames: Frames, seed: int) -> Floats:
-    """Return the angles in frames, (n_frame, n_joint)."""
-    chain = fit.bundle.markers.chain(fit.bundle.geometry)
-    prior: AnglePrior = fit.task.angles
-    return follow(chain, frames, fit.bundle.markers.std, prior, seed)

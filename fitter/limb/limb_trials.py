@@ -139,11 +139,11 @@ def _other(where: LimbMap) -> str:
 
 def _limb_set(marker_set: MarkerSet, wanted: Sequence[str]) -> MarkerSet:
     """Return the part of a marker set that a limb has to do with."""
-    trunk = ("thorax", "pelvis")
+    trunk = ("thorax",) if wanted[0] != "pelvis" else ("pelvis",)
     landmarks = {
         name: marker
         for name, marker in marker_set.landmarks.items()
-        if LANDMARKS[name] in (*wanted, *trunk) or name in _BOTH_SIDES
+        if LANDMARKS[name] in (*wanted, *trunk) or (name in _BOTH_SIDES and "acromion" in name and "thorax" in trunk)
     }
     segments = {name: markers for name, markers in marker_set.segments.items() if name in wanted}
     return MarkerSet(marker_set.name, segments, landmarks)

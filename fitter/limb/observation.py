@@ -6,13 +6,21 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from arm.marker_kinematics import Integers, MarkerChain
+from arm.marker_kinematics import BASE_POSITION, Integers, MarkerChain
 from arm.model import Floats
 from fitter.limb.free_geometry import Geometry
 
 #: Degrees of freedom of the t distribution of a marker's error: heavy tails, so that a label that is wrong for
 #: some frames has no say (Lange, Little and Taylor 1989 use 4 where they are not known).
 FREEDOM = 4.0
+
+
+#: The base's sway: three sliding joints before the limb's own, along frame 0's axes, that take up by how much skin
+#: lets the base segment's markers miss the joint that they carry. alpha, a, d, beta, theta offset of each.
+SWAY = 3
+_SWAY_ROWS = np.array(
+    [[0.0, 0.0, 0.0, 0.5, 0.0], [-0.5, 0.0, 0.0, -0.5, 0.0], [0.5, 0.0, 0.0, 0.0, 0.0]]
+) * np.array([np.pi, 1.0, 1.0, np.pi, np.pi])
 
 
 class Frames(NamedTuple):
@@ -41,12 +49,12 @@ class Frames(NamedTuple):
 
 
 class AnglePrior(NamedTuple):
-    """What is known of the joints before a marker is seen: a weak normal prior, so that no angle is left open.
+    """What is known of sway and joints before a marker is seen: of the joints a weak normal prior.
 
     Attributes
     ----------
-    mean, information : (n_joint,)
-        In rad (or m), and one over its variance.
+    mean, information : (3 + n_joint,)
+        In m and rad, and one over its variance.
     """
 
     mean: Floats
@@ -74,13 +82,25 @@ class MarkerModel:
     std: Floats
 
     def chain(self, geometry: Geometry) -> MarkerChain:
-        """Return the chain with these markers; all joints turn."""
+        """Return the chain with these markers, the base's sway before it; all its own joints turn."""
         n = len(geometry.numbers)
         return MarkerChain(
-            np.ones(n, dtype=np.bool_),
-            np.ascontiguousarray(geometry.numbers),
-            self.link,
+            np.arange(SWAY + n) >= SWAY,
+            np.ascontiguousarray(np.vstack([_SWAY_ROWS, geometry.numbers])),
+            self.link + SWAY,
             np.ascontiguousarray(self.place),
             np.ascontiguousarray(geometry.base_R),
             np.ascontiguousarray(geometry.base_p),
         )
+
+
+def swayed(what: Integers) -> Integers:
+    """Return free numbers of eq. (1) by their joint in the chain with the base's sway before it, (n_free, 2)."""
+    moved = what.copy()
+    moved[:, 1] += np.where(what[:, 0] < BASE_POSITION, SWAY, 0)
+    return moved
+
+
+def without_sway(prior: AnglePrior) -> AnglePrior:
+    """Return the prior of a limb whose base is where it is said to be."""
+    return AnglePrior(prior.mean, np.concatenate([np.full(SWAY, 1e12), prior.information[SWAY:]]))

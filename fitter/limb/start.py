@@ -12,12 +12,14 @@ from arm.body.landmarks import LANDMARK_STD_M, LimbMap, centre_points, landmark_
 from arm.kinematics import axis_frames
 from arm.model import Arm, Floats
 from fitter.functional.anatomy import LANDMARKS
+from fitter.functional.pose_error import pose_covariance
+from fitter.functional.rigid_fit import Poses
 from fitter.limb.base_motion import BaseMotion
 from fitter.limb.centres import Centre
 from fitter.limb.free_geometry import CENTRE_M, LENGTH_SHARE, Geometry, geometry_of
 from fitter.limb.inverse_kinematics import follow, link_poses
 from fitter.limb.limb_trials import LimbTrials
-from fitter.limb.observation import AnglePrior, Frames, MarkerModel
+from fitter.limb.observation import SWAY, AnglePrior, Frames, MarkerModel
 from fitter.limb.standing import seen_or_posed
 from fitter.limb.seen import mean_seen, median_seen
 
@@ -25,6 +27,9 @@ from fitter.limb.seen import mean_seen, median_seen
 _FOUND_M, _LENGTH_M = 0.02, 0.015
 #: How far a marker may be from where the start has it [m].
 PLACE_STD_M = 0.05
+#: How far skin lets a marker wander along an axis [m] (Leardini et al. 2005); what stands may sway by hardly
+#: anything, and a small cluster far from the joint by no more than so much [m].
+_SKIN_M, _STANDS_M, _MOST_SWAY_M = 0.008, 1e-5, 0.02
 #: Of a ball joint, and at the least of others [rad].
 _BALL_STD_RAD, _LEAST_STD_RAD = 2.0, 0.5
 
@@ -74,18 +79,31 @@ def start(
     origin, centre_std = _origin(where, trials, base, axes, centres, height_m)
     geometry = replace(geometry_of(arm), base_R=axes, base_p=origin)
     virtual, points = _virtual(arm, where, trials, centres, height_m)
-    return Start(geometry, centre_std, length_std, angle_prior(arm, where), virtual, points)
+    return Start(geometry, centre_std, length_std, angle_prior(arm, where, sway_std(base, origin)), virtual, points)
 
 
-def angle_prior(arm: Arm, where: LimbMap) -> AnglePrior:
-    """Return the angles' prior: within the range of each joint, of a ball joint hardly any."""
+def sway_std(base: BaseMotion, at_m: Floats) -> float:
+    """Return how far skin lets the base miss a joint at some place in its segment, along an axis [m]."""
+    n = len(base.points_m)
+    if n == 0:
+        return _STANDS_M
+    if n < 3:
+        return _SKIN_M
+    still = Poses(np.eye(3)[None], np.zeros((1, 3)), np.zeros((1, n, 3)))
+    covariance = pose_covariance(base.points_m, still, at_m, _SKIN_M**2)[0]
+    return min(float(np.sqrt(np.trace(covariance) / 3.0)), _MOST_SWAY_M)
+
+
+def angle_prior(arm: Arm, where: LimbMap, sway_std_m: float) -> AnglePrior:
+    """Return the prior of sway and angles: within the range of each joint, of a ball joint hardly any."""
     mean, std = np.zeros(arm.n_joint), np.empty(arm.n_joint)
     for i, joint in enumerate(arm.joints):
         low, high = joint.limits or (-np.pi, np.pi)
         ball = any(first <= i < first + 3 for first in where.balls)
         mean[i] = 0.0 if ball else 0.5 * (low + high)
         std[i] = _BALL_STD_RAD if ball else max(0.5 * (high - low), _LEAST_STD_RAD)
-    return AnglePrior(mean, std**-2)
+    std = np.concatenate([np.full(SWAY, sway_std_m), std])
+    return AnglePrior(np.concatenate([np.zeros(SWAY), mean]), std**-2)
 
 
 def first_angles(begin: Start, frames: Frames, rows: Floats, seed: int) -> Floats:
@@ -99,7 +117,7 @@ def placed(begin: Start, names: tuple[str, ...], links: Floats, frames: Frames, 
     R, o = link_poses(begin.virtual.chain(begin.geometry), frames, q)
     places = np.empty((len(names), 3))
     for m, link in enumerate(links):
-        local = np.einsum("nji,nj->ni", R[:, link], frames.y[:, m] - o[:, link])
+        local = np.einsum("nji,nj->ni", R[:, SWAY + link], frames.y[:, m] - o[:, SWAY + link])
         places[m] = median_seen(local)
     return places
 

@@ -1,0 +1,227 @@
+"""Markers of recordings to joint motion of a calibrated arm, and to that of the segment that carries its base."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation, Slerp
+
+from arm.body.landmarks import limb_map
+from arm.body.limbs import LIMBS
+from arm.chain import chain_of
+from arm.kinematics import rotation_from_rpy
+from arm.model import Arm, Floats
+from fitter.limb.base_motion import BaseMotion, poses_of, quaternions
+from fitter.limb.base_sway import shared_out
+from fitter.limb.free_geometry import Geometry
+from fitter.limb.inverse_kinematics import follow, predicted
+from fitter.limb.limb_trials import columns_of
+from fitter.limb.motion_smoother import smooth
+from fitter.limb.observation import SWAY, AnglePrior, Frames, MarkerModel, without_sway
+from fitter.limb.start import angle_prior, sway_std
+from fitter.markers.recording import MarkerRecording
+from limbcal.errors import ConfigError, DataError
+from limbcal.note import Note
+
+#: How far a marker wanders where the arm file does not say so, and at the least [m].
+_USUAL_STD_M, _LEAST_STD_M = 0.008, 0.004
+#: Markers of the chain from which on a frame tells its angles by itself.
+_LEAST_MARKERS = 3
+
+
+@dataclass(frozen=True)
+class TrackedLimb:
+    """The motion of one recording.
+
+    Attributes
+    ----------
+    t : (n_frame,) [s]
+    q, q_std : (n_frame, n_joint) [rad]
+    base : (n_frame, 7)
+        x, y, z [m] and the quaternion w, x, y, z of the segment that carries the base.
+    distance_m : (n_frame, n_marker)
+        Of every marker of the arm from where the motion has it, NaN where it was not seen.
+    notes : tuple of Note
+    """
+
+    t: Floats
+    q: Floats
+    q_std: Floats
+    base: Floats
+    distance_m: Floats
+    notes: tuple[Note, ...]
+
+
+@dataclass(frozen=True)
+class MarkedArm:
+    """An arm with markers, as tracking takes it apart: the chain's numbers, its markers, the base's."""
+
+    geometry: Geometry
+    markers: MarkerModel
+    base: BaseMotion
+    angles: AnglePrior
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """All markers, those of the links first."""
+        return (*self.markers.names, *self.base.markers)
+
+
+def marked_arm(arm: Arm) -> MarkedArm:
+    """Take an arm apart.
+
+    Raises
+    ------
+    ConfigError
+        If it has no markers on its links, or a joint that slides.
+    """
+    on_links = [m for m in arm.markers if m.joint > 0]
+    if not on_links:
+        raise ConfigError(
+            f"arm {arm.name!r} has no [[marker]] on its links, expected some, as `fitter kinematics --body` writes them"
+        )
+    if any(joint.type != "revolute" for joint in arm.joints):
+        raise ConfigError(f"arm {arm.name!r} has a joint that slides, expected only joints that turn, to track markers")
+    base_R, base_p = np.eye(3), np.zeros(3)
+    if arm.base is not None:
+        base_R, base_p = rotation_from_rpy(*arm.base.rotation_rad), np.array(arm.base.position_m)
+    model = MarkerModel(
+        tuple(m.name for m in on_links),
+        np.array([m.joint - 1 for m in on_links], dtype=np.int64),
+        np.array([m.position_m for m in on_links]),
+        np.array([max(m.std_m or _USUAL_STD_M, _LEAST_STD_M) for m in on_links]),
+    )
+    carried = [m for m in arm.markers if m.joint == 0]
+    points = np.array([m.position_m for m in carried]).reshape(-1, 3) @ base_R.T + base_p
+    segment = None if arm.base is None else arm.base.segment
+    base = BaseMotion(segment, tuple(m.name for m in carried), points, np.empty((0, 3, 3)), np.empty((0, 3)))
+    sway = sway_std(base, base_p)
+    if arm.name in LIMBS:
+        angles = angle_prior(arm, limb_map(arm.name, arm.n_joint), sway)
+    else:
+        angles = _plain_prior(arm, sway)
+    return MarkedArm(Geometry(chain_of(arm).geometry.copy(), base_R, base_p), model, base, angles)
+
+
+def _plain_prior(arm: Arm, sway_std_m: float) -> AnglePrior:
+    ranges = np.array([joint.limits or (-np.pi, np.pi) for joint in arm.joints])
+    std = np.maximum(0.5 * (ranges[:, 1] - ranges[:, 0]), 0.5)
+    std = np.concatenate([np.full(SWAY, sway_std_m), std])
+    return AnglePrior(np.concatenate([np.zeros(SWAY), ranges.mean(axis=1)]), std**-2)
+
+
+def track_limb(
+    arm: Arm, recordings: Sequence[MarkerRecording], seed: int = 0, progress: Callable[[int], None] | None = None
+) -> list[TrackedLimb]:
+    """Track an arm's markers in recordings.
+
+    Parameters
+    ----------
+    arm : Arm
+        With [[marker]] and, where its base is carried, [base].
+    recordings : sequence of MarkerRecording
+    seed : int
+        Of the postures that angles begin from.
+    progress : callable, optional
+        Told how many recordings are done.
+
+    Raises
+    ------
+    ConfigError
+        If the arm cannot be tracked.
+    DataError
+        If a recording has too few of the arm's markers.
+    """
+    marked = marked_arm(arm)
+    tracked = []
+    for k, recording in enumerate(recordings):
+        tracked.append(_track_one(marked, recording, seed))
+        if progress is not None:
+            progress(k + 1)
+    return tracked
+
+
+def _track_one(marked: MarkedArm, recording: MarkerRecording, seed: int) -> TrackedLimb:
+    y = columns_of(recording, marked.markers.names)
+    seen = np.isfinite(y[..., 0])
+    notes = _missing(marked, recording)
+    if seen.any(axis=0).sum() < _LEAST_MARKERS:
+        there = [name for name, ok in zip(marked.markers.names, seen.any(axis=0), strict=True) if ok]
+        raise DataError(
+            f"{recording.path}: of the arm's {len(marked.markers.names)} markers it has {', '.join(there) or 'none'}, "
+            f"expected at least {_LEAST_MARKERS}"
+        )
+    carried = columns_of(recording, marked.base.markers)
+    R, p, more = _filled(recording, marked, *poses_of(marked.base.points_m, carried))
+    t = recording.t
+    frames = Frames(np.ascontiguousarray(y), R, p, np.zeros(len(t), dtype=np.int64), t)
+    chain, std = marked.markers.chain(marked.geometry), marked.markers.std
+    q = _first(chain_q=follow(chain, frames, std, marked.angles, seed), seen=seen)
+    dt_s = 1.0 / recording.rate_hz
+    swayed = smooth(chain, frames, std, marked.angles, dt_s, q)
+    shift = swayed.q[:, :SWAY] @ marked.geometry.base_R.T
+    R, p = shared_out(marked.base.points_m, marked.geometry.base_p, shift, R, p)
+    moved = frames._replace(R=np.ascontiguousarray(R), p=np.ascontiguousarray(p))
+    start = swayed.q.copy()
+    start[:, :SWAY] = 0.0
+    still = smooth(chain, moved, std, without_sway(marked.angles), dt_s, start)
+    if not still.converged:
+        more.append(Note("not_converged", "the angles still change where the search ends: do not rely on them"))
+    on_limb = np.linalg.norm(y - predicted(chain, moved, still.q), axis=2)
+    there = np.einsum("nij,mj->nmi", R, marked.base.points_m) + p[:, None, :]
+    distance = np.hstack([on_limb, np.linalg.norm(carried - there, axis=2)])
+    return TrackedLimb(
+        t,
+        still.q[:, SWAY:],
+        np.maximum(still.std[:, SWAY:], swayed.std[:, SWAY:] if _few_gaps(seen) else 0.0),
+        np.hstack([p, quaternions(R)]),
+        distance,
+        (*notes, *more),
+    )
+
+
+def _few_gaps(seen: NDArray[np.bool_]) -> bool:
+    """Whether sway and joints are told apart in nearly all frames, so that both errors can be compared."""
+    return bool(np.mean(seen.sum(axis=1) >= _LEAST_MARKERS) > 0.5)
+
+
+def _first(chain_q: Floats, seen: NDArray[np.bool_]) -> Floats:
+    """Return angles to begin from: without whole turns, and from frame to frame where too few markers are seen."""
+    known = np.flatnonzero(seen.sum(axis=1) >= _LEAST_MARKERS)
+    if not len(known):
+        return chain_q
+    q = np.unwrap(chain_q[known], axis=0)
+    return np.column_stack([np.interp(np.arange(len(chain_q)), known, column) for column in q.T])
+
+
+def _missing(marked: MarkedArm, recording: MarkerRecording) -> list[Note]:
+    lost = tuple(name for name in marked.names if name not in recording.names)
+    if not lost:
+        return []
+    text = f"{len(lost)} of the arm's {len(marked.names)} markers are not in the recording: {', '.join(lost)}"
+    return [Note("missing_marker", text, columns=lost)]
+
+
+def _filled(
+    recording: MarkerRecording, marked: MarkedArm, R: Floats, p: Floats
+) -> tuple[Floats, Floats, list[Note]]:
+    """Return the base's poses with those in between where its markers were not seen, and say so."""
+    known = np.flatnonzero(np.isfinite(p[:, 0]))
+    if not len(known):
+        raise DataError(
+            f"{recording.path}: no frame shows the base's markers {', '.join(marked.base.markers)} together, expected "
+            "three of them, or all where there are fewer"
+        )
+    lost = len(p) - len(known)
+    if not lost:
+        return np.ascontiguousarray(R), np.ascontiguousarray(p), []
+    at = np.clip(np.arange(len(p)), known[0], known[-1])
+    p = np.column_stack([np.interp(at, known, p[known, axis]) for axis in range(3)])
+    R = Slerp(known, Rotation.from_matrix(R[known]))(at).as_matrix() if len(known) > 1 else R[np.full(len(p), known[0])]
+    gaps = np.diff(np.concatenate([[-1], known, [len(p)]])) - 1
+    text = (
+        f"the base has no pose of its own in {lost} of {len(p)} frames ({gaps.max() / recording.rate_hz:.2f} s at the "
+        "longest): the poses before and after are joined there"
+    )
+    return np.ascontiguousarray(R), np.ascontiguousarray(p), [Note("base_gap", text, columns=marked.base.markers)]
