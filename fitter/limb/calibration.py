@@ -15,14 +15,13 @@ from arm.model import Arm, Body, Floats
 from fitter.functional.disjoint import disjoint_parts
 from fitter.functional.functional_centre import FunctionalCentre
 from fitter.functional.marker_set import MarkerSet
-from fitter.limb.base_motion import BaseMotion, base_motion, poses_of
-from fitter.limb.base_sway import shared_out
+from fitter.limb.base_motion import BaseMotion, base_motion, markers_in, poses_of
 from fitter.limb.bundle import Bundle, Prior, Task, fit_bundle
 from fitter.limb.centres import joint_centres
 from fitter.limb.free_geometry import FreeGeometry, free_geometry
 from fitter.limb.inverse_kinematics import follow, link_poses, predicted
 from fitter.limb.limb_trials import LimbTrials, columns_of, limb_trials
-from fitter.limb.observation import SWAY, Frames, MarkerModel, without_sway
+from fitter.limb.observation import SWAY, Frames, MarkerModel, base_follows, with_base
 from fitter.limb.standing import away_from_lock, standing
 from fitter.limb.start import PLACE_STD_M, Start, first_angles, placed, start
 from fitter.limb.uncertainty import Errors, errors
@@ -81,7 +80,7 @@ class LimbFit:
     def base_std_m(self) -> float:
         """How far a marker of the base wanders along an axis [m]."""
         motion = self.trials.motions.get(str(self.base.segment))
-        return float(self.bundle.markers.std[0]) if motion is None else max(float(np.sqrt(motion.variance_m2)), 1e-3)
+        return float(self.bundle.markers.std[0]) if motion is None else max(float(np.sqrt(motion.variance_m2)), float(self.bundle.markers.std[0]))
 
     def frames_of_fit(self) -> tuple[Frames, Integers]:
         """Return the frames that were fitted, and which of all they are."""
@@ -103,23 +102,15 @@ class LimbFit:
             The markers of the links, then those of the base, which is where base and limb together have it.
         """
         frames, usable = self.frames(recordings)
-        _, frames, predicted_m = self.solved(frames, seed)
-        on_limb = np.linalg.norm(frames.y - predicted_m, axis=2)
         carried = np.concatenate([columns_of(r, self.base.markers) for r in recordings])[usable]
-        there = np.einsum("nij,mj->nmi", frames.R, self.base.points_m) + frames.p[:, None, :]
-        return np.hstack([on_limb, np.linalg.norm(carried - there, axis=2)])
-
-    def solved(self, frames: Frames, seed: int) -> tuple[Floats, Frames, Floats]:
-        """Return sway (none) and angles of frames, the frames with the base's pose as the limb has it, and markers."""
-        bundle, geometry = self.bundle, self.bundle.geometry
-        chain = bundle.markers.chain(geometry)
-        q = follow(chain, frames, bundle.markers.std, self.task.angles, seed)
-        shift = q[:, :SWAY] @ geometry.base_R.T
-        R, p = shared_out(self.base.points_m, geometry.base_p, shift, frames.R, frames.p)
-        moved = frames._replace(R=np.ascontiguousarray(R), p=p)
-        q[:, :SWAY] = 0.0
-        q = follow(chain, moved, bundle.markers.std, without_sway(self.task.angles), seed, q)
-        return q, moved, predicted(chain, moved, q)
+        frames = frames._replace(y=np.ascontiguousarray(np.concatenate([frames.y, carried], axis=1)))
+        geometry, base = self.bundle.geometry, self.base
+        place = markers_in(base.points_m, geometry.base_R, geometry.base_p)
+        model = with_base(self.bundle.markers, base.markers, place, self.base_std_m)
+        chain = model.chain(geometry)
+        prior = base_follows(self.task.angles, len(base.markers))
+        q = follow(chain, frames, model.std, prior, seed)
+        return np.asarray(np.linalg.norm(frames.y - predicted(chain, frames, q), axis=2))
 
 
 def calibrate(

@@ -94,12 +94,9 @@ def solve_frame(
     damping = 1e-3
     cost = frame_equations(chain, frames, k, variance, prior, q, room, A, a)
     for _ in range(most):
-        trace = 0.0
-        for i in range(n):
-            trace += A[i, i]
         damped = A.copy()
         for i in range(n):
-            damped[i, i] += damping * trace / n
+            damped[i, i] *= 1.0 + damping
         step = np.linalg.solve(damped, a)
         size = np.abs(step).max()
         if size > 1.0:

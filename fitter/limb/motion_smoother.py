@@ -16,13 +16,13 @@ from fitter.limb.inverse_kinematics import frame_equations
 from fitter.limb.observation import SWAY, AnglePrior, Frames
 from limbcal.compiled import compiled
 
-#: Spectral density of the jerk, of joints [rad²/s⁵] and of the base's sway [m²/s⁵]: with markers that wander by 8 mm
+#: Spectral density of the jerk, of joints and turns of the base [rad²/s⁵], and of its shifts [m²/s⁵]: with markers that wander by 8 mm
 #: some 15 cm from an axis the prior lets pass what is below about 12 Hz, more than people's motion has
 #: (Winter 2009: 6 Hz hold nearly all of it).
 JERK_DENSITY, SWAY_JERK_DENSITY = 1e6, 4e4
 #: Frequency up to which that is [Hz].
 PASSES_HZ = 12.0
-_MOST_ITERATIONS, _CONVERGED_RAD = 25, 1e-5
+_MOST_ITERATIONS, _CONVERGED_RAD = 30, 5e-4
 _SHORTENED = (1.0, 0.5, 0.2, 0.05)
 
 
@@ -32,7 +32,7 @@ class Smoothed:
 
     Attributes
     ----------
-    q, std : (n_frame, 3 + n_joint)
+    q, std : (n_frame, 6 + n_joint)
         The base's sway first; its standard deviation is of a frame by itself where markers are seen.
     converged : bool
     """
@@ -55,11 +55,11 @@ def smooth(
     std_m : (m,)
     prior : AnglePrior
     dt_s : float
-    q : (n_frame, 3 + n_joint)
+    q : (n_frame, 6 + n_joint)
         Where to begin.
     """
     n = q.shape[1]
-    density = np.where(np.arange(n) < SWAY, SWAY_JERK_DENSITY, JERK_DENSITY)
+    density = np.where(np.arange(n) < SWAY // 2, SWAY_JERK_DENSITY, JERK_DENSITY)
     jerk = 1.0 / (density * dt_s**5)
     band = _jerk_band(len(q), jerk)
     room = slopes_room(n, 0)
@@ -77,7 +77,7 @@ def smooth(
                 break
         else:  # no shorter step is better either: that is as far as it goes
             _equations(chain, frames, variance, prior, q, room, A, a)
-            converged = bool(np.abs(step).max() < 100.0 * _CONVERGED_RAD)
+            converged = bool(np.abs(step).max() < 20.0 * _CONVERGED_RAD)
             break
         q, now = trial, found
         if np.abs(share * step).max() < _CONVERGED_RAD:

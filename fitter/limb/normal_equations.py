@@ -83,7 +83,7 @@ def eliminate(
     share : (n_frame,)
         How much each frame counts.
     damping : float
-        Of the angles, as a share of their mean information.
+        Of the angles, as a share of their information.
     part : (n_frame,) int64
     gain, shift : (n_frame, n_joint, n_shared), (n_frame, n_joint)
         Filled in: ``dq = shift - gain @ d_shared``.
@@ -132,13 +132,9 @@ def eliminate(
                     rhs[at + j] += ws * R[row, j] * r[row]
             for j in range(3):
                 own[at + j, at + j] += w * share[k]
-        trace = 0.0
         for i in range(n):
-            A[i, i] += prior.information[i]
+            A[i, i] = (1.0 + damping) * (A[i, i] + prior.information[i])
             a[i] -= prior.information[i] * (q[k, i] - prior.mean[i])
-            trace += A[i, i]
-        for i in range(n):
-            A[i, i] += damping * trace / n
         gain[k] = np.linalg.solve(A, C)
         shift[k] = np.linalg.solve(A, a)
         own -= share[k] * np.dot(C.T, gain[k])

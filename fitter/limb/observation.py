@@ -15,12 +15,14 @@ from fitter.limb.free_geometry import Geometry
 FREEDOM = 4.0
 
 
-#: The base's sway: three sliding joints before the limb's own, along frame 0's axes, that take up by how much skin
-#: lets the base segment's markers miss the joint that they carry. alpha, a, d, beta, theta offset of each.
-SWAY = 3
-_SWAY_ROWS = np.array(
-    [[0.0, 0.0, 0.0, 0.5, 0.0], [-0.5, 0.0, 0.0, -0.5, 0.0], [0.5, 0.0, 0.0, 0.0, 0.0]]
-) * np.array([np.pi, 1.0, 1.0, np.pi, np.pi])
+#: The base's sway: three sliding and three turning joints before the limb's own, along and about frame 0's axes. They
+#: take up by how much skin lets the base segment's markers miss the joint that they carry, and bring the base
+#: where too few of its markers are seen. alpha, a, d, beta, theta offset of each.
+SWAY = 6
+_ALONG_AXES = np.array([[0.0, 0.0, 0.0, 0.5, 0.0], [-0.5, 0.0, 0.0, -0.5, 0.0], [0.5, 0.0, 0.0, 0.0, 0.0]])
+_SWAY_ROWS = np.vstack([_ALONG_AXES, _ALONG_AXES]) * np.array([np.pi, 1.0, 1.0, np.pi, np.pi])
+#: Standard deviation of a sway that cannot be [m or rad], and of one that markers are to tell [m], [rad].
+_NO_SWAY, _FREE_M, _FREE_RAD = 1e-6, 0.05, 0.3
 
 
 class Frames(NamedTuple):
@@ -53,7 +55,7 @@ class AnglePrior(NamedTuple):
 
     Attributes
     ----------
-    mean, information : (3 + n_joint,)
+    mean, information : (6 + n_joint,)
         In m and rad, and one over its variance.
     """
 
@@ -69,7 +71,7 @@ class MarkerModel:
     ----------
     names : tuple of str
     link : (m,) int64
-        From 0.
+        From 0; -1 is frame 0.
     place : (m, 3) [m]
         In the link's joint-axis frame.
     std : (m,) [m]
@@ -85,7 +87,7 @@ class MarkerModel:
         """Return the chain with these markers, the base's sway before it; all its own joints turn."""
         n = len(geometry.numbers)
         return MarkerChain(
-            np.arange(SWAY + n) >= SWAY,
+            np.arange(SWAY + n) >= SWAY // 2,
             np.ascontiguousarray(np.vstack([_SWAY_ROWS, geometry.numbers])),
             self.link + SWAY,
             np.ascontiguousarray(self.place),
@@ -101,6 +103,36 @@ def swayed(what: Integers) -> Integers:
     return moved
 
 
-def without_sway(prior: AnglePrior) -> AnglePrior:
-    """Return the prior of a limb whose base is where it is said to be."""
-    return AnglePrior(prior.mean, np.concatenate([np.full(SWAY, 1e12), prior.information[SWAY:]]))
+def base_sways(prior: AnglePrior, std_m: float) -> AnglePrior:
+    """Return the prior of a limb whose base only shifts, by so much along each axis."""
+    sway = np.concatenate([np.full(3, max(std_m, _NO_SWAY)), np.full(3, _NO_SWAY)])
+    return _with_sway(prior, sway)
+
+
+def base_follows(prior: AnglePrior, n_marker: int) -> AnglePrior:
+    """Return the prior of a limb whose base is where its own markers, and the limb, have it.
+
+    Parameters
+    ----------
+    prior : AnglePrior
+    n_marker : int
+        Of the base: with fewer than three it keeps its orientation, with none its place.
+    """
+    sway = np.full(SWAY, _NO_SWAY)
+    sway[:3] = _FREE_M if n_marker else _NO_SWAY
+    sway[3:] = _FREE_RAD if n_marker >= 3 else _NO_SWAY
+    return _with_sway(prior, sway)
+
+
+def _with_sway(prior: AnglePrior, std: Floats) -> AnglePrior:
+    return AnglePrior(prior.mean, np.concatenate([std**-2, prior.information[SWAY:]]))
+
+
+def with_base(model: MarkerModel, names: tuple[str, ...], place: Floats, std_m: float) -> MarkerModel:
+    """Return the markers of a limb and after them those of its base, whose places are in frame 0."""
+    return MarkerModel(
+        (*model.names, *names),
+        np.concatenate([model.link, np.full(len(names), -1, dtype=np.int64)]),
+        np.vstack([model.place, place.reshape(-1, 3)]),
+        np.concatenate([model.std, np.full(len(names), std_m)]),
+    )

@@ -19,7 +19,7 @@ from fitter.limb.centres import Centre
 from fitter.limb.free_geometry import CENTRE_M, LENGTH_SHARE, Geometry, geometry_of
 from fitter.limb.inverse_kinematics import follow, link_poses
 from fitter.limb.limb_trials import LimbTrials
-from fitter.limb.observation import SWAY, AnglePrior, Frames, MarkerModel
+from fitter.limb.observation import SWAY, AnglePrior, Frames, MarkerModel, base_sways
 from fitter.limb.standing import seen_or_posed
 from fitter.limb.seen import mean_seen, median_seen
 
@@ -102,8 +102,8 @@ def angle_prior(arm: Arm, where: LimbMap, sway_std_m: float) -> AnglePrior:
         ball = any(first <= i < first + 3 for first in where.balls)
         mean[i] = 0.0 if ball else 0.5 * (low + high)
         std[i] = _BALL_STD_RAD if ball else max(0.5 * (high - low), _LEAST_STD_RAD)
-    std = np.concatenate([np.full(SWAY, sway_std_m), std])
-    return AnglePrior(np.concatenate([np.zeros(SWAY), mean]), std**-2)
+    plain = AnglePrior(np.concatenate([np.zeros(SWAY), mean]), np.concatenate([np.ones(SWAY), std**-2]))
+    return base_sways(plain, sway_std_m)
 
 
 def first_angles(begin: Start, frames: Frames, rows: Floats, seed: int) -> Floats:

@@ -12,14 +12,15 @@ from arm.body.limbs import LIMBS
 from arm.chain import chain_of
 from arm.kinematics import rotation_from_rpy
 from arm.model import Arm, Floats
+from fitter.functional.rigid_fit import fit_poses
+from fitter.functional.template import doubtful_rms_m
 from fitter.limb.base_motion import BaseMotion, poses_of, quaternions
-from fitter.limb.base_sway import shared_out
 from fitter.limb.free_geometry import Geometry
-from fitter.limb.inverse_kinematics import follow, predicted
+from fitter.limb.inverse_kinematics import follow, link_poses, predicted
 from fitter.limb.limb_trials import columns_of
 from fitter.limb.motion_smoother import smooth
-from fitter.limb.observation import SWAY, AnglePrior, Frames, MarkerModel, without_sway
-from fitter.limb.start import angle_prior, sway_std
+from fitter.limb.observation import SWAY, AnglePrior, Frames, MarkerModel, base_follows, with_base
+from fitter.limb.start import angle_prior
 from fitter.markers.recording import MarkerRecording
 from limbcal.errors import ConfigError, DataError
 from limbcal.note import Note
@@ -55,11 +56,12 @@ class TrackedLimb:
 
 @dataclass(frozen=True)
 class MarkedArm:
-    """An arm with markers, as tracking takes it apart: the chain's numbers, its markers, the base's."""
+    """An arm with markers, as tracking takes it apart: the chain's numbers, its markers, the base's, and both's."""
 
     geometry: Geometry
     markers: MarkerModel
     base: BaseMotion
+    everything: MarkerModel
     angles: AnglePrior
 
     @property
@@ -96,18 +98,21 @@ def marked_arm(arm: Arm) -> MarkedArm:
     points = np.array([m.position_m for m in carried]).reshape(-1, 3) @ base_R.T + base_p
     segment = None if arm.base is None else arm.base.segment
     base = BaseMotion(segment, tuple(m.name for m in carried), points, np.empty((0, 3, 3)), np.empty((0, 3)))
-    sway = sway_std(base, base_p)
     if arm.name in LIMBS:
-        angles = angle_prior(arm, limb_map(arm.name, arm.n_joint), sway)
+        angles = angle_prior(arm, limb_map(arm.name, arm.n_joint), 0.0)
     else:
-        angles = _plain_prior(arm, sway)
-    return MarkedArm(Geometry(chain_of(arm).geometry.copy(), base_R, base_p), model, base, angles)
+        angles = _plain_prior(arm)
+    in_frame_0 = np.array([m.position_m for m in carried]).reshape(-1, 3)
+    base_std = max([_LEAST_STD_M, *(m.std_m or _USUAL_STD_M for m in carried)])
+    everything = with_base(model, base.markers, in_frame_0, base_std)
+    geometry = Geometry(chain_of(arm).geometry.copy(), base_R, base_p)
+    return MarkedArm(geometry, model, base, everything, base_follows(angles, len(carried)))
 
 
-def _plain_prior(arm: Arm, sway_std_m: float) -> AnglePrior:
+def _plain_prior(arm: Arm) -> AnglePrior:
     ranges = np.array([joint.limits or (-np.pi, np.pi) for joint in arm.joints])
     std = np.maximum(0.5 * (ranges[:, 1] - ranges[:, 0]), 0.5)
-    std = np.concatenate([np.full(SWAY, sway_std_m), std])
+    std = np.concatenate([np.ones(SWAY), std])
     return AnglePrior(np.concatenate([np.zeros(SWAY), ranges.mean(axis=1)]), std**-2)
 
 
@@ -153,32 +158,33 @@ def _track_one(marked: MarkedArm, recording: MarkerRecording, seed: int) -> Trac
             f"expected at least {_LEAST_MARKERS}"
         )
     carried = columns_of(recording, marked.base.markers)
-    R, p, more = _filled(recording, marked, *poses_of(marked.base.points_m, carried))
+    R, p, more = _filled(recording, marked, *_trusted(marked.base.points_m, carried))
     t = recording.t
-    frames = Frames(np.ascontiguousarray(y), R, p, np.zeros(len(t), dtype=np.int64), t)
-    chain, std = marked.markers.chain(marked.geometry), marked.markers.std
-    q = _first(chain_q=follow(chain, frames, std, marked.angles, seed), seen=seen)
-    dt_s = 1.0 / recording.rate_hz
-    swayed = smooth(chain, frames, std, marked.angles, dt_s, q)
-    shift = swayed.q[:, :SWAY] @ marked.geometry.base_R.T
-    R, p = shared_out(marked.base.points_m, marked.geometry.base_p, shift, R, p)
-    moved = frames._replace(R=np.ascontiguousarray(R), p=np.ascontiguousarray(p))
-    start = swayed.q.copy()
-    start[:, :SWAY] = 0.0
-    still = smooth(chain, moved, std, without_sway(marked.angles), dt_s, start)
-    if not still.converged:
+    everything = np.ascontiguousarray(np.concatenate([y, carried], axis=1))
+    frames = Frames(everything, R, p, np.zeros(len(t), dtype=np.int64), t)
+    chain, std = marked.everything.chain(marked.geometry), marked.everything.std
+    q = _first(follow(chain, frames, std, marked.angles, seed), seen)
+    found = smooth(chain, frames, std, marked.angles, 1.0 / recording.rate_hz, q)
+    if not found.converged:
         more.append(Note("not_converged", "the angles still change where the search ends: do not rely on them"))
-    on_limb = np.linalg.norm(y - predicted(chain, moved, still.q), axis=2)
-    there = np.einsum("nij,mj->nmi", R, marked.base.points_m) + p[:, None, :]
-    distance = np.hstack([on_limb, np.linalg.norm(carried - there, axis=2)])
-    return TrackedLimb(
-        t,
-        still.q[:, SWAY:],
-        np.maximum(still.std[:, SWAY:], swayed.std[:, SWAY:] if _few_gaps(seen) else 0.0),
-        np.hstack([p, quaternions(R)]),
-        distance,
-        (*notes, *more),
-    )
+    R0, o0 = (x[:, SWAY - 1] for x in link_poses(chain, frames, found.q))
+    R = R0 @ marked.geometry.base_R.T
+    p = o0 - np.einsum("nij,j->ni", R, marked.geometry.base_p)
+    distance = np.linalg.norm(everything - predicted(chain, frames, found.q), axis=2)
+    pose = np.hstack([p, quaternions(R)])
+    return TrackedLimb(t, found.q[:, SWAY:], found.std[:, SWAY:], pose, distance, (*notes, *more))
+
+
+def _trusted(points_m: Floats, measured_m: Floats) -> tuple[Floats, Floats]:
+    """Return the base's poses without those whose markers are far off their shape, where they can be."""
+    R, p = poses_of(points_m, measured_m)
+    if len(points_m) < 3:
+        return R, p
+    rms = fit_poses(points_m, measured_m).rms_m
+    doubtful = rms > doubtful_rms_m(rms)
+    R, p = R.copy(), p.copy()
+    R[doubtful], p[doubtful] = np.nan, np.nan
+    return R, p
 
 
 def _few_gaps(seen: NDArray[np.bool_]) -> bool:
@@ -186,13 +192,13 @@ def _few_gaps(seen: NDArray[np.bool_]) -> bool:
     return bool(np.mean(seen.sum(axis=1) >= _LEAST_MARKERS) > 0.5)
 
 
-def _first(chain_q: Floats, seen: NDArray[np.bool_]) -> Floats:
+def _first(q: Floats, seen: NDArray[np.bool_]) -> Floats:
     """Return angles to begin from: without whole turns, and from frame to frame where too few markers are seen."""
     known = np.flatnonzero(seen.sum(axis=1) >= _LEAST_MARKERS)
     if not len(known):
-        return chain_q
-    q = np.unwrap(chain_q[known], axis=0)
-    return np.column_stack([np.interp(np.arange(len(chain_q)), known, column) for column in q.T])
+        return q
+    some = np.unwrap(q[known], axis=0)
+    return np.column_stack([np.interp(np.arange(len(q)), known, column) for column in some.T])
 
 
 def _missing(marked: MarkedArm, recording: MarkerRecording) -> list[Note]:
