@@ -10,6 +10,7 @@ from rich.progress import Progress
 from fitter.commands.arm_option import questioned_arm
 from fitter.commands.limb_kinematics import recordings_of
 from fitter.commands.options import MOTION_SUFFIXES, make_room
+from fitter.data.base_columns import BASE_COLUMNS
 from fitter.data.motion_file import write_motion
 from fitter.limb.document import of_markers, rms_mm
 from fitter.limb.tracking import marked_arm, track_limb
@@ -19,7 +20,6 @@ from limbcal.note import documents, of_source
 
 #: What recordings of markers end with.
 MARKER_SUFFIXES = (".c3d", ".trc")
-BASE_COLUMNS = ("base_x", "base_y", "base_z", "base_qw", "base_qx", "base_qy", "base_qz")
 _NOT_HERE = (("zero", None), ("initial_q", None), ("columns", None), ("rate_hz", None))
 
 
