@@ -1,4 +1,4 @@
-"""Inverse dynamics of an arm whose base is carried about, with outer wrenches on any link: eq. (4) on a moving base.
+"""Inverse dynamics, eq. (4), of an arm whose base is carried about, with outer wrenches on any link.
 
 The recursion of section 4, over all samples at once and in frame 0's axes. The base's turn begins it, where
 `arm.newton_euler` begins at rest; its acceleration adds to that of gravity. `arm.newton_euler` is held against it

@@ -1,4 +1,4 @@
-"""`fitter kinematics`: joint angles and a measured tip, or a person's markers, to the arm's geometry, eq. (1) to (3)."""
+"""`fitter kinematics`: angles and a measured tip, or a person's markers, to the geometry of eq. (1) to (3)."""
 
 import argparse
 from collections.abc import Sequence
@@ -51,7 +51,11 @@ EXAMPLE = "fitter kinematics recordings/run.mcap --arm my-arm.toml --out geometr
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Say what `fitter kinematics` takes."""
     parser.add_argument(
-        "data", nargs="+", type=Path, metavar="DATA", help="trials with q1… and tipx tipy tipz, or recordings; with --body C3D or TRC"
+        "data",
+        nargs="+",
+        type=Path,
+        metavar="DATA",
+        help="trials with q1… and tipx tipy tipz, or recordings; with --body C3D or TRC",
     )
     parser.add_argument(
         "--evaluate", nargs="+", type=Path, default=[], metavar="EVAL", help="trials not learnt from"

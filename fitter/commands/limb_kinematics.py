@@ -25,7 +25,7 @@ from limbcal.note import Note, documents, of_source
 #: Notes of a recording that a calibration passes on: the others are of `fitter markers`.
 _PASSED_ON = ("swapped", "unit", "up", "clock", "doubled")
 #: Options of the calibration from a measured tip, which mean nothing here.
-_NOT_HERE = (
+_NOT_HERE: tuple[tuple[str, object], ...] = (
     ("arm", None), ("columns", None), ("rate_hz", None), ("bounds", None), ("fix", None), ("free", ""),
     ("about", "auto"), ("angle_noise_deg", "auto"), ("compare", []), ("population", None), ("report", None),
 )  # fmt: skip
@@ -134,7 +134,9 @@ def _show(fit: LimbFit, answer: Document) -> None:
     for name, one in centres.items():
         table.add_row(f"centre {name} [mm]", "", f"sd {one['std_mm']:.1f}", _number(one["apart_mm"], ".1f"))
     for name, one in axes.items():
-        table.add_row(f"axis {name} [°]", "", f"sd {_number(one['std_deg'], '.1f') or '?'}", _number(one["apart_deg"], ".1f"))
+        table.add_row(
+            f"axis {name} [°]", "", f"sd {_number(one['std_deg'], '.1f') or '?'}", _number(one["apart_deg"], ".1f")
+        )
     show(table)
     for role in ("learn", "evaluate"):
         rms = dict(answer["marker_rms_mm"]).get(role)  # type: ignore[call-overload]

@@ -65,7 +65,8 @@ def limb_track(arguments: argparse.Namespace) -> Document:
         **dict(zip(BASE_COLUMNS, np.concatenate([one.base for one in tracked]).T, strict=True)),
     }
     if len(tracked) > 1:
-        rows = [np.full(len(one.t), label, dtype=f"U{max(map(len, labels))}") for one, label in zip(tracked, labels, strict=True)]
+        longest = f"U{max(map(len, labels))}"
+        rows = [np.full(len(one.t), label, dtype=longest) for one, label in zip(tracked, labels, strict=True)]
         columns["trial"] = np.concatenate(rows)
     write_motion(arguments.out, columns)
     for one, recording in zip(tracked, recordings, strict=True):

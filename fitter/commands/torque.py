@@ -32,18 +32,25 @@ _AGREED_N_M = 1e-10
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Say what `fitter torque` takes."""
-    parser.add_argument("motion", nargs="+", type=Path, metavar="MOTION", help="t, q1… and where known dq1…, base_x…")
+    parser.add_argument(
+        "motion", nargs="+", type=Path, metavar="MOTION", help="t, q1… and where known dq1…, base_x…"
+    )
     add_arm(parser)
     parser.add_argument(
-        "--ground", nargs="+", type=Path, default=[], metavar="FORCES", help="one C3D, MOT or STO a trial, in order"
+        "--ground",
+        nargs="+",
+        type=Path,
+        default=[],
+        metavar="FORCES",
+        help="one C3D, MOT or STO a trial, in order",
     )
     parser.add_argument(
         "--contact",
         action="append",
         default=[],
         metavar="PLATE=LINK",
-        help="on which link a plate's force acts: its name or number, and the joint's number (the only loaded plate: "
-        "on the last link)",
+        help="on which link a plate's force acts: its name or number, and the joint's number (the only loaded "
+        "plate: on the last link)",
     )
     add_columns(parser)
     add_out(parser, "the motion with tau1…: .csv, .parquet or .npz")
@@ -63,7 +70,7 @@ def torque(arguments: argparse.Namespace) -> Document:
     ]
     if arguments.ground and len(arguments.ground) != len(trials):
         raise ConfigError(
-            f"--ground has {len(arguments.ground)} files for {len(trials)} trials, expected one a trial, in their order"
+            f"--ground has {len(arguments.ground)} files for {len(trials)} trials, expected one a trial, in order"
         )
     notes = _masses(arm)
     parts: list[dict[str, np.ndarray]] = []
@@ -142,7 +149,9 @@ def _torques(
     t, q = trial.t, trial.columns["q"]
     if not np.isfinite(q).all():
         row = int(np.argmax(~np.isfinite(q).all(axis=1)))
-        raise DataError(f"{trial.where}: row {trial.first_row + row + 1} has a joint without a number, expected all")
+        raise DataError(
+            f"{trial.where}: row {trial.first_row + row + 1} has a joint without a number, expected all"
+        )
     dq, ddq = _motion(trial)
     base_columns = trial.columns.get("base")
     base = base_state(arm, t, base_columns, trial.where)
@@ -159,7 +168,7 @@ def _torques(
         force, point, moment = plate.at(t)
         wrenches.append(OuterWrench(joint, point, force, moment))
     if base_columns is None and arm.base is not None and arm.base.segment is not None:
-        text = f"the motion has no base_x … base_qz although {arm.base.segment} carries the base: it is taken to stand"
+        text = f"the motion has no base_x … base_qz although {arm.base.segment} carries the base: it stands"
         notes.append(Note("base_untracked", text))
     tau = needed_torque(arm, q, dq, ddq, base, wrenches, t, number)
     part = {"t": t, "q": q, "dq": dq, "ddq": ddq, "tau": tau}

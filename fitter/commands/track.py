@@ -35,7 +35,9 @@ EXAMPLE = "fitter track readings.csv --arm my-arm.toml --out motion.csv"
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Say what `fitter track` takes."""
-    parser.add_argument("raw", nargs="+", type=Path, metavar="RAW", help="raw accelerations: files or folders; or C3D, TRC")
+    parser.add_argument(
+        "raw", nargs="+", type=Path, metavar="RAW", help="raw accelerations: files or folders; or C3D, TRC"
+    )
     add_arm(parser)
     parser.add_argument(
         "--method",

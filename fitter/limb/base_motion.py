@@ -45,8 +45,8 @@ def base_motion(trials: LimbTrials, segment: str) -> BaseMotion:
     if segment in trials.motions:
         motion = trials.motions[segment]
         whole, template = motion.whole, motion.template
-        placed = np.isfinite(template.points_m).all(axis=1)
-        markers = tuple(m for m, there in zip(template.markers, placed, strict=True) if there)
+        placed = np.asarray(np.isfinite(template.points_m).all(axis=1))
+        markers = tuple(m for m, there in zip(template.markers, placed.tolist(), strict=True) if there)
         return BaseMotion(segment, markers, template.points_m[placed], whole.R, whole.p)
     markers = trials.segments.get(segment, ())
     y = np.stack([trials.of(m) for m in markers], axis=1) if markers else np.empty((len(trials.whole), 0, 3))
@@ -102,13 +102,14 @@ def markers_in(points_m: Floats, R: Floats, p: Floats) -> Floats:
 
 def quaternions(R: Floats) -> Floats:
     """Return unit quaternions w, x, y, z of rotations (n, 3, 3), without leaps of sign, (n, 4); NaN stays."""
-
     known = np.isfinite(R).all(axis=(1, 2))
     out = np.full((len(R), 4), np.nan)
     if known.any():
         xyzw = Rotation.from_matrix(R[known]).as_quat()
         wxyz = xyzw[:, [3, 0, 1, 2]]
-        flips = np.cumprod(np.concatenate([[1.0], np.where(np.sum(wxyz[1:] * wxyz[:-1], axis=1) < 0.0, -1.0, 1.0)]))
+        flips = np.cumprod(
+            np.concatenate([[1.0], np.where(np.sum(wxyz[1:] * wxyz[:-1], axis=1) < 0.0, -1.0, 1.0)])
+        )
         out[known] = wxyz * flips[:, None]
     return out
 

@@ -126,7 +126,7 @@ def fit_bundle(
     scales_known : bool
         Keep the markers' scales.
     """
-    free, frames = task.free, task.frames
+    free, frames, what = task.free, task.frames, swayed(task.free.what)
     n, n_free, m = q.shape[1], len(task.free.std), len(markers.names)
     n_shared, n_part = n_free + 3 * m, int(task.part.max(initial=0)) + 1
     room = slopes_room(n, n_free)
@@ -147,7 +147,7 @@ def fit_bundle(
             progress(iteration)
         chain, variance = markers.chain(geometry), markers.std**2
         eliminate(
-            chain, frames, q, variance, task.angles, task.share, swayed(free.what), 1e-2 * damping, task.part, room,
+            chain, frames, q, variance, task.angles, task.share, what, 1e-2 * damping, task.part, room,
             gain, shift, S, b,
         )  # fmt: skip
         H = S.sum(axis=0) + np.diag(task.prior.information)
@@ -174,7 +174,7 @@ def fit_bundle(
             markers = rescaled(geometry, markers, frames, q)
             now, damping = cost(geometry, markers, q), 1e-3
     eliminate(
-        markers.chain(geometry), frames, q, markers.std**2, task.angles, task.share, swayed(free.what), 0.0, task.part,
+        markers.chain(geometry), frames, q, markers.std**2, task.angles, task.share, what, 0.0, task.part,
         room, gain, shift, S, b,
     )  # fmt: skip
     return Bundle(geometry, markers, q, S, b, converged, iteration)
@@ -183,7 +183,7 @@ def fit_bundle(
 def rescaled(geometry: Geometry, markers: MarkerModel, frames: Frames, q: Floats) -> MarkerModel:
     """Return the markers with the scale of the t distribution as the residuals have it (one step of EM).
 
-    One scale for all: were each marker to learn its own, the chain would run through those that it began nearest to.
+    One scale for all: were each marker to learn its own, the chain would run through those it began nearest to.
     """
     std = np.sqrt(_variances(geometry, markers, frames, q)[0])
     return replace(markers, std=np.full(len(markers.std), np.clip(std, _LEAST_STD_M, _MOST_STD_M)))

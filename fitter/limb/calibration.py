@@ -18,6 +18,7 @@ from fitter.functional.marker_set import MarkerSet
 from fitter.limb.base_motion import BaseMotion, base_motion, markers_in, poses_of
 from fitter.limb.bundle import Bundle, Prior, Task, fit_bundle
 from fitter.limb.centres import joint_centres
+from fitter.limb.frame_choice import shares, thinned, usable_frames
 from fitter.limb.free_geometry import FreeGeometry, free_geometry
 from fitter.limb.inverse_kinematics import follow, link_poses, predicted
 from fitter.limb.limb_trials import LimbTrials, columns_of, limb_trials
@@ -26,16 +27,10 @@ from fitter.limb.standing import away_from_lock, standing
 from fitter.limb.start import PLACE_STD_M, Start, first_angles, placed, start
 from fitter.limb.uncertainty import Errors, errors
 from fitter.markers.recording import MarkerRecording
-from limbcal.errors import NotIdentifiable
 from limbcal.note import Note
 
 #: Frames that a fit takes, evenly spread over all that can be used.
 FIT_FRAMES = 500
-#: How long skin keeps an error [s]: frames nearer in time than that count together as one. As long as a movement's
-#: own acceleration lasts, which is what sets soft tissue going.
-COHERENCE_S = 0.3
-#: Markers of the chain that a frame must show.
-_LEAST_MARKERS = 3
 #: Where each marker's scale begins [m].
 _FIRST_STD_M = 0.01
 
@@ -80,7 +75,11 @@ class LimbFit:
     def base_std_m(self) -> float:
         """How far a marker of the base wanders along an axis [m]."""
         motion = self.trials.motions.get(str(self.base.segment))
-        return float(self.bundle.markers.std[0]) if motion is None else max(float(np.sqrt(motion.variance_m2)), float(self.bundle.markers.std[0]))
+        return (
+            float(self.bundle.markers.std[0])
+            if motion is None
+            else max(float(np.sqrt(motion.variance_m2)), float(self.bundle.markers.std[0]))
+        )
 
     def frames_of_fit(self) -> tuple[Frames, Integers]:
         """Return the frames that were fitted, and which of all they are."""
@@ -91,7 +90,7 @@ class LimbFit:
         y = np.concatenate([columns_of(r, self.bundle.markers.names) for r in recordings])
         carried = np.concatenate([columns_of(r, self.base.markers) for r in recordings])
         R, p = poses_of(self.base.points_m, carried)
-        return _usable(y, R, p, [r.t for r in recordings])
+        return usable_frames(y, R, p, [r.t for r in recordings])
 
     def residuals_m(self, recordings: Sequence[MarkerRecording], seed: int) -> Floats:
         """Return the distance of every marker from where the chain has it, NaN where not seen.
@@ -160,14 +159,14 @@ def calibrate(
     begin = start(arm, where, trials, base, axes, centres, person.height_m)
     names, links = _chain_markers(trials, where)
     y = np.stack([trials.of(name) for name in names], axis=1)
-    frames, usable = _usable(y, base.R, base.p, trials.t)
-    rows = _thinned(usable, fit_frames)
-    chosen = Frames(*(part[_thinned(np.ones(len(frames.t), dtype=bool), fit_frames)] for part in frames))
+    frames, usable = usable_frames(y, base.R, base.p, trials.t)
+    rows = thinned(usable, fit_frames)
+    chosen = frames.rows(thinned(np.ones(len(frames.t), dtype=bool), fit_frames))
     begin, lock_notes = _clear_of_lock(begin, arm, where, chosen, rows, seed)
     q = first_angles(begin, chosen, rows, seed)
     place = placed(begin, names, links, chosen, q)
-    there = np.isfinite(place).all(axis=1)
-    names = tuple(name for name, ok in zip(names, there, strict=True) if ok)
+    there = np.asarray(np.isfinite(place).all(axis=1))
+    names = tuple(name for name, ok in zip(names, there.tolist(), strict=True) if ok)
     chosen = chosen._replace(y=np.ascontiguousarray(chosen.y[:, there]))
     markers = MarkerModel(names, links[there], place[there], np.full(len(names), _FIRST_STD_M))
     task, n_part, trial = _task(arm, where, trials, begin, markers, chosen, person.height_m)
@@ -183,7 +182,9 @@ def calibrate(
             )  # fmt: skip
     found = errors(where, task, bundle, n_part, halves)
     notes = (*trials.notes, *base.notes, *base_notes, *centre_notes, *lock_notes, *_open(task, found))
-    return LimbFit(arm, where, trials, base, task, rows, bundle, tuple(functional), found, tuple(dict.fromkeys(notes)))
+    return LimbFit(
+        arm, where, trials, base, task, rows, bundle, tuple(functional), found, tuple(dict.fromkeys(notes))
+    )
 
 
 def _told(progress: Callable[[str, int], None] | None, what: str) -> Callable[[int], None] | None:
@@ -198,26 +199,6 @@ def _chain_markers(trials: LimbTrials, where: LimbMap) -> tuple[tuple[str, ...],
         if m not in trials.computed
     ]
     return tuple(m for m, _ in on), np.array([link for _, link in on], dtype=np.int64)
-
-
-def _usable(
-    y: Floats, R: Floats, p: Floats, times: Sequence[Floats]
-) -> tuple[Frames, NDArray[np.bool_]]:
-    """Return the frames in which the base has a pose and enough markers of the chain are seen."""
-    trial = np.concatenate([np.full(len(t), i, dtype=np.int64) for i, t in enumerate(times)])
-    usable = np.isfinite(p).all(axis=1) & (np.isfinite(y[..., 0]).sum(axis=1) >= _LEAST_MARKERS)
-    if not usable.any():
-        raise NotIdentifiable(
-            f"no frame shows the base and {_LEAST_MARKERS} markers of the limb together, expected some: check the "
-            "marker set, or take another base"
-        )
-    parts = (y[usable], R[usable], p[usable], trial[usable], np.concatenate(times)[usable])
-    return Frames(*(np.ascontiguousarray(part) for part in parts)), usable
-
-
-def _thinned(usable: NDArray[np.bool_], n: int) -> Integers:
-    there = np.flatnonzero(usable)
-    return there[np.linspace(0, len(there) - 1, min(n, len(there))).round().astype(np.int64)]
 
 
 def _clear_of_lock(
@@ -245,7 +226,13 @@ def _clear_of_lock(
 
 
 def _task(
-    arm: Arm, where: LimbMap, trials: LimbTrials, begin: Start, markers: MarkerModel, frames: Frames, height_m: float
+    arm: Arm,
+    where: LimbMap,
+    trials: LimbTrials,
+    begin: Start,
+    markers: MarkerModel,
+    frames: Frames,
+    height_m: float,
 ) -> tuple[Task, int, Integers]:
     free = free_geometry(arm, begin.centre_std_m, begin.length_std_m)
     place, std = markers.place.copy(), np.full(len(markers.names), PLACE_STD_M)
@@ -258,27 +245,17 @@ def _task(
     n_trial = int(frames.trial.max()) + 1
     parts = disjoint_parts([np.ones(int((frames.trial == i).sum()), dtype=bool) for i in range(n_trial)])
     task = Task(
-        free, frames, _shares(frames), np.maximum(parts.part, 0).astype(np.int64),
+        free, frames, shares(frames), np.maximum(parts.part, 0).astype(np.int64),
         Prior(begin.geometry, place, information), begin.angles,
     )  # fmt: skip
     return task, parts.n_part, parts.trial.astype(np.int64)
-
-
-def _shares(frames: Frames) -> Floats:
-    """Return how much each frame counts: those within the time that skin keeps an error count together as one."""
-    share = np.empty(len(frames.t))
-    for i in np.unique(frames.trial):
-        own = frames.trial == i
-        t = frames.t[own]
-        lasts = (t[-1] - t[0]) / max(len(t) - 1, 1)
-        share[own] = min(1.0, lasts / COHERENCE_S) if len(t) > 1 else 1.0
-    return share
 
 
 def _open(task: Task, found: Errors) -> list[Note]:
     left = [name for name, learnt in zip(task.free.names, found.learnt, strict=True) if not learnt]
     if not left:
         return []
-    text = f"the motion tells little of {', '.join(left)}: left near the prior, which is the table's or a landmark's"
+    text = (
+        f"the motion tells little of {', '.join(left)}: left near the prior, which is the table's or a landmark's"
+    )
     return [Note("left_at_prior", text, columns=tuple(left))]
-

@@ -1,8 +1,8 @@
 """Where the joints' centres are in the segments, before the bundle fit: by motion, else by landmarks.
 
 Shoulder and hip by SCoRE where the motion reveals them, else the hip by regression from the pelvis. Elbow, wrist,
-knee and ankle by the middle of their landmarks, else by SCoRE, which on a hinge gives the point of its axis halfway
-between the two segments.
+knee and ankle by the middle of their landmarks, else by SCoRE, which on a hinge gives the point of its axis
+halfway between the two segments.
 """
 
 from dataclasses import dataclass, field
@@ -14,8 +14,8 @@ from arm.model import Floats
 from fitter.functional.functional_centre import FunctionalCentre, functional_centre
 from fitter.functional.regression_centre import regression_centres
 from fitter.limb.limb_trials import LimbTrials
-from fitter.limb.standing import seen_or_posed
 from fitter.limb.seen import median_seen
+from fitter.limb.standing import seen_or_posed
 from limbcal.errors import NotIdentifiable
 from limbcal.note import Note
 
@@ -47,7 +47,9 @@ class Centre:
     in_segment_m: dict[str, Floats] = field(default_factory=dict)
 
 
-def joint_centres(trials: LimbTrials, where: LimbMap) -> tuple[dict[str, Centre], list[FunctionalCentre], list[Note]]:
+def joint_centres(
+    trials: LimbTrials, where: LimbMap
+) -> tuple[dict[str, Centre], list[FunctionalCentre], list[Note]]:
     """Return what is known of the limb's centres, the functional ones among them, and what motion left open."""
     centres, functional, notes = dict[str, Centre](), list[FunctionalCentre](), list[Note]()
     chain = [s for s in where.parts if not s.startswith("scapula")]

@@ -111,7 +111,7 @@ def _length_std(free_std: dict[str, float], fit: LimbFit, name: str) -> float:
 
 
 def _score(fit: LimbFit, joint: str) -> dict[str, object]:
-    """Return how far SCoRE, by itself, has a centre from the fit; of the base's joint only, where frames are one."""
+    """Return how far SCoRE, by itself, has a centre from the fit; of the base's joint only."""
     found = next(f for f in fit.functional if f.joint == joint)
     if found.parent != fit.base.segment or joint != f"{next(iter(fit.where.centres))}_{fit.where.side}":
         return {}

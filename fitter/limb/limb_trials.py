@@ -143,7 +143,8 @@ def _limb_set(marker_set: MarkerSet, wanted: Sequence[str]) -> MarkerSet:
     landmarks = {
         name: marker
         for name, marker in marker_set.landmarks.items()
-        if LANDMARKS[name] in (*wanted, *trunk) or (name in _BOTH_SIDES and "acromion" in name and "thorax" in trunk)
+        if LANDMARKS[name] in (*wanted, *trunk)
+        or (name in _BOTH_SIDES and "acromion" in name and "thorax" in trunk)
     }
     segments = {name: markers for name, markers in marker_set.segments.items() if name in wanted}
     return MarkerSet(marker_set.name, segments, landmarks)
@@ -180,7 +181,7 @@ def _columns(notes: Sequence[Note]) -> set[str]:
 def _sorted_by_distances(
     own_set: MarkerSet, segments: Mapping[str, tuple[str, ...]], recordings: Sequence[MarkerRecording]
 ) -> tuple[dict[str, tuple[str, ...]], list[Note], frozenset[str]]:
-    """Leave out markers that keep their distances to another segment's; tell computed landmarks from measured ones."""
+    """Leave out markers that go with another segment; tell computed landmarks from measured ones."""
     names = tuple(m for on_it in segments.values() for m in on_it)
     frames = np.concatenate([columns_of(recording, names) for recording in recordings])
     scatter = distance_scatter(frames[:: max(1, len(frames) // _SCATTER_FRAMES)])
@@ -207,7 +208,7 @@ def _sorted_by_distances(
     if computed:
         text = (
             f"{', '.join(sorted(computed))} keep their distances to their segment's other markers to less than "
-            f"{1e3 * _COMPUTED_M:g} mm, as if they were computed from them: taken for bony points, not for measured ones"
+            f"{1e3 * _COMPUTED_M:g} mm, as if computed from them: taken for bony points, not for measured ones"
         )
         notes.append(Note("computed", text, columns=tuple(sorted(computed))))
     return {segment: tuple(on_it) for segment, on_it in kept.items() if on_it}, notes, frozenset(computed)

@@ -1,4 +1,4 @@
-"""A limb's angles over a whole trial: markers of every frame, and a motion prior that carries over what is missing.
+"""A limb's angles over a whole trial: markers of every frame, and a motion prior across what is missing.
 
 Angles are those of white jerk: third differences are normal with variance ``S dt^5``. With the markers' equations
 of every frame that makes one banded system a Gauss-Newton step; its inverse, as far as the band reaches, has the
@@ -8,7 +8,7 @@ variances (Takahashi, Fagan and Chin 1973).
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.linalg import cholesky_banded, cho_solve_banded
+from scipy.linalg import cho_solve_banded, cholesky_banded
 
 from arm.marker_kinematics import MarkerChain, Slopes, slopes_room
 from arm.model import Floats
@@ -16,7 +16,8 @@ from fitter.limb.inverse_kinematics import frame_equations
 from fitter.limb.observation import SWAY, AnglePrior, Frames
 from limbcal.compiled import compiled
 
-#: Spectral density of the jerk, of joints and turns of the base [rad²/s⁵], and of its shifts [m²/s⁵]: with markers that wander by 8 mm
+#: Spectral density of the jerk, of joints and turns of the base [rad²/s⁵], and of its shifts [m²/s⁵]: with
+#: markers that wander by 8 mm
 #: some 15 cm from an axis the prior lets pass what is below about 12 Hz, more than people's motion has
 #: (Winter 2009: 6 Hz hold nearly all of it).
 JERK_DENSITY, SWAY_JERK_DENSITY = 1e6, 4e4
@@ -133,7 +134,14 @@ def _data_band(A: Floats, n_band: int) -> Floats:
 
 @compiled
 def _equations(
-    chain: MarkerChain, frames: Frames, variance: Floats, prior: AnglePrior, q: Floats, room: Slopes, A: Floats, a: Floats
+    chain: MarkerChain,
+    frames: Frames,
+    variance: Floats,
+    prior: AnglePrior,
+    q: Floats,
+    room: Slopes,
+    A: Floats,
+    a: Floats,
 ) -> float:
     total = 0.0
     for k in range(q.shape[0]):
@@ -156,4 +164,3 @@ def _selected_inverse(L: Floats, variances: Floats) -> None:
                 total -= L[m, j] * Z[j + low, high - low]
             Z[j, k] = total / d
         variances[j] = Z[j, 0]
-

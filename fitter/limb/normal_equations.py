@@ -8,6 +8,8 @@ angles take up ``A = J^T W J + prior``. What is left for the shared numbers is t
 and it is summed part by part, so that leaving a part out costs no second fit (`fitter.limb.uncertainty`).
 """
 
+import math
+
 import numpy as np
 
 from arm.marker_kinematics import (
@@ -33,7 +35,7 @@ def t_weight(squares: float, variance: float) -> float:
 @compiled
 def t_cost(squares: float, variance: float) -> float:
     """Return minus twice the log likelihood of a marker's distance, up to a constant."""
-    return (FREEDOM + 3.0) * np.log1p(squares / (FREEDOM * variance))
+    return (FREEDOM + 3.0) * math.log1p(squares / (FREEDOM * variance))
 
 
 @compiled
@@ -60,7 +62,7 @@ def bundle_cost(
 
 
 @compiled
-def eliminate(
+def eliminate(  # noqa: PLR0912 - one loop over frames and markers, without arrays made on the way
     chain: MarkerChain,
     frames: Frames,
     q: Floats,

@@ -15,8 +15,8 @@ from fitter.limb.free_geometry import Geometry
 FREEDOM = 4.0
 
 
-#: The base's sway: three sliding and three turning joints before the limb's own, along and about frame 0's axes. They
-#: take up by how much skin lets the base segment's markers miss the joint that they carry, and bring the base
+#: The base's sway: three sliding and three turning joints before the limb's own, along and about frame 0's axes.
+#: They take up by how much skin lets the base segment's markers miss the joint that they carry, and bring the base
 #: where too few of its markers are seen. alpha, a, d, beta, theta offset of each.
 SWAY = 6
 _ALONG_AXES = np.array([[0.0, 0.0, 0.0, 0.5, 0.0], [-0.5, 0.0, 0.0, -0.5, 0.0], [0.5, 0.0, 0.0, 0.0, 0.0]])
@@ -47,7 +47,7 @@ class Frames(NamedTuple):
 
     def rows(self, which: NDArray[np.bool_] | Integers) -> "Frames":
         """Return some of the frames."""
-        return Frames(*(part[which] for part in self))
+        return Frames(self.y[which], self.R[which], self.p[which], self.trial[which], self.t[which])
 
 
 class AnglePrior(NamedTuple):

@@ -26,7 +26,9 @@ def standing(trials: LimbTrials, base: BaseMotion, side: str) -> tuple[Floats, t
     notes = []
     if up is None or left is None:
         what = " and ".join(name for name, found in (("up", up), ("left", left)) if found is None)
-        notes.append(Note("base_axes", f"no landmark tells {what} of the base: its angles' zero is arbitrary there"))
+        notes.append(
+            Note("base_axes", f"no landmark tells {what} of the base: its angles' zero is arbitrary there")
+        )
     up = np.array([0.0, 0.0, 1.0]) if up is None else up
     left = np.eye(3)[int(np.argmin(np.abs(up)))] if left is None else left
     left = left - (left @ up) * up
@@ -60,8 +62,8 @@ def away_from_lock(long_axis: Floats, lateral: Floats) -> Floats | None:
 
 def _upright(trials: LimbTrials, base: BaseMotion) -> Floats | None:
     """Return up in the base segment: by the spine's landmarks, else by the world, in the mean of all frames."""
-    ends = [[trials.landmarks.get(name) for name in names] for names in (("suprasternal_notch", "c7"), ("xiphoid", "t8", "t10"))]
-    marks = [[m for m in group if m] for group in ends]
+    ends = (("suprasternal_notch", "c7"), ("xiphoid", "t8", "t10"))
+    marks = [[trials.landmarks[name] for name in names if name in trials.landmarks] for names in ends]
     if base.segment == "thorax" and all(marks):
         top, bottom = (mean_seen(np.array([_in_base(trials, base, m) for m in group])) for group in marks)
         if np.isfinite(top - bottom).all():

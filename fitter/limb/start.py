@@ -1,7 +1,7 @@
 """A start for the bundle fit: lengths, frame 0, marker places and angles, from centres and landmarks.
 
-The preset's chain gets the lengths that centres and landmarks have, follows them as if they were markers, and takes
-along every marker where it then is, in the median of the frames.
+The preset's chain gets the lengths that centres and landmarks have, follows them as if they were markers, and
+takes along every marker where it then is, in the median of the frames.
 """
 
 from dataclasses import dataclass, replace
@@ -10,6 +10,7 @@ import numpy as np
 
 from arm.body.landmarks import LANDMARK_STD_M, LimbMap, centre_points, landmark_places, middle_of
 from arm.kinematics import axis_frames
+from arm.marker_kinematics import Integers
 from arm.model import Arm, Floats
 from fitter.functional.anatomy import LANDMARKS
 from fitter.functional.pose_error import pose_covariance
@@ -20,8 +21,8 @@ from fitter.limb.free_geometry import CENTRE_M, LENGTH_SHARE, Geometry, geometry
 from fitter.limb.inverse_kinematics import follow, link_poses
 from fitter.limb.limb_trials import LimbTrials
 from fitter.limb.observation import SWAY, AnglePrior, Frames, MarkerModel, base_sways
-from fitter.limb.standing import seen_or_posed
 from fitter.limb.seen import mean_seen, median_seen
+from fitter.limb.standing import seen_or_posed
 
 #: How well a centre between landmarks, or by motion, is known before the bundle fit [m]; a length between two.
 _FOUND_M, _LENGTH_M = 0.02, 0.015
@@ -47,6 +48,8 @@ class Start:
     angles : AnglePrior
     virtual : MarkerModel
         Centres and landmarks on the links.
+    points : (n_frame, m, 3) [m]
+        Where those were, in all frames.
     """
 
     geometry: Geometry
@@ -58,7 +61,13 @@ class Start:
 
 
 def start(
-    arm: Arm, where: LimbMap, trials: LimbTrials, base: BaseMotion, axes: Floats, centres: dict[str, Centre], height_m: float
+    arm: Arm,
+    where: LimbMap,
+    trials: LimbTrials,
+    base: BaseMotion,
+    axes: Floats,
+    centres: dict[str, Centre],
+    height_m: float,
 ) -> Start:
     """Return the start.
 
@@ -79,7 +88,9 @@ def start(
     origin, centre_std = _origin(where, trials, base, axes, centres, height_m)
     geometry = replace(geometry_of(arm), base_R=axes, base_p=origin)
     virtual, points = _virtual(arm, where, trials, centres, height_m)
-    return Start(geometry, centre_std, length_std, angle_prior(arm, where, sway_std(base, origin)), virtual, points)
+    return Start(
+        geometry, centre_std, length_std, angle_prior(arm, where, sway_std(base, origin)), virtual, points
+    )
 
 
 def sway_std(base: BaseMotion, at_m: Floats) -> float:
@@ -106,13 +117,13 @@ def angle_prior(arm: Arm, where: LimbMap, sway_std_m: float) -> AnglePrior:
     return base_sways(plain, sway_std_m)
 
 
-def first_angles(begin: Start, frames: Frames, rows: Floats, seed: int) -> Floats:
+def first_angles(begin: Start, frames: Frames, rows: Integers, seed: int) -> Floats:
     """Return the angles that bring centres and landmarks nearest, (n_frame, n_joint); ``rows`` are the frames'."""
     virtual = frames._replace(y=np.ascontiguousarray(begin.points[rows]))
     return follow(begin.virtual.chain(begin.geometry), virtual, begin.virtual.std, begin.angles, seed)
 
 
-def placed(begin: Start, names: tuple[str, ...], links: Floats, frames: Frames, q: Floats) -> Floats:
+def placed(begin: Start, names: tuple[str, ...], links: Integers, frames: Frames, q: Floats) -> Floats:
     """Return where markers are in their links in the median of the frames, (m, 3) [m]."""
     R, o = link_poses(begin.virtual.chain(begin.geometry), frames, q)
     places = np.empty((len(names), 3))
@@ -130,7 +141,8 @@ def _with_lengths(arm: Arm, where: LimbMap, centres: dict[str, Centre]) -> tuple
     long = [(s, p) for s, p in where.parts.items() if not s.startswith(("scapula", "hand", "foot"))]
     for segment, part in long:
         ends = [centres[c].in_segment_m.get(segment) if c in centres else None for c in (part.begins, part.ends)]
-        column, i = (a, 3) if segment.startswith("shank") else (d, k + 2 if part.begins in ("shoulder", "hip") else k + 4)
+        near = part.begins in ("shoulder", "hip")
+        column, i = (a, 3) if segment.startswith("shank") else (d, k + 2 if near else k + 4)
         if ends[0] is None or ends[1] is None:
             stds.append(LENGTH_SHARE * abs(column[i]))
             continue
@@ -153,7 +165,7 @@ def _origin(
     near = (
         ("acromion_" + where.side, np.array([0.0, 0.0, -0.045]), CENTRE_M),
         # the sternoclavicular joint beside the notch (Gray's Anatomy: the clavicle's end makes its side)
-        ("suprasternal_notch", -0.025 * np.sign(1.0 if where.side == "right" else -1.0) * np.array([0.0, 1.0, 0.0]), CENTRE_M),
+        ("suprasternal_notch", 0.025 * where.outward, CENTRE_M),
     )
     for landmark, away, std in near if first == "shoulder" else near[1:]:
         if landmark in trials.landmarks:

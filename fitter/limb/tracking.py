@@ -56,7 +56,7 @@ class TrackedLimb:
 
 @dataclass(frozen=True)
 class MarkedArm:
-    """An arm with markers, as tracking takes it apart: the chain's numbers, its markers, the base's, and both's."""
+    """An arm with markers, as tracking takes it apart: the chain, its markers, the base's, and both's."""
 
     geometry: Geometry
     markers: MarkerModel
@@ -81,10 +81,12 @@ def marked_arm(arm: Arm) -> MarkedArm:
     on_links = [m for m in arm.markers if m.joint > 0]
     if not on_links:
         raise ConfigError(
-            f"arm {arm.name!r} has no [[marker]] on its links, expected some, as `fitter kinematics --body` writes them"
+            f"arm {arm.name!r} has no [[marker]] on its links, expected those of `fitter kinematics --body`"
         )
     if any(joint.type != "revolute" for joint in arm.joints):
-        raise ConfigError(f"arm {arm.name!r} has a joint that slides, expected only joints that turn, to track markers")
+        raise ConfigError(
+            f"arm {arm.name!r} has a joint that slides, expected only joints that turn, to track markers"
+        )
     base_R, base_p = np.eye(3), np.zeros(3)
     if arm.base is not None:
         base_R, base_p = rotation_from_rpy(*arm.base.rotation_rad), np.array(arm.base.position_m)
@@ -151,10 +153,11 @@ def _track_one(marked: MarkedArm, recording: MarkerRecording, seed: int) -> Trac
     y = columns_of(recording, marked.markers.names)
     seen = np.isfinite(y[..., 0])
     notes = _missing(marked, recording)
-    if seen.any(axis=0).sum() < _LEAST_MARKERS:
-        there = [name for name, ok in zip(marked.markers.names, seen.any(axis=0), strict=True) if ok]
+    ever = np.asarray(seen.any(axis=0))
+    if ever.sum() < _LEAST_MARKERS:
+        there = [name for name, ok in zip(marked.markers.names, ever.tolist(), strict=True) if ok]
         raise DataError(
-            f"{recording.path}: of the arm's {len(marked.markers.names)} markers it has {', '.join(there) or 'none'}, "
+            f"{recording.path}: of {len(marked.markers.names)} markers of the arm it has {', '.join(there) or 'none'}, "
             f"expected at least {_LEAST_MARKERS}"
         )
     carried = columns_of(recording, marked.base.markers)
@@ -187,11 +190,6 @@ def _trusted(points_m: Floats, measured_m: Floats) -> tuple[Floats, Floats]:
     return R, p
 
 
-def _few_gaps(seen: NDArray[np.bool_]) -> bool:
-    """Whether sway and joints are told apart in nearly all frames, so that both errors can be compared."""
-    return bool(np.mean(seen.sum(axis=1) >= _LEAST_MARKERS) > 0.5)
-
-
 def _first(q: Floats, seen: NDArray[np.bool_]) -> Floats:
     """Return angles to begin from: without whole turns, and from frame to frame where too few markers are seen."""
     known = np.flatnonzero(seen.sum(axis=1) >= _LEAST_MARKERS)
@@ -216,18 +214,22 @@ def _filled(
     known = np.flatnonzero(np.isfinite(p[:, 0]))
     if not len(known):
         raise DataError(
-            f"{recording.path}: no frame shows the base's markers {', '.join(marked.base.markers)} together, expected "
-            "three of them, or all where there are fewer"
+            f"{recording.path}: no frame shows the base's markers {', '.join(marked.base.markers)} together, "
+            "expected three of them, or all where there are fewer"
         )
     lost = len(p) - len(known)
     if not lost:
         return np.ascontiguousarray(R), np.ascontiguousarray(p), []
     at = np.clip(np.arange(len(p)), known[0], known[-1])
     p = np.column_stack([np.interp(at, known, p[known, axis]) for axis in range(3)])
-    R = Slerp(known, Rotation.from_matrix(R[known]))(at).as_matrix() if len(known) > 1 else R[np.full(len(p), known[0])]
+    R = (
+        Slerp(known, Rotation.from_matrix(R[known]))(at).as_matrix()
+        if len(known) > 1
+        else R[np.full(len(p), known[0])]
+    )
     gaps = np.diff(np.concatenate([[-1], known, [len(p)]])) - 1
     text = (
-        f"the base has no pose of its own in {lost} of {len(p)} frames ({gaps.max() / recording.rate_hz:.2f} s at the "
-        "longest): the poses before and after are joined there"
+        f"the base has no pose of its own in {lost} of {len(p)} frames ({gaps.max() / recording.rate_hz:.2f} s at "
+        "the longest): what there is of its markers, and the limb's, tell it there"
     )
     return np.ascontiguousarray(R), np.ascontiguousarray(p), [Note("base_gap", text, columns=marked.base.markers)]

@@ -71,7 +71,9 @@ class Errors:
         return rms_apart([getattr(one, kind)[name][1] for one in self.apart])
 
 
-def derived(where: LimbMap, geometry: Geometry, links: NDArray[np.int64], place: Floats, reference: Floats) -> Derived:
+def derived(
+    where: LimbMap, geometry: Geometry, links: NDArray[np.int64], place: Floats, reference: Floats
+) -> Derived:
     """Return what follows from a geometry and marker places.
 
     Parameters
@@ -157,7 +159,8 @@ def errors(where: LimbMap, task: Task, bundle: Bundle, n_part: int, halves: Mapp
         learnt,
         jackknife(told, n_part),
         tuple(
-            derived(where, half.geometry, markers.link, half.markers.place, markers.place) for half in halves.values()
+            derived(where, half.geometry, markers.link, half.markers.place, markers.place)
+            for half in halves.values()
         ),
         n_part,
     )

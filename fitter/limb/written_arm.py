@@ -32,7 +32,9 @@ def calibrated_arm(fit: LimbFit, body: Body | None) -> Arm:
         for i in range(len(joints)):
             label = f"{name}{i + 1}"
             if label in fit.free.names and abs(geometry.numbers[i, k]) > 0.1:
-                joints[i] = replace(joints[i], length_std_m=float(fit.errors.free_std[fit.free.names.index(label)]))
+                joints[i] = replace(
+                    joints[i], length_std_m=float(fit.errors.free_std[fit.free.names.index(label)])
+                )
     joints = [replace(joint, link=Link()) for joint in joints]
     arm = Arm(name=fit.arm.name, joints=tuple(joints), body=body, gravity_m_s2=_gravity(fit))
     if body is not None:
@@ -41,10 +43,14 @@ def calibrated_arm(fit: LimbFit, body: Body | None) -> Arm:
     base = Base(_vector(geometry.base_p), _vector(base_rpy), fit.base.segment)
     std = wander(bundle, fit.task.frames)
     carried = markers_in(fit.base.points_m, geometry.base_R, geometry.base_p)
-    markers = [Marker(name, 0, _vector(x), fit.base_std_m) for name, x in zip(fit.base.markers, carried, strict=True)]
+    markers = [
+        Marker(name, 0, _vector(x), fit.base_std_m) for name, x in zip(fit.base.markers, carried, strict=True)
+    ]
     markers += [
         Marker(name, int(link) + 1, _vector(x), float(s))
-        for name, link, x, s in zip(bundle.markers.names, bundle.markers.link, bundle.markers.place, std, strict=True)
+        for name, link, x, s in zip(
+            bundle.markers.names, bundle.markers.link, bundle.markers.place, std, strict=True
+        )
     ]
     markers += _computed(fit)
     return replace(arm, base=base, markers=tuple(markers))
