@@ -54,9 +54,6 @@ _HARRINGTON_ERROR_M = 13.6e-3
 _BELL = (-0.19, -0.30, 0.36)
 #: Bell et al. 1990, mean distance from the centre in X-rays, as programs that cite it hand it on.
 _BELL_ERROR_M = 19.0e-3
-#: Rab, Petuskey, Bagley 2002, the constant offset: how far below the acromion along the trunk, of the distance
-#: between both acromia. From the literature that uses it; the paper itself we have not seen.
-_RAB_BELOW = 0.17
 
 
 def regression_centres(landmarks_m: Mapping[str, Floats]) -> list[RegressionCentre]:
@@ -70,8 +67,7 @@ def regression_centres(landmarks_m: Mapping[str, Floats]) -> list[RegressionCent
     found: list[RegressionCentre] = []
     for side in SIDES:
         for joint, method, needed, centre, error_m, source in _RIVALS:
-            names = [name.format(side=side).split("|") for name in needed]
-            if all(any(name in landmarks_m for name in either) for either in names):
+            if all(name.format(side=side) in landmarks_m for name in needed):
                 at = centre(landmarks_m, side)
                 found.append(RegressionCentre(f"{joint}_{side}", method, at, error_m, source))
     return found
@@ -119,28 +115,17 @@ def _bell(landmarks: _Landmarks, side: str) -> Floats:
     return np.asarray(origin + np.einsum("nij,nj->ni", R, at))
 
 
-def _rab(landmarks: _Landmarks, side: str) -> Floats:
-    acromia = np.linalg.norm(landmarks["acromion_right"] - landmarks["acromion_left"], axis=1)
-    top = 0.5 * (landmarks["suprasternal_notch"] + landmarks["c7"])
-    # the y axis of the thorax (Wu et al. 2005), with the tenth vertebra where there is no eighth
-    vertebra = landmarks["t8"] if "t8" in landmarks else landmarks["t10"]
-    bottom = 0.5 * (landmarks["xiphoid"] + vertebra)
-    return np.asarray(landmarks[f"acromion_{side}"] - _RAB_BELOW * acromia[:, None] * _unit(top - bottom))
-
-
 def _middle(first: str, second: str) -> Callable[[_Landmarks, str], Floats]:
     return lambda landmarks, side: 0.5 * (landmarks[f"{first}_{side}"] + landmarks[f"{second}_{side}"])
 
 
 _PELVIS = ("asis_right", "asis_left", "psis_right", "psis_left")
-_TRUNK = ("acromion_right", "acromion_left", "suprasternal_notch", "c7", "xiphoid", "t8|t10")
 _ISB = "Wu et al. 2002, 2005 (ISB)"
 
-#: Joint, method, the landmarks it needs (`|`: either), how it is computed, its published error [m], its source.
+#: Joint, method, the landmarks it needs, how it is computed, its published error [m], its source.
 _RIVALS: tuple[tuple[str, str, tuple[str, ...], Callable[[_Landmarks, str], Floats], float, str], ...] = (
     ("hip", "harrington", _PELVIS, _harrington, _HARRINGTON_ERROR_M, "Harrington et al. 2007"),
     ("hip", "bell", _PELVIS, _bell, _BELL_ERROR_M, "Bell et al. 1990"),
-    ("shoulder", "rab", _TRUNK, _rab, np.nan, "Rab et al. 2002"),
     *(
         (joint, "middle", (f"{first}_{{side}}", f"{second}_{{side}}"), _middle(first, second), np.nan, _ISB)
         for joint, first, second in (

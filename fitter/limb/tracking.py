@@ -157,8 +157,8 @@ def _track_one(marked: MarkedArm, recording: MarkerRecording, seed: int) -> Trac
     if ever.sum() < _LEAST_MARKERS:
         there = [name for name, ok in zip(marked.markers.names, ever.tolist(), strict=True) if ok]
         raise DataError(
-            f"{recording.path}: of {len(marked.markers.names)} markers of the arm it has {', '.join(there) or 'none'}, "
-            f"expected at least {_LEAST_MARKERS}"
+            f"{recording.path}: of {len(marked.markers.names)} markers of the arm it has "
+            f"{', '.join(there) or 'none'}, expected at least {_LEAST_MARKERS}"
         )
     carried = columns_of(recording, marked.base.markers)
     R, p, more = _filled(recording, marked, *_trusted(marked.base.points_m, carried))
