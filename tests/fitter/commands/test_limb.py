@@ -54,10 +54,8 @@ def test_from_markers_to_torques(fitter, tmp_path, recorded):
     truth, trial, marker_set = recorded
     out, motion, needed = (tmp_path / name for name in ("arm.toml", "motion.csv", "torque.csv"))
     person_is = ("--mass", 70, "--height", 1.75, "--sex", "f")
-    learnt = fitter(
-        "kinematics", trial, "--body", "human-arm-right", "--marker-set", marker_set, *person_is, "--evaluate", trial,
-        "--out", out,
-    )  # fmt: skip
+    preset = ("--body", "human-arm-right", "--marker-set", marker_set)
+    learnt = fitter("kinematics", trial, *preset, *person_is, "--evaluate", trial, "--out", out)
     assert learnt.code == 0, learnt.errors
     document = learnt.document
     assert document["marker_rms_mm"]["evaluate"]["rms"] < 3.0
