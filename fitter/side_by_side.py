@@ -111,9 +111,7 @@ class _Helper:
         os.waitpid(self._process, 0)
 
 
-def _be_helper(
-    work: Callable[[Any], Any], items: Sequence[Any], queue: int, writing: int, parent: int
-) -> None:
+def _be_helper(work: Callable[[Any], Any], items: Sequence[Any], queue: int, writing: int, parent: int) -> None:
     found, error = {}, None
     try:
         end_with(parent)
