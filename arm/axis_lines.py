@@ -25,8 +25,8 @@ class AxisLines:
         A point on every axis, the origin on the first; then the tip.
     directions : (n, 3)
         Of the axes, of length one.
-    forward : (3,)
-        Where link frames point whose link has no length in their own x-y plane.
+    forward : (3,) or (n, 3)
+        Where link frames point whose link has no length in their own x-y plane; one direction, or one a joint.
     """
 
     points: Floats
@@ -37,13 +37,14 @@ class AxisLines:
         """Return the poses of the joint-axis frames, (n, 4, 4)."""
         n = len(self.directions)
         frames = np.tile(np.eye(4), (n, 1, 1))
+        forward = np.broadcast_to(self.forward, (n, 3))
         for i in range(n):
             z, here = self.directions[i], self.points[i]
             step = self.points[i + 1] - here
             d = float(step @ z)
             x = step - d * z
             if np.linalg.norm(x) < _SHORTEST_M:
-                x = _across(z, self.forward)
+                x = _across(z, forward[i])
             x = x / np.linalg.norm(x)
             frames[i, :3, :3] = np.column_stack([x, np.cross(z, x), z])
             frames[i, :3, 3] = here + d * z

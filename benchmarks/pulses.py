@@ -14,12 +14,13 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.ndimage import maximum_filter1d
 
 from arm.arm_file import load_arm
 from arm.model import Arm, Floats
 from arm.regressor import regressor
-from fitter.data.derivatives import both_derivatives, lowpass
+from fitter.data.derivatives import both_derivatives, lowpass, settling_samples
 from fitter.diagnosis.torque.missing_torque import ResidualTorque
 from fitter.diagnosis.torque.pulse import Pulse
 from fitter.diagnosis.torque.pulses import find_pulses
@@ -81,10 +82,15 @@ def _bumps(t: Floats, torque: Floats) -> list[tuple[float, float, float]]:
 
 
 def residuals(runs: list[Run], band_hz: float) -> list[ResidualTorque]:
-    """Return what a robust fit (Tukey's biweight) over all runs misses."""
+    """Return what a robust fit (Tukey's biweight) over all runs misses.
+
+    Nothing is known of a run's ends: accelerations of an arm that still moves lean there on what lies beyond,
+    which the filter guesses.
+    """
+    ends = settling_samples(STEP_S, band_hz)
     W = np.concatenate([run.columns.reshape(-1, run.columns.shape[2]) for run in runs])
     torque = np.concatenate([run.torque.ravel() for run in runs])
-    moves = np.concatenate([(np.abs(run.dq) > REST_RAD_S).ravel() for run in runs])
+    moves = np.concatenate([_inner(np.abs(run.dq) > REST_RAD_S, ends).ravel() for run in runs])
     joint = np.arange(len(torque)) % 2
     size = np.linalg.norm(W, axis=0)
     W = W / np.where(size > 0.0, size, 1.0)
@@ -98,11 +104,18 @@ def residuals(runs: list[Run], band_hz: float) -> list[ResidualTorque]:
     missed = np.split(r.reshape(-1, 2), np.cumsum([len(run.t) for run in runs])[:-1])
     noise = np.full(2, TORQUE_NOISE), np.full(2, ANGLE_NOISE)
     near = 1 + 2 * round(REST_S / STEP_S)
-    known = [maximum_filter1d(np.abs(run.dq), near, axis=0) > REST_RAD_S for run in runs]
+    known = [_inner(maximum_filter1d(np.abs(run.dq), near, axis=0) > REST_RAD_S, ends) for run in runs]
     return [
         ResidualTorque(run.t, part, moving, run.torque, band_hz, *noise)
         for run, part, moving in zip(runs, missed, known, strict=True)
     ]
+
+
+def _inner(told: NDArray[np.bool_], ends: int) -> NDArray[np.bool_]:
+    """Return the same rows, (n, n_joint), but for so many at either end."""
+    inner = np.zeros_like(told)
+    inner[ends : len(told) - ends] = told[ends : len(told) - ends]
+    return inner
 
 
 def report(runs: list[Run], found: list[Pulse]) -> str:

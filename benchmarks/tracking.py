@@ -27,6 +27,7 @@ from benchmarks.cramer_rao import least_std
 from benchmarks.tracking_report import Run, Track, draw, page, score, table
 from limbcal.arguments import Parser
 from limbcal.command import console, emit, run_command, to_json
+from limbcal.parent import end_with
 from tracking.frames import Frames
 from tracking.integrator import Integrator
 from tracking.kalman_filter import KalmanTracker
@@ -188,7 +189,8 @@ def compare(options: argparse.Namespace) -> None:
     jobs = [(case, seed, options.trials, initial) for seed in options.seeds for case in options.benches]
     runs: list[Run] = []
     spawn = multiprocessing.get_context("spawn")
-    with Progress(console=console) as progress, ProcessPoolExecutor(options.jobs, mp_context=spawn) as pool:
+    pool = ProcessPoolExecutor(options.jobs, spawn, end_with, (os.getpid(),))
+    with Progress(console=console) as progress, pool:
         task = progress.add_task("tracking", total=len(jobs))
         try:
             for done in as_completed([pool.submit(measure, *job) for job in jobs]):

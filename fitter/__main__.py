@@ -7,12 +7,14 @@ from limbcal.entry import enter
 
 COMMANDS = {
     "subscribe": "follow the daemon and calibrate the arm while it moves",
-    "track": "accelerations to joint motion",
+    "track": "accelerations, or markers, to joint motion",
     "sensors": "ordinary motions to what the sensors read and where they sit",
     "markers": "what a C3D or TRC file holds, and what is wrong with it",
-    "kinematics": "joint angles and a measured tip to the arm's geometry",
+    "marker-set": "a recording of markers to a draft of a marker set",
+    "kinematics": "joint angles and a measured tip, or a person's markers, to the arm's geometry",
     "sums": "trials of any length to sums that add up, for `fitter dynamics`",
     "dynamics": "motion and torque to dynamic parameters",
+    "torque": "a motion to the joint torques that it needs",
     "diagnose": "what the simulation gets wrong, why, and the gain of putting it right",
     "excite": "a reference that reveals the dynamic parameters",
     "simulate": "the motion of a calibrated arm",

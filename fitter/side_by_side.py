@@ -13,6 +13,8 @@ from collections.abc import Callable, Sequence
 from contextvars import ContextVar
 from typing import Any, TypeVar
 
+from limbcal.parent import end_with
+
 Item = TypeVar("Item")
 Result = TypeVar("Result")
 
@@ -85,9 +87,10 @@ class _Helper:
         with warnings.catch_warnings():
             # Other threads may hold locks, so a fork may hang that takes one; this one takes none but its own.
             warnings.simplefilter("ignore", DeprecationWarning)
+            parent = os.getpid()
             self._process = os.fork()
         if self._process == 0:
-            _be_helper(work, items, queue, writing)
+            _be_helper(work, items, queue, writing, parent)
         os.close(writing)
 
     def answer(self) -> dict[int, Any]:
@@ -108,13 +111,14 @@ class _Helper:
         os.waitpid(self._process, 0)
 
 
-def _be_helper(work: Callable[[Any], Any], items: Sequence[Any], queue: int, writing: int) -> None:
-    parent, found, error = os.getppid(), {}, None
+def _be_helper(work: Callable[[Any], Any], items: Sequence[Any], queue: int, writing: int, parent: int) -> None:
+    found, error = {}, None
     try:
+        end_with(parent)
         signal.signal(signal.SIGINT, signal.SIG_IGN)  # who forked it ends it
         signal.signal(signal.SIGTERM, signal.SIG_DFL)
         work_alone()
-        while os.getppid() == parent and (k := _next(queue)) is not None:
+        while (k := _next(queue)) is not None:
             found[k] = work(items[k])
     except BaseException as raised:  # whatever it is, it is told
         error = raised

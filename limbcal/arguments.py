@@ -104,7 +104,7 @@ def parser_of(prog: str, description: str, package: str, commands: Mapping[str, 
     ----------
     prog, description : str
     package : str
-        Where each command has a module of its name, with ``add_arguments`` and ``EXAMPLE``.
+        Where each command has a module of its name (``_`` for ``-``), with ``add_arguments`` and ``EXAMPLE``.
     commands : mapping of str to str
         What each of them does, in a sentence.
     """
@@ -114,7 +114,7 @@ def parser_of(prog: str, description: str, package: str, commands: Mapping[str, 
     chosen = parser.add_subparsers(required=True, metavar="COMMAND", parser_class=Parser)
     for name, sentence in commands.items():
         command = chosen.add_parser(name, help=sentence, description=sentence, parents=[common_options()])
-        command.module = f"{package}.{name}"
+        command.module = f"{package}.{name.replace('-', '_')}"
     return parser
 
 

@@ -7,6 +7,7 @@ mass: the tables count it to the trunk.
 """
 
 from dataclasses import dataclass, replace
+from itertools import pairwise
 from typing import Literal
 
 import numpy as np
@@ -24,6 +25,8 @@ DOWN = -UP
 _HALF_SHOULDERS, _ANKLE = 0.129, 0.039
 #: Distance from heel to ankle as a ratio to the foot's length: assumed; a calibration replaces it.
 _BEFORE_HEEL = 0.25
+#: Sine of the angle between two axes from which on their common normal is where it is meant to be.
+_MEETS = 0.5
 
 
 @dataclass(frozen=True)
@@ -78,7 +81,7 @@ def limb(body: Body, girdle: Girdle = "thorax") -> Arm:
     build = _arm if "arm" in body.preset else _leg
     axes, points, segments = build(body, side, girdle)
     directions = np.array([axis.direction * (side if axis.turns_with_the_side else 1.0) for axis in axes])
-    lines = AxisLines(points, directions, FORWARD)
+    lines = AxisLines(points, directions, _common_normals(directions))
     joints = [
         replace(joint, limits=tuple(np.deg2rad(axis.range_deg).tolist()))
         for joint, axis in zip(lines.joints(), axes, strict=True)
@@ -87,6 +90,20 @@ def limb(body: Body, girdle: Girdle = "thorax") -> Arm:
     for k, (one, begin, along) in segments.items():
         joints[k] = replace(joints[k], link=one.link(begin, along, frames[k]))
     return Arm(name=body.preset, joints=tuple(joints), body=body)
+
+
+def _common_normals(directions: Floats) -> Floats:
+    """Return where the links' frames point that have no length, (n, 3): across to the next axis too.
+
+    Then ``a`` is the distance of two axes that nearly meet, and can be learnt.
+    """
+    normals = np.tile(FORWARD, (len(directions), 1))
+    for i, (z, after) in enumerate(pairwise(directions)):
+        normal = np.cross(z, after)
+        if np.linalg.norm(normal) > _MEETS:
+            way = normal @ (FORWARD - 0.5 * UP + 0.25 * LEFT)  # of two, the one ahead, or down, or to the left
+            normals[i] = normal / np.linalg.norm(normal) * np.sign(way)
+    return normals
 
 
 _Built = tuple[tuple[_Axis, ...], Floats, dict[int, tuple[Segment, Floats, Floats]]]

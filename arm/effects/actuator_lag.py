@@ -6,6 +6,7 @@ EFFECT = EffectKind(
     name="actuator_lag",
     sentence="the torque follows slowly what is asked for",
     place="drive",
-    parameters=(Parameter("time_constant_s", "s", 0.0, 10.0, neutral=0.0),),
+    # Electric drives follow within milliseconds, pneumatic ones within tenths of a second, no drive more slowly.
+    parameters=(Parameter("time_constant_s", "s", 0.0, 0.5, neutral=0.0),),
     taken_for=("actuator_delay", "joint_elasticity", "viscous"),
 )

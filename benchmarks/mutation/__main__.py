@@ -3,7 +3,8 @@
 A sample of faults is put into a copy of the checkout, one at a time: a number one more or less, a comparison, an
 operator, a condition turned round, a loop never run, an exception not caught. The test file of the module's name
 runs, and if it passes, those nearest to it in its package. A fault that none of them notices has survived; where
-they take far longer with it than without, it counts as noticed.
+they take far longer with it than without, it counts as noticed. Test files that are slow without a fault are left
+out: where other programs have the processors busy, ``--patience`` keeps them in.
 
 Results are those of one commit: ``benchmarks/results/mutation-<commit>.jsonl``, a line a fault, which a later call
 adds to. Where the checkout differs from its commit they begin anew.
@@ -65,8 +66,8 @@ def chosen(options: argparse.Namespace) -> list[Mutant]:
 
 def act(options: argparse.Namespace) -> Document:
     """Try faults, and say which survived."""
-    for name in ("sample", "nearest"):
-        if getattr(options, name) < 1:
+    for name in ("sample", "nearest", "patience"):
+        if not getattr(options, name) >= 1:
             raise ConfigError(f"--{name} is {getattr(options, name)}; expected 1 or more")
     todo = chosen(options)
     path = path_of("mutation", "jsonl")
@@ -79,7 +80,7 @@ def act(options: argparse.Namespace) -> Document:
         Progress(*columns, TextColumn("{task.description}"), console=console) as bar,
     ):
         task = bar.add_task("", total=len(todo))
-        trials = Trials(runner, known, lambda line: append(path, line), options.nearest)
+        trials = Trials(runner, known, lambda line: append(path, line), options.nearest, options.patience)
         for mutant in todo:
             if mutant.key not in known:
                 bar.update(task, description=f"{mutant.path}:{mutant.line}")
@@ -100,6 +101,7 @@ def main(argv: list[str] | None = None) -> int:
     add("--seed", type=int, default=0, help="of the sample (default 0)")
     add("--packages", nargs="+", default=list(PACKAGES), metavar="PATH", help=f"default: {' '.join(PACKAGES)}")
     add("--nearest", type=int, default=3, metavar="N", help="test files tried; 1: the nearest alone (default 3)")
+    add("--patience", type=float, default=1.0, metavar="F", help="times as long that all may take (1)")
     add("--again", type=Path, metavar="FILE", help="only what survived in an earlier results file")
     parser.set_defaults(action=act)
     return run_command(parser, argv)

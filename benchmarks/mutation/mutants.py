@@ -61,8 +61,9 @@ def mutants_of(path: str, code: str) -> Iterator[Mutant]:
         for node in every:
             places = list(operator.mutation_positions(node))
             if places and _has_operands(name, node) and may_change(node, compiled):
-                for k, ((line, column), _) in enumerate(places):
-                    yield Mutant(path, line, column, name, occurrence + k)
+                for k, (begin, end) in enumerate(places):
+                    if name != "ExceptionReplacer" or _is_one_name(node, begin, end):
+                        yield Mutant(path, *begin, name, occurrence + k)
             occurrence += len(places)
 
 
@@ -102,6 +103,12 @@ def change(code: str, changed: str) -> str:
 
 def _has_operands(name: str, node: parso.tree.NodeOrLeaf) -> bool:
     return not name.startswith("ReplaceBinary") or node.parent.type not in _NO_OPERANDS
+
+
+def _is_one_name(node: parso.tree.NodeOrLeaf, begin: tuple[int, int], end: tuple[int, int]) -> bool:
+    """Say whether there is one name at a place, and not one of a module's, which cosmic-ray cannot replace."""
+    leaf = node.get_leaf_for_position(begin, include_prefixes=True)
+    return leaf is not None and (leaf.start_pos, leaf.end_pos) == (begin, end)
 
 
 def _differ(code: str, changed: str) -> bool:

@@ -99,10 +99,20 @@ class Trials:
         Is given each line that becomes known of them.
     most : int
         How many test files a fault has to be noticed by one of.
+    patience : float
+        How many times as long all may take, where others have the processors busy.
     """
 
-    def __init__(self, runner: Runner, known: dict[str, Line], note: Callable[[Line], None], most: int) -> None:
+    def __init__(
+        self,
+        runner: Runner,
+        known: dict[str, Line],
+        note: Callable[[Line], None],
+        most: int,
+        patience: float = 1.0,
+    ) -> None:
         self._runner, self._known, self._note, self._most = runner, known, note, most
+        self._patience = patience
 
     def run(self, mutant: Mutant) -> Line:
         """Try one fault; the line says what noticed it."""
@@ -117,7 +127,8 @@ class Trials:
                 continue
             tried.append(file)
             with self._runner.copy.having(mutant.path, changed):
-                found = self._runner.run(file, LIMIT_FACTOR * self._known[file]["seconds"] + LIMIT_MORE_S)
+                limit_s = LIMIT_FACTOR * self._known[file]["seconds"] + self._patience * LIMIT_MORE_S
+                found = self._runner.run(file, limit_s)
             if found["code"]:
                 outcome = "timed out" if found["code"] == TOO_LONG else "killed"
                 return line | {"outcome": outcome, "by": found["failed"] or file, "mirrored": file == own}
@@ -126,7 +137,7 @@ class Trials:
     def _usable(self, file: str, slowest_s: float) -> bool:
         """Say whether a test file passes without a fault, and soon enough."""
         if file not in self._known:
-            self._known[file] = {"key": file, **self._runner.run(file, slowest_s)}
+            self._known[file] = {"key": file, **self._runner.run(file, self._patience * slowest_s)}
             self._note(self._known[file])
         return not self._known[file]["code"]
 

@@ -13,6 +13,7 @@ from fitter.data.motions import Measured
 from fitter.data.raw import RawRun
 from fitter.data.trials import to_trials
 from fitter.dynamics.fit import fit_dynamics
+from fitter.limb.warm_up import warm_up as limb_warm_up
 from fitter.live import warm_up as live
 from fitter.sensing.track import Method, track_run
 
@@ -36,4 +37,5 @@ def compile_all() -> None:
         track_run(run, arm, motion.q[0], 1000.0, method)
     columns = {"q": motion.q, "dq": motion.dq, "ddq": motion.ddq, "tau": motion.tau}
     trials = to_trials([Measured("warm-up", "warm-up", 0, motion.t, columns)])
+    limb_warm_up()
     fit_dynamics(replace(arm, control=Control("measured")), trials, seed=0, examine=False)

@@ -1,4 +1,4 @@
-"""`fitter kinematics`: joint angles and a measured tip to the arm's geometry, eq. (1) to (3)."""
+"""`fitter kinematics`: angles and a measured tip, or a person's markers, to the geometry of eq. (1) to (3)."""
 
 import argparse
 from collections.abc import Sequence
@@ -11,6 +11,7 @@ from rich.progress import Progress
 from arm.arm_file import load_arm, save_arm
 from arm.model import Arm
 from fitter.commands.arm_option import questioned_arm
+from fitter.commands.limb_kinematics import add_body, limb_kinematics
 from fitter.commands.options import (
     add_arm,
     add_columns,
@@ -50,12 +51,17 @@ EXAMPLE = "fitter kinematics recordings/run.mcap --arm my-arm.toml --out geometr
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Say what `fitter kinematics` takes."""
     parser.add_argument(
-        "data", nargs="+", type=Path, metavar="DATA", help="trials with q1… and tipx tipy tipz, or recordings"
+        "data",
+        nargs="+",
+        type=Path,
+        metavar="DATA",
+        help="trials with q1… and tipx tipy tipz, or recordings; with --body C3D or TRC",
     )
     parser.add_argument(
         "--evaluate", nargs="+", type=Path, default=[], metavar="EVAL", help="trials not learnt from"
     )
-    add_arm(parser)
+    add_arm(parser, required=False)
+    add_body(parser)
     add_columns(parser)
     add_search(parser, "100, or 8 a parameter", GENERATIONS)
     parser.add_argument("--bounds", metavar="P=LOW:HIGH,…", help="where to search (a in 0..1 m, angles ±30°)")
@@ -85,6 +91,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def kinematics(arguments: argparse.Namespace) -> Document:
     """Learn the geometry and write the arm."""
+    if arguments.body is not None:
+        return limb_kinematics(arguments)
+    if arguments.arm is None:
+        raise ConfigError("--arm is missing, expected an arm file or a built-in arm; for a person's limb --body")
     arm = questioned_arm(arguments.arm)
     compared = {Path(source).stem: geometry_by_name(load_arm(source)) for source in arguments.compare}
     learn, evaluate = _trials(arguments, arm)

@@ -1,4 +1,4 @@
-"""`fitter track`: accelerations to joint motion."""
+"""`fitter track`: accelerations, or markers, to joint motion."""
 
 import argparse
 import time
@@ -10,6 +10,7 @@ from rich.progress import track as progress
 
 from arm.model import Arm
 from fitter.commands.arm_option import questioned_arm
+from fitter.commands.limb_track import has_markers, limb_track
 from fitter.commands.options import (
     MOTION_SUFFIXES,
     add_arm,
@@ -34,7 +35,9 @@ EXAMPLE = "fitter track readings.csv --arm my-arm.toml --out motion.csv"
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Say what `fitter track` takes."""
-    parser.add_argument("raw", nargs="+", type=Path, metavar="RAW", help="raw accelerations: files or folders")
+    parser.add_argument(
+        "raw", nargs="+", type=Path, metavar="RAW", help="raw accelerations: files or folders; or C3D, TRC"
+    )
     add_arm(parser)
     parser.add_argument(
         "--method",
@@ -62,6 +65,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def track(arguments: argparse.Namespace) -> Document:
     """Track all runs and write them into one file."""
+    if has_markers(arguments.raw):
+        return limb_track(arguments)
     method, zero = arguments.method, arguments.zero
     if zero is not None and method != "integrate":
         raise ConfigError(f"--zero is {zero!r}, expected it only with --method integrate, not {method}")

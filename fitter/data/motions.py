@@ -77,7 +77,12 @@ class Measured:
 
 
 def read_motions(
-    path: Path, n_joint: int, mapping: ColumnMap, rate_hz: float | None, required: Collection[str]
+    path: Path,
+    n_joint: int,
+    mapping: ColumnMap,
+    rate_hz: float | None,
+    required: Collection[str],
+    vectors: Mapping[str, Sequence[str]] = TIP,
 ) -> list[Measured]:
     """Read every motion of a file of columns, see `protocol.tables.files.TABLES`.
 
@@ -93,13 +98,15 @@ def read_motions(
         Rate of the samples where the file has no time.
     required : collection of str
         Roles that must be there; others are taken where they are.
+    vectors : mapping of str to sequence of str
+        Roles with one column an axis, and how those are called.
 
     Raises
     ------
     DataError
         If a column is missing or does not fit, or time does not rise within a motion.
     """
-    whole = read_file(path, n_joint, mapping, rate_hz, required, TIP)
+    whole = read_file(path, n_joint, mapping, rate_hz, required, vectors)
     motions = [trial for motion in whole for trial in _by_label(motion)]
     for motion in motions:
         require_rising(motion)

@@ -147,7 +147,7 @@ def _searched(
         likelihood, found, was = _found(arm, motions, denied, scale, say)
         regression = likelihood.regression
     final = found.final.candidate
-    if not likelihood.is_exact(found.final):
+    if not likelihood.is_exact(found.final, everywhere=True):
         final = with_pushes(regression, final)
     causes = [cause_of(place, found.steps) for place in range(len(found.steps))]
     for place in range(len(causes), len(final.model.hypotheses)):

@@ -81,7 +81,7 @@ def estimates(regression: Regression, fitted: Candidate, covariance: Floats | No
 
 
 def significant(fitted: Candidate, covariance: Floats) -> list[bool]:
-    """Say of every effect whether its size differs from none, by Wald's test at 95 %.
+    """Say of every effect whether its size differs from none, by Wald's test at 95 %; an unknown size does not.
 
     The size is what its columns count, or, where it has none, how far psi is from where it is nothing.
 
@@ -99,7 +99,7 @@ def significant(fitted: Candidate, covariance: Floats) -> list[bool]:
         size = numbers[own] - (np.array(hypothesis.nothing) if hypothesis.nothing and not n else 0.0)
         scatter = covariance[np.ix_(own, own)]
         known = bool(np.all(np.isfinite(scatter)))
-        wald = float(size @ np.linalg.pinv(scatter, hermitian=True) @ size) if known else np.inf
+        wald = float(size @ np.linalg.pinv(scatter, hermitian=True) @ size) if known else 0.0
         said.append(wald > chi2.ppf(CONFIDENCE, max(len(own), 1)))
         at, psi_at = at + n, psi_at + len(psi)
     return said

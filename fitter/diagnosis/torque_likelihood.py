@@ -127,15 +127,17 @@ class TorqueLikelihood:
         """Return the logarithm of the number of places at which a hypothesis is sought."""
         return hypothesis.log_places(self.regression.motions)
 
-    def is_exact(self, fit: Fit) -> bool:
+    def is_exact(self, fit: Fit, everywhere: bool = False) -> bool:
         """Say whether a model leaves no more than the sensors' noise, on average and in every single trial.
 
-        What acts for some moments, as a limit does, is lost in the average.
+        What acts for some moments, as a limit does, is lost in the average. Unless all trials are asked for, those
+        that may be learnt from count: what others show beside them cannot be learnt from these.
         """
         candidate = self._by_torque(fit.candidate)
-        told = self.regression.told
+        count = np.array([everywhere or motion.learn for motion in self.regression.motions])
+        told = self.regression.told[count]
         most = KNOWN * chi2.ppf(1.0 - np.exp(-ODDS_NATS) / len(told), told)
-        return floored(self.regression, candidate)[2].is_none and bool(np.all(candidate.squares <= most))
+        return floored(self.regression, candidate)[2].is_none and bool(np.all(candidate.squares[count] <= most))
 
     def is_plainly_wrong(self, fit: Fit) -> bool:
         """Say whether a model leaves so much that two hypotheses may hide each other in it."""

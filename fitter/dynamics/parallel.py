@@ -4,20 +4,18 @@ Results come in the order of the jobs whoever did them, so whatever is made of t
 """
 
 import multiprocessing
-import os
 import signal
 import socket
-import threading
 from collections.abc import Callable, Generator, Sequence
 from concurrent.futures import CancelledError, ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
 from importlib import import_module
-from multiprocessing.connection import wait
 from typing import TypeVar
 from urllib.parse import urlsplit
 
 from limbcal.errors import ConfigError, DeviceError
 from limbcal.interrupts import interrupts_held
+from limbcal.parent import end_with
 
 Job = TypeVar("Job")
 Result = TypeVar("Result")
@@ -83,17 +81,12 @@ def _in_processes(
 
 
 def be_worker() -> None:
-    """Leave Ctrl-C to the process that hands out the jobs, and end with it however it ends."""
+    """Leave Ctrl-C to the process that hands out the jobs, and end with it however it ends, whatever the job."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     signal.signal(signal.SIGTERM, signal.SIG_DFL)
     parent = multiprocessing.parent_process()
-    if parent is not None:
-        threading.Thread(target=_end_with, args=(parent.sentinel,), daemon=True).start()
-
-
-def _end_with(sentinel: int) -> None:
-    wait([sentinel])
-    os._exit(1)
+    if parent is not None and parent.pid is not None:
+        end_with(parent.pid)
 
 
 def _on_cluster(work: Callable[[Job], Result], jobs: Sequence[Job], address: str) -> Generator[Result, None, None]:

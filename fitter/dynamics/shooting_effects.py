@@ -106,7 +106,8 @@ class ShootingWithEffects(Shooting):
         self._which = range(first, first + n_trial)
 
     def machine(self, values: Floats) -> Machine:
-        """Return the arm with these numbers, (n_number,)."""
+        """Return the arm with these numbers, (n_number,); at their limits where a slope is sought beyond them."""
+        values = np.clip(values, *self._numbers.bounds)
         arm = self._numbers.with_effects(values)
         inner = changed(arm)
         moved, before = self.chain(values[: len(self._numbers.base.names)]), self._before

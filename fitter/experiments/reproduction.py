@@ -1,6 +1,7 @@
 """All of the paper's experiments: which there are, and running several of them side by side."""
 
 import multiprocessing
+import os
 import queue
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
@@ -13,6 +14,7 @@ from fitter.experiments import fig6, fig7, fig8, table1, table2, table3, table4,
 from fitter.experiments.experiment import Experiment, Settings
 from fitter.report.figures import png
 from limbcal.errors import LimbcalError
+from limbcal.parent import end_with
 
 #: In the paper's order.
 EXPERIMENTS: dict[str, ModuleType] = {
@@ -119,7 +121,7 @@ def _side_by_side(
     spawn = multiprocessing.get_context("spawn")
     told = spawn.Queue()
     plain = replace(settings, progress=_Told.nothing)
-    with ProcessPoolExecutor(jobs, spawn, _Told.begin, (told,)) as pool:
+    with ProcessPoolExecutor(jobs, spawn, _Told.begin, (told, os.getpid())) as pool:
         try:
             running: set[Future[list[Outcome]]] = {pool.submit(_in_worker, group, plain) for group in groups}
             while running:
@@ -150,9 +152,10 @@ class _Told:
     queue: Any = None
 
     @staticmethod
-    def begin(told: Any) -> None:
-        """Remember where progress goes."""
+    def begin(told: Any, parent: int) -> None:
+        """Remember where progress goes, and end with who waits for it."""
         _Told.queue = told
+        end_with(parent)
 
     @staticmethod
     def nothing(_what: str) -> None:

@@ -152,8 +152,8 @@ class Memory:
 
     def __init__(self, chain: Chain, effects: EffectTable, n_past: int, step_s: float) -> None:
         n, n_effect, n_payload = len(chain.revolute), len(effects.joint), len(effects.payload)
-        size = (81 + N_ROW) * n + 2 * n * n + (max(n_past, 1) + 2 * n_past) * n
-        size += MOST_PARAMETERS * n_effect + 2 * n_payload + N_STATE + N_NUMBER + N_ACCOUNT + 110
+        size = (71 + N_ROW) * n + 2 * n * n + (max(n_past, 1) + 2 * n_past) * n
+        size += MOST_PARAMETERS * n_effect + 2 * n_payload + N_STATE + N_NUMBER + N_ACCOUNT + 93
         self.arrays = (
             np.zeros(size),
             np.zeros(3 + 2 * n_effect, dtype=np.int64),

@@ -75,16 +75,17 @@ class Controls:
     def show(self, state: Mapping[str, Any] | None, position_s: float) -> None:
         """Show the playback's state, and the place of the frame that is shown."""
         here = state is not None
-        for widget in (self._play, self.time, self._step, self._speed, self._loop, self._trial):
+        for widget in (self._play, self.time, self._speed, self._loop, self._trial):
             widget.disabled = not here
+        self._step.visible = here  # a group of buttons cannot be disabled
         if state is None:
             return
         self._playing = bool(state["playing"])
         self._play.label = "Pause" if self._playing else "Play"
         self._play.icon = viser.Icon.PLAYER_PAUSE if self._playing else viser.Icon.PLAYER_PLAY
         stored = not state.get("live")
-        for widget in (self.time, self._step, self._speed, self._loop, self._trial):
-            widget.visible = stored
+        for part in (self.time, self._step, self._speed, self._loop, self._trial):
+            part.visible = stored
         if not stored:
             return
         duration_s = round(float(state["duration_s"]), 6)

@@ -107,7 +107,7 @@ def dialect_of(head: bytes, encoding: str, path: Path) -> Dialect:
         raise DataError(f"{path}: cannot be read as CSV (it is no text), expected a header row and numbers")
     lines = _lines(head, encoding)
     delimiter = None
-    if lines and (said := _SEPARATOR.fullmatch(lines[0][1].strip())):
+    if lines and (said := _SEPARATOR.fullmatch(lines[0][1].strip(" \r\n"))):
         delimiter, lines = said[1], lines[1:]
     filled = [(offset, text) for offset, text in lines if text.strip()]
     content = [(offset, text) for offset, text in filled if not text.lstrip().startswith(COMMENTS)]

@@ -121,7 +121,7 @@ def find_roles(
     passed_over = tuple(
         name
         for name in source.names
-        if NOT_READ.fullmatch(name) or (joint_roles and name not in taken and _LIKE_DRIVE.fullmatch(name))
+        if name not in taken and (NOT_READ.fullmatch(name) or (joint_roles and _LIKE_DRIVE.fullmatch(name)))
     )
     if passed_over:
         text = f"column {', '.join(passed_over)} {'is' if len(passed_over) == 1 else 'are'} not read yet"

@@ -57,3 +57,18 @@ def test_unknown_kinds_of_failure_are_the_devices() -> None:
     assert isinstance(failure({"what": "failed", "kind": "Strange", "sentence": "x"}), DeviceError)
     with pytest.raises(KeyError):
         failure({"what": "failed"})
+
+
+@pytest.mark.parametrize("code", [0, 7])
+def test_one_that_ends_without_a_word_is_named_with_its_exit_code(code: int) -> None:
+    child = Child(get_context("spawn"), "test", "tests.daemon.test_child:leave", code)
+    wait_for_any([child], [], 30.0)
+    assert child.said() is None
+    assert str(child.ended()) == f"the test process ended with exit code {code}, expected it to go on"
+    assert child.end(30.0)
+    child.close()
+
+
+def leave(_line: object, code: int) -> None:
+    """Be a child that ends in the middle of its work."""
+    os._exit(code)

@@ -5,7 +5,7 @@ import pytest
 from hypothesis import example, given
 from hypothesis import strategies as st
 
-from daemon.sample_ledger import SampleLedger
+from daemon.sample_ledger import Gap, SampleLedger
 from protocol.serial_frame import SamplesFrame, SamplesRun
 
 
@@ -178,3 +178,116 @@ def test_one_lost_sample_is_seen_whatever_the_rate() -> None:
             ledger.decide([frame, SamplesFrame(k + 1, round(step + 325 * 32), counts)])
         found.append(entered(ledger, frame))
     assert {k: lost for k, lost in enumerate(found) if lost} == {51: 1}
+
+
+def frame_at(sequence: int, ticks: int, samples: int = 32) -> SamplesFrame:
+    return SamplesFrame(sequence % 2**32, ticks, np.zeros((samples, 12), dtype=np.int16))
+
+
+def after(first: SamplesFrame, rate_hz: float = 8000.0, tick_hz: float = 1e6) -> SampleLedger:
+    """Return a ledger into which one frame was entered; 125 ticks a sample, 4000 a frame."""
+    ledger = SampleLedger(rate_hz, tick_hz)
+    ledger.enter(first, 0)
+    return ledger
+
+
+def test_before_the_first_frame_nothing_is_due() -> None:
+    ledger = SampleLedger(8000.0, 1e6)
+    assert (ledger.position, ledger.due_ticks, ledger.frame_samples) == (0, None, 0)
+    one = frame_at(7, 1000)
+    assert ledger.missing(one) == 0 and ledger.numbered(one) == 0
+    assert not (ledger.in_sequence(one) or ledger.follows(one) or ledger.begun_anew(one) or ledger.doubts(one))
+
+
+def test_the_next_sample_is_due_behind_the_last_frame() -> None:
+    ledger = after(frame_at(7, 1000))
+    assert (ledger.position, ledger.due_ticks, ledger.frame_samples) == (32, 5000, 32)
+    ledger.enter(frame_at(8, 5000, 10), 5)
+    assert (ledger.position, ledger.due_ticks, ledger.frame_samples) == (47, 6250, 10)
+    assert (ledger.samples, ledger.lost_samples) == (42, 5)
+
+
+@pytest.mark.parametrize("last", [7, 2**32 - 1])
+def test_numbers_follow_each_other_through_zero(last: int) -> None:
+    ledger = after(frame_at(last, 1000))
+    assert ledger.number_after(last) == (last + 1) % 2**32
+    for ahead, follows in ((0, False), (1, True), (2, False)):
+        frame = frame_at(last + ahead, 5000)
+        assert ledger.in_sequence(frame) == ledger.follows(frame) == follows
+    assert [ledger.numbered(frame_at(last + ahead, 0)) for ahead in (1, 2, 4)] == [0, 32, 96]
+
+
+def test_an_info_in_between_takes_a_number_and_no_sample() -> None:
+    ledger = after(frame_at(7, 1000))
+    ledger.pass_over(9, 5000)  # number 8 did not come
+    frame = frame_at(10, 9000)
+    assert ledger.follows(frame) and not ledger.in_sequence(frame)
+    assert ledger.numbered(frame) == ledger.missing(frame) == 32
+    ledger.enter(frame, 32)
+    assert ledger.in_sequence(frame_at(11, 13_000))
+
+
+def test_a_device_that_counts_anew_after_its_info_has_lost_nothing() -> None:
+    ledger = after(frame_at(1000, 900_000))
+    ledger.pass_over(0, 100)
+    assert ledger.begun_anew(frame_at(1, 200))
+    assert ledger.missing(frame_at(1, 200)) is None and ledger.numbered(frame_at(1, 200)) == 0
+    assert not ledger.begun_anew(frame_at(1, 904_000))  # its clock went on
+    other = after(frame_at(1000, 900_000))
+    assert other.begun_anew(frame_at(5, 200)) and not other.begun_anew(frame_at(1001, 200))
+
+
+def test_of_frames_lost_before_the_first_no_more_are_counted_than_there_was_time_for() -> None:
+    for missed, counted in ((0, 0), (3, 96), (4, 96 + 32), (6, 0)):
+        ledger = SampleLedger(8000.0, 1e6)
+        ledger.pass_over(10, 1000)
+        assert ledger.missing(frame_at(11 + missed, 1000 + 3 * 4000)) == counted
+
+
+def test_steps_across_missing_frames_do_not_measure_the_rate() -> None:
+    """Frames that follow by number say 110 ticks a sample; what is between the others says nothing."""
+    ledger = after(frame_at(0, 1000))
+    stamps = [(k, 1000 + 32 * 110 * k) for k in range(1, 8)]
+    gap = [(k + 50, 1000 + 32 * 110 * 7 + 900_000 + 32 * 110 * k) for k in range(1, 4)]
+    ledger.decide([frame_at(sequence, ticks) for sequence, ticks in (*stamps, *gap)])
+    assert ledger.step.measured and ledger.step.ticks_per_sample == pytest.approx(110.0)
+    backwards = after(frame_at(0, 10_000_000))
+    backwards.decide([frame_at(1, 1000), *(frame_at(k, 1000 + 32 * 110 * (k - 1)) for k in range(2, 8))])
+    assert backwards.step.ticks_per_sample == pytest.approx(110.0)
+
+
+def test_a_frame_is_doubted_until_the_rate_is_measured() -> None:
+    ledger = after(frame_at(0, 1000))
+    assert not ledger.doubts(frame_at(1, 5000))
+    assert ledger.doubts(frame_at(1, 1000 + 8000)) and ledger.doubts(frame_at(1, 1001))
+    assert not ledger.doubts(frame_at(3, 1000 + 3 * 4000))  # two are missing, by number and clock
+    assert ledger.doubts(frame_at(3, 1000 + 9 * 4000))
+    assert not ledger.doubts(frame_at(1, 0))  # that is a clock that went back
+    assert not ledger.doubts(frame_at(-5, 900_000))  # and these are numbers that begin anew
+    for k in range(1, 8):
+        ledger.enter(frame_at(k, 1000 + 4000 * k), 0)
+    assert not ledger.doubts(frame_at(8, 900_000))
+
+
+def test_a_run_is_entered_as_its_frames_would_be() -> None:
+    one, other = after(frame_at(0, 1000)), after(frame_at(0, 1000))
+    for k in range(1, 6):
+        one.enter(frame_at(k, 1000 + 4001 * k), 0)
+    for first, count in ((1, 3), (4, 1), (5, 1)):
+        ticks = [1000 + 4001 * k for k in range(first, first + count)]
+        run = SamplesRun(first, ticks, np.zeros((32 * count, 12), dtype=np.int16))
+        assert other.goes_on(run)
+        other.enter_run(run)
+    for name in ("position", "due_ticks", "frame_samples", "samples", "lost_samples"):
+        assert getattr(one, name) == getattr(other, name), name
+    assert one.step.ticks_per_sample == pytest.approx(other.step.ticks_per_sample)
+    assert one.in_sequence(frame_at(6, 0)) and other.in_sequence(frame_at(6, 0))
+
+
+def test_gaps_are_counted_by_their_cause() -> None:
+    ledger = SampleLedger(8000.0, 1e6)
+    for k in range(3):
+        ledger.note(Gap(k, 1, 0, "unplugged", True))
+    ledger.note(Gap(9, 0, 0, "the host's clock was set by +1.000 s", True), "the host's clock was set")
+    assert ledger.causes == {"unplugged": 3, "the host's clock was set": 1}
+    assert [gap.sample0 for gap in ledger.gaps] == [0, 1, 2, 9]

@@ -116,3 +116,76 @@ def test_what_no_device_may_say_is_shown_by_its_field(make_info: MakeInfo) -> No
     said = look(taker, looker, health(), True)["nonsense", ""]
     assert said.startswith("2 in the last second, at last serial frame: INFO: serial is 'x\\x1b[2J', expected")
     assert ("nonsense", "") not in look(taker, looker, health(), True)
+
+
+@pytest.mark.parametrize(
+    ("name", "borne", "wrong"),
+    [
+        ("behind", {"latency_ms": {"p99": 200.0}}, {"latency_ms": {"p99": 200.1}}),
+        ("behind", {"latency_ms": {"p99": None}}, {"latency_ms": {"p99": 1e3}}),
+        ("disk", {"disk_free_bytes": 10 * FREE_BYTES}, {"disk_free_bytes": 10 * FREE_BYTES - 1}),
+        (
+            "clock",
+            {"clock": {"ppm_std": 0.1, "host_ahead_s": -0.05}},
+            {"clock": {"ppm_std": 0.1, "host_ahead_s": 0.051}},
+        ),
+        ("rate", {"clock_ppm": -500.0}, {"clock_ppm": -501.0}),
+        ("rate", {"rate_hz": 8004.0}, {"rate_hz": 8004.1}),
+    ],
+)
+def test_what_is_borne_ends_where_it_says(
+    make_info: MakeInfo, name: str, borne: dict[str, Any], wrong: dict[str, Any]
+) -> None:
+    taker, looker = symptoms(make_info(RATE_HZ))
+    assert look(taker, looker, health(**borne), records=True) == {}
+    assert [found for found, _ in look(taker, looker, health(**wrong), records=True)] == [name]
+
+
+def test_a_rate_and_a_clock_without_an_error_of_their_own_are_said_in_full(make_info: MakeInfo) -> None:
+    taker, looker = symptoms(make_info(RATE_HZ))
+    rate = {"claimed_hz": 8000.0, "in_use_hz": 8000.0, "std_ppm": 0.0}
+    wrong = look(taker, looker, health(rate_hz=8800.0, rate=rate, clock_ppm=None), records=True)
+    said = "it samples at 8800.000000 ± 0.000000 Hz, 10.00 % faster than the 8000 Hz of its INFO"
+    assert wrong == {("rate", ""): said}
+    assert look(taker, looker, health(rate_hz=None, clock_ppm=None), records=True) == {}
+
+
+def test_one_sample_in_a_thousand_may_be_lost(
+    make_info: MakeInfo, random_counts: Callable[[int], NDArray[np.int16]]
+) -> None:
+    frames = [encode_samples(random_counts(4), k + 1, 50 + 500 * k) for k in range(1102)]
+    for skipped, borne in ((1, True), (2, False)):
+        taker, looker = symptoms(make_info(RATE_HZ))
+        taker.take([Chunk(1, b"".join(frames[:2]))])
+        look(taker, looker, health(), records=True)
+        taker.take([Chunk(2, b"".join(frames[2 + skipped :]))])
+        assert (("losses", "") not in look(taker, looker, health(), records=True)) == borne
+
+
+def test_an_error_of_the_clock_is_shown_long_enough_to_be_an_alarm(make_info: MakeInfo) -> None:
+    taker, looker = symptoms(make_info(RATE_HZ))
+    taker.guard.errors = 4
+    said = [look(taker, looker, health(), records=True).get(("clock", "device")) for _ in range(5)]
+    assert said == ["it was off 4 times in all"] * 3 + [None] * 2
+    taker.guard.errors = 5
+    assert look(taker, looker, health(), records=True)["clock", "device"] == "it was off 5 times in all"
+
+
+def test_a_clock_that_stands_still_is_wrong_for_as_long_as_it_does(make_info: MakeInfo) -> None:
+    taker, looker = symptoms(make_info(RATE_HZ))
+    taker.guard._off = True
+    for _ in range(9):
+        assert look(taker, looker, health(), True)["clock", "device"] == "it stands still or shows anything"
+    taker.guard._off = False
+    assert [("clock", "device") in look(taker, looker, health(), True) for _ in range(4)] == [
+        True,
+        True,
+        False,
+        False,
+    ]
+
+
+def test_another_device_on_the_port_is_named(make_info: MakeInfo) -> None:
+    taker, looker = symptoms(make_info(RATE_HZ))
+    taker.stranger = "other device 7"
+    assert look(taker, looker, health(), True)["stranger", ""] == "found other device 7, expected 1"

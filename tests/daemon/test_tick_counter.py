@@ -1,10 +1,12 @@
 """A counter that passes zero goes on; one that was restarted does not."""
 
+import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
 from daemon.tick_counter import TickCounter
+from protocol.serial_frame import SamplesRun
 
 TURN = 1 << 32
 TICK_HZ = 1e7
@@ -45,3 +47,15 @@ def test_a_wide_counter_has_no_turns() -> None:
     counter = TickCounter(TICK_HZ)
     counter.shift(TURN + 5, 0)
     assert counter.shift(7, 1_000_000) == 0
+
+
+@given(pauses=st.lists(st.floats(0.001, 2_000.0), min_size=1, max_size=20), first=st.integers(0, TURN - 1))
+def test_runs_are_numbered_on_across_pauses(pauses: list[float], first: int) -> None:
+    counter, now_s = TickCounter(TICK_HZ), 0.0
+    counts = np.zeros((64, 1), dtype=np.int16)
+    for pause_s in (0.0, *pauses):
+        now_s += pause_s
+        true = first + round(now_s * TICK_HZ)
+        sent = SamplesRun(0, [true % TURN, (true + 3200) % TURN], counts)
+        found = counter.unwrapped(sent, round(1e9 * now_s))
+        assert found.ticks == [true, true + 3200]

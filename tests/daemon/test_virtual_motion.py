@@ -92,3 +92,20 @@ def test_no_trials_is_rest_at_zero() -> None:
     (stretch,) = first(1, plan(0))
     assert stretch.trial == 0
     assert not stretch.truth["q1"].any()
+
+
+def test_unless_said_otherwise_sensors_are_the_standard_bench_s() -> None:
+    arm = load_arm("dd-arm")
+    plain = first(1, BenchPlan(arm, 4, RATE_HZ, 0))[0].counts
+    np.testing.assert_array_equal(plain, first(1, BenchPlan(arm, 4, RATE_HZ, 0, 1.0, False))[0].counts)
+    tilted = first(1, BenchPlan(arm, 4, RATE_HZ, 0, 1.0, True))[0].counts
+    assert np.any(plain != tilted)
+    still = plain * COUNT_M_S2
+    assert still.std(axis=0) == pytest.approx(np.full(12, 0.02), rel=0.1)  # [m/s^2], as the bench has it
+
+
+def test_rest_lasts_two_seconds_a_stretch_and_the_truth_is_kept_a_thousand_times_a_second() -> None:
+    rested = first(2, plan(0))
+    assert [len(stretch.counts) for stretch in rested] == [2 * 2000, 2 * 2000]
+    assert np.diff(np.concatenate([stretch.truth["t"] for stretch in rested])) == pytest.approx(0.001)
+    assert [truth_stride(rate_hz) for rate_hz in (100.0, 1000.0, 1499.0, 1501.0, 32000.0)] == [1, 1, 1, 2, 32]

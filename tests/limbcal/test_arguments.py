@@ -52,7 +52,7 @@ def test_every_command_in_the_list_is_there(program):
 
 @pytest.mark.parametrize(("program", "package", "name"), COMMANDS)
 def test_the_example_of_every_command_is_in_its_help_and_parses(capsys, program, package, name):
-    example = import_module(f"{package}.commands.{name}").EXAMPLE
+    example = import_module(f"{package}.commands.{name.replace('-', '_')}").EXAMPLE
     first, second, *arguments = shlex.split(example)
     assert (first, second) == (program, name)
     assert callable(parser_for(program).parse_args([name, *arguments]).action)

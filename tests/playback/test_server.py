@@ -336,3 +336,22 @@ def what_the_machine_allows(seconds: float) -> float:
     while pace.now_s - pace.start_s < seconds:
         pace.wait()
     return pace.lateness.summary(1e-3)["p99"] or 0.0
+
+
+def test_unless_asked_to_it_does_not_end_with_the_trial(server: Server, fake_time) -> None:
+    server.player.play()
+    waits = 0
+
+    def wait(seconds: float) -> None:
+        nonlocal waits
+        fake_time.sleep(max(seconds, 1e-3))
+        waits += server.player.finished
+        if waits > 3:
+            raise KeyboardInterrupt
+
+    server._sleep = wait
+    server._poller.poll = lambda _ms: []
+    with pytest.raises(KeyboardInterrupt):
+        server.serve()
+    assert server.player.finished
+    server.serve(once=True)

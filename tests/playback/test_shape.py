@@ -130,3 +130,151 @@ def test_a_last_link_of_no_length_with_nothing_on_it_is_only_a_hub() -> None:
     arm = Arm("wrist", (Joint(a_m=0.3), Joint(alpha_rad=1.0)))
     hub = link_meshes(arm)[1].vertices
     assert np.linalg.norm(hub, axis=1).max() < 0.1 * reach_m(arm)
+
+
+def shells(mesh: Mesh) -> list[trimesh.Trimesh]:
+    return list(trimesh.Trimesh(mesh.vertices, mesh.faces, process=False).split())
+
+
+STRAIGHT = Arm("straight", (Joint(a_m=0.4), Joint(a_m=0.3), Joint(a_m=0.3)))  # a metre in all
+
+
+def test_hubs_are_round_flat_and_get_slimmer_towards_the_tip() -> None:
+    radii = []
+    for mesh in link_meshes(STRAIGHT):
+        hub = shells(mesh)[0]
+        across = np.linalg.norm(hub.vertices[:, :2], axis=1)
+        radii.append(float(across.max()))
+        assert hub.bounds[1] + hub.bounds[0] == pytest.approx(0.0, abs=1e-9)  # on the axis
+        assert 0.8 < hub.bounds[1][2] / radii[-1] < 1.0
+        rim = across[np.isclose(hub.vertices[:, 2], hub.bounds[1][2])].max()
+        assert 0.8 < rim / radii[-1] < 0.95  # its edge is broken
+        full = np.pi * radii[-1] ** 2 * 2.0 * hub.bounds[1][2]
+        assert 0.9 * full < hub.volume < full
+    assert 0.04 < radii[0] < 0.07
+    assert np.diff(radii) == pytest.approx(np.full(2, -0.4 / 3.0 * radii[0]))  # to 0.6 beyond the last
+
+
+def test_a_lone_joint_s_beam_does_not_end_thicker_than_it_began() -> None:
+    (only,) = link_meshes(Arm("one", (Joint(a_m=1.0),)))
+    hub, beam = shells(only)
+    assert beam.bounds[1][0] - 1.0 < 0.7 * hub.bounds[1][0]
+
+
+def test_beams_taper_from_axis_to_axis_with_round_ends() -> None:
+    for i, mesh in enumerate(link_meshes(STRAIGHT)):
+        hub, beam = shells(mesh)
+        length, wide = STRAIGHT.joints[i].a_m, float(hub.bounds[1][0])
+        behind, ahead = -float(beam.bounds[0][0]), float(beam.bounds[1][0]) - length
+        assert 0.5 * wide < behind < 0.9 * wide  # of the hub
+        assert 0.8 < ahead / behind < 1.0
+        assert beam.bounds[1][1:] == pytest.approx([behind, behind], rel=0.02)  # as thick as its ends are round
+        assert beam.bounds[0][1:] == pytest.approx([-behind, -behind], rel=0.02)
+        cone = np.pi * length * (behind**2 + behind * ahead + ahead**2) / 3.0
+        ends = 2.0 / 3.0 * np.pi * (behind**3 + ahead**3)
+        assert beam.volume == pytest.approx(cone + ends, rel=0.05)
+
+
+@pytest.mark.parametrize("d_m", [0.0, 0.3, -0.3])
+def test_an_arm_stands_on_a_plate_at_the_far_side_of_its_axis(d_m: float) -> None:
+    arm = Arm("post", (Joint(a_m=0.5, d_m=d_m), Joint(a_m=0.5 - abs(d_m))))
+    plate, foot, *post = shells(base_mesh(arm))
+    hub = float(shells(link_meshes(arm)[0])[0].bounds[1][0])
+    side = 1.0 if d_m < 0.0 else -1.0
+    low, high = sorted((side * plate.bounds[:, 2]).tolist())
+    assert 1.5 * hub < plate.bounds[1][0] < 2.5 * hub and 0.3 * hub < high - low < 0.7 * hub
+    assert sorted((side * foot.bounds[:, 2]).tolist()) == pytest.approx([0.0, low])  # from the axis to the plate
+    assert hub < foot.bounds[1][0] < 1.3 * hub and 0.8 * hub < low < 1.2 * hub
+    rim = np.linalg.norm(plate.vertices[np.isclose(side * plate.vertices[:, 2], high)][:, :2], axis=1).max()
+    assert 0.9 < rim / plate.bounds[1][0] < 0.99
+    ends = np.sort([one.bounds[:, 2] for one in post]).ravel().tolist()
+    radius = float(post[0].bounds[1][0]) if post else 0.0
+    assert ends == pytest.approx(sorted([-np.sign(d_m) * radius, d_m + np.sign(d_m) * radius]) if d_m else [])
+    assert not post or 0.35 * hub < radius < 0.65 * hub
+
+
+@pytest.mark.parametrize("d_m", [0.0, 0.2, -0.2])
+def test_what_slides_has_a_rail_of_half_a_reach_to_either_side(d_m: float) -> None:
+    arm = Arm("rail", (Joint(a_m=0.3), Joint("prismatic", a_m=0.7 - abs(d_m), d_m=d_m, alpha_rad=np.pi / 2.0)))
+    mesh, carried = link_meshes(arm)
+    hub, beam, rail = shells(mesh)
+    low, high = min(0.0, d_m) - 0.5, max(0.0, d_m) + 0.5
+    assert rail.bounds[:, 1].tolist() == pytest.approx([-high, -low])  # its axis is turned to -y
+    assert rail.bounds[:, 0] - 0.3 == pytest.approx(-(rail.bounds[::-1, 0] - 0.3))
+    carriage = shells(carried)[0]
+    assert 0.3 < rail.extents[0] / carriage.extents[0] < 0.5 and rail.extents[0] == pytest.approx(rail.extents[2])
+    assert carriage.extents[0] == pytest.approx(carriage.extents[1])
+    assert 1.1 < carriage.extents[2] / carriage.extents[0] < 1.5
+
+
+@pytest.mark.parametrize(
+    ("place", "foot"),
+    [
+        ((0.2, 0.15, 0.0), (0.2, 0.0, 0.0)),  # beside the beam
+        ((0.5, 0.0, -0.2), (0.4, 0.0, 0.0)),  # beyond its end
+        ((-0.2, 0.0, 0.1), (0.0, 0.0, 0.0)),  # before its beginning
+        ((0.5, 0.1, 0.15), (0.4, 0.0, 0.15)),  # nearer to the post to the next axis
+    ],
+)
+def test_a_sensor_off_its_link_stands_on_a_strut(
+    place: tuple[float, float, float], foot: tuple[float, ...]
+) -> None:
+    joints = (Joint(a_m=0.4), Joint(d_m=0.3, a_m=0.3))
+    bare = link_meshes(Arm("a", joints))[0]
+    held = link_meshes(Arm("a", joints, sensors=(Sensor("s", 1, place), Sensor("other", 2, (0.1, 0.0, 0.0)))))[0]
+    assert len(shells(held)) == len(shells(bare)) + 1
+    strut = shells(held)[-1]
+    along = np.subtract(place, foot)
+    length = float(np.linalg.norm(along))
+    heights = (strut.vertices - foot) @ along / length
+    thick = np.linalg.norm(strut.vertices - foot - heights[:, None] * along / length, axis=1).max()
+    assert (heights.min() + thick, heights.max() - thick) == pytest.approx((0.0, length), abs=1e-3)
+    assert 0.1 < thick / 0.055 < 0.25
+
+
+@pytest.mark.parametrize("off", [0.0, 0.03])
+def test_a_sensor_on_its_beam_needs_no_strut(off: float) -> None:
+    bare = link_meshes(STRAIGHT)[0]
+    held = link_meshes(replace(STRAIGHT, sensors=(Sensor("s", 1, (0.2, off, 0.0)),)))[0]
+    assert len(shells(held)) == len(shells(bare))
+
+
+def test_a_sensor_s_box_is_flat_and_turned_as_it_is() -> None:
+    turn = (0.0, np.pi / 2.0, 0.0)
+    for rotation, flat in (((0.0, 0.0, 0.0), 2), (turn, 0)):
+        sensor = Sensor("s", 1, (0.2, 0.1, 0.1), rotation)
+        mesh = sensor_mesh(STRAIGHT, sensor)
+        extents = np.ptp(mesh.vertices, axis=0)
+        wide = np.delete(extents, flat)
+        assert 0.04 < wide[0] < 0.07 and wide[0] == pytest.approx(wide[1])  # as wide as a hub's radius
+        assert 0.5 < extents[flat] / wide[0] < 0.7
+
+
+@pytest.mark.parametrize("rotation", [(0.0, 0.0, 0.0), (0.0, 0.0, np.pi / 2.0)])
+def test_on_a_beam_it_is_a_collar_around_it(rotation: tuple[float, float, float]) -> None:
+    sensor = Sensor("s", 1, (0.2, 0.0, 0.005), rotation)
+    box = trimesh.Trimesh(*vars(sensor_mesh(STRAIGHT, sensor)).values(), process=False)
+    _, beam = shells(link_meshes(STRAIGHT)[0])
+    assert 1.0 < box.extents[1] / beam.extents[1] < 1.25 and box.extents[1] == pytest.approx(box.extents[2])
+    assert 0.5 < box.extents[0] / box.extents[1] < 0.7  # and thin along it
+    thin = trimesh.Trimesh(*vars(sensor_mesh(STRAIGHT, Sensor("s", 3, (0.2, 0.0, 0.0)))).values(), process=False)
+    assert thin.extents[1] / box.extents[1] == pytest.approx(1.0 - 0.4 * 2.0 / 3.0)
+
+
+def test_the_farthest_sensor_is_where_a_last_link_without_length_ends() -> None:
+    joints = (Joint(a_m=0.5), Joint())
+    sensors = (
+        Sensor("near", 2, (0.0, 0.1, 0.0)),
+        Sensor("far", 2, (0.0, 0.0, 0.3)),
+        Sensor("else", 1, (0.9, 0, 0)),
+    )
+    arm = Arm("hand", joints, sensors=sensors)
+    assert reach_m(arm) == pytest.approx(0.5 + 0.3)
+    assert link_meshes(arm)[1].vertices[:, 2].max() == pytest.approx(0.3, abs=0.05)
+    assert reach_m(replace(arm, tip=Tip("near", (0.0, 0.1, 0.0)))) == pytest.approx(0.5 + 0.2)
+    assert reach_m(replace(arm, tip=Tip("else", (0.0, 0.0, 0.0)))) == pytest.approx(0.5 + 0.3)
+
+
+def test_an_arm_without_any_length_reaches_a_metre() -> None:
+    assert reach_m(Arm("dot", (Joint(), Joint()))) == 1.0
+    assert reach_m(Arm("short", (Joint(a_m=-0.2, d_m=-0.1), Joint(a_m=0.1)))) == pytest.approx(0.4)

@@ -1,6 +1,7 @@
 """Subscribers and clients that send too much are shown out, and nobody else notices."""
 
 import itertools
+import threading
 import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
@@ -12,7 +13,7 @@ import zmq
 from protocol.curve import gate_of, load_client_key, new_client
 from protocol.message import HEALTH
 from protocol.parts import MOST_PARTS, receive_parts
-from protocol.peers import MOST_CONNECTIONS, Peers
+from protocol.peers import LOOK_S, MOST_CONNECTIONS, Peers
 from protocol.publisher import Publisher
 from protocol.subscriber import Subscriber
 from protocol.subscriptions import FRAME_LIMIT, MOST_TOPICS, TOPIC_LIMIT
@@ -225,3 +226,27 @@ def test_of_many_parts_few_are_kept(context: "zmq.Context[zmq.Socket[bytes]]") -
 def test_a_frame_is_as_the_standard_says() -> None:
     assert frame(b"\x01a") == b"\x00\x02\x01a"
     assert frame(bytes(256)) == b"\x02" + bytes(6) + b"\x01\x00" + bytes(256)
+
+
+def test_who_comes_by_often_is_looked_at_now_and_then(context: "zmq.Context[zmq.Socket[bytes]]") -> None:
+    socket = context.socket(zmq.PULL)
+    peers = Peers(context, socket, 1000)
+    try:
+        looks: list[tuple[float, int]] = []
+        plain = peers._hear
+
+        def hear(now_s: float) -> None:
+            looks.append((now_s, threading.get_ident()))
+            plain(now_s)
+
+        peers._hear = hear  # type: ignore[method-assign]
+        while len(looks) < 4:
+            peers.look()
+        assert min(b - a for (a, _), (b, _) in itertools.pairwise(looks)) >= LOOK_S
+        peers.watch()
+        peers._due_s = 0.0
+        peers.look()
+        assert sum(who == threading.get_ident() for _, who in looks) == 4  # a thread does it now
+    finally:
+        peers.close()
+        socket.close(0)

@@ -12,7 +12,7 @@ from mcap.opcode import Opcode
 from limbcal.errors import DataError, ProtocolError
 from protocol.message import FRAMES, RAW, encode
 from protocol.recording import RecordingWriter
-from protocol.recording_reader import MAGIC, MAX_RECORD_BYTES, read_recording, recording_attachments
+from protocol.recording_reader import MAGIC, read_recording, recording_attachments
 
 N = 150
 
@@ -150,10 +150,10 @@ def test_what_is_no_recording_is_said(tmp_path, function):
 
 
 def test_a_record_longer_than_any_is_not_read(tmp_path):
-    path = tmp_path / "long.mcap"
+    path, n_byte = tmp_path / "long.mcap", 257 << 20
     with path.open("wb") as file:
-        file.write(MAGIC + bytes([Opcode.ATTACHMENT]) + (MAX_RECORD_BYTES + 1).to_bytes(8, "little"))
-        file.truncate(file.tell() + MAX_RECORD_BYTES + 1)  # a hole, which takes no room on the disk
+        file.write(MAGIC + bytes([Opcode.ATTACHMENT]) + n_byte.to_bytes(8, "little"))
+        file.truncate(file.tell() + n_byte)  # a hole, which takes no room on the disk
     tracemalloc.start()
     try:
         with read_recording(path) as reader:

@@ -220,3 +220,18 @@ def test_a_rate_that_is_found_while_the_arm_rests_is_as_good_as_one_that_was_kno
     assert got[-1].dt_s == right[-1].dt_s
     np.testing.assert_allclose(got[-1].q[-1], right[-1].q[-1], rtol=0, atol=np.deg2rad(0.1))
     np.testing.assert_allclose(got[-1].dq[-1], right[-1].dq[-1], rtol=0, atol=0.01)
+
+
+def test_a_gap_beyond_a_second_is_bridged_for_one(dd_arm):
+    rng, rate_hz = np.random.default_rng(0), 1000.0
+    rest = np.tile([0.0, 0.0, 9.80665], len(dd_arm.sensors)) + rng.normal(0.0, 0.02, (800, 12))
+    for lost, bridged in ((500, 125), (1000, 250), (3000, 250)):
+        tracker = KalmanTracker(dd_arm, rate_hz, np.zeros(2), RATE_HZ)
+        before, _ = tracker.push(0, rest)
+        inside, _ = tracker.gap(lost)
+        after, _ = tracker.push(round(1e6 * (800 + lost)), rest)
+        predicted = [part for part in inside if part.gap]
+        assert sum(len(part.q) for part in predicted) == bridged
+        n_before = sum(len(part.q) for part in (*before, *inside) if not part.gap)
+        assert (n_before, after[0].frame0) == (200, (800 + lost) // 4)
+        assert after[0].gap and not any(part.gap for part in after[1:])

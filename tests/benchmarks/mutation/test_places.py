@@ -62,6 +62,9 @@ def test_an_exception_is_not_caught_any_more() -> None:
     (mutant,) = mutants_of("some.py", code)
     assert (mutant.line, mutant.column) == (3, 7)
     assert "except OSError" not in mutated(code, mutant)
+    two = "try:\n    f()\nexcept (zmq.Again, OSError):\n    pass\n"
+    (plain,) = mutants_of("some.py", two)  # one of a module's cannot be replaced
+    assert "zmq.Again" in mutated(two, plain) and "OSError" not in mutated(two, plain)
 
 
 def _plain(code: str) -> str:

@@ -90,3 +90,9 @@ def test_a_motion_that_begins_with_a_jump_has_an_edge_too(noise):
     q = 1.0 - (1.0 + 3.0 * late) * np.exp(-3.0 * late)  # a critically damped answer to a step
     edge = motion_edge_hz([Signal((q + noise * rng.normal(size=len(t)))[:, None], DT_S, 2) for _ in range(5)])
     assert edge is not None and 0.5 < edge < 8.0
+
+
+@pytest.mark.parametrize("missing", [0, 1, 2])
+@pytest.mark.parametrize("n", [2, 3, 5, 9, 17])
+def test_too_few_samples_for_bands_say_nothing(n, missing):
+    assert motion_edge_hz([Signal(swing(5.0)[:n], DT_S, missing)]) is None

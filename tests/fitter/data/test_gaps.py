@@ -1,6 +1,7 @@
 """Gaps in time stamps, under jitter."""
 
 import numpy as np
+import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -40,3 +41,17 @@ def test_gaps_are_found_and_counted_under_jitter(places, lost, jitter, seed):
     assert [gap.row for gap in gaps] == sorted(places)
     assert {gap.samples for gap in gaps} <= {lost}
     assert np.isclose(found_dt_s, dt_s, rtol=1e-3)
+
+
+def test_a_late_stamp_right_before_a_gap_is_none_itself():
+    t = np.arange(40.0)
+    t[20] += 0.9
+    t[22:] += 5.0
+    assert find_gaps(t)[1] == (Gap(22, 5),)
+
+
+def test_three_samples_between_gaps_tell_the_step():
+    index = np.concatenate([100 * block + np.arange(3) for block in range(20)])
+    dt_s, gaps = find_gaps(5.0 + 0.004 * index)
+    assert dt_s == pytest.approx(0.004)
+    assert gaps == tuple(Gap(3 * block, 97) for block in range(1, 20))

@@ -141,4 +141,5 @@ def test_a_model_is_not_exact_if_a_single_trial_shows_more():
     likelihood = TorqueLikelihood(swinging(push), [], screen)
     base = likelihood.base()
     assert likelihood.floor.is_none
-    assert not likelihood.is_exact(base)
+    assert not likelihood.is_exact(base, everywhere=True)
+    assert likelihood.is_exact(base)  # the trial may not be learnt from

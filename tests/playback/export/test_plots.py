@@ -46,3 +46,15 @@ def test_more_is_further_up(pair: Sampled) -> None:
         assert np.corrcoef(y, mover.q[:, 0])[0, 1] == pytest.approx(-1.0)
     ways = np.ptp(own) / np.ptp(twin)
     assert ways == pytest.approx(np.ptp(pair.movers[0].q[:, 0]) / np.ptp(pair.movers[1].q[:, 0]))
+
+
+@pytest.mark.parametrize("height", [240, 420, 1080])
+def test_below_the_last_there_is_room_for_the_time(pair: Sampled, height: int) -> None:
+    plots = draw_plots(pair, WIDTH, height, HEAD)
+    left = height - plots.rows[-1][1]
+    assert 20.0 < left <= min(0.2 * height, 52.0) + 1.0
+    ink = np.any(plots.picture[-int(left) :].astype(int).min(axis=2, keepdims=True) < 120, axis=(1, 2))
+    assert ink.sum() > 5 and not ink[-1]  # numbers and a word, none of them cut off
+    heights = np.diff(plots.rows, axis=1)
+    gap = plots.rows[1][0] - plots.rows[0][1]
+    assert heights == pytest.approx(heights[0, 0], abs=1.0) and 0.0 < gap < 0.2 * heights[0, 0]

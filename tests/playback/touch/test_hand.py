@@ -64,3 +64,11 @@ def test_it_swings_as_a_damped_mass_on_a_spring_does() -> None:
     exact = w * (1.0 + (fast * np.exp(slow * t) - slow * np.exp(fast * t)) / (slow - fast)).real
     x, _ = moved(np.zeros(3), np.array([w, 0.0, 0.0]), t, 1e-5)
     assert x[0] == pytest.approx(exact, rel=1e-3)
+
+
+def test_its_damping_lets_it_swing_past_nothing() -> None:
+    x, v, wanted = np.zeros(3), np.zeros(3), np.array([MODEL.reach_m, 0.0, 0.0])
+    for _ in range(5000):
+        MODEL.move(x, v, wanted, np.zeros(3), 1e-3)
+        assert x[0] <= MODEL.reach_m + 1e-12
+    assert x == pytest.approx(wanted, abs=1e-6)

@@ -1,6 +1,8 @@
 """How much of a coupling is passive."""
 
 import math
+import re
+from pathlib import Path
 
 import pytest
 from hypothesis import given, settings
@@ -71,3 +73,11 @@ def test_every_mistake_is_said() -> None:
     with pytest.raises(ConfigError) as refused:
         Coupling(stiffness=-1.0, damping=math.nan, wall=(0.0, 0.0, 0.0, 1.0))
     assert len(refused.value.mistakes) == 3
+
+
+def test_a_coupling_is_what_the_page_of_commands_says_unless_something_else_is_asked_for() -> None:
+    page = (Path(__file__).parents[3] / "docs" / "commands.md").read_text(encoding="utf-8")
+    rows = dict(re.findall(r"^\| (`--[^|]*`) \| ([^|]*) \|", page, re.MULTILINE))
+    plain = Coupling()
+    assert rows["`--stiffness`, `--damping`"] == f"{plain.stiffness:g} N/m, {plain.damping:g} N s/m"
+    assert rows["`--device-damping`"] == f"{plain.device:g} N s/m"

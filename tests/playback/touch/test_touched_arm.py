@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from arm.arm_file import load_arm
+from arm.kinematics import axis_frames
 from arm.model import Arm, Control, Effect, Friction
 from arm.newton_euler import mass_matrix
 from arm.outer_wrench import touched_forward_dynamics
@@ -197,3 +198,31 @@ def test_what_does_not_fit_is_refused() -> None:
             arm.reset(q)
     with pytest.raises(DataError, match="joint is 3, expected one of 1 to 2"):
         arm.take(Grip(3, (0.0, 0.0, 0.0)), Hand(np.zeros(3)))
+
+
+def test_a_place_on_one_link_is_not_that_on_another() -> None:
+    drawn, point = draw_arm(np.random.default_rng(3), 3), (0.1, -0.05, 0.2)
+    q = np.array([0.3, -0.7, 1.1])
+    arm = TouchedArm(frictionless(drawn, control=Control()), q, T, Coupling())
+    for held in (1, 2, 3):
+        arm.take(Grip(held, point), Hand(arm.touched_point(Grip(held, point))))
+        arm.step(1, Hand(arm.touched_point(Grip(held, point))))
+        for joint in (1, 2, 3):
+            pose = axis_frames(drawn, arm.state[:1])[0, joint - 1]
+            expected = pose[:3, :3] @ np.array(point) + pose[:3, 3]
+            np.testing.assert_allclose(arm.touched_point(Grip(joint, point)), expected, rtol=0, atol=1e-6)
+
+
+def test_a_hand_that_does_not_say_how_fast_it_is_goes_from_place_to_place() -> None:
+    """What it feels, and what is damped, goes by how fast it is."""
+    felt, energy = [], []
+    for says in (True, False):
+        arm = TouchedArm(frictionless(load_arm("dd-arm"), control=Control()), Q0, T, Coupling())
+        x, v = arm.touched_point(arm.tip), np.array([0.2, -0.1, 0.0])
+        arm.take(arm.tip, Hand(x, v if says else None))
+        for k in range(1, 60):
+            arm.step(3, Hand(x + 3 * k * T * v, v if says else None))
+        felt.append(arm.felt.copy())
+        energy.append(arm.energy()["dissipated"])
+    np.testing.assert_allclose(felt[0], felt[1], rtol=1e-6, atol=1e-9)
+    assert energy[0] == pytest.approx(energy[1], rel=1e-6)

@@ -98,9 +98,11 @@ def test_the_end_is_not_passed(page: Page, controls: Controls) -> None:
 
 def test_nothing_can_be_moved_while_nobody_answers(page: Page, controls: Controls) -> None:
     controls.show(None, 0.0)
-    assert all(widget.disabled for widget in page.widgets.values())
+    steps = page.widgets["Step"]  # which cannot be disabled
+    assert all(widget.disabled for widget in page.widgets.values() if widget is not steps)
+    assert not steps.visible and not steps.disabled
     controls.show(STATE, 0.0)
-    assert not any(widget.disabled for widget in page.widgets.values())
+    assert not any(widget.disabled for widget in page.widgets.values()) and steps.visible
 
 
 def test_of_a_live_arm_there_is_play_alone(page: Page, controls: Controls) -> None:

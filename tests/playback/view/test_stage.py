@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from arm.arm_file import load_arm
+from arm.model import Arm, Joint
 from playback.shape import reach_m
 from playback.view.stage import ASPECT, FIELD_OF_VIEW, Stage, upwards
 
@@ -110,3 +111,13 @@ def test_where_the_tip_gets_to_is_found_where_nobody_says_it() -> None:
     page = Page()
     stage = Stage(page, ARM)  # type: ignore[arg-type]
     assert reach_m(ARM) < np.linalg.norm(stage.beside) < 3.0 * reach_m(ARM)
+
+
+@pytest.mark.parametrize(
+    ("lengths", "cell"), [((0.25, 0.3), 0.05), ((0.6, 0.39), 0.05), ((0.6, 0.41), 0.5), ((5.0, 7.0), 5.0)]
+)
+def test_the_ground_s_cells_are_half_a_power_of_ten(lengths: tuple[float, float], cell: float) -> None:
+    page = Page()
+    arm = Arm("two", tuple(Joint(a_m=length) for length in lengths))
+    Stage(page, arm, TIPS)  # type: ignore[arg-type]
+    assert page.parts["/ground"].cell_size == pytest.approx(cell)

@@ -4,7 +4,9 @@ import numpy as np
 import pytest
 
 from limbcal.errors import DataError
+from protocol.tables.columns import parse_mapping
 from protocol.tables.csv_file import CsvFile
+from protocol.tables.reader import read_table_blocks
 from protocol.tables.source import Column
 
 
@@ -81,3 +83,13 @@ def test_labels_come_as_text_beside_numbers(tmp_path):
     (table,) = CsvFile(path).read({"x": [Column("a")], "again": [Column("a")]}, "trial")
     assert table.labels.tolist() == ["first", "02"]
     assert np.array_equal(table.groups["x"], table.groups["again"])
+
+
+def test_a_long_file_comes_block_by_block(tmp_path):
+    path = tmp_path / "long.csv"
+    n = 200_000
+    path.write_text("t,q1\n" + "".join(f"{0.001 * k:.3f},{k}\n" for k in range(n)), encoding="utf-8")
+    tables = list(read_table_blocks(path, 1, parse_mapping("", 1), ("q",), None, 1000))
+    assert len(tables) > 2
+    assert max(len(table.groups["t"]) for table in tables) <= n // 2
+    np.testing.assert_array_equal(np.concatenate([table.groups["q"] for table in tables])[:, 0], np.arange(n))

@@ -7,6 +7,7 @@ import pytest
 import scipy.io
 
 from limbcal.errors import DataError
+from protocol.tables.clock import Clock
 from protocol.tables.columns import parse_mapping
 from protocol.tables.files import open_source
 from protocol.tables.nested import NestedFile
@@ -184,3 +185,128 @@ def test_a_column_of_nulls_alone_is_blank(tmp_path):
         False,
         False,
     ]
+
+
+def nested(root, tmp_path):
+    path = tmp_path / "data.json"
+    path.write_text(json.dumps(root))
+    return NestedFile(path)
+
+
+def column(file, address, **known):
+    (rows,) = file.read({"x": [Column(address, **known)]}, None)
+    return rows.groups["x"][:, 0].tolist()
+
+
+def test_the_longer_side_of_a_table_is_time(tmp_path):
+    wide, high = [[1, 2, 3, 4], [5, 6, 7, 8]], [[1, 5], [2, 6], [3, 7], [4, 8]]
+    for table in (wide, high):
+        assert column(nested({"a": table}, tmp_path), "a[2]") == [5, 6, 7, 8]
+    square = [[1, 2], [3, 4]]
+    assert column(nested({"a": square}, tmp_path), "a[1]") == [1, 3]  # rows are instants, as in a text
+
+
+def test_a_table_of_one_row_is_a_row(tmp_path):
+    assert column(nested({"a": [[1, 2, 3]]}, tmp_path), "a") == [1, 2, 3]
+    assert column(nested({"a": [[1], [2], [3]]}, tmp_path), "a") == [1, 2, 3]
+    assert column(nested({"a": [[1, 2, 3]]}, tmp_path), "a[1]") == [1, 2, 3]
+
+
+@pytest.mark.parametrize(
+    ("cells", "picked"),
+    [
+        ("(:)", [[1], [2, 3], [4, 5, 6]]),
+        ("(2:)", [[2, 3], [4, 5, 6]]),
+        ("(:2)", [[1], [2, 3]]),
+        ("(2:2)", [[2, 3]]),
+        ("( 1 : 3 )", [[1], [2, 3], [4, 5, 6]]),
+        ("(join)", [[1, 2, 3, 4, 5, 6]]),
+        ("(join 2:3)", [[2, 3, 4, 5, 6]]),
+        ("(3)", [[4, 5, 6]]),
+    ],
+)
+def test_cells_are_counted_from_one(tmp_path, cells, picked):
+    file = nested({"a": [{"q": [1]}, {"q": [2, 3]}, {"q": [4, 5, 6]}]}, tmp_path)
+    found = file.read({"x": [Column(f"a{cells}.q")]}, None)
+    assert [rows.groups["x"][:, 0].tolist() for rows in found] == picked
+
+
+@pytest.mark.parametrize("cells", ["(0:1)", "(3:2)", "(2:4)", "(0)", "(4)", "()", "(x)", "(-1)"])
+def test_cells_that_are_not_there_are_said(tmp_path, cells):
+    file = nested({"a": [{"q": [1]}, {"q": [2, 3]}, {"q": [4, 5, 6]}]}, tmp_path)
+    with pytest.raises(DataError, match="data.json: a"):
+        file.read({"x": [Column(f"a{cells}.q")]}, None)
+
+
+def test_a_number_of_a_row_of_gains_is_of_every_row(tmp_path):
+    file = nested({"t": [0, 1, 2], "kp": [7, 8], "one": 5}, tmp_path)
+    (rows,) = file.read(
+        {"t": [Column("t")], "kp": [Column("kp[2]", per_file=True), Column("one", per_file=True)]}, None
+    )
+    assert rows.groups["kp"].tolist() == [[8, 5]] * 3
+    for k in (0, 3):
+        with pytest.raises(DataError, match=rf"\[{k}\] of a row of 2 numbers, expected 1 to 2"):
+            file.read({"kp": [Column(f"kp[{k}]", per_file=True)]}, None)
+    with pytest.raises(DataError, match=r"\[1\] of something with shape \(2,\), expected a table"):
+        file.read({"kp": [Column("kp[1]")]}, None)
+
+
+def test_records_with_a_gain_each_are_motions_with_it(tmp_path):
+    runs = [{"q": [1, 2], "kp": 5.0}, {"q": [3, 4, 5], "kp": 6.0}]
+    file = nested({"runs": runs}, tmp_path)
+    found = file.read({"q": [Column("runs.q")], "kp": [Column("runs.kp", per_file=True)]}, None)
+    assert [rows.groups["kp"].tolist() for rows in found] == [[[5.0]] * 2, [[6.0]] * 3]
+
+
+def test_labels_come_with_their_rows(tmp_path):
+    file = nested({"q": [1, 2, 3], "trial": ["a", "a", "b"]}, tmp_path)
+    (rows,) = file.read({"q": [Column("q")]}, "trial")
+    assert rows.labels is not None and rows.labels.tolist() == ["a", "a", "b"]
+    assert [one.groups["q"].tolist() for one in file.blocks({"q": [Column("q")]}, "trial", 1)] == [[[1], [2], [3]]]
+    assert not file.streams({}, None)
+    short = nested({"q": [1, 2, 3], "trial": ["a", "b"]}, tmp_path)
+    with pytest.raises(DataError, match="the columns have lengths q 3, trial 2, expected one length"):
+        short.read({"q": [Column("q")]}, "trial")
+
+
+def test_a_null_is_a_number_that_is_missing(tmp_path):
+    file = nested({"runs": [{"q": 1.0}, {"q": None}, {"q": 3.0}]}, tmp_path)
+    assert not file.is_blank("runs.q")
+    with pytest.raises(DataError, match="finite|number"):
+        column(file, "runs.q")
+
+
+@pytest.mark.parametrize(
+    ("first", "second", "seconds"),
+    [
+        ("2024-05-01T12:00:00", "2024-05-01T12:00:00.25", 0.25),
+        ("2024-05-01 12:00:00Z", "2024-05-01T14:00:01+02:00", 1.0),
+        ("2024-05-01T12:00:00Z", "2024-05-01T06:30:02-0530", 2.0),
+        ("2024-05-01T12:00:00+01:30", "2024-05-01T12:00:00+00:30", 3600.0),
+    ],
+)
+def test_stamps_with_an_offset_are_of_one_time(tmp_path, first, second, seconds):
+    file = nested({"t": [first, second], "q": [1, 2]}, tmp_path)
+    (rows,) = file.read({"t": [Column("t", clock=Clock())]}, None)
+    t = rows.groups["t"][:, 0]
+    assert t[1] - t[0] == pytest.approx(seconds, abs=1e-6)
+
+
+def test_names_are_found_by_what_they_begin_with(tmp_path):
+    file = nested({"Log": {"time": [0, 1]}, "angle [deg]": [1, 2]}, tmp_path)
+    assert file.names == ("Log.time", "angle [deg]")
+    assert file.match("Log.time", ()) == "Log.time"
+    assert file.match("angle", ("angle",)) == "angle [deg]"
+    assert file.match("angle[2]", ("angle",)) == "angle [deg][2]"
+    assert file.match("nothing.time", ()) is None
+    assert file.match("[1]", ()) is None
+    assert column(file, "angle [deg]") == [1, 2]
+    assert file.nearest("Logg") == "Log"
+
+
+def test_the_last_name_of_an_address_states_the_unit(tmp_path):
+    file = nested({"log_ms": {"q_deg": [[0, 1, 2], [1, 2, 3]], "t": [0, 1, 2]}, "w_deg": [1, 2]}, tmp_path)
+    degree = file.unit("w_deg", ("angle",))
+    assert degree is not None and degree.factor == pytest.approx(np.pi / 180.0)
+    assert file.unit("log_ms.q_deg", ("angle",)) == file.unit("log_ms.q_deg[1]", ("angle",)) == degree
+    assert file.unit("log_ms.t", ("time",)) is None

@@ -40,3 +40,9 @@ def test_files_that_are_something_else(tmp_path, content):
     path.write_bytes(content)
     with pytest.raises(DataError, match=r"run\.npz: cannot be read as NPZ"):
         NpzFile(path)
+
+
+def test_an_array_that_is_there_is_not_blank(tmp_path):
+    path = tmp_path / "run.npz"
+    np.savez(path, t=np.arange(3.0), q1=np.zeros(3))
+    assert not NpzFile(path).is_blank("q1")

@@ -77,3 +77,54 @@ def test_every_role_has_units_of_its_own_dimensions():
         assert known_units(dimensions)
     assert known_units(["time"]) == "s, ms, us, ns"
     assert is_no_unit("[-]") and is_no_unit(" ") and not is_no_unit("rad")
+
+
+PI, G0 = 3.141592653589793, 9.80665
+SAME = {
+    **dict.fromkeys(("rad", "radian", "radians", "m", "metre", "meters", "s", "sec", "seconds"), 1.0),
+    **dict.fromkeys(("rad/s", "m/s", "rad/s2", "rad/s/s", "m/s2", "m/s/s", "ms-2", "m.s-2"), 1.0),
+    **dict.fromkeys(("N.m", "Nm", "N-m", "N", "newton"), 1.0),
+    **dict.fromkeys(("mrad", "mm", "millimetres", "ms", "msec", "millisecond", "mm/s", "mm/s2"), 0.001),
+    **dict.fromkeys(("N.mm", "Nmm", "N-mm", "mN.m", "mNm", "mN"), 0.001),
+    **dict.fromkeys(("kN.m", "kNm", "kN"), 1000.0),
+    **dict.fromkeys(("cm", "N.cm", "Ncm"), 0.01),
+    **dict.fromkeys(("us", "usec", "microseconds"), 0.000001),
+    **dict.fromkeys(("ns", "nsec", "nanoseconds"), 0.000000001),
+    **dict.fromkeys(("deg", "degree", "degrees", "deg/s", "dps", "deg/s2", "deg/s/s"), PI / 180.0),
+    **dict.fromkeys(("rev", "turn", "turns", "rev/s"), 2.0 * PI),
+    **dict.fromkeys(("rpm", "rev/min", "1/min"), PI / 30.0),
+    **dict.fromkeys(("g", "g0"), G0),
+    "mg": 0.00980665,
+}
+
+
+@pytest.mark.parametrize("text", SAME)
+def test_a_unit_is_so_much_in_si(text):
+    assert parse_unit(text).factor == pytest.approx(SAME[text], rel=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("name", "bare", "unit", "certain"),
+    [
+        ("q1_deg", "q1", "deg", True),
+        ("dq1_rad_s", "dq1", "rad/s", True),
+        ("tau1_N_m", "tau1", "N.m", True),
+        ("x_m", "x", "m", False),
+        ("a_b_mm", "a_b", "mm", True),
+        ("q_1 [deg]", "q_1", "deg", True),
+        ("m", "m", None, False),
+        ("[deg]", "[deg]", None, False),
+        ("_deg", "_deg", None, False),
+        ("angle", "angle", None, False),
+        ("speed (V)", "speed (V)", None, False),
+    ],
+)
+def test_what_stands_behind_a_name_is_its_unit(name, bare, unit, certain):
+    found = split_unit(name)
+    assert (found[0], found[1] and found[1].name, found[2]) == (bare, unit, certain)
+
+
+@pytest.mark.parametrize("text", ["", " ", "-", "–", "[-]", "None", "(n/a)"])
+def test_a_cell_may_say_that_there_is_no_unit(text):
+    assert is_no_unit(text)
+    assert not is_no_unit(text + "s")

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from arm.arm_file import load_arm
-from arm.model import Control
+from arm.model import Arm, Control, Joint
 from fitter.data.motions import Measured
 from fitter.data.plausibility.angle_unit import look
 from fitter.data.plausibility.refusal import Refusal
@@ -101,3 +101,25 @@ def test_a_torque_with_another_fault_does_not_speak_of_degrees(arm, clean, seed)
     for fault in ({"tau": tau[:, ::-1]}, {"tau": tau * np.array([-1.0, 1.0])}, {"q": held}):
         other = changed(motion, **fault)
         assert look(other, arm) is other
+
+
+def test_a_tip_says_nothing_of_an_arm_without_lengths(clean):
+    motion = clean(1)
+    no_arm = Arm("none", (Joint(), Joint()))
+    without = {role: values for role, values in motion.columns.items() if role != "tip"}
+    for factor in (1.0, 180.0 / np.pi):
+        told = []
+        for columns in (motion.columns, without):
+            one = replace(motion, columns={**columns, "q": factor * columns["q"]})
+            try:
+                look(one, no_arm)
+                told.append("")
+            except Refusal as refusal:
+                told.append(str(refusal))
+        assert told[0] == told[1]
+
+
+def test_a_tip_that_moves_while_the_joints_stand_says_nothing_of_them(arm, clean):
+    motion = clean(1)
+    still = replace(motion, columns={"q": np.zeros_like(motion.columns["q"]), "tip": motion.columns["tip"]})
+    assert look(still, arm) is still

@@ -59,3 +59,14 @@ def test_an_encoder_with_interpolated_counts_has_not_frozen_where_its_joint_turn
             way = np.sign(off)
     assert np.count_nonzero(np.diff(q) == 0.0) > 20
     assert not frozen_rows(q).any()
+
+
+def test_a_joint_that_stands_before_it_starts_has_not_frozen():
+    t = np.arange(0.0, 3.0, 2e-3)
+    assert not frozen_rows(np.sin(2.0 * np.maximum(t - 0.5, 0.0))).any()  # at once at full speed
+
+
+def test_a_reading_that_comes_twice_has_not_frozen():
+    q = np.sin(2.0 * np.arange(0.0, 3.0, 2e-3))
+    q[101::100] = q[100:-1:100]
+    assert not frozen_rows(q).any()

@@ -20,6 +20,9 @@ def test_every_sample_at_the_limit_is_marked(arm, clean, seed, share):
     at_limit = np.abs(tau) >= limit
     assert np.mean(marked[at_limit]) > 0.7 and not marked[~at_limit].any()
     assert all("cut off?" in note.text and note.kind == "saturated" for note in found.notes)
+    for note in found.notes:
+        k = int(np.flatnonzero(marked[:, int(note.columns[0][3:]) - 1])[0])
+        assert (note.row, note.from_s) == (motion.first_row + k + 1, motion.t[k])
     (trial,) = to_trials([found])
     assert trial.contradicted is not None and trial.counted.mean() < 1.0
 

@@ -1,0 +1,151 @@
+"""`fitter kinematics FUNCTIONAL… --body PRESET`: a person's arm or leg from recordings of markers."""
+
+import argparse
+import time
+from collections.abc import Sequence
+from pathlib import Path
+
+from rich.progress import Progress
+from rich.table import Table
+
+from arm.arm_file import save_arm
+from arm.body.limbs import LIMBS
+from arm.model import Body
+from fitter.commands.options import make_room, positive
+from fitter.functional.marker_set import load_marker_set
+from fitter.limb.calibration import LimbFit, calibrate
+from fitter.limb.document import document
+from fitter.limb.written_arm import calibrated_arm
+from fitter.markers.reading import read_markers
+from fitter.markers.recording import MarkerRecording
+from limbcal.command import Document, console, say_notes, show
+from limbcal.errors import ConfigError
+from limbcal.note import Note, documents, of_source
+
+#: Notes of a recording that a calibration passes on: the others are of `fitter markers`.
+_PASSED_ON = ("swapped", "unit", "up", "clock", "doubled")
+#: Options of the calibration from a measured tip, which mean nothing here.
+_NOT_HERE: tuple[tuple[str, object], ...] = (
+    ("arm", None), ("columns", None), ("rate_hz", None), ("bounds", None), ("fix", None), ("free", ""),
+    ("about", "auto"), ("angle_noise_deg", "auto"), ("compare", []), ("population", None), ("report", None),
+)  # fmt: skip
+
+
+def add_body(parser: argparse.ArgumentParser) -> None:
+    """Add what a person's limb needs."""
+    group = parser.add_argument_group("a person's arm or leg, from markers (C3D, TRC)")
+    group.add_argument("--body", choices=LIMBS, metavar="PRESET", help=f"whose limb it is: {', '.join(LIMBS)}")
+    group.add_argument("--marker-set", metavar="NAME|FILE", help="which markers ride on which segment")
+    group.add_argument(
+        "--base", choices=["scapula", "thorax"], default="scapula", help="from where on an arm begins (scapula)"
+    )
+    group.add_argument("--mass", type=positive, metavar="KG", help="with --height and --sex: the table's masses")
+    group.add_argument("--height", type=positive, metavar="M")
+    group.add_argument("--sex", choices=["f", "m"])
+
+
+def limb_kinematics(arguments: argparse.Namespace) -> Document:
+    """Learn a limb and write it."""
+    _require_options(arguments)
+    body = body_of(arguments)
+    marker_set = load_marker_set(arguments.marker_set)
+    make_room(arguments.out)
+    learn, notes = recordings_of(arguments.data, "learning")
+    evaluate, more = recordings_of(arguments.evaluate, "evaluating") if arguments.evaluate else ([], [])
+    began = time.perf_counter()
+    with Progress(console=console, transient=True) as bar:
+        task = bar.add_task("fitting", total=None)
+        fit = calibrate(
+            learn,
+            marker_set,
+            arguments.body,
+            arguments.base,
+            body,
+            arguments.seed,
+            progress=lambda what, i: bar.update(task, description=f"{what}, iteration {i}"),
+        )
+    seconds = time.perf_counter() - began
+    answer = document(fit, learn, evaluate, arguments.seed, seconds)
+    notes = [*notes, *more, *fit.notes, *_no_masses(body)]
+    save_arm(calibrated_arm(fit, body), arguments.out)
+    say_notes(notes)
+    _show(fit, answer)
+    show(f"{fit.arm.name} -> {arguments.out}")
+    return answer | {"notes": documents(notes)}
+
+
+def _require_options(arguments: argparse.Namespace) -> None:
+    mistakes = [
+        f"--{name.replace('_', '-')} is given, expected it only without --body"
+        for name, usual in _NOT_HERE
+        if getattr(arguments, name) != usual
+    ]
+    if arguments.marker_set is None:
+        mistakes.append("--marker-set is missing, expected the name of a built-in marker set or a file")
+    if mistakes:
+        raise ConfigError(mistakes)
+
+
+def body_of(arguments: argparse.Namespace) -> Body | None:
+    """Return whose limb it is, as far as that is said.
+
+    Raises
+    ------
+    ConfigError
+        If only some of mass, height and sex are given.
+    """
+    given = [arguments.mass, arguments.height, arguments.sex]
+    if all(value is None for value in given):
+        return None
+    if any(value is None for value in given):
+        names = [n for n, value in zip(("--mass", "--height", "--sex"), given, strict=True) if value is None]
+        raise ConfigError(f"{' and '.join(names)} missing, expected --mass, --height and --sex together")
+    return Body(arguments.body, arguments.mass, arguments.height, arguments.sex)
+
+
+def recordings_of(paths: Sequence[Path], what: str) -> tuple[list[MarkerRecording], list[Note]]:
+    """Read recordings of markers with a bar, and return what is to be said of each."""
+    with Progress(console=console, transient=True) as bar:
+        task = bar.add_task(f"reading {what} trials", total=len(paths))
+        looked = read_markers(list(paths), lambda done: bar.update(task, completed=done))
+    notes = [
+        note
+        for one in looked
+        for note in of_source([n for n in one.notes if n.kind in _PASSED_ON], Path(one.recording.path).name)
+    ]
+    return [one.recording for one in looked], notes
+
+
+def _no_masses(body: Body | None) -> list[Note]:
+    if body is not None:
+        return []
+    text = "without --mass, --height and --sex the links have no masses; expected them for `fitter torque`"
+    return [Note("no_masses", text)]
+
+
+def _show(fit: LimbFit, answer: Document) -> None:
+    table = Table(title=f"{fit.arm.name}: {answer['samples']} frames", title_justify="left")
+    for name in ("", "value", "95 %", "disjoint trials apart"):
+        table.add_column(name)
+    lengths, centres, axes = (dict(answer[k]) for k in ("lengths_m", "centres", "axes"))  # type: ignore[call-overload]
+    for name, one in lengths.items():
+        half = one["ci95"][1] - one["value"]
+        table.add_row(f"length {name} [mm]", f"{1e3 * one['value']:.0f}", f"± {1e3 * half:.0f}", "")
+    for name, one in centres.items():
+        table.add_row(f"centre {name} [mm]", "", f"sd {one['std_mm']:.1f}", _number(one["apart_mm"], ".1f"))
+    for name, one in axes.items():
+        table.add_row(
+            f"axis {name} [°]", "", f"sd {_number(one['std_deg'], '.1f') or '?'}", _number(one["apart_deg"], ".1f")
+        )
+    show(table)
+    for role in ("learn", "evaluate"):
+        rms = dict(answer["marker_rms_mm"]).get(role)  # type: ignore[call-overload]
+        if rms is not None:
+            show(
+                f"{role}: markers off by {rms['rms']:.1f} mm rms, {rms['median']:.1f} median, {rms['max']:.0f} "
+                f"at the most, in {rms['frames']} frames"
+            )
+
+
+def _number(value: float | None, form: str) -> str:
+    return "" if value is None else format(value, form)

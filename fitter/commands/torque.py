@@ -1,0 +1,209 @@
+"""`fitter torque`: the joint torques that an arm needs for a motion, inverse dynamics on a base that may move."""
+
+import argparse
+from collections.abc import Sequence
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+from rich.progress import track as progress
+
+from arm.effects.effect_table import changed
+from arm.effects.resisting_torque import resisting_torque
+from arm.model import Arm, Floats
+from arm.moving_base import BaseState, OuterWrench, carried_inverse_dynamics
+from fitter.commands.arm_option import questioned_arm
+from fitter.commands.options import MOTION_SUFFIXES, add_arm, add_columns, add_out, make_room, per_joint
+from fitter.data.base_columns import BASE_COLUMNS, base_state, derivatives
+from fitter.data.motion_file import write_motion
+from fitter.data.motions import TIP, Measured, read_motions
+from fitter.markers.wrench_files import PlateWrench, read_wrenches
+from limbcal.command import Document, console, say_notes, show
+from limbcal.errors import ConfigError, DataError
+from limbcal.note import Note, documents, of_source
+from protocol.tables.columns import parse_mapping
+
+#: As it stands in the help.
+EXAMPLE = "fitter torque motion.csv --arm my-arm.toml --out torque.csv"
+#: Passes until effects that depend on the torque itself, such as friction under load, agree with it.
+_PASSES = 20
+_AGREED_N_M = 1e-10
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Say what `fitter torque` takes."""
+    parser.add_argument(
+        "motion", nargs="+", type=Path, metavar="MOTION", help="t, q1… and where known dq1…, base_x…"
+    )
+    add_arm(parser)
+    parser.add_argument(
+        "--ground",
+        nargs="+",
+        type=Path,
+        default=[],
+        metavar="FORCES",
+        help="one C3D, MOT or STO a trial, in order",
+    )
+    parser.add_argument(
+        "--contact",
+        action="append",
+        default=[],
+        metavar="PLATE=LINK",
+        help="on which link a plate's force acts: its name or number, and the joint's number (the only loaded "
+        "plate: on the last link)",
+    )
+    add_columns(parser)
+    add_out(parser, "the motion with tau1…: .csv, .parquet or .npz")
+    parser.set_defaults(action=torque)
+
+
+def torque(arguments: argparse.Namespace) -> Document:
+    """Compute the torques of all trials and write them on the motion's own times."""
+    arm = questioned_arm(arguments.arm)
+    make_room(arguments.out, MOTION_SUFFIXES)
+    mapping = parse_mapping(arguments.columns, arm.n_joint)
+    vectors = {**TIP, "base": BASE_COLUMNS}
+    trials = [
+        trial
+        for path in arguments.motion
+        for trial in read_motions(path, arm.n_joint, mapping, arguments.rate_hz, ("q",), vectors)
+    ]
+    if arguments.ground and len(arguments.ground) != len(trials):
+        raise ConfigError(
+            f"--ground has {len(arguments.ground)} files for {len(trials)} trials, expected one a trial, in order"
+        )
+    notes = _masses(arm)
+    parts: list[dict[str, np.ndarray]] = []
+    acting: list[dict[str, object]] = []
+    for number, trial in enumerate(progress(trials, "torques", console=console, transient=True), 1):
+        plates = read_wrenches(arguments.ground[number - 1]) if arguments.ground else []
+        contacts = contacts_of(arguments.contact, plates, arm)
+        part, said = _torques(arm, trial, contacts, number)
+        parts.append(part)
+        notes += of_source((*trial.notes, *said), trial.name)
+        acting += [{"trial": trial.name, "plate": p.name, "joint": j} for p, j in contacts]
+    shared = [name for name in parts[0] if all(name in part for part in parts)]
+    columns = {name: np.concatenate([part[name] for part in parts]) for name in shared}
+    if len(parts) > 1:
+        columns["trial"] = np.concatenate([np.full(len(p["t"]), k) for k, p in enumerate(parts, 1)])
+    write_motion(arguments.out, columns)
+    say_notes(notes)
+    rms = np.sqrt(np.mean(columns["tau"] ** 2, axis=0))
+    show(f"{len(parts)} trial(s), {len(columns['t'])} samples -> {arguments.out}")
+    show("torque rms a joint [N m]: " + ", ".join(f"{value:.3g}" for value in rms))
+    return {
+        "out": str(arguments.out),
+        "trials": len(parts),
+        "samples": len(columns["t"]),
+        "torque_rms_N_m": per_joint(rms),
+        "contacts": acting,
+        "notes": documents(notes),
+    }
+
+
+def contacts_of(texts: Sequence[str], plates: Sequence[PlateWrench], arm: Arm) -> list[tuple[PlateWrench, int]]:
+    """Return which plate acts on which link.
+
+    Raises
+    ------
+    ConfigError
+        If a plate or link is none of those there, or several plates are loaded and nobody says on what they act.
+    """
+    if not plates:
+        if texts:
+            raise ConfigError("--contact is given, expected --ground with it")
+        return []
+    if not texts:
+        loaded = [plate for plate in plates if plate.is_loaded]
+        if len(loaded) > 1:
+            names = ", ".join(plate.name for plate in loaded)
+            raise ConfigError(f"plates {names} are loaded, expected --contact PLATE=LINK for those on this limb")
+        return [(plate, arm.n_joint) for plate in loaded]
+    found = []
+    for text in texts:
+        name, _, link = text.partition("=")
+        by_number = {str(k): plate for k, plate in enumerate(plates, 1)}
+        plate = next((p for p in plates if p.name == name.strip()), by_number.get(name.strip()))
+        if plate is None:
+            there = ", ".join(p.name for p in plates)
+            raise ConfigError(f"--contact {text!r}: no such plate, expected {there}, or a number from 1")
+        if not (link.isdecimal() and 1 <= int(link) <= arm.n_joint):
+            raise ConfigError(f"--contact {text!r}: the link is {link!r}, expected 1 to {arm.n_joint}")
+        found.append((plate, int(link)))
+    return found
+
+
+def _masses(arm: Arm) -> list[Note]:
+    if any(joint.link.mass_kg > 0.0 for joint in arm.joints):
+        return []
+    text = (
+        "no link of the arm has a mass: these torques are those of friction and of what acts from outside only; "
+        "`fitter kinematics --body` takes the table's with --mass, --height and --sex"
+    )
+    return [Note("no_masses", text)]
+
+
+def _torques(
+    arm: Arm, trial: Measured, contacts: Sequence[tuple[PlateWrench, int]], number: int
+) -> tuple[dict[str, np.ndarray], list[Note]]:
+    t, q = trial.t, trial.columns["q"]
+    if not np.isfinite(q).all():
+        row = int(np.argmax(~np.isfinite(q).all(axis=1)))
+        raise DataError(
+            f"{trial.where}: row {trial.first_row + row + 1} has a joint without a number, expected all"
+        )
+    dq, ddq = _motion(trial)
+    base_columns = trial.columns.get("base")
+    base = base_state(arm, t, base_columns, trial.where)
+    notes, wrenches = [], []
+    for plate, joint in contacts:
+        if plate.t[-1] < t[0] or plate.t[0] > t[-1]:
+            raise DataError(
+                f"{plate.name}: its forces are from {plate.t[0]:.2f} to {plate.t[-1]:.2f} s and the motion from "
+                f"{t[0]:.2f} to {t[-1]:.2f} s, expected one clock"
+            )
+        lost = int(np.isnan(plate.force).any(axis=1).sum())
+        if lost:
+            notes.append(Note("nan_forces", f"{plate.name}: {lost} samples have no force, taken for none"))
+        force, point, moment = plate.at(t)
+        wrenches.append(OuterWrench(joint, point, force, moment))
+    if base_columns is None and arm.base is not None and arm.base.segment is not None:
+        text = f"the motion has no base_x … base_qz although {arm.base.segment} carries the base: it stands"
+        notes.append(Note("base_untracked", text))
+    tau = needed_torque(arm, q, dq, ddq, base, wrenches, t, number)
+    part = {"t": t, "q": q, "dq": dq, "ddq": ddq, "tau": tau}
+    if base_columns is not None:
+        part |= dict(zip(BASE_COLUMNS, base_columns.T, strict=True))
+    return part, notes
+
+
+def _motion(trial: Measured) -> tuple[Floats, Floats]:
+    """Return velocities and accelerations, where the file has none by the spline through what it has."""
+    columns = trial.columns
+    if "dq" in columns and "ddq" in columns:
+        return columns["dq"], columns["ddq"]
+    if "dq" in columns:
+        return columns["dq"], derivatives(trial.t, columns["dq"])[0]
+    dq, ddq = derivatives(trial.t, columns["q"])
+    return dq, columns.get("ddq", ddq)
+
+
+def needed_torque(
+    arm: Arm,
+    q: Floats,
+    dq: Floats,
+    ddq: Floats,
+    base: BaseState,
+    wrenches: Sequence[OuterWrench],
+    t: Floats,
+    trial: int,
+) -> Floats:
+    """Return what must drive the joints: rigid links, friction, effects, less what acts from outside."""
+    whole = changed(arm)
+    plain = carried_inverse_dynamics(replace(whole, effects=()), q, dq, ddq, base, wrenches)
+    tau = plain
+    for _ in range(_PASSES if arm.effects else 0):
+        before, tau = tau, plain + resisting_torque(arm, q, dq, ddq, tau, t, trial)
+        if np.abs(tau - before).max() < _AGREED_N_M:
+            break
+    return np.asarray(tau)

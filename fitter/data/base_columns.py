@@ -1,0 +1,93 @@
+"""The base's columns of a motion, and how frame 0 moves by them."""
+
+import numpy as np
+from scipy.interpolate import make_interp_spline
+
+from arm.kinematics import rotation_from_rpy
+from arm.model import Arm, Floats
+from arm.moving_base import BaseState, standing_base
+from limbcal.errors import DataError
+
+#: Pose in the world of the segment that carries the base: place [m], then a unit quaternion.
+BASE_COLUMNS = ("base_x", "base_y", "base_z", "base_qw", "base_qx", "base_qy", "base_qz")
+#: Samples that a quintic spline needs.
+LEAST_SAMPLES = 6
+#: How far a quaternion may be from length one.
+_LENGTH = 1e-3
+
+
+def derivatives(t: Floats, values: Floats) -> tuple[Floats, Floats]:
+    """Return first and second derivative of columns on their own times: those of the quintic spline through them.
+
+    Parameters
+    ----------
+    t : (n_sample,) [s]
+    values : (n_sample, n)
+
+    Raises
+    ------
+    DataError
+        If there are too few samples.
+    """
+    if len(t) < LEAST_SAMPLES:
+        raise DataError(f"a trial has {len(t)} samples, expected at least {LEAST_SAMPLES} to differentiate")
+    spline = make_interp_spline(t, values, k=5, axis=0)
+    return np.asarray(spline(t, nu=1)), np.asarray(spline(t, nu=2))
+
+
+def base_state(arm: Arm, t: Floats, columns: Floats | None, where: str) -> BaseState:
+    """Return how frame 0 moves: with the base's columns, then as [base] has it.
+
+    Parameters
+    ----------
+    arm : Arm
+    t : (n_sample,) [s]
+    columns : (n_sample, 7) or None
+        As `BASE_COLUMNS`; without them the base stands, and gravity is in frame 0.
+    where : str
+        The file, for errors.
+
+    Raises
+    ------
+    DataError
+        If a quaternion is not of length one.
+    """
+    if columns is None:
+        return standing_base(len(t))
+    length = np.linalg.norm(columns[:, 3:], axis=1)
+    if np.any(np.abs(length - 1.0) > _LENGTH):
+        row = int(np.argmax(np.abs(length - 1.0)))
+        raise DataError(f"{where}: base_qw … base_qz has length {length[row]:.3g} in row {row + 1}, expected 1")
+    quaternion = columns[:, 3:] / length[:, None]
+    flips = np.where(np.sum(quaternion[1:] * quaternion[:-1], axis=1) < 0.0, -1.0, 1.0)
+    quaternion = quaternion * np.cumprod(np.concatenate([[1.0], flips]))[:, None]  # q and -q are one turn
+    rate, second = derivatives(t, quaternion)
+    conjugate = quaternion * np.array([1.0, -1.0, -1.0, -1.0])
+    omega = 2.0 * _product(rate, conjugate)[:, 1:]
+    omega_dot = 2.0 * _product(second, conjugate)[:, 1:]  # that of dq dq* is a scalar
+    _, acceleration = derivatives(t, columns[:, :3])
+    R = _matrices(quaternion)
+    own_R, own_p = np.eye(3), np.zeros(3)
+    if arm.base is not None:
+        own_R, own_p = rotation_from_rpy(*arm.base.rotation_rad), np.array(arm.base.position_m)
+    lever = np.einsum("nij,j->ni", R, own_p)
+    swing = np.cross(omega_dot, lever) + np.cross(omega, np.cross(omega, lever))
+    return BaseState(R @ own_R, columns[:, :3] + lever, omega, omega_dot, acceleration + swing)
+
+
+def _product(a: Floats, b: Floats) -> Floats:
+    """Return products of quaternions w, x, y, z, (n, 4)."""
+    w = a[:, 0] * b[:, 0] - np.sum(a[:, 1:] * b[:, 1:], axis=1)
+    v = a[:, :1] * b[:, 1:] + b[:, :1] * a[:, 1:] + np.cross(a[:, 1:], b[:, 1:])
+    return np.column_stack([w, v])
+
+
+def _matrices(quaternion: Floats) -> Floats:
+    w, x, y, z = quaternion.T
+    return np.array(
+        [
+            [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
+            [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
+            [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
+        ]
+    ).transpose(2, 0, 1)

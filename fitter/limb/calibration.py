@@ -1,0 +1,261 @@
+"""A person's arm or leg from recordings of markers: from files' positions to a fitted chain."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
+
+from arm.body.landmarks import LANDMARK_STD_M, LimbMap, landmark_places, limb_map
+from arm.body.limbs import MEAN_PERSON, Girdle, limb
+from arm.kinematics import axis_frames
+from arm.marker_kinematics import Integers
+from arm.model import Arm, Body, Floats
+from fitter.functional.disjoint import disjoint_parts
+from fitter.functional.functional_centre import FunctionalCentre
+from fitter.functional.marker_set import MarkerSet
+from fitter.limb.base_motion import BaseMotion, base_motion, markers_in, poses_of
+from fitter.limb.bundle import Bundle, Prior, Task, fit_bundle
+from fitter.limb.centres import joint_centres
+from fitter.limb.frame_choice import shares, thinned, usable_frames
+from fitter.limb.free_geometry import FreeGeometry, free_geometry
+from fitter.limb.inverse_kinematics import follow, link_poses, predicted
+from fitter.limb.limb_trials import LimbTrials, columns_of, limb_trials
+from fitter.limb.observation import SWAY, Frames, MarkerModel, base_follows, with_base
+from fitter.limb.standing import away_from_lock, standing
+from fitter.limb.start import PLACE_STD_M, Start, first_angles, placed, start
+from fitter.limb.uncertainty import Errors, errors
+from fitter.markers.recording import MarkerRecording
+from limbcal.note import Note
+
+#: Frames that a fit takes, evenly spread over all that can be used.
+FIT_FRAMES = 500
+#: Where each marker's scale begins [m].
+_FIRST_STD_M = 0.01
+
+
+@dataclass(frozen=True)
+class LimbFit:
+    """A calibrated limb.
+
+    Attributes
+    ----------
+    arm : Arm
+        The preset that it began with.
+    where : LimbMap
+    trials : LimbTrials
+    base : BaseMotion
+    task : Task
+    rows : (n,) int64
+        Which of all frames were fitted.
+    bundle : Bundle
+    functional : tuple of FunctionalCentre
+    errors : Errors
+    notes : tuple of Note
+    """
+
+    arm: Arm
+    where: LimbMap
+    trials: LimbTrials
+    base: BaseMotion
+    task: Task
+    rows: Integers
+    bundle: Bundle
+    functional: tuple[FunctionalCentre, ...]
+    errors: Errors
+    notes: tuple[Note, ...]
+
+    @property
+    def free(self) -> FreeGeometry:
+        """What was free."""
+        return self.task.free
+
+    @property
+    def base_std_m(self) -> float:
+        """How far a marker of the base wanders along an axis [m]."""
+        motion = self.trials.motions.get(str(self.base.segment))
+        return (
+            float(self.bundle.markers.std[0])
+            if motion is None
+            else max(float(np.sqrt(motion.variance_m2)), float(self.bundle.markers.std[0]))
+        )
+
+    def frames_of_fit(self) -> tuple[Frames, Integers]:
+        """Return the frames that were fitted, and which of all they are."""
+        return self.task.frames, self.rows
+
+    def frames(self, recordings: Sequence[MarkerRecording]) -> tuple[Frames, NDArray[np.bool_]]:
+        """Return the frames of recordings in which base and chain are seen, and which of all they are."""
+        y = np.concatenate([columns_of(r, self.bundle.markers.names) for r in recordings])
+        carried = np.concatenate([columns_of(r, self.base.markers) for r in recordings])
+        R, p = poses_of(self.base.points_m, carried)
+        return usable_frames(y, R, p, [r.t for r in recordings])
+
+    def residuals_m(self, recordings: Sequence[MarkerRecording], seed: int) -> Floats:
+        """Return the distance of every marker from where the chain has it, NaN where not seen.
+
+        Returns
+        -------
+        (n_frame, m + m_base) [m]
+            The markers of the links, then those of the base, which is where base and limb together have it.
+        """
+        frames, usable = self.frames(recordings)
+        carried = np.concatenate([columns_of(r, self.base.markers) for r in recordings])[usable]
+        frames = frames._replace(y=np.ascontiguousarray(np.concatenate([frames.y, carried], axis=1)))
+        geometry, base = self.bundle.geometry, self.base
+        place = markers_in(base.points_m, geometry.base_R, geometry.base_p)
+        model = with_base(self.bundle.markers, base.markers, place, self.base_std_m)
+        chain = model.chain(geometry)
+        prior = base_follows(self.task.angles, len(base.markers))
+        q = follow(chain, frames, model.std, prior, seed)
+        return np.asarray(np.linalg.norm(frames.y - predicted(chain, frames, q), axis=2))
+
+
+def calibrate(
+    recordings: Sequence[MarkerRecording],
+    marker_set: MarkerSet,
+    preset: str,
+    girdle: Girdle = "scapula",
+    body: Body | None = None,
+    seed: int = 0,
+    fit_frames: int = FIT_FRAMES,
+    progress: Callable[[str, int], None] | None = None,
+) -> LimbFit:
+    """Learn a limb's geometry, where its markers sit, and how far both may be off.
+
+    Parameters
+    ----------
+    recordings : sequence of MarkerRecording
+        Of one person.
+    marker_set : MarkerSet
+    preset : str
+        One of `arm.body.limbs.LIMBS`.
+    girdle : {"scapula", "thorax"}
+        From where on an arm begins.
+    body : Body, optional
+        Mass, height and sex, where they are known.
+    seed : int
+        Of the postures that angles begin from.
+    fit_frames : int
+        How many frames the fit takes.
+    progress : callable, optional
+        Told what is being done, and the iteration.
+
+    Raises
+    ------
+    DataError
+        If the recordings have no marker of the limb.
+    NotIdentifiable
+        If no frame shows base and limb together.
+    """
+    person = replace(MEAN_PERSON, preset=preset) if body is None else body
+    arm = limb(person, girdle)
+    where = limb_map(preset, arm.n_joint)
+    trials = limb_trials(recordings, marker_set, where)
+    base = base_motion(trials, where.base)
+    axes, base_notes = standing(trials, base, where.side)
+    centres, functional, centre_notes = joint_centres(trials, where)
+    begin = start(arm, where, trials, base, axes, centres, person.height_m)
+    names, links = _chain_markers(trials, where)
+    y = np.stack([trials.of(name) for name in names], axis=1)
+    frames, usable = usable_frames(y, base.R, base.p, trials.t)
+    rows = thinned(usable, fit_frames)
+    chosen = frames.rows(thinned(np.ones(len(frames.t), dtype=bool), fit_frames))
+    begin, lock_notes = _clear_of_lock(begin, arm, where, chosen, rows, seed)
+    q = first_angles(begin, chosen, rows, seed)
+    place = placed(begin, names, links, chosen, q)
+    there = np.asarray(np.isfinite(place).all(axis=1))
+    names = tuple(name for name, ok in zip(names, there.tolist(), strict=True) if ok)
+    chosen = chosen._replace(y=np.ascontiguousarray(chosen.y[:, there]))
+    markers = MarkerModel(names, links[there], place[there], np.full(len(names), _FIRST_STD_M))
+    task, n_part, trial = _task(arm, where, trials, begin, markers, chosen, person.height_m)
+    q = follow(markers.chain(begin.geometry), chosen, markers.std, begin.angles, seed, q)
+    bundle = fit_bundle(task, begin.geometry, markers, q, _told(progress, "fitting"))
+    halves = {}
+    for one in np.unique(trial):
+        own = np.flatnonzero(trial == one)
+        if len(own) >= 10:
+            halves[int(one)] = fit_bundle(
+                task.rows(own), bundle.geometry, bundle.markers, bundle.q[own],
+                _told(progress, f"trial {one + 1} by itself"), 25, True,
+            )  # fmt: skip
+    found = errors(where, task, bundle, n_part, halves)
+    notes = (*trials.notes, *base.notes, *base_notes, *centre_notes, *lock_notes, *_open(task, found))
+    return LimbFit(
+        arm, where, trials, base, task, rows, bundle, tuple(functional), found, tuple(dict.fromkeys(notes))
+    )
+
+
+def _told(progress: Callable[[str, int], None] | None, what: str) -> Callable[[int], None] | None:
+    return None if progress is None else lambda iteration: progress(what, iteration)
+
+
+def _chain_markers(trials: LimbTrials, where: LimbMap) -> tuple[tuple[str, ...], Integers]:
+    on = [
+        (m, part.link)
+        for segment, part in where.parts.items()
+        for m in trials.segments.get(segment, ())
+        if m not in trials.computed
+    ]
+    return tuple(m for m, _ in on), np.array([link for _, link in on], dtype=np.int64)
+
+
+def _clear_of_lock(
+    begin: Start, arm: Arm, where: LimbMap, frames: Frames, rows: Integers, seed: int
+) -> tuple[Start, tuple[Note, ...]]:
+    """Turn frame 0 where the motion comes near gimbal lock of the ball joint behind it."""
+    if where.balls[0]:
+        return begin, ()
+    q = first_angles(begin, frames, rows, seed)
+    _, o = link_poses(begin.virtual.chain(begin.geometry), frames, q)
+    far = o[:, SWAY + 2] - o[:, SWAY]
+    long_axis = np.einsum("nji,nj->ni", frames.R, far / np.linalg.norm(far, axis=1, keepdims=True))
+    lateral = begin.geometry.base_R @ axis_frames(arm, np.zeros(arm.n_joint))[0, 0, :3, 2]
+    better = away_from_lock(long_axis, lateral)
+    if better is None:
+        return begin, ()
+    turn, _ = Rotation.align_vectors(better[None], lateral[None])
+    degrees = float(np.degrees(np.arccos(np.clip(better @ lateral, -1.0, 1.0))))
+    text = (
+        f"the motion comes near the posture in which two axes of the {next(iter(where.centres))} fall together: "
+        f"frame 0 is turned by {degrees:.0f}° from forward, left and up, so its angles are not the anatomical ones"
+    )
+    turned = replace(begin.geometry, base_R=turn.as_matrix() @ begin.geometry.base_R)
+    return replace(begin, geometry=turned), (Note("gimbal_lock", text),)
+
+
+def _task(
+    arm: Arm,
+    where: LimbMap,
+    trials: LimbTrials,
+    begin: Start,
+    markers: MarkerModel,
+    frames: Frames,
+    height_m: float,
+) -> tuple[Task, int, Integers]:
+    free = free_geometry(arm, begin.centre_std_m, begin.length_std_m)
+    place, std = markers.place.copy(), np.full(len(markers.names), PLACE_STD_M)
+    about = landmark_places(arm, where, height_m)
+    for landmark, marker in trials.landmarks.items():
+        if marker in markers.names and landmark in about and about[landmark][0] >= 0:
+            m = markers.names.index(marker)
+            place[m], std[m] = about[landmark][1], LANDMARK_STD_M
+    information = np.concatenate([free.std**-2, np.repeat(std**-2, 3)])
+    n_trial = int(frames.trial.max()) + 1
+    parts = disjoint_parts([np.ones(int((frames.trial == i).sum()), dtype=bool) for i in range(n_trial)])
+    task = Task(
+        free, frames, shares(frames), np.maximum(parts.part, 0).astype(np.int64),
+        Prior(begin.geometry, place, information), begin.angles,
+    )  # fmt: skip
+    return task, parts.n_part, parts.trial.astype(np.int64)
+
+
+def _open(task: Task, found: Errors) -> list[Note]:
+    left = [name for name, learnt in zip(task.free.names, found.learnt, strict=True) if not learnt]
+    if not left:
+        return []
+    text = (
+        f"the motion tells little of {', '.join(left)}: left near the prior, which is the table's or a landmark's"
+    )
+    return [Note("left_at_prior", text, columns=tuple(left))]

@@ -1,0 +1,47 @@
+"""Which frames a fit takes, and how much each counts."""
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from arm.marker_kinematics import Integers
+from arm.model import Floats
+from fitter.limb.observation import Frames
+from limbcal.errors import NotIdentifiable
+
+#: How long skin keeps an error [s]: frames nearer in time than that count together as one. As long as a movement's
+#: own acceleration lasts, which is what sets soft tissue going.
+COHERENCE_S = 0.3
+#: Markers of the chain that a frame must show.
+_LEAST_MARKERS = 3
+
+
+def usable_frames(y: Floats, R: Floats, p: Floats, times: Sequence[Floats]) -> tuple[Frames, NDArray[np.bool_]]:
+    """Return the frames in which the base has a pose and enough markers of the chain are seen."""
+    trial = np.concatenate([np.full(len(t), i, dtype=np.int64) for i, t in enumerate(times)])
+    usable = np.isfinite(p).all(axis=1) & (np.isfinite(y[..., 0]).sum(axis=1) >= _LEAST_MARKERS)
+    if not usable.any():
+        raise NotIdentifiable(
+            f"no frame shows the base and {_LEAST_MARKERS} markers of the limb together, expected some: check the "
+            "marker set, or take another base"
+        )
+    parts = (y[usable], R[usable], p[usable], trial[usable], np.concatenate(times)[usable])
+    return Frames(*(np.ascontiguousarray(part) for part in parts)), usable
+
+
+def thinned(usable: NDArray[np.bool_], n: int) -> Integers:
+    """Return so many of the frames that can be used, evenly spread over them."""
+    there = np.flatnonzero(usable)
+    return there[np.linspace(0, len(there) - 1, min(n, len(there))).round().astype(np.int64)]
+
+
+def shares(frames: Frames) -> Floats:
+    """Return how much each frame counts: those within the time that skin keeps an error count together as one."""
+    share = np.empty(len(frames.t))
+    for i in np.unique(frames.trial):
+        own = frames.trial == i
+        t = frames.t[own]
+        lasts = (t[-1] - t[0]) / max(len(t) - 1, 1)
+        share[own] = min(1.0, lasts / COHERENCE_S) if len(t) > 1 else 1.0
+    return share

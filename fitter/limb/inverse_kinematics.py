@@ -1,0 +1,207 @@
+"""A limb's joint angles frame by frame: weighted least squares from the angles of the frame before.
+
+Where that ends far from the markers, as at the beginning of a trial or after a gap, it begins anew from several
+postures and takes the best.
+"""
+
+import numpy as np
+
+from arm.marker_kinematics import MarkerChain, Slopes, joint_slopes, link_frames, marker_at, slopes_room
+from arm.model import Floats
+from fitter.limb.normal_equations import t_cost, t_weight
+from fitter.limb.observation import AnglePrior, Frames
+from limbcal.compiled import compiled
+
+#: Postures that a frame begins anew from.
+_STARTS = 24
+#: A frame begins anew where its markers are farther off than this, in standard deviations, rms over them.
+_FAR = 5.0
+
+
+def follow(
+    chain: MarkerChain, frames: Frames, std_m: Floats, prior: AnglePrior, seed: int, near: Floats | None = None
+) -> Floats:
+    """Return the angles that bring the chain nearest to the markers, (n_frame, n_joint).
+
+    Parameters
+    ----------
+    chain : MarkerChain
+    frames : Frames
+    std_m : (m,)
+        Of each marker.
+    prior : AnglePrior
+    seed : int
+        Of the postures that a frame begins anew from.
+    near : (n_frame, n_joint), optional
+        Angles to begin at, in place of those of the frame before.
+    """
+    n = len(prior.mean)
+    rng = np.random.default_rng([seed, 7])
+    spread = np.minimum(1.0 / np.sqrt(prior.information), np.pi / 2.0)
+    starts = prior.mean + np.vstack([np.zeros(n), rng.normal(size=(_STARTS - 1, n)) * spread])
+    q = np.tile(prior.mean, (len(frames.y), 1)) if near is None else near.copy()
+    _follow(chain, frames, std_m**2, prior, starts, near is not None, slopes_room(n, 0), q)
+    return q
+
+
+@compiled
+def _follow(
+    chain: MarkerChain,
+    frames: Frames,
+    variance: Floats,
+    prior: AnglePrior,
+    starts: Floats,
+    near: bool,
+    room: Slopes,
+    q: Floats,
+) -> None:
+    n = q.shape[1]
+    trial_q, best_q = np.empty(n), np.empty(n)
+    for k in range(q.shape[0]):
+        begins = k == 0 or frames.trial[k] != frames.trial[k - 1]
+        if not near and not begins:
+            q[k] = q[k - 1]
+        cost = solve_frame(chain, frames, k, variance, prior, 60, room, q[k])
+        n_seen = 0
+        for m in range(chain.link.size):
+            n_seen += not np.isnan(frames.y[k, m, 0])
+        if n_seen and (begins or cost > n_seen * t_cost(_FAR**2, 1.0)):
+            best = cost
+            best_q[:] = q[k]
+            for s in range(starts.shape[0]):
+                trial_q[:] = starts[s]
+                found = solve_frame(chain, frames, k, variance, prior, 60, room, trial_q)
+                if found < best - 1e-6 * abs(best):
+                    best = found
+                    best_q[:] = trial_q
+            q[k] = best_q
+
+
+@compiled
+def solve_frame(
+    chain: MarkerChain,
+    frames: Frames,
+    k: int,
+    variance: Floats,
+    prior: AnglePrior,
+    most: int,
+    room: Slopes,
+    q: Floats,
+) -> float:
+    """Turn ``q`` (n,) into the angles of frame ``k`` by Levenberg-Marquardt; return the cost there."""
+    n = q.size
+    A, a, trial = np.empty((n, n)), np.empty(n), np.empty(n)
+    damping = 1e-3
+    cost = frame_equations(chain, frames, k, variance, prior, q, room, A, a)
+    for _ in range(most):
+        damped = A.copy()
+        for i in range(n):
+            damped[i, i] *= 1.0 + damping
+        step = np.linalg.solve(damped, a)
+        size = np.abs(step).max()
+        if size > 1.0:
+            step /= size
+        trial[:] = q + step
+        found = frame_cost(chain, frames, k, variance, prior, trial, room)
+        if found <= cost:
+            done = cost - found < 1e-9 * (1.0 + cost) or size < 1e-9
+            q[:] = trial
+            cost = frame_equations(chain, frames, k, variance, prior, q, room, A, a)
+            damping = max(damping * 0.2, 1e-9)
+            if done:
+                break
+        else:
+            damping *= 5.0
+            if damping > 1e6:
+                break
+    return cost
+
+
+@compiled
+def frame_cost(
+    chain: MarkerChain, frames: Frames, k: int, variance: Floats, prior: AnglePrior, q: Floats, room: Slopes
+) -> float:
+    """Return minus twice the log posterior of one frame's angles."""
+    link_frames(chain, frames.R[k], frames.p[k], q, room)
+    total, y = 0.0, np.empty(3)
+    for m in range(chain.link.size):
+        if np.isnan(frames.y[k, m, 0]):
+            continue
+        marker_at(chain, room, m, y)
+        squares = 0.0
+        for row in range(3):
+            squares += (frames.y[k, m, row] - y[row]) ** 2
+        total += t_cost(squares, variance[m])
+    for i in range(q.size):
+        total += prior.information[i] * (q[i] - prior.mean[i]) ** 2
+    return total
+
+
+@compiled
+def frame_equations(
+    chain: MarkerChain,
+    frames: Frames,
+    k: int,
+    variance: Floats,
+    prior: AnglePrior,
+    q: Floats,
+    room: Slopes,
+    A: Floats,
+    a: Floats,
+) -> float:
+    """Fill in the normal equations ``A dq = a`` of one frame; return its cost."""
+    n = q.size
+    link_frames(chain, frames.R[k], frames.p[k], q, room)
+    total, y, r = 0.0, np.empty(3), np.empty(3)
+    A[:], a[:] = 0.0, 0.0
+    for m in range(chain.link.size):
+        if np.isnan(frames.y[k, m, 0]):
+            continue
+        marker_at(chain, room, m, y)
+        squares = 0.0
+        for row in range(3):
+            r[row] = frames.y[k, m, row] - y[row]
+            squares += r[row] ** 2
+        total += t_cost(squares, variance[m])
+        w = t_weight(squares, variance[m])
+        joint_slopes(chain, room, m, y)
+        for row in range(3):
+            for i in range(n):
+                a[i] += w * room.by_q[row, i] * r[row]
+                for j in range(n):
+                    A[i, j] += w * room.by_q[row, i] * room.by_q[row, j]
+    for i in range(n):
+        total += prior.information[i] * (q[i] - prior.mean[i]) ** 2
+        A[i, i] += prior.information[i]
+        a[i] -= prior.information[i] * (q[i] - prior.mean[i])
+    return total
+
+
+def predicted(chain: MarkerChain, frames: Frames, q: Floats) -> Floats:
+    """Return where the chain has its markers, (n_frame, m, 3) [m]."""
+    y = np.empty_like(frames.y)
+    _predicted(chain, frames, np.ascontiguousarray(q), slopes_room(q.shape[1], 0), y)
+    return y
+
+
+@compiled
+def _predicted(chain: MarkerChain, frames: Frames, q: Floats, room: Slopes, y: Floats) -> None:
+    for k in range(q.shape[0]):
+        link_frames(chain, frames.R[k], frames.p[k], q[k], room)
+        for m in range(chain.link.size):
+            marker_at(chain, room, m, y[k, m])
+
+
+def link_poses(chain: MarkerChain, frames: Frames, q: Floats) -> tuple[Floats, Floats]:
+    """Return the joint-axis frames in the world, R (n_frame, n_joint, 3, 3) and o (n_frame, n_joint, 3) [m]."""
+    R, o = np.empty((*q.shape, 3, 3)), np.empty((*q.shape, 3))
+    _link_poses(chain, frames, np.ascontiguousarray(q), slopes_room(q.shape[1], 0), R, o)
+    return R, o
+
+
+@compiled
+def _link_poses(chain: MarkerChain, frames: Frames, q: Floats, room: Slopes, R: Floats, o: Floats) -> None:
+    for k in range(q.shape[0]):
+        link_frames(chain, frames.R[k], frames.p[k], q[k], room)
+        R[k] = room.R
+        o[k] = room.o

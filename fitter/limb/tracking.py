@@ -1,0 +1,235 @@
+"""Markers of recordings to joint motion of a calibrated arm, and to that of the segment that carries its base."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation, Slerp
+
+from arm.body.landmarks import limb_map
+from arm.body.limbs import LIMBS
+from arm.chain import chain_of
+from arm.kinematics import rotation_from_rpy
+from arm.model import Arm, Floats
+from fitter.functional.rigid_fit import fit_poses
+from fitter.functional.template import doubtful_rms_m
+from fitter.limb.base_motion import BaseMotion, poses_of, quaternions
+from fitter.limb.free_geometry import Geometry
+from fitter.limb.inverse_kinematics import follow, link_poses, predicted
+from fitter.limb.limb_trials import columns_of
+from fitter.limb.motion_smoother import smooth
+from fitter.limb.observation import SWAY, AnglePrior, Frames, MarkerModel, base_follows, with_base
+from fitter.limb.start import angle_prior
+from fitter.markers.recording import MarkerRecording
+from limbcal.errors import ConfigError, DataError
+from limbcal.note import Note
+
+#: How far a marker wanders where the arm file does not say so, and at the least [m].
+_USUAL_STD_M, _LEAST_STD_M = 0.008, 0.004
+#: Markers of the chain from which on a frame tells its angles by itself.
+_LEAST_MARKERS = 3
+
+
+@dataclass(frozen=True)
+class TrackedLimb:
+    """The motion of one recording.
+
+    Attributes
+    ----------
+    t : (n_frame,) [s]
+    q, q_std : (n_frame, n_joint) [rad]
+    base : (n_frame, 7)
+        x, y, z [m] and the quaternion w, x, y, z of the segment that carries the base.
+    distance_m : (n_frame, n_marker)
+        Of every marker of the arm from where the motion has it, NaN where it was not seen.
+    notes : tuple of Note
+    """
+
+    t: Floats
+    q: Floats
+    q_std: Floats
+    base: Floats
+    distance_m: Floats
+    notes: tuple[Note, ...]
+
+
+@dataclass(frozen=True)
+class MarkedArm:
+    """An arm with markers, as tracking takes it apart: the chain, its markers, the base's, and both's."""
+
+    geometry: Geometry
+    markers: MarkerModel
+    base: BaseMotion
+    everything: MarkerModel
+    angles: AnglePrior
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """All markers, those of the links first."""
+        return (*self.markers.names, *self.base.markers)
+
+
+def marked_arm(arm: Arm) -> MarkedArm:
+    """Take an arm apart.
+
+    Raises
+    ------
+    ConfigError
+        If it has no markers on its links, or a joint that slides.
+    """
+    on_links = [m for m in arm.markers if m.joint > 0]
+    if not on_links:
+        raise ConfigError(
+            f"arm {arm.name!r} has no [[marker]] on its links, expected those of `fitter kinematics --body`"
+        )
+    if any(joint.type != "revolute" for joint in arm.joints):
+        raise ConfigError(
+            f"arm {arm.name!r} has a joint that slides, expected only joints that turn, to track markers"
+        )
+    base_R, base_p = np.eye(3), np.zeros(3)
+    if arm.base is not None:
+        base_R, base_p = rotation_from_rpy(*arm.base.rotation_rad), np.array(arm.base.position_m)
+    model = MarkerModel(
+        tuple(m.name for m in on_links),
+        np.array([m.joint - 1 for m in on_links], dtype=np.int64),
+        np.array([m.position_m for m in on_links]),
+        np.array([max(m.std_m or _USUAL_STD_M, _LEAST_STD_M) for m in on_links]),
+    )
+    carried = [m for m in arm.markers if m.joint == 0]
+    points = np.array([m.position_m for m in carried]).reshape(-1, 3) @ base_R.T + base_p
+    segment = None if arm.base is None else arm.base.segment
+    base = BaseMotion(segment, tuple(m.name for m in carried), points, np.empty((0, 3, 3)), np.empty((0, 3)))
+    if arm.name in LIMBS:
+        angles = angle_prior(arm, limb_map(arm.name, arm.n_joint), 0.0)
+    else:
+        angles = _plain_prior(arm)
+    in_frame_0 = np.array([m.position_m for m in carried]).reshape(-1, 3)
+    base_std = max([_LEAST_STD_M, *(m.std_m or _USUAL_STD_M for m in carried)])
+    everything = with_base(model, base.markers, in_frame_0, base_std)
+    geometry = Geometry(chain_of(arm).geometry.copy(), base_R, base_p)
+    return MarkedArm(geometry, model, base, everything, base_follows(angles, len(carried)))
+
+
+def _plain_prior(arm: Arm) -> AnglePrior:
+    ranges = np.array([joint.limits or (-np.pi, np.pi) for joint in arm.joints])
+    std = np.maximum(0.5 * (ranges[:, 1] - ranges[:, 0]), 0.5)
+    std = np.concatenate([np.ones(SWAY), std])
+    return AnglePrior(np.concatenate([np.zeros(SWAY), ranges.mean(axis=1)]), std**-2)
+
+
+def track_limb(
+    arm: Arm, recordings: Sequence[MarkerRecording], seed: int = 0, progress: Callable[[int], None] | None = None
+) -> list[TrackedLimb]:
+    """Track an arm's markers in recordings.
+
+    Parameters
+    ----------
+    arm : Arm
+        With [[marker]] and, where its base is carried, [base].
+    recordings : sequence of MarkerRecording
+    seed : int
+        Of the postures that angles begin from.
+    progress : callable, optional
+        Told how many recordings are done.
+
+    Raises
+    ------
+    ConfigError
+        If the arm cannot be tracked.
+    DataError
+        If a recording has too few of the arm's markers.
+    """
+    marked = marked_arm(arm)
+    tracked = []
+    for k, recording in enumerate(recordings):
+        tracked.append(_track_one(marked, recording, seed))
+        if progress is not None:
+            progress(k + 1)
+    return tracked
+
+
+def _track_one(marked: MarkedArm, recording: MarkerRecording, seed: int) -> TrackedLimb:
+    y = columns_of(recording, marked.markers.names)
+    seen = np.isfinite(y[..., 0])
+    notes = _missing(marked, recording)
+    ever = np.asarray(seen.any(axis=0))
+    if ever.sum() < _LEAST_MARKERS:
+        there = [name for name, ok in zip(marked.markers.names, ever.tolist(), strict=True) if ok]
+        raise DataError(
+            f"{recording.path}: of {len(marked.markers.names)} markers of the arm it has "
+            f"{', '.join(there) or 'none'}, expected at least {_LEAST_MARKERS}"
+        )
+    carried = columns_of(recording, marked.base.markers)
+    R, p, more = _filled(recording, marked, *_trusted(marked.base.points_m, carried))
+    t = recording.t
+    everything = np.ascontiguousarray(np.concatenate([y, carried], axis=1))
+    frames = Frames(everything, R, p, np.zeros(len(t), dtype=np.int64), t)
+    chain, std = marked.everything.chain(marked.geometry), marked.everything.std
+    q = _first(follow(chain, frames, std, marked.angles, seed), seen)
+    found = smooth(chain, frames, std, marked.angles, 1.0 / recording.rate_hz, q)
+    if not found.converged:
+        more.append(Note("not_converged", "the angles still change where the search ends: do not rely on them"))
+    R0, o0 = (x[:, SWAY - 1] for x in link_poses(chain, frames, found.q))
+    R = R0 @ marked.geometry.base_R.T
+    p = o0 - np.einsum("nij,j->ni", R, marked.geometry.base_p)
+    distance = np.linalg.norm(everything - predicted(chain, frames, found.q), axis=2)
+    pose = np.hstack([p, quaternions(R)])
+    return TrackedLimb(t, found.q[:, SWAY:], found.std[:, SWAY:], pose, distance, (*notes, *more))
+
+
+def _trusted(points_m: Floats, measured_m: Floats) -> tuple[Floats, Floats]:
+    """Return the base's poses without those whose markers are far off their shape, where they can be."""
+    R, p = poses_of(points_m, measured_m)
+    if len(points_m) < 3:
+        return R, p
+    rms = fit_poses(points_m, measured_m).rms_m
+    doubtful = rms > doubtful_rms_m(rms)
+    R, p = R.copy(), p.copy()
+    R[doubtful], p[doubtful] = np.nan, np.nan
+    return R, p
+
+
+def _first(q: Floats, seen: NDArray[np.bool_]) -> Floats:
+    """Return angles to begin from: without whole turns, and from frame to frame where too few markers are seen."""
+    known = np.flatnonzero(seen.sum(axis=1) >= _LEAST_MARKERS)
+    if not len(known):
+        return q
+    some = np.unwrap(q[known], axis=0)
+    return np.column_stack([np.interp(np.arange(len(q)), known, column) for column in some.T])
+
+
+def _missing(marked: MarkedArm, recording: MarkerRecording) -> list[Note]:
+    lost = tuple(name for name in marked.names if name not in recording.names)
+    if not lost:
+        return []
+    text = f"{len(lost)} of the arm's {len(marked.names)} markers are not in the recording: {', '.join(lost)}"
+    return [Note("missing_marker", text, columns=lost)]
+
+
+def _filled(
+    recording: MarkerRecording, marked: MarkedArm, R: Floats, p: Floats
+) -> tuple[Floats, Floats, list[Note]]:
+    """Return the base's poses with those in between where its markers were not seen, and say so."""
+    known = np.flatnonzero(np.isfinite(p[:, 0]))
+    if not len(known):
+        raise DataError(
+            f"{recording.path}: no frame shows the base's markers {', '.join(marked.base.markers)} together, "
+            "expected three of them, or all where there are fewer"
+        )
+    lost = len(p) - len(known)
+    if not lost:
+        return np.ascontiguousarray(R), np.ascontiguousarray(p), []
+    at = np.clip(np.arange(len(p)), known[0], known[-1])
+    p = np.column_stack([np.interp(at, known, p[known, axis]) for axis in range(3)])
+    R = (
+        Slerp(known, Rotation.from_matrix(R[known]))(at).as_matrix()
+        if len(known) > 1
+        else R[np.full(len(p), known[0])]
+    )
+    gaps = np.diff(np.concatenate([[-1], known, [len(p)]])) - 1
+    text = (
+        f"the base has no pose of its own in {lost} of {len(p)} frames ({gaps.max() / recording.rate_hz:.2f} s at "
+        "the longest): what there is of its markers, and the limb's, tell it there"
+    )
+    return np.ascontiguousarray(R), np.ascontiguousarray(p), [Note("base_gap", text, columns=marked.base.markers)]

@@ -1,0 +1,166 @@
+"""How far lengths, centres and axes may be off, from parts of the recordings that are left out.
+
+Skin moves coherently, so errors from residuals that are taken for independent are some ten times too small. What
+differs when a part is left out does not depend on that. One Gauss-Newton step from the answer of all parts is
+enough for each, since parts' normal equations are kept apart (`normal_equations`).
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from arm.body.landmarks import LimbMap
+from arm.model import Floats
+from fitter.functional.disjoint import jackknife, rms_apart
+from fitter.limb.bundle import Bundle, Task, shared_away
+from fitter.limb.free_geometry import Geometry
+
+#: Standard deviation of the posterior, as a share of the prior's, from which on nothing was learnt of a number.
+LEARNT = 0.7
+
+
+@dataclass(frozen=True)
+class Derived:
+    """What is told of a limb, beside its numbers: each as a vector, in a frame that does not depend on gauge.
+
+    Attributes
+    ----------
+    lengths : mapping of str to float [m]
+    centres : mapping of str to (str, (3,))
+        Segment, and the place in its frame: that of its markers as the fit of all frames has them.
+    axes : mapping of str to (str, (3,))
+        Segment and unit direction.
+    """
+
+    lengths: dict[str, float]
+    centres: dict[str, tuple[str, Floats]]
+    axes: dict[str, tuple[str, Floats]]
+
+    def vector(self) -> Floats:
+        """Return all numbers in one row."""
+        parts = [np.array(list(self.lengths.values()))]
+        parts += [place for _, place in self.centres.values()] + [way for _, way in self.axes.values()]
+        return np.concatenate(parts)
+
+
+@dataclass(frozen=True)
+class Errors:
+    """Standard errors, and how far disjoint trials are apart.
+
+    Attributes
+    ----------
+    free_std : (n_free,)
+    learnt : (n_free,) of bool
+    derived_covariance : (n, n)
+        Of `Derived.vector`.
+    apart : tuple of Derived
+        What each trial by itself (each half of the only one) says.
+    n_part : int
+    """
+
+    free_std: Floats
+    learnt: NDArray[np.bool_]
+    derived_covariance: Floats
+    apart: tuple[Derived, ...]
+    n_part: int
+
+    def apart_m(self, kind: str, name: str) -> float:
+        """Return how far disjoint trials are apart in a centre [m] or an axis [rad], rms."""
+        return rms_apart([getattr(one, kind)[name][1] for one in self.apart])
+
+
+def derived(
+    where: LimbMap, geometry: Geometry, links: NDArray[np.int64], place: Floats, reference: Floats
+) -> Derived:
+    """Return what follows from a geometry and marker places.
+
+    Parameters
+    ----------
+    where : LimbMap
+    geometry : Geometry
+    links : (m,) int64
+    place, reference : (m, 3) [m]
+        Where markers are, and where the fit of all frames has them: centres are told in its frames.
+    """
+    numbers, k = geometry.numbers, where.balls[0]
+    is_arm = "elbow" in where.centres
+    upper, lower = ("upper_arm", "forearm") if is_arm else ("thigh", "shank")
+    lengths = {upper: abs(numbers[k + 2, 2]), lower: abs(numbers[k + 4, 2]) if is_arm else numbers[3, 1]}
+    if k:
+        lengths = {"girdle": float(np.hypot(numbers[1, 1], numbers[1, 2])), **lengths}
+    first = next(iter(where.centres))
+    centres = {f"{first}_{where.side}": (where.base, geometry.base_p)}
+    axes: dict[str, tuple[str, Floats]] = {}
+    for segment, part in where.parts.items():
+        on_it = links == part.link
+        R, shift = _towards(place[on_it], reference[on_it])
+        if part.ends in where.centres:
+            end = np.array([numbers[part.link, 1], 0.0, 0.0])
+            centres[f"{part.ends}_{where.side}"] = (segment, R @ end + shift)
+        named = [name for name, i in where.axes.items() if i == part.link + 1]
+        if named:
+            alpha, beta = numbers[part.link + 1, 0], numbers[part.link + 1, 3]
+            way = np.array([np.cos(alpha) * np.sin(beta), -np.sin(alpha), np.cos(alpha) * np.cos(beta)])
+            axes[f"{named[0]}_{where.side}"] = (segment, R @ way)
+    return Derived({name: float(x) for name, x in lengths.items()}, centres, axes)
+
+
+def _towards(place: Floats, reference: Floats) -> tuple[Floats, Floats]:
+    """Return the rotation and shift that bring places nearest to their reference; only a shift of fewer than 3."""
+    if not len(place):
+        return np.eye(3), np.zeros(3)
+    middle, aim = place.mean(axis=0), reference.mean(axis=0)
+    if len(place) < 3:
+        return np.eye(3), aim - middle
+    U, _, Vt = np.linalg.svd((reference - aim).T @ (place - middle))
+    U[:, 2] *= np.sign(np.linalg.det(U) * np.linalg.det(Vt))
+    R = U @ Vt
+    return R, aim - R @ middle
+
+
+def errors(where: LimbMap, task: Task, bundle: Bundle, n_part: int, halves: Mapping[int, Bundle]) -> Errors:
+    """Return the errors of a bundle fit.
+
+    Parameters
+    ----------
+    where : LimbMap
+    task : Task
+    bundle : Bundle
+        With its normal equations part by part.
+    n_part : int
+    halves : mapping of int to Bundle
+        Fits of each trial (each half of the only one) by itself.
+    """
+    markers, n_free = bundle.markers, len(task.free.std)
+    information = task.prior.information
+    pull = information * shared_away(task, bundle.geometry, markers.place)
+
+    def step(use: NDArray[np.bool_]) -> Floats:
+        # the rest stands for all, so that the prior counts alike
+        more = len(use) / max(int(use.sum()), 1)
+        S, b = more * bundle.S[use].sum(axis=0), more * bundle.b[use].sum(axis=0)
+        return np.asarray(np.linalg.solve(S + np.diag(information), b - pull))
+
+    def told(use: NDArray[np.bool_]) -> Floats:
+        away = step(use)
+        geometry = bundle.geometry.moved(task.free, away[:n_free])
+        place = markers.place + away[n_free:].reshape(-1, 3)
+        return derived(where, geometry, markers.link, place, markers.place).vector()
+
+    posterior = np.linalg.inv(bundle.S.sum(axis=0) + np.diag(information))
+    formal = np.sqrt(np.diag(posterior)[:n_free])
+    spread = np.sqrt(np.diag(jackknife(lambda use: step(use)[:n_free], n_part)))
+    # what the motion leaves open stays at the prior whichever part is left out: its error is the posterior's
+    learnt = formal < LEARNT * task.free.std
+    return Errors(
+        np.fmax(spread, formal),
+        learnt,
+        jackknife(told, n_part),
+        tuple(
+            derived(where, half.geometry, markers.link, half.markers.place, markers.place)
+            for half in halves.values()
+        ),
+        n_part,
+    )

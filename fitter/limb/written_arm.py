@@ -1,0 +1,119 @@
+"""The calibrated limb as an arm: its geometry, base, markers, and the table's masses where the person is known."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from arm.body.landmarks import LimbMap, centre_points
+from arm.body.limbs import FORWARD
+from arm.body.segments import SEGMENTS, segment
+from arm.kinematics import axis_frames, rpy_from_rotation
+from arm.model import STANDARD_GRAVITY_M_S2, Arm, Base, Body, Floats, Joint, Link, Marker, Vector3
+from fitter.limb.base_motion import markers_in
+from fitter.limb.bundle import wander
+from fitter.limb.calibration import LimbFit
+from fitter.limb.inverse_kinematics import link_poses
+from fitter.limb.observation import SWAY
+from fitter.limb.seen import median_seen
+
+
+def calibrated_arm(fit: LimbFit, body: Body | None) -> Arm:
+    """Return the arm that a fit found.
+
+    Parameters
+    ----------
+    fit : LimbFit
+    body : Body, optional
+        Without it the links have no masses.
+    """
+    geometry, bundle = fit.bundle.geometry, fit.bundle
+    joints = list(geometry.joints(fit.arm))
+    for name, k in (("d", 2), ("a", 1)):  # a length that was learnt has its error
+        for i in range(len(joints)):
+            label = f"{name}{i + 1}"
+            if label in fit.free.names and abs(geometry.numbers[i, k]) > 0.1:
+                joints[i] = replace(
+                    joints[i], length_std_m=float(fit.errors.free_std[fit.free.names.index(label)])
+                )
+    joints = [replace(joint, link=Link()) for joint in joints]
+    arm = Arm(name=fit.arm.name, joints=tuple(joints), body=body, gravity_m_s2=_gravity(fit))
+    if body is not None:
+        arm = replace(arm, joints=_with_masses(arm, fit.where, body))
+    base_rpy = rpy_from_rotation(geometry.base_R)
+    base = Base(_vector(geometry.base_p), _vector(base_rpy), fit.base.segment)
+    std = wander(bundle, fit.task.frames)
+    carried = markers_in(fit.base.points_m, geometry.base_R, geometry.base_p)
+    markers = [
+        Marker(name, 0, _vector(x), fit.base_std_m) for name, x in zip(fit.base.markers, carried, strict=True)
+    ]
+    markers += [
+        Marker(name, int(link) + 1, _vector(x), float(s))
+        for name, link, x, s in zip(
+            bundle.markers.names, bundle.markers.link, bundle.markers.place, std, strict=True
+        )
+    ]
+    markers += _computed(fit)
+    return replace(arm, base=base, markers=tuple(markers))
+
+
+def _gravity(fit: LimbFit) -> Vector3:
+    """Return gravity by the axis that points up in the recordings: in the world, or in a frame 0 that stands."""
+    up = fit.trials.up
+    if not up:
+        return (0.0, 0.0, -STANDARD_GRAVITY_M_S2)
+    world = np.zeros(3)
+    world["xyz".index(up[1])] = -STANDARD_GRAVITY_M_S2 if up[0] == "+" else STANDARD_GRAVITY_M_S2
+    return _vector(world if fit.base.segment else fit.bundle.geometry.base_R.T @ world)
+
+
+def _computed(fit: LimbFit) -> list[Marker]:
+    """Return bony points that recordings compute, where the links have them in the median of the fit's frames."""
+    found = []
+    chain = fit.bundle.markers.chain(fit.bundle.geometry)
+    frames, usable = fit.frames_of_fit()
+    R, o = link_poses(chain, frames, fit.bundle.q)
+    for segment_name, part in fit.where.parts.items():
+        for name in fit.trials.segments.get(segment_name, ()):
+            if name not in fit.trials.computed:
+                continue
+            y = fit.trials.of(name)[usable]
+            i = SWAY + part.link
+            place = median_seen(np.einsum("nji,nj->ni", R[:, i], y - o[:, i]))
+            scatter = np.einsum("nji,nj->ni", R[:, i], y - o[:, i]) - place
+            if np.isfinite(place).all():
+                std = float(np.sqrt(np.nanmean(scatter**2)))
+                found.append(Marker(name, part.link + 1, _vector(place), std))
+    return found
+
+
+def _with_masses(arm: Arm, where: LimbMap, body: Body) -> tuple[Joint, ...]:
+    """Return the joints with the table's masses, in the frames and lengths that were found."""
+    frames, centres = axis_frames(arm, np.zeros(arm.n_joint))[0], centre_points(arm, where)
+    joints = list(arm.joints)
+    for name, part in where.parts.items():
+        kind = name.rpartition("_")[0]
+        if kind not in SEGMENTS:
+            continue
+        own = segment(kind, body.mass_kg, body.height_m, body.sex)
+        begin, end = centres[part.begins], centres[part.ends]
+        length = float(np.linalg.norm(end - begin))
+        if kind not in ("hand", "foot"):  # the ends of those are the table's, not found
+            scale = length / own.length_m
+            inertia = own.inertia_kg_m2
+            own = replace(
+                own,
+                length_m=length,
+                centre_m=own.centre_m * scale,
+                inertia_kg_m2=(inertia[0] * scale**2, inertia[1] * scale**2, inertia[2]),
+            )
+        along = (end - begin) / length
+        forward = FORWARD if abs(along @ FORWARD) < 0.7 else np.array([0.0, 0.0, 1.0])
+        sagittal = forward - (forward @ along) * along
+        sagittal /= np.linalg.norm(sagittal)
+        axes = np.column_stack([sagittal, np.cross(along, sagittal), along])
+        joints[part.link] = replace(joints[part.link], link=own.link(begin, axes, frames[part.link]))
+    return tuple(joints)
+
+
+def _vector(x: Floats) -> Vector3:
+    return (float(x[0]), float(x[1]), float(x[2]))

@@ -1,0 +1,134 @@
+"""Forces from outside, as wrenches in the laboratory's frame: MOT and STO tables, and C3D plates."""
+
+import re
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from arm.model import Floats
+from limbcal.errors import ConfigError, DataError
+
+#: A column of a force, point or moment: the plate's name, the kind, the axis (OpenSim's external loads).
+_COLUMN = re.compile(r"(?P<plate>.*?)_?(?P<kind>[vpmft])_?(?P<axis>[xyz])(?P<after>_?\d*)", re.IGNORECASE)
+_KINDS = {"f": "v", "t": "m"}
+#: Lines that a header may have.
+_MOST_HEADER = 1000
+#: A plate that reads less has nothing on it [N].
+_EMPTY_N = 10.0
+
+
+@dataclass(frozen=True)
+class PlateWrench:
+    """What one plate gives to whom is on it.
+
+    Attributes
+    ----------
+    name : str
+    t : (n,) [s]
+    force, point_m, moment : (n, 3) [N], [m], [N m]
+        The force at its point of application and the free moment there, in the laboratory's frame.
+    """
+
+    name: str
+    t: Floats
+    force: Floats
+    point_m: Floats
+    moment: Floats
+
+    @property
+    def is_loaded(self) -> bool:
+        """Whether it ever carries anything."""
+        return bool(np.nanmax(np.linalg.norm(self.force, axis=1), initial=0.0) > _EMPTY_N)
+
+    def at(self, t: Floats) -> tuple[Floats, Floats, Floats]:
+        """Return force, point and moment at other times, (n, 3) each; none before the first sample or after."""
+        inside = (t >= self.t[0] - 1e-9) & (t <= self.t[-1] + 1e-9)
+        parts = []
+        for values in (self.force, self.point_m, self.moment):
+            filled = np.nan_to_num(values)
+            at = np.column_stack([np.interp(t, self.t, column) for column in filled.T])
+            parts.append(np.where(inside[:, None], at, 0.0))
+        return parts[0], parts[1], parts[2]
+
+
+def read_wrenches(path: Path) -> list[PlateWrench]:
+    """Read the plates of a MOT, STO or C3D file.
+
+    Raises
+    ------
+    ConfigError
+        If it cannot be opened, or has another ending.
+    DataError
+        If it holds no forces.
+    """
+    suffix = path.suffix.lower()
+    if suffix not in (".mot", ".sto", ".c3d"):
+        raise ConfigError(f"{path}: its name ends with {suffix or 'nothing'}, expected .mot, .sto or .c3d")
+    try:
+        plates = _plates_of_c3d(path) if suffix == ".c3d" else _plates_of_table(path)
+    except OSError as error:
+        raise ConfigError(f"{path}: {error.strerror or error}") from error
+    if not plates:
+        raise DataError(f"{path}: it has no forces, expected columns such as ground_force_1_vx, or a plate")
+    return plates
+
+
+def _plates_of_table(path: Path) -> list[PlateWrench]:
+    lines = path.read_text(encoding="utf-8-sig", errors="replace").splitlines()
+    ends = [k for k, line in enumerate(lines[:_MOST_HEADER]) if line.strip().lower() == "endheader"]
+    if not ends:
+        raise DataError(f"{path}: no 'endheader' in its first {_MOST_HEADER} lines, expected a MOT or STO file")
+    rows = [line for line in lines[ends[0] + 1 :] if line.strip()]
+    names = rows[0].split() if rows else []
+    if not names or names[0].lower() != "time":
+        raise DataError(f"{path}: the first column is {(names or [''])[0][:20]!r}, expected 'time'")
+    numbers = np.empty((len(rows) - 1, len(names)))
+    for k, row in enumerate(rows[1:]):
+        cells = row.split()
+        if len(cells) != len(names):
+            raise DataError(f"{path}: row {k + 1} has {len(cells)} cells, expected {len(names)}")
+        try:
+            numbers[k] = [float(cell) for cell in cells]
+        except ValueError:
+            raise DataError(f"{path}: row {k + 1} holds what is no number, expected numbers") from None
+    if len(numbers) < 2 or not np.all(np.diff(numbers[:, 0]) > 0.0):
+        raise DataError(f"{path}: the times do not rise, expected at least two samples")
+    columns: dict[str, dict[str, int]] = {}
+    for k, name in enumerate(names[1:], 1):
+        found = _COLUMN.fullmatch(name)
+        if found:
+            kind = _KINDS.get(found["kind"].lower(), found["kind"].lower())
+            plate = (found["plate"] + found["after"]).replace("torque", "force").replace("moment", "force")
+            columns.setdefault(plate.rstrip("_") or "force", {})[kind + found["axis"].lower()] = k
+
+    def part(of: dict[str, int], kind: str) -> Floats:
+        axes = [numbers[:, of[kind + a]] if kind + a in of else np.zeros(len(numbers)) for a in "xyz"]
+        return np.column_stack(axes)
+
+    return [
+        PlateWrench(name, numbers[:, 0], part(of, "v"), part(of, "p"), part(of, "m"))
+        for name, of in columns.items()
+        if {"vx", "vy", "vz"} <= of.keys()
+    ]
+
+
+def _plates_of_c3d(path: Path) -> list[PlateWrench]:
+    try:
+        import ezc3d  # noqa: PLC0415 - only who has C3D files needs it
+    except ImportError:
+        raise ConfigError(f"{path}: C3D files need ezc3d; install it with: pip install 'limbcal[human]'") from None
+    try:
+        file = ezc3d.c3d(str(path), extract_forceplat_data=True)
+    except (RuntimeError, ValueError, IndexError) as error:
+        raise DataError(f"{path}: its force plates cannot be read: {error}") from error
+    rate_hz = float(file["parameters"]["ANALOG"]["RATE"]["value"][0])
+    plates = []
+    for k, platform in enumerate(file["data"]["platform"]):
+        metre = {"mm": 1e-3, "cm": 1e-2, "m": 1.0}.get(str(platform["unit_position"]), 1e-3)
+        newton_metre = {"Nmm": 1e-3, "Nm": 1.0}.get(str(platform["unit_moment"]), 1e-3)
+        force = np.asarray(platform["force"], dtype=np.float64).T
+        point = metre * np.asarray(platform["center_of_pressure"], dtype=np.float64).T
+        moment = newton_metre * np.asarray(platform["Tz"], dtype=np.float64).T
+        plates.append(PlateWrench(f"plate {k + 1}", np.arange(len(force)) / rate_hz, force, point, moment))
+    return plates

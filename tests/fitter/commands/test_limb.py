@@ -1,0 +1,153 @@
+"""From markers to a limb, its motion and its torques: `kinematics --body`, `track`, `torque`, `marker-set`."""
+
+import numpy as np
+import pyarrow.csv
+import pytest
+
+from arm.arm_file import load_arm, save_arm
+from arm.newton_euler import inverse_dynamics
+from fitter.data.motion_file import write_motion
+from tests.fitter.limb.simulated_person import person
+
+SET = """schema = 1
+name = "simulated"
+[segments]
+{segments}
+[landmarks]
+{landmarks}
+"""
+
+
+def written_trc(path, recording):
+    n = len(recording.names)
+    lines = [
+        f"PathFileType\t4\t(X/Y/Z)\t{path.name}",
+        "DataRate\tCameraRate\tNumFrames\tNumMarkers\tUnits\tOrigDataRate\tOrigDataStartFrame\tOrigNumFrames",
+        f"{recording.rate_hz:g}\t{recording.rate_hz:g}\t{len(recording.t)}\t{n}\tm\t50\t1\t{len(recording.t)}",
+        "Frame#\tTime\t" + "\t\t\t".join(recording.names) + "\t\t",
+        "\t\t" + "\t".join(f"{axis}{k + 1}" for k in range(n) for axis in "XYZ"),
+    ]
+    for k, (t, row) in enumerate(zip(recording.t, recording.positions, strict=True)):
+        fields = ["" if np.isnan(x) else f"{x:.6f}" for x in row.ravel()]
+        lines.append("\t".join([str(k + 1), f"{t:.3f}", *fields]))
+    path.write_text("\n".join(lines) + "\n")
+    return path
+
+
+def written_set(path, marker_set):
+    segments = "\n".join(
+        f"{name} = {list(markers)}".replace("'", '"') for name, markers in marker_set.segments.items()
+    )
+    landmarks = "\n".join(f'{name} = "{marker}"' for name, marker in marker_set.landmarks.items())
+    path.write_text(SET.format(segments=segments, landmarks=landmarks))
+    return path
+
+
+@pytest.fixture
+def recorded(tmp_path):
+    truth = person(n=300, seed=2)
+    trial = written_trc(tmp_path / "move.trc", truth.recordings[0])
+    return truth, trial, written_set(tmp_path / "set.toml", truth.marker_set)
+
+
+def test_from_markers_to_torques(fitter, tmp_path, recorded):
+    truth, trial, marker_set = recorded
+    out, motion, needed = (tmp_path / name for name in ("arm.toml", "motion.csv", "torque.csv"))
+    person_is = ("--mass", 70, "--height", 1.75, "--sex", "f")
+    preset = ("--body", "human-arm-right", "--marker-set", marker_set)
+    learnt = fitter("kinematics", trial, *preset, *person_is, "--evaluate", trial, "--out", out)
+    assert learnt.code == 0, learnt.errors
+    document = learnt.document
+    assert document["marker_rms_mm"]["evaluate"]["rms"] < 3.0
+    assert document["lengths_m"]["upper_arm"]["value"] == pytest.approx(abs(truth.arm.joints[2].d_m), abs=4e-3)
+    centre = document["centres"]["shoulder_right"]
+    assert set(centre) >= {"segment", "position_m", "std_mm", "apart_mm", "markers_m"}
+    assert set(document["axes"]["elbow_right"]) >= {"std_deg", "apart_deg"}
+    assert set(document["parameters"]["d3"]) == {"value", "std", "unit", "identifiable"}
+    arm = load_arm(out)
+    assert (
+        arm.base.segment == "scapula_right"
+        and arm.body.sex == "f"
+        and len(arm.markers) == len(truth.recordings[0].names)
+    )
+    assert arm.joints[2].link.mass_kg == pytest.approx(0.0255 * 70.0)
+
+    tracked = fitter("track", trial, "--arm", out, "--out", motion)
+    assert tracked.code == 0, tracked.errors
+    assert tracked.document["marker_rms_mm"]["rms"] < 3.0
+    columns = pyarrow.csv.read_csv(motion).column_names
+    assert columns[:8] == ["t", *(f"q{k + 1}" for k in range(7))] and columns[-1] == "base_qz"
+
+    torques = fitter("torque", motion, "--arm", out, "--out", needed)
+    assert torques.code == 0, torques.errors
+    assert torques.document["samples"] == 300
+    assert not [note for note in torques.document["notes"] if note["kind"] == "unused"]
+
+
+def test_torque_at_rest_on_a_standing_base_is_that_of_the_arm(fitter, tmp_path):
+    arm = load_arm("human-arm-right")
+    save_arm(arm, tmp_path / "arm.toml")
+    t = np.arange(200) / 100.0
+    q = 0.3 * np.sin(2.0 * t)[:, None] * np.linspace(0.5, 1.0, arm.n_joint)
+    dq, ddq = (
+        0.3 * f[:, None] * np.linspace(0.5, 1.0, arm.n_joint) for f in (2 * np.cos(2 * t), -4 * np.sin(2 * t))
+    )
+    write_motion(tmp_path / "m.npz", {"t": t, "q": q, "dq": dq, "ddq": ddq})
+    told = fitter("torque", tmp_path / "m.npz", "--arm", tmp_path / "arm.toml", "--out", tmp_path / "t.npz")
+    assert told.code == 0, told.errors
+    found = np.load(tmp_path / "t.npz")
+    tau = np.column_stack([found[f"tau{k + 1}"] for k in range(arm.n_joint)])
+    np.testing.assert_allclose(tau, inverse_dynamics(arm, q, dq, ddq), atol=1e-9)
+
+
+def test_a_force_of_a_table_acts_on_its_link(fitter, tmp_path):
+    arm = load_arm("human-leg-right")
+    t = np.arange(50) / 100.0
+    still = np.zeros((50, arm.n_joint))
+    write_motion(tmp_path / "m.csv", {"t": t, "q": still, "dq": still, "ddq": still})
+    rows = "\n".join(f"{x:.2f}\t0\t0\t700\t0.1\t0\t-0.9\t0\t0\t0" for x in t)
+    names = "\t".join(
+        ["time", *(f"ground_force_{k}{a}" for k in "vp" for a in "xyz"), *(f"ground_torque_{a}" for a in "xyz")]
+    )
+    (tmp_path / "f.mot").write_text(f"forces\nversion=1\nnRows=50\nnColumns=10\nendheader\n{names}\n{rows}\n")
+    plain = fitter("torque", tmp_path / "m.csv", "--arm", "human-leg-right", "--out", tmp_path / "a.npz")
+    ground = ("--ground", tmp_path / "f.mot")
+    loaded = fitter("torque", tmp_path / "m.csv", "--arm", "human-leg-right", *ground, "--out", tmp_path / "b.npz")
+    assert (plain.code, loaded.code) == (0, 0)
+    assert loaded.document["contacts"][0]["joint"] == arm.n_joint
+    # a force of 700 N upwards, 0.1 m ahead of the hip, takes 70 N m off what bends it about the axis to the right
+    difference = np.load(tmp_path / "b.npz")["tau1"] - np.load(tmp_path / "a.npz")["tau1"]
+    np.testing.assert_allclose(difference, -70.0, atol=1e-9)
+    wrong = fitter(
+        "torque",
+        tmp_path / "m.csv",
+        "--arm",
+        "human-leg-right",
+        *ground,
+        "--contact",
+        "x=6",
+        "--out",
+        tmp_path / "c.npz",
+    )
+    assert wrong.code == 2 and "no such plate" in wrong.errors[0]
+
+
+def test_a_draft_of_a_marker_set_names_the_clusters(fitter, tmp_path, recorded):
+    _, trial, _ = recorded
+    drafted = fitter("marker-set", trial, "--out", tmp_path / "draft.toml")
+    assert drafted.code == 0, drafted.errors
+    assert any(set(one["markers"]) == {"B1", "B2", "B3", "B4"} for one in drafted.document["clusters"])
+    assert "cluster_1" in (tmp_path / "draft.toml").read_text()
+
+
+def test_mistakes_are_sentences(fitter, tmp_path, recorded):
+    _, trial, marker_set = recorded
+    out = tmp_path / "arm.toml"
+    assert "--marker-set is missing" in fitter("kinematics", trial, "--body", "human-arm-right", "--out", out).said
+    assert "--arm is missing" in fitter("kinematics", trial, "--out", out).said
+    partly = fitter(
+        "kinematics", trial, "--body", "human-arm-right", "--marker-set", marker_set, "--mass", 70, "--out", out
+    )
+    assert partly.code == 2 and "--height and --sex" in partly.errors[0]
+    without = fitter("track", trial, "--arm", "human-arm-right", "--out", tmp_path / "m.csv")
+    assert without.code == 2 and "[[marker]]" in without.errors[0]

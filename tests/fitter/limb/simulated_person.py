@@ -1,0 +1,99 @@
+"""A person's limb with a known truth: a preset bent a little, markers on it, a motion, a base that moves."""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from scipy.ndimage import gaussian_filter1d
+from scipy.spatial.transform import Rotation
+
+from arm.body.landmarks import landmark_places, limb_map, middle_of
+from arm.body.limbs import MEAN_PERSON, limb
+from arm.kinematics import axis_frames
+from arm.model import Arm, Floats
+from fitter.functional.marker_set import MarkerSet
+from fitter.markers.recording import MarkerRecording
+
+RATE_HZ = 50.0
+
+
+@dataclass(frozen=True)
+class Person:
+    """The truth, and what was recorded of it."""
+
+    arm: Arm
+    recordings: tuple[MarkerRecording, ...]
+    marker_set: MarkerSet
+    q: tuple[Floats, ...]
+    R: tuple[Floats, ...]
+    p: tuple[Floats, ...]
+    base_p: Floats
+
+
+def wander(rng: np.random.Generator, n: int, seconds: float, columns: int) -> Floats:
+    """Return smooth noise of rms one, (n, columns)."""
+    raw = gaussian_filter1d(rng.normal(size=(n + 400, columns)), seconds * RATE_HZ, axis=0)[200:-200]
+    return raw / np.sqrt(np.mean(raw**2, axis=0))
+
+
+def person(
+    preset: str = "human-arm-right", seed: int = 0, n: int = 600, trials: int = 1, noise_m: float = 5e-4
+) -> Person:
+    """Simulate a person; its lengths and its axes are not the preset's."""
+    rng = np.random.default_rng(seed)
+    arm = limb(replace(MEAN_PERSON, preset=preset), "scapula")
+    numbers = {name: np.array([getattr(j, name) for j in arm.joints]) for name in ("alpha_rad", "a_m", "d_m")}
+    numbers["d_m"][2] *= 1.05
+    is_arm = "arm" in preset
+    if is_arm:
+        numbers["d_m"][4] *= 0.96
+        numbers["alpha_rad"][3:7] += [0.06, -0.05, 0.04, -0.05]
+        numbers["a_m"][3:5] = [0.004, -0.003]
+    else:
+        numbers["a_m"][3] *= 0.96
+        numbers["alpha_rad"][4:6] += [0.05, -0.2]
+    arm = arm.with_joints(**numbers)
+    where = limb_map(preset, arm.n_joint)
+    base_p = np.array([0.02, -0.03, -0.06])
+    landmarks = {k: v for k, v in landmark_places(arm, where, 1.741).items() if v[0] >= 0}
+    segments: dict[str, tuple[str, ...]] = {where.base: ("B1", "B2", "B3", "B4")}
+    names, links, places = [], [], []
+    for segment, part in where.parts.items():
+        own = [f"{segment}{k}" for k in range(3)]
+        segments[segment] = tuple(own)
+        for k, name in enumerate(own):
+            names.append(name)
+            links.append(part.link)
+            places.append(middle_of(arm, where, segment) + 0.05 * np.eye(3)[k] * (-1) ** k)
+    for name, (link, place) in landmarks.items():
+        names.append(name)
+        links.append(link)
+        places.append(place)
+    base_points = np.array([[0.05, 0.0, 0.0], [-0.05, 0.02, 0.0], [0.0, 0.06, 0.03], [0.0, -0.05, 0.04]])
+    qs, Rs, ps, recordings = [], [], [], []
+    low, high = np.array([joint.limits for joint in arm.joints]).T
+    for k in range(trials):
+        q = 0.5 * (low + high) + 0.22 * (high - low) * wander(rng, n, 0.5, arm.n_joint)
+        q[:, 1] = 0.2 + 0.35 * wander(rng, n, 0.5, 1)[:, 0]  # clear of gimbal lock
+        R = Rotation.from_rotvec(0.15 * wander(rng, n, 1.0, 3)).as_matrix()
+        p = 0.05 * wander(rng, n, 1.0, 3) + [0.3, 0.2, 1.2]
+        frames = axis_frames(arm, q)
+        at = [frames[:, i, :3, :3] @ x + frames[:, i, :3, 3] + base_p for i, x in zip(links, places, strict=True)]
+        everything = np.concatenate([np.stack(at, axis=1), np.tile(base_points, (n, 1, 1))], axis=1)
+        world = np.einsum("nij,nmj->nmi", R, everything) + p[:, None]
+        world += noise_m * rng.normal(size=world.shape)
+        all_names = (*names, *segments[where.base])
+        recordings.append(MarkerRecording(f"trial{k}.trc", RATE_HZ, all_names, world, "m", "+z"))
+        qs.append(q)
+        Rs.append(R)
+        ps.append(p)
+    marker_set = MarkerSet("simulated", segments, {name: name for name in landmarks})
+    return Person(arm, tuple(recordings), marker_set, tuple(qs), tuple(Rs), tuple(ps), base_p)
+
+
+def with_gaps(recording: MarkerRecording, rng: np.random.Generator, share: float = 0.15) -> MarkerRecording:
+    """Return a recording whose markers come and go, for a quarter of a second at a time."""
+    positions = recording.positions.copy()
+    block = int(0.25 * RATE_HZ)
+    lost = rng.random((len(positions) // block + 1, positions.shape[1])) < share
+    positions[np.repeat(lost, block, axis=0)[: len(positions)]] = np.nan
+    return replace(recording, positions=positions)
