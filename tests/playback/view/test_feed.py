@@ -20,9 +20,9 @@ class Room:
     def __init__(self, context: "zmq.Context[zmq.Socket[bytes]]", folder: Path) -> None:
         self.publisher = Publisher(context, f"ipc://{folder}/play", "dd-arm", "run", watched=True)
         self.feed = Feed(context, self.publisher.endpoint)
-        while self.feed.newest() is None and not self.feed.broken:  # until it has subscribed
-            self.publisher.publish(PLAY, {})
-            self.publisher.joined()
+        eventually(self.publisher.joined, "a subscription", 30.0)
+        self.publisher.publish(PLAY, {})
+        eventually(lambda: self.feed.broken == 1, "a message was heard", 30.0)
 
     def send(self, topic: str = PLAY, n: int = 1, **fields: Any) -> Picture:
         """Publish a frame at a place, and return the picture of it."""
