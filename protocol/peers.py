@@ -112,7 +112,10 @@ class Peers:
         except (zmq.ZMQError, OSError):  # of this process, told by ZeroMQ itself, or closed meanwhile
             return None
         with self._lock:
-            if descriptor not in self._open:
+            known = self._open.get(descriptor)
+            if (
+                known is None or known.inode != inode
+            ):  # a newcomer, with the number of one that went
                 self._hear(time.monotonic())
             connection = self._open.get(descriptor)
             if connection is not None and connection.inode == inode:
