@@ -25,7 +25,7 @@ from fitter.diagnosis.pushes import with_pushes
 from fitter.diagnosis.refinement import fitted
 from fitter.diagnosis.regression import Regression
 from fitter.diagnosis.run import run_of
-from fitter.diagnosis.screening import screen
+from fitter.diagnosis.screening import events, screen
 from fitter.diagnosis.search import Cause, Search, cause_of, supports
 from fitter.diagnosis.stepwise import Found, Stepwise
 from fitter.diagnosis.telling import concluded, finding_of
@@ -184,7 +184,7 @@ def _found(
     def one_more(n: int) -> None:
         count[0] = n
 
-    likelihood = TorqueLikelihood(regression_of(arm, motions, denied, scale), tried, screen, trying)
+    likelihood = TorqueLikelihood(regression_of(arm, motions, denied, scale), tried, screen, trying, events)
     search = Stepwise(likelihood, len(tried), MOST_CAUSES, one_more)
     found = search.run()
     return likelihood, found, likelihood.was

@@ -169,6 +169,10 @@ class Model:
         """Return this model without its k-th hypothesis."""
         return self.only([i != k for i in range(len(self.hypotheses))])
 
+    def instead(self, k: int, hypothesis: Hypothesis) -> "Model":
+        """Return this model with another hypothesis, of the same psi, in the place of its k-th."""
+        return replace(self, hypotheses=(*self.hypotheses[:k], hypothesis, *self.hypotheses[k + 1 :]))
+
     def only(self, some: Sequence[bool]) -> "Model":
         """Return this model with some of its hypotheses."""
         keep = [i for i, one in enumerate(some) if one]

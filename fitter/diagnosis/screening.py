@@ -47,7 +47,7 @@ def screen(
             return grid.best(hypothesis)
 
     first = side_by_side(best_start, tried, progress)
-    events = _events(regression, accepted)
+    happened = events(regression, accepted.model)
     explained = np.array([one.gain for one in first])
     best = float(explained.max(initial=0.0))
     rank = np.argsort(np.argsort(-explained))
@@ -75,14 +75,14 @@ def screen(
     leading = min((float(one.squares.sum()) for one in candidates), default=float(accepted.squares.sum()))
 
     def as_event(k: int) -> Candidate:
-        candidate = fitted(regression, accepted.model.plus(events[k], events[k].starts([])[0]), refine=False)
+        candidate = fitted(regression, accepted.model.plus(happened[k], happened[k].starts([])[0]), refine=False)
         candidate = by_learning(regression, candidate)
         gain = float(accepted.squares.sum() - candidate.squares.sum())
         if gain > max(UNEXPLAINED * accepted.squares.sum(), (accepted.squares.sum() - leading) / PLAINLY):
             candidate = by_learning(regression, fitted(regression, candidate.model, held=held))
         return candidate
 
-    candidates += fitted_all(regression, as_event, accepted, events)
+    candidates += fitted_all(regression, as_event, accepted, happened)
     possible = [one if _possible(one) else Candidate(one.model, one.x, accepted.squares) for one in candidates]
     return sorted(possible, key=lambda one: float(one.squares.sum()))
 
@@ -132,6 +132,6 @@ def _possible(candidate: Candidate) -> bool:
     return hypothesis.possible(candidate.model.psi[-1], factors)
 
 
-def _events(regression: Regression, accepted: Candidate) -> list[Hypothesis]:
+def events(regression: Regression, model: Model) -> list[Hypothesis]:
     """Return loads; pushes are found in the missing torque, once the causes that always act are known."""
-    return find_payloads(regression, accepted.model)
+    return find_payloads(regression, model)

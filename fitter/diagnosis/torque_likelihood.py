@@ -20,6 +20,7 @@ from limbcal.errors import NotConverged
 
 Progress = Callable[[int, int], None]
 Screen = Callable[[Regression, Candidate, Sequence[Hypothesis], Starts, Progress | None], list[Candidate]]
+Events = Callable[[Regression, Model], Sequence[Hypothesis]]
 
 
 class TorqueLikelihood:
@@ -33,6 +34,8 @@ class TorqueLikelihood:
         Tries hypotheses beside a model and returns them fitted (`screening`).
     progress : callable, optional
         Told how many hypotheses were tried, and how many there are.
+    events : callable, optional
+        Returns what may have happened beside a model, at the times and in the trials that explain most.
     moved : float
         Share of what the model lacks that moved the arm, where the torque was measured (`mass_density`).
 
@@ -50,11 +53,13 @@ class TorqueLikelihood:
         tried: Sequence[Hypothesis],
         screen: Screen,
         progress: Progress | None = None,
+        events: Events | None = None,
         moved: float = 0.5,
     ) -> None:
         self.regression = regression
         self.floor = self.was = Floor(*np.ones((3, regression.arm.n_joint)))
         self._tried, self._screen, self._progress, self._starts = list(tried), screen, progress, Starts()
+        self._events = events
         measured = all(motion.trial.tau is not None for motion in regression.motions)
         driven = any(np.any(motion.u) for motion in regression.motions)
         self._weight = moved if measured and driven else 1.0
@@ -116,11 +121,23 @@ class TorqueLikelihood:
         was = np.full(self.regression.arm.n_joint, np.inf)
         for _ in range(ITERATIONS):
             self.reweigh(candidate)
-            candidate = fitted(self.regression, candidate.model)
+            candidate = self._resought(fitted(self.regression, candidate.model))
             now = np.maximum(self.floor.ratio, KNOWN)  # what is less is no floor, and weighs nothing
             if np.all(np.abs(now - was) < SIZE_KNOWN * now):  # it is no better known
                 break
             was = now
+        return candidate
+
+    def _resought(self, candidate: Candidate) -> Candidate:
+        """Return a model whose events are at the times and in the trials that these weights tell."""
+        model = candidate.model
+        for place, hypothesis in enumerate(model.hypotheses):
+            if not hypothesis.is_event or self._events is None:
+                continue
+            for one in self._events(self.regression, model.without(place)):
+                if one.key == hypothesis.key and one.n_number == hypothesis.n_number:
+                    other = fitted(self.regression, candidate.model.instead(place, one))
+                    candidate = min(candidate, other, key=lambda some: float(some.squares.sum()))
         return candidate
 
     def log_places(self, hypothesis: Hypothesis) -> float:

@@ -3,14 +3,18 @@
 import numpy as np
 import pytest
 
+from arm.effects.catalogue import catalogue
 from arm.model import Effect
 from fitter.data.resample import resample
 from fitter.data.trials import derive
 from fitter.diagnosis import error_floor
 from fitter.diagnosis.model import Model
 from fitter.diagnosis.payload import Payload, find_payloads
+from fitter.diagnosis.refinement import fitted
 from fitter.diagnosis.regression import Regression
 from fitter.diagnosis.run import run_of
+from fitter.diagnosis.screening import screen
+from fitter.diagnosis.torque_likelihood import TorqueLikelihood
 from tests.fitter.pendulum import pendulum, swings
 
 
@@ -33,6 +37,18 @@ def test_the_moment_is_found(since_s):
 def test_the_trials_are_found():
     (carried, *_) = found(Effect("payload", {"mass_kg": 0.3, "trials": [2, 5]}))
     assert carried.trials == frozenset({2, 5})
+
+
+def test_trials_that_other_weights_hid_are_found_again():
+    """A load that was first seen in one of its two trials is in both, once what it explains is no floor."""
+    regression = regression_of(Effect("payload", {"mass_kg": 0.3, "trials": [2, 5]}))
+    likelihood = TorqueLikelihood(regression, [], screen, events=find_payloads)
+    likelihood.base()
+    partly = Payload(catalogue()["payload"], frozenset({2}))
+    first = fitted(likelihood.regression, Model().plus(partly, np.zeros(0)))
+    found = likelihood.reweighted(likelihood.fit_of(first)).candidate.hypothesis
+    assert isinstance(found, Payload) and found.trials == frozenset({2, 5})
+    assert likelihood.floor.is_none
 
 
 def test_a_load_that_was_always_there_is_the_arms():
