@@ -81,15 +81,16 @@ def outdone(regression: Regression, final: Candidate) -> bool:
         The model with all causes.
     """
     own = regression.weighted_by(regression.sensors)
-    by_causes, least = fitted(own, final.model, refine=False).squares, np.finfo(np.float64).tiny
+    by_causes = fitted(own, final.model, refine=False).squares
     beyond, known = float(np.mean(by_causes / own.told)) - 1.0, KNOWN - 1.0
     if beyond <= PLAINLY * known:  # whatever a function left, it would not be clearly less
         return False
     fold = Folds(own, fitted(own, Model()))
     functions = best_functions(fold, own.arm.n_joint)
     size = min(functions.left, key=lambda k: functions.left[k])
-    left = fold.squares(functions.of_size[size], functions.joint, smooth=True)
-    logs = np.log(np.maximum(by_causes, least) / np.maximum(left, least))
+    # Less than the noise alone would leave is chance, or rounding.
+    left = np.maximum(fold.squares(functions.of_size[size], functions.joint, smooth=True), own.told)
+    logs = np.log(np.maximum(by_causes, own.told) / left)
     error = logs.std(ddof=1) / np.sqrt(len(logs)) if len(logs) > 1 else np.inf
     least_beyond = float(np.mean(left / own.told)) - 1.0
     return bool(logs.mean() > EQUAL_SIGMAS * error and beyond > PLAINLY * max(least_beyond, known))
