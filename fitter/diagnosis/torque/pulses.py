@@ -146,7 +146,7 @@ def _beside(background: Background, rows: Sequence[Rows], joint: int, n_joint: i
         nats = _worth(rows, likely, pulse, background)
         is_sized = abs(pulse.torque_N_m) > EQUAL_SIGMAS * pulse.torque_std  # as of any cause
         span_s = float(rows[pulse.trial].t[-1] - rows[pulse.trial].t[0])
-        is_placed = np.isinf(pulse.duration_std) or pulse.duration_std < span_s  # unseen, or within its trial
+        is_placed = pulse.duration_std < span_s
         return bool(is_sized and is_placed and min(nats - places, tail.nats(nats) - blocks) > ODDS_NATS)
 
     return [pulse for pulse in likely if is_one(pulse)]

@@ -37,6 +37,17 @@ def test_nothing_is_found_where_nothing_is_known():
     assert find_pulses([part]) == []
 
 
+@pytest.mark.parametrize("start_s", [3.7, 3.83, 3.9])
+def test_a_pulse_that_begins_at_rest_is_found(start_s):
+    """Its size and its end are known; when it began, only that it was while nothing was seen."""
+    part = trial(np.random.default_rng(7), [(start_s, 4.4 - start_s, 0.8, "rectangular")])
+    part.known[:, 0] = part.t > 4.0
+    (found,) = find_pulses([part])
+    assert found.torque_N_m == pytest.approx(0.8, abs=4.0 * found.torque_std)
+    assert abs(found.start_s - start_s) < found.start_std < 1.5
+    assert found.start_s + found.duration_s == pytest.approx(4.4, abs=0.06)
+
+
 def test_pulses_that_are_much_of_what_is_known_are_found():
     rng = np.random.default_rng(8)
     sizes = {1: 2.0, 4: -1.8, 6: 2.2}
