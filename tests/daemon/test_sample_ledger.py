@@ -256,6 +256,12 @@ def test_steps_across_missing_frames_do_not_measure_the_rate() -> None:
     assert backwards.step.ticks_per_sample == pytest.approx(110.0)
 
 
+def test_where_most_frames_are_missing_the_others_measure_the_rate() -> None:
+    ledger = after(frame_at(0, 1000))
+    ledger.decide([frame_at(k, 1000 + 32 * 110 * k) for k in (1, 3, 5, 7, 9, 11)])
+    assert ledger.step.ticks_per_sample == pytest.approx(110.0)
+
+
 def test_a_frame_is_doubted_until_the_rate_is_measured() -> None:
     ledger = after(frame_at(0, 1000))
     assert not ledger.doubts(frame_at(1, 5000))
