@@ -252,8 +252,9 @@ class Supervisor:
 
     def _room(self) -> str:
         """Return an endpoint that only this user can reach; once both ends are there its name can go."""
-        self._rooms.append(tempfile.mkdtemp(prefix="limbd-"))
-        return f"ipc://{self._rooms[-1]}/recorder"
+        room = tempfile.mkdtemp(prefix="limbd-")
+        self._rooms.append(room)
+        return f"ipc://{room}/recorder"
 
     def _clear_rooms(self) -> None:
         while self._rooms:
