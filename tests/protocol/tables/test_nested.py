@@ -269,6 +269,13 @@ def test_labels_come_with_their_rows(tmp_path):
         short.read({"q": [Column("q")]}, "trial")
 
 
+def test_one_clock_may_be_that_of_every_motion(tmp_path):
+    file = nested({"t": [0.0, 0.5], "runs": [{"q": [1, 2]}, {"q": [3, 4]}]}, tmp_path)
+    found = file.read({"t": [Column("t")], "q": [Column("runs.q")]}, None)
+    assert [rows.groups["t"][:, 0].tolist() for rows in found] == [[0.0, 0.5]] * 2
+    assert [rows.groups["q"][:, 0].tolist() for rows in found] == [[1, 2], [3, 4]]
+
+
 def test_every_motion_has_labels_of_its_own(tmp_path):
     runs = [{"q": [1, 2], "who": ["a", "b"]}, {"q": [3, 4], "who": ["c", "d"]}]
     found = nested({"runs": runs}, tmp_path).read({"q": [Column("runs.q")]}, "runs.who")
