@@ -77,3 +77,11 @@ def test_an_arm_is_let_go_of_before_it_is_seen_to_move(level_bench, readings):
     release(course, still)
     assert still[:60].all() and not still[70:].any()
     np.testing.assert_array_equal(course.rest[:, 0] > 0.0, still)
+
+
+def test_gravity_corrects_where_an_arm_was_thought_to_rest(upright_bench, decimated):
+    """What a tracker says is a guess, unless it says how well it knows it."""
+    readings = decimated(upright_bench, RATE_HZ)
+    said = upright_bench.q[0] + [0.1, -0.05]
+    found = MotionFollower(upright_bench.arm, 0, (3,)).follow(readings, said, None, upright_bench.q[-1])
+    assert np.abs(found.q[0] - upright_bench.q[0]).max() < 0.01
