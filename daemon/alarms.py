@@ -129,7 +129,7 @@ def wrong_channels(names: Sequence[str], reading: Reading) -> dict[tuple[str, st
             wrong["flat", name] = "it stood still in the last second"
         elif reading.noise[k] > _NOISY * usual > 0.0:
             wrong["noisy", name] = f"{reading.noise[k]:.2g} m/s^2 rms, the others {usual:.2g}"
-    for k in range(0, len(names) - 2, 3):
+    for k in range(0, len(names), 3):
         size = float(np.linalg.norm(reading.mean[k : k + 3]))
         if still_axes(reading, k) and abs(size - _GRAVITY) > _IMPLAUSIBLE * _GRAVITY:
             wrong["gravity", names[k][:-1]] = f"{size:.2f} m/s^2 at rest"

@@ -66,6 +66,21 @@ class RecordTable(_Table):
     file_minutes: Annotated[Number, Field(gt=0)] = 60.0
     free_mb: Annotated[Number, Field(ge=0)] = 100.0
 
+    @property
+    def file_bytes(self) -> int:
+        """How large a file grows."""
+        return int(1e6 * self.file_mb)
+
+    @property
+    def file_s(self) -> float:
+        """For how long a file is written."""
+        return 60.0 * self.file_minutes
+
+    @property
+    def free_bytes(self) -> int:
+        """What must be free on the disk."""
+        return int(1e6 * self.free_mb)
+
 
 class TrialsTable(_Table):
     """`[trials]`: the first so many motions are for learning, the rest for evaluating."""

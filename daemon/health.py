@@ -160,7 +160,7 @@ def _sensors(names: Sequence[str], reading: Reading) -> list[tuple[str, list[flo
     """Return each sensor's name, its mean reading [m/s^2] where there is one, and whether it was still."""
     return [
         (names[k][:-1], reading.mean[k : k + 3].tolist() if reading.samples else None, still_axes(reading, k))
-        for k in range(0, len(names) - 2, 3)
+        for k in range(0, len(names), 3)
     ]
 
 

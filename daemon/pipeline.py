@@ -69,7 +69,7 @@ class Pipeline:
         self._names = [channel.name for channel in reception.info.channels]
         record = setup.config.record
         self._directory = None if record is None else record.directory
-        free_bytes = 0 if record is None else int(1e6 * record.free_mb)
+        free_bytes = 0 if record is None else record.free_bytes
         self._symptoms = Symptoms(reception, self._names, free_bytes)
         self._alarms = Alarms()
         self._dropped = 0

@@ -115,15 +115,14 @@ class SampleLedger:
 
     def decide(self, frames: Sequence[SamplesFrame]) -> None:
         """Measure the ticks of a sample from frames that are to be entered."""
-        before = [] if self._ticks is None else [(self._sequence, self._ticks, self._frame_samples)]
-        stamps = [*before, *((one.sequence, one.ticks, len(one.counts)) for one in frames)]
+        stamps = [(one.sequence, one.ticks, len(one.counts)) for one in frames]
+        if self._ticks is not None and self._sequence is not None:
+            stamps.insert(0, (self._sequence, self._ticks, self._frame_samples))
         self.step.decide(
             [
                 (ticks - last_ticks, samples)
                 for (last, last_ticks, samples), (sequence, ticks, _) in pairwise(stamps)
-                if last is not None
-                and sequence == (last + 1) % SEQUENCES
-                and not self.step.went_back(ticks - last_ticks)
+                if sequence == (last + 1) % SEQUENCES and not self.step.went_back(ticks - last_ticks)
             ]
         )
 

@@ -115,7 +115,7 @@ class Supervisor:
             recorder, recording = self._room(), self._recording_path(config.record.directory)
             texts = (format_arm(self._setup.arm), format_config(config))
             table = config.record
-            limits = Limits(int(1e6 * table.file_mb), 60.0 * table.file_minutes, int(1e6 * table.free_mb))
+            limits = Limits(table.file_bytes, table.file_s, table.free_bytes)
             self._children["recorder"] = Child(
                 context, "recorder", "daemon.recorder:run_recorder", recorder, recording, *texts, limits
             )
@@ -252,8 +252,9 @@ class Supervisor:
 
     def _room(self) -> str:
         """Return an endpoint that only this user can reach; once both ends are there its name can go."""
-        self._rooms.append(tempfile.mkdtemp(prefix="limbd-"))
-        return f"ipc://{self._rooms[-1]}/recorder"
+        room = tempfile.mkdtemp(prefix="limbd-")
+        self._rooms.append(room)
+        return f"ipc://{room}/recorder"
 
     def _clear_rooms(self) -> None:
         while self._rooms:

@@ -188,18 +188,17 @@ class Player:
     def _frames(self, places: Floats) -> list[Frame]:
         """Return the frames at places of the motion, (k,) [s], all but their numbers and stamps."""
         rows = _moved(self.arm, self._motion, places)
-        twin = self.source.twin
-        beside = None if self._twin is None or twin is None else _moved(twin.arm, self._twin, places)
+        twin, beside = self.source.twin, None
+        if self._twin is not None and twin is not None:
+            beside = twin.name, _moved(twin.arm, self._twin, places)
         frames: list[Frame] = []
         for k, place in enumerate(places.tolist()):
-            before = max(place - self.head.speed / self.head.rate_hz, 0.0)
+            before = place - self.head.speed / self.head.rate_hz
             frame: Frame = {name: values[k : k + 1] for name, values in rows.items()}
             frame["gap"] = self._motion.gap_between(before, place)
-            if beside is not None and twin is not None:
-                frame["twin"] = {
-                    "name": twin.name,
-                    **{name: values[k : k + 1] for name, values in beside.items()},
-                }
+            if beside is not None:
+                whose, moved = beside
+                frame["twin"] = {"name": whose, **{name: values[k : k + 1] for name, values in moved.items()}}
             frames.append(frame)
         return frames
 

@@ -136,7 +136,7 @@ class RecordingReader(Iterator[tuple[str, dict[str, Any], int]]):
     def _unpacked(self) -> Iterator[McapRecord]:
         """Yield the records, those inside a chunk in its place."""
         with _open(self.path) as file:
-            place = 0
+            place = file.tell()
             for record in _records(file):
                 if record is None:
                     self.cut = True

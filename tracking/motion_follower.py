@@ -15,7 +15,7 @@ from arm.model import Arm, Floats
 from tracking.draws import DRAWS, Draws
 from tracking.kalman_step import Course
 from tracking.linear_response import respond
-from tracking.observation import Observation, room_of
+from tracking.observation import ABSENT, Observation, room_of
 from tracking.readings import Readings
 from tracking.sensor_paths import SensorPaths
 from tracking.smoother import Smoother
@@ -153,7 +153,7 @@ class MotionFollower:
 def _with_lengths(arm: Arm, of: Observation, state: Floats) -> Arm:
     """Return the arm with its lengths as far as the smoother knows them."""
     lengths = np.array([[joint.a_m, joint.d_m] for joint in arm.joints])
-    known = of.length_column >= 0
+    known = of.length_column != ABSENT
     lengths[known] += state[of.length_column[known]]
     return arm.with_joints(a_m=lengths[:, 0], d_m=lengths[:, 1])
 

@@ -22,10 +22,12 @@ from limbcal.compiled import compiled
 #: Constants a sensor: three of scale, three of misalignment, three of place.
 MOUNTING = 9
 MOUNTING_NAMES = tuple(f"{kind}_{axis}" for kind in ("scale", "turn", "place") for axis in "xyz")
+#: The column of an entry that the state does not have; compiled code asks for less than 0.
+ABSENT = -1
 
 
 class Observation(NamedTuple):
-    """Constants of the observation; columns count from 0 in the state, -1 where the state has no such entry.
+    """Constants of the observation; columns count from 0 in the state, `ABSENT` where it has no such entry.
 
     Attributes
     ----------
@@ -80,12 +82,12 @@ def observation_of(arm: Arm, mountings: bool = False) -> tuple[Observation, int]
     link = np.array([sensor.joint - 1 for sensor in arm.sensors], dtype=np.int64)
     corner = 2.0 * np.pi * np.array([sensor.highpass_hz for sensor in arm.sensors])
     size = 3 * n + 3 * n_sensor
-    length_column = np.full((n, 2), -1, dtype=np.int64)
+    length_column = np.full((n, 2), ABSENT, dtype=np.int64)
     for i in range(int(link.max())):  # the far end of the last link with a sensor moves no sensor
         length_column[i, 0], size = size, size + 1
         if arm.joints[i + 1].type == "revolute":  # the first d moves all alike, a sliding joint's is its zero
             length_column[i + 1, 1], size = size, size + 1
-    settled_column, corner_column, mounting_column = np.full((3, n_sensor), -1, dtype=np.int64)
+    settled_column, corner_column, mounting_column = np.full((3, n_sensor), ABSENT, dtype=np.int64)
     for s in np.flatnonzero(corner).tolist():
         settled_column[s], size = size, size + 3
         if mountings:
@@ -96,7 +98,7 @@ def observation_of(arm: Arm, mountings: bool = False) -> tuple[Observation, int]
     depends: list[list[int]] = []
     for s in range(n_sensor):
         a, d = length_column[: link[s], 0], length_column[: link[s] + 1, 1]
-        shared = [*range(3 * (link[s] + 1)), *a[a >= 0], *d[d >= 0]]
+        shared = [*range(3 * (link[s] + 1)), *a[a != ABSENT], *d[d != ABSENT]]
         if mountings:
             shared += range(mounting_column[s], mounting_column[s] + MOUNTING)
         depends += [[*shared, 3 * n + 3 * s + axis] for axis in range(3)]

@@ -12,7 +12,7 @@ import numpy as np
 
 from arm.kinematics import rotation_from_rpy, rpy_from_rotation
 from arm.model import Arm, Floats, Sensor, SensorCovariance, Vector3
-from tracking.observation import MOUNTING, Observation
+from tracking.observation import ABSENT, MOUNTING, Observation
 from tracking.readings import Readings
 from tracking.smoother import Smoothed, Smoother
 from tracking.start import MountingPrior
@@ -125,12 +125,12 @@ def _columns(arm: Arm, of: Observation) -> list[tuple[int, str, str, str]]:
     """Return column, sensor, name and unit of every number that is sought."""
     n, found = arm.n_joint, []
     for s, sensor in enumerate(arm.sensors):
-        bias = int(of.settled_column[s]) if of.settled_column[s] >= 0 else 3 * n + 3 * s
+        bias = int(of.settled_column[s]) if of.settled_column[s] != ABSENT else 3 * n + 3 * s
         found += [(bias + k, sensor.name, f"bias_{axis}", "m/s^2") for k, axis in enumerate(_AXES)]
         names = [(f"{kind}_{axis}", unit) for kind, unit in _KINDS for axis in _AXES]
         first = int(of.mounting_column[s])
         found += [(first + k, sensor.name, name, unit) for k, (name, unit) in enumerate(names)]
-        if of.corner_column[s] >= 0:
+        if of.corner_column[s] != ABSENT:
             found.append((int(of.corner_column[s]), sensor.name, "highpass_hz", "Hz"))
     return found
 
@@ -144,7 +144,7 @@ def _estimates(arm: Arm, of: Observation, known: Smoothed, before: Floats) -> li
     factor = np.ones(len(std))
     for s in range(len(arm.sensors)):
         nominal[of.mounting_column[s] : of.mounting_column[s] + 3] = of.scale[s]
-        if of.corner_column[s] >= 0:
+        if of.corner_column[s] != ABSENT:
             nominal[of.corner_column[s]], factor[of.corner_column[s]] = of.corner[s], 0.5 / np.pi
     value = (known.final + nominal) * factor
     return [
@@ -203,9 +203,9 @@ def _with_sensors(arm: Arm, of: Observation, x: Floats) -> Arm:
         first = of.mounting_column[s]
         scale, turn, place = x[first : first + MOUNTING].reshape(3, 3)
         rotation = rotation_from_rpy(*sensor.rotation_rad) @ _rotation(turn)
-        corner = of.corner[s] + (x[of.corner_column[s]] if of.corner_column[s] >= 0 else 0.0)
+        corner = of.corner[s] + (x[of.corner_column[s]] if of.corner_column[s] != ABSENT else 0.0)
         settled = of.settled_column[s]
-        offset = slice(settled, settled + 3) if settled >= 0 else slice(3 * n + 3 * s, 3 * n + 3 * s + 3)
+        offset = slice(settled, settled + 3) if settled != ABSENT else slice(3 * n + 3 * s, 3 * n + 3 * s + 3)
         sensors.append(
             Sensor(
                 sensor.name,

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from arm.model import Arm, Floats, SensorCovariance
-from tracking.observation import MOUNTING, MOUNTING_NAMES, Observation, observe, room_of
+from tracking.observation import ABSENT, MOUNTING, MOUNTING_NAMES, Observation, observe, room_of
 
 #: An accelerometer's offset where nothing is known of it, and at the least and at the most where the first
 #: readings, taken together, show how large the offsets of these sensors are [m/s^2].
@@ -88,16 +88,16 @@ def start_state(
     std[2 : 3 * n : 3] = _RESTING_STD if steady else _MOVING_STD
     for joint, columns in zip(arm.joints, of.length_column, strict=True):
         for length, column in zip((joint.a_m, joint.d_m), columns, strict=True):
-            if column >= 0:
+            if column != ABSENT:
                 guess = max(abs(length), _LEAST_LENGTH_STD_M)
                 std[column] = guess if joint.length_std_m is None else joint.length_std_m
     for s in range(n_sensor):
-        if of.settled_column[s] >= 0:
+        if of.settled_column[s] != ABSENT:
             settled = slice(of.settled_column[s], of.settled_column[s] + 3)
             x[settled], std[settled] = first[3 * s : 3 * s + 3], _SETTLED_STD
-        if of.corner_column[s] >= 0:
+        if of.corner_column[s] != ABSENT:
             std[of.corner_column[s]] = _CORNER_SHARE * of.corner[s]
-        if of.mounting_column[s] >= 0:
+        if of.mounting_column[s] != ABSENT:
             begin = of.mounting_column[s]
             std[begin : begin + MOUNTING] = np.repeat((mounting.scale, mounting.turn_rad, mounting.place_m), 3)
     P += np.diag(std**2)
@@ -111,7 +111,7 @@ def _take_over(arm: Arm, of: Observation, known: SensorCovariance, P: Floats) ->
     columns, places = [], []
     for place, parameter in enumerate(known.parameters):
         sensor, _, number = parameter.rpartition(" ")
-        if number in MOUNTING_NAMES and of.mounting_column[arm.sensor_index(sensor)] >= 0:
+        if number in MOUNTING_NAMES and of.mounting_column[arm.sensor_index(sensor)] != ABSENT:
             columns.append(int(of.mounting_column[arm.sensor_index(sensor)]) + MOUNTING_NAMES.index(number))
             places.append(place)
     P[np.ix_(columns, columns)] = known.matrix()[np.ix_(places, places)]

@@ -2,6 +2,7 @@
 
 import numpy as np
 from scipy.interpolate import make_interp_spline
+from scipy.spatial.transform import Rotation
 
 from arm.kinematics import rotation_from_rpy
 from arm.model import Arm, Floats
@@ -57,16 +58,16 @@ def base_state(arm: Arm, t: Floats, columns: Floats | None, where: str) -> BaseS
     length = np.linalg.norm(columns[:, 3:], axis=1)
     if np.any(np.abs(length - 1.0) > _LENGTH):
         row = int(np.argmax(np.abs(length - 1.0)))
-        raise DataError(f"{where}: base_qw … base_qz has length {length[row]:.3g} in row {row + 1}, expected 1")
+        raise DataError(f"{where}: base_qw … base_qz has length {length[row]:.4g} in row {row + 1}, expected 1")
     quaternion = columns[:, 3:] / length[:, None]
     flips = np.where(np.sum(quaternion[1:] * quaternion[:-1], axis=1) < 0.0, -1.0, 1.0)
     quaternion = quaternion * np.cumprod(np.concatenate([[1.0], flips]))[:, None]  # q and -q are one turn
     rate, second = derivatives(t, quaternion)
     conjugate = quaternion * np.array([1.0, -1.0, -1.0, -1.0])
-    omega = 2.0 * _product(rate, conjugate)[:, 1:]
-    omega_dot = 2.0 * _product(second, conjugate)[:, 1:]  # that of dq dq* is a scalar
+    omega = 2.0 * _vector_of_product(rate, conjugate)
+    omega_dot = 2.0 * _vector_of_product(second, conjugate)  # that of dq dq* is a scalar
     _, acceleration = derivatives(t, columns[:, :3])
-    R = _matrices(quaternion)
+    R = Rotation.from_quat(quaternion, scalar_first=True).as_matrix()
     own_R, own_p = np.eye(3), np.zeros(3)
     if arm.base is not None:
         own_R, own_p = rotation_from_rpy(*arm.base.rotation_rad), np.array(arm.base.position_m)
@@ -75,19 +76,6 @@ def base_state(arm: Arm, t: Floats, columns: Floats | None, where: str) -> BaseS
     return BaseState(R @ own_R, columns[:, :3] + lever, omega, omega_dot, acceleration + swing)
 
 
-def _product(a: Floats, b: Floats) -> Floats:
-    """Return products of quaternions w, x, y, z, (n, 4)."""
-    w = a[:, 0] * b[:, 0] - np.sum(a[:, 1:] * b[:, 1:], axis=1)
-    v = a[:, :1] * b[:, 1:] + b[:, :1] * a[:, 1:] + np.cross(a[:, 1:], b[:, 1:])
-    return np.column_stack([w, v])
-
-
-def _matrices(quaternion: Floats) -> Floats:
-    w, x, y, z = quaternion.T
-    return np.array(
-        [
-            [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
-            [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
-            [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
-        ]
-    ).transpose(2, 0, 1)
+def _vector_of_product(a: Floats, b: Floats) -> Floats:
+    """Return the vector parts of products of quaternions w, x, y, z, (n, 4)."""
+    return a[:, :1] * b[:, 1:] + b[:, :1] * a[:, 1:] + np.cross(a[:, 1:], b[:, 1:])

@@ -146,7 +146,7 @@ class _Motion:
         holes = np.flatnonzero(steps > HOLE_STEPS * usual_s)
         end = int(holes[0]) + 1 if holes.size else self._held
         if self._grid is not None:
-            yield from self._parted(rows, end, over or end < self._held)
+            yield from self._parted(rows, end)
         elif end > self._longest:
             self._grid = grid_of(rows.t[:end], self._rate_hz)
             self._margin = self._grid.rows(self._margin_of(self._grid.step_s))
@@ -163,10 +163,10 @@ class _Motion:
         self._hold(rows, end)
         return Stretch(piece, slice(0, end), True, True)
 
-    def _parted(self, rows: Measured, end: int, complete: bool) -> Iterator[Stretch]:
+    def _parted(self, rows: Measured, end: int) -> Iterator[Stretch]:
         """Give out the next stretch of a long piece, of which rows up to ``end`` are here."""
         stop = self._first + self._portion
-        if complete and stop + self._margin >= end:
+        if stop + self._margin >= end:  # which is the piece's: of one that goes on more than that is held
             stop = end
         begin, until = max(0, self._first - self._margin), min(end, stop + self._margin)
         cut = end < self._held

@@ -1,5 +1,6 @@
 """From where an arm is looked at, and how large it is then."""
 
+import itertools
 from dataclasses import dataclass
 
 import numpy as np
@@ -78,7 +79,7 @@ def look_at(movers: tuple[Mover, ...], width: int, height: int, head: int = 0) -
 
 def _box_corners(points: Floats) -> Floats:
     low, high = points.min(axis=0), points.max(axis=0)
-    return np.array([[x, y, z] for x in (low[0], high[0]) for y in (low[1], high[1]) for z in (low[2], high[2])])
+    return np.array(list(itertools.product(*zip(low, high, strict=True))))
 
 
 def _common_axis(arm: Arm) -> Floats | None:
@@ -93,11 +94,9 @@ def _common_axis(arm: Arm) -> Floats | None:
 
 def _above(axis: Floats, up: Floats) -> Floats:
     """Return the view along an axis, upward up where it can be, tilted a little."""
-    vertical = up - (up @ axis) * axis
-    if np.linalg.norm(vertical) < 0.1:
-        vertical = np.eye(3)[1] - axis[1] * axis
-        if np.linalg.norm(vertical) < 0.1:
-            vertical = np.eye(3)[2] - axis[2] * axis
+    _, y, z = np.eye(3)
+    across = (direction - (direction @ axis) * axis for direction in (up, y, z))
+    vertical = next(part for part in across if np.linalg.norm(part) > 0.1)
     vertical /= np.linalg.norm(vertical)
     c, s = np.cos(np.radians(TILT_DEG)), np.sin(np.radians(TILT_DEG))
     return np.array([np.cross(vertical, axis), c * vertical + s * axis, c * axis - s * vertical])

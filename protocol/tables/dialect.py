@@ -74,7 +74,7 @@ def encoding_of(head: bytes) -> str:
         return "utf-8-sig"
     if head.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)):
         return "utf-16"
-    for encoding, zeros in (("utf-16-le", head[1::2]), ("utf-16-be", head[0::2])):
+    for encoding, zeros in (("utf-16-le", head[1::2]), ("utf-16-be", head[::2])):
         if head and zeros.count(0) > 0.4 * len(head) / 2:  # in Latin script nearly every other byte is 0
             return encoding
     for encoding in ("utf-8", "cp1252"):
@@ -170,7 +170,8 @@ def _lines(head: bytes, encoding: str) -> list[tuple[int, str]]:
     for line in head[offset:].splitlines(keepends=True):
         text = line.decode(encoding, errors="replace")
         if len(found) == 1 and found[0][1].count('"') % 2:
-            found[0] = found[0][0], found[0][1] + text  # a name with a line's end in it, as spreadsheets have
+            begin, name = found.pop()  # a name with a line's end in it, as spreadsheets have
+            found.append((begin, name + text))
         else:
             found.append((offset, text))
         offset += len(line)

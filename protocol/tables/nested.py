@@ -225,9 +225,7 @@ def _field(node: Node, name: str, where: str) -> Node:
 def _gather(nodes: list[Node]) -> Node:
     """Make one column of a list of single values; leave a list of anything else a list."""
     if nodes and all(isinstance(node, np.ndarray) and node.ndim == 0 for node in nodes):
-        values = [node.item() for node in nodes if isinstance(node, np.ndarray)]
-        plain = not any(value is None for value in values)
-        return np.array(values) if plain else np.array(values, dtype=object)
+        return np.array([node.item() for node in nodes if isinstance(node, np.ndarray)])
     return nodes
 
 

@@ -35,6 +35,14 @@ def test_the_example_is_right_and_shows_every_field() -> None:
             assert f"\n{'# ' if value is None else ''}{field} = " in text
 
 
+def test_what_a_recording_may_take_is_in_bytes_and_seconds(tmp_path: Path) -> None:
+    path = tmp_path / "limbd.toml"
+    path.write_text(EXAMPLE.read_text())
+    record = load_setup(path, {"record": {"file_mb": 1.5, "file_minutes": 2.0, "free_mb": 0.25}}).config.record
+    assert record is not None
+    assert (record.file_bytes, record.file_s, record.free_bytes) == (1_500_000, 120.0, 250_000)
+
+
 def test_metrics_are_shown_as_they_would_be(tmp_path: Path) -> None:
     text = EXAMPLE.read_text().replace("# [metrics]", "[metrics]").replace("# address", "address")
     path = tmp_path / "limbd.toml"

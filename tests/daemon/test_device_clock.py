@@ -60,7 +60,8 @@ def test_a_clock_that_is_none_changes_no_rate() -> None:
 def test_nothing_is_claimed_at_once() -> None:
     clock = DeviceClock(TICK_HZ, 0, START_NS, UTC_NS)
     stream(clock, 50.0, 1.5, np.zeros(500))
-    assert clock.state.ppm is None
+    assert (clock.state.ppm, clock.state.ppm_std, clock.state.error_ms) == (None, None, None)
+    assert 0.0 < clock.state.rate_std < 50e-6  # no worse than what is known of crystals
 
 
 @given(ppm=st.one_of(st.floats(-40_000.0, -5_000.0), st.floats(5_000.0, 40_000.0)), seed=st.integers(0, 9))
@@ -81,6 +82,10 @@ def test_a_rate_that_a_crystal_may_have_is_not_taken_from_few_arrivals() -> None
     clock = DeviceClock(TICK_HZ, 0, START_NS, UTC_NS)
     stream(clock, 0.0, 3.0, 0.003 + rng.exponential(0.01, 300))
     assert abs(clock.state.rate - 1.0) < 30e-6
+    std_ppm = clock.state.ppm_std
+    assert std_ppm is not None
+    both = (50.0**-2 + std_ppm**-2) ** -0.5  # what is known of crystals, and what arrivals say
+    assert clock.state.rate_std == pytest.approx(1e-6 * both)
 
 
 def test_no_stamp_that_is_followed_is_later_than_its_arrival() -> None:
@@ -91,3 +96,39 @@ def test_no_stamp_that_is_followed_is_later_than_its_arrival() -> None:
         clock.note(ticks, arrival_ns)
         late_s = 1e-9 * (arrival_ns + UTC_NS - clock.utc_ns(ticks))
         assert late_s > (-0.03 if k < 100 else -0.0011)
+
+
+def early_ms(clock: DeviceClock, before_ms: float) -> float:
+    """Return what a clock says of something that arrived so long before the tick of a second was over."""
+    ticks = round(TICK_HZ)
+    return 1e3 * clock.early_s(ticks, clock.monotonic_ns(ticks) - round(1e6 * before_ms))
+
+
+@pytest.mark.parametrize(
+    ("before_ms", "early"), [(50.0, 19.0), (30.0, 0.0), (0.0, 0.0), (-80.0, 0.0), (-100.0, -19.0)]
+)
+def test_until_an_error_is_known_31_ms_are_nobody_s(before_ms: float, early: float) -> None:
+    """Three times 10 ms, and 1 ms; what is late may have been gathered for 50 ms more."""
+    assert early_ms(DeviceClock(TICK_HZ, 0, START_NS, UTC_NS), before_ms) == pytest.approx(early, abs=1e-6)
+
+
+def test_a_known_error_takes_the_place_of_the_unknown_one() -> None:
+    clock = DeviceClock(TICK_HZ, 0, START_NS, UTC_NS)
+    stream(clock, 0.0, 5.0, np.full(500, 0.003))
+    error_ms = clock.state.error_ms
+    assert error_ms is not None and error_ms < 3.0
+    assert early_ms(clock, 20.0) == pytest.approx(20.0 - 1.0 - 3.0 * error_ms, abs=1e-6)
+
+
+def test_until_a_line_is_known_arrivals_hold_no_stamp_back() -> None:
+    clock = DeviceClock(TICK_HZ, 0, START_NS, UTC_NS)
+    clock.note(10_000, START_NS + 1_000_000)
+    assert clock.utc_ns(10_000) == UTC_NS + START_NS + 10_000_000
+
+
+def test_what_all_arrivals_are_late_by_is_an_error_of_the_stamps() -> None:
+    clock = DeviceClock(TICK_HZ, 0, START_NS, UTC_NS)
+    stream(clock, 0.0, 5.0, np.full(500, 0.003))
+    for k in range(500, 560):
+        clock.note(10_000 * k, START_NS + 10_000_000 * k + 33_000_000)  # thirty more than before
+    assert clock.state.error_ms == pytest.approx(30.0, abs=3.0)

@@ -10,6 +10,7 @@ from daemon.motion_blocks import (
     bridge_blocks,
     frame_blocks,
     frames_message,
+    raw_block_size,
     raw_message,
 )
 from protocol.plot import plot_rows, plot_step
@@ -58,6 +59,11 @@ def test_every_block_that_bridges_a_gap_is_marked(n: int) -> None:
     assert max(block.n for block in blocks) <= 10
     for block in blocks:
         assert_same_rows(block, frames(block.frame0, block.n, gap=True, claimed=True))
+
+
+@pytest.mark.parametrize(("rate_hz", "samples"), [(32_000.0, 320), (8000.0, 80), (150.0, 2), (20.0, 1)])
+def test_blocks_of_samples_are_ten_milliseconds_long_or_one(rate_hz: float, samples: int) -> None:
+    assert raw_block_size(rate_hz) == samples
 
 
 def test_blocks_of_frames_are_ten_milliseconds_long() -> None:

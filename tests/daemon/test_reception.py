@@ -134,6 +134,18 @@ def test_a_rate_is_known_a_quarter_of_a_second_after_the_first_samples(
     taker.take([Chunk(at_ns, b"".join(encoded(random_counts(64))))], at_ns)
     assert not taker.knows_rate(at_ns + 240_000_000)
     assert taker.knows_rate(at_ns + 260_000_000)
+    later = [encode_samples(random_counts(32), 3, 50 + 2 * TICKS_PER_FRAME)]
+    taker.take([Chunk(at_ns + 200_000_000, b"".join(later))], at_ns + 200_000_000)
+    assert taker.knows_rate(at_ns + 260_000_000)
+
+
+def test_a_slow_rate_is_known_after_some_frames(
+    make_info: MakeInfo, random_counts: Callable[[int], NDArray[np.int16]]
+) -> None:
+    taker, at_ns = reception(make_info(50.0)), time.monotonic_ns()  # a frame every 0.64 s
+    taker.take([Chunk(at_ns, encode_samples(random_counts(32), 1, 50))], at_ns)
+    assert not taker.knows_rate(at_ns + 1_900_000_000)
+    assert taker.knows_rate(at_ns + 1_950_000_000)
 
 
 def test_frames_of_another_width_are_passed_over(make_info: MakeInfo) -> None:

@@ -57,6 +57,16 @@ def run_of(group: list[int], before: list[Run]) -> Run:
     return Run(FRAME * group[0] - due, FRAME * group[0], [times], a)
 
 
+def test_a_block_is_given_out_as_soon_as_it_is_full() -> None:
+    """Ten milliseconds are 80 samples, two frames and a half."""
+    pieces, given_out = SampleBlocks(RATE_HZ), []
+    before: list[Run] = []
+    for k in range(5):
+        before.append(run_of([k], before))
+        given_out.append([piece.n for piece in pieces.add(before[-1])])
+    assert given_out == [[], [], [80], [], [80]]
+
+
 @given(st.sets(st.integers(0, 60), min_size=2), st.sets(st.integers(1, 60)))
 def test_blocks_do_not_depend_on_the_runs(present: set[int], cuts: set[int]) -> None:
     frames = sorted(present)

@@ -104,14 +104,22 @@ def test_numbers_that_begin_anew_are_a_restart_even_if_the_clock_is_ahead() -> N
     assert ledger.missing(SamplesFrame(1, 10**9, np.zeros((32, 12), dtype=np.int16))) is None
 
 
+#: Frames in order before a run, so that the run itself hardly changes the rate that is measured.
+BEFORE = 2000
+ORDERLY = SamplesRun(1, [1000 * k for k in range(1, BEFORE)], np.zeros((32 * (BEFORE - 1), 12), dtype=np.int16))
+
+
 @given(st.lists(st.integers(-600, 600), min_size=1, max_size=6), st.integers(-1, 2))
+@example(
+    jumps=[0, -61, 140], skipped=0
+)  # a step that is hardly short enough, after one that is hardly long enough
 def test_a_run_goes_on_where_none_of_its_frames_misses_samples(jumps: list[int], skipped: int) -> None:
-    ticks = [int(t) for t in 10_000 + 1000 * np.arange(len(jumps)) + np.cumsum(np.array(jumps) // 10)]
-    run = SamplesRun(5 + skipped, ticks, np.zeros((32 * len(ticks), 12), dtype=np.int16))
+    ticks = [int(t) for t in 1000 * (BEFORE + np.arange(len(jumps))) + np.cumsum(np.array(jumps) // 10)]
+    run = SamplesRun(BEFORE + skipped, ticks, np.zeros((32 * len(ticks), 12), dtype=np.int16))
     whole, single = SampleLedger(32000.0, 1e6), SampleLedger(32000.0, 1e6)
-    before = SamplesFrame(4, 9_000, np.zeros((32, 12), dtype=np.int16))
     for ledger in (whole, single):
-        ledger.enter(before, 0)
+        ledger.enter(SamplesFrame(0, 0, np.zeros((32, 12), dtype=np.int16)), 0)
+        ledger.enter_run(ORDERLY)
     goes_on = whole.goes_on(run)
     missing: list[int | None] = []
     for frame in run.frames():
@@ -254,6 +262,12 @@ def test_steps_across_missing_frames_do_not_measure_the_rate() -> None:
     backwards = after(frame_at(0, 10_000_000))
     backwards.decide([frame_at(1, 1000), *(frame_at(k, 1000 + 32 * 110 * (k - 1)) for k in range(2, 8))])
     assert backwards.step.ticks_per_sample == pytest.approx(110.0)
+
+
+def test_where_most_frames_are_missing_the_others_measure_the_rate() -> None:
+    ledger = after(frame_at(0, 1000))
+    ledger.decide([frame_at(k, 1000 + 32 * 110 * k) for k in (1, 3, 5, 7, 9, 11)])
+    assert ledger.step.ticks_per_sample == pytest.approx(110.0)
 
 
 def test_a_frame_is_doubted_until_the_rate_is_measured() -> None:

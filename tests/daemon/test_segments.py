@@ -1,5 +1,6 @@
 """Files end when they are full, and a disk that fails costs nothing as long as it works again."""
 
+import itertools
 import resource
 import shutil
 from collections.abc import Callable, Iterator
@@ -10,6 +11,7 @@ import pytest
 import daemon.segments as module
 from daemon.record_link import Entry
 from daemon.segments import Limits, Segments
+from limbcal.errors import DeviceError
 from protocol.message import TRIAL, encode
 from protocol.recording_reader import read_recording
 
@@ -229,3 +231,70 @@ def test_a_folder_on_a_disk_that_was_taken_out_is_not_made_on_another(tmp_path: 
     assert [what for what, _ in told] == ["pause", "resume"]
     found = numbers(folder)
     assert found == list(range(300 - len(found), 300)) and len(found) > 240
+
+
+def test_files_are_numbered_from_the_second_on(tmp_path: Path) -> None:
+    told: Told = []
+    clock = Clock()
+    some = segments(tmp_path, told, clock, Limits(10**9, 10.0, 0))
+    for number in range(90):
+        clock.now_s += 0.4
+        some.write([entry(number)])
+    some.close()
+    names = sorted(path.name for path in tmp_path.glob("*.mcap"))
+    assert names == ["run-002.mcap", "run-003.mcap", "run-004.mcap", "run.mcap"]
+    assert [path for _, path in told] == [str(tmp_path / f"run-00{k}.mcap") for k in (2, 3, 4)]
+
+
+def test_a_run_without_a_message_leaves_no_file(tmp_path: Path) -> None:
+    some = segments(tmp_path, [], Clock(), Limits(10**9, 1e9, 0))
+    some.write([])
+    some.close()
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize(("free", "goes_on"), [(999_999, False), (1_000_000, True)])
+def test_recording_pauses_below_what_must_be_free(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, free: int, goes_on: bool
+) -> None:
+    monkeypatch.setattr(shutil, "disk_usage", lambda _: shutil._ntuple_diskusage(0, 0, free))
+    clock = Clock()
+    some = segments(tmp_path, [], clock, Limits(10**9, 1e9, 10**6))
+    for number in range(20):
+        clock.now_s += 0.1
+        some.write([entry(number)])
+    assert some.paused != goes_on
+    some.close()
+
+
+def test_a_disk_that_fails_is_tried_ever_more_seldom(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Twice what must be free is needed to go on; and each try that fails for another reason doubles the pause."""
+    free, tried = [0], []
+    monkeypatch.setattr(shutil, "disk_usage", lambda _: shutil._ntuple_diskusage(0, 0, free[0]))
+    clock = Clock()
+    some = segments(tmp_path, [], clock, Limits(10**9, 1e9, 10**6))
+
+    def failing(*_: object, **__: object) -> None:
+        tried.append(clock.now_s)
+        raise DeviceError("the disk failed")
+
+    def wait(seconds: float) -> None:
+        for _ in range(round(10.0 * seconds)):
+            clock.now_s += 0.1
+            some.write([])
+
+    for number in range(20):
+        clock.now_s += 0.1
+        some.write([entry(number)])
+    free[0] = 2 * 10**6 - 1
+    wait(20.0)
+    assert some.paused
+    with monkeypatch.context() as patched:
+        patched.setattr(module, "RecordingWriter", failing)
+        free[0] = 2 * 10**6
+        wait(100.0)
+    pauses = [after - before for before, after in itertools.pairwise(tried)]
+    assert pauses[:2] == pytest.approx([8.0, 16.0], abs=0.3) and pauses == sorted(pauses)
+    wait(100.0)
+    some.close()
+    assert not some.paused and numbers(tmp_path) == list(range(20))

@@ -40,7 +40,9 @@ def test_jitter_of_the_clock_widens_what_is_no_loss() -> None:
         step.go_on(ticks - before, 32, ticks, 32)
         before = ticks
     assert 2.0 < step.tolerance() < 6.0  # five times 141 ticks, in samples, and half of one
+    assert not step.went_back(-300) and step.went_back(-2000)
     assert step.ticks_per_sample == pytest.approx(312.5, rel=1e-3)
+    assert step.changed([(11_000 + off, 32) for off in (0, 300, -300, 200, -200)])
 
 
 def test_one_sample_more_is_more_than_rounding_explains() -> None:
@@ -48,6 +50,38 @@ def test_one_sample_more_is_more_than_rounding_explains() -> None:
     assert step.late(33 * 10_000 // 32, 32) == pytest.approx(1.0, abs=0.01)
     assert 0.5 < step.tolerance() < 0.6  # half a sample, and what two rounded stamps may be off
     assert 0.5 * 312.5 < step.tolerance_ticks < 0.6 * 312.5
+
+
+def test_the_rate_follows_what_a_crystal_is_off_by() -> None:
+    step = TickStep(312.5, 1e7)
+    step.begin(0)
+    for k in range(1, 5001):
+        step.go_on(10_003, 32, 10_003 * k, 32)
+        assert step.ticks_per_sample == pytest.approx(10_003 / 32)
+        assert step.measured == (k >= MAJORITY)
+    assert step.std == pytest.approx(1.5 / (5000 * 10_003), rel=0.1)  # of all five seconds
+
+
+def test_only_the_last_ten_seconds_are_measured() -> None:
+    step = TickStep(312.5, 1e7)
+    step.begin(0)
+    for k in range(1, 15_001):
+        step.go_on(10_000, 32, 10_000 * k, 32)
+    assert step.std == pytest.approx(1.5 / 1e8, rel=0.1)
+
+
+def test_steps_before_a_doubt_count_for_the_majority() -> None:
+    step = TickStep(312.5, 1e7)
+    for _ in range(2):
+        step.go_on(11_000, 32, 0, 32)
+    step.decide([(11_000, 32)] * 3)
+    assert step.measured and step.ticks_per_sample == pytest.approx(343.75)
+
+
+def test_two_steps_are_enough_for_what_an_oscillator_is_off_by() -> None:
+    step = TickStep(312.5, 1e7)
+    step.decide([(11_000, 32)] * 2)
+    assert step.ticks_per_sample == pytest.approx(343.75)
 
 
 def test_few_strays_change_nothing() -> None:

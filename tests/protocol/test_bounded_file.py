@@ -1,5 +1,6 @@
 """Lengths that lie cost no memory."""
 
+import os
 import resource
 import struct
 from pathlib import Path
@@ -18,6 +19,14 @@ def test_it_reads_what_is_left(tmp_path: Path, length: int) -> None:
     with (tmp_path / "x").open("rb") as file:
         assert len(bounded(file).read(length)) == min(length, 70_000)
         assert len(bounded(file).read(length)) == min(length, 70_000 - min(length, 70_000))
+
+
+def test_little_is_read_without_a_look_at_the_file() -> None:
+    """A pipe has no length; what is read of it may be little, and is."""
+    reading, writing = os.pipe()
+    os.write(writing, b"some bytes")
+    with os.fdopen(reading, "rb") as file, os.fdopen(writing, "wb"):
+        assert bounded(file).read(4) == b"some"
 
 
 @pytest.mark.parametrize("opcode", [0x01, 0x03, 0x06, 0x09])  # header, schema, chunk, attachment

@@ -64,3 +64,50 @@ def test_a_lost_reading_is_predicted_and_not_judged(upright_bench, decimated):
         tracker.step(np.full(12, np.nan))
     assert (tracker.angle_variance > 1.1 * variance).all()
     assert tracker.consistency().size is None
+
+
+def test_another_time_from_frame_to_frame_is_gone_on_with(upright_bench, decimated):
+    readings = decimated(upright_bench, RATE_HZ)
+    same, other = (live(upright_bench.arm, readings, upright_bench.q[0]) for _ in range(2))
+    for k, reading in enumerate(readings.values[:400]):
+        if k % 100 == 0:
+            other.retime(2.0 * readings.dt_s)
+            other.retime(readings.dt_s)  # and back
+        assert same.step(reading) == other.step(reading)
+    np.testing.assert_array_equal(same.x, other.x)
+    np.testing.assert_array_equal(same.angle_variance, other.angle_variance)
+    before, dt = other.x.copy(), 3.0 * readings.dt_s
+    other.retime(dt)
+    other.step(np.full(12, np.nan))
+    expected = before[:6:3] + dt * before[1:6:3] + dt**2 / 2 * before[2:6:3]
+    np.testing.assert_allclose(other.x[:6:3], expected, rtol=0, atol=1e-12)
+    np.testing.assert_allclose(other.x[1:6:3], before[1:6:3] + dt * before[2:6:3], rtol=0, atol=1e-12)
+
+
+def test_a_reading_that_no_motion_explains_leaves_the_angles(upright_bench, decimated):
+    readings = decimated(upright_bench, RATE_HZ)
+    tracker = live(upright_bench.arm, readings, upright_bench.q[0])
+    for reading in readings.values[:300]:
+        tracker.step(reading)
+    tracker.consistency()
+    before = tracker.x.copy()
+    with np.errstate(all="ignore"):
+        tracker.step(np.full(12, np.inf))
+    np.testing.assert_array_equal(tracker.x[:6:3], before[:6:3])  # how fast it went then, nobody knows
+    np.testing.assert_array_equal(tracker.x[6:], before[6:])
+    said = tracker.consistency()
+    assert (said.jolts, said.doubted) == (1, 1)
+    tracker.step(readings.values[301])
+    assert np.isfinite(tracker.x).all()
+
+
+def test_it_rests_until_the_arm_moves(upright_bench, decimated):
+    readings = decimated(upright_bench, RATE_HZ)
+    tracker = live(upright_bench.arm, readings, upright_bench.q[0])
+    assert tracker.resting
+    rests = []
+    for reading in readings.values[:500]:
+        tracker.step(reading)
+        rests.append(tracker.resting)
+    moving = np.abs(upright_bench.dq[:: readings.factor][:500]).max(axis=1) > 0.3
+    assert all(rests[:100]) and not any(np.array(rests)[moving])

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from arm.kinematics import sensor_positions
 from tracking.draws import DRAWS
 from tracking.linear_response import respond
 from tracking.motion_follower import MotionFollower
@@ -54,6 +55,22 @@ def test_errors_are_of_the_size_of_the_draws(level_bench, readings, followed):
     assert followed.draws.points.shape == (DRAWS, len(q), 1, 3)
 
 
+def test_velocities_and_paths_are_off_by_what_their_draws_scatter(level_bench, readings, followed):
+    at = readings.t0_s + readings.dt_s * np.arange(len(readings.values))
+    q, dq = (
+        np.column_stack([np.interp(at, level_bench.t, c) for c in of.T]) for of in (level_bench.q, level_bench.dq)
+    )
+    draws = followed.draws
+    std = np.sqrt(((draws.dq - followed.dq) ** 2).mean(axis=0))
+    assert 0.2 < np.sqrt(np.mean(((followed.dq - dq) / std)[100:] ** 2)) < 3.0
+    true = sensor_positions(level_bench.arm, q)
+    beginning = slice(0, 800)  # paths of accelerometers drift away
+    off = (followed.points - (true - true[0]))[beginning]
+    scatter = np.sqrt(np.mean((draws.points[:, :, 0] - followed.points[:, 3])[:, beginning] ** 2))
+    assert np.abs(off).max() < 0.05
+    assert 0.2 < np.sqrt(np.mean(off[:, 3] ** 2)) / scatter < 3.0
+
+
 def test_the_same_seed_gives_the_same_draws(level_bench, readings, followed):
     again = MotionFollower(level_bench.arm, 0, (3,)).follow(readings, level_bench.q[0], None, level_bench.q[-1])
     np.testing.assert_array_equal(again.draws.points, followed.draws.points)
@@ -77,3 +94,11 @@ def test_an_arm_is_let_go_of_before_it_is_seen_to_move(level_bench, readings):
     release(course, still)
     assert still[:60].all() and not still[70:].any()
     np.testing.assert_array_equal(course.rest[:, 0] > 0.0, still)
+
+
+def test_gravity_corrects_where_an_arm_was_thought_to_rest(upright_bench, decimated):
+    """What a tracker says is a guess, unless it says how well it knows it."""
+    readings = decimated(upright_bench, RATE_HZ)
+    said = upright_bench.q[0] + [0.1, -0.05]
+    found = MotionFollower(upright_bench.arm, 0, (3,)).follow(readings, said, None, upright_bench.q[-1])
+    assert np.abs(found.q[0] - upright_bench.q[0]).max() < 0.01

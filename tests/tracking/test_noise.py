@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from tracking.noise import Noise, noise_of
+from tracking.noise import Noise, StepWatch, noise_of
 
 STEP = 0.0015
 RATE_HZ = 4000.0
@@ -74,3 +74,39 @@ def test_any_number_of_readings_will_do(n):
     found = noise_of(readings(0.02)[:n], RATE_HZ)
     assert np.isfinite(found.variance).all() and (found.variance > 0.0).all()
     assert found.variance.shape == found.rounding.shape == (4,)
+
+
+def test_the_parts_of_a_mean_s_noise_add_up():
+    noise = Noise(np.array([4e-4, 1e-9]), np.array([0.0, 1e-6]), 4e-6)
+    white, rounding = noise.parts_of_mean(4)
+    np.testing.assert_allclose(white, [1e-4, 1e-6])  # nobody's accelerometer is perfect
+    np.testing.assert_array_equal(rounding, noise.rounding)
+    np.testing.assert_allclose(white + rounding, noise.of_mean(4))
+
+
+@pytest.mark.parametrize("share", [0.1, 0.2, 0.3])
+def test_what_rounding_hides_goes_by_the_noise_against_the_step(share):
+    """By Widrow and Kollar: a twelfth of a squared step, less the more noise there is."""
+    found = noise_of(readings(share * STEP, motion=0.01, step=STEP), RATE_HZ)
+    expected = STEP**2 / 12.0 * np.exp(-4.0 * np.pi**2 * found.variance / STEP**2)
+    np.testing.assert_allclose(found.rounding, expected, rtol=1e-6)
+
+
+def test_a_channel_that_never_changes_is_converted_like_the_others():
+    some = readings(STEP / 50, motion=0.01, step=STEP)
+    some[:, 2] = 0.3
+    found = noise_of(some, RATE_HZ)
+    assert found.rounding[2] == pytest.approx(STEP**2 / 12.0)
+
+
+def test_a_converter_s_step_is_learnt_when_something_moves():
+    """From one call to the next, too: the last reading of one is held against the first of the other."""
+    watch = StepWatch(Noise(np.zeros(2), np.zeros(2)))
+    still = np.zeros((10, 2))
+    assert not watch.look(still) and not watch.look(still[:0])
+    assert watch.look(still + STEP)
+    np.testing.assert_allclose(watch.noise.rounding, STEP**2 / 12.0)
+    assert not watch.look(still + 3.0 * STEP)  # a step of two
+    assert not watch.look(still + 3.0 * STEP)
+    assert watch.look(np.vstack([still, still + 0.5 * STEP]))
+    np.testing.assert_allclose(watch.noise.rounding, (0.5 * STEP) ** 2 / 12.0)

@@ -157,6 +157,7 @@ def test_what_hides_together_is_at_least_two(level, upright):
         for sentence in calibration.hidden:
             if sentence.startswith("these do not show together: "):
                 assert " + " in sentence or " - " in sentence, sentence
+                assert ": - " not in sentence, sentence  # the others go with or against the first
 
 
 def test_two_runs_are_better_than_one(dd_arm, level, twice):

@@ -146,3 +146,12 @@ def test_what_is_known_of_mountings_takes_the_place_of_what_is_held_of_them(vert
     of, _, P = started(arm, at_rest(vertical, Q), mounting=MountingPrior())
     scale, turn = of.mounting_column[0], of.mounting_column[1] + 5  # scale, turn, place; x, y, z of each
     assert (P[scale, scale], P[turn, turn], P[scale, turn], P[turn, scale]) == (4.0, 9.0, 0.5, 0.5)
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_angles_that_gravity_hardly_shows_stay_near_the_zero(dd_arm, seed):
+    """A plane off level by a minute of arc tells less of them than is known without."""
+    hardly = replace(dd_arm, gravity_m_s2=(0.0, 0.003, 9.80665))
+    offset = 0.02 * np.random.default_rng(seed).normal(size=12)
+    _, x, _ = started(hardly, at_rest(hardly, np.zeros(2)) + offset)
+    assert np.abs(x[:6:3]).max() < GUESSED_STD

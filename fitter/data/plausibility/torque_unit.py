@@ -41,12 +41,12 @@ def look(motion: Measured, arm: Arm) -> Measured:
     if arm.control.law != "measured" or stated or "q" not in motion.columns or not turning(arm).all():
         return motion
     torque = drawn_torque(arm, motion, np.ones(n))
-    if torque is None or not gravity > 0.0:
+    if torque is None:
         return motion
     carried = _carried(arm, thinned(motion.columns["q"]), *torque)
     reaches = _reaches(arm)
     j = int(np.argmax(carried))
-    if not (carried[j] > 0.0 and reaches[j] > 0.0):
+    if not (carried[j] > 0.0 and reaches[j] > 0.0):  # nothing is carried without gravity
         return motion
     moment, heaviest = float(carried[j]) / gravity, _HEAVIEST * float(reaches[j]) ** 4
     if moment <= heaviest or _MILLI * moment > heaviest:
@@ -69,6 +69,8 @@ def _reaches(arm: Arm) -> Floats:
 def _carried(arm: Arm, q: Floats, W: Floats, tau: Floats) -> Floats:
     """Return how much of each joint's torque carries weight for certain, at its largest [N m], (n_joint,).
 
+    Less than nothing where even that it carries any is not certain.
+
     Least squares with each joint's torque in units of its residual, and `EFFECTIVE_SAMPLES` of it.
     """
     still = np.zeros_like(q)
@@ -79,9 +81,8 @@ def _carried(arm: Arm, q: Floats, W: Floats, tau: Floats) -> Floats:
     W, pulled = W[..., felt] / size[felt], pulled[..., felt] / size[felt]
     power = np.sqrt(np.mean(tau**2, axis=0))
     heard = power > 0.0
-    certain = np.zeros(arm.n_joint)
     if not heard.any() or not felt.any():
-        return certain
+        return np.zeros(arm.n_joint)
     W, tau, power = W[:, heard], tau[:, heard], power[heard]
     sigma = power
     for _ in range(2):  # in units of the torque itself at first
@@ -91,5 +92,4 @@ def _carried(arm: Arm, q: Floats, W: Floats, tau: Floats) -> Floats:
         sigma = np.maximum(np.sqrt(np.mean((tau - W @ found) ** 2, axis=0)), _ROUNDING * power)
     along = pulled @ Vt.T / np.maximum(s, _RANK * s[0])
     std = np.sqrt(max(1.0, len(tau) / EFFECTIVE_SAMPLES) * np.sum(along**2, axis=2))
-    certain = np.max(np.abs(pulled @ found) - _STANDARD_ERRORS * std, axis=0)
-    return np.asarray(np.maximum(certain, 0.0), dtype=np.float64)
+    return np.asarray(np.max(np.abs(pulled @ found) - _STANDARD_ERRORS * std, axis=0), dtype=np.float64)

@@ -53,6 +53,14 @@ def test_a_resonance_far_above_does_not():
     assert motion_edge_hz([Signal(swing(4.0) + (ripple + noise)[:, None], DT_S, 2)]) < 6.0
 
 
+def test_a_ripple_that_is_stronger_than_the_motion_is_none():
+    """By its acceleration, not by its speed."""
+    t = DT_S * np.arange(N)
+    ripple = 1e-2 * np.sin(2 * np.pi * 60.0 * t)
+    noise = 1e-5 * np.random.default_rng(0).normal(size=N)
+    assert 4.0 < motion_edge_hz([Signal(swing(4.0) + (ripple + noise)[:, None], DT_S, 2)]) < 6.0
+
+
 def test_a_still_trial_does_not_spoil_the_others():
     rng = np.random.default_rng(2)
     moving = Signal(swing(4.0) + 1e-5 * rng.normal(size=(N, 1)), DT_S, 2)

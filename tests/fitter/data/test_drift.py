@@ -80,6 +80,12 @@ def test_a_motion_of_hardly_any_samples_is_left_as_it_is(n):
     assert all(np.array_equal(corrected[name], part[name]) for name in part)
 
 
+def test_three_samples_show_a_drift():
+    t, still = DT_S * np.arange(3), np.zeros((3, 2))
+    corrected = DriftCorrection().moving(t, {"q": still + 0.5 * t[:, None] ** 2, "dq": still + t[:, None]}, ALL)
+    assert np.abs(corrected["dq"]).max() < t[-1]
+
+
 def test_a_whole_recording_is_corrected_piece_by_piece():
     t, true = motion(3.0)
     rest, gap = 500, 0.5

@@ -43,6 +43,16 @@ def test_rows_suffice_for_the_samples_asked_for():
     for rate_hz in (None, 300.0, 2100.0):
         grid = grid_of(t, rate_hz)
         assert grid.rows(50) * 1e-3 >= 50 * grid.step_s
+        assert grid.rows(50) < 1000  # and are no more than a few
+        assert grid.rows(51) >= grid.rows(50)
+
+
+def test_another_rate_or_uneven_stamps_are_no_grid_of_their_own():
+    t = 1e-3 * np.arange(1000)
+    uneven = t + 1e-4 * np.random.default_rng(0).normal(size=1000)
+    assert grid_of(t, None).as_measured and grid_of(t, 1000.0).as_measured
+    assert not grid_of(t, 300.0).as_measured and not grid_of(uneven, None).as_measured
+    assert grid_of(t, 300.0).step_s == 1.0 / 300.0
 
 
 def test_stamps_that_leave_the_grid_are_said():

@@ -50,7 +50,8 @@ def test_blocks_cover_everything_once_and_end_at_gaps(tmp_path):
     assert np.array_equal(np.concatenate([block.a for block in blocks]), run.a)
     assert blocks[2].t0_ns == round(820 / RATE_HZ * 1e9)
     assert run.lost == 320
-    assert [note.text for note in run.notes] == ["320 samples lost in 1 gap(s), nothing put in their place"]
+    (note,) = run.notes
+    assert (note.text, note.row) == ("320 samples lost in 1 gap(s), nothing put in their place", 501)
     assert np.isclose(run.rate_hz, RATE_HZ)
 
 

@@ -94,7 +94,44 @@ def test_a_target_that_jumps_does_not_overshoot():
 def test_crowded_stamps_do_not_make_the_curve_swing_out():
     t = np.sort(np.concatenate([0.01 * np.arange(200), 0.01 * np.arange(0, 200, 7) + 1e-6]))
     noisy = np.random.default_rng(0).uniform(-1, 1, (len(t), 1))
-    assert np.abs(resample(measured(t, q=noisy)).measured.columns["q"]).max() <= 1.0
+    assert np.abs(resample(measured(t, q=noisy), rate_hz=333.0).measured.columns["q"]).max() <= 1.0
+
+
+def uneven(n=200):
+    return np.cumsum(np.random.default_rng(5).uniform(0.5, 1.5, n)) * 0.01
+
+
+@pytest.mark.parametrize("rate_hz", [40.0, 250.0])
+def test_switches_and_gains_are_those_of_the_nearest_sample(rate_hz):
+    t = uneven() - uneven()[0]
+    on = (np.arange(200) % 3 > 0).astype(float)[:, None]
+    gain = np.random.default_rng(6).normal(size=(200, 2))
+    uniform = resample(measured(t, q=sine(t), on=on, kp=gain, kv=-gain), rate_hz=rate_hz).measured
+    if rate_hz > 100.0:
+        nearest = np.abs(uniform.t[:, None] - t).argmin(axis=1)
+        np.testing.assert_array_equal(uniform.columns["on"], on[nearest])
+        np.testing.assert_array_equal(uniform.columns["kp"], gain[nearest])
+        np.testing.assert_array_equal(uniform.columns["kv"], -gain[nearest])
+    assert set(np.unique(uniform.columns["on"])) == {0.0, 1.0}  # nothing in between, however low the rate
+    assert np.isin(uniform.columns["kp"], gain).all()
+
+
+def test_a_target_goes_straight_from_sample_to_sample():
+    t = uneven() - uneven()[0]
+    ref = np.random.default_rng(6).normal(size=(200, 2))
+    uniform = resample(measured(t, ref=ref), rate_hz=250.0).measured
+    expected = np.column_stack([np.interp(uniform.t, t, column) for column in ref.T])
+    np.testing.assert_allclose(uniform.columns["ref"], expected, rtol=0, atol=1e-9)
+    assert t[-1] - 1.0 / 250.0 < uniform.t[-1] <= t[-1]
+
+
+def test_the_grid_begins_at_the_first_stamp():
+    t = uneven() - uneven()[0]
+    early, late = (resample(measured(t + begun, q=sine(t), ref=sine(t))) for begun in (0.0, 1234.5))
+    assert (early.began_s, late.began_s) == (0.0, 1234.5)
+    assert early.measured.t[0] == late.measured.t[0] == 0.0
+    for role in ("q", "ref"):
+        np.testing.assert_allclose(late.measured.columns[role], early.measured.columns[role], rtol=0, atol=1e-6)
 
 
 def test_resampling_is_said():
@@ -121,7 +158,10 @@ def test_a_hole_parts_a_motion_and_nothing_is_made_up():
     assert second.first_row == 100
     assert second.name == "run#2"
     (note,) = second.notes
-    assert note.text.endswith("parted at 2 hole(s) of up to 4.01 s, 2 piece(s) kept") and note.row == 101
+    assert note.text == (
+        "in row 101 t goes from 0.99 to 5 s: parted at 2 hole(s) of up to 4.01 s, 2 piece(s) kept"
+    )
+    assert (note.row, note.from_s, note.to_s) == (101, 0.99, 5.0)
     whole = measured(0.01 * np.arange(9), q=np.zeros((9, 1)))
     assert split_at_holes(whole) == [whole]
 

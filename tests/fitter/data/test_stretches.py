@@ -58,6 +58,13 @@ def test_short_motions_come_as_they_were_measured():
     assert np.array_equal(only.motion.t, rows.t)
 
 
+def test_a_short_motion_keeps_its_holes():
+    t = STEP * np.arange(50)
+    t[30:] += 0.5
+    (only,) = stretches(cut(measured(t), [10, 40]), 50, lambda _: 5)
+    assert only.whole and np.array_equal(only.motion.t, t) and only.motion.notes == ()
+
+
 def test_a_long_motion_is_parted_at_a_hole():
     t = STEP * np.arange(1000)
     t[700:] += 0.5
@@ -66,6 +73,9 @@ def test_a_long_motion_is_parted_at_a_hole():
     ends = [counted(s)[-1] for s in found if s.ends]
     assert ends == [699, 999]
     assert found[-1].motion.name == "run#2"
+    ((parted,),) = [s.motion.notes for s in found if s.motion.notes]
+    assert parted.text == "in row 701 t leaps from 0.699 to 1.2 s: parted there"
+    assert (parted.row, parted.from_s, parted.to_s) == (701, pytest.approx(0.699), pytest.approx(1.2))
 
 
 def test_irregular_stamps_are_resampled_as_in_the_whole():

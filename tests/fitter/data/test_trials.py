@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from fitter.data.motion_file import write_motion
-from fitter.data.trials import Trial, load_trials, lowpass_trial
+from fitter.data.trials import TRIM_SHARE, Trial, load_trials, lowpass_trial
 from limbcal.errors import ConfigError, DataError
 
 DT_S = 0.002
@@ -88,6 +88,31 @@ def test_a_regressor_filtered_as_the_torque_leaves_no_residual(tmp_path):
     assert len(residual) == len(trial.t)
 
 
+def test_a_target_is_filtered_as_it_is_held(tmp_path):
+    """From one sample to the next: as seen by the samples it comes half a step late."""
+    ref = np.column_stack([np.full(len(T), 0.7), 0.5 * T])
+    (trial,) = load_trials([written(tmp_path, {"t": T, "q": motion(T), "ref": ref})], 2, cutoff_hz=10.0)
+    inner = slice(50, -50)  # what the file's first and last rows are held to be shows near them
+    np.testing.assert_allclose(trial.ref_filtered[inner, 0], 0.7, rtol=0, atol=1e-9)
+    late = trial.ref[inner, 1] - trial.ref_filtered[inner, 1]
+    np.testing.assert_allclose(late, 0.5 * DT_S / 2.0, rtol=0, atol=1e-6)
+
+
+def test_drives_are_kept_for_the_whole_trial(tmp_path):
+    on = np.repeat([1.0, 0.0], [2000, 1000])[:, None] * np.ones(2)
+    columns = {"t": T, "q": motion(T), "ref": motion(T), "on": on, "kp": np.full((len(T), 2), 3.0)}
+    (trial,) = load_trials([written(tmp_path, columns)], 2, cutoff_hz=10.0)
+    np.testing.assert_array_equal(trial.whole["on"], on)
+    np.testing.assert_array_equal(trial.whole["kp"], 3.0)
+    np.testing.assert_array_equal(trial.drives.on, on[trial.trimmed : len(T) - trial.trimmed] > 0.5)
+
+
+def test_noise_alone_does_not_trim_a_trial_away(tmp_path):
+    q = 1e-3 * np.random.default_rng(0).normal(size=(len(T), 2))
+    (trial,) = load_trials([written(tmp_path, {"t": T, "q": q})], 2)
+    assert trial.cutoff_hz == pytest.approx(1.0 / (TRIM_SHARE * len(T) * DT_S))
+
+
 def test_lowpass_trial_filters_everything_alike(tmp_path):
     columns = {"t": T, "q": motion(T), "dq": motion(T, 1), "ddq": motion(T, 2), "tau": motion(T), "ref": motion(T)}
     (trial,) = load_trials([written(tmp_path, columns)], 2)
@@ -100,6 +125,8 @@ def test_lowpass_trial_filters_everything_alike(tmp_path):
     assert filtered.t[0] == 0.0
     assert filtered.lowpass(filtered.q) is not None and len(filtered.lowpass(filtered.q)) == len(filtered.q)
     trim = (len(T) - len(filtered.t)) // 2
+    assert (filtered.trimmed, filtered.began_s) == (trim, pytest.approx(trim * DT_S))
+    assert lowpass_trial(filtered, 20.0).began_s == pytest.approx(2 * trim * DT_S)
     assert np.abs(filtered.ddq - motion(T, 2)[trim : len(T) - trim]).max() < 1e-3 * np.abs(motion(T, 2)).max()
 
 

@@ -72,6 +72,23 @@ def test_it_is_so_also_where_gravity_pulls_along_the_axis(turn_rad: float) -> No
     assert camera.axes[0] @ axis == pytest.approx(0.0, abs=1e-12)
 
 
+@pytest.mark.parametrize("turns", [(0.0, 0.0), (0.0, np.pi), (np.pi, 0.0), (np.pi, np.pi)])
+def test_it_is_looked_at_from_above_whichever_way_its_axes_point(turns: tuple[float, float]) -> None:
+    one, other = turns
+    arm = Arm("flat", (Joint(alpha_rad=one, a_m=0.3), Joint(alpha_rad=other, a_m=0.2)))
+    camera = look_at(sample(source_of(arm), None, 60.0, 1.0).movers, WIDTH, HEIGHT)
+    assert camera.axes[2, 2] == pytest.approx(np.cos(np.radians(TILT_DEG)))
+
+
+def test_an_arm_that_leans_is_seen_from_the_side_and_above() -> None:
+    arm = replace(load_arm("spatial-arm"), gravity_m_s2=(3.0, -5.0, -6.0))
+    camera = look_at(sample(source_of(arm), None, 60.0, 1.0).movers, WIDTH, HEIGHT)
+    assert camera.axes @ camera.axes.T == pytest.approx(np.eye(3), abs=1e-12)
+    right, upwards, nearer = camera.axes @ upward(arm)
+    assert right == pytest.approx(0.0, abs=1e-9)
+    assert 0.8 < upwards < 1.0 and 0.2 < nearer < 0.6
+
+
 def test_the_floor_is_under_the_base(motion: Sampled) -> None:
     camera = look_at(motion.movers, WIDTH, HEIGHT)
     one, other, place = camera.floor

@@ -5,6 +5,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from scipy.spatial.transform import Rotation
 
 from limbcal.errors import ProtocolError
 from playback.touch.message import Command, Input, decode_input, encode_input
@@ -23,6 +24,19 @@ def test_an_input_is_read_as_it_was_written() -> None:
     np.testing.assert_allclose(said.orientation, [[0, 0, 1], [1, 0, 0], [0, 1, 0]], atol=1e-15)
     bare = decode_input(encode_input({"position": np.array([1.0, 2.0, 3.0])}), 3)
     assert (bare.position.tolist(), bare.velocity, bare.joint) == ([1.0, 2.0, 3.0], None, None)
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_an_orientation_is_the_turn_of_its_quaternion(seed: int) -> None:
+    turn = Rotation.random(rng=np.random.default_rng(seed))
+    quaternion = 1.0001 * turn.as_quat(scalar_first=True)  # rounded, as devices send it
+    said = decode_input(encode_input({"position": [0, 0, 0], "orientation": quaternion}), 3)
+    np.testing.assert_allclose(said.orientation, turn.as_matrix(), atol=1e-12)
+
+
+def test_the_last_joint_and_the_farthest_place_are_let_in() -> None:
+    said = decode_input(encode_input({"position": [1e3, -1e3, 0], "joint": 2, "seq": 2**63 - 1}), 2)
+    assert (said.position.tolist(), said.joint, said.seq) == ([1e3, -1e3, 0.0], 2, 2**63 - 1)
 
 
 def test_a_command_is_read_as_it_was_written() -> None:

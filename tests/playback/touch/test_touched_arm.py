@@ -226,3 +226,54 @@ def test_a_hand_that_does_not_say_how_fast_it_is_goes_from_place_to_place() -> N
         energy.append(arm.energy()["dissipated"])
     np.testing.assert_allclose(felt[0], felt[1], rtol=1e-6, atol=1e-9)
     assert energy[0] == pytest.approx(energy[1], rel=1e-6)
+
+
+@pytest.mark.parametrize(("trials", "carried"), [([1], True), ([2], False)])
+def test_it_carries_what_the_first_trial_does(trials: list[int], carried: bool) -> None:
+    bare = frictionless(load_arm("dd-arm-vertical"), control=Control())
+    payload = replace(bare, effects=(Effect("payload", {"mass_kg": 2.0, "trials": trials}),))
+    start = []
+    for model in (bare, payload):
+        arm = TouchedArm(model, Q0, T, Coupling())
+        arm.step(1)
+        start.append(arm.state[2].copy())
+    assert (np.abs(start[0] - start[1]).max() > 0.1) == carried
+
+
+def test_a_coupling_that_grows_while_nothing_moves_dissipates_nothing() -> None:
+    """Across its plane the arm does not yield; what is stored then was put in by the stiffness as it grew."""
+    arm = TouchedArm(load_arm("dd-arm"), Q0, T, Coupling(300.0, 1.0))
+    x = arm.touched_point(arm.tip) + [0.0, 0.0, 0.01]
+    arm.take(arm.tip, Hand(x))
+    for _ in range(300):
+        arm.step(1, Hand(x))
+    energy = arm.energy()
+    stored = 0.5 * 300.0 * 0.01**2
+    assert (energy["stored"], energy["injected"]) == (pytest.approx(stored), pytest.approx(stored))
+    assert (energy["hand"], energy["arm"], energy["dissipated"]) == pytest.approx((0.0, 0.0, 0.0), abs=1e-9)
+
+
+@pytest.mark.parametrize(("stiffness", "felt"), [(None, 5.0), (0.0, 0.0)])
+def test_coupling_and_wall_share_the_largest_force(stiffness: float | None, felt: float) -> None:
+    arm = TouchedArm(load_arm("dd-arm"), Q0, T, Coupling(400.0, 1.0, max_force=10.0))
+    x = arm.touched_point(arm.tip) + [0.0, 0.0, 0.3]
+    wall = (0.0, 0.0, -1.0, 0.2 - float(x[2]))  # the hand is 0.2 m inside
+    walled = Coupling(400.0, 1.0, max_force=10.0, wall=wall, wall_stiffness=stiffness)
+    arm = TouchedArm(load_arm("dd-arm"), Q0, T, walled)
+    arm.take(arm.tip, Hand(x))
+    for _ in range(300):
+        arm.step(1, Hand(x))
+    assert arm.felt[0] == pytest.approx([0.0, 0.0, -5.0 - felt], abs=1e-6)  # both pull it back
+
+
+def test_a_light_arm_is_held_as_stiffly_as_its_step_follows() -> None:
+    model, step_s = load_arm("dd-arm"), 5e-3
+    arm = TouchedArm(model, Q0, step_s, Coupling(1e6, 1.0, 1e6, turn_stiffness=1e6, turn_device=1e6))
+    x = arm.touched_point(arm.tip)
+    arm.take(arm.tip, Hand(x, None, np.eye(3)))
+    arm.step(1, Hand(x, None, np.eye(3)))
+    inverse = np.linalg.inv(mass_matrix(model, Q0)[0])
+    lightest = np.linalg.eigvalsh(jacobian(Q0) @ inverse @ jacobian(Q0).T)[-1]
+    turning = np.ones(2) @ inverse @ np.ones(2)  # both joints turn the tip about the same axis
+    assert arm.given.stiffness == pytest.approx(1.0 / lightest / step_s**2)
+    assert arm.given.turn_stiffness == pytest.approx(1.0 / turning / step_s**2)

@@ -164,6 +164,16 @@ def test_the_last_line_may_be_cut_and_the_others_may_not():
     assert of("t,q1,q2\n0,1,2\n1,2,3\n2,3").delimiter == ","
     assert of("a b,c d,e f\n0 1,2,3\n1 2,3").names == ("a b", "c d", "e f")
     assert of("t;q1,5;q2\n0;1,5;2\n1;2,5;3\n2;3").delimiter == ";"
+    assert of("t;x,y,z\n0;1\n1;2\n2").names == ("t", "x,y,z")
+
+
+def test_where_rows_fit_no_header_its_own_line_says_what_parts_cells():
+    assert of("a;b;c\n1,2,3,4,5\n").names == ("a", "b", "c")
+
+
+def test_numbers_beside_a_unit_are_a_row():
+    found = of("t,unit\n0.1,deg\n0.2,deg\n")
+    assert found.units == {} and found.sample == (("0.1", "deg"), ("0.2", "deg"))
 
 
 def test_a_row_may_have_empty_cells_that_the_header_has_not():

@@ -269,6 +269,25 @@ def test_labels_come_with_their_rows(tmp_path):
         short.read({"q": [Column("q")]}, "trial")
 
 
+def test_one_clock_may_be_that_of_every_motion(tmp_path):
+    file = nested({"t": [0.0, 0.5], "runs": [{"q": [1, 2]}, {"q": [3, 4]}]}, tmp_path)
+    found = file.read({"t": [Column("t")], "q": [Column("runs.q")]}, None)
+    assert [rows.groups["t"][:, 0].tolist() for rows in found] == [[0.0, 0.5]] * 2
+    assert [rows.groups["q"][:, 0].tolist() for rows in found] == [[1, 2], [3, 4]]
+
+
+def test_every_motion_has_labels_of_its_own(tmp_path):
+    runs = [{"q": [1, 2], "who": ["a", "b"]}, {"q": [3, 4], "who": ["c", "d"]}]
+    found = nested({"runs": runs}, tmp_path).read({"q": [Column("runs.q")]}, "runs.who")
+    assert [rows.labels.tolist() for rows in found if rows.labels is not None] == [["a", "b"], ["c", "d"]]
+
+
+def test_dates_are_no_numbers_where_no_time_is_asked_for(tmp_path):
+    file = nested({"q": ["2024-05-01T12:00:00", "2024-05-01T12:00:01"]}, tmp_path)
+    with pytest.raises(DataError, match="data.json: q.*expected numbers"):
+        column(file, "q")
+
+
 def test_a_null_is_a_number_that_is_missing(tmp_path):
     file = nested({"runs": [{"q": 1.0}, {"q": None}, {"q": 3.0}]}, tmp_path)
     assert not file.is_blank("runs.q")

@@ -7,7 +7,7 @@ import pytest
 import scipy.io
 
 from limbcal.errors import DataError
-from protocol.tables.trees import fields_of, fields_within, load_tree
+from protocol.tables.trees import _unpacked_bytes, fields_of, fields_within, load_tree
 
 
 def test_variables_of_matlab_are_read_when_they_are_asked_for(tmp_path, monkeypatch):
@@ -38,3 +38,61 @@ def test_what_is_no_table_is_said(tmp_path, content):
     path.write_text(content)
     with pytest.raises(DataError, match=r"run\.json: cannot be read as \.json"):
         load_tree(path)
+
+
+def lines_of(tmp_path, text, name="run.jsonl"):
+    path = tmp_path / name
+    path.write_text(text)
+    return load_tree(path)
+
+
+def test_a_last_line_that_is_cut_is_left_out_and_said(tmp_path):
+    root, (note,) = lines_of(tmp_path, '{"t": 0}\n\n{"t": 1}\n{"t": 2, "q')
+    assert [record["t"].item() for record in root] == [0, 1]
+    assert note.text == "line 4, the last one, is cut off; it was left out, the rest was used"
+    assert (note.kind, note.row) == ("cut", 4)
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ('{"t": 0}\n{"t": 1, "q\n{"t": 2}', "line 2: .*, expected an object a line"),
+        ('{"t": 0}\n{"t": 1, "q\n', "line 2: .*, expected an object a line"),  # it has an end, so it is no cut
+        ('{"t": 0, "q', "line 1: .*, expected an object a line"),
+        ('{"t": 0}\n[1, 2]\n', r"line 2 holds '\[1, 2\]', expected an object with names"),
+    ],
+)
+def test_a_line_that_is_no_object_is_said_with_its_number(tmp_path, text, said):
+    with pytest.raises(DataError, match=said):
+        lines_of(tmp_path, text)
+
+
+def test_rows_of_one_length_are_a_table_and_others_are_cells(tmp_path):
+    root, _ = lines_of(tmp_path, '{"even": [[1, 2], [3, 4], [5, 6]], "odd": [[1], [2, 3]]}', "run.json")
+    assert root["even"].tolist() == [[1, 2], [3, 4], [5, 6]]
+    assert [cell.tolist() for cell in root["odd"]] == [[1], [2, 3]]
+
+
+def test_fields_are_those_of_the_first_record(tmp_path):
+    root, _ = lines_of(tmp_path, '{"runs": [{"q": [1, 2]}, {"q": [3], "more": 4}], "none": []}', "run.json")
+    assert list(fields_of(root["runs"])) == ["q"]
+    assert fields_of(root["none"]) == {} and fields_of(root["runs"][0]["q"]) == {}
+
+
+def test_a_matlab_scalar_is_one_and_an_array_keeps_its_shape(tmp_path):
+    path = tmp_path / "run.mat"
+    runs = np.array([(1.0, [[1.0, 2.0]]), (2.0, [[3.0]])], dtype=[("kp", object), ("q", object)])
+    scipy.io.savemat(path, {"one": 5.0, "row": np.arange(4.0), "table": np.ones((2, 3)), "runs": runs})
+    root, _ = load_tree(path)
+    assert (root["one"].shape, root["row"].shape, root["table"].shape) == ((), (1, 4), (2, 3))
+    assert [record["kp"].item() for record in root["runs"]] == [1.0, 2.0]
+    assert [record["q"].ravel().tolist() for record in root["runs"]] == [[1.0, 2.0], [3.0]]
+
+
+@pytest.mark.parametrize("packed", [False, True])
+def test_how_much_a_matlab_file_unpacks_to_is_known_before(tmp_path, packed):
+    path = tmp_path / "run.mat"
+    scipy.io.savemat(path, {"a": np.zeros((1000, 10)), "b": np.ones(500)}, do_compression=packed)
+    assert _unpacked_bytes(path) == pytest.approx(8 * 10_500, abs=200)
+    scipy.io.savemat(path, {"a": np.zeros((1000, 10))}, format="4")
+    assert _unpacked_bytes(path) == path.stat().st_size

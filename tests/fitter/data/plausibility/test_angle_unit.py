@@ -1,5 +1,6 @@
 """Angles in degrees are asked about."""
 
+import re
 from dataclasses import replace
 
 import numpy as np
@@ -21,7 +22,9 @@ def test_degrees_are_named_by_torque_tip_or_magnitude(arm, clean, seed, without)
     motion = clean(seed)
     columns = {role: values for role, values in motion.columns.items() if role not in without}
     assert look(replace(motion, columns=columns), arm).columns is columns
-    with pytest.raises(Refusal, match=r"joint \d moves .* to and fro .*degrees\?.*q=q\{j\}:deg"):
+    ranges = np.rad2deg(np.ptp(columns["q"], axis=0))
+    moves = re.escape(f"joint {ranges.argmax() + 1} moves {ranges.max():.3g} rad to and fro")
+    with pytest.raises(Refusal, match=rf"{moves} .*degrees\?.*q=q\{{j\}}:deg"):
         look(replace(motion, columns={**columns, "q": np.rad2deg(columns["q"])}), arm)
 
 
@@ -32,7 +35,11 @@ def test_the_torque_tells_small_motions_in_degrees(arm, clean):
 
 
 @pytest.mark.parametrize(
-    ("column", "words"), [("q", "is q in degrees, dq not"), ("dq", "is dq in degrees, q not")]
+    ("column", "words"),
+    [
+        ("q", r"the slope of q is 57\.[23]\d* times dq: is q in degrees, dq not"),
+        ("dq", r"the slope of q is 0\.0174\d* times dq: is dq in degrees, q not"),
+    ],
 )
 def test_a_velocity_of_another_unit_is_named(arm, clean, column, words):
     motion = clean(1)
@@ -71,7 +78,9 @@ def test_the_velocity_of_one_joint_of_another_unit_is_named(arm, clean, column):
     motion = clean(1)
     motion = changed(motion, dq=np.gradient(motion.columns["q"], motion.t, axis=0))
     values = motion.columns[column] * np.array([1.0, 180.0 / np.pi])
-    with pytest.raises(Refusal, match=rf"is {column}2 in degrees\?.*{column}2={column}2:deg"):
+    with pytest.raises(
+        Refusal, match=rf"the slope of q2 is .* times dq2: is {column}2 in degrees\?.*{column}2={column}2:deg"
+    ):
         look(changed(motion, **{column: values}), arm)
 
 

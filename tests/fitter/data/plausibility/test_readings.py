@@ -48,11 +48,32 @@ def test_gravity_turned_round_is_named_where_the_pose_does_not_matter():
 
 
 @pytest.mark.parametrize("rate_hz", [200.0, 4000.0])
-def test_milliseconds_are_named(rate_hz):
+@pytest.mark.parametrize(("unit", "parts"), [("ms", 1e3), ("us", 1e6), ("ns", 1e9)])
+def test_parts_of_seconds_are_named(rate_hz, unit, parts):
     arm = load_arm("dd-arm")
     motion = raw(arm, 0, rate_hz)
-    with pytest.raises(Refusal, match="is t in ms"):
-        look(replace(motion, t=1e3 * motion.t), arm)
+    with pytest.raises(Refusal, match=f"is t in {unit}"):
+        look(replace(motion, t=parts * motion.t), arm)
+    stated = replace(motion, t=parts * motion.t, stated=frozenset({"t"}))
+    assert look(stated, arm) is stated
+
+
+def test_a_unit_that_is_stated_and_a_handful_of_readings_are_believed():
+    arm = load_arm("dd-arm")
+    in_g = raw(arm)
+    in_g = replace(in_g, columns={"a": in_g.columns["a"] / G})
+    stated = replace(in_g, stated=frozenset({"s1x"}))
+    assert look(stated, arm) is stated
+    few = in_g.rows(0, 127, "few")
+    assert look(few, arm) is few
+    with pytest.raises(Refusal, match="in g"):
+        look(in_g.rows(0, 128, "enough"), arm)
+
+
+def test_without_gravity_nothing_is_asked_of_it():
+    arm = replace(load_arm("dd-arm"), gravity_m_s2=(0.0, 0.0, 0.0))
+    motion = raw(arm)
+    assert look(motion, arm) is motion
 
 
 def test_a_sensor_that_is_ac_coupled_reads_no_gravity():

@@ -20,6 +20,7 @@ def test_every_sample_at_the_limit_is_marked(arm, clean, seed, share):
     at_limit = np.abs(tau) >= limit
     assert np.mean(marked[at_limit]) > 0.7 and not marked[~at_limit].any()
     assert all("cut off?" in note.text and note.kind == "saturated" for note in found.notes)
+    assert {note.columns for note in found.notes} <= {("tau1",), ("tau2",)}
     for note in found.notes:
         k = int(np.flatnonzero(marked[:, int(note.columns[0][3:]) - 1])[0])
         assert (note.row, note.from_s) == (motion.first_row + k + 1, motion.t[k])
@@ -35,3 +36,49 @@ def test_a_peak_that_is_rounded_is_no_limit():
 def test_a_torque_of_steps_is_what_it_is():
     assert not cut_off(np.repeat([0.0, 4.0, -4.0, 2.0, 4.0, -2.0, 0.0], 50)).any()
     assert not cut_off(np.repeat([4.0, -4.0, 4.0, -4.0], 50)).any()
+
+
+def slope(first, last):
+    """Return a torque that goes by its resolution of 0.01 from one level to another, without these."""
+    n = round(abs(last - first) / 0.01)
+    return np.linspace(first, last, n + 1)[1:-1].tolist()
+
+
+def at(level, n=8):
+    return [level] * n
+
+
+@pytest.mark.parametrize(
+    ("parts", "marked"),
+    [
+        ([slope(-1, 0.5), at(1.0), slope(1.0, 0)], [1]),  # in by a leap, out by steps
+        ([slope(-1, 1.0), at(1.0), slope(0.5, 0)], [1]),  # and the other way round
+        ([slope(-1, 1.0), at(1.0), slope(1.0, 0)], []),  # a peak that is rounded
+        ([at(1.0), slope(0.5, -1)], [0]),
+        ([at(1.0), slope(1.0, -1)], []),
+        ([slope(-1, 0.5), at(1.0)], [1]),
+        ([slope(-1, 1.0), at(1.0)], []),
+        ([slope(-1, 0.5), at(1.0, 4), slope(0.5, 0)], []),
+        ([slope(-1, 0.5), at(1.0, 5), slope(0.5, 0)], [1]),
+        ([slope(-0.2, -0.5), at(-1.0), slope(-0.5, 0.5), at(1.0), slope(0.5, 0)], [1, 3]),
+        ([slope(-1, -0.5), at(0.3, 9), slope(-0.4, 0.5), at(1.0), slope(0.5, 0)], []),  # it stands elsewhere, too
+        ([slope(-1, -0.5), at(0.3, 7), slope(-0.4, 0.5), at(1.0), slope(0.5, 0)], [3]),
+        ([at(0.0, 20), slope(0.5, 0.8), at(1.0), slope(0.8, 0.2)], [2]),  # at rest it is no limit
+        ([slope(-1, -0.5), at(1.0, 1000), slope(0.5, 0)], []),  # that is what it is made of
+        ([at(1.0, 40)], []),
+    ],
+)
+def test_a_limit_is_entered_or_left_by_more_than_steps(parts, marked):
+    expected = [[k in marked] * len(part) for k, part in enumerate(parts)]
+    assert cut_off(np.concatenate(parts)).tolist() == sum(expected, [])
+
+
+def test_a_torque_that_is_missing_or_a_handful_is_left_alone(arm, clean):
+    motion = clean()
+    for n, looked in ((9, False), (10, True)):
+        tau = np.column_stack([[*at(1.0, 5), *[0.1 * k for k in range(5)]][:n]] * 2)
+        few = changed(motion.rows(0, n, "few"), tau=tau)
+        assert bool(look(few, arm).notes) == looked
+    blank = motion.rows(0, 20, "blank")
+    del blank.columns["tau"]
+    assert look(blank, arm) is blank

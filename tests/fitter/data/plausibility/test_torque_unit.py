@@ -74,18 +74,46 @@ def test_a_motion_too_small_to_tell_weight_from_inertia_says_nothing(arm, clean,
     assert look(motion, arm) is motion
 
 
-def test_a_weight_on_a_short_lever_is_believed(clean):
-    """Half a kilogram at a tenth of a metre, as on a servo's test bench."""
+def on_a_bench(clean):
+    """Return half a kilogram at a tenth of a metre, as on a servo's test bench, and its motion."""
     arm = Arm(
         "bench",
         (Joint(a_m=0.1, link=Link(0.49, (0.1, 0.0, 0.0), (0.0, 0.0049, 0.0049, 0.0, 0.0, 0.0))),),
         gravity_m_s2=(9.81, 0.0, 0.0),
     )
     motion = clean()
-    q = motion.columns["q"][:, :1]
-    dq = np.gradient(q, motion.t, axis=0)
-    tau = inverse_dynamics(arm, q, dq, np.gradient(dq, motion.t, axis=0))
-    motion = replace(motion, columns={"q": q, "tau": tau})
+    pulse = np.array([1.3, 4.1])
+    angle, size = np.outer(motion.t, pulse), np.array([[0.8], [0.4]])
+    q, dq, ddq = (
+        np.sin(angle) @ size,
+        np.cos(angle) @ (pulse[:, None] * size),
+        -np.sin(angle) @ (pulse[:, None] ** 2 * size),
+    )
+    tau = inverse_dynamics(arm, q, dq, ddq)
+    return arm, replace(motion, columns={"q": q, "tau": tau})
+
+
+def test_a_weight_on_a_short_lever_is_believed(clean):
+    arm, motion = on_a_bench(clean)
     assert look(motion, arm) is motion
     with pytest.raises(Refusal, match="solid steel"):
         look(milli(motion), arm)
+
+
+@pytest.mark.parametrize(("times", "asked"), [(8.0, False), (12.0, True), (8000.0, True), (12000.0, False)])
+def test_as_heavy_as_a_ball_of_steel_is_asked_about_unless_a_thousandth_is_as_well(clean, times, asked):
+    """A ball of 0.1 m across weighs 4.11 kg, 8.4 times the weight at the end of the lever."""
+    arm, motion = on_a_bench(clean)
+    motion = changed(motion, tau=times * motion.columns["tau"])
+    if asked:
+        with pytest.raises(Refusal, match="solid steel"):
+            look(motion, arm)
+    else:
+        assert look(motion, arm) is motion
+
+
+def test_no_torque_or_none_that_is_felt_says_nothing(arm, clean):
+    motion = clean()
+    q = motion.columns["q"]
+    for blank in (replace(motion, columns={"q": q}), changed(motion, tau=np.zeros_like(q))):
+        assert look(blank, arm) is blank
