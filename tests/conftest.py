@@ -28,11 +28,11 @@ from protocol.message import FRAMES, HEALTH, TRIAL, encode
 from protocol.publisher import Publisher
 from protocol.recording import RecordingWriter
 from protocol.subscriber import Subscriber
+from tests.patience import PATIENCE_S
 from tests.soak import Long
 from tracking.integrator import Integrator
 
 Message = tuple[str, dict[str, Any]]
-PATIENCE_S = 60.0
 BLOCK_S, TAIL_S = 0.1, 5.0
 START_NS = 7_000_000_000
 

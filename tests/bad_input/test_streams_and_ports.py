@@ -18,8 +18,7 @@ import zmq
 from protocol.curve import new_client
 from protocol.message import FRAMES, encode
 from protocol.publisher import Publisher
-
-PATIENCE_S = 60.0
+from tests.patience import PATIENCE_S
 
 
 @pytest.mark.parametrize("arm", [("--arm", "dd-arm"), ()], ids=["with an arm", "without"])

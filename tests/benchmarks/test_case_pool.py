@@ -13,6 +13,7 @@ import psutil
 import pytest
 
 from benchmarks.case_pool import Guarded, timed
+from tests.patience import PATIENCE_S
 
 
 @dataclass(frozen=True)
@@ -52,7 +53,6 @@ def work(job):
 if __name__ == "__main__":
     list(run_all([Job("a"), Job("b")], work, 1))
 """
-PATIENCE_S = 60.0
 
 
 @pytest.mark.parametrize("sign", [signal.SIGTERM, signal.SIGKILL])

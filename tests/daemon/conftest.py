@@ -21,9 +21,8 @@ from numpy.typing import NDArray
 
 from protocol.device_info import Channel, DeviceInfo
 from protocol.serial_frame import encode_info
+from tests.patience import PATIENCE_S
 
-#: How long what hangs is waited for; nothing that goes on is too slow.
-PATIENCE_S = 180.0
 SCALE = 0.0015
 DD_CHANNELS = tuple(f"s{k}{axis}" for k in (1, 2, 3, 4) for axis in "xyz")
 

@@ -14,8 +14,8 @@ from arm.bench import COUNT_M_S2
 from daemon.virtual_motion import BenchPlan, stretches
 from protocol.message import GAP, HEALTH, RAW
 from protocol.subscriber import Subscriber
+from tests.patience import PATIENCE_MS
 
-PATIENCE_MS = 180_000
 Fields = dict[str, Any]
 Heard = dict[str, list[Fields]]
 Limbd = Callable[..., Any]

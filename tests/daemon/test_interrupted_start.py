@@ -12,7 +12,8 @@ import psutil
 import pytest
 
 from protocol.device_info import DeviceInfo
-from tests.daemon.conftest import PATIENCE_S, wait_until
+from tests.daemon.conftest import wait_until
+from tests.patience import PATIENCE_S
 
 
 def _children(process: subprocess.Popen[bytes]) -> int:

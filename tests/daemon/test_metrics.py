@@ -13,6 +13,7 @@ from daemon.config import load_setup
 from daemon.metrics import Metrics
 from limbcal.errors import ConfigError, DeviceError
 from tests.daemon.conftest import wait_until
+from tests.patience import PATIENCE_S
 
 Limbd = Callable[..., Any]
 
@@ -24,7 +25,7 @@ def free_port() -> int:
 
 
 def scrape(port: int) -> dict[str, float]:
-    with urllib.request.urlopen(f"http://127.0.0.1:{port}/metrics", timeout=10) as answer:
+    with urllib.request.urlopen(f"http://127.0.0.1:{port}/metrics", timeout=PATIENCE_S) as answer:
         text = answer.read().decode()
     return {
         sample.name + "".join(f" {value}" for value in sample.labels.values()): sample.value

@@ -11,7 +11,8 @@ from arm.model import Control
 from daemon.motion_source import MotionSource
 from daemon.virtual_motion import BenchPlan, stretches
 from limbcal.errors import ConfigError, DeviceError
-from tests.daemon.conftest import PATIENCE_S, wait_until
+from tests.daemon.conftest import wait_until
+from tests.patience import PATIENCE_S
 
 RATE_HZ = 500.0
 PLAN = BenchPlan(load_arm("dd-arm"), 4, RATE_HZ, trials=2)

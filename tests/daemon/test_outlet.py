@@ -13,9 +13,9 @@ from daemon.outlet import Outlet
 from daemon.record_link import Context, Entry, RecordInlet, RecordLink
 from protocol.message import FRAMES, PLOT, RAW, TRIAL, decode
 from protocol.publisher import Publisher
+from tests.patience import PATIENCE_S
 from tracking.frames import Frames, Phase
 
-PATIENCE_S = 180.0
 RATE_HZ = 32000.0
 
 

@@ -22,10 +22,10 @@ from protocol.publisher import Publisher
 from protocol.serial_frame import InfoFrame, encode_samples
 from protocol.serial_parser import FrameParser
 from protocol.subscriber import Subscriber
+from tests.patience import PATIENCE_MS
 
 RATE_HZ, TICK_HZ, FRAME = 8000.0, 1_000_000, 32
 TICKS = round(FRAME / RATE_HZ * TICK_HZ)
-PATIENCE_MS = 30_000
 
 
 def setup_of(*, raw: bool = False, **tracking: object) -> Setup:

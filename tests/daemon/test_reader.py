@@ -13,7 +13,8 @@ from daemon.reader import run_reader
 from daemon.ring import Chunk, Mark, Ring, ring_memory
 from limbcal.errors import DeviceError
 from protocol.device_info import DeviceInfo
-from tests.daemon.conftest import PATIENCE_S, PtyDevice, wait_until
+from tests.daemon.conftest import PtyDevice, wait_until
+from tests.patience import PATIENCE_S
 
 MakeDevice = Callable[..., PtyDevice]
 

@@ -16,8 +16,8 @@ from daemon.segments import Limits
 from limbcal.errors import DeviceError
 from protocol.message import GAP, TRIAL, encode
 from protocol.recording_reader import read_recording, recording_attachments
+from tests.patience import PATIENCE_S
 
-PATIENCE_S = 180.0
 LIMITS = Limits(10**9, 3600.0, 0)
 
 

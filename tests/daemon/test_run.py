@@ -19,11 +19,11 @@ from protocol.message import FRAMES, HEALTH, PLOT, RAW, TRIAL
 from protocol.recording_reader import read_recording, recording_attachments
 from protocol.serial_frame import encode_samples
 from protocol.subscriber import Subscriber
+from tests.patience import PATIENCE_MS
 
 Limbd = Callable[..., Any]
 MakeDevice = Callable[..., Any]
 Fields = dict[str, Any]
-PATIENCE_MS = 180_000
 ANY_ENDPOINT = ("--endpoint", "tcp://127.0.0.1:*")
 COUNT = 5.0 * 9.80665 / 32768
 

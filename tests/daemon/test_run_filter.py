@@ -13,10 +13,10 @@ from playback.recording_source import recording_source
 from protocol.message import FRAMES, HEALTH, PLOT, RAW, TRIAL
 from protocol.recording_reader import read_recording
 from protocol.subscriber import Subscriber
+from tests.patience import PATIENCE_MS
 
 Limbd = Callable[..., Any]
 Fields = dict[str, Any]
-PATIENCE_MS = 180_000
 #: A test machine may be busy, or full.
 OF_THE_MACHINE = {"behind", "disk"}
 ANY_ENDPOINT = ("--endpoint", "tcp://127.0.0.1:*")

@@ -13,9 +13,9 @@ from examples.cases.dfki_double_pendulum import CASE as DFKI
 from examples.cases.multiarm_pendulum import CASE as FREE
 from fitter.__main__ import COMMANDS
 from limbcal.arguments import parser_of
+from tests.patience import PATIENCE_S
 
 ROOT = Path(__file__).parents[2]
-PATIENCE_S = 300.0
 ANSWER = {
     "verdict": "ambiguous",
     "complete": False,

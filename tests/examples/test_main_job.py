@@ -8,8 +8,9 @@ from pathlib import Path
 
 import psutil
 
+from tests.patience import PATIENCE_S
+
 MAIN_JOB = Path(__file__).parents[2] / "examples" / "main_job.py"
-PATIENCE_S = 400.0  # on a fresh machine every process compiles its kernels first
 
 
 def started(out: Path, *options: str) -> "subprocess.Popen[str]":

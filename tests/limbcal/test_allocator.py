@@ -21,7 +21,7 @@ for n in range(17, 25):  # each block that is freed has glibc keep larger ones
     b"x" * 2**n
 before_mb = used_mb()
 kept = []
-messages = [(b"x" * size, kept.append(bytes(2000))) for _ in range(50_000_000 // size)]
+messages = [(b"x" * size, kept.append(bytes(2000))) for _ in range(60_000_000 // size)]
 burst_mb = used_mb()
 messages.clear()
 freed_mb = used_mb()

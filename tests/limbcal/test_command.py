@@ -27,6 +27,7 @@ from limbcal.errors import (
     Unusable,
 )
 from limbcal.note import Note
+from tests.patience import PATIENCE_S
 
 EXIT_CODES = [
     (ConfigError, 2),
@@ -204,7 +205,7 @@ def test_a_signal_closes_what_is_open(sent):
         try:
             assert process.stdout.readline() == "ready\n"
             os.kill(process.pid, sent)
-            out, err = process.communicate(timeout=30)
+            out, err = process.communicate(timeout=PATIENCE_S)
         finally:
             process.kill()
     assert (process.returncode, out, err) == (0, "closed\n", "stopped\n")

@@ -7,6 +7,7 @@ import sys
 import pytest
 
 from limbcal.interrupts import interrupts_held
+from tests.patience import PATIENCE_S
 
 #: In a process of its own: a signal goes to any thread that does not block it, and others may have left some here.
 HOLDING = """
@@ -23,7 +24,8 @@ except KeyboardInterrupt:
 
 
 def test_a_ctrl_c_comes_when_it_is_no_longer_held():
-    done = subprocess.run([sys.executable, "-c", HOLDING], capture_output=True, text=True, check=False, timeout=60)
+    command = [sys.executable, "-c", HOLDING]
+    done = subprocess.run(command, capture_output=True, text=True, check=False, timeout=PATIENCE_S)
     assert (done.returncode, done.stdout) == (0, "held\n")
 
 

@@ -7,6 +7,8 @@ import sys
 
 import pytest
 
+from tests.patience import PATIENCE_S
+
 #: A process that starts another; that one says that it is there, and then computes without ever looking up.
 PROGRAM = """
 import itertools, os, sys
@@ -20,7 +22,6 @@ if os.fork() == 0:
 else:
     os.wait()
 """
-PATIENCE_S = 60.0
 
 
 @pytest.mark.parametrize("sign", [signal.SIGTERM, signal.SIGKILL])

@@ -7,9 +7,9 @@ import pytest
 import zmq
 
 from playback.control_socket import KEPT_LIMIT, ControlSocket
+from tests.patience import PATIENCE_MS
 
 N_REQUEST = 5000
-PATIENCE_MS = 30_000  # never reached where all is well
 
 
 @pytest.fixture

@@ -13,9 +13,9 @@ from playback.server import Server
 from protocol.message import FRAMES, HEALTH, PLAY
 from protocol.publisher import Publisher
 from protocol.subscriber import Subscriber
+from tests.patience import PATIENCE_MS
 from tests.playback.test_server import receive
 
-PATIENCE_MS = 30_000
 FREE = "tcp://127.0.0.1:*"
 
 

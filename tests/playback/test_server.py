@@ -16,8 +16,7 @@ from playback.server import Server
 from playback.touch.pace import Pace
 from protocol.message import HEALTH, PLAY, PLOT
 from protocol.subscriber import Subscriber
-
-PATIENCE_MS = 30_000  # never reached where all is well
+from tests.patience import PATIENCE_MS
 
 
 def receive(subscriber: Subscriber, topic: str) -> dict[str, Any]:

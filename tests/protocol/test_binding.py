@@ -11,9 +11,9 @@ import zmq
 
 from limbcal.errors import ConfigError, DeviceError
 from protocol.binding import bind, connect
+from tests.patience import PATIENCE_MS
 
 Socket = zmq.Socket[bytes]
-PATIENCE_MS = 30_000
 
 
 @pytest.fixture

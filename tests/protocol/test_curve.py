@@ -12,8 +12,7 @@ from protocol.curve import Gate, load_client_key, new_client
 from protocol.message import TRIAL
 from protocol.publisher import Publisher
 from protocol.subscriber import Subscriber
-
-PATIENCE_MS = 20_000
+from tests.patience import PATIENCE_MS
 
 
 @pytest.fixture

@@ -14,8 +14,7 @@ from protocol.endpoint import parse_endpoint
 from protocol.message import TRIAL
 from protocol.publisher import Publisher
 from protocol.subscriber import Subscriber
-
-PATIENCE_MS = 20_000
+from tests.patience import PATIENCE_MS
 
 
 @pytest.mark.parametrize(

@@ -17,8 +17,9 @@ from protocol.parts import MESSAGE_BYTES
 from protocol.publisher import Publisher
 from protocol.subscriber import Subscriber
 from tests.hostile import frame, greet, part
+from tests.patience import PATIENCE_MS, PATIENCE_S
 
-PATIENCE_S, PATIENCE_MS, MEGABYTE = 30.0, 30_000, 1e6
+MEGABYTE = 1e6
 #: Less than usual, so that the tests need not send so much [bytes].
 LIMIT = 4 << 20
 #: More than a subscriber may take in [bytes], and what its process may grow by: buffers, a few looks late.

@@ -11,8 +11,7 @@ from protocol.message import FRAMES
 from protocol.publisher import Publisher
 from protocol.spilling_queue import SpillingQueue
 from protocol.subscriber import Subscriber
-
-PATIENCE_MS = 60_000
+from tests.patience import PATIENCE_MS
 
 
 @pytest.fixture

@@ -7,9 +7,9 @@ import zmq
 
 from protocol.parts import MOST_PARTS, receive_parts
 from protocol.peers import PART_OVERHEAD
+from tests.patience import PATIENCE_MS
 
 Pair = tuple["zmq.Socket[bytes]", "zmq.Socket[bytes]"]
-PATIENCE_MS = 10_000
 
 
 @pytest.fixture

@@ -7,7 +7,8 @@ import zmq
 
 from protocol.message import FRAMES, HEALTH
 from protocol.subscriber import Subscriber
-from tests.daemon.live_run import PATIENCE_MS, Limbd
+from tests.daemon.live_run import Limbd
+from tests.patience import PATIENCE_MS
 from tests.soak import Long
 
 RATE_HZ, MEGABYTE = 8_000.0, 1e6

@@ -12,7 +12,8 @@ from daemon.__main__ import main
 from protocol.message import FRAMES
 from protocol.recording_reader import read_recording
 from protocol.subscriber import Subscriber
-from tests.daemon.live_run import PATIENCE_MS, Limbd
+from tests.daemon.live_run import Limbd
+from tests.patience import PATIENCE_MS
 from tests.soak import Long
 
 RATE_HZ = 8_000.0

@@ -14,7 +14,8 @@ import zmq
 
 from protocol.message import HEALTH
 from protocol.subscriber import Subscriber
-from tests.daemon.live_run import PATIENCE_MS, Limbd
+from tests.daemon.live_run import Limbd
+from tests.patience import PATIENCE_MS
 from tests.soak import Long
 
 MEGABYTE = 1e6

@@ -14,7 +14,8 @@ import zmq
 from arm.model import Floats
 from protocol.message import GAP, HEALTH, RAW
 from protocol.subscriber import Subscriber
-from tests.daemon.live_run import PATIENCE_MS, Limbd
+from tests.daemon.live_run import Limbd
+from tests.patience import PATIENCE_MS
 from tests.soak import Long
 from tests.soak.lying_device import FRAME, TICK_HZ, Lie, LyingDevice, lies_of, number_of
 

@@ -17,7 +17,8 @@ import zmq
 from protocol.message import FRAMES, HEALTH, decode
 from protocol.subscriber import Subscriber
 from tests import hostile
-from tests.daemon.live_run import PATIENCE_MS, Limbd
+from tests.daemon.live_run import Limbd
+from tests.patience import PATIENCE_MS
 from tests.soak import Long
 
 RATE_HZ, MEGABYTE, HONEST = 8_000.0, 1e6, 50

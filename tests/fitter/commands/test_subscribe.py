@@ -19,8 +19,8 @@ from protocol.message import DYNAMICS, FRAMES, HEALTH, KINEMATICS, TRIAL, encode
 from protocol.publisher import Publisher
 from protocol.recording import RecordingWriter
 from protocol.subscriber import Subscriber
+from tests.patience import PATIENCE_MS
 
-PATIENCE_MS = 60_000
 #: A test that waits in vain fails.
 LIMIT = ("--seconds", "60")
 FILES = ["calibrated.toml", "dynamics.json", "kinematics.json", "motions.npz", "report.html"]

@@ -15,6 +15,7 @@ import pytest
 
 from fitter.dynamics.parallel import in_order
 from limbcal.errors import ConfigError, DataError, DeviceError
+from tests.patience import PATIENCE_S
 
 #: Every job of this program waits for ever, once it has said that it is there.
 STUCK = """
@@ -71,9 +72,9 @@ def test_no_process_outlives_the_one_that_handed_out_the_jobs(tmp_path, sign):
             os.sched_yield()
         children = psutil.Process(process.pid).children(recursive=True)
         process.send_signal(sign)
-        said = process.communicate(timeout=60.0)[0]
+        said = process.communicate(timeout=PATIENCE_S)[0]
     assert {int(path.name) for path in at_work.iterdir()} <= {child.pid for child in children}
-    assert psutil.wait_procs(children, timeout=60.0)[1] == []
+    assert psutil.wait_procs(children, timeout=PATIENCE_S)[1] == []
     if sign == signal.SIGINT:
         assert (process.returncode, said) == (0, "stopped\n")
 

@@ -13,7 +13,6 @@ from playback.__main__ import main
 from playback.control_message import decode_request, encode_refusal, encode_reply
 from playback.control_socket import ControlSocket
 
-PATIENCE_MS = 30_000
 STATE = {"trial": 2, "lateness_ms": {"p50": 0.5}}
 Asked = Callable[..., tuple[int, list[Any]]]
 

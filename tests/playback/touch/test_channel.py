@@ -7,8 +7,8 @@ import zmq
 
 from playback.touch.channel import AT_ONCE, HapticChannel, Heard
 from playback.touch.message import Command, Input, encode_input
+from tests.patience import PATIENCE_MS
 
-PATIENCE_MS = 10_000
 Context = zmq.Context[zmq.Socket[bytes]]
 
 

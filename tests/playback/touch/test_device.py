@@ -11,8 +11,8 @@ from limbcal.errors import ConfigError, DeviceError, ProtocolError
 from playback.touch.channel import HapticChannel, Heard
 from playback.touch.device import TouchDevice
 from playback.touch.message import Command, Input
+from tests.patience import PATIENCE_MS
 
-PATIENCE_MS = 30_000
 Context = zmq.Context[zmq.Socket[bytes]]
 
 

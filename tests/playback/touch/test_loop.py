@@ -14,9 +14,9 @@ from playback.touch.limit import Coupling, sampled_interval, stiffness_limit
 from playback.touch.loop import Setup, TouchLoop
 from playback.touch.pace import Pace
 from playback.touch.touched_arm import TouchedArm
+from tests.patience import PATIENCE_MS
 
 T = 1e-3
-PATIENCE_MS = 30_000
 STIFF = Coupling(1e6, 1.0, 5.0, max_force=1e3)
 
 

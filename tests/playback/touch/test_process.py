@@ -22,8 +22,7 @@ from playback.touch.process import TouchProcess
 from protocol.curve import load_client_key, new_client
 from protocol.message import HEALTH, PLAY
 from protocol.subscriber import Subscriber
-
-PATIENCE_S = 30.0
+from tests.patience import PATIENCE_S
 
 
 def pull(device: TouchDevice, x: Any, until: Any, **grip: Any) -> dict[str, Any]:

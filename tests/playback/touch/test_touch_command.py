@@ -9,10 +9,8 @@ from pathlib import Path
 import pytest
 
 from playback.__main__ import main
+from tests.patience import PATIENCE_S
 from tests.soak import Long
-
-PATIENCE_S = 120.0
-
 
 BARE = """
 import json

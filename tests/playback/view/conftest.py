@@ -22,8 +22,8 @@ from arm.arm_file import load_arm
 from arm.kinematics import tip_position
 from playback.client import ask
 from playback.control_message import Request, Value
+from tests.patience import PATIENCE_S
 
-PATIENCE_S = 120.0  # what draws without a graphics processor is slow where others work too
 #: Without a graphics processor; and without anything that asks the network.
 FLAGS = (
     "--headless",

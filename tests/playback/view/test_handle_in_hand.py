@@ -15,10 +15,10 @@ from playback.touch.process import TouchProcess
 from playback.view.handle import FREE, HELD, Handle
 from playback.view.server import on_loop, web_server
 from playback.view.visitors import Visitors
+from tests.patience import PATIENCE_S
 from tests.playback.view.conftest import eventually
 
 Q0 = np.array([0.4, 0.9])
-PATIENCE_S = 60.0
 MakeHandle = Callable[[str], Handle]
 
 

@@ -13,7 +13,8 @@ import numpy as np
 import psutil
 from playwright.sync_api import Browser, Page, ViewportSize
 
-from tests.playback.view.conftest import PATIENCE_S, Viewing, eventually
+from tests.patience import PATIENCE_S
+from tests.playback.view.conftest import Viewing, eventually
 from tests.soak import Long
 
 MEGABYTE, LONG_S = 1e6, 600.0
