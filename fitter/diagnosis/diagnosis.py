@@ -4,6 +4,8 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import chain
 
+import numpy as np
+
 from arm.model import Arm
 from arm.regressor import standard_parameters
 from fitter.data.motions import Measured
@@ -15,7 +17,7 @@ from fitter.diagnosis.evidence import Floor
 from fitter.diagnosis.finding import Finding
 from fitter.diagnosis.held_out import judged_sets
 from fitter.diagnosis.hypotheses import hypotheses
-from fitter.diagnosis.least_squares import MOST_CAUSES
+from fitter.diagnosis.least_squares import MOST_CAUSES, PLAINLY
 from fitter.diagnosis.model import Candidate, Model
 from fitter.diagnosis.motion import Motion
 from fitter.diagnosis.polish import polished
@@ -136,7 +138,11 @@ def _searched(
 ) -> tuple[TorqueLikelihood, Search]:
     """Return what a search has come to: by the learning trials, or by all if only the others show something."""
     likelihood, found, was = _found(arm, motions, denied, scale, say)
-    from_all = likelihood.floor.is_none and not likelihood.is_exact(found.final, everywhere=True)
+    judging = np.array([not motion.learn for motion in motions])
+    left = found.final.candidate.squares[judging].sum() / likelihood.regression.told[judging].sum()
+    # Causes that were found predict no better than their numbers are known.
+    shown = left > PLAINLY if found.steps else not likelihood.is_exact(found.final, everywhere=True)
+    from_all = likelihood.floor.is_none and shown
     if from_all:
         motions = [replace(motion, learn=True) for motion in motions]
         likelihood, found, was = _found(arm, motions, denied, scale, say)

@@ -142,20 +142,21 @@ class Stepwise:
         return worth(one, fit, places, self._families ** len(new))
 
     def _promising(self, fit: Fit, options: Sequence[Fit]) -> list[Fit]:
-        """Return those that are likelier than not and help where nothing was fitted, the likeliest first."""
-        kept = [one for one in options if self._worth(one, fit) > 0.0 and one.helps(fit)]
+        """Return those that are likelier than not, the likeliest first."""
+        kept = [one for one in options if self._worth(one, fit) > 0.0]
         return sorted(kept, key=likelihood_of, reverse=True)
 
     def _accepted(self, fit: Fit, steps: list[Step], more: list[Step]) -> tuple[Fit, list[Step]] | None:
         """Return a model with further causes, without those that they make needless.
 
-        None if they are not worth it under its own weights, or if the size of any cause is then unknown.
+        None if under its own weights they are not worth it or do not help where nothing was fitted, or if any
+        cause's size is unknown.
         """
         smaller = fit
         for _ in more:
             smaller = self._likelihood.without(smaller, len(smaller.candidate.model.hypotheses) - 1)
         own = self._worth(fit, smaller)
-        if own < ODDS_NATS:
+        if own < ODDS_NATS or not fit.helps(smaller):
             return None
         found = self._pruned(fit, [*steps, *(replace(step, worth=own) for step in more)])
         return found if self._likelihood.is_significant(found[0]) else None
@@ -173,8 +174,8 @@ class Stepwise:
     def _best_of(self, fit: Fit, kept: Sequence[Fit], options: tuple[Fit, ...]) -> tuple[Fit, Step]:
         """Return the likeliest of some models under its own weights; of equals that of fewest numbers."""
         # What gains plainly less than the best is a weaker cause and no other name for it.
-        close = [one for one in kept if PLAINLY * one.gain(fit) > kept[0].gain(fit)]
         best = kept[0]
+        close = [one for one in kept if one is best or PLAINLY * one.gain(fit) > best.gain(fit)]
         for _ in close:
             settled = self._likelihood.reweighted(best)
             last = len(settled.candidate.model.hypotheses) - 1
