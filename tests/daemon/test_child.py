@@ -12,6 +12,7 @@ from daemon.child import Child, crash, failure, wait_for_any
 from daemon.control_line import Said
 from daemon.ring import ring_memory
 from limbcal.errors import DeviceError
+from tests.patience import PATIENCE_S
 
 
 def ended(work: str, *arguments: object) -> tuple[list[Said], Child]:
@@ -19,7 +20,7 @@ def ended(work: str, *arguments: object) -> tuple[list[Said], Child]:
     said: list[Said] = []
     while (heard := child.said()) is not None:
         said += heard
-        wait_for_any([child], [], 30.0)
+        wait_for_any([child], [], PATIENCE_S)
     assert child.end(30.0)
     return said, child
 
@@ -45,7 +46,7 @@ def test_any_other_error_keeps_its_traceback() -> None:
 def test_one_that_does_not_stop_is_killed(pty_device: Callable[..., Any]) -> None:
     memory = ring_memory(get_context("spawn"), 4096)
     child = Child(get_context("spawn"), "test", "daemon.reader:run_reader", memory, pty_device(None).path, 115200)
-    wait_for_any([child], [], 30.0)
+    wait_for_any([child], [], PATIENCE_S)
     assert child.said() == [{"what": "ready"}]
     os.kill(child.pid, signal.SIGSTOP)
     assert not child.end(0.05)
@@ -62,7 +63,7 @@ def test_unknown_kinds_of_failure_are_the_devices() -> None:
 @pytest.mark.parametrize("code", [0, 7])
 def test_one_that_ends_without_a_word_is_named_with_its_exit_code(code: int) -> None:
     child = Child(get_context("spawn"), "test", "tests.daemon.test_child:leave", code)
-    wait_for_any([child], [], 30.0)
+    wait_for_any([child], [], PATIENCE_S)
     assert child.said() is None
     assert str(child.ended()) == f"the test process ended with exit code {code}, expected it to go on"
     assert child.end(30.0)

@@ -19,6 +19,7 @@ from playback.control_message import Request
 from playback.playhead import Clocks
 from playback.source import Source
 from playback.trajectory import Trajectory
+from tests.patience import PATIENCE_MS
 
 START_NS = 1_700_000_000_123_456_789
 
@@ -79,7 +80,7 @@ class Running:
     context: zmq.Context[zmq.Socket[bytes]]
 
     def ask(self, cmd: str, value: float | None = None) -> dict[str, Any]:
-        return ask(self.context, self.control, Request(cmd, value), 30_000)
+        return ask(self.context, self.control, Request(cmd, value), PATIENCE_MS)
 
 
 @pytest.fixture(scope="session")

@@ -11,6 +11,7 @@ import pytest
 from playback.__main__ import main
 from protocol.message import HEALTH, PLAY
 from protocol.subscriber import Subscriber
+from tests.patience import PATIENCE_MS
 
 
 def test_once_plays_to_the_end_and_says_how_it_went(start, motion_file: Path) -> None:
@@ -30,12 +31,12 @@ def test_a_simulation_is_streamed_on_request(start, tmp_path: Path) -> None:
     reference.write_text("\n".join(rows) + "\n", encoding="utf-8")
     with start("--arm", "dd-arm", "--reference", reference, "--once") as running:
         with Subscriber(running.context, running.endpoint, [PLAY, HEALTH]) as subscriber:
-            while subscriber.receive(30_000)[0] != HEALTH:
+            while subscriber.receive(PATIENCE_MS)[0] != HEALTH:
                 pass
             running.ask("play")
             frames = []
             while len(frames) < 41:
-                topic, fields = subscriber.receive(30_000)
+                topic, fields = subscriber.receive(PATIENCE_MS)
                 frames += [fields] if topic == PLAY else []
         assert running.process.wait() == 0
         running.process.communicate()
@@ -49,6 +50,7 @@ def test_a_simulation_is_streamed_on_request(start, tmp_path: Path) -> None:
 
 def test_send_asks_a_running_playback(start, motion_file: Path, capsys: pytest.CaptureFixture[str]) -> None:
     with start(motion_file) as running:
+        running.ask("state")  # it is there: `send` is not as patient
         control = ["--control", running.control]
         assert main(["send", "load", "--trial", "2", "--json", *control]) == 0
         assert json.loads(capsys.readouterr().out)["state"]["trial"] == 2

@@ -21,9 +21,9 @@ import pytest
 import zmq
 
 from protocol.message import PLOT
+from tests.patience import PATIENCE_MS
 
 Series = dict[str, list[tuple[float, float]]]
-RECEIVE_MS = 30_000
 
 
 def plot(parts: list[bytes], arrival_s: float, stamp: str | None, batches: bool = True) -> Series:
@@ -75,7 +75,7 @@ def captured(tmp_path_factory: pytest.TempPathFactory) -> list[list[bytes]]:
                 ) as daemon,
             ):
                 try:
-                    socket.setsockopt(zmq.RCVTIMEO, RECEIVE_MS)
+                    socket.setsockopt(zmq.RCVTIMEO, PATIENCE_MS)
                     socket.setsockopt(zmq.LINGER, 0)
                     socket.subscribe("limb/plot")  # as it is typed into "Topics"
                     socket.connect(endpoint)

@@ -10,6 +10,7 @@ from protocol.message import FRAMES, HEALTH, decode
 from protocol.publisher import Publisher
 from protocol.subscriber import Subscriber
 from protocol.subscriptions import FRAME_LIMIT
+from tests.patience import PATIENCE_MS
 
 
 @pytest.fixture
@@ -96,7 +97,7 @@ def test_a_subscriber_that_sends_too_much_is_dropped_and_no_other(context, publi
         greedy.set(zmq.LINGER, 0)
         greedy.connect(publisher.endpoint)
         greedy.subscribe(b"x" * (2 * FRAME_LIMIT))
-        assert monitor.poll(30_000), "it was not dropped"
+        assert monitor.poll(PATIENCE_MS), "it was not dropped"
         greedy.disable_monitor()
         monitor.close(0)
         received = 0

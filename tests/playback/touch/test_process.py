@@ -22,7 +22,7 @@ from playback.touch.process import TouchProcess
 from protocol.curve import load_client_key, new_client
 from protocol.message import HEALTH, PLAY
 from protocol.subscriber import Subscriber
-from tests.patience import PATIENCE_S
+from tests.patience import PATIENCE_MS, PATIENCE_S
 
 
 def pull(device: TouchDevice, x: Any, until: Any, **grip: Any) -> dict[str, Any]:
@@ -169,7 +169,7 @@ def test_with_keys_only_whom_it_knows_is_heard(tmp_path: Path, own_context) -> N
     file = new_client(tmp_path / "keys", "hand", tmp_path / "hand.limbkey")
     with TouchProcess(load_arm("dd-arm"), keys=tmp_path / "keys") as process:
         with TouchDevice(own_context, process.haptic, load_client_key(file)) as device:
-            assert device.ask("state", timeout_ms=10_000)["q"] == [0.0, 0.0]
+            assert device.ask("state", timeout_ms=PATIENCE_MS)["q"] == [0.0, 0.0]
         with TouchDevice(own_context, process.haptic) as stranger, pytest.raises(DeviceError, match="no answer"):
             stranger.ask("state", timeout_ms=300)
 

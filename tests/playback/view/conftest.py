@@ -22,7 +22,7 @@ from arm.arm_file import load_arm
 from arm.kinematics import tip_position
 from playback.client import ask
 from playback.control_message import Request, Value
-from tests.patience import PATIENCE_S
+from tests.patience import PATIENCE_MS, PATIENCE_S
 
 #: Without a graphics processor; and without anything that asks the network.
 FLAGS = (
@@ -61,7 +61,7 @@ class Viewing:
     context: zmq.Context[zmq.Socket[bytes]]
 
     def ask(self, cmd: str, value: Value | None = None) -> dict[str, Any]:
-        return ask(self.context, self.facts["control"], Request(cmd, value), 30_000)
+        return ask(self.context, self.facts["control"], Request(cmd, value), PATIENCE_MS)
 
     def state(self) -> dict[str, Any]:
         return self.ask("state")["state"]

@@ -10,6 +10,7 @@ import pytest
 from limbcal.errors import DeviceError
 from playback.view.server import on_loop, web_server
 from playback.view.visitors import Visitors
+from tests.patience import PATIENCE_S
 
 
 def free_port() -> int:
@@ -22,7 +23,7 @@ def test_it_serves_where_it_was_asked_to_and_says_nothing_of_it(capfd: pytest.Ca
     port = free_port()
     with web_server(Visitors("127.0.0.1"), port, "my page") as server:
         assert server.get_port() == port
-        page = http.client.HTTPConnection("127.0.0.1", port, timeout=30.0)
+        page = http.client.HTTPConnection("127.0.0.1", port, timeout=PATIENCE_S)
         page.request("GET", "/")
         answer = page.getresponse()
         assert answer.status == 200

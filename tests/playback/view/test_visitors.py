@@ -12,6 +12,7 @@ from websockets.sync.client import connect
 from limbcal.errors import ConfigError
 from playback.view.server import web_server
 from playback.view.visitors import Visitors
+from tests.patience import PATIENCE_S
 
 PROTOCOL = f"viser-v{viser.__version__}"
 FOREIGN_ORIGINS = (
@@ -59,7 +60,7 @@ def open_page() -> Iterator[tuple[int, Visitors]]:
 
 
 def get(port: int, path: str = "/", **headers: str) -> http.client.HTTPResponse:
-    line = http.client.HTTPConnection("127.0.0.1", port, timeout=30.0)
+    line = http.client.HTTPConnection("127.0.0.1", port, timeout=PATIENCE_S)
     try:
         line.putrequest("GET", path, skip_host=True)
         for name, value in {"Host": f"127.0.0.1:{port}", **headers}.items():
@@ -121,7 +122,7 @@ def test_names_of_this_machine_are_ours_also_through_a_tunnel(port: int, host: s
 
 
 def test_a_header_that_is_there_twice_is_refused(port: int) -> None:
-    line = http.client.HTTPConnection("127.0.0.1", port, timeout=30.0)
+    line = http.client.HTTPConnection("127.0.0.1", port, timeout=PATIENCE_S)
     try:
         line.putrequest("GET", "/", skip_host=True)
         for host in (f"127.0.0.1:{port}", "evil.example"):
