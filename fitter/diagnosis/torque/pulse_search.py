@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 from scipy.optimize import Bounds, minimize
 
 from arm.model import Floats
-from fitter.diagnosis.least_squares import ITERATIONS, NEGLIGIBLE, ROUNDED, SETTLED, TINY
+from fitter.diagnosis.least_squares import ITERATIONS, NEGLIGIBLE, SETTLED, TINY
 from fitter.diagnosis.torque.background import LONGEST_PULSE_S, Rows
 from fitter.diagnosis.torque.kalman import Filter, innovations
 from fitter.diagnosis.torque.pulse import DURATION_RATIO, FORMS, Pulse, Shapes, either, in_rows, seen, unseen_s
@@ -100,7 +100,7 @@ class Search:
         """Return standard errors of start, duration and size, and the logarithm of the likelihood's volume.
 
         Both by Fisher's information of Student's location. The volume is in units of the places that are sought,
-        times the unit of the size, by Laplace; -inf where an end is not seen: errors are those of what is seen.
+        times the unit of the size, by Laplace.
         Slopes are taken over a ``part`` of the duration.
         """
         step, rows = part * duration_s, self.rows
@@ -113,12 +113,9 @@ class Search:
         ]
         J = np.stack([self.kalman.innovations(column) for column in columns], axis=1)
         information = (self.nu + 1.0) / (self.nu + 3.0) * J.T @ J
-        unit = np.sqrt(np.maximum(np.diag(information), TINY))
-        scaled = information / np.outer(unit, unit)
-        errors = np.sqrt(np.maximum(np.diag(np.linalg.pinv(scaled, rcond=ROUNDED, hermitian=True)), 0.0)) / unit
-        errors[2] = errors[2] if information[2, 2] > 0.0 else np.inf
-        if np.linalg.eigvalsh(scaled)[0] < ROUNDED:  # where an end is not seen, moving it changes nothing
-            return errors, -np.inf
+        # Where an end is not seen, only that no pulse lasts longer tells where it is: uniform.
+        information += np.diag([12.0 / LONGEST_PULSE_S**2, 12.0 / LONGEST_PULSE_S**2, TINY])
+        errors = np.sqrt(np.diag(np.linalg.inv(information)))
         place = rows.step_s * duration_s * float(np.log(DURATION_RATIO))
         volume = 1.5 * np.log(2.0 * np.pi) - 0.5 * np.linalg.slogdet(information)[1] - np.log(place)
         return errors, float(volume)

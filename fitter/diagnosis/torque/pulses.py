@@ -145,9 +145,7 @@ def _beside(background: Background, rows: Sequence[Rows], joint: int, n_joint: i
     def is_one(pulse: Pulse) -> bool:
         nats = _worth(rows, likely, pulse, background)
         is_sized = abs(pulse.torque_N_m) > EQUAL_SIGMAS * pulse.torque_std  # as of any cause
-        span_s = float(rows[pulse.trial].t[-1] - rows[pulse.trial].t[0])
-        is_placed = pulse.duration_std < span_s
-        return bool(is_sized and is_placed and min(nats - places, tail.nats(nats) - blocks) > ODDS_NATS)
+        return bool(is_sized and min(nats - places, tail.nats(nats) - blocks) > ODDS_NATS)
 
     return [pulse for pulse in likely if is_one(pulse)]
 
