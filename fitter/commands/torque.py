@@ -8,6 +8,8 @@ from pathlib import Path
 import numpy as np
 from rich.progress import track as progress
 
+from arm.body.landmarks import limb_map
+from arm.body.limbs import LIMBS
 from arm.effects.effect_table import changed
 from arm.effects.resisting_torque import resisting_torque
 from arm.model import Arm, Floats
@@ -49,8 +51,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         action="append",
         default=[],
         metavar="PLATE=LINK",
-        help="on which link a plate's force acts: its name or number, and the joint's number (the only loaded "
-        "plate: on the last link)",
+        help="on which link a plate's force acts: its name or number, and the joint's number or the person's "
+        "segment, such as foot_right (the only loaded plate: on the last link)",
     )
     add_columns(parser)
     add_out(parser, "the motion with tau1…: .csv, .parquet or .npz")
@@ -117,7 +119,11 @@ def contacts_of(texts: Sequence[str], plates: Sequence[PlateWrench], arm: Arm) -
         loaded = [plate for plate in plates if plate.is_loaded]
         if len(loaded) > 1:
             names = ", ".join(plate.name for plate in loaded)
-            raise ConfigError(f"plates {names} are loaded, expected --contact PLATE=LINK for those on this limb")
+            last = next(reversed(_segments(arm)), str(arm.n_joint))
+            raise ConfigError(
+                f"plates {names} are loaded, expected --contact PLATE=LINK for those on this limb, such as "
+                f"--contact {loaded[0].name!r}={last}"
+            )
         return [(plate, arm.n_joint) for plate in loaded]
     found = []
     for text in texts:
@@ -127,10 +133,20 @@ def contacts_of(texts: Sequence[str], plates: Sequence[PlateWrench], arm: Arm) -
         if plate is None:
             there = ", ".join(p.name for p in plates)
             raise ConfigError(f"--contact {text!r}: no such plate, expected {there}, or a number from 1")
-        if not (link.isdecimal() and 1 <= int(link) <= arm.n_joint):
-            raise ConfigError(f"--contact {text!r}: the link is {link!r}, expected 1 to {arm.n_joint}")
-        found.append((plate, int(link)))
+        segments = _segments(arm)
+        joint = segments.get(link.strip(), int(link) if link.strip().isdecimal() else 0)
+        if not 1 <= joint <= arm.n_joint:
+            named = "".join(f", {name}" for name in segments)
+            raise ConfigError(f"--contact {text!r}: the link is {link!r}, expected 1 to {arm.n_joint}{named}")
+        found.append((plate, joint))
     return found
+
+
+def _segments(arm: Arm) -> dict[str, int]:
+    """Return the joint that moves each segment of a person's limb, counted from 1; of another arm none."""
+    if arm.name not in LIMBS:
+        return {}
+    return {name: part.link + 1 for name, part in limb_map(arm.name, arm.n_joint).parts.items()}
 
 
 def _masses(arm: Arm) -> list[Note]:
@@ -203,7 +219,7 @@ def needed_torque(
     plain = carried_inverse_dynamics(replace(whole, effects=()), q, dq, ddq, base, wrenches)
     tau = plain
     for _ in range(_PASSES if arm.effects else 0):
-        before, tau = tau, plain + resisting_torque(arm, q, dq, ddq, tau, t, trial)
+        before, tau = tau, plain + resisting_torque(arm, q, dq, ddq, tau, t, trial, base=base)
         if np.abs(tau - before).max() < _AGREED_N_M:
             break
     return np.asarray(tau)

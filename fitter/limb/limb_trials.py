@@ -9,7 +9,7 @@ from arm.body.landmarks import LimbMap
 from arm.model import Floats
 from fitter.functional.anatomy import LANDMARKS
 from fitter.functional.draft_marker_set import distance_scatter
-from fitter.functional.marker_set import MarkerSet
+from fitter.functional.marker_set import MarkerSet, load_marker_set, marker_set_names
 from fitter.functional.marker_set_fit import fit_marker_set
 from fitter.functional.segment_motion import SegmentMotion, segment_motion
 from fitter.markers.recording import MarkerRecording
@@ -103,7 +103,7 @@ def limb_trials(recordings: Sequence[MarkerRecording], marker_set: MarkerSet, wh
     if first not in segments:
         raise DataError(
             f"marker set {marker_set.name}: no marker of {first} is in the recordings, expected some: "
-            f"{', '.join(own.segments.get(first, ())) or 'the set names none'}"
+            f"{', '.join(own.segments.get(first, ())) or 'the set names none'}{_better_set(first, seen)}"
         )
     trunk = [m for landmark, m in fit.landmarks.items() if not landmark.endswith(_other(where))] + [
         fit.landmarks[name] for name in _BOTH_SIDES if name in fit.landmarks
@@ -131,6 +131,17 @@ def limb_trials(recordings: Sequence[MarkerRecording], marker_set: MarkerSet, wh
 
 #: Landmarks of either side that tell how the trunk stands.
 _BOTH_SIDES = tuple(f"{name}_{side}" for name in ("asis", "psis", "acromion") for side in ("right", "left"))
+
+
+def _better_set(segment: str, seen: Sequence[str]) -> str:
+    """Return which built-in marker set knows most of the markers that there are, if one knows any of a segment."""
+    sets = [load_marker_set(name) for name in marker_set_names()]
+    known = {
+        one.name: sum(m in seen for on_it in one.segments.values() for m in on_it)
+        for one in sets
+        if any(m in seen for m in one.segments.get(segment, ()))
+    }
+    return f"; the built-in set {max(known, key=lambda n: known[n])} has some" if known else ""
 
 
 def _other(where: LimbMap) -> str:

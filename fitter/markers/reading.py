@@ -96,7 +96,7 @@ def _in_metres(raw: RawRecording) -> Looked:
     positions = points * UNITS.get(unit, 1.0)
     said, up = up_of(positions, raw.up)
     notes += [*said, *doubled(names, positions), *nan_forces(raw.forces)]
-    recording = MarkerRecording(raw.path, raw.rate_hz, names, positions, unit, up, raw.forces)
+    recording = MarkerRecording(raw.path, raw.rate_hz, names, positions, unit, up, raw.forces, raw.t0_s)
     return Looked(recording, tuple(notes))
 
 

@@ -59,6 +59,14 @@ class RawRecording:
     other_rates: dict[str, float] = field(default_factory=dict)
     forces: tuple[ForceRecord, ...] = ()
 
+    @property
+    def t0_s(self) -> float:
+        """Time of the first frame by the column of time [s]; zero where there is none."""
+        known = np.flatnonzero(np.isfinite(self.t)) if self.t is not None else np.empty(0, dtype=np.intp)
+        if self.t is None or not len(known):
+            return 0.0
+        return float(self.t[known[0]] - known[0] / self.rate_hz)
+
 
 @dataclass(frozen=True)
 class MarkerRecording:
@@ -75,6 +83,8 @@ class MarkerRecording:
     unit, up : str
         Of the file; the axis that points up, such as ``+z``, empty if nothing tells it.
     forces : tuple of ForceRecord
+    t0_s : float
+        Time of the first frame on the recording's own clock.
     """
 
     path: str
@@ -84,11 +94,12 @@ class MarkerRecording:
     unit: str
     up: str
     forces: tuple[ForceRecord, ...] = ()
+    t0_s: float = 0.0
 
     @property
     def t(self) -> Floats:
-        """Time from the first frame on [s], (n_frame,)."""
-        return np.arange(len(self.positions)) / self.rate_hz
+        """Time on the recording's own clock [s], (n_frame,)."""
+        return self.t0_s + np.arange(len(self.positions)) / self.rate_hz
 
     @property
     def missing(self) -> np.ndarray:
