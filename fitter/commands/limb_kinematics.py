@@ -3,6 +3,7 @@
 import argparse
 import time
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 
 from rich.progress import Progress
@@ -13,8 +14,10 @@ from arm.body.limbs import LIMBS
 from arm.model import Body
 from fitter.commands.options import make_room, positive
 from fitter.functional.marker_set import load_marker_set
-from fitter.limb.calibration import LimbFit, calibrate
+from fitter.limb.calibration import calibrate
 from fitter.limb.document import document
+from fitter.limb.limb_fit import LimbFit
+from fitter.limb.probing import with_probed
 from fitter.limb.written_arm import calibrated_arm
 from fitter.markers.reading import read_markers
 from fitter.markers.recording import MarkerRecording
@@ -24,6 +27,7 @@ from limbcal.note import Note, documents, of_source
 
 #: Notes of a recording that a calibration passes on: the others are of `fitter markers`.
 _PASSED_ON = ("swapped", "unit", "up", "clock", "doubled")
+UPS = ("+x", "-x", "+y", "-y", "+z", "-z")
 #: Options of the calibration from a measured tip, which mean nothing here.
 _NOT_HERE: tuple[tuple[str, object], ...] = (
     ("arm", None), ("columns", None), ("rate_hz", None), ("bounds", None), ("fix", None), ("free", ""),
@@ -37,7 +41,17 @@ def add_body(parser: argparse.ArgumentParser) -> None:
     group.add_argument("--body", choices=LIMBS, metavar="PRESET", help=f"whose limb it is: {', '.join(LIMBS)}")
     group.add_argument("--marker-set", metavar="NAME|FILE", help="which markers ride on which segment")
     group.add_argument(
+        "--probe",
+        action="append",
+        default=[],
+        metavar="LANDMARK=FILE",
+        help="a recording in which the marker set's pointer rests on a bony point, such as acromion_right=a.c3d",
+    )
+    group.add_argument(
         "--base", choices=["scapula", "thorax"], default="scapula", help="from where on an arm begins (scapula)"
+    )
+    group.add_argument(
+        "--up", choices=UPS, help="which axis of the laboratory points up (as header or stance have it)"
     )
     group.add_argument("--mass", type=positive, metavar="KG", help="with --height and --sex: the table's masses")
     group.add_argument("--height", type=positive, metavar="M")
@@ -52,6 +66,12 @@ def limb_kinematics(arguments: argparse.Namespace) -> Document:
     make_room(arguments.out)
     learn, notes = recordings_of(arguments.data, "learning")
     evaluate, more = recordings_of(arguments.evaluate, "evaluating") if arguments.evaluate else ([], [])
+    if arguments.probe:
+        probed = with_probed([*learn, *evaluate], _probings(arguments.probe), marker_set)
+        learn, evaluate = list(probed.recordings[: len(learn)]), list(probed.recordings[len(learn) :])
+        marker_set, more = probed.marker_set, [*more, *probed.notes]
+    if arguments.up is not None:
+        learn, evaluate = ([replace(one, up=arguments.up) for one in some] for some in (learn, evaluate))
     began = time.perf_counter()
     with Progress(console=console, transient=True) as bar:
         task = bar.add_task("fitting", total=None)
@@ -101,6 +121,16 @@ def body_of(arguments: argparse.Namespace) -> Body | None:
         names = [n for n, value in zip(("--mass", "--height", "--sex"), given, strict=True) if value is None]
         raise ConfigError(f"{' and '.join(names)} missing, expected --mass, --height and --sex together")
     return Body(arguments.body, arguments.mass, arguments.height, arguments.sex)
+
+
+def _probings(texts: Sequence[str]) -> dict[str, MarkerRecording]:
+    """Read the recordings of probed points, by landmark."""
+    pairs = [text.partition("=") for text in texts]
+    wrong = [text for text, (_, _, path) in zip(texts, pairs, strict=True) if not path]
+    if wrong:
+        raise ConfigError(f"--probe {wrong[0]!r}: expected LANDMARK=FILE, such as acromion_right=probing.c3d")
+    looked = read_markers([Path(path) for _, _, path in pairs])
+    return {landmark: one.recording for (landmark, _, _), one in zip(pairs, looked, strict=True)}
 
 
 def recordings_of(paths: Sequence[Path], what: str) -> tuple[list[MarkerRecording], list[Note]]:

@@ -1,6 +1,7 @@
 """A recording of optical markers, in metres, and the forces beside it."""
 
-from dataclasses import dataclass, field
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -100,6 +101,20 @@ class MarkerRecording:
     def t(self) -> Floats:
         """Time on the recording's own clock [s], (n_frame,)."""
         return self.t0_s + np.arange(len(self.positions)) / self.rate_hz
+
+    def of(self, names: Sequence[str]) -> Floats:
+        """Return markers in some order, (n_frame, n_marker, 3) [m], NaN for those that it has not."""
+        out = np.full((len(self.positions), len(names), 3), np.nan)
+        for k, name in enumerate(names):
+            if name in self.names:
+                out[:, k] = self.positions[:, self.names.index(name)]
+        return out
+
+    def with_marker(self, name: str, position_m: Floats) -> "MarkerRecording":
+        """Return the recording with a marker, (n_frame, 3) [m], in the place of one of that name."""
+        kept = [k for k, one in enumerate(self.names) if one != name]
+        positions = np.concatenate([self.positions[:, kept], position_m[:, None]], axis=1)
+        return replace(self, names=(*(self.names[k] for k in kept), name), positions=positions)
 
     @property
     def missing(self) -> np.ndarray:
