@@ -12,6 +12,7 @@ from rich.table import Table
 from arm.arm_file import save_arm
 from arm.body.limbs import LIMBS
 from arm.model import Body
+from fitter.commands.limb_export import add_export, check_export, export
 from fitter.commands.options import make_room, positive
 from fitter.functional.marker_set import load_marker_set
 from fitter.limb.calibration import calibrate
@@ -56,6 +57,7 @@ def add_body(parser: argparse.ArgumentParser) -> None:
     group.add_argument("--mass", type=positive, metavar="KG", help="with --height and --sex: the table's masses")
     group.add_argument("--height", type=positive, metavar="M")
     group.add_argument("--sex", choices=["f", "m"])
+    add_export(group, motions=False)
 
 
 def limb_kinematics(arguments: argparse.Namespace) -> Document:
@@ -64,6 +66,7 @@ def limb_kinematics(arguments: argparse.Namespace) -> Document:
     body = body_of(arguments)
     marker_set = load_marker_set(arguments.marker_set)
     make_room(arguments.out)
+    check_export(arguments.export, motions=False)
     learn, notes = recordings_of(arguments.data, "learning")
     evaluate, more = recordings_of(arguments.evaluate, "evaluating") if arguments.evaluate else ([], [])
     if arguments.probe:
@@ -87,11 +90,12 @@ def limb_kinematics(arguments: argparse.Namespace) -> Document:
     seconds = time.perf_counter() - began
     answer = document(fit, learn, evaluate, arguments.seed, seconds)
     notes = [*notes, *more, *fit.notes, *_no_masses(body)]
-    save_arm(calibrated_arm(fit, body), arguments.out)
+    arm = calibrated_arm(fit, body)
+    save_arm(arm, arguments.out)
     say_notes(notes)
     _show(fit, answer)
     show(f"{fit.arm.name} -> {arguments.out}")
-    return answer | {"notes": documents(notes)}
+    return answer | {"exported": export(arguments.export, arm), "notes": documents(notes)}
 
 
 def _require_options(arguments: argparse.Namespace) -> None:

@@ -14,6 +14,7 @@ from arm.moving_base import BaseState
 from arm.newton_euler import inverse_dynamics
 from fitter.commands.torque import needed_torque
 from fitter.data.motion_file import write_motion
+from fitter.markers.trc_file import read_trc
 from tests.fitter.limb.simulated_person import person
 
 SET = """schema = 1
@@ -194,3 +195,23 @@ def test_a_payload_is_carried_with_the_base():
     found = needed_torque(loaded, q, dq, ddq, base, [], t, 1)
     wanted = needed_torque(with_load(arm, 2.0), q, dq, ddq, base, [], t, 1)
     np.testing.assert_allclose(found, wanted, atol=1e-9)
+
+
+def test_a_limb_and_its_motion_are_handed_on(fitter, tmp_path, recorded):
+    _, trial, marker_set = recorded
+    out, motion = tmp_path / "arm.toml", tmp_path / "motion.csv"
+    preset = ("--body", "human-arm-right", "--marker-set", marker_set)
+    models = [tmp_path / name for name in ("arm.osim", "arm.bioMod")]
+    learnt = fitter("kinematics", trial, *preset, "--out", out, "--export", *models)
+    assert learnt.code == 0, learnt.errors
+    assert learnt.document["exported"] == [str(one) for one in models]
+    files = [tmp_path / name for name in ("angles.mot", "model.trc")]
+    tracked = fitter("track", trial, "--arm", out, "--out", motion, "--export", *files)
+    assert tracked.code == 0, tracked.errors
+    measured, modelled = read_trc(trial), read_trc(tmp_path / "model.trc")
+    order = [measured.labels.index(name) for name in modelled.labels]
+    away = np.linalg.norm(measured.points[:, order] - modelled.points, axis=2)
+    assert np.sqrt(np.nanmean(away**2)) == pytest.approx(1e-3 * tracked.document["marker_rms_mm"]["rms"], rel=1e-2)
+    assert "base_tx" in (tmp_path / "angles.mot").read_text()
+    wrong = fitter("track", trial, "--arm", out, "--out", motion, "--export", tmp_path / "x.fbx")
+    assert wrong.code == 2 and "expected .osim, .bioMod, .mot, .trc" in wrong.said
