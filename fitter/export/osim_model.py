@@ -1,4 +1,4 @@
-"""OpenSim's model file of an arm: pins and sliders, markers, masses; a free joint where a segment carries it."""
+"""OpenSim's model file of an arm: pins, sliders, markers, masses; six coordinates where a segment carries it."""
 
 from xml.etree import ElementTree
 
@@ -8,7 +8,7 @@ from scipy.spatial.transform import Rotation
 from arm.model import Arm, Floats
 from fitter.export.placements import BASE, is_carried, link_name, placements
 
-#: Coordinates of OpenSim's free joint: turns about body-fixed x, y, z [rad], then shifts [m].
+#: Coordinates of the joint that carries the base: turns about body-fixed x, y, z [rad], then shifts [m].
 BASE_COORDINATES = ("base_rx", "base_ry", "base_rz", "base_tx", "base_ty", "base_tz")
 #: The file format that OpenSim 4.0 and later read.
 _VERSION = "40000"
@@ -35,7 +35,7 @@ def osim_model(arm: Arm) -> str:
     if is_carried(arm):
         ranges = [(-np.pi, np.pi)] * 3 + [(-10.0, 10.0)] * 3
         coordinates = tuple(zip(BASE_COORDINATES, ranges, strict=True))
-        _joint(joints, "FreeJoint", BASE, "/ground", BASE, np.eye(4), coordinates)
+        _freely(_joint(joints, "CustomJoint", BASE, "/ground", BASE, np.eye(4), coordinates))
     else:
         _joint(joints, "WeldJoint", BASE, "/ground", BASE, np.eye(4), ())
     for i, joint in enumerate(arm.joints):
@@ -78,7 +78,7 @@ def _joint(
     child: str,
     at: Floats,
     coordinates: tuple[tuple[str, tuple[float, float]], ...],
-) -> None:
+) -> ElementTree.Element:
     """Add a joint whose parent frame is placed ``at`` (4, 4); a slider, which goes along x, is turned to z."""
     turn = Rotation.from_euler("y", -90.0, degrees=True).as_matrix() if kind == "SliderJoint" else np.eye(3)
     joint = ElementTree.SubElement(joints, kind, name=name)
@@ -98,6 +98,24 @@ def _joint(
         _text(frame, "socket_parent", owner)
         _text(frame, "translation", p)
         _text(frame, "orientation", _body_xyz(R))
+    return joint
+
+
+def _freely(joint: ElementTree.Element) -> None:
+    """Let a custom joint move along all six coordinates, whose speeds are then their derivatives.
+
+    OpenSim's FreeJoint would not do: its speeds are angular velocities, and inverse dynamics of a MOT takes them
+    for derivatives.
+    """
+    transform = ElementTree.SubElement(joint, "SpatialTransform")
+    for k, coordinate in enumerate(BASE_COORDINATES):
+        name = f"{'rotation' if k < 3 else 'translation'}{k % 3 + 1}"  # noqa: PLR2004 - three of each
+        axis = ElementTree.SubElement(transform, "TransformAxis", name=name)
+        _text(axis, "coordinates", coordinate)
+        _text(axis, "axis", np.eye(3)[k % 3])
+        _text(
+            ElementTree.SubElement(axis, "LinearFunction", name="function"), "coefficients", np.array([1.0, 0.0])
+        )
 
 
 def _body_xyz(R: Floats) -> Floats:

@@ -9,9 +9,10 @@ from scipy.spatial.transform import Rotation
 
 from arm.arm_file import load_arm
 from arm.model import Base, Marker
+from arm.moving_base import BaseState, carried_inverse_dynamics
 from fitter.export.biomod_model import biomod_model
 from fitter.export.motion_tables import coordinates_mot, marker_places, markers_trc
-from fitter.export.osim_model import osim_model
+from fitter.export.osim_model import BASE_COORDINATES, osim_model
 from fitter.export.placements import placements
 from fitter.markers.trc_file import read_trc
 
@@ -115,3 +116,51 @@ def test_biorbd_has_the_markers_in_the_same_places(tmp_path, carried, motion):
     for k, row in enumerate(columns):
         found = [one.to_array() for one in model.markers(np.ascontiguousarray(row[order]))]
         np.testing.assert_allclose(found, marker_places(carried, q, base)[k], atol=1e-7)
+
+
+def test_opensims_inverse_dynamics_is_ours(tmp_path):
+    opensim = pytest.importorskip("opensim", reason="OpenSim is not installed")
+    arm = replace(load_arm("human-leg-right"), base=Base((0.02, -0.1, 0.3), (0.2, -0.4, 0.7), "pelvis"))
+    rng = np.random.default_rng(1)
+    q, dq, ddq = rng.normal(size=(3, 1, arm.n_joint))
+    # turns about body-fixed x, y, z by ax, ay, az and their derivatives, then shifts
+    own, rate, second = rng.normal(size=(3, 6))
+    step = 1e-4
+
+    def turned(s):
+        return Rotation.from_euler("XYZ", own[:3] + s * rate[:3] + 0.5 * s * s * second[:3]).as_matrix()
+
+    before, R, after = turned(-step), turned(0.0), turned(step)
+    first, curve = (after - before) / (2 * step), (after - 2 * R + before) / step**2
+    spin = first @ R.T
+    bent = curve @ R.T + first @ first.T
+    omega, omega_dot = (
+        np.array([W[2, 1] - W[1, 2], W[0, 2] - W[2, 0], W[1, 0] - W[0, 1]]) / 2 for W in (spin, bent)
+    )
+    placed = placements(arm).frame_0
+    lever = R @ placed[:3, 3]
+    swing = np.cross(omega_dot, lever) + np.cross(omega, np.cross(omega, lever))
+    base = BaseState(
+        (R @ placed[:3, :3])[None],
+        (own[3:] + lever)[None],
+        omega[None],
+        omega_dot[None],
+        (second[3:] + swing)[None],
+    )
+    (tmp_path / "leg.osim").write_text(osim_model(arm))
+    model = opensim.Model(str(tmp_path / "leg.osim"))
+    state = model.initSystem()
+    coordinates = model.updCoordinateSet()
+    names = [*BASE_COORDINATES, *(f"q{i + 1}" for i in range(arm.n_joint))]
+    values = (np.concatenate([own, q[0]]), np.concatenate([rate, dq[0]]), np.concatenate([second, ddq[0]]))
+    for name, value, speed in zip(names, *values[:2], strict=True):
+        coordinates.get(name).setValue(state, float(value), False)
+        coordinates.get(name).setSpeedValue(state, float(speed))
+    model.realizeVelocity(state)
+    order = [coordinates.get(k).getName() for k in range(coordinates.getSize())]
+    udot = opensim.Vector(len(order), 0.0)
+    for k, name in enumerate(order):
+        udot[k] = float(values[2][names.index(name)])
+    found = opensim.InverseDynamicsSolver(model).solve(state, udot).to_numpy()
+    theirs = [found[order.index(f"q{i + 1}")] for i in range(arm.n_joint)]
+    np.testing.assert_allclose(theirs, carried_inverse_dynamics(arm, q, dq, ddq, base)[0], atol=2e-5)
