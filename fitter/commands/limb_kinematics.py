@@ -22,6 +22,7 @@ from fitter.limb.probing import with_probed
 from fitter.limb.written_arm import calibrated_arm
 from fitter.markers.reading import read_markers
 from fitter.markers.recording import MarkerRecording
+from fitter.report.limb_page import write_limb_page
 from limbcal.command import Document, console, say_notes, show
 from limbcal.errors import ConfigError
 from limbcal.note import Note, documents, of_source
@@ -32,7 +33,7 @@ UPS = ("+x", "-x", "+y", "-y", "+z", "-z")
 #: Options of the calibration from a measured tip, which mean nothing here.
 _NOT_HERE: tuple[tuple[str, object], ...] = (
     ("arm", None), ("columns", None), ("rate_hz", None), ("bounds", None), ("fix", None), ("free", ""),
-    ("about", "auto"), ("angle_noise_deg", "auto"), ("compare", []), ("population", None), ("report", None),
+    ("about", "auto"), ("angle_noise_deg", "auto"), ("compare", []), ("population", None),
 )  # fmt: skip
 
 
@@ -67,6 +68,8 @@ def limb_kinematics(arguments: argparse.Namespace) -> Document:
     marker_set = load_marker_set(arguments.marker_set)
     make_room(arguments.out)
     check_export(arguments.export, motions=False)
+    if arguments.report is not None:
+        make_room(arguments.report, (".html",))
     learn, notes = recordings_of(arguments.data, "learning")
     evaluate, more = recordings_of(arguments.evaluate, "evaluating") if arguments.evaluate else ([], [])
     if arguments.probe:
@@ -95,6 +98,9 @@ def limb_kinematics(arguments: argparse.Namespace) -> Document:
     say_notes(notes)
     _show(fit, answer)
     show(f"{fit.arm.name} -> {arguments.out}")
+    if arguments.report is not None:
+        write_limb_page(arguments.report, fit, answer, [*learn, *evaluate], notes)
+        show(f"report: {arguments.report}")
     return answer | {"exported": export(arguments.export, arm), "notes": documents(notes)}
 
 

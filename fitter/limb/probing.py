@@ -74,7 +74,10 @@ def with_probed(
             raise ConfigError(f"--probe {landmark}: no such landmark, expected one of {', '.join(LANDMARKS)}")
         name = landmarks.setdefault(landmark, landmark)
         segment = LANDMARKS[landmark]
+        # the tracking cluster alone where it can: skin moves most over the bony points themselves
         on_it = [m for m in marker_set.segments.get(segment, ()) if m != name]
+        tracking = [m for m in on_it if m not in marker_set.landmarks.values()]
+        on_it = tracking if len(tracking) >= 3 else on_it
         if len(on_it) < 3:
             raise ConfigError(f"--probe {landmark}: {segment} has {len(on_it)} markers, expected three or more")
         motion = segment_motion(segment, on_it, [one.of(on_it) for one in (probing, *found)])

@@ -6,7 +6,7 @@ enough for each, since parts' normal equations are kept apart (`normal_equations
 comes on top (`functional_error`).
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -146,9 +146,11 @@ def errors(where: LimbMap, task: Task, bundle: Bundle, n_part: int, halves: Sequ
         return np.asarray(np.linalg.solve(S + np.diag(information), b - pull))
 
     def told(use: NDArray[np.bool_]) -> Floats:
-        away = step(use)
-        geometry = bundle.geometry.moved(task.free, away[:n_free])
-        place = markers.place + away[n_free:].reshape(-1, 3)
+        return told_at(step(use))
+
+    def told_at(shared: Floats) -> Floats:
+        geometry = bundle.geometry.moved(task.free, shared[:n_free])
+        place = markers.place + shared[n_free:].reshape(-1, 3)
         return derived(where, geometry, markers.link, place, markers.place).vector()
 
     posterior = np.linalg.inv(bundle.S.sum(axis=0) + np.diag(information))
@@ -156,7 +158,10 @@ def errors(where: LimbMap, task: Task, bundle: Bundle, n_part: int, halves: Sequ
     spread = np.sqrt(np.diag(jackknife(lambda use: step(use)[:n_free], n_part)))
     # what the motion leaves open stays at the prior whichever part is left out: its error is the posterior's
     learnt = formal < LEARNT * task.free.std
-    free_var, told_cov = np.fmax(spread, formal) ** 2, jackknife(told, n_part)
+    free_var, told_cov = (
+        np.fmax(spread, formal) ** 2,
+        _larger(jackknife(told, n_part), _carried(told_at, posterior)),
+    )
     if not where.balls[0]:  # with a girdle before it the first centre is another
         off = systematic_std_m(next(iter(where.centres))) ** 2
         free_var[[task.free.names.index(name) for name in ("base_x", "base_y", "base_z", "d3")]] += off
@@ -169,3 +174,19 @@ def errors(where: LimbMap, task: Task, bundle: Bundle, n_part: int, halves: Sequ
         tuple(derived(where, half.geometry, markers.link, half.markers.place, markers.place) for half in halves),
         n_part,
     )
+
+
+def _carried(told_at: Callable[[Floats], Floats], covariance: Floats) -> Floats:
+    """Return the covariance of what follows from the shared numbers, by central differences."""
+    step = np.diag(1e-3 * np.sqrt(np.diag(covariance)))
+    slopes = np.array([(told_at(one) - told_at(-one)) / (2.0 * one.sum()) for one in step]).T
+    return np.asarray(slopes @ covariance @ slopes.T)
+
+
+def _larger(parts: Floats, formal: Floats) -> Floats:
+    """Return the covariance by parts left out, with no less variance than the posterior has.
+
+    What the motion leaves open stays at the prior whichever part is left out; only the posterior knows its error.
+    """
+    short = np.fmax(np.diag(formal) - np.nan_to_num(np.diag(parts)), 0.0)
+    return np.asarray(np.where(np.isfinite(parts), parts, 0.0) + np.diag(short))
