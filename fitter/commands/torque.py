@@ -12,6 +12,7 @@ from arm.body.landmarks import limb_map
 from arm.body.limbs import LIMBS
 from arm.effects.effect_table import changed
 from arm.effects.resisting_torque import resisting_torque
+from arm.kinematics import axis_frames
 from arm.model import Arm, Floats
 from arm.moving_base import BaseState, OuterWrench, carried_inverse_dynamics
 from fitter.commands.arm_option import questioned_arm
@@ -19,7 +20,7 @@ from fitter.commands.options import MOTION_SUFFIXES, add_arm, add_columns, add_o
 from fitter.data.base_columns import BASE_COLUMNS, base_state, derivatives
 from fitter.data.motion_file import write_motion
 from fitter.data.motions import TIP, Measured, read_motions
-from fitter.markers.wrench_files import PlateWrench, read_wrenches
+from fitter.markers.wrench_files import EMPTY_N, PlateWrench, read_wrenches
 from limbcal.command import Document, console, say_notes, show
 from limbcal.errors import ConfigError, DataError
 from limbcal.note import Note, documents, of_source
@@ -30,6 +31,8 @@ EXAMPLE = "fitter torque motion.csv --arm my-arm.toml --out torque.csv"
 #: Passes until effects that depend on the torque itself, such as friction under load, agree with it.
 _PASSES = 20
 _AGREED_N_M = 1e-10
+#: A foot's length of a tall person [m]: 0.152 of 1.95 m (Drillis and Contini 1966).
+_FOOT_M = 0.3
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -182,6 +185,7 @@ def _torques(
         if lost:
             notes.append(Note("nan_forces", f"{plate.name}: {lost} samples have no force, taken for none"))
         force, point, moment = plate.at(t)
+        notes += _far(arm, q, base, plate.name, joint, force, point)
         wrenches.append(OuterWrench(joint, point, force, moment))
     if base_columns is None and arm.base is not None and arm.base.segment is not None:
         text = f"the motion has no base_x … base_qz although {arm.base.segment} carries the base: it stands"
@@ -191,6 +195,24 @@ def _torques(
     if base_columns is not None:
         part |= dict(zip(BASE_COLUMNS, base_columns.T, strict=True))
     return part, notes
+
+
+def _far(
+    arm: Arm, q: Floats, base: BaseState, plate: str, joint: int, force: Floats, point_m: Floats
+) -> list[Note]:
+    """Say if a plate's force acts farther from a person's link than a foot is long."""
+    loaded = np.linalg.norm(force, axis=1) > EMPTY_N
+    if arm.name not in LIMBS or not loaded.any():
+        return []
+    origin = np.einsum("nij,nj->ni", base.R, axis_frames(arm, q)[:, joint - 1, :3, 3]) + base.p
+    far = float(np.median(np.linalg.norm(point_m - origin, axis=1)[loaded]))
+    if far < _FOOT_M:
+        return []
+    text = (
+        f"{plate} acts {far:.2f} m from link {joint} while it is loaded, farther than a foot is long: perhaps it "
+        "is under the other foot, or in another frame"
+    )
+    return [Note("contact_far", text)]
 
 
 def _motion(trial: Measured) -> tuple[Floats, Floats]:

@@ -126,6 +126,11 @@ def test_a_force_of_a_table_acts_on_its_link(fitter, tmp_path):
     # a force of 700 N upwards, 0.1 m ahead of the hip, takes 70 N m off what bends it about the axis to the right
     difference = np.load(tmp_path / "b.npz")["tau1"] - np.load(tmp_path / "a.npz")["tau1"]
     np.testing.assert_allclose(difference, -70.0, atol=1e-9)
+    assert "contact_far" not in [note["kind"] for note in loaded.document["notes"]]
+    (tmp_path / "far.mot").write_text((tmp_path / "f.mot").read_text().replace("\t700\t0.1", "\t700\t0.9"))
+    motion = ("torque", tmp_path / "m.csv", "--arm", "human-leg-right")
+    other_foot = fitter(*motion, "--ground", tmp_path / "far.mot", "--out", tmp_path / "d.npz")
+    assert "contact_far" in [note["kind"] for note in other_foot.document["notes"]]
     wrong = fitter(
         "torque",
         tmp_path / "m.csv",
