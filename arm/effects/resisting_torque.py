@@ -12,6 +12,7 @@ from arm.effects.effect_table import changed
 from arm.effects.joint_torque import COULOMB, DIRECTION, DQ, N_STATE, TAU, VISCOUS, Q, T, torque_along
 from arm.effects.payload import loaded_from, with_load
 from arm.model import Arm, Floats
+from arm.moving_base import BaseState, carried_inverse_dynamics
 from arm.newton_euler import inverse_dynamics
 from limbcal.errors import DataError
 
@@ -25,6 +26,7 @@ def resisting_torque(
     t: Floats,
     trial: int = 1,
     direction: Floats | None = None,
+    base: BaseState | None = None,
 ) -> Floats:
     """Return the sum of the effects that act at joints, of rotors and of payloads.
 
@@ -42,6 +44,8 @@ def resisting_torque(
         Which of the run's trials this is, counted from 1.
     direction : (n_sample, n_joint), optional
         In which the joints move, or would; the sign of ``dq`` unless given.
+    base : BaseState, optional
+        What carries frame 0, and with it a payload; it stands unless given.
 
     Returns
     -------
@@ -74,13 +78,25 @@ def resisting_torque(
             elif kind.name == "rotor_inertia":
                 total[:, i] += number(values, "inertia_kg_m2") * ddq[:, i]
         if kind.name == "payload":
-            total += _load(arm, q, dq, ddq, number(values, "mass_kg"), t >= loaded_from(values, trial))
+            total += _load(arm, q, dq, ddq, number(values, "mass_kg"), t >= loaded_from(values, trial), base)
     return total
 
 
-def _load(arm: Arm, q: Floats, dq: Floats, ddq: Floats, mass_kg: float, on: NDArray[np.bool_]) -> Floats:
+def _load(
+    arm: Arm,
+    q: Floats,
+    dq: Floats,
+    ddq: Floats,
+    mass_kg: float,
+    on: NDArray[np.bool_],
+    base: BaseState | None,
+) -> Floats:
     """Return the torque that a mass at the tip adds where it is there."""
     plain = replace(arm, effects=())
     loaded = with_load(plain, mass_kg)
-    added = inverse_dynamics(loaded, q, dq, ddq) - inverse_dynamics(plain, q, dq, ddq)
+    if base is None:
+        added = inverse_dynamics(loaded, q, dq, ddq) - inverse_dynamics(plain, q, dq, ddq)
+    else:
+        with_it, without = (carried_inverse_dynamics(one, q, dq, ddq, base) for one in (loaded, plain))
+        added = with_it - without
     return np.where(on[:, None], added, 0.0)

@@ -3,6 +3,7 @@
 import argparse
 import time
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 
 from rich.progress import Progress
@@ -11,23 +12,28 @@ from rich.table import Table
 from arm.arm_file import save_arm
 from arm.body.limbs import LIMBS
 from arm.model import Body
+from fitter.commands.limb_export import add_export, check_export, export
 from fitter.commands.options import make_room, positive
 from fitter.functional.marker_set import load_marker_set
-from fitter.limb.calibration import LimbFit, calibrate
+from fitter.limb.calibration import calibrate
 from fitter.limb.document import document
+from fitter.limb.limb_fit import LimbFit
+from fitter.limb.probing import with_probed
 from fitter.limb.written_arm import calibrated_arm
 from fitter.markers.reading import read_markers
 from fitter.markers.recording import MarkerRecording
+from fitter.report.limb_page import write_limb_page
 from limbcal.command import Document, console, say_notes, show
 from limbcal.errors import ConfigError
 from limbcal.note import Note, documents, of_source
 
 #: Notes of a recording that a calibration passes on: the others are of `fitter markers`.
 _PASSED_ON = ("swapped", "unit", "up", "clock", "doubled")
+UPS = ("+x", "-x", "+y", "-y", "+z", "-z")
 #: Options of the calibration from a measured tip, which mean nothing here.
 _NOT_HERE: tuple[tuple[str, object], ...] = (
     ("arm", None), ("columns", None), ("rate_hz", None), ("bounds", None), ("fix", None), ("free", ""),
-    ("about", "auto"), ("angle_noise_deg", "auto"), ("compare", []), ("population", None), ("report", None),
+    ("about", "auto"), ("angle_noise_deg", "auto"), ("compare", []), ("population", None),
 )  # fmt: skip
 
 
@@ -37,11 +43,22 @@ def add_body(parser: argparse.ArgumentParser) -> None:
     group.add_argument("--body", choices=LIMBS, metavar="PRESET", help=f"whose limb it is: {', '.join(LIMBS)}")
     group.add_argument("--marker-set", metavar="NAME|FILE", help="which markers ride on which segment")
     group.add_argument(
+        "--probe",
+        action="append",
+        default=[],
+        metavar="LANDMARK=FILE",
+        help="a recording in which the marker set's pointer rests on a bony point, such as acromion_right=a.c3d",
+    )
+    group.add_argument(
         "--base", choices=["scapula", "thorax"], default="scapula", help="from where on an arm begins (scapula)"
+    )
+    group.add_argument(
+        "--up", choices=UPS, help="which axis of the laboratory points up (as header or stance have it)"
     )
     group.add_argument("--mass", type=positive, metavar="KG", help="with --height and --sex: the table's masses")
     group.add_argument("--height", type=positive, metavar="M")
     group.add_argument("--sex", choices=["f", "m"])
+    add_export(group, motions=False)
 
 
 def limb_kinematics(arguments: argparse.Namespace) -> Document:
@@ -50,8 +67,17 @@ def limb_kinematics(arguments: argparse.Namespace) -> Document:
     body = body_of(arguments)
     marker_set = load_marker_set(arguments.marker_set)
     make_room(arguments.out)
+    check_export(arguments.export, motions=False)
+    if arguments.report is not None:
+        make_room(arguments.report, (".html",))
     learn, notes = recordings_of(arguments.data, "learning")
     evaluate, more = recordings_of(arguments.evaluate, "evaluating") if arguments.evaluate else ([], [])
+    if arguments.probe:
+        probed = with_probed([*learn, *evaluate], _probings(arguments.probe), marker_set)
+        learn, evaluate = list(probed.recordings[: len(learn)]), list(probed.recordings[len(learn) :])
+        marker_set, more = probed.marker_set, [*more, *probed.notes]
+    if arguments.up is not None:
+        learn, evaluate = ([replace(one, up=arguments.up) for one in some] for some in (learn, evaluate))
     began = time.perf_counter()
     with Progress(console=console, transient=True) as bar:
         task = bar.add_task("fitting", total=None)
@@ -67,11 +93,15 @@ def limb_kinematics(arguments: argparse.Namespace) -> Document:
     seconds = time.perf_counter() - began
     answer = document(fit, learn, evaluate, arguments.seed, seconds)
     notes = [*notes, *more, *fit.notes, *_no_masses(body)]
-    save_arm(calibrated_arm(fit, body), arguments.out)
+    arm = calibrated_arm(fit, body)
+    save_arm(arm, arguments.out)
     say_notes(notes)
     _show(fit, answer)
     show(f"{fit.arm.name} -> {arguments.out}")
-    return answer | {"notes": documents(notes)}
+    if arguments.report is not None:
+        write_limb_page(arguments.report, fit, answer, [*learn, *evaluate], notes)
+        show(f"report: {arguments.report}")
+    return answer | {"exported": export(arguments.export, arm), "notes": documents(notes)}
 
 
 def _require_options(arguments: argparse.Namespace) -> None:
@@ -101,6 +131,16 @@ def body_of(arguments: argparse.Namespace) -> Body | None:
         names = [n for n, value in zip(("--mass", "--height", "--sex"), given, strict=True) if value is None]
         raise ConfigError(f"{' and '.join(names)} missing, expected --mass, --height and --sex together")
     return Body(arguments.body, arguments.mass, arguments.height, arguments.sex)
+
+
+def _probings(texts: Sequence[str]) -> dict[str, MarkerRecording]:
+    """Read the recordings of probed points, by landmark."""
+    pairs = [text.partition("=") for text in texts]
+    wrong = [text for text, (_, _, path) in zip(texts, pairs, strict=True) if not path]
+    if wrong:
+        raise ConfigError(f"--probe {wrong[0]!r}: expected LANDMARK=FILE, such as acromion_right=probing.c3d")
+    looked = read_markers([Path(path) for _, _, path in pairs])
+    return {landmark: one.recording for (landmark, _, _), one in zip(pairs, looked, strict=True)}
 
 
 def recordings_of(paths: Sequence[Path], what: str) -> tuple[list[MarkerRecording], list[Note]]:

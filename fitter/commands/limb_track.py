@@ -8,6 +8,7 @@ import numpy as np
 from rich.progress import Progress
 
 from fitter.commands.arm_option import questioned_arm
+from fitter.commands.limb_export import check_export, export
 from fitter.commands.limb_kinematics import recordings_of
 from fitter.commands.options import MOTION_SUFFIXES, make_room
 from fitter.data.base_columns import BASE_COLUMNS
@@ -50,6 +51,7 @@ def limb_track(arguments: argparse.Namespace) -> Document:
     arm = questioned_arm(arguments.arm)
     marked = marked_arm(arm)
     make_room(arguments.out, MOTION_SUFFIXES)
+    check_export(arguments.export, motions=True)
     recordings, notes = recordings_of(arguments.raw, "all")
     began = time.perf_counter()
     with Progress(console=console, transient=True) as bar:
@@ -79,6 +81,7 @@ def limb_track(arguments: argparse.Namespace) -> Document:
         f"{len(distances)} frames in {len(tracked)} trial(s), markers off by {rms['rms']:.1f} mm rms, "
         f"{rms['median']:.1f} median -> {arguments.out}"
     )
+    exported = export(arguments.export, arm, tracked, labels)
     return {
         "method": "markers",
         "out": str(arguments.out),
@@ -86,5 +89,6 @@ def limb_track(arguments: argparse.Namespace) -> Document:
         "trials": len(tracked),
         "seconds": seconds,
         "marker_rms_mm": rms,
+        "exported": exported,
         "notes": documents(notes),
     }

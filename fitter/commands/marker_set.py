@@ -6,7 +6,6 @@ from pathlib import Path
 from fitter.commands.limb_kinematics import recordings_of
 from fitter.commands.options import add_out, make_room
 from fitter.functional.draft_marker_set import RIGID_M, draft_marker_set
-from fitter.limb.limb_trials import columns_of
 from limbcal.command import Document, say_notes, show
 from limbcal.errors import DeviceError
 from limbcal.note import documents
@@ -30,7 +29,7 @@ def draft(arguments: argparse.Namespace) -> Document:
     recordings, notes = recordings_of(arguments.files, "all")
     names = tuple(dict.fromkeys(name for recording in recordings for name in recording.names))
     seen = [n for n in names if any((~r.missing[:, r.names.index(n)]).any() for r in recordings if n in r.names)]
-    found = draft_marker_set(seen, [columns_of(recording, seen) for recording in recordings])
+    found = draft_marker_set(seen, [recording.of(seen) for recording in recordings])
     try:
         arguments.out.write_text(found.toml(arguments.out.stem), encoding="utf-8")
     except OSError as error:

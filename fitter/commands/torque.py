@@ -8,8 +8,11 @@ from pathlib import Path
 import numpy as np
 from rich.progress import track as progress
 
+from arm.body.landmarks import limb_map
+from arm.body.limbs import LIMBS
 from arm.effects.effect_table import changed
 from arm.effects.resisting_torque import resisting_torque
+from arm.kinematics import axis_frames
 from arm.model import Arm, Floats
 from arm.moving_base import BaseState, OuterWrench, carried_inverse_dynamics
 from fitter.commands.arm_option import questioned_arm
@@ -17,7 +20,7 @@ from fitter.commands.options import MOTION_SUFFIXES, add_arm, add_columns, add_o
 from fitter.data.base_columns import BASE_COLUMNS, base_state, derivatives
 from fitter.data.motion_file import write_motion
 from fitter.data.motions import TIP, Measured, read_motions
-from fitter.markers.wrench_files import PlateWrench, read_wrenches
+from fitter.markers.wrench_files import EMPTY_N, PlateWrench, read_wrenches
 from limbcal.command import Document, console, say_notes, show
 from limbcal.errors import ConfigError, DataError
 from limbcal.note import Note, documents, of_source
@@ -28,6 +31,8 @@ EXAMPLE = "fitter torque motion.csv --arm my-arm.toml --out torque.csv"
 #: Passes until effects that depend on the torque itself, such as friction under load, agree with it.
 _PASSES = 20
 _AGREED_N_M = 1e-10
+#: A foot's length of a tall person [m]: 0.152 of 1.95 m (Drillis and Contini 1966).
+_FOOT_M = 0.3
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -49,8 +54,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         action="append",
         default=[],
         metavar="PLATE=LINK",
-        help="on which link a plate's force acts: its name or number, and the joint's number (the only loaded "
-        "plate: on the last link)",
+        help="on which link a plate's force acts: its name or number, and the joint's number or the person's "
+        "segment, such as foot_right (the only loaded plate: on the last link)",
     )
     add_columns(parser)
     add_out(parser, "the motion with tau1…: .csv, .parquet or .npz")
@@ -117,7 +122,11 @@ def contacts_of(texts: Sequence[str], plates: Sequence[PlateWrench], arm: Arm) -
         loaded = [plate for plate in plates if plate.is_loaded]
         if len(loaded) > 1:
             names = ", ".join(plate.name for plate in loaded)
-            raise ConfigError(f"plates {names} are loaded, expected --contact PLATE=LINK for those on this limb")
+            last = next(reversed(_segments(arm)), str(arm.n_joint))
+            raise ConfigError(
+                f"plates {names} are loaded, expected --contact PLATE=LINK for those on this limb, such as "
+                f"--contact {loaded[0].name!r}={last}"
+            )
         return [(plate, arm.n_joint) for plate in loaded]
     found = []
     for text in texts:
@@ -127,10 +136,20 @@ def contacts_of(texts: Sequence[str], plates: Sequence[PlateWrench], arm: Arm) -
         if plate is None:
             there = ", ".join(p.name for p in plates)
             raise ConfigError(f"--contact {text!r}: no such plate, expected {there}, or a number from 1")
-        if not (link.isdecimal() and 1 <= int(link) <= arm.n_joint):
-            raise ConfigError(f"--contact {text!r}: the link is {link!r}, expected 1 to {arm.n_joint}")
-        found.append((plate, int(link)))
+        segments = _segments(arm)
+        joint = segments.get(link.strip(), int(link) if link.strip().isdecimal() else 0)
+        if not 1 <= joint <= arm.n_joint:
+            named = "".join(f", {name}" for name in segments)
+            raise ConfigError(f"--contact {text!r}: the link is {link!r}, expected 1 to {arm.n_joint}{named}")
+        found.append((plate, joint))
     return found
+
+
+def _segments(arm: Arm) -> dict[str, int]:
+    """Return the joint that moves each segment of a person's limb, counted from 1; of another arm none."""
+    if arm.name not in LIMBS:
+        return {}
+    return {name: part.link + 1 for name, part in limb_map(arm.name, arm.n_joint).parts.items()}
 
 
 def _masses(arm: Arm) -> list[Note]:
@@ -166,6 +185,7 @@ def _torques(
         if lost:
             notes.append(Note("nan_forces", f"{plate.name}: {lost} samples have no force, taken for none"))
         force, point, moment = plate.at(t)
+        notes += _far(arm, q, base, plate.name, joint, force, point)
         wrenches.append(OuterWrench(joint, point, force, moment))
     if base_columns is None and arm.base is not None and arm.base.segment is not None:
         text = f"the motion has no base_x … base_qz although {arm.base.segment} carries the base: it stands"
@@ -175,6 +195,24 @@ def _torques(
     if base_columns is not None:
         part |= dict(zip(BASE_COLUMNS, base_columns.T, strict=True))
     return part, notes
+
+
+def _far(
+    arm: Arm, q: Floats, base: BaseState, plate: str, joint: int, force: Floats, point_m: Floats
+) -> list[Note]:
+    """Say if a plate's force acts farther from a person's link than a foot is long."""
+    loaded = np.linalg.norm(force, axis=1) > EMPTY_N
+    if arm.name not in LIMBS or not loaded.any():
+        return []
+    origin = np.einsum("nij,nj->ni", base.R, axis_frames(arm, q)[:, joint - 1, :3, 3]) + base.p
+    far = float(np.median(np.linalg.norm(point_m - origin, axis=1)[loaded]))
+    if far < _FOOT_M:
+        return []
+    text = (
+        f"{plate} acts {far:.2f} m from link {joint} while it is loaded, farther than a foot is long: perhaps it "
+        "is under the other foot, or in another frame"
+    )
+    return [Note("contact_far", text)]
 
 
 def _motion(trial: Measured) -> tuple[Floats, Floats]:
@@ -203,7 +241,7 @@ def needed_torque(
     plain = carried_inverse_dynamics(replace(whole, effects=()), q, dq, ddq, base, wrenches)
     tau = plain
     for _ in range(_PASSES if arm.effects else 0):
-        before, tau = tau, plain + resisting_torque(arm, q, dq, ddq, tau, t, trial)
+        before, tau = tau, plain + resisting_torque(arm, q, dq, ddq, tau, t, trial, base=base)
         if np.abs(tau - before).max() < _AGREED_N_M:
             break
     return np.asarray(tau)

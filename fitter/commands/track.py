@@ -10,6 +10,7 @@ from rich.progress import track as progress
 
 from arm.model import Arm
 from fitter.commands.arm_option import questioned_arm
+from fitter.commands.limb_export import add_export
 from fitter.commands.limb_track import has_markers, limb_track
 from fitter.commands.options import (
     MOTION_SUFFIXES,
@@ -60,6 +61,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--frame-rate-hz", type=positive, default=1000.0, metavar="R", help="(1000)")
     add_columns(parser)
     add_out(parser, "joint motion: .csv, .parquet or .npz")
+    add_export(parser, motions=True)
     parser.set_defaults(action=track)
 
 
@@ -67,6 +69,8 @@ def track(arguments: argparse.Namespace) -> Document:
     """Track all runs and write them into one file."""
     if has_markers(arguments.raw):
         return limb_track(arguments)
+    if arguments.export:
+        raise ConfigError("--export is given, expected it only with recordings of markers (C3D, TRC)")
     method, zero = arguments.method, arguments.zero
     if zero is not None and method != "integrate":
         raise ConfigError(f"--zero is {zero!r}, expected it only with --method integrate, not {method}")

@@ -1,7 +1,7 @@
 """A marker set: which markers ride on which segment, and which of them are bony landmarks; read from TOML."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from importlib import resources
 from pathlib import Path
 
@@ -11,7 +11,7 @@ from limbcal.suggestion import did_you_mean
 from limbcal.toml import parse_toml, read_toml_text
 
 _BUILT_IN = resources.files("fitter.functional") / "marker_sets"
-_FIELDS = ("schema", "name", "segments", "landmarks")
+_FIELDS = ("schema", "name", "segments", "landmarks", "probe")
 _SCHEMA = 1
 
 
@@ -26,11 +26,17 @@ class MarkerSet:
         Markers of each segment; a marker is on one segment only.
     landmarks : mapping of str to str
         The marker of each bony landmark.
+    probe : mapping of str to tuple of float
+        Markers of a pointer, and where each is when its tip is at the origin [m].
+    computed : frozenset of str
+        Landmarks that are no measurement of their own, such as probed ones that their segment carries.
     """
 
     name: str
     segments: Mapping[str, tuple[str, ...]]
     landmarks: Mapping[str, str]
+    probe: Mapping[str, tuple[float, float, float]] = field(default_factory=dict)
+    computed: frozenset[str] = frozenset()
 
     @property
     def markers(self) -> tuple[str, ...]:
@@ -93,9 +99,10 @@ def parse_marker_set(text: str, where: str) -> MarkerSet:
         mistakes.append(f"{where}: name: found {_found(raw.get('name'))}, expected a name in quotes")
     segments = _segments(raw.get("segments"), where, mistakes)
     landmarks = _landmarks(raw.get("landmarks", {}), where, segments, mistakes)
+    probe = _probe(raw.get("probe", {}), where, mistakes)
     if mistakes:
         raise ConfigError(mistakes)
-    return MarkerSet(raw["name"], segments, landmarks)
+    return MarkerSet(raw["name"], segments, landmarks, probe)
 
 
 def _segments(raw: object, where: str, mistakes: list[str]) -> dict[str, tuple[str, ...]]:
@@ -148,6 +155,19 @@ def _landmarks(
             mistakes.append(f"{where}: landmarks.{landmark}: {where_it_is}")
         of_marker.setdefault(marker, landmark)
         found[landmark] = marker
+    return found
+
+
+def _probe(raw: object, where: str, mistakes: list[str]) -> dict[str, tuple[float, float, float]]:
+    if not isinstance(raw, dict):
+        mistakes.append(f"{where}: probe: found {_found(raw)}, expected a table [probe]")
+        return {}
+    found: dict[str, tuple[float, float, float]] = {}
+    for marker, place in raw.items():
+        if isinstance(place, list) and len(place) == 3 and all(type(x) in (int, float) for x in place):
+            found[marker] = (float(place[0]), float(place[1]), float(place[2]))
+        else:
+            mistakes.append(f"{where}: probe.{marker}: found {_found(place)}, expected [x, y, z] from the tip [m]")
     return found
 
 

@@ -1,28 +1,29 @@
 """A person's arm or leg from recordings of markers: from files' positions to a fitted chain."""
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from arm.body.landmarks import LANDMARK_STD_M, LimbMap, landmark_places, limb_map
 from arm.body.limbs import MEAN_PERSON, Girdle, limb
 from arm.kinematics import axis_frames
 from arm.marker_kinematics import Integers
-from arm.model import Arm, Body, Floats
-from fitter.functional.disjoint import disjoint_parts
-from fitter.functional.functional_centre import FunctionalCentre
+from arm.model import Arm, Body
+from fitter.functional.disjoint import coverage_factor, disjoint_parts
 from fitter.functional.marker_set import MarkerSet
-from fitter.limb.base_motion import BaseMotion, base_motion, markers_in, poses_of
-from fitter.limb.bundle import Bundle, Prior, Task, fit_bundle
+from fitter.limb.base_motion import base_motion
+from fitter.limb.bundle import Prior, Task, fit_bundle
 from fitter.limb.centres import joint_centres
+from fitter.limb.disjoint_fits import disjoint_fits
 from fitter.limb.frame_choice import shares, thinned, usable_frames
-from fitter.limb.free_geometry import FreeGeometry, free_geometry
-from fitter.limb.inverse_kinematics import follow, link_poses, predicted
-from fitter.limb.limb_trials import LimbTrials, columns_of, limb_trials
-from fitter.limb.observation import SWAY, Frames, MarkerModel, base_follows, with_base
+from fitter.limb.free_geometry import free_geometry
+from fitter.limb.functional_error import beyond_the_acromion
+from fitter.limb.inverse_kinematics import follow, link_poses
+from fitter.limb.limb_fit import LimbFit
+from fitter.limb.limb_trials import LimbTrials, limb_trials
+from fitter.limb.observation import SWAY, Frames, MarkerModel
 from fitter.limb.standing import away_from_lock, standing
 from fitter.limb.start import PLACE_STD_M, Start, first_angles, placed, start
 from fitter.limb.uncertainty import Errors, errors
@@ -33,83 +34,6 @@ from limbcal.note import Note
 FIT_FRAMES = 500
 #: Where each marker's scale begins [m].
 _FIRST_STD_M = 0.01
-
-
-@dataclass(frozen=True)
-class LimbFit:
-    """A calibrated limb.
-
-    Attributes
-    ----------
-    arm : Arm
-        The preset that it began with.
-    where : LimbMap
-    trials : LimbTrials
-    base : BaseMotion
-    task : Task
-    rows : (n,) int64
-        Which of all frames were fitted.
-    bundle : Bundle
-    functional : tuple of FunctionalCentre
-    errors : Errors
-    notes : tuple of Note
-    """
-
-    arm: Arm
-    where: LimbMap
-    trials: LimbTrials
-    base: BaseMotion
-    task: Task
-    rows: Integers
-    bundle: Bundle
-    functional: tuple[FunctionalCentre, ...]
-    errors: Errors
-    notes: tuple[Note, ...]
-
-    @property
-    def free(self) -> FreeGeometry:
-        """What was free."""
-        return self.task.free
-
-    @property
-    def base_std_m(self) -> float:
-        """How far a marker of the base wanders along an axis [m]."""
-        motion = self.trials.motions.get(str(self.base.segment))
-        return (
-            float(self.bundle.markers.std[0])
-            if motion is None
-            else max(float(np.sqrt(motion.variance_m2)), float(self.bundle.markers.std[0]))
-        )
-
-    def frames_of_fit(self) -> tuple[Frames, Integers]:
-        """Return the frames that were fitted, and which of all they are."""
-        return self.task.frames, self.rows
-
-    def frames(self, recordings: Sequence[MarkerRecording]) -> tuple[Frames, NDArray[np.bool_]]:
-        """Return the frames of recordings in which base and chain are seen, and which of all they are."""
-        y = np.concatenate([columns_of(r, self.bundle.markers.names) for r in recordings])
-        carried = np.concatenate([columns_of(r, self.base.markers) for r in recordings])
-        R, p = poses_of(self.base.points_m, carried)
-        return usable_frames(y, R, p, [r.t for r in recordings])
-
-    def residuals_m(self, recordings: Sequence[MarkerRecording], seed: int) -> Floats:
-        """Return the distance of every marker from where the chain has it, NaN where not seen.
-
-        Returns
-        -------
-        (n_frame, m + m_base) [m]
-            The markers of the links, then those of the base, which is where base and limb together have it.
-        """
-        frames, usable = self.frames(recordings)
-        carried = np.concatenate([columns_of(r, self.base.markers) for r in recordings])[usable]
-        frames = frames._replace(y=np.ascontiguousarray(np.concatenate([frames.y, carried], axis=1)))
-        geometry, base = self.bundle.geometry, self.base
-        place = markers_in(base.points_m, geometry.base_R, geometry.base_p)
-        model = with_base(self.bundle.markers, base.markers, place, self.base_std_m)
-        chain = model.chain(geometry)
-        prior = base_follows(self.task.angles, len(base.markers))
-        q = follow(chain, frames, model.std, prior, seed)
-        return np.asarray(np.linalg.norm(frames.y - predicted(chain, frames, q), axis=2))
 
 
 def calibrate(
@@ -172,16 +96,16 @@ def calibrate(
     task, n_part, trial = _task(arm, where, trials, begin, markers, chosen, person.height_m)
     q = follow(markers.chain(begin.geometry), chosen, markers.std, begin.angles, seed, q)
     bundle = fit_bundle(task, begin.geometry, markers, q, _told(progress, "fitting"))
-    halves = {}
-    for one in np.unique(trial):
-        own = np.flatnonzero(trial == one)
-        if len(own) >= 10:
-            halves[int(one)] = fit_bundle(
-                task.rows(own), bundle.geometry, bundle.markers, bundle.q[own],
-                _told(progress, f"trial {one + 1} by itself"), 25, True,
-            )  # fmt: skip
+    halves = disjoint_fits(task, bundle, trial, progress)
     found = errors(where, task, bundle, n_part, halves)
     notes = (*trials.notes, *base.notes, *base_notes, *centre_notes, *lock_notes, *_open(task, found))
+    acromion = marker_set.landmarks.get(f"acromion_{where.side}")
+    if acromion is not None and not where.balls[0] and "elbow" in where.centres:
+        seen = np.concatenate([r.of([acromion])[:, 0] for r in recordings])[rows]
+        k = task.free.names.index("d3")
+        least = abs(bundle.geometry.numbers[2, 2]) - coverage_factor(n_part) * found.free_std[k]
+        said = beyond_the_acromion(where, chosen, bundle.markers.chain(bundle.geometry), bundle.q, seen, least)
+        notes = (*notes, said) if said else notes
     return LimbFit(
         arm, where, trials, base, task, rows, bundle, tuple(functional), found, tuple(dict.fromkeys(notes))
     )

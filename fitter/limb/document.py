@@ -7,7 +7,7 @@ import numpy as np
 from arm.model import Floats
 from fitter.functional.disjoint import coverage_factor
 from fitter.limb.base_motion import named
-from fitter.limb.calibration import LimbFit
+from fitter.limb.limb_fit import LimbFit
 from fitter.limb.uncertainty import derived
 from fitter.markers.recording import MarkerRecording
 from limbcal.command import Document

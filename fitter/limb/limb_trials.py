@@ -1,7 +1,7 @@
 """Recordings of one person, sorted into the segments of one limb."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -10,7 +10,7 @@ from arm.model import Floats
 from fitter.functional.anatomy import LANDMARKS
 from fitter.functional.draft_marker_set import distance_scatter
 from fitter.functional.marker_set import MarkerSet
-from fitter.functional.marker_set_fit import fit_marker_set
+from fitter.functional.marker_set_fit import best_built_in, fit_marker_set
 from fitter.functional.segment_motion import SegmentMotion, segment_motion
 from fitter.markers.recording import MarkerRecording
 from limbcal.errors import DataError
@@ -71,15 +71,6 @@ class LimbTrials:
         return np.asarray(self.whole[:, self.names.index(marker)])
 
 
-def columns_of(recording: MarkerRecording, names: Sequence[str]) -> Floats:
-    """Return a recording's markers in some order, (n_frame, n_marker, 3) [m], NaN for those it has not."""
-    out = np.full((len(recording.positions), len(names), 3), np.nan)
-    for k, name in enumerate(names):
-        if name in recording.names:
-            out[:, k] = recording.positions[:, recording.names.index(name)]
-    return out
-
-
 def limb_trials(recordings: Sequence[MarkerRecording], marker_set: MarkerSet, where: LimbMap) -> LimbTrials:
     """Sort recordings into the segments of a limb.
 
@@ -99,21 +90,27 @@ def limb_trials(recordings: Sequence[MarkerRecording], marker_set: MarkerSet, wh
         if on_it:
             segments[segment] = tuple(on_it)
     segments, elsewhere, computed = _sorted_by_distances(own, segments, recordings)
+    computed |= own.computed & {m for on_it in segments.values() for m in on_it}
     first = next(iter(s for s in where.parts if s.startswith(("upper_arm", "thigh"))))
     if first not in segments:
         raise DataError(
             f"marker set {marker_set.name}: no marker of {first} is in the recordings, expected some: "
-            f"{', '.join(own.segments.get(first, ())) or 'the set names none'}"
+            f"{', '.join(own.segments.get(first, ())) or 'the set names none'}; "
+            f"{best_built_in(seen)[0]} is the built-in set that fits best"
         )
     trunk = [m for landmark, m in fit.landmarks.items() if not landmark.endswith(_other(where))] + [
         fit.landmarks[name] for name in _BOTH_SIDES if name in fit.landmarks
     ]
     names = tuple(dict.fromkeys([*(m for on_it in segments.values() for m in on_it), *trunk]))
-    trials = tuple(columns_of(recording, names) for recording in recordings)
+    trials = tuple(recording.of(names) for recording in recordings)
     motions, notes = _motions(segments, names, trials)
     ups = {recording.up for recording in recordings}
     if len(ups) > 1:
-        text = f"recordings differ in which axis points up ({', '.join(sorted(ups))}): none is taken for up"
+        several = ", ".join(sorted(up or "unknown" for up in ups))
+        text = f"recordings differ in which axis points up ({several}): none is taken for up; expected --up"
+        notes.append(Note("up", text))
+    elif ups == {""}:
+        text = "nothing tells which axis points up: gravity is taken along -z; expected --up, such as --up +y"
         notes.append(Note("up", text))
     kept = [note for note in fit.notes if note.kind not in ("unused_marker", "too_few_markers")]
     return LimbTrials(
@@ -147,7 +144,7 @@ def _limb_set(marker_set: MarkerSet, wanted: Sequence[str]) -> MarkerSet:
         or (name in _BOTH_SIDES and "acromion" in name and "thorax" in trunk)
     }
     segments = {name: markers for name, markers in marker_set.segments.items() if name in wanted}
-    return MarkerSet(marker_set.name, segments, landmarks)
+    return replace(marker_set, segments=segments, landmarks=landmarks)
 
 
 def _seen(recordings: Sequence[MarkerRecording]) -> list[str]:
@@ -183,7 +180,7 @@ def _sorted_by_distances(
 ) -> tuple[dict[str, tuple[str, ...]], list[Note], frozenset[str]]:
     """Leave out markers that go with another segment; tell computed landmarks from measured ones."""
     names = tuple(m for on_it in segments.values() for m in on_it)
-    frames = np.concatenate([columns_of(recording, names) for recording in recordings])
+    frames = np.concatenate([recording.of(names) for recording in recordings])
     scatter = distance_scatter(frames[:: max(1, len(frames) // _SCATTER_FRAMES)])
     of = {name: segment for segment, on_it in segments.items() for name in on_it}
     kept, notes, computed = {segment: list(on_it) for segment, on_it in segments.items()}, list[Note](), set[str]()

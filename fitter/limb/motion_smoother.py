@@ -23,7 +23,9 @@ from limbcal.compiled import compiled
 JERK_DENSITY, SWAY_JERK_DENSITY = 1e6, 4e4
 #: Frequency up to which that is [Hz].
 PASSES_HZ = 12.0
-_MOST_ITERATIONS, _CONVERGED_RAD = 30, 5e-4
+_MOST_ITERATIONS = 30
+#: Iterations end where no angle changes by more: a tenth of a degree, where their errors are degrees [rad].
+_CONVERGED_RAD = 2e-3
 _SHORTENED = (1.0, 0.5, 0.2, 0.05)
 
 
@@ -78,7 +80,7 @@ def smooth(
                 break
         else:  # no shorter step is better either: that is as far as it goes
             _equations(chain, frames, variance, prior, q, room, A, a)
-            converged = bool(np.abs(step).max() < 20.0 * _CONVERGED_RAD)
+            converged = bool(np.abs(step).max() < 5.0 * _CONVERGED_RAD)
             break
         q, now = trial, found
         if np.abs(share * step).max() < _CONVERGED_RAD:

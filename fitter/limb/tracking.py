@@ -17,7 +17,6 @@ from fitter.functional.template import doubtful_rms_m
 from fitter.limb.base_motion import BaseMotion, poses_of, quaternions
 from fitter.limb.free_geometry import Geometry
 from fitter.limb.inverse_kinematics import follow, link_poses, predicted
-from fitter.limb.limb_trials import columns_of
 from fitter.limb.motion_smoother import smooth
 from fitter.limb.observation import SWAY, AnglePrior, Frames, MarkerModel, base_follows, with_base
 from fitter.limb.start import angle_prior
@@ -150,7 +149,7 @@ def track_limb(
 
 
 def _track_one(marked: MarkedArm, recording: MarkerRecording, seed: int) -> TrackedLimb:
-    y = columns_of(recording, marked.markers.names)
+    y = recording.of(marked.markers.names)
     seen = np.isfinite(y[..., 0])
     notes = _missing(marked, recording)
     ever = np.asarray(seen.any(axis=0))
@@ -160,7 +159,7 @@ def _track_one(marked: MarkedArm, recording: MarkerRecording, seed: int) -> Trac
             f"{recording.path}: of {len(marked.markers.names)} markers of the arm it has "
             f"{', '.join(there) or 'none'}, expected at least {_LEAST_MARKERS}"
         )
-    carried = columns_of(recording, marked.base.markers)
+    carried = recording.of(marked.base.markers)
     R, p, more = _filled(recording, marked, *_trusted(marked.base.points_m, carried))
     t = recording.t
     everything = np.ascontiguousarray(np.concatenate([y, carried], axis=1))

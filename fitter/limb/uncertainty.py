@@ -2,10 +2,11 @@
 
 Skin moves coherently, so errors from residuals that are taken for independent are some ten times too small. What
 differs when a part is left out does not depend on that. One Gauss-Newton step from the answer of all parts is
-enough for each, since parts' normal equations are kept apart (`normal_equations`).
+enough for each, since parts' normal equations are kept apart (`normal_equations`). What is off alike in all parts
+comes on top (`functional_error`).
 """
 
-from collections.abc import Mapping
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -16,6 +17,7 @@ from arm.model import Floats
 from fitter.functional.disjoint import jackknife, rms_apart
 from fitter.limb.bundle import Bundle, Task, shared_away
 from fitter.limb.free_geometry import Geometry
+from fitter.limb.functional_error import systematic_std_m
 
 #: Standard deviation of the posterior, as a share of the prior's, from which on nothing was learnt of a number.
 LEARNT = 0.7
@@ -120,7 +122,7 @@ def _towards(place: Floats, reference: Floats) -> tuple[Floats, Floats]:
     return R, aim - R @ middle
 
 
-def errors(where: LimbMap, task: Task, bundle: Bundle, n_part: int, halves: Mapping[int, Bundle]) -> Errors:
+def errors(where: LimbMap, task: Task, bundle: Bundle, n_part: int, halves: Sequence[Bundle]) -> Errors:
     """Return the errors of a bundle fit.
 
     Parameters
@@ -130,8 +132,8 @@ def errors(where: LimbMap, task: Task, bundle: Bundle, n_part: int, halves: Mapp
     bundle : Bundle
         With its normal equations part by part.
     n_part : int
-    halves : mapping of int to Bundle
-        Fits of each trial (each half of the only one) by itself.
+    halves : sequence of Bundle
+        Fits of disjoint trials by themselves (`disjoint_fits`).
     """
     markers, n_free = bundle.markers, len(task.free.std)
     information = task.prior.information
@@ -144,9 +146,11 @@ def errors(where: LimbMap, task: Task, bundle: Bundle, n_part: int, halves: Mapp
         return np.asarray(np.linalg.solve(S + np.diag(information), b - pull))
 
     def told(use: NDArray[np.bool_]) -> Floats:
-        away = step(use)
-        geometry = bundle.geometry.moved(task.free, away[:n_free])
-        place = markers.place + away[n_free:].reshape(-1, 3)
+        return told_at(step(use))
+
+    def told_at(shared: Floats) -> Floats:
+        geometry = bundle.geometry.moved(task.free, shared[:n_free])
+        place = markers.place + shared[n_free:].reshape(-1, 3)
         return derived(where, geometry, markers.link, place, markers.place).vector()
 
     posterior = np.linalg.inv(bundle.S.sum(axis=0) + np.diag(information))
@@ -154,13 +158,35 @@ def errors(where: LimbMap, task: Task, bundle: Bundle, n_part: int, halves: Mapp
     spread = np.sqrt(np.diag(jackknife(lambda use: step(use)[:n_free], n_part)))
     # what the motion leaves open stays at the prior whichever part is left out: its error is the posterior's
     learnt = formal < LEARNT * task.free.std
+    free_var, told_cov = (
+        np.fmax(spread, formal) ** 2,
+        _larger(jackknife(told, n_part), _carried(told_at, posterior)),
+    )
+    if not where.balls[0]:  # with a girdle before it the first centre is another
+        off = systematic_std_m(next(iter(where.centres))) ** 2
+        free_var[[task.free.names.index(name) for name in ("base_x", "base_y", "base_z", "d3")]] += off
+        two_lengths = 2
+        told_cov[np.diag_indices(two_lengths + 3)] += off * np.array([1.0, 0.0, 1.0, 1.0, 1.0])
     return Errors(
-        np.fmax(spread, formal),
+        np.sqrt(free_var),
         learnt,
-        jackknife(told, n_part),
-        tuple(
-            derived(where, half.geometry, markers.link, half.markers.place, markers.place)
-            for half in halves.values()
-        ),
+        told_cov,
+        tuple(derived(where, half.geometry, markers.link, half.markers.place, markers.place) for half in halves),
         n_part,
     )
+
+
+def _carried(told_at: Callable[[Floats], Floats], covariance: Floats) -> Floats:
+    """Return the covariance of what follows from the shared numbers, by central differences."""
+    step = np.diag(1e-3 * np.sqrt(np.diag(covariance)))
+    slopes = np.array([(told_at(one) - told_at(-one)) / (2.0 * one.sum()) for one in step]).T
+    return np.asarray(slopes @ covariance @ slopes.T)
+
+
+def _larger(parts: Floats, formal: Floats) -> Floats:
+    """Return the covariance by parts left out, with no less variance than the posterior has.
+
+    What the motion leaves open stays at the prior whichever part is left out; only the posterior knows its error.
+    """
+    short = np.fmax(np.diag(formal) - np.nan_to_num(np.diag(parts)), 0.0)
+    return np.asarray(np.where(np.isfinite(parts), parts, 0.0) + np.diag(short))

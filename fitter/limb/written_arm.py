@@ -11,8 +11,8 @@ from arm.kinematics import axis_frames, rpy_from_rotation
 from arm.model import STANDARD_GRAVITY_M_S2, Arm, Base, Body, Floats, Joint, Link, Marker, Vector3
 from fitter.limb.base_motion import markers_in
 from fitter.limb.bundle import wander
-from fitter.limb.calibration import LimbFit
 from fitter.limb.inverse_kinematics import link_poses
+from fitter.limb.limb_fit import LimbFit
 from fitter.limb.observation import SWAY
 from fitter.limb.seen import median_seen
 

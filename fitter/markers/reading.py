@@ -52,7 +52,7 @@ def read_markers(paths: Sequence[Path], progress: Callable[[int], None] | None =
 
 def look_at(raws: Sequence[RawRecording], progress: Callable[[int], None] | None = None) -> list[Looked]:
     """Say what is wrong with recordings of one person, and put right what is safe."""
-    first = [_in_metres(raw) for raw in raws]
+    first = _agreed_up(raws, [_in_metres(raw) for raw in raws])
     others = agreed([one.recording for one in first])
     found = []
     for k, one in enumerate(first):
@@ -96,8 +96,24 @@ def _in_metres(raw: RawRecording) -> Looked:
     positions = points * UNITS.get(unit, 1.0)
     said, up = up_of(positions, raw.up)
     notes += [*said, *doubled(names, positions), *nan_forces(raw.forces)]
-    recording = MarkerRecording(raw.path, raw.rate_hz, names, positions, unit, up, raw.forces)
+    recording = MarkerRecording(raw.path, raw.rate_hz, names, positions, unit, up, raw.forces, raw.t0_s)
     return Looked(recording, tuple(notes))
+
+
+def _agreed_up(raws: Sequence[RawRecording], looked: Sequence[Looked]) -> list[Looked]:
+    """Let files whose persons do not stand tell up as those do that have the same header and one stance."""
+    stances = [up_of(one.recording.positions, "")[1] for one in looked]
+    found = []
+    for raw, one, own in zip(raws, looked, stances, strict=True):
+        others = {up for other, up in zip(raws, stances, strict=True) if other.up == raw.up and up}
+        if own or not raw.up or len(others) != 1 or one.recording.up in others:
+            found.append(one)
+            continue
+        up = others.pop()
+        said = f"the header calls {raw.up} up, but in other files of this call persons stand along {up}"
+        note = Note("up", f"{said}: that is taken for up here too")
+        found.append(Looked(replace(one.recording, up=up), (*one.notes, note)))
+    return found
 
 
 def _put_right(one: Looked, others: Agreed) -> Looked:

@@ -1,6 +1,7 @@
 """A recording of optical markers, in metres, and the forces beside it."""
 
-from dataclasses import dataclass, field
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -59,6 +60,14 @@ class RawRecording:
     other_rates: dict[str, float] = field(default_factory=dict)
     forces: tuple[ForceRecord, ...] = ()
 
+    @property
+    def t0_s(self) -> float:
+        """Time of the first frame by the column of time [s]; zero where there is none."""
+        known = np.flatnonzero(np.isfinite(self.t)) if self.t is not None else np.empty(0, dtype=np.intp)
+        if self.t is None or not len(known):
+            return 0.0
+        return float(self.t[known[0]] - known[0] / self.rate_hz)
+
 
 @dataclass(frozen=True)
 class MarkerRecording:
@@ -75,6 +84,8 @@ class MarkerRecording:
     unit, up : str
         Of the file; the axis that points up, such as ``+z``, empty if nothing tells it.
     forces : tuple of ForceRecord
+    t0_s : float
+        Time of the first frame on the recording's own clock.
     """
 
     path: str
@@ -84,11 +95,26 @@ class MarkerRecording:
     unit: str
     up: str
     forces: tuple[ForceRecord, ...] = ()
+    t0_s: float = 0.0
 
     @property
     def t(self) -> Floats:
-        """Time from the first frame on [s], (n_frame,)."""
-        return np.arange(len(self.positions)) / self.rate_hz
+        """Time on the recording's own clock [s], (n_frame,)."""
+        return self.t0_s + np.arange(len(self.positions)) / self.rate_hz
+
+    def of(self, names: Sequence[str]) -> Floats:
+        """Return markers in some order, (n_frame, n_marker, 3) [m], NaN for those that it has not."""
+        out = np.full((len(self.positions), len(names), 3), np.nan)
+        for k, name in enumerate(names):
+            if name in self.names:
+                out[:, k] = self.positions[:, self.names.index(name)]
+        return out
+
+    def with_marker(self, name: str, position_m: Floats) -> "MarkerRecording":
+        """Return the recording with a marker, (n_frame, 3) [m], in the place of one of that name."""
+        kept = [k for k, one in enumerate(self.names) if one != name]
+        positions = np.concatenate([self.positions[:, kept], position_m[:, None]], axis=1)
+        return replace(self, names=(*(self.names[k] for k in kept), name), positions=positions)
 
     @property
     def missing(self) -> np.ndarray:

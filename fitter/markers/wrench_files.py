@@ -15,7 +15,7 @@ _KINDS = {"f": "v", "t": "m"}
 #: Lines that a header may have.
 _MOST_HEADER = 1000
 #: A plate that reads less has nothing on it [N].
-_EMPTY_N = 10.0
+EMPTY_N = 10.0
 
 
 @dataclass(frozen=True)
@@ -39,7 +39,7 @@ class PlateWrench:
     @property
     def is_loaded(self) -> bool:
         """Whether it ever carries anything."""
-        return bool(np.nanmax(np.linalg.norm(self.force, axis=1), initial=0.0) > _EMPTY_N)
+        return bool(np.nanmax(np.linalg.norm(self.force, axis=1), initial=0.0) > EMPTY_N)
 
     def at(self, t: Floats) -> tuple[Floats, Floats, Floats]:
         """Return force, point and moment at other times, (n, 3) each; none before the first sample or after."""

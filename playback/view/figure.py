@@ -1,4 +1,4 @@
-"""One arm in the scene: its links, joint frames and sensors."""
+"""One arm in the scene: its links, joint frames, sensors and optical markers."""
 
 import numpy as np
 import viser
@@ -7,6 +7,9 @@ from viser.transforms import SO3
 from arm.model import Arm
 from playback.shape import Colours, Mesh, base_mesh, link_meshes, link_poses, reach_m, sensor_mesh
 from playback.trajectory import Floats
+
+#: Radius of an optical marker, which is most often a ball of 14 mm [m].
+_MARKER_M = 0.007
 
 
 class Figure:
@@ -42,7 +45,7 @@ class Figure:
                     f"{name}/axes", axes_length=length, axes_radius=0.025 * length, origin_radius=0.05 * length
                 )
             )
-        self._sensors: list[viser.MeshHandle] = []
+        self._sensors: list[viser.MeshHandle | viser.IcosphereHandle] = []
         self._labels: list[viser.LabelHandle] = []
         for sensor in arm.sensors:
             name = f"{root}/link{sensor.joint}/{sensor.name}"
@@ -55,6 +58,17 @@ class Figure:
                     position=tuple(above),
                     font_screen_scale=0.75,
                     anchor="bottom-center",
+                )
+            )
+        for marker in arm.markers:
+            node = f"{root}/link{marker.joint}" if marker.joint else root
+            self._sensors.append(
+                server.scene.add_icosphere(
+                    f"{node}/marker {marker.name}",
+                    radius=_MARKER_M,
+                    color=colours.sensor,
+                    opacity=opacity,
+                    position=marker.position_m,
                 )
             )
         self.show(np.zeros(arm.n_joint))

@@ -1,12 +1,20 @@
 """From markers to a limb, its motion and its torques: `kinematics --body`, `track`, `torque`, `marker-set`."""
 
+from dataclasses import replace
+
 import numpy as np
 import pyarrow.csv
 import pytest
+from scipy.spatial.transform import Rotation
 
 from arm.arm_file import load_arm, save_arm
+from arm.effects.payload import with_load
+from arm.model import Effect
+from arm.moving_base import BaseState
 from arm.newton_euler import inverse_dynamics
+from fitter.commands.torque import needed_torque
 from fitter.data.motion_file import write_motion
+from fitter.markers.trc_file import read_trc
 from tests.fitter.limb.simulated_person import person
 
 SET = """schema = 1
@@ -118,6 +126,11 @@ def test_a_force_of_a_table_acts_on_its_link(fitter, tmp_path):
     # a force of 700 N upwards, 0.1 m ahead of the hip, takes 70 N m off what bends it about the axis to the right
     difference = np.load(tmp_path / "b.npz")["tau1"] - np.load(tmp_path / "a.npz")["tau1"]
     np.testing.assert_allclose(difference, -70.0, atol=1e-9)
+    assert "contact_far" not in [note["kind"] for note in loaded.document["notes"]]
+    (tmp_path / "far.mot").write_text((tmp_path / "f.mot").read_text().replace("\t700\t0.1", "\t700\t0.9"))
+    motion = ("torque", tmp_path / "m.csv", "--arm", "human-leg-right")
+    other_foot = fitter(*motion, "--ground", tmp_path / "far.mot", "--out", tmp_path / "d.npz")
+    assert "contact_far" in [note["kind"] for note in other_foot.document["notes"]]
     wrong = fitter(
         "torque",
         tmp_path / "m.csv",
@@ -151,3 +164,59 @@ def test_mistakes_are_sentences(fitter, tmp_path, recorded):
     assert partly.code == 2 and "--height and --sex" in partly.errors[0]
     without = fitter("track", trial, "--arm", "human-arm-right", "--out", tmp_path / "m.csv")
     assert without.code == 2 and "[[marker]]" in without.errors[0]
+
+
+def test_a_recordings_own_clock_is_kept_so_that_forces_match(fitter, tmp_path):
+    truth = person("human-leg-right", n=120, seed=4)
+    late = replace(truth.recordings[0], t0_s=2.5)
+    trial, marker_set = (
+        written_trc(tmp_path / "late.trc", late),
+        written_set(tmp_path / "s.toml", truth.marker_set),
+    )
+    preset = ("--body", "human-leg-right", "--marker-set", marker_set, "--mass", 60, "--height", 1.7, "--sex", "f")
+    assert fitter("kinematics", trial, *preset, "--out", tmp_path / "leg.toml").code == 0
+    assert fitter("track", trial, "--arm", tmp_path / "leg.toml", "--out", tmp_path / "m.csv").code == 0
+    t = pyarrow.csv.read_csv(tmp_path / "m.csv")["t"].to_numpy()
+    np.testing.assert_allclose(t, late.t, atol=1e-9)
+    for name, first in (("same", 2.0), ("other", 100.0)):
+        rows = "\n".join(f"{first + k / 100:.2f}\t0\t0\t700\t0\t0\t0" for k in range(400))
+        names = "\t".join(["time", *(f"ground_force_{k}{a}" for k in "vp" for a in "xyz")])
+        (tmp_path / f"{name}.mot").write_text(f"f\nendheader\n{names}\n{rows}\n")
+    needs = ("torque", tmp_path / "m.csv", "--arm", tmp_path / "leg.toml", "--out", tmp_path / "tau.csv")
+    by_segment = ("--contact", "ground_force=foot_right")
+    assert fitter(*needs, "--ground", tmp_path / "same.mot", *by_segment).document["contacts"][0]["joint"] == 6
+    apart = fitter(*needs, "--ground", tmp_path / "other.mot")
+    assert apart.code == 2 and "expected one clock" in apart.said
+
+
+def test_a_payload_is_carried_with_the_base():
+    rng = np.random.default_rng(0)
+    arm = load_arm("human-arm-right")
+    q, dq, ddq = rng.normal(size=(3, 20, arm.n_joint))
+    omega, omega_dot, acceleration, p = rng.normal(size=(4, 20, 3))
+    base = BaseState(Rotation.random(20, rng).as_matrix(), p, omega, omega_dot, acceleration)
+    loaded = replace(arm, effects=(Effect("payload", parameters={"mass_kg": 2.0}),))
+    t = np.arange(20) / 100.0
+    found = needed_torque(loaded, q, dq, ddq, base, [], t, 1)
+    wanted = needed_torque(with_load(arm, 2.0), q, dq, ddq, base, [], t, 1)
+    np.testing.assert_allclose(found, wanted, atol=1e-9)
+
+
+def test_a_limb_and_its_motion_are_handed_on(fitter, tmp_path, recorded):
+    _, trial, marker_set = recorded
+    out, motion = tmp_path / "arm.toml", tmp_path / "motion.csv"
+    preset = ("--body", "human-arm-right", "--marker-set", marker_set)
+    models = [tmp_path / name for name in ("arm.osim", "arm.bioMod")]
+    learnt = fitter("kinematics", trial, *preset, "--out", out, "--export", *models)
+    assert learnt.code == 0, learnt.errors
+    assert learnt.document["exported"] == [str(one) for one in models]
+    files = [tmp_path / name for name in ("angles.mot", "model.trc")]
+    tracked = fitter("track", trial, "--arm", out, "--out", motion, "--export", *files)
+    assert tracked.code == 0, tracked.errors
+    measured, modelled = read_trc(trial), read_trc(tmp_path / "model.trc")
+    order = [measured.labels.index(name) for name in modelled.labels]
+    away = np.linalg.norm(measured.points[:, order] - modelled.points, axis=2)
+    assert np.sqrt(np.nanmean(away**2)) == pytest.approx(1e-3 * tracked.document["marker_rms_mm"]["rms"], rel=1e-2)
+    assert "base_tx" in (tmp_path / "angles.mot").read_text()
+    wrong = fitter("track", trial, "--arm", out, "--out", motion, "--export", tmp_path / "x.fbx")
+    assert wrong.code == 2 and "expected .osim, .bioMod, .mot, .trc" in wrong.said

@@ -109,3 +109,10 @@ def test_whatever_stands_in_it_is_read_or_refused(fields, with_table):
         text += "\n[extra]\na = 1\n"
     with pytest.raises(ConfigError):  # none of these has segments
         parse_marker_set(text, "lab.toml")
+
+
+def test_a_pointer_is_read_and_its_mistakes_are_told():
+    probe = parse_marker_set(GOOD + "[probe]\nP1 = [0, 0.1, 0.2]\n", "lab.toml").probe
+    assert probe == {"P1": (0.0, 0.1, 0.2)}
+    with pytest.raises(ConfigError, match=r"probe.P1: found 'here', expected \[x, y, z\]"):
+        parse_marker_set(GOOD + '[probe]\nP1 = "here"\n', "lab.toml")

@@ -26,6 +26,14 @@ def test_several_damages_are_all_said():
     assert one.recording.names == raw.labels
 
 
+def test_who_does_not_stand_has_up_as_others_with_the_same_header_do():
+    standing = replace(walking(), up="-z")
+    crouching = replace(standing, path="low.trc", points=standing.points * [8.0, 8.0, 1.0])
+    alone, both = look_at([crouching]), look_at([standing, crouching])
+    assert [one.recording.up for one in (*alone, *both)] == ["-z", "+z", "+z"]
+    assert "in other files of this call persons stand along +z" in both[1].notes[-1].text
+
+
 def test_measured_recordings_have_no_exchanged_labels(measured_data):
     for folder in ("kineticstoolkit", "biobuddy", "btk"):
         found = read_markers(sorted((measured_data / folder).glob("*.c3d")))

@@ -1,5 +1,6 @@
 """The arm on the page: its parts are where the arm's transforms put them."""
 
+from dataclasses import replace
 from types import SimpleNamespace
 from typing import Any
 
@@ -8,7 +9,7 @@ import pytest
 
 from arm.arm_file import load_arm
 from arm.kinematics import sensor_positions
-from arm.model import Arm
+from arm.model import Arm, Marker
 from playback.shape import REAL, link_poses, reach_m, sensor_mesh
 from playback.view.figure import Figure
 
@@ -31,6 +32,9 @@ class Scene:
 
     def add_mesh_simple(self, name: str, vertices: np.ndarray, faces: np.ndarray, **looks: Any) -> Any:
         return self._add(name, vertices=vertices, faces=faces, **looks)
+
+    def add_icosphere(self, name: str, radius: float, position: tuple[float, float, float], **looks: Any) -> Any:
+        return self._add(name, radius=radius, **looks | {"position": np.array(position)})
 
     def add_label(self, name: str, text: str, position: tuple[float, float, float], **looks: Any) -> Any:
         return self._add(name, text=text, **looks | {"position": np.array(position)})
@@ -108,3 +112,13 @@ def test_an_arm_that_is_seen_through_casts_no_shadow(arm: Arm) -> None:
 def test_its_base_is_put_somewhere(scene: Scene, figure: Figure) -> None:
     figure.stand_at(np.array([1.0, 2.0, 3.0]))
     assert scene.parts["/arm"].position == pytest.approx([1.0, 2.0, 3.0])
+
+
+def test_optical_markers_ride_on_their_links(scene: Scene) -> None:
+    leg = load_arm("human-leg-right")
+    markers = (Marker("ASIS", 0, (0.1, 0.0, 0.1)), Marker("knee", 3, (0.0, 0.05, 0.4)))
+    figure = Figure(scene, "/leg", replace(leg, markers=markers), REAL)  # type: ignore[arg-type]
+    assert np.array_equal(scene.parts["/leg/marker ASIS"].position, markers[0].position_m)
+    assert np.array_equal(scene.parts["/leg/link3/marker knee"].position, markers[1].position_m)
+    figure.seen(sensors=False)
+    assert not scene.parts["/leg/link3/marker knee"].visible

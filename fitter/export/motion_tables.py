@@ -1,0 +1,75 @@
+"""OpenSim's tables of a motion: MOT of coordinates, TRC of the markers where the arm has them."""
+
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+from arm.kinematics import axis_frames, rotation_from_rpy
+from arm.model import Arm, Floats
+from fitter.export.osim_model import BASE_COORDINATES
+from fitter.export.placements import is_carried
+
+
+def coordinates_mot(arm: Arm, t: Floats, q: Floats, base: Floats) -> str:
+    """Return the text of a MOT file of the coordinates that `osim_model` names, in rad and m.
+
+    Parameters
+    ----------
+    arm : Arm
+    t : (n_frame,) [s]
+    q : (n_frame, n_joint) [rad or m]
+    base : (n_frame, 7)
+        Place and quaternion w, x, y, z of the segment that carries the arm.
+    """
+    names, columns = [f"q{i + 1}" for i in range(arm.n_joint)], q
+    if is_carried(arm):
+        turns = Rotation.from_quat(base[:, [4, 5, 6, 3]]).as_euler("XYZ")
+        names = [*BASE_COORDINATES, *names]
+        columns = np.hstack([np.unwrap(turns, axis=0), base[:, :3], q])
+    head = [
+        "coordinates", "version=1", f"nRows={len(t)}", f"nColumns={len(names) + 1}", "inDegrees=no", "endheader",
+        "\t".join(["time", *names]),
+    ]  # fmt: skip
+    rows = ["\t".join(f"{x:.9g}" for x in (at, *row)) for at, row in zip(t, columns, strict=True)]
+    return "\n".join([*head, *rows, ""])
+
+
+def marker_places(arm: Arm, q: Floats, base: Floats) -> Floats:
+    """Return where an arm has its markers in the world, (n_frame, n_marker, 3) [m]; parameters as above."""
+    frames = axis_frames(arm, q)
+    frames = np.concatenate([np.tile(np.eye(4), (len(q), 1, 1, 1)), frames], axis=1)
+    links = [marker.joint for marker in arm.markers]
+    local = np.array([marker.position_m for marker in arm.markers]).reshape(-1, 3)
+    own = frames[:, links]
+    places = np.einsum("nmij,mj->nmi", own[..., :3, :3], local) + own[..., :3, 3]
+    if arm.base is not None:
+        places = places @ rotation_from_rpy(*arm.base.rotation_rad).T + np.array(arm.base.position_m)
+    if is_carried(arm):
+        R = Rotation.from_quat(base[:, [4, 5, 6, 3]]).as_matrix()
+        places = np.einsum("nij,nmj->nmi", R, places) + base[:, None, :3]
+    return np.asarray(places)
+
+
+def markers_trc(name: str, markers: list[str], t: Floats, places: Floats, rate_hz: float) -> str:
+    """Return the text of a TRC file, in metres.
+
+    Parameters
+    ----------
+    name : str
+        Of the file.
+    markers : list of str
+    t : (n_frame,) [s]
+    places : (n_frame, n_marker, 3) [m]
+    rate_hz : float
+    """
+    n, m, rate = len(t), len(markers), f"{rate_hz:.9g}"
+    lines = [
+        f"PathFileType\t4\t(X/Y/Z)\t{name}",
+        "DataRate\tCameraRate\tNumFrames\tNumMarkers\tUnits\tOrigDataRate\tOrigDataStartFrame\tOrigNumFrames",
+        f"{rate}\t{rate}\t{n}\t{m}\tm\t{rate}\t1\t{n}",
+        "Frame#\tTime\t" + "\t\t\t".join(markers) + "\t\t",
+        "\t\t" + "\t".join(f"{axis}{k + 1}" for k in range(m) for axis in "XYZ"),
+        "",
+    ]
+    for k, (at, row) in enumerate(zip(t, places.reshape(n, -1), strict=True)):
+        lines.append("\t".join([str(k + 1), f"{at:.9g}", *(f"{x:.6f}" for x in row)]))
+    return "\n".join([*lines, ""])
