@@ -123,7 +123,8 @@ def test_a_frame_ahead_that_nothing_follows_is_as_the_host_allows(early_s: float
 
 def test_a_few_steps_at_another_rate_change_nothing() -> None:
     entered = Entered(early_s=1.0)
-    entered.take(*(SamplesFrame(k, 9 * N * P + (k - 9) * N * P * 11 // 10, frame(k).counts) for k in range(10, 14)))
+    for k in range(10, 14):
+        entered.take(SamplesFrame(k, 9 * N * P + (k - 9) * N * P * 11 // 10, frame(k).counts))
     assert entered.ledger.step.ticks_per_sample == P
 
 
