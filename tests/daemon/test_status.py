@@ -10,7 +10,9 @@ import pytest
 from rich.console import Console
 
 from daemon.__main__ import main
-from daemon.status import view_of
+from daemon.status import _first, _next, view_of
+from limbcal.errors import DeviceError
+from protocol.message import HEALTH
 
 Limbd = Callable[..., Any]
 
@@ -75,3 +77,32 @@ def test_what_is_known_is_shown() -> None:
 def test_no_daemon_is_waited_for_and_said(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["status", "--endpoint", f"ipc://{tmp_path}/nobody", "--once", "--wait-s", "0.2"]) == 3
     assert "no daemon is heard" in capsys.readouterr().err
+
+
+class Told:
+    """A subscriber that hears what it is told to, and nothing before."""
+
+    def __init__(self, *messages: tuple[str, dict[str, Any]] | None) -> None:
+        self.messages = list(messages)
+        self.timeouts_ms: list[int] = []
+
+    def receive(self, timeout_ms: int) -> tuple[str, dict[str, Any]] | None:
+        self.timeouts_ms.append(timeout_ms)
+        return self.messages.pop(0)
+
+
+def test_the_first_report_that_is_heard_is_waited_for(capsys: pytest.CaptureFixture[str]) -> None:
+    report = {"samples": 7}
+    assert _first(Told((HEALTH, report)), "ipc://here", 0.5) is report  # type: ignore[arg-type]
+    late = Told(None, (HEALTH, report))
+    assert _first(late, "ipc://here", 60.0) is report  # type: ignore[arg-type]
+    assert "waiting for 60 s in all" in capsys.readouterr().err
+    assert late.timeouts_ms[0] == 3000 and 0 < late.timeouts_ms[1] <= 60_000
+    with pytest.raises(DeviceError, match="no daemon is heard on ipc://here within 0.5 s"):
+        _first(Told(None), "ipc://here", 0.5)  # type: ignore[arg-type]
+
+
+def test_a_daemon_that_falls_silent_is_said() -> None:
+    assert _next(Told((HEALTH, {"samples": 8})), "ipc://here") == {"samples": 8}  # type: ignore[arg-type]
+    with pytest.raises(DeviceError, match="the daemon on ipc://here is not heard any more"):
+        _next(Told(None), "ipc://here")  # type: ignore[arg-type]

@@ -102,3 +102,35 @@ def test_a_clock_that_runs_at_another_rate_is_followed_after_a_majority_of_steps
     assert entered.ledger.step.ticks_per_sample == pytest.approx(1.1 * P)
     assert (entered.guard.errors, entered.ledger.lost_samples, entered.off[-1]) == (1, 0, None)
     assert len(entered.ticks) == 29 and np.all(np.diff(entered.ticks) > 0)
+
+
+def test_what_arrived_is_known_but_for_a_frame_in_doubt() -> None:
+    entered, behind = Entered(), -5 * N * P
+    assert entered.guard.arrived_ticks == 10 * N * P
+    entered.take(frame(10, behind))
+    assert entered.guard.arrived_ticks is None and entered.guard.is_off
+    entered.take(frame(11, behind - N * P))  # it stands still: frames take their turn by number
+    assert entered.guard.waiting and entered.guard.arrived_ticks == 12 * N * P
+
+
+@pytest.mark.parametrize(("early_s", "ticks"), [(0.0, 15), (1.0, 10)])
+def test_a_frame_ahead_that_nothing_follows_is_as_the_host_allows(early_s: float, ticks: int) -> None:
+    entered = Entered()
+    entered.take(frame(10, 5 * N * P))
+    entered.guard.settle(lambda tick: early_s if tick == 16 * N * P else 9.9, entered.enter)  # asked of its end
+    assert entered.ticks[-1] == ticks * N * P
+
+
+def test_a_few_steps_at_another_rate_change_nothing() -> None:
+    entered = Entered(early_s=1.0)
+    for k in range(10, 14):
+        entered.take(SamplesFrame(k, 9 * N * P + (k - 9) * N * P * 11 // 10, frame(k).counts))
+    assert entered.ledger.step.ticks_per_sample == P
+
+
+@pytest.mark.parametrize(("off", "shown"), [(-300, -300), (-15 * P, 0)])
+def test_where_frames_are_missing_a_clock_may_be_off_by_a_trifle(off: int, shown: int) -> None:
+    entered = Entered()
+    entered.take(frame(12, off))
+    assert entered.ticks[-1] == 12 * N * P + shown and entered.ledger.lost_samples == 2 * N
+    assert entered.guard.errors == (0 if shown else 1)

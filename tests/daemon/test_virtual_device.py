@@ -7,7 +7,7 @@ import pytest
 from numpy.typing import NDArray
 
 from daemon.motion_source import MotionSource
-from daemon.virtual_device import TICK_HZ, FrameFifo, VirtualDevice
+from daemon.virtual_device import TICK_HZ, FrameFifo, Timing, VirtualDevice
 from protocol.device_info import DeviceInfo
 from protocol.serial_frame import InfoFrame, SamplesFrame
 from protocol.serial_parser import FrameParser
@@ -233,3 +233,50 @@ def test_a_device_that_was_without_power_counts_from_zero(bench: Callable[..., B
     found = one.taken()
     assert isinstance(found[0], InfoFrame)
     assert [frame.sequence for frame in found[:4]] == [0, 1, 2, 3]
+
+
+@pytest.mark.parametrize(
+    ("timing", "on_s", "ticks"),
+    [
+        (Timing(RATE_HZ), 1.5, 1.5 * TICK_HZ),
+        (Timing(RATE_HZ, clock=1.02), 1.5, 1.53 * TICK_HZ),
+        (Timing(RATE_HZ, wraps_s=1.0), 1.5, 0.5 * TICK_HZ),
+        (Timing(RATE_HZ, wraps_s=1.0), 0.75, 2**32 - 0.25 * TICK_HZ),
+        (Timing(RATE_HZ, wraps_s=1.0), 1.0, 0),
+    ],
+)
+def test_a_narrow_counter_passes_zero_when_it_is_told_to(timing: Timing, on_s: float, ticks: float) -> None:
+    assert timing.ticks(on_s) == round(ticks)
+
+
+def test_the_memory_holds_what_fits_and_gives_out_what_is_taken() -> None:
+    fifo = FrameFifo(10)
+    fifo.put(b"12345")
+    assert not fifo.is_half_full()
+    fifo.put(b"67890")
+    assert (len(fifo), fifo.dropped, fifo.is_half_full()) == (10, 0, True)
+    fifo.put(b"!")
+    assert (len(fifo), fifo.dropped) == (10, 1)
+    written: list[bytes] = []
+
+    def write(data: bytes) -> int:
+        written.append(data)
+        return 4
+
+    fifo.drain(write)
+    assert written == [b"1234567890"] and len(fifo) == 6  # the host took four, and is not pressed
+    fifo.clear()
+    fifo.drain(write)
+    assert len(written) == 1
+
+
+def test_a_device_is_ready_when_its_first_samples_are(
+    bench: Callable[..., Bench], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    b = bench()
+    for there in (False, True):
+        monkeypatch.setattr(b.sources[0], "wait", lambda _timeout_s, there=there: there)
+        assert b.device.ready(0.0) == there
+    assert b.device.started_s is None
+    b.device.receive(b"START\n", 100.25)
+    assert b.device.started_s == 100.25

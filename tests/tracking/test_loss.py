@@ -85,3 +85,12 @@ def test_long_after_a_motion_its_joints_are_still_about_where_they_were():
     loss.regain(0.0, x, P)
     np.testing.assert_array_equal(x, before_x)
     np.testing.assert_array_equal(P, before_P)
+
+
+def test_while_a_motion_is_lost_only_where_the_arm_is_grows_doubtful():
+    loss, (x, P) = Loss(2, DT_S), state(np.random.default_rng(5))
+    lost_s = DT_S * sum(missed(loss, x, P, 1.0))
+    assert lost_s == pytest.approx(1.0 - PREDICTABLE_S, abs=DT_S)
+    angle, speed, acceleration = np.square(LOST_STD)
+    joint = [angle * (1.0 + lost_s), speed, acceleration]
+    np.testing.assert_allclose(P[:6, :6], np.diag([*joint, *joint]), rtol=1e-12, atol=0)

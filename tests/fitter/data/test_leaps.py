@@ -17,10 +17,12 @@ def leaping(*lengths, by=86400.0):
 def test_a_leap_parts_a_motion_and_is_said_with_its_row():
     first, second = split_at_leaps(leaping(60, 40))
     assert (len(first.t), len(second.t), second.first_row) == (60, 40, 60)
+    assert (first.name, second.name) == ("run#1", "run#2")
     (note,) = first.notes
     assert not second.notes
     assert (note.kind, note.row, note.columns, note.source) == ("gap", 61, ("t",), "run.csv")
-    assert "in row 61 t leaps from 0.59 to 86400 s" in note.text
+    assert "in row 61 t leaps from 0.59 to 86400 s" in note.text and note.text.endswith("into 2 runs")
+    assert (note.from_s, note.to_s) == (pytest.approx(0.59), 86400.0)
 
 
 def test_short_pieces_are_left_out_and_none_at_all_is_an_error():

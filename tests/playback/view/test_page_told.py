@@ -240,3 +240,21 @@ def test_a_page_is_over_when_what_it_shows_is(page: MakePage) -> None:
     over.set()
     thread.join(30.0)
     assert not thread.is_alive()
+
+
+def test_the_time_line_shows_the_whole_motion_or_what_was_heard(
+    page: MakePage, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    shown, stream = page()
+    drawn: list[tuple[float, list[Row]]] = []
+    taken: list[object] = []
+    monkeypatch.setattr(shown._timeline, "draw", lambda position_s, rows: drawn.append((position_s, rows)))
+    monkeypatch.setattr(shown._timeline, "take", taken.append)
+    stream.remote.state, stream.picture = STATE, picture_of()
+    stream.rows = [stream.picture.row]
+    refreshed(shown)
+    assert drawn == [(1.0, stream.rows)] and taken == []
+    stream.remote.motion = motion = object()
+    for _ in range(2):
+        refreshed(shown)
+        assert drawn[-1] == (1.0, []) and taken == [motion]

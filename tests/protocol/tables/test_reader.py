@@ -238,6 +238,7 @@ def test_a_step_stands_in_the_place_of_time(tmp_path):
     for step in ("0.004", "4:ms"):
         table = read(path, f"t={step}")
         assert np.allclose(table.groups["t"][:, 0], 0.004 * np.arange(N)) and "t" in table.stated
+        assert table.origin_s == 0.0
 
 
 @pytest.mark.parametrize(

@@ -69,6 +69,13 @@ def test_a_joint_that_stands_before_it_starts_has_not_frozen():
     assert not frozen_rows(np.sin(2.0 * np.maximum(t - 0.5, 0.0))).any()  # at once at full speed
 
 
+def test_an_angle_that_leaps_out_of_its_first_readings_has_not_frozen():
+    """Nobody saw it move before; it may have been switched on."""
+    q = np.concatenate([np.zeros(10), 2.0 + 0.3 * np.arange(60)])
+    q[40:] += 0.01  # what an encoder's count is
+    assert not frozen_rows(q).any()
+
+
 def test_a_reading_that_comes_twice_has_not_frozen():
     q = np.sin(2.0 * np.arange(0.0, 3.0, 2e-3))
     q[101::100] = q[100:-1:100]
