@@ -114,8 +114,8 @@ def put_right(recording: MarkerRecording, others: Agreed) -> tuple[list[Note], n
     places = {k: np.flatnonzero(wrong[:, k]) for k in range(n) if wrong[:, k].sum() >= _SHORTEST}
     found: list[tuple[float, int, int, int, int]] = []
 
-    def righter(some: np.ndarray, i: int, j: int) -> tuple[np.ndarray, np.ndarray]:
-        """Say in which frames two are wrong and exchanged right, and by how much distances are righter [m]."""
+    def righter(some: np.ndarray, i: int, j: int) -> np.ndarray:
+        """Say in which frames two markers are wrong, and exchanged right."""
         straight = [_miss(some, k, partners[k], distance[k]) for k in (i, j)]
         crossed = [
             _miss(some, j, partners[i], distance[i], without=j),
@@ -123,25 +123,34 @@ def put_right(recording: MarkerRecording, others: Agreed) -> tuple[list[Note], n
         ]
         is_wrong = (straight[0] > limit[i]) & (straight[1] > limit[j])
         is_right = (crossed[0] < limit[i]) & (crossed[1] < limit[j])
-        before, after = straight[0] + straight[1], crossed[0] + crossed[1]
-        return is_wrong & is_right & (before > _RIGHTER * after), before - after
+        right: np.ndarray = is_wrong & is_right & (sum(straight) > _RIGHTER * sum(crossed))
+        return right
+
+    def gained(i: int, j: int, first: int, last: int) -> float:
+        """Return by how much the distances of all markers are righter if two are exchanged [m frames].
+
+        Of four on a segment the other two, exchanged, are its mirror image: nearly as right for themselves.
+        """
+        some = positions[first:last].copy()
+        some[:, [i, j]] = some[:, [j, i]]
+        after = [np.nansum(_miss(some, k, partners[k], distance[k])) for k in places]
+        return float(np.nansum(miss[first:last, list(places)]) - sum(after))
 
     for i, j in combinations(places, 2):
         frames = np.intersect1d(places[i], places[j], assume_unique=True)
         if len(frames) < _SHORTEST:
             continue
-        right, gain = righter(positions[frames], i, j)
+        right = righter(positions[frames], i, j)
         mask = np.zeros(n_frame, dtype=np.bool_)
         mask[frames[right]] = True
         unseen = np.any(recording.missing[:, [i, j]], axis=1)
         for first, last in runs(_bridged(mask, unseen)):
             wrong_there, seen = mask[first:last].sum(), (~unseen[first:last]).sum()
             if wrong_there >= max(shortest, _MOSTLY * seen):
-                gained = float(np.nansum(gain[(frames >= first) & (frames < last)]))
-                found.append((gained, i, j, first, last))
+                found.append((gained(i, j, first, last), i, j, first, last))
     for _, i, j, first, last in sorted(found, reverse=True):
         # Distances to two that have been exchanged since are right again, and may have been all that was wrong.
-        right, _ = righter(positions[first:last], i, j)
+        right = righter(positions[first:last], i, j)
         seen = (~recording.missing[first:last, [i, j]].any(axis=1)).sum()
         if exchanged[first:last, [i, j]].any() or right.sum() < _MOSTLY * seen:
             continue
