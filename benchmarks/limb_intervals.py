@@ -64,7 +64,7 @@ def _say(text: str) -> None:
     sys.stdout.write(f"{text}\n")
 
 
-def told(
+def estimated(
     recording: MarkerRecording, marker_set: MarkerSet, preset: str
 ) -> dict[str, dict[str, dict[str, object]]]:
     """Return lengths and centres as the command's JSON has them."""
@@ -119,13 +119,13 @@ def main(arguments: Sequence[str] | None = None) -> int:
     for case in CASES:
         marker_set = load_marker_set(case.marker_set) if isinstance(case.marker_set, str) else case.marker_set
         (looked,) = read_markers([given.data / case.file])
-        both = [told(half, marker_set, case.preset) for half in halves(looked.recording)]
+        both = [estimated(half, marker_set, case.preset) for half in halves(looked.recording)]
         for mine, theirs in (both, both[::-1]):
             found["measured"] += judged(mine, theirs, f"{Path(case.file).stem} {case.preset}")
     for seed in range(given.simulated):
         preset = ("human-arm-right", "human-leg-right")[seed % 2]
         truth = person(preset, seed=100 + seed, noise_m=3e-3)
-        mine = told(truth.recordings[0], truth.marker_set, preset)
+        mine = estimated(truth.recordings[0], truth.marker_set, preset)
         upper, joints = next(iter(mine["lengths_m"])), truth.arm.joints
         lower = [name for name in mine["lengths_m"] if name != upper][0]
         true = {upper: abs(joints[2].d_m), lower: joints[3].a_m if "leg" in preset else abs(joints[4].d_m)}

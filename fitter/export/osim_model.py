@@ -128,5 +128,5 @@ def _body_xyz(R: Floats) -> Floats:
 
 
 def _text(parent: ElementTree.Element, name: str, value: str | Floats) -> None:
-    told = value if isinstance(value, str) else " ".join(repr(float(x)) for x in value)
-    ElementTree.SubElement(parent, name).text = told
+    text = value if isinstance(value, str) else " ".join(repr(float(x)) for x in value)
+    ElementTree.SubElement(parent, name).text = text

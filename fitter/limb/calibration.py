@@ -64,7 +64,7 @@ def calibrate(
     fit_frames : int
         How many frames the fit takes.
     progress : callable, optional
-        Told what is being done, and the iteration.
+        Called with what is being done, and the iteration.
 
     Raises
     ------

@@ -31,14 +31,14 @@ def disjoint_fits(
     trial : (n_frame,) int64
         Which trial each frame is of, from 0; halves of the only one.
     progress : callable, optional
-        Told what is being done, and the iteration.
+        Called with what is being done, and the iteration.
     """
 
     def fitted(rows: Integers, what: str) -> Bundle:
-        told = None if progress is None else lambda iteration: progress(what, iteration)
+        report = None if progress is None else lambda iteration: progress(what, iteration)
         own, start = task.rows(rows), bundle
         return fit_bundle(
-            own, start.geometry, start.markers, start.q[rows], told, _MOST_ITERATIONS, scales_known=True
+            own, start.geometry, start.markers, start.q[rows], report, _MOST_ITERATIONS, scales_known=True
         )
 
     wanted = learnt(task, bundle)
