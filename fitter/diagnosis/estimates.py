@@ -1,12 +1,10 @@
 r"""What was found in numbers: base parameters and effects with standard errors.
 
-Factors and psi have a sandwich covariance over blocks and trials. Residuals that resemble their neighbours are
-seen within trials (Huber 1967); what makes whole trials pull their own way, in how differently they do (Liang and
-Zeger 1986); and what a model lacks alike in all of them, in neither, so a block has no more of it than one number
-a joint (`evidence`).
+Factors and psi have a sandwich covariance over blocks, trials and cells of the motion. Residuals that resemble
+their neighbours are seen within trials (Huber 1967); what makes whole trials pull their own way, in how they differ
+(Liang and Zeger 1986); and what a model lacks alike in all of them, in how cells do (`evidence`).
 """
 
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -15,8 +13,7 @@ from scipy.stats import chi2
 
 from arm.base_parameters import BaseParameters
 from arm.model import Arm, Floats
-from fitter.diagnosis.evidence import lacking
-from fitter.diagnosis.least_squares import BLOCK_S, CONFIDENCE, ROUNDED, SLOPE, TINY
+from fitter.diagnosis.least_squares import CONFIDENCE, ROUNDED, SLOPE, TINY
 from fitter.diagnosis.model import Candidate, Hypothesis
 from fitter.diagnosis.motion import Motion
 from fitter.diagnosis.regression import Regression
@@ -192,11 +189,11 @@ def covariance_of(
         root = np.linalg.inv(W)
         plain = np.einsum("ij,ij->i", root, root)
         # What a single block tells, such as when a push began, is fitted to that block's noise: no score shows it.
-        lasts = sum(max(1.0, len(regression.motions[k].t) * regression.motions[k].dt_s / BLOCK_S) for k in fitting)
-        a_block = told_by / lasts / regression.arm.n_joint
-        excess = max(left / told_by, 1.0)
-        systematic = max(1.0, a_block * float(lacking(excess, 1.0 - regression.floor_part)))
-        scatter = np.maximum(_between(designs, residuals, extra, information), excess * systematic)
+        trials = np.repeat(np.arange(len(residuals)), [len(one) for one in residuals])
+        cells = np.concatenate([regression.cells(motion).ravel() for motion in regression.motions])
+        A, r = np.vstack(designs), np.concatenate(residuals)
+        between = [_between(A, r, trials, extra, information), _between(A, r, cells, 0.0 * extra, information)]
+        scatter = np.maximum(np.max(between, axis=0), max(left / told_by, 1.0))
         wider = np.sqrt(np.maximum(scatter * plain / np.diag(part), 1.0))
         part = part * np.outer(wider, wider)
     else:  # something is not told at all, such as how long a stuck joint was pushed: the rest still is
@@ -227,19 +224,18 @@ def _root(information: Floats) -> Floats:
     return np.asarray(np.sqrt(np.maximum(values, 0.0))[:, None] * axes.T, dtype=np.float64)
 
 
-def _between(designs: Sequence[Floats], residuals: Sequence[Floats], extra: Floats, information: Floats) -> Floats:
-    """Return how many times more variance answers have by the scatter of whole trials than by white noise of one.
+def _between(A: Floats, r: Floats, group: NDArray[np.intp], extra: Floats, information: Floats) -> Floats:
+    """Return how many times more variance answers have by the scatter of groups of rows than by white noise.
 
-    It is that of the answer to all trials together (Liang and Zeger 1986), so none is foreign to what it pulls at.
+    It is that of the answer to all rows together (Liang and Zeger 1986): no group is foreign to what it pulls at.
     """
-    A, r = np.vstack(designs), np.concatenate(residuals)
     inverse = np.linalg.pinv(A.T @ A + information, rcond=ROUNDED, hermitian=True)
     change = inverse @ (A.T @ r + extra.sum(axis=0))
-    pulls = np.stack(
-        [
-            inverse @ (A.T @ (r - A @ change) + more - information @ change / len(designs))
-            for A, r, more in zip(designs, residuals, extra, strict=True)
-        ]
-    )
+    _, group = np.unique(group, return_inverse=True)
+    pulls = np.zeros((int(group.max()) + 1, len(change)))
+    np.add.at(pulls, group, A * (r - A @ change)[:, None])
+    pulls -= information @ change / len(pulls)
+    pulls[: len(extra)] += extra
+    pulls = pulls @ inverse
     few = len(pulls) / max(len(pulls) - 1.0, 1.0)
     return np.asarray(few * np.sum(pulls**2, axis=0) / np.maximum(np.diag(inverse), TINY), dtype=np.float64)

@@ -8,11 +8,11 @@ nats: Schwarz' criterion over blocks of about a second, and a uniform prior over
 The gain is that of all trials, or of the learning trials alone: what one evaluating trial shows of a kind of its
 own must not hide what all others show, nor the other way round. The larger worth counts, less log 2.
 
-What a model lacks makes residuals of neighbours, and of whole trials, resemble each other, so the gain counts
-divided by :math:`\varphi`: the variance of the score of what was added, over blocks or trials, in units of its
-information (Huber 1967; Takeuchi 1976). What a model lacks may depend on the motion alike in all trials, which no
-scatter shows: of it a block has no more than one number a joint. Two models are equal if the sum of their blocks'
-differences is within two of its standard errors (Vuong 1989).
+What a model lacks makes residuals resemble each other: those of neighbours, of whole trials, and wherever a joint
+moves alike. So the gain counts divided by :math:`\varphi`: the variance of the score of what was added in units of
+its information (Huber 1967; Takeuchi 1976), over blocks, trials or cells of the motion, whichever is largest
+(Cameron, Gelbach and Miller 2011). Two models are equal if the sum of their blocks' differences is within two of its
+standard errors (Vuong 1989).
 """
 
 from dataclasses import dataclass
@@ -47,8 +47,8 @@ class Fit:
         From 0.
     learnt : (n_block,) bool
         Whether the trial may be learnt from.
-    noise : (n_column,)
-        Variance of the sensors' noise in the residual; the rest is what the model lacks.
+    cell : (n_row, n_column) int
+        Where in its motion a joint is (`motion_cells`).
     density : (n_block,)
         Logarithm of the density of what was measured, but for the residual [nats].
     """
@@ -59,7 +59,7 @@ class Fit:
     block: NDArray[np.intp]
     trial: NDArray[np.intp]
     learnt: NDArray[np.bool_]
-    noise: Floats
+    cell: NDArray[np.intp]
     density: Floats
 
     @cached_property
@@ -127,28 +127,17 @@ def dispersion(one: Fit, other: Fit, of: NDArray[np.bool_] | None = None) -> flo
         The blocks that count; all unless given.
     """
     of = np.ones(len(one.trial), dtype=np.bool_) if of is None else of
-    scale = np.sqrt(one.variance)[one.row_trial]
+    scale, rows = np.sqrt(one.variance)[one.row_trial], of[one.block]
     added, left = (other.residual - one.residual) / scale, one.residual / scale
-    information = float(np.sum(added[of[one.block]] ** 2))
-    score = np.bincount(one.block, np.sum(added * left, axis=1), len(one.trial)) + one.density - other.density
-    by_trial: Floats = np.array(
-        [score[one.trial == trial].sum() for trial in np.unique(one.trial[of])], dtype=np.float64
-    )
-    scatter = max(map(_summed_variance, (np.asarray(score[of], dtype=np.float64), by_trial)))
-    return max(1.0, scatter / information, _systematic(one, added, of)) if information > 0.0 else 1.0
-
-
-def _systematic(one: Fit, added: Floats, of: NDArray[np.bool_]) -> float:
-    """Return the numbers that a block has of a joint, as far as they are of what the model lacks."""
-    rows, squares = of[one.block], added[of[one.block]] ** 2
-    part = lacking(one.variance, one.noise)[one.row_trial][rows]
-    numbers = one.count[np.unique(one.trial[of])].sum(axis=0) / of.sum()
-    return float(np.sum(numbers * squares * part) / np.sum(squares))
-
-
-def lacking(variance: Floats | float, noise: Floats | float) -> Floats:
-    """Return which part of a residual's variance is no noise of the sensors, 0 to 1."""
-    return np.maximum(1.0 - noise / variance, 0.0)
+    information = float(np.sum(added[rows] ** 2))
+    if not information > 0.0:
+        return 1.0
+    pull = added * left
+    score = np.bincount(one.block, np.sum(pull, axis=1), len(one.trial)) + one.density - other.density
+    by_trial = [score[one.trial == trial].sum() for trial in np.unique(one.trial[of])]
+    by_cell = np.bincount(one.cell[rows].ravel(), pull[rows].ravel())[np.unique(one.cell[rows])]
+    scatter = [_summed_variance(np.asarray(one, dtype=np.float64)) for one in (score[of], by_trial, by_cell)]
+    return max(1.0, max(scatter) / information)
 
 
 def _summed_variance(parts: Floats) -> float:

@@ -20,6 +20,7 @@ from fitter.diagnosis.equations import Equations
 from fitter.diagnosis.least_squares import ITERATIONS, ODDS_NATS, ROUNDED, SETTLED, Normal
 from fitter.diagnosis.model import Model
 from fitter.diagnosis.motion import Motion
+from fitter.diagnosis.small_masses import log_determinant, turned
 
 
 @dataclass(frozen=True)
@@ -45,6 +46,16 @@ class _Masses:
     def at(self, x: Floats) -> Floats:
         """Return the masses under factors x, (n, n_joint, n_joint)."""
         return self.known + self.slopes @ x[self.kept]
+
+    def traces(self, x: Floats) -> tuple[Floats, Floats]:
+        """Return the weighted traces of M^-1 M_k and of M^-1 M_k M^-1 M_l by all factors; 0 for those not kept."""
+        B, n_joint = turned(self.known, self.slopes, x[self.kept]), self.known.shape[1]
+        score, information = np.zeros(len(x)), np.zeros((len(x), len(x)))
+        score[self.kept] = sum(self.weight @ B[:, i, i] for i in range(n_joint))
+        weighted = (self.weight[:, None, None, None] * B).reshape(-1, len(self.kept))
+        both = weighted.T @ B.transpose(0, 2, 1, 3).reshape(-1, len(self.kept))
+        information[np.ix_(self.kept, self.kept)] = both
+        return score, information
 
 
 class MassDensity:
@@ -87,11 +98,7 @@ class MassDensity:
     def of(self, model: Model, x: Floats, motions: Sequence[Motion]) -> float:
         """Return ``w sum log |det M|`` over some motions [nats]; minus infinity for what is no mass."""
         masses = self._masses(model, motions)
-        M = masses.at(x)
-        values = np.linalg.eigvalsh(0.5 * (M + M.mT))
-        if np.any(values[:, 0] <= np.sqrt(ROUNDED) * np.abs(values).max(axis=1)):
-            return -np.inf
-        return float(masses.weight @ np.linalg.slogdet(M)[1])
+        return float(log_determinant(masses.known, masses.slopes, masses.weight, x[masses.kept]))
 
     def unit(self, model: Model, x: Floats, motions: Sequence[Motion], numbers: float) -> float:
         """Return ``exp(-w sum log |det M| / n)``, 1 for the base model; what has no mass is a large one.
@@ -135,7 +142,7 @@ class MassDensity:
         for _ in range(ITERATIONS):
             if not np.isfinite(here):
                 break
-            score, information = self._slopes(model, x, motions)
+            score, information = self._masses(model, motions).traces(x)
             weight = numbers / normal.left(x)
             step = _solved(weight * normal.gram + information, weight * (normal.pull - normal.gram @ x) + score)
             part, there = 1.0, value(x + step)
@@ -163,13 +170,9 @@ class MassDensity:
             (self._masses(more, motions).at(x) - self._masses(less, motions).at(x))[..., None] / apart
             for more, less, apart in model.beside()
         ]
-        turned = np.concatenate([masses.slopes, *by_psi], axis=-1)
+        slopes = np.concatenate([masses.slopes, *by_psi], axis=-1)
         kept = np.concatenate([masses.kept, len(x) + np.arange(len(by_psi))]).astype(np.intp)
-        return _traces(masses, masses.at(x), turned, kept, len(x) + len(by_psi))
-
-    def _slopes(self, model: Model, x: Floats, motions: Sequence[Motion]) -> tuple[Floats, Floats]:
-        masses = self._masses(model, motions)
-        return _traces(masses, masses.at(x), masses.slopes, masses.kept, len(x))
+        return _Masses(slopes, masses.known, masses.weight, kept).traces(np.append(x, np.zeros(len(by_psi))))
 
     def _masses(self, model: Model, motions: Sequence[Motion]) -> _Masses:
         inertial = [hypothesis.is_inertial for hypothesis in model.hypotheses]
@@ -210,19 +213,6 @@ class MassDensity:
         known = np.where(both, known, np.eye(known.shape[1]))
         count = self._weight * float(np.mean(self._count[motion.number]))
         return slopes * both[..., None], known, np.full(len(slopes), count / len(slopes))
-
-
-def _traces(
-    masses: _Masses, M: Floats, slopes: Floats, kept: NDArray[np.intp], n_number: int
-) -> tuple[Floats, Floats]:
-    """Return the weighted traces of M^-1 M_k and of M^-1 M_k M^-1 M_l, zero for numbers that are not kept."""
-    B = np.linalg.solve(M, slopes.reshape(*M.shape[:2], -1)).reshape(slopes.shape)
-    score, information = np.zeros(n_number), np.zeros((n_number, n_number))
-    score[kept] = np.einsum("t,taak->k", masses.weight, B)
-    weighted = masses.weight[:, None, None, None] * B
-    both = weighted.reshape(-1, len(kept)).T @ B.transpose(0, 2, 1, 3).reshape(-1, len(kept))
-    information[np.ix_(kept, kept)] = both
-    return score, information
 
 
 def _solved(matrix: Floats, right: Floats) -> Floats:

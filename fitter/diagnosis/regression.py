@@ -23,6 +23,7 @@ from fitter.diagnosis.least_squares import (
 )
 from fitter.diagnosis.model import Model
 from fitter.diagnosis.motion import Motion, View
+from fitter.diagnosis.motion_cells import cells_of
 from fitter.diagnosis.weighting import Rows, Weighting
 
 
@@ -113,6 +114,19 @@ class Regression:
     def learning(self) -> list[Motion]:
         """The trials that may be learnt from."""
         return [motion for motion in self.motions if motion.learn]
+
+    @cached_property
+    def _cells(self) -> dict[int, NDArray[np.intp]]:
+        every = cells_of(self.motions)
+        return {motion.number: one for motion, one in zip(self.motions, every, strict=True)}
+
+    def cells(self, motion: Motion) -> NDArray[np.intp]:
+        """Return where in its motion every joint is, at every row (n_slower, n_joint), see `motion_cells`."""
+        return self._cells[motion.number][:: self.weighting.stride]
+
+    def cells_at(self, motion: Motion, samples: NDArray[np.intp]) -> NDArray[np.intp]:
+        """Return the same at some samples, (n, n_joint)."""
+        return self._cells[motion.number][samples]
 
     def motions_of(self, model: Model) -> list[Motion]:
         """Return the trials that a model is fitted to: all of them if it has something that single ones have."""

@@ -165,7 +165,7 @@ class TorqueLikelihood:
         regression, step_s = self.regression, self.regression.weighting.stride
         if candidate.model.is_event:
             candidate = by_learning(regression, candidate)
-        residual, block, trial, learnt, density = [], [], list[int](), list[bool](), list[float]()
+        residual, block, cell, trial, learnt, density = [], [], [], list[int](), list[bool](), list[float]()
         beyond = regression.beyond(candidate.model, candidate.x, regression.motions)
         for k, (motion, at_rest) in enumerate(zip(regression.motions, beyond, strict=True)):
             left = regression.residual(candidate.model, candidate.x, motion)
@@ -173,9 +173,11 @@ class TorqueLikelihood:
             n_block = int(own[-1]) + 1
             residual += [left, at_rest]
             block.append(own + len(trial))
+            cell.append(regression.cells(motion))
             if regression.rests is not None:
                 _, middle = regression.rests.places(motion)
                 block.append(middle * n_block // len(motion.t) + len(trial))
+                cell.append(regression.cells_at(motion, middle))
             trial += [k] * n_block
             learnt += [motion.learn] * n_block
             mass = regression.density
@@ -189,7 +191,7 @@ class TorqueLikelihood:
             np.concatenate(block),
             np.array(trial),
             np.array(learnt),
-            np.full(regression.arm.n_joint, 1.0 - regression.floor_part),
+            np.concatenate(cell),
             np.array(density),
         )
 

@@ -7,8 +7,8 @@ from fitter.diagnosis.evidence import Fit
 from fitter.diagnosis.hypotheses import hypotheses
 from fitter.diagnosis.model import Candidate, Model
 
-#: Rows a block, blocks a trial.
-ROWS, BLOCKS = 20, 5
+#: Rows a block, blocks a trial, places in the motion.
+ROWS, BLOCKS, CELLS = 20, 5, 40
 
 
 def fit_of(residual: Floats, numbers: int = 0, learnt: int | None = None) -> Fit:
@@ -28,4 +28,5 @@ def fit_of(residual: Floats, numbers: int = 0, learnt: int | None = None) -> Fit
     candidate = Candidate(Model((one,) * numbers, (np.zeros(0),) * numbers), np.zeros(numbers), np.zeros(n_block))
     block = np.arange(len(residual)) // ROWS
     count = ROWS * np.bincount(trial)[:, None].astype(np.float64)
-    return Fit(candidate, residual[:, None], count, block, trial, may, np.ones(1), np.zeros(n_block))
+    cell = (np.arange(len(residual)) % CELLS)[:, None]
+    return Fit(candidate, residual[:, None], count, block, trial, may, cell, np.zeros(n_block))

@@ -11,8 +11,9 @@ from fitter.diagnosis.evidence import Fit, likelihood_of
 from fitter.diagnosis.model import Candidate, Hypothesis, Model
 from fitter.diagnosis.motion import View
 
-#: Rows a block, blocks a trial.
+#: Rows a block, blocks a trial; places in the motion.
 ROWS, BLOCKS = 10, 5
+N_CELL = 40
 
 
 class Columns(Hypothesis):
@@ -79,7 +80,8 @@ class LinearLikelihood:
         nothing = np.zeros(len(self.trial))
         count = ROWS * np.bincount(self.trial)[:, None].astype(np.float64)
         # All is noise: nothing systematic is lacking that no scatter shows.
-        return Fit(candidate, left, count, self.block, self.trial, self.learnt, np.full(1, np.inf), nothing)
+        cell = (np.arange(len(left)) % N_CELL)[:, None]
+        return Fit(candidate, left, count, self.block, self.trial, self.learnt, cell, nothing)
 
     def base(self) -> Fit:
         """Return the model without any column."""
