@@ -1,8 +1,8 @@
 r"""What was found in numbers: base parameters and effects with standard errors.
 
 Factors and psi have a sandwich covariance over blocks, trials and cells of the motion. Residuals that resemble
-their neighbours are seen within trials (Huber 1967); what makes whole trials pull their own way, in how they differ
-(Liang and Zeger 1986); and what a model lacks alike in all of them, in how cells do (`evidence`).
+their neighbours are seen within trials (Huber 1967); what makes whole trials pull their own way, in how these
+differ (Liang and Zeger 1986); and what a model lacks alike in all of them, in how cells do (`evidence`).
 """
 
 from dataclasses import dataclass, replace

@@ -11,8 +11,8 @@ own must not hide what all others show, nor the other way round. The larger wort
 What a model lacks makes residuals resemble each other: those of neighbours, of whole trials, and wherever a joint
 moves alike. So the gain counts divided by :math:`\varphi`: the variance of the score of what was added in units of
 its information (Huber 1967; Takeuchi 1976), over blocks, trials or cells of the motion, whichever is largest
-(Cameron, Gelbach and Miller 2011). Two models are equal if the sum of their blocks' differences is within two of its
-standard errors (Vuong 1989).
+(Cameron, Gelbach and Miller 2011). Two models are equal if the sum of their blocks' differences is within two of
+its standard errors (Vuong 1989).
 """
 
 from dataclasses import dataclass

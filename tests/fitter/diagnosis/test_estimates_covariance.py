@@ -49,9 +49,12 @@ def test_numbers_are_known_no_better_than_white_noise_says(regression, final):
 
 def test_the_scatter_of_whole_trials_is_that_of_white_noise_where_they_differ_by_no_more():
     rng = np.random.default_rng(0)
-    designs = [rng.normal(size=(100, 3)) for _ in range(200)]
+    A, trial = rng.normal(size=(20_000, 3)), np.repeat(np.arange(200), 100)
     nothing = np.zeros((200, 3)), np.zeros((3, 3))
-    white = _between(designs, [rng.normal(size=100) for _ in designs], *nothing)
-    np.testing.assert_allclose(white, 1.0, atol=4.0 * np.sqrt(2.0 / 200))
-    own = [A @ rng.normal(size=3) + rng.normal(size=100) for A in designs]  # each with numbers of its own
-    np.testing.assert_allclose(_between(designs, own, *nothing), 101.0, rtol=4.0 * np.sqrt(2.0 / 200))
+    noise = rng.normal(size=len(A))
+    np.testing.assert_allclose(_between(A, noise, trial, *nothing), 1.0, atol=4.0 * np.sqrt(2.0 / 200))
+    own = np.sum(A * rng.normal(size=(200, 3))[trial], axis=1) + noise  # each trial with numbers of its own
+    np.testing.assert_allclose(_between(A, own, trial, *nothing), 101.0, rtol=4.0 * np.sqrt(2.0 / 200))
+    # Groups that have nothing to do with trials see the fourth moments: 1 + E a^2 (a c)^2 = 1 + 3 + 2.
+    others = _between(A, own, rng.permutation(trial), *nothing)
+    np.testing.assert_allclose(others, 6.0, atol=4.0 * 6.0 * np.sqrt(2.0 / 200))
