@@ -106,7 +106,7 @@ def residuals(runs: list[Run], band_hz: float) -> list[ResidualTorque]:
     near = 1 + 2 * round(REST_S / STEP_S)
     known = [_inner(maximum_filter1d(np.abs(run.dq), near, axis=0) > REST_RAD_S, ends) for run in runs]
     return [
-        ResidualTorque(run.t, part, moving, run.torque, band_hz, *noise)
+        ResidualTorque(run.t, part, moving, run.torque, band_hz, *noise, *np.zeros((2, *part.shape)))
         for run, part, moving in zip(runs, missed, known, strict=True)
     ]
 

@@ -60,14 +60,22 @@ def holding_sizes(
                 largest[j] = np.fmax(largest[j], max(beyond, 0.0))
     found = {}
     for motion in motions:
-        friction = _friction(equations, model, x, motion)
+        friction = friction_at_rest(equations, model, x, motion)
         unseen = np.inf if "fc" in equations.denied else allowed * friction
         found[motion.number] = allowed * np.where(np.isnan(largest), unseen, np.fmax(largest, friction))
     return found
 
 
-def _friction(equations: Equations, model: Model, x: Floats, motion: Motion) -> Floats:
-    """Return the friction of joints at rest, if they were about to move either way, (n_sample, n_joint)."""
+def friction_at_rest(equations: Equations, model: Model, x: Floats, motion: Motion) -> Floats:
+    """Return the friction of joints at rest, if they were about to move either way, (n_sample, n_joint) [N m].
+
+    Parameters
+    ----------
+    equations : Equations
+    model : Model
+    x : (n_factor,)
+    motion : Motion
+    """
     coulomb = np.abs(equations.friction(model, x, motion)[:, 1])
     found = np.broadcast_to(coulomb, motion.q.shape)
     if not any(hypothesis.kind.holds for hypothesis in model.hypotheses):

@@ -9,13 +9,14 @@ from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.ndimage import binary_dilation
+from scipy.ndimage import binary_dilation, binary_opening
 
 from arm.effects.catalogue import catalogue
 from arm.effects.effect import EffectKind
 from arm.model import Floats
 from fitter.data.derivatives import lowpass
 from fitter.diagnosis.evidence import blocks_of
+from fitter.diagnosis.holding_torque import friction_at_rest
 from fitter.diagnosis.least_squares import ITERATIONS, NEGLIGIBLE, TINY, Normal
 from fitter.diagnosis.model import Candidate, Hypothesis
 from fitter.diagnosis.motion import Motion, View
@@ -183,7 +184,11 @@ def pushed(regression: Regression, final: Candidate, found: Sequence[Pulse]) -> 
 
 
 def missed(regression: Regression, final: Candidate) -> list[ResidualTorque]:
-    """Return what a model misses in every trial, within the band of its equations: a push has its own sign."""
+    """Return what a model misses in every trial, within the band of its equations: a push has its own sign.
+
+    Of a joint that rests for longer than the filter's reach nothing is known. Where it only turns back, all but
+    its friction is.
+    """
     own = regression.sensors
     angle_noise = np.sqrt(np.diag(own.acceleration_noise))
     trials = []
@@ -193,7 +198,10 @@ def missed(regression: Regression, final: Candidate) -> list[ResidualTorque]:
         reach = round(0.5 / (own.band_hz * motion.dt_s))  # so far the filter looks: half a period of its corner
         near = np.ones((2 * reach + 1, 1), dtype=np.bool_)
         guessed = regression.view(final.model, motion).guessed[:, None]
-        known = ~binary_dilation(motion.stuck | guessed, near, border_value=1)
+        rests = binary_opening(motion.stuck, near)
+        known = ~binary_dilation(rests | guessed, near, border_value=1)
+        stuck = lowpass(motion.stuck.astype(np.float64), motion.dt_s, own.band_hz, "even")
+        friction = friction_at_rest(regression.equations, final.model, final.x, motion)
         noises = own.band_hz, own.torque_noise, angle_noise
-        trials.append(ResidualTorque(motion.t, r, known, torque, *noises))
+        trials.append(ResidualTorque(motion.t, r, known, torque, *noises, friction, np.clip(stuck, 0.0, 1.0)))
     return trials

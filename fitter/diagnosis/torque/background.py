@@ -44,6 +44,10 @@ class Rows:
         … behind a low-pass filter with this corner.
     torque_noise, angle_noise : float [N m], [N m s^2]
         Standard deviation of a row's white torque noise; of the angle's noise times the inertia.
+    friction : (n,) [N m]
+        Of the joint, if it rests.
+    turning : (n,)
+        For which part of a row it turns back, 0 to 1.
     """
 
     t: Floats
@@ -54,6 +58,13 @@ class Rows:
     band_hz: float
     torque_noise: float
     angle_noise: float
+    friction: Floats
+    turning: Floats
+
+    @property
+    def friction_error(self) -> Floats:
+        """Standard deviation of friction, (n,) [N m]: while a joint turns back it is uniform between either way's."""
+        return np.asarray(self.friction * self.turning / np.sqrt(3.0))
 
     @property
     def step_s(self) -> float:
@@ -111,9 +122,9 @@ class Background:
 
     def filtered(self, rows: Rows) -> Filter:
         """Return the Kalman filter of a trial: its gains do not depend on the residual."""
-        F, P, Q, C, variance = _state_space(
-            self.numbers, rows.signals, rows.step_s, rows.torque_noise, rows.angle_noise
-        )
+        noises = rows.step_s, rows.torque_noise, rows.angle_noise
+        F, P, Q, C, white = _state_space(self.numbers, rows.signals, *noises)
+        variance = white + rows.friction_error**2
         gain, S = gains(F, Q, P, C, variance, rows.known)
         return Filter(F, Q, P, C, variance, gain, S, rows.known)
 
@@ -168,10 +179,11 @@ def _log_density(
     h: float,
     torque_noise: float,
     angle_noise: float,
+    friction_error: Floats,
 ) -> float:
     """Return the logarithm of Student's density of a trial's innovations, but for its constant."""
-    F, P, Q, C, variance = _state_space(numbers, signals, h, torque_noise, angle_noise)
-    gain, S = gains(F, Q, P, C, variance, known)
+    F, P, Q, C, white = _state_space(numbers, signals, h, torque_noise, angle_noise)
+    gain, S = gains(F, Q, P, C, white + friction_error**2, known)
     e = np.zeros(len(r))
     innovations(F, C, gain, S, known, r, 0, e)
     total, nu = 0.0, numbers[7]
@@ -187,7 +199,7 @@ def log_likelihood(background: Background, trials: Sequence[Rows]) -> float:
     constant = gammaln(0.5 * (nu + 1.0)) - gammaln(0.5 * nu) - 0.5 * np.log(nu * np.pi)
     total = constant * sum(int(np.count_nonzero(rows.known)) for rows in trials)
     for rows in trials:
-        noises = rows.step_s, rows.torque_noise, rows.angle_noise
+        noises = rows.step_s, rows.torque_noise, rows.angle_noise, rows.friction_error
         total += _log_density(numbers, rows.signals, rows.r, rows.known, *noises)
     return float(total)
 

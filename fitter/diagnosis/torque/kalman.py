@@ -18,7 +18,7 @@ class Filter:
     F, Q, P : (d, d)
         Transition, process noise, prior.
     C : (n, d)
-    variance : float
+    variance : (n,)
         Of the white noise [N^2 m^2].
     gain, S : (n, d), (n,)
         Gains and the innovations' variances.
@@ -29,7 +29,7 @@ class Filter:
     Q: Floats
     P: Floats
     C: Floats
-    variance: float
+    variance: Floats
     gain: Floats
     S: Floats
     known: NDArray[np.bool_]
@@ -60,7 +60,7 @@ def _carried(F: Floats, at: NDArray[np.int64], P: Floats, out: Floats) -> None:
 
 @compiled
 def gains(
-    F: Floats, Q: Floats, P: Floats, C: Floats, variance: float, known: NDArray[np.bool_]
+    F: Floats, Q: Floats, P: Floats, C: Floats, variance: Floats, known: NDArray[np.bool_]
 ) -> tuple[Floats, Floats]:
     """Return the gains and the innovations' variances; a row that is not known has gain 0 and variance 1."""
     n, d = C.shape
@@ -69,7 +69,7 @@ def gains(
     at = np.argwhere(F != 0.0)
     for k in range(n):
         if known[k]:
-            S[k] = variance
+            S[k] = variance[k]
             p[:] = 0.0
             for i in range(d):
                 for j in range(d):  # P is symmetric

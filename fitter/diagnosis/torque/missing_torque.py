@@ -31,6 +31,10 @@ class ResidualTorque:
         Standard deviation of the noise in a sample of r that is white within the band.
     angle_noise : (n_joint,) [N m s^2]
         Standard deviation of the white noise in an unfiltered sample of the angle, times the joint's inertia.
+    friction : (n, n_joint) [N m]
+        Of joints, if they rest.
+    turning : (n, n_joint)
+        How far a sample is one at which a joint turns back, behind the filter, 0 to 1.
     """
 
     t: Floats
@@ -40,6 +44,8 @@ class ResidualTorque:
     band_hz: float
     torque_noise: Floats
     angle_noise: Floats
+    friction: Floats
+    turning: Floats
 
     def rows(self, joint: int) -> Rows:
         """Return one joint's residual at two rows a period of the band's corner: means of the samples between."""
@@ -56,5 +62,9 @@ class ResidualTorque:
         r = np.where(self.known[:, joint], self.r[:, joint], 0.0)
         # Of m angles in a row one with the mean's noise: eq. (m.1) with its longer step.
         angle_noise = float(self.angle_noise[joint]) / np.sqrt(m)
-        noises = float(self.torque_noise[joint]), angle_noise
+        noises = (
+            float(self.torque_noise[joint]),
+            angle_noise,
+            *(means(one[:, joint]) for one in (self.friction, self.turning)),
+        )
         return Rows(means(self.t), means(r), known, means(signals), m, self.band_hz, *noises)

@@ -45,7 +45,8 @@ class Search:
                 return
             place = float(self.rows.t[row]) - 0.5 * self.rows.step_s, self.shapes.duration_s[shape]
             pulse = either([self._refined(e, *place, form, evidence) for form in FORMS])
-            yield pulse
+            if self._is_no_friction(pulse):
+                yield pulse
             self.fit &= ~self._overlapping(pulse)
             column = in_rows(self.rows, pulse.start_s, pulse.duration_s, pulse.form)
             e = e - self.kalman.innovations(pulse.torque_N_m * column)
@@ -56,6 +57,13 @@ class Search:
         at_rows = np.logaddexp.reduce(self.left, axis=0)
         blocks: Floats = np.logaddexp.reduceat(at_rows, np.arange(0, len(at_rows), n))
         return np.asarray(blocks[np.isfinite(blocks)])
+
+    def _is_no_friction(self, pulse: Pulse) -> bool:
+        """Say whether a pulse that goes on into a rest is larger than what friction may differ by there."""
+        ends = (pulse.start_s, -1), (pulse.start_s + pulse.duration_s, 1)
+        if not any(unseen_s(self.rows, *end) for end in ends):
+            return True
+        return abs(pulse.torque_N_m) > 2.0 * float(self.rows.friction.max())
 
     def _overlapping(self, pulse: Pulse) -> NDArray[np.bool_]:
         """Say which places, (n_shape, n), have to do with a pulse, however slowly it rises and falls."""

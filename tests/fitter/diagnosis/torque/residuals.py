@@ -31,4 +31,4 @@ def trial(rng: np.random.Generator, pulses: Sequence[tuple[float, float, float, 
     torque = np.sin(2.0 * np.pi * 0.7 * t)[:, None]
     known = np.ones((len(t), 1), dtype=bool)
     noise = np.array([0.005]), np.array([0.0])
-    return ResidualTorque(t, r[:, None], known, torque, BAND_HZ, *noise)
+    return ResidualTorque(t, r[:, None], known, torque, BAND_HZ, *noise, *np.zeros((2, len(t), 1)))

@@ -21,7 +21,7 @@ def rows(r: np.ndarray, known: np.ndarray | None = None) -> Rows:
     n = len(r)
     t = 0.02 * np.arange(n)
     known = np.ones(n, dtype=bool) if known is None else known
-    return Rows(t, r, known, np.cos(3.0 * t)[:, None], 1, 25.0, 0.005, 1e-6)
+    return Rows(t, r, known, np.cos(3.0 * t)[:, None], 1, 25.0, 0.005, 1e-6, *np.zeros((2, len(t))))
 
 
 def covariance(model: Background, part: Rows) -> np.ndarray:

@@ -11,7 +11,8 @@ N = 40
 def random_walk() -> Filter:
     F, Q, P, C, known = np.eye(1), np.eye(1), np.eye(1), np.ones((N, 1)), np.ones(N, dtype=bool)
     known[7] = False
-    return Filter(F, Q, P, C, 2.0, *gains(F, Q, P, C, 2.0, known), known)
+    variance = np.full(N, 2.0)
+    return Filter(F, Q, P, C, variance, *gains(F, Q, P, C, variance, known), known)
 
 
 def test_the_gain_of_a_random_walk_is_that_of_the_riccati_equation():

@@ -16,3 +16,12 @@ def test_rows_have_two_samples_a_period_of_the_band():
     assert not rows.known[0]
     assert rows.known[1:].all()
     assert rows.signals.shape == (len(rows.t), 2)
+
+
+def test_friction_of_a_joint_that_turns_back_is_uniform():
+    part = trial(np.random.default_rng(4))
+    part.friction[:] = 0.3
+    part.turning[100:110] = 0.5
+    rows = part.rows(0)
+    np.testing.assert_allclose(rows.friction_error[100:110], 0.5 * 0.3 / np.sqrt(3.0))
+    assert not rows.friction_error[:100].any() and not rows.friction_error[110:].any()
