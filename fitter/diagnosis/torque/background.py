@@ -63,7 +63,7 @@ class Rows:
 
     @property
     def friction_error(self) -> Floats:
-        """Standard deviation of friction, (n,) [N m]: while a joint turns back it is uniform between either way's."""
+        """Standard deviation of friction, (n,) [N m]: uniform between either way's where a joint turns back."""
         return np.asarray(self.friction * self.turning / np.sqrt(3.0))
 
     @property

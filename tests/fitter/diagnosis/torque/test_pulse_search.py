@@ -54,3 +54,20 @@ def test_evidence_does_not_depend_on_where_between_the_places_a_pulse_lies():
     occam = [pulse.log_likelihood_ratio - pulse.evidence for pulse in (one, other)]
     assert occam[0] == pytest.approx(occam[1], abs=2.0)
     assert all(-1.0 < cost < 20.0 for cost in occam)
+
+
+@pytest.mark.parametrize(("friction", "found"), [(0.15, 1), (0.25, 0)])
+def test_what_goes_on_into_a_rest_may_be_friction(friction, found):
+    """Friction of a joint that comes to rest may differ by twice its own; a pulse of 0.4 N m is more, or less."""
+    rows = trial(np.random.default_rng(4), [(2.0, 0.4, 0.4, "rectangular")]).rows(0)
+    rows.friction[:] = friction
+    rows.known[rows.t > 2.3] = False
+    search = Search(0, 0, rows, MODEL.filtered(rows), MODEL.degrees_of_freedom, 0.5)
+    assert len(list(search.found(LEAST_NATS))) == found
+
+
+def test_a_pulse_that_is_seen_whole_is_no_friction():
+    rows = trial(np.random.default_rng(4), [(2.0, 0.4, 0.4, "rectangular")]).rows(0)
+    rows.friction[:] = 0.25
+    search = Search(0, 0, rows, MODEL.filtered(rows), MODEL.degrees_of_freedom, 0.5)
+    assert len(list(search.found(LEAST_NATS))) == 1
