@@ -80,7 +80,8 @@ def estimates(regression: Regression, fitted: Candidate, covariance: Floats | No
 def significant(fitted: Candidate, covariance: Floats) -> list[bool]:
     """Say of every effect whether its size differs from none, by Wald's test at 95 %; an unknown size does not.
 
-    The size is what its columns count, or, where it has none, how far psi is from where it is nothing.
+    The size is that of the parameters in which its torque is linear, or, where it has no columns, how far psi is
+    from where it is nothing: a spring without stiffness is an offset, however well that is known.
 
     Parameters
     ----------
@@ -92,14 +93,39 @@ def significant(fitted: Candidate, covariance: Floats) -> list[bool]:
     at, psi_at = len(fitted.x) - model.n_column, len(fitted.x)
     for hypothesis, psi in zip(model.hypotheses, model.psi, strict=True):
         n = hypothesis.n_column
-        own = np.arange(at, at + n) if n else np.arange(psi_at, psi_at + len(psi))
-        size = numbers[own] - (np.array(hypothesis.nothing) if hypothesis.nothing and not n else 0.0)
+        own = np.r_[at : at + n, psi_at : psi_at + len(psi)]
         scatter = covariance[np.ix_(own, own)]
+        if n:
+            size, turns = _sizes(hypothesis, numbers[own])
+            scatter = turns @ scatter @ turns.T
+        else:
+            size = psi - (np.array(hypothesis.nothing) if hypothesis.nothing else 0.0)
         known = bool(np.all(np.isfinite(scatter)))
         wald = float(size @ np.linalg.pinv(scatter, hermitian=True) @ size) if known else 0.0
-        said.append(wald > chi2.ppf(CONFIDENCE, max(len(own), 1)))
+        said.append(wald > chi2.ppf(CONFIDENCE, max(n or len(psi), 1)))
         at, psi_at = at + n, psi_at + len(psi)
     return said
+
+
+def _sizes(hypothesis: Hypothesis, both: Floats) -> tuple[Floats, Floats]:
+    """Return how far the parameters in which an effect's torque is linear are from nothing, and their slopes."""
+    kinds = {parameter.name: parameter for parameter in hypothesis.kind.parameters}
+    linear = [k for k, name in enumerate(hypothesis.names) if name in kinds and kinds[name].linear]
+    if not linear:
+        return both[: hypothesis.n_column], np.eye(hypothesis.n_column, len(both))
+    n = hypothesis.n_column
+    neutral = np.array([kinds[hypothesis.names[k]].neutral or 0.0 for k in linear])
+    return hypothesis.numbers(both[n:], both[:n])[linear] - neutral, _slopes_of(hypothesis, both)[linear]
+
+
+def _slopes_of(hypothesis: Hypothesis, both: Floats) -> Floats:
+    """Return the slopes of an effect's parameters with its factors and psi, (n_parameter, n_factor + n_psi)."""
+    n, columns = hypothesis.n_column, []
+    for k, value in enumerate(both):
+        step = np.where(np.arange(len(both)) == k, SLOPE * max(abs(float(value)), np.sqrt(ROUNDED)), 0.0)
+        ahead, behind = (hypothesis.numbers((both + s)[n:], (both + s)[:n]) for s in (step, -step))
+        columns.append((ahead - behind) / (2.0 * step[k]))
+    return np.stack(columns, axis=1) if columns else np.zeros((len(hypothesis.names), 0))
 
 
 def generic_arm(arm: Arm, tilted: Arm) -> Arm:
@@ -115,14 +141,7 @@ def _numbers(
     hypothesis: Hypothesis, psi: Floats, factors: Floats, covariance: Floats, motions: list[Motion]
 ) -> dict[str, FittedParameter]:
     values = hypothesis.numbers(psi, factors)
-    both = np.concatenate([factors, psi])
-    n = len(factors)
-    turns = np.empty((len(values), len(both)))
-    for k in range(len(both)):
-        step = np.zeros(len(both))
-        step[k] = SLOPE * max(abs(both[k]), np.sqrt(ROUNDED))
-        ahead, behind = (hypothesis.numbers((both + s)[n:], (both + s)[:n]) for s in (step, -step))
-        turns[:, k] = (ahead - behind) / (2.0 * step[k])
+    turns = _slopes_of(hypothesis, np.concatenate([factors, psi]))
     variance = np.maximum(np.einsum("ij,jk,ik->i", turns, np.nan_to_num(covariance), turns), 0.0)
     untold = np.isnan(np.diag(covariance))
     variance[np.any(turns[:, untold] != 0.0, axis=1)] = np.nan

@@ -70,6 +70,16 @@ def test_a_size_differs_from_none_by_its_error(regression):
         assert significant(dragged, covariance) == [said]
 
 
+@pytest.mark.parametrize(("stiffness_std", "said"), [(0.03, True), (0.06, False)])
+def test_a_spring_without_stiffness_is_no_spring(regression, stiffness_std, said):
+    """Its stiffness is the columns' sum, 0.1: of two columns 2.45 standard errors are asked for."""
+    spring = AtJoint(catalogue()["joint_spring"], 0)
+    base = fitted(regression, Model())
+    sprung = replace(base, model=Model((spring,), (np.zeros(0),)), x=np.append(base.x, [-0.9, 1.0]))
+    covariance = np.diag(np.append(np.ones(len(base.x)), [stiffness_std**2, 1e-6]))
+    assert significant(sprung, covariance) == [said]
+
+
 def test_masses_that_no_body_has_become_the_nearest_that_one_can_have():
     regression = regression_of_two()
     base = fitted(regression, Model())
