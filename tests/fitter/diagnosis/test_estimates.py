@@ -75,7 +75,7 @@ def test_a_spring_without_stiffness_is_no_spring(regression, stiffness_std, said
     """Its stiffness is the columns' sum, 0.1: of two columns 2.45 standard errors are asked for."""
     spring = AtJoint(catalogue()["joint_spring"], 0)
     base = fitted(regression, Model())
-    sprung = replace(base, model=Model((spring,), (np.zeros(0),)), x=np.append(base.x, [-0.9, 1.0]))
+    sprung = replace(base, model=Model((spring,), (np.zeros(0),)), x=np.append(base.x, [0.05, 0.05]))
     covariance = np.diag(np.append(np.ones(len(base.x)), [stiffness_std**2, 1e-6]))
     assert significant(sprung, covariance) == [said]
 
