@@ -78,7 +78,7 @@ def friction_at_rest(equations: Equations, model: Model, x: Floats, motion: Moti
     """
     coulomb = np.abs(equations.friction(model, x, motion)[:, 1])
     found = np.broadcast_to(coulomb, motion.q.shape)
-    if not any(hypothesis.kind.holds for hypothesis in model.hypotheses):
+    if not model.hypotheses:
         return found
     ways = (replace(motion, direction=np.where(motion.stuck, way, motion.direction)) for way in (1.0, -1.0))
     forward, backward = (equations.left(model, x, one) for one in ways)

@@ -59,9 +59,11 @@ class Search:
         return np.asarray(blocks[np.isfinite(blocks)])
 
     def _is_no_friction(self, pulse: Pulse) -> bool:
-        """Say whether a pulse that goes on into a rest is larger than what friction may differ by there."""
-        ends = (pulse.start_s, -1), (pulse.start_s + pulse.duration_s, 1)
-        if not any(unseen_s(self.rows, *end) for end in ends):
+        """Say whether a pulse during which a joint rests or turns back is larger than friction may differ by."""
+        t, step_s = self.rows.t, self.rows.step_s
+        last_s = pulse.start_s + pulse.duration_s
+        near = (t > pulse.start_s - 1.5 * step_s) & (t < last_s + 1.5 * step_s)
+        if np.all((self.rows.known & (self.rows.turning < NEGLIGIBLE))[near]):
             return True
         return abs(pulse.torque_N_m) > 2.0 * float(self.rows.friction.max())
 
