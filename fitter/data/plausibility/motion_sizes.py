@@ -102,7 +102,7 @@ def torque_left(arm: Arm, motion: Measured, angle_scale: Floats) -> Floats | Non
     if not felt.any():
         return None
     weight = 1.0 / np.sqrt(np.where(felt, power, np.inf))
-    rows, wanted = (weight[:, None] * W).reshape(-1, W.shape[-1]), (weight * tau).ravel()
+    rows, wanted = np.concatenate(weight[:, None] * W), (weight * tau).ravel()
     size = np.linalg.norm(rows, axis=0)
     rows = rows[:, size > 0.0] / size[size > 0.0]
     if not rows.size:

@@ -240,3 +240,33 @@ def test_joints_whose_velocity_does_not_fit_are_named():
         look(with_velocity(np.array([1.0, 57.3, 57.3])), three)
     with pytest.raises(Refusal, match=r"q1 is 57\.3 times dq1: is q1 in degrees\?.*q1=q1:deg"):
         look(with_velocity(np.array([1.0 / 57.3, 1.0, 1.0])), three)
+
+
+@pytest.mark.parametrize(("samples", "size"), [(10, 6.913), (40, 12.267), (200, 27.81)])
+def test_two_joints_alike_are_asked_about_together(samples, size):
+    """Where it is sure that some are in degrees, and of neither that it is."""
+    two = Arm("two", (Joint(a_m=0.3), Joint(a_m=0.3)))
+    for factor, asked in ((0.99, False), (1.01, True)):
+        motion = swinging(factor * size, samples)
+        motion = changed(motion, q=motion.columns["q"] * [1.0, 1.0])
+        assert is_asked(motion, two) == asked
+        if asked:
+            with pytest.raises(Refusal, match=r"degrees\?.*q=q\{j\}:deg"):
+                look(motion, two)
+
+
+def test_a_path_of_less_than_a_radian_tells_by_its_tip_too():
+    for size, asked in ((8.95, False), (9.13, True)):
+        tip = np.outer(swinging(0.003, 800).columns["q"], [0.0, 1.0, 0.0])
+        assert is_asked(swinging(size, 800, tip=tip)) == asked
+
+
+@pytest.mark.parametrize(("noise", "asked"), [(0.65, True), (0.69, False)])
+def test_a_torque_tells_the_less_the_less_is_explained(noise, asked):
+    """Of 0.2 rad in degrees, at a pendulum whose torque has noise of about its own size."""
+    t = 0.01 * np.arange(400)
+    angle = (0.12 * np.sin(2.0 * t) + 0.075 * np.sin(3.7 * t + 1.0))[:, None]
+    tau = np.sin(angle) + 0.5 * np.cos(angle) + noise * np.random.default_rng(0).normal(size=(400, 1))
+    hanging = Arm("hanging", (Joint(a_m=0.3),), gravity_m_s2=(0.0, -9.81, 0.0))
+    assert is_asked(Measured("m", "m.csv", 0, t, {"q": np.rad2deg(angle), "tau": tau}), hanging) == asked
+    assert not is_asked(Measured("m", "m.csv", 0, t, {"q": angle, "tau": tau}), hanging)

@@ -61,20 +61,20 @@ def test_a_size_far_from_the_usual_is_unlikely_by_its_decades(value, expected):
 
 
 @pytest.mark.parametrize(
-    ("size", "least", "most"),
+    ("size", "median", "least", "most"),
     [
-        (JOINT_SPEED, 0.2, 20.0),
-        (SLIDE_SPEED, 0.03, 3.0),
-        (JOINT_RANGE, 0.25, 9.0),
-        (WHEEL_RANGE, 1.0, 1000.0),
-        (RATE_HZ, 10.0, 10_000.0),
-        (REACH_RATIO, 0.1, 10.0),
+        (JOINT_SPEED, 2.0, 0.2, 20.0),
+        (SLIDE_SPEED, 0.3, 0.03, 3.0),
+        (JOINT_RANGE, 1.5, 0.25, 9.0),
+        (WHEEL_RANGE, 30.0, 1.0, 1000.0),
+        (RATE_HZ, 300.0, 10.0, 10_000.0),
+        (REACH_RATIO, 1.0, 0.1, 10.0),
     ],
 )
-def test_of_usual_sizes_95_in_100_lie_between_their_bounds(size, least, most):
+def test_of_usual_sizes_95_in_100_lie_between_their_bounds(size, median, least, most):
     """Two standard deviations are a log likelihood of −2."""
     assert [size.log_likelihood(bound) for bound in (least, most)] == pytest.approx([-2.0, -2.0], abs=0.12)
-    assert size.log_likelihood(math.sqrt(least * most)) == pytest.approx(0.0, abs=0.01)
+    assert size.log_likelihood(median) == 0.0
 
 
 def test_one_joint_in_thirty_is_a_wheel():

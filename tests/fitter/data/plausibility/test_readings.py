@@ -140,9 +140,10 @@ def test_the_sign_is_asked_of_readings_whose_unit_is_stated():
     assert "in g?" in said_of(held(1.0, stated=frozenset({"t"})))
 
 
-def test_gravity_downwards_is_no_question_where_poses_differ():
+@pytest.mark.parametrize("pose", [0.0, np.pi])
+def test_gravity_downwards_is_no_question_where_poses_differ(pose):
     upright = load_arm("dd-arm-vertical")
-    a = specific_force(upright, *np.zeros((3, 1, 2))).reshape(1, -1)
+    a = specific_force(upright, np.full((1, 2), pose), *np.zeros((2, 1, 2))).reshape(1, -1)
     motion = replace(held(0.0), columns={"a": -np.repeat(a, 128, axis=0)})
     assert said_of(motion, upright) == ""
 
@@ -150,6 +151,10 @@ def test_gravity_downwards_is_no_question_where_poses_differ():
 def test_one_sensor_that_is_ac_coupled_is_enough():
     coupled = replace(ARM, sensors=(*ARM.sensors[:-1], replace(ARM.sensors[-1], highpass_hz=0.5)))
     assert said_of(held(1.0), coupled) == "" and "in g?" in said_of(held(1.0))
+
+
+def test_time_that_stands_still_is_not_questioned_here():
+    assert said_of(held(G, step_s=0.0)) == ""
 
 
 def test_no_readings_are_asked_nothing():

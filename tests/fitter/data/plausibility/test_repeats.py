@@ -62,6 +62,12 @@ def test_a_step_of_three_counts_is_not_surely_a_motion(count, expected):
     assert (np.flatnonzero(repeated_rows(coarse, coarse)) - 42).tolist() == expected
 
 
+def test_no_faster_than_three_counts_is_not_fast():
+    for step, expected in ((0.75, []), (0.875, [42])):  # in numbers without rounding
+        q = np.concatenate([[0.0], np.cumsum([0.25, *[1.0] * 39, step, 0.0, step])])[:, None]
+        assert np.flatnonzero(repeated_rows(q, q)).tolist() == expected
+
+
 def test_any_joint_that_moves_will_do():
     still = np.zeros(len(USUAL) + 4)
     q = np.column_stack([still, np.concatenate([[0.0], np.cumsum([*USUAL, 1.0, 0.0, 1.0])])])
@@ -104,7 +110,7 @@ def test_two_repeated_rows_or_seven_in_all_are_chance(arm):
     motion = few()
     seven = motion.rows(1, 8, "seven")
     assert look(seven, arm) is seven
-    two = replace(motion, columns={"q": motion.columns["q"] + np.eye(8)[:, [2]] * 1e-3})
+    two = replace(motion, columns={"q": np.array([[0.0, 0.01, 0.51, 1.01, 1.01, 1.01, 2.01, 3.01]]).T})
     assert look(two, arm) is two
     no_angle = replace(motion, columns={"tip": np.zeros((8, 3))})
     assert look(no_angle, arm) is no_angle

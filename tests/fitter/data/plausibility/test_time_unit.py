@@ -63,6 +63,10 @@ def moving(step, speeds, n=50):
         ("rr", (0.003, 0.001), "joint 1 moves at 0.003 rad/s"),
         ("pp", (0.0003, 0.0), "joint 1 moves at 0.0003 m/s"),
         ("rp", (0.0005, 0.001), "joint 2 moves at 0.001 m/s"),
+        ("rr", (0.031, 0.031), "joint 1 moves at 0.031 rad/s"),  # 19 to 1 for what is rare a hundredfold
+        ("rr", (0.035, 0.035), None),
+        ("pp", (0.0047, 0.0047), "joint 1 moves at 0.0047 m/s"),
+        ("pp", (0.0053, 0.0053), None),
         ("rr", (0.002, 2.0), None),  # that of one joint is usual
         ("rp", (0.002, 0.3), None),
     ],

@@ -52,8 +52,8 @@ def path(ratio, length=1.0, n=50):
         (0.6, 1000.0, "mm"),
         (0.0, 39.0, None),  # where they are not, half a metre is usual
         (0.0, 50.0, "cm"),
-        (0.0, 160.0, "cm"),
-        (0.0, 175.0, "mm"),
+        (0.0, 163.0, "cm"),
+        (0.0, 168.0, "mm"),
     ],
 )
 def test_another_unit_is_named_where_metres_are_next_to_impossible(arm, length, ratio, unit):
