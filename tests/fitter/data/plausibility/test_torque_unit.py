@@ -141,7 +141,7 @@ def test_what_is_carried_counts_by_two_standard_errors_less(clean, noise, times)
     ],
 )
 def test_an_arm_reaches_by_the_lengths_beyond_a_joint(clean, first, alpha, down, words):
-    """Along its own axis a joint carries nothing, however far that goes; 0.03 m across and 0.04 m along make 0.05."""
+    """By none along its own axis; 0.03 m across and 0.04 m along make 0.05."""
     rods = [Link(5.0, (length / 2.0, 0.0, 0.0), (0.0, 0.05, 0.05, 0.0, 0.0, 0.0)) for length in (0.3, 0.2, 0.03)]
     joints = (first, Joint(alpha_rad=alpha, a_m=0.2, d_m=0.15), Joint(a_m=0.03, d_m=0.04))
     joints = tuple(replace(joint, link=rod) for joint, rod in zip(joints, rods, strict=True))
