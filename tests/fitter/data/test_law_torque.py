@@ -56,3 +56,10 @@ def test_what_is_not_given_is_said():
         law_torque(CONTROL, replace(TRIAL, ref=None))
     with pytest.raises(ConfigError, match="control.law is 'measured'"):
         law_torque(Control(), TRIAL)
+
+
+def test_without_the_whole_trial_gains_are_those_of_each_sample():
+    drives = DriveState(np.ones((6, 2), dtype=bool), np.full((6, 2), 3.0))
+    for more in ({"ref_filtered": REF + 1.0}, {"whole": {"q": Q, "ref": REF, "kp": np.full((6, 2), 9.0)}}):
+        found = law_torque(CONTROL, replace(TRIAL, drives=drives, **more))
+        np.testing.assert_allclose(found, 3.0 * (REF - Q) + KV * DQ + KA * DDQ)
