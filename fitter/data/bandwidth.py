@@ -77,8 +77,6 @@ def motion_edge_hz(signals: Sequence[Signal]) -> float | None:
         np.add.at(count, band[inside], 1.0)
     centre = np.sqrt(edges[:-1] * edges[1:])
     level = power / count
-    if not level.max() > 0.0:
-        return None
 
     floor = np.minimum.accumulate(level[::-1])[::-1]  # what is seen at this frequency or above
     strong = level >= SIGNAL_TO_NOISE * floor

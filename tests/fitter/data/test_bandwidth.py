@@ -199,3 +199,10 @@ def test_bands_count_all_trials_and_joints():
     assert found == pytest.approx(3.2 * np.sqrt(THIRD) * THIRD**share, rel=3e-3)
     beside = replace(moving, values=np.hstack([moving.values, moving.values]))
     assert motion_edge_hz([beside]) == pytest.approx(motion_edge_hz([moving]))
+
+
+def test_the_lowest_bands_are_as_wide_as_four_parts():
+    """From 0.4 to 0.8 and 1.2 Hz; of the four parts up to 0.7 Hz two are smoothed to 5/4 and one to 1/4."""
+    share = np.log(3.75 / 4.0 / 1e-3) / np.log(3.75 / 4.0 / 1e-4)
+    edge = np.sqrt(0.4 * 0.8) * np.sqrt(3.0) ** share
+    assert motion_edge_hz([spectral(bands((0.4, 0.6)))]) == pytest.approx(edge, rel=2e-3)
