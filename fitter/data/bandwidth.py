@@ -65,7 +65,7 @@ def motion_edge_hz(signals: Sequence[Signal]) -> float | None:
     nyquist = min(0.5 / signal.dt_s for signal in signals)
     longest = max(len(signal.values) * signal.dt_s for signal in signals)
     edges = _band_edges(BINS_A_BAND / longest, nyquist, 1.0 / longest)
-    if len(edges) < 3:
+    if len(edges) < 4:
         return None
     power = np.zeros(len(edges) - 1)
     count = np.zeros(len(edges) - 1)
@@ -75,11 +75,8 @@ def motion_edge_hz(signals: Sequence[Signal]) -> float | None:
         inside = (band >= 0) & (band < len(power))
         np.add.at(power, band[inside], spectrum[inside])
         np.add.at(count, band[inside], 1.0)
-    filled = count > 0.0
-    centre = np.sqrt(edges[:-1] * edges[1:])[filled]
-    level = power[filled] / count[filled]
-    if len(level) < 3 or not level.max() > 0.0:
-        return None
+    centre = np.sqrt(edges[:-1] * edges[1:])
+    level = power / count
 
     floor = np.minimum.accumulate(level[::-1])[::-1]  # what is seen at this frequency or above
     strong = level >= SIGNAL_TO_NOISE * floor
@@ -100,7 +97,7 @@ def _edge_above_white_noise(centre: Floats, level: Floats, power: int) -> float 
     """Return where acceleration sinks to ten times the noise that rises with a power of the frequency."""
     valley = int(np.argmin(level))
     noisy = np.flatnonzero((np.arange(len(level)) > valley) & (level > SIGNAL_TO_NOISE * level[valley]))
-    if not len(noisy) and level[valley] > 0.0:
+    if not len(noisy):
         return None
     noise = np.median(level[noisy] / centre[noisy] ** power) * centre**power
     sunk = np.flatnonzero(level < SIGNAL_TO_NOISE * noise)

@@ -70,7 +70,7 @@ def _tell_gaps(t: Floats, suspects: NDArray[np.intp], usual: float) -> list[Gap]
     for place, k in enumerate(suspects.tolist()):
         following = suspects[place + 1] + 1 if place + 1 < len(suspects) else len(t)
         before = np.arange(max(k + 1 - WITNESSES, first), k + 1)
-        after = np.arange(k + 1, max(k + 2, min(k + 1 + WITNESSES, following)))
+        after = np.arange(k + 1, min(k + 1 + WITNESSES, following))
         expected = np.median(t[before] + usual * (k + 1 - before))
         found = np.median(t[after] - usual * (after - k - 1))
         samples = round(float(found - expected) / usual)

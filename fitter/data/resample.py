@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from itertools import count
 
 import numpy as np
 from numpy.typing import NDArray
@@ -202,8 +203,5 @@ def _resolution(t: Floats, step: float) -> float:
 
 def _rounded(step: float, within: float) -> float:
     """Return the shortest decimal number within some relative distance of a step."""
-    for digits in range(16):
-        rounded = float(f"{step:.{digits}e}")
-        if abs(rounded - step) <= within * step:
-            return rounded
-    return step
+    numbers = (float(f"{step:.{digits}e}") for digits in count())
+    return next(rounded for rounded in numbers if abs(rounded - step) <= within * step)

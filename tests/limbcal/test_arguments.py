@@ -113,3 +113,6 @@ def test_what_follows_two_dashes_or_holds_a_space_is_no_option():
     assert parser.parse_args(["--", "--sise"]).words == ["--sise"]
     assert parser.parse_args(["--siz", "-3", "a"]).size == -3.0  # shortened, as argparse has it
     assert parser.parse_args(["--no such option"]).words == ["--no such option"]
+    for before in ("a", "-3", "--no such option"):
+        with pytest.raises(ConfigError, match=r"limbtest: there is no option --sise; did you mean '--size'\?"):
+            parser.parse_args([before, "--sise", "3"])

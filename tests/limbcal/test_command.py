@@ -15,7 +15,18 @@ from hypothesis import strategies as st
 from rich.table import Table
 
 from limbcal.arguments import Parser, common_options
-from limbcal.command import ask, console, emit, run_command, say, show, to_json
+from limbcal.command import (
+    ask,
+    command_line,
+    console,
+    emit,
+    run_command,
+    say,
+    say_notes,
+    show,
+    strict_line,
+    to_json,
+)
 from limbcal.errors import (
     ConfigError,
     DataError,
@@ -275,3 +286,82 @@ def test_what_one_command_asks_is_not_said_by_the_next(capsys):
         assert run_command(parser, ["--json"]) == 0
         kinds.append([note["kind"] for note in json.loads(capsys.readouterr().out)["notes"]])
     assert kinds == [["unit"], []]
+
+
+def test_json_is_indented_by_two_or_in_one_line():
+    document = {"a": [1, np.inf], "b": {}}
+    assert to_json(document) == '{\n  "a": [\n    1,\n    null\n  ],\n  "b": {}\n}'
+    assert strict_line(document) == '{"a": [1, null], "b": {}}'
+
+
+def test_arguments_are_those_of_the_process_unless_given(monkeypatch, capsys):
+    monkeypatch.setattr(sys, "argv", ["limbtest", "--json", "--size", "7"])
+    assert run_command(command(lambda namespace: {"size": namespace.size}), None) == 0
+    assert json.loads(capsys.readouterr().out) == {"size": 7}
+    assert run_command(command(lambda namespace: {"size": namespace.size}), ["--json"]) == 0
+    assert json.loads(capsys.readouterr().out) == {"size": 1}
+
+
+@pytest.mark.parametrize("debug", [False, True])
+@pytest.mark.parametrize(
+    ("error", "code", "words"),
+    [
+        (MemoryError("8 GiB"), 3, "error: there is not enough memory for this (8 GiB); expected less data"),
+        (DataError("no row"), 2, "error: no row"),
+    ],
+)
+def test_a_traceback_is_shown_where_it_is_asked_for(capsys, debug, error, code, words):
+    assert run_command(command(raising(error)), ["--debug"] if debug else []) == code
+    out, err = capsys.readouterr()
+    assert out == "" and words in err and ("Traceback" in err) == debug
+
+
+def test_the_command_line_is_known_while_it_is_carried_out():
+    lines = []
+    assert run_command(command(lambda _: lines.append(command_line())), ["--size", "3"]) == 0
+    assert (lines, command_line()) == (["limbtest --size 3"], "")
+
+
+def test_notes_are_said_once_each(capsys):
+    say_notes([Note("unit", "degrees?", "a"), Note("unit", "degrees?", "b"), Note("turn", "unwrapped")])
+    assert capsys.readouterr().err == "a, b: degrees?\nunwrapped\n"
+
+
+@pytest.mark.parametrize(
+    ("document", "kinds"),
+    [
+        ({}, ["asked"]),
+        ({"notes": []}, ["asked"]),
+        ({"notes": [Note("other", "x").document()]}, ["asked", "other"]),
+        ({"notes": [Note("asked", "what?").document()]}, ["asked"]),
+    ],
+)
+def test_what_was_asked_stands_before_other_notes(capsys, document, kinds):
+    def act(_):
+        ask([Note("asked", "what?")])
+        return document
+
+    assert run_command(command(act), ["--json"]) == 0
+    out, err = capsys.readouterr()
+    assert [note["kind"] for note in json.loads(out)["notes"]] == kinds and err == "what?\n"
+
+
+def test_notes_that_are_no_list_stay_what_they_are(capsys):
+    def act(_):
+        ask([Note("asked", "what?")])
+        raise Unusable("no answer", {"notes": 3})
+
+    assert run_command(command(act), ["--json"]) == 4
+    assert json.loads(capsys.readouterr().out) == {"notes": 3}
+
+
+def test_a_document_that_nobody_can_take_is_a_failure_of_a_device(monkeypatch, capsys):
+    class Full(io.StringIO):
+        def write(self, _):
+            raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr("sys.stdout", Full())
+    assert run_command(command(raising(Unusable("no answer", {"a": 1}))), ["--json"]) == 3
+    sys.stdout.close()
+    said = capsys.readouterr().err
+    assert said == "error: no answer\nerror: stdout cannot be written: No space left on device\n"

@@ -86,3 +86,73 @@ def test_another_value_goes_to_the_same_place():
     assert to_the_place_of(1.718632, 0.00123) == "1.7186"
     assert to_the_place_of(1.718632, math.nan) == "1.719"
     assert to_the_place_of(0.0, 6.1e-11) == "0"
+
+
+@pytest.mark.parametrize(
+    ("value", "digits", "printed"),
+    [
+        (1.23456, 4, "1.235"),
+        (-1.23456, 4, "-1.235"),
+        (12.3456, 4, "12.35"),
+        (1234.56, 4, "1235"),
+        (12345.6, 4, "12350"),
+        (123456.0, 4, "123500"),
+        (999949.0, 4, "999900"),
+        (999951.0, 4, "1.000e+06"),  # what it is once rounded
+        (1234567.0, 4, "1.235e+06"),
+        (1.23456e-5, 4, "0.00001235"),
+        (9.9996e-6, 4, "0.00001000"),
+        (9.99e-6, 4, "9.990e-06"),
+        (0.25, 1, "0.2"),
+        (0.35, 1, "0.3"),
+        (7.6, 1, "8"),
+        (1.5e7, 1, "2e+07"),
+        (1.25e-7, 2, "1.2e-07"),
+        (0.0, 4, "0"),
+        (math.inf, 4, "–"),
+        (-math.inf, 4, "–"),
+        (math.nan, 4, "–"),
+    ],
+)
+def test_a_value_alone_is_printed_to_its_digits(value, digits, printed):
+    assert plain(value, digits) == printed
+    if digits == 4:
+        assert plain(value) == printed
+
+
+@pytest.mark.parametrize(
+    ("value", "half_width", "printed"),
+    [
+        (1234567.0, 1234.0, ("1.2346e+06", "1200")),
+        (1234567.0, 12340.0, ("1.235e+06", "12000")),
+        (1234567.0, 123400.0, ("1.23e+06", "120000")),
+        (1234567.0, 1234000.0, ("1.2e+06", "1.2e+06")),
+        (999960.0, 120.0, ("999960", "120")),
+        (999996.0, 120.0, ("1.00000e+06", "120")),
+        (2.34, 0.96, ("2.34", "0.96")),
+        (2.34, 0.996, ("2.3", "1.0")),
+        (2.34, 1.2, ("2.3", "1.2")),
+        (2.34, 12.0, ("2", "12")),
+        (0.04, 1.2, ("0.0", "1.2")),
+        (0.4, 12.0, ("0", "12")),
+        (6.0, 120.0, ("10", "120")),
+        (4.0, 120.0, ("0", "120")),
+        (4.0, 1234.0, ("0", "1200")),
+        (1.5e6, 2.0e7, ("2e+06", "2.0e+07")),
+        (0.000012, 0.0000021, ("0.0000120", "2.1e-06")),
+        (0.0000089, 0.0000021, ("8.9e-06", "2.1e-06")),
+        (1e-8, 1.2e-5, ("0.000000", "0.000012")),
+        (1e-9, 1.2e-6, ("0", "1.2e-06")),
+        (-0.00001, 0.12, ("0.00", "0.12")),
+    ],
+)
+def test_a_value_ends_where_its_half_width_does(value, half_width, printed):
+    assert with_half_width(value, half_width) == printed
+    assert to_the_place_of(value, half_width) == printed[0]
+
+
+def test_half_widths_that_are_none_leave_four_digits():
+    for none in (0.0, -1.0, math.inf, math.nan):
+        assert with_half_width(9.81, none) == ("9.810", "–")
+    assert with_half_width(9.81, 1e-300)[1] == "1.0e-300"
+    assert with_half_width(math.inf, 0.1) == ("–", "–")

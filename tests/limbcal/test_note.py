@@ -30,5 +30,8 @@ def test_the_same_note_is_listed_once() -> None:
 def test_a_sentence_that_several_sources_share_is_said_once_with_all_of_them() -> None:
     shared = [Note("turn", "unwrapped", source) for source in ("a", "b")]
     assert sentences([*shared, TURN]) == ["a, b: unwrapped", TURN.text]
+    three = [Note("turn", "unwrapped", source) for source in "abc"]
+    assert sentences(three) == ["a, b, c: unwrapped"]
+    assert sentences([*three, Note("turn", "unwrapped", "d")]) == ["a, b and 2 more: unwrapped"]
     many = [Note("turn", "unwrapped", f"{k}") for k in range(22)]
     assert sentences(many) == ["0, 1 and 20 more: unwrapped"]

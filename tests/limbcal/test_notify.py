@@ -36,3 +36,12 @@ def test_a_manager_that_reads_nothing_holds_nobody_up(monkeypatch: pytest.Monkey
     while notify(WATCHDOG=1):  # until no more finds room
         pass
     assert not notify(WATCHDOG=1)
+
+
+def test_a_name_that_begins_with_an_at_is_no_file(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    name = f"limbcal-test-{tmp_path}"
+    with socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM) as made:
+        made.bind(f"\0{name}")
+        monkeypatch.setenv("NOTIFY_SOCKET", f"@{name}")
+        assert notify(STOPPING=1)
+        assert made.recv(1000) == b"STOPPING=1"

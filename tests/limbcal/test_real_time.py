@@ -7,7 +7,7 @@ import sys
 
 import pytest
 
-from limbcal.real_time import READER, ask_for_real_time
+from limbcal.real_time import DEVICE, PIPELINE, PLAYER, READER, TOUCH, ask_for_real_time
 
 ASK = (
     "import os, sys\n"
@@ -50,3 +50,7 @@ def test_what_is_not_allowed_is_done_without(monkeypatch: pytest.MonkeyPatch) ->
 
     monkeypatch.setattr(os, "sched_setscheduler", refuse)
     assert not ask_for_real_time(READER)
+
+
+def test_what_waits_for_nobody_comes_first() -> None:
+    assert 100 > DEVICE > READER > TOUCH > PLAYER > PIPELINE > 0

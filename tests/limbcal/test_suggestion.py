@@ -20,3 +20,9 @@ def test_two_letters_exchanged_are_recognised(name, data):
     k = data.draw(st.integers(0, len(name) - 2))
     typed = name[:k] + name[k + 1] + name[k] + name[k + 2 :]
     assert did_you_mean(typed, NAMES) == f"; did you mean {name!r}?"
+
+
+def test_a_name_is_near_with_three_letters_of_five():
+    assert did_you_mean("abcxy", ["abcde"]) == "; did you mean 'abcde'?"
+    assert did_you_mean("abxy", ["abcd"]) == ""
+    assert did_you_mean("--arm", ["--alpha", "--Arm"]) == "; did you mean '--Arm'?"

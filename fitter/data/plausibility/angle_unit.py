@@ -41,8 +41,6 @@ _ROUNDING = 1e-6
 #: Prior probability that a torque contradicts the angles for another reason (its columns, its sign, an encoder
 #: that froze): as rare as a unit that is not SI.
 _FAULTY = 1.0 - SI
-#: Up to this many joints any of them may be in degrees; beyond, one, all but one, or all.
-_ALL_WAYS = 3
 
 Joints = tuple[int, ...]
 
@@ -90,10 +88,9 @@ def _named(probability: Mapping[Joints, float], best: Joints, joints: Sequence[i
 
 
 def _readings(joints: Sequence[int]) -> list[Joints]:
-    """Return which joints may be in degrees: none, all, one, all but one; of a few joints, any."""
+    """Return which joints may be in degrees: none, one, all but one, or all; of up to three joints, any."""
     n = len(joints)
-    sizes = range(n + 1) if n <= _ALL_WAYS else (0, 1, n - 1, n)
-    return [some for size in sizes for some in combinations(joints, size)]
+    return [some for size in sorted({0, 1, n - 1, n}) for some in combinations(joints, size)]
 
 
 def _agree_with_velocities(motion: Measured, joints: Sequence[int]) -> None:

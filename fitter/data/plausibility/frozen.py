@@ -65,9 +65,9 @@ def frozen_rows(q: Floats) -> NDArray[np.bool_]:
         return marked
     usual = float(np.quantile(moving, 0.9))
     abrupt = max(_ABRUPT * usual, _COUNTS * float(moving.min()))
-    bounds = [0, *(np.flatnonzero(steps > 0.0) + 1).tolist(), len(q)]
+    bounds = [*(np.flatnonzero(steps > 0.0) + 1).tolist(), len(q)]  # nobody saw how the first readings came
     for begin, end in zip(bounds[:-1], bounds[1:], strict=True):
-        if end - begin <= _STANDS or begin == 0:
+        if end - begin <= _STANDS:
             continue
         stops = steps[begin - 1] > abrupt
         leaps = end < len(q) - 1 and steps[end - 1] > max(abrupt, _LEAP * steps[end])

@@ -76,8 +76,8 @@ def probabilities(log_likelihoods: Mapping[Reading, float], given: Reading) -> d
     given : reading
         The reading that the contract says.
     """
-    others = max(1, len(log_likelihoods) - 1)
-    prior = {name: np.log(SI if name == given else (1.0 - SI) / others) for name in log_likelihoods}
+    n = len(log_likelihoods)
+    prior = {name: np.log(SI if name == given else (1.0 - SI) / (n - 1)) for name in log_likelihoods}
     weight = np.array([prior[name] + value for name, value in log_likelihoods.items()])
     share = np.exp(weight - weight.max())
     return dict(zip(log_likelihoods, (share / share.sum()).tolist(), strict=True))

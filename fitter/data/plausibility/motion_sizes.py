@@ -39,11 +39,8 @@ def continuous(q: Floats) -> bool:
 
 def top_speeds(t: Floats, q: Floats) -> Floats:
     """Return the top speed of every joint [rad/s or m/s], (n_joint,), single jumps left out."""
-    speed = np.abs(np.diff(q, axis=0)) / np.diff(t)[:, None]
-    coarse = max(1, len(speed) // _ROWS)
-    if coarse > 1:  # the resolution of an encoder is not a speed
-        some = np.arange(0, len(t), coarse)
-        speed = np.abs(np.diff(q[some], axis=0)) / np.diff(t[some])[:, None]
+    coarse = max(1, (len(t) - 1) // _ROWS)  # the resolution of an encoder is not a speed
+    speed = np.abs(np.diff(q[::coarse], axis=0)) / np.diff(t[::coarse])[:, None]
     return np.asarray(np.quantile(speed, _TOP, axis=0), dtype=np.float64)
 
 
@@ -102,7 +99,7 @@ def torque_left(arm: Arm, motion: Measured, angle_scale: Floats) -> Floats | Non
     if not felt.any():
         return None
     weight = 1.0 / np.sqrt(np.where(felt, power, np.inf))
-    rows, wanted = (weight[:, None] * W).reshape(-1, W.shape[-1]), (weight * tau).ravel()
+    rows, wanted = np.concatenate(weight[:, None] * W), (weight * tau).ravel()
     size = np.linalg.norm(rows, axis=0)
     rows = rows[:, size > 0.0] / size[size > 0.0]
     if not rows.size:

@@ -53,8 +53,7 @@ def resting(a: Floats) -> Floats:
     n = len(a) // _WINDOW
     windows = a[: n * _WINDOW].reshape(n, _WINDOW, -1)
     means, scatter = windows.mean(axis=1), windows.var(axis=1)
-    sensors = scatter.reshape(n, -1, 3).sum(axis=2)
-    quietest = np.argmin(sensors.sum(axis=1))
+    quietest = np.argmin(scatter.sum(axis=1))
     return np.asarray(means[quietest].reshape(-1, 3), dtype=np.float64)
 
 

@@ -65,7 +65,7 @@ def repeated_rows(rows: Floats, q: Floats) -> NDArray[np.bool_]:
         fast[1:, j] = steps[:, j] > least
     moves = np.asarray(fast.any(axis=1))
     marked = np.zeros(len(q), dtype=bool)
-    bounds = [0, *(np.flatnonzero(same[1:] != same[:-1]) + 1).tolist(), len(same)]
+    bounds = [*(np.flatnonzero(same[1:] != same[:-1]) + 1).tolist(), len(same)]  # the first row repeats none
     for begin, end in zip(bounds[:-1], bounds[1:], strict=True):
         if not same[begin]:
             continue

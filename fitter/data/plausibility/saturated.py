@@ -58,9 +58,9 @@ def cut_off(tau: Floats) -> NDArray[np.bool_]:
     for begin, end in runs:
         if tau[begin] not in extremes or tau[begin] == 0.0:
             continue
-        into = abs(tau[begin] - tau[begin - 1]) if begin else np.inf
-        out_of = abs(tau[end] - tau[end - 1]) if end < len(tau) else np.inf
-        if max(into if begin else 0.0, out_of if end < len(tau) else 0.0) > _STEPS * resolution:
+        into = abs(tau[begin] - tau[begin - 1]) if begin else 0.0
+        out_of = abs(tau[end] - tau[end - 1]) if end < len(tau) else 0.0
+        if max(into, out_of) > _STEPS * resolution:
             marked[begin:end] = True
     made_of_steps = elsewhere > marked.sum() or np.mean(~marked) < _LEFT
     return nothing if made_of_steps else marked

@@ -28,7 +28,7 @@ def look(motion: Measured, arm: Arm) -> Measured:
         return motion
     turned = float(path_lengths(motion.columns["q"]).sum())
     travelled = float(np.linalg.norm(path_lengths(tip)))
-    if not (turned > 0.0 and travelled > 0.0):
+    if not turned > 0.0:
         return motion
     size = Size(reach(arm), REACH_RATIO.decades) if reach(arm) > 0.0 else _REACH
     weight = {unit: size.log_likelihood(travelled / turned * scale) for unit, scale in _UNITS.items()}

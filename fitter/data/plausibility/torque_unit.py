@@ -76,7 +76,7 @@ def _carried(arm: Arm, q: Floats, W: Floats, tau: Floats) -> Floats:
     still = np.zeros_like(q)
     pulled = regressor(arm, q, still, still)
     pulled[..., 10 * arm.n_joint :] = 0.0  # friction that stands still is none of the weight
-    size = np.linalg.norm(W.reshape(-1, W.shape[-1]), axis=0)
+    size = np.linalg.norm(np.concatenate(W), axis=0)
     felt = size > 0.0
     W, pulled = W[..., felt] / size[felt], pulled[..., felt] / size[felt]
     power = np.sqrt(np.mean(tau**2, axis=0))
@@ -86,7 +86,7 @@ def _carried(arm: Arm, q: Floats, W: Floats, tau: Floats) -> Floats:
     W, tau, power = W[:, heard], tau[:, heard], power[heard]
     sigma = power
     for _ in range(2):  # in units of the torque itself at first
-        U, s, Vt = np.linalg.svd((W / sigma[:, None]).reshape(-1, W.shape[-1]), full_matrices=False)
+        U, s, Vt = np.linalg.svd(np.concatenate(W / sigma[:, None]), full_matrices=False)
         told = s > _RANK * s[0]
         found = Vt[told].T @ ((U.T @ (tau / sigma).ravel())[told] / s[told])
         sigma = np.maximum(np.sqrt(np.mean((tau - W @ found) ** 2, axis=0)), _ROUNDING * power)

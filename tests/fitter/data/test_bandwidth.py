@@ -1,5 +1,7 @@
 """Where motion ends and noise begins, on spectra made to measure."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -104,3 +106,103 @@ def test_a_motion_that_begins_with_a_jump_has_an_edge_too(noise):
 @pytest.mark.parametrize("n", [2, 3, 5, 9, 17])
 def test_too_few_samples_for_bands_say_nothing(n, missing):
     assert motion_edge_hz([Signal(swing(5.0)[:n], DT_S, missing)]) is None
+
+
+def spectral(level, missing=0, n=N):
+    """Return columns whose acceleration has a level at each multiple of 0.1 Hz, and no more than that.
+
+    Neighbouring parts are a quarter of a period apart, so that a window which adds them up leaves the level
+    between them as it is.
+    """
+    frequency = np.fft.rfftfreq(n, DT_S)
+    parts = np.sqrt(level(frequency)) * 1j ** (np.arange(len(frequency)) % 4)
+    values = np.fft.irfft(parts, n)
+    for _ in range(missing):
+        values = np.concatenate([[0.0], np.cumsum(values)]) * DT_S
+    return Signal(values[:, None], DT_S, missing)
+
+
+def bands(*humps, high=1.0, low=1e-4):
+    """Return a level that is high from one frequency to another, and low elsewhere."""
+
+    def level(frequency):
+        inside = [(frequency > begin - 0.05) & (frequency < end + 0.05) for begin, end in humps]
+        return np.where(np.any(inside, axis=0), high, low)
+
+    return level
+
+
+#: Bands are 0.4 Hz wide, then a third of an octave: 0.4, 0.8, 1.2, 1.6, 2.016, 2.54, 3.2, 4.032 … Hz.
+THIRD = 2.0 ** (1.0 / 3.0)
+
+
+@pytest.mark.parametrize("size", [1e-3, 1.0, 1e3])
+@pytest.mark.parametrize("high", [1.0, 100.0])
+def test_between_two_bands_the_edge_is_where_power_is_ten_times_the_floor(size, high):
+    """The band up to 4.032 Hz has nine parts; two at its end are smoothed to 5/4 and 1/4, the last is low."""
+    signal = spectral(bands((0.4, 3.8), high=high))
+    mean = high * 7.5 / 9.0
+    share = np.log(mean / 1e-3) / np.log(mean / 1e-4)
+    edge = 3.2 * np.sqrt(THIRD) * THIRD**share
+    found = motion_edge_hz([replace(signal, values=size * signal.values)])
+    assert found == pytest.approx(edge, rel=2e-3)
+
+
+@pytest.mark.parametrize("missing", [1, 2])
+def test_angles_and_velocities_are_differentiated_first(missing):
+    direct, derived = (motion_edge_hz([spectral(bands((0.4, 3.8)), m)]) for m in (0, missing))
+    assert derived == pytest.approx(direct, rel=2e-3)
+
+
+@pytest.mark.parametrize(
+    ("hump", "edge_hz"),
+    [
+        ((2.8, 2.8), 3.2),  # its band lies at 2.85 Hz, and that of the motion at 0.98
+        ((3.6, 3.6), 1.2),  # 3.59 Hz are more than three times that
+    ],
+)
+def test_motion_goes_on_within_three_times_its_frequency(hump, edge_hz):
+    found = motion_edge_hz([spectral(bands((1.0, 1.0), hump))])
+    assert edge_hz * 0.95 < found < edge_hz * 1.25
+
+
+def test_from_one_hump_to_the_next_it_goes_on():
+    found = motion_edge_hz([spectral(bands((1.0, 1.0), (2.8, 2.8), (7.2, 7.8)))])
+    assert 8.0 < found < 9.6
+
+
+@pytest.mark.parametrize(("end_hz", "fills"), [(101.0, False), (127.0, True), (249.0, True)])
+def test_beyond_half_of_the_range_nothing_is_filtered(end_hz, fills):
+    """Half of 250 Hz."""
+    found = motion_edge_hz([spectral(bands((0.4, end_hz)))])
+    assert (found is None) == fills and (fills or 102.0 < found < 125.0)
+
+
+def test_a_motion_below_ten_times_the_floor_ends_in_noise_that_rises():
+    """Five times the valley up to 8 Hz; noise of an angle, as the fourth power, is the valley's level at 16 Hz."""
+
+    def level(frequency):
+        return np.where(frequency < 8.0, 5.0, np.maximum(1.0, (frequency / 16.0) ** 4))
+
+    # Ten times the noise is 1 at 16 Hz over the fourth root of ten, 9 Hz: the band before it is that at 7.2 Hz.
+    found = motion_edge_hz([spectral(level, 2)])
+    assert found == pytest.approx(6.4 * np.sqrt(THIRD), rel=2e-3)
+    assert motion_edge_hz([spectral(lambda f: np.where(f < 8.0, 5.0, 1.0))]) is None  # nothing rises
+
+
+def test_bands_count_all_trials_and_joints():
+    """Power is the mean over parts and trials: a trial of noise alone halves it."""
+    moving, still = spectral(bands((0.4, 3.8))), spectral(bands())
+    mean = (7.5 / 9.0 + 1e-4) / 2.0
+    share = np.log(mean / 1e-3) / np.log(mean / 1e-4)
+    found = motion_edge_hz([moving, still])
+    assert found == pytest.approx(3.2 * np.sqrt(THIRD) * THIRD**share, rel=3e-3)
+    beside = replace(moving, values=np.hstack([moving.values, moving.values]))
+    assert motion_edge_hz([beside]) == pytest.approx(motion_edge_hz([moving]))
+
+
+def test_the_lowest_bands_are_as_wide_as_four_parts():
+    """From 0.4 to 0.8 and 1.2 Hz; of the four parts up to 0.7 Hz two are smoothed to 5/4 and one to 1/4."""
+    share = np.log(3.75 / 4.0 / 1e-3) / np.log(3.75 / 4.0 / 1e-4)
+    edge = np.sqrt(0.4 * 0.8) * np.sqrt(3.0) ** share
+    assert motion_edge_hz([spectral(bands((0.4, 0.6)))]) == pytest.approx(edge, rel=2e-3)

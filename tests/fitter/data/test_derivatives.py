@@ -108,3 +108,28 @@ def test_the_low_pass_is_scipys(ends, shape):
     padding = min(len(values) - 1, 3 * settling_samples(DT_S, 20.0))
     whole = sosfiltfilt(sections, values, axis=0, padtype=ends, padlen=padding)
     np.testing.assert_allclose(lowpass(values, DT_S, 20.0, ends), whole, atol=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("cutoff_hz", "samples"), [(5.0, 204), (224.0, 9), (225.0, 0), (250.0, 0), (np.inf, 0), (0.5, 2004)]
+)
+def test_ends_settle_within_two_periods_and_the_filter_s_order(cutoff_hz, samples):
+    """From 0.45 of the sampling rate on nothing is filtered."""
+    assert settling_samples(DT_S, cutoff_hz) == samples
+    values = np.random.default_rng(0).normal(size=100)
+    assert (lowpass(values, DT_S, cutoff_hz) is values) == (samples == 0)
+
+
+def test_the_first_derivative_is_that_of_a_quintic():
+    t = 0.5 * np.arange(9)
+    quintic = np.column_stack([t**5 - t, 3.0 * t])
+    np.testing.assert_allclose(
+        differentiate(quintic, 0.5), np.column_stack([5 * t**4 - 1, 3.0 + 0 * t]), atol=1e-9
+    )
+    np.testing.assert_allclose(differentiate(quintic, 0.5, 2), np.column_stack([20 * t**3, 0 * t]), atol=1e-9)
+
+
+def test_a_column_goes_on_turned_about_its_last_point_unless_mirrored():
+    line = np.linspace(0.0, 1.0, 60)
+    np.testing.assert_allclose(lowpass(line, DT_S, 60.0), lowpass(line, DT_S, 60.0, "odd"), rtol=0, atol=0)
+    assert abs(lowpass(line, DT_S, 60.0)[-1] - 1.0) < 1e-6 < 1.0 - lowpass(line, DT_S, 60.0, "even")[-1]

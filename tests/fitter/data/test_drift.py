@@ -126,3 +126,53 @@ def test_only_the_sensors_paths_drift_where_the_angles_do_not(method):
     after = correction.resting({name: values[-1:] for name, values in drift.items()})
     assert np.array_equal(after["q"], drift["q"][-1:])
     assert np.allclose(after["points"], corrected["points"][-1], atol=1e-12)
+
+
+def hand_made(n, dt_s, begun_s=0.0):
+    """Return squares of their row's number, three columns at once."""
+    t = begun_s + dt_s * np.arange(n)
+    square = np.arange(n, dtype=float)[:, None] ** 2
+    return t, {"q": square * [1.0, -2.0], "dq": np.zeros((n, 2)), "ddq": np.zeros((n, 2)), "ref": square}
+
+
+@pytest.mark.parametrize(
+    ("n", "dt_s", "left"),
+    [
+        (3, 0.5, 1.0 / 0.5),  # from the first to the last but one: there are no others
+        (3, 0.001, 1.0 / 0.001),
+        (4, 0.5, 3.0 / 0.5),
+        (4, 0.001, 4.0 / 0.002),
+        (17, 1.0 / 128.0, (15.0**2 - 13.0**2) * 64.0),  # over a fiftieth of a second
+        (17, 1.0 / 64.0, (15.0**2 - 14.0**2) * 64.0),
+        (33, 1.0 / 256.0, (31.0**2 - 26.0**2) * 256.0 / 5.0),
+    ],
+)
+def test_the_velocity_that_is_left_is_that_before_the_end(n, dt_s, left):
+    t, columns = hand_made(n, dt_s, 100.0)
+    correction = DriftCorrection()
+    found = correction.moving(t, columns, [("q", "dq", "ddq")])
+    s, c = dt_s * np.arange(n)[:, None], left * np.array([1.0, -2.0]) / (dt_s * (n - 1))
+    np.testing.assert_allclose(found["q"], columns["q"] - c * s**2 / 2, rtol=1e-9)
+    np.testing.assert_allclose(found["dq"], -c * s, rtol=1e-9)
+    np.testing.assert_allclose(found["ddq"], np.tile(-c, (n, 1)), rtol=1e-9)
+    assert np.array_equal(found["ref"], columns["ref"])
+    shift = c * s[-1] ** 2 / 2
+    np.testing.assert_allclose(correction.resting({"q": np.zeros((1, 2))})["q"], -shift[None], rtol=1e-9)
+    again = correction.moving(t, columns, [("q", "dq", "ddq")])
+    np.testing.assert_allclose(again["q"], found["q"] - shift, rtol=1e-9)
+    np.testing.assert_allclose(correction.resting({"q": np.ones((1, 2))})["q"], 1.0 - 2.0 * shift[None], rtol=1e-9)
+
+
+def test_windows_begin_and_end_at_the_rows_of_their_times():
+    t, columns = hand_made(40, 0.25)
+    part = {"q": columns["q"]}
+    found = without_drift(t, part, [(2.5, 5.0), (5.0, 7.5)], [("q",)])["q"]
+    one = DriftCorrection()
+    rows = [part["q"][a:b] for a, b in ((0, 10), (10, 20), (20, 30), (30, 40))]
+    expected = [
+        rows[0],
+        one.moving(t[10:20], {"q": rows[1]}, [("q",)])["q"],
+        one.moving(t[20:30], {"q": rows[2]}, [("q",)])["q"],
+        one.resting({"q": rows[3]})["q"],
+    ]
+    np.testing.assert_array_equal(found, np.concatenate(expected))

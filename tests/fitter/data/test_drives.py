@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from arm.model import Control
-from fitter.data.drives import drives_of
+from fitter.data.drives import drives_of, let_go
 from fitter.data.law_torque import law_torque
 from fitter.data.motion_file import write_motion
 from fitter.data.motions import Measured
@@ -104,3 +104,38 @@ def test_trials_of_a_set_may_differ_in_everything(tmp_path):
         assert np.allclose(
             law_torque(Control("p", (9.0, 9.0)), trial), -0.5 * trial.drives.kp * trial.q, atol=2e-2
         )
+
+
+def test_either_gain_or_a_switch_makes_a_state():
+    gain = np.full((3, 2), 4.0)
+    for role in ("kp", "kv"):
+        state = drives_of({"q": gain, role: gain})
+        assert state.on.all() and state.on.shape == (3, 2) and getattr(state, role) is gain
+        assert getattr(state, {"kp": "kv", "kv": "kp"}[role]) is None
+    on = np.array([[1.0, 0.0], [1.0, 1.0], [0.0, 1.0]])
+    state = drives_of({"on": on})
+    assert state.on.tolist() == [[True, False], [True, True], [False, True]] and state.kp is state.kv is None
+    assert drives_of({"on": np.ones((3, 2)), "kv": gain}).on.all()
+    assert not drives_of({"on": np.zeros((3, 2))}).on.any()
+
+
+def test_each_joint_that_is_let_go_is_noted_with_its_torque():
+    on = np.array([[1.0, 0.0], [1.0, 0.0], [1.0, 1.0]])
+    tau = np.array([[1.0, -7.0], [2.0, 5.0], [3.0, -9.0]])
+    found, (note,) = let_go({"on": on, "tau": tau}, "run.csv")
+    assert found["tau"].tolist() == [[1.0, 0.0], [2.0, 0.0], [3.0, -9.0]]
+    assert tau[0, 1] == -7.0 and found["on"] is on
+    assert note.text == (
+        "the drive of joint 2 is let go in 2 of 3 samples: its torque, up to 7 there, counts as 0"
+    )
+    assert (note.kind, note.source, note.columns) == ("let_go", "run.csv", ("on2", "tau2"))
+    both = let_go({"on": 0.0 * on, "tau": tau}, "run.csv")[1]
+    assert [note.columns for note in both] == [("on1", "tau1"), ("on2", "tau2")]
+
+
+def test_without_switch_or_torque_nothing_is_let_go():
+    values = np.ones((3, 2))
+    for columns in ({"tau": values}, {"on": 0.0 * values}, {"on": values, "tau": values}):
+        found, notes = let_go(columns, "run.csv")
+        assert notes == () and found.keys() == columns.keys()
+        assert all(np.array_equal(found[role], columns[role]) for role in columns)

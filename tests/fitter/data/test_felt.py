@@ -1,6 +1,7 @@
 """Readings of a motion out of the blocks of a stream."""
 
 import numpy as np
+import pytest
 
 from fitter.data.felt import felt_of
 
@@ -42,3 +43,65 @@ def test_a_stream_without_readings_has_none():
     del blocks[3]["a"]
     assert felt_of(blocks, -np.inf, 0, 90_000_000) is None
     assert felt_of([], -np.inf, 0, 90_000_000) is None
+
+
+def numbered(frame0, n=10, dt_s=0.001, **more):
+    """Return a block whose angles, readings and claims tell the number of their frame."""
+    number = frame0 + np.arange(n, dtype=float)
+    return {
+        "frame0": frame0,
+        "t0_ns": round(frame0 * dt_s * 1e9),
+        "dt_s": dt_s,
+        "n": n,
+        "q": np.column_stack([number, -number]),
+        "q_std": number[:, None] * [0.1, 0.2],
+        "a": np.repeat(number[:, None], 3, axis=1),
+        "a_noise": np.array([[1e-4 * (1 + frame0)] * 3, [1e-6] * 3]),
+        **more,
+    }
+
+
+def test_where_the_arm_rests_is_said_by_the_first_and_last_frame():
+    felt = felt_of([numbered(20), numbered(30), numbered(40, 7)], -np.inf, 25_000_000, 90_000_000)
+    assert felt.q.tolist() == [20.0, -20.0] and felt.end_q.tolist() == [46.0, -46.0]
+    assert felt.q_std.tolist() == [2.0, 4.0]
+    assert felt.readings.noise.variance.tolist() == [1e-4 * 41] * 3  # as it is known at last
+    assert felt.readings.noise.rounding.tolist() == [1e-6] * 3
+    assert len(felt.t_s) == 27 // 4
+    np.testing.assert_allclose(felt.readings.values[:, 1], 21.5 + 4.0 * np.arange(6))
+
+
+@pytest.mark.parametrize(
+    ("dt_s", "step"), [(0.001, 4), (0.002, 2), (0.0025, 2), (0.003, 1), (0.004, 1), (0.01, 1), (0.0005, 8)]
+)
+def test_readings_are_averaged_over_four_milliseconds(dt_s, step):
+    felt = felt_of([numbered(0, 20, dt_s)], -np.inf, 0, 10**9)
+    assert felt.readings.factor == step and felt.readings.dt_s == step * dt_s
+    np.testing.assert_allclose(felt.t_s, dt_s * ((step - 1) / 2 + step * np.arange(20 // step)), atol=1e-12)
+    np.testing.assert_allclose(felt.readings.values[0], (step - 1) / 2)
+    assert felt.readings.t0_s == 0.0
+
+
+@pytest.mark.parametrize(("n", "there"), [(7, False), (8, True)])
+def test_less_than_two_readings_are_none(n, there):
+    assert (felt_of([numbered(0, n)], -np.inf, 0, 10**9) is not None) == there
+
+
+@pytest.mark.parametrize(
+    ("after_ns", "end_ns", "first", "last"),
+    [
+        (9_999_999, 30_000_000, 10.0, 39.0),
+        (10_000_000, 30_000_000, 20.0, 39.0),  # that block is of the motion before
+        (10_000_000, 29_999_999, 20.0, 29.0),
+        (0.0, 10_000_000, 10.0, 19.0),
+    ],
+)
+def test_blocks_count_from_one_motion_s_end_to_the_next(after_ns, end_ns, first, last):
+    felt = felt_of([numbered(k) for k in range(0, 60, 10)], after_ns, 0, end_ns)
+    assert (felt.q[0], felt.end_q[0]) == (first, last)
+
+
+def test_without_a_claim_of_noise_there_is_none():
+    blocks = [numbered(0), numbered(10, a_noise=None)]
+    assert felt_of(blocks, -np.inf, 0, 10**9) is None
+    assert felt_of([numbered(0, a_noise=None), numbered(10)], -np.inf, 0, 10**9) is not None

@@ -7,6 +7,7 @@ import pytest
 
 from arm.arm_file import load_arm
 from fitter.data.first_rest import displacement, first_rest
+from fitter.data.trials import Trial
 from limbcal.errors import DataError
 
 ARM = load_arm("dd-arm")
@@ -34,3 +35,25 @@ def test_says_what_is_missing(bench_trials):
         displacement(ARM, replace(bench_trials[0], tip=None))
     with pytest.raises(DataError, match="has 1 joints"):
         displacement(ARM, replace(bench_trials[0], q=bench_trials[0].q[:, :1]))
+
+
+@pytest.mark.parametrize(
+    ("speeds", "rows"),
+    [
+        ([0.02, -0.02, 0.02, 0.021, 0.0], 3),  # a degree a second is none
+        ([0.0, 0.0, -0.021, 0.0, 0.0], 2),
+        ([0.021, 0.0, 0.0, 0.0, 0.0], 1),
+        ([0.0, 0.021, 0.0, 0.0, 0.0], 1),
+        ([0.0, 0.0, 0.0, 0.0, 0.0], 5),
+    ],
+)
+@pytest.mark.parametrize("joint", [0, 1])
+def test_the_rest_ends_where_any_joint_moves(speeds, rows, joint):
+    dq = np.zeros((5, 2))
+    dq[:, joint] = speeds
+    q, tip = np.arange(10.0).reshape(5, 2), np.arange(15.0).reshape(5, 3) ** 2
+    trial = Trial("a", np.arange(5.0), 1.0, q, dq, dq, tip=tip)
+    assert first_rest(trial) == slice(0, rows)
+    moved, rest = displacement(ARM, trial)
+    np.testing.assert_allclose(moved, tip - tip[: rest.shape[0]].mean(axis=0))
+    assert np.array_equal(rest, q[:rows])

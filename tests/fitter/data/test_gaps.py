@@ -55,3 +55,42 @@ def test_three_samples_between_gaps_tell_the_step():
     dt_s, gaps = find_gaps(5.0 + 0.004 * index)
     assert dt_s == pytest.approx(0.004)
     assert gaps == tuple(Gap(3 * block, 97) for block in range(1, 20))
+
+
+@pytest.mark.parametrize(("late", "gaps"), [(8, ()), (9, (Gap(50, 1),))])
+def test_half_of_sixteen_stamps_that_are_late_are_no_gap(late, gaps):
+    t = np.arange(100.0)
+    t[50 : 50 + late] += 0.9
+    assert find_gaps(t)[1] == gaps
+
+
+def test_stamps_before_a_gap_are_seen_sixteen_back():
+    """Eight of them came late, by steps that show nothing: half of them are as they should be."""
+    t = np.arange(100.0)
+    t[42:46] += 0.45
+    t[46:50] += 0.9
+    t[50:] += 0.6
+    for more, samples in ((0.0, 0), (1.2, 1), (2.2, 2)):
+        later = t + np.where(np.arange(100) >= 50, more, 0.0)
+        assert sum(gap.samples for gap in find_gaps(later)[1]) == samples
+
+
+@pytest.mark.parametrize(
+    ("t", "dt_s", "gaps"),
+    [
+        ([0.0, 2.0], 2.0, ()),
+        ([0.0, 1.0, 2.0, 3.0, 10.0], 1.0, (Gap(4, 6),)),
+        ([0.0, 7.0, 8.0, 9.0, 10.0], 1.0, (Gap(1, 6),)),
+        ([0.0, 0.5, 1.0, 2.0, 2.5, 3.0], 0.5, (Gap(3, 1),)),
+        ([0.0, 1.0, 2.0, 3.4, 4.0, 5.0], 1.0, ()),
+    ],
+)
+def test_a_handful_of_stamps(t, dt_s, gaps):
+    assert find_gaps(np.array(t)) == (pytest.approx(dt_s), gaps)
+
+
+def test_a_step_of_more_than_a_half_too_long_may_be_a_gap():
+    """Half of the stamps after it are late by half a step and a little more."""
+    t = np.arange(40.0)
+    for late, found in ((0.499, ()), (0.501, (Gap(20, 1),))):
+        assert find_gaps(t + np.where(t >= 20.0, late, 0.0))[1] == found

@@ -1,10 +1,14 @@
 """Motions out of files: trials, time, joints."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
+from scipy.io import savemat
 
-from fitter.data.motions import read_motions
+from fitter.data.motions import Measured, read_motions, require_switches
 from limbcal.errors import DataError
+from limbcal.note import Note
 from protocol.tables.columns import parse_mapping
 
 
@@ -71,3 +75,54 @@ def test_what_does_not_fit_is_said(tmp_path, text, columns, said):
 def test_joints_named_one_by_one_may_be_some_of_many(tmp_path):
     (motion,) = read(tmp_path, "t,p1,p2,p3\n0,1,2,3\n", columns="q1=p1,q2=p3")
     assert motion.columns["q"].tolist() == [[1, 3]]
+
+
+def test_rows_of_a_motion_are_a_motion():
+    note, other = Note("unit", "degrees"), Note("gap", "parted")
+    whole = Measured(
+        *("run", "run.csv", 3, np.arange(6.0), {"q": np.arange(12.0).reshape(6, 2)}),
+        **{"role": "learn", "notes": (note,), "labels": np.array(list("aabbcc")), "stated": frozenset({"q1"})},
+    )
+    part = whole.rows(2, 5, "part", other)
+    assert (part.name, part.where, part.first_row, part.role) == ("part", "run.csv", 5, "learn")
+    assert part.t.tolist() == [2.0, 3.0, 4.0] and part.columns["q"].tolist() == [[4, 5], [6, 7], [8, 9]]
+    assert part.notes == (note, other) and part.labels.tolist() == ["b", "b", "c"] and part.stated == {"q1"}
+    assert replace(whole, labels=None).rows(0, 1, "one").labels is None
+
+
+@pytest.mark.parametrize(
+    ("on", "words"),
+    [
+        ([[1, 0], [0, 1]], ""),
+        ([[1, 2], [0, 1]], "on2 in row 8 is 2, expected 1"),
+        ([[1, 0], [-1, 0.5]], "on1 in row 9 is -1, expected 1"),
+        (
+            [[1, 0], [0, 0.5]],
+            "on2 in row 9 is 0.5, expected 1 where the drive is engaged and 0 where it is let go",
+        ),
+    ],
+)
+def test_a_drive_is_engaged_or_let_go(on, words):
+    motion = Measured("run", "run.csv", 7, np.arange(2.0), {"on": np.array(on, dtype=float)})
+    if words:
+        with pytest.raises(DataError, match=f"run.csv: {words}"):
+            require_switches(motion)
+    else:
+        require_switches(motion)
+
+
+def test_what_is_noted_of_a_file_is_said_with_its_first_trial(tmp_path):
+    text = "t,q1_deg,trial\n0,90,a\n1,90,a\n0,180,b\n1,180,b\n"
+    first, second = read(tmp_path, text, n_joint=1, columns="q1=q1_deg:deg")
+    assert second.notes == () and (first.first_row, second.first_row) == (0, 2)
+    assert second.columns["q"][:, 0] == pytest.approx([np.pi, np.pi])
+
+
+def test_cells_of_a_file_are_counted_from_one(tmp_path):
+    cells = np.empty((1, 2), dtype=object)
+    cells[0, 0], cells[0, 1] = np.arange(4.0)[:, None], np.arange(5.0)[:, None]
+    for n, names in ((1, ["run"]), (2, ["run(1)", "run(2)"])):
+        savemat(tmp_path / "run.mat", {"T": cells[:, :n], "Y": cells[:, :n]})
+        motions = read_motions(tmp_path / "run.mat", 1, parse_mapping("t=T,q1=Y[1]", 1), None, ("q",))
+        assert [motion.name for motion in motions] == names
+        assert [len(motion.t) for motion in motions] == [4, 5][:n]

@@ -3,8 +3,9 @@
 import numpy as np
 import pytest
 
+from fitter.data.gaps import Gap
 from fitter.data.motion_file import write_motion
-from fitter.data.raw import load_raw
+from fitter.data.raw import RawRun, load_raw
 from limbcal.errors import ConfigError, DataError
 
 SENSORS = ("s1", "s2")
@@ -114,3 +115,64 @@ def test_a_leap_of_a_day_makes_two_runs(tmp_path):
     assert not first.lost and not second.lost and second.after_leap and not first.after_leap
     (note,) = first.notes
     assert note.kind == "gap" and note.row == 2501
+
+
+@pytest.mark.parametrize(("n", "enough"), [(15, False), (16, True)])
+def test_sixteen_samples_are_enough(tmp_path, n, enough):
+    write_motion(tmp_path / "raw.npz", raw_columns(np.arange(n)))
+    if enough:
+        assert len(load_raw([tmp_path], SENSORS, 2)[0].t) == 16
+    else:
+        with pytest.raises(DataError, match="has 15 samples, expected at least 16"):
+            load_raw([tmp_path], SENSORS, 2)
+
+
+def test_a_clock_starts_anew_with_a_trial_alone(tmp_path):
+    columns, once = raw_columns(np.arange(60)), raw_columns(np.arange(20))["t"]
+    path = tmp_path / "raw.npz"
+    write_motion(path, columns | {"t": np.tile(once, 3), "trial": np.repeat(["a", "b", "c"], 20)})
+    runs = load_raw([path], SENSORS, 2)
+    assert [(run.name, run.a[0, 0], len(run.t)) for run in runs] == [
+        ("raw/a", 0.0, 20),
+        ("raw/b", 200.0, 20),
+        ("raw/c", 400.0, 20),
+    ]
+    assert not any(run.after_leap for run in runs)
+    for labels in (np.repeat(["a", "b"], [20, 40]), np.repeat(["a", "b"], [40, 20])):
+        write_motion(path, columns | {"t": np.tile(once, 3), "trial": labels})
+        with pytest.raises(DataError, match="time runs backwards"):
+            load_raw([path], SENSORS, 2)
+
+
+def test_a_gap_is_noted_with_its_row_in_the_file(tmp_path):
+    index = np.concatenate([np.arange(30), np.delete(np.arange(40), [9, 20, 21])])
+    columns = raw_columns(index) | {"trial": np.repeat(["a", "b"], [30, 37])}
+    write_motion(tmp_path / "raw.npz", columns)
+    first, second = load_raw([tmp_path], SENSORS, 2)
+    assert first.notes == () and first.lost == 0
+    (note,) = second.notes
+    assert (note.row, note.text) == (40, "3 samples lost in 2 gap(s), nothing put in their place")
+    assert second.gaps == (Gap(9, 1), Gap(19, 2)) and second.rate_hz == pytest.approx(RATE_HZ)
+
+
+def run_of(n, gaps=()):
+    index = np.arange(float(n))
+    return RawRun("run", 1000.0, 1e-3 * index, np.column_stack([index, -index, index]), gaps)
+
+
+def test_blocks_are_of_65536_rows_unless_less_is_asked_for():
+    blocks = list(run_of(65_537).blocks())
+    assert [(block.row, len(block.a)) for block in blocks] == [(0, 65_536), (65_536, 1)]
+    assert blocks[1].t0_ns == 65_536_000_000
+    assert [(block.row, block.lost) for block in run_of(6, (Gap(4, 9),)).blocks(3)] == [(0, 0), (3, 0), (4, 9)]
+
+
+def test_readings_are_at_most_at_the_rate_of_the_samples_and_lost_ones_none():
+    run = run_of(4000, (Gap(2000, 500),))
+    for rate_hz, factor in ((1000.0, 1), (5000.0, 1), (250.0, 4)):
+        found = run.readings(rate_hz)
+        assert found.factor == factor and found.dt_s == pytest.approx(1e-3 * factor)
+        assert len(found.values) == pytest.approx(4500 / factor, abs=12)
+        assert np.count_nonzero(~found.present) == pytest.approx(500 / factor, abs=40)
+    with pytest.raises(DataError, match="run 'run': "):
+        run_of(3).readings(1000.0)

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from fitter.data.raw import load_raw
-from fitter.data.recordings import read_frames
+from fitter.data.recordings import read_frames, read_raw_blocks
 from fitter.data.trials import load_trials
 from limbcal.errors import DataError
 from protocol.message import FRAMES, RAW, TRIAL, encode
@@ -163,3 +163,74 @@ def test_recordings_of_something_else(tmp_path):
     timeless = record(tmp_path / "timeless.mcap", [(FRAMES, frames(0) | {"t0_ns": None})])
     with pytest.raises(DataError, match="t0_ns of a block is None"):
         read_frames(timeless, 2)
+
+
+def test_time_is_counted_from_the_first_frame(two_motions):
+    first, second = read_frames(two_motions, 2)
+    np.testing.assert_allclose(first.t, 0.1 + 1e-3 * np.arange(301), atol=1e-12)
+    np.testing.assert_allclose(second.t, 0.55 + 1e-3 * np.arange(450), atol=1e-12)
+    assert (first.first_row, second.first_row) == (100, 550)
+
+
+def announced(folder, *events, n=300):
+    blocks = [(FRAMES, {**frames(k), "method": "filter"}) for k in range(0, n, BLOCK)]
+    return record(folder / "day.mcap", [*blocks, *((TRIAL, event) for event in events)])
+
+
+@pytest.mark.parametrize(
+    ("events", "found"),
+    [
+        ([(1, "begin", 50), (1, "end", 100)], [("day/1", 50, 51)]),
+        ([(1, "begin", 50), (2, "begin", 120), (2, "end", 150)], [("day/1", 50, 71), ("day/2", 120, 31)]),
+        ([(1, "end", 50), (2, "begin", 120)], [("day/2", 120, 180)]),
+        ([(1, "begin", 500), (1, "end", 600), (2, "begin", 10), (2, "end", 12)], [("day/2", 10, 3)]),
+        ([(1, "end", 50)], [("day", 0, 300)]),
+    ],
+)
+def test_a_motion_lasts_until_anything_else_is_announced(tmp_path, events, found):
+    path = announced(tmp_path, *(phase(trial, state, frame, "learn") for trial, state, frame in events))
+    assert [(one.name, one.first_row, len(one.t)) for one in read_frames(path, 2)] == found
+
+
+def test_a_role_may_be_missing(tmp_path):
+    events = [{**phase(1, "begin", 50, None)}, phase(1, "end", 100, None)]
+    (motion,) = read_frames(announced(tmp_path, *events), 2)
+    assert motion.role is None
+
+
+def test_a_claim_is_read_where_every_block_has_one(tmp_path):
+    blocks = [frames(k) | {"q_std": np.full((BLOCK, 2), 0.1 + k)} for k in (0, 10, 20)]
+    path = record(tmp_path / "run.mcap", [(FRAMES, block) for block in blocks])
+    (motion,) = read_frames(path, 2)
+    assert motion.columns["q_std"][::10, 0].tolist() == [0.1, 10.1, 20.1]
+    del blocks[1]["q_std"]
+    (motion,) = read_frames(record(tmp_path / "less.mcap", [(FRAMES, block) for block in blocks]), 2)
+    assert set(motion.columns) == {"q", "dq", "ddq", "points"}
+
+
+def test_each_block_after_lost_samples_is_counted(tmp_path):
+    gaps = [(FRAMES, frames(k, gap=k in (20, 50))) for k in range(0, 100, BLOCK)]
+    (motion,) = read_frames(record(tmp_path / "run.mcap", gaps), 2)
+    assert [note.text for note in motion.notes] == ["2 block(s) of frames after lost samples"]
+    assert motion.notes[0].kind == "lost"
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        ({"dt_s": None}, "dt_s of a block is None, expected a number"),
+        ({"n": 9}, "q of a block is ndarray, expected one row a sample"),
+        ({"n": 10.5}, "n of a block is 10.5, expected a whole number"),
+        ({"t0_ns": "now"}, "t0_ns of a block is 'now', expected a whole number"),
+    ],
+)
+def test_a_block_that_is_none_is_said(tmp_path, change, words):
+    path = record(tmp_path / "run.mcap", [(FRAMES, frames(0)), (FRAMES, frames(10) | change)])
+    with pytest.raises(DataError, match=words):
+        read_frames(path, 2)
+
+
+def test_raw_samples_are_stamped_from_the_first_on(tmp_path):
+    t, a = read_raw_blocks(record(tmp_path / "run.mcap", [(RAW, raw(k)) for k in (640, 704, 832)]), 6)
+    np.testing.assert_allclose(t, np.concatenate([np.arange(128), 192 + np.arange(64)]) / 32000, atol=1e-9)
+    assert a[:, 0].tolist() == [*range(640, 768), *range(832, 896)]

@@ -1,10 +1,14 @@
 """Uniform grids out of uneven stamps."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from hypothesis import example, given
 from hypothesis import strategies as st
+from scipy.interpolate import CubicSpline, PchipInterpolator
 
+from fitter.data.derivatives import lowpass
 from fitter.data.motions import Measured
 from fitter.data.resample import resample, split_at_holes, time_step
 from limbcal.errors import ConfigError, DataError
@@ -171,3 +175,128 @@ def test_a_torque_that_is_next_to_nothing_is_drawn_through():
     tau = np.where(t > 0.5, 1e-310 * np.arange(100), np.sin(9.0 * t))[:, None]
     uniform = resample(measured(t, q=sine(t), tau=tau))
     assert np.all(np.abs(uniform.measured.columns["tau"]) <= 1.0)
+
+
+@pytest.mark.parametrize(("step", "pieces"), [(0.0999, [60]), (0.1001, [40, 20])])
+def test_a_hole_is_longer_than_ten_steps(step, pieces):
+    t = np.concatenate([0.01 * np.arange(40), 0.39 + step + 0.01 * np.arange(20)])
+    assert [len(piece.t) for piece in split_at_holes(measured(t, q=t[:, None]))] == pieces
+
+
+@pytest.mark.parametrize(("n", "kept"), [(15, ["run#1", "run#2"]), (16, ["run#1", "run#2", "run#3"])])
+def test_a_piece_of_sixteen_samples_is_kept(n, kept):
+    t = np.concatenate([0.01 * np.arange(30), 9.0 + 0.01 * np.arange(n), 20.0 + 0.01 * np.arange(40)])
+    pieces = split_at_holes(replace(measured(t, q=t[:, None]), first_row=7))
+    assert [piece.name for piece in pieces] == kept
+    assert [piece.first_row for piece in pieces] == [7, *([37] if n == 16 else []), 37 + n]
+    (note,) = pieces[-1].notes
+    assert (note.row, note.from_s, note.to_s, note.source) == (38, 0.01 * 29, 9.0, "run.csv")
+    assert f"parted at 2 hole(s) of up to {20.0 - t[29 + n]:.4g} s, {len(kept)} piece(s) kept" in note.text
+
+
+def test_a_single_sample_and_nothing_but_short_pieces_have_no_holes():
+    alone = measured([3.0], q=np.zeros((1, 1)))
+    assert split_at_holes(alone) == [alone]
+    t = np.concatenate([0.01 * np.arange(10), 0.2 + 0.01 * np.arange(10)])
+    short = measured(t, q=t[:, None])
+    assert split_at_holes(short) == [short]
+
+
+STEP = 0.0123456789  # of no few decimals
+
+
+@pytest.mark.parametrize(("share", "uniform"), [(0.0, True), (0.0049, True), (-0.0049, True), (0.0051, False)])
+def test_a_stamp_may_be_a_two_hundredth_of_a_step_off(share, uniform):
+    t = 5.0 + STEP * np.arange(300)
+    t[100] += share * STEP
+    assert time_step(t)[1] == uniform
+
+
+@pytest.mark.parametrize(
+    ("step", "decimals", "uniform"),
+    [
+        (0.0123456789, 3, True),
+        (0.0021, 3, True),
+        (0.0019, 3, False),  # half a step and more: what the step is, nobody can say
+        (3.3e-7, 7, True),
+        (3.3e-8, 8, False),  # nobody rounds to that
+        (3.3, 0, True),
+    ],
+)
+def test_stamps_may_have_been_rounded_to_some_decimals(step, decimals, uniform):
+    assert time_step(np.round(step * np.arange(500), decimals))[1] == uniform
+
+
+@pytest.mark.parametrize(
+    ("step", "rounded"), [(0.001 * (1 + 4e-6), 0.001), (0.001 * (1 + 6e-6), 0.00100001), (1 / 3, 0.333333)]
+)
+def test_a_grid_s_step_is_rounded_by_a_two_hundredth_of_it_in_all(step, rounded):
+    assert time_step(step * np.arange(1000)) == (rounded, True)
+
+
+@pytest.mark.parametrize(("step", "rounded"), [(0.0020019, 0.002), (0.0020021, 0.002002), (0.0019, 0.0019)])
+def test_a_median_step_is_rounded_by_a_thousandth(step, rounded):
+    steps = np.repeat([0.5 * step, step, 1.7 * step], [20, 100, 30])
+    assert time_step(np.concatenate([[0.0], np.cumsum(steps)])) == (rounded, False)
+
+
+@pytest.mark.parametrize(("n", "enough"), [(15, False), (16, True)])
+def test_sixteen_samples_are_enough(n, enough):
+    few = measured(0.01 * np.arange(n), q=np.zeros((n, 1)))
+    if enough:
+        assert len(resample(few).measured.t) == 16
+    else:
+        with pytest.raises(DataError, match="has 15 samples, expected at least 16"):
+            resample(few)
+
+
+@pytest.mark.parametrize(("rate_hz", "n"), [(5.0, 16), (4.8, 15), (20.0, 63), (1000.0, 3101)])
+def test_a_grid_has_every_instant_up_to_the_last_stamp(rate_hz, n):
+    motion = measured(0.1 * np.arange(32), q=np.zeros((32, 1)))
+    if n < 16:
+        with pytest.raises(DataError, match=rf"has {n} samples at {rate_hz:g} Hz, expected at least 16"):
+            resample(motion, rate_hz)
+    else:
+        uniform = resample(motion, rate_hz)
+        np.testing.assert_allclose(uniform.measured.t, np.arange(n) / rate_hz, atol=1e-12)
+        assert uniform.measured.notes[0].text == f"steps of 100 to 100 ms resampled to {1e3 / rate_hz:.6g} ms"
+
+
+@pytest.mark.parametrize("rate_hz", [0.0, -3.0, np.nan])
+def test_a_rate_is_above_zero_and_at_most_a_hundredfold(rate_hz):
+    motion = measured(0.1 * np.arange(32), q=np.zeros((32, 1)))
+    with pytest.raises(ConfigError, match="expected a number above 0"):
+        resample(motion, rate_hz)
+    with pytest.raises(ConfigError, match="rate_hz is 1010, but"):
+        resample(motion, 1010.0)
+    assert resample(motion, 999.0).dt_s == 1.0 / 999.0
+
+
+@pytest.mark.parametrize(("off", "kept"), [(0.9e-6, True), (-0.9e-6, True), (1.2e-6, False), (-1.2e-6, False)])
+def test_a_rate_that_is_the_samples_own_to_a_millionth_keeps_them(off, kept):
+    q = np.random.default_rng(0).normal(size=(50, 1))
+    uniform = resample(measured(3.0 + 0.01 * np.arange(50), q=q), 100.0 * (1.0 + off))
+    assert (uniform.measured.columns["q"] is q) == kept
+    assert (uniform.dt_s == 0.01) == kept and uniform.began_s == 3.0
+
+
+@pytest.mark.parametrize(("closest", "curve"), [(0.21, CubicSpline), (0.19, PchipInterpolator)])
+def test_columns_are_drawn_through_by_the_curve_that_suits_them(closest, curve):
+    t = 0.01 * np.arange(60)
+    t[30] = t[29] + 0.01 * closest
+    q, tau = np.random.default_rng(1).normal(size=(2, 60, 2))
+    uniform = resample(measured(t, q=q, tau=tau), rate_hz=90.0).measured
+    np.testing.assert_allclose(uniform.columns["q"], curve(t, q)(uniform.t), atol=1e-9)
+    np.testing.assert_allclose(uniform.columns["tau"], PchipInterpolator(t, tau)(uniform.t), atol=1e-9)
+
+
+@pytest.mark.parametrize(("rate_hz", "filtered"), [(67.5, False), (66.0, True), (20.0, True)])
+def test_from_one_and_a_half_steps_on_what_a_rate_cannot_carry_is_taken_out(rate_hz, filtered):
+    t = 0.01 * np.arange(400)
+    q = np.random.default_rng(2).normal(size=(400, 1))
+    marked = (np.arange(400) >= 200).astype(float)[:, None]
+    uniform = resample(measured(t, q=q, contradicted=marked), rate_hz).measured
+    seen = lowpass(q, 0.01, 0.4 * rate_hz) if filtered else q
+    np.testing.assert_allclose(uniform.columns["q"], CubicSpline(t, seen)(uniform.t), atol=1e-9)
+    straight = np.interp(uniform.t, t, marked[:, 0])
+    np.testing.assert_allclose(uniform.columns["contradicted"][:, 0], straight, atol=1e-9)

@@ -1,5 +1,7 @@
 """Rows in blocks to motions in stretches."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -124,3 +126,64 @@ def test_joined_rows_are_the_rows():
     assert np.array_equal(again.t, rows.t)
     assert np.array_equal(again.columns["q"], rows.columns["q"])
     assert again.labels.tolist() == rows.labels.tolist()
+
+
+@pytest.mark.parametrize(
+    ("n", "counts"),
+    [
+        (30, [30]),
+        (31, [31]),
+        (207, [207]),
+        (208, [138, 70]),
+        (345, [138, 207]),
+        (346, [138, 138, 70]),
+        (483, [138, 138, 207]),
+        (484, [138, 138, 138, 70]),
+    ],
+)
+@pytest.mark.parametrize("block", [1000, 100, 7])
+def test_a_stretch_counts_two_margins_and_leaves_no_less_than_one(n, counts, block):
+    """A margin of five samples is one of 69 rows, with what it takes to lay a grid."""
+    found = list(stretches(cut(measured(STEP * np.arange(n)), range(0, n, block)), 30, lambda _: 5))
+    assert [s.counted.stop - s.counted.start for s in found] == counts
+    assert [s.counted.start for s in found] == [0, *[69] * (len(counts) - 1)]
+    lengths = [a + b for a, b in zip([0, *[69] * (len(counts) - 1)], counts, strict=True)]
+    assert [len(s.motion.t) for s in found] == [a + 69 for a in lengths[:-1]] + [lengths[-1]]
+    assert [(s.begins, s.ends) for s in found] == [(k == 0, k == len(counts) - 1) for k in range(len(counts))]
+    assert [s.step_s for s in found] == ([0.0] if n == 30 else [STEP] * len(counts))
+    assert [s.whole for s in found] == [len(counts) == 1] * len(counts)
+
+
+def test_a_long_stretch_counts_what_was_asked_for():
+    found = list(stretches([measured(STEP * np.arange(900))], 200, lambda _: 5))
+    assert [s.counted.stop - s.counted.start for s in found] == [200, 200, 200, 200, 100]
+
+
+@pytest.mark.parametrize(("steps", "parted"), [(9.9, False), (10.1, True)])
+def test_a_long_motion_is_parted_where_more_than_ten_steps_are_missing(steps, parted):
+    t = STEP * np.arange(600)
+    t[300:] += (steps - 1.0) * STEP
+    ends = [s.motion.name for s in stretches([measured(t)], 100, lambda _: 5) if s.ends]
+    assert ends == (["run#1", "run#2"] if parted else ["run"])
+
+
+@pytest.mark.parametrize(
+    ("n", "names"),
+    [(15, ["run#1", "run#2"]), (16, ["run#1", "run#2", "run#3"]), (101, ["run#1", "run#2", "run#3"])],
+)
+def test_between_holes_sixteen_samples_are_a_piece(n, names):
+    t = np.concatenate([STEP * np.arange(300), 1.0 + STEP * np.arange(n), 2.0 + STEP * np.arange(300)])
+    found = list(stretches(cut(measured(t), range(0, len(t), 50)), 100, lambda _: 5))
+    assert [s.motion.name for s in found if s.ends] == names
+    rows = sum((counted(s) for s in found), [])
+    assert rows == [k for k in range(len(t)) if n > 15 or not 300 <= k < 315]
+    said = [note.row for s in found for note in s.motion.notes]
+    assert said == [301, *([301 + n] if n > 15 else [])]
+
+
+def test_motions_are_told_by_their_names_too():
+    one, other = measured(STEP * np.arange(40)), measured(STEP * np.arange(30))
+    found = list(stretches([one, replace(other, name="b")], 100, lambda _: 5))
+    assert [(s.motion.name, len(s.motion.t)) for s in found] == [("run", 40), ("b", 30)]
+    with pytest.raises(DataError, match="trial '' goes on in row 1 after another one"):
+        list(stretches([one, replace(other, name="b"), one], 100, lambda _: 5))

@@ -1,14 +1,18 @@
-"""Trials from end to end, made up and measured."""
+"""Trials from end to end, and column by column."""
 
-from dataclasses import fields
+from dataclasses import fields, replace
 
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from arm.drive_state import DriveState
+from fitter.data.derivatives import differentiate, lowpass
 from fitter.data.motion_file import write_motion
-from fitter.data.trials import TRIM_SHARE, Trial, load_trials, lowpass_trial
+from fitter.data.motions import Measured
+from fitter.data.resample import Uniform
+from fitter.data.trials import TRIM_SHARE, Trial, derive, load_trials, lowpass_trial, to_trials, undriven
 from limbcal.errors import ConfigError, DataError
 
 DT_S = 0.002
@@ -176,84 +180,126 @@ def test_what_cannot_be_used_is_said(tmp_path):
         load_trials([path], 1)
 
 
-DFKI = "t=time,q=pos_meas{j},tau=tau_meas{j}"
-
-
-def pendulum_rows(trial):
-    """Return the regressor of a two-link pendulum: inertias, first moments, viscous and Coulomb friction."""
-    q, dq, ddq = trial.q, trial.dq, trial.ddq
-    zero, l1, g = np.zeros(len(q)), 0.2, 9.81
-    cos, sin, hang = np.cos(q[:, 1]), np.sin(q[:, 1]), g * np.sin(q.sum(1))
-    coupled = cos * (2 * ddq[:, 0] + ddq[:, 1]) - sin * (2 * dq[:, 0] * dq[:, 1] + dq[:, 1] ** 2)
-    rough = np.sign(dq)
-    first = [ddq[:, 0], ddq.sum(1), l1 * coupled + hang, g * np.sin(q[:, 0]), dq[:, 0], zero, rough[:, 0], zero]
-    coupled = cos * ddq[:, 0] + sin * dq[:, 0] ** 2
-    second = [zero, ddq.sum(1), l1 * coupled + hang, zero, zero, dq[:, 1], zero, rough[:, 1]]
-    return np.stack([np.column_stack(first), np.column_stack(second)], axis=1)
-
-
-@pytest.mark.parametrize("velocity", ["", ",dq=vel_meas{j}"])
-def test_a_measured_double_pendulum(measured_data, velocity):
-    """Least squares on six runs explains a held-out swing-up as well as the best that is known, 0.162 N m."""
-    folder = measured_data / "dfki_double_pendulum"
-    held_out = folder / "20230629-154220.csv"
-    learning = [file for file in sorted(folder.glob("*.csv")) if file != held_out]
-    learn = load_trials(learning, 2, DFKI + velocity)
-    assert len(learn) == 6
-    assert learn[0].dt_s == DT_S
-    assert "irregular steps" in learn[0].notes[0].text
-    assert 6.0 < learn[0].cutoff_hz < 10.0
-    (evaluate,) = load_trials([held_out], 2, DFKI + velocity, cutoff_hz=learn[0].cutoff_hz)
-    rows = np.concatenate([trial.lowpass(pendulum_rows(trial)) for trial in learn]).reshape(-1, 8)
-    torque = np.concatenate([trial.lowpass(trial.tau) for trial in learn]).ravel()
-    answer = np.linalg.lstsq(rows, torque)[0]
-    residual = evaluate.lowpass(evaluate.tau) - evaluate.lowpass(pendulum_rows(evaluate)) @ answer
-    assert np.sqrt(np.mean(residual**2)) < 0.105
-    unfiltered = evaluate.tau - pendulum_rows(evaluate) @ answer
-    assert np.sqrt(np.mean(unfiltered**2)) < 0.162
-
-
-def test_a_measured_swing_without_torque(measured_data):
-    path = measured_data / "multiarm_pendulum" / "DoublePendulumDataForParameterEstimation.mat"
-    trials = load_trials([path], 2, "t=Time_id,q=Y_id[{j}]")
-    assert len(trials) == 26
-    given = load_trials([path], 2, "t=Time_id,q=Y_id[{j}],dq=Y_id[{j+2}]", cutoff_hz=np.inf)
-    assert 20.0 < trials[0].cutoff_hz < 35.0
-    trim = (len(given[0].t) - len(trials[0].t)) // 2
-    assert np.abs(trials[0].dq - given[0].dq[trim:-trim]).std() < 0.1
-
-
-def test_cells_of_a_measured_swing_join_to_one(measured_data):
-    """Angles there are absolute, pi hangs down, and nothing says the time but the step."""
-    path = measured_data / "multiarm_pendulum" / "DoublePendulumDataForParameterEstimation.mat"
-    mapping = "t=0.001,q1=Y_id(join)[1]-pi,q2=Y_id(join)[2]-Y_id(join)[1]"
-    (trial,) = load_trials([path], 2, mapping)
-    assert trial.dt_s == 0.001 and 69.0 < trial.t[-1] < 70.0
-    assert np.abs(np.diff(trial.whole["q"], axis=0)).max() < 0.03  # 23 rad/s: nothing jumps from cell to cell
-
-
-def test_a_measured_servo(measured_data):
-    mapping = "t=entries.timestamp,q=entries.position,ref=entries.goal_position"
-    mapping += ",on=entries.torque_enable,kp=kp/800"
-    trials = load_trials([measured_data / "bam_xl330"], 1, mapping)
-    assert len(trials) == 12
-    assert all(trial.ref.shape == trial.q.shape for trial in trials)
-    assert sorted({float(trial.drives.kp[0, 0]) for trial in trials}) == [0.125, 0.5, 1.0]
-    dropped = {trial.name for trial in trials if not trial.drives.on.all()}
-    assert dropped == {f"kp{kp}_lift_and_drop" for kp in (100, 400, 800)}
-
-
-def test_known_pulses_can_be_hidden(measured_data):
-    path = measured_data / "dfki_perturbed" / "acrobot-01.csv"
-    hidden, full, pulses = (
-        load_trials([path], 2, f"t=time,q=pos_meas{{j}},tau={tau}", rate_hz=500.0, cutoff_hz=10.0)[0].tau
-        for tau in ("tau_meas{j}-tau_pert{j}", "tau_meas{j}", "tau_pert{j}")
-    )
-    assert np.abs(full - hidden).max() > 0.1
-    assert np.corrcoef((full - hidden).ravel(), pulses.ravel())[0, 1] > 0.9
-
-
 def test_a_corner_below_one_period_is_refused(tmp_path):
     path = written(tmp_path, {"t": T, "q": motion(T)})
     with pytest.raises(ConfigError, match="cutoff_hz is 1e-09"):
         load_trials([path], 2, cutoff_hz=1e-9)
+
+
+N = 1000
+CLOCK = DT_S * np.arange(N)
+Q, DQ, DDQ, TAU = np.random.default_rng(0).normal(size=(4, N, 2)).cumsum(axis=1)
+
+
+def uniform(**columns):
+    return Uniform(Measured("run", "run.csv", 0, CLOCK, columns, role="learn"), DT_S, 7.0)
+
+
+@pytest.mark.parametrize(
+    ("given", "source", "derived"),
+    [
+        (("q",), "q", "dq, ddq"),
+        (("q", "dq"), "dq", "ddq"),
+        (("q", "ddq"), "q", "dq"),
+    ],
+)
+def test_a_missing_derivative_is_that_of_the_nearest_column(given, source, derived):
+    columns = {"q": Q, "dq": DQ, "ddq": DDQ}
+    trial = derive(uniform(**{name: columns[name] for name in given}), np.inf, np.inf)
+    assert trial.notes[0].text == f"{derived} derived from {source} (zero phase, unfiltered)"
+    expected = {
+        "dq": DQ if "dq" in given else differentiate(Q, DT_S),
+        "ddq": DDQ if "ddq" in given else differentiate(columns[source], DT_S, 1 if source == "dq" else 2),
+    }
+    for name, values in expected.items():
+        np.testing.assert_array_equal(getattr(trial, name), values)
+    assert trial.role == "learn" and trial.trimmed == 0 and trial.began_s == 7.0
+    np.testing.assert_array_equal(trial.whole["q"], Q)
+
+
+@pytest.mark.parametrize(
+    ("cutoff_hz", "trim"), [(20.0, 54), (11.0, 95), (10.0, 100), (1.0, 100), (224.0, 9), (250.0, 0)]
+)
+def test_ends_are_trimmed_until_the_filter_has_settled_or_by_a_tenth(cutoff_hz, trim):
+    trial = derive(uniform(q=Q, tau=TAU, ref=Q), cutoff_hz, 3.0)
+    inner = slice(trim, N - trim)
+    assert (trial.trimmed, len(trial.t)) == (trim, N - 2 * trim)
+    assert trial.t[0] == 0.0 and trial.began_s == pytest.approx(7.0 + trim * DT_S)
+    assert (trial.cutoff_hz, trial.band_hz) == (cutoff_hz, 3.0)
+    np.testing.assert_array_equal(trial.q, lowpass(Q, DT_S, cutoff_hz)[inner])
+    np.testing.assert_array_equal(trial.ddq, differentiate(lowpass(Q, DT_S, cutoff_hz), DT_S, 2)[inner])
+    np.testing.assert_array_equal(trial.ref, Q[inner])
+    np.testing.assert_array_equal(trial.tau_measured, TAU[inner])
+    said = "unfiltered" if trim == 0 else f"all columns but ref low-passed at {cutoff_hz:.4g} Hz"
+    assert trial.notes[0].text == f"dq, ddq derived from q (zero phase, {said})"
+    assert [note.text for note in trial.notes[1:]] == (
+        [f"{trim * DT_S:.3g} s trimmed at each end"] if trim else []
+    )
+
+
+def test_with_all_derivatives_nothing_is_whole_or_trimmed():
+    trial = derive(uniform(q=Q, dq=DQ, ddq=DDQ, tau=TAU), 5.0, 3.0)
+    assert trial.whole == {} and trial.trimmed == 0 and trial.notes == () and trial.ref_filtered is None
+    np.testing.assert_array_equal(trial.tau, TAU)
+
+
+def test_a_sample_is_contradicted_by_any_share_of_one():
+    marked = np.zeros((N, 2))
+    marked[500, 0], marked[501, 1] = 0.0009, 0.0011
+    trial = derive(uniform(q=Q, contradicted=marked), np.inf, np.inf)
+    assert np.argwhere(trial.contradicted).tolist() == [[501, 1]]
+    np.testing.assert_array_equal(trial.counted, ~trial.contradicted)
+    assert derive(uniform(q=Q), np.inf, np.inf).counted.all()
+    assert "contradicted" not in trial.whole
+
+
+@pytest.mark.parametrize(("periods", "enough"), [(0.99, False), (1.01, True)])
+def test_the_longest_trial_holds_a_period_of_the_corner(periods, enough):
+    motions = [uniform(q=Q).measured, uniform(q=Q).measured.rows(0, 500, "short")]
+    if enough:
+        assert len(to_trials(motions, cutoff_hz=periods / 2.0)) == 2
+    else:
+        with pytest.raises(ConfigError, match=r"cutoff_hz is 0.495, expected at least 0.5: one period"):
+            to_trials(motions, cutoff_hz=periods / 2.0)
+    assert to_trials(motions, cutoff_hz=9.0)[1].band_hz == pytest.approx(4.0)
+    assert to_trials(motions, cutoff_hz=9.0, band_hz=2.5)[1].band_hz == 2.5
+
+
+@pytest.fixture
+def full():
+    state = DriveState(np.ones((N, 2), dtype=bool), Q, DQ)
+    return Trial(
+        *("run", CLOCK, DT_S, Q, DQ, DDQ, TAU, Q + 1.0, np.hstack([Q, TAU[:, :1]])),
+        **{"points": np.stack([Q, TAU], axis=2), "ref_filtered": Q + 2.0, "tau_measured": TAU - 1.0},
+        **{"drives": state, "contradicted": Q > 0.0, "trimmed": 5, "began_s": 3.0, "whole": {"q": Q, "on": Q}},
+    )
+
+
+def test_lowpass_trial_trims_what_it_filters_and_what_it_does_not(full):
+    found, inner = lowpass_trial(full, 20.0), slice(54, N - 54)
+    for name in ("q", "dq", "ddq", "tau", "ref", "ref_filtered", "tip", "points"):
+        np.testing.assert_array_equal(getattr(found, name), lowpass(getattr(full, name), DT_S, 20.0)[inner])
+    for name in ("tau_measured", "contradicted"):
+        np.testing.assert_array_equal(getattr(found, name), getattr(full, name)[inner])
+    np.testing.assert_array_equal(found.drives.kv, DQ[inner])
+    np.testing.assert_array_equal(found.t, CLOCK[: N - 108])
+    assert (found.trimmed, found.began_s) == (59, pytest.approx(3.0 + 54 * DT_S))
+    assert found.cutoff_hz == found.band_hz == np.inf
+    assert found.notes[-1].text == "all columns low-passed at 20 Hz (zero phase)"
+    bare = lowpass_trial(Trial("run", CLOCK, DT_S, Q, DQ, DDQ), 20.0)
+    for name in ("tau", "ref", "ref_filtered", "tip", "points", "tau_measured", "contradicted", "drives"):
+        assert getattr(bare, name) is None
+
+
+def test_an_arm_that_swings_freely_has_no_torque_and_no_target(full):
+    free = undriven(full)
+    assert not free.tau.any() and free.tau.shape == Q.shape and not free.tau_measured.any()
+    assert free.ref is free.ref_filtered is free.drives is None
+    assert set(free.whole) == {"q", "tau"} and not free.whole["tau"].any()
+    assert undriven(replace(full, whole={})).whole == {}
+
+
+def test_the_filter_of_a_fit_mirrors_its_ends(full):
+    np.testing.assert_array_equal(full.lowpass(Q), Q)
+    narrow = replace(full, band_hz=5.0)
+    np.testing.assert_array_equal(narrow.lowpass(Q), lowpass(Q, DT_S, 5.0, ends="even"))

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from scipy.signal import butter
 
 from fitter.data.derivatives import lowpass
 from fitter.data.windows import forgetting_samples, windows
@@ -39,3 +40,21 @@ def test_one_filter_after_the_other_looks_further():
     both = forgetting_samples(1e-3, 10.0, 5.0)
     assert both == forgetting_samples(1e-3, 10.0) + forgetting_samples(1e-3, 5.0)
     assert both == pytest.approx(3 * 13.4 / 10.0 / 1e-3, rel=0.02)  # periods of the corner
+
+
+@pytest.mark.parametrize(
+    ("n", "portions"), [(40, [40]), (60, [60]), (61, [40, 21]), (100, [40, 60]), (101, [40, 40, 21])]
+)
+def test_the_last_window_takes_what_is_no_more_than_a_margin(n, portions):
+    found = list(windows(slice(0, n + 5), slice(5, n + 5), 40, 20))
+    assert [w.last - w.first for w in found] == portions
+
+
+@pytest.mark.parametrize(("corner_hz", "looked"), [(0.9, True), (224.9, True), (225.0, False), (np.inf, False)])
+def test_a_filter_is_forgotten_when_its_slowest_pole_is(corner_hz, looked):
+    """A corner from 0.45 of the sampling rate on filters nothing."""
+    n = forgetting_samples(2e-3, corner_hz)
+    assert (n > 0) == looked
+    if looked:
+        slowest = np.abs(butter(4, corner_hz, fs=500.0, output="zpk")[1]).max()
+        assert slowest**n <= 1e-14 < slowest ** (n - 1)

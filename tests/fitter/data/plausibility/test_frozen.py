@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from fitter.data.motions import Measured
 from fitter.data.plausibility.frozen import frozen_rows, look
 from tests.fitter.data.plausibility.conftest import changed
 
@@ -140,3 +141,55 @@ def test_without_angles_or_with_a_handful_nothing_is_looked_at(arm, clean):
     for n, looked in ((19, False), (20, True)):
         few = replace(motion, t=motion.t[:n], columns={"q": np.column_stack([q[:n], q[:n]])})
         assert bool(look(few, arm).notes) == looked
+
+
+def jerky(n_equal=8):
+    """Return angles of two joints that both freeze for so many samples, once at row 81 and once at row 60."""
+    first, _ = made_of([], n_equal, [1.0] * 10)
+    second = np.concatenate([[0.0, 0.01], 0.01 + np.cumsum([*[1.0] * 59, *[0.0] * (n_equal - 1)])])
+    rest = second[-1] + np.arange(1.0, len(first) - len(second) + 1)
+    return np.column_stack([first, np.concatenate([second, rest])])
+
+
+def test_frozen_rows_are_left_out_of_every_column_and_each_joint_noted(arm):
+    q = jerky()
+    n = len(q)
+    t, labels = 3.0 + 0.01 * np.arange(n), np.array([str(k) for k in range(n)])
+    motion = Measured("m", "m.csv", 20, t, {"q": q, "ref": np.arange(2.0 * n).reshape(n, 2)}, labels=labels)
+    found = look(motion, arm)
+    gone = sorted(set(range(n)) - {int(label) for label in found.labels})
+    assert gone == [*range(61, 68), *range(82, 89)]
+    np.testing.assert_array_equal(found.t, np.delete(t, gone))
+    for role in ("q", "ref"):
+        np.testing.assert_array_equal(found.columns[role], np.delete(motion.columns[role], gone, axis=0))
+    assert [(note.columns, note.row, note.from_s) for note in found.notes] == [
+        (("q1",), 103, t[82]),
+        (("q2",), 82, t[61]),
+    ]
+    assert found.notes[0].text.startswith(f"q1 stands still in 7 of {n} samples and leaps on")
+
+
+def test_beside_a_joint_that_never_moves_others_are_looked_at(arm):
+    q = jerky() * [0.0, 1.0] + [0.25, 0.0]
+    n = len(q)
+    tau = np.column_stack([np.linspace(-2.0, 3.0, n), np.ones(n)])
+    motion = Measured("m", "m.csv", 20, 3.0 + 0.01 * np.arange(n), {"q": q, "tau": tau})
+    found = look(motion, arm)
+    assert [(note.columns, note.row, note.from_s) for note in found.notes] == [
+        (("q1",), 21, 3.0),
+        (("q2",), 82, motion.t[61]),
+    ]
+    assert found.notes[0].text.startswith(f"q1 is 0.25 in all {n} samples while tau1 works between -2 and 3:")
+    assert len(found.t) == n - 7
+    for silent in ({"tau": np.ones((n, 2))}, {}):  # it was not asked to move
+        quiet = look(replace(motion, columns={"q": q, **silent}), arm)
+        assert [note.columns for note in quiet.notes] == [("q2",)]
+    still = replace(motion, columns={"q": np.ones((n, 2)), "tau": tau})
+    assert look(still, arm) is still  # nor does anything move
+
+
+def test_a_turn_goes_back_by_no_more_than_a_usual_step():
+    """Products of small steps tell the way as well as those of large ones."""
+    for last, frozen in ((-0.999, False), (-1.001, True), (1.0, True)):
+        q, first = made_of([0.1], 8, [last, 0.3 * np.sign(last)])
+        assert frozen_rows(q)[first + 1] == frozen

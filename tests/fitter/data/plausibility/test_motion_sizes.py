@@ -165,3 +165,21 @@ def test_an_arm_reaches_as_far_as_its_lengths() -> None:
     arm = Arm("bent", (Joint(a_m=0.3, d_m=0.4), Joint(a_m=0.2), Joint("prismatic", d_m=-0.1)))
     assert reach(arm) == pytest.approx(0.5 + 0.2 + 0.1)
     assert reach(Arm("none", (Joint(),))) == 0.0
+
+
+@pytest.mark.parametrize(("rows", "coarse"), [(800, 1), (801, 2), (1201, 3)])
+def test_top_speeds_are_those_over_a_four_hundredth_of_the_table(rows: int, coarse: int) -> None:
+    """An encoder that steps by 1 every second sample goes half as fast over two; 95 in 100 are no faster."""
+    t = 0.5 * np.arange(float(rows))
+    q = np.stack([np.floor(np.arange(rows) / 2.0), np.arange(rows) ** 2.0], axis=1)
+    steps = np.abs(np.diff(q[::coarse], axis=0)) / (0.5 * coarse)
+    assert top_speeds(t, q) == pytest.approx(np.sort(steps, axis=0)[round(0.95 * (len(steps) - 1))], rel=2e-3)
+    assert top_speeds(t, q)[0] == {1: 2.0, 2: 1.0, 3: 4.0 / 3.0}[coarse]
+
+
+def test_a_joint_that_stands_has_no_speed_to_compare() -> None:
+    t = np.arange(0.0, 1.0, 0.1)
+    still = np.column_stack([np.ones(10), t])
+    found = speed_ratio(motion_of(t, q=still, dq=np.column_stack([np.zeros(10), 3.0 * np.ones(10)])))
+    assert found is not None
+    assert np.isnan(found[0]) and found[1] == pytest.approx(3.0)

@@ -8,7 +8,7 @@ import pytest
 from arm.accelerometer import specific_force
 from arm.arm_file import load_arm
 from fitter.data.motions import Measured
-from fitter.data.plausibility.readings import look
+from fitter.data.plausibility.readings import look, resting
 from fitter.data.plausibility.refusal import Refusal
 
 G = 9.80665
@@ -81,3 +81,115 @@ def test_a_sensor_that_is_ac_coupled_reads_no_gravity():
     coupled = replace(arm, sensors=tuple(replace(sensor, highpass_hz=0.1) for sensor in arm.sensors))
     motion = raw(replace(arm, gravity_m_s2=(0.0, 0.0, 0.0)))
     assert look(motion, coupled) is motion
+
+
+ARM = replace(load_arm("dd-arm"), gravity_m_s2=(0.0, 0.0, -G))
+N_SENSOR = len(ARM.sensors)
+
+
+def held(up, n=128, step_s=2e-3, **more):
+    """Return readings of an arm that is held still: so much along z at every sensor."""
+    return Measured(
+        "held", "held.csv", 0, step_s * np.arange(n), {"a": np.tile([0.0, 0.0, up], (n, N_SENSOR))}, **more
+    )
+
+
+def said_of(motion, arm=ARM):
+    try:
+        assert look(motion, arm) is motion
+    except Refusal as refusal:
+        return str(refusal)
+    return ""
+
+
+@pytest.mark.parametrize(
+    ("up", "words"),
+    [
+        (0.89, ""),
+        (0.91, "held.csv: at rest the sensors read 0.91: are they in g? Expected m/s², 9.807 at rest"),
+        (1.09, "are they in g?"),
+        (1.11, ""),
+        (890.0, ""),
+        (910.0, "are they in mg?"),
+        (1090.0, "are they in mg?"),
+        (1110.0, ""),
+        (0.0, "at rest the sensors read 0 m/s²: readings without gravity?"),
+        (0.48, "readings without gravity?"),  # less than a twentieth
+        (0.50, ""),
+        (-8.7, ""),
+        (-8.9, "gravity downwards: is its sign turned round"),  # within a tenth
+        (-10.7, "9.807 m/s² upwards"),
+        (-10.9, ""),
+        (G, ""),
+    ],
+)
+def test_what_is_read_at_rest_tells_unit_and_sign(up, words):
+    said = said_of(held(up))
+    assert words in said and bool(said) == bool(words)
+
+
+def test_half_of_the_sensors_turned_round_is_a_mounting():
+    motion = held(G)
+    motion.columns["a"][:, 2] *= -1.0
+    assert said_of(motion) == ""
+
+
+def test_the_sign_is_asked_of_readings_whose_unit_is_stated():
+    assert "sign turned round" in said_of(held(-G, stated=frozenset({"s1x"})))
+    assert said_of(held(1.0, stated=frozenset({"s1z"}))) == ""
+    assert "in g?" in said_of(held(1.0, stated=frozenset({"t"})))
+
+
+@pytest.mark.parametrize("pose", [0.0, np.pi])
+def test_gravity_downwards_is_no_question_where_poses_differ(pose):
+    upright = load_arm("dd-arm-vertical")
+    a = specific_force(upright, np.full((1, 2), pose), *np.zeros((2, 1, 2))).reshape(1, -1)
+    motion = replace(held(0.0), columns={"a": -np.repeat(a, 128, axis=0)})
+    assert said_of(motion, upright) == ""
+
+
+def test_one_sensor_that_is_ac_coupled_is_enough():
+    coupled = replace(ARM, sensors=(*ARM.sensors[:-1], replace(ARM.sensors[-1], highpass_hz=0.5)))
+    assert said_of(held(1.0), coupled) == "" and "in g?" in said_of(held(1.0))
+
+
+def test_time_that_stands_still_is_not_questioned_here():
+    assert said_of(held(G, step_s=0.0)) == ""
+
+
+def test_no_readings_are_asked_nothing():
+    assert said_of(replace(held(1.0), columns={"q": np.zeros((128, 2))})) == ""
+
+
+def test_a_rest_is_sought_in_windows_of_32_samples():
+    rng, noise = np.random.default_rng(0), np.ones((131, 6))
+    noise[40:56] = 0.1  # in the second window, and none whole
+    noise[64:96] = 0.5
+    a = noise * rng.normal(size=(131, 6)) + np.arange(6.0)
+    a[96:] = np.tile([9.0, -9.0], 18)[:35, None]
+    np.testing.assert_allclose(resting(a), a[64:96].mean(axis=0).reshape(2, 3), rtol=1e-12)
+    still = np.repeat(np.arange(4.0), 32)[:, None] * np.ones(6)
+    assert (resting(still) == 0.0).all()
+
+
+@pytest.mark.parametrize(("step", "asked"), [(0.80, False), (0.83, True)])
+def test_of_sensors_at_rest_the_rate_alone_tells(step, asked):
+    said = said_of(held(G, step_s=step))
+    assert bool(said) == asked
+    if asked:
+        assert "held.csv: a sample comes every 0.83 s: is t in ms?" in said and '"t=t:ms"' in said
+
+
+def pushed(size, bias=0.0, step_s=0.05):
+    """Return readings of a rest, a push by so much and one back; a bias along y at the first sensor."""
+    motion = held(G, 160, step_s)
+    motion.columns["a"][:, 0] = np.repeat([0.0, size, -size], [32, 64, 64])
+    motion.columns["a"][:, 1] = bias
+    return motion
+
+
+@pytest.mark.parametrize(("size", "asked"), [(72.0, False), (82.0, True), (-72.0, False), (-82.0, True)])
+@pytest.mark.parametrize("bias", [0.0, 40.0])
+def test_a_speed_that_no_arm_reaches_tells_the_time_s_unit(size, asked, bias):
+    """At 20 Hz a push of 77 m/s² over 64 samples makes 246 m/s, and a quarter of that per millisecond is usual."""
+    assert ("is t in ms?" in said_of(pushed(size, bias))) == asked

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from fitter.data.motions import Measured
 from fitter.data.plausibility.saturated import CONTRADICTED, cut_off, look
 from fitter.data.trials import to_trials
 from tests.fitter.data.plausibility.conftest import changed
@@ -82,3 +83,32 @@ def test_a_torque_that_is_missing_or_a_handful_is_left_alone(arm, clean):
     blank = motion.rows(0, 20, "blank")
     del blank.columns["tau"]
     assert look(blank, arm) is blank
+
+
+@pytest.mark.parametrize(
+    ("lower", "words"), [(-1.0, "±1 in 16"), (-1.0005, "±1 in 16"), (-0.99, "-0.99 and 1 in 16")]
+)
+def test_limits_on_both_sides_are_said_as_one_where_they_are_alike(arm, lower, words):
+    tau = np.concatenate([slope(0.2, -0.5), at(lower), slope(-0.5, 0.5), at(1.0), slope(0.5, 0)])
+    n = len(tau)
+    motion = Measured("m", "m.csv", 30, 2.0 + 0.1 * np.arange(n), {"tau": np.column_stack([np.zeros(n), tau])})
+    found = look(motion, arm)
+    (note,) = found.notes
+    assert note.text == f"tau2 stands at {words} of {n} samples: cut off? They do not count"
+    first = len(slope(0.2, -0.5))
+    assert (note.row, note.from_s, note.columns) == (30 + first + 1, motion.t[first], ("tau2",))
+    assert found.columns[CONTRADICTED][:, 0].sum() == 0.0 and found.columns[CONTRADICTED][:, 1].sum() == 16.0
+
+
+@pytest.mark.parametrize(("step", "marked"), [(2.75, False), (3.0, False), (3.25, True)])
+def test_three_steps_of_the_resolution_enter_a_peak(step, marked):
+    """In numbers that rounding does not change."""
+    tau = np.concatenate([np.arange(-40.0, 0.0), np.full(8, step - 1.0), np.arange(-1.0, -40.0, -1.0)])
+    tau = np.concatenate([[-40.0], tau])
+    assert cut_off(tau).any() == marked
+
+
+def test_a_tenth_of_the_samples_must_remain():
+    tau = np.concatenate([[0.0, 0.01, 0.0, 0.01], [1.0] * 36])
+    assert cut_off(tau).any()
+    assert not cut_off(np.append(tau, 1.0)).any()

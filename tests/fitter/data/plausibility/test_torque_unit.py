@@ -117,3 +117,54 @@ def test_no_torque_or_none_that_is_felt_says_nothing(arm, clean):
     q = motion.columns["q"]
     for blank in (replace(motion, columns={"q": q}), changed(motion, tau=np.zeros_like(q))):
         assert look(blank, arm) is blank
+
+
+@pytest.mark.parametrize(("noise", "times"), [(0.0, 10.275), (0.2, 10.85), (1.0, 14.085)])
+def test_what_is_carried_counts_by_two_standard_errors_less(clean, noise, times):
+    """The lever turns by 0.96 rad, whose sine is 0.82; noise in units of the torque's own size."""
+    arm, motion = on_a_bench(clean)
+    tau = motion.columns["tau"]
+    tau = tau + noise * tau.std() * np.random.default_rng(0).normal(size=tau.shape)
+    for factor, asked in ((0.99, False), (1.01, True), (990.0, True), (1010.0, False)):
+        try:
+            look(changed(motion, tau=factor * times * tau), arm)
+            assert not asked
+        except Refusal:
+            assert asked
+
+
+@pytest.mark.parametrize(
+    ("first", "alpha", "down", "words"),
+    [
+        (Joint(a_m=0.3, d_m=0.1), 0.0, (0.0, -9.81, 0.0), "reaches 0.6 m beyond joint 1"),
+        (Joint(d_m=0.2), np.pi / 2, (0.0, 0.0, -9.81), "reaches 0.25 m beyond joint 2"),
+    ],
+)
+def test_an_arm_reaches_by_the_lengths_beyond_a_joint(clean, first, alpha, down, words):
+    """By none along its own axis; 0.03 m across and 0.04 m along make 0.05."""
+    rods = [Link(5.0, (length / 2.0, 0.0, 0.0), (0.0, 0.05, 0.05, 0.0, 0.0, 0.0)) for length in (0.3, 0.2, 0.03)]
+    joints = (first, Joint(alpha_rad=alpha, a_m=0.2, d_m=0.15), Joint(a_m=0.03, d_m=0.04))
+    joints = tuple(replace(joint, link=rod) for joint, rod in zip(joints, rods, strict=True))
+    arm, motion = Arm("three", joints, gravity_m_s2=down), clean()
+    q = np.column_stack([motion.columns["q"], np.sin(3.1 * motion.t)])
+    dq = np.gradient(q, motion.t, axis=0)
+    tau = inverse_dynamics(arm, q, dq, np.gradient(dq, motion.t, axis=0))
+    motion = replace(motion, columns={"q": q, "tau": tau})
+    assert look(motion, arm) is motion
+    with pytest.raises(Refusal, match=words):
+        look(milli(motion), arm)
+
+
+def test_one_joint_whose_unit_is_stated_is_enough(arm, clean):
+    motion = replace(milli(clean()), stated=frozenset({"tau2"}))
+    assert look(motion, arm) is motion
+    with pytest.raises(Refusal):
+        look(replace(motion, stated=frozenset({"tau3", "q1"})), arm)
+
+
+def test_a_joint_that_slides_or_no_angle_says_nothing(arm, clean):
+    motion = milli(clean())
+    slides = replace(arm, joints=(arm.joints[0], replace(arm.joints[1], type="prismatic")))
+    assert look(motion, slides) is motion
+    blank = replace(motion, columns={"tau": motion.columns["tau"]})
+    assert look(blank, arm) is blank
