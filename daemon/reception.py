@@ -188,8 +188,9 @@ class Reception:
             for frame in one.frames() if isinstance(one, SamplesRun) else [one]:
                 self._pass_on_one(frame, last, arrival_ns)
         arrived_ticks = self.guard.arrived_ticks
-        if last is None or not self._known or self._doubted or self.clock is None or arrived_ticks is None:
+        if last is None or not self._known or self._doubted or arrived_ticks is None:
             return
+        assert self.clock is not None
         self.clock.note(arrived_ticks, arrival_ns)
 
     def _pass_on_one(self, frame: Frame, last: SamplesFrame | None, arrival_ns: int) -> None:
@@ -227,13 +228,19 @@ class Reception:
 
     def _early_s(self, arrival_ns: int) -> Callable[[int], float]:
         """Return what says by how much something arrived before a tick was over [s]."""
-        return lambda ticks: 0.0 if self.clock is None else self.clock.early_s(ticks, arrival_ns)
+
+        def early_s(ticks: int) -> float:
+            assert self.clock is not None  # only of frames after the first anything is asked
+            return self.clock.early_s(ticks, arrival_ns)
+
+        return early_s
 
     def _goes_on(self, run: SamplesRun) -> bool:
         """Say whether a run is of this device and goes on right where it was."""
         settled = not self._doubted and not self.guard.waiting
-        known = self._known and self.clock is not None and settled
-        return known and run.counts.shape[1] == len(self.info.channels) and self.ledger.goes_on(run)
+        return (
+            self._known and settled and run.counts.shape[1] == len(self.info.channels) and self.ledger.goes_on(run)
+        )
 
     def _enter_run(self, run: SamplesRun) -> None:
         assert self.clock is not None
