@@ -17,7 +17,7 @@ from daemon.sample_runs import CountedRuns, FrameTimes, Run, StepTimes
 from daemon.sequencer import Sequencer
 from daemon.tick_counter import TickCounter
 from daemon.tick_guard import TickGuard
-from protocol.serial_frame import SEQUENCES, InfoFrame, SamplesFrame, SamplesRun
+from protocol.serial_frame import HALF_WAY, SEQUENCES, InfoFrame, SamplesFrame, SamplesRun
 from protocol.serial_parser import Frame, FrameParser
 
 NewClock = Callable[[float, int, int, int, float], Clock]
@@ -304,10 +304,11 @@ class Reception:
         before, due = self.clock, self.ledger.due_ticks
         rate = 1.0 if before is None else before.state.rate
         frames = (last.sequence - first.sequence) % SEQUENCES  # by number: clocks may be off
-        span_s = (frames * len(first.counts) * (frames < SEQUENCES // 2) + len(last.counts)) / self._rate_hz
+        span_s = (frames * len(first.counts) * (frames < HALF_WAY) + len(last.counts)) / self._rate_hz
         first_ns = arrival_ns - round(1e9 * span_s)
         lost = 0
-        if before is not None and due is not None:
+        if before is not None:
+            assert due is not None
             ended_ns = before.monotonic_ns(due)
             lost = max(0, round((first_ns - ended_ns) * self._rate_hz / 1e9))
             first_ns = max(first_ns, ended_ns)

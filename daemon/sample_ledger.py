@@ -7,7 +7,7 @@ from itertools import pairwise
 from operator import sub
 
 from daemon.tick_step import TickStep
-from protocol.serial_frame import SEQUENCES, SamplesFrame, SamplesRun
+from protocol.serial_frame import HALF_WAY, SEQUENCES, SamplesFrame, SamplesRun
 
 #: Gaps are kept, the last ones; all of them are in the recording and the sums.
 _KEPT = 16
@@ -95,7 +95,7 @@ class SampleLedger:
         """Note a frame that has a number and no samples, such as INFO; frames may be missing before it, too."""
         skipped = None if self._sequence is None else (sequence - self._sequence - 1) % SEQUENCES
         self._announced_anew = self._went_back(ticks)
-        if skipped is None or skipped > SEQUENCES // 2:  # it begins to count, or anew
+        if skipped is None or skipped > HALF_WAY:  # it begins to count, or anew
             self._skipped, self._announced_ticks = 0, ticks
         else:
             self._skipped += skipped
@@ -111,7 +111,7 @@ class SampleLedger:
         skipped = self._skipped + (frame.sequence - self._sequence - 1) % SEQUENCES
         by_number = skipped * self._frame_samples
         late = self.step.late(frame.ticks - self._ticks, self._frame_samples)
-        return skipped <= SEQUENCES // 2 and abs(late - by_number) > self.step.tolerance(by_number)
+        return skipped <= HALF_WAY and abs(late - by_number) > self.step.tolerance(by_number)
 
     def decide(self, frames: Sequence[SamplesFrame]) -> None:
         """Measure the ticks of a sample from frames that are to be entered."""
@@ -146,7 +146,7 @@ class SampleLedger:
         """Say whether a device was restarted before a frame, by its INFO or by the frame's number."""
         if self._sequence is None or not self._went_back(frame.ticks):
             return False
-        return self._announced_anew or (frame.sequence - self._sequence - 1) % SEQUENCES > SEQUENCES // 2
+        return self._announced_anew or (frame.sequence - self._sequence - 1) % SEQUENCES > HALF_WAY
 
     def in_sequence(self, frame: SamplesFrame) -> bool:
         """Say whether no frame is missing before one, by number."""
@@ -188,7 +188,7 @@ class SampleLedger:
         assert self._ticks is not None
         assert self._sequence is not None
         skipped = (sequence - self._sequence - 1) % SEQUENCES
-        if skipped > SEQUENCES // 2 or self._went_back(ticks):
+        if skipped > HALF_WAY or self._went_back(ticks):
             return None
         by_number = (self._skipped + skipped) * self._frame_samples
         late = self.step.late(ticks - self._ticks, self._frame_samples)

@@ -245,3 +245,38 @@ def test_runs_of_another_width_are_strangers() -> None:
     narrow = [encode_samples(np.zeros((32, 6), dtype=np.int16), k, STEP * (k - 1)) for k in range(4, 9)]
     taker.take(*narrow)
     assert (taker.reception.strangers, taker.reception.ledger.samples) == (5, 96)
+
+
+def test_chunks_are_taken_as_one_up_to_a_mark() -> None:
+    taker = Taker()
+    stamps = (NOW_NS, NOW_NS + 5, NOW_NS + 9)
+    data = [Chunk(stamp, sample(number)) for stamp, number in zip(stamps, (1, 2, 3), strict=True)]
+    taker.reception.take([*data[:2], Chunk(NOW_NS + 6, b"pulled", Mark.LOST), data[2]])
+    assert taker.reception.ledger.samples == 96
+    assert taker.clocks[0].notes == [(2 * STEP, NOW_NS + 5), (3 * STEP, NOW_NS + 9)]
+
+
+def test_before_anything_came_there_is_a_device_and_no_rate() -> None:
+    reception = Taker().reception
+    assert reception.connected and not reception.awaits_info and not reception.knows_rate(2**62)
+    assert (reception.reconnects, reception.strangers, reception.stranger) == (0, 0, None)
+    assert reception.new_gaps() == [] and reception.take([], NOW_NS) == []
+
+
+@pytest.mark.parametrize(("at_ns", "known"), [(1_919_999_999, False), (1_920_000_000, True)])
+def test_three_frames_of_a_slow_device_tell_its_rate(at_ns: int, known: bool) -> None:
+    slow = Reception(FrameParser(), InfoFrame(0, 0, device_info(50.0)))
+    slow.take([Chunk(NOW_NS, sample(1))], NOW_NS)
+    assert slow.knows_rate(NOW_NS + at_ns) == known
+
+
+@pytest.mark.parametrize(("lost", "exact"), [(64, True), (32, True), (48, False), (96, False)])
+def test_after_a_pulled_cable_a_gap_is_exact_where_infos_explain_the_numbers(lost: int, exact: bool) -> None:
+    """Two numbers are missing, of 32 samples each unless they were those of INFO frames."""
+    taker = began(Taker())
+    taker.take(b"pulled", mark=Mark.LOST)
+    taker.take(b"", mark=Mark.OPENED)
+    taker.take(encode_info(INFO, 6, 3 * STEP))
+    taker.take(*(sample(number, 3 * STEP + 125 * lost + STEP * (number - 7)) for number in (7, 8, 9, 10)))
+    taker.reception.finish()
+    assert taker.gaps() == [(96, lost, 10**18 + 12_000_000, "unplugged", exact)]

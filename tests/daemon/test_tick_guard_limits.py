@@ -157,3 +157,26 @@ def test_what_waits_while_the_clock_is_off_takes_its_turn_by_number() -> None:
     guarded.take(frame(10, -FRAME), frame(11, -2 * FRAME))
     assert guarded.guard.arrived_ticks == 12 * FRAME  # the frame that waits has ten samples
     assert TickGuard(SampleLedger(1000.0, 1e6)).arrived_ticks is None
+
+
+def test_after_losses_one_behind_the_other_the_last_waits_for_its_next() -> None:
+    guarded = Guarded()
+    guarded.take(frame(10, 3 * P), frame(11, 3 * P + 501))
+    assert not guarded.guard.waiting and guarded.ledger.lost_samples == 3
+    other = Guarded()
+    other.take(frame(10, 3 * P), frame(11, 7 * P))
+    assert other.guard.waiting and other.ledger.lost_samples == 3
+
+
+@pytest.mark.parametrize(("percent", "followed"), [(14, True), (16, False)])
+def test_a_clock_may_run_faster_by_what_an_oscillator_is_off(percent: int, followed: bool) -> None:
+    guarded = Guarded()
+    guarded.otherwise_s = 1.0
+    for k in range(1, 30):
+        ticks = 9 * FRAME + k * FRAME * (100 + percent) // 100
+        guarded.take(SamplesFrame(9 + k, ticks, np.zeros((N, 3), dtype=np.int16)))
+    p = guarded.ledger.step.ticks_per_sample
+    assert p == (pytest.approx(P * (1.0 + percent / 100)) if followed else P)
+    assert guarded.ledger.lost_samples == 0
+    steps = np.diff([ticks for ticks, _ in guarded.entered])
+    assert steps.min() > 0 and steps.max() < 2 * FRAME

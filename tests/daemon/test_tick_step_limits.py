@@ -201,3 +201,19 @@ def test_five_strays_that_agree_are_a_new_rate_and_four_are_not() -> None:
         for _ in range(strays):
             step.stray(32 * (400 if step.ticks_per_sample == 320.0 else 300), 32)
         assert step.ticks_per_sample == p
+
+
+def test_of_two_steps_in_the_middle_the_one_that_info_says_counts() -> None:
+    for steps in ([(10_000, 10), (11_200, 10)], [(10_000, 10), (8_800, 10)]):
+        step = TickStep(1000.0, 1e6)
+        step.decide(steps)
+        assert step.ticks_per_sample == 1000.0
+
+
+@pytest.mark.parametrize(("n", "p"), [(2, 1000.0), (3, 860.0)])
+def test_a_slow_rate_within_an_oscillator_s_needs_no_majority_and_one_beyond_it_does(n: int, p: float) -> None:
+    within, beyond = TickStep(1000.0, 1e6), TickStep(1000.0, 1e6)
+    within.decide([(8_600, 10)] * n)
+    beyond.decide([(8_400, 10)] * n)
+    assert within.ticks_per_sample == 860.0
+    assert beyond.ticks_per_sample == (840.0 if p == 860.0 else p)
