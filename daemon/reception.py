@@ -17,7 +17,7 @@ from daemon.sample_runs import CountedRuns, FrameTimes, Run, StepTimes
 from daemon.sequencer import Sequencer
 from daemon.tick_counter import TickCounter
 from daemon.tick_guard import TickGuard
-from protocol.serial_frame import SEQUENCES, InfoFrame, SamplesFrame, SamplesRun
+from protocol.serial_frame import HALF_WAY, SEQUENCES, InfoFrame, SamplesFrame, SamplesRun
 from protocol.serial_parser import Frame, FrameParser
 
 NewClock = Callable[[float, int, int, int, float], Clock]
@@ -188,8 +188,9 @@ class Reception:
             for frame in one.frames() if isinstance(one, SamplesRun) else [one]:
                 self._pass_on_one(frame, last, arrival_ns)
         arrived_ticks = self.guard.arrived_ticks
-        if last is None or not self._known or self._doubted or self.clock is None or arrived_ticks is None:
+        if last is None or not self._known or self._doubted or arrived_ticks is None:
             return
+        assert self.clock is not None
         self.clock.note(arrived_ticks, arrival_ns)
 
     def _pass_on_one(self, frame: Frame, last: SamplesFrame | None, arrival_ns: int) -> None:
@@ -227,13 +228,19 @@ class Reception:
 
     def _early_s(self, arrival_ns: int) -> Callable[[int], float]:
         """Return what says by how much something arrived before a tick was over [s]."""
-        return lambda ticks: 0.0 if self.clock is None else self.clock.early_s(ticks, arrival_ns)
+
+        def early_s(ticks: int) -> float:
+            assert self.clock is not None  # only of frames after the first anything is asked
+            return self.clock.early_s(ticks, arrival_ns)
+
+        return early_s
 
     def _goes_on(self, run: SamplesRun) -> bool:
         """Say whether a run is of this device and goes on right where it was."""
         settled = not self._doubted and not self.guard.waiting
-        known = self._known and self.clock is not None and settled
-        return known and run.counts.shape[1] == len(self.info.channels) and self.ledger.goes_on(run)
+        return (
+            self._known and settled and run.counts.shape[1] == len(self.info.channels) and self.ledger.goes_on(run)
+        )
 
     def _enter_run(self, run: SamplesRun) -> None:
         assert self.clock is not None
@@ -297,10 +304,11 @@ class Reception:
         before, due = self.clock, self.ledger.due_ticks
         rate = 1.0 if before is None else before.state.rate
         frames = (last.sequence - first.sequence) % SEQUENCES  # by number: clocks may be off
-        span_s = (frames * len(first.counts) * (frames < SEQUENCES // 2) + len(last.counts)) / self._rate_hz
+        span_s = (frames * len(first.counts) * (frames < HALF_WAY) + len(last.counts)) / self._rate_hz
         first_ns = arrival_ns - round(1e9 * span_s)
         lost = 0
-        if before is not None and due is not None:
+        if before is not None:
+            assert due is not None
             ended_ns = before.monotonic_ns(due)
             lost = max(0, round((first_ns - ended_ns) * self._rate_hz / 1e9))
             first_ns = max(first_ns, ended_ns)

@@ -7,7 +7,7 @@ from itertools import pairwise
 from operator import sub
 
 from daemon.tick_step import TickStep
-from protocol.serial_frame import SEQUENCES, SamplesFrame, SamplesRun
+from protocol.serial_frame import HALF_WAY, SEQUENCES, SamplesFrame, SamplesRun
 
 #: Gaps are kept, the last ones; all of them are in the recording and the sums.
 _KEPT = 16
@@ -95,7 +95,7 @@ class SampleLedger:
         """Note a frame that has a number and no samples, such as INFO; frames may be missing before it, too."""
         skipped = None if self._sequence is None else (sequence - self._sequence - 1) % SEQUENCES
         self._announced_anew = self._went_back(ticks)
-        if skipped is None or skipped > SEQUENCES // 2:  # it begins to count, or anew
+        if skipped is None or skipped > HALF_WAY:  # it begins to count, or anew
             self._skipped, self._announced_ticks = 0, ticks
         else:
             self._skipped += skipped
@@ -111,7 +111,7 @@ class SampleLedger:
         skipped = self._skipped + (frame.sequence - self._sequence - 1) % SEQUENCES
         by_number = skipped * self._frame_samples
         late = self.step.late(frame.ticks - self._ticks, self._frame_samples)
-        return skipped <= SEQUENCES // 2 and abs(late - by_number) > self.step.tolerance(by_number)
+        return skipped <= HALF_WAY and abs(late - by_number) > self.step.tolerance(by_number)
 
     def decide(self, frames: Sequence[SamplesFrame]) -> None:
         """Measure the ticks of a sample from frames that are to be entered."""
@@ -136,22 +136,17 @@ class SampleLedger:
         """Say whether no sample is missing before a run, nor between its frames."""
         if self._ticks is None or not self._in_sequence(run.sequence):
             return False
-        ticks, n, p = run.ticks, run.frame_samples, self.step.ticks_per_sample
-        back, most = self.step.back_ticks, self.step.tolerance_ticks
-        first = ticks[0] - self._ticks
-        if first < back or abs(first - self._frame_samples * p) > most:
+        ticks, p, most = run.ticks, self.step.ticks_per_sample, self.step.tolerance_ticks
+        if abs(ticks[0] - self._ticks - self._frame_samples * p) > most:
             return False
-        if len(ticks) == 1:
-            return True
-        steps = [*map(sub, ticks[1:], ticks)]
-        least, longest, due = min(steps), max(steps), n * p
-        return bool(least >= back and due - least <= most and longest - due <= most)
+        steps, due = [*map(sub, ticks[1:], ticks)], run.frame_samples * p
+        return not steps or bool(due - min(steps) <= most and max(steps) - due <= most)
 
     def begun_anew(self, frame: SamplesFrame) -> bool:
         """Say whether a device was restarted before a frame, by its INFO or by the frame's number."""
         if self._sequence is None or not self._went_back(frame.ticks):
             return False
-        return self._announced_anew or (frame.sequence - self._sequence - 1) % SEQUENCES > SEQUENCES // 2
+        return self._announced_anew or (frame.sequence - self._sequence - 1) % SEQUENCES > HALF_WAY
 
     def in_sequence(self, frame: SamplesFrame) -> bool:
         """Say whether no frame is missing before one, by number."""
@@ -171,6 +166,12 @@ class SampleLedger:
     def _went_back(self, ticks: int) -> bool:
         return self._ticks is not None and self.step.went_back(ticks - self._ticks)
 
+    def _step_to(self, frame: SamplesFrame) -> int | None:
+        """Return the ticks to a frame that follows the last one; None for any other."""
+        if self._ticks is None or not self._in_sequence(frame.sequence) or self._went_back(frame.ticks):
+            return None
+        return frame.ticks - self._ticks
+
     def _in_sequence(self, sequence: int) -> bool:
         return not self._skipped and self._sequence is not None and sequence == (self._sequence + 1) % SEQUENCES
 
@@ -184,10 +185,10 @@ class SampleLedger:
         return lost if lost <= most else 0  # else it has begun to count anew meanwhile
 
     def _missing(self, sequence: int, ticks: int) -> int | None:
-        if self._ticks is None or self._sequence is None:
-            return 0
+        assert self._ticks is not None
+        assert self._sequence is not None
         skipped = (sequence - self._sequence - 1) % SEQUENCES
-        if skipped > SEQUENCES // 2 or self._went_back(ticks):
+        if skipped > HALF_WAY or self._went_back(ticks):
             return None
         by_number = (self._skipped + skipped) * self._frame_samples
         late = self.step.late(ticks - self._ticks, self._frame_samples)
@@ -201,14 +202,14 @@ class SampleLedger:
 
     def enter(self, frame: SamplesFrame, lost: int) -> None:
         """Enter a frame, and the number of samples lost before it."""
-        n, follows = len(frame.counts), self._in_sequence(frame.sequence) and not self._went_back(frame.ticks)
-        step = 0 if self._ticks is None else frame.ticks - self._ticks
-        if follows and not lost and self._ticks is not None:
+        step = self._step_to(frame)
+        if step is not None and not lost:
             self.step.go_on(step, self._frame_samples, frame.ticks, self._frame_samples)
         else:
-            if follows:
+            if step is not None:
                 self.step.stray(step, self._frame_samples)
             self.step.begin(frame.ticks)
+        n = len(frame.counts)
         self._sequence, self._skipped, self._ticks, self._frame_samples = frame.sequence, 0, frame.ticks, n
         self._announced_anew = False
         self.samples += n

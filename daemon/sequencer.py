@@ -3,7 +3,7 @@
 from collections import OrderedDict
 from collections.abc import Sequence
 
-from protocol.serial_frame import SEQUENCES, SamplesRun
+from protocol.serial_frame import HALF_WAY, SEQUENCES, SamplesRun
 from protocol.serial_parser import Found, Frame
 
 #: Numbers further away than this are no disorder on the line: much was lost, or the device counts anew.
@@ -102,4 +102,5 @@ class Sequencer:
 
 
 def _signed(difference: int) -> int:
-    return (difference + SEQUENCES // 2) % SEQUENCES - SEQUENCES // 2
+    ahead = difference % SEQUENCES
+    return ahead if ahead < HALF_WAY else ahead - SEQUENCES

@@ -4,7 +4,6 @@ A counter of 32 bits at 10 MHz is back at zero after 429 s. What it stood at bef
 say how often it has passed zero since; a device that was restarted stands at a number that they do not explain.
 """
 
-from collections.abc import Sequence
 from dataclasses import replace
 
 from protocol.serial_frame import InfoFrame
@@ -28,7 +27,6 @@ class TickCounter:
     def __init__(self, tick_hz: float) -> None:
         self._tick_hz = tick_hz
         self._late_ticks = min(_LATE_S * tick_hz, _TURN / 4)
-        self._quarter_ns = round(1e9 * _TURN / 4 / tick_hz)
         self._turned = 0
         self._wide = False
         self._last: int | None = None
@@ -45,19 +43,7 @@ class TickCounter:
         """
         if isinstance(found, InfoFrame):  # whose clock is no sample's; it may be of another device
             return replace(found, ticks=found.ticks + self._turned) if self._turned else found
-        if self._plainly_on(found.ticks, arrival_ns):
-            return found
         return replace(found, ticks=[tick + self.shift(tick, arrival_ns) for tick in found.ticks])
-
-    def _plainly_on(self, ticks: Sequence[int], arrival_ns: int) -> bool:
-        """Take ticks, where they go on from what was seen and no turn is in question; say whether they do."""
-        first, last = ticks[0], ticks[-1]
-        recent = arrival_ns - self._last_ns < self._quarter_ns
-        if not self._turned and self._last is not None and recent and self._last <= first <= last:
-            self._wide = self._wide or last >= _TURN
-            self._last, self._last_ns = last, arrival_ns
-            return True
-        return not any(self.shift(one, arrival_ns) for one in (first, last))
 
     def shift(self, ticks: int, arrival_ns: int) -> int:
         """Return what is to be added to ``ticks`` of a frame that arrived then.

@@ -139,7 +139,7 @@ def decode(parts: Sequence[bytes]) -> tuple[str, dict[str, Any]]:
 
 def decode_payload(topic: str, payload: bytes) -> dict[str, Any]:
     """Return the fields of a message's second part; see `decode`."""
-    where = topic if len(topic) <= 60 else topic[:57] + "..."
+    where = _cut(topic)
     if len(payload) > MAX_PAYLOAD_BYTES:
         raise ProtocolError(f"{where}: payload of {len(payload)} bytes, expected at most {MAX_PAYLOAD_BYTES}")
     try:
@@ -151,7 +151,7 @@ def decode_payload(topic: str, payload: bytes) -> dict[str, Any]:
 
 def fields_of(topic: str, document: object) -> dict[str, Any]:
     """Return the fields of a message that was unpacked, arrays restored; see `decode`."""
-    where = topic if len(topic) <= 60 else topic[:57] + "..."
+    where = _cut(topic)
     if topic == PLOT:
         return _plot_fields(document, where)
     if not isinstance(document, dict):
@@ -224,5 +224,9 @@ def _is_length(value: object) -> bool:
 
 
 def _short(value: object) -> str:
-    text = reprlib.repr(value)  # a value nested a thousand deep must not exhaust the stack
+    return _cut(reprlib.repr(value))  # a value nested a thousand deep must not exhaust the stack
+
+
+def _cut(text: str) -> str:
+    """Return a text as a sentence has room for it."""
     return text if len(text) <= 60 else text[:57] + "..."

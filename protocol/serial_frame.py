@@ -24,6 +24,8 @@ PAYLOAD_CRC_BYTES = 4
 MAX_PAYLOAD_BYTES = 0xFFFF
 #: Sequence numbers wrap here.
 SEQUENCES = 1 << 32
+#: A number further ahead than this is one behind.
+HALF_WAY = SEQUENCES >> 1
 
 #: magic, version, kind, sequence, ticks, samples, channels, payload bytes: what the header CRC covers.
 HEADER = struct.Struct("<2sBBIQHHH")

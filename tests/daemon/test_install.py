@@ -3,12 +3,14 @@
 import json
 import shutil
 import subprocess
+import sys
 from pathlib import Path
 
 import pytest
 
 from daemon.__main__ import main
 from daemon.config import load_setup
+from daemon.install import install
 
 analyze = pytest.mark.skipif(shutil.which("systemd-analyze") is None, reason="systemd-analyze is not installed")
 UNITS = ("limbd.service", "limbplay.service")
@@ -58,3 +60,55 @@ def test_a_unit_is_clean_and_shut(unit: str, tmp_path: Path) -> None:
     )
     level = float(judged.stdout.split("Overall exposure level")[1].split(":")[1].split()[0])
     assert level <= WORST
+
+
+def test_what_is_done_to_each_file_is_told(tmp_path: Path) -> None:
+    def done(**how: bool) -> dict[str, str]:
+        found = install(tmp_path, **how)
+        assert found["prefix"] == str(tmp_path) and found["dry_run"] == how.get("dry_run", False)
+        pairs: list[list[str]] = found["done"]  # type: ignore[assignment]
+        return {Path(path).name: what for what, path in pairs}
+
+    ours = ("limbd.service", "limbplay.service", "limbcal.conf", "99-limbcal.rules")
+    theirs = ("limbd.toml", "limbplay.env")
+
+    def of(what: str, to_theirs: str) -> dict[str, str]:
+        return {**dict.fromkeys(ours, what), **dict.fromkeys(theirs, to_theirs)}
+
+    assert done(remove=True) == of("not there", "not there")
+    assert done(dry_run=True) == of("written", "written")
+    assert done() == of("written", "written")
+    assert done() == of("there already", "kept")
+    unit = tmp_path / "etc/systemd/system/limbd.service"
+    text = unit.read_text()
+    unit.write_text(text + "# changed\n")
+    assert done(dry_run=True) == of("there already", "kept") | {"limbd.service": "written"}
+    assert unit.read_text() == text + "# changed\n"
+    assert done() == of("there already", "kept") | {"limbd.service": "written"}
+    assert unit.read_text() == text
+    assert done(remove=True, dry_run=True) == of("removed", "kept") and unit.exists()
+    assert done(remove=True) == of("removed", "kept") and not unit.exists()
+
+
+@pytest.mark.parametrize(
+    ("how", "said", "next_steps"),
+    [
+        ({}, "written: ", True),
+        ({"dry_run": True}, "would be written: ", False),
+        ({"remove": True}, "not there: ", False),
+    ],
+)
+def test_what_is_to_be_done_next_is_said_where_something_was_laid_down(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], how: dict[str, bool], said: str, next_steps: bool
+) -> None:
+    install(tmp_path, **how)
+    captured = capsys.readouterr()
+    text = captured.out + captured.err
+    assert text.count(said) >= 6 and ("next:" in text) == next_steps
+    assert next_steps == ("would be" not in text and "not there" not in text)
+
+
+def test_units_call_the_programs_of_this_environment(tmp_path: Path) -> None:
+    install(tmp_path)
+    text = (tmp_path / "etc/systemd/system/limbd.service").read_text()
+    assert f"{Path(sys.executable).parent}/limbd" in text and "/opt/limbcal/.venv/bin" not in text

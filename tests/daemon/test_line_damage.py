@@ -1,6 +1,7 @@
 """What is damaged on the line is told from what never came."""
 
 import numpy as np
+import pytest
 
 from daemon.line_damage import LineDamage
 from protocol.serial_frame import SamplesFrame
@@ -61,3 +62,50 @@ def test_what_is_forgotten_explains_nothing() -> None:
     damage.forget()
     damage.look()
     assert not damage.explains(32, FRAME)
+
+
+@pytest.mark.parametrize(
+    ("wasted", "lost", "explained"),
+    [
+        (FRAME_BYTES // 2, 1, True),  # half of a frame
+        (FRAME_BYTES // 2 - 1, 1, False),
+        (FRAME_BYTES // 2, 32, True),
+        (FRAME_BYTES, 33, True),  # half of two
+        (FRAME_BYTES - 1, 33, False),
+        (FRAME_BYTES - 1, 32, True),
+    ],
+)
+def test_bytes_of_no_frame_explain_twice_as_many(wasted: int, lost: int, explained: bool) -> None:
+    assert looked((0, wasted)).explains(lost, FRAME) == explained
+
+
+def test_bytes_that_explain_a_gap_are_used_up_from_the_oldest_on() -> None:
+    damage = looked((0, 500), (0, 500), (0, 0))
+    assert damage.explains(32, FRAME)
+    assert not damage.explains(32, FRAME)  # 204 are left
+    two = looked((0, 2 * FRAME_BYTES))
+    assert [two.explains(32, FRAME) for _ in range(3)] == [True, True, False]
+
+
+def test_frames_that_are_malformed_count_as_damaged_ones() -> None:
+    counters = ParserCounters()
+    counters.frames = counters.crc_errors = counters.discarded_bytes = 7
+    damage = LineDamage(counters)
+    damage.look()
+    assert not damage.explains(32, FRAME)  # that was before
+    counters.malformed += 1
+    damage.look()
+    assert damage.explains(32, FRAME)
+
+
+def test_damage_in_one_look_is_that_of_all_frames_since() -> None:
+    """While no good frame came, bytes of two looks belong together, and grow old together."""
+    counters = ParserCounters()
+    damage = LineDamage(counters)
+    for _ in range(2):
+        counters.discarded_bytes += FRAME_BYTES // 4
+        damage.look()
+    assert damage.explains(32, FRAME)
+    old = looked((0, FRAME_BYTES), *[(0, 0)] * 15)
+    assert old.explains(32, FRAME)
+    assert not looked((0, FRAME_BYTES), *[(0, 0)] * 16).explains(32, FRAME)

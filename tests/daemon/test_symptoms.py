@@ -189,3 +189,48 @@ def test_another_device_on_the_port_is_named(make_info: MakeInfo) -> None:
     taker, looker = symptoms(make_info(RATE_HZ))
     taker.stranger = "other device 7"
     assert look(taker, looker, health(), True)["stranger", ""] == "found other device 7, expected 1"
+
+
+@pytest.mark.parametrize(
+    ("samples", "lost", "borne"), [(8000, 8, True), (8000, 9, False), (0, 1, False), (0, 0, True), (999, 1, False)]
+)
+def test_losses_are_wrong_beyond_a_thousandth_of_what_came(
+    make_info: MakeInfo, samples: int, lost: int, borne: bool
+) -> None:
+    taker, looker = symptoms(make_info(RATE_HZ))
+    reading = replace(taker.watch.take(), samples=samples, noise=np.zeros(12))
+    taker.ledger.lost_samples = lost
+    found = looker.look(health(), reading, True).get(("losses", ""))
+    assert found == (None if borne else f"{lost} samples in the last second")
+    assert ("losses", "") not in looker.look(health(), reading, True)
+
+
+@pytest.mark.parametrize(("frames", "discarded", "garbage"), [(0, 7, True), (1, 7, False), (0, 0, False)])
+def test_bytes_are_garbage_where_no_frame_came_with_them(
+    make_info: MakeInfo, frames: int, discarded: int, garbage: bool
+) -> None:
+    taker, looker = symptoms(make_info(RATE_HZ))
+    for _ in range(2):
+        taker.parser.counters.frames += frames
+        taker.parser.counters.discarded_bytes += discarded
+        found = look(taker, looker, health(), records=True).get(("garbage", ""))
+        assert found == ("7 bytes and no frame in the last second" if garbage else None)
+
+
+@pytest.mark.parametrize(("std_ppm", "wrong"), [(0.0, True), (33.0, True), (34.0, False)])
+def test_three_standard_errors_are_taken_off(make_info: MakeInfo, std_ppm: float, wrong: bool) -> None:
+    taker, looker = symptoms(make_info(RATE_HZ))
+    clock = {"ppm_std": std_ppm, "host_ahead_s": 0.0}
+    found = look(taker, looker, health(clock_ppm=600.0, clock=clock), records=True)
+    said = "its clock is 0.06 % faster than this machine's"
+    assert found == ({("rate", ""): said} if wrong else {})
+
+
+def test_what_is_left_of_the_disk_is_said_in_megabytes(make_info: MakeInfo) -> None:
+    taker, looker = symptoms(make_info(RATE_HZ))
+    found = look(taker, looker, health(disk_free_bytes=123_400_000), records=True)
+    assert found == {("disk", ""): "123 MB are left"}
+    late = look(taker, looker, health(latency_ms={"p99": 250.4}), records=True)
+    assert late == {("behind", ""): "a block in a hundred takes 250 ms and more"}
+    set_back = look(taker, looker, health(clock={"ppm_std": 0.1, "host_ahead_s": -2.04}), records=True)
+    assert set_back == {("clock", "host"): "it was set by -2.0 s in all"}

@@ -4,6 +4,7 @@ import os
 import resource
 import struct
 from pathlib import Path
+from typing import IO
 
 import pytest
 
@@ -42,3 +43,36 @@ def test_a_text_of_gigabytes_inside_a_small_record(tmp_path: Path, opcode: int) 
     assert follower.next() is None
     follower.close()
     assert resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before < 64 * 1024
+
+
+@pytest.mark.parametrize(
+    ("length", "asked"), [(65_536, 65_536), (65_537, 65_537), (70_001, 70_000), (2**40, 70_000)]
+)
+def test_more_than_a_little_is_asked_for_only_where_it_is_there(tmp_path: Path, length: int, asked: int) -> None:
+    (tmp_path / "x").write_bytes(bytes(70_000))
+
+    class Noting:
+        """A file that notes what it is asked for."""
+
+        def __init__(self, file: IO[bytes]) -> None:
+            self.file, self.asked = file, list[int]()
+            self.fileno, self.tell = file.fileno, file.tell
+
+        def read(self, length: int) -> bytes:
+            self.asked.append(length)
+            return self.file.read(length)
+
+    with (tmp_path / "x").open("rb") as file:
+        noting = Noting(file)
+        assert len(bounded(noting).read(length)) == asked  # type: ignore[arg-type]
+        file.seek(80_000)
+        assert bounded(noting).read(length) == b""  # type: ignore[arg-type]
+    assert noting.asked == [asked, 65_536 if length == 65_536 else 0]
+
+
+def test_little_is_asked_for_without_asking_how_much_there_is() -> None:
+    class Endless:
+        def read(self, length: int) -> bytes:
+            return bytes(length)
+
+    assert len(bounded(Endless()).read(65_536)) == 65_536  # type: ignore[arg-type]

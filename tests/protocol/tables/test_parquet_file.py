@@ -47,3 +47,43 @@ def test_a_column_without_a_value_is_blank(tmp_path):
     columns = {"a": pa.array([None, None], pa.float64()), "b": pa.nulls(2), "c": pa.array([None, 1.0])}
     pyarrow.parquet.write_table(pa.table(columns), path)
     assert [ParquetFile(path).is_blank(name) for name in "abc"] == [True, True, False]
+
+
+def test_labels_that_are_missing_are_empty_and_others_are_words(tmp_path):
+    path = tmp_path / "run.parquet"
+    columns = {"a": pa.array([1.0, 2.0, 3.0]), "w": pa.array(["x", None, "y"]), "n": pa.array([7, 8, None])}
+    pyarrow.parquet.write_table(pa.table(columns), path)
+    groups = {"x": [Column("a")]}
+    assert ParquetFile(path).read(groups, "w")[0].labels.tolist() == ["x", "", "y"]
+    assert ParquetFile(path).read(groups, "n")[0].labels.tolist() == ["7", "8", ""]
+
+
+@pytest.mark.parametrize("rows", [1, 2, 3, 100])
+def test_blocks_have_the_rows_of_the_whole_and_name_those_of_the_file(tmp_path, rows):
+    path = tmp_path / "run.parquet"
+    columns = {"a": pa.array([1.0, 2.0, 3.0, 4.0, 5.0]), "b": pa.array([0.0, 0.0, 0.0, None, 0.0])}
+    pyarrow.parquet.write_table(pa.table(columns), path)
+    file = ParquetFile(path)
+    blocks = list(file.blocks({"x": [Column("a", 10.0), Column("a")], "y": [Column("a")]}, "a", rows))
+    whole = [row for block in blocks for row in block.groups["x"].tolist()]
+    assert whole == [[10.0 * k, float(k)] for k in range(1, 6)]
+    assert [len(block.labels) for block in blocks] == [len(block.groups["y"]) for block in blocks]
+    assert max(len(block.labels) for block in blocks) == min(rows, 5)
+    with pytest.raises(DataError, match="column 'b', row 4"):
+        list(file.blocks({"x": [Column("b")]}, None, rows))
+    assert file.streams({}, None)
+
+
+@pytest.mark.parametrize(
+    ("values", "blank"),
+    [([], False), ([1.0], False), ([None], True), ([None, None, 1.0], False), ([1.0, None], False)],
+)
+def test_a_column_is_blank_where_it_has_rows_and_no_value(tmp_path, values, blank):
+    path = tmp_path / "run.parquet"
+    for statistics in (True, False):
+        table = pa.table(
+            {"a": pa.array(values, pa.float64()), "other": pa.array([2.0] * len(values), pa.float64())}
+        )
+        pyarrow.parquet.write_table(table, path, write_statistics=statistics)
+        assert ParquetFile(path).is_blank("a") == blank
+        assert not ParquetFile(path).is_blank("other")
