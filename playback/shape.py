@@ -5,7 +5,7 @@ beam from the axis to the far end of the link, a post where ``d`` moves the next
 """
 
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import NamedTuple, Self
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -32,9 +32,14 @@ class Colours(NamedTuple):
     sensor: Rgb
     trace: Rgb
 
+    @classmethod
+    def of(cls, link: str, base: str, sensor: str, trace: str) -> Self:
+        """Return them from how a web page writes them, but without the "#"."""
+        return cls(*(tuple(bytes.fromhex(code)) for code in (link, base, sensor, trace)))  # type: ignore[arg-type]
 
-REAL = Colours(link=(74, 101, 130), base=(92, 96, 102), sensor=(222, 148, 50), trace=(38, 70, 110))
-TWIN = Colours(link=(206, 128, 92), base=(176, 170, 164), sensor=(222, 190, 140), trace=(186, 84, 44))
+
+REAL = Colours.of(link="4a6582", base="5c6066", sensor="de9432", trace="26466e")
+TWIN = Colours.of(link="ce805c", base="b0aaa4", sensor="debe8c", trace="ba542c")
 
 
 @dataclass(frozen=True)
