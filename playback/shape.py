@@ -24,6 +24,12 @@ SIDES = 32  # of what is round
 TINY_M = 1e-9
 
 
+def rgb(code: str) -> Rgb:
+    """Return a colour from how a web page writes it, but without the "#"."""
+    red, green, blue = bytes.fromhex(code)
+    return red, green, blue
+
+
 class Colours(NamedTuple):
     """Red, green and blue, 0 to 255 each, of the parts of an arm and of the path of its tip."""
 
@@ -34,8 +40,8 @@ class Colours(NamedTuple):
 
     @classmethod
     def of(cls, link: str, base: str, sensor: str, trace: str) -> Self:
-        """Return them from how a web page writes them, but without the "#"."""
-        return cls(*(tuple(bytes.fromhex(code)) for code in (link, base, sensor, trace)))  # type: ignore[arg-type]
+        """Return them from their codes, as `rgb` takes them."""
+        return cls(rgb(link), rgb(base), rgb(sensor), rgb(trace))
 
 
 REAL = Colours.of(link="4a6582", base="5c6066", sensor="de9432", trace="26466e")
