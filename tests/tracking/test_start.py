@@ -160,8 +160,11 @@ def test_angles_that_gravity_hardly_shows_stay_near_the_zero(dd_arm, seed):
 
 @pytest.mark.parametrize(
     ("size", "std"),
-    [(0.0, 0.02), (0.1, 2.0 * np.sqrt(12.0 * 0.1**2 / 10.0)), (0.005, 0.02), (0.2, 2.0 * 0.2 * np.sqrt(1.2)), (1.0, 0.5)],
-)  # fmt: skip
+    [
+        *((0.0, 0.02), (0.005, 0.02), (0.1, 2.0 * np.sqrt(12.0 * 0.1**2 / 10.0))),
+        *((0.2, 2.0 * 0.2 * np.sqrt(1.2)), (1.0, 0.5)),
+    ],
+)
 def test_offsets_are_held_to_be_twice_what_the_first_readings_show(dd_arm, size, std):
     """Of twelve readings that two angles explain a part of, ten are left."""
     first = at_rest(dd_arm, Q) + size
