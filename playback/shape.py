@@ -5,7 +5,7 @@ beam from the axis to the far end of the link, a post where ``d`` moves the next
 """
 
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import NamedTuple, Self
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -24,6 +24,12 @@ SIDES = 32  # of what is round
 TINY_M = 1e-9
 
 
+def rgb(code: str) -> Rgb:
+    """Return a colour from how a web page writes it, but without the "#"."""
+    red, green, blue = bytes.fromhex(code)
+    return red, green, blue
+
+
 class Colours(NamedTuple):
     """Red, green and blue, 0 to 255 each, of the parts of an arm and of the path of its tip."""
 
@@ -32,9 +38,14 @@ class Colours(NamedTuple):
     sensor: Rgb
     trace: Rgb
 
+    @classmethod
+    def of(cls, link: str, base: str, sensor: str, trace: str) -> Self:
+        """Return them from their codes, as `rgb` takes them."""
+        return cls(rgb(link), rgb(base), rgb(sensor), rgb(trace))
 
-REAL = Colours(link=(74, 101, 130), base=(92, 96, 102), sensor=(222, 148, 50), trace=(38, 70, 110))
-TWIN = Colours(link=(206, 128, 92), base=(176, 170, 164), sensor=(222, 190, 140), trace=(186, 84, 44))
+
+REAL = Colours.of(link="4a6582", base="5c6066", sensor="de9432", trace="26466e")
+TWIN = Colours.of(link="ce805c", base="b0aaa4", sensor="debe8c", trace="ba542c")
 
 
 @dataclass(frozen=True)

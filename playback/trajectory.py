@@ -60,11 +60,6 @@ class Trajectory:
             raise DataError(f"t begins at {self.t[0]:.9g} s, expected 0")
 
     @property
-    def n_joint(self) -> int:
-        """Number of joints."""
-        return int(self.q.shape[1])
-
-    @property
     def duration_s(self) -> float:
         """Time from the first node to the last."""
         return float(self.t[-1])

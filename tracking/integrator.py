@@ -78,7 +78,6 @@ class Integrator:
         self._rest_q = q0.copy()
         self._rest_points: Floats = self._state.start
         self._pending = np.empty((0, self._n_channel))
-        self._anchor_ns, self._anchor_sample = 0, 0
         self._sample = 0
         self._trial = 0
         self._primed = False

@@ -71,7 +71,6 @@ class KalmanTracker:
         last = (self._first_frames - 1) * self._factor + self._factor // 2
         self._to_wait = last + 1 + self._decimator.delay_samples
         self._filter: RegainingFilter | None = None
-        self._anchor_ns, self._anchor_sample = 0, 0
         self._sample = 0
         self._frame = 0
         self._trial = 0

@@ -50,14 +50,14 @@ def noise_of(readings: Floats, rate_hz: float) -> Noise:
     half a step of noise on (dither; B. Widrow, I. Kollar, *Quantization Noise*, 2008, ch. 4).
     """
     n = len(readings)
-    size = max(4, min(n, 64, n // 4 if n >= 64 else n))
-    begins = np.unique(np.linspace(0, n - size, min(_CELLS, max(1, n // size))).astype(int))
+    size = n if n < 64 else min(64, n // 4)
+    begins = np.linspace(0, n - size, min(_CELLS, n // size)).astype(int)
     cells = np.stack([np.diff(readings[begin : begin + size], n=3, axis=0) for begin in begins])
     variances = (cells**2).mean(axis=1) / _THIRD
     calm = np.sort(variances, axis=0)[: max(1, int(_CALM * len(begins)))]
     # The calmest quarter of equal cells lies below their mean by the spread that a cell's variance has.
     spread = np.sqrt(4.6 / (size - 3))  # third differences are correlated: 2.31 times that of white ones
-    variance = calm.mean(axis=0) / max(0.2, 1.0 - (1.27 * spread if len(begins) >= 4 else 0.0))
+    variance = calm.mean(axis=0) / (1.0 - 1.27 * spread if len(begins) >= 4 else 1.0)
     return Noise(variance, _rounding(variance, step_of(readings[: 64 * _CELLS])), _FINEST**2 * rate_hz)
 
 

@@ -10,10 +10,10 @@ from playback.export.camera import Camera, look_at
 from playback.export.raster import FAR, FINER, Image, Picture, draw_mesh, draw_stroke, lay_over, resolve
 from playback.export.sampled import Mover
 from playback.export.surface import with_normals
-from playback.shape import Faces, Rgb, base_mesh, link_meshes, link_poses, reach_m, sensor_mesh
+from playback.shape import Faces, Rgb, base_mesh, link_meshes, link_poses, reach_m, rgb, sensor_mesh
 from playback.trajectory import Floats
 
-PAPER, GRID, GRID_AXIS = (250, 250, 252), (228, 230, 235), (205, 209, 217)
+PAPER, GRID, GRID_AXIS = rgb("fafafc"), rgb("e4e6eb"), rgb("cdd1d9")
 TWIN_OPACITY = 0.62
 TRACE_PX, PALE = 1.3, 0.3  # of the tip's path
 

@@ -12,7 +12,7 @@ import zmq
 from arm.kinematics import axis_frames
 from arm.model import Arm
 from limbcal.errors import ProtocolError
-from playback.shape import reach_m
+from playback.shape import reach_m, rgb
 from playback.touch.device import TouchDevice
 from playback.touch.process import TouchProcess
 from playback.trajectory import Floats
@@ -20,7 +20,7 @@ from playback.trajectory import Floats
 #: A page says some twenty times a second where the ball is, and the haptic loop forgets a hand after 20 ms: the
 #: hand in between goes there smoothly, and says so every few milliseconds.
 PERIOD_S, SMOOTH_S = 0.004, 0.03
-FREE, HELD = (214, 64, 69), (240, 150, 40)
+FREE, HELD = rgb("d64045"), rgb("f09628")
 PARALLEL = 1e-6
 
 

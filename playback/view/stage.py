@@ -5,11 +5,11 @@ import viser
 
 from arm.kinematics import tip_position
 from arm.model import Arm
-from playback.shape import reach_m
+from playback.shape import reach_m, rgb
 from playback.trajectory import Floats
 
-BACKGROUND = (255, 255, 255)
-CELL, SECTION = (222, 226, 231), (198, 205, 213)
+BACKGROUND = rgb("ffffff")
+CELL, SECTION = rgb("dee2e7"), rgb("c6cdd5")
 #: Poses that say how much room an arm needs.
 DRAWS = 400
 FIELD_OF_VIEW, ASPECT = np.radians(38.0), 0.95
@@ -99,14 +99,14 @@ class Stage:
         scene, far = self._server.scene, 4.0 * self._reach
         scene.configure_default_lights(enabled=False)
         scene.add_light_hemisphere(
-            "/light/sky", sky_color=(255, 255, 255), ground_color=(205, 205, 210), intensity=1.4
+            "/light/sky", sky_color=rgb("ffffff"), ground_color=rgb("cdcdd2"), intensity=1.4
         )
         key = far * (self._up + 0.5 * self._right + 0.35 * np.cross(self._right, self._up))
         self._key = scene.add_light_directional(
-            "/light/key", color=(255, 252, 246), intensity=1.7, cast_shadow=False, position=_triple(key)
+            "/light/key", color=rgb("fffcf6"), intensity=1.7, cast_shadow=False, position=_triple(key)
         )
         fill = far * (0.4 * self._up - self._right)
-        scene.add_light_directional("/light/fill", color=(235, 242, 255), intensity=0.5, position=_triple(fill))
+        scene.add_light_directional("/light/fill", color=rgb("ebf2ff"), intensity=0.5, position=_triple(fill))
 
 
 def _anywhere(arm: Arm, reach: float) -> Floats:

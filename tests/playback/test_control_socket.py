@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 import zmq
 
-from playback.control_socket import KEPT_LIMIT, ControlSocket
+from playback.control_socket import KEPT_LIMIT, UNREAD_LIMIT, ControlSocket
 from tests.patience import PATIENCE_MS
 
 N_REQUEST = 5000
@@ -95,3 +95,45 @@ def test_what_was_kept_for_a_client_that_left_is_forgotten(control, context) -> 
         control.serve()
         control.socket.poll(1)
     assert not control.keeps
+
+
+@pytest.mark.parametrize(
+    ("sent", "asked", "replied"),
+    [
+        ([b"", b"ask"], [b"ask"], [b"", b"reply"]),  # as REQ does
+        ([b"ask"], [b"ask"], [b"reply"]),
+        ([b""], [b""], [b"reply"]),
+        ([b"one", b"two"], [b"one", b"two"], [b"reply"]),
+        ([b"", b"one", b"two"], [b"one", b"two"], [b"", b"reply"]),
+    ],
+)
+def test_a_reply_goes_the_way_back(
+    context: zmq.Context[zmq.Socket[bytes]],
+    tmp_path: Path,
+    sent: list[bytes],
+    asked: list[bytes],
+    replied: list[bytes],
+) -> None:
+    heard: list[list[bytes]] = []
+
+    def answer(parts: Sequence[bytes]) -> bytes:
+        heard.append([*parts])
+        return b"reply"
+
+    control = ControlSocket(context, f"ipc://{tmp_path}/control", answer)
+    try:
+        with dealer(control, context) as socket:
+            control.serve()  # nothing has come
+            socket.send_multipart(sent)
+            take(control, 1)
+            assert socket.poll(PATIENCE_MS)
+            assert socket.recv_multipart() == replied
+        assert heard == [asked] and not control.keeps
+    finally:
+        control.close()
+
+
+def test_so_much_is_taken_in_and_kept(control: ControlSocket) -> None:
+    options = (zmq.LINGER, zmq.MAXMSGSIZE, zmq.SNDHWM, zmq.RCVHWM, zmq.RCVBUF)
+    assert [control.socket.get(option) for option in options] == [250, 131_072, 64, 64, 131_072]
+    assert (KEPT_LIMIT, UNREAD_LIMIT) == (2**23, 2**21)

@@ -119,3 +119,48 @@ def test_a_daemon_is_served_by_the_command(context, daemon: Publisher, start) ->
             assert receive(viewer, PLAY)["frame0"] == 20
         reply = running.ask("seek", 1.0)
         assert reply["ok"] is False
+
+
+def test_before_anything_came_it_is_known_to_be_live(player: LivePlayer, daemon: Publisher) -> None:
+    name = f"live from {daemon.endpoint}"
+    assert player.state() == {
+        **{"playing": True, "trial": 0, "position_s": 0.0, "duration_s": None, "rate_hz": None, "speed": 1.0},
+        **{"loop": False, "source": name, "arm": "dd-arm", "twin": False, "live": True, "q": None},
+        **{"trials": [], "finished": 0, "refused": 0, "missed": 0},
+    }
+    assert (player.name, player.finished, player.deadline_s()) == (name, 0, None)
+    assert player.take_due() is None
+    assert player.carry_out(Request("list")) == {"trials": []}
+    assert player.carry_out(Request("arm"))["twin"] is None
+    for cmd, playing in (("stop", False), ("play", True), ("pause", False), ("state", False)):
+        assert player.carry_out(Request(cmd)) == {} and player.playing is playing
+    player.play()
+    assert player.playing is True
+
+
+def test_a_frame_is_counted_from_the_first_that_came(daemon: Publisher, player: LivePlayer) -> None:
+    daemon.publish(FRAMES, {**block(7), "mine": 1})
+    frame = come(player)
+    assert frame is not None and frame["position_s"] == 0.0
+    assert {name: frame[name] for name in ("speed", "trial", "source")} == {
+        "speed": 1.0,
+        "trial": 0,
+        "source": player.name,
+    }
+    assert "mine" not in frame
+    daemon.publish(FRAMES, block(9))
+    frame = come(player)
+    assert frame is not None and frame["position_s"] == pytest.approx(0.02)
+    assert player.state()["position_s"] == pytest.approx(0.02)
+
+
+@pytest.mark.parametrize(
+    "name", ["frame0", "t0_ns", "dt_s", "n", "method", "q", "dq", "ddq", "tip", "points", "gap"]
+)
+def test_each_field_of_a_frame_is_needed(daemon: Publisher, player: LivePlayer, name: str) -> None:
+    fields = block(0)
+    del fields[name]
+    daemon.publish(FRAMES, fields)
+    assert come(player) is None and player.refused == 1
+    daemon.publish(FRAMES, {**block(0), "q": 5})
+    assert come(player) is None and player.refused == 2

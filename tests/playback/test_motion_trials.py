@@ -1,5 +1,6 @@
 """Trials out of a motion file."""
 
+import json
 from pathlib import Path
 
 import numpy as np
@@ -88,3 +89,41 @@ def test_what_cannot_be_used_is_said_with_its_place(tmp_path: Path, text: str, s
     with pytest.raises(DataError, match=said) as caught:
         read_trials(path, ARM, ["q"], ["dq"])
     assert str(path) in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    ("labels", "trials"),
+    [
+        (("3", "7"), [3, 7]),
+        (("3.0", "7.0"), [3, 7]),
+        (("-1", "0"), [-1, 0]),
+        (("1.5", "2"), [1, 2]),
+        (("1", "1.0"), [1, 2]),  # names that are one number
+        (("inf", "nan"), [1, 2]),
+        (("b", "a"), [1, 2]),
+    ],
+)
+def test_trials_have_their_own_numbers_if_they_are_numbers(
+    tmp_path: Path, labels: tuple[str, str], trials: list[int]
+) -> None:
+    rows = "".join(f"{k},{k},{k},{label}\n" for label in labels for k in range(2))
+    assert list(read_trials(csv(tmp_path / "a.csv", "t,q1,q2,trial\n" + rows), ARM, ["q"]).signals) == trials
+
+
+def test_trials_that_are_cells_of_a_file_are_counted(tmp_path: Path) -> None:
+    cells = [{"t": [0.0, 1.0], "q1": [k, k], "q2": [k, 2 * k]} for k in (5, 6, 7)]
+    path = tmp_path / "cells.json"
+    path.write_text(json.dumps({"runs": cells}), encoding="utf-8")
+    found = read_trials(path, ARM, ["q"], columns="t=runs.t,q=runs.q{j}").signals
+    assert {number: signals["q"][0, 0] for number, signals in found.items()} == {1: 5.0, 2: 6.0, 3: 7.0}
+
+
+def test_a_single_row_between_two_leaps_is_no_trial(tmp_path: Path) -> None:
+    t = np.concatenate([0.01 * np.arange(50), [5e5], 1e6 + 0.01 * np.arange(50)])
+    path = tmp_path / "leaps.npz"
+    np.savez(path, t=t, q1=t, q2=t)
+    found = read_trials(path, ARM, ["q"])
+    assert [len(signals["t"]) for signals in found.signals.values()] == [50, 50]
+    assert [note.row for note in found.notes] == [51, 52]
+    for signals in found.signals.values():
+        np.testing.assert_allclose(signals["t"], 0.01 * np.arange(50), atol=1e-9)

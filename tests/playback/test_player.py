@@ -8,8 +8,10 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
+from arm.arm_file import format_arm
 from arm.kinematics import sensor_positions, tip_position
 from limbcal.errors import ConfigError
+from playback.control_message import Request
 from playback.player import Player
 from playback.playhead import Clocks
 from playback.source import Source
@@ -126,3 +128,114 @@ def test_between_its_nodes_no_motion_goes_beyond_the_joints_limits(arm, fake_tim
         frames.append(np.concatenate([frame["q"] for frame in drain(player)])[:, 0])
     assert frames[0].max() > 1.2
     np.testing.assert_array_equal(frames[1], np.minimum(frames[0], 1.0))
+
+
+@pytest.mark.parametrize(
+    ("rate_hz", "rows"), [(100.0, 51), (4.0, 3), (3.0, 2), (1.0, 2), (3998.0, 2000), (4000.0, 2000), (1e5, 2000)]
+)
+def test_an_overview_has_a_row_a_frame_up_to_two_thousand(
+    source: Source, fake_time: Any, rate_hz: float, rows: int
+) -> None:
+    player = Player(source, rate_hz, fake_time.clocks)
+    motion: Any = player.carry_out(Request("motion", None))["motion"]
+    np.testing.assert_allclose(motion["t"], np.linspace(0.0, 0.5, rows))
+    np.testing.assert_array_equal(motion["q"], source.load(1).at(motion["t"])[0])
+    np.testing.assert_array_equal(motion["tip"], tip_position(source.arm, motion["q"]))
+    assert motion["twin_q"] is None and motion["twin_tip"] is None
+
+
+def test_a_twin_s_overview_and_frames_are_its_own(source: Source, fake_time: Any) -> None:
+    longer = source.arm.with_joints(a_m=np.array([0.5, 0.4]))
+    other = Source("other", longer, source.durations_s, lambda _: source.load(2))
+    player = Player(replace(source, twin=other), 100.0, fake_time.clocks, 1)
+    motion: Any = player.carry_out(Request("motion", None))["motion"]
+    q = source.load(2).at(motion["t"])[0]
+    np.testing.assert_array_equal(motion["twin_q"], q)
+    np.testing.assert_array_equal(motion["twin_tip"], tip_position(longer, q))
+    player.play()
+    frame: Any = player.take_due()
+    assert frame["twin"]["name"] == "other"
+    assert [len(frame["twin"][name]) for name in ("q", "dq", "ddq", "tip", "points")] == [1] * 5
+    assert player.carry_out(Request("arm", None)) == {"arm": format_arm(source.arm), "twin": format_arm(longer)}
+
+
+def test_the_whole_state_is_told(source: Source, fake_time: Any) -> None:
+    player = Player(source, 80.0, fake_time.clocks, 2)
+    assert player.state() == {
+        **{"playing": False, "trial": 2, "position_s": 0.0, "duration_s": 1.0, "rate_hz": 80.0, "speed": 1.0},
+        **{"loop": False, "source": "waves", "arm": source.arm.name, "twin": False, "live": False},
+        **{"q": [0.0, 0.0], "trials": [1, 2, 3], "finished": 0},
+    }
+    assert (player.name, player.arm, player.waits_on, player.finished) == ("waves", source.arm, None, 0)
+    assert player.carry_out(Request("arm", None)) == {"arm": format_arm(source.arm), "twin": None}
+
+
+def test_every_request_is_carried_out(source: Source, fake_time: Any) -> None:
+    player = Player(source, 10.0, fake_time.clocks)
+
+    def after(cmd: Any, value: Any = None) -> tuple[bool, object, float, float, bool]:
+        assert player.carry_out(Request(cmd, value)) == {}
+        state, head = player.state(), player.head
+        return head.playing, state["trial"], head.position_s, head.speed, head.loop
+
+    assert after("seek", 0.2) == (False, 1, 0.2, 1.0, False)
+    assert after("step", 2) == (False, 1, 0.4, 1.0, False)
+    assert after("speed", 2.5) == (False, 1, 0.4, 2.5, False)
+    assert after("loop", 1) == (False, 1, 0.4, 2.5, True)
+    assert after("play") == (True, 1, 0.4, 2.5, True)
+    assert after("pause") == (False, 1, 0.4, 2.5, True)
+    assert after("load", 3) == (False, 3, 0.0, 2.5, True)
+    assert after("loop", 0) == (False, 3, 0.0, 2.5, False)
+    assert after("seek", 1.0) == (False, 3, 1.0, 2.5, False)
+    assert after("stop") == (False, 3, 0.0, 2.5, False)
+    lengths = [{"trial": trial, "duration_s": 0.5 * trial} for trial in (1, 2, 3)]
+    assert player.carry_out(Request("list", None)) == {"trials": lengths}
+
+
+def test_what_was_made_ahead_is_dropped_where_it_is_not_due(source: Source, fake_time: Any) -> None:
+    player = Player(source, 100.0, fake_time.clocks, 3)
+    player.prepare()  # nothing plays: nothing is made
+    player.play()
+    player.prepare()
+    fake_time.now_s += 0.015
+    assert [frame["position_s"] for frame in drain(player)] == [0.0, 0.01]
+    player.head.seek(0.7)
+    player.head.set_speed(2.0)
+    fake_time.now_s += 0.02
+    for frame in drain(player):
+        np.testing.assert_array_equal(frame["q"], source.load(3).at(np.array([frame["position_s"]]))[0])
+    assert (player.state()["position_s"], player.state()["speed"]) == (pytest.approx(0.72), 2.0)
+
+
+def test_thirty_two_frames_are_made_at_once_and_ahead(
+    source: Source, fake_time: Any, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    asked: list[int] = []
+    at = Trajectory.at
+
+    def counted(motion: Trajectory, t: np.ndarray) -> Any:
+        asked.append(len(t))
+        return at(motion, t)
+
+    player = Player(source, 100.0, fake_time.clocks, 3)
+    player.play()
+    monkeypatch.setattr(Trajectory, "at", counted)
+    player.prepare()
+    player.prepare()  # while there are some, no others are made
+    fake_time.now_s += 0.315
+    assert len(drain(player)) == 32
+    assert asked == [32]
+
+
+@pytest.mark.parametrize(("speed", "gaps"), [(1.0, [3]), (2.0, [2]), (4.0, [1])])
+def test_a_frame_answers_for_the_way_from_the_one_before(
+    source: Source, fake_time: Any, speed: float, gaps: list[int]
+) -> None:
+    x = np.zeros((5, 2))
+    lost = np.array([False, False, False, True, False])
+    holed = Trajectory(np.array([0.0, 0.1, 0.21, 0.29, 0.8]), x, x, x, "integrate", lost)
+    player = Player(Source("holed", source.arm, {1: 0.8}, lambda _: holed), 10.0, fake_time.clocks)
+    player.head.set_speed(speed)
+    player.play()
+    fake_time.now_s += 1.0
+    assert [k for k, frame in enumerate(drain(player)) if frame["gap"]] == gaps

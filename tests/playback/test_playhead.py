@@ -151,3 +151,45 @@ def test_what_is_out_of_range_changes_nothing() -> None:
             head.set_speed(wrong)
     time.now_s += 1.0
     assert len(drain(head)) == 6
+
+
+def test_the_slowest_and_the_fastest_speed_are_allowed() -> None:
+    head, _ = playing(10.0, 0.5)
+    for speed in (0.1, 10.0):
+        head.set_speed(speed)
+        assert head.speed == speed
+    for speed in (np.nextafter(0.1, 0.0), np.nextafter(10.0, 11.0)):
+        with pytest.raises(ConfigError, match="speed is"):
+            head.set_speed(float(speed))
+
+
+def test_what_ended_between_two_frames_begins_anew() -> None:
+    head, time = playing(10.0, 0.55)
+    time.now_s += 1.0
+    assert drain(head)[-1].position_s == pytest.approx(0.5)
+    head.play()
+    assert drain(head)[0][:2] == (0, 0.0)
+    head.pause()
+    head.seek(0.55)  # and so does what stands at its end
+    head.play()
+    assert drain(head)[0].position_s == 0.0
+
+
+def test_what_stands_still_has_one_frame_coming() -> None:
+    head, time = playing(10.0, 0.5)
+    assert (Playhead(10.0, time.clocks).speed, head.loop, head.finished) == (1.0, False, 0)
+    head.pause()
+    head.seek(0.2)
+    assert head.upcoming(5).tolist() == [0.2]
+    assert head.deadline_s() == time.now_s
+    head.step(100)
+    assert head.position_s == 0.5
+    head.step(-1)
+    assert head.position_s == pytest.approx(0.4)
+
+
+def test_frames_to_come_end_with_the_motion() -> None:
+    head, _ = playing(10.0, 0.3)
+    assert head.upcoming(3) == pytest.approx([0.0, 0.1, 0.2])
+    assert head.upcoming(9) == pytest.approx([0.0, 0.1, 0.2, 0.3])
+    assert head.deadline_s() == 7.0

@@ -182,3 +182,49 @@ def test_a_rate_that_was_found_meanwhile_is_followed(path: Path, arm: Arm) -> No
     recorder.writer.close()
     found = recording_source(path, None, lambda _: None).load(1)
     np.testing.assert_allclose(np.diff(found.t), [0.001] * 20 + [0.00104] * 19, atol=1e-12)
+
+
+@pytest.mark.parametrize(("second", "lost"), [(10, []), (11, [10]), (12, [10])])
+def test_frames_whose_numbers_leap_were_lost(path: Path, arm: Arm, second: int, lost: list[int]) -> None:
+    recorder = Recorder(path, arm)
+    recorder.block(0)
+    recorder.block(second)
+    recorder.writer.close()
+    found = recording_source(path, None, lambda _: None).load(1).lost
+    assert found is not None and np.flatnonzero(found).tolist() == lost
+
+
+@pytest.mark.parametrize(("end", "trials"), [(24, (1,)), (25, (1, 2)), (26, (1, 2))])
+def test_two_frames_are_a_trial(path: Path, arm: Arm, end: int, trials: tuple[int, ...]) -> None:
+    recorder = Recorder(path, arm)
+    for frame0 in range(0, 50, BLOCK):
+        recorder.block(frame0)
+    recorder.mark("end", 3, 5)  # of one that began before the recording
+    recorder.mark("begin", 1, 0)
+    recorder.mark("end", 1, 9)
+    recorder.mark("begin", 2, 24)
+    recorder.mark("end", 2, end)
+    recorder.writer.close()
+    source = recording_source(path, None, lambda _: None)
+    assert source.trials == trials
+    if 2 in trials:
+        check(source.load(2), 24, end)
+
+
+def test_frames_of_other_joints_do_not_follow(path: Path, arm: Arm) -> None:
+    recorder = Recorder(path, arm)
+    recorder.block(0)
+    recorder.block(10, **dict.fromkeys(("q", "dq", "ddq"), np.zeros((10, 3))))
+    recorder.writer.close()
+    with pytest.raises(ProtocolError, match="frames of 2 joints are followed by frames of 3, expected no change"):
+        recording_source(path, None, pytest.fail)
+
+
+def test_an_empty_block_changes_nothing(path: Path, arm: Arm) -> None:
+    recorder = Recorder(path, arm)
+    recorder.block(7, 0, dt_s=9.0)
+    recorder.block(0)
+    recorder.block(10, 0, dt_s=9.0)
+    recorder.block(10)
+    recorder.writer.close()
+    assert recording_source(path, None, lambda _: None).load(1).duration_s > 0.0

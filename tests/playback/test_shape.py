@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from arm.arm_file import load_arm
 from arm.kinematics import link_transforms, sensor_positions
 from arm.model import Arm, Joint, Sensor, Tip
-from playback.shape import Mesh, base_mesh, link_meshes, link_poses, reach_m, sensor_mesh
+from playback.shape import REAL, TWIN, Colours, Mesh, base_mesh, link_meshes, link_poses, reach_m, sensor_mesh
 
 ARMS = ("dd-arm", "dd-arm-vertical", "spatial-arm", "human-arm-right", "human-leg-left", "examples/human-arm.toml")
 
@@ -278,3 +278,19 @@ def test_the_farthest_sensor_is_where_a_last_link_without_length_ends() -> None:
 def test_an_arm_without_any_length_reaches_a_metre() -> None:
     assert reach_m(Arm("dot", (Joint(), Joint()))) == 1.0
     assert reach_m(Arm("short", (Joint(a_m=-0.2, d_m=-0.1), Joint(a_m=0.1)))) == pytest.approx(0.4)
+
+
+def test_what_is_round_has_thirty_two_sides() -> None:
+    hub, beam = shells(link_meshes(STRAIGHT)[0])
+    assert len(hub.vertices) == 4 * 32 + 2  # four rings and the two ends of the axis
+    assert len(beam.vertices) == 2 * 6 * 32 + 2  # six rings a rounded end
+    assert len(hub.faces) == 2 * (len(hub.vertices) - 2)
+
+
+@pytest.mark.parametrize(
+    ("colours", "link"), [(REAL, (0x4A, 0x65, 0x82)), (TWIN, (0xCE, 0x80, 0x5C))], ids=["real", "twin"]
+)
+def test_colours_are_red_green_and_blue(colours: Colours, link: tuple[int, int, int]) -> None:
+    assert colours.link == link
+    for colour in colours:
+        assert len(colour) == 3 and all(0 <= part <= 255 for part in colour)

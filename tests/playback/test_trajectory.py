@@ -86,3 +86,35 @@ def test_a_value_that_is_no_number_is_named() -> None:
     bad[1, 1] = np.inf
     with pytest.raises(DataError, match="dq is not a finite number in sample 2 of 3"):
         Trajectory(np.array([0.0, 0.1, 0.2]), x, bad, x, "file")
+
+
+@pytest.mark.parametrize(("span", "told"), [((-1.0, 0.1), False), ((-1.0, 0.3), True), ((0.25, 9.0), True)])
+def test_a_hole_is_told_of_spans_that_begin_or_end_outside(span: tuple[float, float], told: bool) -> None:
+    x = np.zeros((4, 1))
+    holed = Trajectory(np.array([0.0, 0.1, 0.2, 0.5]), x, x, x, "file", lost=np.array([False, False, False, True]))
+    assert holed.gap_between(*span) is told
+
+
+def test_a_motion_without_holes_tells_none() -> None:
+    assert random_trajectory(0).gap_between(0.0, 9.0) is False
+
+
+@pytest.mark.parametrize("shape", [(3,), (3, 2, 1), (2, 3), (4, 2)])
+def test_joint_values_are_a_row_an_instant(shape: tuple[int, ...]) -> None:
+    x = np.zeros(shape)
+    with pytest.raises(DataError, match="the motion has 3 instants and .*, expected"):
+        Trajectory(np.array([0.0, 0.1, 0.2]), x, x, x, "file")
+
+
+@pytest.mark.parametrize("other", ["q", "dq", "ddq"])
+def test_positions_velocities_and_accelerations_are_of_one_shape(other: str) -> None:
+    x = np.zeros((3, 2))
+    with pytest.raises(DataError, match="expected .n, n_joint. in all"):
+        Trajectory(np.array([0.0, 0.1, 0.2]), **{"q": x, "dq": x, "ddq": x, other: x[:, :1]}, method="file")
+
+
+def test_two_nodes_are_a_motion() -> None:
+    x = np.array([[0.0], [3.0]])
+    q, dq, ddq = Trajectory(np.array([0.0, 2.0]), x, x, x, "file").at(np.array([1.0]))
+    # by hand, with s = 1/2 and a width of 2 s: (p0 + p1) / 2 + 2 (v0 - v1) / 8
+    assert (q[0, 0], dq[0, 0], ddq[0, 0]) == (0.75, 0.75, 1.5)

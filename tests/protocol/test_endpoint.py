@@ -177,3 +177,42 @@ def test_the_mask_is_as_it_was_where_nothing_could_be_bound(tmp_path: Path) -> N
     os.umask(mask)
     (tmp_path / "other").touch()
     assert stat.S_IMODE((tmp_path / "other").stat().st_mode) == 0o666 & ~mask
+
+
+@pytest.mark.parametrize(
+    ("endpoint", "understood"),
+    [
+        ("tcp://127.0.0.1:65535", "tcp://127.0.0.1:65535"),
+        ("tcp://127.0.0.1:0", "tcp://127.0.0.1:0"),
+        ("tcp://localhost:*", "tcp://127.0.0.1:*"),
+        ("tcp://[fe80::1%eth0]:5770", "tcp://[fe80::1%eth0]:5770"),
+        (f"tcp://[fe80::1%{'e' * 15}]:1", f"tcp://[fe80::1%{'e' * 15}]:1"),
+        (f"tcp://[fe80::1%{'e' * 16}]:1", None),
+        ("tcp://127.0.0.1%eth0:1", None),
+        (f"tcp://{'a' * 63}:1", f"tcp://{'a' * 63}:1"),
+        (f"tcp://{'a' * 64}:1", None),
+        (f"tcp://{'.'.join(['a' * 63] * 3 + ['a' * 61])}:1", f"tcp://{'.'.join(['a' * 63] * 3 + ['a' * 61])}:1"),
+        (f"tcp://{'.'.join(['a' * 63] * 3 + ['a' * 62])}:1", None),
+        (f"inproc://{'n' * 64}", f"inproc://{'n' * 64}"),
+        (f"inproc://{'n' * 65}", None),
+        (f"ipc:///{'p' * 106}", f"ipc:///{'p' * 106}"),
+        (f"ipc:///{'p' * 107}", None),
+        ("ipc://", None),
+        ("ipc://@abstract", None),
+        ("ipc://*", None),
+    ],
+)
+def test_how_long_and_high_the_parts_of_an_endpoint_may_be(endpoint: str, understood: str | None) -> None:
+    if understood is None:
+        with pytest.raises(ConfigError, match="endpoint is"):
+            parse_endpoint(endpoint)
+    else:
+        assert parse_endpoint(endpoint).text == understood
+
+
+def test_only_addresses_of_ipv6_need_ipv6() -> None:
+    assert parse_endpoint("tcp://[::1]:1").is_ipv6 is True
+    for other in ("tcp://127.0.0.1:1", "tcp://eth0:1", "tcp://*:1", "ipc:///run/x", "inproc://x"):
+        assert parse_endpoint(other).is_ipv6 is False
+    assert parse_endpoint("inproc://x").is_local is True
+    assert parse_endpoint("ipc:///run/x").path == Path("/run/x") and parse_endpoint("inproc://x").path is None

@@ -250,3 +250,44 @@ def test_the_deepest_that_may_be_is_read_and_one_deeper_is_not(wrap):
     assert decode(encode(HEALTH, {"x": value}))[1]["x"] == value
     with pytest.raises(ProtocolError, match=f"nested more than {MAX_DEPTH} deep"):
         decode(encode(HEALTH, {"x": wrap(value)}))
+
+
+def test_sixteen_mebibytes_are_sent_and_read_and_no_more():
+    assert (MAX_PAYLOAD_BYTES, MAX_DEPTH) == (2**24, 8)
+    more = len(encode(HEALTH, {"x": bytes(100_000)})[1]) - 100_000
+    parts = encode(HEALTH, {"x": bytes(MAX_PAYLOAD_BYTES - more)})
+    assert len(parts[1]) == MAX_PAYLOAD_BYTES
+    assert len(decode(parts)[1]["x"]) == MAX_PAYLOAD_BYTES - more
+    with pytest.raises(ProtocolError, match="payload of 16777217 bytes, expected at most 16777216"):
+        encode(HEALTH, {"x": bytes(MAX_PAYLOAD_BYTES - more + 1)})
+
+
+@pytest.mark.parametrize(("length", "said"), [(60, "t" * 60), (61, "t" * 57 + "..."), (500, "t" * 57 + "...")])
+def test_long_topics_are_told_in_short(length, said):
+    for payload in (b"\xc1", msgpack.packb([1])):
+        with pytest.raises(ProtocolError) as error:
+            decode([b"t" * length, payload])
+        assert str(error.value).startswith(f"{said}: payload")
+
+
+@pytest.mark.parametrize(("side", "shape"), [(2**24, (2**24, 0)), (2**24 + 1, None)])
+def test_a_side_is_no_longer_than_a_payload(side, shape):
+    fields = {"dtype": "<f8", "shape": [side, 0], "data": b""}
+    if shape is None:
+        with pytest.raises(ProtocolError, match="expected up to 4 lengths"):
+            decode_array(fields)
+    else:
+        assert decode_array(fields).shape == shape
+
+
+@pytest.mark.parametrize("byte", [1, 2, 255])
+def test_a_bool_is_any_byte_but_nought(byte):
+    found = decode_array({"dtype": "|b1", "shape": [2], "data": bytes([0, byte])})
+    assert found.tolist() == [False, True] and found.dtype == np.bool_
+
+
+def test_a_plot_without_a_number_has_nought():
+    assert msgpack.unpackb(encode(PLOT, {"rows": [{"ts": 1.0}]})[1]) == [{"ts": 1.0, "v": 1, "seq": 0}]
+    assert decode(encode(PLOT, {})) == (PLOT, {"v": 1, "rows": []})
+    with pytest.raises(ProtocolError, match="field name is b'x', expected a string"):
+        decode([PLOT.encode(), msgpack.packb([{"v": 1, b"x": 1.0}])])

@@ -5,7 +5,7 @@ from collections.abc import Iterator
 import pytest
 import zmq
 
-from protocol.parts import MOST_PARTS, receive_parts
+from protocol.parts import MESSAGE_BYTES, MOST_PARTS, receive_parts
 from protocol.peers import PART_OVERHEAD
 from tests.patience import PATIENCE_MS
 
@@ -43,3 +43,16 @@ def test_a_part_that_would_go_beyond_the_bytes_is_kept_empty(pair: Pair) -> None
 def test_nothing_is_waited_for(pair: Pair) -> None:
     with pytest.raises(zmq.Again):
         receive_parts(pair[1], 10)
+
+
+def test_eight_parts_are_kept_and_4096_bytes_beside_a_payload() -> None:
+    assert (MOST_PARTS, MESSAGE_BYTES, PART_OVERHEAD) == (8, 2**24 + 4096, 64)
+
+
+def test_the_last_byte_that_fits_is_kept(pair: Pair) -> None:
+    sending, receiving = pair
+    for more, kept in ((4, [b"a" * 6, b"b" * 4]), (5, [b"a" * 6, b""])):
+        sending.send_multipart([b"a" * 6, b"b" * more])
+        assert receiving.poll(PATIENCE_MS)
+        received = receive_parts(receiving, 10)
+        assert (received.parts, received.n_byte) == (kept, 6 + more + 2 * 64)

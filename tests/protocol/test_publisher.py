@@ -1,5 +1,7 @@
 """The sending end on real sockets."""
 
+import threading
+
 import msgpack
 import pytest
 import zmq
@@ -105,3 +107,16 @@ def test_a_subscriber_that_sends_too_much_is_dropped_and_no_other(context, publi
             publisher.publish(HEALTH, {"uptime_s": 1.0})
             received += good.receive(100) is not None
         assert not good.missed
+
+
+def test_a_slow_subscriber_may_be_a_thousand_messages_behind(publisher):
+    assert (publisher.socket.get(zmq.SNDHWM), publisher.socket.get(zmq.LINGER)) == (1000, 250)
+    assert publisher.refused == 0 and not publisher.joined()
+
+
+@pytest.mark.parametrize("watched", [False, True])
+def test_a_thread_looks_only_where_it_is_wanted(context, watched):
+    before = set(threading.enumerate())
+    with Publisher(context, "tcp://127.0.0.1:*", "a", "1", watched=watched):
+        assert len(set(threading.enumerate()) - before) == watched
+    assert not set(threading.enumerate()) - before

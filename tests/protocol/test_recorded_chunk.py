@@ -82,3 +82,20 @@ def test_bytes_that_are_none_cost_a_chunk(tmp_path: Path, compression: str, said
         assert [fields["sample0"] for _, fields, _ in reader] == list(range(50))
     assert len(reader.warnings) == 1 and "is damaged and passed over" in reader.warnings[0]
     assert said in reader.warnings[0]
+
+
+def test_a_chunk_without_a_checksum_is_believed() -> None:
+    assert len(list(chunk_records(chunk(content(), "zstd", crc=0)))) == 4
+    assert list(chunk_records(chunk(b"", ""))) == []
+
+
+def test_a_chunk_may_become_64_mebibytes() -> None:
+    assert MAX_CHUNK_BYTES == 2**26
+    with pytest.raises(ValueError, match="it does not have the 67108864 bytes that it says"):
+        list(chunk_records(chunk(content(), "", size=2**26)))
+
+
+def test_what_else_is_in_a_chunk_is_passed_over() -> None:
+    stranger = bytes([0x7F]) + struct.pack("<Q", 5) + b"hello"
+    found = list(chunk_records(chunk(stranger + content(1) + stranger, "zstd")))
+    assert [type(record) for record in found] == [Channel, Message]

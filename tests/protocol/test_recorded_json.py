@@ -3,6 +3,7 @@
 import json
 import math
 
+import numpy as np
 import pytest
 
 from limbcal.errors import ProtocolError
@@ -48,3 +49,27 @@ def test_a_row_that_is_none_is_refused() -> None:
     for payload in (b"[]", b'{"v": 1, "q1": "far"}'):
         with pytest.raises(ProtocolError):
             decode_json(PLOT, payload)
+
+
+def test_rows_without_times_are_of_one_time() -> None:
+    found = json_messages(PLOT, encode(PLOT, {"rows": [{"q1": 1.0}, {"q1": 2.0}]})[1], 5)
+    assert [(json.loads(data), t_ns) for data, t_ns in found] == [
+        ({"q1": 1.0, "v": 1, "seq": 0}, 5),
+        ({"q1": 2.0, "v": 1, "seq": 0}, 5),
+    ]
+    (later,) = json_messages(PLOT, encode(PLOT, {"rows": [{"ts": 3.0}]})[1], 5)
+    assert later[1] == 5
+
+
+def test_a_payload_has_no_more_than_a_message() -> None:
+    whole = b'{"v": 1}'
+    padded = whole + b" " * (2**24 - len(whole))
+    assert decode_json(HEALTH, padded) == {"v": 1}
+    with pytest.raises(ProtocolError, match="payload of 16777217 bytes, expected at most 16777216"):
+        decode_json(HEALTH, padded + b" ")
+
+
+def test_what_is_not_finite_is_null_however_deep() -> None:
+    fields = {"a": [1.0, math.nan, {"b": -math.inf}], "c": np.array([1.0, math.inf]), "n": None, "flag": True}
+    ((data, _),) = json_messages(HEALTH, encode(HEALTH, fields)[1], 0)
+    assert json.loads(data) == {"a": [1.0, None, {"b": None}], "c": [1.0, None], "n": None, "flag": True, "v": 1}

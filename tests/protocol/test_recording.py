@@ -237,3 +237,60 @@ def test_a_recording_knows_whether_it_goes_by_its_name(tmp_path):
         assert not writer.is_there()
         writer.path.write_bytes(b"another")
         assert not writer.is_there()
+
+
+def test_chunks_are_closed_by_time_and_the_disk_has_them_by_time(path, clock, monkeypatch):
+    synced = []
+    fsync = os.fsync
+    monkeypatch.setattr(os, "fsync", lambda descriptor: (synced.append(clock.now), fsync(descriptor)))
+    payload = encode(FRAMES, {"seq": 0})[1]
+    with RecordingWriter(path, "", "", clock=clock) as writer:
+        assert synced == [0.0, 0.0]  # the file and its name
+        unsafe = []
+        for now in (0.0, 0.49, 0.5, 0.99, 1.0, 1.49, 1.5, 1.99, 2.0):
+            clock.now = now
+            writer.write(FRAMES, payload, 0)
+            unsafe.append(writer.unsafe)
+        assert unsafe == [1, 2, 0, 1, 0, 1, 0, 1, 0]
+        assert synced[2:] == [1.0, 2.0]
+        clock.now = 2.4
+        writer.copy(FRAMES, payload, 0, "msgpack")
+        assert writer.unsafe == 1
+    assert writer.unsafe == 0 and synced[4:] == [2.4]
+
+
+def test_a_chunk_of_half_a_mebibyte_is_full(path, clock):
+    noise = [np.random.default_rng(k).bytes(100 * 1024) for k in range(6)]
+    with RecordingWriter(path, "", "", clock=clock) as writer:
+        begun = writer.size_bytes
+        for k in range(5):
+            writer.write(FRAMES, encode(FRAMES, {"x": noise[k]})[1], k)
+        assert writer.size_bytes == begun
+        writer.write(FRAMES, encode(FRAMES, {"x": noise[5]})[1], 5)
+        assert writer.size_bytes > begun + 500 * 1024
+
+
+@pytest.mark.parametrize(("t_ns", "fits"), [(-1, False), (0, True), (2**64 - 1, True), (2**64, False)])
+def test_a_time_has_64_bits(path, clock, t_ns, fits):
+    with RecordingWriter(path, "", "", clock=clock) as writer:
+        if fits:
+            writer.write(FRAMES, encode(FRAMES, {"seq": 0})[1], t_ns)
+        else:
+            with pytest.raises(ProtocolError, match=f"time of the message is {t_ns} ns, expected 0 to"):
+                writer.write(FRAMES, encode(FRAMES, {"seq": 0})[1], t_ns)
+    assert [time_ns for *_, time_ns in read_recording(path)] == ([t_ns] if fits else [])
+
+
+def test_messages_are_numbered_topic_by_topic(path, clock):
+    with RecordingWriter(path, "", "", clock=clock) as writer:
+        for topic in (FRAMES, RAW, FRAMES, FRAMES, RAW):
+            writer.write(topic, encode(topic, {"seq": 9})[1], 7)
+    with path.open("rb") as file:
+        found = [
+            (channel.topic, one.sequence, one.publish_time)
+            for _, channel, one in make_reader(file).iter_messages()
+        ]
+        file.seek(0)
+        attached = [(one.name, one.create_time, one.log_time) for one in make_reader(file).iter_attachments()]
+    assert sorted(found) == [(FRAMES, 0, 7), (FRAMES, 1, 7), (FRAMES, 2, 7), (RAW, 0, 7), (RAW, 1, 7)]
+    assert attached == [("arm.toml", 0, 0), ("limbd.toml", 0, 0)]

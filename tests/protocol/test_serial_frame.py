@@ -14,6 +14,7 @@ from limbcal.errors import ProtocolError
 from protocol.device_info import Channel, DeviceInfo
 from protocol.serial_frame import (
     SamplesFrame,
+    SamplesRun,
     encode_info,
     encode_samples,
     header_crc,
@@ -103,3 +104,31 @@ def test_counts_that_fit_no_frame_are_refused(block):
 def test_ticks_beyond_64_bits_are_refused(tick):
     with pytest.raises(ProtocolError, match="device clock"):
         encode_samples(np.zeros((1, 1), np.int16), 0, tick)
+
+
+@pytest.mark.parametrize(("n_sample", "size"), [(32767, 65534), (32768, None)])
+def test_a_payload_has_65535_bytes_at_most(n_sample, size):
+    block = np.ones((n_sample, 1), np.int16)
+    if size is None:
+        with pytest.raises(ProtocolError, match="payload of 65536 bytes, expected at most 65535"):
+            encode_samples(block, 0, 0)
+    else:
+        assert len(encode_samples(block, 0, 0)) == 24 + size + 4
+
+
+@pytest.mark.parametrize("tick", [0, 2**64 - 1])
+def test_any_ticks_of_64_bits_are_sent(tick):
+    (frame,) = FrameParser().feed(encode_info(INFO, 2**32 - 1, tick))
+    assert (frame.ticks, frame.sequence, frame.info) == (tick, 2**32 - 1, INFO)
+
+
+def test_a_run_is_taken_apart_frame_by_frame():
+    block = np.arange(12, dtype=np.int16).reshape(6, 2)
+    run = SamplesRun(7, [100, 200, 300], block)
+    assert run.frame_samples == 2
+    assert [(one.sequence, one.ticks, one.counts.tolist()) for one in run.frames()] == [
+        (7, 100, [[0, 1], [2, 3]]),
+        (8, 200, [[4, 5], [6, 7]]),
+        (9, 300, [[8, 9], [10, 11]]),
+    ]
+    assert (run.last().sequence, run.last().ticks, run.last().counts.tolist()) == (9, 300, [[8, 9], [10, 11]])

@@ -1,5 +1,6 @@
 """Nothing is lost, the order stays, memory is bounded, and the disk is given back."""
 
+import inspect
 import os
 import threading
 from collections import deque
@@ -89,3 +90,49 @@ def test_a_record_that_was_cut_is_written_over(tmp_path):
     file._file.write(b"half of a rec")
     queue.put([b"second", b"part"])
     assert [queue.take(), queue.take(), queue.take()] == [[b"first"], [b"second", b"part"], None]
+
+
+def test_memory_is_filled_to_the_last_byte_and_no_further():
+    queue = SpillingQueue(4, FILE_BYTES)
+    queue.put([b"12", b"34"])
+    queue.put([b""])
+    assert (queue.memory, queue.spilled, len(queue)) == (4, 0, 2)
+    queue.put([b"5"])
+    assert (queue.memory, queue.spilled, len(queue)) == (4, 4 + 4 + 1, 3)  # how many parts, how long, and the part
+    queue.put([b"6", b""])  # behind what is on the disk, though it would fit into memory
+    assert queue.take() == [b"12", b"34"]
+    queue.put([b"7"])
+    assert (queue.memory, queue.spilled) == (0, 9 + 13 + 9)
+    assert [queue.take() for _ in range(4)] == [[b""], [b"5"], [b"6", b""], [b"7"]]
+    assert (queue.memory, queue.spilled, len(queue)) == (0, 0, 0)
+    queue.put([b"8"])
+    assert (queue.memory, queue.spilled) == (1, 0)
+    queue.close()
+
+
+def test_half_of_memory_is_filled_from_the_disk():
+    queue = SpillingQueue(8, 1000)
+    for k in range(10):
+        queue.put([b"%02d" % k])
+    assert (queue.memory, queue.spilled) == (8, 6 * 10)
+    for k in range(5):
+        assert queue.take() == [b"%02d" % k]
+    assert (queue.memory, queue.spilled) == (2, 4 * 10)  # of two that were taken over one is left
+    assert [queue.take() for _ in range(5)] == [[b"%02d" % k] for k in range(5, 10)]
+    queue.close()
+
+
+@pytest.mark.parametrize(("file_bytes", "files"), [(18, 2), (19, 2), (9, 4), (27, 2), (28, 1), (36, 1)])
+def test_a_file_that_is_full_is_followed_by_another(tmp_path, file_bytes, files):
+    before = open_files()
+    queue = SpillingQueue(0, file_bytes, tmp_path)
+    for k in range(4):
+        queue.put([b"%d" % k])  # nine bytes each
+    assert open_files() - before == files
+    queue.close()
+    assert open_files() == before and len(queue) == queue.memory == queue.spilled == 0
+
+
+def test_unless_said_there_are_64_mebibytes_of_each():
+    assert inspect.signature(SpillingQueue).parameters["memory_bytes"].default == 2**26
+    assert inspect.signature(SpillingQueue).parameters["file_bytes"].default == 2**26

@@ -1,12 +1,14 @@
 """The receiving end on real sockets, and what it counts as missed."""
 
+import threading
+
 import pytest
 import zmq
 
 import protocol.publisher
 import protocol.subscriber
 from limbcal.errors import ConfigError, ProtocolError
-from protocol.message import FRAMES, HEALTH, PLOT, RAW
+from protocol.message import FRAMES, HEALTH, PLOT, RAW, encode
 from protocol.publisher import Publisher
 from protocol.subscriber import Subscriber
 
@@ -156,3 +158,46 @@ def test_close_may_be_repeated(context):
     subscriber = Subscriber(context, "tcp://127.0.0.1:1", [""])
     subscriber.close()
     subscriber.close()
+
+
+@pytest.mark.parametrize("watched", [False, True])
+def test_a_thread_looks_only_where_it_is_wanted(context, publisher, watched):
+    before = set(threading.enumerate())
+    with Subscriber(context, publisher.endpoint, [""], watched=watched):
+        assert len(set(threading.enumerate()) - before) == watched
+    assert not set(threading.enumerate()) - before
+
+
+def test_the_socket_keeps_ten_thousand_messages(subscriber):
+    socket = subscriber.socket
+    assert (socket.get(zmq.RCVHWM), socket.get(zmq.RECONNECT_IVL), socket.get(zmq.LINGER)) == (10_000, 20, 0)
+    assert socket.get(zmq.MAXMSGSIZE) == 16 * 1024 * 1024 + 4096
+    assert (subscriber.refused, subscriber.restarts, subscriber.run) == (0, 0, "first-run")
+    assert protocol.subscriber.UNREAD_LIMIT == 2**25
+
+
+def test_messages_without_numbers_count_for_nothing(publisher, subscriber):
+    last = publisher.last_seq[FRAMES]
+    for fields in ({"seq": "x"}, {"run": 5}, {}):
+        publisher.socket.send_multipart(encode(FRAMES, fields))
+        assert subscriber.receive(1000)[1] == {**fields, "v": 1}
+    assert (subscriber.missed, subscriber.restarts, subscriber.run) == ({}, 0, "first-run")
+    publisher.socket.send_multipart(encode(FRAMES, {"seq": last + 1, "run": "first-run"}))
+    subscriber.receive(1000)
+    publisher.socket.send_multipart(encode(FRAMES, {"seq": last + 3, "run": "first-run"}))
+    subscriber.receive(1000)
+    assert subscriber.missed == {FRAMES: 1}
+    publisher.socket.send_multipart(encode(FRAMES, {"seq": last + 3, "run": "first-run"}))  # twice
+    subscriber.receive(1000)
+    assert subscriber.missed == {FRAMES: 1}
+
+
+def test_only_a_heartbeat_tells_of_other_topics(publisher, subscriber):
+    last = publisher.last_seq[FRAMES]
+    publisher.socket.send_multipart(encode(FRAMES, {"last_seq": {FRAMES: last + 9}}))
+    subscriber.receive(1000)
+    assert subscriber.missed == {}
+    for told in ([FRAMES], {FRAMES: "x"}, {FRAMES: last}, {FRAMES: last - 5}, {FRAMES: last + 2}):
+        publisher.socket.send_multipart(encode(HEALTH, {"last_seq": told}))
+        subscriber.receive(1000)
+    assert subscriber.missed == {FRAMES: 2}

@@ -5,7 +5,7 @@ from collections.abc import Callable, Iterator
 import pytest
 import zmq
 
-from protocol.subscriptions import MOST_TOPICS, TOPIC_LIMIT, Subscriptions
+from protocol.subscriptions import MOST_TOPICS, SENT_LIMIT, TOPIC_LIMIT, Subscriptions
 
 PATIENCE_MS, TRIES = 100, 300
 Served = tuple["zmq.Context[zmq.Socket[bytes]]", Subscriptions, str]
@@ -50,3 +50,39 @@ def test_who_asks_for_too_much_is_shown_out(served: Served, topics: list[bytes])
             greedy.subscribe(topic)
         looked(subscriptions, lambda: subscriptions.peers.refused > 0)
         greedy.linger = 0
+
+
+def test_sixty_four_topics_at_a_time_are_no_more_than_there_may_be(served: Served) -> None:
+    context, subscriptions, endpoint = served
+    with context.socket(zmq.SUB) as honest:
+        honest.linger = 0
+        honest.connect(endpoint)
+        for k in range(64):
+            honest.subscribe(b"%02d" % k)
+        for k in range(10):
+            honest.unsubscribe(b"%02d" % k)
+            honest.subscribe(b"other %d" % k)
+
+        def heard() -> bool:
+            subscriptions._socket.send(b"other 9")
+            return bool(honest.poll(20))
+
+        looked(subscriptions, heard)
+        assert subscriptions.peers.refused == 0
+
+
+def test_the_socket_keeps_little_of_what_subscribers_send(served: Served) -> None:
+    _, subscriptions, _ = served
+    socket = subscriptions._socket
+    assert (socket.get(zmq.RCVHWM), socket.get(zmq.RCVBUF), socket.get(zmq.MAXMSGSIZE)) == (8, 16 * 1024, 512)
+    assert (TOPIC_LIMIT, MOST_TOPICS, SENT_LIMIT) == (64, 64, 32 * 1024)
+
+
+def test_what_is_no_topic_is_shown_out(served: Served) -> None:
+    context, subscriptions, endpoint = served
+    with context.socket(zmq.XSUB) as rude:
+        rude.linger = 0
+        rude.connect(endpoint)
+        rude.send(b"hello")
+        looked(subscriptions, lambda: subscriptions.peers.refused > 0)
+        assert not subscriptions.joined()

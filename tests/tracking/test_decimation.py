@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from scipy.signal import firwin
 
 from tracking.decimation import Decimator
 
@@ -107,3 +108,15 @@ def test_a_flush_without_readings_gives_none():
     assert decimator.flush().shape == (0, 3)
     assert decimator.push(np.empty((0, 3))).shape == (0, 3)
     assert decimator.flush().shape == (0, 3)
+
+
+@pytest.mark.parametrize(("factor", "half"), [(1, 0), (2, 3), (3, 4), (4, 6), (5, 7)])
+def test_its_low_pass_is_scipy_s_behind_a_kaiser_window(factor, half):
+    """Three frames long in all, and its corner at nine tenths of what frames can hold."""
+    decimator = Decimator(factor, 1)
+    assert decimator.delay_samples == half
+    taps = firwin(2 * half + 1, 0.9 / factor, window=("kaiser", 5.0)) if half else np.ones(1)
+    readings = np.random.default_rng(factor).normal(size=(12 * factor, 1))
+    padded = np.concatenate([np.repeat(readings[:1], half), readings[:, 0], np.repeat(readings[-1:], half)])
+    expected = np.convolve(padded, taps, mode="valid")[factor // 2 :: factor]
+    np.testing.assert_allclose(decimated(readings, factor)[:, 0], expected, rtol=0, atol=1e-12)

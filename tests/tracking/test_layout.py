@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
 
 from arm.model import Arm, Joint, Sensor
 from limbcal.errors import ConfigError
@@ -41,3 +42,22 @@ def test_every_link_that_cannot_be_tracked_is_named():
         "arm 'three': joint 2 slides and has no sensor on its link, expected one",
         "arm 'three': joint 3 turns and has 0 sensors on its link; expected two that lie apart across its axis",
     ]
+
+
+@pytest.mark.parametrize(("apart_m", "enough"), [(0.9e-3, False), (1.0e-3, True), (1.1e-3, True)])
+def test_a_millimetre_apart_is_enough(apart_m, enough):
+    sensors = (Sensor("s1", 1, (0.0, 0.0, 0.0)), Sensor("s2", 1, (0.0, apart_m, 0.5)))
+    arm = Arm("one", (Joint(),), sensors=sensors)
+    if enough:
+        assert layout_of(arm).pair.tolist() == [[0, 1]]
+    else:
+        with pytest.raises(ConfigError, match="expected two that lie apart across its axis"):
+            layout_of(arm)
+
+
+def test_places_and_turns_are_the_sensors_own(sliding):
+    layout = layout_of(sliding)
+    assert layout.link.tolist() == [0, 0, 1]
+    np.testing.assert_array_equal(layout.position[2], [0.02, 0.01, 0.1])
+    turn = Rotation.from_euler("xyz", [0.2, -0.4, 0.6]).as_matrix()
+    np.testing.assert_allclose(layout.rotation[1], turn, atol=1e-12)

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from tracking.loss import LOST_STD, PREDICTABLE_S, TOLD_S, Loss
+from tracking.loss import LOST_STD, PREDICTABLE_S, TOLD_S, Loss, most_probable_way
 from tracking.process import SMOOTHER_PUSH_STD
 
 DT_S = 0.004
@@ -94,3 +94,36 @@ def test_while_a_motion_is_lost_only_where_the_arm_is_grows_doubtful():
     angle, speed, acceleration = np.square(LOST_STD)
     joint = [angle * (1.0 + lost_s), speed, acceleration]
     np.testing.assert_allclose(P[:6, :6], np.diag([*joint, *joint]), rtol=1e-12, atol=0)
+
+
+@pytest.mark.parametrize(
+    ("T", "v0", "a0", "v1", "a1", "way"),
+    [(2.0, 1.0, 0.0, 3.0, 0.0, 4.0), (2.0, 0.0, 3.0, 0.0, 0.0, 1.0), (2.0, 0.0, 0.0, 0.0, 6.0, -2.0)],
+)
+def test_a_way_goes_by_speeds_and_accelerations_at_both_ends(T, v0, a0, v1, a1, way):
+    assert most_probable_way(T, *(np.array([x]) for x in (v0, a0, v1, a1))) == pytest.approx([way])
+
+
+def test_a_quarter_of_a_second_is_predicted_and_one_and_a_half_tell():
+    loss, (x, P) = Loss(2, 0.125), state(np.random.default_rng(6))
+    assert [loss.miss(x, P) for _ in range(3)] == [False, False, True]
+    for frames, regained in ((12, True), (13, False)):  # 1.5 s and more
+        loss, (x, P) = Loss(2, 0.125), state(np.random.default_rng(7))
+        for _ in range(3):
+            loss.miss(x, P)
+        loss.skip(frames - 3)
+        before = x.copy()
+        loss.regain(0.0, x, P)
+        assert np.array_equal(x, before) != regained
+
+
+def test_what_is_left_of_a_lost_motion_is_half_a_radian():
+    loss, (x, P) = Loss(1, 1.0), (np.ones(3), np.eye(3))
+    assert loss.miss(x, P)
+    np.testing.assert_allclose(np.diag(P), [0.25 + 0.25, 9.0, 100.0])  # as much again in a second
+    np.testing.assert_array_equal(x, [1.0, 0.0, 0.0])
+    np.testing.assert_array_equal(loss.before, np.ones((1, 3)))
+    loss.retime(2.0)
+    assert loss.seconds == 2.0
+    loss.miss(x, P)
+    assert P[0, 0] == pytest.approx(0.25 + 0.25 + 0.5)

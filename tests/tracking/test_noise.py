@@ -110,3 +110,37 @@ def test_a_converter_s_step_is_learnt_when_something_moves():
     assert not watch.look(still + 3.0 * STEP)
     assert watch.look(np.vstack([still, still + 0.5 * STEP]))
     np.testing.assert_allclose(watch.noise.rounding, (0.5 * STEP) ** 2 / 12.0)
+
+
+def bumps(sizes, cell):
+    """Return a channel that stands still but for one reading in the middle of each cell, so much higher."""
+    found = np.zeros((cell * len(sizes), 1))
+    found[cell // 2 :: cell, 0] = sizes
+    return found  # the third differences of one of size a are a, -3a, 3a, -a: 20 a^2 in all
+
+
+@pytest.mark.parametrize(
+    ("sizes", "cell", "n", "expected"),
+    [
+        ([1.0], 8, 8, 1.0 / 5.0),  # of eight readings five third differences
+        ([2.0], 63, 63, 4.0 / 60.0),
+        ([3.0, 1.0, 2.0, 4.0], 16, 64, 1.0 / 13.0 / (1.0 - 1.27 * np.sqrt(4.6 / 13.0))),
+        ([3.0, 1.0, 2.0, 4.0], 64, 256, 1.0 / 61.0 / (1.0 - 1.27 * np.sqrt(4.6 / 61.0))),
+        # the calmest quarter of ten are two
+        ([5.0, 9.0, 1.0, 7.0, 8.0, 2.0, 6.0, 4.0, 10.0, 3.0], 64, 640, 2.5 / 61.0 / 0.651246),
+        ([3.0, 1.0, 2.0, 4.0, 5.0, 6.0, 7.0], 64, 448, 1.0 / 61.0 / 0.651246),
+    ],
+)
+def test_the_calmest_quarter_of_cells_counts(sizes, cell, n, expected):
+    found = bumps(sizes, cell)
+    assert len(found) == n
+    assert noise_of(found, RATE_HZ).variance == pytest.approx(expected, rel=1e-5)
+
+
+def test_a_step_that_hardly_changes_what_is_hidden_changes_nothing():
+    watch = StepWatch(Noise(np.zeros(1), np.full(1, 0.95 / 12.0)))
+    assert not watch.look(np.array([[0.0], [1.0]]))  # within a tenth
+    assert watch.noise.rounding[0] == 0.95 / 12.0
+    watch = StepWatch(Noise(np.zeros(1), np.full(1, 0.85 / 12.0)))
+    assert watch.look(np.array([[0.0], [1.0]]))
+    assert watch.noise.rounding[0] == pytest.approx(1.0 / 12.0)

@@ -4,10 +4,11 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from scipy.optimize import least_squares
 
 from arm.accelerometer import specific_force
 from arm.arm_file import load_arm
-from arm.model import SensorCovariance
+from arm.model import Arm, Joint, Sensor, SensorCovariance
 from tracking.observation import MOUNTING, observation_of
 from tracking.start import GIVEN_STD, GUESSED_STD, MountingPrior, start_state
 
@@ -155,3 +156,80 @@ def test_angles_that_gravity_hardly_shows_stay_near_the_zero(dd_arm, seed):
     offset = 0.02 * np.random.default_rng(seed).normal(size=12)
     _, x, _ = started(hardly, at_rest(hardly, np.zeros(2)) + offset)
     assert np.abs(x[:6:3]).max() < GUESSED_STD
+
+
+@pytest.mark.parametrize(
+    ("size", "std"),
+    [
+        *((0.0, 0.02), (0.005, 0.02), (0.1, 2.0 * np.sqrt(12.0 * 0.1**2 / 10.0))),
+        *((0.2, 2.0 * 0.2 * np.sqrt(1.2)), (1.0, 0.5)),
+    ],
+)
+def test_offsets_are_held_to_be_twice_what_the_first_readings_show(dd_arm, size, std):
+    """Of twelve readings that two angles explain a part of, ten are left."""
+    first = at_rest(dd_arm, Q) + size
+    P = started(dd_arm, first, Q)[2]
+    np.testing.assert_allclose(np.sqrt(np.diag(P)[6:18]), std, rtol=1e-9)
+    moving = started(dd_arm, first, Q, steady=False)[2]
+    np.testing.assert_allclose(np.sqrt(np.diag(moving)[6:18]), 0.2)
+
+
+def test_too_few_readings_show_no_offsets(spatial):
+    """Three angles explain whatever one sensor reads."""
+    one, two = (replace(spatial, sensors=spatial.sensors[-n:], tip=None) for n in (1, 2))
+    for arm, std in ((one, 0.2), (two, 2.0 * np.sqrt(6.0 * 0.1**2 / 3.0))):
+        q = np.array([0.1, 0.2, 0.3])
+        still = np.zeros((1, 3))
+        first = specific_force(arm, q[None], still, still).ravel() + 0.1
+        P = started(arm, first, q)[2]
+        np.testing.assert_allclose(np.sqrt(np.diag(P)[9 : 9 + 3 * len(arm.sensors)]), std)
+
+
+@pytest.mark.parametrize(("steady", "acceleration"), [(True, 0.05), (False, 10.0)])
+def test_speeds_and_accelerations_are_held_to_be_small(vertical, steady, acceleration):
+    std = np.sqrt(np.diag(started(vertical, at_rest(vertical, Q), Q, steady=steady)[2]))
+    np.testing.assert_allclose(std[[1, 4]], 0.01)
+    np.testing.assert_allclose(std[[2, 5]], acceleration)
+
+
+@pytest.mark.parametrize("gravity", [(0.0, -9.80665, 0.0), (0.0, -0.3, 0.0), (0.2, 0.1, 0.0)])
+@pytest.mark.parametrize("seed", range(3))
+def test_gravity_s_angles_are_the_most_probable_ones(vertical, gravity, seed):
+    """By least squares: readings to 0.2 m/s^2, angles to a radian of where it is said to rest."""
+    arm, rng = replace(vertical, gravity_m_s2=gravity), np.random.default_rng(seed)
+    guess = rng.uniform(-0.5, 0.5, 2)
+    first = at_rest(arm, Q) + 0.05 * rng.normal(size=12)
+
+    def misses(q):
+        return np.concatenate([(at_rest(arm, q) - first) / 0.2, (q - guess) / 1.0])
+
+    of, size = observation_of(arm, False)
+    x, _ = start_state(arm, of, size, first, True, guess, False, MountingPrior())
+    expected = least_squares(misses, guess, xtol=1e-15, ftol=1e-15, gtol=1e-15).x
+    np.testing.assert_allclose(x[:6:3], expected, rtol=0, atol=1e-6)
+
+
+@pytest.mark.parametrize(("gravity", "std"), [(0.13, 1e-5), (0.15, 1.0)])
+def test_an_angle_is_shown_where_readings_tell_more_than_a_guess(gravity, std):
+    """Two sensors that read gravity to 0.2 m/s^2 tell it to a radian where it is 0.141 m/s^2."""
+    sensors = (Sensor("s1", 1, (0.1, 0.0, 0.0)), Sensor("s2", 1, (0.2, 0.0, 0.0)))
+    arm = Arm("one", (Joint(a_m=0.3),), sensors=sensors, gravity_m_s2=(0.0, -gravity, 0.0))
+    P = started(arm, at_rest_of_one(arm), steady=False)[2]
+    assert np.sqrt(P[0, 0]) == pytest.approx(std)
+
+
+def at_rest_of_one(arm):
+    nothing = np.zeros((1, 1))
+    return specific_force(arm, nothing, nothing, nothing).ravel()
+
+
+def test_of_an_ac_coupled_sensor_nothing_is_known_but_where_it_settles(vertical):
+    coupled = replace(vertical.sensors[0], highpass_hz=0.1)
+    arm = replace(vertical, sensors=(coupled, *vertical.sensors[1:]))
+    of, x, P = started(arm, at_rest(vertical, Q), Q)
+    std = np.sqrt(np.diag(P))
+    np.testing.assert_allclose(std[6:9], 20.0)
+    np.testing.assert_allclose(std[9:18], 0.02)  # of the others as ever
+    settled = int(of.settled_column[0])
+    np.testing.assert_allclose(std[settled : settled + 3], 0.002)
+    np.testing.assert_allclose(x[9:18], 0.0, atol=1e-12)

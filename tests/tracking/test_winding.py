@@ -98,3 +98,56 @@ def test_a_gap_at_either_end_has_one_reading_to_go_by(dd_arm, lost, speed):
     more[:, 0] += 4.0 * np.pi * np.clip((np.arange(N) - lost.start + 1) * DT / way_s, 0.0, 1.0)
     more[lost, 1] += 4.0 * np.pi / way_s
     np.testing.assert_allclose(unwound(more, course(lost=lost), dd_arm), states, atol=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("speeds", "turned"),
+    [
+        ([0.0, 5.3, 5.3, 5.3, 5.3, 5.3], True),  # at 5.22 rad/s it comes half a turn far in 1.2 s, braking
+        ([0.0, 5.1, 5.1, 5.1, 5.1, 5.1], False),
+        ([0.0, 7.2, 4.9, 4.9, 4.9, 4.9], True),  # the mean of five instants counts
+        ([9.0, 5.1, 5.1, 5.1, 5.1, 5.1], False),
+    ],
+)
+@pytest.mark.parametrize("end", [False, True])
+def test_speeds_at_an_end_are_means_of_a_fiftieth_of_a_second(dd_arm, speeds, turned, end):
+    states = motion([0.0, 0.0])
+    if end:
+        states[GAP.stop : GAP.stop + 6, 1] = speeds[::-1]
+    else:
+        states[GAP.start - 6 : GAP.start, 1] = speeds
+    found = unwound(states, course(), dd_arm)
+    assert (found is not None) == turned
+    if turned:
+        np.testing.assert_allclose(found[GAP.stop :, 0], 2.0 * np.pi, atol=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("where", "acceleration", "way"),
+    [(slice(0, 500), 30.0, 1.0), (slice(0, 500), -30.0, -1.0), (slice(800, N), 30.0, -1.0)],
+)
+def test_accelerations_at_the_ends_tell_too(dd_arm, where, acceleration, way):
+    """T^2 / 12 of their difference: 3.6 rad in 1.2 s."""
+    states = motion([0.0, 0.0])
+    states[where, 2] = acceleration
+    found = unwound(states, course(), dd_arm)
+    np.testing.assert_allclose(found[GAP.stop :, 0], 2.0 * np.pi * way, atol=1e-12)
+    states[where, 2] = acceleration / 1.5
+    assert unwound(states, course(), dd_arm) is None
+
+
+@pytest.mark.parametrize(("frames", "told"), [(374, True), (375, False)])
+def test_a_gap_of_one_and_a_half_seconds_is_told(dd_arm, frames, told):
+    lost = slice(500, 500 + frames)
+    states = motion([0.0, 0.0])
+    states[lost.stop :, 0] += 2.0 * np.pi
+    assert (unwound(states, course(lost=lost), dd_arm) is not None) == told
+
+
+def test_one_lost_reading_is_a_gap(dd_arm):
+    lost, states = slice(500, 501), motion([0.0, 0.0])
+    states[lost.stop :, 0] -= 2.0 * np.pi
+    found = unwound(states, course(lost=lost), dd_arm)
+    np.testing.assert_allclose(found[lost.stop :, 0], 0.0, atol=1e-12)
+    assert found[500, 0] == pytest.approx(np.pi)  # half way, as a turn would have had it
+    assert found[500, 1] == pytest.approx(2.0 * np.pi / (2.0 * DT))

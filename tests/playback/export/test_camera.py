@@ -104,3 +104,20 @@ def test_the_floor_is_under_the_base(motion: Sampled) -> None:
 )
 def test_up_is_against_gravity(gravity: tuple[float, float, float], up: list[float]) -> None:
     assert upward(replace(load_arm("dd-arm"), gravity_m_s2=gravity)) == pytest.approx(up)
+
+
+def test_the_viewer_stands_22_degrees_above_and_55_to_the_right() -> None:
+    arm = replace(load_arm("spatial-arm"), gravity_m_s2=(0.0, 0.0, -9.81))
+    camera = look_at(sample(source_of(arm), None, 60.0, 1.0).movers, WIDTH, HEIGHT)
+    around, above = np.radians([55.0, 22.0])
+    viewer = [np.cos(above) * np.cos(around), -np.cos(above) * np.sin(around), np.sin(above)]
+    assert camera.axes[2] == pytest.approx(viewer)
+    assert camera.axes[0] == pytest.approx([np.sin(around), np.cos(around), 0.0])
+
+
+def test_a_flat_arm_is_tilted_by_24_degrees(pair: Sampled) -> None:
+    camera = look_at(pair.movers, WIDTH, HEIGHT)
+    assert camera.axes[2, 2] == pytest.approx(np.cos(np.radians(24.0)))
+    upper = look_at(pair.movers, WIDTH, HEIGHT, HEAD)
+    assert (upper.origin - camera.origin)[1] > 0.5 * HEAD - 1.0  # lower by half of what is kept free
+    assert upper.scale <= camera.scale

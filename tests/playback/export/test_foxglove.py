@@ -106,3 +106,52 @@ def test_the_scene_has_every_mesh_in_its_frame(tmp_path: Path, motion: Sampled) 
         assert points == pytest.approx(mesh.vertices, abs=1e-6)
         assert entities[name]["frame_id"] == name.replace("link", "joint")
         assert entities[name]["frame_locked"] is True
+
+
+def test_the_way_of_the_tip_is_a_thin_line(tmp_path: Path, pair: Sampled) -> None:
+    path = tmp_path / "pair.mcap"
+    write_foxglove(path, pair, range(len(pair.t)))
+    ((_, scene),) = read(path)["/scene"]
+    entities = {entity["id"]: entity for entity in scene["entities"]}
+    for prefix, mover, opacity in zip(("", "twin/"), pair.movers, (1.0, 0.55), strict=True):
+        (line,) = entities[f"{prefix}path of the tip"]["lines"]
+        red, green, blue = mover.colours.trace
+        assert line["color"] == {"r": red / 255.0, "g": green / 255.0, "b": blue / 255.0, "a": 0.6}
+        assert (line["type"], line["thickness"], line["scale_invariant"]) == (0, 2.0, True)
+        assert line["points"] == [dict(zip("xyz", tip, strict=True)) for tip in mover.tip.tolist()]
+        assert line["colors"] == line["indices"] == []
+        (mesh,) = entities[f"{prefix}link 1"]["triangles"]
+        assert mesh["color"]["a"] == opacity
+        assert (
+            mesh["pose"]
+            == line["pose"]
+            == {
+                "position": {"x": 0.0, "y": 0.0, "z": 0.0},
+                "orientation": {"x": 0.0, "y": 0.0, "z": 0.0, "w": 1.0},
+            }
+        )
+        numbers = [value for point in mesh["points"] for value in point.values()]
+        assert numbers == [round(value, 6) for value in numbers]  # a micrometre
+        assert entities[f"{prefix}link 1"]["frame_id"] == f"{prefix}joint 1"
+    for entity in scene["entities"]:
+        assert entity["timestamp"] == entity["lifetime"] == {"sec": 0, "nsec": 0}
+        assert all(entity[kind] == [] for kind in ("metadata", "arrows", "cubes", "spheres", "texts", "models"))
+
+
+def test_messages_are_numbered_and_arms_attached(tmp_path: Path, pair: Sampled) -> None:
+    path = tmp_path / "pair.mcap"
+    write_foxglove(path, pair, range(len(pair.t)))
+    numbers: dict[str, list[int]] = defaultdict(list)
+    with path.open("rb") as file:
+        for _, channel, message in make_reader(file).iter_messages():
+            numbers[channel.topic].append(message.sequence)
+            assert message.publish_time == message.log_time
+        file.seek(0)
+        attached = [(one.name, one.create_time, one.log_time) for one in make_reader(file).iter_attachments()]
+    n = list(range(len(pair.t)))
+    assert numbers == {"/scene": [0], "/tf": n, "/joints": n, "/twin/joints": n}
+    assert attached == [("arm.toml", 0, 0), ("twin_arm.toml", 0, 0)]
+    t_ns, joints = read(path)["/twin/joints"][5]
+    assert joints["timestamp"] == {"sec": 0, "nsec": t_ns}
+    twin = pair.movers[1]
+    assert [joints["dq1"], joints["ddq2"]] == [twin.dq[5, 0], twin.ddq[5, 1]]

@@ -2,6 +2,7 @@
 
 import json
 import struct
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -169,3 +170,43 @@ def test_a_gltf_is_the_same_as_text(tmp_path: Path, pair: Sampled) -> None:
     assert bytes(binary.blob) == bytes(text.blob)
     assert len(binary.gltf.accessors) == len(text.gltf.accessors)
     assert [node.name for node in binary.gltf.nodes] == [node.name for node in text.gltf.nodes]
+
+
+def test_surfaces_are_matt_and_their_colours_linear_light(tmp_path: Path, pair: Sampled) -> None:
+    path = tmp_path / "pair.glb"
+    write_gltf(path, pair)
+    gltf = Viewer(path).gltf
+    surfaces = {material.name: material.pbrMetallicRoughness for material in gltf.materials}
+    assert list(surfaces) == [f"{name}{twin}" for twin in ("", " (twin)") for name in ("link", "base", "sensor")]
+    for name, surface in surfaces.items():
+        assert (surface.metallicFactor, surface.roughnessFactor) == (0.1, 0.55)
+        assert surface.baseColorFactor[3] == (0.55 if "twin" in name else 1.0)
+    # of #4a6582 by IEC 61966-2-1: 74, 101 and 130 of 255
+    assert surfaces["link"].baseColorFactor[:3] == pytest.approx([0.06847817, 0.13013648, 0.22322796], abs=1e-6)
+    assert gltf.scene == 0 and len(gltf.scenes) == 1 and gltf.scenes[0].name == pair.title
+    assert [animation.name for animation in gltf.animations] == [f"{pair.title}, trial {pair.trial}"]
+    assert gltf.nodes[gltf.scenes[0].nodes[0]].name == "limbcal"
+    assert gltf.buffers[0].byteLength == len(gltf.binary_blob())
+
+
+@pytest.mark.parametrize(("moves", "paths"), [(0.0, []), (1e-13, []), (1e-3, ["rotation"])])
+def test_what_stands_still_has_no_animation(tmp_path: Path, pair: Sampled, moves: float, paths: list[str]) -> None:
+    (mover,) = pair.movers[:1]
+    q = np.zeros_like(mover.q)
+    q[:, 1] = np.linspace(0.0, moves, len(q))
+    path = tmp_path / "still.glb"
+    write_gltf(path, replace(pair, movers=(replace(mover, q=q),)))
+    animations = Viewer(path).gltf.animations
+    channels = [channel for animation in animations for channel in animation.channels]
+    assert [channel.target.path for channel in channels] == paths
+    assert len(animations) == min(len(paths), 1)
+
+
+def test_black_is_black(tmp_path: Path, pair: Sampled) -> None:
+    """Up to 0.04045 light goes with the number."""
+    (mover,) = pair.movers[:1]
+    dark = mover.colours._replace(link=(0, 10, 11))
+    path = tmp_path / "dark.glb"
+    write_gltf(path, replace(pair, movers=(replace(mover, colours=dark),)))
+    colour = Viewer(path).gltf.materials[0].pbrMetallicRoughness.baseColorFactor
+    assert colour[:3] == pytest.approx([0.0, 10 / 255 / 12.92, ((11 / 255 + 0.055) / 1.055) ** 2.4], abs=1e-9)

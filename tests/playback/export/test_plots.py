@@ -23,7 +23,7 @@ def test_each_dot_lies_on_its_curve(motion: Sampled) -> None:
 
 def test_plots_are_below_the_head_one_below_the_other(motion: Sampled) -> None:
     plots = draw_plots(motion, WIDTH, HEIGHT, HEAD)
-    assert plots.rows[0][0] == pytest.approx(HEAD, abs=1.0)
+    assert plots.rows[0][0] == pytest.approx(HEAD, abs=0.3)
     edges = np.ravel(plots.rows)
     assert np.all(np.diff(edges) > 0.0) and edges[-1] < HEIGHT
     for (top, bottom), dots in zip(
@@ -35,7 +35,7 @@ def test_plots_are_below_the_head_one_below_the_other(motion: Sampled) -> None:
 
 def test_time_runs_from_edge_to_edge(motion: Sampled) -> None:
     x = draw_plots(motion, WIDTH, HEIGHT, HEAD).x
-    assert (x[0], x[-1]) == (pytest.approx(62.0, abs=1.0), pytest.approx(WIDTH - 24.0, abs=1.0))
+    assert (x[0], x[-1]) == (pytest.approx(62.0, abs=0.3), pytest.approx(WIDTH - 24.0, abs=0.3))
     assert np.diff(x) == pytest.approx((x[-1] - x[0]) / (len(x) - 1))
 
 

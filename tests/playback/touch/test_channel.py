@@ -5,8 +5,8 @@ from collections.abc import Iterator
 import pytest
 import zmq
 
-from playback.touch.channel import AT_ONCE, HapticChannel, Heard
-from playback.touch.message import Command, Input, encode_input
+from playback.touch.channel import AT_ONCE, MESSAGE_LIMIT, UNREAD_LIMIT, HapticChannel, Heard
+from playback.touch.message import Command, Input, decode_reply, encode_input
 from tests.patience import PATIENCE_MS
 
 Context = zmq.Context[zmq.Socket[bytes]]
@@ -97,3 +97,45 @@ def test_a_flood_costs_a_tick_no_more_than_a_part_of_it(context: Context, channe
     assert channel._socket.poll(PATIENCE_MS)
     assert len(list(channel.drain())) <= AT_ONCE
     socket.close()
+
+
+@pytest.mark.parametrize(
+    ("parts", "answer"),
+    [
+        ([b"", encode_input({"position": [0, 0]})], [b"", "expected 3 numbers"]),  # as REQ sends it
+        ([encode_input({"position": [0, 0]})], ["expected 3 numbers"]),
+        ([b""], ["not msgpack"]),
+        ([b"x", b"y"], ["input: 2 parts, expected 1"]),
+        ([b"", b"x", b"y"], [b"", "input: 2 parts, expected 1"]),
+        ([bytes(8000)], ["8000 bytes, expected at most 4096"]),
+    ],
+)
+def test_what_is_no_input_is_answered_the_way_it_came(
+    context: Context, channel: HapticChannel, parts: list[bytes], answer: list[bytes | str]
+) -> None:
+    socket = device(context, channel)
+    socket.send_multipart(parts)
+    assert channel._socket.poll(PATIENCE_MS)
+    assert list(channel.drain()) == []
+    assert socket.poll(PATIENCE_MS)
+    *envelope, said = socket.recv_multipart()
+    assert [*envelope] == answer[:-1]
+    assert str(answer[-1]) in decode_reply(said)["error"]
+    socket.close()
+
+
+def test_an_envelope_is_an_address_and_what_req_adds(context: Context, channel: HapticChannel) -> None:
+    socket = device(context, channel)
+    socket.send_multipart([b"", encode_input({"cmd": "state", "seq": 1})])
+    (heard,) = drained(channel, 1)
+    assert len(heard.envelope) == 2 and heard.envelope[1] == b""
+    socket.send(encode_input(place(2, 0.5)))
+    (heard,) = drained(channel, 2)
+    assert len(heard.envelope) == 1
+    channel.answer(heard.envelope, {"seq": 2})
+    assert socket.poll(PATIENCE_MS) and decode_reply(socket.recv())["seq"] == 2
+    socket.close()
+
+
+def test_two_mebibytes_of_a_device_may_wait() -> None:
+    assert (AT_ONCE, MESSAGE_LIMIT, UNREAD_LIMIT) == (64, 8192, 2**21)

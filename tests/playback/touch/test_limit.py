@@ -81,3 +81,49 @@ def test_a_coupling_is_what_the_page_of_commands_says_unless_something_else_is_a
     plain = Coupling()
     assert rows["`--stiffness`, `--damping`"] == f"{plain.stiffness:g} N/m, {plain.damping:g} N s/m"
     assert rows["`--device-damping`"] == f"{plain.device:g} N s/m"
+
+
+def test_what_is_just_passive_is_given_as_it_was_asked_for() -> None:
+    given_ = Coupling(3.0, 0.25, 4.0).within(1.0)  # 4 sqrt(1/4) (sqrt(4) - sqrt(1/4)) = 3
+    assert (given_.stiffness, given_.damping) == (3.0, 0.25)
+    softer = Coupling(3.1, 0.25, 4.0).within(1.0)
+    assert (softer.stiffness, softer.damping) == (3.1, 1.0)  # b/4 leaves 4 N/m
+    assert Coupling(9.0, 0.25, 4.0).within(1.0).stiffness == 4.0
+    damped = Coupling(0.0, 5.0, 5.0).within(1e-3)
+    assert (damped.stiffness, damped.damping) == (0.0, 5.0)
+    assert Coupling(0.0, 5.1, 5.0).within(1e-3).damping == 1.25
+
+
+def test_turning_is_limited_by_itself() -> None:
+    asked = Coupling(1.0, 1.0, 5.0, turn_stiffness=3.1, turn_damping=0.25, turn_device=4.0)
+    given_ = asked.within(1.0)
+    assert (given_.turn_stiffness, given_.turn_damping, given_.stiffness) == (3.1, 1.0, 1.0)
+    given_ = asked.within(1.0, inertia=2.5)
+    assert (given_.turn_stiffness, given_.turn_damping) == (2.5, 0.25)
+    assert given_.stiffness == 1.0
+
+
+@pytest.mark.parametrize(("asked", "given_"), [(None, 2.0), (1.5, 1.5), (2.5, 2.0), (0.0, 0.0)])
+def test_a_wall_gets_what_the_coupling_leaves(asked: float | None, given_: float) -> None:
+    # K = 3, B = 1/4, T = 1 need 9/4 + 3/2 + 1/4 = 4 of 5 N s/m; the wall 2 (5 - 4)
+    coupling = Coupling(3.0, 0.25, 5.0, wall=(0.0, 1.0, 0.0, 0.0), wall_stiffness=asked)
+    assert coupling.within(1.0).wall_stiffness == pytest.approx(given_)
+
+
+def test_without_a_wall_none_is_stiff() -> None:
+    assert Coupling(wall_stiffness=7.0).within(1e-3).wall_stiffness == 0.0
+    assert damping_needed(0.0, 3.0, 1e-3) == 3.0
+    assert mass_limit(2.0, 0.5) == 8.0
+    assert wall_limit(1.0, 1.0, 2.0) == 0.0
+
+
+def test_defaults_are_those_of_a_hand() -> None:
+    assert Coupling() == Coupling(400.0, 1.0, 5.0, 20.0, 2.0, 0.005, 0.02, 1.0, None, None)
+    assert Coupling(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0).max_force == 0.0  # nothing is no mistake
+
+
+@pytest.mark.parametrize("wall", [(math.inf, 0.0, 0.0, 0.0), (0.0, 0.0, 1.0, math.nan), (0.0, 0.0, 0.0, 0.0)])
+def test_a_wall_has_a_direction_and_a_place(wall: tuple[float, float, float, float]) -> None:
+    with pytest.raises(ConfigError, match="expected a normal that is not zero, and an offset"):
+        Coupling(wall=wall)
+    assert Coupling(wall=(3.0, 0.0, 4.0, 10.0)).wall == pytest.approx((0.6, 0.0, 0.8, 2.0))

@@ -14,6 +14,8 @@ from playback.touch.limit import Coupling, sampled_interval, stiffness_limit
 from playback.touch.loop import Setup, TouchLoop
 from playback.touch.pace import Pace
 from playback.touch.touched_arm import TouchedArm
+from protocol.message import HEALTH, PLAY
+from protocol.publisher import Publisher
 from tests.patience import PATIENCE_MS
 
 T = 1e-3
@@ -107,3 +109,59 @@ def test_an_arm_that_runs_away_is_put_back(own_context) -> None:
         assert np.isfinite(one.loop.arm.felt).all()
     finally:
         one.loop.close()
+
+
+def test_a_loop_that_has_just_begun_says_so(driven: Driven) -> None:
+    health = driven.loop.health()
+    assert {name: health[name] for name in BEGUN} == BEGUN
+    assert health["energy_J"]["passive"] is True
+    assert health["lateness_ms"] == health["step_us"] == {"p50": None, "p99": None, "max": None}
+
+
+BEGUN = {
+    **{"uptime_s": 0.0, "last_seq": {}, "rate_hz": 1000.0, "held_rate_hz": 0.0, "ticks": 0, "overruns": 0},
+    **{"lost_steps": 0, "interval_ms": 1.0, "inputs": 0, "resets": 0, "devices": 0, "connected": False},
+    **{"stale": True, "force_N": 0.0, "real_time": False, "damping_N_s_m": 1.25, "wall_stiffness_N_m": 0.0},
+    "stiffness_N_m": pytest.approx(stiffness_limit(5.0, 1.25, T)),
+}
+
+
+def test_a_hundred_frames_a_second_are_sent_and_a_heartbeat(
+    driven: Driven, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    sent: list[tuple[str, dict[str, object], int]] = []
+    ticks = [0]
+    monkeypatch.setattr(
+        Publisher, "publish", lambda _self, topic, fields: sent.append((topic, dict(fields), ticks[0]))
+    )
+    for k in range(2050):
+        ticks[0] = k
+        driven.tick()
+    frames = [(fields["frame0"], tick) for topic, fields, tick in sent if topic == PLAY]
+    beats = [(fields["ticks"], tick) for topic, fields, tick in sent if topic == HEALTH]
+    assert [number for number, _ in frames] == list(range(len(frames)))
+    assert len(frames) == 206  # that of the beginning, and one each 10 ms
+    assert all(abs(tick - 10 * number) <= 1 for number, tick in frames)
+    assert len(beats) == 3 and beats[0][1] <= 1  # at the beginning and after each second
+    assert [tick for _, tick in beats[1:]] == [pytest.approx(1000, abs=2), pytest.approx(2000, abs=2)]
+    assert len({tick for *_, tick in sent}) == len(sent)  # never two in one tick
+
+
+def test_a_late_tick_makes_up_for_twenty_at_most(driven: Driven) -> None:
+    driven.tick(late_s=19.5 * T)
+    assert driven.loop.health()["lost_steps"] == 0
+    driven.tick(late_s=20.5 * T)
+    assert driven.loop.health()["lost_steps"] == 1
+
+
+def test_where_nobody_says_which_link_it_is_the_tip_s(driven: Driven, own_context) -> None:
+    with TouchDevice(own_context, driven.loop.haptic) as device:
+        arm = driven.loop.arm
+        answer = driven.hear(device, arm.touched_point(arm.tip))
+        assert answer["holds"] is True and answer["stale"] is False
+        assert answer["q"] == pytest.approx([0.3, 0.6], abs=1e-3) and answer["dq"] == pytest.approx(
+            [0, 0], abs=0.1
+        )
+        assert answer["point"] == pytest.approx(arm.touched_point(arm.tip).tolist())
+        health = driven.loop.health()
+        assert (health["inputs"], health["devices"], health["connected"], health["stale"]) == (1, 1, True, False)

@@ -135,3 +135,76 @@ def assert_in_bounds(said: Input | Command) -> None:
     if said.orientation is not None:
         np.testing.assert_allclose(said.orientation @ said.orientation.T, np.eye(3), atol=1e-9)
         assert np.linalg.det(said.orientation) > 0.0
+
+
+PLACE: dict[str, object] = {"position": [0, 0, 0]}
+
+
+@pytest.mark.parametrize(
+    ("fields", "said"),
+    [
+        ({"velocity": [1e4, -1e4, 0]}, None),
+        ({"velocity": [np.nextafter(1e4, 2e4), 0, 0]}, "within ±10000"),
+        ({"position": [0, -np.nextafter(1e3, 2e3), 0]}, "within ±1000"),
+        ({"point": [1e3, -1e3, 0]}, None),
+        ({"point": [0, 0, 1001]}, "within ±1000"),
+        ({"point": [0, 0]}, "point is [0, 0], expected 3 numbers"),
+        ({"joint": 1}, None),
+        ({"joint": 3}, "joint is 3, expected a whole number 1 to 2"),
+        ({"joint": True}, "joint is True"),
+        ({"seq": 0}, None),
+        ({"seq": -1}, "seq is -1, expected a whole number 0 to 9223372036854775807"),
+        ({"seq": 2**63}, "seq is 9223372036854775808"),
+        ({"orientation": [1.0009, 0, 0, 0]}, None),
+        ({"orientation": [0, 0.9991, 0, 0]}, None),
+        ({"orientation": [1.0011, 0, 0, 0]}, "orientation has length 1.0011, expected a unit quaternion"),
+        ({"orientation": [0, 0.9989, 0, 0]}, "orientation has length 0.9989"),
+        ({"orientation": [2, 0, 0, 0]}, "orientation has length 2"),
+        ({"orientation": [2.1, 0, 0, 0]}, "within ±2"),
+        ({"orientation": [1, 0, 0]}, "expected 4 numbers"),
+        ({"position": np.array([1, 2, 3])}, None),
+        ({"position": np.array([True, False, True])}, "position is None, expected 3 numbers"),
+    ],
+)
+def test_an_input_s_bounds_belong_to_it(fields: dict[str, object], said: str | None) -> None:
+    payload = encode_input(PLACE | fields)
+    if said is None:
+        assert isinstance(decode_input(payload, 2), Input)
+        return
+    with pytest.raises(ProtocolError) as refused:
+        decode_input(payload, 2)
+    assert said in str(refused.value)
+
+
+@pytest.mark.parametrize(
+    ("fields", "said"),
+    [
+        ({"cmd": "hold", "q": [1e4, -1e4]}, None),
+        ({"cmd": "reset", "q": [0, 0]}, None),
+        ({"cmd": "reset"}, None),
+        ({"cmd": "state"}, None),
+        ({"cmd": "hold", "q": [0, 10001]}, "within ±10000"),
+        ({"cmd": "state", "q": [0, 0]}, "state takes no q"),
+        ({"cmd": "state", "seq": -1}, "seq is -1"),
+        ({"cmd": "hold", "joint": 1}, "there is no field 'joint' here"),
+        ({"q": [0, 0]}, "there is no field 'q' here"),
+    ],
+)
+def test_a_command_s_bounds_belong_to_it(fields: dict[str, object], said: str | None) -> None:
+    payload = encode_input(fields)
+    if said is None:
+        assert isinstance(decode_input(payload, 2), Command)
+        return
+    with pytest.raises(ProtocolError) as refused:
+        decode_input(payload, 2)
+    assert said in str(refused.value)
+
+
+@pytest.mark.parametrize(("size", "said"), [(4096, "no field 'x'"), (4097, "4097 bytes, expected at most 4096")])
+def test_an_input_has_4096_bytes_at_most(size: int, said: str) -> None:
+    bare = len(msgpack.packb({"v": 1, "position": [0, 0, 0], "x": bytes(300)})) - 300
+    payload = msgpack.packb({"v": 1, "position": [0, 0, 0], "x": bytes(size - bare)})
+    assert len(payload) == size
+    with pytest.raises(ProtocolError) as refused:
+        decode_input(payload, 2)
+    assert said in str(refused.value)

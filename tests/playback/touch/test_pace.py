@@ -72,3 +72,55 @@ def test_the_device_whose_touch_began_last_holds_the_arm() -> None:
 
 def test_before_time_has_passed_there_is_no_rate() -> None:
     assert Pace(1e-3, lambda: 50.0).held_rate_hz == 0.0
+
+
+def test_times_are_told_by_the_middle_of_their_microsecond() -> None:
+    spread = Spread()
+    spread.add(10.3e-6)
+    assert spread.summary(1e-6) == pytest.approx(
+        {"p50": 10.3, "p99": 10.3, "max": 10.3}
+    )  # never above the longest
+    spread.add(99.9e-6)
+    assert spread.summary(1e-6) == pytest.approx({"p50": 10.5, "p99": 99.5, "max": 99.9})
+    late = Spread()
+    for seconds in (0.0199985, 0.02, 0.5):
+        late.add(seconds)
+    assert late.summary(1e-3) == pytest.approx({"p50": 19.9995, "p99": 19.9995, "max": 500.0})
+    late.add(0.0)
+    late.add(0.0)
+    late.add(0.0)
+    assert late.summary(1e-3)["p50"] == pytest.approx(0.0005)
+
+
+def test_it_begins_anew() -> None:
+    clock = Clock()
+    pace = Pace(1e-3, clock.monotonic, clock.sleep)
+    clock.now_s += 0.5
+    assert pace.wait() == 500
+    assert (pace.ticks, pace.overruns, pace.period_s) == (1, 499, 1e-3)
+    pace.start()
+    assert (pace.ticks, pace.overruns, pace.lateness.summary(1.0)["max"]) == (0, 0, None)
+    assert pace.start_s == pace.now_s == clock.now_s
+    assert pace.wait() == 1
+    assert pace.now_s - pace.start_s == pytest.approx(1e-3, abs=5e-6)
+
+
+def test_sleep_ends_40_microseconds_early() -> None:
+    clock, slept = Clock(), []
+    pace = Pace(1e-3, clock.monotonic, lambda s: (slept.append(s), clock.sleep(s)))
+    pace.wait()
+    assert slept == [pytest.approx(960e-6, abs=5e-6)]
+    clock.now_s += 970e-6
+    pace.wait()  # too late to sleep
+    assert len(slept) == 1
+
+
+def test_a_device_holds_nothing_after_exactly_20_ms() -> None:
+    holders = Holders()
+    holders.hear(b"a", 0.0)
+    assert holders.holder(0.019999) == b"a"
+    assert (holders.holder(0.020), len(holders)) == (None, 0)
+    holders.hear(b"a", 0.030)
+    holders.hear(b"b", 0.040)
+    holders.hear(b"a", 0.050)  # silent for 20 ms: it begins anew, and holds what b held
+    assert holders.holder(0.050) == b"a"

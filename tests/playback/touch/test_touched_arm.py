@@ -277,3 +277,22 @@ def test_a_light_arm_is_held_as_stiffly_as_its_step_follows() -> None:
     turning = np.ones(2) @ inverse @ np.ones(2)  # both joints turn the tip about the same axis
     assert arm.given.stiffness == pytest.approx(1.0 / lightest / step_s**2)
     assert arm.given.turn_stiffness == pytest.approx(1.0 / turning / step_s**2)
+
+
+@pytest.mark.parametrize(("ticks", "share"), [(50, 0.25), (100, 0.5), (200, 1.0), (300, 1.0)])
+def test_the_coupling_grows_over_a_fifth_of_a_second(ticks: int, share: float) -> None:
+    arm = TouchedArm(load_arm("dd-arm"), Q0, T, Coupling(300.0, 1.0))
+    x = arm.touched_point(arm.tip) + [0.0, 0.0, 0.01]  # across its plane the arm does not yield
+    arm.take(arm.tip, Hand(x))
+    for _ in range(ticks):
+        arm.step(1, Hand(x))
+    assert arm.felt[0] == pytest.approx([0.0, 0.0, -300.0 * 0.01 * share], abs=1e-6)
+    assert arm.energy()["passive"] is True and arm.energy()["braked_ticks"] == 0
+
+
+def test_links_are_counted_from_one() -> None:
+    arm = TouchedArm(load_arm("dd-arm"), Q0, T, Coupling())
+    with pytest.raises(DataError, match="joint is 0, expected one of 1 to 2"):
+        arm.take(Grip(0, (0.0, 0.0, 0.0)), Hand(np.zeros(3)))
+    assert arm.tip == Grip(2, (0.3, 0.0, 0.0))
+    assert (arm.step_s, arm.felt.tolist()) == (T, [[0.0] * 3] * 2)

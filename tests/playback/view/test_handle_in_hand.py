@@ -136,3 +136,49 @@ def test_closed_it_leaves_no_hand(handle: MakeHandle) -> None:
     drag(ball, "start", [0.1, 0.2, 0.5], [0.0, 0.0, 2.0])
     ball.close()
     assert not ball._thread.is_alive()
+
+
+class Loop:
+    """Stands for a haptic loop: nobody hears, and health is what the test says."""
+
+    haptic = "tcp://127.0.0.1:1"
+
+    def __init__(self, health: dict[str, object]) -> None:
+        self.said = health
+
+    def health(self) -> dict[str, object]:
+        return self.said
+
+
+def test_numbers_of_the_loop_are_told_in_their_units(
+    server: viser.ViserServer, context: "zmq.Context[zmq.Socket[bytes]]"
+) -> None:
+    energy = {"hand": 1.23456, "arm": -0.5, "injected": 0.0, "stored": 2, "dissipated": 3.0, "device": 4.0}
+    loop = Loop({
+        **{"connected": True, "force_N": 1.234, "stiffness_N_m": 399.6, "held_rate_hz": 999.96},
+        **{"lateness_ms": {"p50": 0.1234, "p99": 1.5}, "energy_J": energy},
+    })  # fmt: skip
+    ball = on_loop(server, lambda: Handle(server, context, load_arm("dd-arm"), loop))  # type: ignore[arg-type]
+    try:
+        assert ball.rows() == [
+            ("hand", "pulls"),
+            ("force", "1.23 N"),
+            ("coupling", "400 N/m"),
+            ("rate held", "1000.0 Hz"),
+            ("lateness p50 / p99", "0.123 / 1.500 ms"),
+            ("energy, hand", "1.2346 J"),
+            ("energy, arm", "-0.5000 J"),
+            ("energy, injected", "0.0000 J"),
+            ("energy, stored", "2.0000 J"),
+        ]
+        loop.said = {"lateness_ms": None}
+        assert ball.rows() == [
+            ("hand", "away"),
+            *(("force", "nan N"), ("coupling", "nan N/m"), ("rate held", "nan Hz")),
+            ("lateness p50 / p99", "nan / nan ms"),
+        ]
+        assert ball._ball.radius == pytest.approx(0.055 * 0.55) and ball._ball.opacity == 0.75
+        assert (ball._ball.subdivisions, ball._ball.cast_shadow) == (3, False)
+        assert (ball._spring.thickness, ball._spring.thickness_units) == (4.0, "screen")
+    finally:
+        ball.close()

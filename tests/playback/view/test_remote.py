@@ -9,7 +9,7 @@ import pytest
 import zmq
 
 from playback.control_message import decode_request, encode_refusal, encode_reply
-from playback.view.remote import Remote
+from playback.view.remote import Motion, Remote
 from tests.playback.view.conftest import eventually
 
 Context = zmq.Context[zmq.Socket[bytes]]
@@ -23,6 +23,7 @@ class Playback:
         self.asked: list[tuple[str, object]] = []
         self.state: dict[str, Any] = {"run": "a", "trial": 1, "source": "file", "position_s": 0.5}
         self.refused = ""
+        self.garbled = False
         self.held = threading.Event()
         self.held.set()
         self.over = threading.Event()
@@ -52,7 +53,9 @@ class Playback:
             more: dict[str, Any] = {"arm": {"arm": "an arm", "twin": None}, "motion": {"motion": MOTION}}.get(
                 request.cmd, {}
             )
-            if self.refused and self.wishes() and (request.cmd, request.value) == self.wishes()[-1]:
+            if self.garbled:
+                self._socket.send(b"\xc1")
+            elif self.refused and self.wishes() and (request.cmd, request.value) == self.wishes()[-1]:
                 self._socket.send(encode_refusal(self.refused))
             else:
                 self._socket.send(encode_reply(self.state, **more))
@@ -113,3 +116,33 @@ def test_a_refusal_is_kept_until_a_wish_is_granted(remote: Remote, playback: Pla
     playback.refused = ""
     remote.want("seek", 1.0)
     eventually(lambda: remote.refusal == "", "no refusal")
+
+
+def test_what_is_no_playback_is_said(remote: Remote, playback: Playback) -> None:
+    assert remote.answered.wait(60.0)
+    playback.garbled = True
+    remote.want("play")
+    eventually(lambda: remote.refusal == "what answers there is no playback", "a refusal")
+    playback.garbled = False
+    remote.want("play")
+    eventually(lambda: remote.refusal == "", "a playback again")
+
+
+def test_who_does_not_answer_is_given_up_and_asked_anew(
+    remote: Remote, playback: Playback, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    assert remote.answered.wait(60.0)
+    monkeypatch.setattr("playback.view.remote.PATIENCE_S", 0.1)
+    playback.held.clear()
+    eventually(lambda: remote.state is None, "nobody answers")
+    monkeypatch.setattr("playback.view.remote.PATIENCE_S", 60.0)
+    playback.held.set()
+    eventually(lambda: remote.state == playback.state, "an answer")
+
+
+def test_a_twin_s_motion_comes_with_its_arm_s() -> None:
+    alone = Motion(MOTION)
+    assert alone.twin_q is None and alone.twin_tip is None and alone.tip.shape == (2, 3)
+    both = Motion({**MOTION, "twin_q": [[5, 6], [7, 8]], "twin_tip": [[0, 0, 1], [0, 0, 2]]})
+    assert both.twin_q is not None and both.twin_q.tolist() == [[5.0, 6.0], [7.0, 8.0]]
+    assert both.twin_tip is not None and both.twin_tip.dtype == float

@@ -128,3 +128,21 @@ def test_a_browser_is_opened_where_wanted(wanted: bool, tmp_path: Path, monkeypa
     with pytest.raises(ShownError):
         session.run(given, told.append)
     assert opened == ([told[0]["url"]] if wanted else [])
+
+
+@pytest.mark.parametrize(("typed", "q0"), [((), None), (("--q0", "0.1,-0.2"), [0.1, -0.2])])
+def test_an_arm_is_touched_where_it_was_put(
+    typed: tuple[str, ...], q0: list[float] | None, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    put: list[Any] = []
+
+    def touched(*given: Any) -> None:
+        put.extend(given)
+        raise ShownError
+
+    monkeypatch.setattr(session, "TouchProcess", touched)
+    with pytest.raises(ShownError):
+        session.run(arguments("--touch", "--arm", "dd-arm-vertical", *typed), lambda _: None)
+    arm, where = put
+    assert arm.name == "dd-arm-vertical"
+    assert (None if where is None else where.tolist()) == q0

@@ -47,3 +47,43 @@ def test_blocks_go_on_from_one_another_and_keep_their_nanoseconds(first, step, n
     together = np.concatenate([parts.seconds(stamps[k : k + size]) for k in range(0, n, size)])
     assert np.array_equal(t, together)
     assert np.allclose(np.diff(t), 1e-9 * step, rtol=0, atol=2e-9)
+
+
+@pytest.mark.parametrize(
+    ("step", "units"),
+    [
+        *((0.024, []), (0.025, ["ms"]), (200.0, ["ms", "us"]), (201.0, ["us"]), (24.0, ["ms"])),
+        *((25.0, ["ms", "us"]), (200_000.0, ["us", "ns"]), (200_001.0, ["ns"]), (24_999.0, ["us"])),
+        *((2e8, ["ns"]), (2.01e8, [])),
+    ],
+)
+def test_rates_are_of_5_hz_to_40_khz(step, units):
+    assert likely_units(step) == units
+
+
+@pytest.mark.parametrize(
+    ("first_s", "since_1970"),
+    [(631_151_999, False), (631_152_000, True), (4_102_444_799, True), (4_102_444_800, False)],
+)
+def test_stamps_since_1970_are_of_1990_to_2100(first_s, since_1970):
+    stamps = 1000.0 * first_s + np.array([0.0, 0.5])  # half a millisecond apart: by their step they tell nothing
+    clock = Clock()
+    clock.seconds(stamps)
+    assert (clock.since_1970, clock.unit) == ((True, "ms") if since_1970 else (False, ""))
+
+
+def test_stamps_that_a_float_holds_are_not_counted_anew():
+    """Up to 2^23 s it does so to a nanosecond."""
+    for first, origin in ((8_388_607_000, 0), (8_388_609_000, 8_388_609_000)):
+        clock = Clock(1e-3)
+        t = clock.seconds(first + np.arange(3, dtype=np.int64))
+        assert clock.origin == origin and t[1] - t[0] == pytest.approx(1e-3, abs=2e-9)
+        assert clock.origin_s == pytest.approx(1e-3 * origin)
+
+
+def test_a_single_stamp_and_none_tell_no_unit():
+    assert Clock().seconds(np.empty(0)).tolist() == []
+    clock = Clock()
+    assert clock.seconds(np.array([1_000_000])).tolist() == [1e6] and not clock.unit
+    assert Clock().seconds(np.array([0, 1, 2])).tolist() == [0.0, 1.0, 2.0]  # a second apart: seconds
+    assert np.isnan(Clock().seconds(np.array([np.nan, 1.0]))[0])

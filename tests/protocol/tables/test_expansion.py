@@ -19,6 +19,7 @@ from protocol.tables.columns import parse_mapping
 from protocol.tables.reader import read_tables
 
 ROWS = 2_000_000
+ALWAYS_BYTES = expansion.ALWAYS_BYTES  # as it is before a test makes it smaller
 
 
 @pytest.fixture(autouse=True)
@@ -90,3 +91,28 @@ def test_a_length_that_lies_is_no_traceback(tmp_path: Path) -> None:
             archive.writestr(f"{name}.npy", buffer.getvalue())
     with pytest.raises(DataError, match="cannot be read as NPZ"):
         read_tables(tmp_path / "x.npz", 1, parse_mapping(None, 1), ("q",))
+
+
+@pytest.mark.parametrize(
+    ("always", "size", "asked", "fits"),
+    [(100, 1, 100, True), (100, 1, 101, False), (100, 10, 500, True), (100, 10, 501, False)],
+)
+def test_fifty_times_a_file_s_size_or_what_any_may_become(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, always: int, size: int, asked: int, fits: bool
+) -> None:
+    monkeypatch.setattr(expansion, "ALWAYS_BYTES", always)
+    path = tmp_path / "x"
+    path.write_bytes(bytes(size))
+    if fits:
+        expansion.require_modest(path, asked, "it")
+    else:
+        with pytest.raises(DataError, match="it would grow from .* MB, expected at most 50 times as much or 0 MB"):
+            expansion.require_modest(path, asked, "it")
+    assert ALWAYS_BYTES == 536_870_912
+
+
+def test_the_sentence_is_in_megabytes(tmp_path: Path) -> None:
+    path = tmp_path / "x"
+    path.write_bytes(bytes(20_000))
+    with pytest.raises(DataError, match=r"it would grow from 0\.02 MB to 1\.23e\+03 MB, .* or 10 MB"):
+        expansion.require_modest(path, 1_234_000_000, "it")

@@ -1,5 +1,8 @@
 """NPZ: arrays by name, of which only those that are wanted are touched."""
 
+import io
+import zipfile
+
 import numpy as np
 import pytest
 
@@ -46,3 +49,57 @@ def test_an_array_that_is_there_is_not_blank(tmp_path):
     path = tmp_path / "run.npz"
     np.savez(path, t=np.arange(3.0), q1=np.zeros(3))
     assert not NpzFile(path).is_blank("q1")
+
+
+def test_rows_come_in_blocks_with_what_remains_last(tmp_path):
+    path = tmp_path / "run.npz"
+    np.savez(path, t=np.arange(5.0), n=np.arange(5, dtype=np.int16), trial=np.array(list("aabbc")))
+    source = NpzFile(path)
+    groups = {"x": [Column("t"), Column("n", 0.5)]}
+    assert source.streams(groups, "trial")
+    found = [(rows.groups["x"].tolist(), list(rows.labels)) for rows in source.blocks(groups, "trial", 2)]
+    assert found == [
+        ([[0.0, 0.0], [1.0, 0.5]], ["a", "a"]),
+        ([[2.0, 1.0], [3.0, 1.5]], ["b", "b"]),
+        ([[4.0, 2.0]], ["c"]),
+    ]
+
+
+@pytest.mark.parametrize(
+    ("other", "streams"),
+    [
+        (np.arange(3.0), True),
+        (np.arange(4.0), False),  # of another length
+        (np.zeros((3, 1)), False),  # a table
+        (np.array(3.0), False),
+        (np.array(["a", "b", "c"]), True),
+        (np.zeros(3, complex), False),
+    ],
+)
+def test_only_rows_of_one_length_come_in_blocks(tmp_path, other, streams):
+    path = tmp_path / "run.npz"
+    np.savez(path, t=np.arange(3.0), other=other)
+    assert NpzFile(path).streams({"x": [Column("t"), Column("other")]}, None) is streams
+    assert not NpzFile(path).streams({"x": [Column("nowhere")]}, None)
+
+
+def test_in_blocks_a_value_that_is_missing_has_its_row(tmp_path):
+    path = tmp_path / "run.npz"
+    np.savez(path, a=np.array([0.0, 1.0, 2.0, np.nan]))
+    found = NpzFile(path).blocks({"x": [Column("a")]}, None, 2)
+    next(found)
+    with pytest.raises(DataError, match="a, row 4: found nothing or NaN"):
+        next(found)
+
+
+@pytest.mark.parametrize("version", [(1, 0), (2, 0), (3, 0)])
+def test_arrays_of_any_version_are_read_in_blocks(tmp_path, version):
+    path, file = tmp_path / "run.npz", io.BytesIO()
+    np.lib.format.write_array(file, np.arange(4.0), version=version)
+    with zipfile.ZipFile(path, "w") as archive:
+        archive.writestr("a.npy", file.getvalue())
+        archive.writestr("remarks.txt", b"of no interest")
+    source = NpzFile(path)
+    assert source.names == ("a",)
+    (rows,) = source.blocks({"x": [Column("a")]}, None, 10)
+    assert rows.groups["x"][:, 0].tolist() == [0.0, 1.0, 2.0, 3.0]

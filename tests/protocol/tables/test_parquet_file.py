@@ -87,3 +87,14 @@ def test_a_column_is_blank_where_it_has_rows_and_no_value(tmp_path, values, blan
         pyarrow.parquet.write_table(table, path, write_statistics=statistics)
         assert ParquetFile(path).is_blank("a") == blank
         assert not ParquetFile(path).is_blank("other")
+
+
+@pytest.mark.parametrize("statistics", [True, False])
+def test_a_value_in_any_row_group_is_one(tmp_path, statistics):
+    path = tmp_path / "run.parquet"
+    columns = {"late": pa.array([None, None, 1.0]), "never": pa.array([None] * 3, pa.float64()), "b": [1.0] * 3}
+    pyarrow.parquet.write_table(pa.table(columns), path, row_group_size=1, write_statistics=statistics)
+    file = ParquetFile(path)
+    assert [file.is_blank(name) for name in ("late", "never", "b")] == [False, True, False]
+    pyarrow.parquet.write_table(pa.table({"a": pa.array([], pa.float64())}), path)
+    assert not ParquetFile(path).is_blank("a")  # no row is no row of nothing

@@ -36,3 +36,27 @@ def test_what_is_no_number_is_said_with_its_row(values, said):
 def test_every_column_is_wanted_once():
     groups = {"a": [Column("x"), Column("y")], "b": [Column("x")]}
     assert wanted(groups, "trial") == ["x", "y", "trial"] and uses(groups) == {"x": 2, "y": 1}
+
+
+def test_a_row_is_counted_from_the_beginning_of_the_file():
+    missing = np.array(["2026-03-01", "NaT"], "datetime64[s]")
+    with pytest.raises(DataError, match="t, row 12: found no time, expected a stamp"):
+        to_si(missing, Column("t", clock=Clock()), "t", first_row=10)
+    with pytest.raises(DataError, match="t, row 13: found nothing or NaN"):
+        to_si(np.array([0.0, 1.0, np.nan]), Column("t", clock=Clock()), "t", first_row=10)
+
+
+def test_stamps_are_nanoseconds_whatever_they_were():
+    clock = Clock()
+    durations = np.array([0, 1500], "timedelta64[ms]")
+    assert to_si(durations, Column("t", clock=clock), "t").tolist() == [0.0, 1.5]
+    assert clock.factor == 1e-9
+    assert to_si(np.array([True, False]), Column("t", clock=Clock()), "t").tolist() == [1.0, 0.0]
+
+
+@pytest.mark.parametrize(("values", "kind"), [(np.array([b"a"]), "text"), (np.array([None]), "objects")])
+def test_what_stands_there_instead_is_said(values, kind):
+    with pytest.raises(DataError, match=f"x holds {kind} such as"):
+        to_si(values, Column("x"), "x")
+    with pytest.raises(DataError, match=f"x holds {kind}, expected numbers"):
+        to_si(values[:0], Column("x"), "x")

@@ -68,3 +68,47 @@ def test_trials_stand_in_one_piece():
     assert trial_rows(None, 3, "run.csv") == [("", 0, 3)]
     with pytest.raises(DataError, match="trial 'a' goes on in row 14 after another one"):
         trial_rows(np.array(["a", "b", "b", "a"]), 4, "run.csv", first_row=10)
+
+
+@pytest.mark.parametrize(("hole_s", "rows"), [(1.0, []), (1.1, [51])])
+def test_a_hole_is_a_leap_where_it_is_longer_than_all_that_was_measured(hole_s, rows):
+    steps = np.full(101, 1.0 / 64.0)
+    steps[50] = 64.0 / 64.0 * 100.0 / 64.0 * hole_s  # a hundred steps were measured
+    t = np.concatenate([[0.0], np.cumsum(steps)])
+    assert leaps(t).tolist() == rows
+
+
+def test_the_longest_holes_are_the_leaps():
+    steps = np.full(100, 1.0)
+    steps[[20, 40, 60]] = [60.0, 50.0, 50.0]  # of 97 s measured the shorter two would be more, too
+    assert leaps(np.concatenate([[0.0], np.cumsum(steps)])).tolist() == [21, 61]
+
+
+@pytest.mark.parametrize(("step", "rows"), [(10.0, []), (10.5, [3])])
+def test_a_hole_is_longer_than_ten_steps(step, rows):
+    t = np.concatenate([[0.0], np.cumsum([1.0, 1.0, step, 1.0, 1.0])])
+    assert leaps(t).tolist() == rows
+
+
+@pytest.mark.parametrize(("step", "fits"), [(0.5, True), (1.0, True), (1.01, False)])
+def test_a_row_a_second_is_slow_enough(step, fits):
+    t = step * np.arange(10)
+    if fits:
+        require_seconds(t, "run.csv")
+    else:
+        with pytest.raises(
+            DataError, match="run.csv: stamps lie 1.01 apart, expected seconds, and a row every 1 s"
+        ):
+            require_seconds(t, "run.csv")
+    require_seconds(np.array([0.0]), "run.csv")
+    require_seconds(np.empty(0), "run.csv")
+    with pytest.raises(DataError, match="stamps lie 50 apart"):
+        require_seconds(np.array([0.0, 50.0]), "run.csv")
+
+
+def test_a_row_of_no_trial_is_named():
+    with pytest.raises(DataError, match="there is no trial in row 2, expected a name or a number"):
+        trial_rows(np.array(["a", "", "b"]), 3, "run.csv")
+    with pytest.raises(DataError, match="there is no trial in row 11"):
+        trial_rows(np.array(["", "a"]), 2, "run.csv", first_row=10)
+    assert trial_rows(np.array(["a"]), 1, "run.csv") == [("a", 0, 1)]
