@@ -140,13 +140,18 @@ def _ratio(name: Name, line: Line, injected: Effect, arm: Arm, runs: Sequence[Ru
 
 def _effects(name: Name, causes: Sequence[Mapping[str, Any]]) -> list[tuple[Effect, dict[str, float]]]:
     """Return the causes of a name as an arm has them, each with the standard errors of its linear numbers."""
+    known = {one.name for one in catalogue()[name[0]].parameters}
     linear = {one.name for one in catalogue()[name[0]].parameters if one.linear}
     found = []
     for cause in causes:
         if _name(cause) != name:
             continue
         for parameters in _single(cause["parameters"]):
-            values = {key: part["value"] for key, part in parameters.items() if part["value"] is not None}
+            values = {
+                key: part["value"]
+                for key, part in parameters.items()
+                if key in known and part["value"] is not None  # the trial of a push is said beside them
+            }
             errors = {key: part["std"] for key, part in parameters.items() if key in linear and part.get("std")}
             found.append((Effect(name[0], values, name[1]), errors))
     return found

@@ -73,3 +73,11 @@ def test_pushes_numbered_in_one_cause_count_each() -> None:
 def test_of_nothing_injected_a_name_is_wrong_that_all_runs_dont_have() -> None:
     assert score_nothing(line(offset(0.1)), line(offset(0.2))) == {"wrong": []}
     assert score_nothing(line(offset(0.1)), line(verdict="none")) == {"wrong": [["torque_offset", [2]]]}
+
+
+def test_the_trial_of_a_push_is_no_number_of_it() -> None:
+    numbers = {"start_s": RUNS[0].t[0], "duration_s": 0.2, "torque_N_m": 1.0}
+    parameters = {name: {"value": value, "std": 0.01, "unit": ""} for name, value in numbers.items()}
+    parameters["trial"] = {"value": RUNS[0].name, "std": None, "unit": ""}
+    push = {"effect": "external_push", "joints": [2], "parameters": parameters}
+    assert scored(line(offset(0.2), push))["wrong"] == [["external_push", [2]]]
