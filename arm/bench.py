@@ -13,16 +13,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from arm.accelerometer import specific_force
+from arm.counts import COUNT_M_S2
 from arm.effects.effect_table import changed
 from arm.effects.sensor_effects import SensorEffects
 from arm.highpass import HighPass
-from arm.model import STANDARD_GRAVITY_M_S2, Arm, Floats
+from arm.model import Arm, Floats
 from arm.simulation import GearedMotion, Motion, simulate
 from limbcal.errors import ConfigError
-
-#: What 16 bits span, to either side.
-FULL_SCALE_M_S2 = 5.0 * STANDARD_GRAVITY_M_S2
-COUNT_M_S2 = FULL_SCALE_M_S2 / 32768
 
 
 @dataclass(frozen=True)

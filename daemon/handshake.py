@@ -15,8 +15,6 @@ from protocol.serial_parser import FrameParser
 INFO_LIMIT_S = 5.0
 #: Channels that a sentence names; those of eight sensors.
 _NAMED = 24
-#: Ends the sentence of a run that ends because its device is not there.
-WAIT_ADVICE = "`limbd run --wait` waits for it"
 
 
 class Handshake:

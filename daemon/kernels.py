@@ -5,10 +5,11 @@ from typing import get_args
 import numpy as np
 
 from arm.arm_file import load_arm
+from daemon.bench_plan import BenchPlan
 from daemon.reception import Reception
 from daemon.ring import Chunk
 from daemon.virtual_device import FRAME_SAMPLES, TICK_HZ, device_info
-from daemon.virtual_motion import BenchPlan, stretches
+from daemon.virtual_motion import stretches
 from daemon.warm_up import warm_up
 from protocol.serial_frame import InfoFrame, encode_samples
 from protocol.serial_parser import FrameParser

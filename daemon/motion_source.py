@@ -2,21 +2,17 @@
 
 import signal
 from collections import deque
-from collections.abc import Iterator
-from dataclasses import replace
+from importlib import import_module
 from multiprocessing import get_context
 from multiprocessing.connection import Connection
 
 import numpy as np
 from numpy.typing import NDArray
 
-from daemon.virtual_motion import BenchPlan, Stretch, Truth, stretches
-from limbcal.compilation import said_when_compiling
+from daemon.bench_plan import BenchPlan, Stretch, Truth
 from limbcal.errors import DeviceError, LimbcalError
 from limbcal.interrupts import interrupts_held
 
-#: Handed over a quarter of a second at a time: taking one delays the stream by a fraction of a millisecond.
-_PIECE_S = 0.25
 #: Two trials: the next one is computed while these are streamed.
 _AHEAD_S = 13.5
 _JOIN_S = 5.0
@@ -104,22 +100,6 @@ class MotionSource:
 
 
 def _compute(sender: Connection, plan: BenchPlan) -> None:
+    """Compute in a process of its own, which alone loads the compiler: that takes a second."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # a Ctrl-C is the device's to act on
-    try:
-        pieces = _pieces(plan)
-        with said_when_compiling("limbd virtual"):
-            sender.send(next(pieces))
-        for piece in pieces:
-            sender.send(piece)  # waits until the device wants more; its end ends this process too
-    except LimbcalError as error:
-        sender.send(error)
-    except BrokenPipeError:
-        return
-
-
-def _pieces(plan: BenchPlan) -> Iterator[Stretch]:
-    size = max(1, round(_PIECE_S * plan.rate_hz))
-    for stretch in stretches(plan):
-        for begin in range(0, len(stretch.counts), size):
-            truth = stretch.truth if begin == 0 else {}
-            yield replace(stretch, counts=stretch.counts[begin : begin + size], truth=truth)
+    import_module("daemon.motion_pieces").send_pieces(sender, plan)

@@ -6,9 +6,10 @@ from pathlib import Path
 
 import zmq
 
+from daemon.advice import WAIT_ADVICE
 from daemon.config import Setup
 from daemon.control_line import ControlLine, SupervisorGone
-from daemon.handshake import WAIT_ADVICE, Handshake, check_channels
+from daemon.handshake import Handshake, check_channels
 from daemon.pipeline import Pipeline, tracker_for
 from daemon.reception import Reception
 from daemon.record_link import Context, RecordLink

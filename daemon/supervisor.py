@@ -12,10 +12,10 @@ from pathlib import Path
 from typing import Any
 
 from arm.arm_file import format_arm
+from daemon.advice import WAIT_ADVICE
 from daemon.child import Child, raise_failure, wait_for_any
 from daemon.config import Setup, format_config
 from daemon.control_line import Said
-from daemon.handshake import WAIT_ADVICE
 from daemon.ring import ring_memory
 from daemon.segments import Limits
 from daemon.service_state import ServiceState

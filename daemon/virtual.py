@@ -9,13 +9,13 @@ from select import select
 
 import numpy as np
 
+from daemon.bench_plan import BenchPlan
 from daemon.fault_schedule import Fault
 from daemon.faulty_line import FaultyLine
 from daemon.motion_source import MotionSource
 from daemon.stop_signal import StopSignal
 from daemon.trouble import Trouble
 from daemon.virtual_device import FrameFifo, Timing, VirtualDevice, device_info
-from daemon.virtual_motion import BenchPlan
 from daemon.virtual_port import VirtualPort
 from limbcal.command import console, emit
 from limbcal.errors import DeviceError

@@ -4,10 +4,10 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Protocol
 
-from arm.bench import COUNT_M_S2, FULL_SCALE_M_S2
+from arm.counts import COUNT_M_S2, FULL_SCALE_M_S2
 from arm.model import Arm
+from daemon.bench_plan import Truth
 from daemon.motion_source import MotionSource
-from daemon.virtual_motion import Truth
 from protocol.device_info import Channel, DeviceInfo
 from protocol.serial_frame import encode_info, encode_samples
 

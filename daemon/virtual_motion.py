@@ -1,47 +1,19 @@
 """What the virtual arm does and its sensors read: the bench's motions, and then rest for as long as it is on."""
 
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from arm.bench import Bench, Sensors, densify, draw_sensor_errors, motions, rest_angles
 from arm.kinematics import tip_position
-from arm.model import Arm, Floats
+from arm.model import Arm
 from arm.simulation import Motion, simulate
+from daemon.bench_plan import BenchPlan, Stretch
 
 #: The truth is kept at no more than this: the motion has nothing faster, and the file stays small.
 TRUTH_HZ = 1000.0
 _REST_S = 2.0
-
-Truth = dict[str, Floats]
-
-
-@dataclass(frozen=True)
-class BenchPlan:
-    """Which bench is played, and how well its sensors measure.
-
-    ``noise`` is a factor on the bench's white noise and bias; 0 for sensors without either. ``highpass_hz`` is the
-    corner of all sensors; unless given, each has that of the arm file.
-    """
-
-    arm: Arm
-    seed: int
-    rate_hz: float
-    trials: int
-    noise: float = 1.0
-    imperfect_mounting: bool = False
-    highpass_hz: float | None = None
-
-
-@dataclass(frozen=True)
-class Stretch:
-    """Consecutive samples: ``counts`` (n_sample, n_channel), and of each ``stride``-th the truth, by column."""
-
-    trial: int
-    counts: NDArray[np.int16]
-    truth: Truth
 
 
 def truth_stride(rate_hz: float) -> int:

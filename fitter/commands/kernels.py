@@ -6,7 +6,8 @@ from itertools import islice
 import numpy as np
 
 from arm.arm_file import load_arm
-from arm.bench import COUNT_M_S2, Bench, Sensors, draw_sensor_errors, motions
+from arm.bench import Bench, Sensors, draw_sensor_errors, motions
+from arm.counts import COUNT_M_S2
 from arm.model import Control
 from fitter.data.gaps import Gap
 from fitter.data.motions import Measured

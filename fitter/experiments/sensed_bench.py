@@ -11,7 +11,8 @@ from typing import Literal
 
 import numpy as np
 
-from arm.bench import COUNT_M_S2, Bench, Sensors, draw_sensor_errors, motions, rest_angles, targets
+from arm.bench import Bench, Sensors, draw_sensor_errors, motions, rest_angles, targets
+from arm.counts import COUNT_M_S2
 from arm.model import Arm, Control, Floats
 from arm.simulation import Motion
 from fitter.data.drift import dead_reckoned, without_drift
