@@ -23,7 +23,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from arm.accelerometer import specific_force
-from arm.bench import COUNT_M_S2, SensorErrors, with_errors
+from arm.bench import SensorErrors, with_errors
+from arm.counts import COUNT_M_S2
 from arm.model import Arm, Floats
 from tracking.noise import Noise
 from tracking.observation import Observation, observation_of, room_of

@@ -16,7 +16,8 @@ from rich.table import Table
 
 from arm.accelerometer import specific_force
 from arm.arm_file import load_arm
-from arm.bench import COUNT_M_S2, FULL_SCALE_M_S2, Bench, motions
+from arm.bench import Bench, motions
+from arm.counts import COUNT_M_S2, FULL_SCALE_M_S2
 from arm.highpass import HighPass
 from arm.kinematics import axis_frames, rotation_from_rpy
 from arm.model import Arm, Floats, Sensor

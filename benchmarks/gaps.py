@@ -13,7 +13,8 @@ from rich.progress import track
 from rich.table import Table
 
 from arm.arm_file import load_arm
-from arm.bench import COUNT_M_S2, Bench, Sensors, draw_sensor_errors, motions, rest_angles
+from arm.bench import Bench, Sensors, draw_sensor_errors, motions, rest_angles
+from arm.counts import COUNT_M_S2
 from arm.model import Floats
 from arm.simulation import Motion
 from limbcal.arguments import Parser, common_options

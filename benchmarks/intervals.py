@@ -15,7 +15,7 @@ import numpy as np
 
 from arm.arm_file import load_arm
 from arm.base_parameters import base_parameters
-from arm.bench import COUNT_M_S2
+from arm.counts import COUNT_M_S2
 from arm.model import Arm
 from arm.regressor import standard_parameters
 from daemon.motion_blocks import frame_blocks, frames_message

@@ -21,7 +21,8 @@ from rich.progress import Progress
 
 import fitter.single_thread  # noqa: F401 - the processes that it starts inherit it
 from arm.arm_file import load_arm
-from arm.bench import COUNT_M_S2, Bench, SensorErrors, Sensors, draw_sensor_errors, motions
+from arm.bench import Bench, SensorErrors, Sensors, draw_sensor_errors, motions
+from arm.counts import COUNT_M_S2
 from arm.model import Arm, Floats
 from benchmarks.cramer_rao import least_std
 from benchmarks.tracking_report import Run, Track, draw, page, score, table

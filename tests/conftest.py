@@ -17,7 +17,8 @@ from numpy.typing import NDArray
 from zmq.utils.monitor import recv_monitor_message
 
 from arm.arm_file import format_arm, load_arm
-from arm.bench import COUNT_M_S2, Bench, Sensors, draw_sensor_errors, motions
+from arm.bench import Bench, Sensors, draw_sensor_errors, motions
+from arm.counts import COUNT_M_S2
 from arm.model import Arm
 from arm.simulation import Motion, simulate
 from fitter.data.motion_file import write_motion

@@ -8,19 +8,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from arm.accelerometer import specific_force
-from arm.bench import (
-    COUNT_M_S2,
-    FULL_SCALE_M_S2,
-    Bench,
-    Sensors,
-    densify,
-    draw_sensor_errors,
-    motions,
-    rest_angles,
-    targets,
-    with_errors,
-)
+from arm.bench import Bench, Sensors, densify, draw_sensor_errors, motions, rest_angles, targets, with_errors
 from arm.control import control_torque
+from arm.counts import COUNT_M_S2, FULL_SCALE_M_S2
 from arm.highpass import HighPass
 from arm.model import Control, Sensor
 from arm.newton_euler import bias_torque

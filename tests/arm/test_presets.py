@@ -5,9 +5,10 @@ import pytest
 
 from arm.accelerometer import specific_force
 from arm.arm_file import load_arm, preset_names
-from arm.bench import FULL_SCALE_M_S2, Bench, motions, rest_angles
+from arm.bench import Bench, motions, rest_angles
 from arm.chain import chain_of
 from arm.control import control_torque
+from arm.counts import FULL_SCALE_M_S2
 from arm.kinematics import axis_frames, sensor_positions, tip_position
 from arm.newton_euler import bias_torque
 from arm.physical_links import is_possible

@@ -10,7 +10,7 @@ import zmq
 from numpy.typing import NDArray
 
 from arm.arm_file import load_arm
-from arm.bench import COUNT_M_S2
+from arm.counts import COUNT_M_S2
 from daemon.virtual_motion import BenchPlan, stretches
 from protocol.message import GAP, HEALTH, RAW
 from protocol.subscriber import Subscriber

@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from arm.bench import COUNT_M_S2
+from arm.counts import COUNT_M_S2
 from protocol.message import GAP, HEALTH, RAW
 from tests.daemon.live_run import Limbd, check, live_run, sent
 

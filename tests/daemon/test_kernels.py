@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from arm.arm_file import load_arm
-from arm.bench import COUNT_M_S2
+from arm.counts import COUNT_M_S2
 from daemon.__main__ import main
 from daemon.kernels import compile_all
 from daemon.virtual_motion import BenchPlan, stretches

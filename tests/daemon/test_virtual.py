@@ -10,7 +10,7 @@ import pytest
 import serial
 
 from arm.arm_file import load_arm
-from arm.bench import COUNT_M_S2
+from arm.counts import COUNT_M_S2
 from daemon.virtual import VirtualOptions, serve
 from daemon.virtual_device import Timing, VirtualDevice
 from daemon.virtual_motion import BenchPlan, stretches

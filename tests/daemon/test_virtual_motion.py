@@ -8,7 +8,8 @@ import pytest
 
 from arm.accelerometer import specific_force
 from arm.arm_file import load_arm
-from arm.bench import COUNT_M_S2, Bench, motions, rest_angles
+from arm.bench import Bench, motions, rest_angles
+from arm.counts import COUNT_M_S2
 from arm.highpass import HighPass
 from daemon.virtual_motion import BenchPlan, Stretch, stretches, truth_stride
 

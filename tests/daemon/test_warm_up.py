@@ -10,7 +10,7 @@ from numba.core.dispatcher import Dispatcher
 from numpy.typing import NDArray
 
 from arm.arm_file import load_arm
-from arm.bench import COUNT_M_S2
+from arm.counts import COUNT_M_S2
 from arm.model import Arm
 from daemon.reception import Reception
 from daemon.ring import Chunk

@@ -9,7 +9,8 @@ import pytest
 
 from arm.accelerometer import specific_force
 from arm.arm_file import load_arm
-from arm.bench import COUNT_M_S2, Bench, Sensors, draw_sensor_errors, motions, rest_angles
+from arm.bench import Bench, Sensors, draw_sensor_errors, motions, rest_angles
+from arm.counts import COUNT_M_S2
 from arm.model import Arm, Control, Floats, Friction, Joint, Link, Sensor, Tip
 from tracking.frames import Frames, Phase
 from tracking.integrator import Integrator

@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from arm.bench import COUNT_M_S2, Bench, Sensors, draw_sensor_errors, motions, with_errors
+from arm.bench import Bench, Sensors, draw_sensor_errors, motions, with_errors
+from arm.counts import COUNT_M_S2
 from arm.kinematics import rotation_from_rpy
 from tracking.readings import ReadingsBuilder
 from tracking.self_calibration import calibrate_sensors

@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from arm.accelerometer import specific_force
-from arm.bench import COUNT_M_S2, Bench, SensorErrors, Sensors, motions, rest_angles
+from arm.bench import Bench, SensorErrors, Sensors, motions, rest_angles
+from arm.counts import COUNT_M_S2
 from arm.effects.effect_table import changed
 from arm.effects.resisting_torque import resisting_torque
 from arm.effects.time_skew import Skew

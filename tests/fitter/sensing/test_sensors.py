@@ -5,7 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from arm.bench import COUNT_M_S2, Bench, Sensors, draw_sensor_errors, motions
+from arm.bench import Bench, Sensors, draw_sensor_errors, motions
+from arm.counts import COUNT_M_S2
 from fitter.data.raw import RawRun
 from fitter.sensing.sensors import fit_sensors
 from fitter.sensing.track import track_run

@@ -5,7 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from arm.bench import COUNT_M_S2, Bench, Sensors, draw_sensor_errors, motions
+from arm.bench import Bench, Sensors, draw_sensor_errors, motions
+from arm.counts import COUNT_M_S2
 from arm.kinematics import tip_position
 from fitter.data.gaps import Gap
 from fitter.data.raw import RawRun

@@ -9,7 +9,8 @@ import pytest
 
 from arm.accelerometer import specific_force
 from arm.arm_file import load_arm
-from arm.bench import COUNT_M_S2, Bench, motions
+from arm.bench import Bench, motions
+from arm.counts import COUNT_M_S2
 from arm.highpass import HighPass
 from arm.model import Arm, Floats, Sensor
 from fitter.data.raw import RawRun
