@@ -103,8 +103,9 @@ def test_the_arm_is_learnt_while_it_moves(fitter, stream, listener, short_run, t
         *("v", "arm", "run", "seq"),
         *("generation", "samples", "parameters", "error"),
     }
-    assert [fields["seq"] for fields in by_topic[DYNAMICS]] == list(range(len(by_topic[DYNAMICS])))
-    assert len(by_topic[DYNAMICS]) == 3  # after either learning motion, and at the end
+    sequences = [fields["seq"] for fields in by_topic[DYNAMICS]]
+    # After either learning motion, and at the end; a subscriber may be connected only after the first.
+    assert sequences in ([0, 1, 2], [1, 2])
     assert len({fields["run"] for _, fields in messages}) == 1 and messages[0][1]["arm"] == "dd-arm"
     final = by_topic[DYNAMICS][-1]["parameters"]
     assert final["I2"]["value"] == document["dynamics"]["parameters"]["I2"]["value"]
