@@ -6,8 +6,10 @@ runs nothing but the work, in one thread, and leaves without cleaning up what is
 
 import os
 import pickle
+import select
 import signal
 import struct
+import time
 import warnings
 from collections.abc import Callable, Sequence
 from contextvars import ContextVar
@@ -56,7 +58,7 @@ def side_by_side(
     Exception
         What the work on an item raises.
     """
-    most = processors(len(items))
+    most, start_s = processors(len(items)), time.monotonic()
     reading, writing = os.pipe()
     begun: list[_Helper] = []
     done: dict[int, Result] = {}
@@ -68,15 +70,21 @@ def side_by_side(
             done[k] = work(items[k])
             if progress is not None:
                 progress(k + 1, len(items))
+        patience_s = LEAST_PATIENCE_S + PATIENCE * (time.monotonic() - start_s)
         for helper in begun:
-            done |= helper.answer()
+            done |= helper.answer(patience_s)
     finally:
         os.close(reading)
         for helper in begun:
             helper.end()
-    missing = (k for k in range(len(items)) if k not in done)  # of a helper that was killed
+    missing = (k for k in range(len(items)) if k not in done)  # of a helper that was killed, or hangs
     done |= {k: work(items[k]) for k in missing}
     return [done[k] for k in range(len(items))]
+
+
+#: How long a helper may take for its last item: a fork may hang on a lock of another thread, and all that it has
+#: begun is then made here. So many times what all items have taken, and some seconds, conventions.
+PATIENCE, LEAST_PATIENCE_S = 10.0, 10.0
 
 
 class _Helper:
@@ -93,8 +101,10 @@ class _Helper:
             _be_helper(work, items, queue, writing, parent)
         os.close(writing)
 
-    def answer(self) -> dict[int, Any]:
-        """Return what it has made of its items; nothing if it was killed."""
+    def answer(self, patience_s: float) -> dict[int, Any]:
+        """Return what it has made of its items; nothing if it was killed, or does not answer for so long."""
+        if not select.select([self._answers], [], [], patience_s)[0]:
+            return {}
         with os.fdopen(os.dup(self._answers), "rb") as answers:
             said = answers.read()
         if not said:

@@ -3,6 +3,7 @@
 import os
 import signal
 import socket
+import threading
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
@@ -105,3 +106,23 @@ def test_another_process_shares_its_own_work_with_nobody(met: Callable[[], bool]
         return met() or set(side_by_side(lambda _: os.getpid(), range(20))) == {here}
 
     assert side_by_side(work, range(2)) == [True, True]
+
+
+def test_what_a_helper_that_hangs_has_begun_is_made_here(monkeypatch):
+    monkeypatch.setattr("fitter.side_by_side.PATIENCE", 0.0)
+    monkeypatch.setattr("fitter.side_by_side.LEAST_PATIENCE_S", 0.1)
+    parent, (reading, writing) = os.getpid(), os.pipe()
+
+    def work(item):
+        if os.getpid() != parent:
+            os.write(writing, b"1")
+            threading.Event().wait()  # for ever
+        elif item == 0:
+            os.read(reading, 1)  # until the other has begun one
+        return 2 * item
+
+    try:
+        assert side_by_side(work, [0, 1, 2, 3]) == [0, 2, 4, 6]
+    finally:
+        os.close(reading)
+        os.close(writing)
