@@ -82,8 +82,8 @@ def side_by_side(
     return [done[k] for k in range(len(items))]
 
 
-#: How long a helper may take for its last item: a fork may hang on a lock of another thread, and all that it has
-#: begun is then made here. So many times what all items have taken, and some seconds, conventions.
+#: A forked process may hang on a lock that another thread held. It is given up after this multiple of the time that
+#: the items have taken so far, and this many seconds more [s], both conventions; the parent then does its items.
 PATIENCE, LEAST_PATIENCE_S = 10.0, 10.0
 
 

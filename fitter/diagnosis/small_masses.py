@@ -23,19 +23,13 @@ def log_determinant(known: Floats, slopes: Floats, weight: Floats, x: Floats) ->
     weight : (n,)
     x : (n_factor,)
     """
-    n, n_joint, _, n_factor = slopes.shape
+    n, n_joint = slopes.shape[:2]
     M, S = np.empty((n_joint, n_joint)), np.empty((n_joint, n_joint))
     total = 0.0
     for t in range(n):
-        largest = 0.0
-        for i in range(n_joint):
-            for j in range(n_joint):
-                value = known[t, i, j]
-                for k in range(n_factor):
-                    value += slopes[t, i, j, k] * x[k]
-                M[i, j] = value
-                largest = max(largest, abs(value))
+        _mass(known[t], slopes[t], x, M)
         S[:] = 0.5 * (M + M.T)
+        largest = np.abs(M).max()
         if not _eliminated(S) > _LEAST_PIVOT * largest:
             return -np.inf
         _eliminated(M)
@@ -56,14 +50,10 @@ def turned(known: Floats, slopes: Floats, x: Floats) -> Floats:
     slopes : (n, n_joint, n_joint, n_factor)
     x : (n_factor,)
     """
-    n, n_joint, _, n_factor = slopes.shape
+    n, n_joint = slopes.shape[:2]
     M, B = np.empty((n_joint, n_joint)), slopes.copy()
     for t in range(n):
-        for i in range(n_joint):
-            for j in range(n_joint):
-                M[i, j] = known[t, i, j]
-                for k in range(n_factor):
-                    M[i, j] += slopes[t, i, j, k] * x[k]
+        _mass(known[t], slopes[t], x, M)
         _eliminated(M)
         for i in range(n_joint):
             for j in range(i):
@@ -73,6 +63,17 @@ def turned(known: Floats, slopes: Floats, x: Floats) -> Floats:
                 B[t, i] -= M[i, j] * B[t, j]
             B[t, i] /= M[i, i]
     return B
+
+
+@compiled
+def _mass(known: Floats, slopes: Floats, x: Floats, M: Floats) -> None:
+    """Put ``known + slopes x`` into M, (n_joint, n_joint)."""
+    n_joint, _, n_factor = slopes.shape
+    for i in range(n_joint):
+        for j in range(n_joint):
+            M[i, j] = known[i, j]
+            for k in range(n_factor):
+                M[i, j] += slopes[i, j, k] * x[k]
 
 
 @compiled

@@ -45,7 +45,7 @@ class Search:
                 return
             place = float(self.rows.t[row]) - 0.5 * self.rows.step_s, self.shapes.duration_s[shape]
             pulse = either([self._refined(e, *place, form, evidence) for form in FORMS])
-            if self._is_no_friction(pulse):
+            if self._exceeds_friction(pulse):
                 yield pulse
             self.fit &= ~self._overlapping(pulse)
             column = in_rows(self.rows, pulse.start_s, pulse.duration_s, pulse.form)
@@ -58,7 +58,7 @@ class Search:
         blocks: Floats = np.logaddexp.reduceat(at_rows, np.arange(0, len(at_rows), n))
         return np.asarray(blocks[np.isfinite(blocks)])
 
-    def _is_no_friction(self, pulse: Pulse) -> bool:
+    def _exceeds_friction(self, pulse: Pulse) -> bool:
         """Say whether a pulse during which a joint rests or turns back is larger than friction may differ by."""
         t, step_s = self.rows.t, self.rows.step_s
         last_s = pulse.start_s + pulse.duration_s
