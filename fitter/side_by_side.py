@@ -82,8 +82,8 @@ def side_by_side(
     return [done[k] for k in range(len(items))]
 
 
-#: A forked process may hang on a lock that another thread held. It is given up after this multiple of the time that
-#: the items have taken so far, and this many seconds more [s], both conventions; the parent then does its items.
+#: A forked process may hang on a lock that another thread held. It is given up after this multiple of the time
+#: that the items have taken so far, and so many seconds more [s], both conventions; its items are then done here.
 PATIENCE, LEAST_PATIENCE_S = 10.0, 10.0
 
 

@@ -29,8 +29,8 @@ SIGMAS = 4.0
 PLAINLY = 2.0
 #: Odds of a false cause, a hundred to one after Bonferroni over what was tried, are log(100) nats.
 ODDS_NATS = float(np.log(100.0))
-#: Length of a block [s]. Within it residuals count as correlated: joint velocities of measured runs have equivalent
-#: bandwidths of 0.5 to 1.2 Hz (decision 22).
+#: Length of a block [s]. Within it residuals count as correlated: joint velocities of measured runs have
+#: equivalent bandwidths of 0.5 to 1.2 Hz (decision 22).
 BLOCK_S = 1.0
 #: Share of a torque, a variance or a gain that is negligible, a convention: models of arms are seldom that good.
 NEGLIGIBLE = 0.01

@@ -25,7 +25,7 @@ class World:
         self.now_s = 100.0
         self.said: dict[int, Any] = {}
         self.looks = 0
-        self.told: list[tuple[float, str, dict[str, Any]]] = []
+        self.reported: list[tuple[float, str, dict[str, Any]]] = []
         self.chunks: Iterator[list[Chunk]] = iter([])
         self.closes_s = float("inf")
         self.dropped_chunks = 0
@@ -46,7 +46,7 @@ class World:
         return said
 
     def tell(self, what: str, **fields: Any) -> None:
-        self.told.append((round(self.now_s - 100.0, 3), what, fields))
+        self.reported.append((round(self.now_s - 100.0, 3), what, fields))
 
     # the ring
     @property
@@ -85,7 +85,7 @@ class World:
         self.now_s += seconds
 
     def times(self, what: str) -> list[float]:
-        return [at_s for at_s, told, _ in self.told if told == what]
+        return [at_s for at_s, reported, _ in self.reported if reported == what]
 
 
 @pytest.fixture
@@ -110,8 +110,8 @@ def test_health_is_told_once_a_second_and_never_made_up_for(world: World) -> Non
     world.closes_s = 3.5
     stream(world)
     assert world.times("health") == pytest.approx([1.0, 2.0, 3.0], abs=0.011)
-    assert [fields for _, what, fields in world.told if what == "health"] == [{"connected": True}] * 3
-    world.told.clear()
+    assert [fields for _, what, fields in world.reported if what == "health"] == [{"connected": True}] * 3
+    world.reported.clear()
     world.now_s, world.closes_s, world.stall_s = 100.0, 6.5, 3.25
     stream(world)
     assert world.times("health") == pytest.approx([3.25, 4.0, 5.0, 6.0], abs=0.025)
@@ -121,7 +121,7 @@ def test_while_the_ring_is_emptied_after_its_end_nothing_is_connected(world: Wor
     world.closes_s = 0.0
     world.chunks = iter([[Chunk(k, b"a")] for k in range(150)])
     stream(world)
-    assert [fields for _, what, fields in world.told if what == "health"] == [{"connected": False}]
+    assert [fields for _, what, fields in world.reported if what == "health"] == [{"connected": False}]
 
 
 def test_a_device_that_came_back_is_asked_once_a_second_what_it_is(world: World) -> None:
@@ -170,7 +170,7 @@ def test_the_ring_is_left_alone_until_the_device_was_asked(world: World) -> None
 def test_who_is_told_to_stop_knows_no_device(world: World, said: Any) -> None:
     world.said = {1: {"what": "handshake", "wait": True}, 4: said}
     assert introduced(world) is None
-    assert world.looks == 4 and world.told == []
+    assert world.looks == 4 and world.reported == []
 
 
 def test_another_arm_s_device_ends_the_run_or_is_waited_out(world: World) -> None:
@@ -182,8 +182,8 @@ def test_another_arm_s_device_ends_the_run_or_is_waited_out(world: World) -> Non
     waiting.said = {1: {"what": "handshake", "wait": True}}
     found = introduced(waiting, other, b"", own)
     assert found is not None and found.info == device_info()
-    assert [what for _, what, _ in waiting.told] == ["waiting", "heard"]
-    assert "channels are x y" in waiting.told[0][2]["sentence"]
+    assert [what for _, what, _ in waiting.reported] == ["waiting", "heard"]
+    assert "channels are x y" in waiting.reported[0][2]["sentence"]
 
 
 def test_a_device_runs_by_a_clock_of_its_own() -> None:

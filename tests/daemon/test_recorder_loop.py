@@ -18,7 +18,7 @@ class Stage:
         self.said, self.entries, self.ends = said, entries, ends
         self.looks = self.heard = self.given_back = 0
         self.linked = self.ended = False
-        self.told: list[tuple[int, str]] = []
+        self.reported: list[tuple[int, str]] = []
         self.written: list[int] = []
 
     def receive(self, timeout_s: float) -> list[Entry]:
@@ -36,7 +36,7 @@ class Stage:
         return said
 
     def tell(self, what: str) -> None:
-        self.told.append((self.looks, what))
+        self.reported.append((self.looks, what))
 
     def write(self, entries: list[Entry]) -> None:
         self.written.append(len(entries))
@@ -54,7 +54,7 @@ class Stage:
 def test_the_pipeline_s_goodbye_ends_it(monkeypatch: pytest.MonkeyPatch) -> None:
     stage = Stage({}, {3: 2, 50: 1}, ends=60).follow(monkeypatch)
     assert stage.looks == 60 and sum(stage.written) == 3 and len(stage.written) == 60
-    assert stage.told == [(3, "linked")]
+    assert stage.reported == [(3, "linked")]
     assert stage.given_back == 5  # more than once a second is no use
 
 

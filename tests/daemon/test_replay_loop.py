@@ -26,7 +26,7 @@ class Line:
 
     def __init__(self, beats: int, end: Any = None) -> None:
         self.beats, self.end = beats, end or {"what": "stop"}
-        self.told: list[tuple[str, int]] = []
+        self.reported: list[tuple[str, int]] = []
         self.heard = 0
 
     def hear(self) -> Any:
@@ -38,7 +38,7 @@ class Line:
         return None if self.heard % 2 else {"what": "something else"}
 
     def tell(self, what: str) -> None:
-        self.told.append((what, self.heard))
+        self.reported.append((what, self.heard))
 
 
 class Out:
@@ -68,7 +68,7 @@ class Port:
     write = None
 
 
-def told(beats: int, device: Device, monkeypatch: pytest.MonkeyPatch, end: Any = None) -> Line:
+def replayed(beats: int, device: Device, monkeypatch: pytest.MonkeyPatch, end: Any = None) -> Line:
     monkeypatch.setattr(module, "Ticker", Ticker)
     line = Line(beats, end)
     module._serve(line, Port(), device)  # type: ignore[arg-type]
@@ -79,18 +79,18 @@ def told(beats: int, device: Device, monkeypatch: pytest.MonkeyPatch, end: Any =
 def test_all_is_read_half_a_second_after_the_last_byte_left(
     played_after: int, held: int, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    line = told(400, Device(played_after, held), monkeypatch)
-    ((what, beat),) = line.told
+    line = replayed(400, Device(played_after, held), monkeypatch)
+    ((what, beat),) = line.reported
     assert what == "played" and beat - max(played_after, held) in range(98, 104)  # 5 ms each
 
 
 def test_while_there_is_more_it_goes_on(monkeypatch: pytest.MonkeyPatch) -> None:
     device = Device(10**6)
-    assert told(300, device, monkeypatch).told == [] and device.out.drained == 300
-    assert told(300, Device(0, 10**6), monkeypatch).told == []
+    assert replayed(300, device, monkeypatch).reported == [] and device.out.drained == 300
+    assert replayed(300, Device(0, 10**6), monkeypatch).reported == []
 
 
 def test_it_ends_with_its_supervisor(monkeypatch: pytest.MonkeyPatch) -> None:
     device = Device(0)
-    told(3, device, monkeypatch, SupervisorGone())
+    replayed(3, device, monkeypatch, SupervisorGone())
     assert device.left == -3
