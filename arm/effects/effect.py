@@ -75,6 +75,9 @@ class EffectKind:
         It holds a joint at rest by more than Coulomb friction does.
     event : bool
         It acts at certain times only.
+    usual : bool
+        The standard dynamic models of robots have it (Swevers, Verdonck and De Schutter 2007, eq. (1) to (5)), so
+        it is as likely as not before any data.
     torque : callable, optional
         For those that act at a joint: a C function of `arm.effects.joint_torque`, the torque with which the joint
         resists.
@@ -94,6 +97,7 @@ class EffectKind:
     base: str = ""
     holds: bool = False
     event: bool = False
+    usual: bool = False
     torque: Callable[..., float] | None = None
     change: Change | None = None
     force: Reading | None = None

@@ -8,4 +8,5 @@ EFFECT = EffectKind(
     place="arm",
     parameters=(Parameter("inertia_kg_m2", "kg m^2", 0.0, 1e3, linear=True, neutral=0.0),),
     taken_for=("gain_error", "payload"),
+    usual=True,
 )

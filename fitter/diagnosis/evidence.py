@@ -2,9 +2,10 @@ r"""Worth and equality: what a comparison of two fitted models says, the same fo
 
 A hypothesis of k numbers, sought at m places, is worth
 
-.. math:: (l_1 - l_0) / \varphi - \tfrac{k}{2} \log n_{blocks} - \log m - \log n_{families}
+.. math:: (l_1 - l_0) / \varphi - \tfrac{k}{2} \log n_{blocks} - \log m - \log \omega
 
-nats: Schwarz' criterion over blocks of about a second, and a uniform prior over the places and families tried.
+nats: Schwarz' criterion over blocks of about a second, a uniform prior over the places, and prior odds of
+:math:`\omega` to one against it: even for what standard models of robots have, else as many as there are families.
 The gain is that of all trials, or of the learning trials alone: what one evaluating trial shows of a kind of its
 own must not hide what all others show, nor the other way round. The larger worth counts, less log 2.
 
@@ -145,21 +146,21 @@ def _summed_variance(parts: Floats) -> float:
     return len(parts) * float(np.var(parts, ddof=1)) if len(parts) > 1 else 0.0
 
 
-def worth(one: Fit, other: Fit, places: float, families: int) -> float:
+def worth(one: Fit, other: Fit, against: float) -> float:
     """Return what a model is worth beside a smaller one [nats], see the module.
 
     Parameters
     ----------
     one, other : Fit
-    places : float
-        Logarithm of the number of places at which its additional numbers were sought.
-    families : int
+    against : float
+        Logarithm of the prior odds against what was added, with the number of places at which its numbers were
+        sought [nats].
     """
     everything = np.ones_like(one.learnt)
     sets = [everything] if np.all(one.learnt) else [everything, one.learnt]
     gain, numbers = one.nats - other.nats, one.n_number - other.n_number
     worths = [float(gain[of].sum()) / dispersion(one, other, of) - 0.5 * numbers * np.log(of.sum()) for of in sets]
-    return float(max(worths) - places - np.log(families) - np.log(len(sets)))
+    return float(max(worths) - against - np.log(len(sets)))
 
 
 def likelihood_of(fit: Fit) -> float:

@@ -8,6 +8,8 @@ from dataclasses import dataclass, replace
 from itertools import combinations
 from typing import Protocol
 
+import numpy as np
+
 from fitter.diagnosis.evidence import Fit, is_better, likelihood_of, worth
 from fitter.diagnosis.least_squares import FOREMOST, ODDS_NATS, PLAINLY
 from fitter.diagnosis.model import Hypothesis
@@ -138,8 +140,12 @@ class Stepwise:
 
     def _worth(self, one: Fit, fit: Fit) -> float:
         new = one.candidate.model.hypotheses[len(fit.candidate.model.hypotheses) :]
-        places = sum(self._likelihood.log_places(hypothesis) for hypothesis in new)
-        return worth(one, fit, places, self._families ** len(new))
+        return worth(one, fit, sum(map(self._against, new)))
+
+    def _against(self, hypothesis: Hypothesis) -> float:
+        """Return the logarithm of the prior odds against a hypothesis at the place where it was found [nats]."""
+        families = 1 if hypothesis.kind.usual else self._families
+        return self._likelihood.log_places(hypothesis) + float(np.log(families))
 
     def _promising(self, fit: Fit, options: Sequence[Fit]) -> list[Fit]:
         """Return those that are likelier than not, the likeliest first."""
@@ -207,8 +213,7 @@ class Stepwise:
         """Return a model without the causes that the last one has made needless."""
         for place in reversed(range(len(steps) - 1)):
             smaller = self._likelihood.without(fit, place)
-            places = self._likelihood.log_places(steps[place].hypothesis)
-            if worth(fit, smaller, places, self._families) < ODDS_NATS:
+            if worth(fit, smaller, self._against(steps[place].hypothesis)) < ODDS_NATS:
                 fit, steps = smaller, [one for k, one in enumerate(steps) if k != place]
         return fit, steps
 

@@ -22,10 +22,12 @@ class Columns(Hypothesis):
     Parameters
     ----------
     some : sequence of int
+    effect : str
+        What they are called.
     """
 
-    def __init__(self, *some: int) -> None:
-        super().__init__(catalogue()["torque_offset"], some)
+    def __init__(self, *some: int, effect: str = "joint_spring") -> None:
+        super().__init__(catalogue()[effect], some)
         self.n_column = len(some)
 
     def act(self, view: View, psi: Floats) -> View:

@@ -55,6 +55,18 @@ def test_noise_has_no_cause(seed):
 
 @given(SEEDS)
 @settings(max_examples=10, deadline=None)
+def test_what_standard_models_have_is_worth_more_by_the_prior_odds(seed):
+    A, noise = drawn(seed, 5)
+    odd, usual = (
+        search(A, A[:, 2] + noise, *(Columns(k, effect=effect) for k in range(5)))
+        for effect in ("joint_spring", "rotor_inertia")
+    )
+    assert columns_of(usual) == columns_of(odd) == [(2,)]
+    assert usual.steps[0].worth - odd.steps[0].worth == pytest.approx(np.log(5.0))
+
+
+@given(SEEDS)
+@settings(max_examples=10, deadline=None)
 def test_what_later_ones_make_needless_goes(seed):
     """A blend of two true columns comes first, and explains nothing once both of them are known."""
     A, noise = drawn(seed, 5)
