@@ -3,6 +3,7 @@ PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
 STAMP := $(VENV)/.installed
+TEST_STAMP := $(VENV)/.installed-test
 BENCH_STAMP := $(VENV)/.installed-bench
 MUTATE_STAMP := $(VENV)/.installed-mutate
 KERNELS := $(VENV)/.kernels
@@ -18,7 +19,11 @@ help: ## list the targets
 
 $(STAMP): pyproject.toml constraints.txt
 	$(PYTHON) -m venv $(VENV)
-	$(BIN)/python -m pip install --quiet --constraint constraints.txt --editable '.[dev,view]'
+	$(BIN)/python -m pip install --quiet --constraint constraints.txt --editable '.[view]'
+	@touch $@
+
+$(TEST_STAMP): $(STAMP)
+	$(BIN)/python -m pip install --quiet --constraint constraints.txt --editable '.[dev,view,video]'
 	@touch $@
 
 # Each command compiles what it finds missing before it listens to anything; here it is done once for all of them.
@@ -30,18 +35,18 @@ $(KERNELS): $(STAMP) $(SOURCES)
 run: $(KERNELS) ## the main job on the virtual arm: measure, calibrate, simulate, play; writes out/report.html
 	@$(BIN)/python examples/main_job.py --out out
 
-test: $(STAMP) ## all tests, in two processes
+test: $(TEST_STAMP) ## all tests, in two processes
 	$(BIN)/python -m pytest -n 2 --dist worksteal
 
-soak: $(STAMP) ## endurance at length (two hours and a half): faults, kills, crowds, load, fuzzing; shows figures
+soak: $(TEST_STAMP) ## endurance at length (two hours and a half): faults, kills, crowds, load, fuzzing; shows figures
 	$(BIN)/python -m pytest --long tests/soak tests/fuzz tests/playback
 
-check: $(STAMP) ## lint, types, import rules
+check: $(TEST_STAMP) ## lint, types, import rules
 	$(BIN)/ruff check .
 	$(BIN)/mypy
 	$(BIN)/lint-imports
 
-$(BENCH_STAMP): $(STAMP)
+$(BENCH_STAMP): $(TEST_STAMP)
 	$(BIN)/python -m pip install --quiet --constraint constraints.txt --editable '.[bench]'
 	@touch $@
 
@@ -62,9 +67,9 @@ mutate: $(MUTATE_STAMP) ## whether tests notice small faults, put into a copy of
 lock: ## rewrite constraints.txt from the newest versions that fit
 	rm -rf $(VENV)
 	$(PYTHON) -m venv $(VENV)
-	$(BIN)/python -m pip install --quiet --editable '.[dev,view,cluster,bench,mutate]'
+	$(BIN)/python -m pip install --quiet --editable '.[dev,view,video,cluster,bench,mutate]'
 	$(BIN)/python -m pip freeze --exclude-editable > constraints.txt
-	@touch $(STAMP) $(BENCH_STAMP) $(MUTATE_STAMP)
+	@touch $(STAMP) $(TEST_STAMP) $(BENCH_STAMP) $(MUTATE_STAMP)
 
 clean: ## remove what the targets made
 	rm -rf $(VENV) out build *.egg-info

@@ -22,7 +22,8 @@ Item = TypeVar("Item")
 
 RATES_HZ = {".glb": 60.0, ".gltf": 60.0, ".csv": 60.0, ".mp4": 60.0, ".gif": 25.0, ".mcap": 60.0}
 SIZES = {".mp4": (1280, 720), ".gif": (800, 450)}
-NEEDS = {".glb": "pygltflib", ".gltf": "pygltflib", ".mp4": "imageio_ffmpeg"}
+#: The package that a format needs, and the extra that brings it.
+NEEDS = {".glb": ("pygltflib", "view"), ".gltf": ("pygltflib", "view"), ".mp4": ("imageio_ffmpeg", "video")}
 KEYED = (".glb", ".gltf")
 #: glTF 2.0 turns the shorter way between keys, which is the other one from half a turn on; half of that is safe.
 MOST_TURN_RAD = 0.5 * math.pi
@@ -122,7 +123,7 @@ def _require(suffix: str) -> None:
     """Say at once, before any work, what is not installed."""
     if suffix not in NEEDS:
         return
-    package = NEEDS[suffix]
+    package, extra = NEEDS[suffix]
     try:
         import_module(package)
     except ModuleNotFoundError as error:
@@ -130,12 +131,12 @@ def _require(suffix: str) -> None:
             raise
         raise ConfigError(
             f"limbplay export to {suffix} needs the package {package.replace('_', '-')}, which is not installed; "
-            'pip install "limbcal[view]" adds it'
+            f'pip install "limbcal[{extra}]" adds it'
         ) from error
 
 
 def _room(name: str) -> ModuleType:
-    """Import a writer when it is wanted: some of what they need is installed only with limbcal[view]."""
+    """Import a writer when it is wanted: some of what they need comes with an extra."""
     return import_module(f"playback.export.{name}")
 
 
@@ -150,12 +151,12 @@ def _table(arguments: argparse.Namespace, motion: Sampled) -> None:
 def _mp4(arguments: argparse.Namespace, motion: Sampled) -> None:
     size = _size(arguments)
     with _counted(_room("frames").pictures(motion, *size), len(motion.t)) as pictures:
-        _room("film").write_mp4(arguments.out, pictures, size, motion.rate_hz)
+        _room("mp4").write_mp4(arguments.out, pictures, size, motion.rate_hz)
 
 
 def _gif(arguments: argparse.Namespace, motion: Sampled) -> None:
     with _counted(_room("frames").pictures(motion, *_size(arguments)), len(motion.t)) as pictures:
-        _room("film").write_gif(arguments.out, pictures, motion.rate_hz)
+        _room("gif").write_gif(arguments.out, pictures, motion.rate_hz)
 
 
 def _mcap(arguments: argparse.Namespace, motion: Sampled) -> None:

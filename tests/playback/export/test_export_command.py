@@ -86,7 +86,7 @@ def test_what_is_not_installed_is_named(
     monkeypatch.setattr(export, "import_module", missing)
     assert main(["export", str(motion_file), "--out", str(tmp_path / "a.mp4")]) == 2
     told = capsys.readouterr().err
-    assert 'needs the package imageio-ffmpeg, which is not installed; pip install "limbcal[view]" adds it' in told
+    assert 'needs the package imageio-ffmpeg, which is not installed; pip install "limbcal[video]" adds it' in told
 
 
 def test_a_stop_leaves_no_file_and_no_encoder(motion_file: Path, tmp_path: Path) -> None:

@@ -10,6 +10,7 @@ from PIL import ImageDraw
 from playback.export.frames import CURSOR, pictures
 from playback.export.plots import draw_plots
 from playback.export.sampled import Sampled
+from playback.export.scene import PAPER, Scene
 
 WIDTH, HEIGHT = 500, 280
 LEFT = 280  # 56 % of the width
@@ -90,3 +91,44 @@ def test_letters_grow_with_the_picture(pair: Sampled, written: list[tuple[float,
     written.clear()
     film(few)
     assert written[0][:2] == (SIZE, SIZE)
+
+
+def test_pictures_show_arm_and_curves(pair: Sampled) -> None:
+    drawn = [picture.copy() for picture in pictures(pair, 640, 360)]
+    assert len(drawn) == len(pair.t)
+    assert {picture.shape for picture in drawn} == {(360, 640, 3)}
+    first, last = drawn[0].astype(int), drawn[-1].astype(int)
+    left = round(0.56 * 640)
+    assert np.any(first[:, :left] != last[:, :left]) and np.any(first[:, left:] != last[:, left:])
+
+
+@pytest.mark.parametrize(("width", "height"), [(400, 300), (160, 300)])
+def test_all_of_the_arm_is_in_the_picture_all_the_time(motion: Sampled, width: int, height: int) -> None:
+    bare = Scene(motion.movers, width, height)
+    empty = np.array(PAPER, dtype=np.float32)
+    for k in (0, 10, len(motion.t) - 1):
+        bare.draw(k)
+        bare._image[:] = empty
+        bare._depth[:] = -1e30
+        bare._draw(0, k, bare._image, bare._depth)
+        drawn = np.any(bare._image != empty, axis=2)
+        assert drawn.mean() > 0.01
+        assert not drawn[[0, -1]].any() and not drawn[:, [0, -1]].any()
+
+
+def test_a_legend_names_both_arms_in_their_colours(pair: Sampled) -> None:
+    width, height = 640, 360
+    size, left = max(11, round(height / 42)), round(0.56 * width)
+    head = next(iter(pictures(pair, width, height)))[: 2 * size, left:]
+    for mover in pair.movers:
+        swatch = (head == np.array(mover.colours.link)).all(axis=2)
+        rows, columns = np.nonzero(swatch)
+        assert np.ptp(rows) + 1 == pytest.approx(0.8 * size, abs=1.5)
+        assert np.ptp(columns) + 1 == pytest.approx(0.8 * size, abs=1.5)
+        assert len(rows) == (np.ptp(rows) + 1) * (np.ptp(columns) + 1)
+
+
+def test_one_arm_needs_no_legend(pair: Sampled) -> None:
+    alone = replace(pair, movers=pair.movers[:1])
+    head = next(iter(pictures(alone, 640, 360)))[:22, 358:]
+    assert np.all(head == np.array(PAPER))
