@@ -17,9 +17,10 @@ SOURCES := $(shell find arm daemon fitter limbcal playback protocol tracking -na
 help: ## list the targets
 	@grep -hE '^[a-z]+:.*##' $(MAKEFILE_LIST) | sed 's/:.*## /\t/' | expand -t 10
 
+# Python compiles what is imported, when it is: of the packages' modules, a third.
 $(STAMP): pyproject.toml constraints.txt
 	$(PYTHON) -m venv $(VENV)
-	$(BIN)/python -m pip install --quiet --constraint constraints.txt --editable '.[view]'
+	$(BIN)/python -m pip install --quiet --no-compile --constraint constraints.txt --editable '.[view]'
 	@touch $@
 
 $(TEST_STAMP): $(STAMP)
