@@ -12,8 +12,13 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any, cast
 
+from numba.core import event
 from numba.core.caching import FunctionCache
 from numba.core.dispatcher import Dispatcher
+
+from limbcal.uninterrupted import SignalsLater
+
+event.register("numba:compiler_lock", SignalsLater())  # type: ignore[no-untyped-call]
 
 _PLAIN = (int, float, complex, str, bytes, bool, type(None))
 _LOCK = ".limbcal.lock"
