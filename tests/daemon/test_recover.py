@@ -84,3 +84,55 @@ def test_a_file_that_does_not_hold_what_was_written_is_no_proof(
     with pytest.raises(DeviceError, match="does not hold the 500 messages"):
         recover(recording, tmp_path / "out.mcap")
     assert not (tmp_path / "out.mcap").exists()
+
+
+@pytest.mark.parametrize(("times_ns", "seconds"), [([], 0.0), ([7], 0.0), ([3 * 10**9, 10**9, 2 * 10**9], 2.0)])
+def test_what_was_found_is_told_in_numbers(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], times_ns: list[int], seconds: float
+) -> None:
+    path = tmp_path / "run.mcap"
+    with RecordingWriter(path, "arm", "config") as writer:
+        for number, t_ns in enumerate(times_ns):
+            writer.write(TRIAL, message(number), t_ns)
+    found = recover(path)
+    out = tmp_path / "run.recovered.mcap"
+    assert found == {
+        "file": str(path),
+        "out": str(out),
+        "messages": len(times_ns),
+        "topics": {TRIAL: len(times_ns)} if times_ns else {},
+        "seconds": pytest.approx(seconds),
+        "whole": True,
+        "warnings": [],
+    }
+    said = capsys.readouterr()
+    assert f"run.recovered.mcap: {len(times_ns)} messages, {seconds:.1f} s, written and read back" in " ".join(
+        said.out.split()
+    )
+    assert "warning" not in said.err
+
+
+def test_what_could_not_be_read_is_warned_of(
+    recording: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    damaged, data = tmp_path / "run.mcap", bytearray(recording.read_bytes())
+    data[data.index(b"zstd", data.index(b"zstd") + 4) + 60] ^= 0xFF  # in the second chunk
+    damaged.write_bytes(bytes(data))
+    found = recover(damaged)
+    assert found["whole"] is False and 400 < found["messages"] < 500
+    assert len(found["warnings"]) == 1
+    assert "warning: " in capsys.readouterr().err
+
+
+def test_without_a_message_arm_and_config_are_saved_and_without_these_nothing_is(tmp_path: Path) -> None:
+    path, cut, out = tmp_path / "run.mcap", tmp_path / "cut.mcap", tmp_path / "out.mcap"
+    RecordingWriter(path, "arm", "config").close()
+    data = path.read_bytes()
+    cut.write_bytes(data[: data.index(b"config") + 20])
+    assert recover(cut, out)["messages"] == 0
+    assert recording_attachments(out) == {"arm.toml": b"arm", "limbd.toml": b"config"}
+    out.unlink()
+    cut.write_bytes(data[: data.index(b"config") - 20])
+    with pytest.raises(DataError, match=r"cut\.mcap: no message can be read; .*cut off"):
+        recover(cut, out)
+    assert not out.exists()

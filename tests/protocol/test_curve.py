@@ -6,9 +6,10 @@ from pathlib import Path
 
 import pytest
 import zmq
+import zmq.auth
 
-from limbcal.errors import ConfigError
-from protocol.curve import Gate, load_client_key, new_client
+from limbcal.errors import ConfigError, DeviceError
+from protocol.curve import Gate, gate_of, load_client_key, new_client
 from protocol.message import TRIAL
 from protocol.publisher import Publisher
 from protocol.subscriber import Subscriber
@@ -130,3 +131,86 @@ def test_a_service_whose_keys_do_not_belong_together_is_said(tmp_path: Path, con
     own.write_text(text.replace(text.partition("public-key = ")[2].splitlines()[0], public))
     with pytest.raises(ConfigError, match="does not belong to its secret key"):
         Gate(context, tmp_path / "one")
+
+
+@pytest.mark.parametrize("name", ["a", "A.b_c-9", "x" * 64])
+def test_names_are_of_letters_digits_and_three_signs(tmp_path: Path, name: str) -> None:
+    assert new_client(tmp_path, name, tmp_path / "out.limbkey") == tmp_path / "out.limbkey"
+    assert (tmp_path / "clients" / f"{name}.key").is_file()
+
+
+@pytest.mark.parametrize("name", ["", "x" * 65, "a b", "a/b", "ä"])
+def test_what_is_no_name_is_said_and_nothing_is_made(tmp_path: Path, name: str) -> None:
+    with pytest.raises(ConfigError, match="expected up to 64 letters, digits, '.', '_' or '-'"):
+        new_client(tmp_path / "keys", name, tmp_path / "out.limbkey")
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_client_s_file_has_its_pair_and_the_service_s_public_key(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    path = new_client(Path("deep/keys"), "friend")
+    assert path == Path("friend.limbkey")
+    assert path.read_text().startswith("# The key of friend: keep it to yourself.\npublic = ")
+    key = load_client_key(path)
+    assert zmq.curve_public(key.secret) == key.public
+    listed, _ = zmq.auth.load_certificate(Path("deep/keys/clients/friend.key"))
+    server, secret = zmq.auth.load_certificate(Path("deep/keys/server.key_secret"))
+    assert (key.public, key.server) == (listed, server) and zmq.curve_public(secret) == server
+    modes = {Path("deep/keys"): 0o700, Path("deep/keys/clients"): 0o700, path: 0o600}
+    modes[Path("deep/keys/server.key_secret")] = 0o600
+    assert {where: stat.S_IMODE(where.stat().st_mode) for where in modes} == modes
+    with pytest.raises(ConfigError, match=r"^friend\.limbkey exists already; expected a new name$"):
+        new_client(Path("keys"), "other", path)
+
+
+def test_a_folder_that_cannot_be_made_is_the_disk_s_fault(tmp_path: Path) -> None:
+    (tmp_path / "file").write_text("")
+    with pytest.raises(DeviceError, match="file/keys: Not a directory"):
+        new_client(tmp_path / "file" / "keys", "friend", tmp_path / "out.limbkey")
+
+
+KEY = "0" * 40
+
+
+@pytest.mark.parametrize("missing", ["public", "secret", "server"])
+@pytest.mark.parametrize(
+    "value", [None, "3", f'"{KEY}0"', f'"{KEY[1:]}"', '"' + "~" * 40 + '"', '"' + "#" * 40 + '"']
+)
+def test_a_client_s_file_needs_three_keys_of_40_characters(
+    tmp_path: Path, missing: str, value: str | None
+) -> None:
+    path = tmp_path / "x.limbkey"
+    fields = {"public": f'"{KEY}"', "secret": f'"{KEY}"', "server": f'"{KEY}"'}
+    path.write_text("".join(f"{name} = {text}\n" for name, text in fields.items()))
+    assert load_client_key(path).server == KEY.encode()
+    fields[missing] = value or f'"{KEY}"'
+    path.write_text("".join(f"{n} = {text}\n" for n, text in fields.items() if value or n != missing))
+    with pytest.raises(ConfigError, match="expected public, secret and server, each of 40 characters"):
+        load_client_key(path)
+
+
+def test_a_client_s_file_that_is_not_there_is_said(tmp_path: Path) -> None:
+    with pytest.raises(ConfigError, match="No such file or directory; expected a key of `limbd keys new`"):
+        load_client_key(tmp_path / "none.limbkey")
+
+
+def test_a_service_without_its_secret_is_said(tmp_path: Path, context: zmq.Context) -> None:
+    new_client(tmp_path, "friend", tmp_path / "friend.limbkey")
+    (tmp_path / "server.key_secret").write_bytes((tmp_path / "server.key").read_bytes())
+    with pytest.raises(ConfigError, match=r"server\.key_secret: it has no secret key"):
+        Gate(context, tmp_path)
+
+
+def test_other_files_beside_the_keys_are_passed_over(tmp_path: Path, context: zmq.Context) -> None:
+    new_client(tmp_path, "friend", tmp_path / "friend.limbkey")
+    (tmp_path / "clients" / "notes.txt").write_text("nothing of the kind")
+    with gate_of(context, tmp_path) as gate:
+        assert gate is not None
+        socket = context.socket(zmq.PUB)
+        gate.guard(socket)
+        assert socket.get(zmq.CURVE_SERVER) == 1
+        socket.close(0)
+    with gate_of(context, None) as none:
+        assert none is None
