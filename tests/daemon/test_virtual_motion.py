@@ -110,3 +110,21 @@ def test_rest_lasts_two_seconds_a_stretch_and_the_truth_is_kept_a_thousand_times
     assert [len(stretch.counts) for stretch in rested] == [2 * 2000, 2 * 2000]
     assert np.diff(np.concatenate([stretch.truth["t"] for stretch in rested])) == pytest.approx(0.001)
     assert [truth_stride(rate_hz) for rate_hz in (100.0, 1000.0, 1499.0, 1501.0, 32000.0)] == [1, 1, 1, 2, 32]
+
+
+@pytest.mark.parametrize("rate_hz", [2500.0, 300.0])
+def test_the_truth_s_rows_are_as_far_apart_from_one_stretch_to_the_next(rate_hz: float) -> None:
+    """Also where a stretch has no whole number of them: at 2.5 kHz each second sample of 16875 is one."""
+    played = first(3, replace(plan(1), rate_hz=rate_hz))
+    n = [len(stretch.counts) for stretch in played]
+    assert n == [round(6.75 * rate_hz), round(2.0 * rate_hz), round(2.0 * rate_hz)]
+    t = np.concatenate([stretch.truth["t"] for stretch in played])
+    np.testing.assert_allclose(t, np.arange(0, sum(n), truth_stride(rate_hz)) / rate_hz, rtol=0, atol=1e-9)
+    assert [set(stretch.truth["trial"]) for stretch in played] == [{1.0}, {0.0}, {0.0}]
+    assert set(played[0].truth) == {
+        *("t", "trial", "q1", "q2", "dq1", "dq2", "ddq1", "ddq2", "ref1", "ref2", "tipx", "tipy", "tipz")
+    }
+    reach = np.hypot(played[0].truth["tipx"], played[0].truth["tipy"])
+    a = [joint.a_m for joint in load_arm("dd-arm").joints]
+    expected = np.sqrt(a[0] ** 2 + a[1] ** 2 + 2.0 * a[0] * a[1] * np.cos(played[0].truth["q2"]))
+    np.testing.assert_allclose(reach, expected, rtol=0, atol=1e-12)

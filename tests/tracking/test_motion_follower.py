@@ -102,3 +102,13 @@ def test_gravity_corrects_where_an_arm_was_thought_to_rest(upright_bench, decima
     said = upright_bench.q[0] + [0.1, -0.05]
     found = MotionFollower(upright_bench.arm, 0, (3,)).follow(readings, said, None, upright_bench.q[-1])
     assert np.abs(found.q[0] - upright_bench.q[0]).max() < 0.01
+
+
+def test_drawn_points_stand_still_while_the_arm_rests(followed):
+    """Where its joints crept before a motion, its points have that speed until the motion's end, and no longer."""
+    still = followed.still
+    rests = still[1:] & still[:-1]
+    assert rests[0] and rests.sum() > 100
+    moved = np.abs(np.diff(followed.draws.points, axis=1))
+    np.testing.assert_allclose(moved[:, rests], 0.0, rtol=0, atol=1e-12)
+    assert moved[:, ~rests].max() > 1e-3
