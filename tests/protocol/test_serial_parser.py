@@ -282,3 +282,16 @@ def test_a_damaged_magic_behind_a_damaged_frame_is_counted(cut):
     good, counters = parse(bytes(one + two + three), [] if cut is None else [cut])
     assert good == [bytes(three)]
     assert counters.crc_errors == 2
+
+
+def test_a_damaged_magic_is_counted_however_far_the_stream_has_come():
+    one, two, three = (bytearray(samples(k)) for k in (1, 2, 3))
+    one[30] ^= 1
+    two[0] ^= 1
+    parser = FrameParser()
+    for k in range(10, 20):
+        assert len(parser.feed(samples(k))) == 1
+    assert [encoded(frame) for frame in parser.feed(bytes(one + two + three))] == [bytes(three)]
+    assert (parser.counters.crc_errors, parser.counters.frames) == (2, 11)
+    assert (parser.counters.resyncs, parser.pending_bytes) == (0, 0)
+    assert parser.counters.discarded_bytes == len(one) + len(two)

@@ -8,7 +8,7 @@ from scipy.spatial.transform import Rotation
 
 from arm.accelerometer import specific_force
 from arm.kinematics import rotation_from_rpy, rpy_from_rotation
-from tracking.observation import MOUNTING, observation_of, observe, room_of
+from tracking.observation import MOUNTING, MOUNTING_NAMES, add_information, observation_of, observe, room_of
 
 ARMS = ["dd_arm", "spatial", "sliding"]
 STEP = 1e-5
@@ -164,3 +164,23 @@ def test_the_state_is_laid_out_as_it_says(dd_arm, sliding):
     )
     np.testing.assert_array_equal(np.sort(columns), np.arange(18, size))
     np.testing.assert_allclose(of.corner, 2 * np.pi * 0.2)
+
+
+def test_the_names_of_a_mounting_are_in_the_order_of_its_columns():
+    assert len(MOUNTING_NAMES) == MOUNTING == 9
+    assert MOUNTING_NAMES[:4] == ("scale_x", "scale_y", "scale_z", "turn_x") and MOUNTING_NAMES[8] == "place_z"
+
+
+def test_each_reading_tells_of_the_accelerations_of_the_joints_before_it(arm):
+    """The sum of what each tells: its slopes by them, squared, over its variance; added to what was known."""
+    of, x = state(arm, seed=4)
+    n = arm.n_joint
+    slope = seen(arm, x)[1]
+    variance = np.linspace(0.5, 2.0, len(slope))
+    A = np.eye(n)
+    add_information(of, variance, slope, A)
+    by_acceleration = slope[:, 2 : 3 * n : 3]
+    beyond = np.arange(n) > np.repeat([sensor.joint - 1 for sensor in arm.sensors], 3)[:, None]
+    assert (by_acceleration[beyond] == 0.0).all() and beyond.any()
+    expected = np.eye(n) + (by_acceleration.T / variance) @ by_acceleration
+    np.testing.assert_allclose(A, expected, rtol=1e-12, atol=1e-12)

@@ -1,0 +1,61 @@
+"""What a smoother begins with and ends with: a course of which nothing is known, rests let go of, variances."""
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from tracking.noise import Noise
+from tracking.readings import Readings
+from tracking.smoother import course_of, mend, release
+
+NAN = np.nan
+
+
+def test_a_course_of_which_nothing_is_known():
+    """White noise of a mean of four, and no less than 1e-6 of one; rounding is in every reading alike."""
+    values = np.arange(12.0).reshape(4, 3)
+    values[2] = NAN
+    noise = Noise(np.array([4e-4, 8e-4, 0.0]), np.array([1e-6, 0.0, 3e-6]), 1e-6)
+    course = course_of(Readings(values, 0.004, 0.0, noise, 4), 2)
+    assert course.dt == 0.004
+    np.testing.assert_array_equal(
+        course.readings, [[0.0, 1.0, 2.0], [3.0, 4.0, 5.0], [0.0] * 3, [9.0, 10.0, 11.0]]
+    )
+    np.testing.assert_array_equal(course.present, [True, True, False, True])
+    np.testing.assert_allclose(course.noise, [1.01e-4, 2e-4, 3.25e-6], rtol=1e-12)
+    np.testing.assert_allclose(course.wander, [4e-10 + 1e-6, 4e-10, 4e-10 + 3e-6], rtol=1e-12)
+    np.testing.assert_array_equal(course.push, [9.0, 9.0])  # 3 rad/s^2 in a second
+    np.testing.assert_allclose(course.jolt, [[0.0] * 2, [0.0] * 2, [2500.0 * 0.004] * 2, [0.0] * 2])
+    np.testing.assert_array_equal(course.doubt, np.ones(4))
+    np.testing.assert_array_equal(course.rest, np.zeros((4, 2)))
+
+
+@pytest.mark.parametrize(
+    ("still", "expected"),
+    [
+        ("111111110000", "111100000000"),
+        ("110000000000", "000000000000"),
+        ("111111111111", "111111111111"),
+        ("000000001111", "000000001111"),
+        ("111111011111", "110000011111"),
+        ("111111101111", "111000001111"),
+        ("000000000000", "000000000000"),
+        ("011110000000", "000000000000"),
+        ("111111100110", "111000000000"),
+    ],
+)
+def test_an_arm_is_let_go_of_an_eighth_of_a_second_before_it_is_seen_to_move(still, expected):
+    """At 32 frames a second that is four of them."""
+    found = np.array([flag == "1" for flag in still])
+    course = SimpleNamespace(dt=1.0 / 32.0, rest=np.where(found, 2.0, 0.0)[:, None] * np.ones(2))
+    release(course, found)
+    assert "".join("01"[flag] for flag in found.astype(int)) == expected
+    np.testing.assert_array_equal(course.rest, np.where(found, 2.0, 0.0)[:, None] * np.ones(2))
+
+
+def test_variances_that_are_lost_are_those_between_their_neighbours():
+    variance = np.array([[NAN, 1.0, NAN], [2.0, NAN, NAN], [NAN, NAN, NAN], [4.0, 7.0, NAN], [NAN, 8.0, NAN]])
+    mend(variance)
+    np.testing.assert_allclose(variance[:, :2], [[2.0, 1.0], [2.0, 3.0], [3.0, 5.0], [4.0, 7.0], [4.0, 8.0]])
+    assert np.isnan(variance[:, 2]).all()
