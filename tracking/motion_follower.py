@@ -124,7 +124,6 @@ class MotionFollower:
     ) -> tuple[Floats, Floats]:
         """Return state and covariance before a motion, and draw the errors of what is not known of it yet."""
         n = self._arm.n_joint
-        anew = self._state is None
         if self._state is None or np.any(np.abs(q - self._told) > _MOVED):
             x, P = smoother.begin(readings)
             if q_std is not None:
@@ -137,7 +136,6 @@ class MotionFollower:
                 errors[lasting] = self._errors[lasting]
             self._errors = errors
             return x, P
-        assert not anew
         return self._state
 
     def _noise(self, course: Course) -> Floats:
