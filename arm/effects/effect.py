@@ -76,8 +76,8 @@ class EffectKind:
     event : bool
         It acts at certain times only.
     usual : bool
-        The standard dynamic models of robots have it (Swevers, Verdonck and De Schutter 2007, eq. (1) to (5)), so
-        it is as likely as not before any data.
+        Standard dynamic models of robots have it (Swevers, Verdonck and De Schutter 2007), so it is as likely as not
+        before any data.
     torque : callable, optional
         For those that act at a joint: a C function of `arm.effects.joint_torque`, the torque with which the joint
         resists.

@@ -16,6 +16,5 @@ EFFECT = EffectKind(
     parameters=(Parameter("torque_N_m", "N m", -1e3, 1e3, linear=True, neutral=0.0),),
     taken_for=("coulomb_asymmetry", "gravity_tilt", "joint_spring"),
     holds=True,
-    usual=True,
     torque=_torque,
 )

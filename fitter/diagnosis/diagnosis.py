@@ -13,7 +13,6 @@ from fitter.data.resample import Uniform, resample, split_at_holes
 from fitter.data.trials import FIT_CORNER, Trial, derive, undriven
 from fitter.diagnosis.cutoff import chatter, corner_hz
 from fitter.diagnosis.error_floor import regression_of
-from fitter.diagnosis.evidence import Floor
 from fitter.diagnosis.finding import Finding
 from fitter.diagnosis.held_out import judged_sets
 from fitter.diagnosis.hypotheses import hypotheses
@@ -137,7 +136,7 @@ def _searched(
     arm: Arm, motions: Sequence[Motion], denied: tuple[str, ...], scale: tuple[int, float] | None, say: Progress
 ) -> tuple[TorqueLikelihood, Search]:
     """Return what a search has come to: by the learning trials, or by all if only the others show something."""
-    likelihood, found, was = _found(arm, motions, denied, scale, say)
+    likelihood, search, found = _found(arm, motions, denied, scale, say)
     judging = np.array([not motion.learn for motion in motions])
     left = found.final.candidate.squares[judging].sum() / likelihood.regression.told[judging].sum()
     # Causes that were found predict no better than their numbers are known.
@@ -145,10 +144,10 @@ def _searched(
     from_all = likelihood.floor.is_none and shown
     if from_all:
         motions = [replace(motion, learn=True) for motion in motions]
-        likelihood, found, was = _found(arm, motions, denied, scale, say)
-    regression, final = likelihood.regression, found.final.candidate
+        likelihood, search, found = _found(arm, motions, denied, scale, say)
+    was, regression, final = likelihood.was, likelihood.regression, found.final.candidate
     if not likelihood.is_exact(found.final, everywhere=True):
-        final = with_pushes(regression, final)
+        final = with_pushes(regression, final, lambda: [one.candidate for one in search.possible(found.final)])
     causes = [cause_of(place, found.steps) for place in range(len(found.steps))]
     for place in range(len(causes), len(final.model.hypotheses)):
         causes.append(Cause(place, found.final.candidate, final))
@@ -172,8 +171,8 @@ def _searched(
 
 def _found(
     arm: Arm, motions: Sequence[Motion], denied: tuple[str, ...], scale: tuple[int, float] | None, say: Progress
-) -> tuple[TorqueLikelihood, Found, Floor]:
-    """Return the likelihood, what was found by it, and the floor of the base model."""
+) -> tuple[TorqueLikelihood, Stepwise, Found]:
+    """Return the likelihood, the search by it, and what it has found."""
     tried = hypotheses(arm.n_joint, denied, driven=scale is None)
     count = [0]
 
@@ -186,8 +185,7 @@ def _found(
 
     likelihood = TorqueLikelihood(regression_of(arm, motions, denied, scale), tried, screen, trying, events)
     search = Stepwise(likelihood, len(tried), MOST_CAUSES, one_more)
-    found = search.run()
-    return likelihood, found, likelihood.was
+    return likelihood, search, search.run()
 
 
 def _scale_of(arm: Arm) -> tuple[int, float]:

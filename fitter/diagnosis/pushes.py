@@ -4,7 +4,7 @@ They are sought over the whole run, learning and evaluating trials alike, for a 
 nothing of them, and one that was cannot be predicted from others.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -17,7 +17,7 @@ from arm.model import Floats
 from fitter.data.derivatives import lowpass
 from fitter.diagnosis.evidence import blocks_of
 from fitter.diagnosis.holding_torque import friction_at_rest
-from fitter.diagnosis.least_squares import ITERATIONS, NEGLIGIBLE, TINY, Normal
+from fitter.diagnosis.least_squares import ITERATIONS, NEGLIGIBLE, ODDS_NATS, TINY, Normal
 from fitter.diagnosis.model import Candidate, Hypothesis
 from fitter.diagnosis.motion import Motion, View
 from fitter.diagnosis.refinement import fitted
@@ -148,22 +148,40 @@ def _normal(parts: list[tuple[Floats, Floats, Floats]]) -> Normal:
     return Normal(np.asarray(gram), np.asarray(pull), square)
 
 
-def with_pushes(regression: Regression, final: Candidate) -> Candidate:
+def with_pushes(
+    regression: Regression, final: Candidate, possible: Callable[[], Sequence[Candidate]] = tuple
+) -> Candidate:
     """Return a model with the pushes that are found in what it misses; the same if there is none.
+
+    What a cause leaves that was just too weak to be accepted is no push: a push is also likelier than not beside
+    each model that is not excluded.
 
     Parameters
     ----------
     regression : Regression
     final : Candidate
         With all causes that always act.
+    possible : callable, optional
+        Returns models with one cause more that are not excluded.
     """
+    found = _found(regression, final, ODDS_NATS)
+    for other in possible() if found else ():
+        likely = _found(regression, other, 0.0)
+        found = [one for one in found if any(map(one.overlaps, likely))]
+        if not found:
+            break
+    return pushed(regression, final, found)
+
+
+def _found(regression: Regression, final: Candidate, least: float) -> list[Pulse]:
+    """Return the pushes in what a model misses whose log odds are large enough, the model fitted beside them."""
     candidate, known = robustly_fitted(regression, final), list[list[tuple[int, int]]]()
     while True:  # pushes bend the parameters of the model that they are sought in
-        found = find_pulses(missed(regression, _without_pushes(final, candidate)))
+        found = find_pulses(missed(regression, _without_pushes(final, candidate)), least)
         candidate = pushed(regression, final, found)
         places = [(one.trial, one.joint) for one in found]
         if not places or places in known:
-            return candidate
+            return found
         known.append(places)
 
 

@@ -135,8 +135,14 @@ class Stepwise:
                 break
             known.add(names)
             self._progress(len(steps))
+        if first:  # the weights are those of what was tried last, and was not accepted
+            fit = self._likelihood.reweighted(fit)
         fit, steps = self._confirmed(*self._exchanged(fit, steps))
         return Found(base, fit, tuple(steps), first)
+
+    def possible(self, fit: Fit) -> list[Fit]:
+        """Return a model with one hypothesis more, for all that are not a hundred times less likely than it."""
+        return [one for one in self._likelihood.options(fit) if self._worth(one, fit) > -ODDS_NATS]
 
     def _worth(self, one: Fit, fit: Fit) -> float:
         new = one.candidate.model.hypotheses[len(fit.candidate.model.hypotheses) :]

@@ -48,6 +48,17 @@ class Pulse:
     log_likelihood_ratio: float
     evidence: float
 
+    def overlaps(self, other: "Pulse") -> bool:
+        """Say whether another pulse pushes the same joint at the same time the same way."""
+        begin, end = max(self.start_s, other.start_s), min(self.ends_s, other.ends_s)
+        same = (self.trial, self.joint) == (other.trial, other.joint)
+        return same and begin < end and self.torque_N_m * other.torque_N_m > 0.0
+
+    @property
+    def ends_s(self) -> float:
+        """When it ends [s]."""
+        return self.start_s + self.duration_s
+
 
 def pulse_means(t: Floats, step_s: float, start_s: float, duration_s: float, form: str) -> Floats:
     """Return the means of a pulse of size one over the steps about each instant, (n,)."""

@@ -80,30 +80,32 @@ def _scale(mean: float, most: float) -> float:
     return float(brentq(missing, uncut, longest)) if missing(longest) > 0.0 else longest
 
 
-def find_pulses(trials: Sequence[ResidualTorque]) -> list[Pulse]:
+def find_pulses(trials: Sequence[ResidualTorque], least: float = ODDS_NATS) -> list[Pulse]:
     """Return the pulses in all trials, ordered by trial, joint and start.
 
     Parameters
     ----------
     trials : sequence of ResidualTorque
+    least : float
+        Least logarithm of the odds that it is one [nats].
 
     Returns
     -------
     list of Pulse
     """
     joints = [[trial.rows(joint) for trial in trials] for joint in range(trials[0].r.shape[1])]
-    found = [pulse for joint, rows in enumerate(joints) for pulse in _at_joint(rows, joint, len(joints))]
+    found = [pulse for joint, rows in enumerate(joints) for pulse in _at_joint(rows, joint, len(joints), least)]
     return sorted(found, key=lambda pulse: (pulse.trial, pulse.joint, pulse.start_s))
 
 
-def _at_joint(rows: Sequence[Rows], joint: int, n_joint: int) -> list[Pulse]:
+def _at_joint(rows: Sequence[Rows], joint: int, n_joint: int, odds: float) -> list[Pulse]:
     """Return one joint's pulses; if the background of all blocks hides them all, by that of the usual ones.
 
     All of them together are likelier than a background without any.
     """
     whole = estimated(rows)
-    found = _beside(whole, rows, joint, n_joint) or _beside(_usual(whole, rows), rows, joint, n_joint)
-    return found if found and _worth_of_all(rows, found, whole, n_joint) > ODDS_NATS else []
+    found = _beside(whole, rows, joint, n_joint, odds) or _beside(_usual(whole, rows), rows, joint, n_joint, odds)
+    return found if found and _worth_of_all(rows, found, whole, n_joint) > odds else []
 
 
 def _worth_of_all(rows: Sequence[Rows], pulses: Sequence[Pulse], whole: Background, n_joint: int) -> float:
@@ -119,7 +121,7 @@ def _n_place(rows: Sequence[Rows], n_joint: int) -> int:
     return n_joint * sum(int(np.count_nonzero(Shapes.of(part).fit(part))) for part in rows)
 
 
-def _beside(background: Background, rows: Sequence[Rows], joint: int, n_joint: int) -> list[Pulse]:
+def _beside(background: Background, rows: Sequence[Rows], joint: int, n_joint: int, odds: float) -> list[Pulse]:
     """Return one joint's pulses, sought beside a background first.
 
     Pulses that are taken for background hide each other. So all that are likelier than not are taken out, and the
@@ -145,7 +147,7 @@ def _beside(background: Background, rows: Sequence[Rows], joint: int, n_joint: i
     def is_one(pulse: Pulse) -> bool:
         nats = _worth(rows, likely, pulse, background)
         is_sized = abs(pulse.torque_N_m) > EQUAL_SIGMAS * pulse.torque_std  # as of any cause
-        return bool(is_sized and min(nats - places, tail.nats(nats) - blocks) > ODDS_NATS)
+        return bool(is_sized and min(nats - places, tail.nats(nats) - blocks) > odds)
 
     return [pulse for pulse in likely if is_one(pulse)]
 

@@ -68,6 +68,17 @@ def test_pushes_stand_behind_what_always_acts(hit):
     assert found.squares.sum() < base.squares.sum()
 
 
+@pytest.mark.parametrize("explained", [1, 2])
+def test_what_a_possible_cause_explains_is_no_push(hit, explained):
+    regression, base = hit
+    places = zip((3, 6), PUSHES[:explained], strict=False)
+    pulses = [Pulse(k, 0, *push, 0.01, 0.01, 0.02, "rectangular", 100.0, 90.0) for k, push in places]
+    cause = pushed(regression, base, pulses)
+    found = with_pushes(regression, base, lambda: [cause])
+    starts_s = [one.start_s for hypothesis in found.model.hypotheses for one in hypothesis.found]
+    assert starts_s == pytest.approx([start_s for start_s, *_ in PUSHES[explained:]], abs=0.06)
+
+
 def test_the_errors_of_a_push_hold():
     """A single place tells of it: the search's errors are those of the coloured background about it."""
     regression, base = run((10.2, 0.25, 0.3))

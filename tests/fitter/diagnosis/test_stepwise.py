@@ -67,6 +67,17 @@ def test_what_standard_models_have_is_worth_more_by_the_prior_odds(seed):
 
 @given(SEEDS)
 @settings(max_examples=10, deadline=None)
+def test_what_is_a_hundred_times_less_likely_is_not_possible(seed):
+    A, noise = drawn(seed, 5)
+    noise -= A @ np.linalg.lstsq(A, noise, rcond=None)[0]
+    search = Stepwise(LinearLikelihood(A, A[:, 2] + noise, [Columns(k) for k in range(5)]), 1000, MOST)
+    found = search.run()
+    assert [one.candidate.hypothesis.joints for one in search.possible(found.base)] == [(2,)]
+    assert search.possible(found.final) == []
+
+
+@given(SEEDS)
+@settings(max_examples=10, deadline=None)
 def test_what_later_ones_make_needless_goes(seed):
     """A blend of two true columns comes first, and explains nothing once both of them are known."""
     A, noise = drawn(seed, 5)

@@ -19,6 +19,26 @@ def test_a_pulse_is_at_half_its_size_at_its_ends(form):
     assert shape.sum() * 1e-3 == pytest.approx(0.4)
 
 
+PULSE = Pulse(0, 0, 1.0, 0.2, 5.0, 0.01, 0.02, 0.3, "rectangular", 20.0, 15.0)
+
+
+@pytest.mark.parametrize(
+    ("other", "expected"),
+    [
+        ({"start_s": 1.19}, True),
+        ({"start_s": 0.85, "duration_s": 0.16}, True),
+        ({"start_s": 1.2}, False),
+        ({"start_s": 0.8}, False),
+        ({"trial": 1}, False),
+        ({"joint": 1}, False),
+        ({"torque_N_m": -5.0}, False),
+    ],
+)
+def test_pulses_overlap_at_one_joint_at_one_time_in_one_direction(other, expected):
+    other = replace(PULSE, **other)
+    assert PULSE.overlaps(other) is other.overlaps(PULSE) is expected
+
+
 def test_beside_rows_that_are_not_known_an_instant_may_be_anywhere_in_them():
     rows = trial(np.random.default_rng(7)).rows(0)
     rows.known[90:102] = False  # from 3.58 s to 4.06 s
