@@ -76,8 +76,8 @@ class EffectKind:
     event : bool
         It acts at certain times only.
     usual : bool
-        Standard dynamic models of robots have it (Swevers, Verdonck and De Schutter 2007), so it is as likely as not
-        before any data.
+        Standard models of robots have it (Swevers, Verdonck and De Schutter 2007): before any data it is as likely
+        as not.
     torque : callable, optional
         For those that act at a joint: a C function of `arm.effects.joint_torque`, the torque with which the joint
         resists.
