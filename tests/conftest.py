@@ -1,5 +1,6 @@
 """A short run of the bench, as a daemon would stream, record and save it, and a stand-in that publishes it."""
 
+import os
 import signal
 import threading
 import uuid
@@ -45,6 +46,17 @@ settings.load_profile("patient")
 # What a shell starts in the background ignores SIGINT, and so would all that a test starts and interrupts.
 if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
     signal.signal(signal.SIGINT, signal.default_int_handler)
+
+
+@pytest.fixture(scope="session", autouse=True)
+def one_processor() -> Iterator[None]:
+    """Share no work with forked processes unless a test asks for it: other tests have the processors busy.
+
+    To fork a process that has all of the program and of the tests in it takes longer than what is shared then.
+    """
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(os, "sched_getaffinity", lambda _process: {0})
+        yield
 
 
 @pytest.fixture

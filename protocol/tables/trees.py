@@ -5,13 +5,12 @@ import struct
 import zipfile
 import zlib
 from collections.abc import Iterator, Mapping
+from importlib import import_module
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-import scipy.io
 from numpy.typing import NDArray
-from scipy.io.matlab import MatReadError
 
 from limbcal.errors import DataError
 from limbcal.note import Note
@@ -29,7 +28,6 @@ _DAMAGE = (
     RecursionError,
     zipfile.BadZipFile,
     zlib.error,
-    MatReadError,
 )
 _MAT = (".mat",)
 _HDF5 = b"\x89HDF\r\n\x1a\n"
@@ -81,7 +79,16 @@ def _load_mat(path: Path) -> Node:
         head = file.read(_MAT_HEADER + len(_HDF5))
     if head.startswith(_HDF5) or head[_MAT_HEADER:] == _HDF5:
         raise _newer(path)
-    return _Variables(path, {name: kind for name, _, kind in scipy.io.whosmat(str(path))})
+    return _Variables(path, {name: kind for name, _, kind in _by_scipy("whosmat", path)})
+
+
+def _by_scipy(reader: str, path: Path, **options: object) -> Any:
+    """Call a reader of ``.mat`` of scipy's, which takes half a second to load: no other file need wait for it."""
+    scipy_io = import_module("scipy.io")
+    try:
+        return getattr(scipy_io, reader)(str(path), **options)
+    except scipy_io.matlab.MatReadError as error:
+        raise ValueError(str(error)) from error
 
 
 class _Variables(Mapping[str, "Node"]):
@@ -97,7 +104,7 @@ class _Variables(Mapping[str, "Node"]):
         if name not in self._read:
             require_modest(self._path, _unpacked_bytes(self._path), "what is in it")
             try:
-                content = scipy.io.loadmat(str(self._path), variable_names=[name])
+                content = _by_scipy("loadmat", self._path, variable_names=[name])
                 self._read[name] = _from_mat(content[name])
             except (*_DAMAGE, NotImplementedError) as error:
                 reason = " ".join(str(error).split())

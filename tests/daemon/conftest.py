@@ -130,7 +130,7 @@ class PtyDevice:
     def _serve(self) -> None:
         pending = b""
         while not self._stopping:
-            if not self._outgoing:
+            if self._chatter and not self._outgoing:
                 self.write(self._chatter)
             writers = [self._master] if self._outgoing else []
             readable, writable, _ = select([self._master, self._wake_read], writers, [], 1.0)
@@ -225,10 +225,9 @@ def nothing_left() -> Iterator[None]:
 
 
 def _belongings() -> set[str]:
-    children = psutil.Process().children(recursive=True)
     temporary = Path(tempfile.gettempdir())
     return {
-        *(f"process {p.pid}" for p in children if _lives(p) and "resource_tracker" not in _command(p)),
+        *(f"process {pid}" for pid in _descendants("self") if _is_left(pid)),
         *(f"shared memory {entry.name}" for entry in Path("/dev/shm").iterdir()),
         *(f"folder {entry}" for entry in temporary.glob("limbd-*")),
         *(f"thread {thread.name}" for thread in threading.enumerate()),
@@ -264,15 +263,26 @@ def _descriptors() -> list[tuple[str, str]]:
     return found
 
 
-def _lives(process: psutil.Process) -> bool:
+def _descendants(process: str) -> Iterator[str]:
+    """Yield the numbers of all processes below one; the kernel's own list takes no look at everybody's."""
     try:
-        return bool(process.status() != psutil.STATUS_ZOMBIE)
-    except psutil.NoSuchProcess:
-        return False
+        threads = list(Path(f"/proc/{process}/task").iterdir())
+    except OSError:  # it has ended
+        return
+    for thread in threads:
+        try:
+            children = (thread / "children").read_text().split()
+        except OSError:  # this one has
+            continue
+        for child in children:
+            yield child
+            yield from _descendants(child)
 
 
-def _command(process: psutil.Process) -> str:
+def _is_left(process: str) -> bool:
+    """Say whether a process lives that is not multiprocessing's own."""
     try:
-        return " ".join(process.cmdline())
+        one = psutil.Process(int(process))
+        return one.status() != psutil.STATUS_ZOMBIE and "resource_tracker" not in " ".join(one.cmdline())
     except psutil.Error:
-        return ""
+        return False

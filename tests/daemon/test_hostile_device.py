@@ -67,8 +67,8 @@ def test_where_a_device_is_waited_for_the_next_one_is_taken_up(
     limbd: Limbd, pty_device: MakeDevice, tmp_path: Path, first: DeviceInfo, said: str
 ) -> None:
     device = pty_device(first)
-    arguments = ("--port", device.path, "--arm", "dd-arm", "--endpoint", f"ipc://{tmp_path}/f", "--json")
-    daemon = limbd("run", "--wait", *arguments)
+    to = ("--arm", "dd-arm", "--method", "integrate", "--endpoint", f"ipc://{tmp_path}/f", "--json")
+    daemon = limbd("run", "--wait", "--port", device.path, *to)
     wait_until(lambda: "; waiting for it" in daemon.said, "it says that it waits")
     assert said in daemon.said
     device.introduce(device_info())

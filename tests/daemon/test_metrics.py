@@ -39,6 +39,7 @@ def test_a_running_daemon_is_scraped(limbd: Limbd, tmp_path: Path) -> None:
     port, config = free_port(), tmp_path / "limbd.toml"
     config.write_text(
         f'[device]\nport = "{device.announcement()["port"]}"\n[arm]\nfile = "dd-arm"\n'
+        '[tracking]\nmethod = "integrate"\n'
         f'[publish]\nendpoint = "ipc://{tmp_path}/f"\n[metrics]\naddress = "127.0.0.1:{port}"\n'
     )
     daemon = limbd("run", "--config", str(config), "--json")

@@ -21,7 +21,8 @@ def test_a_running_daemon_tells_how_it_is(limbd: Limbd, tmp_path: Path, capfd: p
     link, endpoint = tmp_path / "device", f"ipc://{tmp_path}/frames"
     device = limbd("virtual", "--link", str(link), "--rate-hz", "8000", "--json")
     device.announcement()
-    daemon = limbd("run", "--port", str(link), "--arm", "dd-arm", "--endpoint", endpoint, "--json")
+    to = ("--arm", "dd-arm", "--method", "integrate", "--endpoint", endpoint, "--json")
+    daemon = limbd("run", "--port", str(link), *to)
     daemon.announcement()
     assert main(["status", "--endpoint", endpoint, "--once", "--json"]) == 0
     health = json.loads(capfd.readouterr().out)

@@ -65,9 +65,8 @@ def test_it_is_ready_while_it_waits_and_when_the_first_frame_is_out(
     limbd: Limbd, manager: Manager, tmp_path: Path
 ) -> None:
     link = tmp_path / "device"
-    daemon = limbd(
-        "run", "--wait", "--port", str(link), "--arm", "dd-arm", "--endpoint", f"ipc://{tmp_path}/f", "--json"
-    )
+    to = ("--arm", "dd-arm", "--method", "integrate", "--endpoint", f"ipc://{tmp_path}/f", "--json")
+    daemon = limbd("run", "--wait", "--port", str(link), *to)
     wait_until(lambda: len(manager.told("WATCHDOG")) >= 3, "the waiting daemon was heard three times")
     assert manager.told("READY")
     assert manager.told("STATUS")[-1].startswith("waiting for a device: port ")
@@ -99,7 +98,8 @@ def test_a_device_that_says_nothing_is_not_readiness(
     tmp_path: Path,
 ) -> None:
     device = pty_device(make_info())
-    daemon = limbd("run", "--port", device.path, "--arm", "dd-arm", "--endpoint", f"ipc://{tmp_path}/f", "--json")
+    to = ("--arm", "dd-arm", "--method", "integrate", "--endpoint", f"ipc://{tmp_path}/f", "--json")
+    daemon = limbd("run", "--port", device.path, *to)
     daemon.announcement()
     wait_until(lambda: len(manager.told("WATCHDOG")) >= 2, "the pipeline was heard")
     assert not manager.told("READY")

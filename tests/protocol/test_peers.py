@@ -33,6 +33,8 @@ from tests.hostile import (
 from tests.patience import PATIENCE_MS, PATIENCE_S
 
 MEGABYTE = 1e6
+#: Between two looks at what is waited for [s]: one that never pauses takes the processor from what it waits for.
+PAUSE_S = 0.001
 #: More than any limit [bytes], and what the process may grow by meanwhile.
 MOST_SENT, MOST_GROWN = 200_000_000, 20e6
 #: What ZeroMQ keeps of a part (`zmq_msg_t`, 64 bytes, in chunks), and what it came with on the wire [bytes].
@@ -73,6 +75,7 @@ def attend_until(publisher: Publisher, done: Callable[[], bool]) -> None:
     while not done():
         assert time.monotonic() < end_s
         publisher.publish(HEALTH, {})
+        time.sleep(PAUSE_S)
 
 
 def hears(subscriber: Subscriber, publisher: Publisher, topic: str) -> bool:
@@ -228,7 +231,7 @@ def test_who_gets_the_number_of_one_that_left_is_read_too(context: "zmq.Context[
             while places.setdefault(place[0], place[1]) == place[1]:  # until a number comes again
                 end_s = time.monotonic() + PATIENCE_S
                 while _is_open(*place) and time.monotonic() < end_s:
-                    pass
+                    time.sleep(PAUSE_S)
                 with context.socket(zmq.DEALER) as honest:
                     honest.connect(f"tcp://127.0.0.1:{port}")
                     for _ in range(30):  # more than the limit, but read
@@ -287,6 +290,7 @@ def test_who_comes_by_often_is_looked_at_now_and_then(context: "zmq.Context[zmq.
         peers._hear = hear  # type: ignore[method-assign]
         while len(looks) < 4:
             peers.look()
+            time.sleep(PAUSE_S)
         assert min(b - a for (a, _), (b, _) in itertools.pairwise(looks)) >= LOOK_S
         peers.watch()
         peers._due_s = 0.0

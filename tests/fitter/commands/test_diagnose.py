@@ -1,15 +1,24 @@
 """`fitter diagnose`, from files to a page."""
 
+import io
+import itertools
 import json
 import os
+import uuid
+from contextlib import redirect_stderr, redirect_stdout
 from dataclasses import replace
 
 import numpy as np
 import pytest
 
-from arm.arm_file import load_arm, save_arm
+from arm.arm_file import format_arm, load_arm, save_arm
 from arm.model import Control, Effect
+from arm.simulation import simulate
+from fitter.__main__ import main
 from fitter.data.motion_file import write_motion
+from protocol.message import FRAMES, TRIAL, encode
+from protocol.recording import RecordingWriter
+from tests.fitter.commands.conftest import Outcome
 from tests.fitter.dynamics.test_torque_wiring import driven
 from tests.fitter.pendulum import columns, pendulum, swings
 
@@ -34,10 +43,20 @@ def arguments(files, out, *more):
     return learn, "--evaluate", evaluate, "--arm", files / "arm.toml", "--out", out, *more
 
 
-def test_the_cause_is_named_added_and_measured(fitter, files, tmp_path):
-    outcome = fitter("diagnose", *arguments(files, tmp_path / "new" / "out"))
+@pytest.fixture(scope="module")
+def diagnosed(files):
+    """Diagnose once, on one processor; return the folder and what was said."""
+    out, answer, said = files / "new" / "out", io.StringIO(), io.StringIO()
+    with pytest.MonkeyPatch.context() as patch, redirect_stdout(answer), redirect_stderr(said):
+        patch.setattr(os, "sched_getaffinity", lambda _process: {0})
+        code = main(["diagnose", *map(str, arguments(files, out)), "--json"])
+    return out, Outcome(code, json.loads(answer.getvalue()), " ".join(said.getvalue().split()), [])
+
+
+def test_the_cause_is_named_added_and_measured(diagnosed):
+    out, outcome = diagnosed
     assert outcome.code == 0
-    out, document = tmp_path / "new" / "out", outcome.document
+    document = outcome.document
     assert set(FIELDS.split()) <= set(document)
     assert json.loads((out / "diagnosis.json").read_text()) == document
     assert document["verdict"] == "named"
@@ -58,13 +77,13 @@ def test_the_cause_is_named_added_and_measured(fitter, files, tmp_path):
         assert words in outcome.said
 
 
-def test_trials_that_judge_have_no_say_in_anything(fitter, files, tmp_path):
+def test_trials_that_judge_have_no_say_in_anything(fitter, files, diagnosed, tmp_path):
     wrong = swings((Effect("viscous", {"viscous_N_m_s": 2.0}, joints=(1,)),), trials=2, seed=7)
     write_motion(tmp_path / "judge.csv", columns(wrong))
     write_motion(tmp_path / "like.csv", columns(swings(SPRING, trials=1, seed=8)))
     given = ("--judge", tmp_path / "judge.csv", tmp_path / "like.csv")
     with_them = fitter("diagnose", *arguments(files, tmp_path / "with", *given))
-    without = fitter("diagnose", *arguments(files, tmp_path / "without"))
+    _, without = diagnosed
     assert with_them.code == without.code == 0 and without.document["judged"] is None
     assert {**with_them.document, "judged": None} == without.document
     before, after = (with_them.document["judged"][when] for when in ("before", "after"))
@@ -78,8 +97,47 @@ def test_trials_that_judge_have_no_say_in_anything(fitter, files, tmp_path):
     assert "on the trials that had no say" in (tmp_path / "with" / "report.html").read_text()
 
 
-def test_a_recording_is_diagnosed_as_the_daemon_wrote_it(fitter, recording, short_run, tmp_path):
-    outcome = fitter("diagnose", recording, "--arm", "dd-arm", "--out", tmp_path)
+@pytest.fixture
+def recorded_pendulum(tmp_path):
+    """Record a pendulum going from rest to rest, as the daemon does: four times to learn from, two to judge."""
+    arm, path, seq = pendulum(), tmp_path / "day.mcap", itertools.count()
+    sensors = load_arm("dd-arm-vertical").sensors[:2]
+    arm = replace(arm, sensors=sensors)
+    rng, dt_s, t_ns = np.random.default_rng(3), 0.004, 7_000_000_000
+    common = {"arm": arm.name, "run": str(uuid.uuid4())}
+    save_arm(arm, tmp_path / "arm.toml")
+    at = simulate(arm, np.zeros((1500, 1)), dt_s, np.zeros(1), np.zeros(1)).q[-1]
+    with RecordingWriter(path, format_arm(arm), "") as writer:
+
+        def write(topic, at_ns, **fields):
+            writer.write(topic, encode(topic, {**fields, **common, "seq": next(seq)})[1], at_ns)
+
+        for trial, target in enumerate((0.9, -0.4, 0.7, -1.1, 0.2, -0.8), 1):
+            motion = simulate(arm, np.full((1000, 1), target), dt_s, at, np.zeros(1))
+            n, at = len(motion.q), motion.q[-1]
+            role = "learn" if trial <= 4 else "evaluate"
+            write(TRIAL, t_ns, trial=trial, t_ns=t_ns, state="begin", role=role)
+            frames = {
+                **{
+                    "frame0": (trial - 1) * n,
+                    "t0_ns": t_ns,
+                    "dt_s": dt_s,
+                    "n": n,
+                    "method": "filter",
+                    "gap": False,
+                },
+                **{"q": motion.q + 1e-4 * rng.normal(size=motion.q.shape), "dq": motion.dq, "ddq": motion.ddq},
+                **{"tip": np.zeros((n, 3)), "points": np.zeros((n, len(sensors), 3))},
+            }
+            write(FRAMES, t_ns, **frames)
+            t_ns += round(1e9 * dt_s * n)
+            end_ns = t_ns - round(1e9 * dt_s)
+            write(TRIAL, end_ns, trial=trial, t_ns=end_ns, state="end", role=role)
+    return path
+
+
+def test_a_recording_is_diagnosed_as_the_daemon_wrote_it(fitter, recorded_pendulum, tmp_path):
+    outcome = fitter("diagnose", recorded_pendulum, "--arm", tmp_path / "arm.toml", "--out", tmp_path)
     assert outcome.code == 0
     assert outcome.document["verdict"] in ("named", "ambiguous", "none", "unexplained")
     before = outcome.document["before"]
@@ -138,12 +196,14 @@ def test_a_place_that_cannot_be_written_to_is_told_first(fitter, files, tmp_path
     assert outcome.code == 3 and "cannot be made: Not a directory" in outcome.errors[0]
 
 
-def test_the_same_trials_give_the_same_bytes_on_any_number_of_processors(fitter, files, tmp_path, monkeypatch):
-    for name, processors in (("first", {0}), ("second", {0, 1, 2})):
-        monkeypatch.setattr(os, "sched_getaffinity", lambda _process, some=processors: some)
-        assert fitter("diagnose", *arguments(files, tmp_path / name)).code == 0
+def test_the_same_trials_give_the_same_bytes_on_any_number_of_processors(
+    fitter, files, diagnosed, tmp_path, monkeypatch
+):
+    on_one, _ = diagnosed
+    monkeypatch.setattr(os, "sched_getaffinity", lambda _process: {0, 1, 2})
+    assert fitter("diagnose", *arguments(files, tmp_path)).code == 0
     for name in ("diagnosis.json", "extended.toml", "report.html"):
-        assert (tmp_path / "first" / name).read_bytes() == (tmp_path / "second" / name).read_bytes(), name
+        assert (on_one / name).read_bytes() == (tmp_path / name).read_bytes(), name
 
 
 def test_friction_that_the_model_was_denied_is_found(fitter, tmp_path):

@@ -4,6 +4,7 @@ import json
 import signal
 import subprocess
 import sys
+import threading
 from pathlib import Path
 
 import imageio_ffmpeg
@@ -97,6 +98,7 @@ def test_a_stop_leaves_no_file_and_no_encoder(motion_file: Path, tmp_path: Path)
         try:
             while not list(tmp_path.iterdir()):  # until the encoder has begun its file
                 assert process.poll() is None
+                threading.Event().wait(0.01)
             process.send_signal(signal.SIGTERM)
             words = process.communicate()[1]
         finally:
