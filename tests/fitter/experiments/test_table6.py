@@ -20,3 +20,7 @@ def test_with_few_data_the_papers_row_stands_beside_ours(found):
         parameters = row["methods"][method]["parameters"]
         for name, true in zip(PARAMETERS[:4], TRUE[:4], strict=True):
             assert abs(parameters[name]["value"] - true) < 5.0 * parameters[name]["std"]
+
+
+def test_the_same_seed_gives_the_same_figures(found):
+    assert run(Settings(quick=True)).document == found.document
