@@ -69,6 +69,7 @@ def drawn(seed: int, seconds: float = 4.0) -> History:
         else:
             last = min(n, k + int(rng.integers(1, n // 2)))
             ticks[k:last] = [ticks[k]] * (last - k)
+            lies.append(float(taken_s[last - 1]))  # a clock that goes on shows a jump
     sent = np.ones(n, dtype=np.bool_)
     if rng.random() < 0.5:
         k = int(rng.integers(1, n - 1))
