@@ -9,7 +9,7 @@ MUTATE_STAMP := $(VENV)/.installed-mutate
 KERNELS := $(VENV)/.kernels
 SAMPLE ?= 200
 SEED ?= 0
-SOURCES := $(shell find arm daemon fitter limbcal playback protocol tracking -name '*.py')
+SOURCES := $(shell find arm daemon fitter limbcal playback protocol reproduction tracking -name '*.py')
 
 .DEFAULT_GOAL := help
 .PHONY: help run test soak check bench mutate lock clean

@@ -14,7 +14,7 @@ from types import FrameType
 from typing import Any, Protocol, TypeVar
 
 import fitter.single_thread  # noqa: F401 - the processes that it starts inherit it
-from fitter.dynamics.parallel import be_worker
+from fitter.parallel import be_worker
 from fitter.side_by_side import work_alone
 
 Line = dict[str, Any]

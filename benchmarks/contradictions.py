@@ -32,8 +32,8 @@ from arm.kinematics import tip_position
 from arm.model import Arm, Control, Friction, Joint, Link
 from arm.newton_euler import inverse_dynamics
 from arm.regressor import standard_parameters
+from arm.structural_parameters import structural_parameters
 from fitter.__main__ import main as fitter
-from fitter.dynamics.structure import structural_parameters
 from limbcal import command
 
 Floats = NDArray[np.float64]

@@ -22,10 +22,10 @@ from arm.chain import chain_of
 from arm.model import Arm, Control, Floats
 from arm.newton_euler import inverse_dynamics
 from arm.regressor import standard_parameters
-from fitter.dynamics.running_sums import RunningSums
-from fitter.dynamics.structure import structural_parameters
+from arm.structural_parameters import structural_parameters
 from fitter.dynamics.torque_search import fit_sums
-from fitter.dynamics.torque_sums import TorqueSums, add_up, finished
+from fitter.regression_sums.running_sums import RunningSums
+from fitter.regression_sums.torque_sums import TorqueSums, add_up, finished
 from limbcal.arguments import Parser, common_options
 from limbcal.command import Document, run_command, say
 from limbcal.compiled import compiled

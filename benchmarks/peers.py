@@ -22,13 +22,13 @@ from arm.arm_file import load_arm
 from arm.base_parameters import BaseParameters
 from arm.model import Arm, Control, Floats
 from arm.regressor import regressor, standard_parameters
+from arm.structural_parameters import structural_parameters
 from benchmarks.searchers import SEARCHES, Cost, Search
 from benchmarks.torque_fit import GENERATIONS, POPULATION, SAMPLES, bench_trials, breed
-from fitter.data.trials import Trial
-from fitter.dynamics.structure import structural_parameters
+from fitter.data.trial import Trial
 from fitter.dynamics.torque_problem import TorqueProblem, torque_problem
-from fitter.dynamics.torque_sums import add_up
-from fitter.dynamics.trial_sums import trial_sums
+from fitter.regression_sums.torque_sums import add_up
+from fitter.regression_sums.trial_sums import trial_sums
 from limbcal.arguments import Parser, common_options
 from limbcal.command import Document, run_command, say, to_json
 

@@ -18,13 +18,13 @@ from arm.arm_file import load_arm
 from arm.bench import Bench, motions
 from arm.model import Arm, Control, Floats
 from arm.regressor import standard_parameters
-from fitter.data.trials import Trial
+from arm.structural_parameters import structural_parameters
+from fitter.data.trial import Trial
 from fitter.dynamics.dynamics_fit import DynamicsFit
-from fitter.dynamics.structure import structural_parameters
 from fitter.dynamics.torque_problem import torque_problem
 from fitter.dynamics.torque_search import fit_sums
-from fitter.dynamics.torque_sums import TorqueSums, add_up
-from fitter.dynamics.trial_sums import trial_sums
+from fitter.regression_sums.torque_sums import TorqueSums, add_up
+from fitter.regression_sums.trial_sums import trial_sums
 from fitter.search.genetic import GeneticAlgorithm
 from limbcal.arguments import Parser, common_options
 from limbcal.command import Document, console, run_command

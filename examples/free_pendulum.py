@@ -21,11 +21,12 @@ from arm.arm_file import load_arm, save_arm
 from arm.model import Arm, Floats
 from arm.regressor import standard_parameters
 from arm.simulation import simulate
+from arm.structural_parameters import structural_parameters
 from fitter.data.motions import Measured
-from fitter.data.trials import Trial, to_trials, undriven
+from fitter.data.trial import Trial, undriven
+from fitter.data.trials import to_trials
 from fitter.dynamics.evaluation import motion_error
 from fitter.dynamics.fit import fit_dynamics
-from fitter.dynamics.structure import structural_parameters
 from limbcal.arguments import Parser, common_options
 from limbcal.command import Document, console, run_command
 from limbcal.errors import DataError

@@ -10,6 +10,7 @@ from rich.table import Table
 
 from arm.effects.catalogue import catalogue
 from arm.model import Arm
+from arm.structural_parameters import structural_parameters
 from fitter.commands.arm_option import questioned_arm
 from fitter.commands.diagnose_readings import diagnose_readings, readings
 from fitter.commands.diagnosis_sets import TrialSet, add_sets, require_other_samples, sets_of
@@ -22,7 +23,6 @@ from fitter.diagnosis.finding import Finding, NamedCause
 from fitter.diagnosis.held_out_error import Errors
 from fitter.dynamics.evaluation import HORIZON_S
 from fitter.dynamics.found_targets import HINT, lacks_torque, with_found_targets
-from fitter.dynamics.structure import structural_parameters
 from fitter.dynamics.torque_wiring import check_wiring
 from fitter.report.diagnosis_errors import BY_NAME, by_name_rows, error_rows
 from fitter.report.diagnosis_report import write_diagnosis

@@ -9,6 +9,7 @@ import numpy as np
 from rich.progress import Progress
 
 from arm.model import Arm, Control
+from arm.structural_parameters import structural_parameters
 from fitter.commands.arm_option import questioned_arm
 from fitter.commands.dynamics_said import say_compared, say_controller, say_fit
 from fitter.commands.options import (
@@ -24,22 +25,22 @@ from fitter.commands.options import (
     positive,
 )
 from fitter.commands.trial_sets import notes_of, trial_sets, with_notes
+from fitter.controller import controller
 from fitter.data.first_rest import REST_SPEED
-from fitter.data.trials import Role, Trial, load_trials, undriven
-from fitter.dynamics import controller
+from fitter.data.torque_target import has_unknown_target
+from fitter.data.trial import Role, Trial, undriven
+from fitter.data.trials import load_trials
 from fitter.dynamics.consistency import made_possible, with_warnings
 from fitter.dynamics.dynamics_fit import DynamicsFit, Objective, document
 from fitter.dynamics.evaluation import HORIZON_S, score
 from fitter.dynamics.fit import fit_dynamics
 from fitter.dynamics.identifiability import report
-from fitter.dynamics.learned_torque import has_unknown_target
-from fitter.dynamics.reduction import reduce_trials
-from fitter.dynamics.saved_sums import ArmSums, add_sums, equation_of, is_sums, load_sums
-from fitter.dynamics.structure import structural_parameters
 from fitter.dynamics.torque_delay import torque_delay
 from fitter.dynamics.torque_search import GENERATIONS, fit_sums
 from fitter.dynamics.usability import joint_notes, next_to_nothing, unusable
 from fitter.dynamics.written import save_calibrated, told_by_data
+from fitter.regression_sums.reduction import reduce_trials
+from fitter.regression_sums.saved_sums import ArmSums, add_sums, equation_of, is_sums, load_sums
 from fitter.report.assumptions import dynamics_assumptions
 from fitter.report.compared import load_compared, scores_document
 from fitter.report.fit_pages import dynamics_page

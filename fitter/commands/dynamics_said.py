@@ -4,7 +4,7 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from fitter.dynamics.controller import ControllerFit
+from fitter.controller.controller import ControllerFit
 from fitter.dynamics.dynamics_fit import DynamicsFit
 from fitter.dynamics.evaluation import Score
 from fitter.dynamics.identifiability import Identifiability

@@ -25,7 +25,8 @@ from fitter.commands.options import (
 )
 from fitter.commands.trial_sets import notes_of, trial_sets
 from fitter.data.measured_tip import with_measured_tip
-from fitter.data.trials import Role, Trial, load_trials
+from fitter.data.trial import Role, Trial
+from fitter.data.trials import load_trials
 from fitter.kinematics.evaluation import TipScore, tip_score
 from fitter.kinematics.fit import (
     GENERATIONS,

@@ -4,7 +4,7 @@ import json
 from collections.abc import Sequence
 from pathlib import Path
 
-from fitter.data.trials import Trial
+from fitter.data.trial import Trial
 from fitter.diagnosis.diagnosis import Diagnosis, diagnose
 from fitter.dynamics.found_targets import HINT, with_target
 from fitter.live.calibration import Calibration

@@ -7,12 +7,12 @@ from pathlib import Path
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
 
 from fitter.commands.options import at_least
-from fitter.experiments.experiment import Settings
-from fitter.experiments.reproduction import EXPERIMENTS, Outcome, reproduce
-from fitter.experiments.reproduction_report import document_of, write_report
 from limbcal.command import Document, console, show
 from limbcal.errors import ConfigError, DeviceError
 from limbcal.suggestion import did_you_mean
+from reproduction.experiment import Settings
+from reproduction.report import document_of, write_report
+from reproduction.reproduction import EXPERIMENTS, Outcome, reproduce
 
 _ALL = "all"
 #: As many as the experiments are worth parting into.

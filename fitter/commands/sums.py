@@ -7,8 +7,8 @@ from rich.progress import Progress
 
 from fitter.commands.arm_option import questioned_arm
 from fitter.commands.options import add_arm, add_columns, add_out, at_least, make_room, positive
-from fitter.dynamics.reduction import reduce_trials
-from fitter.dynamics.saved_sums import ArmSums, add_sums, load_sums, save_sums
+from fitter.regression_sums.reduction import reduce_trials
+from fitter.regression_sums.saved_sums import ArmSums, add_sums, load_sums, save_sums
 from limbcal.arguments import Parser
 from limbcal.command import Document, console, say_notes, show
 from limbcal.errors import ConfigError

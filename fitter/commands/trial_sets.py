@@ -4,7 +4,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 
-from fitter.data.trials import Role, Trial
+from fitter.data.trial import Role, Trial
 from limbcal.errors import ConfigError
 from limbcal.note import Note, documents, of_source
 from protocol.tables.files import expand

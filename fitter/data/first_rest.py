@@ -3,7 +3,7 @@
 import numpy as np
 
 from arm.model import Arm, Floats
-from fitter.data.trials import Trial
+from fitter.data.trial import Trial
 from limbcal.errors import DataError
 
 #: What is no faster than about a degree a second [rad/s or m/s] may as well be at rest: integrated and

@@ -7,7 +7,7 @@ from arm.drive_state import KA, KP, KV
 from arm.model import Control, Floats
 from fitter.data.derivatives import lowpass
 from fitter.data.drives import drives_of
-from fitter.data.trials import Trial
+from fitter.data.trial import Trial
 from limbcal.errors import DataError
 
 

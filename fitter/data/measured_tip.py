@@ -6,7 +6,7 @@ import numpy as np
 
 from arm.kinematics import axis_frames
 from arm.model import Arm, Floats
-from fitter.data.trials import Trial
+from fitter.data.trial import Trial
 from limbcal.errors import ConfigError, DataError
 
 

@@ -12,7 +12,7 @@ from fitter.data.motions import Measured
 from fitter.data.recordings import read_frames
 from fitter.data.resample import Uniform, resample, split_at_holes
 from fitter.data.stretches import Stretch, stretches
-from fitter.data.trials import choose_cutoff_hz
+from fitter.data.trial_filter import choose_cutoff_hz
 from fitter.data.windows import SPLINE_SAMPLES, forgetting_samples
 from limbcal.errors import DataError
 from protocol.tables.columns import parse_mapping

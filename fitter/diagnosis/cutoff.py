@@ -15,7 +15,8 @@ from scipy.stats import norm
 
 from arm.model import Arm, Floats
 from fitter.data.resample import Uniform
-from fitter.data.trials import Trial, choose_cutoff_hz
+from fitter.data.trial import Trial
+from fitter.data.trial_filter import choose_cutoff_hz
 from fitter.diagnosis.least_squares import PLAINLY, SIGMAS
 from fitter.diagnosis.motion import SAMPLES
 

@@ -8,9 +8,12 @@ import numpy as np
 
 from arm.model import Arm
 from arm.regressor import standard_parameters
+from arm.structural_parameters import structural_parameters
+from fitter.data.derived_trial import derive
 from fitter.data.motions import Measured
 from fitter.data.resample import Uniform, resample, split_at_holes
-from fitter.data.trials import FIT_CORNER, Trial, derive, undriven
+from fitter.data.trial import Trial, undriven
+from fitter.data.trial_filter import FIT_CORNER
 from fitter.diagnosis.cutoff import chatter, corner_hz
 from fitter.diagnosis.error_floor import regression_of
 from fitter.diagnosis.finding import Finding
@@ -30,7 +33,6 @@ from fitter.diagnosis.stepwise import Found, Stepwise
 from fitter.diagnosis.telling import concluded, finding_of
 from fitter.diagnosis.torque_likelihood import TorqueLikelihood
 from fitter.dynamics.evaluation import HORIZON_S
-from fitter.dynamics.structure import structural_parameters
 from limbcal.errors import DataError, NotIdentifiable
 from limbcal.note import Note
 

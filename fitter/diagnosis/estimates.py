@@ -13,11 +13,11 @@ from scipy.stats import chi2
 
 from arm.base_parameters import BaseParameters
 from arm.model import Arm, Floats
+from arm.structural_parameters import structural_parameters
 from fitter.diagnosis.least_squares import CONFIDENCE, ROUNDED, SLOPE, TINY
 from fitter.diagnosis.model import Candidate, Hypothesis
 from fitter.diagnosis.motion import Motion
 from fitter.diagnosis.regression import Regression
-from fitter.dynamics.structure import structural_parameters
 from fitter.search.fitted_parameter import FittedParameter
 from fitter.search.standard_errors import sandwich_covariance
 

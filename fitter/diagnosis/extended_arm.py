@@ -11,13 +11,13 @@ from arm.base_parameters import with_base_values
 from arm.model import Arm, Effect, Estimate, Floats, Joint
 from arm.physical_links import is_possible, link_parameters
 from arm.regressor import standard_parameters
+from arm.structural_parameters import structural_parameters
 from fitter.diagnosis.estimates import Estimates, generic_arm
 from fitter.diagnosis.model import Candidate, Hypothesis
 from fitter.diagnosis.payload import Payload
 from fitter.diagnosis.regression import Regression
 from fitter.dynamics.physical import nearest_possible
 from fitter.dynamics.shooting_effects import Numbers, numbers_of
-from fitter.dynamics.structure import structural_parameters
 from fitter.search.fitted_parameter import FittedParameter
 from limbcal.errors import NotConverged
 

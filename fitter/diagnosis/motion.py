@@ -12,9 +12,9 @@ from numpy.typing import NDArray
 from arm.effects.joint_torque import N_STATE
 from arm.model import Arm, Floats
 from arm.regressor import regressor
+from arm.structural_parameters import structural_parameters
 from fitter.data.law_torque import law_torque
-from fitter.data.trials import Trial
-from fitter.dynamics.structure import structural_parameters
+from fitter.data.trial import Trial
 from limbcal.errors import DataError
 
 #: Samples a period of the corner that are kept of a motion.

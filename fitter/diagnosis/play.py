@@ -15,7 +15,7 @@ from scipy.ndimage import binary_erosion, gaussian_filter1d
 
 from arm.model import Arm, Floats
 from fitter.data.derivatives import both_derivatives, lowpass
-from fitter.data.trials import Trial
+from fitter.data.trial import Trial
 from fitter.diagnosis.cutoff import white_noise
 from fitter.diagnosis.least_squares import BLOCK_S, EQUAL_SIGMAS, SIGMAS
 from fitter.diagnosis.motion import Motion, sharp_torque

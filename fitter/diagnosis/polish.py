@@ -25,9 +25,10 @@ from fitter.diagnosis.motion import Motion
 from fitter.diagnosis.regression import Regression
 from fitter.diagnosis.static_friction import sticking
 from fitter.dynamics.braking import friction_at, seen_states
-from fitter.dynamics.output_error import Allowed, fit_motion
+from fitter.dynamics.output_error import fit_motion
+from fitter.dynamics.prior_and_limits import Allowed
 from fitter.dynamics.shooting_effects import ShootingWithEffects, windows
-from fitter.dynamics.stretches import LONGEST_STEP_S
+from fitter.dynamics.shooting_windows import LONGEST_STEP_S
 
 
 @dataclass(frozen=True)

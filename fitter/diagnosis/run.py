@@ -10,7 +10,7 @@ from scipy.ndimage import binary_dilation, gaussian_filter1d, maximum_filter1d
 
 from arm.model import Arm, Floats
 from fitter.data.jumps import jumps
-from fitter.data.trials import Trial
+from fitter.data.trial import Trial
 from fitter.diagnosis.cutoff import noise_of_angles
 from fitter.diagnosis.least_squares import EQUAL_SIGMAS, SIGMAS
 from fitter.diagnosis.motion import SAMPLES, Motion, drive_torque, sharp_torque

@@ -14,9 +14,9 @@ from numpy.typing import NDArray
 
 from arm.model import Floats
 from fitter.dynamics.noise_spectrum import Held, weighted_by_noise
-from fitter.dynamics.spectral_sums import SpectralSums
 from fitter.dynamics.torque_problem import TorqueProblem, torque_problem
-from fitter.dynamics.torque_sums import TorqueSums
+from fitter.regression_sums.spectral_sums import SpectralSums
+from fitter.regression_sums.torque_sums import TorqueSums
 from limbcal.errors import NotIdentifiable
 
 #: Probability with which frequencies that do agree are taken to disagree.

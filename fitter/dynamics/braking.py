@@ -16,7 +16,7 @@ from arm.effects.catalogue import catalogue
 from arm.effects.effect import number
 from arm.effects.joint_torque import COULOMB, DIRECTION, DQ, N_STATE, VISCOUS, Q, T, torque_along
 from arm.model import Arm, Floats
-from fitter.data.trials import Trial
+from fitter.data.trial import Trial
 
 #: Speeds at which it is asked, of each joint: the slowest and the fastest that were seen, and quantiles between.
 _SPEEDS = 12

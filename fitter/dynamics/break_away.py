@@ -14,11 +14,11 @@ import numpy as np
 
 from arm.base_parameters import BaseParameters
 from arm.model import Arm, Estimate, Floats
-from fitter.data.trials import Trial
+from arm.structural_parameters import structural_parameters
+from fitter.data.trial import Trial
 from fitter.dynamics.friction_bounds import Bound, between, contradict
 from fitter.dynamics.load_noise import load_noise
 from fitter.dynamics.stands import LEAST_STAND_S, has_torque, stands
-from fitter.dynamics.structure import structural_parameters
 from fitter.search.fitted_parameter import FittedParameter
 
 #: What is proved stands out by so many standard errors: F from zero and from Coulomb friction, a load from noise.

@@ -16,9 +16,9 @@ from arm.base_parameters import BaseParameters
 from arm.model import Arm, Floats
 from arm.regressor import regressor
 from fitter.data.first_rest import REST_SPEED
-from fitter.data.trials import Trial
+from fitter.data.torque_target import has_unknown_target, target_holds_from, torque_target
+from fitter.data.trial import Trial
 from fitter.dynamics.dynamics_fit import DynamicsFit
-from fitter.dynamics.learned_torque import has_unknown_target, learned_torque, target_holds_from
 
 _GEOMETRY = ("alpha_rad", "a_m", "d_m", "beta_rad", "theta_offset_rad")
 
@@ -84,7 +84,7 @@ def _with(arm: Arm, geometry: Floats) -> Arm:
 def _residual(arm: Arm, base: BaseParameters, trial: Trial, rows: slice, values: Floats) -> tuple[Floats, Floats]:
     """Return the regressor's rows and the torque that they leave."""
     Y = regressor(arm, trial.q[rows], trial.dq[rows], trial.ddq[rows])[..., base.independent]
-    return Y, learned_torque(arm, trial)[rows] - Y @ values
+    return Y, torque_target(arm, trial)[rows] - Y @ values
 
 
 def _counted(rows: Floats, moving: NDArray[np.bool_], centred: bool) -> Floats:

@@ -14,10 +14,10 @@ from arm.simulation import simulate
 from fitter.data.derivatives import lowpass
 from fitter.data.drives import drives_of
 from fitter.data.first_rest import REST_SPEED
-from fitter.data.trials import Trial
-from fitter.dynamics.learned_torque import learned_torque, target_of
-from fitter.dynamics.stretches import LONGEST_STEP_S, stretches
-from fitter.dynamics.trial_sums import moving_all_along
+from fitter.data.torque_target import target_of, torque_target
+from fitter.data.trial import Trial
+from fitter.dynamics.shooting_windows import LONGEST_STEP_S, shooting_windows
+from fitter.regression_sums.trial_sums import moving_all_along
 from limbcal.errors import DataError
 
 #: With measured torque nothing pulls a simulation back to the data, so it is restarted this often.
@@ -104,7 +104,7 @@ def torque_rms(arm: Arm, trials: Sequence[Trial]) -> Floats:
     square, count = np.zeros((2, arm.n_joint))
     for trial in trials:
         law = arm.control.law != "measured"
-        tau = learned_torque(arm, replace(trial, ref=target_of(arm, trial)) if law else trial)
+        tau = torque_target(arm, replace(trial, ref=target_of(arm, trial)) if law else trial)
         explained = explained_torque(arm, trial, tau)
         if not law and trial.tau_measured is not None:
             residual = trial.tau_measured - explained
@@ -123,7 +123,7 @@ def torque_explained(arm: Arm, trials: Sequence[Trial]) -> Floats:
     left, power = np.zeros((2, arm.n_joint))
     for trial in trials:
         law = arm.control.law != "measured"
-        tau = learned_torque(arm, replace(trial, ref=target_of(arm, trial)) if law else trial)
+        tau = torque_target(arm, replace(trial, ref=target_of(arm, trial)) if law else trial)
         counts = moving_all_along(trial, slice(0, len(trial.q)), REST_SPEED) & trial.counted
         explained = explained_torque(arm, trial, tau)
         left += np.sum(trial.lowpass(tau - explained) ** 2 * counts, axis=0)
@@ -146,7 +146,7 @@ def motion_error(arm: Arm, trial: Trial, horizon_s: float = HORIZON_S) -> Floats
     """
     n = len(trial.q)
     if arm.control.law == "measured":
-        torque = learned_torque(arm, trial)
+        torque = torque_target(arm, trial)
         simulated = trial.q.copy()
         stride = max(1, round(horizon_s / trial.dt_s))
         for start in range(0, n - 1, stride):
@@ -191,12 +191,12 @@ def best_start(arm: Arm, trial: Trial) -> Floats:
     (2, n_joint)
         Angles and velocities.
     """
-    stretch = stretches(arm, [trial], LONGEST_STEP_S)[0]
+    window = shooting_windows(arm, [trial], LONGEST_STEP_S)[0]
 
     def off(start: Floats) -> Floats:
         q0, dq0 = start.reshape(2, -1)
-        q = simulate(arm, stretch.drive, stretch.dt_s, q0, dq0, drives=stretch.drives).q
-        return np.nan_to_num(q - stretch.measured, nan=1e3, posinf=1e3, neginf=-1e3).ravel()
+        q = simulate(arm, window.drive, window.dt_s, q0, dq0, drives=window.drives).q
+        return np.nan_to_num(q - window.measured, nan=1e3, posinf=1e3, neginf=-1e3).ravel()
 
-    found = scipy.optimize.least_squares(off, stretch.start[: 2 * arm.n_joint], max_nfev=20)
+    found = scipy.optimize.least_squares(off, window.start[: 2 * arm.n_joint], max_nfev=20)
     return np.asarray(found.x, dtype=np.float64).reshape(2, -1)

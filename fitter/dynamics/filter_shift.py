@@ -13,13 +13,13 @@ from dataclasses import replace
 import numpy as np
 
 from arm.model import Arm
-from fitter.data.trials import Trial
+from fitter.data.refilter import refiltered
+from fitter.data.trial import Trial
 from fitter.dynamics.dynamics_fit import DynamicsFit
 from fitter.dynamics.torque_problem import torque_problem
 from fitter.dynamics.torque_search import assembled
-from fitter.dynamics.torque_sums import add_up
-from fitter.dynamics.trial_sums import trial_sums
-from fitter.dynamics.wider_band import with_wider_band
+from fitter.regression_sums.torque_sums import add_up
+from fitter.regression_sums.trial_sums import trial_sums
 
 
 def with_filter_shift(
@@ -38,7 +38,7 @@ def with_filter_shift(
     fixed : mapping from name to value
     rest_speed : float [rad/s or m/s]
     """
-    wide = with_wider_band(trials)
+    wide = refiltered(trials)
     if all(after is before for after, before in zip(wide, trials, strict=True)):
         return fit
     base, free = fit.base, fit.problem.free

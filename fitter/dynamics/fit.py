@@ -9,8 +9,10 @@ import numpy as np
 from arm.base_parameters import BaseParameters
 from arm.model import Arm, Floats
 from arm.regressor import standard_parameters
+from arm.structural_parameters import structural_parameters
 from fitter.data.first_rest import REST_SPEED
-from fitter.data.trials import Trial
+from fitter.data.torque_target import has_unknown_target
+from fitter.data.trial import Trial
 from fitter.dynamics.band_agreement import frequencies_agree
 from fitter.dynamics.break_away import static_friction
 from fitter.dynamics.consistency import made_possible, with_warnings
@@ -18,16 +20,14 @@ from fitter.dynamics.drawn_torque import drawn_dynamics
 from fitter.dynamics.dynamics_fit import DynamicsFit, Method, Objective
 from fitter.dynamics.evaluation import HORIZON_S
 from fitter.dynamics.filter_shift import with_filter_shift
-from fitter.dynamics.learned_torque import has_unknown_target
 from fitter.dynamics.motion_search import polished_by_motion
 from fitter.dynamics.noise_spectrum import weighted_by_noise
 from fitter.dynamics.robust import draw_in, weighted
-from fitter.dynamics.spectral_sums import spectral_sums
-from fitter.dynamics.structure import structural_parameters
 from fitter.dynamics.torque_problem import torque_problem
 from fitter.dynamics.torque_search import GENERATIONS, Progress, assembled, fit_sums
-from fitter.dynamics.torque_sums import TorqueSums, add_up
-from fitter.dynamics.trial_sums import trial_sums
+from fitter.regression_sums.spectral_sums import spectral_sums
+from fitter.regression_sums.torque_sums import TorqueSums, add_up
+from fitter.regression_sums.trial_sums import trial_sums
 from fitter.search.clusters import covariance_by_motions
 from fitter.search.drawn import covariance_of
 from fitter.search.fitted_parameter import held_back

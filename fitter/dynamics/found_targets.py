@@ -6,9 +6,10 @@ import numpy as np
 
 from arm.model import Arm
 from fitter.data.motions import Measured
-from fitter.data.trials import Trial, to_trials
+from fitter.data.torque_target import target_of
+from fitter.data.trial import Trial
+from fitter.data.trials import to_trials
 from fitter.dynamics.fit import fit_dynamics
-from fitter.dynamics.learned_torque import target_of
 from limbcal.note import Note
 
 #: What holds of every answer that rests on such motions.

@@ -17,7 +17,7 @@ from arm.newton_euler import inverse_dynamics
 from fitter.data.derivatives import ORDER, SETTLING_PERIODS, settling_samples
 from fitter.data.first_rest import REST_SPEED
 from fitter.data.law_torque import law_torque
-from fitter.data.trials import Trial
+from fitter.data.trial import Trial
 
 #: A normal deviation's size in units of the median of its absolute value; and of second differences.
 _MEDIAN, _SECOND = 1.4826, np.sqrt(6.0)

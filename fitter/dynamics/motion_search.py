@@ -5,11 +5,11 @@ from dataclasses import replace
 
 import numpy as np
 
-from fitter.data.trials import Trial
+from fitter.data.trial import Trial
 from fitter.dynamics.dynamics_fit import DynamicsFit
 from fitter.dynamics.output_error import fit_motion
 from fitter.dynamics.shooting import Shooting, finest_needed
-from fitter.dynamics.stretches import LONGEST_STEP_S, Stretch, stretches
+from fitter.dynamics.shooting_windows import LONGEST_STEP_S, ShootingWindow, shooting_windows
 from fitter.dynamics.torque_search import assembled
 from limbcal.note import Note
 
@@ -42,8 +42,8 @@ def polished_by_motion(
     shooting = Shooting(arm, fit.base)
     x0 = np.array([fit.parameters[fit.base.names[k]].value for k in problem.free])
 
-    def cut(step_s: float) -> list[Stretch]:
-        return stretches(arm, trials, step_s, window)
+    def cut(step_s: float) -> list[ShootingWindow]:
+        return shooting_windows(arm, trials, step_s, window)
 
     step_s = finest_needed(shooting, cut, problem.complete(x0), LONGEST_STEP_S)
     found = fit_motion(shooting, cut(step_s), problem.complete, x0, np.abs(problem.bounds()[1]), progress)

@@ -1,8 +1,8 @@
 """Each frequency of each joint in units of its noise, which is found along: restricted maximum likelihood.
 
-With the sums of `fitter.dynamics.spectral_sums` the likelihood of independent noise is least squares in which
-band b of joint j counts by one over its variance ``S``. That variance is the residual's power over the degrees of
-freedom that the answer leaves it: coefficients less leverage, ``tr(A^-1 A_bj) / S`` (Patterson and Thompson 1971).
+With the sums of `fitter.regression_sums.spectral_sums` the likelihood of independent noise is least squares, in
+which band b of joint j counts by one over its variance ``S``. That variance is the residual's power over its
+degrees of freedom: coefficients less leverage, ``tr(A^-1 A_bj) / S`` (Patterson and Thompson 1971).
 Low frequencies, where the parameters take up much of the noise, are so not taken to be better than they are.
 """
 
@@ -14,9 +14,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from arm.model import Floats
-from fitter.dynamics.spectral_sums import SpectralSums
 from fitter.dynamics.torque_problem import TorqueProblem, torque_problem
-from fitter.dynamics.torque_sums import TorqueSums
+from fitter.regression_sums.spectral_sums import SpectralSums
+from fitter.regression_sums.torque_sums import TorqueSums
 
 #: Parameters that are not sought, by their index.
 Held: TypeAlias = Mapping[int, float]

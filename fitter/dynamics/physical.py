@@ -13,7 +13,7 @@ from arm.base_parameters import BaseParameters
 from arm.model import Arm, Floats, Friction, Link
 from arm.physical_links import is_possible
 from arm.regressor import standard_parameters
-from fitter.dynamics.possible_search import least_squares_possible
+from fitter.dynamics.feasible_least_squares import least_squares_possible
 from fitter.dynamics.torque_problem import TorqueProblem
 from fitter.search.whitened import whiten
 

@@ -16,10 +16,10 @@ from arm.model import Arm, Control, Floats
 from arm.regressor import regressor
 from fitter.data.derivatives import lowpass
 from fitter.data.first_rest import REST_SPEED
-from fitter.data.trials import Trial
-from fitter.dynamics.learned_torque import has_unknown_target, learned_torque
-from fitter.dynamics.torque_sums import TorqueSums, add_up
-from fitter.dynamics.trial_sums import trial_sums
+from fitter.data.torque_target import has_unknown_target, torque_target
+from fitter.data.trial import Trial
+from fitter.regression_sums.torque_sums import TorqueSums, add_up
+from fitter.regression_sums.trial_sums import trial_sums
 from limbcal.errors import ConfigError
 
 #: Residuals beyond so many standard deviations are bent: 95 % as efficient as least squares without outliers.
@@ -101,7 +101,7 @@ def draw_in(arm: Arm, base: BaseParameters, trials: Sequence[Trial], values: Flo
 def torque_samples(arm: Arm, trial: Trial) -> Floats:
     """Return the torque of every sample as it was before any filter, measured or by the law."""
     if arm.control.law == "measured":
-        return learned_torque(arm, trial) if trial.tau_measured is None else trial.tau_measured
+        return torque_target(arm, trial) if trial.tau_measured is None else trial.tau_measured
     inner = slice(trial.trimmed, len(trial.q) + trial.trimmed)
     q = trial.whole["q"][inner] if "q" in trial.whole else trial.q
     ref = trial.q if trial.ref is None else trial.ref

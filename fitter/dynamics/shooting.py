@@ -1,4 +1,4 @@
-"""Simulations of a stretch for any parameters."""
+"""Simulations of a window for any parameters."""
 
 from collections.abc import Callable
 from typing import NamedTuple
@@ -16,7 +16,7 @@ from arm.model import Arm, Floats
 from arm.regressor import standard_parameters
 from arm.room import make_room
 from arm.way_before import set_way
-from fitter.dynamics.stretches import Stretch
+from fitter.dynamics.shooting_windows import ShootingWindow
 
 #: A simulation is fine enough if halving its step moves no angle by more than this, or this share of the motion.
 _FINE_ENOUGH = 1e-6
@@ -78,23 +78,23 @@ class Shooting:
         friction[:, 0], friction[:, 1] = standard[10 * n : 11 * n], standard[11 * n :]
         return self._chain._replace(inertial=standard[: 10 * n].reshape(n, 10).copy(), friction=friction)
 
-    def angles(self, machine: Machine, stretch: Stretch, start: Floats) -> Floats:
-        """Return the simulated angles of a stretch, (n_sample, n_joint); infinite where the arm ran away."""
-        n = stretch.measured.shape[1]
-        drive = np.tile(start[2 * n :], (len(stretch.drive), 1)) if stretch.free_target else stretch.drive
-        table = machine.tables[min(stretch.trial, len(machine.tables) - 1)]
-        schedule = unchanging(n) if self._given else stretch.schedule(self._control)
+    def angles(self, machine: Machine, window: ShootingWindow, start: Floats) -> Floats:
+        """Return the simulated angles of a window, (n_sample, n_joint); infinite where the arm ran away."""
+        n = window.measured.shape[1]
+        drive = np.tile(start[2 * n :], (len(window.drive), 1)) if window.free_target else window.drive
+        table = machine.tables[min(window.trial, len(machine.tables) - 1)]
+        schedule = unchanging(n) if self._given else window.schedule(self._control)
         law = schedule[0, : KA + 1] if len(schedule) else machine.law
         if not len(schedule) and not self._given:
             gains(self._control, n)  # says it if there are none
         # Loads that are taken up become part of the chain, gains and switches of the law and the table.
         chain = machine.chain._replace(inertial=machine.chain.inertial.copy())
         table = table._replace(numbers=table.numbers.copy())
-        commands = Commands(law.copy(), self._given, drive, float(stretch.dt_s), float(stretch.began_s))
+        commands = Commands(law.copy(), self._given, drive, float(window.dt_s), float(window.began_s))
         room = make_room(n, len(drive) if table.numbers[DELAY].any() and not self._given else 0)
         state = start[: 2 * n].reshape(2, n).copy()
         if table.driven:
-            set_way(machine.arm, commands, table, machine.first + stretch.trial, state, room.way)
+            set_way(machine.arm, commands, table, machine.first + window.trial, state, room.way)
         motion, lead = np.empty((4, *drive.shape)), np.empty((2, len(drive) if table.geared else 0, n))
         effect_steps(chain, commands, table, room, state, motion, lead, schedule)
         angles = motion[0] + lead[0] if table.geared else motion[0]
@@ -102,7 +102,7 @@ class Shooting:
 
 
 def finest_needed(
-    shooting: Shooting, cut: Callable[[float], list[Stretch]], values: Floats, step_s: float
+    shooting: Shooting, cut: Callable[[float], list[ShootingWindow]], values: Floats, step_s: float
 ) -> float:
     """Return a step of the simulation short enough that halving it no longer matters.
 
@@ -121,7 +121,7 @@ def finest_needed(
         stride = round(coarse.dt_s / fine.dt_s)
         if stride < 2:
             return step_s
-        angles = [shooting.angles(machine, stretch, coarse.start) for stretch in (coarse, fine)]
+        angles = [shooting.angles(machine, window, coarse.start) for window in (coarse, fine)]
         n = min(len(angles[0]), len(angles[1][::stride]))
         off = np.abs(angles[0][:n] - angles[1][::stride][:n])
         enough = _FINE_ENOUGH * max(1.0, float(np.ptp(coarse.measured)))

@@ -18,9 +18,9 @@ from arm.effects.catalogue import catalogue
 from arm.effects.effect_table import changed, effect_table
 from arm.model import Arm, Effect, Floats
 from arm.regressor import standard_parameters
-from fitter.data.trials import Trial
+from fitter.data.trial import Trial
 from fitter.dynamics.shooting import Machine, Shooting
-from fitter.dynamics.stretches import Stretch, stretches
+from fitter.dynamics.shooting_windows import ShootingWindow, shooting_windows
 
 
 @dataclass(frozen=True)
@@ -95,7 +95,7 @@ class ShootingWithEffects(Shooting):
     ----------
     numbers : Numbers
     n_trial : int
-        How many trials the stretches are of.
+        How many trials the windows are of.
     first : int
         The number of the first of them in its run, counted from 1: an effect may be there in some trials alone.
     """
@@ -123,7 +123,7 @@ class ShootingWithEffects(Shooting):
         return Machine(inner, chain, self._law, tables, self._which.start)
 
 
-def windows(arm: Arm, trials: Sequence[Trial], step_s: float, horizon_s: float) -> list[Stretch]:
+def windows(arm: Arm, trials: Sequence[Trial], step_s: float, horizon_s: float) -> list[ShootingWindow]:
     """Cut trials into windows of the angles as they were measured, for a fit.
 
     Parameters
@@ -135,4 +135,4 @@ def windows(arm: Arm, trials: Sequence[Trial], step_s: float, horizon_s: float) 
     horizon_s : float
         Length of a window with measured torque or none.
     """
-    return stretches(arm, trials, step_s, horizon_s if arm.control.law == "measured" else np.inf)
+    return shooting_windows(arm, trials, step_s, horizon_s if arm.control.law == "measured" else np.inf)

@@ -16,7 +16,7 @@ from arm.base_parameters import BaseParameters
 from arm.model import Arm, Floats, Friction
 from arm.newton_euler import inverse_dynamics, mass_matrix
 from arm.regressor import regressor
-from fitter.data.trials import Trial
+from fitter.data.trial import Trial
 from fitter.dynamics.friction_bounds import Bound
 from fitter.dynamics.load_noise import LoadNoise, driving_torque, leaks, reach_of, white_noise
 

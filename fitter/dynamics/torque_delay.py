@@ -10,7 +10,7 @@ from arm.base_parameters import BaseParameters
 from arm.model import Arm, Floats
 from arm.regressor import regressor
 from fitter.data.first_rest import REST_SPEED
-from fitter.data.trials import Trial
+from fitter.data.trial import Trial
 from limbcal.note import Note
 
 #: Delays are sought up to this long [s]: filters of drives and buses stay below.

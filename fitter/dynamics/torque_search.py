@@ -10,7 +10,7 @@ from arm.model import Arm, Estimate, Floats
 from arm.regressor import standard_parameters
 from fitter.dynamics.dynamics_fit import DynamicsFit, Method
 from fitter.dynamics.torque_problem import TorqueProblem, torque_problem
-from fitter.dynamics.torque_sums import TorqueSums
+from fitter.regression_sums.torque_sums import TorqueSums
 from fitter.search.fitted_parameter import FittedParameter, fitted_parameters
 from fitter.search.genetic import INDIVIDUALS_PER_GENE, POPULATION, GeneticAlgorithm
 from limbcal.errors import ConfigError, NotConverged

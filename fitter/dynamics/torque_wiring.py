@@ -17,11 +17,11 @@ from arm.base_parameters import BaseParameters
 from arm.model import Arm, Floats
 from arm.regressor import regressor, standard_parameters
 from fitter.data.first_rest import REST_SPEED
-from fitter.data.trials import Trial
-from fitter.dynamics.learned_torque import has_unknown_target, learned_torque
+from fitter.data.torque_target import has_unknown_target, torque_target
+from fitter.data.trial import Trial
 from fitter.dynamics.physical import physical_optimum
 from fitter.dynamics.torque_problem import TorqueProblem, torque_problem
-from fitter.dynamics.torque_sums import TorqueSums
+from fitter.regression_sums.torque_sums import TorqueSums
 from limbcal.errors import NotConverged, NotIdentifiable
 
 #: Samples of a trial that are enough to tell ways of wiring apart.
@@ -172,7 +172,7 @@ class _Sums:
             if has_unknown_target(arm, trial):
                 continue
             some = slice(None, None, max(1, len(trial.q) // _SAMPLES))
-            tau = learned_torque(arm, trial)[some]
+            tau = torque_target(arm, trial)[some]
             q, dq, ddq = trial.q[some], trial.dq[some], trial.ddq[some]
             rows = regressor(arm, q, dq, ddq)[..., base.independent]
             moving = ((np.abs(dq) > REST_SPEED) & trial.counted[some]).all(axis=1)

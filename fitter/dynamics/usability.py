@@ -6,7 +6,7 @@ import numpy as np
 import scipy.stats
 
 from arm.model import Arm
-from fitter.data.trials import Trial
+from fitter.data.trial import Trial
 from fitter.dynamics.dynamics_fit import DynamicsFit
 from fitter.dynamics.evaluation import Score
 from fitter.dynamics.torque_wiring import check_wiring

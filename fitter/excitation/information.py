@@ -9,7 +9,7 @@ from arm.base_parameters import BaseParameters
 from arm.model import Arm, Floats
 from arm.simulation import Motion
 from fitter.data.first_rest import REST_SPEED
-from fitter.dynamics.torque_sums import torque_sums
+from fitter.regression_sums.torque_sums import torque_sums
 
 #: Noise of the torque in every sample, as a share of its rms in the random motion.
 NOISE = 0.01

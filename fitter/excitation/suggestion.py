@@ -18,7 +18,7 @@ from arm.bench import Bench, motions
 from arm.model import Arm, Floats
 from arm.regressor import standard_parameters
 from arm.simulation import Motion
-from fitter.dynamics.structure import structural_parameters
+from arm.structural_parameters import structural_parameters
 from fitter.excitation.driven import Limits, driven, finely_driven, furthest, reached, rest_at, search_step_s
 from fitter.excitation.information import NOISE, Told, information, told
 from fitter.excitation.shapes import Fourier, Points, Shape

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from arm.model import Arm, Floats
-from fitter.data.trials import Trial
+from fitter.data.trial import Trial
 from fitter.kinematics.incremental import IncrementalKinematics
 from fitter.kinematics.moment_fit import MomentFit, MomentProblem
 from fitter.kinematics.noise_floor import NEGLIGIBLE, noise_floor

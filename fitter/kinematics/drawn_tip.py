@@ -19,7 +19,7 @@ from arm.kinematics import tip_position
 from arm.model import Arm, Floats
 from fitter.data.first_rest import first_rest
 from fitter.data.measured_tip import measured_tip
-from fitter.data.trials import Trial
+from fitter.data.trial import Trial
 from fitter.kinematics.tip_basis import geometry_of, with_geometry
 
 _STEP = 1e-5

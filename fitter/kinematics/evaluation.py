@@ -9,7 +9,7 @@ import numpy as np
 from arm.kinematics import tip_position
 from arm.model import Arm
 from fitter.data.first_rest import displacement
-from fitter.data.trials import Trial
+from fitter.data.trial import Trial
 from limbcal.errors import DataError
 
 

@@ -8,7 +8,7 @@ from typing import Literal
 import numpy as np
 
 from arm.model import Arm, Floats
-from fitter.data.trials import Trial
+from fitter.data.trial import Trial
 from fitter.kinematics.angle_noise import Source, fit_from_moments, noise_from_moments, told_noise
 from fitter.kinematics.drawn_tip import drawn_geometry
 from fitter.kinematics.evaluation import TipScore

@@ -13,7 +13,7 @@ import scipy.optimize
 from numpy.typing import NDArray
 
 from arm.model import Floats
-from fitter.data.trials import Trial
+from fitter.data.trial import Trial
 from fitter.kinematics.angle_products import basis_factor
 from fitter.kinematics.tip_basis import basis, coefficients
 from fitter.kinematics.tip_moments import HIGHEST, MomentSums, TipMoments, joined

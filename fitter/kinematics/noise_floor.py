@@ -13,7 +13,7 @@ import numpy as np
 import scipy.signal
 
 from arm.model import Floats
-from fitter.data.trials import Trial
+from fitter.data.trial import Trial
 from fitter.kinematics.tip_basis import basis
 
 #: Noise below this [rad or m] attenuates nothing that can be seen: half its square is less than a millionth.

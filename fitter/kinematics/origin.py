@@ -7,7 +7,7 @@ import numpy as np
 
 from arm.model import Arm, Floats
 from fitter.data.first_rest import displacement, first_rest
-from fitter.data.trials import Trial
+from fitter.data.trial import Trial
 from fitter.kinematics.noise_floor import NEGLIGIBLE
 from fitter.kinematics.revealed import RESOLUTION_M
 

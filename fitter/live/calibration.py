@@ -9,7 +9,8 @@ from arm.model import Arm
 from fitter.data.first_rest import displacement
 from fitter.data.measured_tip import with_measured_tip
 from fitter.data.motions import Measured, require_rising
-from fitter.data.trials import Trial, to_trials
+from fitter.data.trial import Trial
+from fitter.data.trials import to_trials
 from fitter.dynamics.dynamics_fit import DynamicsFit
 from fitter.dynamics.evaluation import Score, score
 from fitter.dynamics.fit import fit_dynamics

@@ -7,9 +7,9 @@ from pathlib import Path
 from arm.arm_file import load_arm
 from arm.model import Arm
 from arm.regressor import standard_parameters
-from fitter.data.trials import Trial
+from arm.structural_parameters import structural_parameters
+from fitter.data.trial import Trial
 from fitter.dynamics.evaluation import Score, score
-from fitter.dynamics.structure import structural_parameters
 from fitter.kinematics.tip_basis import geometry_names, geometry_of
 from limbcal.errors import ConfigError
 

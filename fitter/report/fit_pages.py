@@ -2,10 +2,10 @@
 
 from collections.abc import Mapping, Sequence
 
-from fitter.data.trials import Trial
+from fitter.data.torque_target import has_unknown_target
+from fitter.data.trial import Trial
 from fitter.dynamics.dynamics_fit import DynamicsFit
 from fitter.dynamics.evaluation import motion_error
-from fitter.dynamics.learned_torque import has_unknown_target
 from fitter.kinematics.fit import KinematicsFit
 from fitter.report import published
 from fitter.report.assumptions import dynamics_assumptions, kinematics_assumptions

@@ -10,10 +10,10 @@ from numpy.typing import NDArray
 from arm.arm_file import save_arm
 from arm.model import Arm
 from fitter.data.motion_file import write_motion
-from fitter.data.trials import Trial
+from fitter.data.torque_target import has_unknown_target, target_of
+from fitter.data.trial import Trial
 from fitter.dynamics import dynamics_fit as dynamics
 from fitter.dynamics.evaluation import motion_error
-from fitter.dynamics.learned_torque import has_unknown_target, target_of
 from fitter.dynamics.written import save_calibrated, told_by_data
 from fitter.kinematics import fit as kinematics
 from fitter.live.calibration import Calibration

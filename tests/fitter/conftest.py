@@ -9,7 +9,7 @@ import pytest
 from arm.arm_file import load_arm
 from arm.bench import Bench, motions
 from arm.kinematics import tip_position
-from fitter.data.trials import Trial
+from fitter.data.trial import Trial
 
 
 @pytest.fixture(scope="session")

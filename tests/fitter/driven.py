@@ -5,7 +5,8 @@ import numpy as np
 from arm.model import Arm, Control, Effect, Friction, Joint, Link
 from arm.simulation import simulate
 from fitter.data.motions import Measured
-from fitter.data.trials import Trial, to_trials
+from fitter.data.trial import Trial
+from fitter.data.trials import to_trials
 
 STEP_S = 2e-3
 LINK = Link(0.5, (0.1, 0.0, 0.0), (0.0, 0.0, 0.008, 0.0, 0.0, 0.0))

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from fitter.__main__ import main
-from fitter.dynamics.saved_sums import is_sums, load_sums
+from fitter.regression_sums.saved_sums import is_sums, load_sums
 
 
 def run(capsys, *arguments):

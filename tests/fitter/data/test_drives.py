@@ -9,7 +9,9 @@ from fitter.data.law_torque import law_torque
 from fitter.data.motion_file import write_motion
 from fitter.data.motions import Measured
 from fitter.data.resample import resample
-from fitter.data.trials import load_trials, lowpass_trial, to_trials, undriven
+from fitter.data.trial import undriven
+from fitter.data.trial_filter import lowpass_trial
+from fitter.data.trials import load_trials, to_trials
 from limbcal.errors import DataError
 
 T = 0.002 * np.arange(2000)

@@ -7,7 +7,7 @@ import pytest
 
 from arm.arm_file import load_arm
 from fitter.data.first_rest import displacement, first_rest
-from fitter.data.trials import Trial
+from fitter.data.trial import Trial
 from limbcal.errors import DataError
 
 ARM = load_arm("dd-arm")

@@ -8,7 +8,7 @@ import pytest
 from arm.drive_state import DriveState
 from arm.model import Control
 from fitter.data.law_torque import law_torque
-from fitter.data.trials import Trial
+from fitter.data.trial import Trial
 from limbcal.errors import ConfigError, DataError
 
 CONTROL = Control("pda", (8.0, 4.0), (-0.5, -0.25), (-0.1, -0.2))

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from arm.arm_file import load_arm
 from arm.kinematics import sensor_positions, tip_position
 from fitter.data.measured_tip import measured_tip, with_measured_tip
-from fitter.data.trials import Trial
+from fitter.data.trial import Trial
 from limbcal.errors import ConfigError, DataError
 
 ARM = load_arm("dd-arm")

@@ -9,10 +9,13 @@ from hypothesis import strategies as st
 
 from arm.drive_state import DriveState
 from fitter.data.derivatives import differentiate, lowpass
+from fitter.data.derived_trial import derive
 from fitter.data.motion_file import write_motion
 from fitter.data.motions import Measured
 from fitter.data.resample import Uniform
-from fitter.data.trials import TRIM_SHARE, Trial, derive, load_trials, lowpass_trial, to_trials, undriven
+from fitter.data.trial import Trial, undriven
+from fitter.data.trial_filter import TRIM_SHARE, lowpass_trial
+from fitter.data.trials import load_trials, to_trials
 from limbcal.errors import ConfigError, DataError
 
 DT_S = 0.002

@@ -5,7 +5,7 @@ from dataclasses import replace
 import pytest
 
 from arm.model import Arm, Effect, Friction
-from fitter.data.trials import Trial
+from fitter.data.trial import Trial
 from tests.fitter.driven import TRUE, driven_trials
 
 

@@ -11,7 +11,7 @@ from arm.model import Arm, Joint
 from fitter.data.derivatives import lowpass
 from fitter.data.motions import Measured
 from fitter.data.resample import Uniform
-from fitter.data.trials import choose_cutoff_hz
+from fitter.data.trial_filter import choose_cutoff_hz
 from fitter.diagnosis.cutoff import BAND_SHARE, CORNER_HZ, chatter, corner_hz
 
 

@@ -11,13 +11,13 @@ from arm.drive_state import DriveState
 from arm.effects.catalogue import catalogue
 from arm.model import Arm, Control, Effect
 from arm.simulation import simulate
+from arm.structural_parameters import structural_parameters
 from fitter.diagnosis.at_joint import AtJoint
 from fitter.diagnosis.estimates import estimates
 from fitter.diagnosis.extended_arm import extended_arm, model_numbers
 from fitter.diagnosis.model import Candidate, Model
 from fitter.dynamics.shooting_effects import ShootingWithEffects, numbers_of, windows
-from fitter.dynamics.stretches import Stretch
-from fitter.dynamics.structure import structural_parameters
+from fitter.dynamics.shooting_windows import ShootingWindow
 from tests.fitter.diagnosis.searched import swinging
 
 
@@ -100,10 +100,10 @@ EFFECTS = (
 )
 
 
-def shot(arm: Arm, stretch: Stretch, first: int = 1):
+def shot(arm: Arm, window: ShootingWindow, first: int = 1):
     numbers = numbers_of(arm, structural_parameters(arm))
     shooting = ShootingWithEffects(numbers, 1, first)
-    return shooting.angles(shooting.machine(numbers.values), stretch, stretch.start)
+    return shooting.angles(shooting.machine(numbers.values), window, window.start)
 
 
 @pytest.mark.parametrize("law", ["measured", "pd"])
@@ -111,11 +111,11 @@ def test_a_shot_is_what_simulate_says(true_arm, law):
     control = Control("pd", (3.0, 2.0), (-0.3, -0.2)) if law == "pd" else Control()
     arm = replace(true_arm, effects=(*true_arm.effects, *EFFECTS), control=control)
     drive = 0.3 * np.sin(np.linspace(0.0, 6.0, 400))[:, None] * np.ones(2)
-    stretch = Stretch(0, 2e-3, drive, np.zeros_like(drive), np.array([0.2, -0.1, 0.5, 0.0]), None, 3.1)
+    window = ShootingWindow(0, 2e-3, drive, np.zeros_like(drive), np.array([0.2, -0.1, 0.5, 0.0]), None, 3.1)
     given = drive if law == "measured" else None
-    said = simulate(arm, drive, 2e-3, stretch.start[:2], stretch.start[2:], torque=given, t0_s=3.1, trial=5)
-    assert np.abs(shot(arm, stretch, first=5) - said.q).max() < 1e-9
-    assert np.abs(shot(arm, stretch, first=1) - said.q).max() > 1e-3  # without the load of trial 5
+    said = simulate(arm, drive, 2e-3, window.start[:2], window.start[2:], torque=given, t0_s=3.1, trial=5)
+    assert np.abs(shot(arm, window, first=5) - said.q).max() < 1e-9
+    assert np.abs(shot(arm, window, first=1) - said.q).max() > 1e-3  # without the load of trial 5
 
 
 def test_a_trial_says_its_own_gains_and_where_its_drives_are_let_go(true_arm):
@@ -124,13 +124,13 @@ def test_a_trial_says_its_own_gains_and_where_its_drives_are_let_go(true_arm):
     on = np.ones((300, 2), dtype=bool)
     on[150:] = False
     state = DriveState(on, np.full((300, 2), 5.0))
-    stretch = Stretch(0, 2e-3, drive, np.zeros_like(drive), np.zeros(4), state)
+    window = ShootingWindow(0, 2e-3, drive, np.zeros_like(drive), np.zeros(4), state)
     numbers = numbers_of(arm, structural_parameters(arm))
     shooting = ShootingWithEffects(numbers, 1)
     machine = shooting.machine(numbers.values)
     said = simulate(arm, drive, 2e-3, np.zeros(2), drives=state).q
     for _ in range(2):  # the machine is as it was after a shot
-        assert np.abs(shooting.angles(machine, stretch, stretch.start) - said).max() < 1e-9
+        assert np.abs(shooting.angles(machine, window, window.start) - said).max() < 1e-9
 
 
 def test_base_parameters_and_what_effects_change_add_up(true_arm):
@@ -140,11 +140,11 @@ def test_base_parameters_and_what_effects_change_add_up(true_arm):
     numbers = numbers_of(arm, structural_parameters(arm))
     values = numbers.values * 1.2
     drive = np.zeros((300, 2))
-    stretch = Stretch(0, 2e-3, drive, drive, np.array([0.7, 0.3, 0.0, 0.0]))
+    window = ShootingWindow(0, 2e-3, drive, drive, np.array([0.7, 0.3, 0.0, 0.0]))
     shooting = ShootingWithEffects(numbers, 1)
     moved = with_base_values(numbers.with_effects(values), numbers.base, values[: len(numbers.base.names)])
-    said = simulate(moved, drive, 2e-3, stretch.start[:2], torque=drive)
-    assert np.abs(shooting.angles(shooting.machine(values), stretch, stretch.start) - said.q).max() < 1e-9
+    said = simulate(moved, drive, 2e-3, window.start[:2], torque=drive)
+    assert np.abs(shooting.angles(shooting.machine(values), window, window.start) - said.q).max() < 1e-9
 
 
 def test_windows_are_as_long_as_asked_and_whole_under_a_law(true_arm, trials):

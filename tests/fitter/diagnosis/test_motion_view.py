@@ -7,8 +7,8 @@ import pytest
 
 from arm.newton_euler import inverse_dynamics
 from arm.regressor import standard_parameters
+from arm.structural_parameters import structural_parameters
 from fitter.diagnosis.motion import BaseColumns, view_of
-from fitter.dynamics.structure import structural_parameters
 from tests.fitter.diagnosis.two_joints import regression_of_two
 
 

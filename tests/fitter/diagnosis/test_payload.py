@@ -5,8 +5,8 @@ import pytest
 
 from arm.effects.catalogue import catalogue
 from arm.model import Effect
+from fitter.data.derived_trial import derive
 from fitter.data.resample import resample
-from fitter.data.trials import derive
 from fitter.diagnosis import error_floor
 from fitter.diagnosis.model import Model
 from fitter.diagnosis.payload import Payload, find_payloads

@@ -5,7 +5,7 @@ from typing import cast
 import numpy as np
 import pytest
 
-from fitter.data.trials import Trial
+from fitter.data.trial import Trial
 from fitter.diagnosis.play import Play, bridged, touched
 
 DT, GAP = 0.002, 0.05

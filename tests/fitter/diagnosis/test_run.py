@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 from scipy.ndimage import gaussian_filter1d
 
-from fitter.data.trials import Trial, to_trials
+from fitter.data.trial import Trial
+from fitter.data.trials import to_trials
 from fitter.diagnosis.run import sharper, sharper_gain, told_from_rest, velocity, velocity_gain
 from fitter.diagnosis.whitening import STUCK_S
 from tests.fitter.pendulum import swings

@@ -6,8 +6,8 @@ import numpy as np
 
 from fitter.dynamics.band_agreement import frequencies_agree
 from fitter.dynamics.noise_spectrum import weighted_by_noise
-from fitter.dynamics.spectral_sums import spectral_sums
-from tests.fitter.dynamics.test_spectral_sums import ARM, BASE, TRUE, wave
+from fitter.regression_sums.spectral_sums import spectral_sums
+from tests.fitter.regression_sums.test_spectral_sums import ARM, BASE, TRUE, wave
 
 
 def agree(trial):

@@ -14,7 +14,7 @@ from arm.newton_euler import inverse_dynamics
 from arm.simulation import simulate
 from benchmarks.coverage import learn
 from benchmarks.coverage_case import draw_case
-from fitter.data.trials import Trial
+from fitter.data.trial import Trial
 from fitter.dynamics.break_away import static_friction
 
 DT = 0.001

@@ -7,7 +7,7 @@ import pytest
 
 from arm.arm_file import load_arm
 from arm.bench import Bench, motions
-from fitter.data.trials import Trial
+from fitter.data.trial import Trial
 from fitter.dynamics.drawn_torque import drawn_dynamics
 from fitter.dynamics.fit import fit_dynamics
 from fitter.kinematics.tip_basis import geometry_of

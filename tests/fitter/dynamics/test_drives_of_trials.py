@@ -9,13 +9,13 @@ from arm.drive_state import DriveState
 from arm.model import Arm, Control, Friction, Joint, Link
 from arm.regressor import standard_parameters
 from arm.simulation import simulate
+from arm.structural_parameters import structural_parameters
+from fitter.controller.controller import fit_controller
 from fitter.data.motions import Measured
 from fitter.data.trials import to_trials
 from fitter.diagnosis.motion import drive_torque, sharp_torque
-from fitter.dynamics.controller import fit_controller
 from fitter.dynamics.evaluation import score
 from fitter.dynamics.fit import fit_dynamics
-from fitter.dynamics.structure import structural_parameters
 from limbcal.errors import ConfigError
 
 ARM = Arm(

@@ -16,8 +16,8 @@ from fitter.dynamics.dynamics_fit import document
 from fitter.dynamics.evaluation import score
 from fitter.dynamics.fit import fit_dynamics
 from fitter.dynamics.torque_search import fit_sums
-from fitter.dynamics.torque_sums import add_up
-from fitter.dynamics.trial_sums import trial_sums
+from fitter.regression_sums.torque_sums import add_up
+from fitter.regression_sums.trial_sums import trial_sums
 from limbcal.command import to_json
 from limbcal.errors import ConfigError, DataError, NotConverged, NotIdentifiable
 

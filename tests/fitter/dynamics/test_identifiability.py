@@ -13,7 +13,7 @@ from arm.base_parameters import base_parameters
 from arm.regressor import regressor, standard_parameters
 from fitter.dynamics.identifiability import FELT, KNOWN, report
 from fitter.dynamics.torque_problem import torque_problem
-from fitter.dynamics.torque_sums import row_sums
+from fitter.regression_sums.torque_sums import row_sums
 from limbcal.command import to_json
 
 ARM = load_arm("dd-arm")

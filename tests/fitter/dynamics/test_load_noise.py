@@ -8,7 +8,7 @@ import pytest
 from arm.arm_file import load_arm
 from arm.model import Control
 from arm.newton_euler import inverse_dynamics
-from fitter.data.trials import Trial
+from fitter.data.trial import Trial
 from fitter.dynamics.load_noise import load_noise
 
 

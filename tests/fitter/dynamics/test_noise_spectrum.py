@@ -6,9 +6,9 @@ import numpy as np
 from scipy.signal import lfilter
 
 from fitter.dynamics.noise_spectrum import weighted_by_noise
-from fitter.dynamics.spectral_sums import spectral_sums
 from fitter.dynamics.torque_problem import torque_problem
-from tests.fitter.dynamics.test_spectral_sums import ARM, BASE, TRUE, wave
+from fitter.regression_sums.spectral_sums import spectral_sums
+from tests.fitter.regression_sums.test_spectral_sums import ARM, BASE, TRUE, wave
 
 
 def fitted(trial):

@@ -10,10 +10,11 @@ from arm.bench import Bench, motions
 from arm.model import Arm, Control, Friction
 from arm.regressor import standard_parameters
 from arm.simulation import simulate
+from arm.structural_parameters import structural_parameters
 from fitter.data.motions import Measured
-from fitter.data.trials import to_trials, undriven
+from fitter.data.trial import undriven
+from fitter.data.trials import to_trials
 from fitter.dynamics.fit import fit_dynamics
-from fitter.dynamics.structure import structural_parameters
 
 BRAKED = load_arm("dd-arm")
 BRAKED = replace(BRAKED, joints=tuple(replace(j, friction=Friction(0.05, 0.08)) for j in BRAKED.joints))

@@ -11,12 +11,12 @@ from arm.bench import Bench, motions
 from arm.model import Control, Friction, Link
 from arm.physical_links import is_possible, link_parameters, pseudo_inertia
 from arm.regressor import standard_parameters
-from fitter.data.trials import Trial
+from arm.structural_parameters import structural_parameters
+from fitter.data.trial import Trial
 from fitter.dynamics.physical import nearest_possible, physical_optimum, violations
-from fitter.dynamics.structure import structural_parameters
 from fitter.dynamics.torque_problem import torque_problem
-from fitter.dynamics.torque_sums import add_up
-from fitter.dynamics.trial_sums import trial_sums
+from fitter.regression_sums.torque_sums import add_up
+from fitter.regression_sums.trial_sums import trial_sums
 
 ARM = load_arm("dd-arm")
 BASE = structural_parameters(ARM)

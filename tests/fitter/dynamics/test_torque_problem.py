@@ -9,7 +9,7 @@ from arm.arm_file import load_arm
 from arm.base_parameters import base_parameters
 from arm.regressor import regressor
 from fitter.dynamics.torque_problem import torque_problem
-from fitter.dynamics.torque_sums import torque_sums
+from fitter.regression_sums.torque_sums import torque_sums
 from limbcal.errors import NotIdentifiable
 
 ARM = load_arm("dd-arm")

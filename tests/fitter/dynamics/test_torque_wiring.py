@@ -8,8 +8,8 @@ import pytest
 from arm.arm_file import load_arm
 from arm.model import Arm, Control
 from arm.newton_euler import inverse_dynamics
-from fitter.data.trials import Trial
-from fitter.dynamics.structure import structural_parameters
+from arm.structural_parameters import structural_parameters
+from fitter.data.trial import Trial
 from fitter.dynamics.torque_wiring import check_wiring
 from tests.arm.conftest import draw_arm
 

@@ -11,7 +11,7 @@ from arm.arm_file import format_arm, load_arm, parse_arm
 from arm.base_parameters import base_parameters, with_base_values
 from arm.model import Friction, Link
 from arm.regressor import standard_parameters
-from fitter.dynamics.structure import structural_parameters
+from arm.structural_parameters import structural_parameters
 from fitter.dynamics.written import differing, save_calibrated
 from fitter.search.fitted_parameter import FittedParameter
 from limbcal.errors import Unusable

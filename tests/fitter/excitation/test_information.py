@@ -5,7 +5,7 @@ import pytest
 
 from arm.arm_file import load_arm
 from arm.regressor import regressor, standard_parameters
-from fitter.dynamics.structure import structural_parameters
+from arm.structural_parameters import structural_parameters
 from fitter.excitation.driven import driven
 from fitter.excitation.information import information, told
 from fitter.excitation.shapes import Points

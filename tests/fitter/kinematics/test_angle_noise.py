@@ -5,7 +5,7 @@ import pytest
 
 from arm.arm_file import load_arm
 from arm.kinematics import tip_position
-from fitter.data.trials import Trial
+from fitter.data.trial import Trial
 from fitter.kinematics.angle_noise import told_noise
 from fitter.kinematics.evaluation import TipScore
 from fitter.kinematics.fit import document, fit_kinematics

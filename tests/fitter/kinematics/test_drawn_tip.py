@@ -9,7 +9,7 @@ from arm.arm_file import load_arm
 from arm.bench import Bench, motions
 from arm.kinematics import sensor_positions
 from fitter.data.measured_tip import measured_tip
-from fitter.data.trials import Trial
+from fitter.data.trial import Trial
 from fitter.kinematics.drawn_tip import drawn_geometry
 from fitter.kinematics.fit import fit_kinematics
 from tracking.draws import Draws

@@ -8,7 +8,7 @@ import pytest
 from arm.arm_file import load_arm
 from arm.kinematics import tip_position
 from arm.model import Arm, Joint
-from fitter.data.trials import Trial
+from fitter.data.trial import Trial
 from fitter.kinematics.evaluation import tip_score
 from fitter.kinematics.fit import document, fit_kinematics
 from fitter.kinematics.tip_basis import GEOMETRY, geometry_of, with_geometry

@@ -5,7 +5,7 @@ import pytest
 
 from arm.arm_file import load_arm
 from arm.kinematics import tip_position
-from fitter.data.trials import Trial
+from fitter.data.trial import Trial
 from fitter.kinematics.moment_fit import MomentProblem, enough
 from fitter.kinematics.tip_basis import geometry_of
 

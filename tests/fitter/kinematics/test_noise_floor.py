@@ -7,7 +7,7 @@ import pytest
 
 from arm.arm_file import load_arm
 from arm.kinematics import tip_position
-from fitter.data.trials import Trial
+from fitter.data.trial import Trial
 from fitter.kinematics.noise_floor import NEGLIGIBLE, noise_floor
 
 ARM = load_arm("dd-arm")

@@ -7,7 +7,7 @@ import numpy as np
 from arm.arm_file import load_arm
 from arm.kinematics import tip_position
 from fitter.data.first_rest import displacement
-from fitter.data.trials import Trial
+from fitter.data.trial import Trial
 from fitter.kinematics.origin import choose_about, counted_from_rest, rest_of
 
 ARM = load_arm("dd-arm")

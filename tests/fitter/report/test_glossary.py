@@ -5,7 +5,7 @@ import re
 import pytest
 
 from arm.arm_file import load_arm, preset_names
-from fitter.dynamics.structure import structural_parameters
+from arm.structural_parameters import structural_parameters
 from fitter.kinematics.tip_basis import geometry_names
 from fitter.report.glossary import glossary
 

@@ -1,0 +1,1 @@
+"""Regression sums: trials of any length reduced to sums of products of their equations."""

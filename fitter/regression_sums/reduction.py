@@ -1,0 +1,180 @@
+"""Recordings of any length to torque sums, in one pass and in bounded memory."""
+
+from collections.abc import Callable, Sequence
+from contextlib import closing
+from dataclasses import dataclass
+from functools import partial
+from pathlib import Path
+
+from arm.base_parameters import BaseParameters
+from arm.model import Arm
+from arm.structural_parameters import structural_parameters
+from fitter.data.derived_trial import derive
+from fitter.data.first_rest import REST_SPEED
+from fitter.data.plausibility.questions import questioned
+from fitter.data.reading import Reading, find_corner_hz, stretches_of
+from fitter.data.resample import Uniform
+from fitter.data.stretches import Stretch
+from fitter.data.torque_target import has_unknown_target
+from fitter.data.trial_filter import FIT_CORNER
+from fitter.data.trials import to_trials
+from fitter.parallel import in_order
+from fitter.regression_sums.running_sums import RunningSums
+from fitter.regression_sums.saved_sums import ArmSums, equation_of
+from fitter.regression_sums.torque_sums import TorqueSums, add_up, finished
+from fitter.regression_sums.trial_sums import add_stretch, trial_sums
+from limbcal.errors import DataError
+from limbcal.note import Note, of_source
+from protocol.tables.columns import parse_mapping
+from protocol.tables.files import expand
+
+
+@dataclass(frozen=True)
+class Reduced:
+    """A file's sums.
+
+    Attributes
+    ----------
+    sums : TorqueSums or None
+        Of its learning trials in the file's order; None if it holds evaluating ones only.
+    trials : tuple of str
+        Their names.
+    notes : tuple of Note
+        What was done to each.
+    """
+
+    sums: TorqueSums | None
+    trials: tuple[str, ...]
+    notes: tuple[Note, ...]
+
+
+@dataclass(frozen=True)
+class Reduction:
+    """A set of trials as sums, and what was done to get there.
+
+    Attributes
+    ----------
+    saved : ArmSums
+    cutoff_hz, band_hz : float
+        The corners of both filters; infinite where nothing was filtered.
+    notes : tuple of Note
+    """
+
+    saved: ArmSums
+    cutoff_hz: float
+    band_hz: float
+    notes: tuple[Note, ...]
+
+
+def reduce_trials(
+    arm: Arm,
+    sources: Sequence[Path],
+    *,
+    columns: str | None = None,
+    rate_hz: float | None = None,
+    cutoff_hz: float | None = None,
+    rest_speed: float = REST_SPEED,
+    workers: int = 1,
+    dask: str | None = None,
+    progress: Callable[[int, int], None] | None = None,
+) -> Reduction:
+    """Reduce a set of learning trials, file by file and in bounded memory.
+
+    Files are independent of each other once the corner of their filter is known. It is found in a first pass over
+    the set, or as much of it as memory allows; the notes say so. Whoever reduces a file, its sums stand in the
+    order of the files: any number of processes and a cluster give the same bytes as one process does.
+
+    Parameters
+    ----------
+    arm : Arm
+        Its geometry, gravity and control law.
+    sources : sequence of Path
+        Files and folders. Trials that a recording marks as evaluating are left out.
+    columns, rate_hz, cutoff_hz
+        As in `fitter.data.trials.load_trials`.
+    rest_speed : float [rad/s or m/s]
+    workers, dask
+        As in `fitter.parallel.in_order`.
+    progress : callable, optional
+        Told after every file: how many are done, and of how many.
+
+    Raises
+    ------
+    ConfigError
+        If an argument is wrong.
+    DataError
+        If a file cannot be read or used.
+    """
+    parse_mapping(columns, arm.n_joint)
+    equation, files = equation_of(arm, rest_speed), [path.absolute() for path in expand(sources)]
+    notes: list[Note] = []
+    if cutoff_hz is None:
+        cutoff_hz, samples = find_corner_hz(files, arm.n_joint, columns, rate_hz)
+        if samples is not None:
+            said = f"the corner of {cutoff_hz:.4g} Hz was found in the first {samples} samples"
+            notes.append(Note("filtered", said))
+    reading = Reading(columns, rate_hz, cutoff_hz, FIT_CORNER * cutoff_hz)
+    parts: list[TorqueSums] = []
+    trials: list[str] = []
+    work = partial(reduce_file, arm, rest_speed, reading)
+    with closing(in_order(work, files, workers, dask)) as results:  # closed: whatever happens, no process stays
+        for done, reduced in enumerate(results, 1):
+            notes += reduced.notes
+            if reduced.sums is not None:
+                parts.append(reduced.sums)
+                trials += reduced.trials
+            if progress is not None:
+                progress(done, len(files))
+    if not parts:
+        raise DataError(f"{', '.join(map(str, files))}: no learning trial in it")
+    saved = ArmSums(equation, add_up(parts), tuple(trials))
+    return Reduction(saved, cutoff_hz, reading.band_hz, tuple(notes))
+
+
+def reduce_file(arm: Arm, rest_speed: float, reading: Reading, path: Path) -> Reduced:
+    """Reduce one file.
+
+    Raises
+    ------
+    DataError
+        If it cannot be read or has no torque where the law is "measured".
+    """
+    base = structural_parameters(arm)
+    parts: list[TorqueSums] = []
+    trials: list[str] = []
+    notes: list[Note] = []
+    long: RunningSums | None = None
+    for stretch in stretches_of(path, arm.n_joint, reading):
+        if stretch.whole:
+            motions = questioned([stretch.motion], arm)
+            for trial in to_trials(motions, reading.rate_hz, reading.cutoff_hz, reading.band_hz):
+                parts.append(trial_sums(arm, base, trial, rest_speed))
+                trials.append(trial.name)
+                notes += of_source(trial.notes, trial.name)
+            continue
+        if long is None:
+            questioned([stretch.motion], arm)  # what is wrong with a column's unit shows in its beginning
+            long = RunningSums(arm.n_joint, len(base.independent))
+        said = _add(long, arm, base, rest_speed, reading, stretch)
+        if stretch.ends:
+            parts.append(finished(long))
+            trials.append(stretch.motion.name)
+            notes += of_source(said, stretch.motion.name)
+            long = None
+    return Reduced(add_up(parts) if parts else None, tuple(trials), tuple(notes))
+
+
+def _add(
+    long: RunningSums, arm: Arm, base: BaseParameters, rest_speed: float, reading: Reading, stretch: Stretch
+) -> tuple[Note, ...]:
+    """Add what counts of a stretch, and return what was done to it."""
+    trial = derive(Uniform(stretch.motion, stretch.step_s), reading.cutoff_hz, reading.band_hz)
+    if has_unknown_target(arm, trial):
+        raise DataError(
+            f"{stretch.motion.where}: trial {trial.name!r} goes on for more than {long.samples + len(trial.q)} "
+            "samples and has no target; expected columns ref1…, or trials that are one motion each"
+        )
+    begin = max(0, stretch.counted.start - trial.trimmed)
+    end = min(len(trial.q), stretch.counted.stop - trial.trimmed)
+    add_stretch(long, arm, base, trial, slice(0, len(trial.q)), slice(begin, end), rest_speed)
+    return trial.notes

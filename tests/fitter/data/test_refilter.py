@@ -1,0 +1,28 @@
+"""Trials filtered less."""
+
+import numpy as np
+import pytest
+
+from fitter.data.motions import Measured
+from fitter.data.refilter import refiltered
+from fitter.data.trials import to_trials
+
+
+def test_a_trial_that_was_never_filtered_stays_as_it_is(bench_trials):
+    assert refiltered(bench_trials[:1])[0] is bench_trials[0]
+
+
+def test_twice_the_corner_brings_derivatives_nearer_to_the_truth(bench_trials):
+    true = bench_trials[0]
+    measured = Measured("m", "m", 0, true.t, {"q": true.q, "ref": true.ref, "tau": true.tau})
+    (narrow,) = to_trials([measured], cutoff_hz=3.0)
+    (wide,) = refiltered([narrow])
+    assert wide.cutoff_hz == pytest.approx(6.0)
+    assert wide.band_hz == pytest.approx(2.0 * narrow.band_hz)
+    assert wide.trimmed < narrow.trimmed
+    for trial in (narrow, wide):
+        assert np.array_equal(trial.whole["q"], true.q)
+    inner = slice(narrow.trimmed, len(true.q) - narrow.trimmed)
+    within = slice(narrow.trimmed - wide.trimmed, narrow.trimmed - wide.trimmed + len(narrow.q))
+    off = [np.abs(ddq - true.ddq[inner]).max() for ddq in (narrow.ddq, wide.ddq[within])]
+    assert off[1] < 0.8 * off[0]
