@@ -26,7 +26,7 @@ def structural_parameters(arm: Arm) -> BaseParameters:
     """Return the base parameters of an arm's structure.
 
     Where the arm as it is has no more of them, they are its own exactly: an angle that is a degree off a right one
-    then adds nothing that no data could tell, and to leave it out would shift what is told.
+    then adds nothing that no data could tell, and to leave it out would shift what is determined.
     """
     meant, own = base_parameters(structural(arm)), base_parameters(arm)
     return replace(meant, combination=own.combination) if own.independent == meant.independent else meant

@@ -43,7 +43,7 @@ def in_order(
     Raises
     ------
     LimbcalError
-        What a job raises; those that are left are not begun.
+        What a job raises; those that remain are not begun.
     ConfigError
         If Dask is asked for and not installed, or its address is none.
     DeviceError

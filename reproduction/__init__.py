@@ -1,1 +1,1 @@
-"""The paper's experiments, table by table, beside its numbers."""
+"""The paper's experiments, table by table, with its numbers."""

@@ -76,7 +76,7 @@ def assumed_law(settings: Settings, geometry: Arm, real_pd: Sequence[Trial]) -> 
     alike = fit_dynamics(known, mistaken, objective="torque", seed=settings.seed)
     errors[_ALIKE] = angle_errors(real_pd, under_the_same_control(alike.arm, real_pd, settings.seed))
     own = {name: with_gains.parameters[name].value for name in _FRICTION}
-    told = fit_controller(known, mistaken, fixed={"kp1": _REAL.kp[0], **own})
+    known_friction = fit_controller(known, mistaken, fixed={"kp1": _REAL.kp[0], **own})
     never_held = bench_trials(driven, bench.learning * each, settings.seed, bench.learning, bench.evaluating)
     swinging = angle_errors(never_held, motion_by_motion(found.arm, never_held))
     paper = AngleErrors(ANGLE_ERROR_OTHER_LAW_DEG["learn"], ANGLE_ERROR_OTHER_LAW_DEG["evaluate"])
@@ -100,7 +100,8 @@ def assumed_law(settings: Settings, geometry: Arm, real_pd: Sequence[Trial]) -> 
             f"{alike.parameters['D2'].value:.2f} N m s/rad, which is -kv. The motion comes out as well as with "
             "(5).",
             "With the joints' own friction held, as it shows under law (7) "
-            f"({', '.join(f'{name} = {value:.4f}' for name, value in own.items())}): {told.law_misfit.sentence}.",
+            f"({', '.join(f'{name} = {value:.4f}' for name, value in own.items())}): "
+            f"{known_friction.law_misfit.sentence}.",
         ),
         document={
             "angle_error_deg": {name: e.document() for name, e in errors.items()},
@@ -108,7 +109,7 @@ def assumed_law(settings: Settings, geometry: Arm, real_pd: Sequence[Trial]) -> 
             "gains_found": document(found),
             "wrong_law": {
                 "friction_free": {name: p.document() for name, p in alike.parameters.items()},
-                "friction_held": document(told),
+                "friction_held": document(known_friction),
             },
         },
     )

@@ -31,7 +31,7 @@ Derivatives = Literal["exact", "differences", "filtered"]
 
 #: The moving average of section 2.2.
 _AVERAGED = 4
-#: A trial has at least so many samples: fewer can't be filtered.
+#: A trial has at least this many samples: fewer can't be filtered.
 _FEWEST = 64
 
 
@@ -120,7 +120,7 @@ def held_motions(arm: Arm, bench: Bench, seed: int) -> Iterator[Motion]:
     """Yield the bench's trials with the arm held still at the target before until each begins.
 
     Under a law without damping, eq. (7), the arm never comes to rest by itself, and the bench's trials would begin
-    with whatever swing the one before has left.
+    with whatever swing the one before leaves.
     """
     goals = targets(bench, arm.n_joint, seed)
     step = 1.0 / bench.simulation_hz

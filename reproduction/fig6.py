@@ -28,7 +28,7 @@ _TIP_M, _ANGLE_RAD = 1e-3, float(np.deg2rad(1.0))
 REACHED_M = 1e-4
 #: So close to it a search is stopped, since nothing more is to be learnt of it.
 _CLOSE_M = 1e-5
-#: The optimum itself is the best that a trust region finds from so many starts, before the comparison.
+#: The optimum itself is the best that a trust region finds from this many starts, before the comparison.
 _SCOUTS, _SCOUT_BUDGET = 20, 3000
 _SAMPLES, _BUDGET, _STARTS = 100_000, 50_000, 100
 _QUICK_SAMPLES, _QUICK_BUDGET, _QUICK_STARTS = 2_000, 6_000, 2
@@ -47,7 +47,7 @@ class Landscape:
     revolute: tuple[bool, ...]
 
     def residuals(self, genes: Floats) -> Floats:
-        """Return residuals of many geometries, (n, n_residual) [m]; what no geometry explains is left out."""
+        """Return residuals of many geometries, (n, n_residual) [m]; what no geometry explains is omitted."""
         geometries = np.tile(self.prior, (len(genes), 1, 1))
         for k, place in enumerate(GENES):
             geometries[:, place[0], place[1]] = genes[:, k]
@@ -182,7 +182,7 @@ def _figure(parts: Sequence[tuple[str, Mapping[str, Sequence[Trace]], float]]) -
 
 
 def _curve(axes: Axes, name: str, runs: Sequence[Trace], least: float) -> None:
-    """Draw the median over the runs, and between the quartiles, of the error after so many evaluations."""
+    """Draw the median over the runs, and between the quartiles, of the error after this many evaluations."""
     last = max(run.evaluations[-1] for run in runs)
     x = np.unique(np.geomspace(1, last, 200).astype(int))
     lines = []

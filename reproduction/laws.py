@@ -198,7 +198,7 @@ def parameter_grid(title: str, rows: Sequence[Row]) -> Grid:
 
 
 def gain_grid(title: str, rows: Sequence[Row]) -> Grid:
-    """Return the gains that were found in C, and what is only told together."""
+    """Return the gains that were found in C, and what is only determined together."""
     cells: list[tuple[Cell, ...]] = []
     for r in rows:
         alone = ", ".join(f"{n} {interval(p)}" for n, p in r.unknown.gains.items() if p.identifiable)

@@ -1,4 +1,4 @@
-"""Two sets of motions held beside each other: errors in numbers, and the picture of Fig. 7 and Fig. 8."""
+"""Two sets of motions compared: errors in numbers, and the picture of Fig. 7 and Fig. 8."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass

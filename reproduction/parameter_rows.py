@@ -33,7 +33,7 @@ def method_said(name: str, fit: DynamicsFit, asked: Objective) -> str:
 
 
 def interval(parameter: FittedParameter) -> str:
-    """Return a value and half of its 95 % interval; a value that the data did not tell says so."""
+    """Return a value and half of its 95 % interval; a value that the data did not determine says so."""
     if not parameter.identifiable:
         return "not told"
     if not np.isfinite(parameter.std):

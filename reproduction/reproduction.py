@@ -119,14 +119,14 @@ def _side_by_side(
     groups: Sequence[Sequence[str]], settings: Settings, jobs: int, progress: Progress
 ) -> Iterator[Outcome]:
     spawn = multiprocessing.get_context("spawn")
-    told = spawn.Queue()
-    plain = replace(settings, progress=_Told.nothing)
-    with ProcessPoolExecutor(jobs, spawn, _Told.begin, (told, os.getpid())) as pool:
+    reports = spawn.Queue()
+    plain = replace(settings, progress=_Reports.nothing)
+    with ProcessPoolExecutor(jobs, spawn, _Reports.begin, (reports, os.getpid())) as pool:
         try:
             running: set[Future[list[Outcome]]] = {pool.submit(_in_worker, group, plain) for group in groups}
             while running:
                 done, running = wait(running, _POLL_S, FIRST_COMPLETED)
-                _pass_on(told, progress)
+                _pass_on(reports, progress)
                 for future in done:
                     yield from future.result()
         except BaseException:  # a stop that was asked for must not wait for an experiment's end
@@ -135,26 +135,26 @@ def _side_by_side(
             raise
         finally:
             pool.shutdown(wait=True, cancel_futures=True)
-    _pass_on(told, progress)
+    _pass_on(reports, progress)
 
 
-def _pass_on(told: "multiprocessing.Queue[tuple[str, str]]", progress: Progress) -> None:
+def _pass_on(reports: "multiprocessing.Queue[tuple[str, str]]", progress: Progress) -> None:
     while True:
         try:
-            progress(*told.get_nowait())
+            progress(*reports.get_nowait())
         except queue.Empty:
             return
 
 
-class _Told:
+class _Reports:
     """The way back to the process that waits, of one worker."""
 
     queue: Any = None
 
     @staticmethod
-    def begin(told: Any, parent: int) -> None:
+    def begin(reports: Any, parent: int) -> None:
         """Remember where progress goes, and end with who waits for it."""
-        _Told.queue = told
+        _Reports.queue = reports
         end_with(parent)
 
     @staticmethod
@@ -164,8 +164,8 @@ class _Told:
     @staticmethod
     def say(name: str, what: str) -> None:
         """Send a message."""
-        _Told.queue.put((name, what))
+        _Reports.queue.put((name, what))
 
 
 def _in_worker(names: Sequence[str], settings: Settings) -> list[Outcome]:
-    return _run_group(names, settings, _Told.say)
+    return _run_group(names, settings, _Reports.say)

@@ -20,7 +20,7 @@ from fitter.search.genetic import POPULATION, GeneticAlgorithm
 
 #: Residuals of many individuals at once: (n, n_gene) -> (n, n_residual).
 Residuals = Callable[[Floats], Floats]
-#: Slopes are differences over this share of a gene's range.
+#: Slopes are differences over this fraction of a gene's range.
 _SLOPE = 1e-6
 
 

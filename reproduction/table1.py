@@ -136,7 +136,7 @@ def _plain(arm: Arm, seen: Sequence[Trial], seed: int) -> KinematicsFit:
 
 
 def _full_turns(arm: Arm, samples: int, seed: int, true: Sequence[float]) -> tuple[Grid, list[dict[str, object]]]:
-    """Return what a plain fit makes of angles over full turns, beside the law and the mean of the paper's rows."""
+    """Return a plain fit's result for angles over full turns, next to the law and the mean of the paper's rows."""
     trial, rng = drawn_trials(arm, samples, seed, np.pi)[0], np.random.default_rng([seed, 8])
     rows, figures = [], []
     for angle_deg in sorted({row[1] for row in TABLE1}):

@@ -31,7 +31,7 @@ def bench_of(settings: Settings, method: Method = "smooth") -> SensedBench:
 
 
 def geometry_from(bench: SensedBench, seed: int) -> KinematicsFit:
-    """Return the geometry that the learning motions tell."""
+    """Return the geometry that the learning motions determine."""
     learn = [trial for trial in bench.sensed if trial.role == "learn"]
     return fit_kinematics(bench.arm, learn, seed=seed, population=POPULATION, about="rest")
 

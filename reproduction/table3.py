@@ -142,7 +142,7 @@ def _error_grid(rows: Sequence[Row], true: Mapping[str, float]) -> Grid:
 def _findings(rows: Sequence[Row], true: Mapping[str, float]) -> tuple[str, ...]:
     last = rows[-1]
     motion, exact = last.fits[_MOTION].parameters, last.fits[_PLAIN_B].parameters
-    told = sum(len(true) for row in rows if row.percent)
+    intervals = sum(len(true) for row in rows if row.percent)
     missed = sum(len(outside(row.fits[_MOTION].parameters, true)) for row in rows if row.percent)
     bound = {name: 100 * NORMAL_95 * last.least[name] / true[name] for name in INERTIAL}
     hardest = max(bound, key=lambda name: bound[name])
@@ -156,8 +156,8 @@ def _findings(rows: Sequence[Row], true: Mapping[str, float]) -> tuple[str, ...]
         + ", ".join(f"{name} {off_percent(motion, true)[name]:+.2f} %" for name in INERTIAL)
         + f". The least possible half-width of a 95 % interval for {hardest} is {bound[hardest]:.1f} %, so no "
         "method can promise 1 % of it from these angles.",
-        f"Of {told} printed 95 % intervals of the simulated-motion fits {missed} miss the truth; "
-        f"{0.05 * told:.1f} are expected to.",
+        f"Of {intervals} printed 95 % intervals of the simulated-motion fits {missed} miss the truth; "
+        f"{0.05 * intervals:.1f} are expected to.",
     )
 
 

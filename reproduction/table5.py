@@ -34,7 +34,7 @@ from reproduction.laws import (
 )
 
 _QUICK_ROWS: list[tuple[float, float | None, float | None]] = [(5.5, None, None)]
-#: What an arm is driven by where forms of the law are told apart.
+#: What an arm is driven by where forms of the law are distinguished.
 _DRIVES: dict[Law, tuple[float, float | None, float | None]] = {
     "pd": (TRUE_KP, TRUE_KV, None),
     "pda": (TRUE_KP, TRUE_KV, -1.5),
@@ -54,7 +54,7 @@ _QUICK_FORMS = _FORMS[3:4]
 
 
 def run(settings: Settings) -> Experiment:
-    """Repeat Table 5: driven by other laws, other laws assumed, gains unknown; then the forms told apart."""
+    """Repeat Table 5: driven by other laws, other laws assumed, gains unknown; then the forms distinguished."""
     arm = true_arm()
     samples = settings.samples or (QUICK_SAMPLES if settings.quick else SAMPLES)
     chosen = _QUICK_ROWS if settings.quick else list(TABLE5)
@@ -125,13 +125,13 @@ def told_forms(
 def _form_grid(forms: Mapping[tuple[Law, Law, bool], ControllerFit]) -> Grid:
     cells: list[tuple[Cell, ...]] = []
     for (drive, assumed, known), fit in forms.items():
-        left = ", ".join(f"{100 * share:.3g} %" for share in fit.law_misfit.torque_share)
+        unexplained = ", ".join(f"{100 * share:.3g} %" for share in fit.law_misfit.torque_share)
         cells.append(
             (
                 EQUATIONS[drive],
                 EQUATIONS[assumed],
                 "known" if known else "sought",
-                left,
+                unexplained,
                 ", ".join(fit.law_misfit.missing) or "nothing",
                 fit.law_misfit.sentence,
             )

@@ -38,7 +38,7 @@ from fitter.dynamics.identifiability import report
 from fitter.dynamics.torque_delay import torque_delay
 from fitter.dynamics.torque_search import GENERATIONS, fit_sums
 from fitter.dynamics.usability import joint_notes, next_to_nothing, unusable
-from fitter.dynamics.written import save_calibrated, told_by_data
+from fitter.dynamics.written import determined_by_data, save_calibrated
 from fitter.regression_sums.reduction import reduce_trials
 from fitter.regression_sums.saved_sums import ArmSums, add_sums, equation_of, is_sums, load_sums
 from fitter.report.assumptions import dynamics_assumptions
@@ -132,7 +132,7 @@ def dynamics(arguments: argparse.Namespace) -> Document:
     late = torque_delay(arm, fit.base, learn)
     found = (*joint_notes(scores), *([] if late is None else [late.note]))
     fit = replace(fit, notes=(*fit.notes, *found, *(Note("assumed", said) for said in assumed)))
-    save_calibrated(fit.arm, fit.base, told_by_data(fit), arguments.out)
+    save_calibrated(fit.arm, fit.base, determined_by_data(fit), arguments.out)
     revealed = report(arm, fit.base, fit.problem)
     say_fit(fit, compared, learnt, evaluated, revealed)
     answer = document(fit, learnt, evaluated) | {"identifiability": revealed.document()}
@@ -206,7 +206,7 @@ def _from_sums(arguments: argparse.Namespace, arm: Arm) -> Document:
     )
     fit = made_possible(fit) if arguments.physical else with_warnings(fit)
     evaluated = score(fit.arm, evaluate, arguments.horizon) if evaluate else None
-    save_calibrated(fit.arm, base, told_by_data(fit), arguments.out)
+    save_calibrated(fit.arm, base, determined_by_data(fit), arguments.out)
     revealed = report(arm, base, fit.problem)
     say_fit(fit, [], None, evaluated, revealed)
     answer = document(fit, None, evaluated) | {"identifiability": revealed.document()}

@@ -19,10 +19,10 @@ from fitter.dynamics.output_error import fit_motion
 from fitter.dynamics.shooting import Machine, Shooting
 from fitter.dynamics.shooting_windows import LONGEST_STEP_S, shooting_windows
 
-#: Where a simulation can't follow whole trials, it begins anew so often: what swings undamped forgets its start.
+#: Length of shooting windows [s] where a simulation cannot follow whole trials, such as an undamped swing.
 _WINDOW_S = 1.0
-#: A parameter makes itself felt by so many standard errors.
-_FELT = 1e3
+#: A parameter's scale in a search, in its standard errors.
+_SCALE_STD = 1e3
 
 
 class ClosedLoop(Shooting):
@@ -72,7 +72,7 @@ def polished(fit: LawFit, arm: Arm, base: BaseParameters, trials: Sequence[Trial
 
     for window_s in (np.inf, _WINDOW_S):
         parts = shooting_windows(driven, trials, LONGEST_STEP_S, window_s)
-        found = fit_motion(loop, parts, complete, fit.values[fit.free], _FELT * std)
+        found = fit_motion(loop, parts, complete, fit.values[fit.free], _SCALE_STD * std)
         if found.converged and np.isfinite(found.covariance).all():
             return replace(fit, values=complete(found.x), covariance=found.covariance)
     return fit

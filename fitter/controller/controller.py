@@ -44,12 +44,12 @@ class ControllerFit:
     law : {"p", "pd", "pda"}
         The form that was assumed: the arm file's.
     gains, parameters : mapping from name to FittedParameter
-        Gains of the law, and base parameters. What was given has no standard error, what is only told together
-        with something else is not identifiable by itself.
+        Gains of the law, and base parameters. What was given has no standard error, what is only determined
+        together with something else is not identifiable by itself.
     fixed_by : str
         Which number the factor rests on.
     only_together : tuple of str
-        What the data tells of parameters that it can't tell apart.
+        What the data determines of parameters that it cannot distinguish.
     law_misfit : LawMisfit
     forms : tuple of LawForm
         All forms of the law, from the narrowest on, each with its best gains.
@@ -87,7 +87,7 @@ def fit_controller(
     Parameters
     ----------
     arm : Arm
-        Its geometry and the form of its law; its values stand for what the data can't tell.
+        Its geometry and the form of its law; its values stand for what the data cannot determine.
     learn : sequence of Trial
         Without a ``ref``, each is one motion to an unknown target.
     fixed : mapping from name to value, optional
@@ -100,7 +100,7 @@ def fit_controller(
     polish : bool
         Fit the simulated motion to the measured angles at the end, where these had to be filtered.
     rest_speed : float [rad/s or m/s]
-        A joint that is slower is at rest and left out.
+        A joint that is slower is at rest and omitted.
 
     Raises
     ------
@@ -131,12 +131,12 @@ def fit_controller(
     trials = [law_equations(arm, base, trial, rest_speed) for trial in refiltered(learn)]
     gram = equations_gram(trials)
     anchors = () if known else anchors_of(arm, columns, trials)
-    told = known | dict(anchors)
-    fits: dict[Law, LawFit] = {law: _fitted(arm, base, columns, trials, told)}
+    fixed_values = known | dict(anchors)
+    fits: dict[Law, LawFit] = {law: _fitted(arm, base, columns, trials, fixed_values)}
     for other in GAINS:
         if other != law:
             with suppress(NotIdentifiable):  # where what is known says nothing of this form
-                fits[other] = _fitted(arm, base, widest.narrowed(other), trials, told)
+                fits[other] = _fitted(arm, base, widest.narrowed(other), trials, fixed_values)
     wider = [fits[other] for other in fits if len(GAINS[other]) > len(GAINS[law])]
     if polish and not any(law_form(other, gram).needed for other in wider):
         fits[law] = polished(fits[law], arm, base, learn)  # a form that is not the law's has no best gains
@@ -179,7 +179,7 @@ def document(fit: ControllerFit) -> dict[str, object]:
                 "torque_share": list(form.torque_share),
                 "needed": list(form.needed),
                 "not_needed": list(form.not_needed),
-                "not_told": list(form.not_told),
+                "not_told": list(form.undetermined),
             }
             for form in fit.forms
         },
@@ -203,7 +203,7 @@ def _fitted(
 def _parameters(fit: LawFit) -> dict[str, FittedParameter]:
     std, names = fit.std(), fit.columns.names
     return {
-        name: FittedParameter(float(fit.values[k]), float(std[k]), fit.columns.units[k], fit.told(name))
+        name: FittedParameter(float(fit.values[k]), float(std[k]), fit.columns.units[k], fit.identifiable(name))
         for k, name in enumerate(names)
     }
 

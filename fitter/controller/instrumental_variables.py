@@ -11,12 +11,13 @@ from fitter.controller.law_columns import LawColumns, law_rows
 from fitter.controller.law_equations import LawEquations
 from fitter.dynamics.shooting import Shooting
 
-#: A simulation is long enough to hang on little of the measured motion, and short enough to stay with it: lengths
-#: are tried in this order until the simulated angles are off by less than this share of what they vary.
+#: Lengths of simulations [s], tried in this order: long ones depend least on the measured motion, short ones stay
+#: near it.
 _LENGTHS_S = (np.inf, 2.0, 0.5)
-_RESEMBLES = 0.1
-#: With less than this share of a simulation anywhere near the motion, it is not a simulation of it.
-_ENOUGH = 0.5
+#: Largest rms error of simulated angles, in standard deviations of the measured ones, at which a length is taken.
+_NEAR = 0.1
+#: Least share of samples within one such standard deviation, or the simulation is rejected as a whole.
+_LEAST_VALID = 0.5
 
 
 class InstrumentalVariables:
@@ -65,9 +66,9 @@ class InstrumentalVariables:
             motion = self._motion(values, law, equations, target, length_s)
             off = np.abs(motion[0] - equations.q) / spread
             sane = np.isfinite(motion).all(axis=(0, 2)) & (off < 1.0).all(axis=1)
-            if sane.all() and np.all(np.sqrt(np.mean(off**2, axis=0)) < _RESEMBLES):
+            if sane.all() and np.all(np.sqrt(np.mean(off**2, axis=0)) < _NEAR):
                 break
-        if np.mean(sane) < _ENOUGH:
+        if np.mean(sane) < _LEAST_VALID:
             sane[:] = False
         q, dq, ddq = np.where(sane[:, None], motion[:3], 0.0)
         rows = law_rows(self._arm, self._base, q, dq, ddq, target - q)[..., :n]

@@ -1,9 +1,10 @@
-"""What motion under a law can never tell, whatever its noise: the common factor, and what only shows together.
+"""Structural ambiguity of an arm under a law: the common factor, and parameters that only show together.
 
-The data is a motion that obeys *some* arm and *some* gains. Which those are does not matter for what can be told:
-the sums of the motion's own columns are taken, and the targets in them put where a law with arbitrary numbers
-would have had them. The equation then holds exactly, and the null space of the sums is all that is ambiguous: the
-factors, and trades of one parameter for another, such as viscous friction for kv, which multiply the same column.
+The data is a motion that obeys *some* arm and *some* gains. Which those are does not matter for what can be
+determined: the sums of the motion's own columns are taken, and the targets in them put where a law with arbitrary
+numbers would have had them. The equation then holds exactly, and the null space of the sums is all that is
+ambiguous: the factors, and trades of one parameter for another, such as viscous friction for kv, which multiply
+the same column.
 """
 
 from collections.abc import Sequence
@@ -15,8 +16,8 @@ from numpy.typing import NDArray
 from arm.model import Floats
 from fitter.controller.law_columns import LawColumns
 
-#: A direction that adds less than this share to the columns, squared, is none: sums of doubles can't tell it from
-#: rounding, as in `fitter.search.whitened`.
+#: A direction that adds less than this fraction to the columns, squared, is none: sums of doubles cannot
+#: distinguish it from rounding, as in `fitter.search.whitened`.
 _NEW_PART = 1e-11
 #: A part of a null vector, in units of its column's size, that is smaller than this is rounding: the root of that.
 _PART = 1e-5
@@ -35,7 +36,7 @@ class Ambiguity:
     trades : (n_trade, n_column)
         Directions in which no kp moves; each with a 1 at a parameter of its own (`folded`), where others have 0.
     folded : tuple of int
-        Parameters that must be held for the others to be told.
+        Parameters that must be held for the others to be determined.
     """
 
     factors: Floats
@@ -44,20 +45,20 @@ class Ambiguity:
     folded: tuple[int, ...]
 
     def open(self) -> NDArray[np.bool_]:
-        """Say which parameters the data can't tell by themselves, (n_column,)."""
+        """Say which parameters the data cannot determine by themselves, (n_column,)."""
         return np.asarray(np.any(np.vstack([self.factors, self.trades]) != 0.0, axis=0))
 
     def combinations(self) -> list[dict[int, float]]:
-        """Return what is told of the parameters that trade: weights of combinations, each led by a 1."""
-        told = []
+        """Return what is determined of the parameters that trade: weights of combinations, each led by a 1."""
+        found = []
         for k in np.flatnonzero(np.any(self.trades != 0.0, axis=0)):
             if k not in self.folded:
                 weights = {int(k): 1.0}
                 for row, f in zip(self.trades, self.folded, strict=True):
                     if row[k] != 0.0:
                         weights[f] = -float(row[k])
-                told.append(weights)
-        return told
+                found.append(weights)
+        return found
 
 
 class LawNullSpace:
@@ -123,9 +124,9 @@ def _vanishing(basis: Floats, places: list[int]) -> Floats:
     """Return a basis of those vectors of a space that are zero in some places."""
     if not len(basis) or not places:
         return basis
-    left, sizes, _ = np.linalg.svd(basis[:, places])
+    U, sizes, _ = np.linalg.svd(basis[:, places])
     rank = int(np.count_nonzero(sizes > _PART))
-    return np.asarray(left[:, rank:].T @ basis, dtype=np.float64)
+    return np.asarray(U[:, rank:].T @ basis, dtype=np.float64)
 
 
 def _reduced(basis: Floats, order: Sequence[int]) -> tuple[Floats, list[int]]:

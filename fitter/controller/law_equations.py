@@ -14,7 +14,8 @@ from fitter.data.trial import Trial
 
 #: Equations are averaged over steps of about this length: the arm hardly moves in one.
 STEP_S = 4e-3
-#: A column that varies by less than this share of itself within a trial is not told from an unknown constant.
+#: A column that varies by less than this fraction of itself within a trial is not distinguished from an unknown
+#: constant.
 _CONSTANT = 1e-2
 
 
@@ -56,8 +57,8 @@ class LawEquations:
             return rows
         mean = rows.sum(axis=0) / np.maximum(moving.sum(axis=0), 1)
         centred = np.where(moving, rows - mean, 0.0)
-        told = np.sum(centred**2, axis=0) > _CONSTANT**2 * np.sum(rows**2, axis=0)
-        return np.asarray(centred * told, dtype=np.float64)
+        varies = np.sum(centred**2, axis=0) > _CONSTANT**2 * np.sum(rows**2, axis=0)
+        return np.asarray(centred * varies, dtype=np.float64)
 
     def target(self, values: Floats, kp: Floats) -> Floats:
         """Return the target, (n_step, n_joint); an unknown one is that which explains the motion best.

@@ -1,8 +1,8 @@
 """Base parameters and gains found together, by least squares to begin with and then with instrumental variables.
 
 Least squares on the law's equation has noise in nearly every column and is drawn towards small gains or small
-masses, according to which column is taken for the right-hand side. Instrumental variables are columns without that noise:
-those of the simulated motion of the arm and the law that were found so far, driven by the target, which is known.
+masses, according to which column is taken for the right-hand side. Instrumental variables lack that noise: columns
+of the simulated motion of the arm and the law that were found so far, driven by the target, which is known.
 Whatever is wrong with them costs precision and shifts nothing (Söderström and Stoica 1983; for arms Janot,
 Vandanjon and Gautier 2014).
 """
@@ -24,11 +24,11 @@ from fitter.search.standard_errors import sandwich_covariance
 from fitter.search.whitened import whiten
 from limbcal.errors import NotIdentifiable
 
-#: Instrumental variables are renewed until no parameter moves by more than this share of its standard error, or of
-#: itself.
+#: Instrumental variables are renewed until no parameter moves by more than this fraction of its standard error, or
+#: of itself.
 _SETTLED, _ROUNDING = 0.02, 1e-9
 _ROUNDS = 15
-#: Blocks of consecutive equations of a trial, whose scores tell the answer's scatter.
+#: Blocks of consecutive equations of a trial, whose scores give the covariance.
 _BLOCKS = 100
 #: Poses of a trial at which inertia must be positive.
 _POSES = 50
@@ -45,7 +45,7 @@ class LawFit:
     free : (n_free,) int
         Those that were sought.
     covariance : (n_free, n_free)
-        NaN where the data is too short to tell.
+        NaN where the data is too short for one.
     ambiguity : Ambiguity
         What stays open with what was known.
     torque_share : (n_joint,)
@@ -68,8 +68,8 @@ class LawFit:
         std[self.free] = np.sqrt(np.maximum(np.diag(self.covariance), 0.0))
         return std
 
-    def told(self, name: str) -> bool:
-        """Say whether the data tells a parameter by itself."""
+    def identifiable(self, name: str) -> bool:
+        """Say whether the data determines a parameter by itself."""
         k = self.columns.names.index(name)
         return bool(k in self.free and not self.ambiguity.open()[k])
 
@@ -96,7 +96,7 @@ def fit_law(
     Parameters
     ----------
     arm : Arm
-        Its values stand for what can't be told.
+        Its values stand for what cannot be determined.
     base : BaseParameters
     columns : LawColumns
     trials : sequence of LawEquations
@@ -206,12 +206,12 @@ def _solved(sums: _Blocks, values: Floats, free: NDArray[np.intp]) -> tuple[Floa
     held = values.copy()
     held[free] = 0.0
     cross, gram = sums.cross.sum(axis=1), sums.gram.sum(axis=1)[:, free[:, None], free]
-    left, right = cross.sum(axis=0)[np.ix_(free, free)], -(cross.sum(axis=0) @ held)[free]
+    lhs, rhs = cross.sum(axis=0)[np.ix_(free, free)], -(cross.sum(axis=0) @ held)[free]
     # Columns in units of their size: torques of rad and of rad/s^2 differ by orders.
     size = np.sqrt(np.maximum(np.diag(gram.sum(axis=0)), 1e-300))
     answer = values.copy()
-    scaled = left / np.outer(size, size)
-    answer[free] = np.linalg.lstsq(scaled, right / size, rcond=None)[0] / size
+    scaled = lhs / np.outer(size, size)
+    answer[free] = np.linalg.lstsq(scaled, rhs / size, rcond=None)[0] / size
     scores = (cross @ answer)[:, free] / size
     whole = gram.sum(axis=0) / np.outer(size, size)
     W = np.linalg.cholesky(whole + 1e-13 * np.eye(len(free))).T
@@ -236,5 +236,5 @@ def torque_shares(columns: LawColumns, gram: Floats, values: Floats) -> Floats:
     values : (n_column,)
     """
     law = np.where(np.arange(len(values)) < columns.n_base, 0.0, values)
-    left, torque = (np.maximum(np.einsum("a,jab,b->j", x, gram, x), 0.0) for x in (values, law))
-    return np.asarray(np.minimum(left / np.where(torque > 0.0, torque, 1.0), 1.0), dtype=np.float64)
+    residual, torque = (np.maximum(np.einsum("a,jab,b->j", x, gram, x), 0.0) for x in (values, law))
+    return np.asarray(np.minimum(residual / np.where(torque > 0.0, torque, 1.0), 1.0), dtype=np.float64)

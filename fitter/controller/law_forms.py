@@ -10,9 +10,10 @@ from arm.model import Floats, Law
 from fitter.controller.law_columns import EQUATIONS, GAINS, TERMS, LawColumns
 from fitter.controller.law_fit import LawFit
 
-#: A term is missing if chance alone would give it such a size once in so many times, and if its torque is no
-#: smaller than this share (rms) of the law's in its joint: less than that may be the arm's and not the law's.
-_CHANCE, _PART = 1e-3, 1e-2
+#: Significance level of the chi-squared test that a gain differs from zero.
+_SIGNIFICANCE = 1e-3
+#: Least rms torque of a term that counts, as a fraction of the law's in its joint: less may be the arm's own.
+_LEAST_TORQUE = 1e-2
 
 
 @dataclass(frozen=True)
@@ -27,16 +28,16 @@ class LawForm:
     needed : tuple of str
         Gains beyond the next narrower form that the data asks for.
     not_needed : tuple of str
-        Gains beyond the next narrower form that the data tells to be nearly zero.
-    not_told : tuple of str
-        Gains beyond the next narrower form that the data can't tell from what is the arm's.
+        Gains beyond the next narrower form that the data shows to be nearly zero.
+    undetermined : tuple of str
+        Gains beyond the next narrower form that the data cannot distinguish from parameters of the arm.
     """
 
     law: Law
     torque_share: tuple[float, ...]
     needed: tuple[str, ...]
     not_needed: tuple[str, ...]
-    not_told: tuple[str, ...]
+    undetermined: tuple[str, ...]
 
 
 @dataclass(frozen=True)
@@ -72,20 +73,21 @@ def law_form(fit: LawFit, gram: Floats) -> LawForm:
     narrower = _narrower(fit.columns.law)
     extra = [] if narrower is None else [n for n in fit.columns.gain_names if _kind(n) not in GAINS[narrower]]
     free = {int(k) for k in fit.free}
-    told = [name for name in extra if fit.told(name)]
-    not_told = [name for name in extra if not fit.told(name) and fit.columns.names.index(name) in _open(fit, free)]
-    needed = [name for name in told if _is_there(fit, name, gram)]
+    identified = [name for name in extra if fit.identifiable(name)]
+    others, open_ones = (name for name in extra if name not in identified), _open(fit, free)
+    undetermined = [name for name in others if fit.columns.names.index(name) in open_ones]
+    needed = [name for name in identified if _is_there(fit, name, gram)]
     return LawForm(
         fit.columns.law,
         tuple(fit.torque_share.tolist()),
         tuple(needed),
-        tuple(name for name in told if name not in needed),
-        tuple(not_told),
+        tuple(name for name in identified if name not in needed),
+        tuple(undetermined),
     )
 
 
 def misfit(assumed: Law, forms: Mapping[Law, LawForm], fits: Mapping[Law, LawFit]) -> LawMisfit:
-    """Return how well the assumed form fits, beside the others.
+    """Return how well the assumed form fits, compared with the others.
 
     Parameters
     ----------
@@ -100,18 +102,18 @@ def misfit(assumed: Law, forms: Mapping[Law, LawForm], fits: Mapping[Law, LawFit
     if asked is not None:
         missing = tuple(dict.fromkeys(_kind(name) for other in wider for name in other.needed))
         gains = ", ".join(_estimate(fits[asked.law], name) for name in asked.needed)
-        left = ", ".join(f"{100 * share:.3g} %" for share in form.torque_share)
+        unexplained = ", ".join(f"{100 * share:.3g} %" for share in form.torque_share)
         sentence = (
-            f"the law is not of the form {own}: it leaves {left} of the joints' torque unexplained (mean square), "
-            f"and the missing term looks like {' and '.join(TERMS[gain] for gain in missing)} ({gains})"
+            f"the law is not of the form {own}: it leaves {unexplained} of the joints' torque unexplained (mean "
+            f"square), and the missing term looks like {' and '.join(TERMS[gain] for gain in missing)} ({gains})"
         )
         return LawMisfit(form.torque_share, False, tuple(TERMS[gain] for gain in missing), sentence)
     sentence = f"the motion is of the form {own}; no term of a wider form is asked for"
-    if form.not_needed and not form.needed and not form.not_told:
+    if form.not_needed and not form.needed and not form.undetermined:
         narrower = _narrower(assumed)
         assert narrower is not None
         sentence += f", and the narrower form {EQUATIONS[narrower]}, {_form(narrower)}, does as well"
-    silent = [name for other in (form, *wider) for name in other.not_told]
+    silent = [name for other in (form, *wider) for name in other.undetermined]
     if silent:
         sentence += f"; whether it has {', '.join(silent)} can't be told: the arm itself may do the same"
     return LawMisfit(form.torque_share, True, (), sentence)
@@ -125,8 +127,8 @@ def _is_there(fit: LawFit, name: str, gram: Floats) -> bool:
     law = np.where(np.arange(len(fit.values)) < fit.columns.n_base, 0.0, fit.values)
     n = len(law)
     torque = float(law @ gram[joint, :n, :n] @ law)
-    large = value**2 * float(gram[joint, k, k]) > _PART**2 * torque
-    return bool(large and variance > 0.0 and value**2 / variance > chi2.isf(_CHANCE, 1))
+    large = value**2 * float(gram[joint, k, k]) > _LEAST_TORQUE**2 * torque
+    return bool(large and variance > 0.0 and value**2 / variance > chi2.isf(_SIGNIFICANCE, 1))
 
 
 def _open(fit: LawFit, free: set[int]) -> set[int]:

@@ -33,7 +33,7 @@ def fixed_by(known: Mapping[str, float], anchors: Mapping[str, float], measured_
 
 
 def only_together(fit: LawFit) -> tuple[str, ...]:
-    """Say what a fit tells of parameters that the data can't tell apart, one sentence each."""
+    """Say what a fit tells of parameters that the data cannot distinguish, one sentence each."""
     said = []
     std, names = fit.std(), fit.columns.names
     for weights in fit.ambiguity.combinations():
@@ -44,8 +44,8 @@ def only_together(fit: LawFit) -> tuple[str, ...]:
             factor = "" if np.isclose(abs(weight), 1.0, atol=1e-6) else f"{abs(weight):.4g} "
             text += (" - " if weight < 0.0 else " + " if text else "") + factor + names[k]
         held = ", ".join(names[k] for k in weights if k != leader)
-        told = describe(fit.columns, values, std, names[leader])
-        said.append(f"{text} = {told}; {held} keeps the arm file's value")
+        estimate = describe(fit.columns, values, std, names[leader])
+        said.append(f"{text} = {estimate}; {held} keeps the arm file's value")
     trades = zip(fit.ambiguity.folded, fit.ambiguity.trades, strict=True)
     silent = [k for k, row in trades if np.count_nonzero(row) == 1]
     said += [f"{names[k]} does not show by itself in this motion and keeps the arm file's value" for k in silent]

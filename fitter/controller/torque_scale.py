@@ -44,7 +44,7 @@ def scaled_to_torque(fit: LawFit, instruments: InstrumentalVariables, trials: Se
     held = list(fit.ambiguity.folded)
     traded = fit.ambiguity.trades.T @ values[held] if held else np.zeros(n)
     traded[held] = 0.0
-    own = values - traded  # what is told of each parameter: its own value less what a held one stands for
+    own = values - traded  # what is determined of each parameter: its own value less what a held one stands for
     own[held] = 0.0
     nothing_known = LawNullSpace(columns, equations_gram(trials)).given(())
     spread[np.ix_(fit.free, fit.free)] = fit.covariance

@@ -17,7 +17,7 @@ _AVERAGED = 2
 
 
 def has_unknown_target(arm: Arm, trial: Trial) -> bool:
-    """Say whether the law of the arm needs a target that the trial does not tell."""
+    """Say whether the law of the arm needs a target that the trial does not determine."""
     return arm.control.law != "measured" and trial.ref is None
 
 

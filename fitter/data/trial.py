@@ -45,7 +45,7 @@ class Trial:
     role : str, optional
         "learn" or "evaluate", where a recording says so.
     ref_filtered : ndarray of shape (n, n_joint), or None
-        The target behind the filter that q, dq and ddq passed, if they passed one: what stands beside them in the
+        The target behind the filter that q, dq and ddq passed, if they passed one: what stands next to them in the
         law's torque. A simulation is given ``ref`` itself, which is known exactly.
     tau_measured : ndarray of shape (n, n_joint), or None
         The torque as it was measured, on the same grid, before any filter: what a simulation is to be judged by.
@@ -57,8 +57,8 @@ class Trial:
     began_s : float
         The file's time at ``t = 0`` [s]: trials may follow one another on one clock.
     contradicted : ndarray of bool, shape (n, n_joint), or None
-        Torques that say nothing of the arm: cut off at a limit, or beside an angle that stood still for no reason;
-        see `fitter.data.plausibility`.
+        Torques that say nothing of the arm: cut off at a limit, or next to an angle that stood still for no
+        reason; see `fitter.data.plausibility`.
     drives : arm.drive_state.DriveState, or None
         Where the drives are engaged, and gains of the trial's own, on the same grid; None where the arm's law says
         all. Their columns ``on kp kv`` are then in ``whole`` too. A drive that is let go gives no torque.

@@ -13,7 +13,7 @@ from limbcal.note import Note
 
 #: Corner of derived columns in units of the edge of the motion's band, so that nothing of the motion is lost.
 COLUMN_CORNER = 1.5
-#: Corner of a fit in units of that of the columns, two thirds of the band's edge: hardly anything but motion is left.
+#: Corner of a fit in units of that of the columns, two thirds of the band's edge: hardly any noise passes.
 FIT_CORNER = 2.0 / 3.0 / COLUMN_CORNER
 #: Largest share of a trial that is trimmed at each end; its inverse, the fewest periods of a corner in a trial.
 TRIM_SHARE = 0.1

@@ -32,14 +32,14 @@ def frequencies_agree(spectral: SpectralSums, weighted: TorqueSums, prior: Float
     weighted : TorqueSums
         Of all bands, from `weighted_by_noise`: where their information is halved.
     prior : (n_base,)
-        Stays the value of a parameter that the data can't tell.
+        Stays the value of a parameter that the data cannot determine.
     held : mapping from index to value
         Parameters that are not sought.
 
     Returns
     -------
     bool
-        True, too, where one half alone tells no parameter: nothing speaks against the likelihood then.
+        True, too, where one half alone determines no parameter: nothing speaks against the likelihood then.
     """
     half = _half(weighted, torque_problem(weighted, prior, held))
     bands = np.arange(len(spectral.frequency_hz))
@@ -53,8 +53,10 @@ def frequencies_agree(spectral: SpectralSums, weighted: TorqueSums, prior: Float
         return True
     covariance = sum(_covariance(problem, shared) for problem in (low, high))
     scale = np.sqrt(np.diag(covariance))
-    apart = (low_values - high_values)[shared] / scale
-    statistic = apart @ np.linalg.pinv(covariance / np.outer(scale, scale), rcond=1e-8, hermitian=True) @ apart
+    difference = (low_values - high_values)[shared] / scale
+    statistic = (
+        difference @ np.linalg.pinv(covariance / np.outer(scale, scale), rcond=1e-8, hermitian=True) @ difference
+    )
     freedom = min(problem.sums.count.sum() - len(problem.free) for problem in (low, high))
     limit = scipy.stats.f.ppf(1.0 - FALSE_ALARM, len(shared), max(float(freedom), 1.0))
     return bool(statistic / len(shared) <= limit)

@@ -21,9 +21,10 @@ from fitter.dynamics.load_noise import load_noise
 from fitter.dynamics.stands import LEAST_STAND_S, has_torque, stands
 from fitter.search.fitted_parameter import FittedParameter
 
-#: What is proved stands out by so many standard errors: F from zero and from Coulomb friction, a load from noise.
+#: What is proved stands out by this many standard errors: F from zero and from Coulomb friction, a load from
+#: noise.
 _PROVED = 3.0
-#: What exceeds Coulomb friction by less than this share is no static friction of its own.
+#: What exceeds Coulomb friction by less than this fraction is no static friction of its own.
 _ALIKE = 0.01
 
 
@@ -54,7 +55,7 @@ def static_friction(arm: Arm, trials: Sequence[Trial], covariance: Floats | None
     ----------
     arm : Arm
         A calibrated one: its masses say what gravity and the other joints put on a standing one, its law or the
-        trials' torque what drives it, its Coulomb friction what F must exceed to be told from it.
+        trials' torque what drives it, its Coulomb friction what F must exceed to be distinguished from it.
     trials : sequence of Trial
     covariance : (n_base, n_base), optional
         Of the arm's base parameters, zero where one is known. Default: from the standard errors that the arm has.

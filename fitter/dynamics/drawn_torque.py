@@ -31,12 +31,12 @@ class DrawnDynamics:
     ----------
     departures : (n_draw, n_free)
         From the free parameters that were found.
-    left : (n_draw,) [(N m)^2]
+    residual_power : (n_draw,) [(N m)^2]
         What the draws' own answers leave of the torque, squared and summed.
     """
 
     departures: Floats
-    left: Floats
+    residual_power: Floats
 
 
 def drawn_dynamics(

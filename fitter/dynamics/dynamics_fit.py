@@ -1,4 +1,4 @@
-"""What was learnt of an arm's dynamics, and how it is told."""
+"""What was learnt of an arm's dynamics, and its JSON document."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -41,7 +41,7 @@ class DynamicsFit:
     problem : TorqueProblem
         The torque's small least-squares problem: what is free, what is revealed.
     covariance : (n_free, n_free)
-        Of the free parameters; NaN where the data is too short to tell.
+        Of the free parameters; NaN where the data is too short for one.
     notes : tuple of Note
         What the user should know of this answer.
     freedom : float

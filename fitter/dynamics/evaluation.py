@@ -38,7 +38,7 @@ class Score:
     angle_mean_deg, angle_max_deg, angle_rms_deg : float
         Simulated against measured angles of all joints that turn. Infinite where a simulation ran away.
     explained : tuple of float
-        Of every joint: 1 − power of the torque that is left / power of the torque that was to be explained, both
+        Of every joint: 1 − power of the torque that remains / power of the torque that was to be explained, both
         behind the filter of the fit, while the joint moves. An arm of no mass and no friction explains 0; below
         0 the arm does worse than that. NaN where a joint never moved or had no torque.
     """
@@ -99,7 +99,7 @@ def torque_rms(arm: Arm, trials: Sequence[Trial]) -> Floats:
 
     A measured torque is taken as it was measured, unfiltered: its noise counts, as it does in anybody's figures.
     The torque of a law was never measured; both sides then pass the filter of their trial, as they did for the
-    fit. A joint that stands still is left out: any friction up to its static limit may hold it.
+    fit. A joint that stands still is omitted: any friction up to its static limit may hold it.
     """
     square, count = np.zeros((2, arm.n_joint))
     for trial in trials:
@@ -120,15 +120,15 @@ def torque_rms(arm: Arm, trials: Sequence[Trial]) -> Floats:
 
 def torque_explained(arm: Arm, trials: Sequence[Trial]) -> Floats:
     """Return what an arm explains of every joint's torque, (n_joint,); see `Score`."""
-    left, power = np.zeros((2, arm.n_joint))
+    residual_power, power = np.zeros((2, arm.n_joint))
     for trial in trials:
         law = arm.control.law != "measured"
         tau = torque_target(arm, replace(trial, ref=target_of(arm, trial)) if law else trial)
         counts = moving_all_along(trial, slice(0, len(trial.q)), REST_SPEED) & trial.counted
         explained = explained_torque(arm, trial, tau)
-        left += np.sum(trial.lowpass(tau - explained) ** 2 * counts, axis=0)
+        residual_power += np.sum(trial.lowpass(tau - explained) ** 2 * counts, axis=0)
         power += np.sum(trial.lowpass(tau) ** 2 * counts, axis=0)
-    return 1.0 - left / np.where(power > 0.0, power, np.nan)
+    return 1.0 - residual_power / np.where(power > 0.0, power, np.nan)
 
 
 def motion_error(arm: Arm, trial: Trial, horizon_s: float = HORIZON_S) -> Floats:

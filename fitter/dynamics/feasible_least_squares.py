@@ -19,7 +19,7 @@ from limbcal.errors import NotConverged
 
 #: A step aims at a mu this much smaller; or at the same one where an eigenvalue of JZ is not within this factor.
 _SMALLER, _CENTRAL = 0.1, 0.2
-#: The search has ended when the next step is shorter than this share of the way to the edge.
+#: The search has ended when the next step is shorter than this fraction of the way to the edge.
 _STILL = 1e-2
 _STEPS = 500
 #: As far as a step may go towards the edge of the cone.
@@ -141,7 +141,7 @@ class _Iterate:
 
 
 def _start(A: Floats, b: Floats, links: Floats, friction: Floats, mu: float) -> _Iterate:
-    """Begin far above any arm to be expected, and with so much weight on it that it is nearly the minimum.
+    """Begin far above any arm to be expected, and with such a weight on it that it is nearly the minimum.
 
     A link can lose mass as fast as steps allow; gaining it, it would take a step for every factor of two.
     """

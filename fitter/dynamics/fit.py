@@ -34,7 +34,7 @@ from fitter.search.fitted_parameter import held_back
 from limbcal.errors import ConfigError, DataError
 from limbcal.note import Note
 
-#: Outliers are drawn in until no parameter moves by more than this share of its standard error.
+#: Outliers are drawn in until no parameter moves by more than this fraction of its standard error.
 _SETTLED = 1e-3
 _ROUNDS = 200
 DISAGREE = Note(
@@ -70,7 +70,7 @@ def fit_dynamics(
     Parameters
     ----------
     arm : Arm
-        Its geometry, gravity and control law; its own dynamics are the prior of what the data can't tell.
+        Its geometry, gravity and control law; its own dynamics are the prior of what the data cannot determine.
     learn : sequence of Trial
     objective : {"torque", "likelihood", "weighted", "robust", "motion"}, optional
         What is made small: eq. (9) as it is printed; with each frequency in units of its noise; with each joint in
@@ -86,7 +86,7 @@ def fit_dynamics(
         Parameters that are known and not searched.
     method : {"ga", "least-squares"}
     rest_speed : float [rad/s or m/s]
-        A joint this slow is taken to be at rest, where friction is undetermined; its torque is left out.
+        A joint this slow is taken to be at rest, where friction is undetermined; its torque is omitted.
     window_s : float
         With the objective "motion" and measured torque: how long a simulation runs before it starts anew.
     physical : bool
@@ -106,7 +106,7 @@ def fit_dynamics(
     DataError
         If there is no trial or a trial has no torque.
     NotIdentifiable
-        If the data tells no parameter.
+        If the data determines no parameter.
     NotConverged
         If the generations were too few to find the optimum.
     """
@@ -186,7 +186,7 @@ def with_draws(
     drawn = drawn_dynamics(fit, arm, trials, geometries, rest_speed)
     if drawn is None:
         return fit
-    covariance = covariance_of(drawn.departures, drawn.left, fit.cost, fit.covariance)
+    covariance = covariance_of(drawn.departures, drawn.residual_power, fit.cost, fit.covariance)
     return _with_covariance(fit, covariance, float(len(drawn.departures)))
 
 

@@ -80,7 +80,7 @@ def between(lower: Sequence[Bound], upper: Sequence[Bound], covariance: Floats) 
 
 
 def contradict(lower: Sequence[Bound], upper: Sequence[Bound], covariance: Floats, errors: float) -> bool:
-    """Say whether a lower bound exceeds an upper one by more than so many standard errors of the difference."""
+    """Say whether a lower bound exceeds an upper one by more than this many standard errors of the difference."""
     for low in lower:
         for high in upper:
             noise = float(np.hypot(low.noise, high.noise))

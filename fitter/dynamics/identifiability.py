@@ -17,15 +17,15 @@ from fitter.dynamics.torque_problem import TorqueProblem
 
 Indices = NDArray[np.intp]
 
-#: A parameter counts as at least so large as would make this share of the torque.
+#: A parameter counts as at least so large as would make this fraction of the torque.
 FELT = 0.01
-#: It is revealed if known to this share of its size.
+#: It is revealed if known to this fraction of its size.
 KNOWN = 0.1
-#: What the data does not tell is known to this many times its size, before any data.
+#: What the data does not determine is known to this many times its size, before any data.
 _UNKNOWN = 1e3
-#: Parts of a combination below this share of its largest are left out.
+#: Parts of a combination below this fraction of its largest are omitted.
 _PART = 0.05
-#: A column that adds less than this, squared, to the sought ones is not told by the data.
+#: A column that adds less than this, squared, to the sought ones is not determined by the data.
 _NEW_PART = 1e-8
 
 
@@ -94,7 +94,7 @@ def report(
     arm : Arm
     base : BaseParameters
     problem : TorqueProblem
-        Parameters that were held on purpose are left out; what is said of the others holds given them.
+        Parameters that were held on purpose are omitted; what is said of the others holds given them.
     values : (n_base,), optional
         Where errors and sizes are taken; the least-squares answer by default.
 
@@ -104,8 +104,8 @@ def report(
     """
     values = problem.complete(problem.optimum()) if values is None else values
     gram = problem.sums.gram.sum(axis=(0, 1))
-    untold, dependence = _dependent(gram, problem.free)
-    sought = np.concatenate([problem.free, untold]).astype(np.intp)
+    undetermined, dependence = _dependent(gram, problem.free)
+    sought = np.concatenate([problem.free, undetermined]).astype(np.intp)
     size = _sizes(problem, gram, values)[sought]
     covariance = _covariance(problem, values, dependence, size)
     std = np.sqrt(np.diag(covariance))
@@ -132,9 +132,9 @@ def _dependent(gram: Floats, free: Indices) -> tuple[Indices, Floats]:
     scale = np.where(scale > 0.0, scale, 1.0)
     unit = gram / np.outer(scale, scale)
     weights = np.linalg.solve(unit[np.ix_(free, free)], unit[np.ix_(free, others)])
-    left = np.diag(unit)[others] - np.einsum("fo,fo->o", weights, unit[np.ix_(free, others)])
-    untold = left <= _NEW_PART
-    return others[untold], weights[:, untold] * scale[others[untold]] / scale[free][:, None]
+    independent_part = np.diag(unit)[others] - np.einsum("fo,fo->o", weights, unit[np.ix_(free, others)])
+    undetermined = independent_part <= _NEW_PART
+    return others[undetermined], weights[:, undetermined] * scale[others[undetermined]] / scale[free][:, None]
 
 
 def _sizes(problem: TorqueProblem, gram: Floats, values: Floats) -> Floats:
@@ -149,22 +149,22 @@ def _sizes(problem: TorqueProblem, gram: Floats, values: Floats) -> Floats:
 def _covariance(problem: TorqueProblem, values: Floats, dependence: Floats, size: Floats) -> Floats:
     """Return the covariance of the free and the untold parameters in units of their sizes.
 
-    What is told is ``free + dependence @ untold``; of the untold ones hardly anything is known.
+    What is determined is ``free + dependence @ undetermined``; of the undetermined ones hardly anything is known.
     """
     n = len(problem.free)
-    told = problem.covariance(values)
-    if not np.isfinite(told).all():  # too few blocks: white noise is the best guess
-        told = problem.inverse * problem.rest / max(float(problem.sums.count.sum()) - n, 1.0)
+    learnt = problem.covariance(values)
+    if not np.isfinite(learnt).all():  # too few blocks: white noise is the best guess
+        learnt = problem.inverse * problem.rest / max(float(problem.sums.count.sum()) - n, 1.0)
     mix = np.vstack([-dependence, np.eye(dependence.shape[1])]) * size[n:]
     covariance = _UNKNOWN**2 * mix @ mix.T
-    covariance[:n, :n] += told
+    covariance[:n, :n] += learnt
     return np.asarray(covariance / np.outer(size, size), dtype=np.float64)
 
 
 def _behind_constants(
     arm: Arm, base: BaseParameters, problem: TorqueProblem, columns: Indices, axis: Floats
 ) -> str | None:
-    """Say where Coulomb friction cannot be told from a constant torque that each trial was given.
+    """Say where Coulomb friction cannot be distinguished from a constant torque that each trial was given.
 
     Where a joint moves, the square of a velocity's sign is 1; its column can only have vanished with the trial's
     mean, because the velocity never changed sign in any.
@@ -186,8 +186,8 @@ def _combination(
     weight = direction / size * (size[lead] / direction[lead])
     weights = {names[k]: float(weight[k]) for k in parts}
     revealed = relative < KNOWN
-    untold = relative > 0.1 * _UNKNOWN
-    relative = np.inf if untold else relative
+    undetermined = relative > 0.1 * _UNKNOWN
+    relative = np.inf if undetermined else relative
     text = _written(weights)
     if revealed:
         sentence = f"{text} is revealed, to {relative:.2g} of its size"
@@ -196,7 +196,7 @@ def _combination(
     elif hidden is not None:
         sentence = f"{hidden}, which never turned round within a trial"
     else:
-        known = "not at all" if untold else f"only to {relative:.2g} of its size"
+        known = "not at all" if undetermined else f"only to {relative:.2g} of its size"
         sentence = f"{text} is revealed {known}"
     return Combination(weights, float(relative), revealed, sentence)
 

@@ -21,7 +21,7 @@ from fitter.data.trial import Trial
 
 #: A normal deviation's size in units of the median of its absolute value; and of second differences.
 _MEDIAN, _SECOND = 1.4826, np.sqrt(6.0)
-#: The scatter of means is measured from at least so many that share no sample.
+#: The scatter of means is measured from at least this many that share no sample.
 _FEWEST = 10
 #: From one length of means to the next.
 _LONGER = 1.2
@@ -36,7 +36,7 @@ class LoadNoise:
     Attributes
     ----------
     lengths : (n,) int
-        Means over so many samples, from 1 on.
+        Means over this many samples, from 1 on.
     scatter : (n,)
         Their standard deviation [N m or N].
     """
@@ -45,7 +45,7 @@ class LoadNoise:
     scatter: Floats
 
     def of_means(self, length: int) -> float:
-        """Return the standard deviation of means over so many samples: of the longest that was measured."""
+        """Return the standard deviation of means over this many samples: of the longest that was measured."""
         return float(self.scatter[np.searchsorted(self.lengths, length, side="right") - 1])
 
 
@@ -57,19 +57,19 @@ def load_noise(arm: Arm, trials: Sequence[Trial], i: int) -> LoadNoise:
     arm : Arm
         A calibrated one.
     trials : sequence of Trial
-        Each tells what drives the arm.
+        Each says what drives the arm.
     i : int
         The joint, from 0.
     """
     parts: list[Floats] = []
     white = []
     for trial in trials:
-        left = (driving_torque(arm, trial) - inverse_dynamics(arm, trial.q, trial.dq, trial.ddq))[:, i]
-        white.append(white_noise(left))
+        residual = (driving_torque(arm, trial) - inverse_dynamics(arm, trial.q, trial.dq, trial.ddq))[:, i]
+        white.append(white_noise(residual))
         fast = (np.abs(trial.dq[:, i]) > REST_SPEED) & trial.counted[:, i]
         moving = minimum_filter1d(fast, 2 * reach_of(trial) + 1, mode="nearest")
         edges = np.flatnonzero(np.diff(np.concatenate([[False], moving, [False]]).astype(int)))
-        parts += [left[first:last] for first, last in zip(edges[::2], edges[1::2], strict=True)]
+        parts += [residual[first:last] for first, last in zip(edges[::2], edges[1::2], strict=True)]
     least = float(np.median(white)) if white else 0.0
     lengths, scatter, length = [1], [least], 1
     while sum(len(part) // length for part in parts) >= _FEWEST:

@@ -21,8 +21,8 @@ from fitter.regression_sums.torque_sums import TorqueSums
 #: Parameters that are not sought, by their index.
 Held: TypeAlias = Mapping[int, float]
 
-#: A variance is taken from at least so many degrees of freedom: known to a third (chi squared), and from bands at
-#: least a third of an octave wide.
+#: A variance is taken from at least this many degrees of freedom: known to a third (chi squared), and from bands
+#: at least a third of an octave wide.
 _FREEDOM, _WIDER = 20.0, 2.0 ** (1.0 / 3.0)
 #: Largest change of a parameter at convergence, as a fraction of its standard error.
 _SETTLED, _ROUNDS = 1e-2, 30
@@ -37,7 +37,7 @@ def weighted_by_noise(spectral: SpectralSums, prior: Floats, held: Held) -> Torq
     ----------
     spectral : SpectralSums
     prior : (n_base,)
-        Stays the value of a parameter that the data can't tell.
+        Stays the value of a parameter that the data cannot determine.
     held : mapping from index to value
         Parameters that are not sought.
 
@@ -49,7 +49,7 @@ def weighted_by_noise(spectral: SpectralSums, prior: Floats, held: Held) -> Torq
     Raises
     ------
     NotIdentifiable
-        If the data tells no parameter.
+        If the data determines no parameter.
     """
     sums = spectral.sums
     weighted = replace(sums, variance=1.0)

@@ -53,7 +53,7 @@ class MotionFit:
     ----------
     x : (n_free,)
     covariance : (n_free, n_free)
-        NaN where there is too little data to tell. Its scatter is the windows' alone: a prior has none.
+        NaN where there is too little data for one. Its scatter is the windows' alone: a prior has none.
     inverse : (n_free, n_free)
         Of the information, the prior's included, in units of the noise; NaN where nothing was found.
     rms : (n_joint,) [rad or m]
@@ -121,7 +121,7 @@ def _search(problem: ShootingProblem, progress: Callable[[int, float], None] | N
         noise = noise_std(here.residuals, pooled, problem.own_noise)
         linear = linearised(problem, here, over, noise)
         J, r = linear.rows()
-        if not np.isfinite(J).all():  # the arm beside this one runs away: there is no slope to go down
+        if not np.isfinite(J).all():  # the neighbouring arm runs away: there is no slope to go down
             pooled = np.full_like(pooled, np.inf)
             break
         covariance, inverse = _covariance(problem, here.x, linear)

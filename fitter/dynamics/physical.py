@@ -26,17 +26,17 @@ WITHIN_ERROR = 2.0
 _NEAR_NOISE, _NEAR_POWER = 1e-6, 1e-13
 _NEAR_STD, _NEAR_VALUE = 1e-7, 1e-11
 #: Values are impossible if the nearest possible ones are further away than this, in the same units.
-_APART_STD, _APART_VALUE = 1e-2, 1e-5
-#: Standard errors are not taken to be smaller than this share of the value: rounding.
+_FAR_STD, _FAR_VALUE = 1e-2, 1e-5
+#: Standard errors are not taken to be smaller than this fraction of the value: rounding.
 _LEAST_STD = 1e-6
 #: Of a combination of parameters that hang together, as a share of theirs: rounding again.
 _LEAST_VARIANCE = 1e-9
-#: What the data does not tell is drawn to its prior with this weight beside the search's margin: by far weaker
-#: than noise draws, by far stronger than the barrier.
+#: What the data does not determine is drawn to its prior with this weight relative to the search's margin: by far
+#: weaker than noise draws, by far stronger than the barrier.
 _PULL = 1e4
-#: What is held stays with this weight, beside the torque's power.
+#: What is held stays with this weight, relative to the torque's power.
 _HOLD = 1e8
-#: A column that adds less than this, squared, to the free ones is not told by the data.
+#: A column that adds less than this, squared, to the free ones is not determined by the data.
 _NEW_PART = 1e-8
 
 
@@ -114,14 +114,14 @@ def violations(
     unit = np.maximum(np.abs(values[inertial]), 1e-3 * max(1e-12, float(np.abs(values[inertial]).max())))
     if covariance is None or std is None:
         scale, root = unit, np.diag(1.0 / unit)
-        near, apart = _NEAR_VALUE, _APART_VALUE
+        near, far = _NEAR_VALUE, _FAR_VALUE
     else:
         scale = np.maximum(std[inertial], _LEAST_STD * unit)
         root = _inverse_root(covariance[np.ix_(inertial, inertial)], scale)
-        near, apart = _NEAR_STD, _APART_STD
+        near, far = _NEAR_STD, _FAR_STD
     C = base.combination[inertial][:, : 10 * arm.n_joint]
     optimum = least_squares_possible(root @ C, root @ values[inertial], _nominal(arm), np.ones(0), near)
-    if np.sqrt(optimum.cost) <= apart:
+    if np.sqrt(optimum.cost) <= far:
         return found
     nearest = C @ optimum.links.ravel()
     moved = np.nan_to_num(np.abs(nearest - values[inertial]) / scale)
@@ -175,8 +175,8 @@ def physical_optimum(arm: Arm, base: BaseParameters, problem: TorqueProblem) -> 
         of rows of all pseudo-inertias and how much heavier than `arm` it is, of that of any possible arm.
     Arm
         With these values, every pseudo-inertia positive definite, every sought friction at least zero. What the
-        data does not tell stays as it is in the problem, as nearly as is possible beside what it does tell; the
-        torque is the same.
+        data does not determine stays as it is in the problem, as nearly as what it does determine
+        allows; the torque is the same.
     """
     n, n_base = arm.n_joint, len(base.independent)
     total = problem.sums.total()
@@ -195,8 +195,8 @@ def physical_optimum(arm: Arm, base: BaseParameters, problem: TorqueProblem) -> 
     to_base = np.hstack([C * inertial[:, None], np.eye(n_base)[:, braking]])
     rest_of = np.flatnonzero(inertial & ~free)
     unit = np.maximum(np.abs(problem.prior), 1e-3 * max(1e-12, float(np.abs(problem.prior).max())))[rest_of]
-    told = _told(W, problem.free, rest_of)
-    weight = np.sqrt(np.where(told, _HOLD * power, _PULL * mu)) / unit
+    determined = _determined(W, problem.free, rest_of)
+    weight = np.sqrt(np.where(determined, _HOLD * power, _PULL * mu)) / unit
     A = np.vstack([W @ to_base, weight[:, None] * to_base[rest_of]])
     b = np.concatenate([z - W[:, kept] @ problem.prior[kept], weight * problem.prior[rest_of]])
 
@@ -222,8 +222,8 @@ def _nominal(arm: Arm) -> Floats:
     return np.array([link if is_possible(link) else _ROD for link in links])
 
 
-def _told(W: Floats, free: NDArray[np.intp], others: NDArray[np.intp]) -> NDArray[np.bool_]:
-    """Say which of the other columns the data tells apart from the free ones: those that were held on purpose."""
+def _determined(W: Floats, free: NDArray[np.intp], others: NDArray[np.intp]) -> NDArray[np.bool_]:
+    """Say which of the other columns are independent of the free ones: those that were held on purpose."""
     new = W[:, others] - W[:, free] @ np.linalg.lstsq(W[:, free], W[:, others], rcond=None)[0]
     size = np.sum(W[:, others] ** 2, axis=0)
     return np.asarray(np.sum(new**2, axis=0) > _NEW_PART * size, dtype=np.bool_)

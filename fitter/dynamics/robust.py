@@ -22,7 +22,7 @@ from fitter.regression_sums.torque_sums import TorqueSums, add_up
 from fitter.regression_sums.trial_sums import trial_sums
 from limbcal.errors import ConfigError
 
-#: Residuals beyond so many standard deviations are bent: 95 % as efficient as least squares without outliers.
+#: Residuals beyond this many standard deviations are bent: 95 % as efficient as least squares without outliers.
 BEND = 1.345
 _MAD_OF_NORMAL = 0.6745
 #: Samples of one trial whose regressor is held in memory at a time.

@@ -18,7 +18,8 @@ from arm.room import make_room
 from arm.way_before import set_way
 from fitter.dynamics.shooting_windows import ShootingWindow
 
-#: A simulation is fine enough if halving its step moves no angle by more than this, or this share of the motion.
+#: A simulation is fine enough if halving its step moves no angle by more than this, or this fraction of the
+#: motion.
 _FINE_ENOUGH = 1e-6
 
 

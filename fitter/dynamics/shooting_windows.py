@@ -121,7 +121,7 @@ def _drive(arm: Arm, trial: Trial, whole: Mapping[str, Floats], begin: int, stri
         return _centred(whole["tau"], begin, stride)
     target = whole["ref"][begin:]
     n = len(target) // stride
-    # A target that changes within a step acts in the mean as it did; what is left is of second order.
+    # A target that changes within a step acts in the mean as it did; what remains is of second order.
     return np.asarray(target[: n * stride].reshape(n, stride, -1).mean(axis=1), dtype=np.float64)
 
 
@@ -153,7 +153,7 @@ def _columns(trial: Trial) -> dict[str, Floats]:
 
 
 def _centred(values: Floats, begin: int, stride: int) -> Floats:
-    """Return means over one step around every ``stride``-th sample: no sample's noise is left out of them."""
+    """Return means over one step around every ``stride``-th sample: every sample's noise is averaged."""
     reach = stride // 2
     ends = 0.5 if stride % 2 == 0 else 1.0
     padded = np.pad(values, ((reach, reach), (0, 0)), mode="reflect", reflect_type="odd") if reach else values

@@ -20,10 +20,10 @@ from fitter.data.trial import Trial
 from fitter.dynamics.friction_bounds import Bound
 from fitter.dynamics.load_noise import LoadNoise, driving_torque, leaks, reach_of, white_noise
 
-#: A joint stands if it is slower than so many standard deviations of its velocity's noise, and than this share of
-#: its top speed (or what a filter leaks), for so long.
+#: A joint stands if it is slower than this many standard deviations of its velocity's noise, and than this
+#: fraction of its top speed (or what a filter leaks), for so long.
 _NOISES, _SHARE, LEAST_STAND_S = 5.0, 1e-4, 0.05
-#: A joint creeps, and a load is held, by so many standard errors.
+#: A joint creeps, and a load is held, by this many standard errors.
 _CREEPS = 3.0
 #: What rounding leaves of an angle [1].
 _ROUNDING = 1e-9
@@ -133,7 +133,7 @@ def _held(load: Floats, window: int, noise: LoadNoise, momentum: float) -> tuple
     load : (n_sample,)
         Where the joint stood and its load had time to act.
     window : int
-        Velocities were judged by means over so many samples; the same means of the load belong to them.
+        Velocities were judged by means over this many samples; the same means of the load belong to them.
     noise : LoadNoise
     momentum : float
         What may go unseen, over the step of the samples.
@@ -144,7 +144,7 @@ def _held(load: Floats, window: int, noise: LoadNoise, momentum: float) -> tuple
         means = _means(smooth, length)[length - 1 :]
         k, whole = int(np.argmax(np.abs(means))), max(length, window)
         doubt = noise.of_means(whole)
-        # The largest of N normal deviations is at most sqrt(2 log N) on average: of so many means it was picked.
+        # The largest of N normal deviations is at most sqrt(2 log N) on average: of that many means it was picked.
         picked = doubt * np.sqrt(2.0 * np.log(len(load) / whole))
         value = float(abs(means[k])) - momentum / length - picked
         if value - _CREEPS * doubt > best:
@@ -154,7 +154,7 @@ def _held(load: Floats, window: int, noise: LoadNoise, momentum: float) -> tuple
 
 
 def has_torque(arm: Arm, trial: Trial) -> bool:
-    """Say whether a trial tells what drives the arm."""
+    """Say whether a trial has what drives the arm: its torque, or the target of the law."""
     return (trial.tau if arm.control.law == "measured" else trial.ref) is not None
 
 

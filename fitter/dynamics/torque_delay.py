@@ -29,21 +29,22 @@ class Delay:
     ----------
     seconds : float
         Above zero where the torque comes late.
-    left : float
-        Share of what is left as given that remains with the delay put right, 0..1.
+    residual_share : float
+        Share of the residual as given that remains with the delay put right, 0..1.
     """
 
     seconds: float
-    left: float
+    residual_share: float
 
     @property
     def note(self) -> Note:
         """What to say of it."""
         how = "late" if self.seconds > 0.0 else "early"
+        less = 100.0 * (1.0 - self.residual_share)
         said = (
             f"the torque comes {1e3 * abs(self.seconds):.3g} ms {how}: with it moved, "
-            f"{100.0 * (1.0 - self.left):.2g} % less of the torque is left; was it filtered, or logged on another "
-            "clock? It was not moved, and parameters may be several standard errors off"
+            f"{less:.2g} % less of the torque is left; was it filtered, or logged on "
+            "another clock? It was not moved, and parameters may be several standard errors off"
         )
         return Note("late", said, columns=("tau",))
 
@@ -89,17 +90,17 @@ def _best(arm: Arm, base: BaseParameters, trials: Sequence[Trial], half: int | N
         return None
     Q = np.linalg.qr(W)[0]
 
-    def left(shift: int) -> tuple[float, Floats]:
+    def residual_of(shift: int) -> tuple[float, Floats]:
         tau = np.concatenate([trial_tau[at + shift].ravel() for _, at, trial_tau in parts])
         residual = tau - Q @ (Q.T @ tau)
         return float(residual @ residual), residual
 
-    as_given, residual = left(0)
-    found = {int(shift): left(int(shift))[0] for shift in shifts}
+    as_given, residual = residual_of(0)
+    found = {int(shift): residual_of(int(shift))[0] for shift in shifts}
     best = min(found, key=lambda shift: found[shift])
     for shift in range(best - most // 10, best + most // 10 + 1):
         if -most <= shift <= most and shift not in found:
-            found[shift] = left(shift)[0]
+            found[shift] = residual_of(shift)[0]
     best = min(found, key=lambda shift: found[shift])
     if best == 0 or not as_given > 0.0:
         return None

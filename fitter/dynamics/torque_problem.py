@@ -29,7 +29,7 @@ class TorqueProblem:
     free : (n_free,) int
         The parameters that are sought: the genes.
     revealed : (n_base,) bool
-        Those that the data tells by themselves; free ones may hang on one that it does not.
+        Those that the data determines by themselves; free ones may hang on one that it does not.
     condition_number : float
         Of the free columns, each scaled to length one.
     W, z, rest : (n_free, n_free), (n_free,), float
@@ -103,20 +103,20 @@ class TorqueProblem:
 
 
 def torque_problem(sums: TorqueSums, prior: Floats, held: Mapping[int, float] | None = None) -> TorqueProblem:
-    """Find out which base parameters some trials can tell, and set up the search for them.
+    """Find out which base parameters some trials can determine, and set up the search for them.
 
     Parameters
     ----------
     sums : TorqueSums
     prior : (n_base,)
-        Stays the value of a parameter that the data can't tell.
+        Stays the value of a parameter that the data cannot determine.
     held : mapping from index to value, optional
         Parameters that are not sought.
 
     Raises
     ------
     NotIdentifiable
-        If the data tells none of them, or if there is no torque, so that no mass can be told.
+        If the data determines none of them, or if there is no torque, so that no mass can be determined.
     """
     start = np.array(prior, dtype=float)
     held = held or {}

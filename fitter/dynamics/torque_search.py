@@ -20,7 +20,7 @@ from limbcal.suggestion import did_you_mean
 Progress = Callable[[int, float], None]
 
 GENERATIONS = 1000
-#: The search has ended too soon if it is worse than the optimum within its bounds by more than this share.
+#: The search has ended too soon if it is worse than the optimum within its bounds by more than this fraction.
 _NOT_CONVERGED = 1e-3
 
 

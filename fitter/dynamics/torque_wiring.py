@@ -45,7 +45,7 @@ class Wiring:
         For every joint, the column (from 0) that its torque stands in.
     sign : tuple of int
         For every joint, 1 or −1.
-    left : float
+    residual_share : float
         Share of the torque's power that the best arm that can exist leaves, 0..1.
     falls_up : bool
         Whether gravity is of the other sign than in the arm file.
@@ -53,7 +53,7 @@ class Wiring:
 
     column: tuple[int, ...]
     sign: tuple[int, ...]
-    left: float
+    residual_share: float
     falls_up: bool = False
 
     @property
@@ -123,22 +123,22 @@ def check_wiring(arm: Arm, base: BaseParameters, trials: Sequence[Trial]) -> Wir
     as_given = _Sums.of(arm, base, trials)
     if not as_given.power.sum() > 0.0 or not np.any(as_given.gram):
         return None
-    free = as_given.free_left(straight, upright)
-    possible = as_given.possible_left(straight, upright) if free < 1.0 else 1.0
+    free = as_given.free_residual(straight, upright)
+    possible = as_given.possible_residual(straight, upright) if free < 1.0 else 1.0
     ways = [(as_given, *way) for way in _ways(n)] if arm.control.law == "measured" else []
     if any(arm.gravity_m_s2):
         x, y, z = arm.gravity_m_s2
         upside_down = _Sums.of(replace(arm, gravity_m_s2=(-x, -y, -z)), base, trials)
         ways.append((upside_down, straight, upright))
     ranked = sorted(
-        (sums.free_left(column, sign), sum(map(int.__ne__, column, straight)), sign.count(-1), number)
+        (sums.free_residual(column, sign), sum(map(int.__ne__, column, straight)), sign.count(-1), number)
         for number, (sums, column, sign) in enumerate(ways)
     )
     better: Wiring | None = None
-    for left, _, _, number in ranked[:_SHORTLIST]:
+    for residual, _, _, number in ranked[:_SHORTLIST]:
         sums, column, sign = ways[number]
-        limit = _FAR_LESS * possible if better is None else 0.99 * better.left
-        if left < limit and (found := sums.possible_left(column, sign)) < limit:
+        limit = _FAR_LESS * possible if better is None else 0.99 * better.residual_share
+        if residual < limit and (found := sums.possible_residual(column, sign)) < limit:
             better = Wiring(column, sign, found, falls_up=sums is not as_given)
     return WiringCheck(free, possible, better)
 
@@ -183,14 +183,14 @@ class _Sums:
             count += len(tau)
         return cls(arm, base, gram, moment, power, count)
 
-    def free_left(self, column: Sequence[int], sign: Sequence[int]) -> float:
+    def free_residual(self, column: Sequence[int], sign: Sequence[int]) -> float:
         """Return what share of the torque's power the best numbers leave under a way of wiring."""
         try:
             return float(self._problem(column, sign).rest / self.power.sum())
         except NotIdentifiable:
             return 1.0
 
-    def possible_left(self, column: Sequence[int], sign: Sequence[int]) -> float:
+    def possible_residual(self, column: Sequence[int], sign: Sequence[int]) -> float:
         """Return what share of the torque's power the best arm that can exist leaves under a way of wiring."""
         problem = self._problem(column, sign)
         try:
@@ -215,7 +215,7 @@ class _Sums:
 
 
 def _ways(n: int) -> Iterator[tuple[tuple[int, ...], tuple[int, ...]]]:
-    """Iterate over the ways of wiring that are tried beside the columns as given."""
+    """Iterate over the ways of wiring that are tried besides the columns as given."""
     straight, upright = tuple(range(n)), (1,) * n
     if n <= _ALL_WAYS:
         for column, sign in product(permutations(range(n)), product((1, -1), repeat=n)):

@@ -13,13 +13,13 @@ from fitter.dynamics.dynamics_fit import DynamicsFit
 from fitter.search.fitted_parameter import FittedParameter
 from limbcal.errors import Unusable
 
-#: A file's parameter may differ from what was printed by this share of its standard error, or of the largest
+#: A file's parameter may differ from what was printed by this fraction of its standard error, or of the largest
 #: parameter of its unit: a tenth of the last digit that is printed, and what rounding leaves of a sum of masses.
 _OF_STD, _OF_LARGEST = 0.05, 1e-6
 
 
-def told_by_data(fit: DynamicsFit) -> dict[str, FittedParameter]:
-    """Return the base parameters of a fit that its data tells: what is printed as known."""
+def determined_by_data(fit: DynamicsFit) -> dict[str, FittedParameter]:
+    """Return the base parameters of a fit that its data determines: what is printed as known."""
     return {name: fit.parameters[name] for name in fit.base.names if fit.parameters[name].identifiable}
 
 

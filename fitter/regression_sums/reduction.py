@@ -89,7 +89,7 @@ def reduce_trials(
     arm : Arm
         Its geometry, gravity and control law.
     sources : sequence of Path
-        Files and folders. Trials that a recording marks as evaluating are left out.
+        Files and folders. Trials that a recording marks as evaluating are omitted.
     columns, rate_hz, cutoff_hz
         As in `fitter.data.trials.load_trials`.
     rest_speed : float [rad/s or m/s]

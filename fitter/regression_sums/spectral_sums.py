@@ -21,7 +21,7 @@ from arm.model import Arm, Floats
 from arm.regressor import regressor
 from fitter.data.bandwidth import Signal, motion_edge_hz
 from fitter.data.first_rest import REST_SPEED
-from fitter.data.refilter import WIDER, refiltered
+from fitter.data.refilter import CORNER_FACTOR, refiltered
 from fitter.data.torque_target import torque_target
 from fitter.data.trial import Trial
 from fitter.data.trial_filter import COLUMN_CORNER, lowpass_trial
@@ -145,7 +145,7 @@ def _motion(arm: Arm, trial: Trial) -> _Motion:
         if not np.isfinite(corner_hz):
             edge_hz = motion_edge_hz([Signal(trial.q, trial.dt_s, 2)])
             corner_hz = nyquist if edge_hz is None else COLUMN_CORNER * edge_hz
-        top_hz = min(WIDER * corner_hz, nyquist)
+        top_hz = min(CORNER_FACTOR * corner_hz, nyquist)
         wide = lowpass_trial(trial, top_hz) if np.isfinite(trial.cutoff_hz) else trial
     whole = trial.whole.get("tau", trial.tau)
     if arm.control.law == "measured" and whole is not None:

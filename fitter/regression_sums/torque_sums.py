@@ -17,7 +17,7 @@ from arm.model import Arm, Floats
 from fitter.regression_sums.running_sums import RunningSums
 from limbcal.errors import DataError
 
-#: A column that varies by less than this share of itself within a trial is constant there.
+#: A column that varies by less than this fraction of itself within a trial is constant there.
 _CONSTANT = 1e-2
 
 
@@ -80,16 +80,16 @@ class TorqueSums:
         moment = self.moment - self.row * torque[..., None] - row * self.torque[..., None]
         moment += count * row * torque[..., None]
         power = self.power - 2.0 * self.torque * torque + self.count * torque**2
-        # A column that was constant all along, such as the sign of a velocity that never turns, is not told from
-        # the constants; what rounding or filtering leaves of it must not pass for information.
+        # A column that was constant all along, such as the sign of a velocity that never turns, is not
+        # distinguished from the constants; what rounding or filtering leaves of it must not pass for information.
         squares = [np.einsum("bjaa->a", sums) for sums in (gram, self.gram)]
-        told = squares[0] > _CONSTANT**2 * squares[1]
-        gram, moment = gram * np.outer(told, told), moment * told
+        varies = squares[0] > _CONSTANT**2 * squares[1]
+        gram, moment = gram * np.outer(varies, varies), moment * varies
         return TorqueSums(
             gram,
             moment,
             power,
-            (self.row - count * row) * told,
+            (self.row - count * row) * varies,
             self.torque - self.count * torque,
             self.count,
             self.trial,
@@ -134,8 +134,8 @@ class TorqueSums:
     def explained(self, values: Floats) -> Floats:
         """Return 1 − power of the residual torque / power of the torque, (n_joint,); NaN where there is none."""
         power = self.power.sum(axis=0)
-        left = self.rms(values) ** 2 * self.count.sum(axis=0)
-        return np.asarray(1.0 - left / np.where(power > 0.0, power, np.nan), dtype=np.float64)
+        residual_power = self.rms(values) ** 2 * self.count.sum(axis=0)
+        return np.asarray(1.0 - residual_power / np.where(power > 0.0, power, np.nan), dtype=np.float64)
 
     def scores(self, values: Floats) -> Floats:
         """Return W^T (tau - W p) of every block, all joints together, (n_block, n_base)."""
@@ -192,7 +192,7 @@ def torque_sums(
     q, dq, ddq, tau : (n_sample, n_joint) [rad or m, derivatives, N m or N]
     rest_speed : float
         A joint no faster than this is at rest. What holds it there is friction of any size up to its static
-        limit, so its torque says nothing then and is left out.
+        limit, so its torque says nothing then and is omitted.
 
     Returns
     -------

@@ -14,7 +14,7 @@ from fitter.data.torque_target import has_unknown_target, target_of
 from fitter.data.trial import Trial
 from fitter.dynamics import dynamics_fit as dynamics
 from fitter.dynamics.evaluation import motion_error
-from fitter.dynamics.written import save_calibrated, told_by_data
+from fitter.dynamics.written import determined_by_data, save_calibrated
 from fitter.kinematics import fit as kinematics
 from fitter.live.calibration import Calibration
 from fitter.report import published
@@ -83,7 +83,7 @@ def write_results(
         raise DeviceError(f"{out}: cannot be written: {error.strerror}") from error
     if calibration.dynamics is not None:
         fit = calibration.dynamics
-        save_calibrated(arm, fit.base, told_by_data(fit), out / "calibrated.toml")
+        save_calibrated(arm, fit.base, determined_by_data(fit), out / "calibrated.toml")
     else:
         save_arm(arm, out / "calibrated.toml")
     trials = [*calibration.learn, *calibration.evaluate]

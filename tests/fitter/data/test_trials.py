@@ -1,22 +1,18 @@
 """Trials from end to end, and column by column."""
 
-from dataclasses import fields, replace
+from dataclasses import fields
 
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from arm.drive_state import DriveState
-from fitter.data.derivatives import differentiate, lowpass
-from fitter.data.derived_trial import derive
 from fitter.data.motion_file import write_motion
-from fitter.data.motions import Measured
-from fitter.data.resample import Uniform
-from fitter.data.trial import Trial, undriven
+from fitter.data.trial import Trial
 from fitter.data.trial_filter import TRIM_SHARE, lowpass_trial
 from fitter.data.trials import load_trials, to_trials
 from limbcal.errors import ConfigError, DataError
+from tests.fitter.data.random_columns import Q, uniform
 
 DT_S = 0.002
 T = DT_S * np.arange(3000)
@@ -189,73 +185,6 @@ def test_a_corner_below_one_period_is_refused(tmp_path):
         load_trials([path], 2, cutoff_hz=1e-9)
 
 
-N = 1000
-CLOCK = DT_S * np.arange(N)
-Q, DQ, DDQ, TAU = np.random.default_rng(0).normal(size=(4, N, 2)).cumsum(axis=1)
-
-
-def uniform(**columns):
-    return Uniform(Measured("run", "run.csv", 0, CLOCK, columns, role="learn"), DT_S, 7.0)
-
-
-@pytest.mark.parametrize(
-    ("given", "source", "derived"),
-    [
-        (("q",), "q", "dq, ddq"),
-        (("q", "dq"), "dq", "ddq"),
-        (("q", "ddq"), "q", "dq"),
-    ],
-)
-def test_a_missing_derivative_is_that_of_the_nearest_column(given, source, derived):
-    columns = {"q": Q, "dq": DQ, "ddq": DDQ}
-    trial = derive(uniform(**{name: columns[name] for name in given}), np.inf, np.inf)
-    assert trial.notes[0].text == f"{derived} derived from {source} (zero phase, unfiltered)"
-    expected = {
-        "dq": DQ if "dq" in given else differentiate(Q, DT_S),
-        "ddq": DDQ if "ddq" in given else differentiate(columns[source], DT_S, 1 if source == "dq" else 2),
-    }
-    for name, values in expected.items():
-        np.testing.assert_array_equal(getattr(trial, name), values)
-    assert trial.role == "learn" and trial.trimmed == 0 and trial.began_s == 7.0
-    np.testing.assert_array_equal(trial.whole["q"], Q)
-
-
-@pytest.mark.parametrize(
-    ("cutoff_hz", "trim"), [(20.0, 54), (11.0, 95), (10.0, 100), (1.0, 100), (224.0, 9), (250.0, 0)]
-)
-def test_ends_are_trimmed_until_the_filter_has_settled_or_by_a_tenth(cutoff_hz, trim):
-    trial = derive(uniform(q=Q, tau=TAU, ref=Q), cutoff_hz, 3.0)
-    inner = slice(trim, N - trim)
-    assert (trial.trimmed, len(trial.t)) == (trim, N - 2 * trim)
-    assert trial.t[0] == 0.0 and trial.began_s == pytest.approx(7.0 + trim * DT_S)
-    assert (trial.cutoff_hz, trial.band_hz) == (cutoff_hz, 3.0)
-    np.testing.assert_array_equal(trial.q, lowpass(Q, DT_S, cutoff_hz)[inner])
-    np.testing.assert_array_equal(trial.ddq, differentiate(lowpass(Q, DT_S, cutoff_hz), DT_S, 2)[inner])
-    np.testing.assert_array_equal(trial.ref, Q[inner])
-    np.testing.assert_array_equal(trial.tau_measured, TAU[inner])
-    said = "unfiltered" if trim == 0 else f"all columns but ref low-passed at {cutoff_hz:.4g} Hz"
-    assert trial.notes[0].text == f"dq, ddq derived from q (zero phase, {said})"
-    assert [note.text for note in trial.notes[1:]] == (
-        [f"{trim * DT_S:.3g} s trimmed at each end"] if trim else []
-    )
-
-
-def test_with_all_derivatives_nothing_is_whole_or_trimmed():
-    trial = derive(uniform(q=Q, dq=DQ, ddq=DDQ, tau=TAU), 5.0, 3.0)
-    assert trial.whole == {} and trial.trimmed == 0 and trial.notes == () and trial.ref_filtered is None
-    np.testing.assert_array_equal(trial.tau, TAU)
-
-
-def test_a_sample_is_contradicted_by_any_share_of_one():
-    marked = np.zeros((N, 2))
-    marked[500, 0], marked[501, 1] = 0.0009, 0.0011
-    trial = derive(uniform(q=Q, contradicted=marked), np.inf, np.inf)
-    assert np.argwhere(trial.contradicted).tolist() == [[501, 1]]
-    np.testing.assert_array_equal(trial.counted, ~trial.contradicted)
-    assert derive(uniform(q=Q), np.inf, np.inf).counted.all()
-    assert "contradicted" not in trial.whole
-
-
 @pytest.mark.parametrize(("periods", "enough"), [(0.99, False), (1.01, True)])
 def test_the_longest_trial_holds_a_period_of_the_corner(periods, enough):
     motions = [uniform(q=Q).measured, uniform(q=Q).measured.rows(0, 500, "short")]
@@ -266,43 +195,3 @@ def test_the_longest_trial_holds_a_period_of_the_corner(periods, enough):
             to_trials(motions, cutoff_hz=periods / 2.0)
     assert to_trials(motions, cutoff_hz=9.0)[1].band_hz == pytest.approx(4.0)
     assert to_trials(motions, cutoff_hz=9.0, band_hz=2.5)[1].band_hz == 2.5
-
-
-@pytest.fixture
-def full():
-    state = DriveState(np.ones((N, 2), dtype=bool), Q, DQ)
-    return Trial(
-        *("run", CLOCK, DT_S, Q, DQ, DDQ, TAU, Q + 1.0, np.hstack([Q, TAU[:, :1]])),
-        **{"points": np.stack([Q, TAU], axis=2), "ref_filtered": Q + 2.0, "tau_measured": TAU - 1.0},
-        **{"drives": state, "contradicted": Q > 0.0, "trimmed": 5, "began_s": 3.0, "whole": {"q": Q, "on": Q}},
-    )
-
-
-def test_lowpass_trial_trims_what_it_filters_and_what_it_does_not(full):
-    found, inner = lowpass_trial(full, 20.0), slice(54, N - 54)
-    for name in ("q", "dq", "ddq", "tau", "ref", "ref_filtered", "tip", "points"):
-        np.testing.assert_array_equal(getattr(found, name), lowpass(getattr(full, name), DT_S, 20.0)[inner])
-    for name in ("tau_measured", "contradicted"):
-        np.testing.assert_array_equal(getattr(found, name), getattr(full, name)[inner])
-    np.testing.assert_array_equal(found.drives.kv, DQ[inner])
-    np.testing.assert_array_equal(found.t, CLOCK[: N - 108])
-    assert (found.trimmed, found.began_s) == (59, pytest.approx(3.0 + 54 * DT_S))
-    assert found.cutoff_hz == found.band_hz == np.inf
-    assert found.notes[-1].text == "all columns low-passed at 20 Hz (zero phase)"
-    bare = lowpass_trial(Trial("run", CLOCK, DT_S, Q, DQ, DDQ), 20.0)
-    for name in ("tau", "ref", "ref_filtered", "tip", "points", "tau_measured", "contradicted", "drives"):
-        assert getattr(bare, name) is None
-
-
-def test_an_arm_that_swings_freely_has_no_torque_and_no_target(full):
-    free = undriven(full)
-    assert not free.tau.any() and free.tau.shape == Q.shape and not free.tau_measured.any()
-    assert free.ref is free.ref_filtered is free.drives is None
-    assert set(free.whole) == {"q", "tau"} and not free.whole["tau"].any()
-    assert undriven(replace(full, whole={})).whole == {}
-
-
-def test_the_filter_of_a_fit_mirrors_its_ends(full):
-    np.testing.assert_array_equal(full.lowpass(Q), Q)
-    narrow = replace(full, band_hz=5.0)
-    np.testing.assert_array_equal(narrow.lowpass(Q), lowpass(Q, DT_S, 5.0, ends="even"))

@@ -48,7 +48,7 @@ def test_they_agree_to_first_order(trials):
         told = np.isin(fit.problem.free, again.problem.free)  # joint 1 hardly turns back: fc1 is just so told
         assert np.count_nonzero(told) >= 7
         np.testing.assert_allclose(found.departures[b][told], change[fit.problem.free][told], rtol=0.1, atol=3e-5)
-    assert (found.left >= 0.0).all()
+    assert (found.residual_power >= 0.0).all()
 
 
 def test_a_fit_takes_them_over(trials):

@@ -20,7 +20,7 @@ def test_the_delay_is_found_to_the_sample(seed, samples):
     trial = driven(ARM, seed)
     late = replace(trial, tau=np.roll(trial.tau, samples, axis=0))
     found = torque_delay(ARM, BASE, [late])
-    assert found.seconds == pytest.approx(samples * trial.dt_s) and found.left < 0.8
+    assert found.seconds == pytest.approx(samples * trial.dt_s) and found.residual_share < 0.8
     assert ("late" if samples > 0 else "early") in found.note.text
 
 

@@ -1,0 +1,35 @@
+"""One trial."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from arm.drive_state import DriveState
+from fitter.data.derivatives import lowpass
+from fitter.data.trial import Trial, undriven
+from tests.fitter.data.random_columns import CLOCK, DDQ, DQ, DT_S, TAU, N, Q
+
+
+@pytest.fixture
+def full():
+    state = DriveState(np.ones((N, 2), dtype=bool), Q, DQ)
+    return Trial(
+        *("run", CLOCK, DT_S, Q, DQ, DDQ, TAU, Q + 1.0, np.hstack([Q, TAU[:, :1]])),
+        **{"points": np.stack([Q, TAU], axis=2), "ref_filtered": Q + 2.0, "tau_measured": TAU - 1.0},
+        **{"drives": state, "contradicted": Q > 0.0, "trimmed": 5, "began_s": 3.0, "whole": {"q": Q, "on": Q}},
+    )
+
+
+def test_an_arm_that_swings_freely_has_no_torque_and_no_target(full):
+    free = undriven(full)
+    assert not free.tau.any() and free.tau.shape == Q.shape and not free.tau_measured.any()
+    assert free.ref is free.ref_filtered is free.drives is None
+    assert set(free.whole) == {"q", "tau"} and not free.whole["tau"].any()
+    assert undriven(replace(full, whole={})).whole == {}
+
+
+def test_the_filter_of_a_fit_mirrors_its_ends(full):
+    np.testing.assert_array_equal(full.lowpass(Q), Q)
+    narrow = replace(full, band_hz=5.0)
+    np.testing.assert_array_equal(narrow.lowpass(Q), lowpass(Q, DT_S, 5.0, ends="even"))
