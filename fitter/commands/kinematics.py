@@ -26,8 +26,7 @@ from fitter.commands.options import (
 from fitter.commands.trial_sets import notes_of, trial_sets
 from fitter.data.measured_tip import with_measured_tip
 from fitter.data.trials import Role, Trial, load_trials
-from fitter.kinematics.evaluation import TipScore, tip_score
-from fitter.kinematics.fit import (
+from fitter.kinematics.geometry_fit import (
     GENERATIONS,
     LEAST_EXPLAINED,
     KinematicsFit,
@@ -36,6 +35,7 @@ from fitter.kinematics.fit import (
     fit_kinematics,
     hardly,
 )
+from fitter.kinematics.tip_error import TipScore, tip_score
 from fitter.report.compared import geometry_by_name
 from fitter.report.fit_pages import kinematics_page
 from fitter.report.parameter_table import parameter_table

@@ -54,10 +54,10 @@ def reproduction(arguments: argparse.Namespace) -> Document:
     with Progress(*columns, console=console, transient=True) as bar:
         task = bar.add_task("reproducing", total=len(names))
 
-        def told(_name: str, what: str) -> None:
+        def reported(_name: str, what: str) -> None:
             bar.update(task, advance=0 if what else 1, description=what or "reproducing")
 
-        outcomes = reproduce(names, settings, arguments.jobs, told)
+        outcomes = reproduce(names, settings, arguments.jobs, reported)
     document = document_of(outcomes, arguments.seed)
     write_report(outcomes, document, _command(arguments, names), out)
     for outcome in outcomes:

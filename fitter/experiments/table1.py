@@ -15,7 +15,7 @@ from arm.model import Arm, Floats
 from fitter.data.trials import Trial
 from fitter.experiments.bench_data import bench_trials, true_arm, unknown_arm
 from fitter.experiments.experiment import Cell, Experiment, Grid, Settings
-from fitter.kinematics.fit import GENERATIONS, KinematicsFit, fit_kinematics
+from fitter.kinematics.geometry_fit import GENERATIONS, KinematicsFit, fit_kinematics
 from fitter.report.published import SAMPLES, TABLE1
 from limbcal.digits import NORMAL_95
 

@@ -15,7 +15,7 @@ from fitter.dynamics import dynamics_fit as dynamics
 from fitter.dynamics.evaluation import motion_error
 from fitter.dynamics.learned_torque import has_unknown_target, target_of
 from fitter.dynamics.written import save_calibrated, told_by_data
-from fitter.kinematics import fit as kinematics
+from fitter.kinematics import geometry_fit as kinematics
 from fitter.live.calibration import Calibration
 from fitter.report import published
 from fitter.report.assumptions import dynamics_assumptions, kinematics_assumptions
