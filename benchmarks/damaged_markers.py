@@ -15,7 +15,7 @@ from pathlib import Path
 
 import numpy as np
 
-from fitter.markers.reading import look_at, read_raw
+from fitter.markers.marker_files import look_at, read_raw
 from fitter.markers.recording import RawRecording
 from limbcal.arguments import Parser, common_options
 from limbcal.command import Document, emit, run_command, say

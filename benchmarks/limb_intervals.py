@@ -17,9 +17,9 @@ import numpy as np
 
 from fitter.functional.marker_set import MarkerSet, load_marker_set
 from fitter.functional.rigid_fit import fit_poses
-from fitter.limb.calibration import calibrate
-from fitter.limb.document import document
-from fitter.markers.reading import read_markers
+from fitter.limb.json_document import document
+from fitter.limb.limb_calibration import calibrate
+from fitter.markers.marker_files import read_markers
 from fitter.markers.recording import MarkerRecording
 from tests.fitter.limb.simulated_person import person
 

@@ -21,9 +21,9 @@ from arm.arm_file import load_arm
 from arm.model import Arm, Floats
 from arm.regressor import regressor
 from fitter.data.derivatives import both_derivatives, lowpass, settling_samples
-from fitter.diagnosis.torque.missing_torque import ResidualTorque
 from fitter.diagnosis.torque.pulse import Pulse
 from fitter.diagnosis.torque.pulses import find_pulses
+from fitter.diagnosis.torque.residual_torque import ResidualTorque
 
 ARM = Path(__file__).parents[1] / "examples" / "dfki-pendulum.toml"
 #: Step [s]; speed below which a joint may rest, and for how long about it its equation is not known.

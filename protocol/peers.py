@@ -113,9 +113,7 @@ class Peers:
             return None
         with self._lock:
             known = self._open.get(descriptor)
-            if (
-                known is None or known.inode != inode
-            ):  # a newcomer, with the number of one that went
+            if known is None or known.inode != inode:  # a newcomer, with the number of one that went
                 self._hear(time.monotonic())
             connection = self._open.get(descriptor)
             if connection is not None and connection.inode == inode:

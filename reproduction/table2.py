@@ -3,9 +3,9 @@
 import numpy as np
 
 from arm.bench import Bench
-from fitter.kinematics.evaluation import TipScore, tip_score
-from fitter.kinematics.fit import GENERATIONS, KinematicsFit, fit_kinematics
+from fitter.kinematics.geometry_fit import GENERATIONS, KinematicsFit, fit_kinematics
 from fitter.kinematics.tip_basis import UNITS, geometry_names, geometry_of
+from fitter.kinematics.tip_error import TipScore, tip_score
 from fitter.report.published import TABLE2
 from limbcal.digits import NORMAL_95
 from reproduction.bench_data import true_arm

@@ -1,4 +1,4 @@
-"""The arm that a command is told of."""
+"""The arm that a command is given."""
 
 from pathlib import Path
 

@@ -138,7 +138,7 @@ def _require_possible(arm: Arm, learn: Sequence[Measured], arguments: argparse.N
 def _trial_sets(
     arm: Arm, arguments: argparse.Namespace, sets: tuple[TrialSet, TrialSet, TrialSet]
 ) -> tuple[list[Measured], list[Measured], dict[str, list[Measured]]]:
-    """Read all sets; without ``--evaluate`` a recording's own roles tell learning and evaluating trials apart."""
+    """Read all sets; without ``--evaluate`` a recording's own roles separate learning and evaluating trials."""
     judge = {str(one): sets[2].only(one).read(arm, arguments.rate_hz) for one in sets[2].sources}
     read = [one.read(arm, arguments.rate_hz) for one in sets[:2]]
     unseen = [motion for some in judge.values() for motion in some]
@@ -173,11 +173,11 @@ def _say(finding: Finding, out: Path) -> None:
     }
     show(sentences[finding.verdict])
     for cause in finding.causes:
-        show(f"  {told(cause)}")
+        show(f"  {described(cause)}")
     for warning in finding.warnings:
         show(f"but {warning.text}")
-    if finding.remainder.depends_on:
-        variables, formula = ", ".join(finding.remainder.depends_on), finding.remainder.formula
+    if finding.discrepancy.depends_on:
+        variables, formula = ", ".join(finding.discrepancy.depends_on), finding.discrepancy.formula
         show(f"what is left depends on {variables} {formula}".strip())
     if finding.polish is not None:
         show(finding.polish.sentence)
@@ -199,7 +199,7 @@ def _show_errors(where: str, arm: Arm, models: Sequence[Errors]) -> None:
     show(table)
 
 
-def told(cause: NamedCause) -> str:
+def described(cause: NamedCause) -> str:
     """Return a cause in plain words, with its size."""
     where = "".join(f", joint {j}" for j in cause.joints)
     numbers = ", ".join(f"{name} {p.value:.4g} ± {p.std:.2g}" for name, p in cause.parameters.items())

@@ -57,10 +57,10 @@ def diagnose_readings(arm: Arm, learn: Sequence[RawRun], evaluate: Sequence[RawR
     except OSError as error:
         raise DeviceError(f"{out}: cannot be written: {error.strerror}") from error
     save_arm(finding.arm, out / "extended.toml")
-    write_sensor_report(finding, [told(cause) for cause in finding.causes], _SENTENCES[finding.verdict], out)
+    write_sensor_report(finding, [described(cause) for cause in finding.causes], _SENTENCES[finding.verdict], out)
     show(_SENTENCES[finding.verdict])
     for cause in finding.causes:
-        show(f"  {told(cause)}")
+        show(f"  {described(cause)}")
     table = Table("contradiction, rms [m/s^2]", "before", "after")
     for name, was in finding.before.items():
         table.add_row(name, f"{was:.4g}", f"{finding.after[name]:.4g}")
@@ -103,7 +103,7 @@ def document(finding: SensorFinding) -> Document:
     }
 
 
-def told(cause: SensorCause) -> str:
+def described(cause: SensorCause) -> str:
     """Return a cause in plain words, with its size."""
     where = "".join(f", {name}" for name in cause.sensors)
     numbers = ", ".join(f"{name} {p.value:.4g} ± {p.std:.2g} {p.unit}" for name, p in cause.parameters.items())

@@ -253,8 +253,8 @@ def _with_gains(
     """Learn the gains of the law along with the arm."""
     found = controller.fit_controller(arm, learn, fixed=fixed_of(arguments.fix))
     base = structural_parameters(arm)
-    told = {name: found.parameters[name] for name in base.names if found.parameters[name].identifiable}
-    save_calibrated(found.arm, base, told, arguments.out)
+    identifiable = {name: found.parameters[name] for name in base.names if found.parameters[name].identifiable}
+    save_calibrated(found.arm, base, identifiable, arguments.out)
     scores = {
         role: score(found.arm, trials, arguments.horizon) if trials else None
         for role, trials in (("learn", learn), ("evaluate", evaluate))

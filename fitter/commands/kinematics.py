@@ -27,8 +27,7 @@ from fitter.commands.trial_sets import notes_of, trial_sets
 from fitter.data.measured_tip import with_measured_tip
 from fitter.data.trial import Role, Trial
 from fitter.data.trials import load_trials
-from fitter.kinematics.evaluation import TipScore, tip_score
-from fitter.kinematics.fit import (
+from fitter.kinematics.geometry_fit import (
     GENERATIONS,
     LEAST_EXPLAINED,
     KinematicsFit,
@@ -37,6 +36,7 @@ from fitter.kinematics.fit import (
     fit_kinematics,
     hardly,
 )
+from fitter.kinematics.tip_error import TipScore, tip_score
 from fitter.report.compared import geometry_by_name
 from fitter.report.fit_pages import kinematics_page
 from fitter.report.parameter_table import parameter_table

@@ -15,12 +15,12 @@ from arm.model import Body
 from fitter.commands.limb_export import add_export, check_export, export
 from fitter.commands.options import make_room, positive
 from fitter.functional.marker_set import load_marker_set
-from fitter.limb.calibration import calibrate
-from fitter.limb.document import document
+from fitter.limb.json_document import document
+from fitter.limb.limb_calibration import calibrate
 from fitter.limb.limb_fit import LimbFit
 from fitter.limb.probing import with_probed
 from fitter.limb.written_arm import calibrated_arm
-from fitter.markers.reading import read_markers
+from fitter.markers.marker_files import read_markers
 from fitter.markers.recording import MarkerRecording
 from fitter.report.limb_page import write_limb_page
 from limbcal.command import Document, console, say_notes, show

@@ -13,7 +13,7 @@ from fitter.commands.limb_kinematics import recordings_of
 from fitter.commands.options import MOTION_SUFFIXES, make_room
 from fitter.data.base_columns import BASE_COLUMNS
 from fitter.data.motion_file import write_motion
-from fitter.limb.document import of_markers, rms_mm
+from fitter.limb.json_document import of_markers, rms_mm
 from fitter.limb.tracking import marked_arm, track_limb
 from limbcal.command import Document, console, say_notes, show
 from limbcal.errors import ConfigError

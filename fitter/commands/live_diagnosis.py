@@ -12,7 +12,7 @@ from fitter.report.diagnosis_report import write_diagnosis
 from limbcal.command import Document, say, show, to_json
 from limbcal.errors import DataError, DeviceError, LimbcalError
 
-#: Fewer motions tell nothing: something is to be learnt, and something held back to judge on.
+#: Fewer motions are not enough: some are learnt from, and some are held back to judge on.
 _LEAST = 2
 
 

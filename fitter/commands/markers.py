@@ -9,8 +9,8 @@ from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn
 from rich.table import Table
 
 from fitter.markers.force_notes import moves
+from fitter.markers.marker_files import Looked, read_markers
 from fitter.markers.missing import SHORTEST_S
-from fitter.markers.reading import Looked, read_markers
 from fitter.markers.recording import runs
 from limbcal.command import Document, console, show
 from limbcal.escaped import escaped

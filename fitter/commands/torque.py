@@ -112,7 +112,7 @@ def contacts_of(texts: Sequence[str], plates: Sequence[PlateWrench], arm: Arm) -
     Raises
     ------
     ConfigError
-        If a plate or link is none of those there, or several plates are loaded and nobody says on what they act.
+        If a plate or link is none of those there, or several plates are loaded and it is unknown on what they act.
     """
     if not plates:
         if texts:

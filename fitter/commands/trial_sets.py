@@ -14,7 +14,7 @@ Load = Callable[[Sequence[Path], Role | None, tuple[float, float] | None], list[
 
 
 def trial_sets(load: Load, learn: Sequence[Path], evaluate: Sequence[Path]) -> tuple[list[Trial], list[Trial]]:
-    """Read both sets; recordings that tell learning from evaluating motions give both.
+    """Read both sets; recordings whose motions have roles give both.
 
     Parameters
     ----------

@@ -17,10 +17,10 @@ from arm.model import Arm, Floats
 from fitter.data.resample import Uniform
 from fitter.data.trial import Trial
 from fitter.data.trial_filter import choose_cutoff_hz
-from fitter.diagnosis.least_squares import PLAINLY, SIGMAS
+from fitter.diagnosis.least_squares import CLEAR_RATIO, SIGMAS
 from fitter.diagnosis.motion import SAMPLES
 
-#: The band ends at this share of the columns' corner, where their filter still lets all through.
+#: The band ends at this ratio to the columns' cutoff frequency, where their filter still passes all.
 BAND_SHARE = 0.6
 
 
@@ -51,7 +51,7 @@ def corner_hz(grids: Sequence[Uniform], *, overtones: float = 3.0, share: float 
 
 
 def _is_white(grids: Sequence[Uniform], low_hz: float, high_hz: float, parts: int = 10) -> bool:
-    """Say whether the noise of the angles between two frequencies is as large as their third differences tell.
+    """Say whether the noise of the angles between two frequencies is as large as their third differences imply.
 
     It is that of the quietest of some parts of the band: motion may be in the others.
     """
@@ -68,7 +68,7 @@ def _is_white(grids: Sequence[Uniform], low_hz: float, high_hz: float, parts: in
             count[part] += np.count_nonzero(at == part)
     seen = count > 0.0
     least = np.min(power[seen] / count[seen, None], axis=0)
-    return bool(np.all(least < PLAINLY * noise**2))
+    return bool(np.all(least < CLEAR_RATIO * noise**2))
 
 
 def _quick_hz(grids: Sequence[Uniform], highest: float, share: float) -> float:
@@ -107,7 +107,7 @@ def chatter(arm: Arm, trials: Sequence[Trial]) -> list[str]:
         f"the torque at joint {j + 1} changes from sample to sample like noise ({white[j]:.3g} {unit} of "
         f"{size[j]:.3g} {unit} rms): smaller effects are not identifiable; a chattering drive looks the same"
         for j, unit in enumerate("N m" if joint.type == "revolute" else "N" for joint in arm.joints)
-        if PLAINLY * white[j] > size[j] > 0.0
+        if CLEAR_RATIO * white[j] > size[j] > 0.0
     ]
 
 

@@ -14,23 +14,23 @@ from fitter.data.motions import Measured
 from fitter.data.resample import Uniform, resample, split_at_holes
 from fitter.data.trial import Trial, undriven
 from fitter.data.trial_filter import FIT_CORNER
+from fitter.diagnosis.conclusion import concluded, finding_of
 from fitter.diagnosis.cutoff import chatter, corner_hz
+from fitter.diagnosis.disturbance_pulses import with_pulses
 from fitter.diagnosis.error_floor import regression_of
 from fitter.diagnosis.finding import Finding
 from fitter.diagnosis.held_out import judged_sets
 from fitter.diagnosis.hypotheses import hypotheses
-from fitter.diagnosis.least_squares import MOST_CAUSES, PLAINLY
+from fitter.diagnosis.least_squares import CLEAR_RATIO, MOST_CAUSES
 from fitter.diagnosis.model import Candidate, Model
 from fitter.diagnosis.motion import Motion
 from fitter.diagnosis.polish import polished
-from fitter.diagnosis.pushes import with_pushes
 from fitter.diagnosis.refinement import fitted
 from fitter.diagnosis.regression import Regression
 from fitter.diagnosis.run import run_of
 from fitter.diagnosis.screening import events, screen
 from fitter.diagnosis.search import Cause, Search, cause_of, supports
 from fitter.diagnosis.stepwise import Found, Stepwise
-from fitter.diagnosis.telling import concluded, finding_of
 from fitter.diagnosis.torque_likelihood import TorqueLikelihood
 from fitter.dynamics.evaluation import HORIZON_S
 from limbcal.errors import DataError, NotIdentifiable
@@ -140,16 +140,16 @@ def _searched(
     """Return what a search has come to: by the learning trials, or by all if only the others show something."""
     likelihood, search, found = _found(arm, motions, denied, scale, say)
     judging = np.array([not motion.learn for motion in motions])
-    left = found.final.candidate.squares[judging].sum() / likelihood.regression.told[judging].sum()
+    chi2_ratio = found.final.candidate.squares[judging].sum() / likelihood.regression.n_effective[judging].sum()
     # Causes that were found predict no better than their numbers are known.
-    shown = left > PLAINLY if found.steps else not likelihood.is_exact(found.final, everywhere=True)
+    shown = chi2_ratio > CLEAR_RATIO if found.steps else not likelihood.is_exact(found.final, everywhere=True)
     from_all = likelihood.floor.is_none and shown
     if from_all:
         motions = [replace(motion, learn=True) for motion in motions]
         likelihood, search, found = _found(arm, motions, denied, scale, say)
-    was, regression, final = likelihood.was, likelihood.regression, found.final.candidate
+    base_floor, regression, final = likelihood.base_floor, likelihood.regression, found.final.candidate
     if not likelihood.is_exact(found.final, everywhere=True):
-        final = with_pushes(regression, final, lambda: [one.candidate for one in search.possible(found.final)])
+        final = with_pulses(regression, final, lambda: [one.candidate for one in search.possible(found.final)])
     causes = [cause_of(place, found.steps) for place in range(len(found.steps))]
     for place in range(len(causes), len(final.model.hypotheses)):
         causes.append(Cause(place, found.final.candidate, final))
@@ -166,7 +166,7 @@ def _searched(
         [one.candidate for one in found.first],
         supports(found.first),
         likelihood.floor,
-        was,
+        base_floor,
         from_all,
     )
 
@@ -191,7 +191,7 @@ def _found(
 
 
 def _scale_of(arm: Arm) -> tuple[int, float]:
-    """Return the standard parameter, and its value in the arm file, that tells the scale of an undriven arm.
+    """Return the standard parameter, and its value in the arm file, that sets the scale of an undriven arm.
 
     It is the last link's inertia about its axis.
 

@@ -1,13 +1,13 @@
 r"""The noise of the equations under a model: causes change the masses that noise of the angles is multiplied by.
 
-What one draw of noise, sent the way of the data, leaves under a model tells how it is weighed.
+The residual of one draw of noise that passes the filters of the data gives the weights of a model.
 
-The floor: how much the model lacks, as noise of each joint's equation beside the sensors'.
+The floor: the model's discrepancy, as noise of each joint's equation in addition to the sensors'.
 
 .. math:: S_j(f) = P_j + D_j + E_j Q_j (2 \pi f)^4
 
 ``P`` and ``Q`` are the sensors' noise under the model. ``D`` is a white missing torque, and ``E`` more noise of
-the angles than is known of, both by maximum likelihood (Whittle 1953) of what a model leaves of the learning
+the angles than is known of, both by maximum likelihood (Whittle 1953) from the residual of the learning
 trials. Where the model is exact there is no floor: ``D = 0, E = 1``.
 """
 
@@ -23,7 +23,7 @@ from arm.model import Arm, Floats
 from fitter.diagnosis.cutoff import BAND_SHARE, noise_of_angles, white_noise
 from fitter.diagnosis.equations import Equations
 from fitter.diagnosis.errors_in_variables import noisier
-from fitter.diagnosis.evidence import KNOWN, Floor
+from fitter.diagnosis.evidence import NOISE_VARIANCE_TOLERANCE, Floor
 from fitter.diagnosis.holding_torque import holding_sizes
 from fitter.diagnosis.least_squares import NEGLIGIBLE, ROUNDED, TINY, scaled_lstsq
 from fitter.diagnosis.model import Candidate, Model
@@ -87,7 +87,7 @@ def reweighted(
     total, count = np.zeros((n_joint, n_joint)), 0
     white = np.diag(used.torque_noise**2)
     for motion in motions:
-        plain, noisy = (equations.left(model, x, one) for one in (motion, louder[motion.number]))
+        plain, noisy = (equations.residual_torque(model, x, one) for one in (motion, louder[motion.number]))
         window = np.hanning(len(plain))[:, None]
         f = np.fft.rfftfreq(len(plain), motion.dt_s)
         inside = (f >= part * used.band_hz) & (f <= used.band_hz)
@@ -150,7 +150,7 @@ def floored(regression: Regression, candidate: Candidate) -> tuple[Weighting, We
     for j in range(n_joint):
         torque, angle = own.torque_noise[j] ** 2, own.acceleration_noise[j, j] * omega
         ratio[j] = float(np.sum(power[:, j] / (torque + angle)) / np.sum(freedom[:, j]))
-        if ratio[j] > KNOWN:
+        if ratio[j] > NOISE_VARIANCE_TOLERANCE:
             variance, steep[j] = _likeliest(power[:, j], freedom[:, j], torque, angle)
             white[j] = np.sqrt(variance)
     root = np.sqrt(steep)
@@ -172,7 +172,7 @@ def part_of_floor(own: Weighting, with_floor: Weighting) -> float:
 
 
 def _spectra(regression: Regression, candidate: Candidate) -> tuple[Floats, Floats, Floats]:
-    """Return frequencies (n,), the power of what is left there, and its degrees of freedom, (n, n_joint).
+    """Return frequencies (n,), the residual's power there, and its degrees of freedom, (n, n_joint).
 
     Residuals are white under the weights in use, without anything along the axes of what is not known, such as
     what holds a joint: how much of that is left in them depends on how large it was. They get back the colour that
@@ -181,8 +181,8 @@ def _spectra(regression: Regression, candidate: Candidate) -> tuple[Floats, Floa
     weighting = regression.weighting
     parts: list[Sequence[Floats]] = []
     for motion in regression.learning:
-        left = regression.rows(candidate.model, motion).left(candidate.x)
-        white = _known(weighting, motion, left.reshape(-1, 1)).reshape(left.shape)
+        residual = regression.rows(candidate.model, motion).residual(candidate.x)
+        white = _known(weighting, motion, residual.reshape(-1, 1)).reshape(residual.shape)
         f = np.fft.rfftfreq(len(white), weighting.stride * motion.dt_s).astype(np.float64)
         inside = (f > 0.0) & (weighting.band(f) == 1.0)
         root = np.linalg.cholesky(np.array([weighting.covariance(at) for at in f[inside]]))
@@ -201,7 +201,7 @@ def _known(weighting: Weighting, motion: Motion, flat: Floats) -> Floats:
 
 
 def _freedom(weighting: Weighting, motion: Motion) -> NDArray[np.complex128]:
-    r"""Return what is left of white noise at every frequency, as covariance of joints, (n, n_joint, n_joint).
+    r"""Return the covariance of the remaining white noise at every frequency, (n, n_joint, n_joint).
 
     All along the axes ``u`` of what is not known is eliminated, so of the noise's power
     ``I - \sum U(f) U(f)^H / n`` is left: little of it where a joint rests and the frequency is low.

@@ -2,7 +2,7 @@ r"""Noise in the regressor, which would pass for physics: it makes inertias seem
 
 Angles that were differentiated twice are noisy, so the design is ``A + N``, and least squares answers
 ``(A^T A + N^T N)^-1 A^T y`` instead of ``(A^T A)^-1 A^T y``: less by the ratio of noise to signal. Little as that
-is, it may be several standard errors where many samples tell much. What noise of the size the data have adds to
+is, it may be several standard errors where there are many samples. What noise of the size the data have adds to
 the normal equations is taken off again (bias-compensated least squares, Stoica and Söderström 1982):
 
     (A^T A - E[N^T N]) x = A^T y - E[N^T n_y].
@@ -24,7 +24,7 @@ from fitter.data.derivatives import differentiate, lowpass, settling_samples
 from fitter.diagnosis.cutoff import noise_of_angles, white_noise
 from fitter.diagnosis.least_squares import NEGLIGIBLE, ROUNDED, TINY
 from fitter.diagnosis.model import Hypothesis, Model
-from fitter.diagnosis.motion import Motion, View
+from fitter.diagnosis.motion import HypotheticalMotion, Motion
 from fitter.diagnosis.weighting import Rows
 
 
@@ -36,23 +36,23 @@ class Noise:
     ----------
     gram : (n_joint or 1, k, k)
         Products of what it makes of the columns.
-    pull : (n_joint or 1, k)
+    rhs : (n_joint or 1, k)
         Their products with what it makes of the right-hand side.
-    own : (n_joint or 1,)
+    square : (n_joint or 1,)
         The sum of squares of that.
     """
 
     gram: Floats
-    pull: Floats
-    own: Floats
+    rhs: Floats
+    square: Floats
 
-    def left(self, x: Floats) -> Floats:
+    def sum_of_squares(self, x: Floats) -> Floats:
         """Return the sum of squares that it leaves at each joint under factors x (k,)."""
-        return np.asarray(self.gram @ x @ x - 2.0 * self.pull @ x + self.own, dtype=np.float64)
+        return np.asarray(self.gram @ x @ x - 2.0 * self.rhs @ x + self.square, dtype=np.float64)
 
     def mixed(self, mixing: Floats) -> "Noise":
         """Return the noise of columns that are mixed of these, by a matrix (k, n_column)."""
-        return Noise(mixing.T @ self.gram @ mixing, self.pull @ mixing, self.own)
+        return Noise(mixing.T @ self.gram @ mixing, self.rhs @ mixing, self.square)
 
 
 def noise_of(columns: Floats, target: Floats) -> Noise:
@@ -63,8 +63,10 @@ def noise_of(columns: Floats, target: Floats) -> Noise:
 
 def added(parts: Sequence[Noise]) -> Noise:
     """Return the noise of several motions together."""
-    gram, pull, own = (np.sum([getattr(one, name) for one in parts], axis=0) for name in ("gram", "pull", "own"))
-    return Noise(gram, pull, own)
+    gram, rhs, square = (
+        np.sum([getattr(one, name) for one in parts], axis=0) for name in ("gram", "rhs", "square")
+    )
+    return Noise(gram, rhs, square)
 
 
 def noisier(arm: Arm, motions: Sequence[Motion], seed: int = 20) -> dict[int, Motion]:
@@ -125,7 +127,7 @@ class Design(Protocol):
         """Return what a joint's own equation makes of the columns, by itself."""
 
 
-class NoisyRows:
+class NoiseProducts:
     """What one draw of noise makes of equations.
 
     Parameters
@@ -152,7 +154,7 @@ class NoisyRows:
         weak, plain = model.only(gains), model.only([not one for one in gains])
         joints = tuple(hypothesis.joints[0] for hypothesis in weak.hypotheses)
         parts = added([self._noise(plain, joints, by_joint, motion) for motion in motions])
-        one = np.eye(parts.pull.shape[1] // (1 + len(joints)))
+        one = np.eye(parts.rhs.shape[1] // (1 + len(joints)))
         return parts.mixed(np.vstack([one, *(one / psi[0] for psi in weak.psi)]))
 
     def _noise(self, model: Model, apart: tuple[int, ...], by_joint: bool, motion: Motion) -> Noise:
@@ -192,7 +194,7 @@ def _noisy_columns(model: Model, n_column: int) -> Floats:
 
 
 def _key(hypothesis: Hypothesis, psi: Floats) -> tuple[object, ...]:
-    """Return what tells hypotheses apart by what they make of noise.
+    """Return what distinguishes hypotheses by their effect on noise.
 
     psi hardly matters but where it scales it, or turns the columns among themselves: noise that stayed behind
     would make one zero of a joint seem better than another where they all are the same.
@@ -200,24 +202,24 @@ def _key(hypothesis: Hypothesis, psi: Floats) -> tuple[object, ...]:
     return hypothesis.key, hypothesis.n_column, psi.tobytes() if hypothesis.mixes_noise else b""
 
 
-def let_through(views: Sequence[View], motions: Sequence[Motion]) -> Floats:
-    """Return the share of each joint's torque squared that a limit lets through, (n_joint,).
+def let_through(hypotheticals: Sequence[HypotheticalMotion], motions: Sequence[Motion]) -> Floats:
+    """Return the fraction of each joint's squared torque that a limit passes, (n_joint,).
 
     It counts as far as the limit is reached: of a torque that is cut off now and then nearly all noise stays.
 
     Parameters
     ----------
-    views : sequence of View
+    hypotheticals : sequence of HypotheticalMotion
         Motions as they are under the limit.
     motions : sequence of Motion
         The same as measured.
     """
     asked, reaches, cut, moving = np.zeros((4, motions[0].u.shape[1]))
-    for view, motion in zip(views, motions, strict=True):
+    for hypothetical, motion in zip(hypotheticals, motions, strict=True):
         moves = ~motion.stuck
         asked += np.sum(motion.u**2 * moves, axis=0)
-        reaches += np.sum(view.u**2 * moves, axis=0)
-        off = np.abs(view.u - motion.u) > NEGLIGIBLE * np.sqrt(np.mean(motion.u**2, axis=0))
+        reaches += np.sum(hypothetical.u**2 * moves, axis=0)
+        off = np.abs(hypothetical.u - motion.u) > NEGLIGIBLE * np.sqrt(np.mean(motion.u**2, axis=0))
         cut += np.sum(off & moves, axis=0)
         moving += np.sum(moves, axis=0)
     through = np.clip(reaches / np.maximum(asked, TINY), ROUNDED, 1.0)

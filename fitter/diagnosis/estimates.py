@@ -1,7 +1,7 @@
 r"""What was found in numbers: base parameters and effects with standard errors.
 
 Factors and psi have a sandwich covariance over blocks, trials and cells of the motion. Residuals that resemble
-their neighbours are seen within trials (Huber 1967); what makes whole trials pull their own way, in how these
+their neighbours are seen within trials (Huber 1967); what whole trials have in common, in how the scores of trials
 differ (Liang and Zeger 1986); and what a model lacks alike in all of them, in how cells do (`evidence`).
 """
 
@@ -35,7 +35,7 @@ class Estimates:
     effects : tuple of dict from name to FittedParameter
         One for each hypothesis.
     covariance : (n_factor + n_psi, n_factor + n_psi)
-        Of the factors and psi together; NaN for what is not told at all.
+        Of the factors and psi together; NaN for what is not determined at all.
     """
 
     base: BaseParameters
@@ -59,9 +59,9 @@ def estimates(regression: Regression, fitted: Candidate, covariance: Floats | No
         covariance = covariance_of(regression, fitted, motions)
     n_base = len(fitted.x) - sum(hypothesis.n_column for hypothesis in model.hypotheses)
     std = np.sqrt(np.maximum(np.diag(covariance), 0.0))
-    view = regression.view(model, regression.motions[0])
-    base = structural_parameters(generic_arm(regression.arm, view.arm))
-    kept = regression.equations.independent(view.arm)
+    hypothetical = regression.hypothetical(model, regression.motions[0])
+    base = structural_parameters(generic_arm(regression.arm, hypothetical.arm))
+    kept = regression.equations.independent(hypothetical.arm)
     values, errors = np.full((2, len(base.names)), np.nan)
     where = [base.independent.index(int(column)) for column in kept]
     values[where], errors[where] = fitted.x[:n_base], std[:n_base]
@@ -143,8 +143,8 @@ def _numbers(
     values = hypothesis.numbers(psi, factors)
     turns = _slopes_of(hypothesis, np.concatenate([factors, psi]))
     variance = np.maximum(np.einsum("ij,jk,ik->i", turns, np.nan_to_num(covariance), turns), 0.0)
-    untold = np.isnan(np.diag(covariance))
-    variance[np.any(turns[:, untold] != 0.0, axis=1)] = np.nan
+    is_undetermined = np.isnan(np.diag(covariance))
+    variance[np.any(turns[:, is_undetermined] != 0.0, axis=1)] = np.nan
     std = np.sqrt(variance + hypothesis.hidden(motions, values) ** 2)
     return {
         name: FittedParameter(float(value), float(error), unit, bool(np.isfinite(error)))
@@ -155,14 +155,14 @@ def _numbers(
 def slopes(regression: Regression, fitted: Candidate, motion: Motion) -> Floats:
     """Return the slopes of a motion's white equations, (n_slower * n_joint, n_factor + n_psi)."""
     columns = [regression.rows(fitted.model, motion).design]
-    for *beside, apart in fitted.model.beside():
-        more, less = (regression.residual(one, fitted.x, motion) for one in beside)
-        columns.append((less - more).reshape(-1, 1) / apart)
+    for *neighbours, step in fitted.model.central_differences():
+        more, less = (regression.residual(one, fitted.x, motion) for one in neighbours)
+        columns.append((less - more).reshape(-1, 1) / step)
     return np.hstack(columns)
 
 
 def information_of(regression: Regression, fitted: Candidate) -> Floats:
-    """Return what the learning trials tell of factors and psi, as the search weighs them, (n_number, n_number)."""
+    """Return the learning trials' information of factors and psi, weighted as in the search, (n, n)."""
     designs = [slopes(regression, fitted, motion) for motion in regression.learning]
     return np.asarray(np.sum([one.T @ one for one in designs], axis=0) + by_density(regression, fitted)[1])
 
@@ -172,8 +172,8 @@ def covariance_of(
 ) -> Floats:
     """Return the covariance of factors and psi together.
 
-    Residuals that resemble their neighbours are seen within the trials that were learnt from; what makes whole
-    trials pull their own way, such as how a joint comes to rest, is seen in how differently all trials pull.
+    Residuals that resemble their neighbours are seen within the trials that were learnt from; what whole trials
+    have in common, such as how a joint comes to rest, shows in the scatter of all trials' scores.
     """
     model = fitted.model
     total = sum(len(motion.t) for motion in learnt_from)
@@ -184,12 +184,12 @@ def covariance_of(
         designs.append(slopes(regression, fitted, motion))
     fitting = [k for k, motion in enumerate(regression.motions) if motion.number in used]
     size = np.sqrt(sum(np.sum(designs[k] ** 2, axis=0) for k in fitting))
-    told = size > 0.0
-    designs = [A[:, told] / size[told] for A in designs]
+    is_determined = size > 0.0
+    designs = [A[:, is_determined] / size[is_determined] for A in designs]
     extra, information = by_density(regression, fitted)
     extra, information = (
-        extra[:, told] / size[told],
-        information[np.ix_(told, told)] / np.outer(size[told], size[told]),
+        extra[:, is_determined] / size[is_determined],
+        information[np.ix_(is_determined, is_determined)] / np.outer(size[is_determined], size[is_determined]),
     )
     W = np.linalg.qr(np.vstack([*(designs[k] for k in fitting), _root(information)])).R
     grams, scores, groups = [], [], []
@@ -199,27 +199,27 @@ def covariance_of(
             grams.append(A.T @ A)
             scores.append(A.T @ r + extra[k] / blocks)
             groups.append(k)
-    left = sum(float(residuals[k] @ residuals[k]) for k in fitting)
-    told_by = float(sum(regression.weighting.told(regression.motions[k]) for k in fitting))
+    square_sum = sum(float(residuals[k] @ residuals[k]) for k in fitting)
+    n_effective = float(sum(regression.weighting.n_effective(regression.motions[k]) for k in fitting))
     diagonal = np.abs(np.diag(W))
     if diagonal.min() > np.sqrt(ROUNDED) * diagonal.max():
         of_trial: NDArray[np.intp] = np.array(groups, dtype=np.intp)
         part = sandwich_covariance(np.asarray(W), np.array(grams), np.array(scores), of_trial)
         root = np.linalg.inv(W)
         plain = np.einsum("ij,ij->i", root, root)
-        # What a single block tells, such as when a push began, is fitted to that block's noise: no score shows it.
+        # What a single block determines, such as when a push began, is fitted to its noise: no score shows it.
         trials = np.repeat(np.arange(len(residuals)), [len(one) for one in residuals])
         cells = np.concatenate([regression.cells(motion).ravel() for motion in regression.motions])
         A, r = np.vstack(designs), np.concatenate(residuals)
         between = [_between(A, r, trials, extra, information), _between(A, r, cells, 0.0 * extra, information)]
-        scatter = np.maximum(np.max(between, axis=0), max(left / told_by, 1.0))
+        scatter = np.maximum(np.max(between, axis=0), max(square_sum / n_effective, 1.0))
         wider = np.sqrt(np.maximum(scatter * plain / np.diag(part), 1.0))
         part = part * np.outer(wider, wider)
-    else:  # something is not told at all, such as how long a stuck joint was pushed: the rest still is
+    else:  # something is undetermined, such as how long a stuck joint was pushed: the rest is not
         gram = np.sum(grams, axis=0)
-        part = np.linalg.pinv(gram, rcond=ROUNDED, hermitian=True) * max(left / told_by, 1.0)
+        part = np.linalg.pinv(gram, rcond=ROUNDED, hermitian=True) * max(square_sum / n_effective, 1.0)
     covariance = np.full((len(size), len(size)), np.nan)
-    covariance[np.ix_(told, told)] = part / np.outer(size[told], size[told])
+    covariance[np.ix_(is_determined, is_determined)] = part / np.outer(size[is_determined], size[is_determined])
     return covariance
 
 
@@ -251,10 +251,10 @@ def _between(A: Floats, r: Floats, group: NDArray[np.intp], extra: Floats, infor
     inverse = np.linalg.pinv(A.T @ A + information, rcond=ROUNDED, hermitian=True)
     change = inverse @ (A.T @ r + extra.sum(axis=0))
     _, group = np.unique(group, return_inverse=True)
-    pulls = np.zeros((int(group.max()) + 1, len(change)))
-    np.add.at(pulls, group, A * (r - A @ change)[:, None])
-    pulls -= information @ change / len(pulls)
-    pulls[: len(extra)] += extra
-    pulls = pulls @ inverse
-    few = len(pulls) / max(len(pulls) - 1.0, 1.0)
-    return np.asarray(few * np.sum(pulls**2, axis=0) / np.maximum(np.diag(inverse), TINY), dtype=np.float64)
+    scores = np.zeros((int(group.max()) + 1, len(change)))
+    np.add.at(scores, group, A * (r - A @ change)[:, None])
+    scores -= information @ change / len(scores)
+    scores[: len(extra)] += extra
+    scores = scores @ inverse
+    few = len(scores) / max(len(scores) - 1.0, 1.0)
+    return np.asarray(few * np.sum(scores**2, axis=0) / np.maximum(np.diag(inverse), TINY), dtype=np.float64)

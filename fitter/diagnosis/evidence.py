@@ -1,13 +1,13 @@
-r"""Worth and equality: what a comparison of two fitted models says, the same for every likelihood.
+r"""Evidence and equality of two fitted models, the same for every likelihood.
 
-A hypothesis of k numbers, sought at m places, is worth
+The log evidence of a hypothesis of k parameters, sought at m places, is
 
 .. math:: (l_1 - l_0) / \varphi - \tfrac{k}{2} \log n_{blocks} - \log m - \log \omega
 
 nats: Schwarz' criterion over blocks of about a second, a uniform prior over the places, and prior odds of
 :math:`\omega` to one against it: even for what standard models of robots have, else as many as there are families.
 The gain is that of all trials, or of the learning trials alone: what one evaluating trial shows of a kind of its
-own must not hide what all others show, nor the other way round. The larger worth counts, less log 2.
+own must not hide what all others show, nor the other way round. The larger one counts, less log 2.
 
 What a model lacks makes residuals resemble each other: those of neighbours, of whole trials, and wherever a joint
 moves alike. So the gain counts divided by :math:`\varphi`: the variance of the score of what was added in units of
@@ -23,18 +23,18 @@ import numpy as np
 from numpy.typing import NDArray
 
 from arm.model import Floats
-from fitter.diagnosis.least_squares import BLOCK_S, EQUAL_SIGMAS, ODDS_NATS, PLAINLY
+from fitter.diagnosis.least_squares import BLOCK_S, CLEAR_RATIO, EQUAL_SIGMAS, ODDS_NATS
 from fitter.diagnosis.model import Candidate
 
 #: The noise's size is known to a tenth (`whitening`) …
-SIZE_KNOWN = 0.1
+NOISE_STD_ERROR = 0.1
 #: … so no more variance than this multiple of its own is a floor.
-KNOWN = (1.0 + SIZE_KNOWN) ** 2
+NOISE_VARIANCE_TOLERANCE = (1.0 + NOISE_STD_ERROR) ** 2
 
 
 @dataclass(frozen=True)
 class Fit:
-    """A fitted model, with what it leaves of every trial.
+    """A fitted model, with its residual of every trial.
 
     Attributes
     ----------
@@ -82,7 +82,7 @@ class Fit:
         return sum(one.n_number for one in self.candidate.model.hypotheses)
 
     @cached_property
-    def nats(self) -> Floats:
+    def log_likelihood(self) -> Floats:
         """Log-likelihood of the blocks, (n_block,), the residual's variance being the likeliest."""
         variance = self.variance[self.row_trial]
         rows = np.bincount(self.row_trial, minlength=len(self.count))
@@ -91,8 +91,8 @@ class Fit:
         return self.density - 0.5 * np.bincount(self.block, squares, len(self.trial))
 
     def gain(self, other: "Fit") -> float:
-        """Return by how many nats all trials are likelier than under another model."""
-        return float((self.nats - other.nats).sum())
+        """Return the gain in log-likelihood of all trials over another model [nats]."""
+        return float((self.log_likelihood - other.log_likelihood).sum())
 
     def helps(self, other: "Fit") -> bool:
         """Say whether trials that were not learnt from, if any, are likelier than under another model."""
@@ -100,7 +100,7 @@ class Fit:
 
     def held_out(self, other: "Fit") -> float:
         """Return the gain of trials that were not learnt from, in standard errors; infinite if there are none."""
-        gain: Floats = (self.nats - other.nats)[~self.learnt]
+        gain: Floats = (self.log_likelihood - other.log_likelihood)[~self.learnt]
         return float(gain.sum()) / max(_scatter(gain), np.finfo(np.float64).tiny) if len(gain) else np.inf
 
 
@@ -129,14 +129,14 @@ def dispersion(one: Fit, other: Fit, of: NDArray[np.bool_] | None = None) -> flo
     """
     of = np.ones(len(one.trial), dtype=np.bool_) if of is None else of
     scale, rows = np.sqrt(one.variance)[one.row_trial], of[one.block]
-    added, left = (other.residual - one.residual) / scale, one.residual / scale
+    added, scaled = (other.residual - one.residual) / scale, one.residual / scale
     information = float(np.sum(added[rows] ** 2))
     if not information > 0.0:
         return 1.0
-    pull = added * left
-    score = np.bincount(one.block, np.sum(pull, axis=1), len(one.trial)) + one.density - other.density
+    score_terms = added * scaled
+    score = np.bincount(one.block, np.sum(score_terms, axis=1), len(one.trial)) + one.density - other.density
     by_trial = [score[one.trial == trial].sum() for trial in np.unique(one.trial[of])]
-    by_cell = np.bincount(one.cell[rows].ravel(), pull[rows].ravel())[np.unique(one.cell[rows])]
+    by_cell = np.bincount(one.cell[rows].ravel(), score_terms[rows].ravel())[np.unique(one.cell[rows])]
     scatter = [_summed_variance(np.asarray(one, dtype=np.float64)) for one in (score[of], by_trial, by_cell)]
     return max(1.0, max(scatter) / information)
 
@@ -146,8 +146,8 @@ def _summed_variance(parts: Floats) -> float:
     return len(parts) * float(np.var(parts, ddof=1)) if len(parts) > 1 else 0.0
 
 
-def worth(one: Fit, other: Fit, against: float) -> float:
-    """Return what a model is worth beside a smaller one [nats], see the module.
+def log_evidence(one: Fit, other: Fit, against: float) -> float:
+    """Return the gain in log evidence over a smaller model [nats], see the module.
 
     Parameters
     ----------
@@ -158,14 +158,16 @@ def worth(one: Fit, other: Fit, against: float) -> float:
     """
     everything = np.ones_like(one.learnt)
     sets = [everything] if np.all(one.learnt) else [everything, one.learnt]
-    gain, numbers = one.nats - other.nats, one.n_number - other.n_number
-    worths = [float(gain[of].sum()) / dispersion(one, other, of) - 0.5 * numbers * np.log(of.sum()) for of in sets]
-    return float(max(worths) - against - np.log(len(sets)))
+    gain, numbers = one.log_likelihood - other.log_likelihood, one.n_number - other.n_number
+    log_evidences = [
+        float(gain[of].sum()) / dispersion(one, other, of) - 0.5 * numbers * np.log(of.sum()) for of in sets
+    ]
+    return float(max(log_evidences) - against - np.log(len(sets)))
 
 
-def likelihood_of(fit: Fit) -> float:
+def penalised_log_likelihood(fit: Fit) -> float:
     """Return the log-likelihood of all trials less Schwarz' penalty of the effects' numbers [nats]."""
-    return float(fit.nats.sum() - 0.5 * fit.n_number * np.log(len(fit.trial)))
+    return float(fit.log_likelihood.sum() - 0.5 * fit.n_number * np.log(len(fit.trial)))
 
 
 def is_better(one: Fit, other: Fit) -> bool:
@@ -173,7 +175,7 @@ def is_better(one: Fit, other: Fit) -> bool:
 
     What the learning trials leave open of the numbers shows in all trials as many times as these are longer.
     """
-    gain: Floats = one.nats - other.nats
+    gain: Floats = one.log_likelihood - other.log_likelihood
     numbers = 0.5 * (one.n_number - other.n_number) * np.log(len(gain))
     chance = ODDS_NATS * len(gain) / max(int(np.count_nonzero(one.learnt)), 1)
     return bool(gain.sum() - numbers > max(chance, EQUAL_SIGMAS * _scatter(gain)))
@@ -191,7 +193,7 @@ class Floor:
     Attributes
     ----------
     ratio : (n_joint,)
-        Variance of what is left, in units of the sensors' noise.
+        Variance of the residual, in units of the sensors' noise.
     white : (n_joint,) [N m or N]
         sqrt(D), a sample.
     steep : (n_joint,)
@@ -204,10 +206,10 @@ class Floor:
 
     @property
     def is_none(self) -> bool:
-        """Whether nothing but the sensors' noise is left."""
-        return bool(np.all(self.ratio <= KNOWN))
+        """Whether the residual is no more than the sensors' noise."""
+        return bool(np.all(self.ratio <= NOISE_VARIANCE_TOLERANCE))
 
     @property
-    def is_plain(self) -> bool:
-        """Whether much more is left."""
-        return bool(np.any(self.ratio > PLAINLY))
+    def is_large(self) -> bool:
+        """Whether the residual is much larger."""
+        return bool(np.any(self.ratio > CLEAR_RATIO))

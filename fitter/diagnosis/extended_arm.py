@@ -53,7 +53,7 @@ class ModelNumbers:
     def lasting(self) -> NDArray[np.bool_]:
         """Which of them are of what is always there: learning trials know nothing of what others have."""
         model = self.candidate.model
-        stays = [one.comes_and_goes for one in model.hypotheses]
+        stays = [one.is_intermittent for one in model.hypotheses]
         columns = np.repeat(stays, [one.n_column for one in model.hypotheses])
         psi = np.repeat(stays, [len(own) for own in model.psi])
         return ~np.concatenate([np.zeros(len(self.base)), columns, psi]).astype(np.bool_)
@@ -108,7 +108,7 @@ def model_numbers(
     effects, at = [], given
     for one in candidate.model.hypotheses:
         places = [(k, numbers.place(at, name)) for k, name in enumerate(one.names)]
-        effects.append([(k, place) for k, place in places if place is not None and not one.comes_and_goes])
+        effects.append([(k, place) for k, place in places if place is not None and not one.is_intermittent])
         at += max(1, sum(name.startswith("start_s_") for name in one.names))
     base = np.array([found.base.independent.index(int(column)) for column in kept], dtype=np.intp)
     return ModelNumbers(candidate, numbers, base, effects)
@@ -118,7 +118,7 @@ def extended_arm(regression: Regression, fitted: Candidate, found: Estimates) ->
     """Return the arm with the base parameters that were learnt, and with its effects."""
     arm = regression.arm
     learnt = np.nan_to_num(found.values)
-    tilted = regression.view(fitted.model, regression.motions[0]).arm
+    tilted = regression.hypothetical(fitted.model, regression.motions[0]).arm
     moved = with_base_values(replace(arm, gravity_m_s2=tilted.gravity_m_s2), found.base, learnt)
     if not all(is_possible(link_parameters(joint.link)) for joint in moved.joints):
         with suppress(NotConverged):
@@ -185,9 +185,9 @@ def possible_base(regression: Regression, fitted: Candidate) -> Floats:
     NotConverged
         If there are none.
     """
-    view = regression.view(fitted.model, regression.motions[0])
-    base = structural_parameters(generic_arm(regression.arm, view.arm))
-    where = [base.independent.index(int(column)) for column in regression.equations.independent(view.arm)]
+    hypothetical = regression.hypothetical(fitted.model, regression.motions[0])
+    base = structural_parameters(generic_arm(regression.arm, hypothetical.arm))
+    where = [base.independent.index(int(column)) for column in regression.equations.independent(hypothetical.arm)]
     values = np.full(len(base.names), np.nan)
     values[where] = fitted.x[: len(where)]
     possible = nearest_possible(regression.arm, base, values)

@@ -1,4 +1,4 @@
-"""What a diagnosis has found, and how it is told."""
+"""What a diagnosis has found, and its document."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
@@ -6,11 +6,11 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from arm.model import Arm
+from fitter.diagnosis.basis_functions import Discrepancy
 from fitter.diagnosis.estimates import Estimates
-from fitter.diagnosis.functions import Remainder
 from fitter.diagnosis.held_out_error import Errors, Gain, Judged
 from fitter.diagnosis.model import Candidate
-from fitter.diagnosis.search import Holding, Search, Verdict
+from fitter.diagnosis.search import Search, StaticFriction, Verdict
 from fitter.search.fitted_parameter import FittedParameter
 from limbcal.note import Note, documents
 
@@ -60,7 +60,7 @@ class NamedCause:
 
 
 @dataclass(frozen=True)
-class Left:
+class ResidualSize:
     """What the final model leaves, on the evaluating trials.
 
     Attributes
@@ -143,16 +143,16 @@ class Finding:
     causes, candidates : sequence
         Candidates ranked, all that were tried.
     complete : bool
-        Whether what is left is no more than the sensors' noise.
-    left : Left
+        Whether the residual is no more than the sensors' noise.
+    residual_size : ResidualSize
     confusable : sequence of pairs of effects
-        That this data cannot tell apart.
+        That this data cannot distinguish.
     next_experiment : str
     before, after : Errors
         On the evaluating trials.
     gain : Gain
     remainder : Remainder
-        What is left, described.
+        Of the final model.
     structure : float
         What the base model leaves beyond noise, in units of the noise.
     base_arm, arm : Arm
@@ -174,7 +174,7 @@ class Finding:
 
     verdict: Verdict
     complete: bool
-    left: Left
+    residual_size: ResidualSize
     causes: Sequence[NamedCause]
     candidates: Sequence[Tried]
     confusable: Sequence[tuple[str, str]]
@@ -182,7 +182,7 @@ class Finding:
     before: Errors
     after: Errors
     gain: Gain
-    remainder: Remainder
+    discrepancy: Discrepancy
     structure: float
     base_arm: Arm
     arm: Arm
@@ -198,7 +198,7 @@ class Finding:
         return {
             "verdict": self.verdict,
             "complete": self.complete,
-            "left": vars(self.left),
+            "left": vars(self.residual_size),
             "causes": [cause.document() for cause in self.causes],
             "candidates": [candidate.document() for candidate in self.candidates],
             "confusable": [list(pair) for pair in self.confusable],
@@ -210,12 +210,12 @@ class Finding:
             "polish": None if self.polish is None else self.polish.document(),
             "judged": None if self.judged is None else self.judged.document(),
             "residual": {
-                "explained": self.remainder.explained,
-                "white": self.remainder.white,
-                "depends_on": list(self.remainder.depends_on),
-                "joint": self.remainder.joint or None,
-                "formula": self.remainder.formula or None,
-                "dependences": [vars(one) for one in self.remainder.dependences],
+                "explained": self.discrepancy.explained,
+                "white": self.discrepancy.white,
+                "depends_on": list(self.discrepancy.depends_on),
+                "joint": self.discrepancy.joint or None,
+                "formula": self.discrepancy.formula or None,
+                "dependences": [vars(one) for one in self.discrepancy.dependences],
             },
             "explained": self.torque_explained,
             "structure": {"beyond_noise": self.structure},
@@ -249,6 +249,6 @@ class Conclusion:
     verdict: Verdict
     final: Candidate
     numbers: Estimates
-    remainder: Remainder
-    held: Sequence[Holding]
+    discrepancy: Discrepancy
+    held: Sequence[StaticFriction]
     equals: Mapping[int, Candidate]

@@ -1,12 +1,13 @@
 r"""Trials held back: what models get wrong on them, and whether they ask something new of the arm.
 
-What a motion asks is the second moments of its regressor, a sample. Of these matrices A, of it, and B, of others,
-the generalized eigenvalues are by how much more it tells of a combination of parameters than they do, whatever the
-units and the base parameters (Förstner and Moonen 1999). What is new in it counts, and not what it lacks:
+What a motion asks is the second moments of its regressor, a sample. Of these matrices A, of it, and B, of
+others, the generalized eigenvalues are how much more information it has of a combination of parameters than they
+have, whatever the units and the base parameters (Förstner and Moonen 1999). What is new in it counts, and not
+what it lacks:
 
 .. math:: d(A, B) = \sqrt{\sum_i \max(\log \lambda_i(A, B), 0)^2 / n}
 
-It is held against what is new in each of the learning motions beside the other ones.
+It is compared with the novelty of each of the learning motions relative to the other ones.
 """
 
 from collections.abc import Sequence
@@ -82,7 +83,7 @@ def likeness(regression: Regression) -> Note | None:
 
 
 def novelty(some: Sequence[Floats], others: Sequence[Floats]) -> float:
-    """Return what is new in some rows, (n_row, n_column) each, beside others."""
+    """Return the novelty of some rows, (n_row, n_column) each, relative to others."""
     A, B = (np.sum([one.T @ one for one in rows], axis=0) / sum(map(len, rows)) for rows in (some, others))
     size = np.sqrt(np.diag(A) + np.diag(B))
     excited = size > 0.0
@@ -95,23 +96,23 @@ def novelty(some: Sequence[Floats], others: Sequence[Floats]) -> float:
     return float(np.sqrt(np.mean(np.log(np.maximum(ratios, 1.0)) ** 2)))
 
 
-def torque_left(regression: Regression, fitted: Candidate, motion: Motion) -> Floats:
+def torque_residual(regression: Regression, fitted: Candidate, motion: Motion) -> Floats:
     """Return the torque that a model leaves of what was measured, NaN while stuck, (n_sample, n_joint)."""
-    return np.where(motion.stuck, np.nan, regression.equations.left(fitted.model, fitted.x, motion))
+    return np.where(motion.stuck, np.nan, regression.equations.residual_torque(fitted.model, fitted.x, motion))
 
 
-def unfiltered(left: Floats, motion: Motion) -> Floats | None:
-    """Return the torque that is left of what was measured, its noise included; None where none was measured.
+def unfiltered(residual: Floats, motion: Motion) -> Floats | None:
+    """Return the residual of the measured torque, its noise included; None where none was measured.
 
     Parameters
     ----------
     left : (n_sample, n_joint)
-        The same behind the filter of the trial's columns, see `torque_left`.
+        The same behind the filter of the trial's columns, see `torque_residual`.
     motion : Motion
         Not thinned.
     """
     trial = motion.trial
-    return None if trial.tau is None or trial.tau_measured is None else left + trial.tau_measured - trial.tau
+    return None if trial.tau is None or trial.tau_measured is None else residual + trial.tau_measured - trial.tau
 
 
 def judged(
@@ -135,10 +136,10 @@ def judged(
     torque, raw, angle = list[Floats](), list[Floats](), []
     angles = side_by_side(lambda motion: simulated(arm, motion, horizon_s), motions)
     for motion, followed in zip(motions, angles, strict=True):
-        left = torque_left(regression, fitted, motion)
-        seen = smooth(left, motion.dt_s, regression.weighting.seen_hz)
+        residual = torque_residual(regression, fitted, motion)
+        seen = smooth(residual, motion.dt_s, regression.weighting.seen_hz)
         torque.append(np.array([np.nansum(seen**2, axis=0), np.sum(np.isfinite(seen), axis=0)]))
-        whole = unfiltered(np.where(np.isfinite(seen), left, np.nan), motion)
+        whole = unfiltered(np.where(np.isfinite(seen), residual, np.nan), motion)
         if whole is not None:
             raw.append(np.nansum(whole**2, axis=0))
         off = np.abs(followed - motion.trial.q)[:, turning]
@@ -159,15 +160,15 @@ def judged(
     )
 
 
-def smooth(left: Floats, dt_s: float, corner_hz: float) -> Floats:
+def smooth(residual: Floats, dt_s: float, corner_hz: float) -> Floats:
     """Return what of a torque is slower than a corner, as a mean of what is known: gaps are not bridged.
 
     Next to a gap the columns' own filter still has part of what is in it.
     """
     margin = np.ones((2 * max(1, round(RISE_S / dt_s)) + 1, 1), dtype=np.bool_)
-    known = binary_erosion(np.isfinite(left), margin, border_value=True)
+    known = binary_erosion(np.isfinite(residual), margin, border_value=True)
     width = np.sqrt(np.log(2.0)) / (2.0 * np.pi * corner_hz * dt_s)  # its power is halved at the corner
-    total = gaussian_filter1d(np.where(known, left, 0.0), width, axis=0, mode="constant")
+    total = gaussian_filter1d(np.where(known, residual, 0.0), width, axis=0, mode="constant")
     weight = gaussian_filter1d(known.astype(np.float64), width, axis=0, mode="constant")
     return np.where(known, total / np.maximum(weight, ROUNDED), np.nan)
 

@@ -153,7 +153,7 @@ class Judged:
         return {name: (self.before.only(some), self.after.only(some)) for name, some in places.items()}
 
     def by_trial(self) -> dict[str, tuple[Errors, Errors]]:
-        """Return the errors before and after of every trial; trials of one name are told apart by their sets."""
+        """Return the errors before and after of every trial; those of one name are distinguished by their sets."""
         names = [
             f"{one}/{name}" if count > 1 else name
             for one, name, count in zip(

@@ -1,6 +1,6 @@
 """What may hold a joint at rest: no more than was seen to hold it, or than its friction could.
 
-What the drive asks of a joint that rests tells how large the torque may be that holds it: no larger than what
+The drive's torque at a resting joint bounds the torque that may hold it: no larger than what
 was seen to hold it anywhere. A joint that is asked for 1 N m, and has never been held by more than 0.01, moves at
 once; unknown torques of any size next to such a start could do whatever a lag, a limit or a play does to it.
 """
@@ -28,9 +28,9 @@ def holding_sizes(
 ) -> dict[int, Floats]:
     """Return the standard deviation of what may hold each joint, by the motions' numbers.
 
-    It is told by what holds it well inside its rests, where it was seen to stand still for a while: the drive's
-    torque less the arm's own. What the model's friction could hold is allowed for in any case, whatever that
-    depends on: a joint that has just begun to move is not seen to, and its friction counts already.
+    It is estimated from what holds it well inside its rests, where it was seen to stand still for a while: the
+    drive's torque less the arm's own. What the model's friction could hold is allowed for in any case, whatever
+    that depends on: a joint that has just begun to move is not seen to, and its friction counts already.
 
     Parameters
     ----------
@@ -46,11 +46,11 @@ def holding_sizes(
     Returns
     -------
     mapping of int to (n_sample, n_joint) [N m or N]
-        inf where nothing tells: a joint never rests for long, and its Coulomb friction was denied.
+        inf where it is unknown: a joint never rests for long, and its Coulomb friction was denied.
     """
     largest = np.full(equations.arm.n_joint, np.nan)
     for motion in motions:
-        held = equations.left(model, x, motion)
+        held = equations.residual_torque(model, x, motion)
         for j in range(len(largest)):
             for rest in inner_rests(motion.stuck[:, j], motion.dt_s):
                 weight = np.hanning(min(rest.stop - rest.start, round(2.0 * LASTS_S / motion.dt_s)) + 2)[1:-1]
@@ -81,5 +81,5 @@ def friction_at_rest(equations: Equations, model: Model, x: Floats, motion: Moti
     if not model.hypotheses:
         return found
     ways = (replace(motion, direction=np.where(motion.stuck, way, motion.direction)) for way in (1.0, -1.0))
-    forward, backward = (equations.left(model, x, one) for one in ways)
+    forward, backward = (equations.residual_torque(model, x, one) for one in ways)
     return np.asarray(np.maximum(found, 0.5 * np.abs(forward - backward)), dtype=np.float64)

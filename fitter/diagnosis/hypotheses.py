@@ -5,14 +5,14 @@ from collections.abc import Callable
 from arm.effects.catalogue import catalogue
 from arm.effects.effect import EffectKind
 from arm.effects.joint_torque import COULOMB, TAU
-from fitter.diagnosis.at_joint import AtJoint, depends_on
-from fitter.diagnosis.in_arm import AirDrag, FrictionDrift, GravityTilt, JointZero, RotorInertia
-from fitter.diagnosis.in_drive import Delay, Gain, Lag, Limit
-from fitter.diagnosis.in_transmission import Backlash, Elasticity
+from fitter.diagnosis.arm_hypotheses import AirDrag, FrictionDrift, GravityTilt, JointZero, RotorInertia
+from fitter.diagnosis.drive_hypotheses import Delay, Gain, Lag, Limit
+from fitter.diagnosis.joint_hypotheses import JointHypothesis, depends_on
 from fitter.diagnosis.model import Hypothesis
+from fitter.diagnosis.transmission_hypotheses import Backlash, Elasticity
 
 _Maker = Callable[[EffectKind, tuple[int, ...]], Hypothesis]
-#: Places of an effect in an arm of so many joints.
+#: Places of an effect in an arm of n joints.
 _Places = Callable[[int], list[tuple[int, ...]]]
 
 
@@ -69,4 +69,4 @@ def _at_joints(kind: EffectKind, n_joint: int) -> list[Hypothesis]:
     if depends_on(kind, COULOMB):
         return [FrictionDrift(kind, (j,)) for j in range(n_joint)]
     sides = [{"side": -1.0}, {"side": 1.0}] if any(p.name == "side" for p in kind.parameters) else [{}]
-    return [AtJoint(kind, j, side) for j in range(n_joint) for side in sides]
+    return [JointHypothesis(kind, j, side) for j in range(n_joint) for side in sides]

@@ -1,4 +1,4 @@
-"""Least squares where columns may depend on one another, and when what is left differs from nothing.
+"""Least squares where columns may be collinear, and when a residual differs from zero.
 
 With the tolerances, probabilities and limits that all parts of a diagnosis share.
 """
@@ -25,8 +25,8 @@ CONFIDENCE = 0.95
 EQUAL_SIGMAS = float(norm.ppf(0.5 + 0.5 * CONFIDENCE))
 #: Standard deviations at which one of a run's some thousand samples is hardly ever by chance: one in 16 000.
 SIGMAS = 4.0
-#: A variance exceeds another plainly if it is this multiple of it: 3 dB.
-PLAINLY = 2.0
+#: A variance clearly exceeds another if it is this multiple of it: 3 dB.
+CLEAR_RATIO = 2.0
 #: Odds of a false cause, a hundred to one after Bonferroni over what was tried, are log(100) nats.
 ODDS_NATS = float(np.log(100.0))
 #: Length of a block [s]. Within it residuals count as correlated: joint velocities of measured runs have
@@ -37,7 +37,7 @@ NEGLIGIBLE = 0.01
 #: Share of what is to be explained that may stay unexplained, a convention.
 UNEXPLAINED = 0.05
 #: Number of candidates that are refined after a coarse search, a convention.
-FOREMOST = 5
+N_REFINED = 5
 #: Greatest number of causes: a machine has more, but no run identifies more.
 MOST_CAUSES = 6
 #: Steps of an iteration at the most: Newton's doubles its digits with each, reweighting gains one in one or two.
@@ -52,21 +52,21 @@ class Normal:
     """Normal equations: products of columns (k, k), with the right-hand side (k,), and its square."""
 
     gram: Floats
-    pull: Floats
+    rhs: Floats
     square: float
 
     def plus(self, more: "Normal") -> "Normal":
         """Return the normal equations of these rows and others."""
-        return Normal(self.gram + more.gram, self.pull + more.pull, self.square + more.square)
+        return Normal(self.gram + more.gram, self.rhs + more.rhs, self.square + more.square)
 
     def of(self, free: NDArray[np.bool_]) -> "Normal":
         """Return the normal equations of those factors that are free (k,); the others have no say."""
-        return Normal(self.gram * np.outer(free, free), self.pull * free, self.square)
+        return Normal(self.gram * np.outer(free, free), self.rhs * free, self.square)
 
-    def left(self, x: Floats) -> float:
+    def sum_of_squares(self, x: Floats) -> float:
         """Return the sum of squares that factors (k,) leave."""
-        left = float(x @ self.gram @ x) - 2.0 * float(self.pull @ x) + self.square
-        return max(left, ROUNDED * self.square, np.finfo(np.float64).tiny)
+        square_sum = float(x @ self.gram @ x) - 2.0 * float(self.rhs @ x) + self.square
+        return max(square_sum, ROUNDED * self.square, np.finfo(np.float64).tiny)
 
 
 def scaled_lstsq(A: Floats, y: Floats) -> Floats:
@@ -74,7 +74,7 @@ def scaled_lstsq(A: Floats, y: Floats) -> Floats:
     return solved(A.T @ A, A.T @ y)
 
 
-def solved(gram: Floats, pull: Floats) -> Floats:
+def solved(gram: Floats, rhs: Floats) -> Floats:
     """Return the answer to normal equations, columns scaled to length one first.
 
     Where columns depend on one another it is the shortest answer.
@@ -82,14 +82,14 @@ def solved(gram: Floats, pull: Floats) -> Floats:
     Parameters
     ----------
     gram : (n, n)
-    pull : (n,)
+    rhs : (n,)
     """
     size = np.sqrt(np.diag(gram))
     size[size == 0.0] = 1.0
-    told, axes = np.linalg.eigh(gram / np.outer(size, size))
-    kept = told > ROUNDED * max(float(told.max(initial=0.0)), TINY)
+    eigenvalues, axes = np.linalg.eigh(gram / np.outer(size, size))
+    kept = eigenvalues > ROUNDED * max(float(eigenvalues.max(initial=0.0)), TINY)
     axes = axes[:, kept]
-    return np.asarray(axes @ ((axes.T @ (pull / size)) / told[kept]) / size, dtype=np.float64)
+    return np.asarray(axes @ ((axes.T @ (rhs / size)) / eigenvalues[kept]) / size, dtype=np.float64)
 
 
 def own_square(gram: Floats) -> float:
@@ -98,32 +98,32 @@ def own_square(gram: Floats) -> float:
     return max(0.0, float(gram[-1, -1] - gram[-1, :-1] @ solved(others, gram[:-1, -1])))
 
 
-def compensated(gram: Floats, pull: Floats, noise_gram: Floats, noise_pull: Floats) -> Floats:
+def compensated(gram: Floats, rhs: Floats, noise_gram: Floats, noise_rhs: Floats) -> Floats:
     """Return the answer to normal equations that noise has a part in.
 
     Parameters
     ----------
     gram, noise_gram : (k, k)
         Of the design, and of what noise makes of it.
-    pull, noise_pull : (k,)
+    rhs, noise_rhs : (k,)
         The products with the right-hand side.
     """
     size = np.sqrt(np.diag(gram))
     size[size == 0.0] = 1.0
-    told, axes = np.linalg.eigh(gram / np.outer(size, size))
-    kept = told > ROUNDED * max(float(told.max(initial=0.0)), TINY)
-    root = axes[:, kept] / np.sqrt(told[kept]) / size[:, None]  # root^T gram root = 1
+    eigenvalues, axes = np.linalg.eigh(gram / np.outer(size, size))
+    kept = eigenvalues > ROUNDED * max(float(eigenvalues.max(initial=0.0)), TINY)
+    root = axes[:, kept] / np.sqrt(eigenvalues[kept]) / size[:, None]  # root^T gram root = 1
     share, within = np.linalg.eigh(root.T @ noise_gram @ root)
     root = root @ within
-    # No direction is enlarged plainly: where noise is all there is, nothing can be put right.
-    kept_share = np.maximum(1.0 - share, 1.0 / PLAINLY)
-    return np.asarray(root @ ((root.T @ (pull - noise_pull)) / kept_share), dtype=np.float64)
+    # No direction is enlarged by more: where all is noise, nothing can be corrected.
+    kept_share = np.maximum(1.0 - share, 1.0 / CLEAR_RATIO)
+    return np.asarray(root @ ((root.T @ (rhs - noise_rhs)) / kept_share), dtype=np.float64)
 
 
 def orthonormal(columns: Floats) -> Floats:
     """Return an orthonormal basis of what columns span."""
     size = np.linalg.norm(columns, axis=0)
-    scaled = columns / np.where(size > 0.0, size, 1.0)  # a rest of one sample makes nothing of one of its hats
+    scaled = columns / np.where(size > 0.0, size, 1.0)  # of a rest of one sample one B-spline is zero
     Q, R, _ = scipy.linalg.qr(scaled, mode="economic", pivoting=True, check_finite=False)
     size = np.abs(np.diag(R))
     return np.ascontiguousarray(Q[:, : len(size)][:, size > np.sqrt(ROUNDED) * size[0]])

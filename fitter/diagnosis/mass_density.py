@@ -5,8 +5,8 @@ leaves but by how that turns with the acceleration, the masses ``M``:
 
 .. math:: \log p = -\tfrac12 \sum_f |r_f|^2 + w \sum_f \log |\det M|
 
-with w = 1 where the torque is known (by a law, or none), and 1/2 where it was measured: of what is lacking, nobody
-knows how much moved the arm (1) and how much is an error of the measured torque, which moved nothing (0).
+with w = 1 where the torque is known (by a law, or none), and 1/2 where it was measured: how much of what is
+lacking moved the arm (1) is unknown, and how much is an error of the measured torque, which moved nothing (0).
 """
 
 from collections.abc import Mapping, Sequence
@@ -18,9 +18,9 @@ from numpy.typing import NDArray
 from arm.model import Floats
 from fitter.diagnosis.equations import Equations
 from fitter.diagnosis.least_squares import ITERATIONS, ODDS_NATS, ROUNDED, SETTLED, Normal
+from fitter.diagnosis.mass_determinants import log_determinant, solved_slopes
 from fitter.diagnosis.model import Model
 from fitter.diagnosis.motion import Motion
-from fitter.diagnosis.small_masses import log_determinant, turned
 
 
 @dataclass(frozen=True)
@@ -49,7 +49,7 @@ class _Masses:
 
     def traces(self, x: Floats) -> tuple[Floats, Floats]:
         """Return the weighted traces of M^-1 M_k and of M^-1 M_k M^-1 M_l by all factors; 0 for those not kept."""
-        B, n_joint = turned(self.known, self.slopes, x[self.kept]), self.known.shape[1]
+        B, n_joint = solved_slopes(self.known, self.slopes, x[self.kept]), self.known.shape[1]
         score, information = np.zeros(len(x)), np.zeros((len(x), len(x)))
         score[self.kept] = sum(self.weight @ B[:, i, i] for i in range(n_joint))
         weighted = (self.weight[:, None, None, None] * B).reshape(-1, len(self.kept))
@@ -133,7 +133,7 @@ class MassDensity:
         """
 
         def value(at: Floats) -> float:
-            return self.of(model, at, motions) - 0.5 * numbers * float(np.log(normal.left(at)))
+            return self.of(model, at, motions) - 0.5 * numbers * float(np.log(normal.sum_of_squares(at)))
 
         here = value(x)
         if not np.isfinite(here):
@@ -143,8 +143,8 @@ class MassDensity:
             if not np.isfinite(here):
                 break
             score, information = self._masses(model, motions).traces(x)
-            weight = numbers / normal.left(x)
-            step = _solved(weight * normal.gram + information, weight * (normal.pull - normal.gram @ x) + score)
+            weight = numbers / normal.sum_of_squares(x)
+            step = _solved(weight * normal.gram + information, weight * (normal.rhs - normal.gram @ x) + score)
             part, there = 1.0, value(x + step)
             while part > SETTLED and not there > here:
                 part *= 0.5
@@ -167,8 +167,8 @@ class MassDensity:
         """
         masses = self._masses(model, motions)
         by_psi = [
-            (self._masses(more, motions).at(x) - self._masses(less, motions).at(x))[..., None] / apart
-            for more, less, apart in model.beside()
+            (self._masses(more, motions).at(x) - self._masses(less, motions).at(x))[..., None] / step
+            for more, less, step in model.central_differences()
         ]
         slopes = np.concatenate([masses.slopes, *by_psi], axis=-1)
         kept = np.concatenate([masses.kept, len(x) + np.arange(len(by_psi))]).astype(np.intp)
@@ -200,9 +200,9 @@ class MassDensity:
         sparse = slice(None, None, self._stride)
 
         def sides(one: Motion) -> tuple[Floats, Floats]:
-            view = self._equations.view(model, one)
-            kept = self._equations.independent(view.arm)
-            return view.equations(kept)[sparse], view.target(self._equations.known)[sparse]
+            hypothetical = self._equations.hypothetical(model, one)
+            kept = self._equations.independent(hypothetical.arm)
+            return hypothetical.equations(kept)[sparse], hypothetical.target(self._equations.known)[sparse]
 
         design, target = sides(motion)
         pushed = [sides(one) for one in self._pushed[motion.number]]

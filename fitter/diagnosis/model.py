@@ -13,24 +13,24 @@ import numpy as np
 from arm.effects.effect import EffectKind
 from arm.model import Floats
 from fitter.diagnosis.least_squares import SLOPE
-from fitter.diagnosis.motion import Motion, View
+from fitter.diagnosis.motion import HypotheticalMotion, Motion
 
-#: Values tried of a number whose scale the motion does not tell: three a decade over four of them.
+#: Values tried of a number whose scale the motion does not determine: three a decade over four of them.
 N_START = 12
 
 
-class Turn(IntEnum):
+class ActionOrder(IntEnum):
     """In what order hypotheses act: from the drive to the link, whatever order they were found in.
 
     What no torque enters comes first. A limit is the same before a delay and after it, but before it the torque is
     as sharp as asked for. What acts on the torque does so before columns are made of it.
     """
 
-    PLAY = auto()
+    BACKLASH = auto()
     ARM = auto()
     GAIN = auto()
     LIMIT = auto()
-    LATENESS = auto()
+    LATENCY = auto()
     TWIST = auto()
     COLUMNS = auto()
     FRICTION = auto()
@@ -54,18 +54,18 @@ class Hypothesis(ABC):
     n_column = 0
     #: It acts at certain times or trials only, so these are sought over the whole run.
     is_event = False
-    #: It is there in some trials or for some time only: others tell nothing of its numbers.
-    comes_and_goes = False
-    #: A few steps from a start near nothing tell what it can explain; the start itself does not.
+    #: It is there in some trials or for some time only: other trials do not determine its parameters.
+    is_intermittent = False
+    #: Its gain shows only after a few iterations from a start near its neutral value.
     is_gradual = False
-    #: The psi at which it is nothing, if slopes there tell as much of it; what is weak scales all noise, too.
+    #: The neutral psi, if the gradient there is informative; a gain below one scales all noise, too.
     nothing: tuple[float, ...] = ()
     #: Its columns are made of angles and their derivatives, noise included.
     is_noisy = True
     #: It changes how the equations turn with the acceleration.
     is_inertial = True
     #: When it acts, unless it adds columns.
-    turn = Turn.TWIST
+    turn = ActionOrder.TWIST
     #: It is a factor of all that its joint resists with, noise included.
     is_gain = False
     #: It cuts the torque off.
@@ -73,7 +73,7 @@ class Hypothesis(ABC):
     #: It makes the torque late, weak or unequal: what noise it lets through has to be computed.
     distorts = False
     #: It depends on how large the torque is that arrives.
-    feels_torque = False
+    depends_on_torque = False
     #: psi scales noise, or turns the columns among themselves: what noise makes of them depends on it.
     mixes_noise = False
     #: The share of psi over which is asked what a change of it makes: more where little changes jump.
@@ -116,7 +116,7 @@ class Hypothesis(ABC):
         return float(np.log(max(len(self.starts(motions)), 1)))
 
     @abstractmethod
-    def act(self, view: View, psi: Floats) -> View:
+    def act(self, hypothetical: HypotheticalMotion, psi: Floats) -> HypotheticalMotion:
         """Return a motion as it is if this hypothesis holds too."""
 
     @abstractmethod
@@ -188,8 +188,8 @@ class Model:
         """All psi, one after the other."""
         return np.concatenate([np.zeros(0), *self.psi])
 
-    def beside(self) -> Iterator[tuple["Model", "Model", float]]:
-        """Yield for every psi this model with more and with less of it, and how far these are apart."""
+    def central_differences(self) -> Iterator[tuple["Model", "Model", float]]:
+        """Yield for every psi the two models of its central difference, and the step between them."""
         for k, (hypothesis, psi) in enumerate(zip(self.hypotheses, self.psi, strict=True)):
             for i, value in enumerate(psi):
                 step = hypothesis.stride * max(abs(float(value)), LEAST_PSI)
@@ -228,17 +228,17 @@ class Model:
     @property
     def scales_only(self) -> bool:
         """Whether a gain in it does no more than scale what its joint resists with: nothing feels it."""
-        return not any(hypothesis.feels_torque for hypothesis in self.hypotheses)
+        return not any(hypothesis.depends_on_torque for hypothesis in self.hypotheses)
 
     def downstream(self) -> list[int]:
         """Return the places of its hypotheses in the order in which they act; of those with columns it stays."""
-        gain = Turn.SCALE if self.scales_only else Turn.GAIN
+        gain = ActionOrder.SCALE if self.scales_only else ActionOrder.GAIN
 
-        def turn(k: int) -> Turn:
+        def turn(k: int) -> ActionOrder:
             hypothesis = self.hypotheses[k]
             if hypothesis.is_gain:
                 return gain
-            return Turn.COLUMNS if hypothesis.n_column else hypothesis.turn
+            return ActionOrder.COLUMNS if hypothesis.n_column else hypothesis.turn
 
         return sorted(range(len(self.hypotheses)), key=turn)
 

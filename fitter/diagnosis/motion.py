@@ -1,7 +1,7 @@
-"""Trials as a diagnosis sees them, and what they look like if some hypotheses hold.
+"""Trials on the run's clock, and the same as hypothetical motions under some hypotheses.
 
-A motion is a trial on the run's clock, with the drive's torque, and where friction is known. A view of it has
-another arm, angle or torque, and further columns.
+A motion is a trial on the run's clock, with the drive's torque, and where friction is known. A hypothetical one
+has another arm, angle or torque, and further columns.
 """
 
 from dataclasses import dataclass, field, replace
@@ -143,7 +143,7 @@ class BaseColumns:
 
 
 @dataclass(frozen=True)
-class View:
+class HypotheticalMotion:
     """A motion under hypotheses.
 
     Attributes
@@ -155,13 +155,13 @@ class View:
     q, dq, ddq, u : (n_sample, n_joint)
         Of the links, and the torque at the joints but for a gain of the drive.
     factor : (n_joint,)
-        By which all that a joint resists with counts beside u: 1 over that gain.
+        By which all that a joint resists with is scaled relative to u: 1 over that gain.
     direction : (n_sample, n_joint)
         Of the links' motion, -1 to 1.
     drift : (n_joint,)
         Rate at which the joints' friction grows with the run's time [1/s].
     columns : tuple of ndarray of shape (n_sample, n_joint, n_column)
-        What stands in the equation of motion beside the regressor, for a gain of 1.
+        Columns of the equation of motion in addition to the regressor, for a gain of 1.
     guessed : (n_sample,) of bool
         Where an effect can only guess how the links move: they are not measured there.
     """
@@ -225,10 +225,10 @@ class View:
         return np.asarray(self.u - value * Y * self.factor, dtype=np.float64)
 
 
-def view_of(motion: Motion, arm: Arm) -> View:
+def as_measured(motion: Motion, arm: Arm) -> HypotheticalMotion:
     """Return a motion as it was measured."""
     n = motion.q.shape[1]
     moves = motion.q, motion.dq, motion.ddq, motion.u, motion.direction
-    return View(
+    return HypotheticalMotion(
         motion, arm, *moves, factor=np.ones(n), drift=np.zeros(n), guessed=np.zeros(len(motion.t), dtype=np.bool_)
     )

@@ -1,6 +1,6 @@
 """Cells of a joint's motion: where in angle and velocity it is, alike in all trials.
 
-What a model lacks mostly depends on the motion: what is left is alike whenever a joint moves alike.
+A model's discrepancy mostly depends on the motion: residuals are alike whenever a joint moves alike.
 """
 
 from collections.abc import Sequence

@@ -1,4 +1,4 @@
-"""The motion that would tell apart what this one could not, or show what it could not show."""
+"""The motion that would distinguish what this one could not, or show what it could not show."""
 
 from collections.abc import Sequence
 
@@ -48,7 +48,7 @@ _SPLITS: tuple[tuple[frozenset[str], str], ...] = (
     ),
 )
 
-#: What tells members of a class apart, by the effects that are in it; the first that fits counts.
+#: What distinguishes members of a class, by the effects that are in it; the first that fits counts.
 _SENSOR_SPLITS: tuple[tuple[frozenset[str], str], ...] = (
     (
         frozenset({"sensor_bias", "sensor_scale", "sensor_clipping"}),

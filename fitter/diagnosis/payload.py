@@ -15,10 +15,10 @@ from arm.model import Floats
 from arm.regressor import regressor
 from fitter.diagnosis.least_squares import ROUNDED, scaled_lstsq
 from fitter.diagnosis.model import Hypothesis, Model
-from fitter.diagnosis.motion import Motion, View
+from fitter.diagnosis.motion import HypotheticalMotion, Motion
 from fitter.diagnosis.regression import Regression
 
-#: Products of a column with what is left, with itself, and with the design.
+#: Products of a column with the residual, with itself, and with the design.
 _Parts = tuple[float, float, Floats]
 
 
@@ -36,7 +36,7 @@ class Payload(Hypothesis):
 
     n_column = 1
     is_event = True
-    comes_and_goes = True
+    is_intermittent = True
 
     def __init__(
         self, kind: EffectKind, trials: frozenset[int] = frozenset(), since_s: float | None = None
@@ -45,14 +45,14 @@ class Payload(Hypothesis):
         self.trials = trials
         self.since_s = since_s
 
-    def act(self, view: View, psi: Floats) -> View:
+    def act(self, hypothetical: HypotheticalMotion, psi: Floats) -> HypotheticalMotion:
         """Return a motion with what a kilogram at the tip would ask of the joints while it is there."""
-        column = tip_mass_column(view)
+        column = tip_mass_column(hypothetical)
         if self.since_s is not None:
-            column = column * (view.motion.t >= self.since_s)[:, None, None]
-        elif view.motion.number not in self.trials:
+            column = column * (hypothetical.motion.t >= self.since_s)[:, None, None]
+        elif hypothetical.motion.number not in self.trials:
             column = np.zeros_like(column)
-        return replace(view, columns=(*view.columns, column))
+        return replace(hypothetical, columns=(*hypothetical.columns, column))
 
     def log_places(self, motions: Sequence[Motion]) -> float:
         """Return the logarithm of the number of sets of trials, or of moments."""
@@ -82,13 +82,13 @@ class Payload(Hypothesis):
         return ("kg",)
 
 
-def tip_mass_column(view: View) -> Floats:
+def tip_mass_column(hypothetical: HypotheticalMotion) -> Floats:
     """Return the torque of one kilogram at the tip, (n_sample, n_joint, 1)."""
-    n = view.arm.n_joint
-    a = view.arm.joints[-1].a_m
+    n = hypothetical.arm.n_joint
+    a = hypothetical.arm.joints[-1].a_m
     mass = np.zeros(12 * n)
     mass[10 * (n - 1) : 10 * n] = [0.0, a * a, a * a, 0.0, 0.0, 0.0, a, 0.0, 0.0, 1.0]
-    torque = regressor(view.arm, view.q, view.dq, view.ddq) @ mass
+    torque = regressor(hypothetical.arm, hypothetical.q, hypothetical.dq, hypothetical.ddq) @ mass
     return np.asarray(torque[..., None], dtype=np.float64)
 
 
@@ -107,12 +107,14 @@ class _Sums:
         self._left = [one.target.ravel() - one.design @ x for one in rows]
         A = A / self._size
         self._inverse = np.linalg.pinv(A.T @ A, rcond=ROUNDED, hermitian=True)
-        views = [regression.view(model, motion) for motion in self.motions]
-        self._columns = [tip_mass_column(view) * view.factor[:, None] for view in views]
+        hypotheticals = [regression.hypothetical(model, motion) for motion in self.motions]
+        self._columns = [
+            tip_mass_column(hypothetical) * hypothetical.factor[:, None] for hypothetical in hypotheticals
+        ]
         self.whole = [self.of(k, [-np.inf])[0] for k in range(len(self.motions))]
 
     def of(self, k: int, since_s: Sequence[float] | Floats) -> list[_Parts]:
-        """Return a trial's products of its column with what is left, itself and the design, from moments on."""
+        """Return a trial's products of its column with the residual, itself and the design, from moments on."""
         motion = self.motions[k]
         columns = self._columns[k] * (motion.t[:, None] >= np.asarray(since_s))[:, None, :]
         C = self._regression.weighting.filtered(motion, columns).reshape(-1, len(since_s))
@@ -135,7 +137,7 @@ class _Sums:
 
 
 def find_payloads(regression: Regression, model: Model) -> list[Hypothesis]:
-    """Return the trials, and the moment, whose load at the tip would explain most of what a model leaves.
+    """Return the trials, and the moment, whose load at the tip would explain most of a model's residual.
 
     None where it has a load already.
     """

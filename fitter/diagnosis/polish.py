@@ -2,10 +2,11 @@
 
 The learning trials' angles move the numbers by multiple shooting (`fitter.dynamics.output_error`).
 
-Where a torque was measured, that is evidence beside the torque's equations. These count as the search weighs them;
-angles, which what the model lacks makes resemble each other, count once a block. Where none was, the equations are
-the same angles, differentiated: they hold what simulated motion does not tell, within a few of their standard
-errors. Numbers of what comes and goes stay: learning trials know nothing of what others have.
+Where a torque was measured, the motion is evidence in addition to the torque's equations. These count as the
+search weighs them; angles, which what the model lacks makes resemble each other, count once a block. Where none
+was, the equations are the same angles, differentiated: they hold what simulated motion does not determine,
+within a few of their standard errors. Numbers of what comes and goes stay: learning trials know nothing of what
+others have.
 """
 
 from collections.abc import Callable, Sequence
@@ -18,7 +19,7 @@ from arm.model import Arm, Floats
 from fitter.diagnosis.estimates import Estimates, estimates, information_of
 from fitter.diagnosis.extended_arm import ModelNumbers, extended_arm, model_numbers
 from fitter.diagnosis.finding import Conclusion, Polished
-from fitter.diagnosis.held_out import judged, smooth, torque_left
+from fitter.diagnosis.held_out import judged, smooth, torque_residual
 from fitter.diagnosis.least_squares import BLOCK_S, EQUAL_SIGMAS, ROUNDED, SIGMAS, SLOPE
 from fitter.diagnosis.model import Candidate
 from fitter.diagnosis.motion import Motion
@@ -101,7 +102,9 @@ def _moved(
     Simulations go on by ``step_s``, Gauss and Newton's method by a few ``steps``, for the start is near. Where
     nothing pulls a simulation back, a window's ``own_noise`` has this weight: the sum of rms errors is made small.
     """
-    kept = regression.equations.independent(regression.view(come_to.final.model, regression.motions[0]).arm)
+    kept = regression.equations.independent(
+        regression.hypothetical(come_to.final.model, regression.motions[0]).arm
+    )
     given = len(regression.arm.effects)
     numbers = model_numbers(arm, come_to.numbers, come_to.final, kept.tolist(), given)
     measured = is_measured(motions)
@@ -153,10 +156,10 @@ def _white(numbers: ModelNumbers, covariance: Floats, known: Floats | None) -> t
     In it the information that is given is that of one standard error each; unless it is, the covariance's inverse.
     """
     variance = np.diag(covariance)
-    told = np.isfinite(variance) & (variance > 0.0)
+    is_determined = np.isfinite(variance) & (variance > 0.0)
     if known is not None:  # such as a limit that only others reach
-        told &= np.diag(known) > 0.0
-    free = np.flatnonzero(numbers.lasting & told)
+        is_determined &= np.diag(known) > 0.0
+    free = np.flatnonzero(numbers.lasting & is_determined)
     square = np.ix_(free, free)
     unit = np.sqrt(variance[free]) if known is None else 1.0 / np.sqrt(np.diag(known)[free])
     matrix = covariance[square] / np.outer(unit, unit) if known is None else known[square] * np.outer(unit, unit)
@@ -205,11 +208,13 @@ def _limits(
 
 
 def loses(regression: Regression, before: Candidate, after: Candidate, motions: Sequence[Motion]) -> bool:
-    """Say whether the torque that is left grows beyond the scatter of blocks, each joint in units of its own."""
+    """Say whether the residual torque grows beyond the scatter of blocks, each joint in units of its own."""
     seen_hz, grows, was = regression.weighting.seen_hz, list[Floats](), list[Floats]()
     for motion in motions:
-        left = [smooth(torque_left(regression, one, motion), motion.dt_s, seen_hz) for one in (before, after)]
-        squares = [np.nan_to_num(one) ** 2 for one in left]
+        residual = [
+            smooth(torque_residual(regression, one, motion), motion.dt_s, seen_hz) for one in (before, after)
+        ]
+        squares = [np.nan_to_num(one) ** 2 for one in residual]
         parts = max(1, int(len(motion.t) * motion.dt_s / BLOCK_S))
         was += [part.sum(axis=0) for part in np.array_split(squares[0], parts)]
         grows += [part.sum(axis=0) for part in np.array_split(squares[1] - squares[0], parts)]

@@ -3,7 +3,7 @@
 Base parameters and the columns' factors are solved for at every psi (variable projection, Golub and Pereyra 1973).
 Slopes are taken with the noise in the columns as it is: what it adds to the normal equations changes the residual
 along the columns only, where next to nothing is left, so its own slope moves no end of the search. It begins where
-others have come to, or at the frequencies at which what is left swings most.
+others have come to, or at the residual's spectral peaks.
 """
 
 from collections.abc import Sequence
@@ -16,8 +16,8 @@ import scipy.signal
 from arm.model import Floats
 from fitter.diagnosis.errors_in_variables import Noise
 from fitter.diagnosis.least_squares import (
-    FOREMOST,
     ITERATIONS,
+    N_REFINED,
     SLOPE,
     scaled_lstsq,
 )
@@ -30,7 +30,7 @@ from fitter.diagnosis.whitening import Whitening
 def fitted(
     regression: Regression, model: Model, refine: bool = True, held: int = 0, to_all: bool = False
 ) -> Candidate:
-    """Return a model fitted to the trials that may be learnt from, and what it leaves in all of them.
+    """Return a model fitted to the learning trials, with its chi2 in all trials.
 
     Parameters
     ----------
@@ -62,8 +62,8 @@ def by_learning(regression: Regression, candidate: Candidate) -> Candidate:
     judging = [motion for motion in regression.motions if not motion.learn]
     if np.any(unseen) and judging:
         rows = [regression.rows(model, motion) for motion in judging]
-        left = [one.target.ravel() - one.design @ np.where(unseen, 0.0, x) for one in rows]
-        x[unseen] = scaled_lstsq(np.vstack([one.design[:, unseen] for one in rows]), np.concatenate(left))
+        residual = [one.target.ravel() - one.design @ np.where(unseen, 0.0, x) for one in rows]
+        x[unseen] = scaled_lstsq(np.vstack([one.design[:, unseen] for one in rows]), np.concatenate(residual))
     return replace(candidate, x=x, squares=regression.squares(model, x))
 
 
@@ -77,7 +77,7 @@ class Misfit:
     motions : sequence of Motion
         That it is fitted to.
     held : int
-        The psi of so many hypotheses, from the first on, stay.
+        Number of hypotheses, from the first on, whose psi is fixed.
 
     Attributes
     ----------
@@ -99,27 +99,29 @@ class Misfit:
         """Return the model with free psi (n_psi,)."""
         return replace(self._model, psi=(*self._model.psi[: self._held], *self._free.at(flat).psi))
 
-    def left(self, flat: Floats) -> Floats:
-        """Return what it leaves there, in units of the noise."""
+    def residual(self, flat: Floats) -> Floats:
+        """Return the residual there, in units of the noise."""
         if self._last is None or not np.array_equal(self._last[0], flat):
-            self._last = flat.copy(), self._left(flat)  # slopes are asked for where it was asked for last
+            self._last = flat.copy(), self._residual(flat)  # slopes are asked for where it was asked for last
         return self._last[1]
 
     def slopes(self, flat: Floats) -> Floats:
         """Return by how much that grows with each free psi, (n_row, n_psi)."""
-        here = self.left(flat)
+        here = self.residual(flat)
         noise = None if self._is_weak else self._regression.noise(self.at(flat), self._motions)
         columns = []
         for k, value in enumerate(flat):
             step = SLOPE * max(abs(float(value)), LEAST_PSI)
             step = step if value + step <= self.high[k] else -step
-            column = (self._left(np.where(np.arange(len(flat)) == k, value + step, flat), noise) - here) / step
+            column = (self._residual(np.where(np.arange(len(flat)) == k, value + step, flat), noise) - here) / step
             columns.append(column if np.all(np.isfinite(column)) else np.zeros_like(here))
         return np.stack(columns, axis=1)
 
-    def _left(self, flat: Floats, noise: Noise | None = None) -> Floats:
+    def _residual(self, flat: Floats, noise: Noise | None = None) -> Floats:
         there = self.at(flat)
-        return self._regression.all_left(there, self._regression.solve(there, self._motions, noise), self._motions)
+        return self._regression.residuals_with_limits(
+            there, self._regression.solve(there, self._motions, noise), self._motions
+        )
 
 
 def refined(
@@ -134,15 +136,15 @@ def refined(
     motions : sequence of Motion
         That it is fitted to.
     held : int
-        The psi of so many hypotheses, from the first on, stay.
+        Number of hypotheses, from the first on, whose psi is fixed.
     rounds : int, optional
         The most; enough unless given.
     """
     misfit = Misfit(regression, model, motions, held)
-    if not len(misfit.start) or not np.all(np.isfinite(misfit.left(misfit.start))):
+    if not len(misfit.start) or not np.all(np.isfinite(misfit.residual(misfit.start))):
         return model  # where masses vanish no slope leads back
     found = scipy.optimize.least_squares(
-        misfit.left,
+        misfit.residual,
         misfit.start,
         jac=misfit.slopes,
         bounds=(misfit.low, misfit.high),
@@ -166,7 +168,7 @@ class Starts:
         self._known: dict[tuple[frozenset[Hypothesis], Hypothesis], Floats] = {}
 
     def of(self, model: Model, hypothesis: Hypothesis) -> Floats | None:
-        """Return those of a hypothesis beside a model's, (n_start, n_psi); None if it was not tried there."""
+        """Return those of a hypothesis added to a model, (n_start, n_psi); None if it was not tried there."""
         return self._known.get((frozenset(model.hypotheses), hypothesis))
 
     def keep(self, model: Model, hypothesis: Hypothesis, starts: Floats) -> None:
@@ -178,7 +180,7 @@ class Starts:
         self._known.clear()
 
 
-def peaks(left: Floats, motions: Sequence[Motion], whitening: Whitening) -> Floats:
+def peaks(residual: Floats, motions: Sequence[Motion], whitening: Whitening) -> Floats:
     """Return the frequencies at which residuals swing most, (n_peak, 1) [Hz].
 
     Parameters
@@ -195,9 +197,9 @@ def peaks(left: Floats, motions: Sequence[Motion], whitening: Whitening) -> Floa
     f = np.arange(0.05, whitening.band_hz, 0.25 / span)
     swing = np.zeros(len(f), dtype=np.complex128)
     for motion, first, last in zip(motions, ends, ends[1:], strict=False):
-        # A chirp transform: as fine as all trials together tell frequencies apart, at their own times.
+        # A chirp transform: as fine as all trials together resolve frequencies, at their own times.
         spectrum = scipy.signal.zoom_fft(
-            left[first:last], [f[0], f[-1]], len(f), fs=1.0 / (stride * motion.dt_s), endpoint=True
+            residual[first:last], [f[0], f[-1]], len(f), fs=1.0 / (stride * motion.dt_s), endpoint=True
         )
         swing += np.exp(-2j * np.pi * f * motion.t[0]) * spectrum
     power = np.abs(swing)
@@ -205,6 +207,6 @@ def peaks(left: Floats, motions: Sequence[Motion], whitening: Whitening) -> Floa
     for k in np.argsort(power)[::-1]:
         if all(abs(f[k] - other) > 1.0 / span for other in found):
             found.append(float(f[k]))
-        if len(found) == FOREMOST:
+        if len(found) == N_REFINED:
             break
     return np.array(found)[:, None]

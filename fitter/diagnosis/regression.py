@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from arm.model import Arm, Floats
 from fitter.diagnosis.equations import Equations
-from fitter.diagnosis.errors_in_variables import Noise, NoisyRows, let_through, noisier
+from fitter.diagnosis.errors_in_variables import Noise, NoiseProducts, let_through, noisier
 from fitter.diagnosis.least_squares import (
     TINY,
     UNEXPLAINED,
@@ -22,7 +22,7 @@ from fitter.diagnosis.least_squares import (
     compensated,
 )
 from fitter.diagnosis.model import Model
-from fitter.diagnosis.motion import Motion, View
+from fitter.diagnosis.motion import HypotheticalMotion, Motion
 from fitter.diagnosis.motion_cells import cells_of
 from fitter.diagnosis.weighting import Rows, Weighting
 
@@ -79,7 +79,7 @@ class Regression:
     denied : tuple of str
         Beginnings of names of base parameters that are left out, such as ``D`` and ``fc``.
     known : (column, value), optional
-        A standard parameter that is not sought: where no torque tells the scale of all the others, it does.
+        A standard parameter that is not sought: where no torque determines the scale of all the others, it does.
     """
 
     def __init__(
@@ -107,7 +107,7 @@ class Regression:
         self.rests: RestLimits | None = None
         #: Of the motions, where something moves them that the model lacks.
         self.density: Density | None = None
-        self._noisy = NoisyRows(self.equations, self.noisier)
+        self._noisy = NoiseProducts(self.equations, self.noisier)
         weighted.prepare(self.motions)
 
     @cached_property
@@ -138,9 +138,9 @@ class Regression:
         return self.equations.weighting
 
     @property
-    def told(self) -> Floats:
-        """How many numbers each trial tells, (n_trial,): what noise alone would leave."""
-        return np.array([self.weighting.told(motion) for motion in self.motions], dtype=np.float64)
+    def n_effective(self) -> Floats:
+        """Effective number of observations of each trial, (n_trial,): the expected chi2 of noise alone."""
+        return np.array([self.weighting.n_effective(motion) for motion in self.motions], dtype=np.float64)
 
     def weighted_by(self, weighted: Weighting) -> "Regression":
         """Return a regression of the same motions with another filter, and no density."""
@@ -148,9 +148,9 @@ class Regression:
         other.sensors = self.sensors
         return other
 
-    def view(self, model: Model, motion: Motion) -> View:
+    def hypothetical(self, model: Model, motion: Motion) -> HypotheticalMotion:
         """Return a motion under a model."""
-        return self.equations.view(model, motion)
+        return self.equations.hypothetical(model, motion)
 
     def rows(self, model: Model, motion: Motion) -> Rows:
         """Return a motion's equations under a model."""
@@ -177,12 +177,12 @@ class Regression:
         """
         rows = [self.rows(model, motion) for motion in motions]
         noise = noise or self.noise(model, motions)
-        gram, pull = sum(one.columns.gram for one in rows), sum(one.pull for one in rows)
-        x = compensated(np.asarray(gram), np.asarray(pull), noise.gram.sum(axis=0), noise.pull.sum(axis=0))
+        gram, rhs = sum(one.columns.gram for one in rows), sum(one.rhs for one in rows)
+        x = compensated(np.asarray(gram), np.asarray(rhs), noise.gram.sum(axis=0), noise.rhs.sum(axis=0))
         if self.density is None:
             return x
         square = sum(float(one.right.gram[0, 0]) for one in rows)
-        normal = Normal(np.asarray(gram), np.asarray(pull), square)
+        normal = Normal(np.asarray(gram), np.asarray(rhs), square)
         driving = np.zeros(len(x), dtype=np.bool_)
         coulomb = self._coulomb(model, motions[0], len(x))
         while True:  # dry friction brakes: of joints that it would drive it is none
@@ -193,7 +193,7 @@ class Regression:
 
     def _coulomb(self, model: Model, motion: Motion, n_factor: int) -> NDArray[np.bool_]:
         """Say which factors of a model are base parameters of dry friction, (n_factor,)."""
-        kept = self.equations.independent(self.view(model, motion).arm)
+        kept = self.equations.independent(self.hypothetical(model, motion).arm)
         # Ten numbers of every link, viscous friction of every joint, then its dry friction.
         return np.pad(kept >= 11 * self.arm.n_joint, (0, n_factor - len(kept)))
 
@@ -209,10 +209,10 @@ class Regression:
         return self.rests.likeliest(self.density, normal, numbers, x, model, motions, free)
 
     def _numbers(self, motions: Sequence[Motion]) -> float:
-        return sum(self.weighting.told(motion) for motion in motions)
+        return sum(self.weighting.n_effective(motion) for motion in motions)
 
-    def left(self, model: Model, x: Floats, motions: Sequence[Motion]) -> Floats:
-        """Return what factors leave of some motions' equations, one after the other, in units of the noise.
+    def residuals(self, model: Model, x: Floats, motions: Sequence[Motion]) -> Floats:
+        """Return the residuals of some motions' equations, one after the other, in units of the noise.
 
         Its sum of squares is least where the motions are likeliest: with a residual of any variance, that is where
         ``log sum r^2 - 2 w sum log |det M| / n`` is, so each counts exp(-w sum log |det M| / n).
@@ -220,13 +220,13 @@ class Regression:
         scale = self.scale(model, x)
         if self.density is not None:
             scale = scale * self.density.unit(model, x, motions, self._numbers(motions))
-        return np.concatenate([(scale * self.rows(model, motion).left(x)).ravel() for motion in motions])
+        return np.concatenate([(scale * self.rows(model, motion).residual(x)).ravel() for motion in motions])
 
-    def all_left(self, model: Model, x: Floats, motions: Sequence[Motion]) -> Floats:
+    def residuals_with_limits(self, model: Model, x: Floats, motions: Sequence[Motion]) -> Floats:
         """Return the same, followed by what rests exceed their limits by."""
         unit = 1.0 if self.density is None else self.density.unit(model, x, motions, self._numbers(motions))
         at_rest = (unit * one.ravel() for one in self.beyond(model, x, motions))
-        return np.concatenate([self.left(model, x, motions), *at_rest])
+        return np.concatenate([self.residuals(model, x, motions), *at_rest])
 
     def squares(self, model: Model, x: Floats, motions: Sequence[Motion] | None = None) -> Floats:
         """Return the sum of squares that factors leave in every trial, or in some, (n_trial,), rests included."""
@@ -234,8 +234,8 @@ class Regression:
         rows = (self.rows(model, motion) for motion in motions or self.motions)
         at_rest = [float(np.sum(one**2)) for one in self.beyond(model, x, motions or self.motions)]
         if np.all(scale == 1.0):
-            return np.array([one.square(x) for one in rows]) + at_rest
-        return np.array([float(np.sum((scale * one.left(x)) ** 2)) for one in rows]) + at_rest
+            return np.array([one.sum_of_squares(x) for one in rows]) + at_rest
+        return np.array([float(np.sum((scale * one.residual(x)) ** 2)) for one in rows]) + at_rest
 
     def beyond(self, model: Model, x: Floats, motions: Sequence[Motion]) -> list[Floats]:
         """Return by how much rests exceed what friction can hold, in units of the noise, (n_row, n_joint) each.
@@ -253,8 +253,8 @@ class Regression:
         return found
 
     def residual(self, model: Model, x: Floats, motion: Motion) -> Floats:
-        """Return what factors leave of a motion's equations, (n_slower, n_joint), in units of the noise."""
-        return np.asarray(self.scale(model, x) * self.rows(model, motion).left(x), dtype=np.float64)
+        """Return the residual of a motion's equations, (n_slower, n_joint), in units of the noise."""
+        return np.asarray(self.scale(model, x) * self.rows(model, motion).residual(x), dtype=np.float64)
 
     def scale(self, model: Model, x: Floats) -> Floats:
         """Return by how much residuals of a model count more because it leaves less noise in them, (n_joint,).
@@ -271,18 +271,22 @@ class Regression:
         """
         now = self._let_through(model) if model.cuts_off else np.ones(self.arm.n_joint)
         if model.distorts:
-            left = self._noisy.of(model, self.learning, by_joint=True).left(x)
-            floor = self.floor_part * np.sum([self.weighting.told_at_joints(one) for one in self.learning], axis=0)
-            now = now * np.maximum((floor + left) / (floor + self._plainly(model)), UNEXPLAINED)
+            noise_sum = self._noisy.of(model, self.learning, by_joint=True).sum_of_squares(x)
+            floor = self.floor_part * np.sum(
+                [self.weighting.n_effective_at_joints(one) for one in self.learning], axis=0
+            )
+            now = now * np.maximum((floor + noise_sum) / (floor + self._undistorted(model)), UNEXPLAINED)
         return np.asarray(now, dtype=np.float64)
 
-    def _plainly(self, model: Model) -> Floats:
+    def _undistorted(self, model: Model) -> Floats:
         """Return the noise that a model leaves without a drive that is late, weak or unequal, (n_joint,)."""
         plain = model.undistorted()
         key = tuple(hypothesis.key for hypothesis in plain.hypotheses)
         if key not in self._plain:
-            left = self._noisy.of(plain, self.learning, by_joint=True).left(self.solve(plain, self.learning))
-            self._plain[key] = np.asarray(np.maximum(left, TINY), dtype=np.float64)
+            noise_sum = self._noisy.of(plain, self.learning, by_joint=True).sum_of_squares(
+                self.solve(plain, self.learning)
+            )
+            self._plain[key] = np.asarray(np.maximum(noise_sum, TINY), dtype=np.float64)
         return self._plain[key]
 
     @contextmanager
@@ -301,6 +305,6 @@ class Regression:
         parts = zip(model.hypotheses, model.psi, strict=True)
         key = tuple((hypothesis.key, psi.tobytes()) for hypothesis, psi in parts)
         if key not in self._scales:
-            views = [self.view(model, motion) for motion in self.learning]
-            self._scales[key] = let_through(views, self.learning)
+            hypotheticals = [self.hypothetical(model, motion) for motion in self.learning]
+            self._scales[key] = let_through(hypotheticals, self.learning)
         return self._scales[key]

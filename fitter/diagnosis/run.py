@@ -16,13 +16,13 @@ from fitter.diagnosis.least_squares import EQUAL_SIGMAS, SIGMAS
 from fitter.diagnosis.motion import SAMPLES, Motion, drive_torque, sharp_torque
 from fitter.diagnosis.whitening import lasting
 
-#: The direction in which a joint moves is told behind a Gaussian of this width [s]: unlike a sharp filter it does
-#: not ring, so nothing seems to move the other way before it starts.
+#: The direction in which a joint moves is determined behind a Gaussian of this width [s]: unlike a sharp filter
+#: it does not ring, so nothing seems to move the other way before it starts.
 _DIRECTION_S = 0.006
 
 
 def velocity(trial: Trial, times: float = 1.0) -> Floats:
-    """Return the velocity behind a Gaussian, (n_sample, n_joint), or behind one so many times wider."""
+    """Return the velocity behind a Gaussian whose width is multiplied by ``times``, (n_sample, n_joint)."""
     width = times * _width(trial.dt_s) / trial.dt_s
     if "q" not in trial.whole:
         return np.asarray(gaussian_filter1d(trial.dq, width, axis=0, mode="nearest"), dtype=np.float64)
@@ -30,7 +30,7 @@ def velocity(trial: Trial, times: float = 1.0) -> Floats:
     return np.asarray(slopes[trial.trimmed : trial.trimmed + len(trial.t)], dtype=np.float64)
 
 
-def told_from_rest(
+def significant_velocity(
     trial: Trial, noise: Floats, least: Floats, wider: tuple[float, ...] = (4.0, 2.0)
 ) -> tuple[Floats, Floats]:
     """Return the velocity where a joint is seen to move, 0 elsewhere, and its rms noise, (n_sample, n_joint) each.
@@ -48,8 +48,8 @@ def told_from_rest(
     wider : tuple of float
         Multiples of the narrow filter's width where a joint is slow: noise falls eightfold with each octave.
     """
-    found, left = np.zeros((2, *trial.dq.shape))
-    # Twice what is told from rest is slow. The wider filter says so, for the noisier would choose by its noise.
+    found, std = np.zeros((2, *trial.dq.shape))
+    # Twice the significant velocity is slow. The wider filter says so, for the noisier would choose by its noise.
     slow = 2.0 * SIGMAS * noise * velocity_gain(trial.dt_s)
     for times in (*wider, 1.0):
         moves, own = velocity(trial, times), noise * velocity_gain(trial.dt_s, times)
@@ -60,9 +60,9 @@ def told_from_rest(
             sure -= EQUAL_SIGMAS * times * _width(trial.dt_s) * np.abs(np.gradient(moves, trial.dt_s, axis=0))
         else:
             sure -= _blurred(moves, own, trial.dt_s)
-        told = may & (sure > np.maximum(least, SIGMAS * own))
-        found, left = np.where(told, moves, found), np.where(told, own, left)
-    return found, left
+        is_significant = may & (sure > np.maximum(least, SIGMAS * own))
+        found, std = np.where(is_significant, moves, found), np.where(is_significant, own, std)
+    return found, std
 
 
 def _blurred(moves: Floats, noise: Floats, dt_s: float) -> Floats:
@@ -124,9 +124,10 @@ def run_of(
     thin : bool
         Whether samples may be left out that the corner of the columns makes superfluous.
     stuck_share : float
-        A joint is taken to be stuck below this share of its top speed in the run, or where noise hides its motion.
+        A joint is taken to be stuck below this fraction of its top speed in the run, or where noise hides its
+        motion.
     near : int
-        So many samples before and after a joint was seen to be stuck it may have been.
+        Samples before and after a detected rest at which the joint may have rested, too.
 
     Raises
     ------
@@ -139,7 +140,7 @@ def run_of(
     top = np.max([np.max(np.abs(dq), axis=0) for dq in slow], axis=0)
     motions = []
     for k, (trial, dq, t0) in enumerate(zip(trials, slow, _starts(trials), strict=True)):
-        seen, noise = told_from_rest(trial, angles, stuck_share * top)
+        seen, noise = significant_velocity(trial, angles, stuck_share * top)
         moves = np.where(seen == 0.0, dq, seen)
         sharp = moves == dq
         t, u, stuck = t0 + trial.t, drive_torque(arm, trial), lasting(seen == 0.0, trial.dt_s)

@@ -1,4 +1,4 @@
-"""Every hypothesis tried beside what is accepted: first on a grid of psi, the promising ones then refined.
+"""Every hypothesis tried in addition to what is accepted: first on a grid of psi, the promising ones then refined.
 
 Each is tried for itself, so several processors share them.
 """
@@ -8,10 +8,10 @@ from collections.abc import Callable, Sequence
 import numpy as np
 
 from arm.model import Floats
-from fitter.diagnosis.grid import Best, Grid
-from fitter.diagnosis.least_squares import FOREMOST, NEGLIGIBLE, PLAINLY, UNEXPLAINED
+from fitter.diagnosis.least_squares import CLEAR_RATIO, N_REFINED, NEGLIGIBLE, UNEXPLAINED
 from fitter.diagnosis.model import Candidate, Hypothesis, Model
 from fitter.diagnosis.motion import Motion
+from fitter.diagnosis.multistart import Best, Multistart
 from fitter.diagnosis.payload import find_payloads
 from fitter.diagnosis.refinement import Starts, by_learning, fitted
 from fitter.diagnosis.regression import Regression
@@ -25,7 +25,7 @@ def screen(
     starts: Starts,
     progress: Callable[[int, int], None] | None = None,
 ) -> list[Candidate]:
-    """Return all hypotheses, fitted beside what is accepted, the most explaining first.
+    """Return all hypotheses, each fitted with what is accepted, the most explaining first.
 
     Parameters
     ----------
@@ -40,7 +40,7 @@ def screen(
         Told how many are done, and how many there are.
     """
     motions = _telling(regression, accepted)
-    grid = Grid(regression, accepted.model, starts, motions)
+    grid = Multistart(regression, accepted.model, starts, motions)
 
     def best_start(hypothesis: Hypothesis) -> Best:
         with regression.forgetting():
@@ -57,14 +57,14 @@ def screen(
 
     def as_lasting(k: int) -> Candidate:
         model, gain = accepted.model.plus(tried[k], first[k].psi), first[k].gain
-        if gain < NEGLIGIBLE * max(grid.left / len(motions), best):  # of a trial's residual
+        if gain < NEGLIGIBLE * max(grid.chi2 / len(motions), best):  # of a trial's residual
             return Candidate(model, accepted.x, accepted.squares)
-        # What explains plainly less than the best one is no rival, unless it is among the foremost.
-        refine = gain >= UNEXPLAINED * grid.left and (PLAINLY * gain >= best or rank[k] < FOREMOST)
+        # What explains clearly less than the best one is no rival, unless it is among the first ranks.
+        refine = gain >= UNEXPLAINED * grid.chi2 and (CLEAR_RATIO * gain >= best or rank[k] < N_REFINED)
         candidate = fitted(regression, model, refine, held)
         gained = float((accepted.squares - candidate.squares)[learnt].sum())
         # The grid's gain is with accepted psi that give way.
-        if refine and rank[k] < FOREMOST and len(accepted.model.flat) and gained < gain:
+        if refine and rank[k] < N_REFINED and len(accepted.model.flat) and gained < gain:
             free = fitted(regression, candidate.model)
             candidate = min(candidate, free, key=lambda one: float(one.squares.sum()))
         return by_learning(regression, candidate) if candidate.model.is_event else candidate
@@ -78,7 +78,7 @@ def screen(
         candidate = fitted(regression, accepted.model.plus(happened[k], happened[k].starts([])[0]), refine=False)
         candidate = by_learning(regression, candidate)
         gain = float(accepted.squares.sum() - candidate.squares.sum())
-        if gain > max(UNEXPLAINED * accepted.squares.sum(), (accepted.squares.sum() - leading) / PLAINLY):
+        if gain > max(UNEXPLAINED * accepted.squares.sum(), (accepted.squares.sum() - leading) / CLEAR_RATIO):
             candidate = by_learning(regression, fitted(regression, candidate.model, held=held))
         return candidate
 
@@ -90,10 +90,10 @@ def screen(
 def _telling(regression: Regression, accepted: Candidate) -> list[Motion]:
     """Return the trials that hypotheses are begun with: those that may be learnt from.
 
-    Where these are all, they are the learning trials and as many others, those of which most is left.
+    Where these are all, they are the learning trials and as many others, those with the largest residuals.
     """
     motions = regression.motions_of(accepted.model)
-    ratio = accepted.squares / regression.told
+    ratio = accepted.squares / regression.n_effective
     judging = [k for k in np.argsort(-ratio) if not regression.motions[k].learn]
     kept = {regression.motions[k].number for k in judging[: len(regression.motions) - len(judging)]}
     return [motion for motion in motions if motion.learn or motion.number in kept]
@@ -102,7 +102,7 @@ def _telling(regression: Regression, accepted: Candidate) -> list[Motion]:
 def fitted_all(
     regression: Regression, fit: Callable[[int], Candidate], accepted: Candidate, hypotheses: Sequence[Hypothesis]
 ) -> list[Candidate]:
-    """Return each hypothesis beside what is accepted, fitted: numbers come from other processes, no objects.
+    """Return each hypothesis fitted with what is accepted: numbers come from other processes, no objects.
 
     Parameters
     ----------

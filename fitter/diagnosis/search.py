@@ -1,4 +1,4 @@
-"""What the search for causes has come to, as it is judged and told."""
+"""The result of the search for causes, for evaluation and report."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -7,7 +7,7 @@ from typing import Literal
 import numpy as np
 
 from arm.model import Floats
-from fitter.diagnosis.evidence import Fit, Floor, likelihood_of
+from fitter.diagnosis.evidence import Fit, Floor, penalised_log_likelihood
 from fitter.diagnosis.model import Candidate
 from fitter.diagnosis.stepwise import Step
 from fitter.search.fitted_parameter import FittedParameter
@@ -45,13 +45,13 @@ class Cause:
 
     def takes_away(self, which: Sequence[bool]) -> float:
         """Return the share of the squared residual of some trials that it takes away."""
-        was, left = (float(one.squares[np.asarray(which)].sum()) for one in (self.before, self.itself))
-        return 1.0 - left / was if was > 0.0 else 0.0
+        was, remaining = (float(one.squares[np.asarray(which)].sum()) for one in (self.before, self.itself))
+        return 1.0 - remaining / was if was > 0.0 else 0.0
 
 
 @dataclass(frozen=True)
 class Search:
-    """What the search for causes has come to.
+    """The result of the search for causes.
 
     Attributes
     ----------
@@ -59,15 +59,15 @@ class Search:
         Without and with all causes, under the same weights.
     causes : sequence of Cause
         In the order of the model's hypotheses.
-    beside : Candidate
+    screening_base : Candidate
         The base model as `first` was held against it.
     first : sequence of Candidate
-        Every hypothesis beside the base model alone, the likeliest first.
+        Every hypothesis added to the base model alone, the likeliest first.
     support : sequence of float
         Of each of these.
     floor : Floor
         Of the final model.
-    was : Floor
+    base_floor : Floor
         Of the base model.
     from_all : bool
         Whether evaluating trials were learnt from, too.
@@ -76,18 +76,18 @@ class Search:
     base: Candidate
     final: Candidate
     causes: Sequence[Cause]
-    beside: Candidate
+    screening_base: Candidate
     first: Sequence[Candidate]
     support: Sequence[float]
     floor: Floor
-    was: Floor
+    base_floor: Floor
     from_all: bool = False
 
 
 def cause_of(place: int, steps: Sequence[Step]) -> Cause:
     """Return one of the accepted steps as a cause, at its place in the final model.
 
-    An equal that was accepted beside it later on is none.
+    An equal that was accepted as a further cause is none.
     """
     step, named = steps[place], {one.hypothesis.key for one in steps}
     equals = [one for one in step.equals if one.candidate.hypothesis.key not in named]
@@ -110,13 +110,13 @@ def supports(fits: Sequence[Fit]) -> list[float]:
     """Return the likelihoods of models as shares of their sum."""
     if not fits:
         return []
-    nats: Floats = np.array([likelihood_of(one) for one in fits])
-    odds = np.exp(nats - nats.max())
+    log_likelihood: Floats = np.array([penalised_log_likelihood(one) for one in fits])
+    odds = np.exp(log_likelihood - log_likelihood.max())
     return [float(one) for one in odds / odds.sum()]
 
 
 @dataclass(frozen=True)
-class Holding:
+class StaticFriction:
     """Static friction of one joint.
 
     Attributes

@@ -1,14 +1,14 @@
 r"""Static friction: a joint at rest is held by more than ever resists it while it moves.
 
-The equations of a stuck joint tell nothing of the arm, and are eliminated from every fit (`weighting`). They do
-tell what holds the joint: the drive's torque less the arm's own. Coulomb friction holds up to its own level;
-whatever holds more is the paper's F.
+The equations of a stuck joint have no information of the arm, and are eliminated from every fit (`weighting`).
+They do show what holds the joint: the drive's torque less the arm's own. Coulomb friction holds up to its own
+level; whatever holds more is the paper's F.
 
-What holds a joint by more than its friction: static friction, or friction that falls as the joint moves.
+Two hypotheses hold a joint by more than Coulomb friction: static friction, and Stribeck friction.
 
-At rest both are the same. Stribeck's hump of that height, ``A exp(-(v / v_s)^2)``, is still there while the joint
-creeps; how wide it may be, or must be, is told by the motion. Its height is told by the rests: at least what has
-held beyond Coulomb friction,
+At rest both are the same. Stribeck's hump of that height, ``A exp(-(v / v_s)^2)``, is still there while the
+joint creeps; how wide it may be, or must be, is determined by the motion. Its height is determined by the rests:
+at least what has held beyond Coulomb friction,
 
     A = max(A_held, (x / s_x^2 + A_0 / s_0^2) / (1 / s_x^2 + 1 / s_0^2)),
 
@@ -23,13 +23,13 @@ import scipy.optimize
 
 from arm.effects.catalogue import catalogue
 from arm.model import Arm, Effect, Floats
-from fitter.diagnosis.at_joint import AtJoint
+from fitter.diagnosis.joint_hypotheses import JointHypothesis
 from fitter.diagnosis.least_squares import EQUAL_SIGMAS, NEGLIGIBLE, SIGMAS, own_square
 from fitter.diagnosis.model import Candidate
-from fitter.diagnosis.motion import Motion, View
+from fitter.diagnosis.motion import HypotheticalMotion, Motion
 from fitter.diagnosis.refinement import fitted
 from fitter.diagnosis.regression import Regression
-from fitter.diagnosis.search import Cause, Holding, Search
+from fitter.diagnosis.search import Cause, Search, StaticFriction
 from fitter.diagnosis.whitening import inner_rests
 from fitter.search.fitted_parameter import FittedParameter
 
@@ -41,11 +41,11 @@ EFFECT = "stiction"
 _MORE = 0.2
 
 
-def holdings(regression: Regression, final: Candidate, covariance: Floats) -> list[Holding]:
+def static_frictions(regression: Regression, final: Candidate, covariance: Floats) -> list[StaticFriction]:
     """Return the joints that stick, and at what torque.
 
     The largest torque that has held is a lower bound: how much more would have held is not known unless something
-    is torn away slowly. F is told as a fifth above it, and 95 % reach from it to almost half as much again.
+    is torn away slowly. F is reported as a fifth above it, and 95 % reach from it to almost half as much again.
 
     Parameters
     ----------
@@ -53,7 +53,7 @@ def holdings(regression: Regression, final: Candidate, covariance: Floats) -> li
     final : Candidate
         The model with all causes.
     covariance : (n_factor + n_psi, n_factor + n_psi)
-        Of what was learnt: where the arm's own torque at rest is not known well, a rest tells little.
+        Of what was learnt: where the arm's own torque at rest is uncertain, a rest has little information.
     """
     known = np.nan_to_num(covariance)
     unit = catalogue()[EFFECT].parameters[0].unit
@@ -75,13 +75,13 @@ def holdings(regression: Regression, final: Candidate, covariance: Floats) -> li
         largest = float(torque.max())
         error = float(np.hypot((1.0 + _MORE) * _MORE / EQUAL_SIGMAS * largest, noise[int(np.argmax(torque))]))
         learnt = float(sets[0][0].max(initial=coulomb))
-        was, left = (float(np.sum(np.maximum(sets[1][0] - level, 0.0) ** 2)) for level in (coulomb, learnt))
-        gain = 1.0 - left / was if was > 0.0 else 0.0
-        found.append(Holding(j, FittedParameter((1.0 + _MORE) * largest, error, unit, True), gain))
+        was, remaining = (float(np.sum(np.maximum(sets[1][0] - level, 0.0) ** 2)) for level in (coulomb, learnt))
+        gain = 1.0 - remaining / was if was > 0.0 else 0.0
+        found.append(StaticFriction(j, FittedParameter((1.0 + _MORE) * largest, error, unit, True), gain))
     return found
 
 
-def sticking(arm: Arm, held: Sequence[Holding]) -> Arm:
+def sticking(arm: Arm, held: Sequence[StaticFriction]) -> Arm:
     """Return an arm whose joints stick, too."""
     effects = tuple(Effect(EFFECT, {"static_N_m": one.parameter.value}, joints=(one.joint + 1,)) for one in held)
     return replace(arm, effects=(*arm.effects, *effects)) if effects else arm
@@ -98,7 +98,7 @@ def _held(
         rests = inner_rests(motion.stuck[:, joint], motion.dt_s)
         if not rests:
             continue
-        held = regression.equations.left(final.model, final.x, motion)[:, joint]
+        held = regression.equations.residual_torque(final.model, final.x, motion)[:, joint]
         slopes = regression.equations.slopes(final.model, final.x, motion)[:, joint]
         for part in rests:
             weight = np.hanning(part.stop - part.start + 2)[1:-1]
@@ -114,8 +114,8 @@ def _held(
 _EFFECT = "stribeck"
 
 
-class HeldStribeck(AtJoint):
-    """Stribeck's hump of a height that rests have told: psi is its width.
+class HeldStribeck(JointHypothesis):
+    """Stribeck's hump of a height determined by rests: psi is its width.
 
     Parameters
     ----------
@@ -131,11 +131,11 @@ class HeldStribeck(AtJoint):
         self.n_column = 0
         self._errors = np.array([height_error, width_error])
 
-    def act(self, view: View, psi: Floats) -> View:
+    def act(self, hypothetical: HypotheticalMotion, psi: Floats) -> HypotheticalMotion:
         """Return a motion whose drive need not overcome the hump any more."""
-        u = view.u.copy()
-        u[:, self.joints[0]] -= self.torque(view, psi)[:, 0]
-        return replace(view, u=u)
+        u = hypothetical.u.copy()
+        u[:, self.joints[0]] -= self.torque(hypothetical, psi)[:, 0]
+        return replace(hypothetical, u=u)
 
     def hidden(self, motions: Sequence[Motion], values: Floats) -> Floats:
         """Return the errors that the height brings with it."""
@@ -162,7 +162,7 @@ class Hump:
     needed: bool
 
 
-def hump_of(regression: Regression, final: Candidate, holding: Holding) -> Hump | None:
+def hump_of(regression: Regression, final: Candidate, holding: StaticFriction) -> Hump | None:
     """Return the hump that holds a joint; None if the motion excludes all that it could see.
 
     Parameters
@@ -178,21 +178,21 @@ def hump_of(regression: Regression, final: Candidate, holding: Holding) -> Hump 
     least, likely = holding.parameter.value / (1.0 + _MORE) - coulomb, holding.parameter.value - coulomb
     error = holding.parameter.std
     plain = float(regression.squares(final.model, regression.solve(final.model, motions)).sum())
-    numbers = sum(regression.weighting.told(motion) for motion in motions)
-    free = AtJoint(catalogue()[_EFFECT], joint)
+    numbers = sum(regression.weighting.n_effective(motion) for motion in motions)
+    free = JointHypothesis(catalogue()[_EFFECT], joint)
 
     def tried(width: float, given: float | None = None) -> tuple[float, float, bool]:
         """Return by how much a hump so wide raises the sum of squares, its height, and whether it shows."""
         model = final.model.plus(free, np.array([width]))
         x = regression.solve(model, motions)
         gram = sum(regression.rows(model, motion).columns.gram for motion in motions)
-        told = own_square(np.asarray(gram))
-        if not told * likely**2 > SIGMAS**2:
+        information = own_square(np.asarray(gram))
+        if not information * likely**2 > SIGMAS**2:
             return 0.0, likely, False
-        height = (x[-1] * told + likely / error**2) / (told + 1.0 / error**2)
+        height = (x[-1] * information + likely / error**2) / (information + 1.0 / error**2)
         height = max(least, float(height)) if given is None else given
         raised = float(regression.squares(model, x).sum()) - plain
-        return raised + float((height - x[-1]) ** 2 * told), height, True
+        return raised + float((height - x[-1]) ** 2 * information), height, True
 
     def best(around: tuple[float, float], given: float | None = None) -> float:
         found = scipy.optimize.minimize_scalar(
@@ -217,8 +217,8 @@ def hump_of(regression: Regression, final: Candidate, holding: Holding) -> Hump 
 
 
 def with_humps(
-    regression: Regression, search: Search, held: Sequence[Holding]
-) -> tuple[Search, list[Holding], dict[int, Candidate]]:
+    regression: Regression, search: Search, held: Sequence[StaticFriction]
+) -> tuple[Search, list[StaticFriction], dict[int, Candidate]]:
     """Return a search with the humps that hold joints, what else holds joints, and the humps that might.
 
     Parameters

@@ -10,8 +10,8 @@ from typing import Protocol
 
 import numpy as np
 
-from fitter.diagnosis.evidence import Fit, is_better, likelihood_of, worth
-from fitter.diagnosis.least_squares import FOREMOST, ODDS_NATS, PLAINLY
+from fitter.diagnosis.evidence import Fit, is_better, log_evidence, penalised_log_likelihood
+from fitter.diagnosis.least_squares import CLEAR_RATIO, N_REFINED, ODDS_NATS
 from fitter.diagnosis.model import Hypothesis
 
 
@@ -45,7 +45,7 @@ class Likelihood(Protocol):
     def is_exact(self, fit: Fit) -> bool:
         """Say whether a model leaves no more than the sensors' noise."""
 
-    def is_plainly_wrong(self, fit: Fit) -> bool:
+    def has_large_residual(self, fit: Fit) -> bool:
         """Say whether a model leaves so much that two hypotheses may hide each other in it."""
 
 
@@ -58,7 +58,7 @@ class Step:
     hypothesis : Hypothesis
     fit, before : Fit
         With and without it, when it was accepted.
-    worth : float
+    log_evidence : float
         Then [nats].
     equals : tuple of Fit
         Models with another hypothesis in its place that are as likely.
@@ -69,7 +69,7 @@ class Step:
     hypothesis: Hypothesis
     fit: Fit
     before: Fit
-    worth: float
+    log_evidence: float
     equals: tuple[Fit, ...] = ()
     options: tuple[Fit, ...] = ()
 
@@ -84,7 +84,7 @@ class Found:
     steps : tuple of Step
         In the order of the model's hypotheses.
     first : tuple of Fit
-        Every hypothesis beside the base alone, the likeliest first.
+        Every hypothesis added to the base alone, the likeliest first.
     base : Fit
         Beside which these were tried.
     """
@@ -116,7 +116,7 @@ class Stepwise:
         self._progress = progress or (lambda _n: None)
 
     def run(self) -> Found:
-        """Return the causes of what the base model leaves."""
+        """Return the causes of the base model's residual."""
         base = fit = self._likelihood.base()
         steps: list[Step] = []
         first: tuple[Fit, ...] = ()
@@ -125,7 +125,7 @@ class Stepwise:
             options = tuple(self._likelihood.options(fit))
             first = first or options
             new = self._best(fit, steps, options)
-            if new is None and self._likelihood.is_plainly_wrong(fit):
+            if new is None and self._likelihood.has_large_residual(fit):
                 new = self._best_pair(fit, steps, options)
             if new is None:
                 break
@@ -142,11 +142,11 @@ class Stepwise:
 
     def possible(self, fit: Fit) -> list[Fit]:
         """Return a model with one hypothesis more, for all that are not a hundred times less likely than it."""
-        return [one for one in self._likelihood.options(fit) if self._worth(one, fit) > -ODDS_NATS]
+        return [one for one in self._likelihood.options(fit) if self._log_evidence(one, fit) > -ODDS_NATS]
 
-    def _worth(self, one: Fit, fit: Fit) -> float:
+    def _log_evidence(self, one: Fit, fit: Fit) -> float:
         new = one.candidate.model.hypotheses[len(fit.candidate.model.hypotheses) :]
-        return worth(one, fit, sum(map(self._against, new)))
+        return log_evidence(one, fit, sum(map(self._against, new)))
 
     def _against(self, hypothesis: Hypothesis) -> float:
         """Return the logarithm of the prior odds against a hypothesis at the place where it was found [nats]."""
@@ -155,26 +155,26 @@ class Stepwise:
 
     def _promising(self, fit: Fit, options: Sequence[Fit]) -> list[Fit]:
         """Return those that are likelier than not, the likeliest first."""
-        kept = [one for one in options if self._worth(one, fit) > 0.0]
-        return sorted(kept, key=likelihood_of, reverse=True)
+        kept = [one for one in options if self._log_evidence(one, fit) > 0.0]
+        return sorted(kept, key=penalised_log_likelihood, reverse=True)
 
     def _accepted(self, fit: Fit, steps: list[Step], more: list[Step]) -> tuple[Fit, list[Step]] | None:
         """Return a model with further causes, without those that they make needless.
 
-        None if under its own weights they are not worth it or do not help where nothing was fitted, or if any
+        None if under its own weights their evidence is too small or they do not help on unfitted trials, or if any
         cause's size is unknown.
         """
         smaller = fit
         for _ in more:
             smaller = self._likelihood.without(smaller, len(smaller.candidate.model.hypotheses) - 1)
-        own = self._worth(fit, smaller)
+        own = self._log_evidence(fit, smaller)
         if own < ODDS_NATS or not fit.helps(smaller):
             return None
-        found = self._pruned(fit, [*steps, *(replace(step, worth=own) for step in more)])
+        found = self._pruned(fit, [*steps, *(replace(step, log_evidence=own) for step in more)])
         return found if self._likelihood.is_significant(found[0]) else None
 
     def _best(self, fit: Fit, steps: list[Step], options: tuple[Fit, ...]) -> tuple[Fit, list[Step]] | None:
-        """Return the likeliest model that is worth it, under its own weights, with the steps that led to it."""
+        """Return the likeliest model of sufficient evidence under its own weights, with the steps to it."""
         kept = self._promising(fit, options)
         while kept:
             found, step = self._best_of(fit, kept, options)
@@ -185,9 +185,9 @@ class Stepwise:
 
     def _best_of(self, fit: Fit, kept: Sequence[Fit], options: tuple[Fit, ...]) -> tuple[Fit, Step]:
         """Return the likeliest of some models under its own weights; of equals that of fewest numbers."""
-        # What gains plainly less than the best is a weaker cause and no other name for it.
+        # What gains clearly less than the best is a weaker cause and no other name for it.
         best = kept[0]
-        close = [one for one in kept if one is best or PLAINLY * one.gain(fit) > best.gain(fit)]
+        close = [one for one in kept if one is best or CLEAR_RATIO * one.gain(fit) > best.gain(fit)]
         for _ in close:
             settled = self._likelihood.reweighted(best)
             last = len(settled.candidate.model.hypotheses) - 1
@@ -203,15 +203,17 @@ class Stepwise:
         if chosen is not best:
             found = self._likelihood.reweighted(chosen)
         others = tuple(one for one, _ in equal if one is not chosen)
-        return found, Step(chosen.candidate.hypothesis, chosen, fit, self._worth(chosen, fit), others, options)
+        return found, Step(
+            chosen.candidate.hypothesis, chosen, fit, self._log_evidence(chosen, fit), others, options
+        )
 
     def _best_pair(self, fit: Fit, steps: list[Step], options: Sequence[Fit]) -> tuple[Fit, list[Step]] | None:
-        """Return the likeliest model with two hypotheses more neither of which is worth it alone."""
-        pairs = [self._likelihood.joined(fit, pair) for pair in combinations(options[:FOREMOST], 2)]
+        """Return the likeliest model with two hypotheses more neither of which has sufficient evidence alone."""
+        pairs = [self._likelihood.joined(fit, pair) for pair in combinations(options[:N_REFINED], 2)]
         kept = self._promising(fit, [pair for pair in pairs if pair is not None])
         if not kept:
             return None
-        own, new = self._worth(kept[0], fit), kept[0].candidate.model.hypotheses[-2:]
+        own, new = self._log_evidence(kept[0], fit), kept[0].candidate.model.hypotheses[-2:]
         more = [Step(hypothesis, kept[0], fit, own, options=tuple(options)) for hypothesis in new]
         return self._accepted(self._likelihood.reweighted(kept[0]), steps, more)
 
@@ -219,14 +221,14 @@ class Stepwise:
         """Return a model without the causes that the last one has made needless."""
         for place in reversed(range(len(steps) - 1)):
             smaller = self._likelihood.without(fit, place)
-            if worth(fit, smaller, self._against(steps[place].hypothesis)) < ODDS_NATS:
+            if log_evidence(fit, smaller, self._against(steps[place].hypothesis)) < ODDS_NATS:
                 fit, steps = smaller, [one for k, one in enumerate(steps) if k != place]
         return fit, steps
 
     def _exchanged(self, fit: Fit, steps: list[Step]) -> tuple[Fit, list[Step]]:
-        """Return a model whose earlier causes are held again against all others, beside those found after them.
+        """Return a model whose earlier causes are compared again with all others, given those found after them.
 
-        What stood in for two causes as long as none of them was known may be the wrong one beside the other.
+        What stood in for two causes as long as none of them was known may be the wrong one given the other.
         """
         for step in steps[:-1]:
             place = steps.index(step)

@@ -8,14 +8,21 @@ from scipy.stats import chi2
 
 from fitter.diagnosis.error_floor import floored, part_of_floor
 from fitter.diagnosis.estimates import estimates, significant
-from fitter.diagnosis.evidence import KNOWN, SIZE_KNOWN, Fit, Floor, blocks_of, likelihood_of
+from fitter.diagnosis.evidence import (
+    NOISE_STD_ERROR,
+    NOISE_VARIANCE_TOLERANCE,
+    Fit,
+    Floor,
+    blocks_of,
+    penalised_log_likelihood,
+)
 from fitter.diagnosis.extended_arm import possible_base
+from fitter.diagnosis.friction_limits import FrictionLimits
 from fitter.diagnosis.least_squares import ITERATIONS, NEGLIGIBLE, ODDS_NATS, ROUNDED
 from fitter.diagnosis.mass_density import MassDensity
 from fitter.diagnosis.model import Candidate, Hypothesis, Model
 from fitter.diagnosis.refinement import Starts, by_learning, fitted
 from fitter.diagnosis.regression import Regression
-from fitter.diagnosis.rests import Rests
 from limbcal.errors import NotConverged
 
 Progress = Callable[[int, int], None]
@@ -31,7 +38,7 @@ class TorqueLikelihood:
     regression : Regression
     tried : sequence of Hypothesis
     screen : callable
-        Tries hypotheses beside a model and returns them fitted (`screening`).
+        Tries hypotheses in addition to a model's and returns them fitted (`screening`).
     progress : callable, optional
         Told how many hypotheses were tried, and how many there are.
     events : callable, optional
@@ -43,7 +50,7 @@ class TorqueLikelihood:
     ----------
     regression : Regression
         Under the weights that were used last.
-    floor, was : Floor
+    floor, base_floor : Floor
         Of the model by which these were made, and of the base model.
     """
 
@@ -57,7 +64,7 @@ class TorqueLikelihood:
         moved: float = 0.5,
     ) -> None:
         self.regression = regression
-        self.floor = self.was = Floor(*np.ones((3, regression.arm.n_joint)))
+        self.floor = self.base_floor = Floor(*np.ones((3, regression.arm.n_joint)))
         self._tried, self._screen, self._progress, self._starts = list(tried), screen, progress, Starts()
         self._events = events
         measured = all(motion.trial.tau is not None for motion in regression.motions)
@@ -67,7 +74,7 @@ class TorqueLikelihood:
     def base(self) -> Fit:
         """Return the model without any effect, under weights of its own."""
         base = self._settled(fitted(self.regression, Model()))
-        self.was = self.floor
+        self.base_floor = self.floor
         return self.fit_of(base)
 
     def options(self, fit: Fit) -> list[Fit]:
@@ -76,11 +83,11 @@ class TorqueLikelihood:
         known = {one.key for one in accepted.model.hypotheses}
         tried = [one for one in self._tried if one.key not in known]
         found = self._screen(self.regression, accepted, tried, self._starts, self._progress)
-        better = [one for one in found if one.squares is not accepted.squares and self._is_told(one)]
-        return sorted(map(self.fit_of, better), key=likelihood_of, reverse=True)
+        better = [one for one in found if one.squares is not accepted.squares and self._is_significant_event(one)]
+        return sorted(map(self.fit_of, better), key=penalised_log_likelihood, reverse=True)
 
-    def _is_told(self, candidate: Candidate) -> bool:
-        """Say whether an event's column, if that is what was added, has a size that is told from none.
+    def _is_significant_event(self, candidate: Candidate) -> bool:
+        """Say whether an event's column, if one was added, has a size significantly different from zero.
 
         A trial in which something happened may differ from others by what the model lacks as well.
         """
@@ -122,14 +129,16 @@ class TorqueLikelihood:
         for _ in range(ITERATIONS):
             self.reweigh(candidate)
             candidate = self._resought(fitted(self.regression, candidate.model))
-            now = np.maximum(self.floor.ratio, KNOWN)  # what is less is no floor, and weighs nothing
-            if np.all(np.abs(now - was) < SIZE_KNOWN * now):  # it is no better known
+            now = np.maximum(
+                self.floor.ratio, NOISE_VARIANCE_TOLERANCE
+            )  # what is less is no floor, and weighs nothing
+            if np.all(np.abs(now - was) < NOISE_STD_ERROR * now):  # it is no better known
                 break
             was = now
         return candidate
 
     def _resought(self, candidate: Candidate) -> Candidate:
-        """Return a model whose events are at the times and in the trials that these weights tell."""
+        """Return a model whose events are at the times and in the trials that fit best under these weights."""
         model = candidate.model
         for place, hypothesis in enumerate(model.hypotheses):
             if not hypothesis.is_event or self._events is None:
@@ -152,26 +161,26 @@ class TorqueLikelihood:
         """
         candidate = self._by_torque(fit.candidate)
         count = np.array([everywhere or motion.learn for motion in self.regression.motions])
-        told = self.regression.told[count]
-        most = KNOWN * chi2.ppf(1.0 - np.exp(-ODDS_NATS) / len(told), told)
+        n_effective = self.regression.n_effective[count]
+        most = NOISE_VARIANCE_TOLERANCE * chi2.ppf(1.0 - np.exp(-ODDS_NATS) / len(n_effective), n_effective)
         return floored(self.regression, candidate)[2].is_none and bool(np.all(candidate.squares[count] <= most))
 
-    def is_plainly_wrong(self, fit: Fit) -> bool:
+    def has_large_residual(self, fit: Fit) -> bool:
         """Say whether a model leaves so much that two hypotheses may hide each other in it."""
-        return self.floor.is_plain
+        return self.floor.is_large
 
     def fit_of(self, candidate: Candidate) -> Fit:
-        """Return a model with what it leaves of every trial, and the density of its motions."""
+        """Return a model with its residual of every trial, and the density of its motions."""
         regression, step_s = self.regression, self.regression.weighting.stride
         if candidate.model.is_event:
             candidate = by_learning(regression, candidate)
         residual, block, cell, trial, learnt, density = [], [], [], list[int](), list[bool](), list[float]()
         beyond = regression.beyond(candidate.model, candidate.x, regression.motions)
         for k, (motion, at_rest) in enumerate(zip(regression.motions, beyond, strict=True)):
-            left = regression.residual(candidate.model, candidate.x, motion)
-            own = blocks_of(len(left), step_s * motion.dt_s)
+            white = regression.residual(candidate.model, candidate.x, motion)
+            own = blocks_of(len(white), step_s * motion.dt_s)
             n_block = int(own[-1]) + 1
-            residual += [left, at_rest]
+            residual += [white, at_rest]
             block.append(own + len(trial))
             cell.append(regression.cells(motion))
             if regression.rests is not None:
@@ -187,7 +196,7 @@ class TorqueLikelihood:
         return Fit(
             candidate,
             np.concatenate(residual),
-            np.array([regression.weighting.told_at_joints(motion) for motion in regression.motions]),
+            np.array([regression.weighting.n_effective_at_joints(motion) for motion in regression.motions]),
             np.concatenate(block),
             np.array(trial),
             np.array(learnt),
@@ -196,7 +205,7 @@ class TorqueLikelihood:
         )
 
     def _by_torque(self, candidate: Candidate) -> Candidate:
-        """Return a model as the torque tells it alone: what the motions' density costs it is no floor."""
+        """Return a model fitted by the torque alone: the cost of the motions' density is no floor."""
         if self.regression.density is None:
             return candidate
         with self.regression.by_torque_alone():
@@ -211,14 +220,14 @@ class TorqueLikelihood:
         anew.own_share = anew.noise_share(candidate.model, candidate.x)
         weight = self._weight * anew.floor_part
         if weight > NEGLIGIBLE:
-            count = {motion.number: anew.weighting.told_at_joints(motion) for motion in anew.motions}
+            count = {motion.number: anew.weighting.n_effective_at_joints(motion) for motion in anew.motions}
             start = candidate.x[: len(candidate.x) - candidate.model.n_column]
             anew.density = MassDensity(anew.equations, anew.motions, weight, count, start)
             if not np.isfinite(anew.density.of(Model(), start, anew.motions)):  # torques the wrong way round
                 with suppress(NotConverged):
                     start = possible_base(self.regression, candidate)
                     anew.density = MassDensity(anew.equations, anew.motions, weight, count, start)
-            anew.rests = Rests(anew.equations, anew.motions, anew.floor_part)
+            anew.rests = FrictionLimits(anew.equations, anew.motions, anew.floor_part)
         self.regression = anew
         self._starts.forget()
 

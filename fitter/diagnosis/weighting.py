@@ -3,7 +3,7 @@
 While a joint is stuck its friction is not known, and a torque that jumps does so between two samples: unknown
 torques j there, of a few shapes each (`whitening`) and of known variance, make the noise's covariance
 ``I + sum j j^T``, so with the singular values s of all of them, equations count ``1 / sqrt(1 + s^2)`` times along
-each of their axes. Those of any size are eliminated from both sides, which costs what they could have told and
+each of their axes. Those of any size are eliminated from both sides, which costs their information and
 leaves the noise of everything else white.
 
 A motion's equations on the slower grid, their noise white: their products without what may hold a joint.
@@ -35,13 +35,13 @@ class Weighting(Whitening):
     Attributes
     ----------
     holding : mapping of int to (n_sample, n_joint) [N m or N]
-        Standard deviation of what may hold each joint, by the motions' numbers; inf, or no entry, where nothing
-        tells.
+        Standard deviation of what may hold each joint, by the motions' numbers; inf, or no entry, where it is
+        unknown.
     """
 
     holding: Mapping[int, Floats]
     _held: dict[int, tuple[Floats, Floats]] = field(default_factory=dict, init=False, repr=False)
-    _told: dict[int, Floats] = field(default_factory=dict, init=False, repr=False)
+    _n_effective: dict[int, Floats] = field(default_factory=dict, init=False, repr=False)
 
     def filtered(self, motion: Motion, rows: Floats) -> Floats:
         """Return rows (n_sample, n_joint, …), filtered and on the slower grid, without what may hold a joint."""
@@ -84,19 +84,19 @@ class Weighting(Whitening):
         return np.asarray((flat.T @ self.axes(motion)[0]).T, dtype=np.float64)
 
     def prepare(self, motions: Sequence[Motion]) -> None:
-        """Work out what may hold the joints in all motions, and what they tell, with all processors."""
-        unknown = [motion for motion in motions if motion.number not in self._told]
-        found = side_by_side(lambda motion: (self.axes(motion), self.told_at_joints(motion)), unknown)
-        for motion, (axes, told) in zip(unknown, found, strict=True):
-            self._held[motion.number], self._told[motion.number] = axes, told
+        """Work out what may hold the joints in all motions, and their effective numbers, on all processors."""
+        unknown = [motion for motion in motions if motion.number not in self._n_effective]
+        found = side_by_side(lambda motion: (self.axes(motion), self.n_effective_at_joints(motion)), unknown)
+        for motion, (axes, numbers) in zip(unknown, found, strict=True):
+            self._held[motion.number], self._n_effective[motion.number] = axes, numbers
 
-    def told(self, motion: Motion) -> float:
-        """Return how many numbers a motion's equations tell."""
-        return float(np.sum(self.told_at_joints(motion)))
+    def n_effective(self, motion: Motion) -> float:
+        """Return the effective number of observations of a motion's equations."""
+        return float(np.sum(self.n_effective_at_joints(motion)))
 
-    def told_at_joints(self, motion: Motion) -> Floats:
+    def n_effective_at_joints(self, motion: Motion) -> Floats:
         """Return the same joint by joint, (n_joint,): what is eliminated counts where it would have been seen."""
-        if motion.number not in self._told:
+        if motion.number not in self._n_effective:
             axes, lost = self.axes(motion)
             rows = axes.reshape(-1, motion.q.shape[1], axes.shape[1])
             size = scipy.fft.next_fast_len(2 * len(rows), real=True)
@@ -104,8 +104,8 @@ class Weighting(Whitening):
             # The noise is band-limited, so an axis beside the band has next to none of it to lose.
             seen = scipy.fft.irfft(band[:, None, None] * scipy.fft.rfft(rows, size, axis=0), size, axis=0)
             gone = np.sum(seen**2, axis=0) @ (1.0 - (1.0 - lost) ** 2)
-            self._told[motion.number] = self.n_told(len(rows), motion.dt_s) - gone
-        return self._told[motion.number]
+            self._n_effective[motion.number] = self.n_in_band(len(rows), motion.dt_s) - gone
+        return self._n_effective[motion.number]
 
     def axes(self, motion: Motion) -> tuple[Floats, Floats]:
         """Return orthonormal axes of what is not known of the torque, filtered, and how much of each is lost."""
@@ -175,14 +175,14 @@ class Columns:
 
     @cached_property
     def gram(self) -> Floats:
-        """Products of the freed columns, (n_column, n_column); zero where next to nothing is left of one."""
+        """Products of the freed columns, (n_column, n_column); zero where next to nothing is reduced of one."""
         whole = self.white.T @ self.white
-        left = whole - self.lost.T @ self.lost
-        gone = np.diag(left) <= ROUNDED * np.diag(whole)
-        left[gone], left[:, gone] = 0.0, 0.0
-        return np.asarray(left, dtype=np.float64)
+        reduced = whole - self.lost.T @ self.lost
+        gone = np.diag(reduced) <= ROUNDED * np.diag(whole)
+        reduced[gone], reduced[:, gone] = 0.0, 0.0
+        return np.asarray(reduced, dtype=np.float64)
 
-    def beside(self, *new: "Columns") -> "Columns":
+    def hstacked(self, *new: "Columns") -> "Columns":
         """Return these and new ones side by side: what is known of any of them is not worked out again."""
         parts = self, *new
         both = Columns(self._weighting, self._motion, np.hstack([one.white for one in parts]))
@@ -191,7 +191,7 @@ class Columns:
         return both
 
     def plus(self, more: Iterable[tuple[float, "Columns"]]) -> "Columns":
-        """Return these with so many times others added."""
+        """Return these with multiples of others added."""
         parts = [(1.0, self), *more]
         both = Columns(self._weighting, self._motion, np.asarray(sum(k * one.white for k, one in parts)))
         both.held = np.asarray(sum(k * one.held for k, one in parts))
@@ -203,12 +203,12 @@ class Columns:
         products[np.diag(self.gram) == 0.0] = 0.0
         return np.asarray(products, dtype=np.float64)
 
-    def left_by(self, x: Floats, other: "Columns") -> "Columns":
-        """Return what factors x (n_column,) leave of one other column."""
-        left = Columns(self._weighting, self._motion, other.white - (self.white @ x)[:, None])
+    def residual_of(self, x: Floats, other: "Columns") -> "Columns":
+        """Return the residual of one other column under factors x (n_column,)."""
+        residual = Columns(self._weighting, self._motion, other.white - (self.white @ x)[:, None])
         if "held" in self.__dict__:
-            left.held = other.held - (self.held @ x)[:, None]
-        return left
+            residual.held = other.held - (self.held @ x)[:, None]
+        return residual
 
     def noise_in(self, louder: "Columns", kept: Floats) -> "Columns":
         """Return what noise makes of them, from the same with more of it; none of columns not kept (0 or 1)."""
@@ -245,14 +245,14 @@ class Rows:
         return self.right.freed.reshape(-1, self.n_joint)
 
     @cached_property
-    def pull(self) -> Floats:
+    def rhs(self) -> Floats:
         """The columns' products with the right-hand side, (n_factor,)."""
         return np.asarray(self.columns.times(self.right)[:, 0], dtype=np.float64)
 
-    def left(self, x: Floats) -> Floats:
-        """Return what factors (n_factor,) leave, (n_slower, n_joint)."""
-        return self.columns.left_by(x, self.right).freed.reshape(-1, self.n_joint)
+    def residual(self, x: Floats) -> Floats:
+        """Return the residual under factors (n_factor,), (n_slower, n_joint)."""
+        return self.columns.residual_of(x, self.right).freed.reshape(-1, self.n_joint)
 
-    def square(self, x: Floats) -> float:
-        """Return the sum of squares of what factors (n_factor,) leave."""
-        return float(self.columns.left_by(x, self.right).gram[0, 0])
+    def sum_of_squares(self, x: Floats) -> float:
+        """Return the residual's sum of squares under factors (n_factor,)."""
+        return float(self.columns.residual_of(x, self.right).gram[0, 0])

@@ -8,7 +8,7 @@ twice, with a power spectrum
 a matrix, for the noise of one angle enters the equations of all joints. Both sides pass the zero-phase filter
 ``L^-1`` with ``L L^T = S``, and what lies beyond the columns' corner is cut off. The residual of the true model is
 then white with variance 1, so that plain least squares is all but maximum likelihood, and no frequency is thrown
-away that tells something. A slower grid holds all that is left.
+away that has information. A slower grid holds all that remains.
 
 What holds a stuck joint, what a jump has done within the step it came in, and what the ends of a motion do have
 shapes. Those of any size are eliminated from the equations, those whose size is known roughly only weigh less
@@ -24,7 +24,7 @@ from numpy.typing import NDArray
 
 from arm.model import Floats
 
-#: The band falls off, as a squared sine, over this share of it: 3/8 of the noise in there pass.
+#: The band falls off, as a squared sine, over this fraction of it: 3/8 of the noise in there pass.
 _EDGE = 0.2
 
 
@@ -48,7 +48,7 @@ class Whitening:
         Factor of ``(2 pi f)^4`` in the noise's covariance a sample.
     band_hz : float
     stride : int
-        Every so manieth sample is kept.
+        Decimation factor.
     """
 
     torque_noise: Floats
@@ -128,8 +128,8 @@ class Whitening:
         """Return which share of the slower grid's frequencies lies where the band is flat, 0 to 1."""
         return min(2.0 * self.stride * dt_s * (1.0 - _EDGE) * self.band_hz, 1.0)
 
-    def n_told(self, n_slower: int, dt_s: float) -> float:
-        """Return how many independent numbers so many samples of the slower grid hold."""
+    def n_in_band(self, n_slower: int, dt_s: float) -> float:
+        """Return the effective number of observations in some samples of the slower grid."""
         return 2.0 * self.stride * dt_s * (1.0 - 0.625 * _EDGE) * self.band_hz * n_slower
 
 
@@ -157,7 +157,7 @@ def end_shapes(n: int, dt_s: float) -> Floats:
 def holding_shapes(stuck: NDArray[np.bool_], dt_s: float) -> Floats:
     """Return the shapes of which the torque is made up that holds one joint, (n_sample, n_shape).
 
-    It is as smooth as the drive's is meanwhile: hats `RISE_S` apart.
+    It is as smooth as the drive's is meanwhile: linear B-splines with knots `RISE_S` apart.
     """
     n = len(stuck)
     shapes = [np.zeros((n, 0))]
@@ -165,9 +165,9 @@ def holding_shapes(stuck: NDArray[np.bool_], dt_s: float) -> Floats:
         knots = _knots(begin, end, dt_s)
         samples = np.arange(begin, end)
         for k in range(len(knots)):
-            hat = np.zeros(n)
-            hat[begin:end] = np.interp(samples, knots, np.eye(len(knots))[k])
-            shapes.append(hat[:, None])
+            spline = np.zeros(n)
+            spline[begin:end] = np.interp(samples, knots, np.eye(len(knots))[k])
+            shapes.append(spline[:, None])
     return np.concatenate(shapes, axis=1)
 
 
@@ -181,7 +181,7 @@ def rest_shapes(stuck: NDArray[np.bool_], dt_s: float) -> Floats:
 
 
 def _knots(begin: int, end: int, dt_s: float, ends_s: tuple[float, ...] = (0.0, 0.015, 0.03)) -> Floats:
-    """Return where the hats of a rest stand, in samples: close at its ends, not so close between."""
+    """Return the knots of a rest's B-splines, in samples: close at its ends, less close between."""
     near = np.array(ends_s) / dt_s
     near = near[(near == 0.0) | (near < 0.5 * (end - 1 - begin))]
     low, high = begin + near[-1], end - 1 - near[-1]

@@ -1,4 +1,4 @@
-"""Which motion would reveal what a functional trial left open, in words for the person who moves."""
+"""Which motion would reveal what a functional trial does not determine, in words for the person who moves."""
 
 #: For a centre: two planes of swing at the least; of the hip star and arc, which Camomilla et al. (2006) found
 #: best; the shoulder below 90°, because above it the scapula must follow.

@@ -60,8 +60,8 @@ def without_attenuation(motion: RelativeMotion, turns_rad2: tuple[float, float],
     """
     sums = part_sums(motion, np.zeros(motion.n_frame, dtype=np.intp))
     gram, rhs = sums.gram[0].copy(), sums.rhs[0].copy()
-    n_unseen = 6 - basis.shape[1]
-    least = _LARGEST_SHARE * (1.0 - turning(gram).sigma[n_unseen])
+    n_unobservable = 6 - basis.shape[1]
+    least = _LARGEST_SHARE * (1.0 - turning(gram).sigma[n_unobservable])
     total = max(sum(turns_rad2), 1e-12)
     parent, child = (1.0 - turn * min(1.0, least / total) for turn in turns_rad2)
     gram[:3, 3:] /= parent * child

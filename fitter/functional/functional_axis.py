@@ -1,4 +1,4 @@
-"""A joint's axis from functional trials, with its error and with what the motion left open.
+"""A joint's axis from functional trials, with its error and with what the motion does not determine.
 
 The error comes from disjoint trials or parts of trials, as that of a centre does (`functional_centre`).
 """
@@ -11,10 +11,16 @@ from arm.model import Floats
 from fitter.functional.advice import motion_for_axis
 from fitter.functional.disjoint import coverage_factor, jackknife, rms_apart
 from fitter.functional.relative_motion import Turning, part_sums, turning
-from fitter.functional.revealed import joint_motion, least_turn_rad, moved_trials, nothing_turned, trial_notes
 from fitter.functional.sara import axis
 from fitter.functional.score import centre, revealed_basis
 from fitter.functional.segment_motion import SegmentMotion
+from fitter.functional.sufficient_rotation import (
+    joint_motion,
+    least_turn_rad,
+    moved_trials,
+    nothing_turned,
+    trial_notes,
+)
 from limbcal.errors import NotIdentifiable
 from limbcal.note import Note
 

@@ -1,4 +1,4 @@
-"""A joint's centre from functional trials, with its error and with what the motion left open.
+"""A joint's centre from functional trials, with its error and with what the motion does not determine.
 
 The error comes from disjoint trials or parts of trials (`disjoint`), and from how far turns of the skin draw a
 centre towards the markers (`attenuation`). It knows nothing of skin that goes with the joint's angle and alike
@@ -16,9 +16,15 @@ from fitter.functional.attenuation import skin_turns, without_attenuation
 from fitter.functional.disjoint import coverage_factor, jackknife, rms_apart
 from fitter.functional.pose_error import pose_covariance
 from fitter.functional.relative_motion import RelativeMotion, Turning, part_sums, turning
-from fitter.functional.revealed import joint_motion, least_turn_rad, moved_trials, nothing_turned, trial_notes
 from fitter.functional.score import centre, revealed_basis
 from fitter.functional.segment_motion import SegmentMotion
+from fitter.functional.sufficient_rotation import (
+    joint_motion,
+    least_turn_rad,
+    moved_trials,
+    nothing_turned,
+    trial_notes,
+)
 from limbcal.errors import NotIdentifiable
 from limbcal.note import Note
 
@@ -51,7 +57,7 @@ class FunctionalCentre:
         How far the two segments' centres are from each other, rms over the frames.
     turning : Turning
         What turned; ``turning.in_parent[k]`` is a direction in the parent.
-    unseen : (3,) bool
+    unobservable : (3,) bool
         Along which of these directions the place is not revealed.
     notes : tuple of Note
     """
@@ -68,7 +74,7 @@ class FunctionalCentre:
     apart_m: float
     rms_m: float
     turning: Turning
-    unseen: NDArray[np.bool_]
+    unobservable: NDArray[np.bool_]
     notes: tuple[Note, ...]
 
     @property
@@ -80,7 +86,7 @@ class FunctionalCentre:
     def half_width_m(self) -> Floats:
         """Half-widths of the 95 % intervals of the place in the parent, (3,) [m]; infinite where not revealed."""
         half = coverage_factor(self.n_part) * np.sqrt(np.diag(self.covariance_m2[:3, :3]))
-        along = np.abs(self.turning.in_parent[self.unseen]).max(axis=0, initial=0.0) > 1e-6
+        along = np.abs(self.turning.in_parent[self.unobservable]).max(axis=0, initial=0.0) > 1e-6
         return np.where(along, np.inf, half)
 
     def document(self, markers: SegmentMotion) -> dict[str, object]:
@@ -119,10 +125,10 @@ def functional_centre(
     motion = joint_motion(joint, parent, child)
     plain = part_sums(motion, motion.parts.part)
     turned = turning(plain.gram.sum(axis=0))
-    unseen = turned.turned_rad < least_turn_rad(parent, child)
-    if unseen.all():
+    unobservable = turned.turned_rad < least_turn_rad(parent, child)
+    if unobservable.all():
         raise NotIdentifiable(nothing_turned(joint, turned, parent, child, motion_for_centre(joint)))
-    basis = revealed_basis(turned, unseen)
+    basis = revealed_basis(turned, unobservable)
     attenuation = _attenuation(motion, basis)
     everything = np.ones(motion.parts.n_part, dtype=bool)
     both = centre(plain, everything, basis)
@@ -131,7 +137,7 @@ def functional_centre(
         weight = _weights(parent, child, motion, both)
         both = centre(part_sums(motion, motion.parts.part, weight), everything, basis)
     sums = part_sums(motion, motion.parts.part, weight)
-    moved = moved_trials(motion, int(unseen.sum()))
+    moved = moved_trials(motion, int(unobservable.sum()))
     trials = part_sums(motion, motion.parts.trial, weight)
     gap = np.einsum("nij,j->ni", np.concatenate([motion.R, -motion.S], axis=2), both) - (motion.q - motion.p)
     return FunctionalCentre(
@@ -147,8 +153,8 @@ def functional_centre(
         rms_apart([centre(trials, use, basis)[:3] for use in moved]),
         float(np.sqrt(np.mean(np.sum(gap**2, axis=1)))),
         turned,
-        unseen,
-        _centre_notes(joint, parent, turned, unseen)
+        unobservable,
+        _centre_notes(joint, parent, turned, unobservable)
         + trial_notes(joint, parent, moved)
         + parent.notes
         + child.notes,
@@ -173,12 +179,12 @@ def _weights(parent: SegmentMotion, child: SegmentMotion, motion: RelativeMotion
 
 
 def _centre_notes(
-    joint: str, parent: SegmentMotion, turned: Turning, unseen: NDArray[np.bool_]
+    joint: str, parent: SegmentMotion, turned: Turning, unobservable: NDArray[np.bool_]
 ) -> tuple[Note, ...]:
-    if not unseen.any():
+    if not unobservable.any():
         return ()
-    towards = " and ".join(_along(direction, parent) for direction in turned.in_parent[unseen])
-    how = ", ".join(f"{np.degrees(x):.1f}°" for x in turned.turned_rad[unseen])
+    towards = " and ".join(_along(direction, parent) for direction in turned.in_parent[unobservable])
+    how = ", ".join(f"{np.degrees(x):.1f}°" for x in turned.turned_rad[unobservable])
     text = (
         f"the motion does not reveal where the centre of {joint} lies along {towards}, which turned by {how} rms "
         f"only; it is left halfway between the markers of both segments; to reveal it, {motion_for_centre(joint)}"

@@ -1,4 +1,4 @@
-"""How a marker set fits the markers of a recording, told marker by marker."""
+"""How a marker set fits the markers of a recording, marker by marker."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass

@@ -1,4 +1,4 @@
-"""Centres of joints from bony landmarks alone, by published regressions: rivals of what motion tells.
+"""Centres of joints from bony landmarks alone, by published regressions: rivals of the functional ones.
 
 Each says how far off others found it, against images of the bones. All are of people on the average: none knows
 this one.

@@ -19,7 +19,7 @@ LEAST_WIDTH_M = 0.005
 
 @dataclass(frozen=True)
 class Poses:
-    """The pose of a segment in the world, frame by frame; NaN where too few points were seen to tell.
+    """The pose of a segment in the world, frame by frame; NaN where too few points were seen.
 
     Attributes
     ----------

@@ -16,18 +16,18 @@ from arm.model import Floats
 from fitter.functional.relative_motion import PartSums, Turning
 
 
-def revealed_basis(turning: Turning, unseen: NDArray[np.bool_]) -> Floats:
-    """Return an orthonormal basis of what the motion reveals of ``(u, v)``, (6, 6 - n_unseen).
+def revealed_basis(turning: Turning, unobservable: NDArray[np.bool_]) -> Floats:
+    """Return an orthonormal basis of what the motion reveals of ``(u, v)``, (6, 6 - n_unobservable).
 
     Parameters
     ----------
     turning : Turning
-    unseen : (3,) bool
+    unobservable : (3,) bool
         Along which of its directions the centre is not revealed.
     """
     sums = np.hstack([turning.in_parent, turning.in_child]) / np.sqrt(2.0)
     differences = np.hstack([turning.in_parent, -turning.in_child]) / np.sqrt(2.0)
-    return np.asarray(np.vstack([sums[~unseen], differences]).T)
+    return np.asarray(np.vstack([sums[~unobservable], differences]).T)
 
 
 def centre(sums: PartSums, use: NDArray[np.bool_], basis: Floats) -> Floats:

@@ -34,7 +34,7 @@ class Template:
     points_m : (n_marker, 3)
         NaN for a marker that could not be placed.
     rms_m : (n_marker,)
-        How far the marker wandered from there, as far as the others tell.
+        How far the marker wandered from there, relative to the others.
     """
 
     markers: tuple[str, ...]
@@ -43,7 +43,7 @@ class Template:
 
     @property
     def missing(self) -> tuple[str, ...]:
-        """Markers that could not be placed, for they were never seen beside three others."""
+        """Markers that could not be placed, for they were never seen together with three others."""
         return tuple(m for m, x in zip(self.markers, self.points_m, strict=True) if not np.isfinite(x).all())
 
     def poses(self, measured_m: Floats) -> Poses:

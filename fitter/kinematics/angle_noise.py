@@ -17,7 +17,7 @@ from limbcal.errors import ConfigError
 
 Source = Literal["known", "spectrum", "moments"]
 
-#: A variance that is not so many standard errors above zero may as well be zero.
+#: A variance is significant if it is this number of standard errors above zero.
 _SIGNIFICANT = 2.0
 
 
@@ -28,7 +28,7 @@ class AngleNoise:
     Attributes
     ----------
     rad : (n_joint,) [rad, or m where a joint slides], or None
-        None where nothing could be told of it, and none was undone.
+        None where it could not be estimated, and none was undone.
     source : str or None
         "known": given; "spectrum": the floor of the angles' spectra; "moments": estimated with the geometry.
     """
@@ -42,7 +42,9 @@ class AngleNoise:
         return self.rad if self.rad is not None and np.any(self.rad >= NEGLIGIBLE) else None
 
 
-def told_noise(arm: Arm, learn: Sequence[Trial], given: Literal["auto"] | None | Sequence[float]) -> AngleNoise:
+def resolved_noise(
+    arm: Arm, learn: Sequence[Trial], given: Literal["auto"] | None | Sequence[float]
+) -> AngleNoise:
     """Return the noise as it is given, or as it shows in the spectra.
 
     Raises
@@ -92,17 +94,17 @@ def noise_from_moments(
         limit = fit.variance + _SIGNIFICANT * fit.variance_std
         shrinks = 0.5 * limit > _least_std_m(search, fit) / spread_m
         significant = fit.variance > _SIGNIFICANT * fit.variance_std
-        left = np.flatnonzero(estimated & ~significant & ~shrinks)
-        if not len(left):
+        insignificant = np.flatnonzero(estimated & ~significant & ~shrinks)
+        if not len(insignificant):
             return AngleNoise(np.sqrt(np.maximum(fit.variance, 0.0)), "moments"), estimated
-        least = left[np.argmin(limit[left])]
+        least = insignificant[np.argmin(limit[insignificant])]
         variance = np.maximum(fit.variance, 0.0)
         variance[least], estimated[least] = 0.0, False
     return AngleNoise(np.zeros(n), "moments"), estimated
 
 
 def _least_std_m(search: IncrementalKinematics, fit: MomentFit) -> float:
-    """Return the smallest standard error of a length; infinite where no length is told."""
+    """Return the smallest standard error of a length; infinite where no length is determined."""
     lengths = search.sought % len(GEOMETRY) == GEOMETRY.index("a")
     return float(np.min(np.sqrt(np.diag(fit.covariance))[lengths], initial=np.inf))
 

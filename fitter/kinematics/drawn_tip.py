@@ -32,15 +32,15 @@ class DrawnGeometry:
     Attributes
     ----------
     departures : (n_draw, n_joint, 5)
-        From the geometry that was found; zero where it is not told.
-    left : (n_draw,) [m^2]
+        From the geometry that was found; zero where it is not determined.
+    residual_square : (n_draw,) [m^2]
         What the draws' own answers leave of the tip's displacement, squared and summed.
     found : float [m^2]
         And what the geometry that was found leaves of it.
     """
 
     departures: Floats
-    left: Floats
+    residual_square: Floats
     found: float
 
 
@@ -63,14 +63,14 @@ def drawn_geometry(arm: Arm, found: Arm, which: NDArray[np.intp], trials: Sequen
         return None
     n_draw = len(draws[0].q) if draws[0] is not None else 0
     normal, scores = np.zeros((len(which), len(which))), np.zeros((n_draw, len(which)))
-    power, left = np.zeros(n_draw), 0.0
+    power, residual_square = np.zeros(n_draw), 0.0
     for trial, one in zip(trials, draws, strict=True):
         assert one is not None and trial.tip is not None
         rest = first_rest(trial)
         slopes = _slopes(found, which, trial.q, rest)
         normal += slopes.T @ slopes
         residual = _since(trial.tip, rest) - _since(tip_position(found, trial.q), rest)
-        left += float(np.sum(residual**2))
+        residual_square += float(np.sum(residual**2))
         for b in range(n_draw):
             points = np.zeros((len(trial.q), len(arm.sensors), 3))
             points[:, _tip_sensor(arm)] = one.points[b, :, 0]
@@ -81,7 +81,9 @@ def drawn_geometry(arm: Arm, found: Arm, which: NDArray[np.intp], trials: Sequen
     answers = np.linalg.lstsq(normal, scores.T, rcond=None)[0].T
     departures = np.zeros((n_draw, geometry_of(found).size))
     departures[:, which] = answers
-    return DrawnGeometry(departures.reshape(n_draw, -1, 5), power - np.einsum("bi,bi->b", scores, answers), left)
+    return DrawnGeometry(
+        departures.reshape(n_draw, -1, 5), power - np.einsum("bi,bi->b", scores, answers), residual_square
+    )
 
 
 def _tip_sensor(arm: Arm) -> int:

@@ -3,7 +3,7 @@
 Displacements of the tip don't say where the base stands or how it is turned, where along parallel axes a link
 sits, or where a joint counts from if nothing fixes the link before it. Such a freedom is a null vector of the
 jacobian of all parameters and the base's orientation, at the geometry that was found, with axes that are nearly
-parallel taken to be so (Hayati 1983): how far noise has turned them apart tells nothing of d.
+parallel taken to be so (Hayati 1983): their angle by noise has no information of d.
 """
 
 from collections.abc import Sequence
@@ -12,9 +12,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from arm.model import Floats
-from fitter.kinematics.revealed import RESOLUTION_M, SMALLEST_SHARE, by_preference
+from fitter.kinematics.identifiability import RESOLUTION_M, SMALLEST_SHARE, by_preference
 
-#: Parameters that do less than this share of what a dependent one does are no part of its group.
+#: Parameters whose effect is below this fraction of a dependent one's are no part of its group.
 _PART = 0.02
 
 
@@ -44,7 +44,7 @@ def gauge(names: Sequence[str], effects: Floats, base: Floats) -> tuple[Gauge, .
     names : (n_parameter,)
         Of all parameters, five a joint.
     effects : (n_parameter, n)
-        What each does to the tip over its whole range, as `fitter.kinematics.revealed.revealed` takes it.
+        What each does to the tip over its whole range, as `identifiable` takes it.
     base : (3, n)
         What turning the base about x, y and z does.
 
@@ -64,17 +64,17 @@ def gauge(names: Sequence[str], effects: Floats, base: Floats) -> tuple[Gauge, .
                 found.append(Gauge((names[order[k]],), "the displacement of the tip shows nothing of it"))
             continue
         share, *_ = np.linalg.lstsq(rows[known].T, row, rcond=None)
-        left = float(np.linalg.norm(row - share @ rows[known]))
-        if left > max(RESOLUTION_M, SMALLEST_SHARE * alone):
+        residual = float(np.linalg.norm(row - share @ rows[known]))
+        if residual > max(RESOLUTION_M, SMALLEST_SHARE * alone):
             known.append(k)
             continue
         does = np.abs(share) * np.linalg.norm(rows[known], axis=1)
         together = [other for other, size in zip(known, does, strict=True) if size > _PART * alone]
-        found.append(_told(names, order, [*together, k]))
+        found.append(_gauge_of(names, order, [*together, k]))
     return tuple(found)
 
 
-def _told(names: Sequence[str], order: Sequence[int], rows: Sequence[int]) -> Gauge:
+def _gauge_of(names: Sequence[str], order: Sequence[int], rows: Sequence[int]) -> Gauge:
     """Return a freedom in words."""
     own = sorted(order[k] for k in rows if k < len(order))
     if len(own) < len(rows):

@@ -8,8 +8,8 @@ from numpy.typing import NDArray
 
 from arm.model import Arm, Floats
 from fitter.kinematics.gauge import Gauge, gauge
+from fitter.kinematics.identifiability import identifiable, sought_by_default, with_parallel_axes
 from fitter.kinematics.reliable import reliable
-from fitter.kinematics.revealed import revealed, sought_by_default, with_parallel_axes
 from fitter.kinematics.search_bounds import search_bounds
 from fitter.kinematics.tip_basis import coefficients, geometry_names, geometry_of, jacobian, turning
 from fitter.kinematics.tip_sums import TipSums, add_up, no_sums, tip_sums
@@ -19,9 +19,9 @@ from fitter.search.standard_errors import sandwich_covariance
 from limbcal.errors import ConfigError
 from limbcal.suggestion import did_you_mean
 
-#: What can be told is looked at again every so many generations.
+#: Generations between two checks of identifiability.
 _LOOK_AGAIN = 25
-#: Stretches of one trial are joined to blocks of at least so many samples: 50 ms of frames.
+#: Least samples a block, to which stretches of one trial are joined: 50 ms of frames.
 _BLOCK_SAMPLES = 50
 
 
@@ -40,7 +40,7 @@ class IncrementalKinematics:
     fixed : mapping from name to value, optional
         Parameters that are known and not searched.
     free : collection of str, optional
-        Parameters to search although `fitter.kinematics.revealed.sought_by_default` leaves them out.
+        Parameters to search although `fitter.kinematics.identifiability.sought_by_default` leaves them out.
 
     angle_noise : (n_joint,) [rad or m], optional
         Standard deviation of white noise in the angles, which is undone in the sums.
@@ -90,7 +90,7 @@ class IncrementalKinematics:
         self._anyhow = self._prior.copy()
         self._anyhow.flat[self._genes] = lower[self._genes] + self._range * rng.uniform(0.2, 0.8, len(self._genes))
         self._search = GeneticAlgorithm(lower[self._genes], upper[self._genes], rng, self.population)
-        self._told = np.zeros(len(self._genes), dtype=bool)
+        self._is_determined = np.zeros(len(self._genes), dtype=bool)
         self._parts: list[TipSums] = []
         self._angle_noise = angle_noise
         self._measured = self._total = no_sums(arm)
@@ -101,29 +101,29 @@ class IncrementalKinematics:
 
     @property
     def best(self) -> Floats:
-        """Best geometry so far, (n_joint, 5): alpha, a, d, beta, theta offset; the prior where it is not told."""
+        """Best geometry so far, (n_joint, 5): alpha, a, d, beta, theta offset; else the prior."""
         return self._best.copy()
 
     @property
-    def told(self) -> NDArray[np.bool_]:
-        """Which of these numbers the frames so far have told, (n_joint, 5)."""
-        told = np.zeros(self._best.size, dtype=bool)
-        told[self._genes] = self._told
-        return told.reshape(self._best.shape)
+    def is_determined(self) -> NDArray[np.bool_]:
+        """Which of these parameters the frames so far determine, (n_joint, 5)."""
+        is_determined = np.zeros(self._best.size, dtype=bool)
+        is_determined[self._genes] = self._is_determined
+        return is_determined.reshape(self._best.shape)
 
     @property
     def sought(self) -> NDArray[np.intp]:
-        """Where the numbers that are told stand in the flattened geometry, (n_told,)."""
-        return self._genes[self._told]
+        """Indices of the determined parameters in the flattened geometry, (n_determined,)."""
+        return self._genes[self._is_determined]
 
     @property
     def bounds(self) -> tuple[Floats, Floats]:
-        """Bounds of the numbers that are told, lower and upper, (n_told,) each."""
-        return self._bounds[0][self._told], self._bounds[1][self._told]
+        """Bounds of the determined parameters, lower and upper, (n_determined,) each."""
+        return self._bounds[0][self._is_determined], self._bounds[1][self._is_determined]
 
     @property
     def generations(self) -> int:
-        """Generations so far; none passes before anything can be told."""
+        """Generations so far; none passes before anything is identifiable."""
         return self._search.generation
 
     @property
@@ -171,13 +171,13 @@ class IncrementalKinematics:
         Returns
         -------
         float
-            Error of the best one's tip displacement, rms [m]; NaN as long as nothing can be told.
+            Error of the best one's tip displacement, rms [m]; NaN as long as nothing is identifiable.
         """
         if self._changed:
             self._whiten()
         if self._search.generation % _LOOK_AGAIN == 0:
             self._look()
-        if not np.any(self._told):
+        if not np.any(self._is_determined):
             return np.nan
         genes = self._search.ask()
         costs = self._cost(genes)
@@ -192,7 +192,7 @@ class IncrementalKinematics:
 
     def polish(self) -> None:
         """Move the best geometry to the optimum next to it, by Gauss-Newton steps within the bounds."""
-        which, found = self._genes[self._told], self._best.copy()
+        which, found = self._genes[self._is_determined], self._best.copy()
 
         def residual(genes: Floats) -> Floats:
             found.flat[which] = genes
@@ -214,14 +214,14 @@ class IncrementalKinematics:
             self._polished = found.copy()
 
     def standard_errors(self) -> Floats:
-        """Return the standard errors of the best geometry, NaN where it is not told, (n_joint, 5)."""
+        """Return the standard errors of the best geometry, NaN where it is not determined, (n_joint, 5)."""
         std = np.full(self._best.size, np.nan)
-        if np.any(self._told):
+        if np.any(self._is_determined):
             std[self.sought] = np.sqrt(np.diag(self.scattered()))
         return std.reshape(self._best.shape)
 
     def scattered(self) -> Floats:
-        """Return the covariance of the numbers that are told, in the order of `sought`, from what they leave."""
+        """Return the covariance of the determined parameters, in the order of `sought`, from their residuals."""
         return sandwich_covariance(*self._scores())
 
     def by_motions(self) -> tuple[Floats, float]:
@@ -253,7 +253,7 @@ class IncrementalKinematics:
 
     def promise(self) -> float:
         """Return the share by which a Gauss-Newton step would lower the cost of the best one."""
-        J = jacobian(self._revolute, self._best, self._genes[self._told])[:, :, 1:]
+        J = jacobian(self._revolute, self._best, self._genes[self._is_determined])[:, :, 1:]
         residual = self._residual(self._best[None])[0].ravel()
         step, *_ = np.linalg.lstsq(self._slopes(J).T, residual, rcond=None)
         lowered = float(np.sum((self._slopes(J).T @ step) ** 2))
@@ -269,27 +269,27 @@ class IncrementalKinematics:
         self._whitened = reliable(self._measured.whitened(), *parts, total.samples)
 
     def _look(self) -> None:
-        """Find out which genes the sums tell."""
-        told = self._revealed(self._anyhow, np.ones(len(self._genes), dtype=bool))
+        """Find out which genes are identifiable from the sums."""
+        is_determined = self._identifiable(self._anyhow, np.ones(len(self._genes), dtype=bool))
         if self._search.generation:
-            told = self._revealed(self._best, told)
-        self._told = told
-        self._search.hold(~told)
+            is_determined = self._identifiable(self._best, is_determined)
+        self._is_determined = is_determined
+        self._search.hold(~is_determined)
 
-    def _revealed(self, geometry: Floats, among: NDArray[np.bool_]) -> NDArray[np.bool_]:
+    def _identifiable(self, geometry: Floats, among: NDArray[np.bool_]) -> NDArray[np.bool_]:
         which = self._genes[among]
         effects = self._slopes(jacobian(self._revolute, geometry, which)[:, :, 1:])
         effects *= self._range[among, None] / np.sqrt(max(self.samples, 1))
-        told = np.zeros(len(among), dtype=bool)
-        told[among] = revealed(effects, which)
-        return told
+        is_determined = np.zeros(len(among), dtype=bool)
+        is_determined[among] = identifiable(effects, which)
+        return is_determined
 
     def _slopes(self, J: Floats) -> Floats:
         return np.asarray((J @ self._whitened.W.T).reshape(len(J), -1), dtype=np.float64)
 
     def _geometries(self, genes: Floats) -> Floats:
         flat = np.tile(self._prior.ravel(), (len(genes), 1))
-        flat[:, self._genes[self._told]] = genes[:, self._told]
+        flat[:, self._genes[self._is_determined]] = genes[:, self._is_determined]
         return flat.reshape(len(genes), *self._prior.shape)
 
     def _residual(self, geometries: Floats) -> Floats:

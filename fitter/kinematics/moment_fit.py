@@ -1,8 +1,8 @@
 """Geometry and angle noise together, by the generalised method of moments (Hansen 1982).
 
-There are more moments than unknowns. Weighted with the inverse of their covariance they tell about as much as
-least squares would that knew every sample's noise, because products of the tip itself are among them: a tip
-that is known well tells the angles nearly as well as the angles do.
+There are more moments than unknowns. Weighted with the inverse of their covariance they have about as much
+information as least squares would that knew every sample's noise, because products of the tip itself are among
+them: a tip that is known well determines the angles nearly as well as the angles do.
 """
 
 from collections.abc import Sequence
@@ -26,9 +26,9 @@ _SAMPLES_PER_MOMENT = 60
 _MOST_MOMENTS = 600
 #: Products of more joints than this, of which each has 9 harmonics, become too many.
 MOST_JOINTS = 4
-#: The weights are found again so many times, each time at the answer of the time before.
+#: Number of reweightings, each at the answer of the one before.
 _ROUNDS = 3
-#: Combinations of moments with less than this share of the largest variance are rounding.
+#: Combinations of moments with less than this fraction of the largest variance are rounding.
 _RANK = 1e-10
 _BLOCKS = 256
 #: Tip noise is not the same in all directions where the score test for it exceeds the quantile 0.999 of chi-square
@@ -184,7 +184,7 @@ class MomentProblem:
 
 
 def enough(revolute: tuple[bool, ...], samples: int) -> bool:
-    """Return whether so many samples are enough for the method."""
+    """Return whether the number of samples is enough for the method."""
     return len(revolute) <= MOST_JOINTS and TipMoments(revolute, 1).size * _SAMPLES_PER_MOMENT <= samples
 
 
@@ -211,9 +211,9 @@ def _inverse_root(samples: Floats) -> Floats:
     seen = np.flatnonzero(scale > 1e-12 * scale.max())
     unit = centred[:, seen] / scale[seen]
     power, axes = np.linalg.eigh(unit.T @ unit / len(unit))
-    told = power > _RANK * power[-1]
-    V = np.zeros((np.count_nonzero(told), samples.shape[1]))
-    V[:, seen] = (axes[:, told] / np.sqrt(power[told])).T / scale[seen]
+    is_determined = power > _RANK * power[-1]
+    V = np.zeros((np.count_nonzero(is_determined), samples.shape[1]))
+    V[:, seen] = (axes[:, is_determined] / np.sqrt(power[is_determined])).T / scale[seen]
     return V
 
 

@@ -2,7 +2,7 @@
 
 Motion fills the low frequencies of an angle's spectrum and noise all of them alike. So the level of the two
 highest octaves is that of the noise, if it is flat there. But samples that were taken one by one, each
-somewhere else, have a flat spectrum too. What tells the two apart is the tip: it follows a motion however
+somewhere else, have a flat spectrum too. What distinguishes the two is the tip: it follows a motion however
 fast, and knows nothing of an error of the angles.
 """
 
@@ -20,9 +20,9 @@ from fitter.kinematics.tip_basis import basis
 NEGLIGIBLE = 1e-3
 #: A spectrum is flat where its levels are alike to within this and five standard errors.
 _FLAT = 0.1
-#: The tip follows if more than this share of its fast part is explained by that of the angles.
+#: The tip follows if more than this fraction of its fast part is explained by that of the angles.
 _FOLLOWS = 0.02
-#: With so few samples that chance explains more than this share there is nothing to be said: it may well follow.
+#: With too few samples chance explains more than this fraction: then the tip may well follow.
 _BY_CHANCE = 0.1
 #: Differences of this order are left to look at of what is fast.
 _ORDER = 6

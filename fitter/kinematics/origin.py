@@ -8,8 +8,8 @@ import numpy as np
 from arm.model import Arm, Floats
 from fitter.data.first_rest import displacement, first_rest
 from fitter.data.trial import Trial
+from fitter.kinematics.identifiability import RESOLUTION_M
 from fitter.kinematics.noise_floor import NEGLIGIBLE
-from fitter.kinematics.revealed import RESOLUTION_M
 
 About = Literal["rest", "mean"]
 
@@ -44,13 +44,13 @@ def rest_of(trial: Trial, noise: Floats) -> slice | None:
 
 
 def choose_about(trials: Sequence[Trial], noise: Floats | None) -> About:
-    """Return "rest" where every trial is a recording or begins with a rest that can be told from its noise.
+    """Return "rest" where every trial is a recording or begins with a rest that is distinguishable from noise.
 
     Parameters
     ----------
     trials : sequence of Trial
     noise : (n_joint,) or None
-        Of the measured angles; None where it could not be told, since no motion is smooth.
+        Of the measured angles; None where it could not be estimated, since no motion is smooth.
     """
 
     def rests(trial: Trial) -> bool:

@@ -4,7 +4,7 @@ A corrected gram matrix has the right expectation, but nothing keeps it positive
 it is a small difference of large numbers. What share of a direction's measured power is motion and not noise
 is its *reliability*; measured from n samples it scatters by about ``(1 - share) sqrt(2 / n)``. A direction
 whose reliability is not above that scatter is left out, as one in which nothing moved: the cost does not know
-it, and what the parameters do there can't be told.
+it, and what the parameters do there is unobservable.
 """
 
 import numpy as np
@@ -36,10 +36,10 @@ def reliable(measured: Whitened, gram: Floats, moment: Floats, power: Floats, sa
         return measured
     back = np.linalg.pinv(measured.W)
     share, axes = np.linalg.eigh(back.T @ gram @ back)
-    told = share > _OUTSTANDING * np.sqrt(2.0 / max(samples, 1)) * np.clip(1.0 - share, 0.0, 1.0)
-    told &= share > 0.0
-    root = np.sqrt(share[told])
-    W = root[:, None] * (axes[:, told].T @ measured.W)
-    z = (axes[:, told].T @ (back.T @ moment)) / root[:, None]
+    is_determined = share > _OUTSTANDING * np.sqrt(2.0 / max(samples, 1)) * np.clip(1.0 - share, 0.0, 1.0)
+    is_determined &= share > 0.0
+    root = np.sqrt(share[is_determined])
+    W = root[:, None] * (axes[:, is_determined].T @ measured.W)
+    z = (axes[:, is_determined].T @ (back.T @ moment)) / root[:, None]
     rest = np.maximum(power - np.sum(z * z, axis=0), 0.0)
     return Whitened(W, z, rest, measured.kept, measured.folded, measured.scale)

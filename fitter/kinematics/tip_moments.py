@@ -26,7 +26,7 @@ HIGHEST = 2
 _LONGEST = HIGHEST + 2
 #: The pairs of axes in r r^T.
 PAIRS = ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))
-#: Samples whose products are looked at together take about so many numbers.
+#: Numbers held at once for the products of a block of samples, about.
 _NUMBERS = 2_000_000
 
 
@@ -103,7 +103,7 @@ class TipMoments:
         tip : (n_sample, 3)
         trial : int
         blocks : int
-            Consecutive samples are parted into so many, at most.
+            Most blocks of consecutive samples.
         """
         ends = np.linspace(0, len(q), min(blocks, len(q)) + 1).astype(np.intp)
         n_place, low = int(np.prod(places(self.revolute, _LONGEST))), self._low

@@ -14,8 +14,8 @@ from arm.marker_kinematics import Integers, slopes_room
 from arm.model import Floats
 from fitter.limb.free_geometry import FreeGeometry, Geometry
 from fitter.limb.inverse_kinematics import predicted
+from fitter.limb.marker_observations import FREEDOM, AnglePrior, Frames, MarkerModel, swayed
 from fitter.limb.normal_equations import bundle_cost, eliminate
-from fitter.limb.observation import FREEDOM, AnglePrior, Frames, MarkerModel, swayed
 
 #: Iterations at the most, and the relative gain below which they end.
 _MOST_ITERATIONS, _CONVERGED = 80, 1e-6
@@ -78,7 +78,8 @@ class Task:
     free : FreeGeometry
     frames : Frames
     share : (n_frame,)
-        How much each frame counts: skin that moves coherently tells less than as many independent errors.
+        How much each frame counts: skin that moves coherently has less information than as many independent
+        errors.
     part : (n_frame,) int64
         For the normal equations at the end.
     prior : Prior

@@ -13,9 +13,9 @@ from arm.body.landmarks import LimbMap
 from arm.model import Floats
 from fitter.functional.functional_centre import FunctionalCentre, functional_centre
 from fitter.functional.regression_centre import regression_centres
+from fitter.limb.base_orientation import seen_or_posed
 from fitter.limb.limb_trials import LimbTrials
-from fitter.limb.seen import median_seen
-from fitter.limb.standing import seen_or_posed
+from fitter.limb.nan_statistics import nan_median
 from limbcal.errors import NotIdentifiable
 from limbcal.note import Note
 
@@ -50,7 +50,7 @@ class Centre:
 def joint_centres(
     trials: LimbTrials, where: LimbMap
 ) -> tuple[dict[str, Centre], list[FunctionalCentre], list[Note]]:
-    """Return what is known of the limb's centres, the functional ones among them, and what motion left open."""
+    """Return what is known of the limb's centres, functional ones included, and what the motion leaves open."""
     centres, functional, notes = dict[str, Centre](), list[FunctionalCentre](), list[Note]()
     chain = [s for s in where.parts if not s.startswith("scapula")]
     parents = [where.base, *chain[:-1]]
@@ -74,7 +74,7 @@ def joint_centres(
 
 
 def _by_motion(trials: LimbTrials, found: FunctionalCentre | None) -> Centre | None:
-    if found is None or (found.unseen.any() and found.joint.startswith(("hip", "shoulder"))):
+    if found is None or (found.unobservable.any() and found.joint.startswith(("hip", "shoulder"))):
         return None
     centre = Centre("score")
     for segment, place in ((found.parent, found.in_parent_m), (found.child, found.in_child_m)):
@@ -94,7 +94,7 @@ def _by_landmarks(trials: LimbTrials, where: LimbMap, name: str, segment: str) -
     centre = Centre("landmarks", {segment: middle})
     if segment in trials.motions:
         whole = trials.motions[segment].whole
-        centre.in_segment_m[segment] = median_seen(np.einsum("nji,nj->ni", whole.R, middle - whole.p))
+        centre.in_segment_m[segment] = nan_median(np.einsum("nji,nj->ni", whole.R, middle - whole.p))
     return centre
 
 
@@ -107,7 +107,7 @@ def _by_regression(trials: LimbTrials, where: LimbMap) -> Centre | None:
             if where.base in trials.motions:
                 whole = trials.motions[where.base].whole
                 local = np.einsum("nji,nj->ni", whole.R, found.position_m - whole.p)
-                centre.in_segment_m[where.base] = median_seen(local)
+                centre.in_segment_m[where.base] = nan_median(local)
             return centre
     return None
 
@@ -121,7 +121,7 @@ def _carried_by_both(trials: LimbTrials, centre: Centre, segments: tuple[str, st
         whole = trials.motions[segment].whole
         local = np.einsum("nji,nj->ni", whole.R, world - whole.p)
         if np.isfinite(local[:, 0]).any():
-            place = median_seen(local)
+            place = nan_median(local)
             centre.in_segment_m[segment] = place
             centre.world_m[segment] = np.einsum("nij,j->ni", whole.R, place) + whole.p
     return centre

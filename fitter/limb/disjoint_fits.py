@@ -1,7 +1,7 @@
 """Fits of disjoint trials by themselves: what they disagree by is what one of them does not know.
 
-A trial that does not move what the whole recording tells, such as a static one, would only hand back the prior
-and counts for nothing here. Where fewer than two trials are left, the halves of the one that tells most stand in.
+A trial that does not move what the whole recording determines, such as a static one, would return the prior
+and counts for nothing here. Where fewer than two trials are left, the halves of the most informative one stand in.
 """
 
 from collections.abc import Callable
@@ -21,7 +21,7 @@ _LEAST_FRAMES, _MOST_ITERATIONS = 10, 25
 def disjoint_fits(
     task: Task, bundle: Bundle, trial: Integers, progress: Callable[[str, int], None] | None = None
 ) -> list[Bundle]:
-    """Return the fits of trials, or halves of one, that tell by themselves what all tell together.
+    """Return the fits of trials, or halves of one, that determine alone what all determine together.
 
     Parameters
     ----------
@@ -57,7 +57,7 @@ def disjoint_fits(
 
 
 def learnt(task: Task, bundle: Bundle) -> NDArray[np.bool_]:
-    """Return which free numbers a fit tells beyond their prior, (n_free,)."""
+    """Return which free parameters a fit determines beyond their prior, (n_free,)."""
     return np.asarray(_std(task, bundle) < LEARNT * task.free.std)
 
 

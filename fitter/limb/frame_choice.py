@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from arm.marker_kinematics import Integers
 from arm.model import Floats
-from fitter.limb.observation import Frames
+from fitter.limb.marker_observations import Frames
 from limbcal.errors import NotIdentifiable
 
 #: How long skin keeps an error [s]: frames nearer in time than that count together as one. As long as a movement's
@@ -31,7 +31,7 @@ def usable_frames(y: Floats, R: Floats, p: Floats, times: Sequence[Floats]) -> t
 
 
 def thinned(usable: NDArray[np.bool_], n: int) -> Integers:
-    """Return so many of the frames that can be used, evenly spread over them."""
+    """Return a given number of the usable frames, evenly spread over them."""
     there = np.flatnonzero(usable)
     return there[np.linspace(0, len(there) - 1, min(n, len(there))).round().astype(np.int64)]
 

@@ -1,7 +1,7 @@
-"""Which numbers of eq. (1) a person's motion can tell, and how far they differ from person to person.
+"""Which parameters of eq. (1) a person's motion determines, and how far they differ from person to person.
 
 A line in space has four numbers, and a joint's zero takes up one of them. So two neighbouring axes that nearly
-meet are told by three numbers: the twist ``alpha``, the distance ``a`` and the place ``d`` of their common normal.
+meet have three numbers: the twist ``alpha``, the distance ``a`` and the place ``d`` of their common normal.
 Two that are nearly parallel, knee and ankle, have no common normal that stays in place; there the paper's ``beta``
 takes the place of ``d``. Axes of a ball joint meet at right angles by choice; and where the last of them points
 within the segment is a choice too, so that only the distance to the next axis is left. All other numbers are

@@ -1,4 +1,4 @@
-"""How far centres that motion shows are off, beyond what repeated trials can tell: against images of the bones.
+"""How far centres that motion shows are off, beyond what repeated trials can show: against images of the bones.
 
 Skin, and a scapula that its markers do not follow, move with the joint's angle and alike in all trials. No
 disagreement of trials shows that; it is what methods were found to be off against CT, ultrasound or MRI.
@@ -10,8 +10,8 @@ from arm.body.landmarks import LimbMap
 from arm.marker_kinematics import MarkerChain
 from arm.model import Floats
 from fitter.limb.inverse_kinematics import link_poses
-from fitter.limb.observation import SWAY, Frames
-from fitter.limb.seen import median_seen
+from fitter.limb.marker_observations import SWAY, Frames
+from fitter.limb.nan_statistics import nan_median
 from limbcal.note import Note
 
 #: Distance of a functional centre from that in images [m]: of the shoulder by SCoRE 20.7 ± 5.5 mm from CT, mean
@@ -43,7 +43,7 @@ def beyond_the_acromion(
     """
     _, o = link_poses(chain, frames, q)
     elbow = o[:, SWAY + where.centres["elbow"]]
-    far = float(median_seen(np.linalg.norm(acromion_m - elbow, axis=1)[:, None])[0])
+    far = float(nan_median(np.linalg.norm(acromion_m - elbow, axis=1)[:, None])[0])
     if not far < length_m:
         return None
     text = (

@@ -8,8 +8,8 @@ import numpy as np
 
 from arm.marker_kinematics import MarkerChain, Slopes, joint_slopes, link_frames, marker_at, slopes_room
 from arm.model import Floats
+from fitter.limb.marker_observations import AnglePrior, Frames
 from fitter.limb.normal_equations import t_cost, t_weight
-from fitter.limb.observation import AnglePrior, Frames
 from limbcal.compiled import compiled
 
 #: Postures that a frame begins anew from.

@@ -16,7 +16,7 @@ from fitter.limb.frame_choice import usable_frames
 from fitter.limb.free_geometry import FreeGeometry
 from fitter.limb.inverse_kinematics import follow, predicted
 from fitter.limb.limb_trials import LimbTrials
-from fitter.limb.observation import Frames, base_follows, with_base
+from fitter.limb.marker_observations import Frames, base_follows, with_base
 from fitter.limb.uncertainty import Errors
 from fitter.markers.recording import MarkerRecording
 from limbcal.note import Note

@@ -38,7 +38,7 @@ class LimbTrials:
         NaN where a marker was not seen.
     t : tuple of (n_frame,) [s]
     up : str
-        Such as ``+z``; empty where nothing tells it.
+        Such as ``+z``; empty where it is unknown.
     segments : mapping of str to tuple of str
         The markers of the base and of each part of the limb, landmarks among them.
     landmarks : mapping of str to str
@@ -126,7 +126,7 @@ def limb_trials(recordings: Sequence[MarkerRecording], marker_set: MarkerSet, wh
     )
 
 
-#: Landmarks of either side that tell how the trunk stands.
+#: Landmarks of either side that determine the trunk's orientation.
 _BOTH_SIDES = tuple(f"{name}_{side}" for name in ("asis", "psis", "acromion") for side in ("right", "left"))
 
 
@@ -178,7 +178,7 @@ def _columns(notes: Sequence[Note]) -> set[str]:
 def _sorted_by_distances(
     own_set: MarkerSet, segments: Mapping[str, tuple[str, ...]], recordings: Sequence[MarkerRecording]
 ) -> tuple[dict[str, tuple[str, ...]], list[Note], frozenset[str]]:
-    """Leave out markers that go with another segment; tell computed landmarks from measured ones."""
+    """Leave out markers that go with another segment; separate computed landmarks from measured ones."""
     names = tuple(m for on_it in segments.values() for m in on_it)
     frames = np.concatenate([recording.of(names) for recording in recordings])
     scatter = distance_scatter(frames[:: max(1, len(frames) // _SCATTER_FRAMES)])

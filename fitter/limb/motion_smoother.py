@@ -13,7 +13,7 @@ from scipy.linalg import cho_solve_banded, cholesky_banded
 from arm.marker_kinematics import MarkerChain, Slopes, slopes_room
 from arm.model import Floats
 from fitter.limb.inverse_kinematics import frame_equations
-from fitter.limb.observation import SWAY, AnglePrior, Frames
+from fitter.limb.marker_observations import SWAY, AnglePrior, Frames
 from limbcal.compiled import compiled
 
 #: Spectral density of the jerk, of joints and turns of the base [rad²/s⁵], and of its shifts [m²/s⁵]: with

@@ -22,7 +22,7 @@ from arm.marker_kinematics import (
     marker_at,
 )
 from arm.model import Floats
-from fitter.limb.observation import FREEDOM, AnglePrior, Frames
+from fitter.limb.marker_observations import FREEDOM, AnglePrior, Frames
 from limbcal.compiled import compiled
 
 

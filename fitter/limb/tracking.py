@@ -16,17 +16,17 @@ from fitter.functional.rigid_fit import fit_poses
 from fitter.functional.template import doubtful_rms_m
 from fitter.limb.base_motion import BaseMotion, poses_of, quaternions
 from fitter.limb.free_geometry import Geometry
+from fitter.limb.initial_geometry import angle_prior
 from fitter.limb.inverse_kinematics import follow, link_poses, predicted
+from fitter.limb.marker_observations import SWAY, AnglePrior, Frames, MarkerModel, base_follows, with_base
 from fitter.limb.motion_smoother import smooth
-from fitter.limb.observation import SWAY, AnglePrior, Frames, MarkerModel, base_follows, with_base
-from fitter.limb.start import angle_prior
 from fitter.markers.recording import MarkerRecording
 from limbcal.errors import ConfigError, DataError
 from limbcal.note import Note
 
 #: How far a marker wanders where the arm file does not say so, and at the least [m].
 _USUAL_STD_M, _LEAST_STD_M = 0.008, 0.004
-#: Markers of the chain from which on a frame tells its angles by itself.
+#: Least markers of the chain with which a frame determines its angles by itself.
 _LEAST_MARKERS = 3
 
 

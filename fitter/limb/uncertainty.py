@@ -25,7 +25,7 @@ LEARNT = 0.7
 
 @dataclass(frozen=True)
 class Derived:
-    """What is told of a limb, beside its numbers: each as a vector, in a frame that does not depend on gauge.
+    """Derived quantities of a limb: each as a vector, in a frame that does not depend on gauge.
 
     Attributes
     ----------
@@ -84,7 +84,7 @@ def derived(
     geometry : Geometry
     links : (m,) int64
     place, reference : (m, 3) [m]
-        Where markers are, and where the fit of all frames has them: centres are told in its frames.
+        Where markers are, and where the fit of all frames has them: centres are given in its frames.
     """
     numbers, k = geometry.numbers, where.balls[0]
     is_arm = "elbow" in where.centres
@@ -137,18 +137,18 @@ def errors(where: LimbMap, task: Task, bundle: Bundle, n_part: int, halves: Sequ
     """
     markers, n_free = bundle.markers, len(task.free.std)
     information = task.prior.information
-    pull = information * shared_away(task, bundle.geometry, markers.place)
+    prior_gradient = information * shared_away(task, bundle.geometry, markers.place)
 
     def step(use: NDArray[np.bool_]) -> Floats:
         # the rest stands for all, so that the prior counts alike
         more = len(use) / max(int(use.sum()), 1)
         S, b = more * bundle.S[use].sum(axis=0), more * bundle.b[use].sum(axis=0)
-        return np.asarray(np.linalg.solve(S + np.diag(information), b - pull))
+        return np.asarray(np.linalg.solve(S + np.diag(information), b - prior_gradient))
 
-    def told(use: NDArray[np.bool_]) -> Floats:
-        return told_at(step(use))
+    def derived_of(use: NDArray[np.bool_]) -> Floats:
+        return derived_at(step(use))
 
-    def told_at(shared: Floats) -> Floats:
+    def derived_at(shared: Floats) -> Floats:
         geometry = bundle.geometry.moved(task.free, shared[:n_free])
         place = markers.place + shared[n_free:].reshape(-1, 3)
         return derived(where, geometry, markers.link, place, markers.place).vector()
@@ -158,28 +158,28 @@ def errors(where: LimbMap, task: Task, bundle: Bundle, n_part: int, halves: Sequ
     spread = np.sqrt(np.diag(jackknife(lambda use: step(use)[:n_free], n_part)))
     # what the motion leaves open stays at the prior whichever part is left out: its error is the posterior's
     learnt = formal < LEARNT * task.free.std
-    free_var, told_cov = (
+    free_var, derived_cov = (
         np.fmax(spread, formal) ** 2,
-        _larger(jackknife(told, n_part), _carried(told_at, posterior)),
+        _larger(jackknife(derived_of, n_part), _carried(derived_at, posterior)),
     )
     if not where.balls[0]:  # with a girdle before it the first centre is another
         off = systematic_std_m(next(iter(where.centres))) ** 2
         free_var[[task.free.names.index(name) for name in ("base_x", "base_y", "base_z", "d3")]] += off
         two_lengths = 2
-        told_cov[np.diag_indices(two_lengths + 3)] += off * np.array([1.0, 0.0, 1.0, 1.0, 1.0])
+        derived_cov[np.diag_indices(two_lengths + 3)] += off * np.array([1.0, 0.0, 1.0, 1.0, 1.0])
     return Errors(
         np.sqrt(free_var),
         learnt,
-        told_cov,
+        derived_cov,
         tuple(derived(where, half.geometry, markers.link, half.markers.place, markers.place) for half in halves),
         n_part,
     )
 
 
-def _carried(told_at: Callable[[Floats], Floats], covariance: Floats) -> Floats:
+def _carried(derived_at: Callable[[Floats], Floats], covariance: Floats) -> Floats:
     """Return the covariance of what follows from the shared numbers, by central differences."""
     step = np.diag(1e-3 * np.sqrt(np.diag(covariance)))
-    slopes = np.array([(told_at(one) - told_at(-one)) / (2.0 * one.sum()) for one in step]).T
+    slopes = np.array([(derived_at(one) - derived_at(-one)) / (2.0 * one.sum()) for one in step]).T
     return np.asarray(slopes @ covariance @ slopes.T)
 
 

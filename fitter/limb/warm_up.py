@@ -8,7 +8,7 @@ from arm.body.landmarks import limb_map
 from arm.body.limbs import MEAN_PERSON, limb
 from arm.model import Base, Marker
 from fitter.functional.marker_set import MarkerSet
-from fitter.limb.calibration import calibrate
+from fitter.limb.limb_calibration import calibrate
 from fitter.limb.tracking import track_limb
 from fitter.markers.recording import MarkerRecording
 

@@ -13,8 +13,8 @@ from fitter.limb.base_motion import markers_in
 from fitter.limb.bundle import wander
 from fitter.limb.inverse_kinematics import link_poses
 from fitter.limb.limb_fit import LimbFit
-from fitter.limb.observation import SWAY
-from fitter.limb.seen import median_seen
+from fitter.limb.marker_observations import SWAY
+from fitter.limb.nan_statistics import nan_median
 
 
 def calibrated_arm(fit: LimbFit, body: Body | None) -> Arm:
@@ -78,7 +78,7 @@ def _computed(fit: LimbFit) -> list[Marker]:
                 continue
             y = fit.trials.of(name)[usable]
             i = SWAY + part.link
-            place = median_seen(np.einsum("nji,nj->ni", R[:, i], y - o[:, i]))
+            place = nan_median(np.einsum("nji,nj->ni", R[:, i], y - o[:, i]))
             scatter = np.einsum("nji,nj->ni", R[:, i], y - o[:, i]) - place
             if np.isfinite(place).all():
                 std = float(np.sqrt(np.nanmean(scatter**2)))

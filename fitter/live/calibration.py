@@ -15,16 +15,16 @@ from fitter.dynamics.dynamics_fit import DynamicsFit
 from fitter.dynamics.evaluation import Score, score
 from fitter.dynamics.fit import fit_dynamics
 from fitter.dynamics.fit import known_by_motions as dynamics_by_motions
-from fitter.kinematics.evaluation import TipScore, tip_score
-from fitter.kinematics.fit import KinematicsFit, fit_of, known_by_motions
+from fitter.kinematics.geometry_fit import KinematicsFit, fit_of, known_by_motions
 from fitter.kinematics.incremental import IncrementalKinematics
+from fitter.kinematics.tip_error import TipScore, tip_score
 from fitter.live.estimated_again import estimated_again
 from limbcal.errors import DataError, LimbcalError
 from tracking.motion_follower import MotionFollower
 
 #: Generations that are bred on a new motion before the best geometry is brought to its optimum.
 _LITTER = 26
-#: The search for the geometry rests after so many generations without new frames.
+#: Generations without new frames after which the search for the geometry rests.
 GENERATIONS = 500
 
 
@@ -108,7 +108,7 @@ class Calibration:
         return True
 
     def kinematics(self) -> KinematicsFit | None:
-        """Return the geometry as the motions so far show it, or None as long as nothing can be told."""
+        """Return the geometry as the motions so far show it, or None as long as nothing is identifiable."""
         return self._known
 
     def settle_geometry(self) -> None:
@@ -118,7 +118,7 @@ class Calibration:
         for _ in range(_LITTER):
             self.breed()
         self._known = None
-        if self.geometry.told.any():
+        if self.geometry.is_determined.any():
             self.geometry.polish()
             self._known = known_by_motions(fit_of(self.geometry), self.geometry, self.learn)
 
@@ -138,7 +138,7 @@ class Calibration:
             )
             self.dynamics = dynamics_by_motions(found, self.learn)
             self.doubt = ""
-        except LimbcalError as error:  # one motion may tell too little; the next one may tell more
+        except LimbcalError as error:  # one motion may be too little; the next one may be enough
             self.doubt = str(error)
 
     def conclude(self) -> None:

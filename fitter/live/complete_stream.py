@@ -241,8 +241,8 @@ def _number(topic: str, fields: Mapping[str, Any]) -> int | None:
 
 def _sent_before(topic: str, fields: Mapping[str, Any]) -> dict[str, int]:
     """Return the numbers of the last messages that were sent before one, by topic, as far as it tells."""
-    told = fields.get("last_seq")
-    last = {wanted: told.get(wanted) for wanted in TOPICS} if isinstance(told, dict) else {}
+    reported = fields.get("last_seq")
+    last = {wanted: reported.get(wanted) for wanted in TOPICS} if isinstance(reported, dict) else {}
     seq = _number(topic, fields)
     if seq is not None:
         last[topic] = seq - 1

@@ -23,7 +23,7 @@ def live_table(calibration: Calibration, assembler: MotionAssembler, missed: int
     fits = [fit for fit in (geometry, calibration.dynamics) if fit is not None]
     for fit in fits:
         for name, p in fit.parameters.items():
-            if p.identifiable and p.ci95 is not None:  # what nobody knows the error of is not known
+            if p.identifiable and p.ci95 is not None:  # without a known error a value is not known
                 table.add_row(name, *with_half_width(p.value, p.half_width), p.unit)
         table.add_section()
     search = Text(

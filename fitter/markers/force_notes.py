@@ -1,4 +1,4 @@
-"""What is wrong with forces beside markers, and whether anything loads a platform."""
+"""What is wrong with forces recorded with markers, and whether anything loads a platform."""
 
 import numpy as np
 

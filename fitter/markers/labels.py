@@ -22,7 +22,7 @@ def without_prefix(label: str) -> str:
 
 
 def names_of(labels: tuple[str, ...]) -> tuple[str, ...]:
-    """Return the names of markers: labels without prefix, but with it where it alone tells two markers apart."""
+    """Return the names of markers: labels without prefix, but with it where it alone distinguishes two markers."""
     count = Counter(map(without_prefix, labels))
     return tuple(without_prefix(label) if count[without_prefix(label)] == 1 else label for label in labels)
 

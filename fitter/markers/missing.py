@@ -5,9 +5,9 @@ import numpy as np
 from fitter.markers.recording import runs
 from limbcal.note import Note
 
-#: What some programs store for a marker that was not seen, beside zeros, in the file's unit.
+#: What some programs store for a missing marker, apart from zeros, in the file's unit.
 _STORED = -16512.0
-#: What is shorter is bridged by any program and not worth a word [s].
+#: Shorter gaps are bridged by any program and not reported [s].
 SHORTEST_S = 0.1
 
 

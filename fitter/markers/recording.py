@@ -1,4 +1,4 @@
-"""A recording of optical markers, in metres, and the forces beside it."""
+"""A recording of optical markers, in metres, with the forces."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
@@ -45,7 +45,7 @@ class RawRecording:
     computed : frozenset of str
         Labels that the header calls angles, forces, moments, powers or scalars.
     other_rates : mapping of str to float [Hz]
-        What else in the file tells the rate of its frames.
+        What else in the file gives the rate of its frames.
     forces : tuple of ForceRecord
     """
 
@@ -82,7 +82,7 @@ class MarkerRecording:
     positions : (n_frame, n_marker, 3) [m]
         NaN where a marker was not seen.
     unit, up : str
-        Of the file; the axis that points up, such as ``+z``, empty if nothing tells it.
+        Of the file; the axis that points up, such as ``+z``, empty if it is unknown.
     forces : tuple of ForceRecord
     t0_s : float
         Time of the first frame on the recording's own clock.

@@ -14,20 +14,20 @@ import numpy as np
 from fitter.markers.recording import MarkerRecording, runs
 from limbcal.note import Note
 
-#: A marker is held against so many others whose distances change least, and by at most this [m], as skin moves.
+#: A marker is compared with this number of others whose distances change least, by at most this [m] (skin).
 _PARTNERS, _RIGID_M = 6, 0.02
 #: Others of the same segment differ by less than this factor in how they keep their distance, or keep it within
 #: this [m], the noise of cameras.
 _ALIKE, _GLUED_M = 3.0, 0.002
-#: Fewer others say nothing of one: two distances tell a place but for a circle.
+#: Fewer others are not enough: two distances leave a circle of places.
 _ENOUGH = 2
-#: Distances are wrong beyond this [m], and beyond so many times what they usually are.
+#: Distances are wrong beyond this [m], and beyond this multiple of their usual deviation.
 _WRONG_M, _TIMES = 0.015, 5.0
 #: Exchanged, they must be righter by this factor.
 _RIGHTER = 2.0
-#: A reference is made of so many frames at the most; an exchange lasts so many frames at the least.
+#: Most frames of a reference; least frames of an exchange.
 _FRAMES, _SHORTEST = 400, 3
-#: … and this long [s]: a glimpse tells nothing.
+#: … and this long [s]: a glimpse is not enough.
 _SHORTEST_S = 0.05
 #: … which must be so much of the time from its first to its last one.
 _MOSTLY = 0.5
@@ -143,9 +143,9 @@ def put_right(recording: MarkerRecording, others: Agreed) -> tuple[list[Note], n
         right = righter(positions[frames], i, j)
         mask = np.zeros(n_frame, dtype=np.bool_)
         mask[frames[right]] = True
-        unseen = np.any(recording.missing[:, [i, j]], axis=1)
-        for first, last in runs(_bridged(mask, unseen)):
-            wrong_there, seen = mask[first:last].sum(), (~unseen[first:last]).sum()
+        is_missing = np.any(recording.missing[:, [i, j]], axis=1)
+        for first, last in runs(_bridged(mask, is_missing)):
+            wrong_there, seen = mask[first:last].sum(), (~is_missing[first:last]).sum()
             if wrong_there >= max(shortest, _MOSTLY * seen):
                 found.append((gained(i, j, first, last), i, j, first, last))
     for _, i, j, first, last in sorted(found, reverse=True):
@@ -165,18 +165,18 @@ def put_right(recording: MarkerRecording, others: Agreed) -> tuple[list[Note], n
 
 
 def _by_majority(own: Reference, names: tuple[str, ...], others: Agreed) -> tuple[np.ndarray, np.ndarray]:
-    """Return distances and deviations (n, n) [m], of a marker that others tell enough of theirs alone."""
+    """Return distances and deviations (n, n) [m], of a marker with enough measured distances alone."""
     distance, deviation = own.distance.copy(), own.deviation.copy()
     index = {name: k for k, name in enumerate(names)}
-    told = np.zeros(distance.shape, dtype=np.bool_)
+    is_measured = np.zeros(distance.shape, dtype=np.bool_)
     for (one, other), (value, spread) in others.items():
         if one in index and other in index:
             i, j = index[one], index[other]
             distance[i, j] = distance[j, i] = value
             deviation[i, j] = deviation[j, i] = spread
-            told[i, j] = told[j, i] = True
-    enough = told.sum(axis=1) >= _ENOUGH
-    deviation[enough[:, None] & ~told] = np.inf
+            is_measured[i, j] = is_measured[j, i] = True
+    enough = is_measured.sum(axis=1) >= _ENOUGH
+    deviation[enough[:, None] & ~is_measured] = np.inf
     return distance, deviation
 
 

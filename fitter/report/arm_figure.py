@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 from arm.kinematics import axis_frames
 from arm.model import Arm, Floats
 from fitter.report.figures import ERROR, MEASURED, SIMULATED, png
-from fitter.report.parameter_rows import parameter_rows
+from fitter.report.parameter_listing import parameter_rows
 from fitter.search.fitted_parameter import FittedParameter
 from limbcal.digits import plain
 

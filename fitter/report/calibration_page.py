@@ -10,7 +10,7 @@ from fitter.report.arm_figure import arm_figure
 from fitter.report.figures import Comparison, angles_figure, error_figure
 from fitter.report.glossary import glossary
 from fitter.report.page import Page, Row
-from fitter.report.parameter_rows import heading, parameter_rows
+from fitter.report.parameter_listing import heading, parameter_rows
 from fitter.report.provenance import Provenance
 from fitter.search.fitted_parameter import FittedParameter
 from limbcal.note import Note, sentences

@@ -1,4 +1,4 @@
-"""Other arms, held beside a calibrated one: the true arm, a published model, last month's calibration."""
+"""Other arms, compared with a calibrated one: the true arm, a published model, last month's calibration."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass

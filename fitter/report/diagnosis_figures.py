@@ -9,8 +9,8 @@ from numpy.typing import NDArray
 from scipy.signal import periodogram
 
 from arm.model import Floats
+from fitter.diagnosis.basis_functions import variable
 from fitter.diagnosis.diagnosis import Diagnosis
-from fitter.diagnosis.functions import variable
 from fitter.report.diagnosis_traces import Trace, turns, unit_of
 from fitter.report.figures import MEASURED, png
 
@@ -23,7 +23,7 @@ _BINS, _LEAST = 24, 20
 
 
 def residual_figure(found: Diagnosis, all_traces: Sequence[Trace]) -> bytes:
-    """Draw the torque that is left over time, in the evaluating trials in which it is largest.
+    """Draw the residual torque over time, in the evaluating trials in which it is largest.
 
     Returns
     -------
@@ -35,7 +35,7 @@ def residual_figure(found: Diagnosis, all_traces: Sequence[Trace]) -> bytes:
     for column, trace in zip(axes.T, worst, strict=True):
         column[0].set_title(trace.motion.trial.name, fontsize=9)
         for j, panel in enumerate(column):
-            for values, colour in zip(trace.left, (BEFORE, AFTER), strict=False):
+            for values, colour in zip(trace.residuals, (BEFORE, AFTER), strict=False):
                 panel.plot(trace.motion.trial.t, values[:, j], color=colour, lw=1.1, label=_WORDS[colour])
             panel.axhline(0.0, color="#888888", lw=0.6)
     for j, panel in enumerate(axes[:, 0]):
@@ -81,7 +81,7 @@ def angles_figure(found: Diagnosis, all_traces: Sequence[Trace]) -> bytes:
 
 
 def places_figure(found: Diagnosis, all_traces: Sequence[Trace]) -> bytes:
-    """Draw where the error lives: the torque that is left against what the joint does, time, frequency and trial.
+    """Draw where the error lives: the residual torque against what the joint does, time, frequency and trial.
 
     Means over bins, and where the middle half of the samples is; evaluating trials alone but for the last panel.
 
@@ -104,11 +104,11 @@ def places_figure(found: Diagnosis, all_traces: Sequence[Trace]) -> bytes:
             ("time of the run [s]", [trace.motion.t for trace in judging]),
         ]
         signs = [trace.motion.direction[:, j] for trace in judging]
-        for k, colour in enumerate((BEFORE, AFTER)[: len(judging[0].left)]):
-            left = np.concatenate([trace.left[k][:, j] for trace in judging])
+        for k, colour in enumerate((BEFORE, AFTER)[: len(judging[0].residuals)]):
+            residual = np.concatenate([trace.residuals[k][:, j] for trace in judging])
             for panel, (_, values) in zip(axes[j], columns, strict=False):
-                _binned(panel, np.concatenate(values), left, colour)
-            _by_sign(axes[j, 4], np.concatenate(signs), left, colour, k)
+                _binned(panel, np.concatenate(values), residual, colour)
+            _by_sign(axes[j, 4], np.concatenate(signs), residual, colour, k)
             _by_frequency(axes[j, 5], found, judging, (k, j), colour)
             _by_trial(axes[j, 6], all_traces, (k, j), colour)
         for panel, (label, _) in zip(axes[j], columns, strict=False):
@@ -126,28 +126,28 @@ def places_figure(found: Diagnosis, all_traces: Sequence[Trace]) -> bytes:
 
 
 def remainder_figure(found: Diagnosis, all_traces: Sequence[Trace]) -> bytes:
-    """Draw what is left against the one or two variables that it depends on most.
+    """Draw the residual against the one or two variables that it depends on most.
 
     Returns
     -------
     bytes
         PNG.
     """
-    remainder, judging = found.finding.remainder, [trace for trace in all_traces if not trace.motion.learn]
-    j, names = remainder.joint - 1, remainder.depends_on[:2]
-    left = np.concatenate([trace.left[-1][:, j] for trace in judging])
+    discrepancy, judging = found.finding.discrepancy, [trace for trace in all_traces if not trace.motion.learn]
+    j, names = discrepancy.joint - 1, discrepancy.depends_on[:2]
+    residual = np.concatenate([trace.residuals[-1][:, j] for trace in judging])
     values = [np.concatenate([variable(trace.motion, name) for trace in judging]) for name in names]
     figure = Figure(figsize=(7, 3.6), layout="constrained")
     panel = figure.subplots()
     panel.set_xlabel(names[0])
     label = f"torque left {j + 1} [{unit_of(found, j)}]"
     if len(names) == 1:
-        _binned(panel, values[0], left, AFTER if len(judging[0].left) > 1 else BEFORE)
+        _binned(panel, values[0], residual, AFTER if len(judging[0].residuals) > 1 else BEFORE)
         panel.set_ylabel(label)
         return png(figure)
-    seen = np.isfinite(left)
+    seen = np.isfinite(residual)
     count, x, y = np.histogram2d(values[0][seen], values[1][seen], bins=_BINS)
-    total, _, _ = np.histogram2d(values[0][seen], values[1][seen], bins=(x, y), weights=left[seen])
+    total, _, _ = np.histogram2d(values[0][seen], values[1][seen], bins=(x, y), weights=residual[seen])
     mean = np.where(count >= _LEAST, total / np.maximum(count, 1.0), np.nan)
     top = float(np.nanmax(np.abs(mean))) if np.isfinite(mean).any() else 1.0
     drawn = panel.pcolormesh(x, y, mean.T, cmap="RdBu_r", vmin=-top, vmax=top)
@@ -220,23 +220,25 @@ def _space(
     )
 
 
-def _binned(panel: Axes, x: Floats, left: Floats, colour: str) -> None:
-    """Draw the mean of what is left in bins of equally many samples, and where the middle half of it is."""
-    seen = np.isfinite(left)
-    x, left = x[seen], left[seen]
+def _binned(panel: Axes, x: Floats, residual: Floats, colour: str) -> None:
+    """Draw the mean residual in bins of equally many samples, and where the middle half of it is."""
+    seen = np.isfinite(residual)
+    x, residual = x[seen], residual[seen]
     if len(x) < _BINS:
         return
     order = np.argsort(x, kind="stable")
     parts = np.array_split(order, _BINS)
     middle = [float(x[part].mean()) for part in parts]
-    first, third = np.array([np.quantile(left[part], [0.25, 0.75]) for part in parts]).T
+    first, third = np.array([np.quantile(residual[part], [0.25, 0.75]) for part in parts]).T
     panel.fill_between(middle, first, third, color=colour, alpha=0.2, lw=0)
-    panel.plot(middle, [float(left[part].mean()) for part in parts], color=colour, lw=1.3, label=_WORDS[colour])
+    panel.plot(
+        middle, [float(residual[part].mean()) for part in parts], color=colour, lw=1.3, label=_WORDS[colour]
+    )
 
 
-def _by_sign(panel: Axes, sign: Floats, left: Floats, colour: str, k: int) -> None:
+def _by_sign(panel: Axes, sign: Floats, residual: Floats, colour: str, k: int) -> None:
     for side in (-1.0, 1.0):
-        some = left[(sign == side) & np.isfinite(left)]
+        some = residual[(sign == side) & np.isfinite(residual)]
         if len(some):
             first, third = np.quantile(some, [0.25, 0.75])
             mean, x = float(some.mean()), side + 0.2 * k
@@ -248,13 +250,13 @@ def _by_sign(panel: Axes, sign: Floats, left: Floats, colour: str, k: int) -> No
 def _by_frequency(
     panel: Axes, found: Diagnosis, judging: Sequence[Trace], which: tuple[int, int], colour: str
 ) -> None:
-    """Draw the root of the mean power spectrum; where a joint is stuck nothing is left."""
+    """Draw the root of the mean power spectrum; where a joint is stuck there is none."""
     k, j = which
     dt_s = max(trace.motion.dt_s for trace in judging)
     size = max(len(trace.motion.t) for trace in judging)
     power = np.zeros(size // 2 + 1)
     for trace in judging:
-        f, one = periodogram(np.nan_to_num(trace.left[k][:, j]), 1.0 / dt_s, nfft=size, detrend=False)
+        f, one = periodogram(np.nan_to_num(trace.residuals[k][:, j]), 1.0 / dt_s, nfft=size, detrend=False)
         power = power + one / len(judging)
     seen = (f > 0.0) & (f <= found.regression.weighting.seen_hz)
     panel.plot(f[seen], np.sqrt(power[seen]), color=colour, lw=0.9)
@@ -264,9 +266,9 @@ def _by_frequency(
 def _by_trial(panel: Axes, all_traces: Sequence[Trace], which: tuple[int, int], colour: str) -> None:
     k, j = which
     for trace in all_traces:
-        left = trace.left[k][:, j]
-        if np.isfinite(left).any():
-            panel.plot(trace.motion.number, np.sqrt(np.nanmean(left**2)), "o", color=colour, ms=3)
+        residual = trace.residuals[k][:, j]
+        if np.isfinite(residual).any():
+            panel.plot(trace.motion.number, np.sqrt(np.nanmean(residual**2)), "o", color=colour, ms=3)
     learnt = sum(trace.motion.learn for trace in all_traces)
     if k == 0:
         panel.axvspan(0.5, learnt + 0.5, color=MEASURED, alpha=0.08, lw=0)

@@ -102,7 +102,7 @@ def _drawn(found: Diagnosis) -> dict[str, bytes]:
     }
     if found.search.first:
         drawing["gains"] = lambda: _gains(found)
-    if found.finding.remainder.joint:
+    if found.finding.discrepancy.joint:
         drawing["remainder"] = lambda: figures.remainder_figure(found, all_traces)
     return dict(zip(drawing, side_by_side(lambda name: drawing[name](), list(drawing)), strict=True))
 
@@ -127,7 +127,8 @@ def _cause(page: Page, found: Diagnosis) -> None:
         "no more than the sensors' noise is left"
         if finding.complete
         else (
-            f"what is left has {finding.left.times_noise:.3g} times the sensors' noise: the model is not complete"
+            f"what is left has {finding.residual_size.times_noise:.3g} times the sensors' noise: "
+            "the model is not complete"
         )
     )
     text = f"With {'them' if several else 'it'} in the model {rest}."
@@ -137,7 +138,7 @@ def _cause(page: Page, found: Diagnosis) -> None:
         text += " Those listed together explain this data equally well; only another experiment can part them."
     page.section("The cause" if not several else "The causes", text)
     for number, group in enumerate(groups(found), 1):
-        page.points([_told(one) for one in group])
+        page.points([_described(one) for one in group])
         rows: list[Row] = [
             (one.effect, name, *measured(parameter), parameter.unit)
             for one in group
@@ -155,7 +156,7 @@ def _unexplained(found: Diagnosis) -> str:
     return f"{text} The nearest is {nearest}, but an unknown function explains clearly more."
 
 
-def _told(cause: NamedCause) -> str:
+def _described(cause: NamedCause) -> str:
     where = ", ".join(part for part in (cause.effect, place(cause.joints), when(cause)) if part)
     among = (
         f" Its share of the belief among its equals is {percent(cause.support)}." if cause.support < 1.0 else ""
@@ -230,7 +231,7 @@ def _judged(page: Page, found: Diagnosis, judged: Judged, models: Sequence[Error
 
 
 def _dependences(page: Page, found: Diagnosis) -> None:
-    telling = [one for one in found.finding.remainder.dependences if one.p <= _CHANCE]
+    telling = [one for one in found.finding.discrepancy.dependences if one.p <= _CHANCE]
     if not telling:
         return
     page.table(

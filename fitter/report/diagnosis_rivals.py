@@ -11,7 +11,7 @@ from fitter.report.diagnosis_figures import AFTER, BEFORE
 from fitter.report.diagnosis_words import candidate_name, percent
 from fitter.report.page import Row
 
-#: Candidates that take away no more than this beside the one that takes away least are named in one line.
+#: Candidates that take away no more than this relative to the one that takes away least are named in one line.
 _NEXT_TO_NOTHING = 0.01
 _ROWS = 14
 
@@ -41,7 +41,7 @@ def rivals(found: Diagnosis, cause: Cause | None) -> list[Rival]:
     """Return what was tried in the place of a cause (or at all): the winner, its equals, the beaten."""
     search = found.search
     judging = np.array([not motion.learn for motion in found.regression.motions])
-    before = search.beside if cause is None else cause.before
+    before = search.screening_base if cause is None else cause.before
     was = max(float(before.squares[judging].sum()), np.finfo(np.float64).tiny)
 
     def rival(one: Candidate, verdict: str, colour: str) -> Rival:
@@ -61,7 +61,7 @@ def rivals(found: Diagnosis, cause: Cause | None) -> list[Rival]:
 
 
 def shown(listed: list[Rival]) -> tuple[list[Rival], list[Rival]]:
-    """Return the candidates that are worth a row, and the rest."""
+    """Return the candidates that get a row, and the rest."""
     least = min(one.gain for one in listed) + _NEXT_TO_NOTHING
     rows = [one for k, one in enumerate(listed) if k == 0 or one.gain >= least][:_ROWS]
     return rows, [one for one in listed if one not in rows]

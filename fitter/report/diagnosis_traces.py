@@ -6,7 +6,7 @@ import numpy as np
 
 from arm.model import Floats
 from fitter.diagnosis.diagnosis import Diagnosis
-from fitter.diagnosis.held_out import smooth, torque_left
+from fitter.diagnosis.held_out import smooth, torque_residual
 from fitter.diagnosis.model import Candidate
 from fitter.diagnosis.motion import Motion
 
@@ -22,7 +22,7 @@ class Trace:
     ----------
     motion : Motion
         Not thinned.
-    left : list of (n_sample, n_joint)
+    residuals : list of (n_sample, n_joint)
         Torque that the model leaves, without and with the causes (only the former where none was accepted), smooth
         as far as the noise lets it be seen; NaN while the joint is stuck.
     simulated : list of (n_sample, n_joint)
@@ -30,13 +30,13 @@ class Trace:
     """
 
     motion: Motion
-    left: list[Floats]
+    residuals: list[Floats]
     simulated: list[Floats]
 
     @property
     def torque_square(self) -> float:
-        """Sum of squares that is left without the causes."""
-        return float(np.nansum(self.left[0] ** 2))
+        """chi2 without the causes."""
+        return float(np.nansum(self.residuals[0] ** 2))
 
     @property
     def angle_error(self) -> float:
@@ -56,10 +56,10 @@ def traces(found: Diagnosis) -> list[Trace]:
     simulated = zip(*(error.simulated for error in errors), strict=True)
     listed = []
     for motion in found.motions:
-        left = [torque_left(found.regression, model, motion) for model in models]
-        left = [smooth(one, motion.dt_s, seen_hz) for one in left]
+        residuals = [torque_residual(found.regression, model, motion) for model in models]
+        residuals = [smooth(one, motion.dt_s, seen_hz) for one in residuals]
         angles = [] if motion.learn else [_kept(one) for one in next(simulated)]
-        listed.append(Trace(motion, left, angles))
+        listed.append(Trace(motion, residuals, angles))
     return listed
 
 

@@ -7,10 +7,10 @@ import numpy as np
 
 from arm.effects.catalogue import catalogue
 from arm.model import Arm
-from fitter.diagnosis.at_joint import AtJoint
 from fitter.diagnosis.diagnosis import Diagnosis
 from fitter.diagnosis.finding import NamedCause
 from fitter.diagnosis.held_out_error import Errors
+from fitter.diagnosis.joint_hypotheses import JointHypothesis
 from fitter.diagnosis.model import Hypothesis
 from fitter.diagnosis.payload import Payload
 from fitter.search.fitted_parameter import FittedParameter
@@ -60,7 +60,7 @@ def when(cause: NamedCause) -> str:
 def candidate_name(hypothesis: Hypothesis) -> str:
     """Return what a candidate is called: effect and place, and when, where that is part of it."""
     name = f"{hypothesis.kind.name}, {place([j + 1 for j in hypothesis.joints])}"
-    if isinstance(hypothesis, AtJoint) and "side" in hypothesis.choice:
+    if isinstance(hypothesis, JointHypothesis) and "side" in hypothesis.choice:
         return f"{name}, {'upper' if hypothesis.choice['side'] > 0.0 else 'lower'}"
     if isinstance(hypothesis, Payload):
         late = hypothesis.since_s
@@ -75,7 +75,7 @@ def sentence(effect: str) -> str:
 
 
 def measured(parameter: FittedParameter) -> tuple[str, str]:
-    """Return a value and half of its 95 % interval, as many digits as tell something; angles also in degrees."""
+    """Return a value and half of its 95 % interval, with its significant digits; angles also in degrees."""
     interval = parameter.ci95
     half = math.nan if interval is None else (interval[1] - interval[0]) / 2.0
     value, around = rounded(parameter.value, half), "not known"
@@ -121,21 +121,21 @@ def units(arm: Arm) -> list[str]:
 
 
 def whiteness(found: Diagnosis) -> str:
-    """Return what is left, and what it hangs on."""
-    remainder = found.finding.remainder
+    """Return the residual in words, and what it depends on."""
+    discrepancy = found.finding.discrepancy
     white = (
         "What is left is white noise: neighbouring instants have nothing to do with one another."
-        if remainder.white
+        if discrepancy.white
         else "What is left is not white: its spectrum is not that of the noise alone."
     )
-    if not remainder.depends_on:
+    if not discrepancy.depends_on:
         return f"{white} No smooth function of the joints' motion, torque and time explains a share worth naming."
     known = (
-        f"It depends on {_and(list(remainder.depends_on))}: a flexible function of that alone would explain "
-        f"{percent(remainder.explained)} of what is left, on trials that it was not fitted to (at joint "
-        f"{remainder.joint})."
+        f"It depends on {_and(list(discrepancy.depends_on))}: a flexible function of that alone would explain "
+        f"{percent(discrepancy.explained)} of what is left, on trials that it was not fitted to (at joint "
+        f"{discrepancy.joint})."
     )
-    hint = f" A formula, as a hint: {remainder.formula} (N m, rad, s)." if remainder.formula else ""
+    hint = f" A formula, as a hint: {discrepancy.formula} (N m, rad, s)." if discrepancy.formula else ""
     return f"{white} {known}{hint}"
 
 

@@ -114,9 +114,9 @@ def error_figure(motions: Sequence[Comparison]) -> bytes:
     x = np.arange(1, len(motions) + 1)
     colours = [MEASURED if motion.learnt else SIMULATED for motion in motions]
     mean, worst = (np.array([f(motion.error) for motion in motions]) for f in (np.mean, np.max))
-    told = np.flatnonzero(np.isfinite(worst))  # no bar where the simulation ran away
-    axes.bar(x[told], mean[told], color=[colours[k] for k in told], width=0.6)
-    axes.plot(x[told], worst[told], "v", color=ERROR, ms=5, label="largest")
+    is_finite = np.flatnonzero(np.isfinite(worst))  # no bar where the simulation ran away
+    axes.bar(x[is_finite], mean[is_finite], color=[colours[k] for k in is_finite], width=0.6)
+    axes.plot(x[is_finite], worst[is_finite], "v", color=ERROR, ms=5, label="largest")
     axes.set_xlim(0.4, len(motions) + 0.6)
     axes.set_xticks(x)
     axes.set_xlabel("motion (blue: learnt from, orange: evaluating)")

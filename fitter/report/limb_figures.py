@@ -10,7 +10,7 @@ from matplotlib.patches import Ellipse
 from arm.model import Floats
 from fitter.limb.inverse_kinematics import link_poses, predicted
 from fitter.limb.limb_fit import LimbFit
-from fitter.limb.observation import SWAY
+from fitter.limb.marker_observations import SWAY
 from fitter.markers.recording import MarkerRecording, runs
 from fitter.report.figures import ERROR, MEASURED, SIMULATED
 from limbcal.note import Note

@@ -7,9 +7,9 @@ import numpy as np
 
 from fitter.functional.disjoint import coverage_factor
 from fitter.functional.regression_centre import regression_centres
+from fitter.limb.base_orientation import seen_or_posed
 from fitter.limb.limb_fit import LimbFit
-from fitter.limb.seen import median_seen
-from fitter.limb.standing import seen_or_posed
+from fitter.limb.nan_statistics import nan_median
 from fitter.markers.recording import MarkerRecording
 from fitter.report.figures import png
 from fitter.report.limb_figures import angles_over_time, gaps_and_swaps, marker_errors, stick_figure
@@ -53,8 +53,8 @@ def write_limb_page(
     page.section("Markers")
     _markers(page, answer)
     rms = dict(answer["marker_rms_mm"])["per_marker"]  # type: ignore[call-overload]
-    told = [(name, float(x)) for name, x in rms.items() if x is not None]
-    page.picture(png(marker_errors(told, set(fit.trials.landmarks.values()))), "Distance of each marker.")
+    known = [(name, float(x)) for name, x in rms.items() if x is not None]
+    page.picture(png(marker_errors(known, set(fit.trials.landmarks.values()))), "Distance of each marker.")
     names = [*fit.base.markers, *fit.bundle.markers.names]
     page.picture(png(gaps_and_swaps(recordings, names, notes)), "Gaps and exchanged labels.")
     page.section("What was said")
@@ -93,13 +93,13 @@ def _rivals(fit: LimbFit) -> list[list[str | float | None]]:
     joint, place = f"{first}_{fit.where.side}", fit.bundle.geometry.base_p
     rows: list[list[str | float | None]] = []
     for found in fit.functional:
-        if found.joint == joint and found.parent == fit.base.segment and not found.unseen.any():
+        if found.joint == joint and found.parent == fit.base.segment and not found.unobservable.any():
             own = 1e3 * coverage_factor(found.n_part) * found.std_m
             rows.append(["SCoRE (95 %)", joint, 1e3 * float(np.linalg.norm(found.in_parent_m - place)), own])
     landmarks = {name: seen_or_posed(fit.trials, marker) for name, marker in fit.trials.landmarks.items()}
     for rival in regression_centres(landmarks):
         if rival.joint == joint:
-            local = median_seen(np.einsum("nji,nj->ni", fit.base.R, rival.position_m - fit.base.p))
+            local = nan_median(np.einsum("nji,nj->ni", fit.base.R, rival.position_m - fit.base.p))
             if np.isfinite(local).all():
                 error = 1e3 * rival.error_m if np.isfinite(rival.error_m) else None
                 rows.append([rival.source, joint, 1e3 * float(np.linalg.norm(local - place)), error])

@@ -6,7 +6,7 @@ from rich import box
 from rich.table import Table
 from rich.text import Text
 
-from fitter.report.parameter_rows import HEADING, heading, parameter_rows
+from fitter.report.parameter_listing import HEADING, heading, parameter_rows
 from fitter.search.fitted_parameter import FittedParameter
 
 #: A number of six digits with its sign and point still stands in one line.

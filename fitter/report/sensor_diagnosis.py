@@ -54,9 +54,9 @@ def write_sensor_report(finding: SensorFinding, causes: Sequence[str], sentence:
         ("effect", "sensor", "share", "support"),
         [(one.effect, ", ".join(one.sensors), one.gain, one.support) for one in finding.candidates[:12]],
     )
-    left = finding.residual
-    depends = f" It depends on {', '.join(left.depends_on)}." if left.depends_on else ""
-    page.section("What is left", f"{'No more than noise.' if left.white else 'More than noise.'}{depends}")
+    residual = finding.residual
+    depends = f" It depends on {', '.join(residual.depends_on)}." if residual.depends_on else ""
+    page.section("What is left", f"{'No more than noise.' if residual.white else 'More than noise.'}{depends}")
     page.section("The next experiment", finding.next_experiment)
     page.write(out / "report.html")
 

@@ -1,8 +1,8 @@
 """The covariance of an answer by motions: what stays wrong for a whole motion counts once a motion.
 
 A tracker's angles drift, and what drifts is as wrong at the end of a motion as its beginning made it. Blocks of
-samples within a motion then tell nothing new; motions do, and of them there are few. What the scatter of a few
-numbers tells of their spread follows Student's distribution, with one degree of freedom fewer than motions.
+samples within a motion then have no new information; motions do, and there are few. What the scatter of a few
+numbers shows of their spread follows Student's distribution, with one degree of freedom fewer than motions.
 """
 
 import numpy as np
@@ -46,6 +46,6 @@ def covariance_by_motions(
     # The answer bends towards a motion that says much; (1 - H)^-1/2 undoes this (Bell, McCaffrey 2002).
     share, axes = np.linalg.eigh(root.T @ whole_gram @ root)
     along = np.einsum("bki,bk->bi", axes, whole_score @ root) / np.sqrt(1.0 - np.clip(share, 0.0, _LARGEST_SHARE))
-    pulls = np.einsum("bki,bi->bk", axes, along) @ root.T
-    covariance: Floats = pulls.T @ pulls * n_motion / (n_motion - 1.0)
+    influences = np.einsum("bki,bi->bk", axes, along) @ root.T
+    covariance: Floats = influences.T @ influences * n_motion / (n_motion - 1.0)
     return covariance, n_motion - 1.0

@@ -40,8 +40,8 @@ def constrained_step(A: Floats, b: Floats, g: Floats, G: Floats) -> tuple[Floats
     target = np.zeros(len(rows))
     target[-1] = 1.0
     u, _ = scipy.optimize.nnls(rows, target)
-    left = rows @ u - target
-    if not left[-1] < -1e-12:
+    residual = rows @ u - target
+    if not residual[-1] < -1e-12:
         return np.zeros(A.shape[1]), u > 0.0
-    z = -unit * left[:-1] / left[-1]
+    z = -unit * residual[:-1] / residual[-1]
     return np.asarray(scipy.linalg.solve_triangular(R, y + z), dtype=np.float64), u > 0.0

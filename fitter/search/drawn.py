@@ -5,7 +5,7 @@ import numpy as np
 from arm.model import Floats
 
 
-def covariance_of(departures: Floats, left: Floats, found: float, scattered: Floats) -> Floats:
+def covariance_of(departures: Floats, residual_square: Floats, found: float, scattered: Floats) -> Floats:
     """Return the covariance of an answer.
 
     The draws know of noise, offsets and whatever else the tracker models, not of physics that the fit leaves out.
@@ -16,7 +16,7 @@ def covariance_of(departures: Floats, left: Floats, found: float, scattered: Flo
     ----------
     departures : (n_draw, n_parameter)
         Of the draws' answers from the one that was found.
-    left : (n_draw,)
+    residual_square : (n_draw,)
         Squared residuals that the draws' answers leave.
     found : float
         And the answer that was found.
@@ -24,6 +24,6 @@ def covariance_of(departures: Floats, left: Floats, found: float, scattered: Flo
         Covariance by the scatter of the residuals, see `fitter.search.standard_errors`.
     """
     drawn = departures.T @ departures / len(departures)
-    if not found > left.max() or not np.all(np.isfinite(scattered)):
+    if not found > residual_square.max() or not np.all(np.isfinite(scattered)):
         return np.asarray(drawn, dtype=np.float64)
-    return np.asarray(drawn + (1.0 - left.mean() / found) * scattered, dtype=np.float64)
+    return np.asarray(drawn + (1.0 - residual_square.mean() / found) * scattered, dtype=np.float64)

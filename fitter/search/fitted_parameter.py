@@ -18,7 +18,7 @@ class FittedParameter:
     Attributes
     ----------
     value, std : float
-        ``std`` is the standard error, NaN where the value was not learnt or the data is too short to tell.
+        ``std`` is the standard error, NaN where the value was not learnt or the data is too short.
     unit : str
     identifiable : bool
         False where the value is the prior's, or stands only together with such a one.

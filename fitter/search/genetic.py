@@ -29,14 +29,14 @@ _STEPS_PER_GENE = 15
 _GENERATIONS_KEPT = 4
 #: A mutation changes a gene by its range times ten to a random power between this one and 0.
 _FINEST_MUTATION = -8.0
-#: Children scatter at least by this share of a gene's range, or a population that has found its optimum
+#: Children scatter at least by this fraction of a gene's range, or a population that has found its optimum
 #: would be too narrow to notice that it moves.
 _LEAST_SCATTER = 1e-12
 _SMALLEST_POPULATION = 10
 
 
 class GeneticAlgorithm:
-    """A population within bounds that is asked for and told its costs, generation by generation.
+    """A population within bounds with an ask-and-tell interface, generation by generation.
 
     The costs of one generation are not used in the next, so the objective may change in between.
 

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from arm.model import Floats
 
-#: Neighbouring blocks can't be trusted to tell more than this correlation.
+#: Greatest correlation of neighbouring blocks that is used.
 _STRONGEST = 0.97
 #: A block that says nearly all there is of a parameter leaves no residual to correct.
 _LARGEST_SHARE = 0.99
@@ -35,7 +35,7 @@ def sandwich_covariance(W: Floats, grams: Floats, scores: Floats, group: NDArray
     Returns
     -------
     (n_parameter, n_parameter)
-        NaN where there are too few blocks to tell.
+        NaN where there are too few blocks.
     """
     n_block, n_parameter = scores.shape
     if n_block < 2 * n_parameter or n_parameter == 0:
@@ -45,12 +45,12 @@ def sandwich_covariance(W: Floats, grams: Floats, scores: Floats, group: NDArray
     # which A^T A is the identity a block's part of it is H; (1 - H)^-1/2 undoes this (Bell, McCaffrey 2002).
     share, axes = np.linalg.eigh(root.T @ grams @ root)
     along = np.einsum("bki,bk->bi", axes, scores @ root) / np.sqrt(1.0 - np.clip(share, 0.0, _LARGEST_SHARE))
-    pulls = np.einsum("bki,bi->kb", axes, along)  # how far each block pulls the answer
-    scatter = pulls @ pulls.T
-    lags = _bandwidth(pulls, group)
+    influences = np.einsum("bki,bi->kb", axes, along)  # how far each block pulls the answer
+    scatter = influences @ influences.T
+    lags = _bandwidth(influences, group)
     for lag in range(1, lags + 1):
         together = group[lag:] == group[:-lag]
-        product = pulls[:, lag:][:, together] @ pulls[:, :-lag][:, together].T
+        product = influences[:, lag:][:, together] @ influences[:, :-lag][:, together].T
         scatter += (1.0 - lag / (lags + 1.0)) * (product + product.T)
     return np.asarray(root @ scatter @ root.T, dtype=np.float64)
 

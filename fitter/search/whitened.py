@@ -14,8 +14,8 @@ from numpy.typing import NDArray
 from arm.model import Floats
 from limbcal.compiled import compiled
 
-#: A column whose new part, squared, is smaller than this share of itself says nothing that others don't.
-#: Sums of doubles can't tell a smaller part from rounding.
+#: A column whose new part, squared, is smaller than this fraction of itself is collinear with others.
+#: In sums of doubles a smaller part is rounding.
 _NEW_PART = 1e-11
 
 

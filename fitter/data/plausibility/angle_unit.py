@@ -28,7 +28,7 @@ from fitter.data.plausibility.motion_sizes import (
     reach,
     speed_ratio,
     top_speeds,
-    torque_left,
+    torque_residual,
     turning,
 )
 from fitter.data.plausibility.refusal import Refusal
@@ -131,7 +131,7 @@ def _by_torque(motion: Measured, arm: Arm, scales: Mapping[Joints, Floats]) -> d
     """
     log_left = {}
     for reading, scale in scales.items():
-        left = torque_left(arm, motion, scale)
+        left = torque_residual(arm, motion, scale)
         if left is None:
             return dict.fromkeys(scales, 0.0)
         log_left[reading] = np.log(np.maximum(left[np.isfinite(left)], _ROUNDING))

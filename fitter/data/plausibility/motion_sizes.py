@@ -72,7 +72,7 @@ def speed_ratio(motion: Measured) -> Floats | None:
     return np.where(ok, cross / np.where(ok, power, 1.0), np.nan)
 
 
-def torque_left(arm: Arm, motion: Measured, angle_scale: Floats) -> Floats | None:
+def torque_residual(arm: Arm, motion: Measured, angle_scale: Floats) -> Floats | None:
     """Return what the best inertias leave of each joint's torque, as a fraction of its power, (n_joint,).
 
     Every joint's torque counts in units of its own size, so that a wrist's is heard beside a shoulder's.

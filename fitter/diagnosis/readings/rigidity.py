@@ -11,9 +11,10 @@ from fitter.data.raw import RawRun
 from fitter.diagnosis.least_squares import ROUNDED, SIGMAS, UNEXPLAINED
 from fitter.diagnosis.next_experiment import next_for_sensors
 from fitter.diagnosis.readings.linearisation import Linearisation
-from fitter.diagnosis.readings.remaining import judging_residuals, remaining
 from fitter.diagnosis.readings.sensor_fit import Trials
 from fitter.diagnosis.readings.sensor_frames import trials_of
+from fitter.diagnosis.readings.sensor_hypotheses import Fitted, Suspect
+from fitter.diagnosis.readings.sensor_residual import dependence_of_residual, judging_residuals
 from fitter.diagnosis.readings.sensor_search import Search, Tried
 from fitter.diagnosis.readings.sensor_verdict import (
     Cause,
@@ -25,7 +26,6 @@ from fitter.diagnosis.readings.sensor_verdict import (
     SensorFinding,
     decide,
 )
-from fitter.diagnosis.readings.suspects import Fitted, Suspect
 from fitter.diagnosis.search import Verdict
 from limbcal.errors import ConfigError, DataError, NotIdentifiable
 from tracking.noise import step_of
@@ -79,7 +79,7 @@ def diagnose_sensors(
 
 
 def _finding(arm: Arm, search: Search, decision: Decision, rng: np.random.Generator) -> SensorFinding:
-    before, after = search.left(_unhelped(search, decision)), search.left(decision.fitted)
+    before, after = search.contradiction(_unhelped(search, decision)), search.contradiction(decision.fitted)
     contradicts = before.excess > 0.0 and before.sigmas > SIGMAS
     white = after.sigmas < SIGMAS
     verdict: Verdict = "none"
@@ -89,7 +89,7 @@ def _finding(arm: Arm, search: Search, decision: Decision, rng: np.random.Genera
             verdict = "unexplained"
     elif not white:
         verdict = "unexplained"
-    causes = tuple(told for cause in decision.causes for told in _causes(arm, search, decision, cause))
+    causes = tuple(one for cause in decision.causes for one in _causes(arm, search, decision, cause))
     confusable = {
         tuple(sorted((a.suspect.effect, b.suspect.effect)))
         for cause in decision.causes
@@ -98,18 +98,20 @@ def _finding(arm: Arm, search: Search, decision: Decision, rng: np.random.Genera
     pairs = tuple(sorted((a, b) for a, b in confusable))
     judged = judging_residuals(search.trials, decision.fitted)
     unhelped = judging_residuals(search.trials, _unhelped(search, decision))
-    left = remaining(judged, white, rng)
+    residual = dependence_of_residual(judged, white, rng)
     return SensorFinding(
         verdict,
         causes if verdict != "unexplained" else (),
         _candidates(arm, search, decision),
         pairs,
-        next_for_sensors(verdict, pairs, [(cause.effect, *cause.sensors) for cause in causes], left.depends_on),
+        next_for_sensors(
+            verdict, pairs, [(cause.effect, *cause.sensors) for cause in causes], residual.depends_on
+        ),
         _rms(arm, unhelped),
         _rms(arm, judged),
         max(0.0, 1.0 - max(after.excess, 0.0) / before.excess) if contradicts else 0.0,
         before.sigmas,
-        left,
+        residual,
         _extended(arm, causes) if verdict == "named" else arm,
         _course(unhelped, judged),
     )
@@ -131,7 +133,7 @@ def _causes(arm: Arm, search: Search, decision: Decision, cause: Cause) -> list[
     for tried in (cause.tried, *cause.equals):
         fitted = decision.fitted if tried.suspect in decision.fitted.hypothesis.suspects else tried.fitted
         assert fitted is not None, "what was accepted was fitted"
-        wider = np.sqrt(search.noise * max(1.0, 1.0 + search.left(fitted).excess))
+        wider = np.sqrt(search.noise * max(1.0, 1.0 + search.contradiction(fitted).excess))
         support = cause.support / (1 + len(cause.equals))
         found.append(
             SensorCause(
@@ -174,7 +176,7 @@ def _numbers(fitted: Fitted, suspect: Suspect, wider: float, grain: float) -> di
 def _candidates(arm: Arm, search: Search, decision: Decision) -> tuple[SensorCandidate, ...]:
     start = search.score(search.base)
     best = min((tried.score for tried in decision.first if tried.fitted is not None), default=start)
-    whole = max(start - best, search.left(search.base).beyond, ROUNDED)
+    whole = max(start - best, search.contradiction(search.base).beyond, ROUNDED)
     supports = {
         tried.suspect: cause.support / (1 + len(cause.equals))
         for cause in decision.causes
@@ -193,8 +195,8 @@ def _candidates(arm: Arm, search: Search, decision: Decision) -> tuple[SensorCan
 
 
 def _rms(arm: Arm, judged: list[Linearisation]) -> dict[str, float]:
-    left = np.concatenate([at.residual for at in judged]).reshape(-1, len(arm.sensors), 3)
-    rms = np.sqrt((left**2).sum(axis=2).mean(axis=0))
+    residual = np.concatenate([at.residual for at in judged]).reshape(-1, len(arm.sensors), 3)
+    rms = np.sqrt((residual**2).sum(axis=2).mean(axis=0))
     return {sensor.name: float(value) for sensor, value in zip(arm.sensors, rms, strict=True)}
 
 

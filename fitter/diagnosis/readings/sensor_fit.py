@@ -1,7 +1,7 @@
 """Fitting a hypothesis about the sensors together with the motion, on some trials, and judging it on others.
 
 Gauss and Newton's method: along the motion and sensors found so far readings are linearised, the motion is
-eliminated trial by trial, what is left is solved for the hypothesis' parameters, and the motion follows. Every
+eliminated trial by trial, the rest is solved for the hypothesis' parameters, and the motion follows. Every
 sensor has a small bias of its own besides, as every real one has, held to be no larger than is usual.
 """
 
@@ -18,8 +18,8 @@ from fitter.diagnosis.least_squares import ITERATIONS, UNEXPLAINED
 from fitter.diagnosis.readings.elimination import eliminate, go_back
 from fitter.diagnosis.readings.linearisation import Linearisation, instruments_of, linearise
 from fitter.diagnosis.readings.sensor_frames import TrialFrames
-from fitter.diagnosis.readings.suspects import (
-    ORDINARY_BIAS,
+from fitter.diagnosis.readings.sensor_hypotheses import (
+    USUAL_BIAS_M_S2,
     Fitted,
     SensorHypothesis,
     Suspect,
@@ -226,14 +226,14 @@ class Trials:
         squares[going] = np.inf
         for _ in range(passes):
             done = self.all_eliminated(going, fitted.hypothesis, motions, ())
-            left = []
+            unsettled = []
             for number, (gram, back) in zip(going, done, strict=True):
                 now = float(gram[-1, -1])
                 if squares[number] - now > UNEXPLAINED:
-                    left.append(number)
+                    unsettled.append(number)
                     motions[number] = self._gone_back(motions[number], back, np.zeros(len(gram) - 1))
                 squares[number] = min(now, squares[number])
-            going = left
+            going = unsettled
             if not going:
                 break
         suspects, judging = fitted.hypothesis.suspects, range(self.n_learn, len(self.trials))
@@ -261,7 +261,7 @@ class Trials:
 
     def before(self, hypothesis: SensorHypothesis) -> tuple[Floats, Floats]:
         """Return what is held of all parameters before: mean and standard deviation."""
-        mean, std = [np.zeros(hypothesis.bias.size)], [np.full(hypothesis.bias.size, ORDINARY_BIAS)]
+        mean, std = [np.zeros(hypothesis.bias.size)], [np.full(hypothesis.bias.size, USUAL_BIAS_M_S2)]
         for suspect, value in zip(hypothesis.suspects, hypothesis.values, strict=True):
             neutral = np.array(suspect.kind.neutral)
             mean.append(np.where(np.isfinite(neutral), neutral, value))

@@ -21,7 +21,7 @@ from tracking.noise import noise_of
 
 #: An arm's own motion is slower, and what is faster is left to its accelerations.
 FRAME_RATE_HZ = 100.0
-#: A rest is looked for in cells of so many frames, compared with the first so many cells.
+#: Frames a cell in which a rest is sought, and the number of first cells that it is compared with.
 _CELL, _FIRST_CELLS = 5, 4
 #: How many standard deviations a cell may be off in a rest.
 _STRAYS = 5.0
@@ -87,7 +87,7 @@ class TrialFrames:
     def weight(self) -> Floats:
         """One over the standard deviation of every frame, (n, n_channel); 0 where readings were lost.
 
-        Where a reading jumps between two samples nobody knows when in between it did, so a frame may be off by
+        A reading that jumps between two samples does so at an unknown instant, so a frame may be off by
         half the jump's share of a frame. Jumps count that noise doesn't make.
         """
         noise = self.std * np.sqrt(self.factor)

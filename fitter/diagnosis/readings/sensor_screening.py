@@ -1,8 +1,8 @@
 """What every effect of a sensor would explain, to first order: all of them from one elimination of the motion.
 
 The readings are linearised along the motion that the other sensors show. The Gram matrix of what is left of all
-columns tells each effect's best parameters by the learning trials, and what these leave of the judging trials. A
-base may move at the highest peaks of its spectrum; what is slower than a trial cannot be told from an arm that
+columns gives each effect's best parameters by the learning trials, and the judging trials' residual. A base may
+move at the highest peaks of its spectrum; what is slower than a trial is indistinguishable from an arm that
 rests at another angle, so each trial's own trend is left out.
 """
 
@@ -13,9 +13,15 @@ import numpy as np
 from scipy.signal import detrend, find_peaks
 
 from arm.model import Floats
-from fitter.diagnosis.least_squares import FOREMOST
+from fitter.diagnosis.least_squares import N_REFINED
 from fitter.diagnosis.readings.sensor_fit import Trials
-from fitter.diagnosis.readings.suspects import ORDINARY_BIAS, Fitted, SensorHypothesis, Suspect, with_suspect
+from fitter.diagnosis.readings.sensor_hypotheses import (
+    USUAL_BIAS_M_S2,
+    Fitted,
+    SensorHypothesis,
+    Suspect,
+    with_suspect,
+)
 
 
 def base_frequencies(trials: Trials, free: Fitted, lowest_hz: float = 0.1, finer: int = 4) -> list[float]:
@@ -49,7 +55,7 @@ def base_frequencies(trials: Trials, free: Fitted, lowest_hz: float = 0.1, finer
     frequency = np.fft.rfftfreq(n, dt)
     power[frequency < lowest_hz] = 0.0
     peaks, _ = find_peaks(power, distance=4 * finer)
-    highest = peaks[np.argsort(-power[peaks])][:FOREMOST]
+    highest = peaks[np.argsort(-power[peaks])][:N_REFINED]
     return [float(frequency[peak]) for peak in highest]
 
 
@@ -106,12 +112,12 @@ def screened(
         step = np.linalg.solve(
             learn[np.ix_(at, at)] + np.diag(1.0 / std[at] ** 2), learn[at, -1] + (mean - theta)[at] / std[at] ** 2
         )
-        usual = float(np.sum(((theta + _at(step, at, theta.size))[: known.bias.size] / ORDINARY_BIAS) ** 2))
-        left = [
+        usual = float(np.sum(((theta + _at(step, at, theta.size))[: known.bias.size] / USUAL_BIAS_M_S2) ** 2))
+        squares = [
             float(gram[-1, -1] - 2.0 * step @ gram[at, -1] + step @ gram[np.ix_(at, at)] @ step) + usual
             for gram in (learn, judge)
         ]
-        found.append(Screened(suspect, value + step[n_known:], motions, *left))
+        found.append(Screened(suspect, value + step[n_known:], motions, *squares))
     return found
 
 

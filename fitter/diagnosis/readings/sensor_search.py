@@ -11,13 +11,19 @@ import numpy as np
 from scipy.stats import chi2
 
 from arm.model import Arm, Floats
-from fitter.diagnosis.least_squares import FOREMOST, NEGLIGIBLE, ODDS_NATS, SIGMAS
-from fitter.diagnosis.readings.remaining import Contradiction, contradiction, noise_factor
+from fitter.diagnosis.least_squares import N_REFINED, NEGLIGIBLE, ODDS_NATS, SIGMAS
 from fitter.diagnosis.readings.sensor_fit import Trials
 from fitter.diagnosis.readings.sensor_frames import FRAME_RATE_HZ, TrialFrames
+from fitter.diagnosis.readings.sensor_hypotheses import (
+    USUAL_BIAS_M_S2,
+    Fitted,
+    SensorHypothesis,
+    Suspect,
+    with_suspect,
+)
+from fitter.diagnosis.readings.sensor_residual import Contradiction, contradiction, noise_factor
 from fitter.diagnosis.readings.sensor_screening import Screened, base_frequencies, screened
 from fitter.diagnosis.readings.suspected_effects import EFFECTS
-from fitter.diagnosis.readings.suspects import ORDINARY_BIAS, Fitted, SensorHypothesis, Suspect, with_suspect
 from limbcal.errors import DataError
 from tracking.smoother import Smoother
 
@@ -98,7 +104,7 @@ class Search:
         squares: Floats = fitted.squares[self.trials.n_learn :] / self.noise + np.array(dropped)
         return squares
 
-    def left(self, fitted: Fitted) -> Contradiction:
+    def contradiction(self, fitted: Fitted) -> Contradiction:
         """Return what of a fit contradicts a rigid arm."""
         return contradiction(self.trials, fitted, self.noise)
 
@@ -114,9 +120,9 @@ class Search:
         return fitted
 
     def doubtful(self, fitted: Fitted) -> bool:
-        """Return whether something may still be wrong: more than noise is left, or a bias is larger than usual."""
-        worst = float(np.sum((fitted.hypothesis.bias / ORDINARY_BIAS) ** 2, axis=1).max())
-        return self.left(fitted).sigmas > SIGMAS or worst > chi2.isf(np.exp(-ODDS_NATS), 3)
+        """Return whether something may still be wrong: the residual exceeds noise, or a bias is unusual."""
+        worst = float(np.sum((fitted.hypothesis.bias / USUAL_BIAS_M_S2) ** 2, axis=1).max())
+        return self.contradiction(fitted).sigmas > SIGMAS or worst > chi2.isf(np.exp(-ODDS_NATS), 3)
 
     def fit_again(self, hypothesis: SensorHypothesis, motions: list[Floats]) -> Fitted:
         """Return a hypothesis fitted and judged."""
@@ -145,7 +151,7 @@ class Search:
         candidates.sort(key=lambda one: one.learn)
         found = []
         for rank, one in enumerate(candidates):
-            if rank < FOREMOST and start - one.learn > EQUAL:
+            if rank < N_REFINED and start - one.learn > EQUAL:
                 hypothesis = with_suspect(known.hypothesis, one.suspect, one.value)
                 found.append(self.full(one.suspect, self.trials.fit(hypothesis, one.motions)))
             else:
@@ -153,7 +159,9 @@ class Search:
         # What was not fitted in full keeps its place behind what was.
         found.sort(key=lambda tried: (tried.fitted is None, tried.score))
         best = found[0].fitted
-        if best is not None and self.left(best).excess > NEGLIGIBLE:  # its motions may have begun too far off
+        if (
+            best is not None and self.contradiction(best).excess > NEGLIGIBLE
+        ):  # its motions may have begun too far off
             found[0] = self.full(found[0].suspect, self._begun_anew(best))
         return found
 

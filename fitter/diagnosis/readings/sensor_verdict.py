@@ -1,7 +1,7 @@
-"""Which suspects are accepted, and which cannot be told apart.
+"""Which suspects are accepted, and which are indistinguishable.
 
 A cause is accepted if it explains more of trials that it was not fitted to than chance would, in units of the
-noise. A rival is its equal if these trials don't tell the two apart; then the one with fewer numbers that differ
+noise. A rival is its equal if these trials don't distinguish the two; then the one with fewer numbers that differ
 from nothing is preferred, and if they have as many, both are named.
 
 Its finding says so, with the numbers of the causes and what they leave.
@@ -14,9 +14,9 @@ import numpy as np
 
 from arm.model import Arm, Floats
 from fitter.diagnosis.least_squares import MOST_CAUSES, SIGMAS
-from fitter.diagnosis.readings.remaining import Remaining, beyond_level
+from fitter.diagnosis.readings.sensor_hypotheses import Fitted, SensorHypothesis
+from fitter.diagnosis.readings.sensor_residual import SensorResidual, beyond_level
 from fitter.diagnosis.readings.sensor_search import ACCEPTED, EQUAL, Search, Tried
-from fitter.diagnosis.readings.suspects import Fitted, SensorHypothesis
 from fitter.diagnosis.search import Verdict
 
 
@@ -28,7 +28,7 @@ class Cause:
     ----------
     tried : Tried
     equals : tuple of Tried
-        Rivals that can't be told from it; empty if there are none.
+        Rivals that are indistinguishable from it; empty if there are none.
     support : float
         In which share of the ways to draw the judging trials anew it beats every rival that is not its equal.
     """
@@ -225,7 +225,7 @@ class SensorFinding:
     candidates : tuple of SensorCandidate
         All that were tried, the best first.
     confusable : tuple of (str, str)
-        Effects that this data cannot tell apart.
+        Effects that this data cannot distinguish.
     next_experiment : str
     before, after : mapping of str to float
         By sensor, rms of what no motion of a rigid arm explains in the judging trials [m/s^2].
@@ -248,6 +248,6 @@ class SensorFinding:
     after: Mapping[str, float]
     gain: float
     contradicts: float
-    residual: Remaining
+    residual: SensorResidual
     arm: Arm
     course: Course

@@ -12,7 +12,7 @@ import numpy as np
 from arm.model import Floats
 from fitter.diagnosis.readings.linearisation import Instruments, Linearisation, added, turn_by_angles
 from fitter.diagnosis.readings.sensor_frames import TrialFrames
-from fitter.diagnosis.readings.suspects import Change, Columns, SensorEffect, bias_columns
+from fitter.diagnosis.readings.sensor_hypotheses import Change, Columns, SensorEffect, bias_columns
 from tracking.observation import MOUNTING
 
 

@@ -39,7 +39,7 @@ class Rows:
     signals : (n, n_signal)
         Signals in proportion to which the model may err.
     n_sample : int
-        A row is the mean of so many samples…
+        Samples whose mean a row is…
     band_hz : float
         … behind a low-pass filter with this corner.
     torque_noise, angle_noise : float [N m], [N m s^2]

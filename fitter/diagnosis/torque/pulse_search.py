@@ -1,4 +1,4 @@
-"""All places for a pulse in one trial at one joint, by their evidence beside the background."""
+"""All places for a pulse in one trial at one joint, by their evidence against the background."""
 
 from collections.abc import Iterator
 
@@ -22,7 +22,7 @@ class Search:
         self.shapes = Shapes.of(rows)
         self.fit = self.shapes.fit(rows)
         #: Evidence at all places that were left when no more was found, (n_shape, n) [nats].
-        self.left = np.full(self.fit.shape, -np.inf)
+        self.remaining_evidence = np.full(self.fit.shape, -np.inf)
 
     def evidence(self, e: Floats) -> Floats:
         """Return the log evidence for a pulse of each shape that begins with each row, (n_shape, n) [nats]."""
@@ -41,7 +41,7 @@ class Search:
             shape, row = np.unravel_index(int(np.argmax(at_places)), at_places.shape)
             evidence = float(np.logaddexp.reduce(at_places, axis=None))
             if evidence < least:
-                self.left = at_places
+                self.remaining_evidence = at_places
                 return
             place = float(self.rows.t[row]) - 0.5 * self.rows.step_s, self.shapes.duration_s[shape]
             pulse = either([self._refined(e, *place, form, evidence) for form in FORMS])
@@ -51,10 +51,10 @@ class Search:
             column = in_rows(self.rows, pulse.start_s, pulse.duration_s, pulse.form)
             e = e - self.kalman.innovations(pulse.torque_N_m * column)
 
-    def left_by_block(self) -> Floats:
+    def evidence_by_block(self) -> Floats:
         """Return the evidence in blocks of a longest pulse's length where none was found, (n_block,) [nats]."""
         n = max(1, round(LONGEST_PULSE_S / self.rows.step_s))
-        at_rows = np.logaddexp.reduce(self.left, axis=0)
+        at_rows = np.logaddexp.reduce(self.remaining_evidence, axis=0)
         blocks: Floats = np.logaddexp.reduceat(at_rows, np.arange(0, len(at_rows), n))
         return np.asarray(blocks[np.isfinite(blocks)])
 
@@ -123,7 +123,7 @@ class Search:
         ]
         J = np.stack([self.kalman.innovations(column) for column in columns], axis=1)
         information = (self.nu + 1.0) / (self.nu + 3.0) * J.T @ J
-        # Where an end is not seen, only that no pulse lasts longer tells where it is: uniform.
+        # Where an end is unobserved, it is uniform within the longest duration.
         information += np.diag([12.0 / LONGEST_PULSE_S**2, 12.0 / LONGEST_PULSE_S**2, TINY])
         errors = np.sqrt(np.diag(np.linalg.inv(information)))
         place = rows.step_s * duration_s * float(np.log(DURATION_RATIO))

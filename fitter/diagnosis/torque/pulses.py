@@ -16,9 +16,9 @@ from scipy.optimize import brentq
 from arm.model import Floats
 from fitter.diagnosis.least_squares import EQUAL_SIGMAS, NEGLIGIBLE, ODDS_NATS, ROUNDED
 from fitter.diagnosis.torque.background import LONGEST_PULSE_S, Background, Rows, estimated, log_likelihood
-from fitter.diagnosis.torque.missing_torque import ResidualTorque
 from fitter.diagnosis.torque.pulse import Pulse, Shapes, in_rows
 from fitter.diagnosis.torque.pulse_search import Search
+from fitter.diagnosis.torque.residual_torque import ResidualTorque
 
 
 @dataclass(frozen=True)
@@ -60,7 +60,7 @@ class Tail:
             return cls(threshold, least)
         return cls(threshold, max(least, _scale(float(excess.mean()), most - threshold)))
 
-    def nats(self, evidence: float) -> float:
+    def surprisal(self, evidence: float) -> float:
         """Return minus the logarithm of the probability of so evident a block by chance, eq. (m.3)."""
         return float(np.log(2.0) + max(evidence - self.threshold, 0.0) / self.scale)
 
@@ -104,14 +104,15 @@ def _at_joint(rows: Sequence[Rows], joint: int, n_joint: int, odds: float) -> li
     All of them together are likelier than a background without any.
     """
     whole = estimated(rows)
-    found = _beside(whole, rows, joint, n_joint, odds) or _beside(_usual(whole, rows), rows, joint, n_joint, odds)
-    return found if found and _worth_of_all(rows, found, whole, n_joint) > odds else []
+    found = _found_with(whole, rows, joint, n_joint, odds)
+    found = found or _found_with(_usual(whole, rows), rows, joint, n_joint, odds)
+    return found if found and _joint_log_evidence(rows, found, whole, n_joint) > odds else []
 
 
-def _worth_of_all(rows: Sequence[Rows], pulses: Sequence[Pulse], whole: Background, n_joint: int) -> float:
-    """Return what some pulses are worth beside the likeliest background without any [nats]."""
-    left, n_place = _without(rows, pulses), _n_place(rows, n_joint)
-    gain = log_likelihood(estimated(left, whole), left) - log_likelihood(whole, rows)
+def _joint_log_evidence(rows: Sequence[Rows], pulses: Sequence[Pulse], whole: Background, n_joint: int) -> float:
+    """Return the log evidence of some pulses against the likeliest background without any [nats]."""
+    remaining, n_place = _without(rows, pulses), _n_place(rows, n_joint)
+    gain = log_likelihood(estimated(remaining, whole), remaining) - log_likelihood(whole, rows)
     sized = sum(pulse.evidence - pulse.log_likelihood_ratio for pulse in pulses)
     return gain + sized - sum(_log_places(n_place, k + 1) for k in range(len(pulses)))
 
@@ -121,8 +122,10 @@ def _n_place(rows: Sequence[Rows], n_joint: int) -> int:
     return n_joint * sum(int(np.count_nonzero(Shapes.of(part).fit(part))) for part in rows)
 
 
-def _beside(background: Background, rows: Sequence[Rows], joint: int, n_joint: int, odds: float) -> list[Pulse]:
-    """Return one joint's pulses, sought beside a background first.
+def _found_with(
+    background: Background, rows: Sequence[Rows], joint: int, n_joint: int, odds: float
+) -> list[Pulse]:
+    """Return one joint's pulses, sought against a background first.
 
     Pulses that are taken for background hide each other. So all that are likelier than not are taken out, and the
     background is estimated anew, as long as that shows more. Of these, those are found that are so likely as any
@@ -140,14 +143,14 @@ def _beside(background: Background, rows: Sequence[Rows], joint: int, n_joint: i
             break
         likely = more
         background = estimated(_without(rows, likely), background)
-    left = np.concatenate([search.left_by_block() for search in searches])
-    tail = Tail.of(left, least)
-    places, blocks = _log_places(n_place, len(likely)), np.log(max(n_joint * len(left), 1))
+    remaining = np.concatenate([search.evidence_by_block() for search in searches])
+    tail = Tail.of(remaining, least)
+    places, blocks = _log_places(n_place, len(likely)), np.log(max(n_joint * len(remaining), 1))
 
     def is_one(pulse: Pulse) -> bool:
-        nats = _worth(rows, likely, pulse, background)
+        nats = _log_evidence(rows, likely, pulse, background)
         is_sized = abs(pulse.torque_N_m) > EQUAL_SIGMAS * pulse.torque_std  # as of any cause
-        return bool(is_sized and min(nats - places, tail.nats(nats) - blocks) > odds)
+        return bool(is_sized and min(nats - places, tail.surprisal(nats) - blocks) > odds)
 
     return [pulse for pulse in likely if is_one(pulse)]
 
@@ -172,7 +175,7 @@ def _usual(whole: Background, rows: Sequence[Rows], share: float = 0.75) -> Back
 def _log_places(n_place: int, k: int) -> float:
     """Return how many more sets of places there are for k pulses than for one fewer, as a logarithm.
 
-    All sets of so many pulses are equally likely beforehand, and that there are k of them with 1 / (k (k + 1)).
+    All sets of k pulses are equally likely beforehand, and that there are k of them with 1 / (k (k + 1)).
     """
     if k == 0:
         return 0.0
@@ -180,8 +183,8 @@ def _log_places(n_place: int, k: int) -> float:
     return float(np.log(max(n_place - k + 1, k) / k * more))
 
 
-def _worth(rows: Sequence[Rows], pulses: Sequence[Pulse], one: Pulse, background: Background) -> float:
-    """Return what one of some pulses is worth, its places left aside [nats].
+def _log_evidence(rows: Sequence[Rows], pulses: Sequence[Pulse], one: Pulse, background: Background) -> float:
+    """Return the log evidence of one of some pulses, without the number of its places [nats].
 
     Parameters
     ----------
@@ -198,9 +201,9 @@ def _worth(rows: Sequence[Rows], pulses: Sequence[Pulse], one: Pulse, background
 
 def _without(rows: Sequence[Rows], pulses: Sequence[Pulse]) -> list[Rows]:
     """Return the residuals of the trials without some pulses."""
-    left = [replace(part, r=part.r.copy()) for part in rows]
+    remaining = [replace(part, r=part.r.copy()) for part in rows]
     for pulse in pulses:
-        part = left[pulse.trial]
+        part = remaining[pulse.trial]
         place = pulse.start_s, pulse.duration_s, pulse.form
         part.r[:] -= pulse.torque_N_m * in_rows(part, *place)
-    return left
+    return remaining

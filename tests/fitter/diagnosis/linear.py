@@ -7,9 +7,9 @@ import numpy as np
 from arm.effects.catalogue import catalogue
 from arm.model import Floats
 from fitter.diagnosis.estimates import significant
-from fitter.diagnosis.evidence import Fit, likelihood_of
+from fitter.diagnosis.evidence import Fit, penalised_log_likelihood
 from fitter.diagnosis.model import Candidate, Hypothesis, Model
-from fitter.diagnosis.motion import View
+from fitter.diagnosis.motion import HypotheticalMotion
 
 #: Rows a block, blocks a trial; places in the motion.
 ROWS, BLOCKS = 10, 5
@@ -30,9 +30,9 @@ class Columns(Hypothesis):
         super().__init__(catalogue()[effect], some)
         self.n_column = len(some)
 
-    def act(self, view: View, psi: Floats) -> View:
-        """Return a view as it is: there are no motions."""
-        return view
+    def act(self, hypothetical: HypotheticalMotion, psi: Floats) -> HypotheticalMotion:
+        """Return the motion as it is: there is none."""
+        return hypothetical
 
     def numbers(self, psi: Floats, factors: Floats) -> Floats:
         """Return the factors."""
@@ -93,7 +93,9 @@ class LinearLikelihood:
         """Return a model with one hypothesis more, for all, the likeliest first."""
         known = fit.candidate.model.hypotheses
         return sorted(
-            (self.fit_of(*known, one) for one in self.tried if one not in known), key=likelihood_of, reverse=True
+            (self.fit_of(*known, one) for one in self.tried if one not in known),
+            key=penalised_log_likelihood,
+            reverse=True,
         )
 
     def joined(self, fit: Fit, options: Sequence[Fit]) -> Fit | None:
@@ -128,6 +130,6 @@ class LinearLikelihood:
         """Say whether a model leaves no more than it may."""
         return bool(np.mean(fit.residual**2) <= self.exact)
 
-    def is_plainly_wrong(self, fit: Fit) -> bool:
+    def has_large_residual(self, fit: Fit) -> bool:
         """Say whether two hypotheses may hide each other."""
         return self.wrong

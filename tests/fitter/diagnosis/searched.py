@@ -49,5 +49,5 @@ def searched(regression: Regression, tried: Sequence[Hypothesis]) -> tuple[Regre
         [one.candidate for one in found.first],
         supports(found.first),
         likelihood.floor,
-        likelihood.was,
+        likelihood.base_floor,
     )

@@ -6,24 +6,26 @@ import numpy as np
 import pytest
 import scipy.stats
 
-from fitter.diagnosis import folds
-from fitter.diagnosis.folds import _xi, dependences
+from fitter.diagnosis import cross_validation
+from fitter.diagnosis.cross_validation import _xi, dependences
 from fitter.diagnosis.model import Candidate, Model
 
 FINAL = Candidate(Model(), np.zeros(0), np.zeros(0))
 
 
-def run(left):
-    """Return a run of one joint that swings through 2 rad at 0.3 Hz, of which ``left(q)`` remains."""
+def run(residual):
+    """Return a run of one joint that swings through 2 rad at 0.3 Hz, of which ``residual(q)`` remains."""
     t = np.arange(4000) * 0.01
     q = np.sin(2.0 * np.pi * 0.3 * t)[:, None]
-    motion = SimpleNamespace(t=t, q=q, dq=np.gradient(q, 0.01, axis=0), ddq=-q, left=left(q))
+    motion = SimpleNamespace(t=t, q=q, dq=np.gradient(q, 0.01, axis=0), ddq=-q, residual=residual(q))
     return SimpleNamespace(motions=[motion], arm=SimpleNamespace(n_joint=1))
 
 
 @pytest.fixture(autouse=True)
 def remaining(monkeypatch):
-    monkeypatch.setattr(folds, "remaining_torque", lambda _regression, _model, _x, motion: motion.left)
+    monkeypatch.setattr(
+        cross_validation, "residual_torque", lambda _regression, _model, _x, motion: motion.residual
+    )
 
 
 def test_ranks_that_go_up_steadily_are_all_but_a_function():

@@ -50,7 +50,7 @@ def test_a_white_missing_torque_is_found_with_its_size(plain, size):
     """But for what the base parameters take of it, and what holds a joint."""
     regression, own, floor = weighed_twice(shaken(plain, np.array([size])))
     assert floor.white == pytest.approx([size], rel=0.2)
-    assert floor.is_plain and not floor.is_none
+    assert floor.is_large and not floor.is_none
     np.testing.assert_allclose(regression.weighting.torque_noise, np.hypot(own.torque_noise, floor.white))
     assert 0.1 < part_of_floor(own, regression.weighting) < 1.0
 
@@ -67,7 +67,7 @@ def test_weights_with_a_floor_come_to_the_same_again_and_leave_what_they_should(
     _, _, again = floor_of(regression)
     for name in ("ratio", "white", "steep"):
         np.testing.assert_allclose(getattr(again, name), getattr(once, name), rtol=0.05)
-    left = fitted(regression, Model()).squares / regression.told
+    left = fitted(regression, Model()).squares / regression.n_effective
     assert 0.8 < left.mean() < 1.2
 
 
@@ -75,7 +75,7 @@ def test_weights_with_a_floor_come_to_the_same_again_and_leave_what_they_should(
 def test_exact_data_have_none(run, request):
     regression = request.getfixturevalue(run)
     own, weighted, floor = floor_of(regression)
-    assert floor.is_none and not floor.is_plain
+    assert floor.is_none and not floor.is_large
     np.testing.assert_array_equal(floor.white, 0.0)
     np.testing.assert_array_equal(floor.steep, 1.0)
     np.testing.assert_array_equal(weighted.torque_noise, own.torque_noise)
@@ -86,7 +86,7 @@ def test_exact_data_have_none(run, request):
 @given(st.floats(0.0, 10.0), st.floats(0.0, 10.0))
 def test_what_is_plain_is_something(one, other):
     floor = Floor(np.array([one, other]), np.zeros(2), np.ones(2))
-    assert not (floor.is_plain and floor.is_none)
+    assert not (floor.is_large and floor.is_none)
 
 
 @given(st.integers(0, 1000), st.floats(0.1, 100.0), st.floats(1.5, 30.0))

@@ -26,7 +26,7 @@ def test_noise_is_that_of_the_angles_times_the_mass(regression: Regression) -> N
     thinned = np.mean([motion.trial.dt_s / motion.dt_s for motion in motions])
     angle = noise_of_angles([motion.trial for motion in motions])
     faster = replace(motions[0], ddq=motions[0].ddq + 1.0)
-    one, other = (regression.equations.left(Model(), x, motion) for motion in (motions[0], faster))
+    one, other = (regression.equations.residual_torque(Model(), x, motion) for motion in (motions[0], faster))
     expected = thinned * (np.mean(one - other) * angle) ** 2
     np.testing.assert_allclose(right.acceleration_noise.ravel(), expected, rtol=0.15)
 

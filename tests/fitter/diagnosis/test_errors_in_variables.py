@@ -19,10 +19,10 @@ def test_what_noise_takes_away_is_put_back(seed, size):
     loud = A + np.column_stack([size * rng.standard_normal(n), np.zeros(n), np.zeros(n)])
     y = A @ true + 0.1 * rng.standard_normal(n)
     noise = noise_of(size * rng.standard_normal((n, 1, 3)) * [1.0, 0.0, 0.0], np.zeros((n, 1)))
-    gram, pull = loud.T @ loud, loud.T @ y
-    plain = np.linalg.solve(gram, pull)
+    gram, rhs = loud.T @ loud, loud.T @ y
+    plain = np.linalg.solve(gram, rhs)
     assert plain[0] == pytest.approx(2.0 / (1.0 + size**2), rel=0.02)
-    found = compensated(gram, pull, noise.gram.sum(axis=0), noise.pull.sum(axis=0))
+    found = compensated(gram, rhs, noise.gram.sum(axis=0), noise.rhs.sum(axis=0))
     np.testing.assert_allclose(found, true, atol=0.02 + 0.05 * size)
 
 
@@ -50,5 +50,5 @@ def test_noise_of_several_motions_adds_up():
     parts = [noise_of(columns[half], target[half]) for half in (slice(0, 15), slice(15, 40))]
     whole, sum_ = noise_of(columns, target), added(parts)
     x = rng.standard_normal(3)
-    np.testing.assert_allclose(sum_.left(x), whole.left(x))
-    np.testing.assert_allclose(whole.left(x), np.sum((columns @ x - target) ** 2, axis=0))
+    np.testing.assert_allclose(sum_.sum_of_squares(x), whole.sum_of_squares(x))
+    np.testing.assert_allclose(whole.sum_of_squares(x), np.sum((columns @ x - target) ** 2, axis=0))

@@ -7,10 +7,10 @@ import pytest
 
 from arm.effects.catalogue import catalogue
 from fitter.data.trials import to_trials
-from fitter.diagnosis.at_joint import AtJoint
 from fitter.diagnosis.error_floor import regression_of
 from fitter.diagnosis.estimates import estimates, significant
 from fitter.diagnosis.extended_arm import extended_arm, possible_base
+from fitter.diagnosis.joint_hypotheses import JointHypothesis
 from fitter.diagnosis.model import Model
 from fitter.diagnosis.refinement import fitted
 from fitter.diagnosis.run import run_of
@@ -41,8 +41,8 @@ def test_errors_are_as_large_as_they_are_said_to_be_and_what_is_left_is_noise():
         base = fitted(one, Model())
         found = extended_arm(one, base, estimates(one, base)).base_parameters
         off.append([(found[name].value - true) / found[name].std for name, true in (("D1", 0.3), ("fc1", 0.05))])
-        told = [one.weighting.told(motion) for motion in one.motions[3:]]
-        left.append(base.squares[3:].sum() / sum(told))
+        n_effective = [one.weighting.n_effective(motion) for motion in one.motions[3:]]
+        left.append(base.squares[3:].sum() / sum(n_effective))
     assert 0.9 < np.mean(left) < 1.15
     # Sixteen draws are off by 0.6 to 1.45 times their error in the mean square, but for once in a hundred times.
     assert np.all(np.abs(np.sqrt(np.mean(np.square(off), axis=0)) - 1.0) < 0.45)
@@ -62,7 +62,7 @@ def test_friction_that_would_push_is_none_in_a_simulation(regression):
 
 def test_a_size_differs_from_none_by_its_error(regression):
     """Wald's test at 95 %: 1.96 standard errors of one number."""
-    drag = AtJoint(catalogue()["quadratic_drag"], 0)
+    drag = JointHypothesis(catalogue()["quadratic_drag"], 0)
     base = fitted(regression, Model())
     for sigmas, said in ((1.9, False), (2.0, True)):
         dragged = replace(base, model=Model((drag,), (np.zeros(0),)), x=np.append(base.x, 0.1))
@@ -73,7 +73,7 @@ def test_a_size_differs_from_none_by_its_error(regression):
 @pytest.mark.parametrize(("stiffness_std", "said"), [(0.03, True), (0.06, False)])
 def test_a_spring_without_stiffness_is_no_spring(regression, stiffness_std, said):
     """Its stiffness is the columns' sum, 0.1: of two columns 2.45 standard errors are asked for."""
-    spring = AtJoint(catalogue()["joint_spring"], 0)
+    spring = JointHypothesis(catalogue()["joint_spring"], 0)
     base = fitted(regression, Model())
     sprung = replace(base, model=Model((spring,), (np.zeros(0),)), x=np.append(base.x, [0.05, 0.05]))
     covariance = np.diag(np.append(np.ones(len(base.x)), [stiffness_std**2, 1e-6]))

@@ -5,8 +5,8 @@ import pytest
 
 from arm.effects.catalogue import catalogue
 from arm.model import Effect
+from fitter.diagnosis.drive_hypotheses import Lag
 from fitter.diagnosis.estimates import _between, covariance_of, information_of, slopes
-from fitter.diagnosis.in_drive import Lag
 from fitter.diagnosis.model import Model
 from fitter.diagnosis.refinement import fitted
 from tests.fitter.diagnosis.searched import swinging

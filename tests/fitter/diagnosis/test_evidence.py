@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from fitter.diagnosis.evidence import blocks_of, dispersion, is_better, likelihood_of, worth
+from fitter.diagnosis.evidence import blocks_of, dispersion, is_better, log_evidence, penalised_log_likelihood
 from tests.fitter.diagnosis.blocks import BLOCKS, CELLS, ROWS, fit_of
 
 TRIALS = 8
@@ -29,18 +29,18 @@ def explained(seed, size=1.0, numbers=1, learnt=None):
 @given(SEEDS, st.floats(0.0, 20.0), st.integers(0, 4))
 def test_worth_falls_with_prior_odds_against_it_and_numbers(seed, against, more):
     one, base = explained(seed)
-    lean = worth(one, base, 0.0)
-    assert worth(one, base, against) == pytest.approx(lean - against)
+    lean = log_evidence(one, base, 0.0)
+    assert log_evidence(one, base, against) == pytest.approx(lean - against)
     larger = replace(one, candidate=fit_of(noise(seed), 1 + more).candidate)
     penalty = 0.5 * more * np.log(TRIALS * BLOCKS)
-    assert worth(larger, base, 0.0) == pytest.approx(lean - penalty)
-    assert likelihood_of(larger) == pytest.approx(likelihood_of(one) - penalty)
+    assert log_evidence(larger, base, 0.0) == pytest.approx(lean - penalty)
+    assert penalised_log_likelihood(larger) == pytest.approx(penalised_log_likelihood(one) - penalty)
 
 
 def test_worth_is_the_gain_by_its_dispersion_less_schwarz():
     one, base = explained(3, 0.5)
     found = one.gain(base) / dispersion(one, base) - 0.5 * np.log(TRIALS * BLOCKS) - 2.0
-    assert worth(one, base, 2.0) == pytest.approx(found)
+    assert log_evidence(one, base, 2.0) == pytest.approx(found)
 
 
 def test_scores_of_independent_blocks_have_their_information():
@@ -61,9 +61,9 @@ def test_what_is_left_for_longer_counts_less(length):
 
 def test_whole_trials_that_pull_their_own_way_count_once_each():
     trial = np.arange(N) // (ROWS * BLOCKS)
-    pull = np.where(trial % 2, 1.0, -1.0)
+    score_terms = np.where(trial % 2, 1.0, -1.0)
     column = noise(1)
-    left = noise(2) + 0.5 * pull * column
+    left = noise(2) + 0.5 * score_terms * column
     left = left - column * (column @ left) / (column @ column)
     apart = dispersion(fit_of(left, 1), fit_of(left + 0.3 * column))
     assert apart > 5.0 * dispersion(*explained(1, 0.3))
@@ -134,8 +134,8 @@ def test_one_trial_of_another_kind_does_not_hide_what_the_others_show():
     odd = replace(one, residual=np.where(foreign[:, None], 3.0 * base.residual, one.residual))
     assert odd.gain(base) < one.gain(base)
     alone = replace(one, learnt=np.ones_like(one.learnt))
-    lean = worth(replace(odd, learnt=alone.learnt), base, 0.0)
-    assert worth(odd, base, 0.0) > lean
+    lean = log_evidence(replace(odd, learnt=alone.learnt), base, 0.0)
+    assert log_evidence(odd, base, 0.0) > lean
 
 
 def test_what_learning_trials_leave_open_shows_in_all():

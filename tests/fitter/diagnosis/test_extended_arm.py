@@ -12,23 +12,23 @@ from arm.effects.catalogue import catalogue
 from arm.model import Arm, Control, Effect
 from arm.simulation import simulate
 from arm.structural_parameters import structural_parameters
-from fitter.diagnosis.at_joint import AtJoint
 from fitter.diagnosis.estimates import estimates
 from fitter.diagnosis.extended_arm import extended_arm, model_numbers
+from fitter.diagnosis.joint_hypotheses import JointHypothesis
 from fitter.diagnosis.model import Candidate, Model
 from fitter.dynamics.shooting_effects import ShootingWithEffects, numbers_of, windows
 from fitter.dynamics.shooting_windows import ShootingWindow
 from tests.fitter.diagnosis.searched import swinging
 
 
-class Passing(AtJoint):
+class TorqueTransfer(JointHypothesis):
     """Something that is there in some trials only."""
 
-    comes_and_goes = True
+    is_intermittent = True
 
 
-PASSING = Passing(catalogue()["torque_offset"], 0)
-DRAG = AtJoint(catalogue()["quadratic_drag"], 0)
+PASSING = TorqueTransfer(catalogue()["torque_offset"], 0)
+DRAG = JointHypothesis(catalogue()["quadratic_drag"], 0)
 
 
 @pytest.fixture(scope="module")
@@ -40,7 +40,7 @@ def found():
     candidate = Candidate(model, x, np.zeros(2))
     numbers = estimates(regression, candidate)
     arm = extended_arm(regression, candidate, numbers)
-    kept = regression.equations.independent(regression.view(model, regression.motions[0]).arm)
+    kept = regression.equations.independent(regression.hypothetical(model, regression.motions[0]).arm)
     return model_numbers(arm, numbers, candidate, kept.tolist(), 0), n_base
 
 

@@ -35,7 +35,9 @@ def test_it_is_found_from_afar(seed: int, bench: Bench, tmp_path: Path) -> None:
         best = screen(regression, fitted(regression, Model()), gains, Starts())[0]
         assert [j + 1 for j in best.hypothesis.joints] == effect["joints"]
         assert best.model.psi[-1][0] == pytest.approx(factor, rel=0.05)
-        assert best.squares.sum() < 2.0 * sum(regression.weighting.told(motion) for motion in regression.motions)
+        assert best.squares.sum() < 2.0 * sum(
+            regression.weighting.n_effective(motion) for motion in regression.motions
+        )
         own = reweighted(
             regression.equations, regression.weighting, best.model, best.x, regression.motions, regression.noisier
         )

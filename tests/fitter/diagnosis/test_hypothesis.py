@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 from arm.effects.catalogue import catalogue
-from fitter.diagnosis.at_joint import AtJoint
 from fitter.diagnosis.hypotheses import hypotheses
-from fitter.diagnosis.model import Turn
+from fitter.diagnosis.joint_hypotheses import JointHypothesis
+from fitter.diagnosis.model import ActionOrder
 from tests.fitter.diagnosis.searched import swinging
 
 
@@ -28,11 +28,11 @@ def test_its_starts_are_possible_and_its_places_are_as_many_as_they_are(hypothes
 
 @pytest.mark.parametrize(("drag", "is_possible"), [(0.1, True), (-0.1, False)])
 def test_numbers_are_possible_within_the_catalogues_bounds(drag, is_possible):
-    air = AtJoint(catalogue()["quadratic_drag"], 0)
+    air = JointHypothesis(catalogue()["quadratic_drag"], 0)
     assert air.possible(np.zeros(0), np.array([drag])) is is_possible
 
 
 def test_what_no_torque_enters_acts_first_and_what_scales_all_last():
-    assert list(Turn) == sorted(Turn)
-    assert (min(Turn), max(Turn)) == (Turn.PLAY, Turn.SCALE)
-    assert Turn.GAIN < Turn.LIMIT < Turn.LATENESS < Turn.COLUMNS
+    assert list(ActionOrder) == sorted(ActionOrder)
+    assert (min(ActionOrder), max(ActionOrder)) == (ActionOrder.BACKLASH, ActionOrder.SCALE)
+    assert ActionOrder.GAIN < ActionOrder.LIMIT < ActionOrder.LATENCY < ActionOrder.COLUMNS

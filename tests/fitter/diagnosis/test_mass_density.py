@@ -8,9 +8,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from arm.effects.catalogue import catalogue
-from fitter.diagnosis.at_joint import AtJoint
+from fitter.diagnosis.arm_hypotheses import RotorInertia
 from fitter.diagnosis.error_floor import regression_of
-from fitter.diagnosis.in_arm import RotorInertia
+from fitter.diagnosis.joint_hypotheses import JointHypothesis
 from fitter.diagnosis.least_squares import Normal
 from fitter.diagnosis.mass_density import MassDensity
 from fitter.diagnosis.model import Model
@@ -24,9 +24,11 @@ MODELS = {"base": Model(), "rotor": Model().plus(RotorInertia(catalogue()["rotor
 
 
 def density_of(regression, weight=WEIGHT):
-    told = {motion.number: regression.weighting.told_at_joints(motion) for motion in regression.motions}
+    n_effective = {
+        motion.number: regression.weighting.n_effective_at_joints(motion) for motion in regression.motions
+    }
     start = regression.solve(Model(), regression.motions)
-    return MassDensity(regression.equations, regression.motions, weight, told, start)
+    return MassDensity(regression.equations, regression.motions, weight, n_effective, start)
 
 
 @pytest.fixture(scope="module")
@@ -62,7 +64,7 @@ def test_slopes_are_those_of_the_density(regression, density, name):
 def test_twice_the_masses_add_log_2_for_each_number_that_is_told(regression, density, factor):
     motions = regression.motions
     x = regression.solve(Model(), motions)
-    numbers = sum(regression.weighting.told(motion) for motion in motions)
+    numbers = sum(regression.weighting.n_effective(motion) for motion in motions)
     more = density.of(Model(), factor * x, motions) - density.of(Model(), x, motions)
     assert more == pytest.approx(WEIGHT * numbers * np.log(factor), rel=1e-6, abs=1e-6)
 
@@ -76,28 +78,28 @@ def test_what_is_no_mass_is_impossible(regression, density):
 def normal_equations(regression, model):
     rows = [regression.rows(model, motion) for motion in regression.motions]
     square = sum(float(one.right.gram[0, 0]) for one in rows)
-    return Normal(sum(one.columns.gram for one in rows), sum(one.pull for one in rows), square)
+    return Normal(sum(one.columns.gram for one in rows), sum(one.rhs for one in rows), square)
 
 
 @pytest.mark.parametrize("begun", [1.0, 0.5, -1.0])
 def test_the_likeliest_factors_have_no_slope_left_wherever_they_are_begun(regression, density, begun):
     """From masses that are none, it is begun with those that are some."""
     motions = regression.motions
-    normal, numbers = normal_equations(regression, Model()), float(regression.told.sum())
+    normal, numbers = normal_equations(regression, Model()), float(regression.n_effective.sum())
     plain = regression.solve(Model(), motions)
     x = density.solve(normal, numbers, begun * plain, Model(), motions)
     score, information = density.slopes(Model(), x, motions)
-    weight = numbers / normal.left(x)
-    slope = weight * (normal.pull - normal.gram @ x) + score
+    weight = numbers / normal.sum_of_squares(x)
+    slope = weight * (normal.rhs - normal.gram @ x) + score
     assert slope @ np.linalg.lstsq(weight * normal.gram + information, slope, rcond=1e-11)[0] < 0.1  # nats, twice
 
 
 def test_without_weight_least_squares_stay_what_they_are(regression):
     normal = normal_equations(regression, Model())
-    plain = np.linalg.lstsq(normal.gram, normal.pull, rcond=None)[0]
-    numbers = float(regression.told.sum())
+    plain = np.linalg.lstsq(normal.gram, normal.rhs, rcond=None)[0]
+    numbers = float(regression.n_effective.sum())
     x = density_of(regression, 0.0).solve(normal, numbers, plain, Model(), regression.motions)
-    np.testing.assert_allclose(normal.gram @ x, normal.pull, rtol=1e-6, atol=1e-6 * np.abs(normal.pull).max())
+    np.testing.assert_allclose(normal.gram @ x, normal.rhs, rtol=1e-6, atol=1e-6 * np.abs(normal.rhs).max())
 
 
 def test_a_joint_that_is_stuck_has_a_mass_of_one():
@@ -112,7 +114,7 @@ def test_a_joint_that_is_stuck_has_a_mass_of_one():
 def test_two_forms_of_one_effect_at_one_joint_are_kept_apart():
     regression = swinging(trials=2)
     density, motions, width = density_of(regression), regression.motions, np.array([0.5])
-    fitted = Model().plus(AtJoint(catalogue()["stribeck"], 0), width)
+    fitted = Model().plus(JointHypothesis(catalogue()["stribeck"], 0), width)
     given = Model().plus(HeldStribeck(0, 0.1), width)
     values = [density.of(model, regression.solve(model, motions), motions) for model in (Model(), fitted, given)]
     assert np.all(np.isfinite(values))

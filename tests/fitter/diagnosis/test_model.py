@@ -8,41 +8,41 @@ from hypothesis import strategies as st
 from arm.effects.catalogue import catalogue
 from arm.model import Effect
 from fitter.data.trials import to_trials
+from fitter.diagnosis.backlash import backlash_path
 from fitter.diagnosis.error_floor import regression_of
 from fitter.diagnosis.estimates import estimates
 from fitter.diagnosis.hypotheses import hypotheses
-from fitter.diagnosis.in_transmission import Backlash, Elasticity
 from fitter.diagnosis.model import Candidate, Model
-from fitter.diagnosis.play import play_of
 from fitter.diagnosis.refinement import fitted
 from fitter.diagnosis.run import run_of
+from fitter.diagnosis.transmission_hypotheses import Backlash, Elasticity
 from tests.fitter.diagnosis.linear import Columns
 from tests.fitter.pendulum import pendulum, swings
 
-PLAY = Backlash(catalogue()["backlash"], [0])
+BACKLASH = Backlash(catalogue()["backlash"], [0])
 TWIST = Elasticity(catalogue()["joint_elasticity"], [0])
 ALL = {one.kind.name: one for one in hypotheses(1)}
 
 
-@pytest.mark.parametrize("psi", [PLAY.low, np.array([0.03]), PLAY.high])
+@pytest.mark.parametrize("psi", [BACKLASH.low, np.array([0.03]), BACKLASH.high])
 def test_a_model_is_moved_within_its_bounds(psi):
-    ((more, less, apart),) = Model((PLAY,), (psi,)).beside()
-    assert PLAY.low <= less.psi[0] <= psi <= more.psi[0] <= PLAY.high
+    ((more, less, apart),) = Model((BACKLASH,), (psi,)).central_differences()
+    assert BACKLASH.low <= less.psi[0] <= psi <= more.psi[0] <= BACKLASH.high
     assert apart == more.flat[0] - less.flat[0] > 0.0
 
 
 def test_one_number_at_a_time():
-    model = Model((PLAY, TWIST), (np.array([0.03]), np.array([1e-3, 1e-2])))
-    moved = [np.flatnonzero(more.flat != less.flat).tolist() for more, less, _ in model.beside()]
+    model = Model((BACKLASH, TWIST), (np.array([0.03]), np.array([1e-3, 1e-2])))
+    moved = [np.flatnonzero(more.flat != less.flat).tolist() for more, less, _ in model.central_differences()]
     assert moved == [[0], [1], [2]]
-    assert not list(Model().beside())
+    assert not list(Model().central_differences())
 
 
 def test_where_little_changes_jump_an_error_stays_what_it_is():
     effect = Effect("backlash", {"gap_rad": 0.02}, joints=(1,))
     trials = to_trials(swings((effect,), trials=4, seed=1), cutoff_hz=25.0)
     regression = regression_of(pendulum(), run_of(pendulum(), trials[:3], trials[3:]))
-    plays = [play_of(pendulum(), motion, 0) for motion in regression.motions[:3]]
+    plays = [backlash_path(pendulum(), motion, 0) for motion in regression.motions[:3]]
 
     def off(gap: float) -> float:
         return sum(float(np.sum(np.abs(play.off(gap)))) for play in plays)
@@ -53,7 +53,7 @@ def test_where_little_changes_jump_an_error_stays_what_it_is():
         gaps = np.linspace(gaps[at], gaps[at + 1], 101)
     found = []
     for gap in (0.99 * gaps[0], gaps[0], 1.01 * gaps[-1]):
-        one = fitted(regression, Model((PLAY,), (np.array([gap]),)), refine=False)
+        one = fitted(regression, Model((BACKLASH,), (np.array([gap]),)), refine=False)
         found.append(estimates(regression, one).effects[0]["gap_rad"].std)
     assert max(found) < 2.0 * min(found)
 

@@ -7,13 +7,13 @@ import pytest
 
 from arm.effects.catalogue import catalogue
 from arm.model import Effect
-from fitter.diagnosis.at_joint import AtJoint
+from fitter.diagnosis.arm_hypotheses import RotorInertia
+from fitter.diagnosis.basis_functions import Discrepancy
 from fitter.diagnosis.error_floor import regression_of
 from fitter.diagnosis.estimates import estimates, information_of
 from fitter.diagnosis.evidence import Floor
 from fitter.diagnosis.finding import Conclusion
-from fitter.diagnosis.functions import Remainder
-from fitter.diagnosis.in_arm import RotorInertia
+from fitter.diagnosis.joint_hypotheses import JointHypothesis
 from fitter.diagnosis.model import Candidate, Model
 from fitter.diagnosis.polish import is_measured, loses, polished
 from fitter.diagnosis.refinement import fitted
@@ -21,7 +21,7 @@ from fitter.diagnosis.run import run_of
 from fitter.diagnosis.search import Search
 from tests.fitter.diagnosis.searched import swinging
 
-DRAG = AtJoint(catalogue()["quadratic_drag"], 0)
+DRAG = JointHypothesis(catalogue()["quadratic_drag"], 0)
 ROTOR = RotorInertia(catalogue()["rotor_inertia"], (1,))
 
 
@@ -38,7 +38,7 @@ def come_to(regression, final, scatter=1.0, ratio=9.0) -> Conclusion:
     search = Search(base, final, [], base, [], [], floor, floor)
     numbers = estimates(regression, final)
     numbers = replace(numbers, covariance=scatter**2 * numbers.covariance)
-    return Conclusion(search, "named", final, numbers, Remainder(0.0, 0.0, True, (), 0, "", []), [], {})
+    return Conclusion(search, "named", final, numbers, Discrepancy(0.0, 0.0, True, (), 0, "", []), [], {})
 
 
 @pytest.fixture(scope="module")

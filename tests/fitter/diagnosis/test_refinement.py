@@ -7,10 +7,10 @@ import scipy.optimize
 from arm.effects.catalogue import catalogue
 from arm.model import Effect
 from fitter.data.trials import to_trials
-from fitter.diagnosis.at_joint import AtJoint
+from fitter.diagnosis.arm_hypotheses import JointZero
+from fitter.diagnosis.drive_hypotheses import Lag
 from fitter.diagnosis.error_floor import regression_of
-from fitter.diagnosis.in_arm import JointZero
-from fitter.diagnosis.in_drive import Lag
+from fitter.diagnosis.joint_hypotheses import JointHypothesis
 from fitter.diagnosis.model import Hypothesis, Model
 from fitter.diagnosis.refinement import refined
 from fitter.diagnosis.regression import Regression
@@ -30,14 +30,14 @@ def regression() -> Regression:
     ("hypothesis", "start", "around"),
     [
         (JointZero(catalogue()["joint_zero"], (0,)), 0.0, (-0.4, 0.4)),
-        (AtJoint(catalogue()["cogging"], 0), 2.0, (1.5, 2.5)),
+        (JointHypothesis(catalogue()["cogging"], 0), 2.0, (1.5, 2.5)),
         (Lag(catalogue()["actuator_lag"], (0,)), 0.02, (1e-4, 0.1)),
     ],
 )
 def test_it_ends_where_least_is_left(regression: Regression, hypothesis: Hypothesis, start: float, around):
     def left(psi: float) -> float:
         model = Model().plus(hypothesis, np.array([psi]))
-        r = regression.left(model, regression.solve(model, regression.learning), regression.learning)
+        r = regression.residuals(model, regression.solve(model, regression.learning), regression.learning)
         return float(r @ r)
 
     found = float(refined(regression, Model().plus(hypothesis, np.array([start])), regression.learning).flat[0])
@@ -55,5 +55,5 @@ def test_what_is_held_stays(regression: Regression):
 def test_where_masses_vanish_psi_stays(regression: Regression, monkeypatch):
     lag = Lag(catalogue()["actuator_lag"], (0,))
     model = Model().plus(lag, np.array([0.02]))
-    monkeypatch.setattr(regression, "left", lambda *_: np.full(4, np.inf))
+    monkeypatch.setattr(regression, "residuals", lambda *_: np.full(4, np.inf))
     assert refined(regression, model, regression.learning) is model

@@ -12,17 +12,17 @@ from arm.regressor import standard_parameters
 from arm.simulation import simulate
 from fitter.data.motions import Measured
 from fitter.data.trials import to_trials
-from fitter.diagnosis.at_joint import AtJoint
+from fitter.diagnosis.arm_hypotheses import FrictionDrift, GravityTilt
+from fitter.diagnosis.drive_hypotheses import Delay, Gain, Lag, Limit
 from fitter.diagnosis.equations import Equations
 from fitter.diagnosis.error_floor import regression_of
 from fitter.diagnosis.errors_in_variables import added, noise_of
-from fitter.diagnosis.in_arm import FrictionDrift, GravityTilt
-from fitter.diagnosis.in_drive import Delay, Gain, Lag, Limit
-from fitter.diagnosis.in_transmission import Elasticity
+from fitter.diagnosis.joint_hypotheses import JointHypothesis
 from fitter.diagnosis.least_squares import scaled_lstsq
 from fitter.diagnosis.model import Model
 from fitter.diagnosis.payload import Payload
 from fitter.diagnosis.run import run_of
+from fitter.diagnosis.transmission_hypotheses import Elasticity
 from fitter.diagnosis.weighting import Columns
 from tests.fitter.pendulum import pendulum, swings
 
@@ -58,8 +58,8 @@ def _measured(asked):
 def test_what_is_left_of_the_true_model_has_the_variance_of_noise(regression):
     x = regression.solve(Model(), regression.learning)
     left = regression.squares(Model(), x)
-    told = np.array([regression.weighting.told(motion) for motion in regression.motions])
-    assert 0.5 < left[4:].sum() / told[4:].sum() < 2.0
+    n_effective = np.array([regression.weighting.n_effective(motion) for motion in regression.motions])
+    assert 0.5 < left[4:].sum() / n_effective[4:].sum() < 2.0
 
 
 def test_base_parameters_come_back(regression):
@@ -93,12 +93,12 @@ def test_noise_in_the_columns_is_what_it_is_expected_to_be():
         noise_of((a.design - b.design).reshape(*a.target.shape, -1), a.target - b.target)
         for a, b in ((loud.rows(Model(), m), true.rows(Model(), replace(n, stuck=m.stuck))) for m, n in pairs)
     ]
-    told = added([loud._noisy.of(Model(), [motion], by_joint=True) for motion in loud.motions])
+    noise = added([loud._noisy.of(Model(), [motion], by_joint=True) for motion in loud.motions])
     inertia = 2
     gram = sum(one.gram for one in found)[0, inertia, inertia]
-    pull = sum(one.pull for one in found)[0, inertia]
-    assert told.gram[0, inertia, inertia] == pytest.approx(gram, rel=0.15)
-    assert told.pull[0, inertia] == pytest.approx(pull, rel=0.5)  # by the law the torque has the angle's noise
+    rhs = sum(one.rhs for one in found)[0, inertia]
+    assert noise.gram[0, inertia, inertia] == pytest.approx(gram, rel=0.15)
+    assert noise.rhs[0, inertia] == pytest.approx(rhs, rel=0.5)  # by the law the torque has the angle's noise
 
 
 def test_a_drive_that_does_nothing_explains_no_noise_whatever_it_is_beside(two_joints):
@@ -118,19 +118,21 @@ def test_what_acts_first_does_not_depend_on_what_was_found_first(two_joints, ups
         "torque_saturation": (Limit(catalogue()["torque_saturation"], (1,)), np.array([0.5])),
         "joint_elasticity": (Elasticity(catalogue()["joint_elasticity"], (1,)), np.array([0.02, 0.01])),
     }[upstream]
-    late = AtJoint(catalogue()[column], 1)
+    late = JointHypothesis(catalogue()[column], 1)
     last = late, np.full(len(late.low), 3.0)
     one, other = Model().plus(*early).plus(*last), Model().plus(*last).plus(*early)
     motion, n = two_joints.motions[0], late.n_column
-    assert two_joints.view(one, motion).columns[-1].shape[-1] == n
-    np.testing.assert_array_equal(two_joints.view(other, motion).columns, two_joints.view(one, motion).columns)
+    assert two_joints.hypothetical(one, motion).columns[-1].shape[-1] == n
+    np.testing.assert_array_equal(
+        two_joints.hypothetical(other, motion).columns, two_joints.hypothetical(one, motion).columns
+    )
     found, again = two_joints.rows(one, motion), two_joints.rows(other, motion)
     np.testing.assert_allclose(again.design, found.design, atol=1e-12)
     np.testing.assert_allclose(again.target, found.target, atol=1e-12)
 
 
 def test_columns_stand_in_the_order_of_the_model(two_joints):
-    spring, cogging = (AtJoint(catalogue()[name], 1) for name in ("joint_spring", "cogging"))
+    spring, cogging = (JointHypothesis(catalogue()[name], 1) for name in ("joint_spring", "cogging"))
     lag = Lag(catalogue()["actuator_lag"], (0,))
     one = Model().plus(cogging, np.array([4.0])).plus(lag, np.array([0.02])).plus(spring, np.zeros(0))
     other = Model().plus(lag, np.array([0.02])).plus(cogging, np.array([4.0])).plus(spring, np.zeros(0))
@@ -167,8 +169,8 @@ def test_a_gain_makes_of_the_rows_what_it_makes_of_the_regressor(two_joints):
     for joint, factor in ((0, 0.7), (1, 1.3)):
         model = Model().plus(Gain(kind, (joint,)), np.array([factor]))
         motion = two_joints.motions[1]
-        view = two_joints.view(model, motion)
-        rows = view.base(two_joints.equations.independent(view.arm))
+        hypothetical = two_joints.hypothetical(model, motion)
+        rows = hypothetical.base(two_joints.equations.independent(hypothetical.arm))
         whole = two_joints.weighting.filtered(motion, rows)
         np.testing.assert_allclose(
             two_joints.rows(model, motion).design, whole.reshape(-1, rows.shape[2]), atol=1e-8
@@ -180,7 +182,7 @@ def test_beside_a_gain_a_spring_is_as_stiff_as_it_is():
     gain, stiffness = 0.7, 4.0
     weak = np.array([1.0, gain])
     regression = _measured(lambda tau, q: (tau + [0.0, stiffness] * q) / weak)
-    spring = AtJoint(catalogue()["joint_spring"], 1)
+    spring = JointHypothesis(catalogue()["joint_spring"], 1)
     for model in (
         Model().plus(Gain(catalogue()["gain_error"], (1,)), np.array([gain])).plus(spring, np.zeros(0)),
         Model().plus(spring, np.zeros(0)).plus(Gain(catalogue()["gain_error"], (1,)), np.array([gain])),
@@ -196,29 +198,33 @@ def test_a_gain_that_comes_last_is_as_one_that_comes_first(two_joints, beside):
     other = {
         "gravity_tilt": GravityTilt(catalogue()["gravity_tilt"], ()),
         "payload": Payload(catalogue()["payload"], frozenset({0})),
-    }.get(beside) or AtJoint(catalogue()[beside], 1)
+    }.get(beside) or JointHypothesis(catalogue()[beside], 1)
     model = Model().plus(other, np.full(len(other.low), 3.0)).plus(gain, np.array([0.6]))
     equations = two_joints.equations
     for motion in (two_joints.motions[0], two_joints.noisier[two_joints.motions[0].number]):
-        view = equations.view(model, motion)
-        filtered = equations.weighting.filtered(motion, view.equations(equations.independent(view.arm)))
+        hypothetical = equations.hypothetical(model, motion)
+        filtered = equations.weighting.filtered(
+            motion, hypothetical.equations(equations.independent(hypothetical.arm))
+        )
         design = equations.rows(model, motion).design
         np.testing.assert_allclose(design, filtered.reshape(design.shape), rtol=1e-9, atol=1e-9)
     noisy, motions = two_joints._noisy, two_joints.motions[:1]
     quick, whole = noisy.of(model, motions), noisy._of(model, (), True, motions[0])
     np.testing.assert_allclose(quick.gram, whole.gram, rtol=1e-6, atol=1e-9)
-    np.testing.assert_allclose(quick.pull, whole.pull, rtol=1e-6, atol=1e-9)
+    np.testing.assert_allclose(quick.rhs, whole.rhs, rtol=1e-6, atol=1e-9)
 
 
 def test_friction_that_drifts_is_what_the_equations_say(two_joints):
     """Only the columns of friction are made anew, from what they are times the run's time."""
-    kind, spring = catalogue()["thermal_drift"], AtJoint(catalogue()["joint_spring"], 0)
+    kind, spring = catalogue()["thermal_drift"], JointHypothesis(catalogue()["joint_spring"], 0)
     model = Model().plus(FrictionDrift(kind, (0,)), np.array([0.03])).plus(spring, np.zeros(0))
     model = model.plus(FrictionDrift(kind, (1,)), np.array([-0.01]))
     equations, motion = two_joints.equations, two_joints.motions[1]
-    view = equations.view(model, motion)
-    np.testing.assert_allclose(view.drift, [0.03, -0.01])
-    filtered = equations.weighting.filtered(motion, view.equations(equations.independent(view.arm)))
+    hypothetical = equations.hypothetical(model, motion)
+    np.testing.assert_allclose(hypothetical.drift, [0.03, -0.01])
+    filtered = equations.weighting.filtered(
+        motion, hypothetical.equations(equations.independent(hypothetical.arm))
+    )
     design = equations.rows(model, motion).design
     np.testing.assert_allclose(design, filtered.reshape(design.shape), rtol=1e-9, atol=1e-9)
 

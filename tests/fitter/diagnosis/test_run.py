@@ -8,7 +8,7 @@ from scipy.ndimage import gaussian_filter1d
 
 from fitter.data.trial import Trial
 from fitter.data.trials import to_trials
-from fitter.diagnosis.run import sharper, sharper_gain, told_from_rest, velocity, velocity_gain
+from fitter.diagnosis.run import sharper, sharper_gain, significant_velocity, velocity, velocity_gain
 from fitter.diagnosis.whitening import STUCK_S
 from tests.fitter.pendulum import swings
 
@@ -32,8 +32,8 @@ def trial_of(q: np.ndarray, dt_s: float, seed: int = 0) -> Trial:
     return replace(some, t=t, dt_s=dt_s, q=noisy, dq=np.zeros_like(noisy), whole={"q": noisy}, trimmed=0)
 
 
-def told(q: np.ndarray, dt_s: float) -> tuple[np.ndarray, np.ndarray]:
-    seen, noise = told_from_rest(trial_of(q, dt_s), np.array([NOISE]), np.array([1e-4]))
+def significant(q: np.ndarray, dt_s: float) -> tuple[np.ndarray, np.ndarray]:
+    seen, noise = significant_velocity(trial_of(q, dt_s), np.array([NOISE]), np.array([1e-4]))
     return seen[:, 0], noise[:, 0]
 
 
@@ -41,7 +41,7 @@ def test_slow_motion_that_the_narrow_filter_hides_is_seen():
     dt_s, speed = 0.002, 0.015
     assert speed < 4.0 * NOISE * velocity_gain(dt_s)
     q = speed * np.arange(4000) * dt_s
-    seen, noise = told(q, dt_s)
+    seen, noise = significant(q, dt_s)
     inner = slice(100, -100)
     assert np.mean(seen[inner] > 0.0) > 0.99
     off = seen[inner] - speed
@@ -50,14 +50,14 @@ def test_slow_motion_that_the_narrow_filter_hides_is_seen():
 
 
 def test_rest_stays_rest():
-    seen, _ = told(np.zeros(20_000), 0.002)
+    seen, _ = significant(np.zeros(20_000), 0.002)
     assert np.mean(seen != 0.0) < 2e-3
 
 
 def test_a_reversal_is_never_taken_for_motion_the_other_way():
     dt_s = 0.002
     t = np.arange(5000) * dt_s
-    seen, _ = told(0.05 * np.sin(2.0 * t), dt_s)
+    seen, _ = significant(0.05 * np.sin(2.0 * t), dt_s)
     true = 0.1 * np.cos(2.0 * t)
     wrong = (np.sign(seen) == -np.sign(true)) & (np.abs(true) > 1e-3)
     assert not wrong[100:-100].any()
@@ -77,7 +77,7 @@ def reversing(rest_s: float) -> np.ndarray:
 
 
 def longest_rest_s(q: np.ndarray) -> float:
-    around = told(q, 0.002)[0][460:540] == 0.0
+    around = significant(q, 0.002)[0][460:540] == 0.0
     edges = np.flatnonzero(np.diff(np.concatenate([[False], around, [False]]).astype(np.int8)))
     return 0.002 * float(np.max(edges[1::2] - edges[::2], initial=0))
 

@@ -5,13 +5,13 @@ import pytest
 
 from arm.effects.catalogue import catalogue
 from arm.model import Effect
-from fitter.diagnosis.at_joint import AtJoint
+from fitter.diagnosis.joint_hypotheses import JointHypothesis
 from fitter.diagnosis.model import Model
 from fitter.diagnosis.refinement import Starts, by_learning, fitted
 from fitter.diagnosis.screening import screen
 from tests.fitter.diagnosis.searched import swinging
 
-SPRING, DRAG = (AtJoint(catalogue()[name], 0) for name in ("joint_spring", "quadratic_drag"))
+SPRING, DRAG = (JointHypothesis(catalogue()[name], 0) for name in ("joint_spring", "quadratic_drag"))
 
 
 @pytest.fixture(scope="module")

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from fitter.diagnosis.least_squares import FOREMOST
+from fitter.diagnosis.least_squares import N_REFINED
 from fitter.diagnosis.model import Model
 from fitter.diagnosis.refinement import Starts, peaks
 from tests.fitter.diagnosis.linear import Columns
@@ -22,7 +22,7 @@ def test_the_first_is_the_frequency_that_swings_most(frequency_hz, phase):
     t = np.concatenate([motion.t[::STRIDE] for motion in motions])
     left = np.sin(2.0 * np.pi * frequency_hz * t + phase) + 0.1 * np.random.default_rng(0).normal(size=len(t))
     found = peaks(left, motions, SimpleNamespace(stride=STRIDE, band_hz=BAND_HZ))
-    assert found.shape == (FOREMOST, 1)
+    assert found.shape == (N_REFINED, 1)
     assert found[0, 0] == pytest.approx(frequency_hz, abs=0.02)
     assert np.diff(np.sort(found[:, 0])).min() > 1.0 / 15.0
 

@@ -9,13 +9,13 @@ from arm.model import Control, Effect, Friction
 from arm.simulation import simulate
 from fitter.data.motions import Measured
 from fitter.data.trials import to_trials
+from fitter.diagnosis.conclusion import concluded
 from fitter.diagnosis.error_floor import regression_of
 from fitter.diagnosis.estimates import estimates
 from fitter.diagnosis.model import Model
 from fitter.diagnosis.refinement import fitted
 from fitter.diagnosis.run import run_of
-from fitter.diagnosis.static_friction import holdings, hump_of
-from fitter.diagnosis.telling import concluded
+from fitter.diagnosis.static_friction import hump_of, static_frictions
 from tests.fitter.diagnosis.searched import searched
 from tests.fitter.pendulum import pendulum
 
@@ -40,7 +40,7 @@ def sticking(effect):
 
 def held(regression):
     base = fitted(regression, Model())
-    return base, holdings(regression, base, estimates(regression, base).covariance)
+    return base, static_frictions(regression, base, estimates(regression, base).covariance)
 
 
 def test_a_hump_that_shows_in_motion_is_told_with_its_width():

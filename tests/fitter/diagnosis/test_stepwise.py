@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from fitter.diagnosis.evidence import is_better, likelihood_of
+from fitter.diagnosis.evidence import is_better, penalised_log_likelihood
 from fitter.diagnosis.stepwise import Stepwise
 from tests.fitter.diagnosis.linear import BLOCKS, ROWS, Columns, LinearLikelihood
 
@@ -38,10 +38,10 @@ def test_true_columns_are_found_the_largest_first_and_no_others(seed, true, leas
     y = A[:, sorted(true)] @ sizes + noise
     found = search(A, y)
     assert columns_of(found) == [(k,) for k in sorted(true, reverse=True)]
-    assert all(step.worth > 0.0 for step in found.steps)
+    assert all(step.log_evidence > 0.0 for step in found.steps)
     np.testing.assert_allclose(found.final.candidate.x, sizes[::-1], atol=0.3)
     assert len(found.first) == 8
-    assert sorted(found.first, key=likelihood_of, reverse=True) == list(found.first)
+    assert sorted(found.first, key=penalised_log_likelihood, reverse=True) == list(found.first)
 
 
 @given(SEEDS)
@@ -62,7 +62,7 @@ def test_what_standard_models_have_is_worth_more_by_the_prior_odds(seed):
         for effect in ("joint_spring", "rotor_inertia")
     )
     assert columns_of(usual) == columns_of(odd) == [(2,)]
-    assert usual.steps[0].worth - odd.steps[0].worth == pytest.approx(np.log(5.0))
+    assert usual.steps[0].log_evidence - odd.steps[0].log_evidence == pytest.approx(np.log(5.0))
 
 
 @given(SEEDS)
@@ -98,7 +98,7 @@ def test_two_that_hide_each_other_are_found_in_a_pair():
     A, y = hiding(3)
     found = search(A, y)
     assert set(columns_of(found)) == {(0,), (1,)}
-    assert found.steps[0].worth == found.steps[1].worth
+    assert found.steps[0].log_evidence == found.steps[1].log_evidence
 
 
 def test_no_pair_is_sought_where_little_is_wrong():
@@ -121,7 +121,7 @@ def test_of_equals_the_one_with_fewest_numbers_is_taken(seed):
     (step,) = found.steps
     assert step.hypothesis is lean
     assert [one.candidate.hypothesis for one in step.equals] in ([wide], [])
-    assert likelihood_of(step.fit) >= likelihood_of(step.before)
+    assert penalised_log_likelihood(step.fit) >= penalised_log_likelihood(step.before)
 
 
 def test_an_equal_is_kept_beside_the_cause_and_what_is_worse_is_not():
@@ -163,9 +163,9 @@ def test_a_model_that_leaves_noise_alone_is_asked_for_no_more():
 def test_every_accepted_model_is_weighed_anew_and_progress_is_told():
     A, noise = drawn(9, 4)
     likelihood = LinearLikelihood(A, A[:, 0] + 2.0 * A[:, 1] + noise, [Columns(k) for k in range(4)])
-    told: list[int] = []
-    Stepwise(likelihood, 4, MOST, told.append).run()
-    assert told == [1, 2]
+    counted: list[int] = []
+    Stepwise(likelihood, 4, MOST, counted.append).run()
+    assert counted == [1, 2]
     assert likelihood.weighed >= 2
 
 

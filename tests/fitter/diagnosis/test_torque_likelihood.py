@@ -7,11 +7,11 @@ import pytest
 
 from arm.effects.catalogue import catalogue
 from arm.model import Effect
-from fitter.diagnosis.at_joint import AtJoint
-from fitter.diagnosis.evidence import likelihood_of
+from fitter.diagnosis.arm_hypotheses import RotorInertia
+from fitter.diagnosis.drive_hypotheses import Gain
+from fitter.diagnosis.evidence import penalised_log_likelihood
 from fitter.diagnosis.hypotheses import hypotheses
-from fitter.diagnosis.in_arm import RotorInertia
-from fitter.diagnosis.in_drive import Gain
+from fitter.diagnosis.joint_hypotheses import JointHypothesis
 from fitter.diagnosis.least_squares import BLOCK_S
 from fitter.diagnosis.screening import screen
 from fitter.diagnosis.torque_likelihood import TorqueLikelihood, is_possible
@@ -25,7 +25,7 @@ def tried():
     """Return a few effects at both joints."""
     kinds = catalogue()
     names = ("quadratic_drag", "joint_spring", "cogging", "torque_offset")
-    at = [AtJoint(kinds[name], joint) for joint in range(2) for name in names]
+    at = [JointHypothesis(kinds[name], joint) for joint in range(2) for name in names]
     drive = [Gain(kinds["gain_error"], (joint,)) for joint in range(2)]
     return [*at, *drive, RotorInertia(kinds["rotor_inertia"], (1,))]
 
@@ -45,8 +45,8 @@ def ranked(dragged):
 def test_where_nothing_is_hidden_the_base_model_is_exact():
     likelihood = TorqueLikelihood(regression_of_two(), tried(), screen)
     base = likelihood.base()
-    assert likelihood.is_exact(base) and not likelihood.is_plainly_wrong(base)
-    assert likelihood.floor.is_none and likelihood.was is likelihood.floor
+    assert likelihood.is_exact(base) and not likelihood.has_large_residual(base)
+    assert likelihood.floor.is_none and likelihood.base_floor is likelihood.floor
     assert likelihood.regression.density is None
     assert base.n_number == 0 and np.all(base.density == 0.0)
     np.testing.assert_allclose(base.variance.mean(axis=0), 1.0, rtol=0.5)
@@ -55,7 +55,9 @@ def test_where_nothing_is_hidden_the_base_model_is_exact():
 def test_blocks_of_about_a_second_know_their_trials(dragged):
     likelihood, base = dragged
     motions = likelihood.regression.motions
-    assert len(base.residual) == len(base.block) and len(base.nats) == len(base.trial) == base.block[-1] + 1
+    assert (
+        len(base.residual) == len(base.block) and len(base.log_likelihood) == len(base.trial) == base.block[-1] + 1
+    )
     assert set(base.trial[base.learnt]) == {k for k, motion in enumerate(motions) if motion.learn}
     for k, motion in enumerate(motions):
         lasts = len(motion.t) * motion.dt_s
@@ -65,11 +67,13 @@ def test_blocks_of_about_a_second_know_their_trials(dragged):
 
 def test_the_hidden_effect_comes_first(dragged, ranked):
     likelihood, base = dragged
-    assert not likelihood.is_exact(base) and likelihood.is_plainly_wrong(base)
+    assert not likelihood.is_exact(base) and likelihood.has_large_residual(base)
     assert ranked[0].candidate.hypothesis.key == ("quadratic_drag", (1,))
-    assert [likelihood_of(one) for one in ranked] == sorted(map(likelihood_of, ranked), reverse=True)
+    assert [penalised_log_likelihood(one) for one in ranked] == sorted(
+        map(penalised_log_likelihood, ranked), reverse=True
+    )
     assert ranked[0].gain(base) > 20.0 and ranked[0].helps(base)
-    assert likelihood.floor is likelihood.was and not likelihood.was.is_none
+    assert likelihood.floor is likelihood.base_floor and not likelihood.base_floor.is_none
 
 
 def test_what_is_lacking_moved_the_arm_in_part(dragged):
@@ -78,7 +82,7 @@ def test_what_is_lacking_moved_the_arm_in_part(dragged):
     x = dragged[1].candidate.x
     model, motions = dragged[1].candidate.model, regression.motions
     more = regression.density.of(model, 2.0 * x, motions) - regression.density.of(model, x, motions)
-    assert 0.0 < more < 0.5 * np.log(2.0) * regression.told.sum()
+    assert 0.0 < more < 0.5 * np.log(2.0) * regression.n_effective.sum()
 
 
 def test_hypotheses_come_and_go(dragged, ranked):
@@ -111,16 +115,16 @@ def test_under_the_weights_of_its_cause_a_model_leaves_little_more_than_noise():
     likelihood = TorqueLikelihood(regression_of_two(DRAG), tried()[:1] + tried()[4:5], screen)
     found = likelihood.reweighted(likelihood.options(likelihood.base())[0])
     assert found.candidate.x[-1] == pytest.approx(0.5, rel=0.1)
-    assert not likelihood.is_plainly_wrong(found)
-    assert likelihood.floor.ratio[1] < 0.3 * likelihood.was.ratio[1]
+    assert not likelihood.has_large_residual(found)
+    assert likelihood.floor.ratio[1] < 0.3 * likelihood.base_floor.ratio[1]
 
 
 def test_weights_are_found_in_turn_with_the_model_until_they_stay_what_they_are():
     """What the base model leaves is so much that numbers under its weights are far off by the sensors' noise."""
     drag = Effect("quadratic_drag", {"drag_N_m_s2": 0.6}, joints=(1,))
-    likelihood = TorqueLikelihood(swinging(drag), [AtJoint(catalogue()["quadratic_drag"], 0)], screen)
+    likelihood = TorqueLikelihood(swinging(drag), [JointHypothesis(catalogue()["quadratic_drag"], 0)], screen)
     base = likelihood.base()
-    assert likelihood.was.ratio[0] > 1e4
+    assert likelihood.base_floor.ratio[0] > 1e4
     found = likelihood.reweighted(likelihood.options(base)[0])
     assert likelihood.floor.is_none and likelihood.is_exact(found)
     assert likelihood.regression.density is None

@@ -41,6 +41,6 @@ def test_axes_are_orthonormal_and_lose_no_more_than_all(regression):
 def test_what_is_eliminated_is_not_told(regression):
     filt, motion = regression.weighting, regression.motions[0]
     rows = len(filt.whitened(motion, np.zeros((*motion.q.shape, 1))))
-    assert 0.0 < filt.told(motion) < filt.n_told(rows, motion.dt_s)
+    assert 0.0 < filt.n_effective(motion) < filt.n_in_band(rows, motion.dt_s)
     lost = filt.axes(motion)[1]
-    assert filt.n_told(rows, motion.dt_s) - filt.told(motion) <= len(lost)
+    assert filt.n_in_band(rows, motion.dt_s) - filt.n_effective(motion) <= len(lost)

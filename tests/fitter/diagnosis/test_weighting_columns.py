@@ -5,9 +5,9 @@ import pytest
 
 from arm.effects.catalogue import catalogue
 from fitter.data.trials import to_trials
-from fitter.diagnosis.at_joint import AtJoint
+from fitter.diagnosis.arm_hypotheses import JointZero
 from fitter.diagnosis.error_floor import regression_of
-from fitter.diagnosis.in_arm import JointZero
+from fitter.diagnosis.joint_hypotheses import JointHypothesis
 from fitter.diagnosis.least_squares import own_square, scaled_lstsq
 from fitter.diagnosis.model import Model
 from fitter.diagnosis.regression import Regression
@@ -39,7 +39,7 @@ def test_products_are_those_of_the_freed_columns(regression, columns):
 def test_a_column_that_only_holds_a_joint_tells_nothing(regression, columns):
     axes, lost = regression.weighting.axes(regression.motions[0])
     whole = axes[:, np.flatnonzero(lost == 1.0)[:1]]
-    both = columns.beside(Columns(regression.weighting, regression.motions[0], whole))
+    both = columns.hstacked(Columns(regression.weighting, regression.motions[0], whole))
     assert np.all(both.gram[-1] == 0.0) and np.all(both.gram[:, -1] == 0.0)
     assert np.all(both.times(columns)[-1] == 0.0)
     np.testing.assert_allclose(both.gram[:-1, :-1], columns.gram, rtol=1e-9)
@@ -51,13 +51,13 @@ def test_sums_and_neighbours_are_the_same_whether_or_not_their_parts_are_known(r
     other = Columns(weighting, motion, np.cos(columns.white))
     if known:
         assert columns.held.shape == other.held.shape
-    beside, plus = columns.beside(other), columns.plus([(0.3, other), (-2.0, columns)])
+    beside, plus = columns.hstacked(other), columns.plus([(0.3, other), (-2.0, columns)])
     np.testing.assert_allclose(beside.freed, np.hstack([columns.freed, other.freed]), atol=1e-9)
     np.testing.assert_allclose(plus.freed, 0.3 * other.freed - columns.freed, atol=1e-9)
 
 
 @pytest.mark.parametrize(
-    "hypothesis", [AtJoint(catalogue()["cogging"], 0), JointZero(catalogue()["joint_zero"], (0,))]
+    "hypothesis", [JointHypothesis(catalogue()["cogging"], 0), JointZero(catalogue()["joint_zero"], (0,))]
 )
 def test_what_factors_leave_is_what_the_freed_equations_leave(regression, hypothesis):
     model = Model().plus(hypothesis, np.array([0.4]))
@@ -65,9 +65,9 @@ def test_what_factors_leave_is_what_the_freed_equations_leave(regression, hypoth
     for motion in regression.motions:
         rows = regression.rows(model, motion)
         left = rows.target.ravel() - rows.design @ x
-        np.testing.assert_allclose(rows.left(x).ravel(), left, atol=1e-8 * np.abs(rows.target).max())
-        assert rows.square(x) == pytest.approx(left @ left, rel=1e-9)
-        np.testing.assert_allclose(rows.pull, rows.design.T @ rows.target.ravel(), rtol=1e-7, atol=1e-6)
+        np.testing.assert_allclose(rows.residual(x).ravel(), left, atol=1e-8 * np.abs(rows.target).max())
+        assert rows.sum_of_squares(x) == pytest.approx(left @ left, rel=1e-9)
+        np.testing.assert_allclose(rows.rhs, rows.design.T @ rows.target.ravel(), rtol=1e-7, atol=1e-6)
 
 
 def test_the_last_columns_own_square_is_what_others_leave_of_it(columns):

@@ -43,10 +43,10 @@ def test_noise_of_the_stated_spectrum_comes_out_white_with_variance_one():
     bends = np.linalg.cholesky(acceleration) @ np.fft.rfft(rng.normal(size=(n, 2)), axis=0)[..., None]
     bent = np.fft.irfft(bends[..., 0] * (2.0 * np.pi * f[:, None]) ** 2, n, axis=0)
     white = filt.white(bent + s_u * rng.normal(size=(n, 2)), dt_s)
-    told = filt.n_told(len(white), dt_s)
+    n_effective = filt.n_in_band(len(white), dt_s)
     squares = np.sum(white**2, axis=0)
-    assert np.all(np.abs(squares - told) < 4.0 * np.sqrt(2.0 * told))
-    assert abs(white[:, 0] @ white[:, 1]) < 4.0 * np.sqrt(told)
+    assert np.all(np.abs(squares - n_effective) < 4.0 * np.sqrt(2.0 * n_effective))
+    assert abs(white[:, 0] @ white[:, 1]) < 4.0 * np.sqrt(n_effective)
 
 
 def test_a_mean_of_white_noise_is_less_by_the_root_of_its_number():

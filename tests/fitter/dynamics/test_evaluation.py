@@ -8,7 +8,7 @@ import pytest
 from arm.arm_file import load_arm
 from arm.model import Control, Effect, Friction
 from fitter.dynamics.evaluation import motion_error, score, torque_explained, torque_rms
-from fitter.kinematics.evaluation import tip_score
+from fitter.kinematics.tip_error import tip_score
 from limbcal.errors import DataError
 
 ARM = load_arm("dd-arm")

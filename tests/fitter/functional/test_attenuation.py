@@ -6,8 +6,8 @@ import pytest
 from fitter.functional.attenuation import skin_turns, without_attenuation
 from fitter.functional.functional_centre import functional_centre
 from fitter.functional.relative_motion import part_sums, turning
-from fitter.functional.revealed import joint_motion
 from fitter.functional.score import revealed_basis
+from fitter.functional.sufficient_rotation import joint_motion
 from tests.fitter.functional.poses import recorded, simulated
 from tests.fitter.functional.test_score import HIP
 

@@ -108,7 +108,7 @@ def test_halves_of_a_hip_trial_agree():
     hip = recorded("btk/FunctionalLHip.c3d", HIP)
     centre = functional_centre("hip_left", hip["pelvis"], hip["thigh_left"])
     assert centre.apart_m < 0.008
-    assert not centre.unseen.any()
+    assert not centre.unobservable.any()
 
 
 def test_the_document_has_what_the_design_promises():

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from fitter.functional.relative_motion import part_sums, relative_motion, turning
-from fitter.functional.revealed import joint_motion
+from fitter.functional.sufficient_rotation import joint_motion
 from tests.fitter.functional.poses import segments, simulated, written_out
 from tests.fitter.functional.simulated_limb import limb
 

@@ -51,7 +51,7 @@ def test_weights_help_where_markers_wander_independently():
 def test_along_a_hinge_it_is_halfway_between_the_segments():
     limbs, parent, child = simulated("hinge", 5, skin_m=0.0, skin_rad=0.0)
     centre = functional_centre("knee_right", parent, child)
-    assert list(centre.unseen) == [True, False, False]
+    assert list(centre.unobservable) == [True, False, False]
     axis = centre.turning.in_parent[0]
     middle = 0.5 * np.mean(parent.trials[0].to_segment(child.trials[0].p) @ axis)
     assert np.isclose(centre.in_parent_m @ axis, middle, atol=1e-4)

@@ -6,10 +6,10 @@ import pytest
 from arm.arm_file import load_arm
 from arm.kinematics import tip_position
 from fitter.data.trial import Trial
-from fitter.kinematics.angle_noise import told_noise
-from fitter.kinematics.evaluation import TipScore
-from fitter.kinematics.fit import document, fit_kinematics
+from fitter.kinematics.angle_noise import resolved_noise
+from fitter.kinematics.geometry_fit import document, fit_kinematics
 from fitter.kinematics.tip_basis import geometry_of, with_geometry
+from fitter.kinematics.tip_error import TipScore
 from limbcal.errors import ConfigError
 
 ARM = load_arm("dd-arm")
@@ -55,8 +55,8 @@ def test_where_there_is_none_the_answer_is_the_plain_one(tip_std):
     plain, fit = (fit_kinematics(PRIOR, [trial], about="mean", angle_noise=noise) for noise in (None, "auto"))
     std = np.array([p.std for p in plain.parameters.values() if p.identifiable])
     change = geometry_of(fit.arm) - geometry_of(plain.arm)
-    told = np.array([p.identifiable for p in plain.parameters.values()])
-    assert np.all(np.abs(change.ravel()[told]) <= 1.5 * std + 1e-9)
+    is_determined = np.array([p.identifiable for p in plain.parameters.values()])
+    assert np.all(np.abs(change.ravel()[is_determined]) <= 1.5 * std + 1e-9)
 
 
 def test_a_smooth_motion_shows_its_noise():
@@ -72,17 +72,17 @@ def test_a_smooth_motion_shows_its_noise():
 
 
 def test_what_is_given_is_checked():
-    assert told_noise(ARM, [], [0.1, 0.0]).source == "known"
-    assert told_noise(ARM, [], None).undone is None
+    assert resolved_noise(ARM, [], [0.1, 0.0]).source == "known"
+    assert resolved_noise(ARM, [], None).undone is None
     for wrong in ([0.1], [0.1, -0.1], [0.1, np.nan]):
         with pytest.raises(ConfigError, match="expected 2 numbers"):
-            told_noise(ARM, [], wrong)
+            resolved_noise(ARM, [], wrong)
 
 
 def test_the_document_says_where_it_comes_from():
     fit = fit_kinematics(PRIOR, [poses(300, 0.0, 0.01, 4, 1.2)])  # too few to estimate anything
-    told = document(fit, TipScore(0.0, 0.0))
-    assert told["angle_noise_deg"] == [None, None]
-    assert told["angle_noise_source"] is None
+    is_determined = document(fit, TipScore(0.0, 0.0))
+    assert is_determined["angle_noise_deg"] == [None, None]
+    assert is_determined["angle_noise_source"] is None
     fit = fit_kinematics(PRIOR, [poses(300, 5.0, 0.01, 4, 1.2)], angle_noise=np.deg2rad([5.0, 5.0]))
     assert document(fit, TipScore(0.0, 0.0))["angle_noise_deg"] == pytest.approx([5.0, 5.0])

@@ -11,7 +11,7 @@ from arm.kinematics import sensor_positions
 from fitter.data.measured_tip import measured_tip
 from fitter.data.trial import Trial
 from fitter.kinematics.drawn_tip import drawn_geometry
-from fitter.kinematics.fit import fit_kinematics
+from fitter.kinematics.geometry_fit import fit_kinematics
 from tracking.draws import Draws
 
 N_DRAW = 3

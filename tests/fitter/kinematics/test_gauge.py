@@ -6,7 +6,7 @@ from arm.arm_file import load_arm
 from arm.kinematics import tip_position
 from arm.model import Arm, Joint
 from fitter.data.trial import Trial
-from fitter.kinematics.fit import fit_kinematics
+from fitter.kinematics.geometry_fit import fit_kinematics
 from fitter.kinematics.tip_basis import geometry_of, with_geometry
 
 

@@ -41,7 +41,7 @@ def test_nothing_is_told_before_anything_moves(bench_trials):
     search.add(rest + 1e-4 * noise[0, :, :2], 1e-4 * noise[1], rest)
     for _ in range(30):
         search.generation()
-    assert not np.any(search.told)
+    assert not np.any(search.is_determined)
     assert search.generations == 0
     assert np.array_equal(search.best, geometry_of(PRIOR))
 
@@ -55,7 +55,7 @@ def test_one_joint_tells_its_own_link_only(bench_trials):
     search.add(q, tip - tip[0], q[0])
     for _ in range(200):
         search.generation()
-    assert 0 < np.count_nonzero(search.told) < 5
+    assert 0 < np.count_nonzero(search.is_determined) < 5
     assert search.tip_rms_m < 1e-8
     for number, trial in enumerate(bench_trials[:2], start=1):  # and then joint 2 moves
         moved, rest = displacement(ARM, trial)
@@ -103,7 +103,7 @@ def test_restricted_conditions(bench_trials):
     stream(search, bench_trials[:1])
     assert search.best[0, 1] == 0.25
     assert search.best[1, 1] >= 0.35
-    assert search.told[0, 3]
+    assert search.is_determined[0, 3]
     with pytest.raises(ConfigError, match="no geometric parameter is called a3"):
         IncrementalKinematics(PRIOR, 0, fixed={"a3": 0.0})
     with pytest.raises(ConfigError, match="bounds of a1"):

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from fitter.limb.calibration import calibrate
+from fitter.limb.limb_calibration import calibrate
 from tests.fitter.limb.simulated_person import person
 
 

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from fitter.limb.calibration import calibrate
 from fitter.limb.functional_error import beyond_the_acromion, systematic_std_m
+from fitter.limb.limb_calibration import calibrate
 from tests.fitter.limb.simulated_person import person
 
 

@@ -131,9 +131,9 @@ def test_the_winner_leads_and_every_candidate_is_listed_once(spring):
 
 def test_what_is_left_shrinks_with_the_cause(spring):
     judging = [trace for trace in traces(spring) if not trace.motion.learn]
-    assert len(judging) == 3 and all(len(trace.left) == len(trace.simulated) == 2 for trace in judging)
+    assert len(judging) == 3 and all(len(trace.residuals) == len(trace.simulated) == 2 for trace in judging)
     for trace in judging:
-        before, after = (np.nansum(left**2) for left in trace.left)
+        before, after = (np.nansum(residual**2) for residual in trace.residuals)
         assert after < 0.2 * before
         before, after = (np.abs(q - trace.motion.trial.q).max() for q in trace.simulated)
         assert after < before

@@ -4,8 +4,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from fitter.limb.calibration import calibrate
-from fitter.limb.document import document
+from fitter.limb.json_document import document
+from fitter.limb.limb_calibration import calibrate
 from fitter.report.limb_figures import gaps_and_swaps, stick_figure
 from fitter.report.limb_page import write_limb_page
 from limbcal.note import Note

@@ -14,7 +14,7 @@ from fitter.data.trials import load_trials
 from fitter.live.calibration import Calibration
 from fitter.report import published
 from fitter.report.compared import load_compared
-from fitter.report.parameter_rows import parameter_rows
+from fitter.report.parameter_listing import parameter_rows
 from fitter.report.results import write_results
 from limbcal.arguments import version
 from limbcal.digits import plain

@@ -18,7 +18,7 @@ from fitter.data.plausibility.motion_sizes import (
     speed_ratio,
     thinned,
     top_speeds,
-    torque_left,
+    torque_residual,
     turning,
 )
 from tests.fitter.data.plausibility.conftest import changed
@@ -104,8 +104,8 @@ def test_without_a_velocity_or_with_two_rows_nothing_is_compared() -> None:
 
 def test_the_right_unit_explains_the_torque(arm: Arm, clean) -> None:
     motion = clean(1)
-    right = torque_left(arm, motion, np.ones(2))
-    wrong = torque_left(arm, motion, np.array([1.0, DEGREE]))
+    right = torque_residual(arm, motion, np.ones(2))
+    wrong = torque_residual(arm, motion, np.array([1.0, DEGREE]))
     assert right is not None and wrong is not None
     assert np.all(right < 2e-3) and np.all(right > 0.0)
     assert wrong.max() > 0.05
@@ -115,26 +115,26 @@ def test_a_wrist_s_torque_is_heard_beside_a_shoulder_s(arm: Arm, clean) -> None:
     """A motion in other units of torque, joint by joint, leaves the same share."""
     motion = clean(2)
     wrong = np.array([DEGREE, 1.0])
-    left = torque_left(arm, motion, wrong)
-    less = torque_left(arm, changed(motion, tau=1e-3 * motion.columns["tau"]), wrong)
+    left = torque_residual(arm, motion, wrong)
+    less = torque_residual(arm, changed(motion, tau=1e-3 * motion.columns["tau"]), wrong)
     assert left == pytest.approx(less, rel=1e-6)
 
 
 def test_a_joint_without_torque_is_not_judged(arm: Arm, clean) -> None:
     motion = clean(0)
     tau = motion.columns["tau"] * [1.0, 0.0]
-    left = torque_left(arm, changed(motion, tau=tau), np.ones(2))
+    left = torque_residual(arm, changed(motion, tau=tau), np.ones(2))
     assert left is not None and left[0] < 0.01 and np.isnan(left[1])
-    assert torque_left(arm, changed(motion, tau=0.0 * tau), np.ones(2)) is None
+    assert torque_residual(arm, changed(motion, tau=0.0 * tau), np.ones(2)) is None
 
 
 def test_without_torque_or_target_there_is_nothing_to_explain(arm: Arm, clean) -> None:
     motion = clean(0)
     bare = motion_of(motion.t, q=motion.columns["q"])
     driven = replace(arm, control=load_arm("dd-arm").control)
-    assert torque_left(arm, bare, np.ones(2)) is None
-    assert torque_left(driven, bare, np.ones(2)) is None
-    assert torque_left(driven, motion, np.ones(2)) is None  # its torque is not the law's
+    assert torque_residual(arm, bare, np.ones(2)) is None
+    assert torque_residual(driven, bare, np.ones(2)) is None
+    assert torque_residual(driven, motion, np.ones(2)) is None  # its torque is not the law's
     short = {name: values[:7] for name, values in motion.columns.items()}
     assert drawn_torque(arm, motion_of(motion.t[:7], **short), np.ones(2)) is None
     enough = {name: values[:8] for name, values in motion.columns.items()}

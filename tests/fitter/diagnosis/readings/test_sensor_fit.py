@@ -7,9 +7,9 @@ import pytest
 
 from fitter.diagnosis.readings.sensor_fit import Trials
 from fitter.diagnosis.readings.sensor_frames import trials_of
+from fitter.diagnosis.readings.sensor_hypotheses import USUAL_BIAS_M_S2, Suspect, with_suspect, with_theta
 from fitter.diagnosis.readings.sensor_search import first_motions
 from fitter.diagnosis.readings.suspected_effects import EFFECTS
-from fitter.diagnosis.readings.suspects import ORDINARY_BIAS, Suspect, with_suspect, with_theta
 
 WRONG = (0.3, -0.2, 0.25)
 
@@ -54,5 +54,5 @@ def test_numbers_in_a_row_are_the_hypothesis_numbers(trials, biased):
 
 
 def test_usual_biases_cost_one_each(trials, biased):
-    usual = replace(biased.hypothesis, bias=np.full((4, 3), ORDINARY_BIAS))
+    usual = replace(biased.hypothesis, bias=np.full((4, 3), USUAL_BIAS_M_S2))
     assert replace(biased, hypothesis=usual).usual == pytest.approx(12.0)

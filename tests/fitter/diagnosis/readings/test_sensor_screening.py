@@ -7,10 +7,10 @@ import pytest
 
 from fitter.diagnosis.readings.sensor_fit import Trials
 from fitter.diagnosis.readings.sensor_frames import trials_of
+from fitter.diagnosis.readings.sensor_hypotheses import Fitted, Suspect, with_suspect
 from fitter.diagnosis.readings.sensor_screening import base_frequencies, screened
 from fitter.diagnosis.readings.sensor_search import first_motions
 from fitter.diagnosis.readings.suspected_effects import EFFECTS
-from fitter.diagnosis.readings.suspects import Fitted, Suspect, with_suspect
 
 
 def test_what_is_linear_is_foretold_as_it_is_fitted(measure):

@@ -6,10 +6,10 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from fitter.diagnosis.readings.sensor_hypotheses import Fitted, SensorHypothesis, Suspect
 from fitter.diagnosis.readings.sensor_search import Tried
 from fitter.diagnosis.readings.sensor_verdict import ACCEPTED, EQUAL, _beats, _support, decide, significant
 from fitter.diagnosis.readings.suspected_effects import EFFECTS
-from fitter.diagnosis.readings.suspects import Fitted, SensorHypothesis, Suspect
 
 N = 8
 NOTHING = Fitted(

@@ -5,8 +5,8 @@ import pytest
 
 from fitter.diagnosis.readings.linearisation import instruments_of, linearise
 from fitter.diagnosis.readings.sensor_frames import trials_of
+from fitter.diagnosis.readings.sensor_hypotheses import Suspect
 from fitter.diagnosis.readings.suspected_effects import EFFECTS
-from fitter.diagnosis.readings.suspects import Suspect
 
 #: Where each is asked, and how far to either side, for what is not smooth in it is not small against noise.
 AT = {"sensor_clipping": [4.0], "base_motion": [0.3, -0.2, 0.1, 0.2, 0.4, -0.1, 0.7]}

@@ -5,8 +5,8 @@ from collections.abc import Sequence
 import numpy as np
 
 from arm.model import Floats
-from fitter.diagnosis.torque.missing_torque import ResidualTorque
 from fitter.diagnosis.torque.pulse import pulse_means
+from fitter.diagnosis.torque.residual_torque import ResidualTorque
 
 STEP_S, LASTS_S, BAND_HZ = 0.04, 10.0, 12.5
 

@@ -18,7 +18,7 @@ def test_probabilities_are_the_frequencies_of_the_tail():
     drawn = np.random.default_rng(1).exponential(2.0, 100_000)
     tail = Tail.of(drawn[:1000], 1e3)
     for evidence in (4.0, 8.0):
-        assert np.exp(-tail.nats(evidence)) == pytest.approx(np.mean(drawn > evidence), rel=0.25)
+        assert np.exp(-tail.surprisal(evidence)) == pytest.approx(np.mean(drawn > evidence), rel=0.25)
 
 
 def test_a_background_that_follows_its_model_has_the_tail_of_theory():
@@ -27,9 +27,9 @@ def test_a_background_that_follows_its_model_has_the_tail_of_theory():
 
 
 def test_of_no_blocks_the_tail_is_that_of_theory():
-    assert Tail.of(np.zeros(0), 9.0).nats(5.0) == pytest.approx(np.log(2.0) + 5.0)
+    assert Tail.of(np.zeros(0), 9.0).surprisal(5.0) == pytest.approx(np.log(2.0) + 5.0)
 
 
 def test_excesses_as_frequent_far_out_as_near_have_no_end():
     tail = Tail.of(np.linspace(0.0, 10.0, 101), 10.0)
-    assert tail.nats(50.0) < 3.0
+    assert tail.surprisal(50.0) < 3.0

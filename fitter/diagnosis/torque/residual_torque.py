@@ -1,0 +1,70 @@
+"""The residual torque over time, in the rows in which pulses are sought."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from arm.model import Floats
+from fitter.diagnosis.torque.background import Rows
+
+
+@dataclass(frozen=True)
+class ResidualTorque:
+    """What the torque equation misses in one trial, ``Y p - tau``: a push has its own sign.
+
+    Both sides have passed the same low-pass filter, Y and tau alike. The parameters p have been fitted robustly:
+    the pushes have not bent them.
+
+    Attributes
+    ----------
+    t : (n,) [s]
+        Uniform.
+    r : (n, n_joint) [N m]
+    known : (n, n_joint) of bool
+        Whether the equation holds there, as it does not for a joint at rest of unknown friction.
+    torque : (n, n_joint) [N m]
+        The motors' torque tau, filtered alike. The model errs in proportion to it (a gain) and its rate (a lag).
+    band_hz : float
+        Corner of the filter.
+    torque_noise : (n_joint,) [N m]
+        Standard deviation of the noise in a sample of r that is white within the band.
+    angle_noise : (n_joint,) [N m s^2]
+        Standard deviation of the white noise in an unfiltered sample of the angle, times the joint's inertia.
+    friction : (n, n_joint) [N m]
+        Of joints, if they rest.
+    turning : (n, n_joint)
+        How far a sample is one at which a joint turns back, behind the filter, 0 to 1.
+    """
+
+    t: Floats
+    r: Floats
+    known: NDArray[np.bool_]
+    torque: Floats
+    band_hz: float
+    torque_noise: Floats
+    angle_noise: Floats
+    friction: Floats
+    turning: Floats
+
+    def rows(self, joint: int) -> Rows:
+        """Return one joint's residual at two rows a period of the band's corner: means of the samples between."""
+        step_s = float(self.t[-1] - self.t[0]) / (len(self.t) - 1)
+        m = max(1, round(0.5 / (self.band_hz * step_s)))
+        n = len(self.t) // m
+
+        def means(samples: Floats) -> Floats:
+            return np.asarray(samples[: n * m].reshape(n, m, *samples.shape[1:]).mean(axis=1))
+
+        torque = self.torque[:, joint]
+        signals = np.stack([torque, np.gradient(torque, step_s)], axis=1)
+        known = np.asarray(self.known[: n * m, joint].reshape(n, m).all(axis=1))
+        r = np.where(self.known[:, joint], self.r[:, joint], 0.0)
+        # Of m angles in a row one with the mean's noise: eq. (m.1) with its longer step.
+        angle_noise = float(self.angle_noise[joint]) / np.sqrt(m)
+        noises = (
+            float(self.torque_noise[joint]),
+            angle_noise,
+            *(means(one[:, joint]) for one in (self.friction, self.turning)),
+        )
+        return Rows(means(self.t), means(r), known, means(signals), m, self.band_hz, *noises)

@@ -1,0 +1,302 @@
+"""The arm's geometry from joint angles and the tip's displacement: eq. (1) to (3), by the genetic algorithm."""
+
+import time
+from collections.abc import Callable, Collection, Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Literal
+
+import numpy as np
+
+from arm.model import Arm, Floats
+from fitter.data.trial import Trial
+from fitter.kinematics.angle_noise import Source, fit_from_moments, noise_from_moments, resolved_noise
+from fitter.kinematics.drawn_tip import drawn_geometry
+from fitter.kinematics.gauge import Gauge
+from fitter.kinematics.incremental import IncrementalKinematics
+from fitter.kinematics.moment_fit import MomentFit, MomentProblem, enough
+from fitter.kinematics.origin import About, choose_about, counted_from_rest
+from fitter.kinematics.tip_basis import UNITS, geometry_names, geometry_of, turning, with_geometry
+from fitter.kinematics.tip_error import TipScore
+from fitter.search.drawn import covariance_of
+from fitter.search.fitted_parameter import FittedParameter, fitted_parameters, held_back
+from limbcal.errors import DataError, NotConverged, NotIdentifiable
+
+GENERATIONS = 500
+#: Least explained fraction of the tip's displacement's power: below it the residual is 87 % of its rms.
+LEAST_EXPLAINED = 0.25
+#: The search has ended too soon if a Gauss-Newton step still promises to lower the cost by this fraction.
+_NOT_CONVERGED = 1e-3
+
+
+@dataclass(frozen=True)
+class KinematicsFit:
+    """What was learnt of an arm's geometry.
+
+    Attributes
+    ----------
+    arm : Arm
+        The arm with the learnt geometry.
+    parameters : mapping from name to FittedParameter
+        alpha1, a1, d1, beta1, theta_offset1, alpha2, …
+    generations, population, samples : int
+    seconds : float
+    tip_rms_m : float
+        What the fit leaves of the tip's displacement, without the share of the angles' noise that was undone.
+    about : {"rest", "mean"}
+        What displacements were counted from.
+    angle_noise_rad : (n_joint,) or None
+        Standard deviation of the angles' noise (m where a joint slides); None where it could not be estimated.
+    angle_noise_source : {"known", "spectrum", "moments"} or None
+    gauge : tuple of Gauge
+        What the data leaves open.
+    drawn : (n_draw, n_joint, 5) or None
+        The geometry as it may be, where the motions' trackers say how well they know them.
+    """
+
+    arm: Arm
+    parameters: Mapping[str, FittedParameter]
+    generations: int
+    population: int
+    samples: int
+    seconds: float
+    tip_rms_m: float
+    about: About = "rest"
+    angle_noise_rad: Floats | None = None
+    angle_noise_source: Source | None = None
+    gauge: tuple[Gauge, ...] = ()
+    drawn: Floats | None = None
+
+
+def fit_kinematics(
+    arm: Arm,
+    learn: Sequence[Trial],
+    *,
+    seed: int | np.random.Generator = 0,
+    population: int | None = None,
+    generations: int = GENERATIONS,
+    bounds: Mapping[str, tuple[float, float]] | None = None,
+    fixed: Mapping[str, float] | None = None,
+    free: Collection[str] = (),
+    about: Literal["auto"] | About = "auto",
+    angle_noise: Literal["auto"] | None | Sequence[float] = "auto",
+    progress: Callable[[int, float], None] | None = None,
+    clock: Callable[[], float] = time.perf_counter,
+) -> KinematicsFit:
+    """Learn the geometry of an arm from trials with a measured tip.
+
+    Parameters
+    ----------
+    arm : Arm
+        Its geometry is the prior where the data do not determine it.
+    learn : sequence of Trial
+        With a tip; what counts is its displacement within each trial.
+    seed : int or numpy.random.Generator
+    population : int, optional
+    generations : int
+    bounds, fixed, free
+        See `IncrementalKinematics`, as for the default population.
+    about : {"auto", "rest", "mean"}
+        What displacements are counted from. "rest", the start of the trial, suits dead reckoning, whose error
+        is zero there; "mean", their mean over the trial, suits samples that are measured one by one. "auto":
+        see `fitter.kinematics.origin.choose_about`.
+    angle_noise : "auto", None or (n_joint,) [rad, or m where a joint slides]
+        Standard deviation of white Gaussian noise in the angles, which is undone. None: there is none. "auto":
+        from their spectra, or from the moments of independent samples.
+    progress : callable, optional
+        Told after every generation: how many are done, and the rms error of the best [m].
+    clock : callable
+
+    Raises
+    ------
+    ConfigError
+        If a parameter is unknown or its bounds are the wrong way round.
+    DataError
+        If there is no trial, or one has no tip.
+    NotIdentifiable
+        If nothing is identifiable.
+    NotConverged
+        If the generations were too few.
+    """
+    if not learn:
+        raise DataError("no learning trial; expected at least one")
+    start = clock()
+    noise = resolved_noise(arm, learn, angle_noise)
+    about = choose_about(learn, noise.rad) if about == "auto" else about
+
+    def searched() -> IncrementalKinematics:
+        search = IncrementalKinematics(
+            arm, seed, population=population, bounds=bounds, fixed=fixed, free=free, angle_noise=noise.undone
+        )
+        for number, trial in enumerate(learn):
+            moved, rest = counted_from_rest(arm, trial, np.zeros(1) if noise.undone is None else noise.undone)
+            search.add(trial.q, moved, rest if about == "rest" else None, trial=number)
+        _breed(search, generations, progress, _spread_m(learn))
+        return search
+
+    search, fit = searched(), None
+    samples = search.samples
+    if about == "mean" and enough(turning(arm), samples) and (noise.rad is None or noise.undone is not None):
+        problem = MomentProblem(turning(arm), learn)
+        estimated = np.zeros(arm.n_joint, dtype=bool)
+        if noise.rad is None:
+            noise, estimated = noise_from_moments(search, problem, _spread_m(learn))
+            search = search if noise.undone is None else searched()
+        if noise.undone is not None or np.any(estimated):
+            fit = fit_from_moments(search, problem, noise, estimated)
+            noise = replace(noise, rad=np.sqrt(np.maximum(fit.variance, 0.0)))
+    if fit is None:
+        search.polish()
+    found = replace(fit_of(search), about=about, angle_noise_rad=noise.rad, angle_noise_source=noise.source)
+    return replace(found if fit is None else _by_moments(found, search, fit), seconds=clock() - start)
+
+
+def _breed(
+    search: IncrementalKinematics, generations: int, progress: Callable[[int, float], None] | None, spread_m: float
+) -> None:
+    """Let a search run.
+
+    Raises
+    ------
+    NotIdentifiable
+        If nothing is identifiable.
+    NotConverged
+        If the generations were too few.
+    """
+    for _ in range(generations):
+        rms = search.generation()
+        if progress is not None:
+            progress(search.generations, rms)
+    _require_determined(search)
+    promise = search.promise()
+    explained = 1.0 - (search.tip_rms_m / spread_m) ** 2 if spread_m > 0.0 else 0.0
+    if not promise <= _NOT_CONVERGED and explained < LEAST_EXPLAINED:
+        raise NotIdentifiable(f"{search.generations} generations found no arm that moves so: {hardly(explained)}")
+    if not promise <= _NOT_CONVERGED:
+        raise NotConverged(
+            f"after {generations} generations of {search.population} one more step would still lower the cost by "
+            f"{100 * promise:.3g} %; expected less than {100 * _NOT_CONVERGED:g} %, so give it more generations"
+        )
+
+
+def hardly(explained: float) -> str:
+    """Return a sentence for a tip whose displacement is hardly explained by the angles."""
+    share = f"{100.0 * explained:.3g} %" if explained > 0.0 else "nothing"
+    return (
+        f"next to nothing of the tip's displacement is explained ({share}; expected at least "
+        f"{100.0 * LEAST_EXPLAINED:.3g} %): check the units of q and of the tip, whether both are of the same "
+        "trial and clock, which way joints turn, and the arm's alpha and joint types"
+    )
+
+
+def _spread_m(trials: Sequence[Trial]) -> float:
+    tips = [np.asarray(trial.tip) - np.mean(np.asarray(trial.tip), axis=0) for trial in trials]
+    return float(np.sqrt(np.mean(np.concatenate(tips) ** 2) * 3.0))
+
+
+def _by_moments(found: KinematicsFit, search: IncrementalKinematics, fit: MomentFit) -> KinematicsFit:
+    """Return what was found with the answer of the method of moments in the place of the search's."""
+    std = np.full(fit.geometry.size, np.nan)
+    std[search.sought] = np.sqrt(np.diag(fit.covariance))
+    return replace(
+        found,
+        arm=with_geometry(search.arm, fit.geometry),
+        parameters=_parameters(search, fit.geometry, std),
+        tip_rms_m=float(np.sqrt(3.0) * fit.tip_noise_m),
+    )
+
+
+def _parameters(
+    search: IncrementalKinematics, geometry: Floats, std: Floats, freedom: float = np.inf
+) -> dict[str, FittedParameter]:
+    n, is_determined = search.arm.n_joint, search.is_determined.ravel()
+    return fitted_parameters(geometry_names(n), geometry.ravel(), std.ravel(), UNITS * n, is_determined, freedom)
+
+
+def _require_determined(search: IncrementalKinematics) -> None:
+    if not np.any(search.is_determined):
+        raise NotIdentifiable(
+            f"no geometric parameter can be told from {search.samples} samples: the tip or the joints don't move"
+        )
+
+
+def known_by_motions(
+    found: KinematicsFit, search: IncrementalKinematics, trials: Sequence[Trial]
+) -> KinematicsFit:
+    """Return a fit of tracked motions with how well it is known: by their draws, else by how far motions disagree.
+
+    The answer of a single motion without draws is held back: its error is unknown.
+
+    Parameters
+    ----------
+    found : KinematicsFit
+        What the search found, at the optimum.
+    search : IncrementalKinematics
+    trials : sequence of Trial
+        That it was found from, with tips.
+    """
+    drawn = drawn_geometry(search.arm, found.arm, search.sought, trials)
+    geometry = geometry_of(found.arm)
+    if drawn is None:
+        covariance, freedom = search.by_motions()
+    else:
+        freedom = float(len(drawn.departures))
+        departures = drawn.departures.reshape(len(drawn.departures), -1)[:, search.sought]
+        covariance = covariance_of(departures, drawn.residual_square, drawn.found, search.scattered())
+    std = np.full(geometry.size, np.nan)
+    std[search.sought] = np.sqrt(np.diag(covariance))
+    parameters = _parameters(search, geometry, std, freedom)
+    return replace(
+        found,
+        parameters=held_back(parameters) if np.isnan(freedom) else parameters,
+        drawn=None if drawn is None else geometry + drawn.departures,
+    )
+
+
+def fit_of(search: IncrementalKinematics) -> KinematicsFit:
+    """Return what a search has found so far, with standard errors.
+
+    Raises
+    ------
+    NotIdentifiable
+        If nothing is identifiable yet.
+    """
+    _require_determined(search)
+    return KinematicsFit(
+        arm=with_geometry(search.arm, search.best),
+        parameters=_parameters(search, search.best, search.standard_errors()),
+        generations=search.generations,
+        population=search.population,
+        samples=search.samples,
+        seconds=0.0,
+        tip_rms_m=search.tip_rms_m,
+        gauge=search.gauge(),
+    )
+
+
+def document(fit: KinematicsFit, learn: TipScore, evaluate: TipScore | None = None) -> dict[str, object]:
+    """Return the JSON document of ``fitter kinematics``."""
+    scores = {"learn": learn, "evaluate": evaluate}
+    return {
+        "parameters": {name: parameter.document() for name, parameter in fit.parameters.items()},
+        "method": "ga",
+        "generations": fit.generations,
+        "samples": fit.samples,
+        "seconds": fit.seconds,
+        "tip_error_mm": {role: s and {"mean": s.mean_mm, "max": s.max_mm} for role, s in scores.items()},
+        "angle_noise_deg": angle_noise_deg(fit),
+        "angle_noise_source": fit.angle_noise_source,
+        "about": fit.about,
+        "gauge": [freedom.document() for freedom in fit.gauge],
+        "explained": {role: s and s.explained for role, s in scores.items()},
+    }
+
+
+def angle_noise_deg(fit: KinematicsFit) -> list[float | None]:
+    """Return the angles' noise in degrees, in millimetres where a joint slides, null where it is not estimated."""
+    if fit.angle_noise_rad is None:
+        return [None] * fit.arm.n_joint
+    turns = turning(fit.arm)
+    return [
+        float(np.rad2deg(noise) if turning_too else 1e3 * noise)
+        for noise, turning_too in zip(fit.angle_noise_rad, turns, strict=True)
+    ]

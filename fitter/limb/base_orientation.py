@@ -1,0 +1,136 @@
+"""Orientation of frame 0 in the segment that carries it: forward, left and up of the person, from markers.
+
+A ball joint takes up whatever orientation frame 0 has, so this only says from where its angles count. Where the
+motion comes near the posture in which two of its three axes fall together (gimbal lock), frame 0 is turned
+away from it.
+"""
+
+import numpy as np
+
+from arm.model import Floats
+from fitter.limb.base_motion import BaseMotion
+from fitter.limb.limb_trials import LimbTrials
+from fitter.limb.nan_statistics import nan_mean, nan_median
+from limbcal.note import Note
+
+#: A ball joint's middle axis is locked within this of a right angle [rad], in more than this fraction of frames.
+_LOCK_RAD, _LOCKED_SHARE = np.radians(20.0), 0.01
+
+
+def base_orientation(trials: LimbTrials, base: BaseMotion, side: str) -> tuple[Floats, tuple[Note, ...]]:
+    """Return forward, left and up as columns, in the base segment's frame, (3, 3)."""
+    up = _upright(trials, base)
+    leftward = _leftward(trials, base)
+    if leftward is None:
+        leftward = _from_limb(trials, base, side)
+    notes = []
+    if up is None or leftward is None:
+        what = " and ".join(name for name, found in (("up", up), ("left", leftward)) if found is None)
+        notes.append(
+            Note("base_axes", f"no landmark tells {what} of the base: its angles' zero is arbitrary there")
+        )
+    up = np.array([0.0, 0.0, 1.0]) if up is None else up
+    leftward = np.eye(3)[int(np.argmin(np.abs(up)))] if leftward is None else leftward
+    leftward = leftward - (leftward @ up) * up
+    if np.linalg.norm(leftward) < 1e-6:
+        leftward = np.cross(up, np.eye(3)[int(np.argmin(np.abs(up)))])
+    leftward = leftward / np.linalg.norm(leftward)
+    return np.column_stack([np.cross(leftward, up), leftward, up]), tuple(notes)
+
+
+def away_from_lock(long_axis: Floats, lateral: Floats) -> Floats | None:
+    """Return another direction for a ball joint's first axis, where the limb's long axis comes near it; else None.
+
+    Parameters
+    ----------
+    long_axis : (n_frame, 3)
+        Of the segment after the joint, in the base segment's frame.
+    lateral : (3,)
+        The joint's first axis there.
+    """
+    limit = np.cos(_LOCK_RAD)
+    if np.mean(np.abs(long_axis @ lateral) > limit) <= _LOCKED_SHARE:
+        return None
+    rng = np.random.default_rng(0)
+    candidates = rng.normal(size=(800, 3))
+    candidates /= np.linalg.norm(candidates, axis=1, keepdims=True)
+    nearest = np.quantile(np.abs(candidates @ long_axis.T), 0.995, axis=1)
+    free = nearest < max(np.cos(np.radians(35.0)), nearest.min() + 0.02)  # of those that stay clear
+    best = np.flatnonzero(free)[int(np.argmax(np.abs(candidates[free] @ lateral)))]  # the one nearest to anatomy
+    return np.asarray(candidates[best] * np.sign(candidates[best] @ lateral))
+
+
+def _upright(trials: LimbTrials, base: BaseMotion) -> Floats | None:
+    """Return up in the base segment: by the spine's landmarks, else by the world, in the mean of all frames."""
+    ends = (("suprasternal_notch", "c7"), ("xiphoid", "t8", "t10"))
+    marks = [[trials.landmarks[name] for name in names if name in trials.landmarks] for names in ends]
+    if base.segment == "thorax" and all(marks):
+        top, bottom = (nan_mean(np.array([_in_base(trials, base, m) for m in group])) for group in marks)
+        if np.isfinite(top - bottom).all():
+            return _unit(top - bottom)
+    if not trials.up:
+        return None
+    world = np.zeros(3)
+    world["xyz".index(trials.up[1])] = 1.0 if trials.up[0] == "+" else -1.0
+    return _unit(nan_mean(np.einsum("nji,j->ni", base.R, world)))
+
+
+def _leftward(trials: LimbTrials, base: BaseMotion) -> Floats | None:
+    pairs = ("asis", "psis", "acromion") if base.segment == "pelvis" else ("acromion", "asis", "psis")
+    for name in pairs:
+        right, leftward = (trials.landmarks.get(f"{name}_{side}") for side in ("right", "left"))
+        if right and leftward:
+            across = nan_median(_relative(trials, base, leftward) - _relative(trials, base, right))
+            if np.isfinite(across).all():
+                return _unit(across)
+    front = [trials.landmarks[n] for n in ("suprasternal_notch", "xiphoid") if n in trials.landmarks]
+    back = [trials.landmarks[n] for n in ("c7", "t8", "t10") if n in trials.landmarks]
+    up = _upright(trials, base)
+    if front and back and up is not None:
+        ahead = nan_mean(np.array([_in_base(trials, base, m) for m in front]))
+        ahead = ahead - nan_mean(np.array([_in_base(trials, base, m) for m in back]))
+        if np.isfinite(ahead).all():
+            return _unit(np.cross(up, ahead))
+    return None
+
+
+def _from_limb(trials: LimbTrials, base: BaseMotion, side: str) -> Floats | None:
+    """Return left by the line of the elbow's or the knee's epicondyles, in the mean of the frames."""
+    for lateral, medial in (
+        ("lateral_epicondyle", "medial_epicondyle"),
+        ("lateral_femoral_epicondyle", "medial_femoral_epicondyle"),
+    ):
+        marks = [trials.landmarks.get(f"{name}_{side}") for name in (lateral, medial)]
+        if all(marks):
+            out, inside = (_relative(trials, base, str(m)) for m in marks)
+            across = nan_mean(inside - out if side == "right" else out - inside)
+            if np.isfinite(across).all():
+                return _unit(across)
+    return None
+
+
+def _relative(trials: LimbTrials, base: BaseMotion, marker: str) -> Floats:
+    """Return a marker in the base segment's frame, (n_frame, 3), by its segment's pose where it has one."""
+    return np.asarray(np.einsum("nji,nj->ni", base.R, seen_or_posed(trials, marker) - base.p))
+
+
+def _in_base(trials: LimbTrials, base: BaseMotion, marker: str) -> Floats:
+    """Return the median place of a marker in the base segment, (3,)."""
+    return np.asarray(nan_median(_relative(trials, base, marker)))
+
+
+def seen_or_posed(trials: LimbTrials, marker: str) -> Floats:
+    """Return where a marker is in all frames, (n_frame, 3) [m]: by the pose of its segment where that is known."""
+    y = trials.of(marker)
+    for motion in trials.motions.values():
+        if marker in motion.template.markers:
+            place = motion.template.points_m[motion.template.markers.index(marker)]
+            if np.isfinite(place).all():
+                whole = motion.whole
+                posed = np.einsum("nij,j->ni", whole.R, place) + whole.p
+                return np.where(np.isfinite(posed), posed, y)
+    return y
+
+
+def _unit(x: Floats) -> Floats:
+    return np.asarray(x / np.linalg.norm(x))

@@ -1,0 +1,186 @@
+"""A person's arm or leg from recordings of markers: from files' positions to a fitted chain."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+from arm.body.landmarks import LANDMARK_STD_M, LimbMap, landmark_places, limb_map
+from arm.body.limbs import MEAN_PERSON, Girdle, limb
+from arm.kinematics import axis_frames
+from arm.marker_kinematics import Integers
+from arm.model import Arm, Body
+from fitter.functional.disjoint import coverage_factor, disjoint_parts
+from fitter.functional.marker_set import MarkerSet
+from fitter.limb.base_motion import base_motion
+from fitter.limb.base_orientation import away_from_lock, base_orientation
+from fitter.limb.bundle import Prior, Task, fit_bundle
+from fitter.limb.centres import joint_centres
+from fitter.limb.disjoint_fits import disjoint_fits
+from fitter.limb.frame_choice import shares, thinned, usable_frames
+from fitter.limb.free_geometry import free_geometry
+from fitter.limb.functional_error import beyond_the_acromion
+from fitter.limb.initial_geometry import PLACE_STD_M, Start, first_angles, initial_geometry, placed
+from fitter.limb.inverse_kinematics import follow, link_poses
+from fitter.limb.limb_fit import LimbFit
+from fitter.limb.limb_trials import LimbTrials, limb_trials
+from fitter.limb.marker_observations import SWAY, Frames, MarkerModel
+from fitter.limb.uncertainty import Errors, errors
+from fitter.markers.recording import MarkerRecording
+from limbcal.note import Note
+
+#: Frames that a fit takes, evenly spread over all that can be used.
+FIT_FRAMES = 500
+#: Where each marker's scale begins [m].
+_FIRST_STD_M = 0.01
+
+
+def calibrate(
+    recordings: Sequence[MarkerRecording],
+    marker_set: MarkerSet,
+    preset: str,
+    girdle: Girdle = "scapula",
+    body: Body | None = None,
+    seed: int = 0,
+    fit_frames: int = FIT_FRAMES,
+    progress: Callable[[str, int], None] | None = None,
+) -> LimbFit:
+    """Learn a limb's geometry, where its markers sit, and how far both may be off.
+
+    Parameters
+    ----------
+    recordings : sequence of MarkerRecording
+        Of one person.
+    marker_set : MarkerSet
+    preset : str
+        One of `arm.body.limbs.LIMBS`.
+    girdle : {"scapula", "thorax"}
+        From where on an arm begins.
+    body : Body, optional
+        Mass, height and sex, where they are known.
+    seed : int
+        Of the postures that angles begin from.
+    fit_frames : int
+        How many frames the fit takes.
+    progress : callable, optional
+        Called with what is being done, and the iteration.
+
+    Raises
+    ------
+    DataError
+        If the recordings have no marker of the limb.
+    NotIdentifiable
+        If no frame shows base and limb together.
+    """
+    person = replace(MEAN_PERSON, preset=preset) if body is None else body
+    arm = limb(person, girdle)
+    where = limb_map(preset, arm.n_joint)
+    trials = limb_trials(recordings, marker_set, where)
+    base = base_motion(trials, where.base)
+    axes, base_notes = base_orientation(trials, base, where.side)
+    centres, functional, centre_notes = joint_centres(trials, where)
+    begin = initial_geometry(arm, where, trials, base, axes, centres, person.height_m)
+    names, links = _chain_markers(trials, where)
+    y = np.stack([trials.of(name) for name in names], axis=1)
+    frames, usable = usable_frames(y, base.R, base.p, trials.t)
+    rows = thinned(usable, fit_frames)
+    chosen = frames.rows(thinned(np.ones(len(frames.t), dtype=bool), fit_frames))
+    begin, lock_notes = _clear_of_lock(begin, arm, where, chosen, rows, seed)
+    q = first_angles(begin, chosen, rows, seed)
+    place = placed(begin, names, links, chosen, q)
+    there = np.asarray(np.isfinite(place).all(axis=1))
+    names = tuple(name for name, ok in zip(names, there.tolist(), strict=True) if ok)
+    chosen = chosen._replace(y=np.ascontiguousarray(chosen.y[:, there]))
+    markers = MarkerModel(names, links[there], place[there], np.full(len(names), _FIRST_STD_M))
+    task, n_part, trial = _task(arm, where, trials, begin, markers, chosen, person.height_m)
+    q = follow(markers.chain(begin.geometry), chosen, markers.std, begin.angles, seed, q)
+    bundle = fit_bundle(task, begin.geometry, markers, q, _reporter(progress, "fitting"))
+    halves = disjoint_fits(task, bundle, trial, progress)
+    found = errors(where, task, bundle, n_part, halves)
+    notes = (*trials.notes, *base.notes, *base_notes, *centre_notes, *lock_notes, *_open(task, found))
+    acromion = marker_set.landmarks.get(f"acromion_{where.side}")
+    if acromion is not None and not where.balls[0] and "elbow" in where.centres:
+        seen = np.concatenate([r.of([acromion])[:, 0] for r in recordings])[rows]
+        k = task.free.names.index("d3")
+        least = abs(bundle.geometry.numbers[2, 2]) - coverage_factor(n_part) * found.free_std[k]
+        said = beyond_the_acromion(where, chosen, bundle.markers.chain(bundle.geometry), bundle.q, seen, least)
+        notes = (*notes, said) if said else notes
+    return LimbFit(
+        arm, where, trials, base, task, rows, bundle, tuple(functional), found, tuple(dict.fromkeys(notes))
+    )
+
+
+def _reporter(progress: Callable[[str, int], None] | None, what: str) -> Callable[[int], None] | None:
+    return None if progress is None else lambda iteration: progress(what, iteration)
+
+
+def _chain_markers(trials: LimbTrials, where: LimbMap) -> tuple[tuple[str, ...], Integers]:
+    on = [
+        (m, part.link)
+        for segment, part in where.parts.items()
+        for m in trials.segments.get(segment, ())
+        if m not in trials.computed
+    ]
+    return tuple(m for m, _ in on), np.array([link for _, link in on], dtype=np.int64)
+
+
+def _clear_of_lock(
+    begin: Start, arm: Arm, where: LimbMap, frames: Frames, rows: Integers, seed: int
+) -> tuple[Start, tuple[Note, ...]]:
+    """Turn frame 0 where the motion comes near gimbal lock of the ball joint behind it."""
+    if where.balls[0]:
+        return begin, ()
+    q = first_angles(begin, frames, rows, seed)
+    _, o = link_poses(begin.virtual.chain(begin.geometry), frames, q)
+    far = o[:, SWAY + 2] - o[:, SWAY]
+    long_axis = np.einsum("nji,nj->ni", frames.R, far / np.linalg.norm(far, axis=1, keepdims=True))
+    lateral = begin.geometry.base_R @ axis_frames(arm, np.zeros(arm.n_joint))[0, 0, :3, 2]
+    better = away_from_lock(long_axis, lateral)
+    if better is None:
+        return begin, ()
+    turn, _ = Rotation.align_vectors(better[None], lateral[None])
+    degrees = float(np.degrees(np.arccos(np.clip(better @ lateral, -1.0, 1.0))))
+    text = (
+        f"the motion comes near the posture in which two axes of the {next(iter(where.centres))} fall together: "
+        f"frame 0 is turned by {degrees:.0f}° from forward, left and up, so its angles are not the anatomical ones"
+    )
+    turned = replace(begin.geometry, base_R=turn.as_matrix() @ begin.geometry.base_R)
+    return replace(begin, geometry=turned), (Note("gimbal_lock", text),)
+
+
+def _task(
+    arm: Arm,
+    where: LimbMap,
+    trials: LimbTrials,
+    begin: Start,
+    markers: MarkerModel,
+    frames: Frames,
+    height_m: float,
+) -> tuple[Task, int, Integers]:
+    free = free_geometry(arm, begin.centre_std_m, begin.length_std_m)
+    place, std = markers.place.copy(), np.full(len(markers.names), PLACE_STD_M)
+    about = landmark_places(arm, where, height_m)
+    for landmark, marker in trials.landmarks.items():
+        if marker in markers.names and landmark in about and about[landmark][0] >= 0:
+            m = markers.names.index(marker)
+            place[m], std[m] = about[landmark][1], LANDMARK_STD_M
+    information = np.concatenate([free.std**-2, np.repeat(std**-2, 3)])
+    n_trial = int(frames.trial.max()) + 1
+    parts = disjoint_parts([np.ones(int((frames.trial == i).sum()), dtype=bool) for i in range(n_trial)])
+    task = Task(
+        free, frames, shares(frames), np.maximum(parts.part, 0).astype(np.int64),
+        Prior(begin.geometry, place, information), begin.angles,
+    )  # fmt: skip
+    return task, parts.n_part, parts.trial.astype(np.int64)
+
+
+def _open(task: Task, found: Errors) -> list[Note]:
+    unresolved = [name for name, learnt in zip(task.free.names, found.learnt, strict=True) if not learnt]
+    if not unresolved:
+        return []
+    text = (
+        f"the motion tells little of {', '.join(unresolved)}: left near the prior, which is the table's or a "
+        "landmark's"
+    )
+    return [Note("left_at_prior", text, columns=tuple(unresolved))]

@@ -1,0 +1,55 @@
+"""Forces of a MOT file against those that were written into it."""
+
+import numpy as np
+import pytest
+
+from fitter.markers.wrench_files import EMPTY_N, PlateWrench, read_wrenches
+from limbcal.errors import ConfigError, DataError
+
+COLUMNS = [f"ground_force_{k}_{kind}{axis}" for k in (1, 2) for kind in "vp" for axis in "xyz"]
+COLUMNS += [f"ground_moment_{k}_m{axis}" for k in (1, 2) for axis in "xyz"]
+
+
+@pytest.fixture
+def written(tmp_path):
+    numbers = np.random.default_rng(0).normal(size=(20, 18))
+    numbers[:, 7] += 700.0
+    t = np.arange(20) * 0.01
+    rows = ["\t".join(f"{x:.9g}" for x in row) for row in np.column_stack([t, numbers])]
+    path = tmp_path / "forces.mot"
+    path.write_text("\n".join(["forces", "nRows=20", "endheader", "\t".join(["time", *COLUMNS]), *rows]), "utf-8")
+    return path, t, numbers
+
+
+def test_every_plate_has_its_force_point_and_moment(written):
+    path, t, numbers = written
+    first, second = read_wrenches(path)
+    for plate, at in ((first, 0), (second, 6)):
+        np.testing.assert_allclose(plate.t, t)
+        np.testing.assert_allclose(plate.force, numbers[:, at : at + 3], rtol=1e-8)
+        np.testing.assert_allclose(plate.point_m, numbers[:, at + 3 : at + 6], rtol=1e-8)
+        np.testing.assert_allclose(plate.moment, numbers[:, 12 + at // 2 : 15 + at // 2], rtol=1e-8)
+    assert second.is_loaded and not first.is_loaded
+
+
+def test_between_samples_it_is_interpolated_and_outside_there_is_none():
+    t, ones = np.array([0.0, 1.0]), np.ones((2, 3))
+    plate = PlateWrench("one", t, np.array([[0.0, 0.0, 0.0], [0.0, 0.0, 4.0 * EMPTY_N]]), ones, ones)
+    force, point, moment = plate.at(np.array([-1.0, 0.25, 2.0]))
+    np.testing.assert_allclose(force[:, 2], [0.0, EMPTY_N, 0.0])
+    assert point[:, 0].tolist() == moment[:, 0].tolist() == [0.0, 1.0, 0.0]
+
+
+def test_what_is_no_file_of_forces_is_refused(tmp_path):
+    with pytest.raises(ConfigError, match="expected .mot, .sto or .c3d"):
+        read_wrenches(tmp_path / "forces.csv")
+    path = tmp_path / "forces.sto"
+    for text, wrong in (
+        ("time x", "endheader"),
+        ("endheader\nx y\n1 2", "expected 'time'"),
+        ("endheader\ntime a_vx a_vy a_vz\n0 1 1 1\n0 1 1 1", "do not rise"),
+        ("endheader\ntime q\n0 1\n1 1", "no forces"),
+    ):
+        path.write_text(text, "utf-8")
+        with pytest.raises(DataError, match=wrong):
+            read_wrenches(path)
