@@ -149,7 +149,9 @@ def _searched(
         likelihood, search, found = _found(arm, motions, denied, scale, say)
     base_floor, regression, final = likelihood.base_floor, likelihood.regression, found.final.candidate
     if not likelihood.is_exact(found.final, everywhere=True):
-        final = with_pulses(regression, final, lambda: [one.candidate for one in search.possible(found.final)])
+        final = with_pulses(
+            regression, final, lambda: [(one.candidate, cost) for one, cost in search.possible(found.final)]
+        )
     causes = [cause_of(place, found.steps) for place in range(len(found.steps))]
     for place in range(len(causes), len(final.model.hypotheses)):
         causes.append(Cause(place, found.final.candidate, final))

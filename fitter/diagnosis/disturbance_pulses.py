@@ -23,7 +23,7 @@ from fitter.diagnosis.motion import HypotheticalMotion, Motion
 from fitter.diagnosis.refinement import fitted
 from fitter.diagnosis.regression import Regression
 from fitter.diagnosis.torque.pulse import Pulse, pulse_means
-from fitter.diagnosis.torque.pulses import find_pulses
+from fitter.diagnosis.torque.pulses import find_pulses, residual_log_evidence
 from fitter.diagnosis.torque.residual_torque import ResidualTorque
 
 _NUMBERS = ("start_s", "duration_s", "torque_N_m")
@@ -149,12 +149,12 @@ def _normal(parts: list[tuple[Floats, Floats, Floats]]) -> Normal:
 
 
 def with_pulses(
-    regression: Regression, final: Candidate, possible: Callable[[], Sequence[Candidate]] = tuple
+    regression: Regression, final: Candidate, possible: Callable[[], Sequence[tuple[Candidate, float]]] = tuple
 ) -> Candidate:
     """Return a model with the pushes that are found in what it misses; the same if there is none.
 
     The residual of a cause that was just too weak to be accepted is no push: a push is also likelier than not
-    given each model that is not excluded.
+    given each model that is not excluded, unless all pushes together are a hundred times likelier than that model.
 
     Parameters
     ----------
@@ -162,12 +162,14 @@ def with_pulses(
     final : Candidate
         With all causes that always act.
     possible : callable, optional
-        Returns models with one cause more that are not excluded.
+        Returns models with one cause more that are not excluded, and what that cause costs [nats].
     """
     found = _found(regression, final, ODDS_NATS)
-    for other in possible() if found else ():
+    for other, cost in possible() if found else ():
         likely = _found(regression, other, 0.0)
-        found = [one for one in found if any(map(one.overlaps, likely))]
+        kept = [one for one in found if any(map(one.overlaps, likely))]
+        if len(kept) < len(found) and cost + _gain(regression, (final, found), (other, likely)) < ODDS_NATS:
+            found = kept
         if not found:
             break
     return fitted_with_pulses(regression, final, found)
@@ -183,6 +185,21 @@ def _found(regression: Regression, final: Candidate, least: float) -> list[Pulse
         if not places or places in known:
             return found
         known.append(places)
+
+
+def _gain(
+    regression: Regression, one: tuple[Candidate, list[Pulse]], other: tuple[Candidate, list[Pulse]]
+) -> float:
+    """Return by how much the residual of a model with pushes is likelier than another's, where both are known."""
+    residuals = []
+    for model, found in (one, other):
+        candidate = robustly_fitted(regression, fitted_with_pulses(regression, model, found))
+        residuals.append(residual_torques(regression, _without_pulses(model, candidate)))
+    known = [a.known & b.known for a, b in zip(*residuals, strict=True)]
+    shared = [
+        [replace(trial, known=where) for trial, where in zip(trials, known, strict=True)] for trials in residuals
+    ]
+    return residual_log_evidence(shared[0], one[1]) - residual_log_evidence(shared[1], other[1])
 
 
 def _without_pulses(final: Candidate, candidate: Candidate) -> Candidate:

@@ -140,9 +140,17 @@ class Stepwise:
         fit, steps = self._confirmed(*self._exchanged(fit, steps))
         return Found(base, fit, tuple(steps), first)
 
-    def possible(self, fit: Fit) -> list[Fit]:
-        """Return a model with one hypothesis more, for all that are not a hundred times less likely than it."""
-        return [one for one in self._likelihood.options(fit) if self._log_evidence(one, fit) > -ODDS_NATS]
+    def possible(self, fit: Fit) -> list[tuple[Fit, float]]:
+        """Return a model with one hypothesis more, for all that are not a hundred times less likely than it.
+
+        With each comes what it costs [nats]: Schwarz' penalty, and the logarithm of the prior odds against it.
+        """
+        kept = [one for one in self._likelihood.options(fit) if self._log_evidence(one, fit) > -ODDS_NATS]
+        number_nats = 0.5 * float(np.log(len(fit.trial)))
+        return [
+            (one, number_nats * (one.n_number - fit.n_number) + self._against(one.candidate.hypothesis))
+            for one in kept
+        ]
 
     def _log_evidence(self, one: Fit, fit: Fit) -> float:
         new = one.candidate.model.hypotheses[len(fit.candidate.model.hypotheses) :]

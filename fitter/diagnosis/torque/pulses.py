@@ -101,20 +101,45 @@ def find_pulses(trials: Sequence[ResidualTorque], least: float = ODDS_NATS) -> l
 def _at_joint(rows: Sequence[Rows], joint: int, n_joint: int, odds: float) -> list[Pulse]:
     """Return one joint's pulses; if the background of all blocks hides them all, by that of the usual ones.
 
-    All of them together are likelier than a background without any.
+    All of them together are likelier than a background without any: the least evident ones go until they are.
     """
     whole = estimated(rows)
     found = _found_with(whole, rows, joint, n_joint, odds)
     found = found or _found_with(_usual(whole, rows), rows, joint, n_joint, odds)
-    return found if found and _joint_log_evidence(rows, found, whole, n_joint) > odds else []
+    while found and _joint_log_evidence(rows, found, whole, n_joint) <= odds:
+        found.remove(min(found, key=lambda pulse: pulse.evidence))
+    return found
 
 
 def _joint_log_evidence(rows: Sequence[Rows], pulses: Sequence[Pulse], whole: Background, n_joint: int) -> float:
     """Return the log evidence of some pulses against the likeliest background without any [nats]."""
-    remaining, n_place = _without(rows, pulses), _n_place(rows, n_joint)
+    remaining = _without(rows, pulses)
     gain = log_likelihood(estimated(remaining, whole), remaining) - log_likelihood(whole, rows)
-    sized = sum(pulse.evidence - pulse.log_likelihood_ratio for pulse in pulses)
-    return gain + sized - sum(_log_places(n_place, k + 1) for k in range(len(pulses)))
+    return gain - _cost(rows, pulses, n_joint)
+
+
+def residual_log_evidence(trials: Sequence[ResidualTorque], pulses: Sequence[Pulse]) -> float:
+    """Return the log evidence of a residual: some pulses and the likeliest background of each joint [nats].
+
+    Parameters
+    ----------
+    trials : sequence of ResidualTorque
+    pulses : sequence of Pulse
+        As they were found in these trials.
+    """
+    n_joint, total = trials[0].r.shape[1], 0.0
+    for joint in range(n_joint):
+        rows, own = [trial.rows(joint) for trial in trials], [one for one in pulses if one.joint == joint]
+        remaining = _without(rows, own)
+        total += log_likelihood(estimated(remaining), remaining) - _cost(rows, own, n_joint)
+    return total
+
+
+def _cost(rows: Sequence[Rows], pulses: Sequence[Pulse], n_joint: int) -> float:
+    """Return what the places of some pulses and the priors of their sizes cost [nats]."""
+    n_place = _n_place(rows, n_joint)
+    sized = sum(pulse.log_likelihood_ratio - pulse.evidence for pulse in pulses)
+    return float(sized + sum(_log_places(n_place, k + 1) for k in range(len(pulses))))
 
 
 def _n_place(rows: Sequence[Rows], n_joint: int) -> int:

@@ -74,7 +74,7 @@ def test_what_a_possible_cause_explains_is_no_push(hit, explained):
     places = zip((3, 6), PUSHES[:explained], strict=False)
     pulses = [Pulse(k, 0, *push, 0.01, 0.01, 0.02, "rectangular", 100.0, 90.0) for k, push in places]
     cause = fitted_with_pulses(regression, base, pulses)
-    found = with_pulses(regression, base, lambda: [cause])
+    found = with_pulses(regression, base, lambda: [(cause, 0.0)])
     starts_s = [one.start_s for hypothesis in found.model.hypotheses for one in hypothesis.found]
     assert starts_s == pytest.approx([start_s for start_s, *_ in PUSHES[explained:]], abs=0.06)
 

@@ -72,7 +72,9 @@ def test_what_is_a_hundred_times_less_likely_is_not_possible(seed):
     noise -= A @ np.linalg.lstsq(A, noise, rcond=None)[0]
     search = Stepwise(LinearLikelihood(A, A[:, 2] + noise, [Columns(k) for k in range(5)]), 1000, MOST)
     found = search.run()
-    assert [one.candidate.hypothesis.joints for one in search.possible(found.base)] == [(2,)]
+    assert [one.candidate.hypothesis.joints for one, _ in search.possible(found.base)] == [(2,)]
+    # One number in eighty blocks, one place, a thousand families.
+    assert search.possible(found.base)[0][1] == pytest.approx(0.5 * np.log(16 * BLOCKS) + np.log(1000.0))
     assert search.possible(found.final) == []
 
 
