@@ -83,6 +83,62 @@ def agreed(recordings: Sequence[MarkerRecording]) -> Agreed:
     return found
 
 
+class _Distances:
+    """Distances of markers to those of their own segments, and by how much they are wrong.
+
+    Parameters
+    ----------
+    positions : (n_frame, n_marker, 3) [m]
+    partners : list of (n_partner,) int
+        To which markers the distances of each are compared.
+    distance : (n_marker, n_marker) [m]
+        What they should be.
+    """
+
+    def __init__(self, positions: np.ndarray, partners: list[np.ndarray], distance: np.ndarray) -> None:
+        self._partners, self._distance = partners, distance
+        miss = [_miss(positions, k, partners[k], distance[k]) for k in range(len(partners))]
+        self._miss = np.stack(miss, axis=1)
+        with np.errstate(all="ignore"):
+            usual = np.array([np.nanmedian(one) if np.isfinite(one).any() else np.inf for one in miss])
+        self._limit = np.maximum(_WRONG_M, _TIMES * np.where(usual > _WRONG_M, 0.0, usual))
+        wrong = self._miss > self._limit
+        #: The frames in which a marker's distances are wrong, of those with enough of them.
+        self.wrong = {k: np.flatnonzero(wrong[:, k]) for k in range(len(miss)) if wrong[:, k].sum() >= _SHORTEST}
+
+    def righter(self, some: np.ndarray, i: int, j: int) -> np.ndarray:
+        """Say in which of some frames two markers are wrong, and exchanged right."""
+        straight, crossed = self._misses(some, i, j)
+        is_wrong = (straight[0] > self._limit[i]) & (straight[1] > self._limit[j])
+        is_right = (crossed[0] < self._limit[i]) & (crossed[1] < self._limit[j])
+        right: np.ndarray = is_wrong & is_right & (sum(straight) > _RIGHTER * sum(crossed))
+        return right
+
+    def with_ends(self, some: np.ndarray, i: int, j: int, first: int, last: int) -> tuple[int, int]:
+        """Return a run with the frames beside it in which two markers are righter, exchanged, if only a little."""
+        straight, crossed = self._misses(some, i, j)
+        others = np.flatnonzero(~(sum(straight) > sum(crossed)))
+        before, after = others[others < first], others[others >= last]
+        return int(before.max(initial=-1)) + 1, int(after.min(initial=len(some)))
+
+    def gained(self, positions: np.ndarray, i: int, j: int, first: int, last: int) -> float:
+        """Return by how much the distances of all markers are righter if two are exchanged [m frames].
+
+        Of four on a segment the other two, exchanged, are its mirror image: nearly as right for themselves.
+        """
+        some = positions[first:last].copy()
+        some[:, [i, j]] = some[:, [j, i]]
+        after = [np.nansum(_miss(some, k, self._partners[k], self._distance[k])) for k in self.wrong]
+        return float(np.nansum(self._miss[first:last, list(self.wrong)]) - sum(after))
+
+    def _misses(self, some: np.ndarray, i: int, j: int) -> tuple[list[np.ndarray], list[np.ndarray]]:
+        """Return by how much the distances of two markers are wrong, as they are and exchanged [m]."""
+        partners, distance = self._partners, self._distance
+        straight = [_miss(some, k, partners[k], distance[k]) for k in (i, j)]
+        crossed = [_miss(some, b, partners[a], distance[a], without=b) for a, b in ((i, j), (j, i))]
+        return straight, crossed
+
+
 def put_right(recording: MarkerRecording, others: Agreed) -> tuple[list[Note], np.ndarray, np.ndarray]:
     """Say which markers have each other's labels, and return positions with them exchanged.
 
@@ -102,55 +158,26 @@ def put_right(recording: MarkerRecording, others: Agreed) -> tuple[list[Note], n
     exchanged, notes = np.zeros((n_frame, n), dtype=np.bool_), list[Note]()
     if n < 4:
         return notes, positions, exchanged
-    own = reference_of(positions)
-    distance, deviation = _by_majority(own, names, others)
-    partners = _partners(distance, deviation)
+    distance, deviation = _by_majority(reference_of(positions), names, others)
+    distances = _Distances(positions, _partners(distance, deviation), distance)
     shortest = max(_SHORTEST, round(_SHORTEST_S * recording.rate_hz))
-    miss = np.stack([_miss(positions, k, partners[k], distance[k]) for k in range(n)], axis=1)
-    with np.errstate(all="ignore"):
-        usual = np.array([np.nanmedian(column) if np.isfinite(column).any() else np.inf for column in miss.T])
-    limit = np.maximum(_WRONG_M, _TIMES * np.where(usual > _WRONG_M, 0.0, usual))
-    wrong = miss > limit
-    places = {k: np.flatnonzero(wrong[:, k]) for k in range(n) if wrong[:, k].sum() >= _SHORTEST}
     found: list[tuple[float, int, int, int, int]] = []
-
-    def righter(some: np.ndarray, i: int, j: int) -> np.ndarray:
-        """Say in which frames two markers are wrong, and exchanged right."""
-        straight = [_miss(some, k, partners[k], distance[k]) for k in (i, j)]
-        crossed = [
-            _miss(some, j, partners[i], distance[i], without=j),
-            _miss(some, i, partners[j], distance[j], without=i),
-        ]
-        is_wrong = (straight[0] > limit[i]) & (straight[1] > limit[j])
-        is_right = (crossed[0] < limit[i]) & (crossed[1] < limit[j])
-        right: np.ndarray = is_wrong & is_right & (sum(straight) > _RIGHTER * sum(crossed))
-        return right
-
-    def gained(i: int, j: int, first: int, last: int) -> float:
-        """Return by how much the distances of all markers are righter if two are exchanged [m frames].
-
-        Of four on a segment the other two, exchanged, are its mirror image: nearly as right for themselves.
-        """
-        some = positions[first:last].copy()
-        some[:, [i, j]] = some[:, [j, i]]
-        after = [np.nansum(_miss(some, k, partners[k], distance[k])) for k in places]
-        return float(np.nansum(miss[first:last, list(places)]) - sum(after))
-
-    for i, j in combinations(places, 2):
-        frames = np.intersect1d(places[i], places[j], assume_unique=True)
+    for i, j in combinations(distances.wrong, 2):
+        frames = np.intersect1d(distances.wrong[i], distances.wrong[j], assume_unique=True)
         if len(frames) < _SHORTEST:
             continue
-        right = righter(positions[frames], i, j)
+        right = distances.righter(positions[frames], i, j)
         mask = np.zeros(n_frame, dtype=np.bool_)
         mask[frames[right]] = True
         is_missing = np.any(recording.missing[:, [i, j]], axis=1)
-        for first, last in runs(_bridged(mask, is_missing)):
-            wrong_there, seen = mask[first:last].sum(), (~is_missing[first:last]).sum()
+        for begin, end in runs(_bridged(mask, is_missing)):
+            wrong_there, seen = mask[begin:end].sum(), (~is_missing[begin:end]).sum()
             if wrong_there >= max(shortest, _MOSTLY * seen):
-                found.append((gained(i, j, first, last), i, j, first, last))
+                first, last = distances.with_ends(positions, i, j, begin, end)
+                found.append((distances.gained(positions, i, j, first, last), i, j, first, last))
     for _, i, j, first, last in sorted(found, reverse=True):
         # Distances to two that have been exchanged since are right again, and may have been all that was wrong.
-        right = righter(positions[first:last], i, j)
+        right = distances.righter(positions[first:last], i, j)
         seen = (~recording.missing[first:last, [i, j]].any(axis=1)).sum()
         if exchanged[first:last, [i, j]].any() or right.sum() < _MOSTLY * seen:
             continue
