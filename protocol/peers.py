@@ -5,6 +5,7 @@ it gathers where nobody sees them. So what the kernel has received of a connecti
 its owner was handed. Only connections over TCP are measured: a socket in a folder admits nobody but its owner.
 """
 
+import itertools
 import os
 import socket as posix
 import struct
@@ -33,6 +34,9 @@ _EVENTS = _MADE | zmq.EVENT_DISCONNECTED
 _DISCARD = 1 << 20
 #: `struct linger` (socket(7)): on, and no time.
 _RESET = struct.pack("ii", 1, 0)
+
+#: Numbers of the monitors of a process.
+_NUMBERS = itertools.count()
 
 
 @dataclass
@@ -74,7 +78,7 @@ class Peers:
         self._thread: threading.Thread | None = None
         self._socket = socket
         socket.set(zmq.HANDSHAKE_IVL, HANDSHAKE_MS)
-        name = f"inproc://peers-{id(self)}"
+        name = f"inproc://peers-{next(_NUMBERS)}"  # a name is free some time after its socket has closed
         socket.monitor(name, _EVENTS)
         self._monitor = context.socket(zmq.PAIR)
         self._monitor.set(zmq.RCVHWM, 0)  # full, it would hold up the thread that carries all messages

@@ -51,6 +51,13 @@ def test_messages_arrive_in_order_and_none_is_missed(publisher, subscriber):
     assert subscriber.run == "first-run"
 
 
+def test_one_follows_another_on_one_context(context, publisher):
+    """Each has a monitor, whose name is free only some time after its socket has closed."""
+    for _ in range(100):
+        with Subscriber(context, publisher.endpoint, [FRAMES]) as opened:
+            assert opened.receive(0) is None
+
+
 def test_nothing_in_time_is_none(subscriber):
     assert subscriber.receive(0) is None
 

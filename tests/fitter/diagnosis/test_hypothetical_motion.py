@@ -4,10 +4,10 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from fitter.dynamics.structure import structural_parameters
 
 from arm.newton_euler import inverse_dynamics
 from arm.regressor import standard_parameters
+from arm.structural_parameters import structural_parameters
 from fitter.diagnosis.motion import BaseColumns, as_measured
 from tests.fitter.diagnosis.two_joints import regression_of_two
 
