@@ -17,7 +17,7 @@ SOURCES := $(shell find arm daemon fitter limbcal playback protocol reproduction
 help: ## list the targets
 	@grep -hE '^[a-z]+:.*##' $(MAKEFILE_LIST) | sed 's/:.*## /\t/' | expand -t 10
 
-# Python compiles what is imported, when it is: of the packages' modules, a third.
+# Python compiles what is imported, when it is; much of the packages never is.
 $(STAMP): pyproject.toml constraints.txt
 	$(PYTHON) -m venv $(VENV)
 	$(BIN)/python -m pip install --quiet --no-compile --constraint constraints.txt --editable '.[view]'

@@ -33,7 +33,7 @@ def work_alone() -> None:
 
 
 def processors(most: int) -> int:
-    """Return how many things may be done at once of so many: one where others have the processors busy."""
+    """Return how many of ``most`` items may be done at once: one where others have the processors busy."""
     return 1 if _alone.get() else max(1, min(len(os.sched_getaffinity(0)), _MOST, most))
 
 
@@ -83,7 +83,7 @@ def side_by_side(
 
 
 #: A forked process may hang on a lock that another thread held. It is given up after this multiple of the time
-#: that the items have taken so far, and so many seconds more [s], both conventions; its items are then done here.
+#: that the items have taken so far plus a constant [s], both conventions; its items are then done here.
 PATIENCE, LEAST_PATIENCE_S = 10.0, 10.0
 
 

@@ -29,7 +29,7 @@ class World:
         self.mistake: Callable[[float], Exception | None] = lambda _: None
         self.exists: Callable[[float], bool] = lambda _: True
         self.device: Callable[[float], int] = lambda _: 1
-        self.told: list[tuple[float, str, dict[str, Any]]] = []
+        self.reported: list[tuple[float, str, dict[str, Any]]] = []
         self.written: Said = []
         self.ring: list[tuple[float, bytes, Mark]] = []
         self.naps: list[float] = []
@@ -38,7 +38,7 @@ class World:
         self.closed = 0
 
     def times(self, what: str) -> list[float]:
-        return [time_s for time_s, told, _ in self.told if told == what]
+        return [time_s for time_s, report, _ in self.reported if report == what]
 
     def started(self) -> list[float]:
         return [time_s for time_s, text in self.written if text == "START\n"]
@@ -48,7 +48,7 @@ class World:
         return {"what": self.said.pop(0)[1]} if self.said and self.said[0][0] <= self.now_s else None
 
     def tell(self, what: str, **fields: object) -> None:
-        self.told.append((self.now_s, what, fields))
+        self.reported.append((self.now_s, what, fields))
 
     # what the reader calls
     def open(self, port: str, baud: int) -> "Tty":
@@ -143,7 +143,7 @@ def test_a_port_that_may_not_be_opened_is_tried_after_twice_as_long_up_to_a_seco
     world.mistake = refused_until(99.0)
     run(world, 4.0)
     assert world.times("trying") == pytest.approx([0.0, 0.1, 0.3, 0.7, 1.5, 2.5, 3.5])
-    assert [fields["sentence"] for _, what, fields in world.told if what == "waiting"] == ["taken"]
+    assert [fields["sentence"] for _, what, fields in world.reported if what == "waiting"] == ["taken"]
     assert set(world.opened) == {("/dev/x", 115_200)}
     assert not world.ring and not world.written
 
@@ -151,7 +151,7 @@ def test_a_port_that_may_not_be_opened_is_tried_after_twice_as_long_up_to_a_seco
 def test_another_reason_is_said_anew(world: World) -> None:
     world.mistake = lambda now_s: DeviceError("taken" if now_s < 0.2 else "not allowed")
     run(world, 1.0)
-    said = [fields["sentence"] for _, what, fields in world.told if what == "waiting"]
+    said = [fields["sentence"] for _, what, fields in world.reported if what == "waiting"]
     assert said == ["taken", "not allowed"]
 
 
@@ -261,7 +261,7 @@ def test_a_name_that_means_another_device_is_opened_anew(world: World) -> None:
     assert said.decode() == "port /dev/x: the device went away (its name has come to mean another device file)"
     assert 2.0 <= lost_s <= 2.75 and opened_s == pytest.approx(lost_s + 0.05)
     assert world.times("reopened") == [pytest.approx(opened_s)]
-    assert [fields["sentence"] for _, what, fields in world.told if what == "waiting"] == [said.decode()]
+    assert [fields["sentence"] for _, what, fields in world.reported if what == "waiting"] == [said.decode()]
     assert world.times("ready") == pytest.approx([0.1])  # once
     assert world.started()[-1] >= opened_s and world.closed == 2
 

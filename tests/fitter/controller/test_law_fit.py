@@ -20,8 +20,8 @@ def test_noise_free_motion_and_one_known_gain_give_the_true_arm(bench_trials):
     equations = [law_equations(ARM, BASE, bench_trials[0])]
     fit = fit_law(ARM, BASE, COLUMNS, equations, {COLUMNS.names.index("kp1"): 9.5})
     assert fit.converged
-    told = [k for k, name in enumerate(COLUMNS.names) if fit.identifiable(name)]
-    assert fit.values[told] == pytest.approx(TRUE[told], rel=1e-5, abs=1e-8)
+    identified = [k for k, name in enumerate(COLUMNS.names) if fit.identifiable(name)]
+    assert fit.values[identified] == pytest.approx(TRUE[identified], rel=1e-5, abs=1e-8)
     assert np.isnan(fit.std()[COLUMNS.names.index("kp1")])
     assert fit.torque_share.max() < 1e-9
 

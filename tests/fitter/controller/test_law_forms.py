@@ -16,7 +16,7 @@ N = len(COLUMNS.names)
 
 
 def fitted(z: float) -> LawFit:
-    """Return a fit whose accelerations' gains are so many standard errors from zero."""
+    """Return a fit whose accelerations' gains are ``z`` standard errors from zero."""
     nothing = Ambiguity(np.zeros((0, N)), (), np.zeros((0, N)), ())
     return LawFit(COLUMNS, np.full(N, z), np.arange(N), np.eye(N), nothing, np.zeros(2), True)
 

@@ -26,12 +26,12 @@ def test_it_writes_what_the_suffix_says(
     size = ["--size", "320x180"] if suffix in (".mp4", ".gif") else []
     options = ["--trial", "2", "--speed", "2", "--rate-hz", "20", "--arm", "dd-arm", "--json"]
     assert main(["export", str(motion_file), "--out", str(out), *options, *size]) == 0
-    told = capsys.readouterr()
-    answer = json.loads(told.out)
+    printed = capsys.readouterr()
+    answer = json.loads(printed.out)
     assert (answer["format"], answer["frames"], answer["rate_hz"]) == (suffix[1:], 11, 20.0)
     assert (answer["duration_s"], answer["trial"], answer["arm"], answer["twin"]) == (0.5, 2, "dd-arm", None)
     assert answer["bytes"] == out.stat().st_size
-    assert "11 frames of waves.npz, trial 2" in told.err
+    assert "11 frames of waves.npz, trial 2" in printed.err
     assert [found.name for found in out.parent.iterdir()] == [out.name]
 
 
@@ -73,9 +73,9 @@ def test_mistakes_are_told(
     arguments: list[str], said: str, motion_file: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     assert main(["export", str(motion_file), "--arm", "dd-arm", *arguments]) == 2
-    told = capsys.readouterr()
-    assert said in told.err
-    assert told.out == ""
+    printed = capsys.readouterr()
+    assert said in printed.err
+    assert printed.out == ""
 
 
 def test_what_is_not_installed_is_named(
@@ -86,8 +86,10 @@ def test_what_is_not_installed_is_named(
 
     monkeypatch.setattr(export, "import_module", missing)
     assert main(["export", str(motion_file), "--out", str(tmp_path / "a.mp4")]) == 2
-    told = capsys.readouterr().err
-    assert 'needs the package imageio-ffmpeg, which is not installed; pip install "limbcal[video]" adds it' in told
+    printed = capsys.readouterr().err
+    assert (
+        'needs the package imageio-ffmpeg, which is not installed; pip install "limbcal[video]" adds it' in printed
+    )
 
 
 def test_a_stop_leaves_no_file_and_no_encoder(motion_file: Path, tmp_path: Path) -> None:

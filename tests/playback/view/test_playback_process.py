@@ -22,7 +22,7 @@ CONTEXT: Any = "the context"
 
 
 class World:
-    """A process that does what it is told to, a clock, and what is asked of the playback."""
+    """A process that follows a script, a clock, and what is asked of the playback."""
 
     def __init__(self) -> None:
         self.now_s = 0.0
