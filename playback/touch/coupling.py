@@ -2,7 +2,7 @@
 
 The spring is conservative and gives way at its limit: its energy is ``K r^2 / 2`` up to there and grows linearly
 beyond. So its force is the gradient of a convex energy whose slope changes by at most K a metre, which is what
-the proof of passivity needs (docs/touch.md). The damper is cut, never reversed, where both together would
+the proof of passivity needs (docs/coupling.md). The damper is cut, never reversed, where both together would
 exceed the limit.
 """
 

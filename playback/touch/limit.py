@@ -1,4 +1,4 @@
-"""How stiff and how damped a coupling may be so that no energy comes out of it (docs/touch.md, sections 3 and 4).
+"""How stiff and damped a coupling may be so that no energy comes out of it (docs/coupling.md, sections 3 and 4).
 
 b is the damping that device and hand have of their own, B that of the coupling, K its stiffness, and T the
 interval from one force to the next, with twice the delay between a place and the force that answers it.

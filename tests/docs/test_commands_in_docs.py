@@ -1,5 +1,6 @@
-"""Commands that README and docs print are commands that exist, with options that exist."""
+"""Commands and options that the pages print exist, and the reference has every option."""
 
+import argparse
 import re
 import shlex
 from importlib import import_module
@@ -10,9 +11,13 @@ import pytest
 from limbcal.arguments import parser_of
 
 ROOT = Path(__file__).parents[2]
-PAGES = ["README.md", "systemd/README.md", *sorted(f"docs/{page.name}" for page in (ROOT / "docs").glob("*.md"))]
+PAGES = ["README.md", "systemd/README.md"]
+PAGES += sorted(str(page.relative_to(ROOT)) for page in (ROOT / "docs").rglob("*.md"))
 PROGRAMS = {"limbd": "daemon", "fitter": "fitter", "limbplay": "playback"}
-BLOCK = re.compile(r"^```sh\n(.*?)^```", re.MULTILINE | re.DOTALL)
+BLOCK = re.compile(r"^ *```sh\n(.*?)^ *```", re.MULTILINE | re.DOTALL)
+OPTION = re.compile(r"--[a-z][a-z0-9-]*")
+#: Options that every command has.
+COMMON = {"--help", "--json", "--debug", "--version"}
 #: Commands that need neither data nor a device and end at once.
 CHEAP = {"check", "effects"}
 
@@ -66,12 +71,43 @@ def test_a_cheap_command_of_the_docs_works(program, arguments, capsys, monkeypat
     assert capsys.readouterr().out
 
 
-@pytest.mark.parametrize("page", ["README.md", "docs/tutorial.md"])
-def test_links_of_a_page_lead_somewhere(page):
-    text = (ROOT / page).read_text(encoding="utf-8")
-    for target in re.findall(r"\]\(([^)#]+)(?:#[^)]*)?\)", text):
-        if "://" not in target:
-            assert ((ROOT / page).parent / target).exists(), target
+def options_of(parser):
+    for action in parser._actions:
+        if isinstance(action, argparse._SubParsersAction):
+            for command in action.choices.values():
+                yield from options_of(command)
+        yield from (name for name in action.option_strings if name.startswith("--"))
+
+
+def command_parser(program, command):
+    parser = argparse.ArgumentParser()
+    import_module(f"{PROGRAMS[program]}.commands.{command.replace('-', '_')}").add_arguments(parser)
+    return parser
+
+
+EVERY = [
+    (program, command)
+    for program, package in PROGRAMS.items()
+    for command in import_module(f"{package}.__main__").COMMANDS
+]
+
+
+@pytest.mark.parametrize(("program", "command"), EVERY, ids=lambda word: word)
+def test_the_reference_has_every_option_of_a_command(program, command):
+    page = (ROOT / "docs" / "commands.md").read_text(encoding="utf-8")
+    sections = re.split(r"^## ", page, flags=re.MULTILINE)[1:]
+    own = "".join(section for section in sections if f"{program} {command}" in section.partition("\n")[0])
+    assert own, "no section"
+    assert set(options_of(command_parser(program, command))) - COMMON <= set(OPTION.findall(own))
+
+
+@pytest.mark.parametrize("page", PAGES)
+def test_an_option_that_a_sentence_gives_a_command_exists(page):
+    for program, command, rest in re.findall(
+        r"`(limbd|fitter|limbplay) ([a-z-]+)([^`\n]*)`", (ROOT / page).read_text(encoding="utf-8")
+    ):
+        if (program, command) in EVERY:
+            assert set(OPTION.findall(rest)) <= set(options_of(command_parser(program, command))) | COMMON, command
 
 
 def test_the_way_of_the_readme_is_there():
