@@ -18,8 +18,8 @@ from arm.base_parameters import base_parameters
 from arm.counts import COUNT_M_S2
 from arm.model import Arm
 from arm.regressor import standard_parameters
-from daemon.motion_blocks import frame_blocks, frames_message
-from daemon.virtual_motion import BenchPlan, stretches
+from daemon.publishing.motion_blocks import frame_blocks, frames_message
+from daemon.virtual_device.virtual_motion import BenchPlan, stretches
 from fitter.kinematics.tip_basis import geometry_names, geometry_of
 from fitter.live.calibration import Calibration
 from fitter.live.stream import MotionAssembler

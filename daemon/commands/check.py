@@ -22,7 +22,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def check(arguments: argparse.Namespace) -> Mapping[str, object]:
     """List every mistake in a config or an arm file, and what is possible and hardly meant."""
     from arm.questions import questions_of
-    from daemon.checked_file import arm_and_source
+    from daemon.config.checked_file import arm_and_source
 
     try:
         kind, arm, source = arm_and_source(arguments.file)

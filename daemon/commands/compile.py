@@ -13,7 +13,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def compile_kernels(_arguments: argparse.Namespace) -> dict[str, object]:
     """Compile what the virtual device, the reception and the trackers of `limbd run` need."""
-    from daemon.kernels import compile_all
+    from daemon.service.kernels import compile_all
     from limbcal.compilation import said_when_compiling
 
     with said_when_compiling("limbd") as compilation:

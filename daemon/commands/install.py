@@ -19,6 +19,6 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def install(arguments: argparse.Namespace) -> Mapping[str, object]:
     """Lay the service's files down, or take them away."""
-    from daemon.install import install as installed
+    from daemon.service.installation import install as installed
 
     return installed(arguments.prefix, arguments.dry_run, arguments.remove)

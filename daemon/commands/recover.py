@@ -17,6 +17,6 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def recover(arguments: argparse.Namespace) -> Mapping[str, object]:
     """Make a clean file and prove it."""
-    from daemon.recover import recover as recovered
+    from daemon.recording.recovery import recover as recovered
 
     return recovered(arguments.file, arguments.out)

@@ -29,11 +29,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(arguments: argparse.Namespace) -> None:
     """Acquire, track, publish and record."""
     from arm.questions import questions_of
-    from daemon.config import load_setup, replayed_setup
-    from daemon.metrics import Metrics
-    from daemon.progress import Progress
-    from daemon.stop_signal import StopSignal
-    from daemon.supervisor import Supervisor
+    from daemon.config.config import load_setup, replayed_setup
+    from daemon.monitoring.metrics import Metrics
+    from daemon.monitoring.progress import Progress
+    from daemon.process.stop_signal import StopSignal
+    from daemon.service.supervisor import Supervisor
 
     if arguments.replay is None:
         setup = load_setup(arguments.config, given(arguments))

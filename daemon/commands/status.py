@@ -21,7 +21,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def show(arguments: argparse.Namespace) -> None:
     """Show how a daemon is doing."""
-    from daemon.status import WAIT_S, status
+    from daemon.monitoring.status_view import WAIT_S, status
 
     wait_s = WAIT_S if arguments.wait_s is None else arguments.wait_s
     status(arguments.endpoint, arguments.key, arguments.once, arguments.json, wait_s)

@@ -5,7 +5,7 @@ import math
 from pathlib import Path
 
 from daemon.commands.options import not_negative, positive, whole
-from daemon.fault_schedule import KINDS, faults_of
+from daemon.virtual_device.fault_schedule import KINDS, faults_of
 
 #: As it stands in the help.
 EXAMPLE = "limbd virtual --link device --trials 5"
@@ -51,9 +51,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def be_device(arguments: argparse.Namespace) -> None:
     """Be a device until a stop is asked for."""
     from arm.arm_file import load_arm
-    from daemon.bench_plan import BenchPlan
-    from daemon.virtual import VirtualOptions, serve
-    from daemon.virtual_device import Timing
+    from daemon.virtual_device.bench_plan import BenchPlan
+    from daemon.virtual_device.virtual_device import Timing
+    from daemon.virtual_device.virtual_loop import VirtualOptions, serve
 
     clock = 1.0 + 1e-6 * arguments.clock_ppm
     sampled_hz = clock * (arguments.sampled_hz or arguments.rate_hz)

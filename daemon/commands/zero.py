@@ -24,8 +24,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def zero(arguments: argparse.Namespace) -> Mapping[str, object]:
     """Measure the sensors' biases."""
-    from daemon.config import load_setup
-    from daemon.zero import zero_sensors
+    from daemon.config.config import load_setup
+    from daemon.zero_offset.zero_offset import zero_sensors
 
     return zero_sensors(load_setup(arguments.config, given(arguments)), arguments.seconds, arguments.out)
 

@@ -5,10 +5,10 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from daemon.host_clock import HostClock
-from daemon.reception import Reception
-from daemon.ring import Chunk, Mark
-from daemon.sample_ledger import Gap
+from daemon.acquisition.ring import Chunk, Mark
+from daemon.clock.host_clock import HostClock
+from daemon.reception.reception import Reception
+from daemon.reception.sample_ledger import Gap
 from protocol.device_info import Channel, DeviceInfo
 from protocol.serial_frame import InfoFrame, encode_samples
 from protocol.serial_parser import FrameParser

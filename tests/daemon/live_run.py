@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from arm.arm_file import load_arm
 from arm.counts import COUNT_M_S2
-from daemon.virtual_motion import BenchPlan, stretches
+from daemon.virtual_device.virtual_motion import BenchPlan, stretches
 from protocol.message import GAP, HEALTH, RAW
 from protocol.subscriber import Subscriber
 from tests.patience import PATIENCE_MS

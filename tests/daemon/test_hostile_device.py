@@ -11,10 +11,10 @@ from typing import Any
 
 import pytest
 
-from daemon import reader
-from daemon.child import failure
-from daemon.control_line import ControlLine
-from daemon.ring import ring_memory
+from daemon.acquisition import reader
+from daemon.acquisition.ring import ring_memory
+from daemon.process.child_process import failure
+from daemon.process.control_line import ControlLine
 from limbcal.errors import ConfigError, DataError, DeviceError, ProtocolError
 from protocol.device_info import DeviceInfo
 from tests.daemon.conftest import device_info, wait_until

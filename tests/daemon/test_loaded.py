@@ -6,7 +6,13 @@ import sys
 import pytest
 
 
-@pytest.mark.parametrize("modules", ["daemon.supervisor daemon.reader daemon.recorder", "daemon.virtual"])
+@pytest.mark.parametrize(
+    "modules",
+    [
+        "daemon.service.supervisor daemon.acquisition.reader daemon.recording.recorder",
+        "daemon.virtual_device.virtual_loop",
+    ],
+)
 def test_who_runs_no_kernel_loads_no_compiler(modules: str) -> None:
     seen = f"""
 import sys

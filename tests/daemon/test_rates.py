@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from daemon.recorded_run import blocks_of, device_of
+from daemon.recording.recorded_run import blocks_of, device_of
 from protocol.message import GAP, HEALTH, RAW
 from tests.daemon.live_run import Limbd, check, live_run, sent
 

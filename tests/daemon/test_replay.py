@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from daemon.__main__ import main
-from daemon.recorded_run import RecordedClock, blocks_of, counts_of, device_of, files_of
+from daemon.recording.recorded_run import RecordedClock, blocks_of, counts_of, device_of, files_of
 from protocol.message import FRAMES, HEALTH, RAW, TRIAL, encode
 from protocol.recording import RecordingWriter
 from protocol.recording_reader import read_recording

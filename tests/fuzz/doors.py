@@ -8,7 +8,7 @@ from typing import Protocol
 
 import numpy as np
 
-from daemon.config import load_setup
+from daemon.config.config import load_setup
 from limbcal.errors import ConfigError, DataError, ProtocolError
 from protocol.device_info import Channel, DeviceInfo
 from protocol.message import FRAMES, PLOT, RAW, decode, encode

@@ -1,0 +1,1 @@
+"""From the serial line to a ring of bytes in shared memory, and the device's introduction."""

@@ -1,0 +1,1 @@
+"""`limbd.toml`, the flags beside it, and the files that `limbd check` is given."""

@@ -1,0 +1,1 @@
+"""How the daemon is doing: health, alarms, and who is told of them."""

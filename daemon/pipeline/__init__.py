@@ -1,0 +1,1 @@
+"""The pipeline process: from bytes to motion that is handed on."""

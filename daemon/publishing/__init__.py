@@ -1,0 +1,1 @@
+"""Blocks of samples and of motion, and the way they leave."""

@@ -1,0 +1,1 @@
+"""From bytes to accelerations: frames in order, and every sample accounted for."""

@@ -1,0 +1,324 @@
+"""From bytes to accelerations: frames in order, every sample accounted for, runs of them without a hole."""
+
+import time
+from collections import deque
+from collections.abc import Callable, Sequence
+
+from daemon.acquisition.handshake import same_device
+from daemon.acquisition.ring import Chunk, Mark
+from daemon.clock.device_clock import Clock, DeviceClock
+from daemon.clock.host_clock import HostClock
+from daemon.clock.sample_rate import SampleRate
+from daemon.clock.tick_counter import TickCounter
+from daemon.reception.channel_watch import ChannelWatch
+from daemon.reception.doubted_frames import DoubtedFrames
+from daemon.reception.loss_attribution import LossAttribution
+from daemon.reception.sample_ledger import Gap, SampleLedger
+from daemon.reception.sample_runs import CountedRuns, FrameTimes, Run, StepTimes
+from daemon.reception.sequencer import Sequencer
+from daemon.reception.tick_guard import TickGuard
+from protocol.serial_frame import HALF_WAY, SEQUENCES, InfoFrame, SamplesFrame, SamplesRun
+from protocol.serial_parser import Frame, FrameParser
+
+NewClock = Callable[[float, int, int, int, float], Clock]
+
+#: Frames that wait for the INFO of a device that has come back: some seconds of them.
+_UNKNOWN = 8192
+#: A frame that waits for one before it waits no longer than this [ns].
+_PATIENCE_NS = 20_000_000
+#: Nothing for so long is silence [ns].
+_SILENCE_NS = 300_000_000
+_JUMPED = "the device's clock jumped"
+#: How often the rate is reckoned anew [ns].
+_LOOK_NS = 50_000_000
+#: Time [ns] and number of frames from which the rate is known, whichever comes later.
+_TO_KNOW_NS, _TO_KNOW_FRAMES = 250_000_000, 3
+
+
+class Reception:
+    """Turns what arrived into runs of accelerations.
+
+    Parameters
+    ----------
+    parser : FrameParser
+    introduction : InfoFrame
+        The INFO by which counts are understood.
+    host : HostClock, optional
+    new_clock : callable, optional
+        Returns a device's clock from its `tick_hz`, the ticks of a sample, the host's monotonic clock [ns] then,
+        what UTC is ahead of that, and the host's seconds in one of the device's as far as they are known.
+    steps : StepTimes, optional
+        Knows the time from one sample to the next where that is not to be measured.
+
+    Attributes
+    ----------
+    connected : bool
+        Whether there is a port to read from.
+    reconnects : int
+        How often it came back.
+    strangers : int
+        Frames that were not of this device, or not what its INFO says.
+    stranger : str or None
+        What the device is that is there instead, if there is one.
+    rate : SampleRate
+        The device's rate, measured.
+    """
+
+    def __init__(
+        self,
+        parser: FrameParser,
+        introduction: InfoFrame,
+        host: HostClock | None = None,
+        new_clock: NewClock = DeviceClock,
+        steps: StepTimes | None = None,
+    ) -> None:
+        self.info = introduction.info
+        self.parser = parser
+        self.sequencer = Sequencer()
+        self.ledger = SampleLedger(self.info.rate_hz, self.info.tick_hz)
+        self.rate = SampleRate(self.info.rate_hz, self.info.tick_hz)
+        self._steps = steps or self.rate
+        self._counter = TickCounter(self.info.tick_hz)
+        self.guard = TickGuard(self.ledger)
+        self._doubted = DoubtedFrames()
+        self._first_ns: int | None = None
+        self._look_ns = 0
+        self.watch = ChannelWatch(self.info.channels, self.info.rate_hz)
+        self.host = host or HostClock()
+        self.strangers = 0
+        self.stranger: str | None = None
+        self.clock: Clock | None = None
+        self._new_clock = new_clock
+        self.connected = True
+        self.reconnects = 0
+        self._counted = CountedRuns(self.info.channels, self.watch)
+        self._known = True
+        self._unknown: deque[Frame] = deque(maxlen=_UNKNOWN)
+        self._why: str | None = None
+        self._damage = LossAttribution(parser.counters)
+        self._arrival_ns = 0
+        self._new_gaps: list[Gap] = []
+        self.sequencer.put(introduction)
+        self.ledger.pass_over(introduction.sequence, introduction.ticks)
+
+    @property
+    def awaits_info(self) -> bool:
+        """Whether the device must say again what it is."""
+        return not self._known
+
+    def knows_rate(self, now_ns: int) -> bool:
+        """Say whether samples have come for long enough to know their rate, by the host's monotonic clock [ns]."""
+        if self._first_ns is None:
+            return False
+        frames_ns = round(1e9 * _TO_KNOW_FRAMES * self.ledger.frame_samples / self.info.rate_hz)
+        return now_ns >= self._first_ns + max(_TO_KNOW_NS, frames_ns)
+
+    def take(self, chunks: Sequence[Chunk], now_ns: int | None = None) -> list[Run]:
+        """Take what arrived, if anything, and return the samples whose turn it is."""
+        data: list[Chunk] = []
+        for chunk in chunks:
+            if chunk.mark is Mark.DATA:
+                data.append(chunk)
+                continue
+            self._parse(data)
+            data = []
+            if chunk.mark is Mark.LOST:
+                self._pass_on(self.sequencer.release(), chunk.stamp_ns)
+                self._settle(chunk.stamp_ns)
+                self._why, self.connected, self.guard.unplugged = "unplugged", False, True
+                self.strangers += len(self._unknown)
+                self._unknown.clear()
+            else:
+                self.parser.reset()
+                self._damage.forget()
+                self._known, self.connected, self.stranger = False, True, None
+                self.reconnects += 1
+        if chunks:
+            self._parse(data)
+        elif self._waits and (now_ns or time.monotonic_ns()) > self._arrival_ns + _PATIENCE_NS:
+            self._pass_on(self.sequencer.release(), self._arrival_ns)
+            self._decide(self._arrival_ns)
+        return self._counted.take()
+
+    def finish(self) -> list[Run]:
+        """Give up what is missing before the frames that still wait for it, and return their samples."""
+        self._pass_on(self.sequencer.release(), self._arrival_ns)
+        self._settle(self._arrival_ns)
+        return self._counted.take()
+
+    @property
+    def _waits(self) -> bool:
+        return self.sequencer.waiting > 0 or self.guard.waiting
+
+    def new_gaps(self) -> list[Gap]:
+        """Return the gaps since the last time."""
+        gaps, self._new_gaps = self._new_gaps, []
+        return gaps
+
+    def dropped(self) -> None:
+        """Note that the daemon itself had no room for what came."""
+        self._why = "the daemon fell behind"
+
+    def _parse(self, chunks: list[Chunk]) -> None:
+        if not chunks:
+            return
+        arrival_ns = chunks[-1].stamp_ns
+        found = self.parser.feed_runs(b"".join(chunk.data for chunk in chunks))
+        self._damage.look()
+        if self._why is None and self._arrival_ns and arrival_ns - self._arrival_ns > _SILENCE_NS:
+            self._why = "the device was silent"
+        steady = [self._counter.unwrapped(one, arrival_ns) for one in found]
+        self._pass_on([frames for one in steady for frames in self.sequencer.take(one)], arrival_ns)
+        self._arrival_ns = arrival_ns
+        if self._first_ns is None and self.ledger.samples:
+            self._first_ns = arrival_ns
+        if self.clock is not None and arrival_ns >= self._look_ns:
+            self.rate.look(self.ledger.step, self.clock.state)
+            self._look_ns = arrival_ns + _LOOK_NS
+
+    def _pass_on(self, passed: Sequence[Frame | SamplesRun], arrival_ns: int) -> None:
+        """Enter frames in their order; those of a device that has come back wait until it said what it is."""
+        last = next((one for one in reversed(passed) if not isinstance(one, InfoFrame)), None)
+        for one in passed:
+            if isinstance(one, SamplesRun) and self._goes_on(steady := self.guard.shifted(one)):
+                self._enter_run(steady)
+                continue
+            if isinstance(last, SamplesRun):
+                last = last.last()
+            for frame in one.frames() if isinstance(one, SamplesRun) else [one]:
+                self._pass_on_one(frame, last, arrival_ns)
+        arrived_ticks = self.guard.arrived_ticks
+        if last is None or not self._known or self._doubted or arrived_ticks is None:
+            return
+        assert self.clock is not None
+        self.clock.note(arrived_ticks, arrival_ns)
+
+    def _pass_on_one(self, frame: Frame, last: SamplesFrame | None, arrival_ns: int) -> None:
+        if isinstance(frame, InfoFrame):
+            self._settle(arrival_ns)
+            self._meet(self.guard.info(frame), arrival_ns)
+        elif self.stranger is not None:
+            self.strangers += 1
+        elif not self._known:
+            self._unknown.append(frame)
+        elif frame.counts.shape[1] != len(self.info.channels):
+            self.strangers += 1
+        elif self._doubted or self.ledger.doubts(frame):
+            self._doubted.put(frame)
+            if self._doubted.enough:
+                self._settle(arrival_ns)
+        else:
+            self._guarded(frame, last or frame, arrival_ns)
+
+    def _settle(self, arrival_ns: int) -> None:
+        """Enter the frames that waited until the majority of them tells the ticks of a sample, or for the next."""
+        doubted = self._doubted.take()
+        if doubted:
+            self.ledger.decide(doubted)
+        for frame in doubted:
+            self._guarded(frame, doubted[-1], arrival_ns)
+        self._decide(arrival_ns)
+
+    def _guarded(self, frame: SamplesFrame, last: SamplesFrame, arrival_ns: int) -> None:
+        self.guard.take(frame, self._early_s(arrival_ns), lambda one, off: self._enter(one, last, arrival_ns, off))
+
+    def _decide(self, arrival_ns: int) -> None:
+        """Enter the frame whose clock is in doubt."""
+        self.guard.settle(self._early_s(arrival_ns), lambda one, off: self._enter(one, one, arrival_ns, off))
+
+    def _early_s(self, arrival_ns: int) -> Callable[[int], float]:
+        """Return what says by how much something arrived before a tick was over [s]."""
+
+        def early_s(ticks: int) -> float:
+            assert self.clock is not None  # only of frames after the first anything is asked
+            return self.clock.early_s(ticks, arrival_ns)
+
+        return early_s
+
+    def _goes_on(self, run: SamplesRun) -> bool:
+        """Say whether a run is of this device and goes on right where it was."""
+        settled = not self._doubted and not self.guard.waiting
+        return (
+            self._known and settled and run.counts.shape[1] == len(self.info.channels) and self.ledger.goes_on(run)
+        )
+
+    def _enter_run(self, run: SamplesRun) -> None:
+        assert self.clock is not None
+        times = FrameTimes(self.ledger.position, run.frame_samples, run.ticks, self.clock, self._steps)
+        self._counted.add(times, run.counts)
+        self.ledger.enter_run(run)
+        self._why = None
+
+    def _meet(self, frame: InfoFrame, arrival_ns: int) -> None:
+        if not same_device(frame.info, self.info):
+            self.stranger = f"{frame.info.device} {frame.info.serial}"
+            self.strangers += 1 + len(self._unknown)
+            self._known = False
+            self._unknown.clear()
+            return
+        waiting = list(self._unknown)
+        self._unknown.clear()
+        self._known, self.stranger = True, None
+        self._pass_on(waiting, arrival_ns)
+        self.ledger.pass_over(frame.sequence, frame.ticks)
+
+    def _enter(self, frame: SamplesFrame, last: SamplesFrame, arrival_ns: int, off: int | None = None) -> None:
+        """Enter a frame whose clock, if it was off, was so by some ticks."""
+        lost, numbered = self.ledger.missing(frame), self.ledger.numbered(frame)
+        begun_anew = lost is None
+        if self.clock is None or lost is None:
+            by_host = self._start_clock(frame, last, arrival_ns)
+            lost = by_host if lost is None else lost
+        assert self.clock is not None
+        t_ns = self.clock.utc_ns(frame.ticks) - round(1e9 * lost / self._rate_hz)
+        if off is not None:
+            self._note(Gap(self.ledger.position, 0, t_ns, _jumped(off / self.info.tick_hz), False), _JUMPED)
+        if lost or begun_anew:
+            why = "the device was restarted" if begun_anew else self._cause(frame, lost)
+            infos = (numbered - lost) / max(self.ledger.frame_samples, 1)  # they have numbers and no samples
+            by_number = infos == 0.0 or (self.guard.unplugged and infos > 0.0 and infos.is_integer())
+            exact = by_number and not begun_anew and not self.guard.is_off
+            self._note(Gap(self.ledger.position, lost, t_ns, why, exact))
+        first = self.ledger.position + lost
+        times = FrameTimes(first, len(frame.counts), [frame.ticks], self.clock, self._steps)
+        self._counted.add(times, frame.counts, lost)
+        self.ledger.enter(frame, lost)
+        self._why = None
+
+    def _note(self, gap: Gap, cause: str | None = None) -> None:
+        self.ledger.note(gap, cause)
+        self._new_gaps.append(gap)
+
+    def _cause(self, frame: SamplesFrame, lost: int) -> str:
+        if self._why is not None:
+            return self._why
+        if self.ledger.follows(frame):
+            return "lost in the device"
+        return "damaged on the line" if self._damage.explains(lost, frame) else "frames missing"
+
+    def _start_clock(self, first: SamplesFrame, last: SamplesFrame, arrival_ns: int) -> int:
+        """Start a clock; return how many samples were lost since the one before it, by the host's clock.
+
+        The last sample that came with the first one was taken, at the latest, when it arrived.
+        """
+        before, due = self.clock, self.ledger.due_ticks
+        rate = 1.0 if before is None else before.state.rate
+        frames = (last.sequence - first.sequence) % SEQUENCES  # by number: clocks may be off
+        span_s = (frames * len(first.counts) * (frames < HALF_WAY) + len(last.counts)) / self._rate_hz
+        first_ns = arrival_ns - round(1e9 * span_s)
+        lost = 0
+        if before is not None:
+            assert due is not None
+            ended_ns = before.monotonic_ns(due)
+            lost = max(0, round((first_ns - ended_ns) * self._rate_hz / 1e9))
+            first_ns = max(first_ns, ended_ns)
+        self.clock = self._new_clock(self.info.tick_hz, first.ticks, first_ns, self.host.offset_ns, rate)
+        return lost
+
+    @property
+    def _rate_hz(self) -> float:
+        return self.rate.measured_hz or self.info.rate_hz
+
+
+def _jumped(by_s: float) -> str:
+    return f"{_JUMPED} by {by_s:+.3g} s"

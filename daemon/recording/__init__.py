@@ -1,0 +1,1 @@
+"""Recordings: how they are written, recovered and read again."""

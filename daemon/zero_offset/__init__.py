@@ -1,0 +1,1 @@
+"""`limbd zero`: the accelerometers' offsets from an arm at rest."""

@@ -1,0 +1,192 @@
+"""The reader on a real tty: what it says, what it sends, and how it takes up a port that went away."""
+
+import threading
+import time
+from collections.abc import Callable, Iterator
+from multiprocessing import get_context
+from pathlib import Path
+
+import pytest
+
+from daemon.acquisition.reader import run_reader
+from daemon.acquisition.ring import Chunk, Mark, Ring, ring_memory
+from daemon.process.control_line import ControlLine
+from limbcal.errors import DeviceError
+from protocol.device_info import DeviceInfo
+from tests.daemon.conftest import PtyDevice, wait_until
+from tests.patience import PATIENCE_S
+
+MakeDevice = Callable[..., PtyDevice]
+
+
+class Reading:
+    """A reader in a thread, and the supervisor's and the pipeline's ends of it."""
+
+    def __init__(self, port: Path, wait: bool) -> None:
+        ours, theirs = get_context("spawn").Pipe()
+        self.line, self._theirs = ControlLine(ours), ControlLine(theirs)
+        memory = ring_memory(get_context("spawn"), 1 << 16)
+        self.ring, self.chunks = Ring(memory), list[Chunk]()
+        self.error: Exception | None = None
+        self.began_s = time.monotonic()
+        self._thread = threading.Thread(target=self._read, args=(memory, str(port), wait))
+        self._thread.start()
+
+    def hears(self, *whats: str) -> list[dict[str, object]]:
+        """Return what the supervisor hears next, which must be this."""
+        found = [self.line.hear(PATIENCE_S) for _ in whats]
+        assert [None if one is None else one["what"] for one in found] == list(whats)
+        return [one for one in found if one is not None]
+
+    def data(self, mark: Mark = Mark.DATA) -> bytes:
+        """Return all that has come so far."""
+        self.chunks += self.ring.read()
+        return b"".join(chunk.data for chunk in self.chunks if chunk.mark is mark)
+
+    def marks(self) -> list[Mark]:
+        self.data()
+        return [chunk.mark for chunk in self.chunks if chunk.mark is not Mark.DATA]
+
+    def end(self) -> None:
+        if self._thread.is_alive():
+            self.line.tell("stop")
+        self._thread.join(PATIENCE_S)
+        self.line.close()
+        self._theirs.close()
+
+    def _read(self, memory: object, port: str, wait: bool) -> None:
+        try:
+            run_reader(self._theirs, memory, port, 115_200, wait)  # type: ignore[arg-type]
+        except Exception as error:  # noqa: BLE001 - the test looks at it
+            self.error = error
+
+
+@pytest.fixture
+def reading() -> Iterator[Callable[..., Reading]]:
+    made: list[Reading] = []
+
+    def start(port: Path, wait: bool = False) -> Reading:
+        made.append(Reading(port, wait))
+        return made[-1]
+
+    yield start
+    for one in made:
+        one.end()
+
+
+@pytest.fixture
+def device(pty_device: MakeDevice, make_info: Callable[..., DeviceInfo]) -> PtyDevice:
+    return pty_device(make_info(8000.0), on_start=b"samples")
+
+
+@pytest.fixture
+def port(tmp_path: Path, device: PtyDevice) -> Path:
+    """Return a name for the device, which can be taken away."""
+    name = tmp_path / "port"
+    name.symlink_to(device.path)
+    return name
+
+
+def test_commands_go_out_and_bytes_come_in(reading: Callable[..., Reading], port: Path, device: PtyDevice) -> None:
+    one = reading(port)
+    one.hears("ready")
+    assert device.commands == b"STOP\n"
+    one.line.tell("ask")
+    wait_until(lambda: device.commands.endswith(b"INFO\n"), "INFO is asked for")
+    one.line.tell("start")
+    wait_until(lambda: one.data().endswith(b"samples"), "samples come")
+    assert device.commands.startswith(b"STOP\nINFO\nSTART\n")
+    one.end()
+    assert device.commands.endswith(b"STOP\n")
+    assert one.error is None
+    assert one.marks() == []
+    assert one.ring.closed
+
+
+def test_what_a_device_held_back_is_of_the_past(
+    reading: Callable[..., Reading], port: Path, device: PtyDevice
+) -> None:
+    device.write(b"old")
+    one = reading(port)
+    one.hears("ready")
+    device.write(b"new")
+    wait_until(lambda: one.data() == b"new", "the new comes alone")
+
+
+def test_what_comes_after_a_stop_is_still_read(
+    reading: Callable[..., Reading], port: Path, device: PtyDevice
+) -> None:
+    one = reading(port)
+    one.hears("ready")
+    device.write(10_000 * b"12345")
+    one.end()
+    assert one.data() == 10_000 * b"12345"
+
+
+def test_a_port_that_is_not_there_is_an_error_unless_it_is_waited_for(
+    reading: Callable[..., Reading], tmp_path: Path
+) -> None:
+    one = reading(tmp_path / "nothing")
+    one.end()
+    assert isinstance(one.error, DeviceError)
+    assert "nothing" in str(one.error)
+
+
+def test_a_port_that_is_not_there_is_tried_less_and_less_often(
+    reading: Callable[..., Reading], tmp_path: Path
+) -> None:
+    one = reading(tmp_path / "nothing", wait=True)
+    assert "nothing" in str(one.hears("trying", "waiting")[1]["sentence"])
+    one.hears("trying", "trying", "trying")  # the sentence is the same, and not said again
+    assert time.monotonic() - one.began_s >= 0.1 + 0.2 + 0.4
+
+
+def test_a_port_that_appears_is_opened_before_it_is_due(
+    reading: Callable[..., Reading], tmp_path: Path, device: PtyDevice
+) -> None:
+    name = tmp_path / "port"
+    one = reading(name, wait=True)
+    one.hears("trying", "waiting", "trying", "trying", "trying", "trying")  # the next try is due in a second
+    name.symlink_to(device.path)
+    appeared_s = time.monotonic()
+    one.hears("ready")
+    assert device.commands == b"STOP\n"
+    assert time.monotonic() - appeared_s < 1.0
+
+
+def test_a_silent_device_is_started_again(reading: Callable[..., Reading], port: Path, device: PtyDevice) -> None:
+    one = reading(port)
+    one.hears("ready")
+    one.line.tell("start")
+    begin_s = time.monotonic()
+    wait_until(lambda: device.commands.count(b"START\n") >= 2, "it is started again")
+    assert time.monotonic() - begin_s >= 0.5
+
+
+def test_a_name_that_means_another_device_is_opened_anew(
+    reading: Callable[..., Reading], port: Path, device: PtyDevice, pty_device: MakeDevice
+) -> None:
+    one = reading(port)
+    one.hears("ready")
+    one.line.tell("start")
+    wait_until(lambda: one.data().endswith(b"samples"), "samples come")
+    other = pty_device(None, on_start=b"others")
+    port.unlink()
+    port.symlink_to(other.path)
+    said = one.hears("waiting", "reopened")
+    assert "another device file" in str(said[0]["sentence"])
+    wait_until(lambda: one.data().endswith(b"others"), "the other's samples come")
+    assert one.marks() == [Mark.LOST, Mark.OPENED]
+    assert one.data(Mark.LOST).decode() == said[0]["sentence"]
+
+
+def test_a_device_that_goes_before_it_was_started_is_an_error(
+    reading: Callable[..., Reading], port: Path, pty_device: MakeDevice
+) -> None:
+    one = reading(port)
+    one.hears("ready")
+    other = pty_device(None)
+    port.unlink()
+    port.symlink_to(other.path)
+    wait_until(lambda: one.error is not None, "it is said")
+    assert "went away while it was read" in str(one.error)

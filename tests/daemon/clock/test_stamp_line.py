@@ -1,0 +1,52 @@
+"""Stamps never go back and never change, whatever the line is turned to."""
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from daemon.clock.stamp_line import StampLine
+
+
+@given(
+    st.lists(
+        st.tuples(st.floats(0.001, 1.0), st.floats(0.8, 1.25), st.floats(-0.5, 0.5), st.floats(-0.1, 0.1)),
+        min_size=1,
+        max_size=40,
+    )
+)
+def test_what_was_stamped_stays_and_time_goes_on(turns: list[tuple[float, float, float, float]]) -> None:
+    line, now_s, stamped = StampLine(1.0), 0.0, [(-1.0, -100.0)]
+    for step_s, rate, offset_s, late_s in turns:
+        now_s += step_s
+        line.hold_back(now_s, now_s + late_s)
+        line.approach(rate, offset_s)
+        for at_s in (now_s - 0.5 * step_s, now_s):
+            if at_s > stamped[-1][0]:
+                stamped.append((at_s, line.stamp(at_s)))
+                assert stamped[-1][1] > stamped[-2][1]
+    assert [line.at(at_s) for at_s, _ in stamped[1:]] == pytest.approx([host_s for _, host_s in stamped[1:]])
+
+
+def test_before_anything_is_stamped_the_best_line_is_taken_at_once() -> None:
+    line = StampLine(1.0)
+    assert line.approach(0.96, 0.25) == 0.0
+    assert line.stamp(10.0) == pytest.approx(0.25 + 9.6)
+
+
+def test_a_better_line_is_approached() -> None:
+    line = StampLine(1.0)
+    line.stamp(0.0)
+    for k in range(1, 401):
+        line.approach(1.0, 0.02)
+        line.stamp(0.1 * k)
+    assert line.at(40.0) == pytest.approx(40.02, abs=0.02 * 0.02)  # four time constants
+
+
+def test_stamps_wait_for_arrivals_that_they_are_ahead_of() -> None:
+    line = StampLine(1.0)
+    line.stamp(1.0)
+    line.hold_back(1.01, 0.98)
+    assert line.stamp(1.01) == pytest.approx(1.005)  # at half the rate
+    line.hold_back(1.05, 1.03)
+    assert line.stamp(1.05) == pytest.approx(1.03)
+    assert line.at(1.06) == pytest.approx(1.04)

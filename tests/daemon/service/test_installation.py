@@ -1,0 +1,114 @@
+"""The service's files: laid down, taken away, clean by systemd's own tools."""
+
+import json
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from daemon.__main__ import main
+from daemon.config.config import load_setup
+from daemon.service.installation import install
+
+analyze = pytest.mark.skipif(shutil.which("systemd-analyze") is None, reason="systemd-analyze is not installed")
+UNITS = ("limbd.service", "limbplay.service")
+WORST = 1.6
+
+
+def files(folder: Path) -> set[str]:
+    return {str(path.relative_to(folder)) for path in folder.rglob("*") if path.is_file()}
+
+
+def test_what_is_laid_down_is_taken_away(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    arguments = ["install", "--prefix", str(tmp_path), "--json"]
+    assert main([*arguments, "--dry-run"]) == 0
+    assert files(tmp_path) == set()
+    capsys.readouterr()
+    assert main(arguments) == 0
+    done = json.loads(capsys.readouterr().out)["done"]
+    assert {what for what, _ in done} == {"written"}
+    assert files(tmp_path) == {str(Path(path).relative_to(tmp_path)) for _, path in done}
+    config = tmp_path / "etc/limbcal/limbd.toml"
+    assert load_setup(config, {}).arm.name == "dd-arm"
+    config.write_text(config.read_text() + "# mine\n")
+    assert main(arguments) == 0
+    assert config.read_text().endswith("# mine\n")
+    assert main([*arguments, "--remove"]) == 0
+    assert files(tmp_path) == {"etc/limbcal/limbd.toml", "etc/limbcal/limbplay.env"}
+
+
+def test_where_nothing_may_be_written_it_says_so(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    (tmp_path / "etc").write_text("in the way")
+    assert main(["install", "--prefix", str(tmp_path)]) == 3
+    assert "error: " in capsys.readouterr().err
+
+
+@analyze
+@pytest.mark.parametrize("unit", UNITS)
+def test_a_unit_is_clean_and_shut(unit: str, tmp_path: Path) -> None:
+    main(["install", "--prefix", str(tmp_path)])
+    path = str(tmp_path / "etc/systemd/system" / unit)
+    verified = subprocess.run(["systemd-analyze", "verify", path], check=False, capture_output=True, text=True)
+    assert (verified.returncode, [line for line in verified.stderr.splitlines() if unit in line]) == (0, [])
+    judged = subprocess.run(
+        ["systemd-analyze", "security", "--offline=true", "--no-pager", path],
+        check=False,
+        capture_output=True,
+        text=True,
+    )
+    level = float(judged.stdout.split("Overall exposure level")[1].split(":")[1].split()[0])
+    assert level <= WORST
+
+
+def test_what_is_done_to_each_file_is_told(tmp_path: Path) -> None:
+    def done(**how: bool) -> dict[str, str]:
+        found = install(tmp_path, **how)
+        assert found["prefix"] == str(tmp_path) and found["dry_run"] == how.get("dry_run", False)
+        pairs: list[list[str]] = found["done"]  # type: ignore[assignment]
+        return {Path(path).name: what for what, path in pairs}
+
+    ours = ("limbd.service", "limbplay.service", "limbcal.conf", "99-limbcal.rules")
+    theirs = ("limbd.toml", "limbplay.env")
+
+    def of(what: str, to_theirs: str) -> dict[str, str]:
+        return {**dict.fromkeys(ours, what), **dict.fromkeys(theirs, to_theirs)}
+
+    assert done(remove=True) == of("not there", "not there")
+    assert done(dry_run=True) == of("written", "written")
+    assert done() == of("written", "written")
+    assert done() == of("there already", "kept")
+    unit = tmp_path / "etc/systemd/system/limbd.service"
+    text = unit.read_text()
+    unit.write_text(text + "# changed\n")
+    assert done(dry_run=True) == of("there already", "kept") | {"limbd.service": "written"}
+    assert unit.read_text() == text + "# changed\n"
+    assert done() == of("there already", "kept") | {"limbd.service": "written"}
+    assert unit.read_text() == text
+    assert done(remove=True, dry_run=True) == of("removed", "kept") and unit.exists()
+    assert done(remove=True) == of("removed", "kept") and not unit.exists()
+
+
+@pytest.mark.parametrize(
+    ("how", "said", "next_steps"),
+    [
+        ({}, "written: ", True),
+        ({"dry_run": True}, "would be written: ", False),
+        ({"remove": True}, "not there: ", False),
+    ],
+)
+def test_what_is_to_be_done_next_is_said_where_something_was_laid_down(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], how: dict[str, bool], said: str, next_steps: bool
+) -> None:
+    install(tmp_path, **how)
+    captured = capsys.readouterr()
+    text = captured.out + captured.err
+    assert text.count(said) >= 6 and ("next:" in text) == next_steps
+    assert next_steps == ("would be" not in text and "not there" not in text)
+
+
+def test_units_call_the_programs_of_this_environment(tmp_path: Path) -> None:
+    install(tmp_path)
+    text = (tmp_path / "etc/systemd/system/limbd.service").read_text()
+    assert f"{Path(sys.executable).parent}/limbd" in text and "/opt/limbcal/.venv/bin" not in text

@@ -1,0 +1,58 @@
+"""Samples are taken from a real pty by the reader process, or what is in the way is said."""
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from arm.arm_file import load_arm
+from daemon.zero_offset import sample_burst as module
+from daemon.zero_offset.sample_burst import sample_burst
+from limbcal.errors import DeviceError
+from protocol.device_info import DeviceInfo
+from protocol.serial_frame import encode_samples
+
+MakeDevice = Callable[..., Any]
+MakeInfo = Callable[..., DeviceInfo]
+ARM = load_arm("dd-arm")
+BAUD = 115200
+
+
+def sample_frames(counts: NDArray[np.int16]) -> bytes:
+    """Return frames numbered from 1 at 8 kHz and 1 MHz."""
+    return b"".join(encode_samples(p, k + 1, k * 4000) for k, p in enumerate(np.split(counts, len(counts) // 32)))
+
+
+def test_as_many_samples_as_were_asked_for(
+    pty_device: MakeDevice, make_info: MakeInfo, random_counts: Callable[[int], NDArray[np.int16]]
+) -> None:
+    counts, info = random_counts(6400), make_info(8000.0)
+    device = pty_device(info, sample_frames(counts))
+    rate_hz, a = sample_burst(device.path, BAUD, ARM, 0.5)
+    assert rate_hz == 8000.0
+    np.testing.assert_array_equal(np.rint(a / info.channels[0].scale), counts[:4000])
+    assert device.commands.startswith(b"STOP\nINFO\n")
+    assert device.commands.endswith(b"START\nSTOP\n")
+
+
+def test_a_device_that_stays_silent_after_start(
+    pty_device: MakeDevice, make_info: MakeInfo, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(module, "_SILENCE_S", 0.1)
+    device = pty_device(make_info(8000.0))
+    with pytest.raises(DeviceError, match="0 samples came and then none for 0.1 s, expected 8000"):
+        sample_burst(device.path, BAUD, ARM, 1.0)
+
+
+def test_another_arms_device(pty_device: MakeDevice, make_info: MakeInfo) -> None:
+    device = pty_device(make_info(names=["x", "y"]))
+    with pytest.raises(DeviceError, match="the device's channels are x y, expected the sensors of arm 'dd-arm'"):
+        sample_burst(device.path, BAUD, ARM, 1.0)
+
+
+def test_a_port_that_does_not_exist(tmp_path: Path) -> None:
+    with pytest.raises(DeviceError, match="does not exist, expected the serial port of the device"):
+        sample_burst(str(tmp_path / "tty"), BAUD, ARM, 1.0)
