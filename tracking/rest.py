@@ -4,6 +4,9 @@ Readings are judged in cells of 10 ms and windows of a quarter of a second. At r
 and its own offset, so a window's mean must not have moved away from them by more than noise can move it, and no
 single cell may stand out. Where a joint's angle changes what gravity shows, the angle's own drift is allowed
 for; the difference of two sensors on one link does not depend on gravity at all and is always judged strictly.
+
+This is the integrator's detector: dead reckoning has no covariance, so it cannot ask as `tracking.stillness` does
+how well pose and velocity are known, and it must learn the sensors' offsets, which a filter estimates anyway.
 """
 
 import math

@@ -6,6 +6,9 @@ velocities are nothing to speak of; each within what noise and the filter's own 
 
 What could still hide is an acceleration as small as the window's noise. An arm that comes to rest loses its speed
 within a time of about a second, so the speed that could hide is that acceleration times a second.
+
+This is the detector of the filters and the smoother (and `unsteadiness` that of a recording's first readings);
+`tracking.rest` is for the integrator, which has no covariance to ask.
 """
 
 import math

@@ -137,6 +137,10 @@ def wrong_channels(names: Sequence[str], reading: Reading) -> dict[tuple[str, st
 
 
 def still_axes(reading: Reading, first: int) -> bool:
-    """Say whether a sensor, the three axes from ``first`` on, moved by no more than its noise."""
+    """Say whether a sensor, the three axes from ``first`` on, moved by no more than its noise.
+
+    It looks at one sensor alone, in the sums of a whole report, without an arm or a tracker, since it is to find
+    sensors that are wrong: the trackers' detectors ask all sensors at once and take them to be right.
+    """
     axes = slice(first, first + 3)
     return bool(reading.samples and np.all(reading.spread[axes] < 2.0 * reading.noise[axes] + _STILL))

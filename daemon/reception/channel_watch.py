@@ -43,6 +43,8 @@ class Reading:
 class ChannelWatch:
     """Counts, per channel, the samples at full scale and those in which the reading had long stood still.
 
+    A reading that stands still to the last count is a broken channel, not an arm at rest: that one shows noise.
+
     Attributes
     ----------
     saturated, flat : (n_channel,) int64

@@ -26,7 +26,7 @@ from fitter.commands.options import (
 )
 from fitter.commands.trial_sets import notes_of, trial_sets, with_notes
 from fitter.controller import controller
-from fitter.data.first_rest import REST_SPEED
+from fitter.data.standstill import REST_SPEED
 from fitter.data.torque_target import has_unknown_target
 from fitter.data.trial import Role, Trial, undriven
 from fitter.data.trials import load_trials

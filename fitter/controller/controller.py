@@ -20,8 +20,8 @@ from fitter.controller.law_fit import LawFit, equations_gram, fit_law
 from fitter.controller.law_forms import LawForm, LawMisfit, law_form, misfit
 from fitter.controller.law_sentences import fixed_by, only_together
 from fitter.controller.torque_scale import scaled_to_torque
-from fitter.data.first_rest import REST_SPEED
 from fitter.data.refilter import refiltered
+from fitter.data.standstill import REST_SPEED
 from fitter.data.trial import Trial
 from fitter.search.fitted_parameter import FittedParameter
 from limbcal.errors import ConfigError, DataError, NotIdentifiable

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from arm.base_parameters import BaseParameters
 from arm.model import Arm, Floats
 from fitter.controller.law_columns import law_rows
-from fitter.data.first_rest import REST_SPEED
+from fitter.data.standstill import REST_SPEED, is_moving
 from fitter.data.torque_target import motion_begins, target_holds_from
 from fitter.data.trial import Trial
 
@@ -98,7 +98,7 @@ def law_equations(arm: Arm, base: BaseParameters, trial: Trial, rest_speed: floa
         rows = trial.lowpass(rows)
     tau = None if trial.tau is None else trial.lowpass(trial.tau[begin:])
     stride = max(1, round(STEP_S / trial.dt_s))
-    moving = np.abs(dq) > rest_speed
+    moving = is_moving(dq, rest_speed)
     n = len(q) // stride * stride
     return LawEquations(
         rows=_means(rows[:n], stride),

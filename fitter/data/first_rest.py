@@ -3,17 +3,14 @@
 import numpy as np
 
 from arm.model import Arm, Floats
+from fitter.data.standstill import is_moving
 from fitter.data.trial import Trial
 from limbcal.errors import DataError
-
-#: What is no faster than about a degree a second [rad/s or m/s] may as well be at rest: integrated and
-#: differentiated angles are not better than that.
-REST_SPEED = 0.02
 
 
 def first_rest(trial: Trial) -> slice:
     """Return the samples at the start of a trial in which no joint moves, the very first one at least."""
-    moving = np.flatnonzero(np.any(np.abs(trial.dq) > REST_SPEED, axis=1))
+    moving = np.flatnonzero(is_moving(trial.dq).any(axis=1))
     return slice(0, max(1, int(moving[0]) if len(moving) else len(trial.q)))
 
 

@@ -55,7 +55,11 @@ def torque_target(arm: Arm, trial: Trial) -> Floats:
 
 
 def motion_begins(trial: Trial) -> int:
-    """Return the sample at which a trial leaves its first rest; before it, the target was where it stood."""
+    """Return the sample at which a trial leaves its first rest; before it, the target was where it stood.
+
+    `fitter.data.first_rest` ends as soon as anything may move, so that a rest is surely one; here the instant
+    itself is asked for, so it is reckoned back from where a share of the top speed is reached.
+    """
     speed = np.abs(trial.dq)
     fast = speed > _BEGUN * np.max(speed, axis=0, initial=0.0)
     samples = np.flatnonzero(fast.any(axis=1))

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from arm.base_parameters import BaseParameters
 from arm.model import Arm, Floats
 from arm.regressor import regressor
-from fitter.data.first_rest import REST_SPEED
+from fitter.data.standstill import REST_SPEED, is_moving
 from fitter.data.torque_target import has_unknown_target, target_holds_from, torque_target
 from fitter.data.trial import Trial
 from fitter.dynamics.dynamics_fit import DynamicsFit
@@ -65,7 +65,7 @@ def drawn_dynamics(
         assert one is not None
         unknown = has_unknown_target(arm, trial)
         rows = slice(target_holds_from(trial) if unknown else 0, len(trial.q))
-        moving = (np.abs(trial.dq[rows]) > rest_speed) & trial.counted[rows]
+        moving = is_moving(trial.dq[rows], rest_speed) & trial.counted[rows]
         slopes, residual = _residual(arm, base, trial, rows, values)
         slopes = _counted(slopes, moving, unknown)[..., problem.free]
         for b in range(n_draw):

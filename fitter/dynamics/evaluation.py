@@ -13,7 +13,7 @@ from arm.newton_euler import inverse_dynamics
 from arm.simulation import simulate
 from fitter.data.derivatives import lowpass
 from fitter.data.drives import drives_of
-from fitter.data.first_rest import REST_SPEED
+from fitter.data.standstill import REST_SPEED
 from fitter.data.torque_target import target_of, torque_target
 from fitter.data.trial import Trial
 from fitter.dynamics.shooting_windows import LONGEST_STEP_S, shooting_windows

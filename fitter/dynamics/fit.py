@@ -10,7 +10,7 @@ from arm.base_parameters import BaseParameters
 from arm.model import Arm, Floats
 from arm.regressor import standard_parameters
 from arm.structural_parameters import structural_parameters
-from fitter.data.first_rest import REST_SPEED
+from fitter.data.standstill import REST_SPEED
 from fitter.data.torque_target import has_unknown_target
 from fitter.data.trial import Trial
 from fitter.dynamics.band_agreement import frequencies_agree

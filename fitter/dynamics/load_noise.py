@@ -10,13 +10,12 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy.ndimage import minimum_filter1d
 
 from arm.model import Arm, Floats
 from arm.newton_euler import inverse_dynamics
 from fitter.data.derivatives import ORDER, SETTLING_PERIODS, settling_samples
-from fitter.data.first_rest import REST_SPEED
 from fitter.data.law_torque import law_torque
+from fitter.data.standstill import is_moving, throughout
 from fitter.data.trial import Trial
 
 #: A normal deviation's size in units of the median of its absolute value; and of second differences.
@@ -66,8 +65,7 @@ def load_noise(arm: Arm, trials: Sequence[Trial], i: int) -> LoadNoise:
     for trial in trials:
         residual = (driving_torque(arm, trial) - inverse_dynamics(arm, trial.q, trial.dq, trial.ddq))[:, i]
         white.append(white_noise(residual))
-        fast = (np.abs(trial.dq[:, i]) > REST_SPEED) & trial.counted[:, i]
-        moving = minimum_filter1d(fast, 2 * reach_of(trial) + 1, mode="nearest")
+        moving = throughout(is_moving(trial.dq[:, i]) & trial.counted[:, i], reach_of(trial))
         edges = np.flatnonzero(np.diff(np.concatenate([[False], moving, [False]]).astype(int)))
         parts += [residual[first:last] for first, last in zip(edges[::2], edges[1::2], strict=True)]
     least = float(np.median(white)) if white else 0.0

@@ -15,7 +15,7 @@ from arm.control import control_torque
 from arm.model import Arm, Control, Floats
 from arm.regressor import regressor
 from fitter.data.derivatives import lowpass
-from fitter.data.first_rest import REST_SPEED
+from fitter.data.standstill import is_moving
 from fitter.data.torque_target import has_unknown_target, torque_target
 from fitter.data.trial import Trial
 from fitter.regression_sums.torque_sums import TorqueSums, add_up
@@ -83,7 +83,7 @@ def draw_in(arm: Arm, base: BaseParameters, trials: Sequence[Trial], values: Flo
         raise ConfigError("the robust objective needs the controller's target; expected columns ref1…")
     torques = [torque_samples(arm, trial) for trial in trials]
     models = [np.concatenate(list(_model(arm, base, trial, values))) for trial in trials]
-    moving = [np.abs(trial.dq) > REST_SPEED for trial in trials]
+    moving = [is_moving(trial.dq) for trial in trials]
     residual = np.concatenate([tau - model for tau, model in zip(torques, models, strict=True)])
     counts = np.concatenate(moving)
     scale = np.array([np.median(np.abs(residual[counts[:, j], j])) / _MAD_OF_NORMAL for j in range(arm.n_joint)])

@@ -6,6 +6,9 @@ within a stand the momentum changes by no more than twice the smallest that is s
 the mean load less 2 P / T. A filter shows motion before it begins and after it has ended, so what was held is
 sought away from a stand's ends, by as much as the filter looks around, and a joint has let go that much later at
 the latest.
+
+A joint that stands for `fitter.data.standstill` is merely too slow to be of use to a fit; here it must be stuck,
+so it is held against the noise of its own velocity, far below that.
 """
 
 from dataclasses import dataclass, replace

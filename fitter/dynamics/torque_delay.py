@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from arm.base_parameters import BaseParameters
 from arm.model import Arm, Floats
 from arm.regressor import regressor
-from fitter.data.first_rest import REST_SPEED
+from fitter.data.standstill import is_moving
 from fitter.data.trial import Trial
 from limbcal.note import Note
 
@@ -116,7 +116,7 @@ def _rows(
     arm: Arm, base: BaseParameters, trial: Trial, most: int, half: int | None
 ) -> tuple[Floats, NDArray[np.intp], Floats]:
     """Return some equations of a trial, the samples they are of, and its torque."""
-    moving = np.asarray(((np.abs(trial.dq) > REST_SPEED) & trial.counted).all(axis=1))
+    moving = np.asarray((is_moving(trial.dq) & trial.counted).all(axis=1))
     moving[:most] = moving[len(moving) - most :] = False
     if half is not None:
         moving[: len(moving) // 2] &= half == 0

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from arm.model import Floats
-from fitter.data.first_rest import REST_SPEED
+from fitter.data.standstill import REST_SPEED
 from fitter.regression_sums.torque_sums import TorqueSums
 from fitter.search.standard_errors import sandwich_covariance
 from fitter.search.whitened import whiten

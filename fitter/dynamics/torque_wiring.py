@@ -16,7 +16,7 @@ import numpy as np
 from arm.base_parameters import BaseParameters
 from arm.model import Arm, Floats
 from arm.regressor import regressor, standard_parameters
-from fitter.data.first_rest import REST_SPEED
+from fitter.data.standstill import is_moving
 from fitter.data.torque_target import has_unknown_target, torque_target
 from fitter.data.trial import Trial
 from fitter.dynamics.physical import physical_optimum
@@ -175,7 +175,7 @@ class _Sums:
             tau = torque_target(arm, trial)[some]
             q, dq, ddq = trial.q[some], trial.dq[some], trial.ddq[some]
             rows = regressor(arm, q, dq, ddq)[..., base.independent]
-            moving = ((np.abs(dq) > REST_SPEED) & trial.counted[some]).all(axis=1)
+            moving = (is_moving(dq) & trial.counted[some]).all(axis=1)
             rows, tau = rows[moving], tau[moving]
             gram += np.einsum("sja,sjb->jab", rows, rows)
             moment += np.einsum("sja,sk->jka", rows, tau)

@@ -8,7 +8,7 @@ import scipy.linalg
 from arm.base_parameters import BaseParameters
 from arm.model import Arm, Floats
 from arm.simulation import Motion
-from fitter.data.first_rest import REST_SPEED
+from fitter.data.standstill import REST_SPEED
 from fitter.regression_sums.torque_sums import torque_sums
 
 #: Noise of the torque in every sample, as a share of its rms in the random motion.

@@ -10,10 +10,10 @@ from arm.base_parameters import BaseParameters
 from arm.model import Arm
 from arm.structural_parameters import structural_parameters
 from fitter.data.derived_trial import derive
-from fitter.data.first_rest import REST_SPEED
 from fitter.data.plausibility.questions import questioned
 from fitter.data.reading import Reading, find_corner_hz, stretches_of
 from fitter.data.resample import Uniform
+from fitter.data.standstill import REST_SPEED
 from fitter.data.stretches import Stretch
 from fitter.data.torque_target import has_unknown_target
 from fitter.data.trial_filter import FIT_CORNER

@@ -28,7 +28,7 @@ def add_motion(
     dq: Floats,
     ddq: Floats,
     tau: Floats,
-    rest_speed: float,
+    moving: NDArray[np.bool_],
     gram: Floats,
     moment: Floats,
     power: Floats,
@@ -47,7 +47,7 @@ def add_motion(
             torque_rows(chain, q[start:stop], dq[start:stop], ddq[start:stop], Y)
             for k in range(start, stop):
                 for joint in range(n):
-                    if abs(dq[k, joint]) > rest_speed:
+                    if moving[k, joint]:
                         for a in range(columns.size):
                             w[a] = Y[k - start, joint, columns[a]]
                         add_row(w, tau[k, joint], joint, sums)

@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 
 from arm.chain import Chain
 from arm.model import Floats
+from fitter.data.standstill import is_moving
 from fitter.regression_sums.row_sums import BlockSums, add_equations, add_motion
 
 #: Blocks of one trial: enough to measure how residuals hang together, and never more memory than this.
@@ -69,7 +70,8 @@ class RunningSums:
         q, dq, ddq, tau = (np.ascontiguousarray(values) for values in (q, dq, ddq, tau))
         for part in self._portions(len(q)):
             ends = self._ends - self._seen
-            add_motion(chain, columns, ends, q[part], dq[part], ddq[part], tau[part], rest_speed, *self._arrays())
+            moving = is_moving(dq[part], rest_speed)
+            add_motion(chain, columns, ends, q[part], dq[part], ddq[part], tau[part], moving, *self._arrays())
             self._seen += part.stop - part.start
 
     def add_equations(self, rows: Floats, tau: Floats, moving: NDArray[np.bool_]) -> None:

@@ -14,14 +14,14 @@ from dataclasses import dataclass
 import numpy as np
 import scipy.fft
 from numpy.typing import NDArray
-from scipy.ndimage import distance_transform_edt, maximum_filter1d
+from scipy.ndimage import distance_transform_edt
 
 from arm.base_parameters import BaseParameters
 from arm.model import Arm, Floats
 from arm.regressor import regressor
 from fitter.data.bandwidth import Signal, motion_edge_hz
-from fitter.data.first_rest import REST_SPEED
 from fitter.data.refilter import CORNER_FACTOR, refiltered
+from fitter.data.standstill import REST_SPEED, is_moving, throughout
 from fitter.data.torque_target import torque_target
 from fitter.data.trial import Trial
 from fitter.data.trial_filter import COLUMN_CORNER, lowpass_trial
@@ -198,11 +198,11 @@ def _stretches(
 
 def _holding(dq: Floats, counted: NDArray[np.bool_], rest_speed: float, blurred: int) -> NDArray[np.bool_]:
     """Return where equations surely hold, (n_sample, n_joint): a joint may turn round between two samples."""
-    turned = np.diff(np.sign(dq), axis=0) != 0.0
-    slow = (np.abs(dq) <= rest_speed) | ~counted
-    slow[1:] |= turned
-    slow[:-1] |= turned
-    return np.asarray(~maximum_filter1d(slow, 2 * blurred + 1, axis=0, mode="nearest"), dtype=np.bool_)
+    one_way = np.diff(np.sign(dq), axis=0) == 0.0
+    moving = is_moving(dq, rest_speed) & counted
+    moving[1:] &= one_way
+    moving[:-1] &= one_way
+    return throughout(moving, blurred)
 
 
 def _patched(rows: Floats, holds: NDArray[np.bool_], longest: int, rise: int) -> Floats:

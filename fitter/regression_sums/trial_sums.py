@@ -2,13 +2,12 @@
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.ndimage import minimum_filter1d
 
 from arm.base_parameters import BaseParameters
 from arm.chain import chain_of
 from arm.model import Arm, Floats
 from arm.regressor import regressor
-from fitter.data.first_rest import REST_SPEED
+from fitter.data.standstill import REST_SPEED, is_moving, throughout
 from fitter.data.torque_target import has_unknown_target, target_holds_from, torque_target
 from fitter.data.trial import Trial
 from fitter.data.windows import forgetting_samples, windows
@@ -87,9 +86,8 @@ def moving_all_along(trial: Trial, part: slice, rest_speed: float) -> NDArray[np
     A joint that sticks is held by a torque of any size, and a torque that was cut off had any size: the filter
     spreads either over the moments before and after, which count as little as the moment itself.
     """
-    fast = (np.abs(trial.dq[part]) > rest_speed) & trial.counted[part]
-    reach = int(SPREAD / (trial.band_hz * trial.dt_s))
-    return np.asarray(minimum_filter1d(fast, 2 * reach + 1, axis=0, mode="nearest"), dtype=np.bool_)
+    moving = is_moving(trial.dq[part], rest_speed) & trial.counted[part]
+    return throughout(moving, int(SPREAD / (trial.band_hz * trial.dt_s)))
 
 
 def _filtered_rows(arm: Arm, base: BaseParameters, trial: Trial, part: slice) -> Floats:
