@@ -14,8 +14,8 @@ from types import FrameType
 from typing import Any, Protocol, TypeVar
 
 import fitter.single_thread  # noqa: F401 - the processes that it starts inherit it
-from fitter.parallel import be_worker
-from fitter.side_by_side import work_alone
+from fitter.parallel.processors import work_alone
+from fitter.parallel.spawned import be_worker
 
 Line = dict[str, Any]
 

@@ -5,12 +5,11 @@ without being told where one motion ends and the next begins.
 """
 
 import argparse
-import multiprocessing
 import os
 import sys
 import time
 from collections.abc import Iterator
-from concurrent.futures import ProcessPoolExecutor, as_completed
+from contextlib import closing
 from dataclasses import dataclass, replace
 from functools import cache
 from pathlib import Path
@@ -26,9 +25,9 @@ from arm.counts import COUNT_M_S2
 from arm.model import Arm, Floats
 from benchmarks.cramer_rao import least_std
 from benchmarks.tracking_report import Run, Track, draw, page, score, table
+from fitter.parallel.spawned import in_order
 from limbcal.arguments import Parser
 from limbcal.command import console, emit, run_command, to_json
-from limbcal.parent import end_with
 from tracking.frames import Frames
 from tracking.integrator import Integrator
 from tracking.kalman_filter import KalmanTracker
@@ -184,21 +183,20 @@ def measure(name: str, seed: int, trials: int, initial: bool) -> Run:
     return Run(name, seed, recording.seconds, scores, least.tolist())
 
 
+def _measured(job: tuple[str, int, int, bool]) -> Run:
+    return measure(*job)
+
+
 def compare(options: argparse.Namespace) -> None:
     """Run all benches, print the table and write what was asked for."""
     initial = not options.no_initial
     jobs = [(case, seed, options.trials, initial) for seed in options.seeds for case in options.benches]
     runs: list[Run] = []
-    spawn = multiprocessing.get_context("spawn")
-    pool = ProcessPoolExecutor(options.jobs, spawn, end_with, (os.getpid(),))
-    with Progress(console=console) as progress, pool:
+    with Progress(console=console) as progress, closing(in_order(_measured, jobs, options.jobs)) as found:
         task = progress.add_task("tracking", total=len(jobs))
-        try:
-            for done in as_completed([pool.submit(measure, *job) for job in jobs]):
-                runs.append(done.result())
-                progress.advance(task)
-        finally:
-            pool.shutdown(cancel_futures=True)  # or a mistake would show after all the others only
+        for run in found:
+            runs.append(run)
+            progress.advance(task)
     runs.sort(key=lambda run: (options.benches.index(run.case), run.seed))
     emit(table(runs))
     if options.json is not None:

@@ -85,7 +85,8 @@ def diagnose_command(arguments: argparse.Namespace) -> Document:
         learn, evaluate = with_found_targets(arm, learn, evaluate)
     if not arguments.no_torque:
         _require_possible(arm, learn, arguments)
-    with Progress(console=console, transient=True) as progress:
+    # No thread of the bar's own: work is shared with forked processes (`fitter.parallel`).
+    with Progress(console=console, transient=True, auto_refresh=False) as progress:
         task = progress.add_task("reading", total=1.0)
         found = diagnose(
             arm,
@@ -96,7 +97,7 @@ def diagnose_command(arguments: argparse.Namespace) -> Document:
             free=arguments.no_torque,
             horizon_s=arguments.horizon,
             judge=judge,
-            progress=lambda what, done: progress.update(task, description=what, completed=done),
+            progress=lambda what, done: progress.update(task, description=what, completed=done, refresh=True),
         )
     out: Path = arguments.out
     write_diagnosis(found, out)

@@ -19,7 +19,7 @@ from fitter.diagnosis.least_squares import CLEAR_RATIO, EQUAL_SIGMAS, ODDS_NATS,
 from fitter.diagnosis.model import Candidate, Model
 from fitter.diagnosis.refinement import fitted
 from fitter.diagnosis.regression import Regression
-from fitter.side_by_side import side_by_side
+from fitter.parallel.forked import side_by_side
 
 
 @dataclass(frozen=True)

@@ -27,7 +27,7 @@ from fitter.diagnosis.motion import Motion
 from fitter.diagnosis.regression import Regression
 from fitter.diagnosis.whitening import RISE_S
 from fitter.dynamics.evaluation import HORIZON_S
-from fitter.side_by_side import side_by_side
+from fitter.parallel.forked import side_by_side
 from limbcal.note import Note
 
 #: A fitted model, and the arm that it is, to be simulated.

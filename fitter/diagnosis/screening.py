@@ -15,7 +15,7 @@ from fitter.diagnosis.multistart import Best, Multistart
 from fitter.diagnosis.payload import find_payloads
 from fitter.diagnosis.refinement import Starts, by_learning, fitted
 from fitter.diagnosis.regression import Regression
-from fitter.side_by_side import side_by_side
+from fitter.parallel.forked import side_by_side
 
 
 def screen(

@@ -25,7 +25,7 @@ from arm.model import Floats
 from fitter.diagnosis.least_squares import ROUNDED, orthonormal, singular
 from fitter.diagnosis.motion import Motion
 from fitter.diagnosis.whitening import Whitening, end_shapes, holding_shapes, jump_shapes, rest_shapes
-from fitter.side_by_side import side_by_side
+from fitter.parallel.forked import side_by_side
 
 
 @dataclass(frozen=True)

@@ -23,9 +23,9 @@ from fitter.dynamics.shooting import Shooting
 from fitter.dynamics.shooting_problem import SearchPoint, ShootingProblem, noise_std, pooled_rms, simulated
 from fitter.dynamics.shooting_windows import ShootingWindow
 from fitter.dynamics.variable_projection import FIRST_STEP, Linearisation, linearised, moved
+from fitter.parallel.processors import processors
 from fitter.search.constrained_step import constrained_step
 from fitter.search.standard_errors import sandwich_covariance
-from fitter.side_by_side import processors
 
 #: Limits of a forward difference's step, as a share of a parameter's scale. Within them it is one standard
 #: error of the parameter with the others known: dry friction makes the residuals rough on a finer scale.

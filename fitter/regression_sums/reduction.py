@@ -18,7 +18,7 @@ from fitter.data.stretches import Stretch
 from fitter.data.torque_target import has_unknown_target
 from fitter.data.trial_filter import FIT_CORNER
 from fitter.data.trials import to_trials
-from fitter.parallel import in_order
+from fitter.parallel.spawned import in_order
 from fitter.regression_sums.running_sums import RunningSums
 from fitter.regression_sums.saved_sums import ArmSums, equation_of
 from fitter.regression_sums.torque_sums import TorqueSums, add_up, finished
@@ -94,7 +94,7 @@ def reduce_trials(
         As in `fitter.data.trials.load_trials`.
     rest_speed : float [rad/s or m/s]
     workers, dask
-        As in `fitter.parallel.in_order`.
+        As in `fitter.parallel.spawned.in_order`.
     progress : callable, optional
         Told after every file: how many are done, and of how many.
 

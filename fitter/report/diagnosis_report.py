@@ -7,6 +7,7 @@ from arm.arm_file import save_arm
 from fitter.diagnosis.diagnosis import Diagnosis
 from fitter.diagnosis.finding import NamedCause
 from fitter.diagnosis.held_out_error import Errors, Judged
+from fitter.parallel.forked import side_by_side
 from fitter.report import diagnosis_figures as figures
 from fitter.report.diagnosis_errors import BY_NAME, by_name_rows, error_rows
 from fitter.report.diagnosis_rivals import rivals, shown, table_rows
@@ -25,7 +26,6 @@ from fitter.report.diagnosis_words import (
     whiteness,
 )
 from fitter.report.page import Page, Row
-from fitter.side_by_side import side_by_side
 from limbcal.command import to_json
 from limbcal.errors import DeviceError
 from limbcal.note import sentences

@@ -5,7 +5,6 @@ eliminated trial by trial, the rest is solved for the hypothesis' parameters, an
 sensor has a small bias of its own besides, as every real one has, held to be no larger than is usual.
 """
 
-import os
 from collections.abc import Iterable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
@@ -26,8 +25,7 @@ from fitter.diagnosis.readings.sensor_hypotheses import (
     bias_columns,
     with_theta,
 )
-
-_THREADS = ThreadPoolExecutor(os.cpu_count())
+from fitter.parallel.processors import processors
 
 
 class Trials:
@@ -255,9 +253,13 @@ class Trials:
         suspects: Sequence[Suspect],
     ) -> list[tuple[Floats, Floats]]:
         """Return what `eliminated` does of several trials, on as many threads as there are processors."""
-        return list(
-            _THREADS.map(lambda number: self.eliminated(number, hypothesis, motions[number], suspects), numbers)
-        )
+        some = list(numbers)
+        with ThreadPoolExecutor(
+            processors(len(some))
+        ) as threads:  # sparse solvers run without the interpreter's lock
+            return list(
+                threads.map(lambda number: self.eliminated(number, hypothesis, motions[number], suspects), some)
+            )
 
     def before(self, hypothesis: SensorHypothesis) -> tuple[Floats, Floats]:
         """Return what is held of all parameters before: mean and standard deviation."""

@@ -3,7 +3,6 @@
 import multiprocessing
 import os
 import signal
-import socket
 import subprocess
 import sys
 import time
@@ -13,14 +12,14 @@ from operator import neg
 import psutil
 import pytest
 
-from fitter.parallel import in_order
-from limbcal.errors import ConfigError, DataError, DeviceError
+from fitter.parallel.spawned import in_order, tell
+from limbcal.errors import DataError, DeviceError
 from tests.patience import PATIENCE_S
 
 #: Every job of this program waits for ever, once it has said that it is there.
 STUCK = """
 import os, sys, threading
-from fitter.parallel import in_order
+from fitter.parallel.spawned import in_order
 
 def work(job):
     open(os.path.join(sys.argv[1], str(os.getpid())), "w").close()
@@ -38,6 +37,12 @@ def leave(_job):
     os._exit(7)
 
 
+def tell_twice(job):
+    tell("begins", job)
+    tell("ends", job)
+    return job
+
+
 def refuse(job):
     raise DataError(f"{job}: no good")
 
@@ -52,6 +57,20 @@ def test_what_a_job_raises_comes_through_and_leaves_no_process():
     with pytest.raises(DataError, match="3: no good"), closing(in_order(refuse, [3, 4], 2)) as results:
         list(results)
     assert not multiprocessing.active_children()
+
+
+@pytest.mark.parametrize("workers", [1, 2])
+def test_what_jobs_tell_is_heard_here_in_the_order_of_each(workers):
+    heard = []
+    assert list(in_order(tell_twice, range(4), workers, hear=lambda *said: heard.append(said))) == [0, 1, 2, 3]
+    assert sorted(heard) == sorted([(what, job) for job in range(4) for what in ("begins", "ends")])
+    assert all(heard.index(("begins", job)) < heard.index(("ends", job)) for job in range(4))
+
+
+@pytest.mark.parametrize("workers", [1, 2])
+def test_where_nobody_hears_a_job_may_tell(workers):
+    tell("nobody waits")
+    assert list(in_order(tell_twice, [1, 2], workers)) == [1, 2]
 
 
 def test_a_process_that_dies_is_said():
@@ -77,20 +96,3 @@ def test_no_process_outlives_the_one_that_handed_out_the_jobs(tmp_path, sign):
     assert psutil.wait_procs(children, timeout=PATIENCE_S)[1] == []
     if sign == signal.SIGINT:
         assert (process.returncode, said) == (0, "stopped\n")
-
-
-def test_a_cluster_that_is_not_there_is_said():
-    pytest.importorskip("distributed", reason="the extra 'cluster' is not installed")
-    with socket.create_server(("127.0.0.1", 0)) as server:
-        port = server.getsockname()[1]
-    with pytest.raises(DeviceError, match="no Dask scheduler answers"):
-        list(in_order(neg, [1], dask=f"tcp://127.0.0.1:{port}"))
-    for address in ("nonsense", "tcp://127.0.0.1", "tcp://127.0.0.1:nonsense"):
-        with pytest.raises(ConfigError, match="expected a scheduler's address"):
-            list(in_order(neg, [1], dask=address))
-
-
-def test_a_missing_extra_is_said(monkeypatch):
-    monkeypatch.setitem(sys.modules, "distributed", None)
-    with pytest.raises(ConfigError, match=r"pip install 'limbcal\[cluster\]'"):
-        list(in_order(neg, [1], dask="tcp://127.0.0.1:8786"))

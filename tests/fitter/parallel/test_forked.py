@@ -9,13 +9,14 @@ from pathlib import Path
 
 import pytest
 
-from fitter.side_by_side import side_by_side
+from fitter.parallel.forked import side_by_side
 
 
 @pytest.fixture(autouse=True)
 def three_processors(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
-    """As many, wherever the tests run; and no process is left behind."""
+    """As many, wherever the tests run, whose own threads do not count; and no process is left behind."""
     monkeypatch.setattr(os, "sched_getaffinity", lambda _process: {0, 1, 2})
+    monkeypatch.setattr(threading, "active_count", lambda: 1)
     before = children()
     yield
     assert children() <= before
@@ -108,21 +109,13 @@ def test_another_process_shares_its_own_work_with_nobody(met: Callable[[], bool]
     assert side_by_side(work, range(2)) == [True, True]
 
 
-def test_what_a_helper_that_hangs_has_begun_is_made_here(monkeypatch):
-    monkeypatch.setattr("fitter.side_by_side.PATIENCE", 0.0)
-    monkeypatch.setattr("fitter.side_by_side.LEAST_PATIENCE_S", 0.1)
-    parent, (reading, writing) = os.getpid(), os.pipe()
-
-    def work(item):
-        if os.getpid() != parent:
-            os.write(writing, b"1")
-            threading.Event().wait()  # for ever
-        elif item == 0:
-            os.read(reading, 1)  # until the other has begun one
-        return 2 * item
-
+def test_beside_another_thread_nothing_is_forked(monkeypatch: pytest.MonkeyPatch) -> None:
+    over = threading.Event()
+    thread = threading.Thread(target=over.wait)
+    monkeypatch.setattr(threading, "active_count", lambda: len(threading.enumerate()))
+    thread.start()
     try:
-        assert side_by_side(work, [0, 1, 2, 3]) == [0, 2, 4, 6]
+        assert side_by_side(lambda _: os.getpid(), range(20)) == [os.getpid()] * 20
     finally:
-        os.close(reading)
-        os.close(writing)
+        over.set()
+        thread.join()

@@ -4,28 +4,43 @@ Results come in the order of the jobs whoever did them, so whatever is made of t
 """
 
 import multiprocessing
+import queue
 import signal
-import socket
 from collections.abc import Callable, Generator, Sequence
-from concurrent.futures import CancelledError, ProcessPoolExecutor
+from concurrent.futures import ProcessPoolExecutor, wait
 from concurrent.futures.process import BrokenProcessPool
-from importlib import import_module
-from typing import TypeVar
-from urllib.parse import urlsplit
+from typing import Any, TypeVar
 
-from limbcal.errors import ConfigError, DeviceError
+from fitter.parallel.dask_cluster import on_cluster
+from limbcal.errors import DeviceError
 from limbcal.interrupts import interrupts_held
 from limbcal.parent import end_with
 
 Job = TypeVar("Job")
 Result = TypeVar("Result")
 
-#: How long a scheduler may take to answer.
-_CONNECT_S = 10.0
+#: Hears what a job tells of itself.
+Hear = Callable[..., None]
+
+#: How often what jobs tell is passed on [s]: often enough for a person who watches.
+_POLL_S = 0.1
+
+#: Where what this process's job tells goes; empty where nobody hears.
+_hearers: list[Hear] = []
+
+
+def tell(*said: object) -> None:
+    """Tell the process that waits for this job something; it is lost where nobody there hears."""
+    for hear in _hearers:
+        hear(*said)
 
 
 def in_order(
-    work: Callable[[Job], Result], jobs: Sequence[Job], workers: int = 1, dask: str | None = None
+    work: Callable[[Job], Result],
+    jobs: Sequence[Job],
+    workers: int = 1,
+    dask: str | None = None,
+    hear: Hear | None = None,
 ) -> Generator[Result, None, None]:
     """Do some jobs and yield their results in order.
 
@@ -39,6 +54,8 @@ def in_order(
     dask : str, optional
         Address of a Dask scheduler, such as ``tcp://127.0.0.1:8786``, to whose workers the jobs go instead. They
         need this package, and to see the files under the same names.
+    hear : callable, optional
+        Called here with what jobs `tell`; those of a cluster tell nothing.
 
     Raises
     ------
@@ -50,25 +67,36 @@ def in_order(
         If a process dies, nobody answers at the address, or the cluster fails.
     """
     if dask is not None:
-        yield from _on_cluster(work, jobs, dask)
+        yield from on_cluster(work, jobs, dask)
     elif workers > 1 and len(jobs) > 1:
-        yield from _in_processes(work, jobs, min(workers, len(jobs)))
+        yield from _in_processes(work, jobs, min(workers, len(jobs)), hear)
     else:
-        yield from map(work, jobs)
+        for job in jobs:
+            before, _hearers[:] = list(_hearers), [] if hear is None else [hear]
+            try:
+                result = work(job)
+            finally:
+                _hearers[:] = before
+            yield result
 
 
 def _in_processes(
-    work: Callable[[Job], Result], jobs: Sequence[Job], workers: int
+    work: Callable[[Job], Result], jobs: Sequence[Job], workers: int, hear: Hear | None
 ) -> Generator[Result, None, None]:
     # Spawned, not forked: a fork of a program with threads may hang, and copies what it should not have.
     context = multiprocessing.get_context("spawn")
     others = set(multiprocessing.active_children())
-    pool = ProcessPoolExecutor(workers, mp_context=context, initializer=be_worker)
+    told = None if hear is None else context.Queue()
+    pool = ProcessPoolExecutor(workers, mp_context=context, initializer=_begin, initargs=(told,))
     done = False
     try:
         with interrupts_held():
             futures = [pool.submit(work, job) for job in jobs]
         for future in futures:
+            if hear is not None and told is not None:
+                while not future.done():
+                    wait([future], _POLL_S)
+                    _pass_on(told, hear)
             yield future.result()
         done = True
     except BrokenProcessPool as error:
@@ -78,6 +106,23 @@ def _in_processes(
             for process in set(multiprocessing.active_children()) - others:
                 process.terminate()
         pool.shutdown(wait=True, cancel_futures=True)  # its own thread joins them; two would race
+    if hear is not None and told is not None:
+        _pass_on(told, hear)  # the last words
+
+
+def _pass_on(told: "multiprocessing.Queue[tuple[Any, ...]]", hear: Hear) -> None:
+    """Let be heard what jobs have told."""
+    try:
+        while True:
+            hear(*told.get_nowait())
+    except queue.Empty:
+        pass
+
+
+def _begin(told: "multiprocessing.Queue[tuple[Any, ...]] | None") -> None:
+    be_worker()
+    if told is not None:
+        _hearers.append(lambda *said: told.put(said))
 
 
 def be_worker() -> None:
@@ -87,38 +132,3 @@ def be_worker() -> None:
     parent = multiprocessing.parent_process()
     if parent is not None and parent.pid is not None:
         end_with(parent.pid)
-
-
-def _on_cluster(work: Callable[[Job], Result], jobs: Sequence[Job], address: str) -> Generator[Result, None, None]:
-    try:
-        distributed = import_module("distributed")
-    except ImportError as error:
-        raise ConfigError(
-            "--dask needs the packages dask and distributed, which are not installed; "
-            "pip install 'limbcal[cluster]' adds them"
-        ) from error
-    _require_somebody(address)
-    with distributed.Client(address, timeout=_CONNECT_S, set_as_default=False) as client:
-        futures = client.map(work, jobs, pure=False)
-        try:
-            for future in futures:
-                yield future.result()
-        except (OSError, ImportError, CancelledError, distributed.KilledWorker) as error:
-            raise DeviceError(f"--dask {address}: the cluster could not do it ({error})") from error
-        finally:
-            client.cancel(futures)
-
-
-def _require_somebody(address: str) -> None:
-    """Look whether anybody listens at all; the client would try for long, and go on trying behind our back."""
-    parts = urlsplit(address)
-    try:
-        host, port = parts.hostname, parts.port
-    except ValueError:
-        host, port = None, None
-    if host is None or port is None:
-        raise ConfigError(f"--dask is {address!r}, expected a scheduler's address such as tcp://127.0.0.1:8786")
-    try:
-        socket.create_connection((host, port), timeout=_CONNECT_S).close()
-    except OSError as error:
-        raise DeviceError(f"--dask {address}: no Dask scheduler answers there ({error})") from error

@@ -1,40 +1,27 @@
 """Work shared with processes that are forked for it: they know all that this one knows, and answer with little.
 
 A forked process needs nothing sent to it, neither data nor code, and what has been computed before is there. It
-runs nothing but the work, in one thread, and leaves without cleaning up what is not its own.
+runs nothing but the work, in one thread, and leaves without cleaning up what is not its own. A lock that another
+thread holds at that instant would be held in it for ever; so a process that has other threads of the interpreter
+does all of the work itself.
 """
 
 import os
 import pickle
-import select
 import signal
 import struct
-import time
+import threading
 import warnings
 from collections.abc import Callable, Sequence
-from contextvars import ContextVar
 from typing import Any, TypeVar
 
+from fitter.parallel.processors import processors, work_alone
 from limbcal.parent import end_with
 
 Item = TypeVar("Item")
 Result = TypeVar("Result")
 
-#: More processes than this would wait for memory, and then for one another.
-_MOST = 8
 _NUMBER = struct.Struct("=H")
-#: Whether this process does its work one by one, as one does that was forked here.
-_alone = ContextVar("alone", default=False)
-
-
-def work_alone() -> None:
-    """Do all further work of this process one by one: others have the processors busy."""
-    _alone.set(True)
-
-
-def processors(most: int) -> int:
-    """Return how many of ``most`` items may be done at once: one where others have the processors busy."""
-    return 1 if _alone.get() else max(1, min(len(os.sched_getaffinity(0)), _MOST, most))
 
 
 def side_by_side(
@@ -58,7 +45,7 @@ def side_by_side(
     Exception
         What the work on an item raises.
     """
-    most, start_s = processors(len(items)), time.monotonic()
+    most = processors(len(items)) if threading.active_count() == 1 else 1
     reading, writing = os.pipe()
     begun: list[_Helper] = []
     done: dict[int, Result] = {}
@@ -70,21 +57,15 @@ def side_by_side(
             done[k] = work(items[k])
             if progress is not None:
                 progress(k + 1, len(items))
-        patience_s = LEAST_PATIENCE_S + PATIENCE * (time.monotonic() - start_s)
         for helper in begun:
-            done |= helper.answer(patience_s)
+            done |= helper.answer()
     finally:
         os.close(reading)
         for helper in begun:
             helper.end()
-    missing = (k for k in range(len(items)) if k not in done)  # of a helper that was killed, or hangs
+    missing = (k for k in range(len(items)) if k not in done)  # of a helper that was killed
     done |= {k: work(items[k]) for k in missing}
     return [done[k] for k in range(len(items))]
-
-
-#: A forked process may hang on a lock that another thread held. It is given up after this multiple of the time
-#: that the items have taken so far plus a constant [s], both conventions; its items are then done here.
-PATIENCE, LEAST_PATIENCE_S = 10.0, 10.0
 
 
 class _Helper:
@@ -93,7 +74,7 @@ class _Helper:
     def __init__(self, work: Callable[[Any], Any], items: Sequence[Any], queue: int) -> None:
         self._answers, writing = os.pipe()
         with warnings.catch_warnings():
-            # Other threads may hold locks, so a fork may hang that takes one; this one takes none but its own.
+            # Python warns of libraries' threads, too; these hold no lock of the interpreter, and C's are made anew.
             warnings.simplefilter("ignore", DeprecationWarning)
             parent = os.getpid()
             self._process = os.fork()
@@ -101,10 +82,8 @@ class _Helper:
             _be_helper(work, items, queue, writing, parent)
         os.close(writing)
 
-    def answer(self, patience_s: float) -> dict[int, Any]:
-        """Return what it has made of its items; nothing if it was killed, or does not answer for so long."""
-        if not select.select([self._answers], [], [], patience_s)[0]:
-            return {}
+    def answer(self) -> dict[int, Any]:
+        """Return what it has made of its items; nothing if it was killed."""
         with os.fdopen(os.dup(self._answers), "rb") as answers:
             said = answers.read()
         if not said:
