@@ -74,7 +74,7 @@ class _Helper:
     def __init__(self, work: Callable[[Any], Any], items: Sequence[Any], queue: int) -> None:
         self._answers, writing = os.pipe()
         with warnings.catch_warnings():
-            # Python warns of libraries' threads, too; these hold no lock of the interpreter, and C's are made anew.
+            # Python warns of libraries' threads, too; they hold no lock of the interpreter, and C's are made anew.
             warnings.simplefilter("ignore", DeprecationWarning)
             parent = os.getpid()
             self._process = os.fork()
