@@ -8,6 +8,7 @@ from arm.simulation import simulate
 from playback.touch.loop import Setup
 from playback.touch.loop_process import warmed_up
 
+#: Length [s] and number of the steps that are simulated: any will do.
 _STEP_S, _STEPS = 1e-3, 10
 
 

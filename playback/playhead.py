@@ -9,6 +9,7 @@ import numpy as np
 from limbcal.errors import ConfigError
 from playback.trajectory import Floats
 
+#: Speeds that can be asked for, as multiples of the motion's own; conventions.
 MIN_SPEED, MAX_SPEED = 0.1, 10.0
 #: A frame beyond the end by rounding alone is the end.
 _ROUNDING = 1e-6

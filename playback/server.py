@@ -18,6 +18,7 @@ from protocol.message import HEALTH, PLAY, PLOT
 from protocol.plot import plot_rows, plot_step
 from protocol.publisher import Publisher
 
+#: Period of `limb/health` [s], see docs/protocol.md.
 HEARTBEAT_S = 1.0
 #: How soon replies are sent on that a client could not yet take [s].
 _SEND_ON_S = 0.005

@@ -24,6 +24,7 @@ Context = zmq.Context[zmq.Socket[bytes]]
 
 _SERVER, _CLIENTS = "server", "clients"
 _NAME = re.compile(r"[A-Za-z0-9._-]{1,64}")
+#: A key of Curve25519, and its text in Z85 (ZeroMQ RFC 32).
 _KEY_CHARACTERS, _KEY_BYTES = 40, 32
 
 

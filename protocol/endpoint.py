@@ -11,6 +11,7 @@ from pathlib import Path
 
 from limbcal.errors import ConfigError
 
+#: TCP counts ports in 16 bits (RFC 9293).
 MOST_PORT = 0xFFFF
 #: Bytes of a path that `unix(7)` has room for, the last one a NUL.
 MOST_PATH = 107

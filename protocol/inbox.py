@@ -11,7 +11,7 @@ from protocol.message import decode
 from protocol.spilling_queue import SpillingQueue
 from protocol.subscriber import Subscriber
 
-#: How soon the thread notices that it is to end.
+#: How soon the thread notices that it is to end [ms], and how long it may take to [s].
 _LOOK_MS = 50
 _JOIN_S = 10.0
 

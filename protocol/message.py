@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from limbcal.errors import ProtocolError
 
 VERSION = 1
+#: What a message may be at the most: bytes, dimensions of an array, maps and lists in one another. Conventions.
 MAX_PAYLOAD_BYTES = 16 * 1024 * 1024
 MAX_DIMENSIONS = 4
 MAX_DEPTH = 8

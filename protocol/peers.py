@@ -28,9 +28,11 @@ PART_OVERHEAD = 64
 HANDSHAKE_MS = 3000
 #: Where `struct tcp_info` (linux/tcp.h) has its u64 of all bytes received, and its size up to there.
 _RECEIVED_AT, _INFO_BYTES = 128, 136
+#: How often one looks while there is no connection, and how long the thread may take to end [s].
 _IDLE_S, _JOIN_S = 0.02, 10.0
 _MADE = zmq.EVENT_ACCEPTED | zmq.EVENT_CONNECTED
 _EVENTS = _MADE | zmq.EVENT_DISCONNECTED
+#: Bytes thrown away at once of a peer that is shown out.
 _DISCARD = 1 << 20
 #: `struct linger` (socket(7)): on, and no time.
 _RESET = struct.pack("ii", 1, 0)

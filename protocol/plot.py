@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+#: Frames a second that `limb/plot` has [Hz]: as many as a screen can show.
 PLOT_HZ = 100.0
 #: Signals by joint, where there are such.
 _BY_JOINT = ("q", "dq", "ddq", "q_std")

@@ -21,7 +21,9 @@ from protocol.schemas import schema_json
 MESSAGE_ENCODING = "msgpack"
 ARM_ATTACHMENT = "arm.toml"
 CONFIG_ATTACHMENT = "limbd.toml"
+#: Bytes that are compressed together; a convention.
 CHUNK_BYTES = 512 * 1024
+#: What is lost at the most when the writer is killed, and when the power fails [s].
 FLUSH_PERIOD_S = 0.5
 SYNC_PERIOD_S = 1.0
 

@@ -2,11 +2,12 @@
 
 from dataclasses import dataclass
 
-#: So many instants at the least before it is said that the filter is wrong.
-_JUDGED = 100
-#: The filter is wrong if its misses are so many times as large as it claims, or if readings are doubted this
-#: often.
-_WRONG_SIZE, _WRONG_SHARE = 3.0, 0.01
+#: Instants at the least before the filter is called wrong; the mean square of a right one's innovations is then
+#: within 1 ± 0.42 (three standard deviations of chi2/100 with one degree of freedom an instant, the fewest).
+_LEAST_INSTANTS = 100
+#: The filter is wrong if its innovations' mean square is this many times what it claims, or if this fraction of
+#: instants is doubted, where 1e-6 are by chance (`tracking.process`); both conventions, far from chance.
+_WRONG_CHI2, _WRONG_FRACTION = 3.0, 0.01
 
 
 @dataclass(frozen=True)
@@ -51,8 +52,8 @@ class Judge:
     def take(self) -> Consistency:
         """Return the judgement and begin anew."""
         size = self._total / self._instants if self._instants else None
-        wrong = self._instants >= _JUDGED and (
-            self._total > _WRONG_SIZE * self._instants or self._doubted > _WRONG_SHARE * self._instants
+        wrong = self._instants >= _LEAST_INSTANTS and (
+            self._total > _WRONG_CHI2 * self._instants or self._doubted > _WRONG_FRACTION * self._instants
         )
         said = Consistency(size, self._jolts, self._doubted, wrong)
         self._clear()

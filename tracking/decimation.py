@@ -7,6 +7,8 @@ from limbcal.compiled import compiled
 
 #: Frames that the low-pass reaches over, and its corner as a share of the highest frequency that frames can hold.
 _REACH, _CORNER = 3, 0.9
+#: Shape of the Kaiser window [1]: its side lobes are 54 dB down (Oppenheim and Schafer, Discrete-Time Signal
+#: Processing, section 7.5.3: 0.1102 (A - 8.7) for an attenuation of A dB).
 _KAISER = 5.0
 
 

@@ -24,6 +24,7 @@ from tracking.striding_filter import Course
 _FIRST_SPEED, _TIMES = 0.5, 2.2
 #: Of longer chains so many joints are begun either way.
 _MOST_JOINTS = 6
+#: Gauss-Newton steps of such a search; a convention.
 _STEPS = 12
 #: Speeds that differ by no more are the same way [rad/s or m/s].
 _SAME = 0.02

@@ -18,7 +18,7 @@ from limbcal.compiled import compiled
 
 #: Cells a window; a quarter of a second at 10 ms.
 WINDOW = 25
-#: How many standard deviations a mean may be off: cell, window.
+#: Standard deviations that a mean may be off: of a cell, by chance once in 5e8, and of a window, once in 16 000.
 _CELL_SIGMAS, _WINDOW_SIGMAS = 6.0, 4.0
 #: How much further a window must stray to end a rest than to begin one, so that creeping does not flutter.
 _TO_LEAVE = 4.0

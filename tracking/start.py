@@ -10,16 +10,18 @@ from tracking.observation import ABSENT, MOUNTING, MOUNTING_NAMES, Observation, 
 #: An accelerometer's offset where nothing is known of it, and at the least and at the most where the first
 #: readings, taken together, show how large the offsets of these sensors are [m/s^2].
 _OFFSET_STD, _LEAST_OFFSET_STD, _MOST_OFFSET_STD = 0.2, 0.02, 0.5
-#: What they show is taken with this margin.
+#: Factor on what they show, for the standard deviation of few offsets is itself uncertain; a convention.
 _OFFSET_MARGIN = 2.0
 #: An AC-coupled one may stand anywhere, and what it settles at is read off while it has settled [m/s^2].
 _UNSETTLED_STD, _SETTLED_STD = 20.0, 0.002
 #: How well an angle is known that was given, and one that was not [rad]; those that gravity doesn't show are the
 #: zero.
 GIVEN_STD, GUESSED_STD = 0.01, 1.0
+#: An angle that is the zero by definition [rad or m]: as little as keeps a covariance from being singular.
 _EXACT_STD = 1e-5
+#: Speed of an arm that is taken to rest at first [rad/s or m/s]: about half a degree a second, a convention.
 _SPEED_STD = 1e-2
-#: Accelerations of an arm that rests, and of one that doesn't [rad/s^2 or m/s^2].
+#: Accelerations of an arm that rests, and of one that doesn't [rad/s^2 or m/s^2]: conventions.
 _RESTING_STD, _MOVING_STD = 0.05, 10.0
 #: A length that the arm file does not say the accuracy of may be a guess [m].
 _LEAST_LENGTH_STD_M = 0.1

@@ -22,18 +22,20 @@ from tracking.observation import Observation, Room, observe
 
 #: How long the readings must stay what they are, and the cells in which they are compared.
 WINDOW_S, CELL_S = 0.25, 0.01
-#: How many standard deviations a window, and a single cell of it, may be off.
+#: Standard deviations that a window may be off, by chance once in 16 000, and a cell of it, once in 26 million.
 _WINDOW_SIGMAS, _CELL_SIGMAS = 4.0, 5.5
-#: An arm that comes to rest loses its speed within this time.
+#: An arm that comes to rest loses its speed within this time [s], a convention.
 _SETTLING_S = 1.0
-#: The speed that could hide is worth so many standard deviations of the acceleration that could.
+#: Standard deviations of an acceleration within which it could hide, all but 0.3 % of the time; the standard
+#: deviation of an undetectable speed is that of one that lasts as long as the arm takes to come to rest.
 _HIDDEN_SIGMAS = 3.0
-#: A hidden speed changes this slowly, so that many readings at rest say little more than one.
+#: Correlation time of a hidden speed [s]: many readings at rest say little more than one. A convention.
 _MEMORY_S = 0.5
-#: A motion has begun when the window is so many times further from rest than a rest may be.
+#: Factor by which the window must be further from rest to end one than to begin one, against fluttering; as in
+#: `tracking.rest` a convention.
 TO_LEAVE = 3.0
-#: No joint accelerates more [rad/s^2 or m/s^2].
-_MOST = 100.0
+#: No joint accelerates more [rad/s^2 or m/s^2]: a prior so wide that it only keeps a matrix regular.
+_MOST_ACCELERATION = 100.0
 
 
 class Window(NamedTuple):
@@ -108,7 +110,7 @@ def unrest(
     n, n_cell = hidden.size, window.cells.shape[0]
     worst = unsteadiness(window, oldest)
     observe(of, room, at_rest(x, n), window.room_reading, window.room_slope)
-    seen = np.eye(n) / _MOST**2
+    seen = np.eye(n) / _MOST_ACCELERATION**2
     for channel in range(window.noise.size):
         o, slope = 3 * n + channel, window.room_slope[channel]
         within = window.noise[channel] / n_cell + window.rounding[channel]

@@ -6,6 +6,7 @@ from arm.model import Arm, Floats
 from tracking.kalman_step import Course
 from tracking.loss import TOLD_S, most_probable_way
 
+#: A whole turn [rad].
 _TURN = 2.0 * np.pi
 #: Over how long the speeds and accelerations at the ends of a gap are averaged [s].
 _END_S = 0.02

@@ -21,13 +21,15 @@ from limbcal.real_time import READER, ask_for_real_time
 _GATHER_S = 0.006
 #: … and where more than so much comes in that time, shorter: a tty holds little more.
 _MUCH_BYTES = 8192
+#: How long the reader sleeps at the most where nothing comes [s].
 _IDLE_S = 0.25
+#: Bytes asked for at once: more than a tty ever has.
 _READ_BYTES = 65536
 #: A tty hands over at most so many bytes a read: a read this long says that there is more.
 _FULL_READ_BYTES = 4095
 #: No more at once, so that a device that floods the line cannot keep the reader from hearing a stop.
 _TAKEN_BYTES = 64 * _FULL_READ_BYTES
-#: After STOP the line is drained until it was quiet for so long, and no longer than the limit.
+#: After STOP the line is drained until it was quiet for so long, and no longer than the limit [s]: conventions.
 _QUIET_S = 0.1
 _DRAIN_LIMIT_S = 1.0
 #: A port that went away is tried after the first time, then after twice as long each time up to the second.

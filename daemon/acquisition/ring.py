@@ -10,6 +10,7 @@ from typing import NamedTuple
 #: Anonymous shared memory: it has no name in /dev/shm, so there is nothing to leave behind after a kill.
 Memory = ctypes.Array[ctypes.c_char]
 
+#: Bytes of the integers that the state consists of, and of the state: a cache line.
 _WORD = 8
 _STATE_BYTES = 64
 #: Length of the chunk, its stamp, what it is.

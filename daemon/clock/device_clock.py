@@ -18,7 +18,7 @@ from daemon.clock.stamp_line import StampLine
 _SECOND_NS = 1_000_000_000
 #: Of a crystal's rate: at most 100 ppm off over all temperatures, by data sheets; two standard deviations.
 _CRYSTAL = 50e-6
-#: Number of standard errors from a crystal's rate beyond which a clock has no crystal.
+#: Number of standard errors from a crystal's rate beyond which a clock has no crystal: by chance one in 370.
 _SURELY = 3.0
 #: An untrimmed oscillator without a crystal is at most this far off, by data sheets; what is further is no clock
 #: that the host's can be held against, such as that of a device that plays a motion twice as fast.

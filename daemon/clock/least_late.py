@@ -16,6 +16,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from arm.model import Floats
+from daemon.clock.tick_step import MAD_TO_STD
 
 #: The first stretches, and how long they grow before there are many, and at last [s].
 _FIRST_S, _LONG_S, _LONGEST_S = 1.0 / 16.0, 1.0, 4.0
@@ -24,6 +25,7 @@ _FIRST_S, _LONG_S, _LONGEST_S = 1.0 / 16.0, 1.0, 4.0
 _SHORT_KEPT, _KEPT = 16, 256
 #: Least number of stretches for a line.
 _FEW = 4
+#: Standard deviations, by the median, from which a point is no part of the line: by chance one in 370.
 _OUTLIER = 3.0
 #: The reader gathers bytes for 6 ms, and a busy host lets it wait for a few more; all arrivals of a stretch may
 #: wait for so long [s]. That is the same for many stretches, which least squares know nothing of, so it counts as
@@ -121,7 +123,7 @@ def _line(device: Floats, host: Floats) -> Line | None:
         slope = np.sum((x - middle) * y) / lever
         distance = off - height - slope * (device - middle)
         size = np.abs(distance)
-        beyond = size > _OUTLIER * 1.4826 * np.median(size) + 1e-12
+        beyond = size > _OUTLIER * MAD_TO_STD * np.median(size) + 1e-12
         if last or not beyond.any() or len(device) - np.count_nonzero(beyond) < _FEW - 1:
             break
         near = ~beyond

@@ -13,7 +13,7 @@ from daemon.clock.tick_step import TickStep
 
 #: Least relative change of a rate that is followed: what `limb/health` states a rate to.
 WORTH = 1e-4
-#: Least change of a rate that is followed, in its standard errors.
+#: Least change of a rate that is followed, in its standard errors: by chance one in 370.
 _SURELY = 3.0
 
 

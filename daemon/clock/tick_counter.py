@@ -9,6 +9,7 @@ from dataclasses import replace
 from protocol.serial_frame import InfoFrame
 from protocol.serial_parser import Found
 
+#: Ticks after which a counter of 32 bits passes zero.
 _TURN = 1 << 32
 #: The device's clock runs by no more than this off the host's [ratio].
 _OFF = 0.25

@@ -26,8 +26,11 @@ _ENOUGH_S = 1.0
 _FEW_TICKS = 1000
 #: Rounding a reading at either end of a step moves it by up to a tick; half a sample is nobody's.
 _ROUNDING_TICKS, _HALF = 1.5, 0.5
-#: Five standard deviations of a normal distribution by its median absolute deviation.
-_JITTERS = 5.0 * 1.4826
+#: Standard deviation of a normal distribution by its median absolute deviation: 1 / Phi^-1(3/4).
+MAD_TO_STD = 1.4826
+#: Jitter of a step in median absolute deviations: five standard deviations, by chance once in 1.7 million.
+_JITTERS = 5.0 * MAD_TO_STD
+#: Steps that the jitter is that of, and after which it is reckoned anew: an odd number, for a median.
 _RECENT = 31
 #: A crystal's rate moves by less than this while nothing is heard of it [ratio].
 _WANDER = 1e-4

@@ -10,18 +10,19 @@ from daemon.reception.reception import Reception
 
 #: No crystal is further off than this over its life, so a rate or a clock that is is worth a word [ppm].
 _FAR_OFF_PPM = 500.0
-#: So many standard errors are taken off before it is.
-_SURELY = 3.0
-#: A host's clock that is so far from where the run's goes on, after it was set, is worth a word, too [s].
+#: Standard errors that are taken off before it is: by chance in 0.1 % of reports.
+_STANDARD_ERRORS = 3.0
+#: A host's clock that is so far from where the run's goes on, after it was set, is worth a word, too [s]: it is
+#: what `daemon.clock.host_clock` takes for setting it.
 _SET_S = 0.05
-#: Samples lost in a second: this share of them.
-_LOSSES = 1e-3
+#: Fraction of a second's samples that may be lost without an alarm: a convention.
+_LOSS_FRACTION = 1e-3
 #: Reports that show an error of the device's clock after it happened: enough to raise an alarm.
-_SAID = 3
-#: Frames that are published so much later than their bytes came are late [ms].
+_REPORTS = 3
+#: Frames that are published so much later than their bytes came are late [ms]: a convention.
 _BEHIND_MS = 200.0
-#: The disk is nearly full if less than so many times is free than what stops the recording.
-_NEARLY = 10.0
+#: The disk is nearly full if less than this many times what stops the recording is free [1]: a convention.
+_NEARLY_FULL = 10.0
 
 
 class AlarmConditions:
@@ -73,7 +74,7 @@ class AlarmConditions:
             wrong["garbage", ""] = f"{discarded} bytes and no frame in the last second"
         if malformed:
             wrong["nonsense", ""] = f"{malformed} in the last second, at last {reception.parser.last_error}"
-        if lost > _LOSSES * max(reading.samples, 1):
+        if lost > _LOSS_FRACTION * max(reading.samples, 1):
             wrong["losses", ""] = f"{lost} samples in the last second"
         p99 = health["latency_ms"]["p99"]
         if p99 is not None and p99 > _BEHIND_MS:
@@ -86,7 +87,7 @@ class AlarmConditions:
         free = health["disk_free_bytes"]
         if records and health["recording"] is None:
             wrong["not recorded", ""] = "nothing is recorded"
-        elif free is not None and free < _NEARLY * self._free_bytes:
+        elif free is not None and free < _NEARLY_FULL * self._free_bytes:
             wrong["disk", ""] = f"{free / 1e6:.0f} MB are left"
         if removed:
             wrong["removed", ""] = f"{removed} so far while written, with what was in them"
@@ -97,7 +98,7 @@ class AlarmConditions:
         wrong: dict[tuple[str, str], str] = {}
         guard = self._reception.guard
         errors, self._clock_errors = guard.errors - self._clock_errors, guard.errors
-        self._clock_off = _SAID if errors or guard.is_off else max(self._clock_off - 1, 0)
+        self._clock_off = _REPORTS if errors or guard.is_off else max(self._clock_off - 1, 0)
         if guard.is_off:
             wrong["clock", "device"] = "it stands still or shows anything"
         elif self._clock_off:
@@ -125,7 +126,7 @@ def _rate_off(health: Mapping[str, Any]) -> str | None:
 
 
 def _far(ppm: float, std_ppm: float) -> bool:
-    return abs(ppm) - _SURELY * std_ppm > _FAR_OFF_PPM
+    return abs(ppm) - _STANDARD_ERRORS * std_ppm > _FAR_OFF_PPM
 
 
 def _off(ppm: float) -> str:

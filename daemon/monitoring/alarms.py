@@ -5,15 +5,16 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from arm.model import STANDARD_GRAVITY_M_S2
 from daemon.reception.channel_watch import Reading
 
-#: An alarm is raised by so many reports in a row that show its cause, and ended by so many that don't.
+#: Reports in a row, one a second, that raise an alarm, and that end it: a single second does neither. Conventions.
 _RAISED_BY, _ENDED_BY = 2, 5
-_GRAVITY = 9.80665
-#: So many times the median noise of all channels is no noise of the same kind of sensor.
+#: This many times the median noise of all channels is no noise of the same kind of sensor [1]: a convention.
 _NOISY = 5.0
-#: A sensor rests while it moves by no more than its noise and this [m/s^2]; then this share of g is too much.
-_STILL, _IMPLAUSIBLE = 0.05, 0.08
+#: A sensor rests while it moves by no more than its noise and this [m/s^2]; by this fraction of g it may then be
+#: off. Both are conventions.
+_STILL_M_S2, _IMPLAUSIBLE = 0.05, 0.08
 
 #: What to do, by alarm.
 ADVICE = {
@@ -131,7 +132,7 @@ def wrong_channels(names: Sequence[str], reading: Reading) -> dict[tuple[str, st
             wrong["noisy", name] = f"{reading.noise[k]:.2g} m/s^2 rms, the others {usual:.2g}"
     for k in range(0, len(names), 3):
         size = float(np.linalg.norm(reading.mean[k : k + 3]))
-        if still_axes(reading, k) and abs(size - _GRAVITY) > _IMPLAUSIBLE * _GRAVITY:
+        if still_axes(reading, k) and abs(size - STANDARD_GRAVITY_M_S2) > _IMPLAUSIBLE * STANDARD_GRAVITY_M_S2:
             wrong["gravity", names[k][:-1]] = f"{size:.2f} m/s^2 at rest"
     return wrong
 
@@ -143,4 +144,4 @@ def still_axes(reading: Reading, first: int) -> bool:
     sensors that are wrong: the trackers' detectors ask all sensors at once and take them to be right.
     """
     axes = slice(first, first + 3)
-    return bool(reading.samples and np.all(reading.spread[axes] < 2.0 * reading.noise[axes] + _STILL))
+    return bool(reading.samples and np.all(reading.spread[axes] < 2.0 * reading.noise[axes] + _STILL_M_S2))

@@ -22,14 +22,15 @@ from protocol.publisher import Publisher
 from protocol.serial_frame import InfoFrame
 from protocol.serial_parser import FrameParser
 
-#: How long the ring may gather between two looks into it.
+#: How long the ring may gather between two looks into it [s]: a block's length.
 _LOOK_S = 0.010
+#: Period of `limb/health` [s], see docs/protocol.md.
 _HEALTH_S = 1.0
 #: Any device that samples so fast [Hz] can be tracked, or none can.
 _ANY_RATE_HZ = 8000.0
-#: A device that has come back is asked so often what it is.
+#: A device that has come back is asked this often what it is [s].
 _ASK_S = 1.0
-#: After a stop the reader closes the ring; one that was killed never does.
+#: After a stop the reader closes the ring; one that was killed never does, and is given up after this [s].
 _ABANDONED_S = 5.0
 
 

@@ -14,6 +14,7 @@ from limbcal.interrupts import interrupts_held
 #: What a child may end with besides a `DeviceError`, by the name that crosses the line: a mistake in the config
 #: or in the recording that is replayed. Bytes that break a protocol are a fault at run time, exit code 3.
 _FAILURES: dict[str, type[LimbcalError]] = {kind.__name__: kind for kind in (ConfigError, DataError)}
+#: How long a process that was killed may take to be gone [s]; the kernel takes milliseconds.
 _KILLED_JOIN_S = 5.0
 
 

@@ -10,6 +10,7 @@ from tracking.frames import Frames
 
 Fields = dict[str, Any]
 
+#: Longest block [s], see docs/protocol.md.
 BLOCK_S = 0.01
 
 

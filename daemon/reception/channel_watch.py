@@ -14,7 +14,7 @@ Counts = NDArray[np.int16]
 Counted = NDArray[np.int64]
 
 _LEAST, _MOST = np.iinfo(np.int16).min, np.iinfo(np.int16).max
-#: A living accelerometer's noise never holds one count for so long.
+#: A living accelerometer's noise never holds one count for so long [s]: a convention.
 _FLAT_S = 0.1
 
 

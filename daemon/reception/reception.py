@@ -29,7 +29,7 @@ _PATIENCE_NS = 20_000_000
 #: Nothing for so long is silence [ns].
 _SILENCE_NS = 300_000_000
 _JUMPED = "the device's clock jumped"
-#: How often the rate is reckoned anew [ns].
+#: Period in which the rate is reckoned anew [ns].
 _LOOK_NS = 50_000_000
 #: Time [ns] and number of frames from which the rate is known, whichever comes later.
 _TO_KNOW_NS, _TO_KNOW_FRAMES = 250_000_000, 3

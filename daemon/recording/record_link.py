@@ -14,9 +14,11 @@ from protocol.binding import bind, connect
 
 Context = zmq.Context[zmq.Socket[bytes]]
 
+#: How long messages are gathered before they are sent together [s].
 _GATHER_S = 0.1
-#: A minute of them. A disk that stalls for longer costs messages, which are counted, not the stream.
+#: Sendings that wait, a minute of them. A disk that stalls for longer costs messages, which are counted.
 _QUEUE = 600
+#: How long closing waits for what the recorder has not taken yet [ms].
 _LINGER_MS = 10_000
 #: No packed list begins like these.
 _HELLO, _END = b"hello", b"end"

@@ -16,6 +16,7 @@ from daemon.recording.segments import Limits, Segments
 from limbcal.allocator import give_back, large_blocks_apart
 from limbcal.errors import DeviceError
 
+#: How long messages are waited for before one looks for a stop, and how often memory is given back [s].
 _POLL_S = 0.1
 _GIVE_BACK_S = 1.0
 #: The supervisor says stop when the pipeline has ended: an empty inlet then means that it said no goodbye. Where

@@ -9,8 +9,9 @@ from daemon.replay.replayed_device import ReplayedDevice
 from daemon.virtual_device.virtual_port import VirtualPort
 from protocol.deadline import Ticker
 
+#: Period in which samples that are due are sent [s], as of the virtual device.
 _BEAT_S = 0.005
-#: After the last byte has left the tty still has some.
+#: After the last byte has left, the tty still has some: it is given this long [s].
 _LINGER_S = 0.5
 
 

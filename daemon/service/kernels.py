@@ -15,6 +15,7 @@ from protocol.serial_frame import InfoFrame, encode_samples
 from protocol.serial_parser import FrameParser
 from tracking.tracker import Method, tracker_of
 
+#: Rate [Hz] and number of the frames that go through reception: any will do, for each kernel is compiled once.
 _RATE_HZ = 4000.0
 _FRAMES = 20
 

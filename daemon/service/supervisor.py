@@ -22,9 +22,11 @@ from daemon.service.service_state import ServiceState
 from limbcal.errors import DeviceError, LimbcalError
 from limbcal.notify import notify
 
-#: 40 s of twelve channels at 32 kHz.
+#: Bytes of the ring: 40 s of twelve channels at 32 kHz.
 _RING_BYTES = 32 * 1024 * 1024
+#: A device is asked this often what it is, until it says so [s].
 _ASK_S = 1.0
+#: How long one waits at a time for a child's word [s].
 _WAIT_S = 0.5
 #: How long each may take to stop: the reader drains the tty, the pipeline the ring, the recorder the disk.
 _PATIENCE_S = {"reader": 5.0, "pipeline": 30.0, "recorder": 60.0, "replay": 5.0}

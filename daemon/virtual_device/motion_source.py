@@ -15,6 +15,7 @@ from limbcal.interrupts import interrupts_held
 
 #: Two trials: the next one is computed while these are streamed.
 _AHEAD_S = 13.5
+#: How long the process may take to be gone after it was ended [s].
 _JOIN_S = 5.0
 
 

@@ -11,11 +11,15 @@ from daemon.virtual_device.motion_source import MotionSource
 from protocol.device_info import Channel, DeviceInfo
 from protocol.serial_frame import encode_info, encode_samples
 
+#: Samples a frame, unless said otherwise: 1 ms at 32 kHz.
 FRAME_SAMPLES = 32
+#: Ticks a second of its clock [Hz].
 TICK_HZ = 10_000_000
 #: What a narrow tick counter counts to.
 _NARROW = 1 << 32
+#: Bytes of a command that has no end yet which are kept; the longest one of the protocol has some ten.
 _LONGEST_COMMAND = 64
+#: Bytes handed to the line at once.
 _WRITE_BYTES = 65536
 
 

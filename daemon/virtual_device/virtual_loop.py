@@ -22,11 +22,13 @@ from limbcal.errors import DeviceError
 from limbcal.real_time import DEVICE, ask_for_real_time
 from protocol.deadline import Ticker
 
-#: How often frames that are due are made: rarely enough to cost little, often enough for what a tty holds.
+#: Period in which frames that are due are made [s]: so long that it costs little, so short that a tty holds them.
 _BEAT_S = 0.005
-#: How much of the stream the device can hold back for its host.
+#: How much of the stream the device can hold back for its host [s].
 _FIFO_S = 0.5
+#: How long one waits at a time for the first samples before one looks whether to stop [s].
 _READY_S = 0.1
+#: An int16, see docs/protocol.md.
 _BYTES_PER_SAMPLE_OF_A_CHANNEL = 2
 
 

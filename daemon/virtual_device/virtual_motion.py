@@ -13,6 +13,7 @@ from daemon.virtual_device.bench_plan import BenchPlan, Stretch
 
 #: The truth is kept at no more than this: the motion has nothing faster, and the file stays small.
 TRUTH_HZ = 1000.0
+#: Length of a stretch of the rest at the end [s].
 _REST_S = 2.0
 
 

@@ -7,6 +7,7 @@ from types import TracebackType
 
 from limbcal.errors import ConfigError
 
+#: Bytes read at once of what the host sends: a tty's buffer.
 _READ_BYTES = 4096
 
 

@@ -16,10 +16,12 @@ from protocol.serial_parser import FrameParser
 
 #: 10 s of twelve channels at 32 kHz.
 _RING_BYTES = 8 * 1024 * 1024
+#: How often the ring is looked into, and the device asked what it is [s].
 _LOOK_S = 0.01
 _ASK_S = 1.0
 #: A device that was started and sends nothing for so long will not send anything.
 _SILENCE_S = 5.0
+#: How long the reader may take to end [s], as in `limbd run`.
 _PATIENCE_S = 5.0
 
 

@@ -16,13 +16,15 @@ from limbcal.digits import NORMAL_95, with_half_width
 from limbcal.errors import ConfigError, NotIdentifiable
 from tracking.noise import noise_of
 
-#: Long enough to average out the hum of motors that hold the arm.
+#: Length of a mean [s]: long enough to average out the hum of motors that hold the arm, at 50 Hz and above.
 _CELL_S = 0.1
-#: An accelerometer's zero wanders by about this much within seconds; more than these many times that is a motion.
+#: An accelerometer's zero wanders by about this much within seconds [m/s^2].
 _WANDER_M_S2 = 0.002
+#: Standard deviations, of noise and wander together, beyond which it is a motion: by chance once in 1.7 million.
 _SIGMAS = 5.0
-#: More than any accelerometer's zero is off by.
+#: More than any accelerometer's zero is off by [m/s^2]: a convention.
 _INCREDIBLE_M_S2 = 3.0
+#: Of a bias in the arm file [m/s^2]: a tenth of a microgee.
 _DECIMALS = 6
 
 

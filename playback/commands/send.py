@@ -11,6 +11,7 @@ from playback.client import ask
 from playback.commands.serve import DEFAULT_CONTROL
 from playback.control_message import COMMANDS, Request, Value
 
+#: When an answer is given up [ms].
 TIMEOUT_MS = 5000
 #: The option that goes with a command.
 _OPTIONS = {"load": "trial", "seek": "position", "speed": "speed", "loop": "loop", "step": "frames"}

@@ -17,6 +17,7 @@ SAME = 1.0  # [px]: two arms that lie in each other must not flicker
 
 # towards the light, in the camera's frame: right, up, towards the viewer
 _LIGHT = (-0.39, 0.59, 0.71)
+#: Light from all around, from the lamp, and mirrored, as fractions of white: by look.
 _AMBIENT, _DIFFUSE, _GLOSS = 0.46, 0.52, 0.16
 
 

@@ -5,6 +5,7 @@ import numpy as np
 from playback.shape import Mesh
 from playback.trajectory import Floats
 
+#: Edges sharper than this are drawn sharp [degrees]: by look.
 CREASE_DEG = 40.0
 
 

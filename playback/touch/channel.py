@@ -21,6 +21,7 @@ UNREAD_LIMIT = 2 * 1024 * 1024
 _QUEUE, _KERNEL_BYTES = 200, 64 * 1024
 #: Messages looked at in one tick: a flood costs a tick no more than this.
 AT_ONCE = 64
+#: How long closing waits for the last replies to leave [ms].
 _LINGER_MS = 100
 
 

@@ -11,6 +11,7 @@ from protocol.binding import connect
 from protocol.curve import ClientKey
 from protocol.parts import MESSAGE_BYTES, receive_parts
 
+#: How soon a server that comes up later is found [ms].
 _RECONNECT_MS = 20
 
 

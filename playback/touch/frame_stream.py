@@ -9,6 +9,7 @@ from arm.kinematics import frames_of
 from arm.model import Floats
 from playback.touch.touched_arm import TouchedArm
 
+#: Frames of `limb/play` a second [Hz]: more than a screen shows, a tenth of the loop's rate.
 FRAME_RATE_HZ = 100.0
 
 

@@ -26,6 +26,7 @@ from playback.touch.holders import STALE_S
 from playback.touch.pace import Pace, Spread
 from protocol.curve import ClientKey
 
+#: How long the process may take to start, which may include compiling, and to stop [s].
 _START_S, _STOP_S = 60.0, 5.0
 
 

@@ -23,6 +23,7 @@ from protocol.curve import Gate
 from protocol.message import HEALTH, PLAY
 from protocol.publisher import Publisher
 
+#: Period of `limb/health` [s], see docs/protocol.md.
 HEARTBEAT_S = 1.0
 #: Steps that one tick makes up for at most; time beyond is lost to the arm.
 MOST_STEPS = 20

@@ -18,6 +18,7 @@ _INPUT_FIELDS = frozenset({"v", "position", "velocity", "joint", "point", "orien
 _COMMAND_FIELDS = frozenset({"v", "cmd", "q", "seq"})
 #: Farther from the base than any hand [m], and faster [m/s].
 _FARTHEST_M, _FASTEST_M_S = 1e3, 1e4
+#: By how much the length of a unit quaternion may be off [1]: more than single precision leaves.
 _UNIT = 1e-3
 
 

@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 
 #: How long before a deadline sleeping ends and looking at the clock begins [s].
 SPIN_S = 40e-6
+#: Width of a bin [us] and number of bins in which times are counted: to 20 ms, at which a hand is stale.
 _BIN_US = 1.0
 _BINS = 20_000
 

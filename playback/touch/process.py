@@ -16,6 +16,7 @@ from playback.touch.limit import Coupling
 from playback.touch.loop import Setup
 from playback.touch.loop_process import be_loop
 
+#: Rates of the loop that can be asked for [Hz]: five times the usual one, and a tenth of it; conventions.
 MAX_RATE_HZ = 5000.0
 MIN_RATE_HZ = 100.0
 _FAILURES: dict[str, type[LimbcalError]] = {
@@ -23,6 +24,7 @@ _FAILURES: dict[str, type[LimbcalError]] = {
 }
 #: Compiling takes a minute on a slow machine, once; stopping takes no time.
 _START_S, _STOP_S = 900.0, 5.0
+#: How long one waits at a time for the process's word [s].
 _POLL_S = 0.25
 
 Health = dict[str, Any]

@@ -43,6 +43,7 @@ from playback.touch.rotation import turned_on
 
 #: Into how many stretches a step is cut at most, and the shortest one, as a share of the step.
 _STRETCHES, _SHORTEST = 3, 1e-3
+#: A step is done at this fraction of it: one less what rounding adds up to.
 _DONE = 1.0 - 1e-13
 #: Share of its speed that a joint may have left where a straight line says that it rests.
 _LEFT = 1e-3

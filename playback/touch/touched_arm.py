@@ -26,6 +26,7 @@ from playback.touch.tick import tick
 _HOLD_RAD_S = 2.0 * math.pi * 2.0
 #: For how long the coupling grows to its full stiffness after the arm was touched [s].
 RAMP_S = 0.2
+#: Effects that act in some trials only act as in the first.
 _TRIAL = 1
 
 

@@ -21,6 +21,7 @@ from playback.trajectory import Floats
 #: hand in between goes there smoothly, and says so every few milliseconds.
 PERIOD_S, SMOOTH_S = 0.004, 0.03
 FREE, HELD = rgb("d64045"), rgb("f09628")
+#: Sine or cosine of an angle below which two directions count as parallel, or a line as lying in a plane [1].
 PARALLEL = 1e-6
 
 

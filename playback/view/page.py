@@ -22,6 +22,7 @@ from playback.view.stage import Stage
 from playback.view.timeline import LIVE_SPAN_S, Timeline
 from playback.view.trace import SPAN_S, Trace
 
+#: Pictures a second at the most [Hz]: what screens show.
 RATE_HZ = 60.0
 #: Every so many pictures the panel is brought up to date: 10 Hz.
 PANEL_EVERY = 6

@@ -8,6 +8,7 @@ import viser
 from playback.trajectory import Floats
 from playback.view.stage import BACKGROUND
 
+#: Pieces of a trace, 75 a second: about one a picture.
 SEGMENTS = 90
 #: How long a trace looks back, in seconds of the motion.
 SPAN_S = 1.2
