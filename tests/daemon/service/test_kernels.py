@@ -1,13 +1,9 @@
 """What `limbd compile` goes through is all that a stream needs."""
 
-import json
-
 import numpy as np
-import pytest
 
 from arm.arm_file import load_arm
 from arm.counts import COUNT_M_S2
-from daemon.__main__ import main
 from daemon.service.kernels import compile_all
 from daemon.virtual_device.virtual_motion import BenchPlan, stretches
 from tests.daemon.pipeline.test_warm_up import compiled_signatures, kernels
@@ -30,9 +26,3 @@ def test_nothing_is_left_to_compile() -> None:
         for at in range(0, len(a), 40):
             tracker.push(round(at / RATE_HZ * 1e9), a[at : at + 40])
     assert compiled_signatures() == before
-
-
-def test_the_command_says_how_many(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("daemon.service.kernels.compile_all", lambda: None)
-    assert main(["compile", "--json"]) == 0
-    assert json.loads(capsys.readouterr().out) == {"compiled": 0}
