@@ -68,8 +68,8 @@ class AlarmConditions:
         self._discarded = counters.discarded_bytes
         if not health["connected"]:
             wrong["disconnected", ""] = "there is no device"
-        if reception.stranger is not None:
-            wrong["stranger", ""] = f"found {reception.stranger}, expected {reception.info.serial}"
+        if reception.identity.stranger is not None:
+            wrong["stranger", ""] = f"found {reception.identity.stranger}, expected {reception.info.serial}"
         if discarded and not frames:
             wrong["garbage", ""] = f"{discarded} bytes and no frame in the last second"
         if malformed:

@@ -123,7 +123,7 @@ def health_fields(
         "reconnects": reception.reconnects,
         "doubled": reception.sequencer.doubled,
         "late": reception.sequencer.late,
-        "strangers": reception.strangers,
+        "strangers": reception.identity.strangers,
         "gaps": {"causes": dict(ledger.causes), "last": [asdict(gap) for gap in ledger.gaps]},
         "saturated": dict(zip(channel_names, watch.saturated.tolist(), strict=True)),
         "flat": dict(zip(channel_names, watch.flat.tolist(), strict=True)),

@@ -1,6 +1,7 @@
-"""What the line has damaged of late, and whether that is why frames are missing."""
+"""Why samples are missing: what is known to have happened, or what the line has damaged of late."""
 
 from collections import deque
+from collections.abc import Callable
 from dataclasses import dataclass
 
 from protocol.serial_frame import HEADER_BYTES, PAYLOAD_CRC_BYTES, SamplesFrame
@@ -20,7 +21,7 @@ class _Damage:
 
 
 class LossAttribution:
-    """Keeps the damage that explains nothing yet.
+    """Keeps what happened, and the damage that explains nothing yet.
 
     A frame that fails its checksum is one that was sent. Where nothing is left to know a frame by, as at another
     baud rate, its bytes are; so a few bytes of garbage do not pass for frames that never came.
@@ -29,9 +30,15 @@ class LossAttribution:
     ----------
     counters : ParserCounters
         Of the parser, read at each look.
+
+    Attributes
+    ----------
+    why : str or None
+        What has happened since the last samples that explains whatever is missing, if anything has.
     """
 
     def __init__(self, counters: ParserCounters) -> None:
+        self.why: str | None = None
         self._counters = counters
         self._recent: deque[_Damage] = deque()
         self._look, self._good = 0, counters.frames
@@ -55,6 +62,14 @@ class LossAttribution:
         """Forget what was damaged until now."""
         self._recent.clear()
         self._seen = self._counted()
+
+    def cause(self, lost: int, frame: SamplesFrame, follows: Callable[[SamplesFrame], bool]) -> str:
+        """Return why so many samples are missing before a frame, which may follow the last one by its number."""
+        if self.why is not None:
+            return self.why
+        if follows(frame):
+            return "lost in the device"
+        return "damaged on the line" if self.explains(lost, frame) else "frames missing"
 
     def explains(self, lost: int, frame: SamplesFrame) -> bool:
         """Say whether damage is why so many samples are missing before a frame; it then explains no others."""

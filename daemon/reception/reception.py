@@ -1,16 +1,15 @@
 """From bytes to accelerations: frames in order, every sample accounted for, runs of them without a hole."""
 
 import time
-from collections import deque
 from collections.abc import Callable, Sequence
 
-from daemon.acquisition.handshake import same_device
 from daemon.acquisition.ring import Chunk, Mark
 from daemon.clock.device_clock import Clock, DeviceClock
 from daemon.clock.host_clock import HostClock
 from daemon.clock.sample_rate import SampleRate
 from daemon.clock.tick_counter import TickCounter
 from daemon.reception.channel_watch import ChannelWatch
+from daemon.reception.device_identity import DeviceIdentity
 from daemon.reception.doubted_frames import DoubtedFrames
 from daemon.reception.loss_attribution import LossAttribution
 from daemon.reception.sample_ledger import Gap, SampleLedger
@@ -22,8 +21,6 @@ from protocol.serial_parser import Frame, FrameParser
 
 NewClock = Callable[[float, int, int, int, float], Clock]
 
-#: Frames that wait for the INFO of a device that has come back: some seconds of them.
-_UNKNOWN = 8192
 #: A frame that waits for one before it waits no longer than this [ns].
 _PATIENCE_NS = 20_000_000
 #: Nothing for so long is silence [ns].
@@ -56,10 +53,8 @@ class Reception:
         Whether there is a port to read from.
     reconnects : int
         How often it came back.
-    strangers : int
-        Frames that were not of this device, or not what its INFO says.
-    stranger : str or None
-        What the device is that is there instead, if there is one.
+    identity : DeviceIdentity
+        Whether the device that is there is the run's.
     rate : SampleRate
         The device's rate, measured.
     """
@@ -85,17 +80,13 @@ class Reception:
         self._look_ns = 0
         self.watch = ChannelWatch(self.info.channels, self.info.rate_hz)
         self.host = host or HostClock()
-        self.strangers = 0
-        self.stranger: str | None = None
+        self.identity = DeviceIdentity(self.info)
         self.clock: Clock | None = None
         self._new_clock = new_clock
         self.connected = True
         self.reconnects = 0
         self._counted = CountedRuns(self.info.channels, self.watch)
-        self._known = True
-        self._unknown: deque[Frame] = deque(maxlen=_UNKNOWN)
-        self._why: str | None = None
-        self._damage = LossAttribution(parser.counters)
+        self._losses = LossAttribution(parser.counters)
         self._arrival_ns = 0
         self._new_gaps: list[Gap] = []
         self.sequencer.put(introduction)
@@ -104,7 +95,7 @@ class Reception:
     @property
     def awaits_info(self) -> bool:
         """Whether the device must say again what it is."""
-        return not self._known
+        return not self.identity.known
 
     def knows_rate(self, now_ns: int) -> bool:
         """Say whether samples have come for long enough to know their rate, by the host's monotonic clock [ns]."""
@@ -125,13 +116,13 @@ class Reception:
             if chunk.mark is Mark.LOST:
                 self._pass_on(self.sequencer.release(), chunk.stamp_ns)
                 self._settle(chunk.stamp_ns)
-                self._why, self.connected, self.guard.unplugged = "unplugged", False, True
-                self.strangers += len(self._unknown)
-                self._unknown.clear()
+                self._losses.why, self.connected, self.guard.unplugged = "unplugged", False, True
+                self.identity.lost()
             else:
                 self.parser.reset()
-                self._damage.forget()
-                self._known, self.connected, self.stranger = False, True, None
+                self._losses.forget()
+                self.identity.came_back()
+                self.connected = True
                 self.reconnects += 1
         if chunks:
             self._parse(data)
@@ -157,16 +148,16 @@ class Reception:
 
     def dropped(self) -> None:
         """Note that the daemon itself had no room for what came."""
-        self._why = "the daemon fell behind"
+        self._losses.why = "the daemon fell behind"
 
     def _parse(self, chunks: list[Chunk]) -> None:
         if not chunks:
             return
         arrival_ns = chunks[-1].stamp_ns
         found = self.parser.feed_runs(b"".join(chunk.data for chunk in chunks))
-        self._damage.look()
-        if self._why is None and self._arrival_ns and arrival_ns - self._arrival_ns > _SILENCE_NS:
-            self._why = "the device was silent"
+        self._losses.look()
+        if self._losses.why is None and self._arrival_ns and arrival_ns - self._arrival_ns > _SILENCE_NS:
+            self._losses.why = "the device was silent"
         steady = [self._counter.unwrapped(one, arrival_ns) for one in found]
         self._pass_on([frames for one in steady for frames in self.sequencer.take(one)], arrival_ns)
         self._arrival_ns = arrival_ns
@@ -188,7 +179,7 @@ class Reception:
             for frame in one.frames() if isinstance(one, SamplesRun) else [one]:
                 self._pass_on_one(frame, last, arrival_ns)
         arrived_ticks = self.guard.arrived_ticks
-        if last is None or not self._known or self._doubted or arrived_ticks is None:
+        if last is None or not self.identity.known or self._doubted or arrived_ticks is None:
             return
         assert self.clock is not None
         self.clock.note(arrived_ticks, arrival_ns)
@@ -197,12 +188,8 @@ class Reception:
         if isinstance(frame, InfoFrame):
             self._settle(arrival_ns)
             self._meet(self.guard.info(frame), arrival_ns)
-        elif self.stranger is not None:
-            self.strangers += 1
-        elif not self._known:
-            self._unknown.append(frame)
-        elif frame.counts.shape[1] != len(self.info.channels):
-            self.strangers += 1
+        elif self.identity.holds_back(frame):
+            return
         elif self._doubted or self.ledger.doubts(frame):
             self._doubted.put(frame)
             if self._doubted.enough:
@@ -238,29 +225,20 @@ class Reception:
     def _goes_on(self, run: SamplesRun) -> bool:
         """Say whether a run is of this device and goes on right where it was."""
         settled = not self._doubted and not self.guard.waiting
-        return (
-            self._known and settled and run.counts.shape[1] == len(self.info.channels) and self.ledger.goes_on(run)
-        )
+        return settled and self.identity.has(run.counts.shape[1]) and self.ledger.goes_on(run)
 
     def _enter_run(self, run: SamplesRun) -> None:
         assert self.clock is not None
         times = FrameTimes(self.ledger.position, run.frame_samples, run.ticks, self.clock, self._steps)
         self._counted.add(times, run.counts)
         self.ledger.enter_run(run)
-        self._why = None
+        self._losses.why = None
 
     def _meet(self, frame: InfoFrame, arrival_ns: int) -> None:
-        if not same_device(frame.info, self.info):
-            self.stranger = f"{frame.info.device} {frame.info.serial}"
-            self.strangers += 1 + len(self._unknown)
-            self._known = False
-            self._unknown.clear()
-            return
-        waiting = list(self._unknown)
-        self._unknown.clear()
-        self._known, self.stranger = True, None
-        self._pass_on(waiting, arrival_ns)
-        self.ledger.pass_over(frame.sequence, frame.ticks)
+        waiting = self.identity.meet(frame.info)
+        if self.identity.known:
+            self._pass_on(waiting, arrival_ns)
+            self.ledger.pass_over(frame.sequence, frame.ticks)
 
     def _enter(self, frame: SamplesFrame, last: SamplesFrame, arrival_ns: int, off: int | None = None) -> None:
         """Enter a frame whose clock, if it was off, was so by some ticks."""
@@ -274,7 +252,9 @@ class Reception:
         if off is not None:
             self._note(Gap(self.ledger.position, 0, t_ns, _jumped(off / self.info.tick_hz), False), _JUMPED)
         if lost or begun_anew:
-            why = "the device was restarted" if begun_anew else self._cause(frame, lost)
+            why = (
+                "the device was restarted" if begun_anew else self._losses.cause(lost, frame, self.ledger.follows)
+            )
             infos = (numbered - lost) / max(self.ledger.frame_samples, 1)  # they have numbers and no samples
             by_number = infos == 0.0 or (self.guard.unplugged and infos > 0.0 and infos.is_integer())
             exact = by_number and not begun_anew and not self.guard.is_off
@@ -283,18 +263,11 @@ class Reception:
         times = FrameTimes(first, len(frame.counts), [frame.ticks], self.clock, self._steps)
         self._counted.add(times, frame.counts, lost)
         self.ledger.enter(frame, lost)
-        self._why = None
+        self._losses.why = None
 
     def _note(self, gap: Gap, cause: str | None = None) -> None:
         self.ledger.note(gap, cause)
         self._new_gaps.append(gap)
-
-    def _cause(self, frame: SamplesFrame, lost: int) -> str:
-        if self._why is not None:
-            return self._why
-        if self.ledger.follows(frame):
-            return "lost in the device"
-        return "damaged on the line" if self._damage.explains(lost, frame) else "frames missing"
 
     def _start_clock(self, first: SamplesFrame, last: SamplesFrame, arrival_ns: int) -> int:
         """Start a clock; return how many samples were lost since the one before it, by the host's clock.

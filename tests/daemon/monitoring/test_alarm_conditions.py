@@ -189,7 +189,7 @@ def test_a_clock_that_stands_still_is_wrong_for_as_long_as_it_does(make_info: Ma
 
 def test_another_device_on_the_port_is_named(make_info: MakeInfo) -> None:
     taker, looker = conditions(make_info(RATE_HZ))
-    taker.stranger = "other device 7"
+    taker.identity.stranger = "other device 7"
     assert look(taker, looker, health(), True)["stranger", ""] == "found other device 7, expected 1"
 
 

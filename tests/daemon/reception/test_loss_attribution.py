@@ -109,3 +109,13 @@ def test_damage_in_one_look_is_that_of_all_frames_since() -> None:
     old = looked((0, FRAME_BYTES), *[(0, 0)] * 15)
     assert old.explains(32, FRAME)
     assert not looked((0, FRAME_BYTES), *[(0, 0)] * 16).explains(32, FRAME)
+
+
+def test_what_has_happened_is_the_cause_before_all_else() -> None:
+    damage = looked((1, FRAME_BYTES))
+    damage.why = "unplugged"
+    assert damage.cause(32, FRAME, lambda _frame: True) == "unplugged"
+    damage.why = None
+    assert damage.cause(32, FRAME, lambda _frame: True) == "lost in the device"
+    assert damage.cause(32, FRAME, lambda _frame: False) == "damaged on the line"
+    assert damage.cause(32, FRAME, lambda _frame: False) == "frames missing"  # that damage is used up

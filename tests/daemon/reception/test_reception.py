@@ -103,11 +103,11 @@ def test_another_device_is_not_listened_to(
     frames, taker = encoded(counts), reception(info)
     other = encode_info(replace(info, serial="other"), 2, 0)
     runs = taker.take(chunk(frames[0], other, *frames[2:5]))
-    assert taker.awaits_info and taker.stranger == "test device other"
+    assert taker.awaits_info and taker.identity.stranger == "test device other"
     runs += taker.take(chunk(encode_info(info, 6, 0), *frames[6:])) + taker.finish()
-    assert not taker.awaits_info and taker.stranger is None
+    assert not taker.awaits_info and taker.identity.stranger is None
     assert [(run.sample0, run.lost, len(run.a)) for run in runs] == [(0, 0, 32), (192, 160, 128)]
-    assert taker.strangers == 4
+    assert taker.identity.strangers == 4
 
 
 def test_samples_that_wait_for_an_info_are_a_strangers_when_it_comes(
@@ -120,9 +120,9 @@ def test_samples_that_wait_for_an_info_are_a_strangers_when_it_comes(
     taker.take(
         [Chunk(now_ns, b"", Mark.LOST), Chunk(now_ns, b"", Mark.OPENED), Chunk(now_ns, b"".join(frames[1:4]))]
     )
-    assert taker.strangers == 0
+    assert taker.identity.strangers == 0
     taker.take(chunk(encode_info(replace(info, serial="other"), 5, 0)))
-    assert taker.strangers == 4  # three frames, and the INFO
+    assert taker.identity.strangers == 4  # three frames, and the INFO
 
 
 def test_a_rate_is_known_a_quarter_of_a_second_after_the_first_samples(
@@ -152,7 +152,7 @@ def test_frames_of_another_width_are_passed_over(make_info: MakeInfo) -> None:
     narrow = encode_samples(np.zeros((32, 6), dtype=np.int16), 1, 0)
     taker = reception(make_info(RATE_HZ))
     assert taker.take(chunk(narrow)) == []
-    assert taker.strangers == 1
+    assert taker.identity.strangers == 1
 
 
 def test_a_device_that_comes_back_says_first_what_it_is(

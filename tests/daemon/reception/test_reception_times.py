@@ -237,14 +237,14 @@ def test_frames_that_wait_for_an_info_are_nobodys_when_the_port_goes_away_again(
         connected.append(taker.reception.connected)
         assert connected == [False, True] and taker.reception.awaits_info
         taker.take(*samples(4, 5, 6))
-    assert (taker.reception.strangers, taker.reception.reconnects) == (3, 2)
+    assert (taker.reception.identity.strangers, taker.reception.reconnects) == (3, 2)
 
 
 def test_runs_of_another_width_are_strangers() -> None:
     taker = began(Taker())
     narrow = [encode_samples(np.zeros((32, 6), dtype=np.int16), k, STEP * (k - 1)) for k in range(4, 9)]
     taker.take(*narrow)
-    assert (taker.reception.strangers, taker.reception.ledger.samples) == (5, 96)
+    assert (taker.reception.identity.strangers, taker.reception.ledger.samples) == (5, 96)
 
 
 def test_chunks_are_taken_as_one_up_to_a_mark() -> None:
@@ -259,7 +259,7 @@ def test_chunks_are_taken_as_one_up_to_a_mark() -> None:
 def test_before_anything_came_there_is_a_device_and_no_rate() -> None:
     reception = Taker().reception
     assert reception.connected and not reception.awaits_info and not reception.knows_rate(2**62)
-    assert (reception.reconnects, reception.strangers, reception.stranger) == (0, 0, None)
+    assert (reception.reconnects, reception.identity.strangers, reception.identity.stranger) == (0, 0, None)
     assert reception.new_gaps() == [] and reception.take([], NOW_NS) == []
 
 
