@@ -10,7 +10,7 @@ from limbcal.compiled import compiled
 #: Nobody's accelerometer is quieter than ten microgees, and nobody's arm more rigid [m/s^2 per root Hz]. A filter
 #: that believes more takes what it leaves out of a motion, such as curvature in its slopes, for information.
 _FINEST = 1e-4
-#: Readings are judged in so many cells at most, and the calmest quarter of them counts.
+#: Cells in which readings are judged, at the most, and which fraction of them, the calmest, counts; conventions.
 _CELLS, _CALM = 400, 0.25
 #: A reading's variance shows twentyfold in third differences, which know hardly anything of a motion.
 _THIRD = 20.0

@@ -22,11 +22,11 @@ from tracking.striding_filter import Course
 #: Speeds at which a search for what explains readings begins, either way: of the first joint, and times more of
 #: each that follows, so that every link is begun with either way round [rad/s or m/s].
 _FIRST_SPEED, _TIMES = 0.5, 2.2
-#: Of longer chains so many joints are begun either way.
+#: Joints that are begun either way, at the most: 64 beginnings.
 _MOST_JOINTS = 6
 #: Gauss-Newton steps of such a search; a convention.
 _STEPS = 12
-#: Speeds that differ by no more are the same way [rad/s or m/s].
+#: Speeds that differ by no more are the same way [rad/s or m/s]: about a degree a second, a convention.
 _SAME = 0.02
 #: So much worse, by the squared misfit, and a way is contradicted: by chance once in 10^9.
 _CONTRADICTED = 40.0

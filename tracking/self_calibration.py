@@ -17,11 +17,12 @@ from tracking.readings import Readings
 from tracking.smoother import Smoothed, Smoother
 from tracking.start import MountingPrior
 
-#: A number is revealed where its standard error is at most this share of what it was before.
+#: A parameter is revealed where its standard error is at most this fraction of its prior's; a convention.
 _REVEALED = 0.5
-#: One that keeps this share of it was not touched by the motion.
+#: One that keeps this fraction of it was not touched by the motion; a convention.
 _UNTOUCHED = 0.95
-#: A combination is told of by those of its parts that are at least this share of it.
+#: A combination is described by the parameters whose loadings are at least this fraction of its length: at most
+#: eight of them, as the squares of loadings add up to one.
 _PART = 0.35
 _AXES = "xyz"
 

@@ -14,7 +14,7 @@ from limbcal.compiled import compiled
 from tracking.kalman_step import Course, Taken, correct, forgetting, hold, predict
 from tracking.observation import Observation, Room
 
-#: A difference that is smaller than this share of its terms has lost its digits.
+#: A difference smaller than this fraction of its terms has lost five of its sixteen digits.
 _DIGITS = 1e-5
 #: Instants between two marks.
 STRETCH = 128

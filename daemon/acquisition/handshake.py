@@ -11,7 +11,7 @@ from protocol.device_info import Channel, DeviceInfo
 from protocol.serial_frame import InfoFrame
 from protocol.serial_parser import FrameParser
 
-#: A device that resets when its port is opened needs about two seconds to start.
+#: How long INFO is waited for [s]: a board that resets when its port is opened needs about two to start.
 INFO_LIMIT_S = 5.0
 #: Channels that a sentence names; those of eight sensors.
 _NAMED = 24

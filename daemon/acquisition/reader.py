@@ -17,7 +17,7 @@ from daemon.process.control_line import ControlLine, SupervisorGone
 from limbcal.errors import DeviceError
 from limbcal.real_time import READER, ask_for_real_time
 
-#: Between a read and the next look: taking what gathered meanwhile is cheaper than waking for each byte.
+#: Between a read and the next look [s]: taking what gathered meanwhile is cheaper than waking for each byte.
 _GATHER_S = 0.006
 #: … and where more than so much comes in that time, shorter: a tty holds little more.
 _MUCH_BYTES = 8192

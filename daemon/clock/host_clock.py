@@ -4,9 +4,10 @@ import time
 from collections.abc import Callable
 from dataclasses import dataclass
 
-#: Less than this is how exactly the two can be read together on a busy machine.
+#: A difference that changes by more is a clock that was set [ns]: on a busy machine both are read together within
+#: less.
 _JUMP_NS = 50_000_000
-#: Both are read so often; the quickest reading counts.
+#: Readings of both, of which the quickest counts.
 _READINGS = 3
 
 

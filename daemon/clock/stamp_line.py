@@ -12,7 +12,7 @@ from typing import NamedTuple
 
 #: A better line is approached within this time, by a rate that differs by no more than this [s, ratio].
 _APPROACH_S, _MOST_OFF = 10.0, 1e-2
-#: While stamps wait for arrivals that they are ahead of they go on by this share of the rate.
+#: While stamps wait for arrivals that they are ahead of they go on by this fraction of the rate; a convention.
 _WAITING = 0.5
 #: More pieces than are begun in the time for which samples wait for their stamps.
 _PIECES = 1024

@@ -7,9 +7,9 @@ from dataclasses import dataclass
 from protocol.serial_frame import HEADER_BYTES, PAYLOAD_CRC_BYTES, SamplesFrame
 from protocol.serial_parser import ParserCounters
 
-#: Damage explains what is found missing in so many looks at frames that came since: one waits for those before it.
+#: Looks at good frames within which damage explains what is found missing: a frame waits for those before it.
 _LOOKS = 16
-#: Bytes of no frame explain as many frames as they would make, half of each at the least.
+#: Bytes of no frame explain as many frames as they would make, this fraction of each at the least; a convention.
 _SHARE = 0.5
 
 

@@ -6,9 +6,9 @@ from collections.abc import Sequence
 from protocol.serial_frame import HALF_WAY, SEQUENCES, SamplesRun
 from protocol.serial_parser import Found, Frame
 
-#: Numbers further away than this are no disorder on the line: much was lost, or the device counts anew.
+#: Numbers further away than this are no disorder on the line, but much was lost, or the device counts anew.
 _NEAR = 64
-#: So many frames wait for one before them; then it is given up.
+#: Frames that wait for one before them; then it is given up. A convention.
 _WAITING = 4
 
 
