@@ -77,9 +77,10 @@ class Player:
         """
         motion = self.source.load(trial)
         number = self.source.trials[0] if trial is None else trial
-        twin = None if self.source.twin is None else self.source.twin.load(number)
+        other = self.source.twin
+        twin = None if other is None else (other, other.load(number))
         self._motion: Trajectory = motion
-        self._twin: Trajectory | None = twin
+        self._twin: tuple[Source, Trajectory] | None = twin
         self._trial = number
         self._ahead.clear()
         self.head.load(motion.duration_s)
@@ -177,10 +178,11 @@ class Player:
         t = np.linspace(0.0, self._motion.duration_s, min(max(n_frame, 2), _OVERVIEW))
         q = self._motion.at(t)[0]
         overview: dict[str, object] = {"t": t, "q": q, "tip": tip_position(self.arm, q)}
-        if self._twin is None or self.source.twin is None:
+        if self._twin is None:
             return {**overview, "twin_q": None, "twin_tip": None}
-        q = self._twin.at(t)[0]
-        return {**overview, "twin_q": q, "twin_tip": tip_position(self.source.twin.arm, q)}
+        twin, motion = self._twin
+        q = motion.at(t)[0]
+        return {**overview, "twin_q": q, "twin_tip": tip_position(twin.arm, q)}
 
     def _compute(self, places: Floats) -> None:
         self._ahead = deque(zip(places.tolist(), self._frames(places), strict=True))
@@ -188,9 +190,10 @@ class Player:
     def _frames(self, places: Floats) -> list[Frame]:
         """Return the frames at places of the motion, (k,) [s], all but their numbers and stamps."""
         rows = _moved(self.arm, self._motion, places)
-        twin, beside = self.source.twin, None
-        if self._twin is not None and twin is not None:
-            beside = twin.name, _moved(twin.arm, self._twin, places)
+        beside = None
+        if self._twin is not None:
+            twin, motion = self._twin
+            beside = twin.name, _moved(twin.arm, motion, places)
         frames: list[Frame] = []
         for k, place in enumerate(places.tolist()):
             before = place - self.head.speed / self.head.rate_hz

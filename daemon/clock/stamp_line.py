@@ -69,14 +69,12 @@ class StampLine:
         """Let the host's seconds at ``device_s`` be no more than ``most_s``, as far as what was stamped allows."""
         if self.at(device_s) <= most_s:
             return
-        last = self._pieces[-1]
-        rate = last.rate
         if self._asked_s is None:
-            self._pieces[-1] = last._replace(host_s=last.host_s + most_s - last.at(device_s))
+            self.catch_up(most_s - self.at(device_s))
             return
         if device_s <= self._asked_s:
             return
-        here_s = self.at(self._asked_s)
+        here_s, rate = self.at(self._asked_s), self._pieces[-1].rate
         slow = max(_WAITING * rate, (most_s - here_s) / (device_s - self._asked_s))
         waiting = _Piece(self._asked_s, here_s, slow)
         self._go_on(waiting)

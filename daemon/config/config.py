@@ -125,8 +125,10 @@ def _setup(where: str, tables: dict[str, object], arm: Arm | None = None) -> Set
             f"{where}: tracking.initial_q_rad has {given} numbers, "
             f"expected one a joint of {arm.name!r} ({arm.n_joint})"
         )
-    if mistakes or config is None or arm is None:
+    if mistakes:
         raise ConfigError(mistakes)
+    assert config is not None
+    assert arm is not None
     return Setup(config, arm)
 
 

@@ -66,7 +66,7 @@ def find_corner_hz(
     files = expand(sources)
     if all(path.suffix.lower() in RECORDINGS for path in files):
         return np.inf, None  # a tracker's motion is smooth already
-    budget = max(1, CORNER_VALUES // n_joint)
+    budget = CORNER_VALUES // n_joint
     reading = Reading(columns, rate_hz, stretch=CORNER_VALUES)
     motions: list[Measured] = []
     seen = 0

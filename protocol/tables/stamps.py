@@ -58,7 +58,7 @@ def leaps(t: Floats) -> NDArray[np.intp]:
         The first rows after leaps, rising; 0 is never one of them.
     """
     steps = np.diff(t)
-    if len(steps) < 2:
+    if not steps.size:
         return np.empty(0, dtype=np.intp)
     is_hole = steps > HOLE_STEPS * np.median(steps)
     holes = np.flatnonzero(is_hole)

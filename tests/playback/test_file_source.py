@@ -82,3 +82,16 @@ def test_what_does_not_fit_is_refused(tmp_path: Path, arm: Arm, motion_file: Pat
         file_source(path, arm)
     with pytest.raises(ConfigError, match="waves.npz: there is no trial 4, expected one of 1, 2, 3"):
         file_source(motion_file, arm).load(4)
+
+
+@pytest.mark.parametrize(("rounding", "written_modulo"), [(0.0, True), (1e-6, True), (2e-6, False)])
+def test_angles_lie_in_a_turn_give_or_take_a_millionth(
+    tmp_path: Path, arm: Arm, rounding: float, written_modulo: bool
+) -> None:
+    turn = 2.0 * np.pi * (1.0 + rounding)
+    path = tmp_path / "leap.npz"
+    np.savez(path, t=np.arange(3.0), q1=np.array([0.0, turn, turn]), q2=np.zeros(3))
+    found = file_source(path, arm)
+    expected = turn - 2.0 * np.pi if written_modulo else turn
+    assert found.load().q[1, 0] == pytest.approx(expected, abs=1e-12)
+    assert bool(found.notes) == written_modulo

@@ -219,7 +219,7 @@ def test_what_slides_has_a_rail_of_half_a_reach_to_either_side(d_m: float) -> No
 def test_a_sensor_off_its_link_stands_on_a_strut(
     place: tuple[float, float, float], foot: tuple[float, ...]
 ) -> None:
-    joints = (Joint(a_m=0.4), Joint(d_m=0.3, a_m=0.3))
+    joints = (Joint(a_m=0.4), Joint(d_m=0.3, a_m=0.1), Joint(a_m=0.2))
     bare = link_meshes(Arm("a", joints))[0]
     held = link_meshes(Arm("a", joints, sensors=(Sensor("s", 1, place), Sensor("other", 2, (0.1, 0.0, 0.0)))))[0]
     assert len(shells(held)) == len(shells(bare)) + 1

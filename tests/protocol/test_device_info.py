@@ -101,3 +101,7 @@ def test_info_passes_over_keys_of_a_later_firmware():
 def test_info_that_is_no_number_is_not_sent():
     with pytest.raises(ValueError, match="JSON compliant"):
         encode_info(replace(INFO, rate_hz=float("inf")), 0, 0)
+
+
+def test_a_letter_of_another_alphabet_is_one_of_utf_8():
+    assert '"µ-limb"'.encode() in replace(INFO, device="µ-limb").to_json()

@@ -23,6 +23,12 @@ def test_rows_become_messages_of_their_own() -> None:
     assert decode_json(PLOT, found[0][0])["rows"] == [rows[0]]
 
 
+def test_rows_lie_as_far_apart_as_their_times() -> None:
+    rows = [{"ts": float(ts)} for ts in (0, 2000)]
+    found = json_messages(PLOT, encode(PLOT, {"rows": rows})[1], 0)
+    assert [t_ns for _, t_ns in found] == [0, 2000 * 10**9]
+
+
 def test_a_message_comes_back() -> None:
     fields = {"trial": 2, "t_ns": 2**60, "state": "end", "role": "learn", "seq": 1}
     ((data, t_ns),) = json_messages(TRIAL, encode(TRIAL, fields)[1], 5)

@@ -295,3 +295,10 @@ def test_a_damaged_magic_is_counted_however_far_the_stream_has_come():
     assert (parser.counters.crc_errors, parser.counters.frames) == (2, 11)
     assert (parser.counters.resyncs, parser.pending_bytes) == (0, 0)
     assert parser.counters.discarded_bytes == len(one) + len(two)
+
+
+@pytest.mark.parametrize(("end", "held"), [(b"", 0), (MAGIC[:1], 1), (MAGIC[1:], 0), (2 * MAGIC[:1], 1)])
+def test_of_garbage_only_what_may_begin_a_magic_is_held_back(end, held):
+    parser = FrameParser()
+    assert parser.feed(bytes(50) + end) == []
+    assert (parser.pending_bytes, parser.counters.discarded_bytes) == (held, 50 + len(end) - held)

@@ -9,7 +9,7 @@ from tracking.observation import observation_of, room_of
 from tracking.readings import Readings
 from tracking.smoother import Smoother, course_of
 from tracking.start import MountingPrior, start_state
-from tracking.stillness import CELL_S, WINDOW_S, at_rest, rest_variance, unrest, unsteadiness, window_of
+from tracking.stillness import CELL_S, WINDOW_S, at_rest, rest_variance, unrest, unsteadiness, window_frames, window_of
 
 SIGMA = 0.02
 #: Samples of a cell, at 4 kHz.
@@ -130,3 +130,12 @@ def test_noise_alone_does_not_break_a_rest(dd_arm, seed):
     states, still, resting = smoother._filter(course_of(readings, 2), readings, x, P)
     assert resting.all() and still.mean() > 0.99
     assert np.abs(states[:, [1, 4]]).max() < 0.02
+
+
+@pytest.mark.parametrize(
+    ("dt_s", "frames"), [(0.25 * CELL_S, 4), (0.5 * CELL_S, 2), (CELL_S, 1), (1.4 * CELL_S, 1), (3.0 * CELL_S, 1)]
+)
+def test_a_cell_has_one_frame_at_least_and_a_window_lasts_as_long(dt_s, frames):
+    cell, window = window_frames(dt_s)
+    assert cell == frames
+    assert window == max(4, round(WINDOW_S / (frames * dt_s)))

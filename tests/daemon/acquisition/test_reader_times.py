@@ -58,6 +58,7 @@ class World:
         return Tty(self)
 
     def select(self, waited: list[object], *_: object) -> tuple[list[object], list[object], list[object]]:
+        assert _[-1] >= 0.0, "timeout must be non-negative"  # type: ignore[operator]
         end_s = self.now_s + max(_[-1], 1e-6)  # type: ignore[call-overload]
         due_s = {
             one: next((time_s for time_s, _ in (self.sent if isinstance(one, Tty) else self.said)), math.inf)
@@ -178,6 +179,16 @@ def test_a_name_that_appears_and_may_not_be_opened_is_tried_soon_again(world: Wo
     tries = [time_s for time_s in world.times("trying") if time_s > 1.55]
     assert tries[0] == pytest.approx(1.625, abs=0.026)
     assert [after - before for before, after in itertools.pairwise(tries)] == pytest.approx([0.1, 0.2], abs=1e-6)
+
+
+def test_where_the_next_try_is_overdue_it_is_not_waited_for(world: World) -> None:
+    def exists(now_s: float) -> bool:
+        world.now_s = now_s + 0.2  # a file system that takes its time, over the end of the first pause
+        return False
+
+    world.exists, world.mistake = exists, refused_until(99.0)
+    run(world, 1.0)
+    assert [fields["sentence"] for _, what, fields in world.reported if what == "waiting"] == ["taken"]
 
 
 def test_without_waiting_a_port_that_is_refused_ends_it(world: World) -> None:

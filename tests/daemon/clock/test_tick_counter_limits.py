@@ -15,6 +15,7 @@ TICK_HZ = 1e7
     ("elapsed_s", "off", "turned"),
     [
         (1, 102_400_000, True),  # a quarter of what went by, and ten seconds
+        (1, 102_500_000, True),
         (1, 102_600_000, False),
         (100, 349_900_000, True),
         (100, 350_100_000, False),

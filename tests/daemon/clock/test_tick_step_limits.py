@@ -160,6 +160,13 @@ def test_an_outlier_that_is_left_out_may_hide_half_a_sample_more() -> None:
     assert step.ticks_per_sample == 1020.1
 
 
+def test_a_step_that_is_off_by_a_tick_and_a_half_is_near() -> None:
+    """Of 2400, 4797 and 4797 ticks for 2, 4 and 4 samples, the first is off by 1.5 ticks at 1199.25 a sample."""
+    step = TickStep(1000.0, 1e6)
+    step.decide([(2400, 2), (4797, 4), (4797, 4)])
+    assert (step.ticks_per_sample, step.measured) == (11_994 / 10, True)
+
+
 def test_what_a_new_rate_is_known_to() -> None:
     step = decided([1200, 1202, 1201, 1203, 1199])
     assert step.std == pytest.approx((1.5 + JITTERS * 1.0) / 6005)

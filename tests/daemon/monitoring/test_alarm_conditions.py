@@ -133,6 +133,11 @@ def test_what_no_device_may_say_is_shown_by_its_field(make_info: MakeInfo) -> No
         ),
         ("rate", {"clock_ppm": -500.0}, {"clock_ppm": -501.0}),
         ("rate", {"rate_hz": 8004.0}, {"rate_hz": 8004.1}),
+        (
+            "rate",
+            {"rate_hz": 8004.0, "rate": {"claimed_hz": 8000.0, "std_ppm": 0.0}},
+            {"rate_hz": 8004.000002, "rate": {"claimed_hz": 8000.0, "std_ppm": 0.0}},
+        ),
     ],
 )
 def test_what_is_borne_ends_where_it_says(

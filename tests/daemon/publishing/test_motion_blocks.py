@@ -70,6 +70,10 @@ def test_blocks_of_frames_are_ten_milliseconds_long() -> None:
     assert [block.n for block in frame_blocks(frames(0, 34))] == [10, 10, 10, 4]
 
 
+def test_no_frames_are_no_block() -> None:
+    assert frame_blocks(frames(3, 0)) == bridge_blocks(frames(3, 0, gap=True)) == []
+
+
 def test_plot_has_a_hundred_rows_a_second() -> None:
     messages = [frames_message(block, "m") for k in range(250) for block in frame_blocks(frames(4 * k, 4))]
     rows = [row for message in messages for row in plot_rows(message, plot_step(message["dt_s"]))]

@@ -87,6 +87,13 @@ def test_bytes_that_explain_a_gap_are_used_up_from_the_oldest_on() -> None:
     assert [two.explains(32, FRAME) for _ in range(3)] == [True, True, False]
 
 
+def test_a_gap_takes_no_more_bytes_than_it_is_long_wherever_they_are() -> None:
+    damage = looked((0, FRAME_BYTES // 2), (0, FRAME_BYTES), (0, FRAME_BYTES // 2))  # two frames' in all
+    assert damage.explains(32, FRAME)
+    assert damage.explains(32, FRAME)
+    assert not damage.explains(32, FRAME)
+
+
 def test_frames_that_are_malformed_count_as_damaged_ones() -> None:
     counters = ParserCounters()
     counters.frames = counters.crc_errors = counters.discarded_bytes = 7

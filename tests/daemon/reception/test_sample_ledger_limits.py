@@ -172,3 +172,10 @@ def test_only_the_last_sixteen_gaps_are_kept() -> None:
         ledger.note(Gap(k, 1, 0, "unplugged", True))
     assert [gap.sample0 for gap in ledger.gaps] == list(range(4, 20))
     assert ledger.causes["unplugged"] == 20
+
+
+def test_before_the_first_samples_no_frame_is_doubted() -> None:
+    ledger = SampleLedger(1000.0, 1000.0)
+    assert not ledger.doubts(frame(7, 500))
+    ledger.pass_over(6, 100)  # an INFO says its number and its clock, but no samples
+    assert not ledger.doubts(frame(7, 9_999_500))

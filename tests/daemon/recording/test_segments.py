@@ -154,6 +154,24 @@ def test_what_is_kept_while_nothing_can_be_written_is_the_newest_and_bounded(
     assert (some.messages, some.lost) == (len(found), 500 - len(found))
 
 
+@pytest.mark.parametrize(("short", "kept"), [(0, 10), (1, 9)])
+def test_to_the_byte_no_more_is_kept_than_may_be(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, short: int, kept: int
+) -> None:
+    monkeypatch.setattr(shutil, "disk_usage", lambda _: shutil._ntuple_diskusage(0, 0, 0))
+    monkeypatch.setattr(module, "_KEPT_BYTES", 10 * len(entry(200, 1000).payload) - short)
+    clock = Clock()
+    some = segments(tmp_path, [], clock, Limits(10**9, 1e9, 10**6))
+    clock.now_s = 1.0
+    some.write([])
+    assert some.paused
+    for number in range(200, 230):  # all are as long
+        some.write([entry(number, 1000)])
+    assert some.lost == 30 - kept
+    some.close()
+    assert some.lost == 30
+
+
 def _taken_away(folder: Path) -> None:
     next(folder.glob("*.mcap")).unlink()
 
@@ -264,6 +282,23 @@ def test_recording_pauses_below_what_must_be_free(
         clock.now_s += 0.1
         some.write([entry(number)])
     assert some.paused != goes_on
+    some.close()
+
+
+def test_the_disk_is_looked_at_once_a_second(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    looks: list[float] = []
+    clock = Clock()
+
+    def disk_usage(_: Path) -> object:
+        looks.append(clock.now_s)
+        return shutil._ntuple_diskusage(0, 0, 10**9)
+
+    monkeypatch.setattr(shutil, "disk_usage", disk_usage)
+    some = segments(tmp_path, [], clock, Limits(10**9, 1e9, 10**6))
+    for number in range(40):
+        clock.now_s += 0.25
+        some.write([entry(number)])
+    assert looks == [float(second) for second in range(1, 11)]
     some.close()
 
 

@@ -57,3 +57,15 @@ def test_motions_to_evaluate_with_are_none_to_learn_from(recording, tmp_path):
     assert len(list(stretches_of(recording, 2, Reading()))) == 2
     with pytest.raises(DataError, match="no such file"):
         find_corner_hz([tmp_path / "none.csv"], 2)
+
+
+def test_the_corner_is_found_from_the_columns_nearest_to_an_acceleration(tmp_path, monkeypatch):
+    t = np.arange(200) * 2e-3
+    write_motion(tmp_path / "a.csv", {"t": t, "q": np.sin(t)[:, None], "dq": np.cos(t)[:, None]})
+    seen = []
+    monkeypatch.setattr(
+        "fitter.data.reading.choose_cutoff_hz", lambda pieces: seen.extend(p.measured.columns for p in pieces) or 50.0
+    )
+    assert find_corner_hz([tmp_path / "a.csv"], 1) == (50.0, None)
+    assert [set(columns) for columns in seen] == [{"dq"}]
+    assert {"q", "dq"} <= {*next(iter(stretches_of(tmp_path / "a.csv", 1, Reading()))).motion.columns}

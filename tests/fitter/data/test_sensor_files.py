@@ -179,3 +179,12 @@ def test_a_name_within_another_is_none(tmp_path):
     (run,) = load_raw([tmp_path], ("s1", "s10"), 2)
     assert np.array_equal(run.a, np.hstack([readings(t, 1), readings(t, 2)]))
     assert run.name == tmp_path.name
+
+
+def test_the_file_that_ends_first_is_named(tmp_path):
+    t = 0.01 * np.arange(100)
+    write(tmp_path / "s1.csv", t, 1)
+    write(tmp_path / "s2.csv", t + 100.0, 2)
+    write(tmp_path / "s3.csv", np.r_[t[:-2], 1.5], 3)  # the last but one earlier than that of s1, the last later
+    with pytest.raises(DataError, match=r"s2.csv begins at 100 s, when .*s1.csv has ended at 0.99 s"):
+        load_raw([tmp_path], (*SENSORS, "s3"), 2)

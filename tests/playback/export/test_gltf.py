@@ -210,3 +210,14 @@ def test_black_is_black(tmp_path: Path, pair: Sampled) -> None:
     write_gltf(path, replace(pair, movers=(replace(mover, colours=dark),)))
     colour = Viewer(path).gltf.materials[0].pbrMetallicRoughness.baseColorFactor
     assert colour[:3] == pytest.approx([0.0, 10 / 255 / 12.92, ((11 / 255 + 0.055) / 1.055) ** 2.4], abs=1e-9)
+
+
+def test_without_its_animation_a_joint_stands_where_the_first_frame_has_it(written: Path, motion: Sampled) -> None:
+    viewer, mover = Viewer(written), motion.movers[0]
+    root = viewer.pose("limbcal", 0.0)[:3, :3]
+    viewer.gltf.animations = []
+    frames = axis_frames(mover.arm, mover.q[:1])[0]
+    for i in range(mover.arm.n_joint):
+        pose = viewer.pose(f"joint {i + 1}", 0.0)
+        assert root.T @ pose[:3, 3] == pytest.approx(frames[i, :3, 3], abs=1e-6)
+        assert root.T @ pose[:3, :3] == pytest.approx(frames[i, :3, :3], abs=1e-6)

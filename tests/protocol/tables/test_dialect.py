@@ -40,6 +40,13 @@ def test_rows_begin_behind_the_header_its_units_and_remarks():
     assert dialect("x\ny\na,b\n1,2\n3,4\n5,6\n").preamble == 2
 
 
+def test_the_last_remark_or_the_two_last_are_the_header_whatever_stands_above():
+    for above in ("", "# by us\n", "# by us\n# in May\n"):
+        assert dialect(f"{above}# a b\n1 2\n").names == ("a", "b")
+        found = dialect(f"{above}# a b\n# s rad\n1 2\n")
+        assert found.names == ("a", "b") and found.units == {"a": "s", "b": "rad"}
+
+
 @pytest.mark.parametrize(
     ("text", "said"), [("1,2\n3,4\n", "the first row is '1,2'"), ("# a\n", "the file is empty")]
 )

@@ -51,3 +51,7 @@ def test_doubled_names_matter_only_where_they_are_wanted():
 )
 def test_the_name_that_was_meant(wanted, meant):
     assert Header(FILE, ["Q1", "tau1", "p [counts]"]).nearest(wanted) == meant
+
+
+def test_of_several_columns_that_are_meant_the_first_is_named():
+    assert Header(FILE, ["p [mm]", "p [counts]"]).nearest("p") == "p [mm]"

@@ -23,6 +23,7 @@ def test_what_a_motion_bridges_is_no_leap():
     t[1000:] += 0.5
     t[3000:] += 2.0
     assert leaps(t).tolist() == []
+    assert leaps(T[:0]).tolist() == leaps(T[:1]).tolist() == []
     assert leaps(T[:2]).tolist() == leaps(np.array([0.0, 1.0, 1e6])).tolist() == []
 
 
