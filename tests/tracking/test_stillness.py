@@ -9,7 +9,16 @@ from tracking.observation import observation_of, room_of
 from tracking.readings import Readings
 from tracking.smoother import Smoother, course_of
 from tracking.start import MountingPrior, start_state
-from tracking.stillness import CELL_S, WINDOW_S, at_rest, rest_variance, unrest, unsteadiness, window_frames, window_of
+from tracking.stillness import (
+    CELL_S,
+    WINDOW_S,
+    at_rest,
+    rest_variance,
+    unrest,
+    unsteadiness,
+    window_frames,
+    window_of,
+)
 
 SIGMA = 0.02
 #: Samples of a cell, at 4 kHz.

@@ -114,7 +114,7 @@ def test_rest_lasts_two_seconds_a_stretch_and_the_truth_is_kept_a_thousand_times
 
 @pytest.mark.parametrize("rate_hz", [2500.0, 3500.0, 300.0])
 def test_the_truth_s_rows_are_as_far_apart_from_one_stretch_to_the_next(rate_hz: float) -> None:
-    """Also where a stretch has no whole number of them: at 2.5 kHz each second sample of 16875 is one, at 3.5 each fourth."""
+    """Also where a stretch has no whole number of them: every second of 16875 samples, every fourth of 23625."""
     played = first(3, replace(plan(1), rate_hz=rate_hz))
     n = [len(stretch.counts) for stretch in played]
     assert n == [round(6.75 * rate_hz), round(2.0 * rate_hz), round(2.0 * rate_hz)]

@@ -64,7 +64,8 @@ def test_the_corner_is_found_from_the_columns_nearest_to_an_acceleration(tmp_pat
     write_motion(tmp_path / "a.csv", {"t": t, "q": np.sin(t)[:, None], "dq": np.cos(t)[:, None]})
     seen = []
     monkeypatch.setattr(
-        "fitter.data.reading.choose_cutoff_hz", lambda pieces: seen.extend(p.measured.columns for p in pieces) or 50.0
+        "fitter.data.reading.choose_cutoff_hz",
+        lambda pieces: seen.extend(p.measured.columns for p in pieces) or 50.0,
     )
     assert find_corner_hz([tmp_path / "a.csv"], 1) == (50.0, None)
     assert [set(columns) for columns in seen] == [{"dq"}]

@@ -4,9 +4,11 @@ import http.client
 from collections.abc import Iterator
 from urllib.parse import urlsplit
 
+import msgspec
 import pytest
 import viser
 from websockets.exceptions import InvalidStatus
+from websockets.frames import CloseCode
 from websockets.sync.client import connect
 
 from limbcal.errors import ConfigError
@@ -40,6 +42,12 @@ FOREIGN_HOSTS = (
     "127.0.0.1:",
     "[127.0.0.1]:{port}",
     "",
+)
+#: What a page says as its view is turned.
+CAMERA = msgspec.msgpack.encode(
+    {"type": "ViewerCameraMessage", "wxyz": (1.0, 0.0, 0.0, 0.0), "fov": 1.0, "near": 0.1, "far": 10.0}
+    | {"image_height": 300, "image_width": 400}
+    | dict.fromkeys(("position", "look_at", "up_direction"), (0.0, 0.0, 1.0))
 )
 OWN_HOSTS = ("127.0.0.1:{port}", "localhost:{port}", "[::1]:{port}", "127.0.0.1:9000", "localhost")
 
@@ -96,6 +104,18 @@ def test_the_page_is_for_pages_of_its_own(port: int) -> None:
     assert get(port, Origin=f"http://127.0.0.1:{port}").status == 200
     assert speak(port, Origin=f"http://127.0.0.1:{port}") == 101
     assert speak(port) == 101  # no browser, but a program on this machine
+
+
+@pytest.mark.parametrize(
+    ("message", "code"),
+    [(CAMERA, CloseCode.NORMAL_CLOSURE), (bytes((1 << 20) + 1), CloseCode.MESSAGE_TOO_BIG)],
+)
+def test_a_message_from_a_page_has_a_mebibyte_at_the_most(port: int, message: bytes, code: CloseCode) -> None:
+    line = connect(f"ws://127.0.0.1:{port}/", subprotocols=[PROTOCOL], max_size=None)
+    line.recv(PATIENCE_S)
+    line.send(message)
+    line.close()
+    assert line.close_code == code
 
 
 @pytest.mark.parametrize("origin", FOREIGN_ORIGINS)
