@@ -101,10 +101,13 @@ def test_the_heartbeat_comes_once_a_second_and_says_what_was_sent(
 
 def test_between_deadlines_it_waits_neither_less_nor_more(server: Server, fake_time) -> None:
     start_s = fake_time.now_s
+    polled: list[int] = []
+    server._poller.poll = lambda whole_ms: polled.append(whole_ms) or []  # type: ignore[method-assign]
     server.player.play()
     server.serve(once=True)
     assert fake_time.now_s == pytest.approx(start_s + 0.5)
     assert len(fake_time.slept) == 50
+    assert polled == [int(1e3 * seconds) for seconds in fake_time.slept]  # whole milliseconds, then the rest
 
 
 def test_a_taken_endpoint_is_said_and_nothing_stays_bound(context, source, fake_time, server: Server) -> None:

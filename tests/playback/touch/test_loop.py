@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 import pytest
@@ -12,6 +13,7 @@ from playback.touch.device import TouchDevice
 from playback.touch.holders import STALE_S
 from playback.touch.limit import Coupling, sampled_interval, stiffness_limit
 from playback.touch.loop import Setup, TouchLoop
+from playback.touch.message import Command
 from playback.touch.pace import Pace
 from playback.touch.touched_arm import TouchedArm
 from protocol.message import HEALTH, PLAY
@@ -165,3 +167,27 @@ def test_where_nobody_says_which_link_it_is_the_tip_s(driven: Driven, own_contex
         assert answer["point"] == pytest.approx(arm.touched_point(arm.tip).tolist())
         health = driven.loop.health()
         assert (health["inputs"], health["devices"], health["connected"], health["stale"]) == (1, 1, True, False)
+
+
+@pytest.mark.parametrize(
+    ("command", "does"),
+    [
+        (Command("state"), []),
+        (Command("hold", np.array([0.1, 0.2])), [("hold", [0.1, 0.2])]),
+        (Command("free"), [("free", None)]),
+        (Command("reset", np.array([0.5, -0.5])), [("reset", [0.5, -0.5])]),
+        (Command("reset"), [("reset", [0.3, 0.6])]),  # where it is
+    ],
+)
+def test_a_command_does_what_it_says_and_nothing_else(
+    driven: Driven, monkeypatch: pytest.MonkeyPatch, command: Command, does: list[tuple[str, list[float] | None]]
+) -> None:
+    done: list[tuple[str, list[float] | None]] = []
+
+    def note(name: str, q: np.ndarray | None = None) -> None:
+        done.append((name, None if q is None else np.asarray(q).tolist()))
+
+    for name in ("hold", "free", "reset"):
+        monkeypatch.setattr(driven.loop.arm, name, partial(note, name))
+    driven.loop._carry_out(command)
+    assert done == does
