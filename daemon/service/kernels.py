@@ -30,7 +30,7 @@ def compile_all() -> None:
     reception = Reception(FrameParser(), InfoFrame(0, 0, info))
     counts = np.zeros((FRAME_SAMPLES, len(info.channels)), dtype=np.int16)
     ticks = round(TICK_HZ * FRAME_SAMPLES / rate_hz)
-    frames = b"".join(encode_samples(counts, k, k * ticks) for k in range(_FRAMES))
+    frames = b"".join(encode_samples(counts, k + 1, k * ticks) for k in range(_FRAMES))
     reception.take([Chunk(1, frames)])
     for method in get_args(Method):
         warm_up(tracker_of(arm, method, rate_hz), arm, rate_hz, None)
