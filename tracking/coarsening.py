@@ -36,7 +36,7 @@ def coarser(course: Course) -> Course:
         present=weight > 0,
         noise=course.noise / stride,
         jolt=blocks(course.jolt).sum(axis=1),
-        doubt=doubt * stride / np.maximum(weight, 1.0),
+        doubt=doubt * (stride / np.maximum(weight, 1.0))[:, None],
         rest=np.where((rest > 0.0).all(axis=1), rest.mean(axis=1) / stride, 0.0),
     )
 

@@ -145,6 +145,6 @@ def take_again(
     x[:], P[:] = before_x, before_P
     squared = correct(of, room, course, k, at, x, P, taken)
     if squared > limit:
-        course.doubt[k] = squared / n_channel
+        course.doubt[k] *= squared / n_channel
         x[:], P[:] = before_x, before_P
         correct(of, room, course, k, at, x, P, taken)

@@ -49,6 +49,12 @@ class Observation(NamedTuple):
         Departure of the corner, of those that are to be estimated.
     mounting_column : (n_sensor,)
         The first of nine: scale x y z, turn about x y z of the sensor, place x y z on the link.
+    base_column : int
+        The first of three: the acceleration of the base, in its own axes [m/s^2].
+    lack_column : int
+        The first of one a channel: what the model lacks of its reading [m/s^2].
+    reported : (n_reported,)
+        Entries whose variance a smoother reports: of the joints, the base's acceleration, and what the model lacks.
     columns : (3 n_sensor, n_most)
         The state's entries that a channel depends on.
     n_column : (3 n_sensor,)
@@ -65,11 +71,14 @@ class Observation(NamedTuple):
     settled_column: NDArray[np.int64]
     corner_column: NDArray[np.int64]
     mounting_column: NDArray[np.int64]
+    base_column: int
+    lack_column: int
+    reported: NDArray[np.int64]
     columns: NDArray[np.int64]
     n_column: NDArray[np.int64]
 
 
-def observation_of(arm: Arm, mountings: bool = False) -> tuple[Observation, int]:
+def observation_of(arm: Arm, mountings: bool = False, base: bool = False, lack: bool = False) -> tuple[Observation, int]:
     """Return the observation of an arm's sensors and the size of the state.
 
     Parameters
@@ -77,6 +86,8 @@ def observation_of(arm: Arm, mountings: bool = False) -> tuple[Observation, int]
     arm : Arm
     mountings : bool
         Let the state hold scale, misalignment and place of every sensor, and the corner of AC-coupled ones.
+    base : bool
+        Let the state hold an acceleration of the base.
     """
     n, n_sensor = arm.n_joint, len(arm.sensors)
     link = np.array([sensor.joint - 1 for sensor in arm.sensors], dtype=np.int64)
@@ -95,13 +106,22 @@ def observation_of(arm: Arm, mountings: bool = False) -> tuple[Observation, int]
     if mountings:
         mounting_column[:] = size + MOUNTING * np.arange(n_sensor, dtype=np.int64)
         size += MOUNTING * n_sensor
+    base_column = ABSENT
+    if base:
+        base_column, size = size, size + 3
+    lack_column = ABSENT
+    if lack:
+        lack_column, size = size, size + 3 * n_sensor
     depends: list[list[int]] = []
     for s in range(n_sensor):
         a, d = length_column[: link[s], 0], length_column[: link[s] + 1, 1]
         shared = [*range(3 * (link[s] + 1)), *a[a != ABSENT], *d[d != ABSENT]]
         if mountings:
             shared += range(mounting_column[s], mounting_column[s] + MOUNTING)
-        depends += [[*shared, 3 * n + 3 * s + axis] for axis in range(3)]
+        if base:
+            shared += range(base_column, base_column + 3)
+        channels = range(3 * s, 3 * s + 3)
+        depends += [[*shared, 3 * n + c, *([lack_column + c] if lack else [])] for c in channels]
     columns = np.zeros((3 * n_sensor, max(map(len, depends))), dtype=np.int64)
     for channel, entries in enumerate(depends):
         columns[channel, : len(entries)] = entries
@@ -116,6 +136,16 @@ def observation_of(arm: Arm, mountings: bool = False) -> tuple[Observation, int]
         settled_column,
         corner_column,
         mounting_column,
+        base_column,
+        lack_column,
+        np.array(
+            [
+                *range(3 * n),
+                *range(base_column, base_column + 3 * base),
+                *range(lack_column, lack_column + 3 * n_sensor * lack),
+            ],
+            dtype=np.int64,
+        ),
         columns,
         np.array([len(entries) for entries in depends], dtype=np.int64),
     )
@@ -133,6 +163,7 @@ class Room(NamedTuple):
     p: Floats
     motion: Floats
     slopes: Floats
+    gravity: Floats
 
 
 @compiled
@@ -147,6 +178,7 @@ def room_of(n: int) -> Room:
         np.empty((n, 3)),
         np.empty((n, 3, 3)),
         np.zeros((n, SEEDS * n, 3, 3)),
+        np.empty(3),
     )
 
 
@@ -167,7 +199,11 @@ def observe(of: Observation, room: Room, x: Floats, reading: Floats, slope: Floa
     plain = of.chain
     chain = Chain(plain.revolute, room.geometry, plain.inertial, plain.friction, plain.gravity, plain.drag)
     poses(chain, room.q, room.R, room.p)
-    rigid_motion(chain, chain.gravity, room.R, room.p, room.dq, room.ddq, room.motion)
+    room.gravity[:] = chain.gravity
+    if of.base_column >= 0:  # a base that accelerates upwards adds to what gravity is felt as
+        for i in range(3):
+            room.gravity[i] -= x[of.base_column + i]
+    rigid_motion(chain, room.gravity, room.R, room.p, room.dq, room.ddq, room.motion)
     motion_slopes(chain, room.R, room.p, room.motion, room.dq, room.slopes)
     for s in range(n_sensor):
         channel, link, rotation = 3 * s, of.link[s], of.rotation[s]
@@ -187,6 +223,9 @@ def observe(of: Observation, room: Room, x: Floats, reading: Floats, slope: Floa
         for c in range(3):
             reading[channel + c] = gain[c] * felt[c] + x[3 * n + channel + c]
             slope[channel + c, 3 * n + channel + c] = 1.0
+            if of.lack_column >= 0:
+                reading[channel + c] += x[of.lack_column + channel + c]
+                slope[channel + c, of.lack_column + channel + c] = 1.0
         for i in range(link + 1):
             for k in range(SEEDS):
                 column = 3 * i + k if k < 3 else of.length_column[i, k - 3]
@@ -198,6 +237,14 @@ def observe(of: Observation, room: Room, x: Floats, reading: Floats, slope: Floa
                 a = turned_by(turn, turned_back(rotation, a))
                 for c in range(3):
                     slope[channel + c, column] = gain[c] * a[c]
+        if of.base_column >= 0:
+            for i in range(3):
+                a = (1.0 if i == 0 else 0.0, 1.0 if i == 1 else 0.0, 1.0 if i == 2 else 0.0)
+                for k in range(link + 1):
+                    a = turned_back(room.R[k], a)
+                a = turned_by(turn, turned_back(rotation, a))
+                for c in range(3):
+                    slope[channel + c, of.base_column + i] = gain[c] * a[c]
         if first >= 0:
             mounting_slopes(rotation, turn, gain, felt, w, dw, slope[channel : channel + 3], first)
 

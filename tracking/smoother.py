@@ -94,7 +94,7 @@ def course_of(readings: Readings, n_joint: int) -> Course:
         WANDER_STD**2 + readings.noise.rounding,
         np.full(n_joint, FILTER_PUSH_STD**2),
         np.repeat(jolt[:, None], n_joint, axis=1),
-        np.ones(n),
+        np.ones(readings.values.shape),
         np.zeros((n, n_joint)),
     )
 

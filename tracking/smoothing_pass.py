@@ -11,7 +11,7 @@ import numpy as np
 
 from arm.model import Floats
 from limbcal.compiled import compiled
-from tracking.kalman_step import Course, Taken, correct, forgetting, hold, predict
+from tracking.kalman_step import Course, Taken, correct, forgetting, hold, predict, transition
 from tracking.observation import Observation, Room
 
 #: A difference smaller than this fraction of its terms has lost five of its sixteen digits.
@@ -31,6 +31,8 @@ def smooth_once(
     smoothed: Floats,
     variance: Floats,
     with_variance: bool,
+    error: Floats,
+    error_precision: Floats,
 ) -> float:
     """Fill in the smoothed states (n, n_state), all readings being linearised along ``at`` (n, n_state).
 
@@ -38,8 +40,11 @@ def smooth_once(
     ----------
     x, P : (n_state,), (n_state, n_state)
         Before the first reading; after the call, after the last one.
-    variance : (n, 3 n_joint)
-        Filled in where ``with_variance``: of q, dq, ddq of every joint.
+    variance : (n, n_reported)
+        Filled in where ``with_variance``: of q, dq, ddq of every joint, and of the base's acceleration.
+    error, error_precision : (n, n_channel + n_joint)
+        Filled in: the smoothing errors u and, where ``with_variance``, their variances D (de Jong 1989). A reading's
+        noise of variance R is most probably R u, with variance R - R^2 D.
 
     Returns
     -------
@@ -75,8 +80,8 @@ def smooth_once(
                     moved += after_P[i, a, b] * later[b]
                 smoothed[k, a] = after_x[i, a] - moved
             if with_variance:
-                joint_variance(after_P[i], shrink, variance[k])
-            give_back(of, course, k, taken[i], later, shrink, with_variance)
+                reported_variance(of.reported, after_P[i], shrink, variance[k])
+            give_back(of, course, k, taken[i], later, shrink, with_variance, error[k], error_precision[k])
             if k > 0:
                 carry_back(of, course, k, at[k], later, shrink, with_variance)
     x[:], P[:] = last_x, last_P
@@ -109,10 +114,11 @@ def filter_step(
 
 
 @compiled
-def joint_variance(P: Floats, shrink: Floats, variance: Floats) -> None:
-    """Fill in the diagonal of ``P - P shrink P`` for the joints; NaN where hardly a digit of P is left."""
+def reported_variance(entries: np.ndarray, P: Floats, shrink: Floats, variance: Floats) -> None:
+    """Fill in the diagonal of ``P - P shrink P`` for some entries; NaN where hardly a digit of P is left."""
     size = P.shape[0]
-    for a in range(variance.size):
+    for i in range(entries.size):
+        a = entries[i]
         less = 0.0
         for b in range(size):
             product = 0.0
@@ -120,12 +126,20 @@ def joint_variance(P: Floats, shrink: Floats, variance: Floats) -> None:
                 product += shrink[b, c] * P[a, c]
             less += product * P[a, b]
         left = P[a, a] - less
-        variance[a] = left if left > _DIGITS * P[a, a] else np.nan
+        variance[i] = left if left > _DIGITS * P[a, a] else np.nan
 
 
 @compiled
 def give_back(
-    of: Observation, course: Course, k: int, taken: Taken, later: Floats, shrink: Floats, with_variance: bool
+    of: Observation,
+    course: Course,
+    k: int,
+    taken: Taken,
+    later: Floats,
+    shrink: Floats,
+    with_variance: bool,
+    error: Floats,
+    error_precision: Floats,
 ) -> None:
     """Carry the adjoint from after the readings of instant k to before them, the last one first."""
     n_channel, size = course.noise.size, later.size
@@ -142,15 +156,22 @@ def give_back(
         pull = taken.miss[row] / total
         for a in range(size):
             pull += gain[a] * later[a]
+        error[row] = pull
         for c in columns:
             later[c] -= slope[c] * pull
         if with_variance:
-            shrink_back(shrink, gain, total, slope, columns)
+            error_precision[row] = shrink_back(shrink, gain, total, slope, columns)
 
 
 @compiled
-def shrink_back(shrink: Floats, gain: Floats, total: float, slope: Floats, columns: np.ndarray) -> None:
-    """Replace S by ``(I - K h)^T S (I - K h) + h^T h / total``, h being the sparse row ``slope``."""
+def shrink_back(shrink: Floats, gain: Floats, total: float, slope: Floats, columns: np.ndarray) -> float:
+    """Replace S by ``(I - K h)^T S (I - K h) + h^T h / total``, h being the sparse row ``slope``.
+
+    Returns
+    -------
+    float
+        ``K^T S K + 1 / total``, the variance of the reading's smoothing error.
+    """
     size = gain.size
     product = np.empty(size)
     square = 1.0 / total
@@ -167,6 +188,7 @@ def shrink_back(shrink: Floats, gain: Floats, total: float, slope: Floats, colum
     for c in columns:
         for b in columns:
             shrink[b, c] += square * slope[b] * slope[c]
+    return square
 
 
 @compiled
@@ -175,7 +197,20 @@ def carry_back(
 ) -> None:
     """Carry the adjoint from instant k to k - 1: the transpose of `predict`."""
     dt, n = course.dt, course.push.size
-    half = 0.5 * dt * dt
+    if of.base_column >= 0:
+        kept = np.exp(-dt / course.base_s)
+        for b in range(of.base_column, of.base_column + 3):
+            later[b] *= kept
+            if with_variance:
+                shrink[b, :] *= kept
+                shrink[:, b] *= kept
+    if of.lack_column >= 0:
+        for channel in range(course.noise.size):
+            kept, b = np.exp(-dt / course.lack_s[channel]), of.lack_column + channel
+            later[b] *= kept
+            if with_variance:
+                shrink[b, :] *= kept
+                shrink[:, b] *= kept
     for s in range(of.corner.size):
         if of.settled_column[s] < 0:
             continue
@@ -188,9 +223,21 @@ def carry_back(
                 add_back(later, shrink, corner_at, o, -dt * stands, with_variance)
     for j in range(n):
         q = 3 * j
-        add_back(later, shrink, q + 2, q, half, with_variance)  # ddq before dq: both still mean what they were
-        add_back(later, shrink, q + 2, q + 1, dt, with_variance)
-        add_back(later, shrink, q + 1, q, dt, with_variance)
+        step = transition(course.slowing[j] if course.slowing.size > 0 else 0.0, dt)
+        carry_joint_back(later, step, q)
+        if with_variance:
+            for c in range(later.size):
+                carry_joint_back(shrink[:, c], step, q)
+            for c in range(later.size):
+                carry_joint_back(shrink[c], step, q)
+
+
+@compiled
+def carry_joint_back(values: Floats, step: tuple[float, float, float, float, float, float], q: int) -> None:
+    """Replace the entries of q, dq, ddq by the transposed transition of theirs."""
+    qv, qa, vv, va, av, aa = step
+    at, v, a = values[q], values[q + 1], values[q + 2]
+    values[q + 1], values[q + 2] = qv * at + vv * v + av * a, qa * at + va * v + aa * a
 
 
 @compiled
