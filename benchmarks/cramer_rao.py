@@ -26,11 +26,13 @@ from arm.accelerometer import specific_force
 from arm.bench import SensorErrors, with_errors
 from arm.counts import COUNT_M_S2
 from arm.model import Arm, Floats
+from tracking.course import course_of
+from tracking.expected_readings import room_of
 from tracking.noise import Noise
-from tracking.observation import Observation, observation_of, room_of
+from tracking.observation import Observation, observation_of
 from tracking.process import SMOOTHER_PUSH_STD
 from tracking.readings import Readings
-from tracking.smoother import course_of, mend
+from tracking.smoother import mend
 from tracking.smoothing_pass import smooth_once
 from tracking.start import MountingPrior, start_state
 from tracking.stillness import WINDOW_S, rest_variance, unrest, window_frames, window_of

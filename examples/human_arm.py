@@ -18,12 +18,13 @@ from arm.kinematics import axis_frames, rotation_from_rpy
 from arm.model import Arm, Floats
 from limbcal.command import emit, say
 from limbcal.errors import DataError, LimbcalError
+from tracking.course import Course, course_of
+from tracking.expected_readings import room_of
 from tracking.kalman_filter import KalmanTracker
-from tracking.kalman_step import Course, correct, hold, predict
-from tracking.observation import observation_of, room_of
+from tracking.kalman_step import correct, hold, predict
+from tracking.observation import observation_of
 from tracking.readings import Readings, ReadingsBuilder
 from tracking.smoothed_frames import smooth_motion
-from tracking.smoother import course_of
 from tracking.smoothing_pass import room_to_take, smooth_once
 from tracking.start import MountingPrior, start_state
 

@@ -13,8 +13,9 @@ from scipy.ndimage import uniform_filter1d
 
 from arm.model import Floats
 from limbcal.compiled import compiled
-from tracking.kalman_step import Course
-from tracking.observation import Observation, Room, add_information, observe
+from tracking.course import Course
+from tracking.expected_readings import Room, add_information, observe
+from tracking.observation import Observation
 
 #: Over how long an acceleration is compared with its mean [s].
 _WINDOW_S = 0.128

@@ -3,10 +3,15 @@
 import numpy as np
 
 from arm.model import Floats
-from tracking.kalman_step import Course
+from tracking.course import Course
 
-#: Frames that are one in a coarser pass.
-COARSE = 4
+#: Rate of a coarser pass [Hz]: at 1 kHz four frames are one, and a motion recorded at less is not coarsened.
+COARSE_HZ = 250.0
+
+
+def stride_of(dt_s: float) -> int:
+    """Return how many frames are one in a coarser pass."""
+    return max(1, round(1.0 / (COARSE_HZ * dt_s)))
 
 
 def every(values: Floats, stride: int) -> Floats:
@@ -16,9 +21,8 @@ def every(values: Floats, stride: int) -> Floats:
     return picked.copy()
 
 
-def coarser(course: Course) -> Course:
+def coarser(course: Course, stride: int) -> Course:
     """Return the course in steps of several frames: means of readings, sums of jolts."""
-    stride = COARSE
     pad = -len(course.readings) % stride
 
     def blocks(values: Floats) -> Floats:
@@ -41,9 +45,9 @@ def coarser(course: Course) -> Course:
     )
 
 
-def finer(coarse: Floats, n: int) -> Floats:
+def finer(coarse: Floats, n: int, stride: int) -> Floats:
     """Return coarse states at each of n frames, by straight lines between them."""
-    at = (np.arange(n) - COARSE // 2) / COARSE
+    at = (np.arange(n) - stride // 2) / stride
     low = np.clip(np.floor(at).astype(int), 0, max(0, len(coarse) - 2))
     share = (at - low)[:, None]
     high = np.minimum(low + 1, len(coarse) - 1)

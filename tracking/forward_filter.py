@@ -8,8 +8,10 @@ from numpy.typing import NDArray
 
 from arm.model import Floats
 from limbcal.compiled import compiled
-from tracking.kalman_step import Course, Taken, correct, hold, predict, spread
-from tracking.observation import Observation, Room, add_information, observe
+from tracking.course import Course
+from tracking.expected_readings import Room, add_information, observe
+from tracking.kalman_step import Taken, correct, hold, predict, spread
+from tracking.observation import Observation
 from tracking.stillness import TO_LEAVE, Window, at_rest, rest_variance, unrest
 
 

@@ -12,48 +12,10 @@ from numpy.typing import NDArray
 
 from arm.model import Floats
 from limbcal.compiled import compiled
-from tracking.observation import Observation, Room, observe
-
-
-class Course(NamedTuple):
-    """Readings at the filter's rate, and what is held of each instant.
-
-    Attributes
-    ----------
-    dt : float [s]
-    readings : (n, n_channel) [m/s^2]
-    present : (n,) bool
-        False where the readings were lost.
-    noise : (n_channel,)
-        Variance of a reading.
-    wander : (n_channel,)
-        By how much the variance of an offset grows in a second.
-    push : (n_joint,)
-        By how much the variance of an acceleration grows in a second.
-    jolt : (n, n_joint)
-        Variance of what an acceleration jumped by from the instant before, beyond that.
-    doubt : (n, n_channel)
-        Factor on the noise of the readings.
-    rest : (n, n_joint)
-        Variance with which a joint's velocity is zero; 0 where nothing is known of it.
-    base_std, base_s : float [m/s^2], [s]
-        Standard deviation and time constant of each axis of the base's acceleration.
-    """
-
-    dt: float
-    readings: Floats
-    present: NDArray[np.bool_]
-    noise: Floats
-    wander: Floats
-    push: Floats
-    jolt: Floats
-    doubt: Floats
-    rest: Floats
-    base_std: float = 0.0
-    base_s: float = 1.0
-    lack_std: Floats = np.zeros((0, 0))
-    lack_s: Floats = np.zeros(0)
-    slowing: Floats = np.zeros(0)
+from tracking.course import Course
+from tracking.expected_readings import Room, observe
+from tracking.observation import Observation
+from tracking.stationary import decay, transition
 
 
 @compiled
@@ -66,32 +28,12 @@ def spread(P: Floats, j: int, variance: float, dt: float) -> None:
 
 
 @compiled
-def transition(rate: float, dt: float) -> tuple[float, float, float, float, float, float]:
-    """Return how q, dq, ddq follow from dq and ddq a step before: q by both, dq by both, ddq by both.
-
-    ``dddq = -2 rate ddq - rate^2 dq`` but for the push: dq is then a stationary Matern process (smoothness 3/2).
-    """
-    if rate * dt < 1e-6:
-        return dt, 0.5 * dt * dt, 1.0, dt, 0.0, 1.0
-    s = rate * dt
-    kept = np.exp(-s)
-    return (
-        (2.0 - kept * (2.0 + s)) / rate,
-        (1.0 - kept * (1.0 + s)) / rate**2,
-        kept * (1.0 + s),
-        kept * dt,
-        -kept * rate * s,
-        kept * (1.0 - s),
-    )
-
-
-@compiled
 def predict(of: Observation, course: Course, k: int, x: Floats, P: Floats) -> None:
     """Carry state and covariance from instant k - 1 to k."""
     dt, n, size = course.dt, course.push.size, x.size
     for j in range(n):
         q = 3 * j
-        qv, qa, vv, va, av, aa = transition(course.slowing[j] if course.slowing.size > 0 else 0.0, dt)
+        qv, qa, vv, va, av, aa = transition(course.rate[j], dt)
         v, a = x[q + 1], x[q + 2]
         x[q] += qv * v + qa * a
         x[q + 1], x[q + 2] = vv * v + va * a, av * v + aa * a
@@ -109,25 +51,13 @@ def predict(of: Observation, course: Course, k: int, x: Floats, P: Floats) -> No
         P[o, o] += course.wander[channel] * dt
         if of.settled_column[channel // 3] >= 0:
             forget(of, course, k, channel, x, P)
+    kept = np.exp(-dt / course.memory_s)
     if of.base_column >= 0:
-        kept = np.exp(-dt / course.base_s)
-        for b in range(of.base_column, of.base_column + 3):
-            decay(x, P, b, kept, course.base_std)
+        for axis in range(3):
+            decay(x, P, of.base_column + axis, kept, course.base_std)
     if of.lack_column >= 0:
         for channel in range(course.noise.size):
-            decay(x, P, of.lack_column + channel, np.exp(-dt / course.lack_s[channel]), course.lack_std[k, channel])
-
-
-@compiled
-def decay(x: Floats, P: Floats, at: int, kept: float, std: float) -> None:
-    """Carry an Ornstein-Uhlenbeck process of some stationary standard deviation on by a step."""
-    size = x.size
-    x[at] *= kept
-    for c in range(size):
-        P[at, c] *= kept
-    for c in range(size):
-        P[c, at] *= kept
-    P[at, at] += std * std * (1.0 - kept * kept)
+            decay(x, P, of.lack_column + channel, kept, course.lack_std)
 
 
 @compiled

@@ -10,8 +10,10 @@ import numpy as np
 
 from arm.model import Floats
 from limbcal.compiled import compiled
-from tracking.kalman_step import Course, Taken, correct, forgetting, hold, predict
-from tracking.observation import Observation, Room
+from tracking.course import Course
+from tracking.expected_readings import Room
+from tracking.kalman_step import Taken, correct, forgetting, hold, predict
+from tracking.observation import Observation
 from tracking.smoothing_pass import STRETCH, room_to_take
 
 

@@ -10,12 +10,13 @@ import numpy as np
 
 from arm.model import Arm, Floats
 from tracking.consistency import Consistency, Judge
+from tracking.expected_readings import observe, room_of
 from tracking.extended_kalman import CompiledKalmanFilter
 from tracking.forward_filter import jolt_of
 from tracking.kalman_step import spread
 from tracking.loss import Loss
 from tracking.noise import Noise
-from tracking.observation import observation_of, observe, room_of
+from tracking.observation import observation_of
 from tracking.process import FILTER_PUSH_STD, SMOOTHER_PUSH_STD, WANDER_STD, alarm_limit
 from tracking.readings import steady
 from tracking.start import MountingPrior, start_state

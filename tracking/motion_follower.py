@@ -12,10 +12,11 @@ from numpy.typing import NDArray
 
 from arm.kinematics import sensor_positions
 from arm.model import Arm, Floats
+from tracking.course import Course
 from tracking.draws import DRAWS, Draws
-from tracking.kalman_step import Course
+from tracking.expected_readings import room_of
 from tracking.linear_response import respond
-from tracking.observation import ABSENT, Observation, room_of
+from tracking.observation import ABSENT, Observation
 from tracking.readings import Readings
 from tracking.sensor_paths import SensorPaths
 from tracking.smoother import Smoother

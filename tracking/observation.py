@@ -1,9 +1,10 @@
-"""What the sensors should read in a state, and how that changes with the state: compiled, one instant at a time.
+"""The state of a tracker, and what the sensors' readings depend on of it.
 
 The state begins with q, dq, ddq of joint 1, then of joint 2 and so on; then follows one offset a channel; then
 constants, of which each is there or not: lengths a and d of links; of each AC-coupled sensor what it would read
 once it has forgotten everything, and its corner; of each sensor scale, misalignment and place. Lengths, corners
-and mountings are departures from what the arm file says.
+and mountings are departures from what the arm file says. Last comes what the model lacks, if it is asked for: the
+acceleration of the base, in its own axes, and a difference of each channel.
 """
 
 from typing import NamedTuple
@@ -14,10 +15,6 @@ from numpy.typing import NDArray
 from arm.chain import Chain, chain_of
 from arm.kinematics import rotation_from_rpy
 from arm.model import Arm, Floats
-from arm.newton_euler import poses, rigid_motion
-from arm.reading_slopes import SEEDS, at_lever, lever_slope, motion_slopes, row
-from arm.triple import cross, turned_back
-from limbcal.compiled import compiled
 
 #: Constants a sensor: three of scale, three of misalignment, three of place.
 MOUNTING = 9
@@ -78,7 +75,9 @@ class Observation(NamedTuple):
     n_column: NDArray[np.int64]
 
 
-def observation_of(arm: Arm, mountings: bool = False, base: bool = False, lack: bool = False) -> tuple[Observation, int]:
+def observation_of(
+    arm: Arm, mountings: bool = False, base: bool = False, lack: bool = False
+) -> tuple[Observation, int]:
     """Return the observation of an arm's sensors and the size of the state.
 
     Parameters
@@ -86,8 +85,8 @@ def observation_of(arm: Arm, mountings: bool = False, base: bool = False, lack: 
     arm : Arm
     mountings : bool
         Let the state hold scale, misalignment and place of every sensor, and the corner of AC-coupled ones.
-    base : bool
-        Let the state hold an acceleration of the base.
+    base, lack : bool
+        Let the state hold an acceleration of the base, and what the model lacks of each channel.
     """
     n, n_sensor = arm.n_joint, len(arm.sensors)
     link = np.array([sensor.joint - 1 for sensor in arm.sensors], dtype=np.int64)
@@ -150,144 +149,3 @@ def observation_of(arm: Arm, mountings: bool = False, base: bool = False, lack: 
         np.array([len(entries) for entries in depends], dtype=np.int64),
     )
     return observation, size
-
-
-class Room(NamedTuple):
-    """What `observe` works in, so that it need not ask for memory at every instant."""
-
-    geometry: Floats
-    q: Floats
-    dq: Floats
-    ddq: Floats
-    R: Floats
-    p: Floats
-    motion: Floats
-    slopes: Floats
-    gravity: Floats
-
-
-@compiled
-def room_of(n: int) -> Room:
-    """Return room for an arm of n joints."""
-    return Room(
-        np.empty((n, 5)),
-        np.empty(n),
-        np.empty(n),
-        np.empty(n),
-        np.empty((n, 3, 3)),
-        np.empty((n, 3)),
-        np.empty((n, 3, 3)),
-        np.zeros((n, SEEDS * n, 3, 3)),
-        np.empty(3),
-    )
-
-
-@compiled
-def observe(of: Observation, room: Room, x: Floats, reading: Floats, slope: Floats) -> None:
-    """Fill in what every channel reads in state x, (3 n_sensor,), and its slopes, (3 n_sensor, n_state).
-
-    Only those entries of ``slope`` are written that `Observation.columns` names.
-    """
-    n, n_sensor = room.q.size, of.link.size
-    room.geometry[:] = of.chain.geometry
-    for j in range(n):
-        room.q[j], room.dq[j], room.ddq[j] = x[3 * j], x[3 * j + 1], x[3 * j + 2]
-        if of.length_column[j, 0] >= 0:
-            room.geometry[j, 1] += x[of.length_column[j, 0]]
-        if of.length_column[j, 1] >= 0:
-            room.geometry[j, 2] += x[of.length_column[j, 1]]
-    plain = of.chain
-    chain = Chain(plain.revolute, room.geometry, plain.inertial, plain.friction, plain.gravity, plain.drag)
-    poses(chain, room.q, room.R, room.p)
-    room.gravity[:] = chain.gravity
-    if of.base_column >= 0:  # a base that accelerates upwards adds to what gravity is felt as
-        for i in range(3):
-            room.gravity[i] -= x[of.base_column + i]
-    rigid_motion(chain, room.gravity, room.R, room.p, room.dq, room.ddq, room.motion)
-    motion_slopes(chain, room.R, room.p, room.motion, room.dq, room.slopes)
-    for s in range(n_sensor):
-        channel, link, rotation = 3 * s, of.link[s], of.rotation[s]
-        first = of.mounting_column[s]
-        w, dw = row(room.motion[link, 0]), row(room.motion[link, 1])
-        px, py, pz = row(of.position[s])
-        gx, gy, gz = row(of.scale[s])
-        turn = (0.0, 0.0, 0.0)
-        if first >= 0:
-            gx, gy, gz = gx + x[first], gy + x[first + 1], gz + x[first + 2]
-            turn = row(x[first + 3 : first + 6])
-            px, py, pz = px + x[first + 6], py + x[first + 7], pz + x[first + 8]
-        place, gain = (px, py, pz), (gx, gy, gz)
-        lever, dv = at_lever(w, dw, place), row(room.motion[link, 2])
-        upright = turned_back(rotation, (dv[0] + lever[0], dv[1] + lever[1], dv[2] + lever[2]))
-        felt = turned_by(turn, upright)
-        for c in range(3):
-            reading[channel + c] = gain[c] * felt[c] + x[3 * n + channel + c]
-            slope[channel + c, 3 * n + channel + c] = 1.0
-            if of.lack_column >= 0:
-                reading[channel + c] += x[of.lack_column + channel + c]
-                slope[channel + c, of.lack_column + channel + c] = 1.0
-        for i in range(link + 1):
-            for k in range(SEEDS):
-                column = 3 * i + k if k < 3 else of.length_column[i, k - 3]
-                if column < 0 or (k == 3 and i == link):
-                    continue
-                t = room.slopes[link, SEEDS * i + k]
-                swing, tdv = lever_slope(w, row(t[0]), row(t[1]), place), row(t[2])
-                a = (tdv[0] + swing[0], tdv[1] + swing[1], tdv[2] + swing[2])
-                a = turned_by(turn, turned_back(rotation, a))
-                for c in range(3):
-                    slope[channel + c, column] = gain[c] * a[c]
-        if of.base_column >= 0:
-            for i in range(3):
-                a = (1.0 if i == 0 else 0.0, 1.0 if i == 1 else 0.0, 1.0 if i == 2 else 0.0)
-                for k in range(link + 1):
-                    a = turned_back(room.R[k], a)
-                a = turned_by(turn, turned_back(rotation, a))
-                for c in range(3):
-                    slope[channel + c, of.base_column + i] = gain[c] * a[c]
-        if first >= 0:
-            mounting_slopes(rotation, turn, gain, felt, w, dw, slope[channel : channel + 3], first)
-
-
-@compiled
-def mounting_slopes(
-    rotation: Floats,
-    turn: tuple[float, float, float],
-    gain: tuple[float, float, float],
-    felt: tuple[float, float, float],
-    w: tuple[float, float, float],
-    dw: tuple[float, float, float],
-    slope: Floats,
-    first: int,
-) -> None:
-    """Fill in the slopes (3, n_state) of one sensor by its scale, turn and place."""
-    axes = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
-    for k in range(3):
-        turned = cross(felt, axes[k])  # to first order in what the turn still lacks
-        moved = turned_by(turn, turned_back(rotation, at_lever(w, dw, axes[k])))
-        for c in range(3):
-            slope[c, first + k] = felt[c] if c == k else 0.0
-            slope[c, first + 3 + k] = gain[c] * turned[c]
-            slope[c, first + 6 + k] = gain[c] * moved[c]
-
-
-@compiled
-def turned_by(turn: tuple[float, float, float], a: tuple[float, float, float]) -> tuple[float, float, float]:
-    """Return a vector as a sensor sees it that is turned by a small rotation vector: ``Exp(turn)^T a``."""
-    if turn[0] == 0.0 and turn[1] == 0.0 and turn[2] == 0.0:
-        return a
-    angle = np.sqrt(turn[0] ** 2 + turn[1] ** 2 + turn[2] ** 2)
-    s, c = np.sin(angle) / angle, (1.0 - np.cos(angle)) / angle**2
-    one = cross(turn, a)
-    two = cross(turn, one)
-    return a[0] - s * one[0] + c * two[0], a[1] - s * one[1] + c * two[1], a[2] - s * one[2] + c * two[2]
-
-
-@compiled
-def add_information(of: Observation, noise: Floats, slopes: Floats, A: Floats) -> None:
-    """Add to A (n_joint, n_joint) what readings with variances ``noise`` tell of an instant's accelerations."""
-    for channel in range(noise.size):
-        slope = slopes[channel]
-        for j in range(of.link[channel // 3] + 1):
-            for i in range(of.link[channel // 3] + 1):
-                A[i, j] += slope[3 * i + 2] * slope[3 * j + 2] / noise[channel]

@@ -6,6 +6,8 @@ import numpy as np
 
 from arm.kinematics import tip_position
 from arm.model import Arm, Floats
+from limbcal.errors import DataError
+from tracking.discrepancy_smoother import DiscrepancySmoother
 from tracking.frames import Frames, Phase
 from tracking.readings import Readings
 from tracking.sensor_paths import SensorPaths
@@ -21,6 +23,27 @@ class SmoothedMotion:
     smoothed: Smoothed
 
 
+def most_probable(arm: Arm, readings: Readings, q: Floats, given: bool) -> Smoothed:
+    """Return the most probable motion: of the arm as its file has it, if that explains the readings.
+
+    Otherwise that of an arm like it, with what the model lacks learnt as well.
+
+    Parameters
+    ----------
+    arm, q, given
+        As of `tracking.smoother.Smoother`.
+    readings : Readings
+    """
+    rest = np.zeros((len(readings.values), arm.n_joint))
+    try:
+        exact = Smoother(arm, q, given).smooth(readings)
+    except DataError:
+        return DiscrepancySmoother(arm, q, given).smooth(readings, rest)
+    if exact.is_exact:
+        return exact
+    return DiscrepancySmoother(arm, q, given).smooth(readings, exact.course.rest)
+
+
 def smooth_motion(arm: Arm, readings: Readings, initial_q_rad: Floats | None) -> SmoothedMotion:
     """Return the motion of a whole recording.
 
@@ -34,7 +57,7 @@ def smooth_motion(arm: Arm, readings: Readings, initial_q_rad: Floats | None) ->
     """
     n = arm.n_joint
     q0 = np.zeros(n) if initial_q_rad is None else initial_q_rad
-    found = Smoother(arm, q0, initial_q_rad is not None).smooth(readings)
+    found = most_probable(arm, readings, q0, initial_q_rad is not None)
     q, dq, ddq = (found.states[:, k : 3 * n : 3].copy() for k in range(3))
     offset = found.states[:, 3 * n : 3 * n + readings.values.shape[1]]
     frames = Frames(

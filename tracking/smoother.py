@@ -14,13 +14,15 @@ from numpy.typing import NDArray
 from arm.model import Arm, Floats
 from limbcal.errors import DataError
 from tracking.calm_motion import acceleration_noise, calm
-from tracking.coarsening import COARSE, coarser, every, finer
+from tracking.coarsening import coarser, every, finer, stride_of
+from tracking.course import Course, course_of
+from tracking.discrepancy import Discrepancy
+from tracking.expected_readings import room_of
 from tracking.forward_filter import filter_all
-from tracking.kalman_step import Course
-from tracking.observation import observation_of, room_of
-from tracking.process import FILTER_PUSH_STD, SMOOTHER_PUSH_STD, WANDER_STD, alarm_limit
+from tracking.observation import observation_of
+from tracking.process import SMOOTHER_PUSH_STD, alarm_limit
 from tracking.readings import Readings
-from tracking.smoothing_pass import smooth_once
+from tracking.smoothing_pass import Pass, pass_of, smooth_once
 from tracking.start import MountingPrior, start_state
 from tracking.stillness import WINDOW_S, window_frames, window_of
 from tracking.winding import unwound
@@ -32,9 +34,11 @@ _CLOSE_ENOUGH = 0.02
 _PASSES = 30
 #: A pass that moves the states by more than this fraction of the pass before gets no nearer, a convention.
 _TOO_LITTLE = 0.7
+#: Noise is known to a tenth (`tracking.noise`), so no more variance than this multiple of its own is noise.
+NOISE_VARIANCE_TOLERANCE = 1.1**2
 #: By how long a motion may have begun before it is seen, however slowly it does: half a rest's window [s].
 RELEASE_S = 0.5 * WINDOW_S
-_CONTRADICTION = (
+NO_MOTION = (
     "no motion of this arm explains the readings at all; expected an arm file with these joints and its sensors "
     "where they are"
 )
@@ -48,8 +52,8 @@ class Smoothed:
     ----------
     states : (n, n_state)
         Of every frame, in the order of `tracking.observation`.
-    variance : (n, 3 n_joint)
-        Of q, dq, ddq of every joint.
+    found : Pass
+        Of the last pass.
     final, covariance : (n_state,), (n_state, n_state)
         After the last reading: what is known of the constants.
     before : (n_state, n_state)
@@ -64,10 +68,12 @@ class Smoothed:
         The readings of the last pass, with the jolts, doubts and rests that were found.
     along : (n, n_state)
         Along which they were linearised in it.
+    discrepancy : Discrepancy, optional
+        What the model was found to lack of the readings, if that was sought.
     """
 
     states: Floats
-    variance: Floats
+    found: Pass
     final: Floats
     covariance: Floats
     before: Floats
@@ -78,25 +84,24 @@ class Smoothed:
     converged: bool
     course: Course
     along: Floats
+    discrepancy: Discrepancy | None = None
 
+    @property
+    def variance(self) -> Floats:
+        """Of q, dq, ddq of every joint, (n, 3 n_joint)."""
+        return self.found.variance[:, : 3 * self.course.push.size]
 
-def course_of(readings: Readings, n_joint: int) -> Course:
-    """Return readings as a course of which nothing more is known."""
-    n = len(readings.values)
-    # Nobody saw a jolt where readings are missing, so there may have been one.
-    jolt = np.where(readings.present, 0.0, SMOOTHER_PUSH_STD**2 * readings.dt_s)
-    noise = readings.noise.of_mean(readings.factor)
-    return Course(
-        readings.dt_s,
-        np.nan_to_num(readings.values),  # what is not present is not looked at
-        readings.present,
-        noise,
-        WANDER_STD**2 + readings.noise.rounding,
-        np.full(n_joint, FILTER_PUSH_STD**2),
-        np.repeat(jolt[:, None], n_joint, axis=1),
-        np.ones(readings.values.shape),
-        np.zeros((n, n_joint)),
-    )
+    @property
+    def is_exact(self) -> bool:
+        """Whether the readings are explained to the accuracy with which the sensors' noise is known."""
+        return self.converged and self.misfit < NOISE_VARIANCE_TOLERANCE
+
+    @property
+    def misfit(self) -> float:
+        """Mean squared smoothing error of the readings by its own claim: 1 where the model is right."""
+        channels = slice(0, self.course.noise.size)
+        squares = np.square(self.found.error[self.course.present, channels]).mean()
+        return float(squares / self.found.precision[self.course.present, channels].mean())
 
 
 class Smoother:
@@ -155,19 +160,21 @@ class Smoother:
         states, still, resting = self._filter(course, readings, x0, P0)
         release(course, still)
         course = course._replace(push=np.full(n, SMOOTHER_PUSH_STD**2))
-        coarse, at = coarser(course), every(states, COARSE)
+        stride = stride_of(course.dt)
+        coarse, at = coarser(course, stride), every(states, stride)
         if (turned := unwound(at, coarse, arm, long_too=True)) is not None:
             at = turned
         passes, converged, step, moved = 0, False, 1.0, np.inf
         along, last = at, coarse
-        room, variance = room_of(n), np.empty((len(at), 3 * n))
-        smoothed, noise = np.empty_like(at), acceleration_noise(of, room, coarse, at)
+        room, found = room_of(n), pass_of(of, coarse, self.size)
+        noise = acceleration_noise(of, room, coarse, at)
         while passes < _PASSES and not converged:
             x, P = x0.copy(), P0.copy()
             along = calm(at, noise, coarse.dt)
-            smooth_once(of, room, coarse, along, x, P, smoothed, variance, not fine)
+            smooth_once(of, room, coarse, along, x, P, found, not fine)
+            smoothed = found.states
             if not np.isfinite(smoothed).all():
-                raise DataError(_CONTRADICTION)
+                raise DataError(NO_MOTION)
             std = np.sqrt(np.maximum(np.diag(P), 1e-12))
             before, moved = moved, float((np.abs(smoothed - at).max(axis=0) / std).max())
             passes, converged = passes + 1, moved < _CLOSE_ENOUGH
@@ -175,20 +182,21 @@ class Smoother:
                 step = max(0.25, 0.5 * step)
             if converged:
                 step = 1.0
-            at, smoothed = at + step * (smoothed - at), at
+            at = at + step * (smoothed - at)
             if (turned := unwound(at, coarse, arm)) is not None:
                 at, converged, moved, step = turned, False, np.inf, 1.0
             if progress is not None:
                 progress(passes)
         if fine:
-            along = finer(calm(at, noise, coarse.dt), len(states))
-            variance, smoothed = np.empty((len(states), 3 * n)), np.empty_like(states)
+            along = finer(calm(at, noise, coarse.dt), len(states), stride)
+            found = pass_of(of, course, self.size)
             x, P = x0.copy(), P0.copy()
-            smooth_once(of, room, course, along, x, P, smoothed, variance, True)
-            at, last = smoothed, course
-        mend(variance)
-        doubted = float(np.mean(course.doubt > 1.0))
-        return Smoothed(at, variance, x, P, P0, still, resting, doubted, passes, converged, last, along)
+            smooth_once(of, room, course, along, x, P, found, True)
+            at, last = found.states, course
+        mend(found.variance)
+        doubted = float(np.mean((course.doubt > 1.0).any(axis=1)))
+        rests = still, resting
+        return Smoothed(at, found, x, P, P0, *rests, doubted, passes, converged, last, along)
 
     def begin(self, readings: Readings) -> tuple[Floats, Floats]:
         """Return state and covariance before the first reading of a recording."""
@@ -211,9 +219,9 @@ class Smoother:
         try:
             filter_all(of, room, course, window, cell, limit, x0.copy(), P0.copy(), states, still, resting)
         except np.linalg.LinAlgError as error:  # a covariance without sense, as a compiled inverse sees it
-            raise DataError(_CONTRADICTION) from error
+            raise DataError(NO_MOTION) from error
         if not np.isfinite(states).all():
-            raise DataError(_CONTRADICTION)
+            raise DataError(NO_MOTION)
         return states, still, resting
 
 

@@ -7,12 +7,17 @@ measurements*, 1973.) What the filter did is not kept but done again, a stretch 
 way: memory stays bounded by the length of a stretch and the number of marks.
 """
 
+from typing import NamedTuple
+
 import numpy as np
 
 from arm.model import Floats
 from limbcal.compiled import compiled
-from tracking.kalman_step import Course, Taken, correct, forgetting, hold, predict, transition
-from tracking.observation import Observation, Room
+from tracking.course import Course
+from tracking.expected_readings import Room
+from tracking.kalman_step import Taken, correct, forgetting, hold, predict
+from tracking.observation import Observation
+from tracking.stationary import transition
 
 #: A difference smaller than this fraction of its terms has lost five of its sixteen digits.
 _DIGITS = 1e-5
@@ -20,31 +25,45 @@ _DIGITS = 1e-5
 STRETCH = 128
 
 
+class Pass(NamedTuple):
+    """What a pass finds.
+
+    Attributes
+    ----------
+    states : (n, n_state)
+    variance : (n, n_reported)
+        Of the entries that `Observation.reported` names.
+    error, precision : (n, n_channel + n_joint)
+        Smoothing errors u of the readings, and of the joints at rest, and their variances D: the noise of a reading
+        whose variance is R is most probably R u, with the variance R - R^2 D (P. de Jong 1989). Mean u^2 / D is 1
+        where the model is right.
+    """
+
+    states: Floats
+    variance: Floats
+    error: Floats
+    precision: Floats
+
+
+@compiled
+def pass_of(of: Observation, course: Course, size: int) -> Pass:
+    """Return room for what a pass over a course finds."""
+    n, rows = course.readings.shape[0], course.noise.size + course.push.size
+    return Pass(np.empty((n, size)), np.zeros((n, of.reported.size)), np.zeros((n, rows)), np.zeros((n, rows)))
+
+
 @compiled
 def smooth_once(
-    of: Observation,
-    room: Room,
-    course: Course,
-    at: Floats,
-    x: Floats,
-    P: Floats,
-    smoothed: Floats,
-    variance: Floats,
-    with_variance: bool,
-    error: Floats,
-    error_precision: Floats,
+    of: Observation, room: Room, course: Course, at: Floats, x: Floats, P: Floats, found: Pass, with_variance: bool
 ) -> float:
-    """Fill in the smoothed states (n, n_state), all readings being linearised along ``at`` (n, n_state).
+    """Fill in what is found, all readings being linearised along ``at`` (n, n_state).
 
     Parameters
     ----------
     x, P : (n_state,), (n_state, n_state)
         Before the first reading; after the call, after the last one.
-    variance : (n, n_reported)
-        Filled in where ``with_variance``: of q, dq, ddq of every joint, and of the base's acceleration.
-    error, error_precision : (n, n_channel + n_joint)
-        Filled in: the smoothing errors u and, where ``with_variance``, their variances D (de Jong 1989). A reading's
-        noise of variance R is most probably R u, with variance R - R^2 D.
+    found : Pass
+        Variances and precisions only where ``with_variance``.
 
     Returns
     -------
@@ -78,10 +97,10 @@ def smooth_once(
                 moved = 0.0
                 for b in range(size):
                     moved += after_P[i, a, b] * later[b]
-                smoothed[k, a] = after_x[i, a] - moved
+                found.states[k, a] = after_x[i, a] - moved
             if with_variance:
-                reported_variance(of.reported, after_P[i], shrink, variance[k])
-            give_back(of, course, k, taken[i], later, shrink, with_variance, error[k], error_precision[k])
+                reported_variance(of.reported, after_P[i], shrink, found.variance[k])
+            give_back(of, course, taken[i], later, shrink, with_variance, found.error[k], found.precision[k])
             if k > 0:
                 carry_back(of, course, k, at[k], later, shrink, with_variance)
     x[:], P[:] = last_x, last_P
@@ -133,13 +152,12 @@ def reported_variance(entries: np.ndarray, P: Floats, shrink: Floats, variance: 
 def give_back(
     of: Observation,
     course: Course,
-    k: int,
     taken: Taken,
     later: Floats,
     shrink: Floats,
     with_variance: bool,
     error: Floats,
-    error_precision: Floats,
+    precision: Floats,
 ) -> None:
     """Carry the adjoint from after the readings of instant k to before them, the last one first."""
     n_channel, size = course.noise.size, later.size
@@ -160,7 +178,7 @@ def give_back(
         for c in columns:
             later[c] -= slope[c] * pull
         if with_variance:
-            error_precision[row] = shrink_back(shrink, gain, total, slope, columns)
+            precision[row] = shrink_back(shrink, gain, total, slope, columns)
 
 
 @compiled
@@ -197,20 +215,13 @@ def carry_back(
 ) -> None:
     """Carry the adjoint from instant k to k - 1: the transpose of `predict`."""
     dt, n = course.dt, course.push.size
+    kept = np.exp(-dt / course.memory_s)
     if of.base_column >= 0:
-        kept = np.exp(-dt / course.base_s)
-        for b in range(of.base_column, of.base_column + 3):
-            later[b] *= kept
-            if with_variance:
-                shrink[b, :] *= kept
-                shrink[:, b] *= kept
+        for axis in range(3):
+            forget_back(later, shrink, of.base_column + axis, kept, with_variance)
     if of.lack_column >= 0:
         for channel in range(course.noise.size):
-            kept, b = np.exp(-dt / course.lack_s[channel]), of.lack_column + channel
-            later[b] *= kept
-            if with_variance:
-                shrink[b, :] *= kept
-                shrink[:, b] *= kept
+            forget_back(later, shrink, of.lack_column + channel, kept, with_variance)
     for s in range(of.corner.size):
         if of.settled_column[s] < 0:
             continue
@@ -223,13 +234,22 @@ def carry_back(
                 add_back(later, shrink, corner_at, o, -dt * stands, with_variance)
     for j in range(n):
         q = 3 * j
-        step = transition(course.slowing[j] if course.slowing.size > 0 else 0.0, dt)
+        step = transition(course.rate[j], dt)
         carry_joint_back(later, step, q)
         if with_variance:
             for c in range(later.size):
                 carry_joint_back(shrink[:, c], step, q)
             for c in range(later.size):
                 carry_joint_back(shrink[c], step, q)
+
+
+@compiled
+def forget_back(later: Floats, shrink: Floats, at: int, kept: float, with_variance: bool) -> None:
+    """Carry the adjoint of an entry that decays."""
+    later[at] *= kept
+    if with_variance:
+        shrink[at, :] *= kept
+        shrink[:, at] *= kept
 
 
 @compiled

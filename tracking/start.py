@@ -5,7 +5,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from arm.model import Arm, Floats, SensorCovariance
-from tracking.observation import ABSENT, MOUNTING, MOUNTING_NAMES, Observation, observe, room_of
+from tracking.expected_readings import observe, room_of
+from tracking.observation import ABSENT, MOUNTING, MOUNTING_NAMES, Observation
 
 #: An accelerometer's offset where nothing is known of it, and at the least and at the most where the first
 #: readings, taken together, show how large the offsets of these sensors are [m/s^2].

@@ -18,7 +18,8 @@ import numpy as np
 
 from arm.model import Floats
 from limbcal.compiled import compiled
-from tracking.observation import Observation, Room, observe
+from tracking.expected_readings import Room, observe
+from tracking.observation import Observation
 
 #: How long the readings must stay what they are, and the cells in which they are compared.
 WINDOW_S, CELL_S = 0.25, 0.01

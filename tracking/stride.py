@@ -9,8 +9,9 @@ import numpy as np
 
 from arm.model import Floats
 from limbcal.compiled import compiled
+from tracking.expected_readings import Room, observe
 from tracking.extended_kalman import correct, predict
-from tracking.observation import Observation, Room, observe
+from tracking.observation import Observation
 
 
 @compiled

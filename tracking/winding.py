@@ -3,7 +3,7 @@
 import numpy as np
 
 from arm.model import Arm, Floats
-from tracking.kalman_step import Course
+from tracking.course import Course
 from tracking.loss import TOLD_S, most_probable_way
 
 #: A whole turn [rad].

@@ -5,8 +5,9 @@ import pytest
 
 from arm.accelerometer import specific_force
 from tracking.calm_motion import acceleration_noise, calm
-from tracking.observation import observation_of, room_of
-from tracking.smoother import course_of
+from tracking.course import course_of
+from tracking.expected_readings import room_of
+from tracking.observation import observation_of
 
 DT, N = 0.004, 1500
 NOISE = 0.05

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from tracking.coarsening import COARSE, coarser, every, finer
-from tracking.kalman_step import Course
+from tracking.course import Course
 
 
 def course(n: int, rng: np.random.Generator) -> Course:

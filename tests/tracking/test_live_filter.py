@@ -5,8 +5,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from tracking.course import course_of
 from tracking.live_filter import LiveFilter
-from tracking.smoother import Smoother, course_of
+from tracking.smoother import Smoother
 from tracking.start import MountingPrior, start_state
 from tracking.stillness import WINDOW_S
 

@@ -5,9 +5,9 @@ import pytest
 
 from arm.kinematics import sensor_positions
 from tracking.draws import DRAWS
+from tracking.expected_readings import room_of
 from tracking.linear_response import respond
 from tracking.motion_follower import MotionFollower
-from tracking.observation import room_of
 from tracking.smoother import Smoother, release
 
 RATE_HZ = 250.0

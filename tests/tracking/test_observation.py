@@ -8,7 +8,8 @@ from scipy.spatial.transform import Rotation
 
 from arm.accelerometer import specific_force
 from arm.kinematics import rotation_from_rpy, rpy_from_rotation
-from tracking.observation import MOUNTING, MOUNTING_NAMES, add_information, observation_of, observe, room_of
+from tracking.expected_readings import add_information, observe, room_of
+from tracking.observation import MOUNTING, MOUNTING_NAMES, observation_of
 
 ARMS = ["dd_arm", "spatial", "sliding"]
 STEP = 1e-5

@@ -7,9 +7,10 @@ import pytest
 
 from arm.bench import Bench
 from tracking.decimation import Decimator
+from tracking.expected_readings import observe, room_of
 from tracking.kalman_filter import KalmanTracker
 from tracking.noise import noise_of
-from tracking.observation import observation_of, observe, room_of
+from tracking.observation import observation_of
 from tracking.regaining_filter import RegainingFilter
 from tracking.stillness import window_frames
 

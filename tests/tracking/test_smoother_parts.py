@@ -5,9 +5,10 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from tracking.course import course_of
 from tracking.noise import Noise
 from tracking.readings import Readings
-from tracking.smoother import course_of, mend, release
+from tracking.smoother import mend, release
 
 NAN = np.nan
 

@@ -5,9 +5,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from tracking.course import Course
+from tracking.expected_readings import observe, room_of
 from tracking.forward_filter import filter_all
-from tracking.kalman_step import Course, correct, hold, predict
-from tracking.observation import observation_of, observe, room_of
+from tracking.kalman_step import correct, hold, predict
+from tracking.observation import observation_of
 from tracking.process import alarm_limit
 from tracking.smoothing_pass import filter_step, room_to_take, smooth_once
 from tracking.stillness import window_of

@@ -4,10 +4,12 @@ import numpy as np
 import pytest
 
 from arm.accelerometer import specific_force
+from tracking.course import course_of
+from tracking.expected_readings import room_of
 from tracking.noise import Noise
-from tracking.observation import observation_of, room_of
+from tracking.observation import observation_of
 from tracking.readings import Readings
-from tracking.smoother import Smoother, course_of
+from tracking.smoother import Smoother
 from tracking.start import MountingPrior, start_state
 from tracking.stillness import (
     CELL_S,

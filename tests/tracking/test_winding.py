@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from tracking.kalman_step import Course
+from tracking.course import Course
 from tracking.winding import unwound
 
 DT, N = 0.004, 1500

@@ -17,7 +17,8 @@ from fitter.diagnosis.least_squares import SIGMAS
 from fitter.diagnosis.readings.elimination import motion_at_knots
 from fitter.diagnosis.readings.sensor_frames import TrialFrames
 from limbcal.compiled import compiled
-from tracking.observation import Observation, observation_of, observe, room_of
+from tracking.expected_readings import observe, room_of
+from tracking.observation import Observation, observation_of
 
 
 @dataclass(frozen=True)

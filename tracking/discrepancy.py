@@ -1,0 +1,127 @@
+r"""What the model lacks of the readings, and how large it is: learnt from the readings themselves.
+
+A real arm is not quite the one in its file, and stands on something that moves. A reading is
+
+.. math:: a_{ck} = h_c(x_k, b_k) + l_{ck} + e_{ck}
+
+with the acceleration b of the base and what the model lacks of each channel, l: Ornstein-Uhlenbeck processes, that of
+the base shared by all sensors. The noise e is the sensor's, with Student's tails where something strikes the arm.
+Joints have a stationary speed (`tracking.stationary`). The sizes of all these are learnt by expectation and
+maximisation (A. P. Dempster, N. M. Laird, D. B. Rubin 1977; R. H. Shumway, D. S. Stoffer 1982): each is the mean
+square that the smoother expects, its own variance included. One size is shared by all channels, and by all joints of
+a kind: with a size of its own the likelihood makes one sensor exact and leaves everything to another.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.ndimage import uniform_filter1d
+
+from arm.model import Floats
+from tracking.course import Course
+from tracking.observation import ABSENT, Observation
+from tracking.smoothing_pass import Pass
+
+#: Degrees of freedom of Student's distribution: with four it hardly loses anything to a normal one, and is not misled
+#: (K. L. Lange, R. J. A. Little, J. M. G. Taylor, *Robust statistical modeling using the t distribution*, 1989).
+_FREEDOM = 4.0
+#: Over how long noise is about as large [s]: a stroke and what it makes ring.
+_WINDOW_S = 1.0
+#: Steps of an estimate of scale; each gains a digit or two.
+_STEPS = 15
+#: Median of a squared normal number in units of its variance.
+_MEDIAN_OF_SQUARE = 0.455
+#: A joint is no slower than this on average [rad/s or m/s]: one that never moved has no speed to learn.
+_SLOWEST = 0.02
+
+
+@dataclass(frozen=True)
+class Discrepancy:
+    """Sizes of what the model lacks.
+
+    Attributes
+    ----------
+    lack_std : float [m/s^2]
+        Of each channel.
+    base_std : float [m/s^2]
+        Of each axis of the base's acceleration; 0 if it stands still.
+    memory_s : float [s]
+        Time constant of both.
+    speed_std : (n_joint,) [rad/s or m/s]
+        Of the joints.
+    """
+
+    lack_std: float
+    base_std: float
+    memory_s: float
+    speed_std: Floats
+
+
+def speed_rate(push: Floats, speed_std: Floats) -> Floats:
+    """Return the rates at which speeds of some standard deviations, pushed so hard, return to zero [1/s]."""
+    rate: Floats = np.cbrt(push / (4.0 * np.maximum(speed_std, _SLOWEST) ** 2))
+    return rate
+
+
+def with_sizes(course: Course, sizes: Discrepancy, variance: Floats) -> Course:
+    """Return a course with what the model lacks, and with the variance of each reading's noise."""
+    return course._replace(
+        doubt=variance / course.noise,
+        rate=speed_rate(course.push, sizes.speed_std),
+        base_std=sizes.base_std,
+        lack_std=sizes.lack_std,
+        memory_s=sizes.memory_s,
+    )
+
+
+def sizes_of(of: Observation, found: Pass, revolute: NDArray[np.bool_], memory_s: float) -> Discrepancy:
+    """Return the sizes that the states of a pass and their variances make likeliest."""
+    n = len(revolute)
+    speeds = (found.states[:, 1 : 3 * n : 3] ** 2 + found.variance[:, 1 : 3 * n : 3]).mean(axis=0)
+    speed_std = np.empty(n)
+    for kind in (revolute, ~revolute):
+        speed_std[kind] = np.sqrt(speeds[kind].mean()) if kind.any() else 0.0
+    reported = {int(entry): place for place, entry in enumerate(of.reported)}
+
+    def rms(first: int, count: int) -> float:
+        if first == ABSENT:
+            return 0.0
+        squares = found.states[:, first : first + count] ** 2
+        variance = found.variance[:, reported[first] : reported[first] + count]
+        return float(np.sqrt((squares + variance).mean()))
+
+    return Discrepancy(rms(of.lack_column, 3 * of.link.size), rms(of.base_column, 3), memory_s, speed_std)
+
+
+def noise_variances(course: Course, found: Pass) -> Floats:
+    """Return the variance of each reading's noise, (n, n_channel).
+
+    That of its instant is the mean square over a second about it, as far as that says more than all instants, and
+    each sensor's three readings at an instant count by Student's weight. None is less than the sensor's own noise.
+    """
+    n, n_channel = course.readings.shape
+    before = course.noise * course.doubt
+    residual, share = before * found.error[:, :n_channel], before * found.precision[:, :n_channel]
+    squares = residual**2 / max(float(share[course.present].mean()), np.finfo(np.float64).tiny)
+    squares[~course.present] = 0.0
+    sensor = squares.reshape(n, -1, 3).sum(axis=2)
+    there = course.present.astype(np.float64)
+    overall = max(float(np.median(squares[course.present])) / _MEDIAN_OF_SQUARE, np.finfo(np.float64).tiny)
+    for _ in range(_STEPS):
+        overall = float((_weight(sensor, overall) * sensor)[course.present].mean()) / 3.0
+    window = max(1, round(_WINDOW_S / course.dt))
+    count = n_channel * window * uniform_filter1d(there, window, mode="nearest")
+    local = np.full(n, overall)
+    for _ in range(_STEPS):
+        weighed = (_weight(sensor, local[:, None]) * sensor).mean(axis=1) / 3.0
+        total = n_channel * window * uniform_filter1d(weighed, window, mode="nearest")
+        local = (_FREEDOM * overall + total) / (_FREEDOM + count)
+    variance = np.repeat(local[:, None] / _weight(sensor, local[:, None]), 3, axis=1)
+    least: Floats = np.maximum(variance, course.noise)
+    return least
+
+
+def _weight(sensor: Floats, variance: Floats | float) -> Floats:
+    """Return Student's weight of three readings whose squares have this sum."""
+    return np.asarray((_FREEDOM + 3.0) / (_FREEDOM + sensor / variance))

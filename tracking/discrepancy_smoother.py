@@ -1,0 +1,257 @@
+"""Joint motion from a recording of an arm that is not quite the one in its file, on a base that may move.
+
+What the model lacks of the readings is learnt with the motion (`tracking.discrepancy`). Whether the base moves, and
+for how long what is lacking lasts, is chosen by the likelihood of the readings, from a motion that only gravity was
+asked for.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.ndimage import uniform_filter1d
+
+from arm.model import Arm, Floats
+from limbcal.compiled import compiled
+from limbcal.errors import DataError
+from tracking.coarsening import coarser, finer, stride_of
+from tracking.course import Course, course_of
+from tracking.discrepancy import Discrepancy, noise_variances, sizes_of, with_sizes
+from tracking.expected_readings import Room, room_of
+from tracking.kalman_step import correct, hold, predict
+from tracking.observation import ABSENT, Observation, observation_of
+from tracking.process import SMOOTHER_PUSH_STD
+from tracking.readings import Readings
+from tracking.smoother import NO_MOTION, Smoothed, mend
+from tracking.smoothing_pass import Pass, pass_of, room_to_take, smooth_once
+from tracking.start import MountingPrior, start_state
+from tracking.winding import unwound
+
+#: For how long what the model lacks lasts [s], half a decade apart: from a stroke to a step of a walk.
+MEMORIES_S = (0.03, 0.1, 0.3)
+#: Log-odds at which the base is held to move: a hundred to one.
+_ODDS_NATS = float(np.log(100.0))
+#: Expectations and maximisations at the most, and passes in each.
+_ROUNDS, _PASSES = 30, 4
+#: Rounds end when no size changes by more than this share; passes when no joint moves by more than this [rad or m].
+_CLOSE_ENOUGH, _SETTLED = 0.02, 1e-3
+#: A pass moves no joint by more than this [rad or m]: further away slopes say little.
+_LONGEST_STEP = 0.5
+#: Speed of a joint before anything is known of it [rad/s or m/s], and over how long gravity is told from motion [s].
+_USUAL_SPEED, _SLOW_S = 1.0, 1.0
+#: A speed's size below this is none [rad/s or m/s].
+_LEAST = 1e-3
+#: A frame is doubted where its noise has this many times the sensor's variance.
+DOUBTFUL = 16.0
+
+
+@dataclass
+class _Fit:
+    """A motion with the sizes under which it is most probable."""
+
+    of: Observation
+    size: int
+    course: Course
+    sizes: Discrepancy
+    start: tuple[Floats, Floats]
+    found: Pass
+    final: tuple[Floats, Floats]
+    rounds: int
+    converged: bool
+    log_likelihood: float
+
+
+class DiscrepancySmoother:
+    """Smooths a recording, and learns what its model lacks.
+
+    Parameters
+    ----------
+    arm, q, given, mounting
+        As of `tracking.smoother.Smoother`.
+    """
+
+    def __init__(self, arm: Arm, q: Floats, given: bool, mounting: MountingPrior | None = None) -> None:
+        self._arm, self._q, self._given = arm, q, given
+        self._sought = mounting is not None or arm.sensor_covariance is not None
+        self._mounting = MountingPrior() if mounting is None else mounting
+        self._revolute = np.array([joint.type == "revolute" for joint in arm.joints])
+        self.observation, self.size = observation_of(arm, self._sought)
+
+    def smooth(
+        self,
+        readings: Readings,
+        rest: Floats,
+        known: Smoothed | None = None,
+        progress: Callable[[int], None] | None = None,
+    ) -> Smoothed:
+        """Return the most probable motion.
+
+        Parameters
+        ----------
+        readings : Readings
+        rest : (n, n_joint)
+            Variance with which a joint's velocity is zero; 0 where nothing is known of it.
+        known : Smoothed, optional
+            Of an earlier recording with the same sensors: what it says of them and of the lengths is held.
+        progress : callable, optional
+            Told the number of rounds after each.
+
+        Raises
+        ------
+        DataError
+            If no motion of the arm explains the readings at all.
+        """
+        n = self._arm.n_joint
+        course = course_of(readings, n)._replace(push=np.full(n, SMOOTHER_PUSH_STD**2), rest=rest)
+        stride = stride_of(course.dt)
+        coarse = coarser(course, stride)
+        rounds = 0
+
+        def fitted(base: bool, memory_s: float) -> _Fit:
+            nonlocal rounds
+            fit = self._fitted(readings, coarse, (base, memory_s), known)
+            rounds += fit.rounds
+            if progress is not None:
+                progress(rounds)
+            return fit
+
+        fit = fitted(False, MEMORIES_S[1])
+        if len({sensor.joint for sensor in self._arm.sensors}) > 1:  # what one link's sensors share is its own
+            moving = fitted(True, MEMORIES_S[1])
+            if moving.log_likelihood > fit.log_likelihood + _ODDS_NATS:
+                fit = moving
+        others = [fitted(fit.sizes.base_std > 0.0, memory_s) for memory_s in (MEMORIES_S[0], MEMORIES_S[2])]
+        fit = max([fit, *others], key=lambda one: one.log_likelihood)
+        return self._smoothed(fit, course, stride, rounds)
+
+    def _fitted(
+        self, readings: Readings, course: Course, kind: tuple[bool, float], known: Smoothed | None
+    ) -> _Fit:
+        """Return the motion with the likeliest sizes, of one kind: whether the base moves, and how long all lasts."""
+        base, memory_s = kind
+        of, size = observation_of(self._arm, self._sought, base, lack=True)
+        start = self._begin(of, size, readings, known)
+        usual = _departure(course)
+        sizes = Discrepancy(usual, usual * base, memory_s, np.full(self._arm.n_joint, _USUAL_SPEED))
+        variance = np.full(course.readings.shape, usual**2)
+        found = pass_of(of, course, size)
+        course = with_sizes(course, sizes, variance)
+        at = _filtered(of, course, *_before(of, start, sizes))
+        if (turned := unwound(at, course, self._arm, long_too=True)) is not None:
+            at = turned
+        converged, rounds, log_likelihood = False, 0, -np.inf
+        while rounds < _ROUNDS and not converged:
+            at, final, log_likelihood = self._settled(of, course, at, _before(of, start, sizes), found)
+            new = sizes_of(of, found, self._revolute, memory_s)
+            variance, was = np.sqrt(noise_variances(course, found) * variance), variance
+            moved = [np.abs(np.log(variance / was)).mean()]
+            for a, b in ((new.lack_std, sizes.lack_std), (new.base_std, sizes.base_std)):
+                moved += [abs(np.log(a / b))] if b > 0.0 else []
+            moved += list(np.abs(np.log(np.maximum(new.speed_std, _LEAST) / np.maximum(sizes.speed_std, _LEAST))))
+            sizes, course = new, with_sizes(course, new, variance)
+            rounds, converged = rounds + 1, max(moved) < _CLOSE_ENOUGH
+        return _Fit(of, size, course, sizes, start, found, final, rounds, converged, log_likelihood)
+
+    def _settled(
+        self, of: Observation, course: Course, at: Floats, before: tuple[Floats, Floats], found: Pass
+    ) -> tuple[Floats, tuple[Floats, Floats], float]:
+        """Return the motion under given sizes, what is known after it, and its log-likelihood."""
+        n, room = self._arm.n_joint, room_of(self._arm.n_joint)
+        joints = slice(0, 3 * n, 3)
+        for _ in range(_PASSES):
+            x, P = before[0].copy(), before[1].copy()
+            cost = smooth_once(of, room, course, at, x, P, found, True)
+            if not np.isfinite(found.states).all():
+                raise DataError(NO_MOTION)
+            mend(found.variance)
+            step = float(np.abs(found.states[:, joints] - at[:, joints]).max())
+            at = at + min(1.0, _LONGEST_STEP / max(step, _SETTLED)) * (found.states - at)
+            if (turned := unwound(at, course, self._arm)) is not None:
+                at = turned
+            elif step < _SETTLED:
+                break
+        return at, (x, P), -0.5 * cost
+
+    def _begin(
+        self, of: Observation, size: int, readings: Readings, known: Smoothed | None
+    ) -> tuple[Floats, Floats]:
+        first, steady = readings.first_mean, readings.begins_steadily
+        x, P = start_state(self._arm, of, size, first, steady, self._q, self._given, self._mounting)
+        if known is not None:
+            lasting = slice(3 * self._arm.n_joint, self.size)
+            x[lasting], P[lasting, lasting] = known.final[lasting], known.covariance[lasting, lasting]
+        return x, P
+
+    def _smoothed(self, fit: _Fit, course: Course, stride: int, rounds: int) -> Smoothed:
+        """Return the motion at every frame."""
+        of, before = fit.of, _before(fit.of, fit.start, fit.sizes)
+        if stride > 1:
+            each = np.minimum(np.arange(len(course.readings)) // stride, len(fit.course.doubt) - 1)
+            variance = (fit.course.noise * fit.course.doubt * stride)[each]
+            course = with_sizes(course, fit.sizes, np.maximum(variance, course.noise))
+            at = finer(fit.found.states, len(course.readings), stride)
+        else:
+            course, at = fit.course, fit.found.states
+        found = pass_of(of, course, fit.size)
+        x, P = before[0].copy(), before[1].copy()
+        smooth_once(of, room_of(self._arm.n_joint), course, at, x, P, found, True)
+        mend(found.variance)
+        still = (course.rest > 0.0).any(axis=1)
+        own = slice(0, self.size)
+        doubted = float(np.mean(course.doubt[course.present] > DOUBTFUL))
+        return Smoothed(
+            found.states[:, own],
+            found,
+            x[own],
+            P[own, own],
+            before[1][own, own],
+            still,
+            still,
+            doubted,
+            rounds,
+            fit.converged,
+            course,
+            at,
+            fit.sizes,
+        )
+
+
+def _departure(course: Course) -> float:
+    """Return by how much the readings depart from their own mean over a second [m/s^2]."""
+    window = max(1, round(_SLOW_S / course.dt))
+    readings = course.readings[course.present]
+    departure = readings - uniform_filter1d(readings, min(window, len(readings)), axis=0)
+    return max(float(np.sqrt(np.square(departure).mean())), float(np.sqrt(course.noise.max())))
+
+
+def _before(of: Observation, start: tuple[Floats, Floats], sizes: Discrepancy) -> tuple[Floats, Floats]:
+    """Return state and covariance before the first reading."""
+    x, P = start[0].copy(), start[1].copy()
+    for first, count, std in (
+        (of.base_column, 3, sizes.base_std),
+        (of.lack_column, 3 * of.link.size, sizes.lack_std),
+    ):
+        if first != ABSENT:
+            at = np.arange(first, first + count)
+            P[at, at] = std**2
+    return x, P
+
+
+def _filtered(of: Observation, course: Course, x: Floats, P: Floats) -> Floats:
+    """Return the filtered states, (n, n_state): with such noise little but gravity is believed."""
+    states = np.empty((len(course.readings), x.size))
+    _filter_along(of, room_of(course.push.size), course, x, P, states)
+    return states
+
+
+@compiled
+def _filter_along(of: Observation, room: Room, course: Course, x: Floats, P: Floats, states: Floats) -> None:
+    """Fill in the filtered states, readings being linearised where each is predicted."""
+    taken = room_to_take(course, x.size)[0]
+    for k in range(states.shape[0]):
+        if k > 0:
+            predict(of, course, k, x, P)
+        if course.present[k]:
+            correct(of, room, course, k, x.copy(), x, P, taken)
+        hold(course, k, x, P, taken)
+        states[k] = x
