@@ -92,7 +92,8 @@ class DiscrepancySmoother:
         rest : (n, n_joint)
             Variance with which a joint's velocity is zero; 0 where nothing is known of it.
         known : Smoothed, optional
-            Of an earlier recording with the same sensors: what it says of them and of the lengths is held.
+            Of an earlier recording with the same sensors: what it says of them and of the lengths is held, and
+            whether the base moves.
         progress : callable, optional
             Told the number of rounds after each.
 
@@ -115,6 +116,9 @@ class DiscrepancySmoother:
                 progress(rounds)
             return fit
 
+        if known is not None and known.discrepancy is not None:  # of the same arm on the same base
+            sizes = known.discrepancy
+            return self._smoothed(fitted(sizes.base_std > 0.0, sizes.memory_s), course, stride, rounds)
         fit = fitted(False, MEMORIES_S[1])
         if len({sensor.joint for sensor in self._arm.sensors}) > 1:  # what one link's sensors share is its own
             moving = fitted(True, MEMORIES_S[1])

@@ -12,7 +12,10 @@ import numpy as np
 
 from arm.kinematics import rotation_from_rpy, rpy_from_rotation
 from arm.model import Arm, Floats, Sensor, SensorCovariance, Vector3
-from tracking.observation import ABSENT, MOUNTING, Observation
+from limbcal.errors import DataError
+from tracking.discrepancy import Discrepancy
+from tracking.discrepancy_smoother import DiscrepancySmoother
+from tracking.observation import ABSENT, MOUNTING, Observation, observation_of
 from tracking.readings import Readings
 from tracking.smoother import Smoothed, Smoother
 from tracking.start import MountingPrior
@@ -65,6 +68,8 @@ class SensorCalibration:
     converged : bool
     doubted : float
         Share of the instants at which no motion explains the readings.
+    discrepancy : Discrepancy or None
+        What the model lacks of the readings, if no sensors explain them to their noise.
     """
 
     arm: Arm
@@ -73,6 +78,7 @@ class SensorCalibration:
     passes: int
     converged: bool
     doubted: float
+    discrepancy: Discrepancy | None = None
 
 
 def calibrate_sensors(
@@ -102,24 +108,60 @@ def calibrate_sensors(
     """
     q0 = np.zeros(arm.n_joint) if initial_q_rad is None else initial_q_rad
     arm = replace(arm, sensor_covariance=None)  # it is found anew
-    smoother = Smoother(arm, q0, initial_q_rad is not None, prior)
-    known: Smoothed | None = None
-    passes, converged, doubted, instants = 0, True, 0.0, 0
-    before: Floats | None = None
-    for readings in runs:
-        known = smoother.smooth(readings, fine=False, known=known, progress=progress)
-        before = known.before if before is None else before
-        passes, converged = passes + known.passes, converged and known.converged
-        doubted += known.doubted * len(readings.values)
-        instants += len(readings.values)
-    assert known is not None and before is not None, "there is at least one run"
-    estimates = _estimates(arm, smoother.observation, known, before)
-    hidden = _hidden(arm, smoother.observation, known, before)
-    found = replace(
-        _with_sensors(arm, smoother.observation, known.final),
-        sensor_covariance=_covariance(arm, smoother.observation, known),
+    of = observation_of(arm, mountings=True)[0]
+    found = _smoothed(arm, runs, q0, initial_q_rad is not None, prior, progress)
+    known, before = found[-1], found[0].before
+    instants = np.array([len(readings.values) for readings in runs])
+    return SensorCalibration(
+        replace(
+            _with_lengths(_with_sensors(arm, of, known.final), of, known, before),
+            sensor_covariance=_covariance(arm, of, known),
+        ),
+        _estimates(arm, of, known, before),
+        _hidden(arm, of, known, before),
+        sum(one.passes for one in found),
+        all(one.converged for one in found),
+        float(np.array([one.doubted for one in found]) @ instants / instants.sum()),
+        known.discrepancy,
     )
-    return SensorCalibration(found, estimates, hidden, passes, converged, doubted / instants)
+
+
+def _smoothed(
+    arm: Arm,
+    runs: Sequence[Readings],
+    q: Floats,
+    given: bool,
+    prior: MountingPrior,
+    progress: Callable[[int], None] | None,
+) -> list[Smoothed]:
+    """Return the motions of all runs, each with what the runs before it showed of the sensors.
+
+    If no such arm explains a run to the sensors' noise, what the model lacks is learnt from all of them.
+    """
+    exact, found = Smoother(arm, q, given, prior), list[Smoothed]()
+    try:
+        for readings in runs:
+            found.append(exact.smooth(readings, False, found[-1] if found else None, progress=progress))
+            if not found[-1].is_exact:
+                break
+        else:
+            return found
+    except DataError:
+        pass
+    rests = [_rest(one, readings) for one, readings in zip(found, runs, strict=False)]
+    rests += [np.zeros((len(readings.values), arm.n_joint)) for readings in runs[len(rests) :]]
+    robust, found = DiscrepancySmoother(arm, q, given, prior), []
+    for readings, rest in zip(runs, rests, strict=True):
+        found.append(robust.smooth(readings, rest, found[-1] if found else None, progress))
+    return found
+
+
+def _rest(found: Smoothed, readings: Readings) -> Floats:
+    """Return the variance with which each joint's velocity is zero at every frame, (n, n_joint)."""
+    stride = round(found.course.dt / readings.dt_s)
+    each = np.minimum(np.arange(len(readings.values)) // stride, len(found.course.rest) - 1)
+    rest: Floats = stride * found.course.rest[each]
+    return rest
 
 
 def _columns(arm: Arm, of: Observation) -> list[tuple[int, str, str, str]]:
@@ -195,6 +237,18 @@ def _hidden(arm: Arm, of: Observation, known: Smoothed, before: Floats) -> list[
             told = " ".join(f"{sign} {name}" for sign, name in zip(signs, names, strict=True)).lstrip("+ ")
             sentences.append(f"these do not show together: {told}")
     return sentences
+
+
+def _with_lengths(arm: Arm, of: Observation, known: Smoothed, before: Floats) -> Arm:
+    """Return the arm with those of its joints' lengths that the motion revealed."""
+    joints = list(arm.joints)
+    for i, columns in enumerate(of.length_column):
+        sought = [(name, c) for name, c in zip(("a_m", "d_m"), columns.tolist(), strict=True) if c != ABSENT]
+        std = [float(np.sqrt(known.covariance[c, c])) for _, c in sought]
+        if sought and all(s <= _REVEALED * np.sqrt(before[c, c]) for s, (_, c) in zip(std, sought, strict=True)):
+            found = {name: getattr(joints[i], name) + float(known.final[c]) for name, c in sought}
+            joints[i] = replace(joints[i], **found, length_std_m=max(std))
+    return replace(arm, joints=tuple(joints))
 
 
 def _with_sensors(arm: Arm, of: Observation, x: Floats) -> Arm:
