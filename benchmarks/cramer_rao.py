@@ -33,7 +33,7 @@ from tracking.observation import Observation, observation_of
 from tracking.process import SMOOTHER_PUSH_STD
 from tracking.readings import Readings
 from tracking.smoother import mend
-from tracking.smoothing_pass import smooth_once
+from tracking.smoothing_pass import pass_of, smooth_once
 from tracking.start import MountingPrior, start_state
 from tracking.stillness import WINDOW_S, rest_variance, unrest, window_frames, window_of
 
@@ -89,10 +89,10 @@ def least_std(
         jolt=np.where(jumps > _JUMP_SIGMAS * SMOOTHER_PUSH_STD * np.sqrt(dt_s), jumps**2, 0.0),
         rest=_rests(of, readings, at, P, np.abs(dq).max(axis=1) < _REST_SPEED),
     )
-    smoothed, known = np.empty_like(at), np.empty((len(at), 3 * n))
-    smooth_once(of, room_of(n), course, at, x, P, smoothed, known, True)
-    mend(known)
-    std: Floats = np.sqrt(known[:, ::3])
+    found = pass_of(of, course, at.shape[1])
+    smooth_once(of, room_of(n), course, at, x, P, found, True)
+    mend(found.variance)
+    std: Floats = np.sqrt(found.variance[:, ::3])
     return std
 
 

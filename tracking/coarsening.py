@@ -5,13 +5,15 @@ import numpy as np
 from arm.model import Floats
 from tracking.course import Course
 
-#: Rate of a coarser pass [Hz]: at 1 kHz four frames are one, and a motion recorded at less is not coarsened.
-COARSE_HZ = 250.0
+#: Frames that are one in a coarser pass, at the most…
+COARSE = 4
+#: … and the rate that remains at the least [Hz]: a motion that was recorded at less is not coarsened.
+_LEAST_HZ = 60.0
 
 
 def stride_of(dt_s: float) -> int:
     """Return how many frames are one in a coarser pass."""
-    return max(1, round(1.0 / (COARSE_HZ * dt_s)))
+    return min(COARSE, max(1, int(1.0 / (_LEAST_HZ * dt_s))))
 
 
 def every(values: Floats, stride: int) -> Floats:

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from tracking.coarsening import COARSE, coarser, every, finer
+from tracking.coarsening import COARSE, coarser, every, finer, stride_of
 from tracking.course import Course
 
 
@@ -16,21 +16,22 @@ def course(n: int, rng: np.random.Generator) -> Course:
         wander=np.array([0.1, 0.2, 0.3]),
         push=np.array([5.0, 6.0]),
         jolt=rng.uniform(size=(n, 2)),
-        doubt=rng.uniform(1.0, 2.0, n),
+        doubt=rng.uniform(1.0, 2.0, (n, 3)),
         rest=rng.uniform(1.0, 2.0, (n, 2)),
+        rate=np.zeros(2),
     )
 
 
 @pytest.mark.parametrize("n", [4, 8, 40])
 def test_four_instants_become_one(n: int) -> None:
     fine = course(n, np.random.default_rng(0))
-    coarse = coarser(fine)
+    coarse = coarser(fine, COARSE)
     assert COARSE == 4 and len(coarse.readings) == n // 4
     for k in range(n // 4):
         four = slice(4 * k, 4 * k + 4)
         assert coarse.readings[k] == pytest.approx(fine.readings[four].mean(axis=0))
         assert coarse.jolt[k] == pytest.approx(fine.jolt[four].sum(axis=0))
-        assert coarse.doubt[k] == pytest.approx(fine.doubt[four].mean())
+        assert coarse.doubt[k] == pytest.approx(fine.doubt[four].mean(axis=0))
         assert coarse.rest[k] == pytest.approx(fine.rest[four].mean(axis=0) / 4.0)
     assert coarse.present.all() and coarse.dt == pytest.approx(4e-3)
     assert coarse.noise == pytest.approx(fine.noise / 4.0)  # a mean of four has a quarter of the variance
@@ -42,24 +43,26 @@ def test_readings_that_were_lost_weigh_nothing() -> None:
     fine.present[[1, 2]] = False
     fine.present[4:8] = False
     fine.readings[~fine.present] = 1e9
-    coarse = coarser(fine)
+    coarse = coarser(fine, COARSE)
     assert coarse.readings[0] == pytest.approx(fine.readings[[0, 3]].mean(axis=0))
     assert coarse.present.tolist() == [True, False, True]
-    assert coarse.doubt[0] == pytest.approx(2.0 * fine.doubt[:4].mean())  # of two readings, twice the variance
+    assert coarse.doubt[0] == pytest.approx(
+        2.0 * fine.doubt[:4].mean(axis=0)
+    )  # of two readings, twice the variance
     assert np.isfinite(coarse.readings).all() and np.isfinite(coarse.doubt).all()
 
 
 def test_it_rests_where_it_rested_all_the_time() -> None:
     fine = course(8, np.random.default_rng(2))
     fine.rest[1, 0] = fine.rest[6, 1] = 0.0
-    rest = coarser(fine).rest
+    rest = coarser(fine, COARSE).rest
     assert (rest > 0.0).tolist() == [[False, True], [True, False]]
 
 
 @pytest.mark.parametrize("n", [1, 5, 6, 7])
 def test_a_last_few_are_filled_up_with_the_last(n: int) -> None:
     fine = course(n, np.random.default_rng(3))
-    coarse = coarser(fine)
+    coarse = coarser(fine, COARSE)
     assert len(coarse.readings) == -(-n // 4)
     last = fine.readings[4 * ((n - 1) // 4) :]
     filled = np.concatenate([last, np.tile(last[-1], (4 - len(last), 1))])
@@ -82,9 +85,16 @@ def test_a_straight_line_is_a_straight_line_again(n: int) -> None:
     line = np.column_stack([np.arange(n), 3.0 - 0.5 * np.arange(n)])
     count = -(-n // 4)
     coarse = np.column_stack([4.0 * np.arange(count) + 2.0, 3.0 - 0.5 * (4.0 * np.arange(count) + 2.0)])
-    fine = finer(coarse, n)
+    fine = finer(coarse, n, COARSE)
     assert fine.shape == (n, 2)
     if count > 1:
         np.testing.assert_allclose(fine, line, atol=1e-12)
     else:
         np.testing.assert_allclose(fine, np.tile(coarse[0], (n, 1)))
+
+
+@pytest.mark.parametrize(
+    ("rate_hz", "stride"), [(1000.0, 4), (250.0, 4), (200.0, 3), (130.0, 2), (100.0, 1), (50.0, 1)]
+)
+def test_a_slow_recording_is_not_made_slower_still(rate_hz: float, stride: int) -> None:
+    assert stride_of(1.0 / rate_hz) == stride

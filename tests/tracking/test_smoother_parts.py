@@ -28,7 +28,8 @@ def test_a_course_of_which_nothing_is_known():
     np.testing.assert_allclose(course.wander, [4e-10 + 1e-6, 4e-10, 4e-10 + 3e-6], rtol=1e-12)
     np.testing.assert_array_equal(course.push, [9.0, 9.0])  # 3 rad/s^2 in a second
     np.testing.assert_allclose(course.jolt, [[0.0] * 2, [0.0] * 2, [2500.0 * 0.004] * 2, [0.0] * 2])
-    np.testing.assert_array_equal(course.doubt, np.ones(4))
+    np.testing.assert_array_equal(course.doubt, np.ones((4, 3)))
+    np.testing.assert_array_equal(course.rate, np.zeros(2))
     np.testing.assert_array_equal(course.rest, np.zeros((4, 2)))
 
 

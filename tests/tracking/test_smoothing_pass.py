@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from scipy.linalg import expm
 
 from tracking.course import Course
 from tracking.expected_readings import observe, room_of
@@ -11,12 +12,13 @@ from tracking.forward_filter import filter_all
 from tracking.kalman_step import correct, hold, predict
 from tracking.observation import observation_of
 from tracking.process import alarm_limit
-from tracking.smoothing_pass import filter_step, room_to_take, smooth_once
+from tracking.smoothing_pass import filter_step, pass_of, room_to_take, smooth_once
 from tracking.stillness import window_of
 
 DT = 0.01
 N = 12
-CASES = ["plain", "AC-coupled", "mountings"]
+CASES = ["plain", "AC-coupled", "mountings", "discrepancy"]
+PUSH, MEMORY_S = np.array([4.0, 9.0]), 0.05
 
 
 def seen(of, x):
@@ -33,14 +35,15 @@ class Problem:
         if case == "AC-coupled":
             sensors = [replace(s, highpass_hz=2.0 * (k % 2)) for k, s in enumerate(arm.sensors)]
             arm = replace(arm, sensors=tuple(sensors))
-        self.of, self.size = observation_of(arm, case == "mountings")
+        lacking = case == "discrepancy"
+        self.of, self.size = observation_of(arm, case == "mountings", lacking, lacking)
         self.n = arm.n_joint
         n, n_channel = self.n, 3 * len(arm.sensors)
-        jolt, doubt, rest = np.zeros((N, n)), np.ones(N), np.zeros((N, n))
+        jolt, doubt, rest = np.zeros((N, n)), np.ones((N, n_channel)), np.zeros((N, n))
         present = np.ones(N, dtype=np.bool_)
         if eventful:
             present[4:6], jolt[4:7] = False, 25.0
-            jolt[8, 1], doubt[9] = 400.0, 30.0
+            jolt[8, 1], doubt[9] = 400.0, 30.0 + np.arange(n_channel)
             rest[:2], rest[11, 0] = 1e-6, 1e-4
         std = rng.uniform(0.01, 0.1, self.size)
         std[0] = 1e-5  # what everything is counted from
@@ -56,10 +59,14 @@ class Problem:
             present,
             rng.uniform(1e-4, 1e-3, n_channel),
             rng.uniform(1e-3, 1e-2, n_channel),
-            np.array([4.0, 9.0]),
+            PUSH,
             jolt,
             doubt,
             rest,
+            np.array([30.0, 0.0]) * lacking,
+            0.4,
+            0.2,
+            MEMORY_S,
         )
 
     def filtered(self):
@@ -88,16 +95,22 @@ class Problem:
         n, size, course, of = self.n, self.size, self.course, self.of
         n_channel = course.noise.size
         F = np.eye(size)
-        for j in range(n):
-            F[3 * j, 3 * j + 1 : 3 * j + 3] = DT, DT**2 / 2
-            F[3 * j + 1, 3 * j + 2] = DT
+        for j, rate in enumerate(course.rate):
+            motion = np.array([[0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [0.0, -(rate**2), -2.0 * rate]])
+            F[3 * j : 3 * j + 3, 3 * j : 3 * j + 3] = expm(motion * DT)
+        kept = np.exp(-DT / course.memory_s)
+        processes = [(of.base_column, 3, course.base_std), (of.lack_column, n_channel, course.lack_std)]
+        for first, count, _ in processes:
+            if first >= 0:
+                F[range(first, first + count), range(first, first + count)] = kept
         offsets, rate, filtered = 3 * n + np.arange(n_channel), DT * np.repeat(of.corner, 3), self.filtered()
-        unknowns = size + (N - 1) * (n + n_channel)
+        drives = n + n_channel + 3 + n_channel
+        unknowns = size + (N - 1) * drives
         mean, of_unknowns = [self.x0], [np.zeros((size, unknowns))]
         of_unknowns[0][:, :size] = np.linalg.cholesky(self.P0)
         for k in range(1, N):
             stood, lost = self.stood(k, filtered)
-            now, shift, first = F.copy(), np.zeros(size), size + (k - 1) * (n + n_channel)
+            now, shift, first = F.copy(), np.zeros(size), size + (k - 1) * drives
             shift[offsets] = -rate * stood
             for channel in np.flatnonzero(rate):
                 now[offsets[channel], of.settled_column[channel // 3] + channel % 3] = rate[channel]
@@ -107,6 +120,12 @@ class Problem:
                 moved[3 * j : 3 * j + 3, first + j] += std * np.array([DT**2 / 6, DT / 2, 1.0])
             wander = course.wander * DT + rate**2 * (course.noise + lost)
             moved[offsets, first + n + np.arange(n_channel)] += np.sqrt(wander)
+            drive = first + n + n_channel
+            for column, count, std in processes:
+                if column >= 0:
+                    entries = np.arange(count)
+                    moved[column + entries, drive + entries] += std * np.sqrt(1.0 - kept**2)
+                    drive += count
             mean.append(now @ mean[-1] + shift)
             of_unknowns.append(moved)
         rows, misses = [np.eye(unknowns)], [np.zeros(unknowns)]
@@ -129,9 +148,10 @@ class Problem:
 
     def pass_once(self):
         x, P = self.x0.copy(), self.P0.copy()
-        smoothed, variance = np.empty((N, self.size)), np.empty((N, 3 * self.n))
-        smooth_once(self.of, room_of(self.n), self.course, self.at, x, P, smoothed, variance, True)
-        return smoothed, variance, x, P
+        found = pass_of(self.of, self.course, self.size)
+        self.cost = smooth_once(self.of, room_of(self.n), self.course, self.at, x, P, found, True)
+        self.found = found
+        return found.states, found.variance, x, P
 
 
 @pytest.fixture(params=CASES)
@@ -149,8 +169,22 @@ def test_a_pass_is_the_dense_solution(problem):
     states, covariance = problem.dense()
     smoothed, variance, _, _ = problem.pass_once()
     assert_close(smoothed, states, covariance)
-    expected = np.diagonal(covariance, axis1=1, axis2=2)[:, : 3 * problem.n]
+    expected = np.diagonal(covariance, axis1=1, axis2=2)[:, problem.of.reported]
     np.testing.assert_allclose(variance, expected, rtol=1e-6)
+
+
+def test_smoothing_errors_are_the_residuals(problem):
+    """R u is what the smoothed states leave of a reading, and R - R^2 D the variance that it is known with."""
+    states, covariance = problem.dense()
+    problem.pass_once()
+    of, course, n_channel = problem.of, problem.course, problem.course.noise.size
+    for k in np.flatnonzero(course.present):
+        reading, slope = seen(of, problem.at[k])
+        R = course.noise * course.doubt[k]
+        left = course.readings[k] - reading - slope @ (states[k] - problem.at[k])
+        np.testing.assert_allclose(R * problem.found.error[k, :n_channel], left, rtol=1e-5, atol=1e-9)
+        known = np.diag(slope @ covariance[k] @ slope.T)
+        np.testing.assert_allclose(R - R**2 * problem.found.precision[k, :n_channel], known, rtol=1e-4, atol=1e-12)
 
 
 def test_what_is_left_behind_is_the_last_instant(problem):

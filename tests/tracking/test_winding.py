@@ -26,7 +26,18 @@ def course(n_joint: int = 2, lost: slice = GAP) -> Course:
     """Return a course of which only what is looked at is of any sense."""
     present, nothing, zeros = np.ones(N, dtype=np.bool_), np.zeros((N, 3)), np.zeros((N, n_joint))
     present[lost] = False
-    return Course(DT, nothing, present, np.ones(3), np.zeros(3), np.ones(n_joint), zeros, np.ones(N), zeros)
+    return Course(
+        DT,
+        nothing,
+        present,
+        np.ones(3),
+        np.zeros(3),
+        np.ones(n_joint),
+        zeros,
+        np.ones((N, 3)),
+        zeros,
+        np.zeros(n_joint),
+    )
 
 
 def wound(states: np.ndarray, joint: int, turns: int) -> np.ndarray:
