@@ -4,12 +4,13 @@ A real arm is not quite the one in its file, and stands on something that moves.
 
 .. math:: a_{ck} = h_c(x_k, b_k) + l_{ck} + e_{ck}
 
-with the acceleration b of the base and what the model lacks of each channel, l: Ornstein-Uhlenbeck processes, that of
-the base shared by all sensors. The noise e is the sensor's, with Student's tails where something strikes the arm.
+with the acceleration b of the base and what the model lacks of each channel, l: Ornstein-Uhlenbeck processes,
+that of the base shared by all sensors. The noise e is the sensor's, with Student's tails where something
+strikes the arm.
 Joints have a stationary speed (`tracking.stationary`). The sizes of all these are learnt by expectation and
 maximisation (A. P. Dempster, N. M. Laird, D. B. Rubin 1977; R. H. Shumway, D. S. Stoffer 1982): each is the mean
-square that the smoother expects, its own variance included. One size is shared by all channels, and by all joints of
-a kind: with a size of its own the likelihood makes one sensor exact and leaves everything to another.
+square that the smoother expects, its own variance included. All channels share one size, and so do all joints of a
+kind: with a size of its own the likelihood makes one sensor exact and leaves everything to another.
 """
 
 from dataclasses import dataclass
@@ -23,8 +24,9 @@ from tracking.course import Course
 from tracking.observation import ABSENT, Observation
 from tracking.smoothing_pass import Pass
 
-#: Degrees of freedom of Student's distribution: with four it hardly loses anything to a normal one, and is not misled
-#: (K. L. Lange, R. J. A. Little, J. M. G. Taylor, *Robust statistical modeling using the t distribution*, 1989).
+#: Degrees of freedom of Student's distribution: with four it hardly loses anything to a normal one, and is not
+#: misled (K. L. Lange, R. J. A. Little, J. M. G. Taylor, *Robust statistical modeling using the t distribution*,
+#: 1989).
 _FREEDOM = 4.0
 #: Over how long noise is about as large [s]: a stroke and what it makes ring.
 _WINDOW_S = 1.0

@@ -1,8 +1,8 @@
 """Joint motion from a recording of an arm that is not quite the one in its file, on a base that may move.
 
-What the model lacks of the readings is learnt with the motion (`tracking.discrepancy`). Whether the base moves, and
-for how long what is lacking lasts, is chosen by the likelihood of the readings, from a motion that only gravity was
-asked for.
+What the model lacks of the readings is learnt with the motion (`tracking.discrepancy`). Whether the base moves,
+and for how long what is lacking lasts, is chosen by the likelihood of the readings. The first motion is one for which
+little but gravity is believed.
 """
 
 from collections.abc import Callable
@@ -33,11 +33,11 @@ MEMORIES_S = (0.03, 0.1, 0.3)
 _ODDS_NATS = float(np.log(100.0))
 #: Expectations and maximisations at the most, and passes in each.
 _ROUNDS, _PASSES = 30, 4
-#: Rounds end when no size changes by more than this share; passes when no joint moves by more than this [rad or m].
+#: Rounds end when no size changes by more than this share; passes when no joint does by more than this [rad or m].
 _CLOSE_ENOUGH, _SETTLED = 0.02, 1e-3
 #: A pass moves no joint by more than this [rad or m]: further away slopes say little.
 _LONGEST_STEP = 0.5
-#: Speed of a joint before anything is known of it [rad/s or m/s], and over how long gravity is told from motion [s].
+#: Speed of a joint before anything is known of it [rad/s or m/s]; over how long motion averages out [s].
 _USUAL_SPEED, _SLOW_S = 1.0, 1.0
 #: A speed's size below this is none [rad/s or m/s].
 _LEAST = 1e-3
@@ -131,7 +131,7 @@ class DiscrepancySmoother:
     def _fitted(
         self, readings: Readings, course: Course, kind: tuple[bool, float], known: Smoothed | None
     ) -> _Fit:
-        """Return the motion with the likeliest sizes, of one kind: whether the base moves, and how long all lasts."""
+        """Return the motion with the likeliest sizes, of one kind: whether the base moves, and for how long."""
         base, memory_s = kind
         of, size = observation_of(self._arm, self._sought, base, lack=True)
         start = self._begin(of, size, readings, known)

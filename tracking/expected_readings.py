@@ -1,4 +1,4 @@
-"""What the sensors should read in a state, and how that changes with the state: compiled, one instant at a time."""
+"""What the sensors should read in a state, and how that changes with it: compiled, one instant at a time."""
 
 from typing import NamedTuple
 
@@ -44,12 +44,9 @@ def room_of(n: int) -> Room:
 
 
 @compiled
-def observe(of: Observation, room: Room, x: Floats, reading: Floats, slope: Floats) -> None:
-    """Fill in what every channel reads in state x, (3 n_sensor,), and its slopes, (3 n_sensor, n_state).
-
-    Only those entries of ``slope`` are written that `Observation.columns` names.
-    """
-    n, n_sensor = room.q.size, of.link.size
+def move_arm(of: Observation, room: Room, x: Floats) -> None:
+    """Fill in the poses, the motion of all links and its slopes in state x."""
+    n = room.q.size
     room.geometry[:] = of.chain.geometry
     for j in range(n):
         room.q[j], room.dq[j], room.ddq[j] = x[3 * j], x[3 * j + 1], x[3 * j + 2]
@@ -66,6 +63,16 @@ def observe(of: Observation, room: Room, x: Floats, reading: Floats, slope: Floa
             room.gravity[i] -= x[of.base_column + i]
     rigid_motion(chain, room.gravity, room.R, room.p, room.dq, room.ddq, room.motion)
     motion_slopes(chain, room.R, room.p, room.motion, room.dq, room.slopes)
+
+
+@compiled
+def observe(of: Observation, room: Room, x: Floats, reading: Floats, slope: Floats) -> None:
+    """Fill in what every channel reads in state x, (3 n_sensor,), and its slopes, (3 n_sensor, n_state).
+
+    Only those entries of ``slope`` are written that `Observation.columns` names.
+    """
+    n, n_sensor = room.q.size, of.link.size
+    move_arm(of, room, x)
     for s in range(n_sensor):
         channel, link, rotation = 3 * s, of.link[s], of.rotation[s]
         first = of.mounting_column[s]
@@ -99,15 +106,30 @@ def observe(of: Observation, room: Room, x: Floats, reading: Floats, slope: Floa
                 for c in range(3):
                     slope[channel + c, column] = gain[c] * a[c]
         if of.base_column >= 0:
-            for i in range(3):
-                a = (1.0 if i == 0 else 0.0, 1.0 if i == 1 else 0.0, 1.0 if i == 2 else 0.0)
-                for k in range(link + 1):
-                    a = turned_back(room.R[k], a)
-                a = turned_by(turn, turned_back(rotation, a))
-                for c in range(3):
-                    slope[channel + c, of.base_column + i] = gain[c] * a[c]
+            base_slopes(room, link, rotation, turn, gain, slope[channel : channel + 3], of.base_column)
         if first >= 0:
             mounting_slopes(rotation, turn, gain, felt, w, dw, slope[channel : channel + 3], first)
+
+
+@compiled
+def base_slopes(
+    room: Room,
+    link: int,
+    rotation: Floats,
+    turn: tuple[float, float, float],
+    gain: tuple[float, float, float],
+    slope: Floats,
+    first: int,
+) -> None:
+    """Fill in the slopes (3, n_state) of one sensor by the acceleration of the base."""
+    axes = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
+    for i in range(3):
+        a = axes[i]
+        for k in range(link + 1):
+            a = turned_back(room.R[k], a)
+        a = turned_by(turn, turned_back(rotation, a))
+        for c in range(3):
+            slope[c, first + i] = gain[c] * a[c]
 
 
 @compiled

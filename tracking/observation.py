@@ -51,7 +51,7 @@ class Observation(NamedTuple):
     lack_column : int
         The first of one a channel: what the model lacks of its reading [m/s^2].
     reported : (n_reported,)
-        Entries whose variance a smoother reports: of the joints, the base's acceleration, and what the model lacks.
+        Entries whose variance a smoother reports: joints, the base's acceleration, what the model lacks.
     columns : (3 n_sensor, n_most)
         The state's entries that a channel depends on.
     n_column : (3 n_sensor,)

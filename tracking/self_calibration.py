@@ -70,6 +70,8 @@ class SensorCalibration:
         Share of the instants at which no motion explains the readings.
     discrepancy : Discrepancy or None
         What the model lacks of the readings, if no sensors explain them to their noise.
+    lengths : frozenset of (int, str)
+        Joints, from 0, and which of their lengths were found: ``a_m``, ``d_m``.
     """
 
     arm: Arm
@@ -79,6 +81,7 @@ class SensorCalibration:
     converged: bool
     doubted: float
     discrepancy: Discrepancy | None = None
+    lengths: frozenset[tuple[int, str]] = frozenset()
 
 
 def calibrate_sensors(
@@ -111,10 +114,11 @@ def calibrate_sensors(
     of = observation_of(arm, mountings=True)[0]
     found = _smoothed(arm, runs, q0, initial_q_rad is not None, prior, progress)
     known, before = found[-1], found[0].before
+    lengths = _revealed_lengths(of, known, before)
     instants = np.array([len(readings.values) for readings in runs])
     return SensorCalibration(
         replace(
-            _with_lengths(_with_sensors(arm, of, known.final), of, known, before),
+            _with_lengths(_with_sensors(arm, of, known.final), of, known, lengths),
             sensor_covariance=_covariance(arm, of, known),
         ),
         _estimates(arm, of, known, before),
@@ -123,6 +127,7 @@ def calibrate_sensors(
         all(one.converged for one in found),
         float(np.array([one.doubted for one in found]) @ instants / instants.sum()),
         known.discrepancy,
+        lengths,
     )
 
 
@@ -239,15 +244,25 @@ def _hidden(arm: Arm, of: Observation, known: Smoothed, before: Floats) -> list[
     return sentences
 
 
-def _with_lengths(arm: Arm, of: Observation, known: Smoothed, before: Floats) -> Arm:
-    """Return the arm with those of its joints' lengths that the motion revealed."""
-    joints = list(arm.joints)
+def _revealed_lengths(of: Observation, known: Smoothed, before: Floats) -> frozenset[tuple[int, str]]:
+    """Return joints and lengths of which the motion showed much: both of a joint, if both are sought, or none."""
+    found: set[tuple[int, str]] = set()
     for i, columns in enumerate(of.length_column):
-        sought = [(name, c) for name, c in zip(("a_m", "d_m"), columns.tolist(), strict=True) if c != ABSENT]
-        std = [float(np.sqrt(known.covariance[c, c])) for _, c in sought]
-        if sought and all(s <= _REVEALED * np.sqrt(before[c, c]) for s, (_, c) in zip(std, sought, strict=True)):
-            found = {name: getattr(joints[i], name) + float(known.final[c]) for name, c in sought}
-            joints[i] = replace(joints[i], **found, length_std_m=max(std))
+        sought = {name: c for name, c in zip(("a_m", "d_m"), columns.tolist(), strict=True) if c != ABSENT}
+        if all(known.covariance[c, c] <= _REVEALED**2 * before[c, c] for c in sought.values()):
+            found |= {(i, name) for name in sought}
+    return frozenset(found)
+
+
+def _with_lengths(arm: Arm, of: Observation, known: Smoothed, lengths: frozenset[tuple[int, str]]) -> Arm:
+    """Return the arm with the lengths that were found."""
+    joints = list(arm.joints)
+    for i, joint in enumerate(arm.joints):
+        columns = dict(zip(("a_m", "d_m"), of.length_column[i].tolist(), strict=True))
+        found = {name: getattr(joint, name) + float(known.final[columns[name]]) for k, name in lengths if k == i}
+        if found:
+            std = max(float(np.sqrt(known.covariance[columns[name], columns[name]])) for name in found)
+            joints[i] = replace(joint, **found, length_std_m=std)
     return replace(arm, joints=tuple(joints))
 
 

@@ -34,9 +34,9 @@ class Pass(NamedTuple):
     variance : (n, n_reported)
         Of the entries that `Observation.reported` names.
     error, precision : (n, n_channel + n_joint)
-        Smoothing errors u of the readings, and of the joints at rest, and their variances D: the noise of a reading
-        whose variance is R is most probably R u, with the variance R - R^2 D (P. de Jong 1989). Mean u^2 / D is 1
-        where the model is right.
+        Smoothing errors u of the readings, and of the joints at rest, and their variances D: the noise of a
+        reading whose variance is R is most probably R u, with the variance R - R^2 D (P. de Jong 1989). Mean
+        u^2 / D is 1 where the model is right.
     """
 
     states: Floats

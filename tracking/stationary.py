@@ -1,9 +1,9 @@
 """Stationary processes of a state: a joint's speed, and accelerations that are forgotten.
 
-A speed is a Matern process of smoothness 3/2: ``dddq = -2 r ddq - r^2 dq + push``, of variance ``push^2 / (4 r^3)``
-and, as an acceleration, ``push^2 / (4 r)`` (C. E. Rasmussen, C. K. I. Williams, *Gaussian Processes for Machine
-Learning*, 2006, app. B). With the rate 0 it is the integral of an acceleration that wanders. An acceleration that is
-forgotten is an Ornstein-Uhlenbeck process.
+A speed is a Matern process of smoothness 3/2, ``dddq = -2 r ddq - r^2 dq + push``, of variance
+``push^2 / (4 r^3)`` (C. E. Rasmussen, C. K. I. Williams, *Gaussian Processes for Machine Learning*, 2006, app. B).
+With the rate 0 it is the integral of an acceleration that wanders. An acceleration that is forgotten is an
+Ornstein-Uhlenbeck process.
 """
 
 import numpy as np

@@ -122,7 +122,13 @@ def _warn(run: RawRun, arm: Arm, part: Tracked) -> None:
             f"warning: {run.name}: the readings contradict arm {arm.name!r} ({share}{missed}); check its lengths "
             "and where its sensors sit, or let `fitter sensors` find how they do"
         )
-    elif verdict.converged is False:
+    elif verdict.discrepancy_m_s2 is not None:
+        base = f" and its base moves by {verdict.base_m_s2:.2g} m/s^2" if verdict.base_m_s2 else ""
+        say(
+            f"note: {run.name}: the readings differ from arm {arm.name!r} by {verdict.discrepancy_m_s2:.2g} m/s^2 "
+            f"rms beyond the sensors' noise{base}; q_std allows for that"
+        )
+    if not verdict.wrong and verdict.converged is False:
         say(
             f"warning: {run.name}: after {verdict.passes} passes the motion still changes; check the arm's "
             "lengths, or say by --initial-q where it rests at the start"

@@ -45,9 +45,19 @@ class SensorsFit:
             found.setdefault(one.sensor, {})[one.name] = number
         return found
 
+    def _lengths(self) -> dict[str, object]:
+        """Return the lengths that the motion revealed, for a JSON document."""
+        found: dict[str, object] = {}
+        for i, name in sorted(self.calibration.lengths):
+            joint = self.arm.joints[i]
+            length = FittedParameter(getattr(joint, name), joint.length_std_m or 0.0, "m", True)
+            found[f"{name.removesuffix('_m')}{i + 1}"] = length.document()
+        return {"lengths": found}
+
     def document(self) -> dict[str, object]:
         """Return what `fitter sensors --json` prints, but for where the arm was written."""
         found = self.calibration
+        lacks = found.discrepancy
         return {
             "sensors": {
                 sensor: {name: number.document() for name, number in numbers.items()}
@@ -57,6 +67,8 @@ class SensorsFit:
             "passes": found.passes,
             "converged": found.converged,
             "doubted": found.doubted,
+            **self._lengths(),
+            **({} if lacks is None else {"discrepancy_m_s2": lacks.lack_std, "base_m_s2": lacks.base_std}),
             "samples": self.samples,
             "seconds": self.seconds,
         }
@@ -102,7 +114,7 @@ def fit_sensors(
         arm = replace(arm, sensors=coupled)
     readings = [run.readings(FRAME_RATE_HZ) for run in runs]
     found = calibrate_sensors(arm, readings, initial_q_rad, prior, progress)
-    if not found.converged:
+    if not found.converged and found.discrepancy is None:
         raise NotConverged(
             f"after {found.passes} passes the motion still changes, {100 * found.doubted:.2g} % of its instants "
             f"fit no motion of arm {arm.name!r}; expected sensors on the links that its file says, nearly where "

@@ -1,7 +1,7 @@
 """What a tracker says of itself, once it has seen a whole run."""
 
 from collections.abc import Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 
 from tracking.consistency import Consistency
 from tracking.smoother import Smoothed
@@ -26,6 +26,9 @@ class Verdict:
         Of the smoother.
     converged : bool or None
         The smoother's passes came to an end.
+    discrepancy_m_s2, base_m_s2 : float or None
+        What the arm's model lacks of a reading, and the acceleration of its base along each axis, rms; None where
+        the arm explains the readings to the sensors' noise.
     """
 
     innovation: float | None = None
@@ -33,13 +36,18 @@ class Verdict:
     wrong: bool | None = None
     passes: int | None = None
     converged: bool | None = None
+    discrepancy_m_s2: float | None = None
+    base_m_s2: float | None = None
 
 
 def verdict_of(said: Consistency | Smoothed, frames: int) -> Verdict:
     """Return what a filter or a smoother says after so many frames."""
     if isinstance(said, Smoothed):
-        wrong = said.doubted > DOUBTED
-        return Verdict(doubted=said.doubted, wrong=wrong, passes=said.passes, converged=said.converged)
+        claim = Verdict(doubted=said.doubted, passes=said.passes, converged=said.converged)
+        if said.discrepancy is None:
+            return replace(claim, wrong=said.doubted > DOUBTED)
+        lacks = said.discrepancy
+        return replace(claim, wrong=False, discrepancy_m_s2=lacks.lack_std, base_m_s2=lacks.base_std)
     if said.size is None:  # a tracker that claims nothing
         return Verdict()
     return Verdict(innovation=said.size, doubted=said.doubted / max(1, frames), wrong=said.wrong)
@@ -48,7 +56,8 @@ def verdict_of(said: Consistency | Smoothed, frames: int) -> Verdict:
 def overall(verdicts: Sequence[Verdict], frames: Sequence[int]) -> dict[str, object]:
     """Return what is said of several runs, of so many frames each, for a JSON document.
 
-    ``innovation`` and ``doubted`` are means over the frames, ``passes`` the most that a run took.
+    ``innovation`` and ``doubted`` are means over the frames; ``passes``, what the model lacks and how its base
+    moves are the most of any run.
     """
     known = [asdict(verdict) for verdict in verdicts]
     document: dict[str, object] = {}
@@ -56,7 +65,8 @@ def overall(verdicts: Sequence[Verdict], frames: Sequence[int]) -> dict[str, obj
         shares = [(one[name], n) for one, n in zip(known, frames, strict=True) if one[name] is not None]
         if shares:
             document[name] = sum(value * n for value, n in shares) / sum(n for _, n in shares)
-    for name, of in (("wrong", any), ("passes", max), ("converged", all)):
+    rules = (("wrong", any), ("passes", max), ("converged", all), ("discrepancy_m_s2", max), ("base_m_s2", max))
+    for name, of in rules:
         found = [one[name] for one in known if one[name] is not None]
         if found:
             document[name] = of(found)

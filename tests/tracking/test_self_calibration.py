@@ -125,9 +125,15 @@ def test_units_and_names_are_those_of_the_file(dd_arm, level):
     assert all(e.std > 0.0 for e in level.estimates)
 
 
-def test_lengths_are_left_alone(dd_arm, level):
-    """The arm differs in its sensors only; and those read as the estimates say."""
-    assert level.arm.joints == dd_arm.joints and level.arm.tip == dd_arm.tip
+def test_a_length_between_sensors_is_found(dd_arm, level):
+    """Within four standard errors; the far end of the last link moves no sensor and stays as it was."""
+    found, true = level.arm.joints, dd_arm.joints
+    assert found[0].length_std_m is not None and found[0].length_std_m < 0.002
+    assert abs(found[0].a_m - true[0].a_m) < 4.0 * found[0].length_std_m
+    assert found[1].a_m == true[1].a_m and level.arm.tip == dd_arm.tip
+
+
+def test_sensors_are_what_the_estimates_say(dd_arm, level):
     values = {(e.sensor, e.name): e.value for e in level.estimates}
     for before, sensor in zip(dd_arm.sensors, level.arm.sensors, strict=True):
         numbers = {
