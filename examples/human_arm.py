@@ -18,24 +18,14 @@ from arm.kinematics import axis_frames, rotation_from_rpy
 from arm.model import Arm, Floats
 from limbcal.command import emit, say
 from limbcal.errors import DataError, LimbcalError
-from tracking.course import Course, course_of
-from tracking.expected_readings import room_of
 from tracking.kalman_filter import KalmanTracker
-from tracking.kalman_step import correct, hold, predict
-from tracking.observation import observation_of
 from tracking.readings import Readings, ReadingsBuilder
 from tracking.smoothed_frames import smooth_motion
-from tracking.smoothing_pass import room_to_take, smooth_once
-from tracking.start import MountingPrior, start_state
 
 ARM = Path(__file__).with_name("human-arm.toml")
 DATA = Path(os.environ.get("LIMBCAL_DATA", Path(__file__).parents[1] / ".." / "shared" / "data"))
 RATE_HZ = 60.0
 SEGMENTS, SENSORS = ("upper arm", "forearm"), {"right": ("34", "30"), "left": ("26", "27")}
-#: What an arm file cannot say of a walker, sized on the right arm: the shoulder's acceleration [m/s^2] and how
-#: long it lasts, a joint's speed [rad/s] and how long it lasts, how far its acceleration wanders in 1 s [rad/s^2].
-SHOULDER, SHOULDER_S, SPEED, SPEED_S, PUSH = 1.8, 0.08, 1.0, 0.15, 80.0
-CLOSE_ENOUGH, PASSES = 0.02, 40  # when the smoother's passes end, as a share of the standard deviations
 
 
 class Track(NamedTuple):
@@ -100,45 +90,15 @@ def as_it_is(arm: Arm, readings: Readings, method: str) -> Track:
     """Return what the live filter or the smoother says, as it is."""
     if method == "smoother":
         found = smooth_motion(arm, readings, None)
-        say(f"smoother: says that it has {'' if found.smoothed.converged else 'not '}converged")
+        if (lacks := found.smoothed.discrepancy) is not None:
+            sizes = f"base {lacks.base_std:.2g} m/s^2, sensors {lacks.lack_std:.2g} m/s^2, {lacks.memory_s:g} s"
+            say(f"smoother: the model lacks: {sizes}")
         return of_joints(arm, found.frames.q, found.smoothed.variance[:, ::3])
     tracker = KalmanTracker(arm, RATE_HZ, None, RATE_HZ)
     frames = tracker.push(0, readings.values)[0] + tracker.flush()[0]
     say(f"filter: says that its readings {'contradict' if tracker.consistency().wrong else 'fit'} the arm")
     std = np.vstack([block.q_std for block in frames if block.q_std is not None])
     return of_joints(arm, np.vstack([block.q for block in frames]), std**2)
-
-
-def walking(readings: Readings, n: int) -> Course:
-    """Return readings as of a walker: what the shoulder does is noise, and no joint turns fast for long."""
-    course = course_of(readings, n)
-    course.rest[:] = SPEED**2 * 2.0 * SPEED_S / course.dt
-    shoulder = SHOULDER**2 * 2.0 * SHOULDER_S / course.dt
-    return course._replace(noise=course.noise + shoulder, push=np.full(n, PUSH**2))
-
-
-def of_a_walker(arm: Arm, readings: Readings) -> tuple[Track, Track]:
-    """Return what the steps of filter and smoother say when they are told of the walk."""
-    n, (of, size) = arm.n_joint, observation_of(arm)
-    x0, P0 = start_state(arm, of, size, readings.first_mean, True, np.zeros(n), False, MountingPrior())
-    course, room, angles = walking(readings, n), room_of(n), slice(0, 3 * n, 3)
-    states, covariance = np.empty((len(readings.values), size)), np.empty((len(readings.values), n, n))
-    x, P, taken = x0.copy(), P0.copy(), room_to_take(course, size)[0]
-    for k in range(len(states)):
-        if k:
-            predict(of, course, k, x, P)
-        correct(of, room, course, k, x.copy(), x, P, taken)
-        hold(course, k, x, P, taken)
-        states[k], covariance[k] = x, P[angles, angles]
-    live = of_joints(arm, states[:, angles].copy(), covariance)
-    at, variance, passes, moved = np.tile(x0, (len(states), 1)), np.empty((len(states), 3 * n)), 0, np.inf
-    while passes < PASSES and moved > CLOSE_ENOUGH:
-        x, P, better = x0.copy(), P0.copy(), np.empty_like(at)
-        smooth_once(of, room, course, at, x, P, better, variance, True)
-        moved = float((np.abs(better - at).max(axis=0) / np.sqrt(np.maximum(np.diag(P), 1e-12))).max())
-        at, passes = better, passes + 1
-    say(f"smoother, told: {passes} passes, the last moved it by {moved:.2g} standard deviations")
-    return live, of_joints(arm, at[:, angles].copy(), variance[:, angles])
 
 
 def tracks_of(arm: Arm, accelerations: Floats) -> dict[str, Track]:
@@ -155,7 +115,6 @@ def tracks_of(arm: Arm, accelerations: Floats) -> dict[str, Track]:
             tracks[name] = as_it_is(arm, readings, name)
         except (np.linalg.LinAlgError, LimbcalError) as error:
             say(f"{name}: breaks down ({error})")
-    tracks["filter, told"], tracks["smoother, told"] = of_a_walker(arm, readings)
     return tracks
 
 
@@ -179,7 +138,7 @@ def draw(path: Path, tracks: dict[str, Track], up: Floats) -> None:
     figure = Figure(figsize=(11.0, 6.4), layout="constrained")
     axes, t = figure.subplots(2, 2, sharex=True, sharey="row"), np.arange(len(up)) / RATE_HZ
     for s, (above, below) in enumerate(axes.T):
-        for name, colour in (("low-passed", "0.65"), ("filter, told", "C1"), ("smoother, told", "C0")):
+        for name, colour in (("low-passed", "0.65"), ("smoother", "C0")):
             track, off = tracks[name], tracks[name].misses(up)[0][:, s]
             tilt = np.degrees(tilt_of(track.up[:, s]))
             above.plot(t, tilt, color=colour, lw=1.2, label=name)

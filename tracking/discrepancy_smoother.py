@@ -1,12 +1,13 @@
 """Joint motion from a recording of an arm that is not quite the one in its file, on a base that may move.
 
 What the model lacks of the readings is learnt with the motion (`tracking.discrepancy`). Whether the base moves,
-and for how long what is lacking lasts, is chosen by the likelihood of the readings. The first motion is one for which
-little but gravity is believed.
+and for how long what is lacking lasts, is chosen by the likelihood of the readings. The first motion is one for
+which little but gravity is believed.
 """
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from scipy.ndimage import uniform_filter1d
@@ -14,7 +15,7 @@ from scipy.ndimage import uniform_filter1d
 from arm.model import Arm, Floats
 from limbcal.compiled import compiled
 from limbcal.errors import DataError
-from tracking.coarsening import coarser, finer, stride_of
+from tracking.coarsening import coarser, every, finer, stride_of
 from tracking.course import Course, course_of
 from tracking.discrepancy import Discrepancy, noise_variances, sizes_of, with_sizes
 from tracking.expected_readings import Room, room_of
@@ -61,6 +62,16 @@ class _Fit:
     log_likelihood: float
 
 
+class _Begin(NamedTuple):
+    """A motion that sizes are sought from, and by how much readings depart from it.
+
+    ``states`` (n, n_state) of coarse frames, None for what gravity shows; ``departure`` [m/s^2].
+    """
+
+    states: Floats | None
+    departure: float
+
+
 class DiscrepancySmoother:
     """Smooths a recording, and learns what its model lacks.
 
@@ -80,7 +91,7 @@ class DiscrepancySmoother:
     def smooth(
         self,
         readings: Readings,
-        rest: Floats,
+        exact: Smoothed | None = None,
         known: Smoothed | None = None,
         progress: Callable[[int], None] | None = None,
     ) -> Smoothed:
@@ -89,8 +100,8 @@ class DiscrepancySmoother:
         Parameters
         ----------
         readings : Readings
-        rest : (n, n_joint)
-            Variance with which a joint's velocity is zero; 0 where nothing is known of it.
+        exact : Smoothed, optional
+            The motion of an exact arm, if there is one: its rests are held, and it is a second one to begin with.
         known : Smoothed, optional
             Of an earlier recording with the same sensors: what it says of them and of the lengths is held, and
             whether the base moves.
@@ -103,15 +114,22 @@ class DiscrepancySmoother:
             If no motion of the arm explains the readings at all.
         """
         n = self._arm.n_joint
-        course = course_of(readings, n)._replace(push=np.full(n, SMOOTHER_PUSH_STD**2), rest=rest)
+        course = course_of(readings, n)._replace(push=np.full(n, SMOOTHER_PUSH_STD**2))
         stride = stride_of(course.dt)
+        begins = [_Begin(None, _departure(course))]
+        if exact is not None:
+            course = course._replace(rest=_rest_at_every_frame(exact, course))
+            states = exact.states if exact.course.dt > readings.dt_s else every(exact.states, stride)
+            begins.append(_Begin(states, float(np.sqrt(np.square(exact.residual).mean()))))
         coarse = coarser(course, stride)
         rounds = 0
 
         def fitted(base: bool, memory_s: float) -> _Fit:
             nonlocal rounds
-            fit = self._fitted(readings, coarse, (base, memory_s), known)
-            rounds += fit.rounds
+            fits = [self._fitted(readings, coarse, (base, memory_s), known, begin) for begin in begins]
+            best = int(np.argmax([one.log_likelihood for one in fits]))
+            fit, begins[:] = fits[best], [begins[best]]  # from where the first kind is likelier, all are sought
+            rounds += sum(one.rounds for one in fits)
             if progress is not None:
                 progress(rounds)
             return fit
@@ -129,18 +147,26 @@ class DiscrepancySmoother:
         return self._smoothed(fit, course, stride, rounds)
 
     def _fitted(
-        self, readings: Readings, course: Course, kind: tuple[bool, float], known: Smoothed | None
+        self,
+        readings: Readings,
+        course: Course,
+        kind: tuple[bool, float],
+        known: Smoothed | None,
+        begin: _Begin,
     ) -> _Fit:
         """Return the motion with the likeliest sizes, of one kind: whether the base moves, and for how long."""
         base, memory_s = kind
         of, size = observation_of(self._arm, self._sought, base, lack=True)
         start = self._begin(of, size, readings, known)
-        usual = _departure(course)
+        usual = begin.departure
         sizes = Discrepancy(usual, usual * base, memory_s, np.full(self._arm.n_joint, _USUAL_SPEED))
-        variance = np.full(course.readings.shape, usual**2)
+        variance = np.maximum(np.full(course.readings.shape, usual**2), course.noise)
         found = pass_of(of, course, size)
         course = with_sizes(course, sizes, variance)
-        at = _filtered(of, course, *_before(of, start, sizes))
+        if begin.states is None:
+            at = _filtered(of, course, *_before(of, start, sizes))
+        else:
+            at = np.hstack([begin.states, np.zeros((len(begin.states), size - self.size))])
         if (turned := unwound(at, course, self._arm, long_too=True)) is not None:
             at = turned
         converged, rounds, log_likelihood = False, 0, -np.inf
@@ -200,7 +226,7 @@ class DiscrepancySmoother:
         x, P = before[0].copy(), before[1].copy()
         smooth_once(of, room_of(self._arm.n_joint), course, at, x, P, found, True)
         mend(found.variance)
-        still = (course.rest > 0.0).any(axis=1)
+        still = np.any(course.rest > 0.0, axis=1)
         own = slice(0, self.size)
         doubted = float(np.mean(course.doubt[course.present] > DOUBTFUL))
         return Smoothed(
@@ -218,6 +244,14 @@ class DiscrepancySmoother:
             at,
             fit.sizes,
         )
+
+
+def _rest_at_every_frame(exact: Smoothed, course: Course) -> Floats:
+    """Return the variance with which joints were held to rest, (n, n_joint)."""
+    stride = round(exact.course.dt / course.dt)
+    each = np.minimum(np.arange(len(course.readings)) // stride, len(exact.course.rest) - 1)
+    rest: Floats = stride * exact.course.rest[each]
+    return rest
 
 
 def _departure(course: Course) -> float:

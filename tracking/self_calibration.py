@@ -153,20 +153,11 @@ def _smoothed(
             return found
     except DataError:
         pass
-    rests = [_rest(one, readings) for one, readings in zip(found, runs, strict=False)]
-    rests += [np.zeros((len(readings.values), arm.n_joint)) for readings in runs[len(rests) :]]
+    exacts: list[Smoothed | None] = [*found, *[None] * (len(runs) - len(found))]
     robust, found = DiscrepancySmoother(arm, q, given, prior), []
-    for readings, rest in zip(runs, rests, strict=True):
-        found.append(robust.smooth(readings, rest, found[-1] if found else None, progress))
+    for readings, one in zip(runs, exacts, strict=True):
+        found.append(robust.smooth(readings, one, found[-1] if found else None, progress))
     return found
-
-
-def _rest(found: Smoothed, readings: Readings) -> Floats:
-    """Return the variance with which each joint's velocity is zero at every frame, (n, n_joint)."""
-    stride = round(found.course.dt / readings.dt_s)
-    each = np.minimum(np.arange(len(readings.values)) // stride, len(found.course.rest) - 1)
-    rest: Floats = stride * found.course.rest[each]
-    return rest
 
 
 def _columns(arm: Arm, of: Observation) -> list[tuple[int, str, str, str]]:

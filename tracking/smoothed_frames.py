@@ -34,14 +34,14 @@ def most_probable(arm: Arm, readings: Readings, q: Floats, given: bool) -> Smoot
         As of `tracking.smoother.Smoother`.
     readings : Readings
     """
-    rest = np.zeros((len(readings.values), arm.n_joint))
+    exact: Smoothed | None = None
     try:
         exact = Smoother(arm, q, given).smooth(readings)
     except DataError:
-        return DiscrepancySmoother(arm, q, given).smooth(readings, rest)
-    if exact.is_exact:
+        pass
+    if exact is not None and exact.is_exact:
         return exact
-    return DiscrepancySmoother(arm, q, given).smooth(readings, exact.course.rest)
+    return DiscrepancySmoother(arm, q, given).smooth(readings, exact)
 
 
 def smooth_motion(arm: Arm, readings: Readings, initial_q_rad: Floats | None) -> SmoothedMotion:

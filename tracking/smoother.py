@@ -36,6 +36,10 @@ _PASSES = 30
 _TOO_LITTLE = 0.7
 #: Noise is known to a tenth (`tracking.noise`), so no more variance than this multiple of its own is noise.
 NOISE_VARIANCE_TOLERANCE = 1.1**2
+#: Over how long smoothing errors are added up [s]: several times what decimation correlates, several in a motion.
+BLOCK_S = 0.25
+#: Standard deviations beyond which something is hardly ever by chance: one in 16 000.
+SIGMAS = 4.0
 #: By how long a motion may have begun before it is seen, however slowly it does: half a rest's window [s].
 RELEASE_S = 0.5 * WINDOW_S
 NO_MOTION = (
@@ -93,15 +97,34 @@ class Smoothed:
 
     @property
     def is_exact(self) -> bool:
-        """Whether the readings are explained to the accuracy with which the sensors' noise is known."""
-        return self.converged and self.misfit < NOISE_VARIANCE_TOLERANCE
+        """Whether the readings are explained to the accuracy with which the sensors' noise is known.
+
+        What the model lacks lasts, so that it shows in sums over a quarter of a second long before it does in a
+        reading.
+        """
+        sums, expected = self._squared_sums(BLOCK_S)
+        chance = SIGMAS * np.sqrt(2.0 / sums.size)  # of a mean of squares of normal numbers
+        misfit = float(sums.sum() / expected.sum())
+        return self.converged and misfit < NOISE_VARIANCE_TOLERANCE * (1.0 + chance)
 
     @property
-    def misfit(self) -> float:
-        """Mean squared smoothing error of the readings by its own claim: 1 where the model is right."""
+    def residual(self) -> Floats:
+        """What the motion leaves of the readings, (n, n_channel) [m/s^2]; nothing where there is none."""
+        variance = self.course.noise * self.course.doubt
+        left: Floats = variance * self.found.error[:, : self.course.noise.size]
+        return left
+
+    def _squared_sums(self, block_s: float) -> tuple[Floats, Floats]:
+        """Return squared sums of smoothing errors over blocks, (n_block, n_channel), and what they are by chance.
+
+        By chance they are no more than if the errors of a block were independent.
+        """
+        length = min(max(1, round(block_s / self.course.dt)), len(self.found.error))
+        blocks = np.arange(0, len(self.found.error) - length + 1, length)
         channels = slice(0, self.course.noise.size)
-        squares = np.square(self.found.error[self.course.present, channels]).mean()
-        return float(squares / self.found.precision[self.course.present, channels].mean())
+        sums = np.add.reduceat(self.found.error[: blocks[-1] + length, channels], blocks, axis=0)
+        expected = np.add.reduceat(self.found.precision[: blocks[-1] + length, channels], blocks, axis=0)
+        return sums**2, expected
 
 
 class Smoother:

@@ -90,7 +90,13 @@ def _print(fit: SensorsFit) -> None:
         for sentence in found.hidden:
             show(f"  {sentence}")
     show(f"{100 * found.doubted:.2g} % of the instants fit no motion of the arm; {found.passes} passes")
-    if found.doubted > DOUBTED:
+    if (lacks := found.discrepancy) is not None:
+        base = f", and its base moves by {lacks.base_std:.2g} m/s^2" if lacks.base_std else ""
+        say(
+            f"warning: however its sensors sit, the readings differ from arm {fit.arm.name!r} by {lacks.lack_std:.2g} "
+            f"m/s^2 rms beyond the sensors' noise{base} (play, flex, impacts, clocks); the intervals allow for that"
+        )
+    elif found.doubted > DOUBTED:
         say(
             f"warning: these readings contradict arm {fit.arm.name!r}; check its joints, and whether a sensor is "
             "loose or sits on another link than its file says"

@@ -114,6 +114,13 @@ def _warn(run: RawRun, arm: Arm, part: Tracked) -> None:
             f"warning: {run.name}: it begins where time leapt, perhaps in the middle of a motion, and a tracker "
             "begins at rest: do not rely on its angles; expected a recording of its own that begins at rest"
         )
+    elif verdict.discrepancy_m_s2 is not None:
+        base = f", and its base moves by {verdict.base_m_s2:.2g} m/s^2" if verdict.base_m_s2 else ""
+        say(
+            f"warning: {run.name}: the readings differ from arm {arm.name!r} by {verdict.discrepancy_m_s2:.2g} m/s^2 "
+            f"rms beyond the sensors' noise{base}; q_std allows for that. If its lengths or its sensors may be "
+            "elsewhere than its file says, let `fitter sensors` find how they are"
+        )
     elif verdict.wrong:
         share = f"{100 * (verdict.doubted or 0.0):.2g} % of the frames fit no motion of it"
         size = verdict.innovation
@@ -122,13 +129,7 @@ def _warn(run: RawRun, arm: Arm, part: Tracked) -> None:
             f"warning: {run.name}: the readings contradict arm {arm.name!r} ({share}{missed}); check its lengths "
             "and where its sensors sit, or let `fitter sensors` find how they do"
         )
-    elif verdict.discrepancy_m_s2 is not None:
-        base = f" and its base moves by {verdict.base_m_s2:.2g} m/s^2" if verdict.base_m_s2 else ""
-        say(
-            f"note: {run.name}: the readings differ from arm {arm.name!r} by {verdict.discrepancy_m_s2:.2g} m/s^2 "
-            f"rms beyond the sensors' noise{base}; q_std allows for that"
-        )
-    if not verdict.wrong and verdict.converged is False:
+    if not run.after_leap and verdict.converged is False:
         say(
             f"warning: {run.name}: after {verdict.passes} passes the motion still changes; check the arm's "
             "lengths, or say by --initial-q where it rests at the start"

@@ -47,7 +47,7 @@ def verdict_of(said: Consistency | Smoothed, frames: int) -> Verdict:
         if said.discrepancy is None:
             return replace(claim, wrong=said.doubted > DOUBTED)
         lacks = said.discrepancy
-        return replace(claim, wrong=False, discrepancy_m_s2=lacks.lack_std, base_m_s2=lacks.base_std)
+        return replace(claim, wrong=True, discrepancy_m_s2=lacks.lack_std, base_m_s2=lacks.base_std)
     if said.size is None:  # a tracker that claims nothing
         return Verdict()
     return Verdict(innovation=said.size, doubted=said.doubted / max(1, frames), wrong=said.wrong)

@@ -22,7 +22,7 @@ def test_sensors_are_calibrated_and_written(fitter, raw, tmp_path):
     document = outcome.document
     assert set(document) == {
         "sensors", "not_revealed", "passes", "converged", "doubted", "samples", "seconds", "out",
-        "notes",
+        "lengths", "notes",
     }  # fmt: skip
     assert (document["out"], document["samples"], document["converged"]) == (str(out), 20000, True)
     assert list(document["sensors"]) == ["s1", "s2", "s3", "s4"]

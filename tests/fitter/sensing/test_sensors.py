@@ -83,7 +83,8 @@ def test_the_next_motion_is_tracked_better(fit, short_run, errors):
 
 def test_the_document_holds_every_number(fit):
     document = fit.document()
-    assert set(document) == {"sensors", "not_revealed", "passes", "converged", "doubted", "samples", "seconds"}
+    names = {"sensors", "not_revealed", "lengths", "passes", "converged", "doubted", "samples", "seconds"}
+    assert set(document) == names
     assert set(document["sensors"]) == {"s1", "s2", "s3", "s4"}
     assert set(document["sensors"]["s1"]["turn_z"]) == {"value", "std", "unit", "identifiable"}
     assert (document["samples"], document["seconds"], document["converged"]) == (81000, 1.0, True)

@@ -1,0 +1,182 @@
+"""A pendulum's angles from two accelerometers, against cameras and against gyros that were not used.
+
+Reads RepoIMU's recordings (agnieszkaszczesna/RepoIMU on GitHub, folder Pendulum): the upper two of three links.
+Lengths and sensors are found from the first test's three trials, beginning with lengths that are wrong on purpose;
+then all trials are tracked.
+"""
+
+import argparse
+import sys
+from collections.abc import Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+from rich.progress import track
+
+from arm.arm_file import load_arm
+from arm.model import Arm, Floats, Vector3
+from limbcal.command import console, emit, say
+from limbcal.errors import DataError, LimbcalError
+from tracking.readings import Readings, ReadingsBuilder
+from tracking.self_calibration import calibrate_sensors
+from tracking.smoothed_frames import smooth_motion
+from tracking.start import MountingPrior
+
+ARM = Path(__file__).with_name("repo-pendulum.toml")
+#: Rate of the inertial sensors [Hz]; each reading is held in the file until the next.
+RATE_HZ = 90.0
+#: How well sensors are placed and turned by hand.
+PRIOR = MountingPrior(turn_rad=np.deg2rad(5.0), place_m=0.04)
+LEARNT = ("Test03_Trial1", "Test03_Trial2", "Test03_Trial3")
+#: Offsets of the two clocks that are tried [s], and what is left out at both ends.
+SHIFTS_S, END_S = np.arange(-0.1, 0.101, 0.005), 1.0
+
+
+class Trial(NamedTuple):
+    """One trial: readings (n, 6), angles by the cameras (n, 2), rates by the gyros about the axis (n, 2)."""
+
+    name: str
+    t: Floats
+    readings: Floats
+    q: Floats
+    rate: Floats
+
+    def decimated(self) -> Readings:
+        """Return the readings as the trackers take them."""
+        builder = ReadingsBuilder(RATE_HZ, 6, RATE_HZ)
+        builder.push(self.readings)
+        return builder.done()
+
+
+def read_segment(path: Path) -> Floats:
+    """Return time, quaternion of the cameras, acceleration, rate: (n, 11), without rows that lack any."""
+    if not path.is_file():
+        raise DataError(f"{path} is not there; expected RepoIMU's folder Pendulum, see --data")
+    table = np.genfromtxt(path, delimiter=";", skip_header=2)[:, :11]
+    seen = ~np.isnan(table).any(axis=1) & (np.linalg.norm(table[:, 1:5], axis=1) > 0.5)
+    rows: Floats = table[seen]
+    return rows
+
+
+def at_changes(t: Floats, time: Floats, values: Floats) -> Floats:
+    """Return held values at other times, as lines between the instants at which they changed."""
+    new = np.concatenate([[True], np.any(np.diff(values, axis=0) != 0.0, axis=1)])
+    return np.column_stack([np.interp(t, time[new], column[new]) for column in values.T])
+
+
+def angle_of(quaternion: Floats) -> Floats:
+    """Return the angle about the main axis of turning, from the mean of the first rows on (n,)."""
+    w0, v0 = quaternion[:20, 0].mean(), quaternion[:20, 1:].mean(axis=0)
+    w, v = quaternion[:, 0], quaternion[:, 1:]
+    scalar = w * w0 + v @ v0
+    vector = w0 * v - w[:, None] * v0 - np.cross(v, v0)
+    vector *= np.where(scalar < 0.0, -1.0, 1.0)[:, None]
+    axis = np.linalg.svd(vector, full_matrices=False)[2][0]
+    angle: Floats = np.unwrap(2.0 * np.arctan2(vector @ axis, np.abs(scalar)))
+    return angle
+
+
+def read_trial(folder: Path, name: str) -> Trial:
+    """Read the upper two links of a trial; the sign of each angle is that which gravity shows."""
+    segments = [read_segment(folder / f"Pendulum_{name}_Segment_{k}.csv") for k in (1, 2)]
+    t = np.arange(max(s[0, 0] for s in segments), min(s[-1, 0] for s in segments), 1.0 / RATE_HZ)
+    readings = np.hstack([at_changes(t, s[:, 0], s[:, 5:8]) for s in segments])
+    rate = np.column_stack([at_changes(t, s[:, 0], s[:, 8:11])[:, 2] for s in segments])
+    links = np.column_stack([np.interp(t, s[:, 0], angle_of(s[:, 1:5])) for s in segments])
+    for k in (0, 1):
+        felt = np.unwrap(np.arctan2(readings[:, 3 * k + 1], readings[:, 3 * k]))
+        links[:, k] *= -np.sign(np.corrcoef(felt, links[:, k])[0, 1])
+    return Trial(name, t - t[0], readings, np.column_stack([links[:, 0], links[:, 1] - links[:, 0]]), rate)
+
+
+def misses(trial: Trial, q: Floats) -> Floats:
+    """Return by how much the cameras' angles differ, after the one shift of the clocks that fits best (n, 2)."""
+    inside = (trial.t > END_S) & (trial.t < trial.t[-1] - END_S)
+    found = []
+    for shift in SHIFTS_S:
+        moved = np.column_stack([np.interp(trial.t[inside] - shift, trial.t, column) for column in trial.q.T])
+        found.append(moved - q[inside])
+    return min(found, key=lambda off: float(np.abs(off).mean()))
+
+
+def off_gyros(trial: Trial, q: Floats) -> Floats:
+    """Return by how much both links' angles differ from integrated rates, but for the gyros' drift (2,) [deg].
+
+    The drift of an angle is a parabola: the gyros' zero, and how it wanders.
+    """
+    links, found = np.cumsum(q, axis=1), []
+    for k in (0, 1):
+        rate = trial.rate[:, k] - trial.rate[:30, k].mean()
+        turned = np.cumsum(rate) / RATE_HZ
+        turned *= np.sign(np.corrcoef(turned, links[:, k])[0, 1])
+        shifts = []
+        for shift in range(-8, 9):
+            off = np.roll(links[:, k], shift) - turned
+            off -= np.polyval(np.polyfit(trial.t, off, 2), trial.t)
+            shifts.append(float(np.degrees(np.abs(off[90:-90]).mean())))
+        found.append(min(shifts))
+    return np.array(found)
+
+
+def vector(values: Floats) -> Vector3:
+    """Return three numbers as an arm file has them."""
+    x, y, z = (float(value) for value in values)
+    return x, y, z
+
+
+def wrong_by(arm: Arm, share: float) -> Arm:
+    """Return an arm whose lengths and places are wrong by a share."""
+    sensors = [replace(s, position_m=vector(np.multiply(1.0 + share, s.position_m))) for s in arm.sensors]
+    length = arm.joints[0].a_m
+    joint = replace(arm.joints[0], a_m=(1.0 + share) * length, length_std_m=abs(share) * length)
+    return replace(arm, joints=(joint, *arm.joints[1:]), sensors=tuple(sensors))
+
+
+def run(folder: Path, share: float) -> None:
+    """Calibrate, track all trials, and print how far they are off."""
+    paths = sorted(folder.glob("Pendulum_Test0[2-8]*_Segment_1.csv"))
+    names = [path.name.removeprefix("Pendulum_").removesuffix("_Segment_1.csv") for path in paths]
+    learnt = [read_trial(folder, name).decimated() for name in LEARNT]
+    found = calibrate_sensors(wrong_by(load_arm(ARM), share), learnt, np.zeros(2), PRIOR)
+    length, places = found.arm.joints[0], [s.position_m[0] for s in found.arm.sensors]
+    emit(f"length {length.a_m:.4f} +- {length.length_std_m:.4f} m, sensors at {places[0]:.4f}, {places[1]:.4f} m")
+    heads = ("off the cameras [deg]", "within 3 std [%]", "off the gyros", "cameras off gyros")
+    emit(f"{'trial':16}{heads[0]:>24}{heads[1]:>20}{heads[2]:>18}{heads[3]:>20}")
+    rows = []
+    for name in track(names, "tracking", console=console, transient=True):
+        trial = read_trial(folder, name)
+        frames = smooth_motion(found.arm, trial.decimated(), np.zeros(2)).frames
+        off = misses(trial, frames.q)
+        inside = (trial.t > END_S) & (trial.t < trial.t[-1] - END_S)
+        assert frames.q_std is not None, "a smoother says how well it knows its angles"
+        within = 100.0 * np.mean(np.abs(off) < 3.0 * frames.q_std[inside], axis=0)
+        row = [np.degrees(np.abs(off).mean(axis=0)), within, off_gyros(trial, frames.q), off_gyros(trial, trial.q)]
+        rows.append(row)
+        emit(line(name, row))
+    emit(line("mean", np.mean(rows, axis=0)))
+
+
+def line(name: str, row: Sequence[Floats]) -> str:
+    """Return a line of the table."""
+    cells = [f"{a:.{digits}f}, {b:.{digits}f}" for (a, b), digits in zip(row, (2, 0, 2, 2), strict=True)]
+    return f"{name:16}{cells[0]:>24}{cells[1]:>20}{cells[2]:>18}{cells[3]:>20}"
+
+
+def main(argv: list[str] | None = None) -> int:
+    """Print the table and return the exit code."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--data", type=Path, required=True, help="RepoIMU's folder Pendulum")
+    parser.add_argument("--wrong-by", type=float, default=0.2, help="of the lengths at first (0.2)")
+    arguments = parser.parse_args(argv)
+    try:
+        run(arguments.data, arguments.wrong_by)
+    except LimbcalError as error:
+        say(f"error: {error}")
+        return error.exit_code
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
