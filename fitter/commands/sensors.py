@@ -93,8 +93,9 @@ def _print(fit: SensorsFit) -> None:
     if (lacks := found.discrepancy) is not None:
         base = f", and its base moves by {lacks.base_std:.2g} m/s^2" if lacks.base_std else ""
         say(
-            f"warning: however its sensors sit, the readings differ from arm {fit.arm.name!r} by {lacks.lack_std:.2g} "
-            f"m/s^2 rms beyond the sensors' noise{base} (play, flex, impacts, clocks); the intervals allow for that"
+            f"warning: however its sensors sit, the readings differ from arm {fit.arm.name!r} by "
+            f"{lacks.lack_std:.2g} m/s^2 rms beyond the sensors' noise{base} (play, flex, impacts, clocks); the "
+            "intervals allow for that"
         )
     elif found.doubted > DOUBTED:
         say(

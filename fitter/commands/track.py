@@ -117,9 +117,9 @@ def _warn(run: RawRun, arm: Arm, part: Tracked) -> None:
     elif verdict.discrepancy_m_s2 is not None:
         base = f", and its base moves by {verdict.base_m_s2:.2g} m/s^2" if verdict.base_m_s2 else ""
         say(
-            f"warning: {run.name}: the readings differ from arm {arm.name!r} by {verdict.discrepancy_m_s2:.2g} m/s^2 "
-            f"rms beyond the sensors' noise{base}; q_std allows for that. If its lengths or its sensors may be "
-            "elsewhere than its file says, let `fitter sensors` find how they are"
+            f"warning: {run.name}: the readings differ from arm {arm.name!r} by {verdict.discrepancy_m_s2:.2g} "
+            f"m/s^2 rms beyond the sensors' noise{base}; q_std allows for that. If its lengths or its sensors may "
+            "be other than its file says, let `fitter sensors` find how they are"
         )
     elif verdict.wrong:
         share = f"{100 * (verdict.doubted or 0.0):.2g} % of the frames fit no motion of it"
