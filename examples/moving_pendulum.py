@@ -1,8 +1,8 @@
 """A pendulum's angles from two accelerometers, against cameras and against gyros that were not used.
 
 Reads RepoIMU's recordings (agnieszkaszczesna/RepoIMU on GitHub, folder Pendulum): the upper two of three links.
-Lengths and sensors are found from the first test's three trials, beginning with lengths that are wrong on purpose;
-then all trials are tracked.
+Lengths and sensors are found from the first trials of each way in which they were mounted, beginning with lengths
+that are wrong on purpose; then all trials are tracked.
 """
 
 import argparse
@@ -29,7 +29,11 @@ ARM = Path(__file__).with_name("repo-pendulum.toml")
 RATE_HZ = 90.0
 #: How well sensors are placed and turned by hand.
 PRIOR = MountingPrior(turn_rad=np.deg2rad(5.0), place_m=0.04)
-LEARNT = ("Test03_Trial1", "Test03_Trial2", "Test03_Trial3")
+#: Trials, and those of them that are learnt from: between tests 02 and 03 the sensors were mounted anew.
+SETS = (
+    ("0[2]", ("Test02a_Trial1", "Test02b_Trial1")),
+    ("0[3-8]", ("Test03_Trial1", "Test03_Trial2", "Test03_Trial3")),
+)
 #: Offsets of the two clocks that are tried [s], and what is left out at both ends.
 SHIFTS_S, END_S = np.arange(-0.1, 0.101, 0.005), 1.0
 
@@ -134,12 +138,20 @@ def wrong_by(arm: Arm, share: float) -> Arm:
     return replace(arm, joints=(joint, *arm.joints[1:]), sensors=tuple(sensors))
 
 
-def run(folder: Path, share: float) -> None:
-    """Calibrate, track all trials, and print how far they are off."""
-    paths = sorted(folder.glob("Pendulum_Test0[2-8]*_Segment_1.csv"))
+def levelled(arm: Arm, first: Floats) -> Arm:
+    """Return an arm whose sensors are turned about z as its first reading (6,) shows while it hangs."""
+    turns = [np.pi - np.arctan2(first[3 * k + 1], first[3 * k]) for k in (0, 1)]
+    sensors = [replace(s, rotation_rad=(0.0, 0.0, float(a))) for s, a in zip(arm.sensors, turns, strict=True)]
+    return replace(arm, sensors=tuple(sensors))
+
+
+def run(folder: Path, share: float, pattern: str, learnt: Sequence[str]) -> None:
+    """Calibrate, track all trials of one set, and print how far they are off."""
+    paths = sorted(folder.glob(f"Pendulum_Test{pattern}*_Segment_1.csv"))
     names = [path.name.removeprefix("Pendulum_").removesuffix("_Segment_1.csv") for path in paths]
-    learnt = [read_trial(folder, name).decimated() for name in LEARNT]
-    found = calibrate_sensors(wrong_by(load_arm(ARM), share), learnt, np.zeros(2), PRIOR)
+    known = [read_trial(folder, name).decimated() for name in learnt]
+    arm = levelled(wrong_by(load_arm(ARM), share), known[0].first_mean)
+    found = calibrate_sensors(arm, known, np.zeros(2), PRIOR)
     length, places = found.arm.joints[0], [s.position_m[0] for s in found.arm.sensors]
     emit(f"length {length.a_m:.4f} +- {length.length_std_m:.4f} m, sensors at {places[0]:.4f}, {places[1]:.4f} m")
     heads = ("off the cameras [deg]", "within 3 std [%]", "off the gyros", "cameras off gyros")
@@ -171,7 +183,8 @@ def main(argv: list[str] | None = None) -> int:
     parser.add_argument("--wrong-by", type=float, default=0.2, help="of the lengths at first (0.2)")
     arguments = parser.parse_args(argv)
     try:
-        run(arguments.data, arguments.wrong_by)
+        for pattern, learnt in SETS:
+            run(arguments.data, arguments.wrong_by, pattern, learnt)
     except LimbcalError as error:
         say(f"error: {error}")
         return error.exit_code
