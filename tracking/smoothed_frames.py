@@ -12,6 +12,7 @@ from tracking.frames import Frames, Phase
 from tracking.readings import Readings
 from tracking.sensor_paths import SensorPaths
 from tracking.smoother import Smoothed, Smoother
+from tracking.start import MountingPrior
 
 
 @dataclass(frozen=True)
@@ -26,21 +27,29 @@ class SmoothedMotion:
 def most_probable(arm: Arm, readings: Readings, q: Floats, given: bool) -> Smoothed:
     """Return the most probable motion: of the arm as its file has it, if that explains the readings.
 
-    Otherwise that of an arm like it, with what the model lacks learnt as well.
+    Otherwise that of the arm with its sensors mounted as carefully as sensors are, if that does; and else that of an
+    arm like it, with what the model lacks learnt as well.
 
     Parameters
     ----------
     arm, q, given
         As of `tracking.smoother.Smoother`.
     readings : Readings
+
+    Raises
+    ------
+    DataError
+        If no motion of the arm explains the readings at all.
     """
     exact: Smoothed | None = None
-    try:
-        exact = Smoother(arm, q, given).smooth(readings)
-    except DataError:
-        pass
-    if exact is not None and exact.is_exact:
-        return exact
+    for mounting in [None] if arm.sensor_covariance is not None else [None, MountingPrior()]:
+        try:
+            found = Smoother(arm, q, given, mounting).smooth(readings)
+        except DataError:
+            break
+        if found.is_exact:
+            return found
+        exact = exact or found
     return DiscrepancySmoother(arm, q, given).smooth(readings, exact)
 
 
