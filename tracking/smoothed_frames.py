@@ -27,8 +27,8 @@ class SmoothedMotion:
 def most_probable(arm: Arm, readings: Readings, q: Floats, given: bool) -> Smoothed:
     """Return the most probable motion: of the arm as its file has it, if that explains the readings.
 
-    Otherwise that of the arm with its sensors mounted as carefully as sensors are, if that does; and else that of an
-    arm like it, with what the model lacks learnt as well.
+    Otherwise that of the arm with its sensors mounted as carefully as sensors are, if that does; and else that of
+    an arm like it, with what the model lacks learnt as well.
 
     Parameters
     ----------
