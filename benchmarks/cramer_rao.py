@@ -32,7 +32,7 @@ from tracking.noise import Noise
 from tracking.observation import Observation, observation_of
 from tracking.process import SMOOTHER_PUSH_STD
 from tracking.readings import Readings
-from tracking.smoother import mend
+from tracking.smoothed import mend
 from tracking.smoothing_pass import pass_of, smooth_once
 from tracking.start import MountingPrior, start_state
 from tracking.stillness import WINDOW_S, rest_variance, unrest, window_frames, window_of

@@ -23,7 +23,8 @@ from tracking.kalman_step import correct, hold, predict
 from tracking.observation import ABSENT, Observation, observation_of
 from tracking.process import SMOOTHER_PUSH_STD
 from tracking.readings import Readings
-from tracking.smoother import NO_MOTION, Smoothed, mend
+from tracking.smoothed import Smoothed, mend
+from tracking.smoother import NO_MOTION
 from tracking.smoothing_pass import Pass, pass_of, room_to_take, smooth_once
 from tracking.start import MountingPrior, start_state
 from tracking.winding import unwound

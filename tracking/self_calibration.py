@@ -17,7 +17,8 @@ from tracking.discrepancy import Discrepancy
 from tracking.discrepancy_smoother import DiscrepancySmoother
 from tracking.observation import ABSENT, MOUNTING, Observation, observation_of
 from tracking.readings import Readings
-from tracking.smoother import Smoothed, Smoother
+from tracking.smoothed import Smoothed
+from tracking.smoother import Smoother
 from tracking.start import MountingPrior
 
 #: A parameter is revealed where its standard error is at most this fraction of its prior's; a convention.
@@ -146,7 +147,8 @@ def _smoothed(
     exact, found = Smoother(arm, q, given, prior), list[Smoothed]()
     try:
         for readings in runs:
-            found.append(exact.smooth(readings, False, found[-1] if found else None, progress=progress))
+            known = found[-1] if found else None
+            found.append(exact.smooth(readings, fine=False, known=known, progress=progress))
             if not found[-1].is_exact:
                 break
         else:

@@ -11,7 +11,8 @@ from tracking.discrepancy_smoother import DiscrepancySmoother
 from tracking.frames import Frames, Phase
 from tracking.readings import Readings
 from tracking.sensor_paths import SensorPaths
-from tracking.smoother import Smoothed, Smoother
+from tracking.smoothed import Smoothed
+from tracking.smoother import Smoother
 from tracking.start import MountingPrior
 
 

@@ -6,7 +6,6 @@ Gauss-Newton method*, 1994). The first passes go in coarser steps, since only th
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,13 +15,13 @@ from limbcal.errors import DataError
 from tracking.calm_motion import acceleration_noise, calm
 from tracking.coarsening import coarser, every, finer, stride_of
 from tracking.course import Course, course_of
-from tracking.discrepancy import Discrepancy
 from tracking.expected_readings import room_of
 from tracking.forward_filter import filter_all
 from tracking.observation import observation_of
 from tracking.process import SMOOTHER_PUSH_STD, alarm_limit
 from tracking.readings import Readings
-from tracking.smoothing_pass import Pass, pass_of, smooth_once
+from tracking.smoothed import Smoothed, is_near, mend
+from tracking.smoothing_pass import pass_of, smooth_once
 from tracking.start import MountingPrior, start_state
 from tracking.stillness import WINDOW_S, window_frames, window_of
 from tracking.winding import unwound
@@ -34,97 +33,12 @@ _CLOSE_ENOUGH = 0.02
 _PASSES = 30
 #: A pass that moves the states by more than this fraction of the pass before gets no nearer, a convention.
 _TOO_LITTLE = 0.7
-#: Noise is known to a tenth (`tracking.noise`), so no more variance than this multiple of its own is noise.
-NOISE_VARIANCE_TOLERANCE = 1.1**2
-#: Over how long smoothing errors are added up [s]: several times what decimation correlates, several in a motion.
-BLOCK_S = 0.25
-#: Standard deviations beyond which something is hardly ever by chance: one in 16 000.
-SIGMAS = 4.0
 #: By how long a motion may have begun before it is seen, however slowly it does: half a rest's window [s].
 RELEASE_S = 0.5 * WINDOW_S
 NO_MOTION = (
     "no motion of this arm explains the readings at all; expected an arm file with these joints and its sensors "
     "where they are"
 )
-
-
-@dataclass(frozen=True)
-class Smoothed:
-    """A motion, and how well it is known.
-
-    Attributes
-    ----------
-    states : (n, n_state)
-        Of every frame, in the order of `tracking.observation`.
-    found : Pass
-        Of the last pass.
-    final, covariance : (n_state,), (n_state, n_state)
-        After the last reading: what is known of the constants.
-    before : (n_state, n_state)
-        Covariance before the first reading.
-    still, resting : (n,) bool
-        Where the velocities were held to be zero, and where no motion goes on.
-    doubted : float
-        Share of the instants at which the readings contradict the arm.
-    passes : int
-    converged : bool
-    course : Course
-        The readings of the last pass, with the jolts, doubts and rests that were found.
-    along : (n, n_state)
-        Along which they were linearised in it.
-    discrepancy : Discrepancy, optional
-        What the model was found to lack of the readings, if that was sought.
-    """
-
-    states: Floats
-    found: Pass
-    final: Floats
-    covariance: Floats
-    before: Floats
-    still: NDArray[np.bool_]
-    resting: NDArray[np.bool_]
-    doubted: float
-    passes: int
-    converged: bool
-    course: Course
-    along: Floats
-    discrepancy: Discrepancy | None = None
-
-    @property
-    def variance(self) -> Floats:
-        """Of q, dq, ddq of every joint, (n, 3 n_joint)."""
-        return self.found.variance[:, : 3 * self.course.push.size]
-
-    @property
-    def is_exact(self) -> bool:
-        """Whether the readings are explained to the accuracy with which the sensors' noise is known.
-
-        What the model lacks lasts, so that it shows in sums over a quarter of a second long before it does in a
-        reading.
-        """
-        sums, expected = self._squared_sums(BLOCK_S)
-        chance = SIGMAS * np.sqrt(2.0 / sums.size)  # of a mean of squares of normal numbers
-        misfit = float(sums.sum() / expected.sum())
-        return self.converged and misfit < NOISE_VARIANCE_TOLERANCE * (1.0 + chance)
-
-    @property
-    def residual(self) -> Floats:
-        """What the motion leaves of the readings, (n, n_channel) [m/s^2]; nothing where there is none."""
-        variance = self.course.noise * self.course.doubt
-        left: Floats = variance * self.found.error[:, : self.course.noise.size]
-        return left
-
-    def _squared_sums(self, block_s: float) -> tuple[Floats, Floats]:
-        """Return squared sums of smoothing errors over blocks, (n_block, n_channel), and what they are by chance.
-
-        By chance they are no more than if the errors of a block were independent.
-        """
-        length = min(max(1, round(block_s / self.course.dt)), len(self.found.error))
-        blocks = np.arange(0, len(self.found.error) - length + 1, length)
-        channels = slice(0, self.course.noise.size)
-        sums = np.add.reduceat(self.found.error[: blocks[-1] + length, channels], blocks, axis=0)
-        expected = np.add.reduceat(self.found.precision[: blocks[-1] + length, channels], blocks, axis=0)
-        return sums**2, expected
 
 
 class Smoother:
@@ -219,7 +133,8 @@ class Smoother:
         mend(found.variance)
         doubted = float(np.mean((course.doubt > 1.0).any(axis=1)))
         rests = still, resting
-        return Smoothed(at, found, x, P, P0, *rests, doubted, passes, converged, last, along)
+        near = is_near(of, x, P0)
+        return Smoothed(at, found, x, P, P0, *rests, doubted, passes, converged, last, along, None, near)
 
     def begin(self, readings: Readings) -> tuple[Floats, Floats]:
         """Return state and covariance before the first reading of a recording."""
@@ -258,12 +173,3 @@ def release(course: Course, still: NDArray[np.bool_]) -> None:
     for end in np.flatnonzero(still[:-1] & ~still[1:]) + 1:
         still[max(0, end - back) : end] = False
         course.rest[max(0, end - back) : end] = 0.0
-
-
-def mend(variance: Floats) -> None:
-    """Fill in variances that lost all their digits, as at the end of a gap, from the instants around them."""
-    at = np.arange(len(variance))
-    for column in variance.T:
-        there = ~np.isnan(column)
-        if there.any():
-            column[:] = np.interp(at, at[there], column[there])

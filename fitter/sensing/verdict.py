@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from dataclasses import asdict, dataclass, replace
 
 from tracking.consistency import Consistency
-from tracking.smoother import Smoothed
+from tracking.smoothed import Smoothed
 
 #: Readings contradict the arm if more of them than this are doubted.
 DOUBTED = 0.01

@@ -34,7 +34,10 @@ def test_sensors_are_calibrated_and_written(fitter, raw, tmp_path):
         numbers = document["sensors"][sensor.name]
         assert sensor.scale == pytest.approx([numbers[f"scale_{axis}"]["value"] for axis in "xyz"])
         assert sensor.bias_m_s2 == pytest.approx([numbers[f"bias_{axis}"]["value"] for axis in "xyz"])
-    assert [joint.a_m for joint in found.joints] == [joint.a_m for joint in load_arm("dd-arm").joints]
+    length = document["lengths"]["a1"]
+    assert (found.joints[0].a_m, found.joints[0].length_std_m) == (length["value"], length["std"])
+    assert abs(length["value"] - 0.25) < 4.0 * length["std"] < 0.02
+    assert found.joints[1].a_m == 0.3
 
 
 def test_how_far_off_the_sensors_may_be_is_believed(fitter, raw, tmp_path):

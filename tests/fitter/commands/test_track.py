@@ -93,8 +93,10 @@ def test_readings_that_contradict_the_arm_are_warned_of(fitter, two_seconds, sho
     out = tmp_path / "motion.npz"
     outcome = fitter("track", two_seconds, "--arm", tmp_path / "moved.toml", "--method", method, "--out", out)
     assert outcome.code == 0 and outcome.document["wrong"] is True
-    assert "warning: start: the readings contradict arm 'dd-arm'" in outcome.said
-    assert "check its lengths and where its sensors sit, or let `fitter sensors` find" in outcome.said
+    says = {"filter": "contradict arm 'dd-arm'", "smooth": "differ from arm 'dd-arm' by"}
+    assert f"warning: start: the readings {says[method]}" in outcome.said
+    assert "let `fitter sensors` find how they" in outcome.said
+    assert (outcome.document.get("discrepancy_m_s2") is not None) == (method == "smooth")
 
 
 def test_predicted_frames_are_marked_in_every_run_if_in_one(fitter, two_seconds, short_run, tmp_path):

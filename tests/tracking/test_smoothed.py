@@ -7,8 +7,10 @@ import pytest
 
 from tracking.course import course_of
 from tracking.noise import Noise
+from tracking.observation import observation_of
 from tracking.readings import Readings
-from tracking.smoother import mend, release
+from tracking.smoothed import is_near, mend
+from tracking.smoother import release
 
 NAN = np.nan
 
@@ -61,3 +63,16 @@ def test_variances_that_are_lost_are_those_between_their_neighbours():
     mend(variance)
     np.testing.assert_allclose(variance[:, :2], [[2.0, 1.0], [2.0, 3.0], [3.0, 5.0], [4.0, 7.0], [4.0, 8.0]])
     assert np.isnan(variance[:, 2]).all()
+
+
+def test_constants_are_near_within_what_they_may_be_off(dd_arm):
+    of, size = observation_of(dd_arm, mountings=True)
+    x, P0 = np.zeros(size), np.eye(size) * 1e-6
+    assert is_near(of, x, P0)
+    for column in (int(of.length_column[0, 0]), int(of.mounting_column[2]) + 8):
+        for off, expected in ((3.9e-3, True), (-4.1e-3, False)):
+            moved = x.copy()
+            moved[column] = off
+            assert is_near(of, moved, P0) is expected
+    x[2] = 1.0  # an acceleration is no constant
+    assert is_near(of, x, P0)
