@@ -46,7 +46,7 @@ class Smoothed:
     discrepancy : Discrepancy, optional
         What the model was found to lack of the readings, if that was sought.
     is_near : bool
-        Lengths and mountings are where the arm file has them, within what they may be off.
+        Lengths and mountings are where they were held to be, within what they may be off.
     """
 
     states: Floats
@@ -101,12 +101,12 @@ class Smoothed:
         return sums**2, expected
 
 
-def is_near(of: Observation, x: Floats, P0: Floats) -> bool:
-    """Say whether lengths and mountings (n_state,) are as near to the arm file as was held (n_state, n_state)."""
+def is_near(of: Observation, moved: Floats, P0: Floats) -> bool:
+    """Say whether lengths and mountings moved (n_state,) by no more than they may be off (n_state, n_state)."""
     mountings = [range(first, first + MOUNTING) for first in of.mounting_column.tolist() if first != ABSENT]
     lengths = of.length_column[of.length_column != ABSENT].tolist()
     columns = np.array([*lengths, *np.ravel(mountings)], dtype=np.intp)
-    return bool(np.all(np.abs(x[columns]) < SIGMAS * np.sqrt(P0[columns, columns])))
+    return bool(np.all(np.abs(moved[columns]) < SIGMAS * np.sqrt(P0[columns, columns])))
 
 
 def mend(variance: Floats) -> None:

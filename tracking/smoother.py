@@ -133,7 +133,7 @@ class Smoother:
         mend(found.variance)
         doubted = float(np.mean((course.doubt > 1.0).any(axis=1)))
         rests = still, resting
-        near = is_near(of, x, P0)
+        near = is_near(of, x - x0, P0)
         return Smoothed(at, found, x, P, P0, *rests, doubted, passes, converged, last, along, None, near)
 
     def begin(self, readings: Readings) -> tuple[Floats, Floats]:
