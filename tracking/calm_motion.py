@@ -44,7 +44,7 @@ def calm(states: Floats, noise: Floats, dt_s: float) -> Floats:
     size = 1 + 2 * round(0.5 * _WINDOW_S / dt_s)
     mean = uniform_filter1d(ddq, size, axis=0, mode="nearest")
     spread = uniform_filter1d(np.square(ddq - mean), size, axis=0, mode="nearest")
-    share = 1.0 - np.minimum(1.0, _ABOVE * noise / np.maximum(spread, np.finfo(float).tiny))
+    share = 1.0 - _ABOVE * noise / np.maximum(spread, _ABOVE * noise)
     calmed = states.copy()
     calmed[:, accelerations] = mean + share * (ddq - mean)
     return calmed
