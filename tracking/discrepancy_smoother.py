@@ -34,7 +34,7 @@ MEMORIES_S = (0.03, 0.1, 0.3)
 #: Log-odds at which the base is held to move: a hundred to one.
 _ODDS_NATS = float(np.log(100.0))
 #: Expectations and maximisations at the most, and passes in each.
-_ROUNDS, _PASSES = 30, 2
+_ROUNDS, _PASSES = 30, 4
 #: Rounds end when no size changes by more than this share; passes when no joint does by more than this [rad or m].
 _CLOSE_ENOUGH, _SETTLED = 0.02, 1e-3
 #: A pass moves no joint by more than this [rad or m]: further away slopes say little.

@@ -191,7 +191,7 @@ def test_calibrated_sensors_track_better(dd_arm, level, level_run):
 
 
 def test_a_sensor_that_rides_on_another_link_than_its_file_says_contradicts_the_rest(dd_arm, level_run, level):
-    """Wherever sensors may sit on that link: so many instants fit no motion that the arm is not taken for exact."""
+    """Wherever sensors sit on that link: so many instants fit no motion that the arm is not taken for exact."""
     *others, last = dd_arm.sensors
     wrong = replace(dd_arm, sensors=(*others, replace(last, joint=1)))
     found = Smoother(wrong, np.zeros(2), True, PRIOR).smooth(level_run, fine=False)
