@@ -56,11 +56,13 @@ def felt(arm: Arm, motion: Motion) -> Floats:
     return specific_force(arm, motion.q, motion.dq, motion.ddq).reshape(len(motion.t), -1)
 
 
-def with_link_2(arm: Arm, motion: Motion, more: Floats) -> Floats:
-    """Return readings if the second link is further by an angle (n,) than its joint says."""
+def with_last_turned(arm: Arm, motion: Motion, more: Floats) -> Floats:
+    """Return readings if what the last sensor sits on is further by an angle (n,) than its link."""
     q = motion.q + np.column_stack([np.zeros_like(more), more])
     dq = np.gradient(q, motion.t, axis=0)
-    return felt(arm, Motion(motion.t, q, dq, np.gradient(dq, motion.t, axis=0)))
+    readings = felt(arm, motion)
+    readings[:, 9:] = felt(arm, Motion(motion.t, q, dq, np.gradient(dq, motion.t, axis=0)))[:, 9:]
+    return readings
 
 
 def shaking_base(arm: Arm, motion: Motion, size: float, rng: np.random.Generator) -> Floats:
@@ -97,13 +99,13 @@ def late_sensor(arm: Arm, motion: Motion, size: float, _rng: np.random.Generator
 
 
 def flex(arm: Arm, motion: Motion, size: float, _rng: np.random.Generator) -> Floats:
-    """Return readings if the second link gives way, by so many rad for 10 rad/s^2."""
-    return with_link_2(arm, motion, -0.1 * size * motion.ddq[:, 1])
+    """Return readings if the second link bends between its sensors, by so many rad for 10 rad/s^2."""
+    return with_last_turned(arm, motion, -0.1 * size * motion.ddq[:, 1])
 
 
 def play(arm: Arm, motion: Motion, size: float, _rng: np.random.Generator) -> Floats:
-    """Return readings if the second link lags by half of so many rad, to the side that it comes from."""
-    return with_link_2(arm, motion, -0.5 * size * np.tanh(motion.dq[:, 1] / 0.1))
+    """Return readings if the last sensor is loose and lags by half of so many rad."""
+    return with_last_turned(arm, motion, -0.5 * size * np.tanh(motion.dq[:, 1] / 0.1))
 
 
 EFFECTS: dict[str, tuple[Callable[..., Floats], tuple[float, float, float], str]] = {
