@@ -1,0 +1,34 @@
+"""What the benchmark does to readings: nothing at size 0, and what it says elsewhere."""
+
+import numpy as np
+import pytest
+
+from arm.arm_file import load_arm
+from benchmarks.discrepancies import EFFECTS, SHAKING_S, felt, shaking_base, swing
+
+ARM = load_arm("dd-arm-vertical")
+MOTION = swing(np.random.default_rng(0))
+
+
+@pytest.mark.parametrize("name", EFFECTS)
+def test_an_effect_of_no_size_is_none(name: str) -> None:
+    make = EFFECTS[name][0]
+    np.testing.assert_allclose(make(ARM, MOTION, 0.0, np.random.default_rng(1)), felt(ARM, MOTION), atol=1e-12)
+
+
+@pytest.mark.parametrize("name", ["late sensor", "flex", "play"])
+def test_only_the_last_sensor_is_loose_bent_or_late(name: str) -> None:
+    make, sizes, _ = EFFECTS[name]
+    more = make(ARM, MOTION, sizes[2], np.random.default_rng(1)) - felt(ARM, MOTION)
+    assert not more[:, :9].any() and np.abs(more[:, 9:]).max() > 0.05
+
+
+def test_a_base_shakes_all_sensors_alike() -> None:
+    """As strongly in whatever axes, and for as long as it says."""
+    more = shaking_base(ARM, MOTION, 1.0, np.random.default_rng(2)) - felt(ARM, MOTION)
+    size = np.linalg.norm(more.reshape(len(more), 4, 3), axis=2)
+    np.testing.assert_allclose(size, np.tile(size[:, :1], 4), rtol=1e-9)
+    assert np.sqrt(np.mean(more**2)) == pytest.approx(1.0, rel=0.3)
+    z = more[:, 2]  # the joints' axes: nothing turns it
+    lag = round(SHAKING_S / (MOTION.t[1] - MOTION.t[0]))
+    assert np.corrcoef(z[lag:], z[:-lag])[0, 1] == pytest.approx(np.exp(-1.0), abs=0.25)
