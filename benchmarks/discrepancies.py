@@ -66,7 +66,7 @@ def with_last_turned(arm: Arm, motion: Motion, more: Floats) -> Floats:
 
 
 def shaking_base(arm: Arm, motion: Motion, size: float, rng: np.random.Generator) -> Floats:
-    """Return readings on a base of so many m/s^2 rms along each axis."""
+    """Return readings on a base that shakes, `size` being the rms along each axis [m/s^2]."""
     kept = np.exp(-1.0 / (RATE_HZ * SHAKING_S))
     b = size * rng.standard_normal((len(motion.t), 3))
     for k in range(1, len(b)):
@@ -79,7 +79,7 @@ def shaking_base(arm: Arm, motion: Motion, size: float, rng: np.random.Generator
 
 
 def impacts(arm: Arm, motion: Motion, size: float, rng: np.random.Generator) -> Floats:
-    """Return readings with strokes on the second link of so many m/s^2, which ring."""
+    """Return readings with impacts on the second link that ring, of standard deviation `size` [m/s^2]."""
     readings, t = felt(arm, motion), motion.t
     for begin in rng.uniform(REST_S, SECONDS, int(STROKES_1_S * SECONDS)):
         since = np.maximum(t - begin, 0.0)
@@ -91,7 +91,7 @@ def impacts(arm: Arm, motion: Motion, size: float, rng: np.random.Generator) -> 
 
 
 def late_sensor(arm: Arm, motion: Motion, size: float, _rng: np.random.Generator) -> Floats:
-    """Return readings whose last sensor is late by so many seconds."""
+    """Return readings whose last sensor is late by `size` [s]."""
     readings = felt(arm, motion)
     for c in (9, 10, 11):
         readings[:, c] = np.interp(motion.t - size, motion.t, readings[:, c])
@@ -99,12 +99,12 @@ def late_sensor(arm: Arm, motion: Motion, size: float, _rng: np.random.Generator
 
 
 def flex(arm: Arm, motion: Motion, size: float, _rng: np.random.Generator) -> Floats:
-    """Return readings if the second link bends between its sensors, by so many rad for 10 rad/s^2."""
+    """Return readings if the second link bends between its sensors, by `size` [rad] at 10 rad/s^2."""
     return with_last_turned(arm, motion, -0.1 * size * motion.ddq[:, 1])
 
 
 def play(arm: Arm, motion: Motion, size: float, _rng: np.random.Generator) -> Floats:
-    """Return readings if the last sensor is loose and lags by half of so many rad."""
+    """Return readings if the last sensor is loose, with a play of `size` [rad]."""
     return with_last_turned(arm, motion, -0.5 * size * np.tanh(motion.dq[:, 1] / 0.1))
 
 

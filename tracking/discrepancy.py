@@ -18,6 +18,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import uniform_filter1d
+from scipy.special import chdtri
 
 from arm.model import Floats
 from tracking.course import Course
@@ -32,8 +33,8 @@ _FREEDOM = 4.0
 _WINDOW_S = 1.0
 #: Steps of an estimate of scale; each gains a digit or two.
 _STEPS = 15
-#: Median of a squared normal number in units of its variance.
-_MEDIAN_OF_SQUARE = 0.455
+#: Median of a squared normal number in units of its variance: that of chi squared with one degree of freedom.
+_MEDIAN_OF_SQUARE = float(chdtri(1.0, 0.5))
 #: A joint is no slower than this on average [rad/s or m/s]: one that never moved has no speed to learn.
 _SLOWEST = 0.02
 

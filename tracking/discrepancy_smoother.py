@@ -23,7 +23,7 @@ from tracking.kalman_step import correct, hold, predict
 from tracking.observation import ABSENT, Observation, observation_of
 from tracking.process import SMOOTHER_PUSH_STD
 from tracking.readings import Readings
-from tracking.smoothed import Smoothed, mend
+from tracking.smoothed import SIGMAS, Smoothed, mend
 from tracking.smoother import NO_MOTION
 from tracking.smoothing_pass import Pass, pass_of, room_to_take, smooth_once
 from tracking.start import MountingPrior, start_state
@@ -43,8 +43,6 @@ _LONGEST_STEP = 0.5
 _USUAL_SPEED, _SLOW_S = 1.0, 1.0
 #: A speed's size below this is none [rad/s or m/s].
 _LEAST = 1e-3
-#: A frame is doubted where its noise has this many times the sensor's variance.
-DOUBTFUL = 16.0
 
 
 @dataclass
@@ -229,7 +227,8 @@ class DiscrepancySmoother:
         mend(found.variance)
         still = np.any(course.rest > 0.0, axis=1)
         own = slice(0, self.size)
-        doubted = float(np.mean(course.doubt[course.present] > DOUBTFUL))
+        # where noise is larger than what the sensor's own hardly ever is
+        doubted = float(np.mean(course.doubt[course.present] > SIGMAS**2))
         return Smoothed(
             found.states[:, own],
             found,

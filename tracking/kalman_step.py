@@ -51,7 +51,7 @@ def predict(of: Observation, course: Course, k: int, x: Floats, P: Floats) -> No
         P[o, o] += course.wander[channel] * dt
         if of.settled_column[channel // 3] >= 0:
             forget(of, course, k, channel, x, P)
-    kept = np.exp(-dt / course.memory_s)
+    kept = np.exp(-dt / course.memory_s) if of.base_column >= 0 or of.lack_column >= 0 else 0.0
     if of.base_column >= 0:
         for axis in range(3):
             decay(x, P, of.base_column + axis, kept, course.base_std)

@@ -1,1 +1,1 @@
-"""How the daemon is doing: health, alarms, and who is told of them."""
+"""How the daemon is doing: health reports, alarms, notifications."""

@@ -36,7 +36,7 @@ class DeviceIdentity:
         self._waiting: deque[SamplesFrame] = deque(maxlen=_WAITING)
 
     def has(self, n_channel: int) -> bool:
-        """Say whether frames of so many channels are surely of this device."""
+        """Say whether frames with this number of channels are surely of this device."""
         return self.known and n_channel == len(self._info.channels)
 
     def holds_back(self, frame: SamplesFrame) -> bool:

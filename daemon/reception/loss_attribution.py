@@ -64,7 +64,7 @@ class LossAttribution:
         self._seen = self._counted()
 
     def cause(self, lost: int, frame: SamplesFrame, follows: Callable[[SamplesFrame], bool]) -> str:
-        """Return why so many samples are missing before a frame, which may follow the last one by its number."""
+        """Return why samples are missing before a frame, which may follow the last one by its number."""
         if self.why is not None:
             return self.why
         if follows(frame):
@@ -72,7 +72,7 @@ class LossAttribution:
         return "damaged on the line" if self.explains(lost, frame) else "frames missing"
 
     def explains(self, lost: int, frame: SamplesFrame) -> bool:
-        """Say whether damage is why so many samples are missing before a frame; it then explains no others."""
+        """Say whether damage is why samples are missing before a frame; it then explains no others."""
         n_sample, n_channel = frame.counts.shape
         frames = -(-lost // n_sample)
         frame_bytes = frames * (HEADER_BYTES + 2 * n_sample * n_channel + PAYLOAD_CRC_BYTES)

@@ -5,34 +5,11 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from tracking.course import course_of
-from tracking.noise import Noise
 from tracking.observation import observation_of
-from tracking.readings import Readings
 from tracking.smoothed import is_near, mend
 from tracking.smoother import release
 
 NAN = np.nan
-
-
-def test_a_course_of_which_nothing_is_known():
-    """White noise of a mean of four, and no less than 1e-6 of one; rounding is in every reading alike."""
-    values = np.arange(12.0).reshape(4, 3)
-    values[2] = NAN
-    noise = Noise(np.array([4e-4, 8e-4, 0.0]), np.array([1e-6, 0.0, 3e-6]), 1e-6)
-    course = course_of(Readings(values, 0.004, 0.0, noise, 4), 2)
-    assert course.dt == 0.004
-    np.testing.assert_array_equal(
-        course.readings, [[0.0, 1.0, 2.0], [3.0, 4.0, 5.0], [0.0] * 3, [9.0, 10.0, 11.0]]
-    )
-    np.testing.assert_array_equal(course.present, [True, True, False, True])
-    np.testing.assert_allclose(course.noise, [1.01e-4, 2e-4, 3.25e-6], rtol=1e-12)
-    np.testing.assert_allclose(course.wander, [4e-10 + 1e-6, 4e-10, 4e-10 + 3e-6], rtol=1e-12)
-    np.testing.assert_array_equal(course.push, [9.0, 9.0])  # 3 rad/s^2 in a second
-    np.testing.assert_allclose(course.jolt, [[0.0] * 2, [0.0] * 2, [2500.0 * 0.004] * 2, [0.0] * 2])
-    np.testing.assert_array_equal(course.doubt, np.ones((4, 3)))
-    np.testing.assert_array_equal(course.rate, np.zeros(2))
-    np.testing.assert_array_equal(course.rest, np.zeros((4, 2)))
 
 
 @pytest.mark.parametrize(
