@@ -58,7 +58,7 @@ def _on_what(
     where: str, kind: EffectKind, effect: Mapping[str, Any], n_joint: int, riding: Mapping[str, Sequence[str]]
 ) -> Iterator[str]:
     """Yield what is wrong with an effect's joints, sensors and markers."""
-    wanted = None if kind.whole else kind.acts_on
+    wanted = "" if kind.whole else kind.acts_on
     for field in ("joints", *riding):
         given = effect.get(field) or []
         if field == wanted and not given:

@@ -13,7 +13,7 @@ SLOPES = ("x_m_rad", "y_m_rad", "z_m_rad")
 
 
 def slid(effect: Effect, q: Floats) -> Floats:
-    """Return by how much a marker has slid on its link, (n_sample, 3) [m], at joint positions (n_sample, n_joint)."""
+    """Return by how much a marker has slid on its link, (n_sample, 3) [m], at positions (n_sample, n_joint)."""
     joint = int(number(effect.parameters, "joint")) - 1
     turned = q[:, joint] - number(effect.parameters, "rest_rad")
     return np.outer(turned, vector(effect.parameters, *SLOPES))

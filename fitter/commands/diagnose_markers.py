@@ -25,7 +25,13 @@ _SENTENCES = {
 
 
 #: Options of a diagnosis of joint motion, and what they are where they are not given.
-_NOT_HERE = (("columns", None), ("rate_hz", None), ("deny", None), ("no_torque", False), ("judge", []))
+_NOT_HERE: tuple[tuple[str, object], ...] = (
+    ("columns", None),
+    ("rate_hz", None),
+    ("deny", None),
+    ("no_torque", False),
+    ("judge", []),
+)
 
 
 def diagnose_marker_files(arm: Arm, arguments: argparse.Namespace) -> Document:
@@ -41,7 +47,7 @@ def diagnose_marker_files(arm: Arm, arguments: argparse.Namespace) -> Document:
     mistakes = [
         f"--{name.replace('_', '-')} is given, expected it only with joint motion"
         for name, usual in _NOT_HERE
-        if getattr(arguments, name) not in (usual, () if usual == [] else usual)
+        if getattr(arguments, name) != usual
     ]
     if not arguments.evaluate:
         mistakes.append("--evaluate is missing; expected recordings to judge on, other than those to learn from")
@@ -61,7 +67,7 @@ def diagnose_marker_files(arm: Arm, arguments: argparse.Namespace) -> Document:
             progress=lambda what: bar.update(task, description=what),
         )
     say_notes(notes)
-    answer = document(finding) | {"notes": documents(notes)}
+    answer: Document = {**document(finding), "notes": documents(notes)}
     try:
         (out / "diagnosis.json").write_text(to_json(answer), encoding="utf-8")
     except OSError as error:

@@ -30,8 +30,8 @@ from limbcal.note import Note
 _USUAL_STD_M, _LEAST_STD_M = 0.008, 0.004
 #: Least markers of the chain with which a frame determines its angles by itself.
 _LEAST_MARKERS = 3
-#: Passes in which skin slides with the joints: it slides by centimetres a radian, so each pass makes what is left a
-#: tenth or less.
+#: Passes in which skin slides with the joints: it slides by centimetres a radian, so each pass leaves a tenth of
+#: the error or less.
 _PASSES = 3
 
 

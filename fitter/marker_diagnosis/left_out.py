@@ -1,8 +1,8 @@
 """Errors of markers against the motion that all others show: leave-one-out residuals, frame by frame.
 
-A frame's angles have the information ``A`` with every marker's slopes ``J`` and weight ``w``. A marker that is left
-out has the error ``(I - w P)^-1 r``, with its residual ``r`` and ``P = J A^-1 J^T``; the others predict it with the
-covariance ``P (I - w P)^-1`` (Cook and Weisberg 1982, Residuals and Influence in Regression, 2.2).
+A frame's angles have the information ``A`` with every marker's slopes ``J`` and weight ``w``. A marker that is
+left out has the error ``(I - w P)^-1 r``, with its residual ``r`` and ``P = J A^-1 J^T``; the others predict it
+with the covariance ``P (I - w P)^-1`` (Cook and Weisberg 1982, Residuals and Influence in Regression, 2.2).
 """
 
 from dataclasses import dataclass
@@ -56,9 +56,7 @@ def left_out(chain: MarkerChain, frames: Frames, std_m: Floats, prior: AnglePrio
     error, place = np.full((n_frame, m, 3), np.nan), np.full((n_frame, m, 3), np.nan)
     information, axes = np.zeros((n_frame, m, 3, 3)), np.zeros((n_frame, m, 3, 3))
     room = slopes_room(q.shape[1], 0)
-    _left_out(
-        chain, frames, std_m**2, prior, np.ascontiguousarray(q), room, error, information, place, axes
-    )
+    _left_out(chain, frames, std_m**2, prior, np.ascontiguousarray(q), room, error, information, place, axes)
     return LeftOut(error, information, place, axes)
 
 

@@ -1,4 +1,4 @@
-"""What is wrong with a person's markers: the verdict on a search, judged on trials that causes were not fitted to."""
+"""The verdict on a search for what is wrong with a person's markers, judged on the evaluating trials."""
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
@@ -196,7 +196,11 @@ def _pair(one: str, other: str) -> tuple[str, str]:
 
 
 def _causes(search: MarkerSearch, labels: Sequence[str], n_learn: int) -> list[NamedMarkerCause]:
-    return [_named(search, cause, one, labels, n_learn) for cause in search.causes for one in (cause.itself, *cause.equals)]
+    return [
+        _named(search, cause, one, labels, n_learn)
+        for cause in search.causes
+        for one in (cause.itself, *cause.equals)
+    ]
 
 
 def _named(
@@ -217,7 +221,11 @@ def _named(
                 for trials_ in (search.before, search.after)
             )
             taken[role] = 1.0 - now / was if was > 0.0 else 0.0
-    share = cause.support if one is cause.itself else cause.support * float(np.exp(one.evidence - cause.itself.evidence))
+    share = (
+        cause.support
+        if one is cause.itself
+        else cause.support * float(np.exp(one.evidence - cause.itself.evidence))
+    )
     return NamedMarkerCause(one.effect.name, one.effect.markers, parameters, trials, share, taken)
 
 

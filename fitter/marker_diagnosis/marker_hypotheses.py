@@ -1,8 +1,9 @@
 """What may be wrong with markers, and how much likelier each makes the trials' mean errors.
 
-A trial's mean error of a sound marker is normal: skin and glue let it wander, by a share of the arm's `std_m` that all
-markers and trials tell together (its median, so that a few wrong ones have no say). Under a hypothesis a marker is
-centimetres away. Both have closed marginal likelihoods; their ratio is the evidence, in nats.
+A trial's mean error of a sound marker is normal: from motion to motion its place on the bone changes as it does
+from second to second within one, and that is seen; the arm's own place was found in some motion, too. Under a
+hypothesis a marker is centimetres away. Both have closed marginal likelihoods; their ratio is the evidence, in
+nats.
 """
 
 from collections.abc import Sequence
@@ -15,16 +16,18 @@ from scipy.stats import chi2
 from arm.model import Effect, Floats
 from fitter.marker_diagnosis.trial_errors import TrialErrors
 
-#: How far off a marker is that was put on anew: examiners differ by up to 25 mm (Della Croce, Cappozzo and Kerrigan
-#: 1999) [m].
+#: How far off a marker is that was put on anew: examiners differ by up to 25 mm (Della Croce, Cappozzo and
+#: Kerrigan 1999) [m].
 _MOVED_M = 0.025
-#: By how much skin takes a marker with it, over the range of a motion: 10 to 30 mm at the thigh (Leardini et al.
-#: 2005) [m].
-_SLID_M = 0.02
+#: By how much skin takes a marker with it: 10 to 30 mm at the thigh while hip and knee turn by about a radian
+#: (Leardini et al. 2005) [m/rad].
+_SLID_M_RAD = 0.02
 #: Joints farther along the chain than this move other skin (a ball joint has three).
 _NEAR = 3
 #: Joints that turn by less, rms, slide no skin that could be seen [rad].
 _LEAST_TURN = 0.05
+#: Seconds that the arm's own ``std_m`` counts for, as many as there are axes: the least for a covariance.
+_PRIOR_SECONDS = 3
 #: Blocks that a slope needs: twice its three numbers.
 _LEAST_BLOCKS = 6
 
@@ -53,8 +56,18 @@ class Suspicion:
 
 @dataclass(frozen=True)
 class Wander:
-    """How far sound markers' mean errors and slopes are from nothing, as a share of the arm's `std_m`."""
+    """How far sound markers are from their places.
 
+    Attributes
+    ----------
+    covariance : (m, 3, 3) [m²]
+        Of each marker's mean errors, by those of single seconds.
+    mean, slope : float
+        Mean errors, and how far skin slides over a motion's range, as a share of the arm's ``std_m``: by the
+        median over markers and trials, so that a few wrong ones have no say.
+    """
+
+    covariance: Floats
     mean: float
     slope: float
 
@@ -62,24 +75,35 @@ class Wander:
 def suspicions(trials: Sequence[TrialErrors]) -> tuple[list[Suspicion], Wander]:
     """Return all hypotheses, the likeliest first, and the wander of sound markers."""
     slides = _slopes(trials)
-    means = [(t.mean[m], t.spread[m], t.std_m[m]) for t in trials for m in range(len(t.names))]
-    wander = Wander(_share(means), _share([(one.amplitude, one.spread, one.std_m) for one in slides]))
-    found = [one for m in range(len(trials[0].names)) for one in _moved(trials, m, wander.mean)]
-    found += _swapped(trials, wander.mean)
+    n_marker = len(trials[0].names)
+    sound = np.array([_sound(trials, m) for m in range(n_marker)])
+    means = [(t.mean[m], t.std_m[m]) for t in trials for m in range(n_marker)]
+    wander = Wander(sound, _share(means), _share([(one.amplitude, one.std_m) for one in slides]))
+    found = [one for m in range(n_marker) for one in _moved(trials, m, sound[m])]
+    found += _swapped(trials, sound)
     found += [one.suspicion(trials, wander.slope) for one in slides]
     return sorted(found, key=lambda one: -one.evidence), wander
 
 
-def _share(known: Sequence[tuple[Floats, Floats, float]]) -> float:
-    """Return the wander as a share of the markers' std: by the median, less what blocks' scatter makes of it."""
-    ratio = [
-        (float(value @ value) - float(np.trace(spread))) / std**2
-        for value, spread, std in known
-        if np.isfinite(value).all() and np.isfinite(spread).all()
-    ]
-    if not ratio:
-        return 1.0
-    return float(np.sqrt(max(np.median(ratio) / chi2.median(3), 0.0)))
+def _share(known: Sequence[tuple[Floats, float]]) -> float:
+    """Return the rms of vectors as a share of their markers' std, by the median."""
+    ratio = [float(value @ value) / std**2 for value, std in known if np.isfinite(value).all()]
+    return float(np.sqrt(np.median(ratio) / chi2.median(3))) if ratio else 1.0
+
+
+def _sound(trials: Sequence[TrialErrors], m: int) -> Floats:
+    """Return the covariance of a sound marker's mean errors, (3, 3) [m²].
+
+    That of seconds' means about their trials', with the arm's ``std_m`` for three more of them (the expectation of
+    an inverse Wishart posterior).
+    """
+    total, count = _PRIOR_SECONDS * trials[0].std_m[m] ** 2 * np.eye(3), _PRIOR_SECONDS
+    for trial in trials:
+        known = trial.block_means[np.isfinite(trial.block_means[:, m]).all(axis=1), m]
+        if len(known) > 1:
+            off = known - known.mean(axis=0)
+            total, count = total + off.T @ off, count + len(known) - 1
+    return np.asarray(total / count)
 
 
 def _log_normal(x: Floats, covariance: Floats) -> float:
@@ -97,23 +121,21 @@ def _where(some: Sequence[int], known: Sequence[int]) -> tuple[tuple[int, ...], 
     return numbers, {} if len(some) == len(known) else {"trials": list(numbers)}
 
 
-def _moved(trials: Sequence[TrialErrors], m: int, share: float) -> list[Suspicion]:
+def _moved(trials: Sequence[TrialErrors], m: int, wander: Floats) -> list[Suspicion]:
     """Return that a marker is moved, in the trials in which that is likeliest."""
     known = _known(trials, m)
     if not known:
         return []
-    sound = {r: trials[r].spread[m] + (share * trials[r].std_m[m]) ** 2 * np.eye(3) for r in known}
-    alone = {r: _evidence_moved(trials, m, [r], sound) for r in known}
+    alone = {r: _evidence_moved(trials, m, [r], wander) for r in known}
     best: Suspicion | None = None
     order = sorted(known, key=lambda r: -alone[r])
     for n in range(1, len(order) + 1):
         some = order[:n]
-        evidence = _evidence_moved(trials, m, some, sound)
+        evidence = _evidence_moved(trials, m, some, wander)
         if best is not None and evidence <= best.evidence:
             continue
-        weight = {r: np.linalg.inv(sound[r]) for r in some}
-        covariance = np.linalg.inv(sum(weight.values()))
-        value = covariance @ sum(weight[r] @ trials[r].mean[m] for r in some)
+        covariance = wander * (1.0 + 1.0 / n)
+        value = np.mean([trials[r].mean[m] for r in some], axis=0)
         numbers, where = _where(some, known)
         parameters = dict(zip(("x_m", "y_m", "z_m"), (float(x) for x in value), strict=True))
         std = dict(zip(parameters, np.sqrt(np.diag(covariance)).tolist(), strict=True))
@@ -122,22 +144,20 @@ def _moved(trials: Sequence[TrialErrors], m: int, share: float) -> list[Suspicio
     return [] if best is None else [best]
 
 
-def _evidence_moved(trials: Sequence[TrialErrors], m: int, some: Sequence[int], sound: dict[int, Floats]) -> float:
-    n = 3 * len(some)
+def _evidence_moved(trials: Sequence[TrialErrors], m: int, some: Sequence[int], wander: Floats) -> float:
     x = np.concatenate([trials[r].mean[m] for r in some])
-    null = np.zeros((n, n))
-    for k, r in enumerate(some):
-        null[3 * k : 3 * k + 3, 3 * k : 3 * k + 3] = sound[r]
-    shared = _MOVED_M**2 * np.kron(np.ones((len(some), len(some))), np.eye(3))
+    together = np.ones((len(some), len(some)))
+    null = np.asarray(np.kron(np.eye(len(some)) + together, wander), dtype=np.float64)
+    shared = np.asarray(_MOVED_M**2 * np.kron(together, np.eye(3)), dtype=np.float64)
     return _log_normal(x, null + shared) - _log_normal(x, null)
 
 
-def _swapped(trials: Sequence[TrialErrors], share: float) -> list[Suspicion]:
+def _swapped(trials: Sequence[TrialErrors], wander: Floats) -> list[Suspicion]:
     """Return which pairs of markers, exchanged, are nearer to where the others have them."""
     found = []
     for i, j in combinations(range(len(trials[0].names)), 2):
         known = [r for r in _known(trials, i) if r in _known(trials, j)]
-        gains = {r: _gain_swapped(trials[r], i, j, share) for r in known}
+        gains = {r: _gain_swapped(trials[r], i, j, wander) for r in known}
         some = [r for r in known if gains[r] > 0.0]
         if not some:
             continue
@@ -147,7 +167,7 @@ def _swapped(trials: Sequence[TrialErrors], share: float) -> list[Suspicion]:
     return found
 
 
-def _gain_swapped(trial: TrialErrors, i: int, j: int, share: float) -> float:
+def _gain_swapped(trial: TrialErrors, i: int, j: int, wander: Floats) -> float:
     """Return by how much likelier the mean errors of two markers are if they are exchanged."""
     out, total = trial.out, 0.0
     crossed = {
@@ -156,9 +176,7 @@ def _gain_swapped(trial: TrialErrors, i: int, j: int, share: float) -> float:
     }
     means = trial.mean_of({one: np.where(np.isnan(error), 0.0, error) for one, error in crossed.items()})
     for one in (i, j):
-        usual = np.linalg.inv(trial.out.information[:, one].sum(axis=0) + 1e-12 * np.eye(3))
-        usual = usual * len(trial.block) / trial.n_block + (share * trial.std_m[one]) ** 2 * np.eye(3)
-        total += _log_normal(means[one], usual) - _log_normal(trial.mean[one], usual)
+        total += _log_normal(means[one], 2.0 * wander[one]) - _log_normal(trial.mean[one], 2.0 * wander[one])
     return total
 
 
@@ -185,8 +203,9 @@ class _Slide:
 
     def suspicion(self, trials: Sequence[TrialErrors], share: float) -> Suspicion:
         """Return it as a hypothesis."""
-        null = self.spread + (share * self.std_m) ** 2 * np.eye(3)
-        evidence = _log_normal(self.amplitude, null + _SLID_M**2 * np.eye(3)) - _log_normal(self.amplitude, null)
+        null: Floats = self.spread + (share * self.std_m) ** 2 * np.eye(3)
+        slid = (_SLID_M_RAD * self.turn) ** 2 * np.eye(3)
+        evidence = _log_normal(self.amplitude, null + slid) - _log_normal(self.amplitude, null)
         known = _known(trials, self.m)
         at = [float(np.mean(trials[r].q[:, self.joint])) for r in known]
         lag = [float(self.slope @ trials[r].mean[self.m]) / float(self.slope @ self.slope) for r in known]

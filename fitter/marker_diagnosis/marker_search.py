@@ -10,10 +10,11 @@ from fitter.marker_diagnosis.marker_hypotheses import Suspicion, Wander, suspici
 from fitter.marker_diagnosis.trial_errors import TrialErrors, trial_errors
 from fitter.markers.recording import MarkerRecording
 
-#: Odds that a cause must have against none, all that were tried being as likely before: 100:1 is decisive (Jeffreys
-#: 1961) [nats].
+#: Odds that a cause must have against none, all that were tried being as likely before: 100:1 is decisive
+#: (Jeffreys 1961) [nats].
 ODDS_NATS = float(np.log(100.0))
-#: Evidence by which one hypothesis must beat another to be told apart from it: 20:1 (Kass and Raftery 1995) [nats].
+#: Evidence by which one hypothesis must beat another to be told apart from it: 20:1 (Kass and Raftery 1995)
+#: [nats].
 EQUAL_NATS = float(np.log(20.0))
 #: Causes at the most.
 _MOST = 8
@@ -82,7 +83,7 @@ def search_markers(
     before = tracked(arm, recordings)
     now, causes, first = before, list[MarkerCause](), list[Suspicion]()
     while len(causes) < _MOST:
-        tried, wander = suspicions(now)
+        tried, _ = suspicions(now)
         first = first or tried
         taken = {(one.itself.effect.name, one.itself.effect.markers) for one in causes}
         able = [one for one in tried if (one.effect.name, one.effect.markers) not in taken]
@@ -92,7 +93,7 @@ def search_markers(
         extended = with_effects(arm, [*causes, cause])
         tell(f"tracking with {cause.itself.effect.name}")
         again = tracked(extended, recordings)
-        if _likelihood(again, wander) <= _likelihood(now, wander):
+        if _misfit(again) >= _misfit(now):
             break
         causes.append(cause)
         now = again
@@ -118,20 +119,14 @@ def _cause(able: Sequence[Suspicion]) -> MarkerCause:
     rivals = [one for one in able if set(one.effect.markers) & set(best.effect.markers)]
     odds = np.exp([one.evidence - best.evidence for one in rivals])
     equals = tuple(
-        one
-        for one in rivals
-        if one.effect.name != best.effect.name and best.evidence - one.evidence < EQUAL_NATS
+        one for one in rivals if one.effect.name != best.effect.name and best.evidence - one.evidence < EQUAL_NATS
     )
     return MarkerCause(best, equals, float(1.0 / odds.sum()))
 
 
-def _likelihood(trials: Sequence[TrialErrors], wander: Wander) -> float:
-    """Return the log likelihood of all trials' mean errors as those of sound markers, up to a constant."""
-    total = 0.0
-    for trial in trials:
-        variance = (wander.mean * trial.std_m) ** 2 + np.trace(trial.spread, axis1=1, axis2=2) / 3.0
-        total -= 0.5 * float(np.nansum(np.sum(trial.mean**2, axis=1) / variance))
-    return total
+def _misfit(trials: Sequence[TrialErrors]) -> float:
+    """Return the sum of squared distances of all markers from the motion, in units of their ``std_m``."""
+    return sum(float(np.sum(trial.squares / trial.std_m**2)) for trial in trials)
 
 
 def _found_anew(causes: Sequence[MarkerCause], trials: Sequence[TrialErrors]) -> list[MarkerCause]:
@@ -141,9 +136,14 @@ def _found_anew(causes: Sequence[MarkerCause], trials: Sequence[TrialErrors]) ->
     for cause in causes:
         effect = cause.itself.effect
         more = next(
-            (one for one in remaining if one.effect.name == effect.name and one.effect.markers == effect.markers
-             and one.trials == cause.itself.trials
-             and one.effect.parameters.get("joint") == effect.parameters.get("joint")),
+            (
+                one
+                for one in remaining
+                if one.effect.name == effect.name
+                and one.effect.markers == effect.markers
+                and one.trials == cause.itself.trials
+                and one.effect.parameters.get("joint") == effect.parameters.get("joint")
+            ),
             None,
         )
         if more is not None and cause.itself.std:
@@ -152,8 +152,9 @@ def _found_anew(causes: Sequence[MarkerCause], trials: Sequence[TrialErrors]) ->
                 for name in cause.itself.std
             }
             itself = replace(cause.itself, effect=_with(effect, added), std=more.std)
-            cause = replace(cause, itself=itself)
-        corrected.append(cause)
+            corrected.append(replace(cause, itself=itself))
+        else:
+            corrected.append(cause)
     return corrected
 
 

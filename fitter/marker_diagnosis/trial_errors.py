@@ -1,4 +1,4 @@
-"""What one recording says of every marker's place: its mean error against the others, and how that goes with joints.
+"""What one recording says of every marker's place: its error against the others, on average and by seconds.
 
 Skin wanders slowly, so frames of one second count as one: the scatter of means comes from such blocks.
 """
@@ -7,10 +7,11 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from arm.model import Arm, Floats
-from fitter.limb.marker_observations import SWAY
 from fitter.limb.inverse_kinematics import predicted
+from fitter.limb.marker_observations import SWAY
 from fitter.limb.tracking import SolvedMotion, marked_arm, solve_motion
 from fitter.marker_diagnosis.left_out import LeftOut, left_out
 from fitter.markers.recording import MarkerRecording
@@ -41,21 +42,21 @@ class TrialErrors:
     block : (n_frame,) int
     mean : (m, 3) [m]
         In the link's axes; NaN where nothing tells.
-    spread : (m, 3, 3) [m²]
-        Covariance of that mean, by the scatter between blocks.
+    block_means : (n_block, m, 3) [m]
+        The same of every block.
     squares : (n_block, m) [m²]
         Squared distances from the motion of all markers, summed up.
     """
 
     names: tuple[str, ...]
     std_m: Floats
-    link: Floats
+    link: NDArray[np.int64]
     out: LeftOut
     q: Floats
     y: Floats
-    block: Floats
+    block: NDArray[np.int64]
     mean: Floats
-    spread: Floats
+    block_means: Floats
     squares: Floats
 
     @property
@@ -87,7 +88,10 @@ def trial_errors(arm: Arm, recording: MarkerRecording, trial: int) -> TrialError
     out.information[own < _TELLING] = 0.0
     block = ((frames.t - frames.t[0]) / BLOCK_S).astype(np.int64)
     mean = np.array([_mean(out.error[:, m], out.information[:, m]) for m in range(len(std))])
-    spread = np.array([_spread(out.error[:, m] - mean[m], out.information[:, m], block) for m in range(len(std))])
+    blocks = [block == b for b in range(int(block[-1]) + 1)]
+    block_means = np.array(
+        [[_mean(out.error[b, m], out.information[b, m]) for m in range(len(std))] for b in blocks]
+    )
     return TrialErrors(
         marked_arm(replace(arm, effects=())).names,
         std,
@@ -97,12 +101,12 @@ def trial_errors(arm: Arm, recording: MarkerRecording, trial: int) -> TrialError
         frames.y,
         block,
         mean,
-        spread,
+        block_means,
         _squares(solved, block),
     )
 
 
-def _squares(solved: SolvedMotion, block: Floats) -> Floats:
+def _squares(solved: SolvedMotion, block: NDArray[np.int64]) -> Floats:
     """Return squared distances of markers from the motion, block by block."""
     off = np.nansum((solved.frames.y - predicted(solved.chain, solved.frames, solved.smoothed.q)) ** 2, axis=2)
     sums = np.zeros((int(block[-1]) + 1, off.shape[1]))
@@ -115,18 +119,3 @@ def _mean(error: Floats, information: Floats) -> Floats:
     if not np.trace(total) > 0.0:
         return np.full(3, np.nan)
     return np.linalg.solve(total, np.einsum("nij,nj->i", information, np.nan_to_num(error)))
-
-
-def _spread(off: Floats, information: Floats, block: Floats) -> Floats:
-    """Return the covariance of a weighted mean whose errors within a block are one and the same."""
-    total = information.sum(axis=0)
-    if not np.trace(total) > 0.0:
-        return np.full((3, 3), np.nan)
-    scores = np.zeros((int(block[-1]) + 1, 3))
-    np.add.at(scores, block, np.einsum("nij,nj->ni", information, np.nan_to_num(off)))
-    covariance = np.linalg.inv(total)
-    bread = covariance @ (scores.T @ scores) @ covariance
-    # A block counts as one observation at the most; a single one says nothing of the scatter.
-    n = max(len(np.unique(block[np.trace(information, axis1=1, axis2=2) > 0.0])), 1)
-    usual = covariance * len(block) / n
-    return bread * n / (n - 1) if n > 3 else bread + usual

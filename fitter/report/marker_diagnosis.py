@@ -45,7 +45,10 @@ def write_marker_report(finding: MarkerFinding, causes: Sequence[str], sentence:
         page.section("Why")
         page.points(causes)
     page.section("What it gains")
-    rows = [("all markers", *finding.rms_mm), *((name, was, finding.after[name]) for name, was in finding.before.items())]
+    rows = [
+        ("all markers", *finding.rms_mm),
+        *((name, was, finding.after[name]) for name, was in finding.before.items()),
+    ]
     page.table(("marker", "before [mm]", "after [mm]"), rows)
     page.section("The rivals", "By the log of how much likelier each makes the markers' mean errors.")
     page.table(
