@@ -7,7 +7,7 @@ import numpy as np
 
 from arm.marker_kinematics import Integers
 from arm.model import Arm, Floats
-from fitter.body.body_map import BodyMap
+from fitter.body.body_map import BodyLimbs
 from fitter.body.start import BodyStart
 from fitter.limb.bundle import Bundle, Task
 from fitter.limb.floating_base import floating_angles
@@ -27,7 +27,7 @@ class BodyFit:
     ----------
     arm : Arm
         The preset that it began with.
-    where : BodyMap
+    where : BodyLimbs
     trials : LimbTrials
     start : BodyStart
     task : Task
@@ -39,7 +39,7 @@ class BodyFit:
     """
 
     arm: Arm
-    where: BodyMap
+    where: BodyLimbs
     trials: LimbTrials
     start: BodyStart
     task: Task

@@ -7,10 +7,11 @@ import numpy as np
 
 from arm.body.landmarks import LANDMARK_STD_M, landmark_places
 from arm.body.limbs import MEAN_PERSON
+from arm.body.whole_body import BODY
 from arm.marker_kinematics import Integers
 from arm.model import Body, Floats
 from fitter.body.body_fit import BodyFit
-from fitter.body.body_map import BodyMap, whole
+from fitter.body.body_map import BodyLimbs, body_with_limbs
 from fitter.body.derived_body import derived_body
 from fitter.body.stance import stance
 from fitter.body.start import BodyStart, initial_body
@@ -71,8 +72,8 @@ def calibrate_body(
     NotIdentifiable
         If those have no pose, or nothing tells left from right.
     """
-    person = replace(MEAN_PERSON, preset="human-body") if body is None else body
-    arm, where = whole(person)
+    person = replace(MEAN_PERSON, preset=BODY) if body is None else body
+    arm, where = body_with_limbs(person)
     trials = sorted_trials(recordings, marker_set, tuple(where.links), ("pelvis", "thorax"))
     stand = stance(trials)
     begin = initial_body(arm, where, trials, stand, person.height_m)
@@ -116,7 +117,7 @@ def _placed(begin: BodyStart, links: Integers, frames: Frames, q: Floats) -> Flo
 
 
 def _task(
-    where: BodyMap, trials: LimbTrials, begin: BodyStart, markers: MarkerModel, frames: Frames, height_m: float
+    where: BodyLimbs, trials: LimbTrials, begin: BodyStart, markers: MarkerModel, frames: Frames, height_m: float
 ) -> tuple[Task, int, Integers]:
     place, std = markers.place.copy(), np.full(len(markers.names), PLACE_STD_M)
     for m, name in enumerate(markers.names):
@@ -138,17 +139,17 @@ def _task(
     return task, parts.n_part, parts.trial.astype(np.int64)
 
 
-def _errors(where: BodyMap, task: Task, bundle: Bundle, n_part: int, halves: Sequence[Bundle]) -> Errors:
-    """Return the errors, with what hips are found to be off by in images, alike in all parts."""
+def _errors(where: BodyLimbs, task: Task, bundle: Bundle, n_part: int, halves: Sequence[Bundle]) -> Errors:
+    """Return the errors, with what hips and shoulders are found to be off by in images, alike in all parts."""
     markers, free = bundle.markers, task.free.names
     found = errors_of(task, bundle, n_part, halves, lambda g, place: derived_body(where, g, markers, place))
     own = derived_body(where, bundle.geometry, markers, markers.place)
     lengths, centres = list(own.lengths), list(own.centres)
     for limb in where.limbs:
-        if limb.is_leg:
-            k, side = limb.first, limb.where.side
-            near = [*(f"parent_position{k + 1}_{axis}" for axis in "xyz"), f"d{k + 3}"]
-            at = len(lengths) + 3 * centres.index(f"hip_{side}")
-            numbers = [lengths.index(f"thigh_{side}"), at, at + 1, at + 2]
-            found = found.with_systematic(systematic_std_m("hip"), [free.index(name) for name in near], numbers)
+        k, side = limb.first, limb.where.side
+        near = [*(f"parent_position{k + 1}_{axis}" for axis in "xyz"), f"d{k + 3}"]
+        at = len(lengths) + 3 * centres.index(f"{limb.begins}_{side}")
+        length = "thigh" if limb.is_leg else "upper_arm"
+        numbers = [lengths.index(f"{length}_{side}"), at, at + 1, at + 2]
+        found = found.with_systematic(systematic_std_m(limb.begins), [free.index(name) for name in near], numbers)
     return found

@@ -5,14 +5,14 @@ from dataclasses import replace
 import numpy as np
 
 from arm.model import Floats
-from fitter.body.body_map import BodyMap
+from fitter.body.body_map import BodyLimbs
 from fitter.limb.bundle import Bundle
 from fitter.limb.free_geometry import Geometry
 from fitter.limb.marker_observations import MarkerModel
 from fitter.limb.uncertainty import Derived, derived, towards
 
 
-def derived_body(where: BodyMap, geometry: Geometry, markers: MarkerModel, place: Floats) -> Derived:
+def derived_body(where: BodyLimbs, geometry: Geometry, markers: MarkerModel, place: Floats) -> Derived:
     """Return what follows from a geometry and marker places.
 
     Parameters
@@ -26,19 +26,19 @@ def derived_body(where: BodyMap, geometry: Geometry, markers: MarkerModel, place
     lengths, axes = dict[str, float](), dict[str, tuple[str, Floats]]()
     centres: dict[str, tuple[str, Floats]] = {}
 
-    def hung(name: str, joint: int, segment: str, link: int) -> None:
-        on_it = markers.link == link
+    def hung(name: str, joint: int, segment: str) -> None:
+        on_it = markers.link == where.links[segment]
         R, shift = towards(place[on_it], markers.place[on_it])
         centres[name] = (segment, R @ geometry.hang[joint, 1:] + shift)
 
-    hung("lumbar", where.lumbar, "pelvis", where.pelvis)
+    hung("lumbar", where.lumbar, "pelvis")
     for limb in where.limbs:
         own = limb_geometry(geometry, limb.first, limb.arm.n_joint)
         on_it = (markers.link >= limb.first) & (markers.link < limb.first + limb.arm.n_joint)
         found = derived(limb.where, own, markers.link[on_it] - limb.first, place[on_it], markers.place[on_it])
         lengths |= {f"{name}_{limb.where.side}": value for name, value in found.lengths.items()}
         first = next(iter(found.centres))
-        hung(first, limb.first, limb.where.base, where.links[limb.where.base])
+        hung(first, limb.first, limb.segment)
         centres |= {name: one for name, one in found.centres.items() if name != first}
         axes |= found.axes
     return Derived(lengths, centres, axes)

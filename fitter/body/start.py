@@ -9,10 +9,12 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.spatial.transform import Rotation
 
+from arm.body.limbs import MEAN_PERSON
+from arm.body.whole_body import body_map
 from arm.kinematics import axis_frames
 from arm.marker_kinematics import HANG_X
 from arm.model import Arm, Floats
-from fitter.body.body_map import BodyMap, LimbOfBody
+from fitter.body.body_map import BodyLimbs, LimbOfBody
 from fitter.body.stance import Stance
 from fitter.functional.functional_centre import FunctionalCentre
 from fitter.limb.base_orientation import seen_or_posed
@@ -28,8 +30,8 @@ from limbcal.note import Note
 #: How well a hip is known by regression or motion, along an axis [m]: Mantovani et al. 2016 found the regression
 #: 13.6 mm rms from CT, functional centres are no nearer (`fitter.limb.functional_error`).
 _HIP_M = 0.008
-#: How well a table has the joint between pelvis and thorax, and the girdle's on the thorax [m], assumed.
-_TRUNK_M, _GIRDLE_M = 0.03, 0.03
+#: How well a table has the joint between pelvis and thorax, and the acromion tells of the shoulder [m], assumed.
+_TRUNK_M, _BELOW_ACROMION_M = 0.03, 0.02
 #: How well a marker of pelvis or thorax is known in its segment once the stance is [m].
 _CARRIED_M = 0.01
 #: How far the acromion is above the shoulder's centre [m] of the mean person (`arm.body.landmarks`).
@@ -71,7 +73,7 @@ class BodyStart:
     notes: tuple[Note, ...]
 
 
-def initial_body(arm: Arm, where: BodyMap, trials: LimbTrials, stand: Stance, height_m: float) -> BodyStart:
+def initial_body(arm: Arm, where: BodyLimbs, trials: LimbTrials, stand: Stance, height_m: float) -> BodyStart:
     """Return the start.
 
     Parameters
@@ -88,7 +90,7 @@ def initial_body(arm: Arm, where: BodyMap, trials: LimbTrials, stand: Stance, he
     numbers, hang = geometry.numbers, geometry.hang
     centres, functional, notes = dict[str, dict[str, Centre]](), list[FunctionalCentre](), list[Note]()
     for limb in where.limbs:
-        found, by_motion, said = joint_centres(trials, limb.where)
+        found, by_motion, said = joint_centres(trials, replace(limb.where, base=limb.segment))
         centres[limb.name] = found
         functional += by_motion
         notes += said
@@ -97,21 +99,12 @@ def initial_body(arm: Arm, where: BodyMap, trials: LimbTrials, stand: Stance, he
     limbs = dict[str, Arm]()
     for limb in where.limbs:
         k, own = limb.first, limb.arm
-        begins = zero[k, :3, 3]
-        if limb.is_leg:
-            hip = centres[limb.name].get("hip")
-            std = _HIP_M if hip is not None and "pelvis" in hip.in_segment_m else CENTRE_M
-            if std < CENTRE_M:
-                begins = trunk["pelvis"].to_body(hip.in_segment_m["pelvis"])
-            link = where.pelvis
-        else:
-            std, link = _GIRDLE_M, where.thorax
-            shoulder = _shoulder(limb, trials, stand, trunk["thorax"], functional, height_m)
-            if shoulder is not None:
-                begins = np.array([shoulder[0], begins[1], shoulder[2]])
-                a = np.array([joint.a_m for joint in own.joints])
-                a[1] = abs(shoulder[1] - begins[1])
-                own = own.with_joints(a_m=a)
+        link, begins, std = where.links[limb.segment], zero[k, :3, 3], CENTRE_M
+        found_at = (
+            _hip(limb, centres) if limb.is_leg else _shoulder(limb, trials, stand, trunk, functional, height_m)
+        )
+        if found_at is not None:
+            begins, std = trunk[limb.segment].to_body(found_at[0]), found_at[1]
         own, length_std = with_lengths(own, limb.where, centres[limb.name])
         limbs[limb.name] = own
         for i, joint in enumerate(own.joints):
@@ -120,8 +113,7 @@ def initial_body(arm: Arm, where: BodyMap, trials: LimbTrials, stand: Stance, he
         rows += [(HANG_X + axis, k, std) for axis in range(3)]
         rows += limb_rows(limb.is_leg, k + limb.where.balls[0], length_std)
     virtual, points = _virtual(where, trials, zero, trunk, limbs, centres, height_m)
-    balls = [limb.first + limb.where.balls[0] for limb in where.limbs]
-    angles = joint_prior(arm, balls, FLOATING)
+    angles = joint_prior(arm, body_map().balls, FLOATING)
     return BodyStart(
         stand.world, geometry, of_rows(rows), angles, virtual, points, limbs, tuple(functional), tuple(notes)
     )
@@ -143,11 +135,14 @@ class _Carried:
 
 
 def _trunk(
-    where: BodyMap, trials: LimbTrials, stand: Stance, zero: Floats, centres: dict[str, dict[str, Centre]]
+    where: BodyLimbs, trials: LimbTrials, stand: Stance, zero: Floats, centres: dict[str, dict[str, Centre]]
 ) -> dict[str, _Carried]:
     """Return where pelvis and thorax stand in the preset: by the hips, and by the joint between them."""
     legs = [limb for limb in where.limbs if limb.is_leg]
-    found = [centres[limb.name]["hip"].in_segment_m.get("pelvis") if "hip" in centres[limb.name] else None for limb in legs]
+    found = [
+        centres[limb.name]["hip"].in_segment_m.get("pelvis") if "hip" in centres[limb.name] else None
+        for limb in legs
+    ]
     in_body = np.array([zero[limb.first, :3, 3] for limb in legs])
     if all(x is not None for x in found):
         pelvis = _Carried(stand.axes["pelvis"], np.mean(found, axis=0), in_body.mean(axis=0))
@@ -159,27 +154,33 @@ def _trunk(
     return {"pelvis": pelvis, "thorax": _Carried(stand.axes["thorax"], nan_median(local), lumbar)}
 
 
+def _hip(limb: LimbOfBody, centres: dict[str, dict[str, Centre]]) -> tuple[Floats, float] | None:
+    """Return a hip's centre in the pelvis' frame, and how well it is known along an axis [m]."""
+    found = centres[limb.name].get("hip")
+    at = None if found is None else found.in_segment_m.get("pelvis")
+    return None if at is None else (at, _HIP_M)
+
+
 def _shoulder(
     limb: LimbOfBody,
     trials: LimbTrials,
     stand: Stance,
-    thorax: _Carried,
+    trunk: dict[str, _Carried],
     functional: list[FunctionalCentre],
     height_m: float,
-) -> Floats | None:
-    """Return the shoulder's centre in the preset's zero posture, where motion or the acromion has it."""
-    side = limb.where.side
+) -> tuple[Floats, float] | None:
+    """Return a shoulder's centre in the thorax' frame, by motion or below the acromion, and how well it is known."""
+    side, thorax = limb.where.side, trunk["thorax"]
     for found in functional:
         if found.joint == f"shoulder_{side}" and not found.unobservable.any() and found.std_m < _SHOULDER_M:
-            return thorax.to_body(found.in_parent_m)
+            return found.in_parent_m, _SHOULDER_M
     marker = trials.landmarks.get(f"acromion_{side}")
     if marker is None:
         return None
     local = trials.motions["thorax"].whole.to_segment(seen_or_posed(trials, marker))[stand.rows]
-    acromion = nan_median(local)
-    if not np.isfinite(acromion).all():
-        return None
-    return thorax.to_body(acromion) - [0.0, 0.0, _ACROMION_M * height_m / 1.741]
+    below = thorax.axes[:, 2] * _ACROMION_M * height_m / MEAN_PERSON.height_m
+    at = nan_median(local) - below
+    return (at, _BELOW_ACROMION_M) if np.isfinite(at).all() else None
 
 
 def _in_laboratory(geometry: Geometry, zero: Floats, world: Floats) -> Geometry:
@@ -191,7 +192,7 @@ def _in_laboratory(geometry: Geometry, zero: Floats, world: Floats) -> Geometry:
 
 
 def _virtual(
-    where: BodyMap,
+    where: BodyLimbs,
     trials: LimbTrials,
     zero: Floats,
     trunk: dict[str, _Carried],
@@ -200,7 +201,7 @@ def _virtual(
     height_m: float,
 ) -> tuple[MarkerModel, Floats]:
     names, links, places, stds, world = list[str](), list[int](), list[Floats](), list[float](), list[Floats]()
-    for segment, link in (("pelvis", where.pelvis), ("thorax", where.thorax)):
+    for segment, link in ((name, where.links[name]) for name in ("pelvis", "thorax")):
         template = trials.motions[segment].template
         for name, x in zip(template.markers, template.points_m, strict=True):
             if np.isfinite(x).all():

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 from arm.model import STANDARD_GRAVITY_M_S2, Arm, Body, Joint, Marker
 from fitter.body.body_fit import BodyFit
-from fitter.body.body_map import whole
+from fitter.body.body_map import body_with_limbs
 from fitter.body.derived_body import limb_geometry
 from fitter.limb.base_orientation import world_up
 from fitter.limb.bundle import wander
@@ -37,7 +37,7 @@ def calibrated_body(fit: BodyFit, body: Body | None) -> Arm:
 
 def _with_masses(fit: BodyFit, joints: tuple[Joint, ...], body: Body) -> tuple[Joint, ...]:
     """Give the limbs the table's masses by the lengths that were found, pelvis and trunk those of the preset."""
-    table, where = whole(body)
+    table, where = body_with_limbs(body)
     found = [replace(joint, link=own.link) for joint, own in zip(joints, table.joints, strict=True)]
     for limb in where.limbs:
         at = slice(limb.first, limb.first + limb.arm.n_joint)

@@ -11,7 +11,7 @@ from rich.table import Table
 
 from arm.arm_file import save_arm
 from arm.body.limbs import LIMBS
-from fitter.body.body_map import WHOLE_BODY
+from arm.body.whole_body import BODY
 from arm.model import Body
 from fitter.commands.calibrated import calibrated_limb, calibrated_person
 from fitter.commands.limb_export import add_export, check_export, export
@@ -37,7 +37,7 @@ _NOT_HERE: tuple[tuple[str, object], ...] = (
 def add_body(parser: argparse.ArgumentParser) -> None:
     """Add what a person or a person's limb needs."""
     group = parser.add_argument_group("a person, or one arm or leg, from markers (C3D, TRC)")
-    bodies = (WHOLE_BODY, *LIMBS)
+    bodies = (BODY, *LIMBS)
     group.add_argument("--body", choices=bodies, metavar="PRESET", help=f"what of a person: {', '.join(bodies)}")
     group.add_argument("--marker-set", metavar="NAME|FILE", help="which markers ride on which segment")
     group.add_argument(
@@ -83,7 +83,7 @@ def limb_kinematics(arguments: argparse.Namespace) -> Document:
         def told(what: str, iteration: int) -> None:
             bar.update(task, description=f"{what}, iteration {iteration}")
 
-        if arguments.body == WHOLE_BODY:
+        if arguments.body == BODY:
             found = calibrated_person(learn, evaluate, marker_set, body, arguments.seed, told)
         else:
             limb = (arguments.body, arguments.base)

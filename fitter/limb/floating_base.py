@@ -20,7 +20,9 @@ def floating_joints(arm: Arm) -> int:
     return FLOATING if first == ["prismatic"] * 3 + ["revolute"] * 3 and serial else 0
 
 
-def floating_angles(geometry: Geometry, markers: MarkerModel, frames: Frames, prior: AnglePrior, seed: int) -> Floats:
+def floating_angles(
+    geometry: Geometry, markers: MarkerModel, frames: Frames, prior: AnglePrior, seed: int
+) -> Floats:
     """Return where the markers of the link that floats have it, all other joints at the prior's mean.
 
     Parameters

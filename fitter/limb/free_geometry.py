@@ -127,9 +127,7 @@ class Geometry:
 def geometry_of(arm: Arm) -> Geometry:
     """Return an arm's numbers, frame 0 at the origin."""
     chain = chain_of(arm)
-    return Geometry(
-        chain.geometry.copy(), np.eye(3), np.zeros(3), chain.revolute, chain.parent, chain.hang.copy()
-    )
+    return Geometry(chain.geometry.copy(), np.eye(3), np.zeros(3), chain.revolute, chain.parent, chain.hang.copy())
 
 
 def free_geometry(arm: Arm, centre_std_m: float, length_std_m: Sequence[float]) -> FreeGeometry:

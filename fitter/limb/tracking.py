@@ -9,6 +9,7 @@ from scipy.spatial.transform import Rotation, Slerp
 
 from arm.body.landmarks import limb_map
 from arm.body.limbs import LIMBS
+from arm.body.whole_body import BODY, body_map
 from arm.kinematics import rotation_from_rpy
 from arm.model import Arm, Floats
 from fitter.functional.rigid_fit import fit_poses
@@ -102,8 +103,7 @@ def marked_arm(arm: Arm) -> MarkedArm:
     points = np.array([m.position_m for m in carried]).reshape(-1, 3) @ base_R.T + base_p
     segment = None if arm.base is None else arm.base.segment
     base = BaseMotion(segment, tuple(m.name for m in carried), points, np.empty((0, 3, 3)), np.empty((0, 3)))
-    balls = limb_map(arm.name, arm.n_joint).balls if arm.name in LIMBS else ()
-    angles = joint_prior(arm, balls, n_floating)
+    angles = joint_prior(arm, _balls(arm), n_floating)
     in_frame_0 = np.array([m.position_m for m in carried]).reshape(-1, 3)
     base_std = max([_LEAST_STD_M, *(m.std_m or _USUAL_STD_M for m in carried)])
     everything = with_base(model, base.markers, in_frame_0, base_std)
@@ -113,6 +113,12 @@ def marked_arm(arm: Arm) -> MarkedArm:
         with_sway = (np.concatenate([sway, angles.mean]), np.concatenate([sway + 1.0, angles.information]))
         angles = base_follows(AnglePrior(*with_sway), len(carried))
     return MarkedArm(geometry, model, base, everything, angles)
+
+
+def _balls(arm: Arm) -> tuple[int, ...]:
+    if arm.name in LIMBS:
+        return limb_map(arm.name, arm.n_joint).balls
+    return body_map().balls if arm.name == BODY else ()
 
 
 def track_limb(

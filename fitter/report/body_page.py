@@ -40,7 +40,9 @@ def write_body_page(
     """
     page = Page(fit.arm.name, f"{len(recordings)} recordings, {answer['samples']} frames in the fit")
     results(page, answer)
-    page.picture(png(lowest_and_highest(fit)), "The frames in which the pelvis is at its highest and lowest; dots: markers.")
+    page.picture(
+        png(lowest_and_highest(fit)), "The frames in which the pelvis is at its highest and lowest; dots: markers."
+    )
     of_the_markers(page, answer, fit.trials.landmarks.values(), fit.bundle.markers.names, recordings, notes)
     page.write(path)
 
@@ -51,15 +53,17 @@ def lowest_and_highest(fit: BodyFit) -> Figure:
     _, o = link_poses(fit.bundle.markers.chain(fit.bundle.geometry), frames, fit.bundle.q)
     up = world_up(fit.trials.up)
     forward = fit.start.world[:, 0]
-    height = o[:, fit.where.pelvis] @ up
+    height = o[:, fit.where.links["pelvis"]] @ up
     figure = Figure(figsize=(9, 5), layout="constrained")
-    for axes, k in zip(figure.subplots(1, 2, sharey=True), (int(np.argmax(height)), int(np.argmin(height))), strict=True):
+    for axes, k in zip(
+        figure.subplots(1, 2, sharey=True), (int(np.argmax(height)), int(np.argmin(height))), strict=True
+    ):
 
         def seen(x: Floats) -> tuple[Floats, Floats]:
             return x @ forward, x @ up
 
         for i, over in enumerate(parent.tolist()):
-            if over >= fit.where.pelvis:
+            if over >= fit.where.links["pelvis"]:
                 axes.plot(*seen(o[k, [over, i]]), color=SIMULATED)
         axes.plot(*seen(frames.y[k]), ".", color=MEASURED, ms=4)
         axes.set_aspect("equal")
