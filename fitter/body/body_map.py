@@ -53,7 +53,7 @@ class BodyLimbs:
     lumbar : int
         First joint between pelvis and thorax.
     links : mapping of str to int
-        By segment. The shoulder blades have no joints of their own: their markers ride on the thorax.
+        By segment. The shoulder blades have none: they follow the arms, not the thorax.
     limbs : tuple of LimbOfBody
     """
 
@@ -75,5 +75,4 @@ def body_with_limbs(person: Body) -> tuple[Arm, BodyLimbs]:
         segment = "pelvis" if arm.parents[branch.first] == PELVIS_LINK else "thorax"
         limbs.append(LimbOfBody(preset, branch.first, segment, own, branch.where))
         links |= {part: branch.first + one.link for part, one in branch.where.parts.items()}
-        links.setdefault(branch.where.base, THORAX_LINK)
     return arm, BodyLimbs(BRANCHES["trunk"].first, links, tuple(limbs))
