@@ -36,6 +36,8 @@ _TRUNK_M, _BELOW_ACROMION_M = 0.03, 0.02
 _CARRIED_M = 0.01
 #: How far the acromion is above the shoulder's centre [m] of the mean person (`arm.body.landmarks`).
 _ACROMION_M = 0.045
+#: How far the sternoclavicular joint is beside the notch [m] (`fitter.limb.initial_geometry`).
+_NOTCH_M = 0.025
 #: A shoulder by motion is taken where its standard error is below this [m].
 _SHOULDER_M = 0.015
 
@@ -90,7 +92,7 @@ def initial_body(arm: Arm, where: BodyLimbs, trials: LimbTrials, stand: Stance, 
     numbers, hang = geometry.numbers, geometry.hang
     centres, functional, notes = dict[str, dict[str, Centre]](), list[FunctionalCentre](), list[Note]()
     for limb in where.limbs:
-        found, by_motion, said = joint_centres(trials, replace(limb.where, base=limb.segment))
+        found, by_motion, said = joint_centres(trials, limb.where)
         centres[limb.name] = found
         functional += by_motion
         notes += said
@@ -105,6 +107,8 @@ def initial_body(arm: Arm, where: BodyLimbs, trials: LimbTrials, stand: Stance, 
         )
         if found_at is not None:
             begins, std = trunk[limb.segment].to_body(found_at[0]), found_at[1]
+        if found_at is not None and not limb.is_leg:
+            own, begins = _on_the_girdle(own, begins, limb.where.outward)
         own, length_std = with_lengths(own, limb.where, centres[limb.name])
         limbs[limb.name] = own
         for i, joint in enumerate(own.joints):
@@ -181,6 +185,15 @@ def _shoulder(
     below = thorax.axes[:, 2] * _ACROMION_M * height_m / MEAN_PERSON.height_m
     at = nan_median(local) - below
     return (at, _BELOW_ACROMION_M) if np.isfinite(at).all() else None
+
+
+def _on_the_girdle(arm: Arm, shoulder: Floats, outward: Floats) -> tuple[Arm, Floats]:
+    """Return an arm whose girdle reaches to a shoulder, and where its girdle begins: beside the notch."""
+    aside = _NOTCH_M * outward
+    begins = shoulder + aside - (shoulder @ outward) * outward
+    a = np.array([joint.a_m for joint in arm.joints])
+    a[1] = (shoulder - begins) @ outward
+    return arm.with_joints(a_m=a), begins
 
 
 def _in_laboratory(geometry: Geometry, zero: Floats, world: Floats) -> Geometry:
