@@ -27,6 +27,9 @@ from limbcal.note import Note
 
 #: How far a marker wanders where the arm file does not say so, and at the least [m].
 _USUAL_STD_M, _LEAST_STD_M = 0.008, 0.004
+#: Share of a limb's density of the jerk that a body takes: some fifty markers see its trunk where five see a limb's
+#: joint, so that the same frequencies pass with a tenth.
+_JERK_OF_A_BODY = 0.1
 #: Least markers of the chain with which a frame determines its angles by itself.
 _LEAST_MARKERS = 3
 
@@ -173,7 +176,7 @@ def _track_one(marked: MarkedArm, recording: MarkerRecording, seed: int) -> Trac
     if not sway:
         about = floating_angles(marked.geometry, marked.everything, frames, marked.angles, seed)
     q = _first(follow(chain, frames, std, marked.angles, seed, begin=about), seen, chain.revolute)
-    found = smooth(chain, frames, std, marked.angles, 1.0 / recording.rate_hz, q)
+    found = smooth(chain, frames, std, marked.angles, 1.0 / recording.rate_hz, q, 1.0 if sway else _JERK_OF_A_BODY)
     if not found.converged:
         more.append(Note("not_converged", "the angles still change where the search ends: do not rely on them"))
     distance = np.linalg.norm(everything - predicted(chain, frames, found.q), axis=2)
