@@ -14,13 +14,12 @@ def biomod_model(arm: Arm) -> str:
         lines += ["  translations xyz", "  rotations xyz"]
     lines += [*_mass(0.0, np.zeros(3), np.zeros((3, 3))), "endsegment", ""]
     for i, joint in enumerate(arm.joints):
-        parent = arm.parents[i] + 1
-        at = placed.joints[i] if parent else placed.frame_0 @ placed.joints[i]
+        at = placed.frame_0 @ placed.joints[0] if i == 0 else placed.joints[i]
         low, high = joint.limits or ((-np.pi, np.pi) if joint.type == "revolute" else (-1.0, 1.0))
         kind = "rotations" if joint.type == "revolute" else "translations"
         lines += [
             f"segment {link_name(i + 1)}",
-            f"  parent {link_name(parent)}",
+            f"  parent {link_name(i)}",
             "  RTinMatrix 1",
             "  RT",
             *(f"    {_row(row)}" for row in at),
