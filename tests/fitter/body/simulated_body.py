@@ -5,8 +5,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from arm.body.limbs import MEAN_PERSON
-from arm.body.whole_body import BODY, body_landmarks, body_map, human_body
+from arm.body.landmarks import landmark_places
+from arm.body.limbs import MEAN_PERSON, limb
+from arm.body.whole_body import BODY, BRANCHES, body_landmarks, body_map, human_body
 from arm.kinematics import axis_frames
 from arm.model import Arm, Floats
 from fitter.functional.marker_set import MarkerSet
@@ -56,6 +57,19 @@ def squatting(n: int) -> Floats:
     return q
 
 
+def _landmarks(arm: Arm) -> dict[str, tuple[int, Floats]]:
+    """Return the preset's landmarks, those of the limbs at the ends of the lengths that these limbs have."""
+    found = body_landmarks(arm)
+    for name, branch in BRANCHES.items():
+        if branch.where is not None:
+            own = limb(replace(arm.body, preset=f"human-{name.replace('_', '-')}"))
+            at = arm.joints[branch.first : branch.first + own.n_joint]
+            own = own.with_joints(a_m=[j.a_m for j in at], d_m=[j.d_m for j in at])
+            places = landmark_places(own, branch.where, arm.body.height_m)
+            found |= {landmark: (branch.first + link, place) for landmark, (link, place) in places.items()}
+    return found
+
+
 def truth(n: int = 300, noise_m: float = 5e-4) -> Truth:
     """Simulate a person whose thigh, shank and upper arm are not the preset's."""
     arm = human_body(replace(MEAN_PERSON, preset=BODY))
@@ -65,19 +79,17 @@ def truth(n: int = 300, noise_m: float = 5e-4) -> Truth:
         a[joint(f"knee_{side}")] *= 0.95
         d[joint(f"shoulder_rotation_{side}")] *= 1.05
     arm = arm.with_joints(a_m=a, d_m=d)
-    zero = axis_frames(arm, np.zeros(arm.n_joint))[0]
     rng = np.random.default_rng(1)
     names, links, places = list[str](), list[int](), list[Floats]()
     segments: dict[str, tuple[str, ...]] = {}
     for segment, part in WHERE.parts.items():
         own = tuple(f"{segment}{k}" for k in range(2 if segment.startswith("scapula") else 3))
         segments[segment] = own
-        middle = 0.5 * zero[part.link, :3, 3]
         for name in own:
             names.append(name)
             links.append(part.link)
-            places.append(rng.normal(scale=0.07, size=3) + 0.0 * middle)
-    landmarks = body_landmarks(arm)
+            places.append(rng.normal(scale=0.07, size=3))
+    landmarks = _landmarks(arm)
     for name, (link, place) in landmarks.items():
         names.append(name)
         links.append(link)
