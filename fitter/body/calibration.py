@@ -33,10 +33,10 @@ from fitter.markers.recording import MarkerRecording
 
 #: Frames that a fit takes, evenly spread over all that can be used.
 FIT_FRAMES = 300
-#: How well the stance has a marker of pelvis or thorax in its segment [m]: the mean of the upright frames has it to
-#: millimetres, people stand with pelvis and trunk inclined by some 5° from each other, 20 cm away.
+#: How well the stance has a marker of pelvis or thorax in its segment [m]: upright frames have it to millimetres,
+#: but people stand with pelvis and trunk inclined by some 5° from each other, and markers are 20 cm away.
 _CARRIED_M = 0.02
-#: How long a movement such as a squat lasts [s], a convention. Over it skin goes with the joints' angles, and alike
+#: How long a movement such as a squat lasts [s], a convention. In it skin goes with the joints' angles, and alike
 #: the next time: one movement has one error of the skin.
 _MOVEMENT_S = 3.0
 

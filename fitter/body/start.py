@@ -173,7 +173,7 @@ def _shoulder(
     functional: list[FunctionalCentre],
     height_m: float,
 ) -> tuple[Floats, float] | None:
-    """Return a shoulder's centre in the thorax' frame, by motion or below the acromion, and how well it is known."""
+    """Return a shoulder's centre in the thorax' frame, by motion or below the acromion, and its error."""
     side, thorax = limb.where.side, trunk["thorax"]
     for found in functional:
         if found.joint == f"shoulder_{side}" and not found.unobservable.any() and found.std_m < _SHOULDER_M:

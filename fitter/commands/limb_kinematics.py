@@ -159,8 +159,8 @@ def _no_masses(body: Body | None) -> list[Note]:
     return [Note("no_masses", text)]
 
 
-def _show(name: str, answer: Document) -> None:
-    table = Table(title=f"{name}: {answer['samples']} frames", title_justify="left")
+def _show(whose: str, answer: Document) -> None:
+    table = Table(title=f"{whose}: {answer['samples']} frames", title_justify="left")
     for column in ("", "value", "95 %", "disjoint trials apart"):
         table.add_column(column)
     lengths, centres, axes = (dict(answer[k]) for k in ("lengths_m", "centres", "axes"))  # type: ignore[call-overload]

@@ -27,7 +27,7 @@ from limbcal.note import Note
 
 #: How far a marker wanders where the arm file does not say so, and at the least [m].
 _USUAL_STD_M, _LEAST_STD_M = 0.008, 0.004
-#: Share of a limb's density of the jerk that a body takes: some fifty markers see its trunk where five see a limb's
+#: Share of a limb's density of the jerk that a body takes: fifty markers see its trunk where five see a limb's
 #: joint, so that the same frequencies pass with a tenth.
 _JERK_OF_A_BODY = 0.1
 #: Least markers of the chain with which a frame determines its angles by itself.

@@ -126,7 +126,8 @@ def test_landmarks_are_on_their_segments(person):
     assert at["calcaneus_left"][2] < at["lateral_malleolus_left"][2] < at["medial_femoral_epicondyle_left"][2]
     links = {name: k for name, (k, _) in body_landmarks(person).items()}
     assert (
-        links["acromion_left"] == WHERE.parts["scapula_left"].link and links["psis_left"] == WHERE.parts["pelvis"].link
+        links["acromion_left"] == WHERE.parts["scapula_left"].link
+        and links["psis_left"] == WHERE.parts["pelvis"].link
     )
     assert links["radial_styloid_right"] == WHERE.parts["forearm_right"].link
     with pytest.raises(ValueError, match="whose body"):

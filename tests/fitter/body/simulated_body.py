@@ -15,7 +15,9 @@ from fitter.markers.recording import MarkerRecording
 
 RATE_HZ = 50.0
 #: Laboratory's axes of forward, left and up of the person: Y is up, and the person faces neither X nor Z.
-WORLD = Rotation.from_euler("y", 40.0, degrees=True).as_matrix() @ np.array([[1.0, 0, 0], [0, 0, 1.0], [0, -1.0, 0]])
+WORLD = Rotation.from_euler("y", 40.0, degrees=True).as_matrix() @ np.array(
+    [[1.0, 0, 0], [0, 0, 1.0], [0, -1.0, 0]]
+)
 WHERE = body_map()
 
 
@@ -41,12 +43,19 @@ def squatting(n: int) -> Floats:
     deep = 0.5 - 0.5 * np.cos(2.0 * np.pi * np.maximum(t - 1.0, 0.0) / 2.0)
     sway = np.where(t > 1.0, 1.0, 0.0) * np.sin(2.0 * np.pi * np.maximum(t - 1.0, 0.0) / 3.0)
     q = np.zeros((n, len(WHERE.joints)))
-    for name, most in {"hip_flexion": 1.5, "knee": 1.7, "ankle": 0.4, "shoulder_flexion": 1.2, "elbow": 0.9}.items():
+    for name, most in {
+        "hip_flexion": 1.5,
+        "knee": 1.7,
+        "ankle": 0.4,
+        "shoulder_flexion": 1.2,
+        "elbow": 0.9,
+    }.items():
         for side in ("right", "left"):
             q[:, joint(f"{name}_{side}")] = most * deep
     for name, most in {
         "lumbar_flexion": 0.3, "lumbar_rotation": 0.3, "lumbar_bending": 0.2, "pelvis_rotation": 0.2,
-        "hip_abduction_right": 0.2, "hip_abduction_left": -0.2, "hip_rotation_right": 0.2, "hip_rotation_left": 0.2,
+        "hip_abduction_right": 0.2, "hip_abduction_left": -0.2,
+        "hip_rotation_right": 0.2, "hip_rotation_left": 0.2,
         "shoulder_abduction_right": 0.4, "shoulder_abduction_left": 0.4, "shoulder_rotation_left": 0.4,
         "shoulder_rotation_right": 0.4, "forearm_right": 0.5, "forearm_left": 0.5, "girdle_elevation_right": 0.15,
         "girdle_elevation_left": 0.15, "pelvis_forward": 0.1, "pelvis_left": 0.05,
@@ -96,7 +105,9 @@ def truth(n: int = 300, noise_m: float = 5e-4) -> Truth:
         places.append(place)
     q = squatting(n)
     frames = axis_frames(arm, q)
-    at = np.stack([frames[:, i, :3, :3] @ x + frames[:, i, :3, 3] for i, x in zip(links, places, strict=True)], axis=1)
+    at = np.stack(
+        [frames[:, i, :3, :3] @ x + frames[:, i, :3, 3] for i, x in zip(links, places, strict=True)], axis=1
+    )
     world = at @ WORLD.T + noise_m * rng.normal(size=at.shape)
     centres = {name: frames[:, k, :3, 3] @ WORLD.T for name, k in WHERE.centres.items()}
     lengths = {

@@ -1,17 +1,12 @@
-"""A person whose lengths are known, from a stance and some squats; and a measured one."""
+"""A person whose lengths are known, from a stance and some squats."""
 
-import os
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
 
 from fitter.body.calibration import calibrate_body
-from fitter.functional.marker_set import load_marker_set
-from fitter.markers.marker_files import read_markers
 from limbcal.errors import NotIdentifiable
-from tests.fitter.body.simulated_body import truth
 
 
 def test_markers_are_followed_to_their_noise_but_for_what_hands_and_feet_leave_open(person, fit):
@@ -25,6 +20,8 @@ def test_lengths_are_the_persons_not_the_presets(person, found, name):
 
 
 def test_a_pelvis_without_left_and_right_is_refused(person):
-    one_sided = {name: m for name, m in person.marker_set.landmarks.items() if "asis" not in name and "psis" not in name}
+    one_sided = {
+        name: m for name, m in person.marker_set.landmarks.items() if "asis" not in name and "psis" not in name
+    }
     with pytest.raises(NotIdentifiable, match="asis_right and asis_left"):
         calibrate_body([person.recording], replace(person.marker_set, landmarks=one_sided), fit_frames=20)

@@ -5,9 +5,9 @@ import numpy as np
 
 def test_it_has_what_that_of_a_limb_has_side_by_side(found):
     assert {"parameters", "marker_rms_mm", "lengths_m", "centres", "axes", "samples", "converged"} <= found.keys()
-    assert {f"{name}_{side}" for name in ("thigh", "shank", "upper_arm", "forearm") for side in ("right", "left")} <= set(
-        found["lengths_m"]
-    )
+    assert {
+        f"{name}_{side}" for name in ("thigh", "shank", "upper_arm", "forearm") for side in ("right", "left")
+    } <= set(found["lengths_m"])
     assert found["centres"]["hip_left"]["segment"] == "pelvis"
     assert found["parameters"]["parent_position10_x"]["std"] > 0.0
     for one in found["lengths_m"].values():
