@@ -13,7 +13,7 @@ from scipy.linalg import cho_solve_banded, cholesky_banded
 from arm.marker_kinematics import MarkerChain, Slopes, slopes_room
 from arm.model import Floats
 from fitter.limb.inverse_kinematics import frame_equations
-from fitter.limb.marker_observations import SWAY, AnglePrior, Frames
+from fitter.limb.marker_observations import AnglePrior, Frames
 from limbcal.compiled import compiled
 
 #: Spectral density of the jerk, of joints and turns of the base [rad²/s⁵], and of its shifts [m²/s⁵]: with
@@ -46,7 +46,13 @@ class Smoothed:
 
 
 def smooth(
-    chain: MarkerChain, frames: Frames, std_m: Floats, prior: AnglePrior, dt_s: float, q: Floats
+    chain: MarkerChain,
+    frames: Frames,
+    std_m: Floats,
+    prior: AnglePrior,
+    dt_s: float,
+    q: Floats,
+    jerk_share: float = 1.0,
 ) -> Smoothed:
     """Return the most likely motion of one trial.
 
@@ -60,9 +66,11 @@ def smooth(
     dt_s : float
     q : (n_frame, 6 + n_joint)
         Where to begin.
+    jerk_share : float
+        Of the usual densities of the jerk.
     """
     n = q.shape[1]
-    density = np.where(np.arange(n) < SWAY // 2, SWAY_JERK_DENSITY, JERK_DENSITY)
+    density = jerk_share * np.where(chain.revolute, JERK_DENSITY, SWAY_JERK_DENSITY)
     jerk = 1.0 / (density * dt_s**5)
     band = _jerk_band(len(q), jerk)
     room = slopes_room(n, 0)

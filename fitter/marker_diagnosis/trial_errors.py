@@ -11,7 +11,6 @@ from numpy.typing import NDArray
 
 from arm.model import Arm, Floats
 from fitter.limb.inverse_kinematics import predicted
-from fitter.limb.marker_observations import SWAY
 from fitter.limb.tracking import SolvedMotion, marked_arm, solve_motion
 from fitter.marker_diagnosis.left_out import LeftOut, left_out
 from fitter.markers.recording import MarkerRecording
@@ -82,7 +81,7 @@ def trial_errors(arm: Arm, recording: MarkerRecording, trial: int) -> TrialError
     """
     solved = solve_motion(arm, recording, trial)
     marked, frames, chain = solved.marked, solved.frames, solved.chain
-    std = marked.everything.std
+    std, sway = marked.everything.std, marked.markers.sway
     out = left_out(chain, frames, std, marked.angles, solved.smoothed.q)
     own = np.trace(out.information, axis1=2, axis2=3) * std**2 / 3.0
     out.information[own < _TELLING] = 0.0
@@ -95,9 +94,9 @@ def trial_errors(arm: Arm, recording: MarkerRecording, trial: int) -> TrialError
     return TrialErrors(
         marked_arm(replace(arm, effects=())).names,
         std,
-        np.asarray(chain.link) - SWAY,
+        np.asarray(chain.link) - sway,
         out,
-        solved.smoothed.q[:, SWAY:],
+        solved.smoothed.q[:, sway:],
         frames.y,
         block,
         mean,
