@@ -1,8 +1,8 @@
 """Joint angles as the International Society of Biomechanics recommends them, of a calibrated limb or body.
 
 A joint's angles are those of a joint coordinate system (Grood and Suntay 1983; Wu et al. 2002, 2005): the distal
-segment's anatomical frame in the proximal one's, as three turns about z, x and y, at the shoulder about y, x and y.
-The left side is mirrored, so that a number means the same at either side.
+segment's anatomical frame in the proximal one's, as three turns about z, x and y, at the shoulder about y, x and
+y. The left side is mirrored, so that a number means the same at either side.
 """
 
 from collections.abc import Mapping

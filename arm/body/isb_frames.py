@@ -1,9 +1,9 @@
 """Anatomical frames of segments, from bony landmarks and joints' centres: x forward, y up, z to the right.
 
-As the International Society of Biomechanics recommends them (Wu et al., J. Biomech. 35 (2002) for leg and spine; 38
-(2005) for the arm). The left side has the same frames; its angles are mirrored. Three differ, for want of
-landmarks: the shank's torsional plane goes through the knee's centre, the hand stands for its third metacarpal, and
-the foot's plane goes through heel and metatarsal heads (Leardini et al., Gait & Posture 25 (2007)).
+As the International Society of Biomechanics recommends them (Wu et al., J. Biomech. 35 (2002) for leg and spine;
+38 (2005) for the arm). The left side has the same frames; its angles are mirrored. Three differ, for want of
+landmarks: the shank's torsional plane goes through the knee's centre, the hand stands for its third metacarpal,
+and the foot's plane goes through heel and metatarsal heads (Leardini et al., Gait & Posture 25 (2007)).
 """
 
 from collections.abc import Callable, Mapping, Sequence
