@@ -117,6 +117,7 @@ class _Marker(_Table):
     joint: Annotated[int, Field(strict=True, ge=0)]
     position_m: Vector = (0.0, 0.0, 0.0)
     std_m: Annotated[Number, Field(ge=0.0)] | None = None
+    landmark: Name | None = None
 
 
 class _Body(_Table):

@@ -160,13 +160,15 @@ class Base:
 class Marker:
     """An optical marker on a link; ``joint`` counts from 1, and 0 is the base.
 
-    ``std_m`` is how far skin and glue let it wander.
+    ``std_m`` is how far skin and glue let it wander; ``landmark`` the bony point that it is on, such as
+    ``medial_malleolus_right``.
     """
 
     name: str
     joint: int
     position_m: Vector3 = (0.0, 0.0, 0.0)
     std_m: float | None = None
+    landmark: str | None = None
 
 
 @dataclass(frozen=True)

@@ -8,7 +8,7 @@ from fitter.body.body_map import body_with_limbs
 from fitter.body.derived_body import limb_geometry
 from fitter.limb.base_orientation import world_up
 from fitter.limb.bundle import wander
-from fitter.limb.written_arm import joints_found, vector, with_masses
+from fitter.limb.written_arm import joints_found, vector, with_landmarks, with_masses
 
 
 def calibrated_body(fit: BodyFit, body: Body | None) -> Arm:
@@ -31,7 +31,9 @@ def calibrated_body(fit: BodyFit, body: Body | None) -> Arm:
         joints=joints,
         body=body,
         gravity_m_s2=vector(-STANDARD_GRAVITY_M_S2 * world_up(fit.trials.up)),
-        markers=tuple(Marker(name, int(link) + 1, vector(x), float(s)) for name, link, x, s in rows),
+        markers=with_landmarks(
+            [Marker(name, int(link) + 1, vector(x), float(s)) for name, link, x, s in rows], fit.trials.landmarks
+        ),
     )
 
 

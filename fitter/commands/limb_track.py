@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 from rich.progress import Progress
 
+from arm.body.isb_angles import isb_angles
 from fitter.commands.arm_option import questioned_arm
 from fitter.commands.limb_export import check_export, export
 from fitter.commands.limb_kinematics import recordings_of
@@ -68,6 +69,8 @@ def limb_track(arguments: argparse.Namespace) -> Document:
     poses = [one.base for one in tracked if one.base is not None]
     if poses:
         columns |= dict(zip(BASE_COLUMNS, np.concatenate(poses).T, strict=True))
+    angles = isb_angles(arm, columns["q"])
+    columns |= dict(zip(angles.names, angles.values.T, strict=True))
     if len(tracked) > 1:
         longest = f"U{max(map(len, labels))}"
         rows = [np.full(len(one.t), label, dtype=longest) for one, label in zip(tracked, labels, strict=True)]
@@ -92,5 +95,6 @@ def limb_track(arguments: argparse.Namespace) -> Document:
         "seconds": seconds,
         "marker_rms_mm": rms,
         "exported": exported,
+        "isb": {"angles": list(angles.names), "missing": dict(angles.missing)},
         "notes": documents(notes),
     }

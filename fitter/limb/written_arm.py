@@ -1,5 +1,6 @@
 """The calibrated limb as an arm: its geometry, base, markers, and the table's masses where the person is known."""
 
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -48,7 +49,13 @@ def calibrated_arm(fit: LimbFit, body: Body | None) -> Arm:
         )
     ]
     markers += _computed(fit)
-    return replace(arm, base=base, markers=tuple(markers))
+    return replace(arm, base=base, markers=with_landmarks(markers, fit.trials.landmarks))
+
+
+def with_landmarks(markers: Sequence[Marker], landmarks: Mapping[str, str]) -> tuple[Marker, ...]:
+    """Return markers that say which landmark they are on; ``landmarks`` are markers' names by theirs."""
+    is_on = {marker: landmark for landmark, marker in landmarks.items()}
+    return tuple(replace(marker, landmark=is_on.get(marker.name)) for marker in markers)
 
 
 def joints_found(arm: Arm, geometry: Geometry, free: FreeGeometry, errors: Errors) -> tuple[Joint, ...]:
