@@ -148,10 +148,9 @@ def _trunk(
         for limb in legs
     ]
     in_body = np.array([zero[limb.first, :3, 3] for limb in legs])
-    if all(x is not None for x in found):
-        pelvis = _Carried(stand.axes["pelvis"], np.mean(found, axis=0), in_body.mean(axis=0))
-    else:
-        pelvis = _Carried(stand.axes["pelvis"], np.zeros(3), in_body.mean(axis=0))
+    hips = [x for x in found if x is not None]
+    middle = np.mean(hips, axis=0) if len(hips) == len(legs) else np.zeros(3)
+    pelvis = _Carried(stand.axes["pelvis"], middle, in_body.mean(axis=0))
     lumbar = zero[where.lumbar, :3, 3]
     world = trials.motions["pelvis"].whole.to_world(pelvis.to_segment(lumbar))
     local = trials.motions["thorax"].whole.to_segment(world)[stand.rows]
