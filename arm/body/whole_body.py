@@ -63,8 +63,8 @@ _PELVIS_NAMES = ("forward", "left", "up", "rotation", "obliquity", "tilt")
 _TRUNK_NAMES = ("flexion", "bending", "rotation")
 _LEG_NAMES = ("hip_flexion", "hip_abduction", "hip_rotation", "knee", "ankle", "subtalar")
 _ARM_NAMES = (
-    "girdle_protraction", "girdle_elevation", "shoulder_flexion", "shoulder_abduction", "shoulder_rotation", "elbow",
-    "forearm", "wrist", "radial",
+    "girdle_protraction", "girdle_elevation", "shoulder_flexion", "shoulder_abduction", "shoulder_rotation",
+    "elbow", "forearm", "wrist", "radial",
 )  # fmt: skip
 
 
