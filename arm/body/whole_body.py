@@ -44,8 +44,8 @@ SIDES = ("right", "left")
 #: of the model of Delp et al. (1990), a man of 1.80 m. A calibration replaces them.
 _HALF_HIPS, _LUMBAR_BEHIND = 0.0835 / 1.80, 0.0300 / 1.80
 
-#: Joints of the pelvis and of the lumbar joint; ranges of the spine: American Academy of Orthopaedic Surgeons, Joint
-#: Motion (1965).
+#: Joints of the pelvis and of the lumbar joint; ranges of the spine: American Academy of Orthopaedic Surgeons,
+#: Joint Motion (1965).
 _PELVIS = (
     Axis(FORWARD, False, None, slides=True),
     Axis(LEFT, False, None, slides=True),
@@ -63,8 +63,8 @@ _PELVIS_NAMES = ("forward", "left", "up", "rotation", "obliquity", "tilt")
 _TRUNK_NAMES = ("flexion", "bending", "rotation")
 _LEG_NAMES = ("hip_flexion", "hip_abduction", "hip_rotation", "knee", "ankle", "subtalar")
 _ARM_NAMES = (
-    "girdle_protraction", "girdle_elevation", "shoulder_flexion", "shoulder_abduction", "shoulder_rotation", "elbow",
-    "forearm", "wrist", "radial",
+    "girdle_protraction", "girdle_elevation", "shoulder_flexion", "shoulder_abduction", "shoulder_rotation",
+    "elbow", "forearm", "wrist", "radial",
 )  # fmt: skip
 
 
@@ -104,8 +104,8 @@ BRANCHES: Mapping[str, Branch] = {
 PELVIS_LINK, THORAX_LINK = 5, 8
 
 #: Landmarks of thorax and pelvis: how far forward, outward (those at either side) and up they are of the middle
-#: between the hips' centres [m], of a person of 1.741 m, about. Heights of the thorax: de Leva (1996); the front of
-#: the pelvis: Delp et al. (1990); depths and breadths as grown-ups have them, assumed.
+#: between the hips' centres [m], of a person of 1.741 m, about. Heights of the thorax: de Leva (1996); the front
+#: of the pelvis: Delp et al. (1990); depths and breadths as grown-ups have them, assumed.
 _MIDDLE_LANDMARKS = {
     "suprasternal_notch": (0.06, 0.532),
     "xiphoid": (0.10, 0.361),

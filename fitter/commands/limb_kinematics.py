@@ -88,7 +88,7 @@ def limb_kinematics(arguments: argparse.Namespace) -> Document:
         else:
             limb = (arguments.body, arguments.base)
             found = calibrated_limb(learn, evaluate, marker_set, limb, body, arguments.seed, told)
-    answer = found.document | {"seconds": time.perf_counter() - began}
+    answer: dict[str, object] = {**found.document, "seconds": time.perf_counter() - began}
     notes = [*notes, *more, *found.notes, *_no_masses(body)]
     save_arm(found.arm, arguments.out)
     say_notes(notes)

@@ -169,7 +169,7 @@ class SolvedMotion:
     marked : MarkedArm
         The arm with its markers as they are in that trial.
     chain : MarkerChain
-        With the base's sway before the limb's joints.
+        With the base's sway, where it has one, before the limb's joints.
     frames : Frames
         With the markers that were measured, less by how much skin has slid with them.
     smoothed : Smoothed
@@ -248,10 +248,9 @@ def _solved(marked: MarkedArm, recording: MarkerRecording, seed: int) -> SolvedM
 
 def _track_one(arm: Arm, recording: MarkerRecording, trial: int, seed: int) -> TrackedLimb:
     solved = solve_motion(arm, recording, trial, seed)
-    marked, sway = solved.marked, solved.marked.markers.sway
+    marked, sway, pose = solved.marked, solved.marked.markers.sway, None
     chain, frames, found = solved.chain, solved.frames, solved.smoothed
     distance = np.linalg.norm(frames.y - predicted(chain, frames, found.q), axis=2)
-    pose = None
     if sway:
         R0, o0 = (x[:, sway - 1] for x in link_poses(chain, frames, found.q))
         R = R0 @ marked.geometry.base_R.T

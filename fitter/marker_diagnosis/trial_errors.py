@@ -81,7 +81,7 @@ def trial_errors(arm: Arm, recording: MarkerRecording, trial: int) -> TrialError
     """
     solved = solve_motion(arm, recording, trial)
     marked, frames, chain = solved.marked, solved.frames, solved.chain
-    std, sway = marked.everything.std, marked.markers.sway
+    std = marked.everything.std
     out = left_out(chain, frames, std, marked.angles, solved.smoothed.q)
     own = np.trace(out.information, axis1=2, axis2=3) * std**2 / 3.0
     out.information[own < _TELLING] = 0.0
@@ -94,9 +94,9 @@ def trial_errors(arm: Arm, recording: MarkerRecording, trial: int) -> TrialError
     return TrialErrors(
         marked_arm(replace(arm, effects=())).names,
         std,
-        np.asarray(chain.link) - sway,
+        np.asarray(chain.link) - marked.markers.sway,
         out,
-        solved.smoothed.q[:, sway:],
+        solved.smoothed.q[:, marked.markers.sway :],
         frames.y,
         block,
         mean,

@@ -2,19 +2,18 @@
 
 import pytest
 
-from fitter.body.calibration import calibrate_body
 from fitter.body.document import body_document
-from tests.fitter.body.simulated_body import truth
+from tests.fitter.body.simulated_body import fitted
 
 
 @pytest.fixture(scope="session")
 def person():
-    return truth()
+    return fitted()[0]
 
 
 @pytest.fixture(scope="session")
-def fit(person):
-    return calibrate_body([person.recording], person.marker_set, fit_frames=60)
+def fit():
+    return fitted()[1]
 
 
 @pytest.fixture(scope="session")

@@ -1,5 +1,6 @@
 """A whole person with a known truth: human-body bent a little, markers on it, a squat with arms that swing."""
 
+import functools
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -10,6 +11,8 @@ from arm.body.limbs import MEAN_PERSON, limb
 from arm.body.whole_body import BODY, BRANCHES, body_landmarks, body_map, human_body
 from arm.kinematics import axis_frames
 from arm.model import Arm, Floats
+from fitter.body.body_fit import BodyFit
+from fitter.body.calibration import calibrate_body
 from fitter.functional.marker_set import MarkerSet
 from fitter.markers.recording import MarkerRecording
 
@@ -117,3 +120,10 @@ def truth(n: int = 300, noise_m: float = 5e-4) -> Truth:
     recording = MarkerRecording("squats.trc", RATE_HZ, tuple(names), world, "m", "+y")
     marker_set = MarkerSet("simulated", segments, {name: name for name in landmarks})
     return Truth(arm, recording, marker_set, q, centres, lengths)
+
+
+@functools.cache
+def fitted() -> tuple[Truth, BodyFit]:
+    """Return a person and its fit, once for all tests of a process."""
+    person = truth()
+    return person, calibrate_body([person.recording], person.marker_set, fit_frames=60)
