@@ -152,3 +152,13 @@ def test_readings_that_no_motion_explains_are_doubted(level_bench, level, decima
     found, off = smoothed(level_bench, struck, level_bench.q[0])
     assert found.doubted * len(struck.values) == pytest.approx(10, abs=5)
     assert np.rad2deg(off[:, ::3]).mean() < np.rad2deg(level[1][:, ::3]).mean() + 0.3
+
+
+def test_it_follows_the_branches_of_a_tree(branching, recorded, decimated):
+    """Within what it says, as it does a chain."""
+    bench = recorded(branching, Bench(2000.0, trial_s=4.0, learning=2, evaluating=0), 3, 1.0)
+    readings = decimated(bench, RATE_HZ)
+    found = Smoother(branching, bench.q[0], True).smooth(readings)
+    off = np.abs(found.states[:, :9] - truth_of(bench, readings))[:, ::3]
+    assert found.converged and np.rad2deg(off).max() < 1.0
+    assert (off < 3.0 * np.sqrt(found.variance[:, :9:3])).mean() > 0.95
