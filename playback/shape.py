@@ -95,8 +95,8 @@ def link_meshes(arm: Arm) -> list[Mesh]:
 
     A link carries the hub of its own axis (a cylinder, or the carriage of a prismatic joint) and what does not
     move against it: the beam to its far end, the post or rail to the next axis, struts to its sensors. The last
-    link of an arm that ends in ``a = 0`` reaches to the tip's sensor, or to the farthest on it. A link that several
-    joints hang on has a beam to each.
+    link of an arm that ends in ``a = 0`` reaches to the tip's sensor, or to the farthest on it. A link that
+    several joints hang on has a beam to each.
     """
     reach, meshes = reach_m(arm), []
     for i, joint in enumerate(arm.joints):

@@ -44,8 +44,8 @@ SIDES = ("right", "left")
 #: of the model of Delp et al. (1990), a man of 1.80 m. A calibration replaces them.
 _HALF_HIPS, _LUMBAR_BEHIND = 0.0835 / 1.80, 0.0300 / 1.80
 
-#: Joints of the pelvis and of the lumbar joint; ranges of the spine: American Academy of Orthopaedic Surgeons, Joint
-#: Motion (1965).
+#: Joints of the pelvis and of the lumbar joint; ranges of the spine: American Academy of Orthopaedic Surgeons,
+#: Joint Motion (1965).
 _PELVIS = (
     Axis(FORWARD, False, None, slides=True),
     Axis(LEFT, False, None, slides=True),
@@ -101,8 +101,8 @@ BRANCHES: Mapping[str, Branch] = {
 PELVIS_LINK, THORAX_LINK = 5, 8
 
 #: Landmarks of thorax and pelvis: how far forward, outward (those at either side) and up they are of the middle
-#: between the hips' centres [m], of a person of 1.741 m, about. Heights of the thorax: de Leva (1996); the front of
-#: the pelvis: Delp et al. (1990); depths and breadths as grown-ups have them, assumed.
+#: between the hips' centres [m], of a person of 1.741 m, about. Heights of the thorax: de Leva (1996); the front
+#: of the pelvis: Delp et al. (1990); depths and breadths as grown-ups have them, assumed.
 _MIDDLE_LANDMARKS = {
     "suprasternal_notch": (0.06, 0.532),
     "xiphoid": (0.10, 0.361),
