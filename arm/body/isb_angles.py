@@ -7,6 +7,7 @@ y. The left side is mirrored, so that a number means the same at either side.
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,13 +21,17 @@ from arm.kinematics import axis_frames
 from arm.model import Arm, Floats
 
 
+#: About which axes of the moving frame a joint turns, one after the other.
+Turns = Literal["ZXY", "YXY"]
+
+
 @dataclass(frozen=True)
 class _Joint:
     """Proximal and distal segment, the turns, and name and sign of each angle."""
 
     proximal: str
     distal: str
-    turns: str
+    turns: Turns
     angles: tuple[tuple[str, float], ...]
 
 
@@ -113,7 +118,7 @@ def isb_angles(arm: Arm, q: Floats) -> IsbAngles:
     return IsbAngles(tuple(names), table, missing)
 
 
-def _turns(R: Floats, turns: str) -> Floats:
+def _turns(R: Floats, turns: Turns) -> Floats:
     """Return the three angles, (n_sample, 3) [rad], about moving axes, without jumps of whole turns.
 
     About y, x and y an elevation has either sign; it is negative as Wu et al. (2005) have it.
