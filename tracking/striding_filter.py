@@ -85,6 +85,7 @@ class StridingFilter(LiveFilter):
         self._last = readings[count - 1]
         self.loss.find()
         self.misfit += float(sizes[:count].sum())
+        self._strain += (sizes[:count] / rows).tolist()
         self._in_cell += count
         if self._in_cell == self._cell:
             self._close_cell()
