@@ -11,20 +11,22 @@ from tracking.discrepancy_filter import DiscrepancyFilter
 from tracking.model_bank import LONG_S
 from tracking.noise import Noise
 from tracking.regaining_filter import RegainingFilter
-from tracking.smoothed import NOISE_VARIANCE_TOLERANCE, SIGMAS
 from tracking.striding_filter import Course
 
-#: In how long it is next asked whether readings fit [s]: a joint that sets out strains a filter for some
-#: hundredths of a second. And so many times that long before is begun anew if they do not.
+#: In how long it is next asked whether readings fit [s], and for so many times that long one looks back: a joint that
+#: sets out strains a filter for some hundredths of a second. Another one begins anew as long before.
 _SPAN_S, _BACK = 0.5, 4
+#: Readings contradict the arm if the innovations' mean square is this many times what the filter claims: of as much
+#: again as the noise. A convention; mounted with usual care sensors leave 1.6 of it at the most.
+_CONTRADICTED = 2.0
 
 
 class AdaptiveFilter:
     """A live filter that takes in many readings, and goes on where they contradict its arm.
 
-    The filter of the exact arm always goes on. Where its innovations are larger than the noise is known, another
-    one, which learns what its model lacks, begins anew some time before. It is believed until the first has been
-    right for as long as evidence is remembered; that one begins anew from the other whenever it is wrong.
+    The filter of the exact arm always goes on. Where its innovations are much larger than it claims, another one, which
+    learns what its model lacks, begins anew some time before. It is believed until the first has been right for as
+    long as evidence is remembered; that one begins anew from the other whenever it is wrong.
 
     Parameters are those of `tracking.live_filter.LiveFilter`.
     """
@@ -36,8 +38,7 @@ class AdaptiveFilter:
         self._exact = RegainingFilter(arm, q, given, first, noise, factor, dt_s)
         self._lacking: DiscrepancyFilter | None = None
         self._span, self._in_span, self._right_s = max(1, round(_SPAN_S / dt_s)), 0, 0.0
-        chance = SIGMAS * np.sqrt(2.0 / (self._span * first.shape[1]))  # of a mean of squares of normal numbers
-        self._limit = NOISE_VARIANCE_TOLERANCE * (1.0 + chance)
+        self._strains: deque[float] = deque(maxlen=_BACK)
         self._marks = deque([self._exact.state], maxlen=_BACK)
         self._since: deque[list[Floats]] = deque([[]], maxlen=_BACK)
         self._lacked = (0.0, 0.0)
@@ -50,7 +51,8 @@ class AdaptiveFilter:
             course = self._exact.follow(part)
             if self._lacking is not None:
                 course = self._lacking.follow(part)
-                self._lacked = (max(self._lacked[0], self._lacking.sizes[0]), max(self._lacked[1], self._lacking.sizes[1]))
+                lack, base = self._lacking.sizes
+                self._lacked = max(self._lacked[0], lack), max(self._lacked[1], base)
             parts.append(course)
             self._since[-1].append(part)
             self._in_span += len(part)
@@ -61,7 +63,8 @@ class AdaptiveFilter:
     def _judge(self) -> None:
         """Ask which filter is to be believed."""
         self._in_span = 0
-        right = self._exact.strain() < self._limit
+        self._strains.append(self._exact.strain())
+        right = np.mean(self._strains) < _CONTRADICTED
         self._right_s = self._right_s + self._span * self._dt if right else 0.0
         if self._lacking is None and not right:
             self._lacking = DiscrepancyFilter(self._arm, *self._marks[0], self._noise, self._factor, self._dt)
@@ -70,6 +73,7 @@ class AdaptiveFilter:
         if self._lacking is not None:
             if not right:
                 self._exact.begin_anew(*self._lacking.state)
+                self._strains.clear()
             elif self._right_s > LONG_S:
                 self._lacking = None
         self._marks.append(self._exact.state)

@@ -83,7 +83,7 @@ class LiveFilter:
         self.learn(noise)
         self._judge = Judge()
         self.misfit = 0.0
-        self._strain: list[float] = []
+        self._strain, self._strained = 0.0, 0
         self._begun = False
         self.loss = Loss(n, dt_s)
         self._still, self._rest_at = False, x
@@ -185,8 +185,9 @@ class LiveFilter:
 
     def strain(self) -> float:
         """Return the mean square of the innovations since the last call, none larger than noise makes it."""
-        strain, self._strain = self._strain, []
-        return sum(strain) / len(strain) if strain else 0.0
+        strain = self._strain / max(1, self._strained)
+        self._strain, self._strained = 0.0, 0
+        return strain
 
     @property
     def state(self) -> tuple[Floats, Floats]:
@@ -223,7 +224,8 @@ class LiveFilter:
         before_x, before_P = kf.x, kf.P
         squared = self._correct(values, at, rows, noise)
         self.misfit += squared if math.isfinite(squared) else 0.0  # a reading without sense says nothing
-        self._strain.append(min(squared, limit) / rows if math.isfinite(squared) else limit / rows)
+        self._strain += min(squared, limit) / rows if math.isfinite(squared) else limit / rows
+        self._strained += 1
         jolted = doubted = False
         if squared > limit:
             jolted = True
