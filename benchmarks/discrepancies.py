@@ -177,7 +177,9 @@ def act(options: argparse.Namespace) -> Document:
         mean = np.mean(rows, axis=0)
         cells = [f"{error:8.3f} deg {100 * share:5.1f} %" for error, share in mean]
         emit(f"{name:14}{sizes[k]:8g} {unit:6}" + "".join(f"{cell:>22}" for cell in cells))
-        lines.append({"effect": name, "size": sizes[k], "unit": unit, "cases": np.reshape(rows, (len(rows), -1)).tolist()})
+        lines.append(
+            {"effect": name, "size": sizes[k], "unit": unit, "cases": np.reshape(rows, (len(rows), -1)).tolist()}
+        )
     return {"lines": lines}
 
 

@@ -15,9 +15,8 @@ from tracking.process import SMOOTHER_PUSH_STD, WANDER_STD
 from tracking.stillness import TO_LEAVE, at_rest, rest_variance, unrest, window_frames, window_of
 from tracking.striding_filter import Course
 
-#: For how long what the model lacks lasts [s], the middle one of those that the smoother tries; speed of a joint
-#: [rad/s or m/s], as the smoother's before it has learnt it.
-_MEMORY_S, _USUAL_SPEED = 0.1, 1.0
+#: Speed of a joint [rad/s or m/s], as the smoother's before it has learnt it.
+_USUAL_SPEED = 1.0
 
 
 class DiscrepancyFilter:
@@ -71,7 +70,6 @@ class DiscrepancyFilter:
             np.ones((2, n_channel)),
             np.zeros((2, n)),
             speed_rate(push, np.full(n, _USUAL_SPEED)),
-            memory_s=_MEMORY_S,
         )
         self._loss = Loss(n, self._held.dt)
         self._in_cell, self._there, self._cells = 0, 0, 0
@@ -122,7 +120,13 @@ class DiscrepancyFilter:
             if self._in_cell == self._cell:
                 self._close_cell()
                 last = slice(part.stop - 1, part.stop)
-                ahead(bank.mean, bank.covariance, steps[-1:] - self._held.dt, course.states[last], course.variances[last])
+                ahead(
+                    bank.mean,
+                    bank.covariance,
+                    steps[-1:] - self._held.dt,
+                    course.states[last],
+                    course.variances[last],
+                )
             course.resting[part] = self.resting
             k = part.stop
         return course

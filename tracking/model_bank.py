@@ -30,6 +30,9 @@ _SIZES = (0.03, 0.1, 0.3, 1.0, 3.0)
 #: On a base that moves by such a size sensors lack this share of it by themselves, as on a walker's arm; of what is
 #: lacking anyhow this share is new at each instant.
 _OWN_SHARE, _NEW_SHARE = 0.25, 0.3
+#: For how long it lasts [s]: a base that moves does so at the pace of steps, and what an arm on a base that stands lacks
+#: goes with its motion; of those that the smoother tries the middle one and the longest.
+_BASE_MEMORY_S, _LACK_MEMORY_S = 0.1, 0.3
 #: Over how long evidence fades [s]: some strokes, and some steps of a walk.
 SHORT_S, LONG_S = 0.5, 10.0
 
@@ -41,6 +44,8 @@ class Bank(NamedTuple):
     ----------
     base_std, lack_std, new_std : (n_model,) [m/s^2]
         Of each axis of the base's acceleration, of what lasts and of what is new at each instant in a channel.
+    memory_s : (n_model,) [s]
+        For how long either lasts.
     x, P : (n_model, n_state), (n_model, n_state, n_state)
     at : (n_model, n_state)
         Where readings are linearised while the arm rests.
@@ -54,6 +59,7 @@ class Bank(NamedTuple):
     base_std: Floats
     lack_std: Floats
     new_std: Floats
+    memory_s: Floats
     x: Floats
     P: Floats
     at: Floats
@@ -91,6 +97,7 @@ def bank_of(of: Observation, x: Floats, P: Floats, base: bool) -> Bank:
         base_std,
         lack_std,
         new_std,
+        np.where(base_std > 0.0, _BASE_MEMORY_S, _LACK_MEMORY_S),
         means,
         covariances,
         means.copy(),
@@ -126,7 +133,7 @@ def advance(of: Observation, room: Room, course: Course, bank: Bank, taken: Take
             course.rate,
             bank.base_std[i],
             bank.lack_std[i],
-            course.memory_s,
+            bank.memory_s[i],
         )
         predict(of, own, 1, x, P)
         foretold[i] = 0.0
