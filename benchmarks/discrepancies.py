@@ -1,8 +1,8 @@
 """How well joints are tracked where the model is not the arm: play, flex, impacts, clocks, a base that shakes.
 
 The built-in arm in a vertical plane rests for a second and swings for eleven, at 100 Hz, sensors with noise of
-0.02 m/s^2. Each effect is there in three sizes. Compared are the live filter, one that takes the arm to be exact, the
-smoother that does, and the most probable motion (`tracking.smoothed_frames.most_probable`).
+0.02 m/s^2. Each effect is there in three sizes. Compared are the live filter, one that takes the arm to be exact,
+the smoother that does, and the most probable motion (`tracking.smoothed_frames.most_probable`).
 """
 
 import argparse

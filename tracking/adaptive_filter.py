@@ -13,20 +13,20 @@ from tracking.noise import Noise
 from tracking.regaining_filter import RegainingFilter
 from tracking.striding_filter import Course
 
-#: In how long it is next asked whether readings fit [s], and for so many times that long one looks back: a joint that
-#: sets out strains a filter for some hundredths of a second. Another one begins anew as long before.
+#: In how long it is next asked whether readings fit [s], and for so many times that long one looks back: a joint
+#: that sets out strains a filter for some hundredths of a second. Another one begins anew as long before.
 _SPAN_S, _BACK = 0.5, 4
-#: Readings contradict the arm if the innovations' mean square is this many times what the filter claims: of as much
-#: again as the noise. A convention; mounted with usual care sensors leave 1.6 of it at the most.
+#: Readings contradict the arm if the innovations' mean square is this many times what the filter claims, a
+#: convention: as much again as it knows of.
 _CONTRADICTED = 2.0
 
 
 class AdaptiveFilter:
     """A live filter that takes in many readings, and goes on where they contradict its arm.
 
-    The filter of the exact arm always goes on. Where its innovations are much larger than it claims, another one, which
-    learns what its model lacks, begins anew some time before. It is believed until the first has been right for as
-    long as evidence is remembered; that one begins anew from the other whenever it is wrong.
+    The filter of the exact arm always goes on. Where its innovations are much larger than it claims, another one,
+    which learns what its model lacks, begins anew some time before. It is believed until the first has been right
+    for as long as evidence is remembered; that one begins anew from the other whenever it is wrong.
 
     Parameters are those of `tracking.live_filter.LiveFilter`.
     """

@@ -1,13 +1,13 @@
 r"""Filters side by side that differ in how much they hold their model to lack, weighed by what they foretell.
 
-Each takes the readings for those of `tracking.discrepancy` with sizes of its own, from a grid; what is known is the
-mixture of all (multiple-model estimation: D. T. Magill, *Optimal adaptive estimation of sampled stochastic
+Each takes the readings for those of `tracking.discrepancy` with sizes of its own, from a grid; what is known is
+the mixture of all (multiple-model estimation: D. T. Magill, *Optimal adaptive estimation of sampled stochastic
 processes*, 1965). An innovation e of covariance S has Student's density with
 :math:`\nu` degrees of freedom for each sensor, and is taken in with the weight
 :math:`w = (\nu + 3) / (\nu + e^T S^{-1} e)`, if that is less than 1: as if its covariance were S / w.
 
-Nothing says that an arm lacks as much today as a minute ago. So evidence fades, and twice: a filter is held to be as
-far behind as it is in the mean of the last moments or in that of the last seconds, whichever is more. When a walk
+Nothing says that an arm lacks as much today as a minute ago. So evidence fades, and twice: a filter is held to be
+as far behind as it is in the mean of the last moments or in that of the last seconds, whichever is more. When a walk
 begins, little is believed at once; when it ends, only once the seconds have gone.
 """
 
@@ -15,7 +15,6 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from arm.model import Floats
 from limbcal.compiled import compiled
@@ -27,11 +26,11 @@ from tracking.observation import Observation
 
 #: Sizes that are tried [m/s^2], half a decade apart: from what a calibrated pendulum lacks to a blow.
 _SIZES = (0.03, 0.1, 0.3, 1.0, 3.0)
-#: On a base that moves by such a size sensors lack this share of it by themselves, as on a walker's arm; of what is
-#: lacking anyhow this share is new at each instant.
+#: On a base that moves by such a size sensors lack this share of it by themselves, as on a walker's arm; of
+#: what is lacking anyhow this share is new at each instant.
 _OWN_SHARE, _NEW_SHARE = 0.25, 0.3
-#: For how long it lasts [s]: a base that moves does so at the pace of steps, and what an arm on a base that stands lacks
-#: goes with its motion; of those that the smoother tries the middle one and the longest.
+#: For how long it lasts [s]: a base that moves does so at the pace of steps, and what an arm on a base that
+#: stands lacks goes with its motion; of those that the smoother tries the middle one and the longest.
 _BASE_MEMORY_S, _LACK_MEMORY_S = 0.1, 0.3
 #: Over how long evidence fades [s]: some strokes, and some steps of a walk.
 SHORT_S, LONG_S = 0.5, 10.0

@@ -15,7 +15,7 @@ RATE_HZ, FACTOR = 4000.0, 4
 
 @pytest.fixture
 def begun(vertical_arm, recorded):
-    """A filter at a thousand frames a second, its readings and the truth."""
+    """Return a filter at a thousand frames a second, its readings and the truth."""
     recording = recorded(vertical_arm, Bench(RATE_HZ, learning=1, evaluating=0), 5, 1.0)
     of, size = observation_of(vertical_arm)
     readings = Decimator(FACTOR, 12).push(recording.readings[:8000])
