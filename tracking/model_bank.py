@@ -7,8 +7,8 @@ processes*, 1965). An innovation e of covariance S has Student's density with
 :math:`w = (\nu + 3) / (\nu + e^T S^{-1} e)`, if that is less than 1: as if its covariance were S / w.
 
 Nothing says that an arm lacks as much today as a minute ago. So evidence fades, and twice: a filter is held to be
-as far behind as it is in the mean of the last moments or in that of the last seconds, whichever is more. When a walk
-begins, little is believed at once; when it ends, only once the seconds have gone.
+as far behind as it is in the mean of the last moments or in that of the last seconds, whichever is more. When a
+walk begins, little is believed at once; when it ends, only once the seconds have gone.
 """
 
 import math
