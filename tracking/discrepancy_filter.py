@@ -112,7 +112,7 @@ class DiscrepancyFilter:
             there = readings[part][~np.isnan(readings[part, 0])]
             self._total += there.sum(axis=0)
             self._there += len(there)
-            steps = dt * (self._in_cell + 1 + half + np.arange(part.stop - k))
+            steps: Floats = dt * (self._in_cell + 1.0 + half + np.arange(part.stop - k, dtype=np.float64))
             self._in_cell += part.stop - k
             course.still[part] = self._still
             bank = self._bank
