@@ -1,13 +1,14 @@
 """How well joints are tracked where the model is not the arm: play, flex, impacts, clocks, a base that shakes.
 
 The built-in arm in a vertical plane rests for a second and swings for eleven, at 100 Hz, sensors with noise of
-0.02 m/s^2. Each effect is there in three sizes. Compared are the smoother that takes the arm to be exact, and the
-most probable motion (`tracking.smoothed_frames.most_probable`).
+0.02 m/s^2. Each effect is there in three sizes. Compared are the live filter, one that takes the arm to be exact,
+the smoother that does, and the most probable motion (`tracking.smoothed_frames.most_probable`).
 """
 
 import argparse
 import sys
 from collections.abc import Callable
+from contextlib import suppress
 from typing import NamedTuple
 
 import numpy as np
@@ -20,7 +21,9 @@ from arm.model import Arm, Floats
 from limbcal.arguments import Parser, common_options
 from limbcal.command import Document, console, emit, run_command
 from limbcal.errors import DataError
+from tracking.kalman_filter import KalmanTracker
 from tracking.readings import Readings, ReadingsBuilder
+from tracking.regaining_filter import RegainingFilter
 from tracking.smoothed import Smoothed
 from tracking.smoothed_frames import most_probable
 from tracking.smoother import Smoother
@@ -124,16 +127,39 @@ def read(values: Floats, rng: np.random.Generator) -> Readings:
     return builder.done()
 
 
-def score(found: Smoothed, q: Floats) -> tuple[float, float]:
+def score(q: Floats, variance: Floats, true: Floats) -> tuple[float, float]:
     """Return the mean error [deg] and the share of angles within three of the claimed standard deviations."""
-    off, std = np.abs(found.states[:, :6:3] - q), np.sqrt(found.variance[:, ::3])
-    return float(np.degrees(off.mean())), float(np.mean(off < SIGMAS * std))
+    off = np.abs(q - true)
+    return float(np.degrees(off.mean())), float(np.mean(off < SIGMAS * np.sqrt(variance)))
+
+
+def of_smoother(found: Smoothed, true: Floats) -> tuple[float, float]:
+    """Score a smoothed motion."""
+    return score(found.states[:, :6:3], found.variance[:, ::3], true)
+
+
+def of_exact_filter(arm: Arm, readings: Readings, true: Floats) -> tuple[float, float]:
+    """Score the filter that takes the arm to be exact."""
+    first = readings.values[: round(0.25 / readings.dt_s)]
+    rest = (first, readings.noise, readings.factor, readings.dt_s)
+    course = RegainingFilter(arm, true[0], True, *rest).follow(readings.values)
+    return score(course.states[:, :6:3], course.variances, true)
+
+
+def of_filter(arm: Arm, readings: Readings, true: Floats) -> tuple[float, float]:
+    """Score the live filter."""
+    tracker = KalmanTracker(arm, RATE_HZ, true[0], RATE_HZ)
+    frames = tracker.push(0, readings.values)[0] + tracker.flush()[0]
+    claims = [block.q_std for block in frames if block.q_std is not None]
+    return score(np.vstack([block.q for block in frames]), np.square(np.vstack(claims)), true)
 
 
 def act(options: argparse.Namespace) -> Document:
     """Track all cases and print the table."""
     arm, lines = load_arm("dd-arm-vertical"), []
     cases = [(name, k) for name in EFFECTS for k in range(3)]
+    heads = ("filter, exact arm", "filter", "smoother, exact arm", "smoother")
+    emit(f"{'':29}" + "".join(f"{head:>22}" for head in heads))
     for name, k in track(cases, "tracking", console=console, transient=True):
         make, sizes, unit = EFFECTS[name]
         rows = []
@@ -141,17 +167,19 @@ def act(options: argparse.Namespace) -> Document:
             rng = np.random.default_rng([seed, k])
             motion = swing(rng)
             readings = read(make(arm, motion, sizes[k], rng), rng)
-            try:
-                plain = score(Smoother(arm, motion.q[0], True).smooth(readings), motion.q)
-            except DataError:
-                plain = float("nan"), 0.0
-            rows.append((*plain, *score(most_probable(arm, readings, motion.q[0], True), motion.q)))
+            live = (of_exact_filter(arm, readings, motion.q), of_filter(arm, readings, motion.q))
+            smoothed = [(float("nan"), 0.0), (float("nan"), 0.0)]
+            if not options.filter_only:
+                with suppress(DataError):
+                    smoothed[0] = of_smoother(Smoother(arm, motion.q[0], True).smooth(readings), motion.q)
+                smoothed[1] = of_smoother(most_probable(arm, readings, motion.q[0], True), motion.q)
+            rows.append((*live, *smoothed))
         mean = np.mean(rows, axis=0)
-        emit(
-            f"{name:14}{sizes[k]:8g} {unit:6} exact arm {mean[0]:7.3f} deg {100 * mean[1]:5.1f} %   "
-            f"most probable {mean[2]:7.3f} deg {100 * mean[3]:5.1f} %"
+        cells = [f"{error:8.3f} deg {100 * share:5.1f} %" for error, share in mean]
+        emit(f"{name:14}{sizes[k]:8g} {unit:6}" + "".join(f"{cell:>22}" for cell in cells))
+        lines.append(
+            {"effect": name, "size": sizes[k], "unit": unit, "cases": np.reshape(rows, (len(rows), -1)).tolist()}
         )
-        lines.append({"effect": name, "size": sizes[k], "unit": unit, "cases": [list(row) for row in rows]})
     return {"lines": lines}
 
 
@@ -159,6 +187,7 @@ def main(argv: list[str] | None = None) -> int:
     """Run the benchmark and return its exit code."""
     parser = Parser(prog="python -m benchmarks.discrepancies", description=__doc__, parents=[common_options()])
     parser.add_argument("--seeds", type=int, default=3, metavar="N", help="motions of each case (3)")
+    parser.add_argument("--filter-only", action="store_true", help="leave out the smoothers")
     parser.add_argument("--seed", type=int, default=0, help="the first of them (0)")
     parser.set_defaults(action=act)
     return run_command(parser, argv)

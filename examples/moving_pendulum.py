@@ -19,6 +19,7 @@ from arm.arm_file import load_arm
 from arm.model import Arm, Floats, Vector3
 from limbcal.command import console, emit, say
 from limbcal.errors import DataError, LimbcalError
+from tracking.kalman_filter import KalmanTracker
 from tracking.readings import Readings, ReadingsBuilder
 from tracking.self_calibration import calibrate_sensors
 from tracking.smoothed_frames import smooth_motion
@@ -145,7 +146,18 @@ def levelled(arm: Arm, first: Floats) -> Arm:
     return replace(arm, sensors=tuple(sensors))
 
 
-def run(folder: Path, share: float, pattern: str, learnt: Sequence[str]) -> None:
+def tracked(arm: Arm, trial: Trial, method: str) -> tuple[Floats, Floats]:
+    """Return the angles by the smoother or the live filter, and their standard deviations, (n, 2) each."""
+    if method == "filter":
+        tracker = KalmanTracker(arm, RATE_HZ, np.zeros(2), RATE_HZ)
+        frames = tracker.push(0, trial.readings)[0] + tracker.flush()[0]
+    else:
+        frames = [smooth_motion(arm, trial.decimated(), np.zeros(2)).frames]
+    claims = [block.q_std for block in frames if block.q_std is not None]
+    return np.vstack([block.q for block in frames]), np.vstack(claims)
+
+
+def run(folder: Path, share: float, pattern: str, learnt: Sequence[str], method: str) -> None:
     """Calibrate, track all trials of one set, and print how far they are off."""
     paths = sorted(folder.glob(f"Pendulum_Test{pattern}*_Segment_1.csv"))
     names = [path.name.removeprefix("Pendulum_").removesuffix("_Segment_1.csv") for path in paths]
@@ -159,12 +171,11 @@ def run(folder: Path, share: float, pattern: str, learnt: Sequence[str]) -> None
     rows = []
     for name in track(names, "tracking", console=console, transient=True):
         trial = read_trial(folder, name)
-        frames = smooth_motion(found.arm, trial.decimated(), np.zeros(2)).frames
-        off = misses(trial, frames.q)
+        q, std = tracked(found.arm, trial, method)
+        off = misses(trial, q)
         inside = (trial.t > END_S) & (trial.t < trial.t[-1] - END_S)
-        assert frames.q_std is not None, "a smoother says how well it knows its angles"
-        within = 100.0 * np.mean(np.abs(off) < 3.0 * frames.q_std[inside], axis=0)
-        row = [np.degrees(np.abs(off).mean(axis=0)), within, off_gyros(trial, frames.q), off_gyros(trial, trial.q)]
+        within = 100.0 * np.mean(np.abs(off) < 3.0 * std[inside], axis=0)
+        row = [np.degrees(np.abs(off).mean(axis=0)), within, off_gyros(trial, q), off_gyros(trial, trial.q)]
         rows.append(row)
         emit(line(name, row))
     emit(line("mean", np.mean(rows, axis=0)))
@@ -181,10 +192,11 @@ def main(argv: list[str] | None = None) -> int:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--data", type=Path, required=True, help="RepoIMU's folder Pendulum")
     parser.add_argument("--wrong-by", type=float, default=0.2, help="of the lengths at first (0.2)")
+    parser.add_argument("--method", choices=("smooth", "filter"), default="smooth", help="that tracks all trials")
     arguments = parser.parse_args(argv)
     try:
         for pattern, learnt in SETS:
-            run(arguments.data, arguments.wrong_by, pattern, learnt)
+            run(arguments.data, arguments.wrong_by, pattern, learnt, arguments.method)
     except LimbcalError as error:
         say(f"error: {error}")
         return error.exit_code

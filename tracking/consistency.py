@@ -25,12 +25,17 @@ class Consistency:
     wrong : bool
         Readings contradict the filter too often or by too much: the arm is not the one in its file, or a sensor
         fails.
+    discrepancy_m_s2, base_m_s2 : float or None
+        What the model lacks of a reading, and how its base accelerates along each axis, rms, at the most; None
+        where readings fit the arm.
     """
 
     size: float | None
     jolts: int
     doubted: int
     wrong: bool
+    discrepancy_m_s2: float | None = None
+    base_m_s2: float | None = None
 
 
 class Judge:

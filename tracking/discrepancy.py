@@ -28,7 +28,7 @@ from tracking.smoothing_pass import Pass
 #: Degrees of freedom of Student's distribution: with four it hardly loses anything to a normal one, and is not
 #: misled (K. L. Lange, R. J. A. Little, J. M. G. Taylor, *Robust statistical modeling using the t distribution*,
 #: 1989).
-_FREEDOM = 4.0
+FREEDOM = 4.0
 #: Over how long noise is about as large [s]: a stroke and what it makes ring.
 _WINDOW_S = 1.0
 #: Steps of an estimate of scale; each gains a digit or two.
@@ -119,7 +119,7 @@ def noise_variances(course: Course, found: Pass) -> Floats:
     for _ in range(_STEPS):
         weighed = (_weight(sensor, local[:, None]) * sensor).mean(axis=1) / 3.0
         total = n_channel * window * uniform_filter1d(weighed, window, mode="nearest")
-        local = (_FREEDOM * overall + total) / (_FREEDOM + count)
+        local = (FREEDOM * overall + total) / (FREEDOM + count)
     variance = np.repeat(local[:, None] / _weight(sensor, local[:, None]), 3, axis=1)
     least: Floats = np.maximum(variance, course.noise)
     return least
@@ -127,4 +127,4 @@ def noise_variances(course: Course, found: Pass) -> Floats:
 
 def _weight(sensor: Floats, variance: Floats | float) -> Floats:
     """Return Student's weight of three readings whose squares have this sum."""
-    return np.asarray((_FREEDOM + 3.0) / (_FREEDOM + sensor / variance))
+    return np.asarray((FREEDOM + 3.0) / (FREEDOM + sensor / variance))

@@ -3,6 +3,7 @@
 import numpy as np
 
 from arm.model import Floats
+from limbcal.compiled import compiled
 from tracking.noise import noise_of
 
 #: The noise is measured in the first readings [s].
@@ -48,13 +49,24 @@ class FrameMeans:
 
     def means(self, frame: int, n: int) -> Floats:
         """Return the means of n frames from number ``frame`` on and forget them; NaN where none were read."""
-        begin = frame * self._factor
-        means = np.full((n, self._kept.shape[1]), np.nan)
-        for k in range(n):
-            row = begin + k * self._factor - self._first
-            some = self._kept[max(row, 0) : max(row + self._factor, 0)]
-            if len(some):
-                means[k] = some.mean(axis=0)
-        done = min(len(self._kept), max(0, begin + n * self._factor - self._first))
+        begin = frame * self._factor - self._first
+        means = np.empty((n, self._kept.shape[1]))
+        _mean_by_frame(self._kept, begin, self._factor, means)
+        done = min(len(self._kept), max(0, begin + n * self._factor))
         self._kept, self._first = self._kept[done:], self._first + done
         return means
+
+
+@compiled
+def _mean_by_frame(readings: Floats, begin: int, factor: int, means: Floats) -> None:
+    """Fill in the means of ``factor`` rows each, the first from row ``begin`` on, of those that are there."""
+    for k in range(means.shape[0]):
+        first = max(begin + k * factor, 0)
+        end = min(begin + (k + 1) * factor, readings.shape[0])
+        for c in range(means.shape[1]):
+            means[k, c] = 0.0 if end > first else np.nan
+        for row in range(first, end):
+            for c in range(means.shape[1]):
+                means[k, c] += readings[row, c]
+        for c in range(means.shape[1]):
+            means[k, c] /= max(end - first, 1)

@@ -11,11 +11,11 @@ from arm.chain import chain_of
 from arm.kinematics import tips_of
 from arm.model import Arm, Floats
 from limbcal.errors import ConfigError, DataError
+from tracking.adaptive_filter import AdaptiveFilter
 from tracking.consistency import Consistency
 from tracking.decimation import Decimator
 from tracking.frames import Frames, Phase
 from tracking.noise import StepWatch, noise_of
-from tracking.regaining_filter import RegainingFilter
 from tracking.sensor_paths import SensorPaths
 from tracking.stillness import window_frames
 
@@ -70,7 +70,7 @@ class KalmanTracker:
         self._first_frames = cell * n_cell
         last = (self._first_frames - 1) * self._factor + self._factor // 2
         self._to_wait = last + 1 + self._decimator.delay_samples
-        self._filter: RegainingFilter | None = None
+        self._filter: AdaptiveFilter | None = None
         self._sample = 0
         self._frame = 0
         self._trial = 0
@@ -164,7 +164,7 @@ class KalmanTracker:
         self._watch = StepWatch(noise)
         frames = self._decimator.push(readings)
         first = frames[: self._first_frames] if len(frames) else readings.mean(axis=0)[None]
-        self._filter = RegainingFilter(self._arm, self._q0, self._given, first, noise, self._factor, self.dt_s)
+        self._filter = AdaptiveFilter(self._arm, self._q0, self._given, first, noise, self._factor, self.dt_s)
         self._look(readings)
         return self._follow(frames)
 

@@ -83,6 +83,7 @@ class LiveFilter:
         self.learn(noise)
         self._judge = Judge()
         self.misfit = 0.0
+        self._strain, self._strained = 0.0, 0
         self._begun = False
         self.loss = Loss(n, dt_s)
         self._still, self._rest_at = False, x
@@ -182,6 +183,22 @@ class LiveFilter:
         """Return how well the readings since the last call fit the filter's claims."""
         return self._judge.take()
 
+    def strain(self) -> float:
+        """Return the mean square of the innovations since the last call, none larger than noise makes it."""
+        strain = self._strain / max(1, self._strained)
+        self._strain, self._strained = 0.0, 0
+        return strain
+
+    @property
+    def state(self) -> tuple[Floats, Floats]:
+        """State and covariance."""
+        return self._kf.x.copy(), self._kf.P.copy()
+
+    def begin_anew(self, x: Floats, P: Floats) -> None:
+        """Go on from another state and covariance."""
+        self._kf.x, self._kf.P = x.copy(), P.copy()
+        self._rest_at = at_rest(x, self._n)
+
     def _predict(self, reading: Floats) -> None:
         kf, shift = self._kf, None
         if self._any_coupled:
@@ -207,6 +224,8 @@ class LiveFilter:
         before_x, before_P = kf.x, kf.P
         squared = self._correct(values, at, rows, noise)
         self.misfit += squared if math.isfinite(squared) else 0.0  # a reading without sense says nothing
+        self._strain += min(squared, limit) / rows if math.isfinite(squared) else limit / rows
+        self._strained += 1
         jolted = doubted = False
         if squared > limit:
             jolted = True

@@ -90,6 +90,20 @@ class RegainingFilter:
         """Return how well the readings since the last call fit the filter's claims."""
         return self._filter.consistency()
 
+    def strain(self) -> float:
+        """Return the mean square of the innovations since the last call, none larger than noise makes it."""
+        return self._filter.strain()
+
+    @property
+    def state(self) -> tuple[Floats, Floats]:
+        """State and covariance."""
+        return self._filter.state
+
+    def begin_anew(self, x: Floats, P: Floats) -> None:
+        """Go on from another state and covariance."""
+        self._rivals = []
+        self._filter.begin_anew(x, P)
+
     def _to_decision(self) -> int:
         """Return in how many frames it is next asked which way is the best, however readings come."""
         span = _SPAN - self._followed % _SPAN

@@ -84,7 +84,9 @@ class StridingFilter(LiveFilter):
         course.still[k : k + count], course.resting[k : k + count] = still, self.resting
         self._last = readings[count - 1]
         self.loss.find()
-        self.misfit += float(sizes[:count].sum())
+        misfit = float(sizes[:count].sum())
+        self.misfit, self._strain = self.misfit + misfit, self._strain + misfit / rows
+        self._strained += count
         self._in_cell += count
         if self._in_cell == self._cell:
             self._close_cell()

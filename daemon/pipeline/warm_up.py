@@ -7,8 +7,9 @@ from arm.model import Arm, Floats
 from limbcal.compilation import said_when_compiling
 from tracking.tracker import Tracker
 
-#: A rest until the tracker takes it on trust no more and has recognised it, a jump, a gap, and a rest again [s].
-_REST_S, _GAP_S, _AFTER_S = 0.6, 0.02, 0.4
+#: A rest until the tracker takes it on trust no more and has recognised it, a gap, a rest again and, for the
+#: second half of it, a jump that contradicts the arm for so long that a filter asks what its model lacks [s].
+_REST_S, _GAP_S, _AFTER_S = 0.6, 0.02, 2.0
 #: Noise of the readings, a usual sensor's, and a jump that nobody takes for noise [m/s^2].
 _NOISE_M_S2, _JUMP_M_S2 = 0.02, 3.0
 

@@ -50,7 +50,13 @@ def verdict_of(said: Consistency | Smoothed, frames: int) -> Verdict:
         return replace(claim, wrong=True, discrepancy_m_s2=lacks.lack_std, base_m_s2=lacks.base_std)
     if said.size is None:  # a tracker that claims nothing
         return Verdict()
-    return Verdict(innovation=said.size, doubted=said.doubted / max(1, frames), wrong=said.wrong)
+    return Verdict(
+        innovation=said.size,
+        doubted=said.doubted / max(1, frames),
+        wrong=said.wrong,
+        discrepancy_m_s2=said.discrepancy_m_s2,
+        base_m_s2=said.base_m_s2,
+    )
 
 
 def overall(verdicts: Sequence[Verdict], frames: Sequence[int]) -> dict[str, object]:

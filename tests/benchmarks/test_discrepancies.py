@@ -4,7 +4,16 @@ import numpy as np
 import pytest
 
 from arm.arm_file import load_arm
-from benchmarks.discrepancies import EFFECTS, SHAKING_S, felt, shaking_base, swing
+from benchmarks.discrepancies import (
+    EFFECTS,
+    SHAKING_S,
+    felt,
+    of_exact_filter,
+    of_filter,
+    read,
+    shaking_base,
+    swing,
+)
 
 ARM = load_arm("dd-arm-vertical")
 MOTION = swing(np.random.default_rng(0))
@@ -32,3 +41,12 @@ def test_a_base_shakes_all_sensors_alike() -> None:
     z = more[:, 2]  # the joints' axes: nothing turns it
     lag = round(SHAKING_S / (MOTION.t[1] - MOTION.t[0]))
     assert np.corrcoef(z[lag:], z[:-lag])[0, 1] == pytest.approx(np.exp(-1.0), abs=0.25)
+
+
+def test_the_live_filter_holds_what_it_claims_where_a_base_shakes() -> None:
+    """And errs by half of what one does that takes the base to stand, at the most."""
+    rng = np.random.default_rng(3)
+    readings = read(shaking_base(ARM, MOTION, 0.3, rng), rng)
+    exact, found = of_exact_filter(ARM, readings, MOTION.q), of_filter(ARM, readings, MOTION.q)
+    assert found[0] < 0.5 * exact[0]
+    assert found[1] > 0.95 > exact[1]
