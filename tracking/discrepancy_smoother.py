@@ -21,6 +21,7 @@ from tracking.discrepancy import Discrepancy, noise_variances, sizes_of, with_si
 from tracking.expected_readings import Room, room_of
 from tracking.kalman_step import correct, hold, predict
 from tracking.observation import ABSENT, Observation, observation_of
+from tracking.plain_filter import filter_plainly
 from tracking.process import SMOOTHER_PUSH_STD
 from tracking.readings import Readings
 from tracking.smoothed import SIGMAS, Smoothed, mend
@@ -163,7 +164,7 @@ class DiscrepancySmoother:
         found = pass_of(of, course, size)
         course = with_sizes(course, sizes, variance)
         if begin.states is None:
-            at = _filtered(of, course, *_before(of, start, sizes))
+            at = filter_plainly(of, course, *_before(of, start, sizes))
         else:
             at = np.hstack([begin.states, np.zeros((len(begin.states), size - self.size))])
         if (turned := unwound(at, course, self._arm, long_too=True)) is not None:
@@ -273,23 +274,3 @@ def _before(of: Observation, start: tuple[Floats, Floats], sizes: Discrepancy) -
             at = np.arange(first, first + count)
             P[at, at] = std**2
     return x, P
-
-
-def _filtered(of: Observation, course: Course, x: Floats, P: Floats) -> Floats:
-    """Return the filtered states, (n, n_state): with such noise little but gravity is believed."""
-    states = np.empty((len(course.readings), x.size))
-    _filter_along(of, room_of(course.push.size), course, x, P, states)
-    return states
-
-
-@compiled
-def _filter_along(of: Observation, room: Room, course: Course, x: Floats, P: Floats, states: Floats) -> None:
-    """Fill in the filtered states, readings being linearised where each is predicted."""
-    taken = room_to_take(course, x.size)[0]
-    for k in range(states.shape[0]):
-        if k > 0:
-            predict(of, course, k, x, P)
-        if course.present[k]:
-            correct(of, room, course, k, x.copy(), x, P, taken)
-        hold(course, k, x, P, taken)
-        states[k] = x
