@@ -12,6 +12,7 @@ from itertools import permutations, product
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from arm.kinematics import rotation_from_rpy, rpy_from_rotation
 from arm.model import Arm, Floats
@@ -23,11 +24,12 @@ from tracking.observation import observation_of
 from tracking.plain_filter import filter_plainly
 from tracking.process import SMOOTHER_PUSH_STD
 from tracking.readings import Readings
+from tracking.smoothed import is_near
 from tracking.smoothing_pass import pass_of, smooth_once
 from tracking.start import ROUGH, MountingPrior, rest_residual, start_state
 
-#: Combinations that are kept from sensor to sensor.
-_BEAM = 6
+#: Combinations that are kept from sensor to sensor; and if none of them is near, a second time.
+_BEAMS = (8, 32)
 #: Of the run so much counts, from its first sample on [s]: a rest and some motion of every joint.
 _SECONDS = 12.0
 #: Frames a second that are enough to tell an axis from another [Hz].
@@ -56,10 +58,16 @@ def right_angles() -> Floats:
 
 
 class Turned(NamedTuple):
-    """Sensors turned against the file: of each the number of the rotation, and the log-likelihood."""
+    """Sensors turned against the file.
+
+    ``ways`` is the number of the rotation of each. ``is_near`` says that lengths and places are then where they were
+    held to be, within what they may be off: a sensor that faces backwards on the other side of its joint reads the
+    same where nothing shows the joint's zero.
+    """
 
     ways: tuple[int, ...]
     log_likelihood: float
+    is_near: bool
 
 
 def turned(arm: Arm, ways: tuple[int, ...]) -> Arm:
@@ -94,25 +102,51 @@ def likely_orientations(
         Told how many combinations were tried, after each sensor.
     """
     order = np.argsort([sensor.joint for sensor in arm.sensors], kind="stable")
-    beam, tried = [Turned((), 0.0)], 0
+    part, some = _part(arm, order), _of_channels(readings, order)
+    finest: list[Turned] = []
+    for width in _BEAMS:
+        beam = _beam(arm, readings, q, given, prior, order, width, progress)
+        q0 = q[: part.n_joint]
+        finest = [Turned(ways, *_log_likelihood(turned(part, ways), some, q0, given, prior)) for ways in beam]
+        finest.sort(key=lambda one: (not one.is_near, -one.log_likelihood))
+        if finest[0].is_near:
+            break
+    back = np.argsort(order)
+    return [one._replace(ways=tuple(one.ways[k] for k in back)) for one in finest]
+
+
+def log_likelihood(arm: Arm, readings: Readings, q: Floats, given: bool, prior: MountingPrior) -> float:
+    """Return how likely the readings of the same stretch are if sensors are as an arm says, within a prior."""
+    order = np.arange(len(arm.sensors))
+    part = _part(arm, order)
+    found, near = _log_likelihood(part, _of_channels(readings, order), q[: part.n_joint], given, prior)
+    return found if near else -np.inf
+
+
+def _beam(
+    arm: Arm,
+    readings: Readings,
+    q: Floats,
+    given: bool,
+    prior: MountingPrior,
+    order: NDArray[np.intp],
+    width: int,
+    progress: Callable[[int], None] | None,
+) -> list[tuple[int, ...]]:
+    """Return the likeliest combinations if places and lengths are as they were guessed, sensors in an order."""
+    beam, tried = list[tuple[int, ...]]([()]), 0
     for count in range(1, len(order) + 1):
         part, some = _part(arm, order[:count]), _of_channels(readings, order[:count])
-        tries = [(*before.ways, way) for before in beam for way in range(24)]
+        tries: list[tuple[int, ...]] = [(*before, way) for before in beam for way in range(len(right_angles()))]
         q0 = q[: part.n_joint]
         if some.begins_steadily:
             tries = _at_rest(part, some, q0, given, prior, tries)
-        found = [Turned(ways, _log_likelihood(turned(part, ways), some, q0, given, None)) for ways in tries]
-        beam = sorted(found, key=lambda one: -one.log_likelihood)[:_BEAM]
+        likely = [_log_likelihood(turned(part, ways), some, q0, given, None)[0] for ways in tries]
+        beam = [tries[k] for k in np.argsort(likely)[::-1][:width]]
         tried += len(tries)
         if progress is not None:
             progress(tried)
-    part, some = _part(arm, order), _of_channels(readings, order)
-    finest = [
-        Turned(ways, _log_likelihood(turned(part, ways), some, q[: part.n_joint], given, prior)) for ways, _ in beam
-    ]
-    back = np.argsort(order)
-    finest.sort(key=lambda one: -one.log_likelihood)
-    return [Turned(tuple(one.ways[k] for k in back), one.log_likelihood) for one in finest]
+    return beam
 
 
 def _at_rest(
@@ -129,8 +163,11 @@ def _at_rest(
     return [ways for ways, square in zip(tries, left, strict=True) if square < left.min() + 2.0 * _IMPOSSIBLE_NATS]
 
 
-def _log_likelihood(arm: Arm, readings: Readings, q: Floats, given: bool, prior: MountingPrior | None) -> float:
-    """Return how likely readings are, the noise being as large as what the likeliest motion leaves of them."""
+def _log_likelihood(arm: Arm, readings: Readings, q: Floats, given: bool, prior: MountingPrior | None) -> tuple[float, bool]:
+    """Return how likely readings are, the noise being as large as what the likeliest motion leaves of them.
+
+    The second is whether lengths and mountings are near, where ``prior`` lets mountings be sought.
+    """
     of, size = observation_of(arm, mountings=prior is not None)
     first, steady = readings.first_mean, readings.begins_steadily
     x0, P0 = start_state(arm, of, size, first, steady, q, given, prior or ROUGH)
@@ -144,12 +181,12 @@ def _log_likelihood(arm: Arm, readings: Readings, q: Floats, given: bool, prior:
     room, found = room_of(n), pass_of(of, course, size)
     try:
         at = filter_plainly(of, course, x0, P0)
-        cost, before = np.inf, np.inf
+        x, cost, before = x0, np.inf, np.inf
         for _ in range(_STEPS if prior is None else _LAST_STEPS):
             x, P = x0.copy(), P0.copy()
             cost = smooth_once(of, room, course, at, x, P, found, False)
             if not np.isfinite(found.states).all():
-                return -np.inf
+                return -np.inf, False
             at = found.states.copy()
             left = course.noise * found.error[:, : course.noise.size]
             course = course._replace(noise=np.maximum(np.mean(left[course.present] ** 2), least))
@@ -157,17 +194,19 @@ def _log_likelihood(arm: Arm, readings: Readings, q: Floats, given: bool, prior:
                 break
             before = cost
     except np.linalg.LinAlgError:
-        return -np.inf
-    return -0.5 * float(cost)
+        return -np.inf, False
+    if not np.isfinite(cost):
+        return -np.inf, False
+    return -0.5 * float(cost), prior is None or is_near(of, x - x0, P0)
 
 
-def _part(arm: Arm, taken: Floats) -> Arm:
+def _part(arm: Arm, taken: NDArray[np.intp]) -> Arm:
     """Return the arm as far as some of its sensors, in their order."""
     sensors = tuple(arm.sensors[k] for k in taken)
     return replace(arm, joints=arm.joints[: max(sensor.joint for sensor in sensors)], sensors=sensors, tip=None)
 
 
-def _of_channels(readings: Readings, taken: Floats) -> Readings:
+def _of_channels(readings: Readings, taken: NDArray[np.intp]) -> Readings:
     """Return the first readings of some sensors, in their order."""
     columns = np.ravel(3 * np.asarray(taken)[:, None] + np.arange(3))
     noise = readings.noise

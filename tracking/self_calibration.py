@@ -6,7 +6,7 @@ motion does not show: it is found by comparing what was known after with what wa
 """
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -15,6 +15,7 @@ from arm.model import Arm, Floats, Sensor, SensorCovariance, Vector3
 from limbcal.errors import DataError
 from tracking.discrepancy import Discrepancy
 from tracking.discrepancy_smoother import DiscrepancySmoother
+from tracking.mounting_search import likely_mounting
 from tracking.observation import ABSENT, MOUNTING, Observation, observation_of
 from tracking.readings import Readings
 from tracking.smoothed import Smoothed
@@ -73,6 +74,8 @@ class SensorCalibration:
         What the model lacks of the readings, if no sensors explain them to their noise.
     lengths : frozenset of (int, str)
         Joints, from 0, and which of their lengths were found: ``a_m``, ``d_m``.
+    axes : dict of str to str
+        Of each sensor whose axes are exchanged or reversed against the file: which of the file's its x, y, z are.
     """
 
     arm: Arm
@@ -83,6 +86,7 @@ class SensorCalibration:
     doubted: float
     discrepancy: Discrepancy | None = None
     lengths: frozenset[tuple[int, str]] = frozenset()
+    axes: dict[str, str] = field(default_factory=dict)
 
 
 def calibrate_sensors(
@@ -113,7 +117,12 @@ def calibrate_sensors(
     q0 = np.zeros(arm.n_joint) if initial_q_rad is None else initial_q_rad
     arm = replace(arm, sensor_covariance=None)  # it is found anew
     of = observation_of(arm, mountings=True)[0]
-    found = _smoothed(arm, runs, q0, initial_q_rad is not None, prior, progress)
+    given, axes, undecided = initial_q_rad is not None, dict[str, str](), list[str]()
+    found = _exact(arm, runs, q0, given, prior, progress)
+    if not _explained(found, runs):
+        arm, prior, axes, undecided = likely_mounting(arm, runs[0], q0, given, prior, progress)
+        of = observation_of(arm, mountings=True)[0]
+        found = _smoothed(arm, runs, q0, given, prior, progress)
     known, before = found[-1], found[0].before
     lengths = _revealed_lengths(of, known, before)
     instants = np.array([len(readings.values) for readings in runs])
@@ -123,13 +132,39 @@ def calibrate_sensors(
             sensor_covariance=_covariance(arm, of, known),
         ),
         _estimates(arm, of, known, before),
-        _hidden(arm, of, known, before),
+        undecided + _hidden(arm, of, known, before),
         sum(one.passes for one in found),
         all(one.converged for one in found),
         float(np.array([one.doubted for one in found]) @ instants / instants.sum()),
         known.discrepancy,
         lengths,
+        axes,
     )
+
+
+def _exact(
+    arm: Arm,
+    runs: Sequence[Readings],
+    q: Floats,
+    given: bool,
+    prior: MountingPrior,
+    progress: Callable[[int], None] | None,
+) -> list[Smoothed]:
+    """Return the motions of an exact arm, each with what the runs before it showed, up to one that is not explained."""
+    exact, found = Smoother(arm, q, given, prior), list[Smoothed]()
+    try:
+        for readings in runs:
+            known = found[-1] if found else None
+            found.append(exact.smooth(readings, fine=False, known=known, progress=progress))
+            if not found[-1].is_exact:
+                break
+    except DataError:
+        pass
+    return found
+
+
+def _explained(found: Sequence[Smoothed], runs: Sequence[Readings]) -> bool:
+    return len(found) == len(runs) and found[-1].is_exact
 
 
 def _smoothed(
@@ -144,17 +179,9 @@ def _smoothed(
 
     If no such arm explains a run to the sensors' noise, what the model lacks is learnt from all of them.
     """
-    exact, found = Smoother(arm, q, given, prior), list[Smoothed]()
-    try:
-        for readings in runs:
-            known = found[-1] if found else None
-            found.append(exact.smooth(readings, fine=False, known=known, progress=progress))
-            if not found[-1].is_exact:
-                break
-        else:
-            return found
-    except DataError:
-        pass
+    found = _exact(arm, runs, q, given, prior, progress)
+    if _explained(found, runs):
+        return found
     exacts: list[Smoothed | None] = [*found, *[None] * (len(runs) - len(found))]
     robust, found = DiscrepancySmoother(arm, q, given, prior), []
     for readings, one in zip(runs, exacts, strict=True):

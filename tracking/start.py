@@ -34,8 +34,8 @@ _CORNER_SHARE = 0.3
 class MountingPrior:
     """How carefully sensors are mounted and made: standard deviations.
 
-    ``place_share`` is that of a place as a share of its distance from the joint, besides ``place_m``;
-    ``length_share`` that of a length of which the arm file does not say how well it is known.
+    ``place_share`` is that of each coordinate of a place as a share of it, besides ``place_m``; ``length_share``
+    that of a length of which the arm file does not say how well it is known.
     """
 
     scale: float = 0.01
@@ -46,12 +46,12 @@ class MountingPrior:
 
     def stds(self, position_m: Vector3) -> Floats:
         """Return those of scale, turn and place of a sensor that sits somewhere, (9,)."""
-        place = np.hypot(self.place_m, self.place_share * np.linalg.norm(position_m))
-        return np.repeat((self.scale, self.turn_rad, float(place)), 3)
+        place = np.hypot(self.place_m, self.place_share * np.asarray(position_m))
+        return np.concatenate([np.full(3, self.scale), np.full(3, self.turn_rad), place])
 
 
-#: Sensors whose axes are exchanged and whose places and lengths are guesses: a hand's care, and a third.
-ROUGH = MountingPrior(turn_rad=0.0873, place_m=0.01, place_share=0.3, length_share=0.3)
+#: Sensors that were mounted by eye, ten degrees and a centimetre, whose places and lengths are guesses, to a third.
+ROUGH = MountingPrior(turn_rad=0.175, place_m=0.01, place_share=0.3, length_share=0.3)
 
 
 def start_state(
