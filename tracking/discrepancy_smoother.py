@@ -15,6 +15,8 @@ from scipy.ndimage import uniform_filter1d
 from arm.model import Arm, Floats
 from limbcal.compiled import compiled
 from limbcal.errors import DataError
+from tracking.calm_motion import acceleration_noise, calm
+from tracking.clocks import CLOCK_STEP, clocks_of, moved_back, start_clocks
 from tracking.coarsening import coarser, every, finer, stride_of
 from tracking.course import Course, course_of
 from tracking.discrepancy import Discrepancy, noise_variances, sizes_of, with_sizes
@@ -60,6 +62,7 @@ class _Fit:
     rounds: int
     converged: bool
     log_likelihood: float
+    late_s: Floats
 
 
 class _Begin(NamedTuple):
@@ -156,8 +159,10 @@ class DiscrepancySmoother:
     ) -> _Fit:
         """Return the motion with the likeliest sizes, of one kind: whether the base moves, and for how long."""
         base, memory_s = kind
-        of, size = observation_of(self._arm, self._sought, base, lack=True)
-        start = self._begin(of, size, readings, known)
+        of, size = observation_of(self._arm, self._sought, base, lack=True, clocks=True)
+        start, clocked = self._begin(of, size, readings, known), of.clock_column[of.clock_column != ABSENT]
+        stamped, late = course.readings, np.zeros(of.link.size)
+        course = moved_back(course, stamped, late)
         usual = begin.departure
         sizes = Discrepancy(usual, usual * base, memory_s, np.full(self._arm.n_joint, _USUAL_SPEED))
         variance = np.maximum(np.full(course.readings.shape, usual**2), course.noise)
@@ -178,9 +183,16 @@ class DiscrepancySmoother:
             for a, b in ((new.lack_std, sizes.lack_std), (new.base_std, sizes.base_std)):
                 moved += [abs(np.log(a / b))] if b > 0.0 else []
             moved += list(np.abs(np.log(np.maximum(new.speed_std, _LEAST) / np.maximum(sizes.speed_std, _LEAST))))
+            left, std = final[0][clocked], np.sqrt(final[1][clocked, clocked])
+            if np.any(np.abs(left) > CLOCK_STEP * std):
+                late[of.clock_column != ABSENT] += left
+                start[0][clocked] -= left
+                at[:, clocked] -= left
+                course = moved_back(course, stamped, late)
+                moved.append(np.inf)
             sizes, course = new, with_sizes(course, new, variance)
             rounds, converged = rounds + 1, max(moved) < _CLOSE_ENOUGH
-        return _Fit(of, size, course, sizes, start, found, final, rounds, converged, log_likelihood)
+        return _Fit(of, size, course, sizes, start, found, final, rounds, converged, log_likelihood, late)
 
     def _settled(
         self, of: Observation, course: Course, at: Floats, before: tuple[Floats, Floats], found: Pass
@@ -190,7 +202,8 @@ class DiscrepancySmoother:
         joints = slice(0, 3 * n, 3)
         for _ in range(_PASSES):
             x, P = before[0].copy(), before[1].copy()
-            cost = smooth_once(of, room, course, at, x, P, found, True)
+            along = calm(at, acceleration_noise(of, room, course, at), course.dt)
+            cost = smooth_once(of, room, course, along, x, P, found, True)
             if not np.isfinite(found.states).all():
                 raise DataError(NO_MOTION)
             mend(found.variance)
@@ -208,8 +221,9 @@ class DiscrepancySmoother:
         first, steady = readings.first_mean, readings.begins_steadily
         x, P = start_state(self._arm, of, size, first, steady, self._q, self._given, self._mounting)
         if known is not None:
-            lasting = slice(3 * self._arm.n_joint, self.size)
+            lasting = slice(3 * self._arm.n_joint, self.size)  # clocks are of each recording
             x[lasting], P[lasting, lasting] = known.final[lasting], known.covariance[lasting, lasting]
+        start_clocks(x, P, of.clock_column[of.clock_column != ABSENT])
         return x, P
 
     def _smoothed(self, fit: _Fit, course: Course, stride: int, rounds: int) -> Smoothed:
@@ -219,6 +233,7 @@ class DiscrepancySmoother:
             each = np.minimum(np.arange(len(course.readings)) // stride, len(fit.course.doubt) - 1)
             variance = (fit.course.noise * fit.course.doubt * stride)[each]
             course = with_sizes(course, fit.sizes, np.maximum(variance, course.noise))
+            course = moved_back(course, course.readings, fit.late_s)
             at = finer(fit.found.states, len(course.readings), stride)
         else:
             course, at = fit.course, fit.found.states
@@ -244,6 +259,8 @@ class DiscrepancySmoother:
             course,
             at,
             fit.sizes,
+            clocks=clocks_of(of, fit.late_s, x, P),
+            log_likelihood=fit.log_likelihood,
         )
 
 

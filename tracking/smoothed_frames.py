@@ -28,8 +28,8 @@ class SmoothedMotion:
 def most_probable(arm: Arm, readings: Readings, q: Floats, given: bool) -> Smoothed:
     """Return the most probable motion: of the arm as its file has it, if that explains the readings.
 
-    Otherwise that of the arm with its sensors mounted as carefully as sensors are, if that does; and else that of
-    an arm like it, with what the model lacks learnt as well.
+    Otherwise that of the arm with its sensors mounted as carefully as sensors are, and then of one whose sensors'
+    clocks differ, if that does; and else that of an arm like it, with what the model lacks learnt as well.
 
     Parameters
     ----------
@@ -43,9 +43,10 @@ def most_probable(arm: Arm, readings: Readings, q: Floats, given: bool) -> Smoot
         If no motion of the arm explains the readings at all.
     """
     exact: Smoothed | None = None
-    for mounting in [None] if arm.sensor_covariance is not None else [None, MountingPrior()]:
+    careful = None if arm.sensor_covariance is not None else MountingPrior()
+    for mounting, clocks in dict.fromkeys([(None, False), (careful, False), (careful, True)]):
         try:
-            found = Smoother(arm, q, given, mounting).smooth(readings)
+            found = Smoother(arm, q, given, mounting, clocks).smooth(readings)
         except DataError:
             break
         if found.is_exact:
