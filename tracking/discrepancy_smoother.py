@@ -35,7 +35,7 @@ from tracking.winding import unwound
 #: For how long what the model lacks lasts [s], half a decade apart: from a stroke to a step of a walk.
 MEMORIES_S = (0.03, 0.1, 0.3)
 #: Log-odds at which the base is held to move: a hundred to one.
-_ODDS_NATS = float(np.log(100.0))
+ODDS_NATS = float(np.log(100.0))
 #: Expectations and maximisations at the most, and passes in each.
 _ROUNDS, _PASSES = 30, 4
 #: Rounds end when no size changes by more than this share; passes when no joint does by more than this [rad or m].
@@ -97,6 +97,7 @@ class DiscrepancySmoother:
         exact: Smoothed | None = None,
         known: Smoothed | None = None,
         progress: Callable[[int], None] | None = None,
+        kind: Discrepancy | None = None,
     ) -> Smoothed:
         """Return the most probable motion.
 
@@ -110,6 +111,9 @@ class DiscrepancySmoother:
             whether the base moves.
         progress : callable, optional
             Told the number of rounds after each.
+
+        kind : Discrepancy, optional
+            Whether the base moves and for how long what is lacking lasts, if that is known.
 
         Raises
         ------
@@ -137,13 +141,14 @@ class DiscrepancySmoother:
                 progress(rounds)
             return fit
 
-        if known is not None and known.discrepancy is not None:  # of the same arm on the same base
-            sizes = known.discrepancy
-            return self._smoothed(fitted(sizes.base_std > 0.0, sizes.memory_s), course, stride, rounds)
+        if kind is None and known is not None:  # of the same arm on the same base
+            kind = known.discrepancy
+        if kind is not None:
+            return self._smoothed(fitted(kind.base_std > 0.0, kind.memory_s), course, stride, rounds)
         fit = fitted(False, MEMORIES_S[1])
         if len({sensor.joint for sensor in self._arm.sensors}) > 1:  # what one link's sensors share is its own
             moving = fitted(True, MEMORIES_S[1])
-            if moving.log_likelihood > fit.log_likelihood + _ODDS_NATS:
+            if moving.log_likelihood > fit.log_likelihood + ODDS_NATS:
                 fit = moving
         others = [fitted(fit.sizes.base_std > 0.0, memory_s) for memory_s in (MEMORIES_S[0], MEMORIES_S[2])]
         fit = max([fit, *others], key=lambda one: one.log_likelihood)
@@ -171,7 +176,8 @@ class DiscrepancySmoother:
         if begin.states is None:
             at = filter_plainly(of, course, *_before(of, start, sizes))
         else:
-            at = np.hstack([begin.states, np.zeros((len(begin.states), size - self.size))])
+            same = self.size if begin.states.shape[1] == self.size else 3 * self._arm.n_joint + 3 * of.link.size
+            at = np.hstack([begin.states[:, :same], np.zeros((len(begin.states), size - same))])
         if (turned := unwound(at, course, self._arm, long_too=True)) is not None:
             at = turned
         converged, rounds, log_likelihood = False, 0, -np.inf

@@ -13,6 +13,7 @@ import numpy as np
 from arm.kinematics import rotation_from_rpy, rpy_from_rotation
 from arm.model import Arm, Floats, Sensor, SensorCovariance, Vector3
 from limbcal.errors import DataError
+from tracking.clocks import CLOCK_STD_S
 from tracking.discrepancy import Discrepancy
 from tracking.discrepancy_smoother import DiscrepancySmoother
 from tracking.mounting_search import likely_mounting
@@ -40,7 +41,8 @@ class SensorEstimate:
     ----------
     sensor, name : str
         ``bias_x`` … [m/s^2], ``scale_x`` …, ``turn_x`` … [rad] and ``place_x`` … [m] as departures from the arm
-        file, about the sensor's axes and along the link's; ``highpass_hz``.
+        file, about the sensor's axes and along the link's; ``highpass_hz``; ``late_s``, by how much its clock is
+        later than the first sensor's.
     value, std : float
     unit : str
     revealed : bool
@@ -118,7 +120,7 @@ def calibrate_sensors(
     arm = replace(arm, sensor_covariance=None)  # it is found anew
     of = observation_of(arm, mountings=True)[0]
     given, axes, undecided = initial_q_rad is not None, dict[str, str](), list[str]()
-    found = _exact(arm, runs, q0, given, prior, progress)
+    found = _explaining(arm, runs, q0, given, prior, progress)
     if not _explained(found, runs):
         arm, prior, axes, undecided = likely_mounting(arm, runs[0], q0, given, prior, progress)
         of = observation_of(arm, mountings=True)[0]
@@ -131,7 +133,7 @@ def calibrate_sensors(
             _with_lengths(_with_sensors(arm, of, known.final), of, known, lengths),
             sensor_covariance=_covariance(arm, of, known),
         ),
-        _estimates(arm, of, known, before),
+        _estimates(arm, of, known, before) + _clock_estimates(arm, known),
         undecided + _hidden(arm, of, known, before),
         sum(one.passes for one in found),
         all(one.converged for one in found),
@@ -142,7 +144,7 @@ def calibrate_sensors(
     )
 
 
-def _exact(
+def _explaining(
     arm: Arm,
     runs: Sequence[Readings],
     q: Floats,
@@ -150,8 +152,26 @@ def _exact(
     prior: MountingPrior,
     progress: Callable[[int], None] | None,
 ) -> list[Smoothed]:
+    """Return the motions of an exact arm whose sensors' clocks agree, or if that does not explain them, differ."""
+    found: list[Smoothed] = []
+    for clocks in (False, True):
+        found = _exact(arm, runs, q, given, prior, clocks, progress)
+        if not found or _explained(found, runs):
+            break
+    return found
+
+
+def _exact(
+    arm: Arm,
+    runs: Sequence[Readings],
+    q: Floats,
+    given: bool,
+    prior: MountingPrior,
+    clocks: bool,
+    progress: Callable[[int], None] | None,
+) -> list[Smoothed]:
     """Return the motions of an exact arm, each with what the runs before it showed, up to one that is not explained."""
-    exact, found = Smoother(arm, q, given, prior), list[Smoothed]()
+    exact, found = Smoother(arm, q, given, prior, clocks), list[Smoothed]()
     try:
         for readings in runs:
             known = found[-1] if found else None
@@ -179,9 +199,10 @@ def _smoothed(
 
     If no such arm explains a run to the sensors' noise, what the model lacks is learnt from all of them.
     """
-    found = _exact(arm, runs, q, given, prior, progress)
+    found = _explaining(arm, runs, q, given, prior, progress)
     if _explained(found, runs):
         return found
+    found = [one for one in found if one.clocks is None]
     exacts: list[Smoothed | None] = [*found, *[None] * (len(runs) - len(found))]
     robust, found = DiscrepancySmoother(arm, q, given, prior), []
     for readings, one in zip(runs, exacts, strict=True):
@@ -225,6 +246,17 @@ def _estimates(arm: Arm, of: Observation, known: Smoothed, before: Floats) -> li
             bool(std[column] <= _REVEALED * std_before[column]),
         )
         for column, sensor, name, unit in _columns(arm, of)
+    ]
+
+
+def _clock_estimates(arm: Arm, known: Smoothed) -> list[SensorEstimate]:
+    """Return by how much sensors are later than the first one."""
+    if known.clocks is None:
+        return []
+    names = [sensor.name for sensor in arm.sensors[1:]]
+    return [
+        SensorEstimate(name, "late_s", float(late), float(std), "s", bool(std <= _REVEALED * CLOCK_STD_S))
+        for name, late, std in zip(names, known.clocks.late_s[1:], known.clocks.std_s[1:], strict=True)
     ]
 
 

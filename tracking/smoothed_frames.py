@@ -7,13 +7,13 @@ import numpy as np
 from arm.kinematics import tip_position
 from arm.model import Arm, Floats
 from limbcal.errors import DataError
-from tracking.discrepancy_smoother import DiscrepancySmoother
+from tracking.discrepancy_smoother import ODDS_NATS, DiscrepancySmoother
 from tracking.frames import Frames, Phase
 from tracking.readings import Readings
 from tracking.sensor_paths import SensorPaths
 from tracking.smoothed import Smoothed
 from tracking.smoother import Smoother
-from tracking.start import MountingPrior
+from tracking.start import ROUGH, MountingPrior
 
 
 @dataclass(frozen=True)
@@ -29,7 +29,8 @@ def most_probable(arm: Arm, readings: Readings, q: Floats, given: bool) -> Smoot
     """Return the most probable motion: of the arm as its file has it, if that explains the readings.
 
     Otherwise that of the arm with its sensors mounted as carefully as sensors are, and then of one whose sensors'
-    clocks differ, if that does; and else that of an arm like it, with what the model lacks learnt as well.
+    clocks differ or which were mounted by eye, if that does; and else that of an arm like it, with what the model
+    lacks learnt as well, of its sensors as the file has them or mounted by eye, whichever is likelier.
 
     Parameters
     ----------
@@ -44,7 +45,8 @@ def most_probable(arm: Arm, readings: Readings, q: Floats, given: bool) -> Smoot
     """
     exact: Smoothed | None = None
     careful = None if arm.sensor_covariance is not None else MountingPrior()
-    for mounting, clocks in dict.fromkeys([(None, False), (careful, False), (careful, True)]):
+    rough = None if arm.sensor_covariance is not None else ROUGH
+    for mounting, clocks in dict.fromkeys([(None, False), (careful, False), (careful, True), (rough, True)]):
         try:
             found = Smoother(arm, q, given, mounting, clocks).smooth(readings)
         except DataError:
@@ -52,7 +54,11 @@ def most_probable(arm: Arm, readings: Readings, q: Floats, given: bool) -> Smoot
         if found.is_exact:
             return found
         exact = exact or found
-    return DiscrepancySmoother(arm, q, given).smooth(readings, exact)
+    found = DiscrepancySmoother(arm, q, given).smooth(readings, exact)
+    if rough is None or found.discrepancy is None:
+        return found
+    loose = DiscrepancySmoother(arm, q, given, rough).smooth(readings, exact, kind=found.discrepancy)
+    return loose if loose.log_likelihood > found.log_likelihood + ODDS_NATS else found
 
 
 def smooth_motion(arm: Arm, readings: Readings, initial_q_rad: Floats | None) -> SmoothedMotion:
