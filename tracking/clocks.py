@@ -1,15 +1,14 @@
 """Sensors whose clocks differ: each reading is of a little earlier or later than its stamp says.
 
-A sensor that is late by c reads h(t - c) at t. Its readings are moved back by what is known of c, and what is left of it
-is a constant of the state, whose slope is -dh/dt (as in calibrating the clocks of cameras and inertial sensors;
-P. Furgale, J. Rehder, R. Siegwart, *Unified temporal and spatial calibration for multi-sensor systems*, 2013). Only
-differences show: the first sensor's clock is the one that counts.
+A sensor that is late by c reads h(t - c) at t. Its readings are moved back by what is known of c, and what is left of
+it is a constant of the state, whose slope is -dh/dt (as in calibrating the clocks of cameras and inertial sensors;
+P. Furgale, J. Rehder, R. Siegwart, *Unified temporal and spatial calibration for multi-sensor systems*, 2013).
+Only differences show: the first sensor's clock is the one that counts.
 """
 
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 from scipy.signal import savgol_filter
 
@@ -34,21 +33,59 @@ class Clocks(NamedTuple):
     std_s: Floats
 
 
-def start_clocks(x: Floats, P: Floats, columns: NDArray[np.int64]) -> None:
-    """Put what is held of the clocks before the first reading into a state and its covariance."""
-    x[columns] = 0.0
-    P[columns], P[:, columns] = 0.0, 0.0
-    P[columns, columns] = CLOCK_STD_S**2
+class ClockSearch:
+    """Seeks by how much sensors are late, of a recording whose readings are moved back from pass to pass.
 
+    Parameters
+    ----------
+    of : Observation
+        One without clocks seeks nothing.
+    readings : (n, n_channel)
+        As they were stamped.
+    """
 
-def clocks_of(of: Observation, late_s: Floats, x: Floats, P: Floats) -> Clocks:
-    """Return by how much sensors are late: by what their readings were moved, and what is left in the state."""
-    late, std = late_s.copy(), np.zeros(len(late_s))
-    sought = of.clock_column != ABSENT
-    at = of.clock_column[sought]
-    late[sought] += x[at]
-    std[sought] = np.sqrt(P[at, at])
-    return Clocks(late, std)
+    def __init__(self, of: Observation, readings: Floats) -> None:
+        self._sought = of.clock_column != ABSENT
+        self._columns = of.clock_column[self._sought]
+        self._stamped, self.late_s = readings, np.zeros(of.link.size)
+
+    def begin(self, x: Floats, P: Floats) -> None:
+        """Put what is held of the clocks before the first reading into a state and its covariance."""
+        at = self._columns
+        x[at] = 0.0
+        P[at], P[:, at] = 0.0, 0.0
+        P[at, at] = CLOCK_STD_S**2
+
+    def moved(self, course: Course) -> Course:
+        """Return the course with its readings moved back by what is known; as it is if nothing is sought."""
+        return moved_back(course, self._stamped, self.late_s) if self._columns.size else course
+
+    def take(self, x: Floats, P: Floats, x0: Floats, at: Floats) -> bool:
+        """Take over what a pass found, and say whether readings are to be moved anew.
+
+        Parameters
+        ----------
+        x, P : (n_state,), (n_state, n_state)
+            After the last reading.
+        x0, at : (n_state,), (n, n_state)
+            Before the first reading, and along which readings are linearised: less by what is taken over.
+        """
+        left = x[self._columns].copy()
+        if not np.any(np.abs(left) > CLOCK_STEP * np.sqrt(P[self._columns, self._columns])):
+            return False
+        self.late_s[self._sought] += left
+        x0[self._columns] -= left
+        at[:, self._columns] -= left
+        return True
+
+    def found(self, x: Floats, P: Floats) -> Clocks | None:
+        """Return by how much sensors are late: by what their readings were moved, and what is left in the state."""
+        if not self._columns.size:
+            return None
+        late, std = self.late_s.copy(), np.zeros(len(self.late_s))
+        late[self._sought] += x[self._columns]
+        std[self._sought] = np.sqrt(P[self._columns, self._columns])
+        return Clocks(late, std)
 
 
 def moved_back(course: Course, readings: Floats, late_s: Floats) -> Course:

@@ -13,22 +13,20 @@ import numpy as np
 from scipy.ndimage import uniform_filter1d
 
 from arm.model import Arm, Floats
-from limbcal.compiled import compiled
 from limbcal.errors import DataError
 from tracking.calm_motion import acceleration_noise, calm
-from tracking.clocks import CLOCK_STEP, clocks_of, moved_back, start_clocks
+from tracking.clocks import ClockSearch, moved_back
 from tracking.coarsening import coarser, every, finer, stride_of
 from tracking.course import Course, course_of
 from tracking.discrepancy import Discrepancy, noise_variances, sizes_of, with_sizes
-from tracking.expected_readings import Room, room_of
-from tracking.kalman_step import correct, hold, predict
+from tracking.expected_readings import room_of
 from tracking.observation import ABSENT, Observation, observation_of
 from tracking.plain_filter import filter_plainly
 from tracking.process import SMOOTHER_PUSH_STD
 from tracking.readings import Readings
 from tracking.smoothed import SIGMAS, Smoothed, mend
 from tracking.smoother import NO_MOTION
-from tracking.smoothing_pass import Pass, pass_of, room_to_take, smooth_once
+from tracking.smoothing_pass import Pass, pass_of, smooth_once
 from tracking.start import MountingPrior, start_state
 from tracking.winding import unwound
 
@@ -62,7 +60,7 @@ class _Fit:
     rounds: int
     converged: bool
     log_likelihood: float
-    late_s: Floats
+    clocks: ClockSearch
 
 
 class _Begin(NamedTuple):
@@ -165,9 +163,9 @@ class DiscrepancySmoother:
         """Return the motion with the likeliest sizes, of one kind: whether the base moves, and for how long."""
         base, memory_s = kind
         of, size = observation_of(self._arm, self._sought, base, lack=True, clocks=True)
-        start, clocked = self._begin(of, size, readings, known), of.clock_column[of.clock_column != ABSENT]
-        stamped, late = course.readings, np.zeros(of.link.size)
-        course = moved_back(course, stamped, late)
+        start, clocks = self._begin(of, size, readings, known), ClockSearch(of, course.readings)
+        clocks.begin(*start)
+        course = clocks.moved(course)
         usual = begin.departure
         sizes = Discrepancy(usual, usual * base, memory_s, np.full(self._arm.n_joint, _USUAL_SPEED))
         variance = np.maximum(np.full(course.readings.shape, usual**2), course.noise)
@@ -189,16 +187,12 @@ class DiscrepancySmoother:
             for a, b in ((new.lack_std, sizes.lack_std), (new.base_std, sizes.base_std)):
                 moved += [abs(np.log(a / b))] if b > 0.0 else []
             moved += list(np.abs(np.log(np.maximum(new.speed_std, _LEAST) / np.maximum(sizes.speed_std, _LEAST))))
-            left, std = final[0][clocked], np.sqrt(final[1][clocked, clocked])
-            if np.any(np.abs(left) > CLOCK_STEP * std):
-                late[of.clock_column != ABSENT] += left
-                start[0][clocked] -= left
-                at[:, clocked] -= left
-                course = moved_back(course, stamped, late)
+            if clocks.take(*final, start[0], at):
+                course = clocks.moved(course)
                 moved.append(np.inf)
             sizes, course = new, with_sizes(course, new, variance)
             rounds, converged = rounds + 1, max(moved) < _CLOSE_ENOUGH
-        return _Fit(of, size, course, sizes, start, found, final, rounds, converged, log_likelihood, late)
+        return _Fit(of, size, course, sizes, start, found, final, rounds, converged, log_likelihood, clocks)
 
     def _settled(
         self, of: Observation, course: Course, at: Floats, before: tuple[Floats, Floats], found: Pass
@@ -229,7 +223,6 @@ class DiscrepancySmoother:
         if known is not None:
             lasting = slice(3 * self._arm.n_joint, self.size)  # clocks are of each recording
             x[lasting], P[lasting, lasting] = known.final[lasting], known.covariance[lasting, lasting]
-        start_clocks(x, P, of.clock_column[of.clock_column != ABSENT])
         return x, P
 
     def _smoothed(self, fit: _Fit, course: Course, stride: int, rounds: int) -> Smoothed:
@@ -239,7 +232,7 @@ class DiscrepancySmoother:
             each = np.minimum(np.arange(len(course.readings)) // stride, len(fit.course.doubt) - 1)
             variance = (fit.course.noise * fit.course.doubt * stride)[each]
             course = with_sizes(course, fit.sizes, np.maximum(variance, course.noise))
-            course = moved_back(course, course.readings, fit.late_s)
+            course = moved_back(course, course.readings, fit.clocks.late_s)
             at = finer(fit.found.states, len(course.readings), stride)
         else:
             course, at = fit.course, fit.found.states
@@ -265,7 +258,7 @@ class DiscrepancySmoother:
             course,
             at,
             fit.sizes,
-            clocks=clocks_of(of, fit.late_s, x, P),
+            clocks=fit.clocks.found(x, P),
             log_likelihood=fit.log_likelihood,
         )
 

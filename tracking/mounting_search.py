@@ -40,7 +40,7 @@ def likely_mounting(
     prior: MountingPrior,
     progress: Callable[[int], None] | None = None,
 ) -> Mounting:
-    """Return how sensors are mounted: as the file says within the prior, unless another way is a hundred times likelier.
+    """Return how sensors are mounted: as the file says within the prior, if no other way is a hundred times likelier.
 
     Parameters
     ----------
@@ -56,7 +56,9 @@ def likely_mounting(
     if not np.isfinite(best.log_likelihood) or as_told > best.log_likelihood - EQUAL_NATS:
         return Mounting(arm, prior, {}, [])
     equal = [one for one in ways if one.is_near and one.log_likelihood > best.log_likelihood - EQUAL_NATS]
-    best = max(equal, key=lambda one: sum(way == 0 for way in one.ways), default=best)  # the file's where nothing shows
+    best = max(
+        equal, key=lambda one: sum(way == 0 for way in one.ways), default=best
+    )  # the file's where nothing shows
     names = [sensor.name for sensor in arm.sensors]
     axes = {name: axes_of(way) for name, way in zip(names, best.ways, strict=True) if way}
     undecided = []

@@ -3,8 +3,9 @@
 The state begins with q, dq, ddq of joint 1, then of joint 2 and so on; then follows one offset a channel; then
 constants, of which each is there or not: lengths a and d of links; of each AC-coupled sensor what it would read
 once it has forgotten everything, and its corner; of each sensor scale, misalignment and place. Lengths, corners
-and mountings are departures from what the arm file says. Then come by how much the sensors' clocks are late, and last
-what the model lacks, each if it is asked for: the acceleration of the base, in its own axes, and a difference of each channel.
+and mountings are departures from what the arm file says. If they are asked for, then come by how much the sensors'
+clocks are late, and last what the model lacks: the acceleration of the base, in its own axes, and a difference of
+each channel.
 """
 
 from typing import NamedTuple
@@ -47,7 +48,7 @@ class Observation(NamedTuple):
     mounting_column : (n_sensor,)
         The first of nine: scale x y z, turn about x y z of the sensor, place x y z on the link.
     clock_column : (n_sensor,)
-        By how much a sensor is later than its readings were taken for [s]; none for the first one, whose clock counts.
+        By how much a sensor is later than its readings were taken for [s]; the first one's clock counts.
     base_column : int
         The first of three: the acceleration of the base, in its own axes [m/s^2].
     lack_column : int
@@ -111,9 +112,8 @@ def observation_of(
         mounting_column[:] = size + MOUNTING * np.arange(n_sensor, dtype=np.int64)
         size += MOUNTING * n_sensor
     clock_column = np.full(n_sensor, ABSENT, dtype=np.int64)
-    if clocks:
-        clock_column[1:] = size + np.arange(n_sensor - 1)
-        size += n_sensor - 1
+    clock_column[1:] = size + np.arange(n_sensor - 1) if clocks else ABSENT
+    size += (n_sensor - 1) * clocks
     base_column = ABSENT
     if base:
         base_column, size = size, size + 3
@@ -126,8 +126,7 @@ def observation_of(
         shared = [*range(3 * (link[s] + 1)), *a[a != ABSENT], *d[d != ABSENT]]
         if mountings:
             shared += range(mounting_column[s], mounting_column[s] + MOUNTING)
-        if clock_column[s] != ABSENT:
-            shared.append(int(clock_column[s]))
+        shared += clock_column[s : s + 1][clock_column[s : s + 1] != ABSENT].tolist()
         if base:
             shared += range(base_column, base_column + 3)
         channels = range(3 * s, 3 * s + 3)

@@ -60,9 +60,9 @@ def right_angles() -> Floats:
 class Turned(NamedTuple):
     """Sensors turned against the file.
 
-    ``ways`` is the number of the rotation of each. ``is_near`` says that lengths and places are then where they were
-    held to be, within what they may be off: a sensor that faces backwards on the other side of its joint reads the
-    same where nothing shows the joint's zero.
+    ``ways`` is the number of the rotation of each. ``is_near`` says that lengths and places are then where they
+    were held to be, within what they may be off: a sensor that faces backwards on the other side of its joint reads
+    the same where nothing shows the joint's zero.
     """
 
     ways: tuple[int, ...]
@@ -163,7 +163,9 @@ def _at_rest(
     return [ways for ways, square in zip(tries, left, strict=True) if square < left.min() + 2.0 * _IMPOSSIBLE_NATS]
 
 
-def _log_likelihood(arm: Arm, readings: Readings, q: Floats, given: bool, prior: MountingPrior | None) -> tuple[float, bool]:
+def _log_likelihood(
+    arm: Arm, readings: Readings, q: Floats, given: bool, prior: MountingPrior | None
+) -> tuple[float, bool]:
     """Return how likely readings are, the noise being as large as what the likeliest motion leaves of them.
 
     The second is whether lengths and mountings are near, where ``prior`` lets mountings be sought.

@@ -12,15 +12,13 @@ import numpy as np
 
 from arm.kinematics import rotation_from_rpy, rpy_from_rotation
 from arm.model import Arm, Floats, Sensor, SensorCovariance, Vector3
-from limbcal.errors import DataError
 from tracking.clocks import CLOCK_STD_S
 from tracking.discrepancy import Discrepancy
-from tracking.discrepancy_smoother import DiscrepancySmoother
+from tracking.explained_runs import exact_motions, explained, runs_smoothed
 from tracking.mounting_search import likely_mounting
 from tracking.observation import ABSENT, MOUNTING, Observation, observation_of
 from tracking.readings import Readings
 from tracking.smoothed import Smoothed
-from tracking.smoother import Smoother
 from tracking.start import MountingPrior
 
 #: A parameter is revealed where its standard error is at most this fraction of its prior's; a convention.
@@ -120,11 +118,11 @@ def calibrate_sensors(
     arm = replace(arm, sensor_covariance=None)  # it is found anew
     of = observation_of(arm, mountings=True)[0]
     given, axes, undecided = initial_q_rad is not None, dict[str, str](), list[str]()
-    found = _explaining(arm, runs, q0, given, prior, progress)
-    if not _explained(found, runs):
+    found = exact_motions(arm, runs, q0, given, prior, progress)
+    if not explained(found, runs):
         arm, prior, axes, undecided = likely_mounting(arm, runs[0], q0, given, prior, progress)
         of = observation_of(arm, mountings=True)[0]
-        found = _smoothed(arm, runs, q0, given, prior, progress)
+        found = runs_smoothed(arm, runs, q0, given, prior, progress)
     known, before = found[-1], found[0].before
     lengths = _revealed_lengths(of, known, before)
     instants = np.array([len(readings.values) for readings in runs])
@@ -142,72 +140,6 @@ def calibrate_sensors(
         lengths,
         axes,
     )
-
-
-def _explaining(
-    arm: Arm,
-    runs: Sequence[Readings],
-    q: Floats,
-    given: bool,
-    prior: MountingPrior,
-    progress: Callable[[int], None] | None,
-) -> list[Smoothed]:
-    """Return the motions of an exact arm whose sensors' clocks agree, or if that does not explain them, differ."""
-    found: list[Smoothed] = []
-    for clocks in (False, True):
-        found = _exact(arm, runs, q, given, prior, clocks, progress)
-        if not found or _explained(found, runs):
-            break
-    return found
-
-
-def _exact(
-    arm: Arm,
-    runs: Sequence[Readings],
-    q: Floats,
-    given: bool,
-    prior: MountingPrior,
-    clocks: bool,
-    progress: Callable[[int], None] | None,
-) -> list[Smoothed]:
-    """Return the motions of an exact arm, each with what the runs before it showed, up to one that is not explained."""
-    exact, found = Smoother(arm, q, given, prior, clocks), list[Smoothed]()
-    try:
-        for readings in runs:
-            known = found[-1] if found else None
-            found.append(exact.smooth(readings, fine=False, known=known, progress=progress))
-            if not found[-1].is_exact:
-                break
-    except DataError:
-        pass
-    return found
-
-
-def _explained(found: Sequence[Smoothed], runs: Sequence[Readings]) -> bool:
-    return len(found) == len(runs) and found[-1].is_exact
-
-
-def _smoothed(
-    arm: Arm,
-    runs: Sequence[Readings],
-    q: Floats,
-    given: bool,
-    prior: MountingPrior,
-    progress: Callable[[int], None] | None,
-) -> list[Smoothed]:
-    """Return the motions of all runs, each with what the runs before it showed of the sensors.
-
-    If no such arm explains a run to the sensors' noise, what the model lacks is learnt from all of them.
-    """
-    found = _explaining(arm, runs, q, given, prior, progress)
-    if _explained(found, runs):
-        return found
-    found = [one for one in found if one.clocks is None]
-    exacts: list[Smoothed | None] = [*found, *[None] * (len(runs) - len(found))]
-    robust, found = DiscrepancySmoother(arm, q, given, prior), []
-    for readings, one in zip(runs, exacts, strict=True):
-        found.append(robust.smooth(readings, one, found[-1] if found else None, progress))
-    return found
 
 
 def _columns(arm: Arm, of: Observation) -> list[tuple[int, str, str, str]]:

@@ -13,12 +13,12 @@ from numpy.typing import NDArray
 from arm.model import Arm, Floats
 from limbcal.errors import DataError
 from tracking.calm_motion import acceleration_noise, calm
-from tracking.clocks import CLOCK_STEP, clocks_of, moved_back, start_clocks
+from tracking.clocks import ClockSearch
 from tracking.coarsening import coarser, every, finer, stride_of
 from tracking.course import Course, course_of
 from tracking.expected_readings import room_of
 from tracking.forward_filter import filter_all
-from tracking.observation import ABSENT, observation_of
+from tracking.observation import observation_of
 from tracking.process import SMOOTHER_PUSH_STD, alarm_limit
 from tracking.readings import Readings
 from tracking.smoothed import Smoothed, is_near, mend
@@ -96,14 +96,12 @@ class Smoother:
         of, arm, n = self.observation, self._arm, self._arm.n_joint
         x0, P0 = self.begin(readings) if start is None else (start[0].copy(), start[1].copy())
         course = course_of(readings, n)
-        clocked = of.clock_column[of.clock_column != ABSENT]
         if known is not None:
             lasting = slice(3 * n, None)
             x0[lasting], P0[lasting, lasting] = known.final[lasting], known.covariance[lasting, lasting]
-        start_clocks(x0, P0, clocked)  # clocks are of each recording
-        stamped, late = course.readings, np.zeros(of.link.size)
-        if clocked.size:
-            course = moved_back(course, stamped, late)
+        clocks = ClockSearch(of, course.readings)  # they are of each recording
+        clocks.begin(x0, P0)
+        course = clocks.moved(course)
         states, still, resting = self._filter(course, readings, x0, P0)
         release(course, still)
         course = course._replace(push=np.full(n, SMOOTHER_PUSH_STD**2))
@@ -132,12 +130,8 @@ class Smoother:
             at = at + step * (smoothed - at)
             if (turned := unwound(at, coarse, arm)) is not None:
                 at, converged, moved, step = turned, False, np.inf, 1.0
-            left = x[clocked]
-            if np.any(np.abs(left) > CLOCK_STEP * std[clocked]):
-                late[of.clock_column != ABSENT] += left
-                x0[clocked] -= left
-                at[:, clocked] -= left
-                course = moved_back(course, stamped, late)
+            if clocks.take(x, P, x0, at):
+                course = clocks.moved(course)
                 coarse, converged, moved = coarser(course, stride), False, np.inf
             if progress is not None:
                 progress(passes)
@@ -151,8 +145,8 @@ class Smoother:
         doubted = float(np.mean((course.doubt > 1.0).any(axis=1)))
         rests = still, resting
         near = is_near(of, x - x0, P0)
-        clocks = clocks_of(of, late, x, P) if clocked.size else None
-        return Smoothed(at, found, x, P, P0, *rests, doubted, passes, converged, last, along, None, near, clocks)
+        late = clocks.found(x, P)
+        return Smoothed(at, found, x, P, P0, *rests, doubted, passes, converged, last, along, None, near, late)
 
     def begin(self, readings: Readings) -> tuple[Floats, Floats]:
         """Return state and covariance before the first reading of a recording."""

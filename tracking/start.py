@@ -50,7 +50,7 @@ class MountingPrior:
         return np.concatenate([np.full(3, self.scale), np.full(3, self.turn_rad), place])
 
 
-#: Sensors that were mounted by eye, ten degrees and a centimetre, whose places and lengths are guesses, to a third.
+#: Sensors that were mounted by eye, ten degrees and a centimetre, whose places and lengths are guesses to a third.
 ROUGH = MountingPrior(turn_rad=0.175, place_m=0.01, place_share=0.3, length_share=0.3)
 
 
