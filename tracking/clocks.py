@@ -1,7 +1,7 @@
 """Sensors whose clocks differ: each reading is of a little earlier or later than its stamp says.
 
-A sensor that is late by c reads h(t - c) at t. Its readings are moved back by what is known of c, and what is left of
-it is a constant of the state, whose slope is -dh/dt (as in calibrating the clocks of cameras and inertial sensors;
+A sensor that is late by c reads h(t - c) at t. Its readings are moved back by what is known of c; what is left of
+it is a constant of the state, whose slope is -dh/dt (as where cameras are calibrated with inertial sensors;
 P. Furgale, J. Rehder, R. Siegwart, *Unified temporal and spatial calibration for multi-sensor systems*, 2013).
 Only differences show: the first sensor's clock is the one that counts.
 """
@@ -79,7 +79,7 @@ class ClockSearch:
         return True
 
     def found(self, x: Floats, P: Floats) -> Clocks | None:
-        """Return by how much sensors are late: by what their readings were moved, and what is left in the state."""
+        """Return by how much sensors are late: by what readings were moved, and what is left in the state."""
         if not self._columns.size:
             return None
         late, std = self.late_s.copy(), np.zeros(len(self.late_s))

@@ -139,7 +139,9 @@ class DiscrepancySmoother:
                 progress(rounds)
             return fit
 
-        if kind is None and known is not None:  # of the same arm on the same base
+        if kind is not None:
+            begins[:] = begins[-1:]  # it was sought from where the kind was
+        elif known is not None:  # of the same arm on the same base
             kind = known.discrepancy
         if kind is not None:
             return self._smoothed(fitted(kind.base_std > 0.0, kind.memory_s), course, stride, rounds)

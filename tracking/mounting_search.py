@@ -40,7 +40,7 @@ def likely_mounting(
     prior: MountingPrior,
     progress: Callable[[int], None] | None = None,
 ) -> Mounting:
-    """Return how sensors are mounted: as the file says within the prior, if no other way is a hundred times likelier.
+    """Return how sensors are mounted: as the file says within the prior, if nothing is a hundred times likelier.
 
     Parameters
     ----------

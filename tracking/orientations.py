@@ -61,8 +61,8 @@ class Turned(NamedTuple):
     """Sensors turned against the file.
 
     ``ways`` is the number of the rotation of each. ``is_near`` says that lengths and places are then where they
-    were held to be, within what they may be off: a sensor that faces backwards on the other side of its joint reads
-    the same where nothing shows the joint's zero.
+    were held to be, within what they may be off: a sensor that faces backwards on the other side of its joint
+    reads the same where nothing shows the joint's zero.
     """
 
     ways: tuple[int, ...]

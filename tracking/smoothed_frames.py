@@ -57,7 +57,7 @@ def most_probable(arm: Arm, readings: Readings, q: Floats, given: bool) -> Smoot
     found = DiscrepancySmoother(arm, q, given).smooth(readings, exact)
     if rough is None or found.discrepancy is None:
         return found
-    loose = DiscrepancySmoother(arm, q, given, rough).smooth(readings, exact, kind=found.discrepancy)
+    loose = DiscrepancySmoother(arm, q, given, rough).smooth(readings, found, kind=found.discrepancy)
     return loose if loose.log_likelihood > found.log_likelihood + ODDS_NATS else found
 
 

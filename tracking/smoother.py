@@ -94,11 +94,8 @@ class Smoother:
             If no motion of the arm explains the readings at all.
         """
         of, arm, n = self.observation, self._arm, self._arm.n_joint
-        x0, P0 = self.begin(readings) if start is None else (start[0].copy(), start[1].copy())
+        x0, P0 = self._before(readings, known, start)
         course = course_of(readings, n)
-        if known is not None:
-            lasting = slice(3 * n, None)
-            x0[lasting], P0[lasting, lasting] = known.final[lasting], known.covariance[lasting, lasting]
         clocks = ClockSearch(of, course.readings)  # they are of each recording
         clocks.begin(x0, P0)
         course = clocks.moved(course)
@@ -143,10 +140,18 @@ class Smoother:
             at, last = found.states, course
         mend(found.variance)
         doubted = float(np.mean((course.doubt > 1.0).any(axis=1)))
+        near, late = is_near(of, x - x0, P0), clocks.found(x, P)
         rests = still, resting
-        near = is_near(of, x - x0, P0)
-        late = clocks.found(x, P)
         return Smoothed(at, found, x, P, P0, *rests, doubted, passes, converged, last, along, None, near, late)
+
+    def _before(
+        self, readings: Readings, known: Smoothed | None, start: tuple[Floats, Floats] | None
+    ) -> tuple[Floats, Floats]:
+        x, P = self.begin(readings) if start is None else (start[0].copy(), start[1].copy())
+        if known is not None:
+            lasting = slice(3 * self._arm.n_joint, None)
+            x[lasting], P[lasting, lasting] = known.final[lasting], known.covariance[lasting, lasting]
+        return x, P
 
     def begin(self, readings: Readings) -> tuple[Floats, Floats]:
         """Return state and covariance before the first reading of a recording."""
