@@ -33,7 +33,7 @@ from tracking.winding import unwound
 #: For how long what the model lacks lasts [s], half a decade apart: from a stroke to a step of a walk.
 MEMORIES_S = (0.03, 0.1, 0.3)
 #: Log-odds at which the base is held to move: a hundred to one.
-ODDS_NATS = float(np.log(100.0))
+_ODDS_NATS = float(np.log(100.0))
 #: Expectations and maximisations at the most, and passes in each.
 _ROUNDS, _PASSES = 30, 4
 #: Rounds end when no size changes by more than this share; passes when no joint does by more than this [rad or m].
@@ -95,7 +95,6 @@ class DiscrepancySmoother:
         exact: Smoothed | None = None,
         known: Smoothed | None = None,
         progress: Callable[[int], None] | None = None,
-        kind: Discrepancy | None = None,
     ) -> Smoothed:
         """Return the most probable motion.
 
@@ -110,8 +109,6 @@ class DiscrepancySmoother:
         progress : callable, optional
             Told the number of rounds after each.
 
-        kind : Discrepancy, optional
-            Whether the base moves and for how long what is lacking lasts, if that is known.
 
         Raises
         ------
@@ -139,16 +136,13 @@ class DiscrepancySmoother:
                 progress(rounds)
             return fit
 
-        if kind is not None:
-            begins[:] = begins[-1:]  # it was sought from where the kind was
-        elif known is not None:  # of the same arm on the same base
-            kind = known.discrepancy
-        if kind is not None:
-            return self._smoothed(fitted(kind.base_std > 0.0, kind.memory_s), course, stride, rounds)
+        if known is not None and known.discrepancy is not None:  # of the same arm on the same base
+            sizes = known.discrepancy
+            return self._smoothed(fitted(sizes.base_std > 0.0, sizes.memory_s), course, stride, rounds)
         fit = fitted(False, MEMORIES_S[1])
         if len({sensor.joint for sensor in self._arm.sensors}) > 1:  # what one link's sensors share is its own
             moving = fitted(True, MEMORIES_S[1])
-            if moving.log_likelihood > fit.log_likelihood + ODDS_NATS:
+            if moving.log_likelihood > fit.log_likelihood + _ODDS_NATS:
                 fit = moving
         others = [fitted(fit.sizes.base_std > 0.0, memory_s) for memory_s in (MEMORIES_S[0], MEMORIES_S[2])]
         fit = max([fit, *others], key=lambda one: one.log_likelihood)
@@ -261,7 +255,6 @@ class DiscrepancySmoother:
             at,
             fit.sizes,
             clocks=fit.clocks.found(x, P),
-            log_likelihood=fit.log_likelihood,
         )
 
 

@@ -48,8 +48,6 @@ class Smoothed:
         What the model was found to lack of the readings, if that was sought.
     clocks : Clocks, optional
         By how much sensors were found to be late, if that was sought.
-    log_likelihood : float
-        Of the readings, up to a constant, if it was sought what the model lacks.
     is_near : bool
         Lengths and mountings are where they were held to be, within what they may be off.
     """
@@ -69,7 +67,6 @@ class Smoothed:
     discrepancy: Discrepancy | None = None
     is_near: bool = True
     clocks: Clocks | None = None
-    log_likelihood: float = float("nan")
 
     @property
     def variance(self) -> Floats:

@@ -7,7 +7,7 @@ import numpy as np
 from arm.kinematics import tip_position
 from arm.model import Arm, Floats
 from limbcal.errors import DataError
-from tracking.discrepancy_smoother import ODDS_NATS, DiscrepancySmoother
+from tracking.discrepancy_smoother import DiscrepancySmoother
 from tracking.frames import Frames, Phase
 from tracking.readings import Readings
 from tracking.sensor_paths import SensorPaths
@@ -30,7 +30,7 @@ def most_probable(arm: Arm, readings: Readings, q: Floats, given: bool) -> Smoot
 
     Otherwise that of the arm with its sensors mounted as carefully as sensors are, and then of one whose sensors'
     clocks differ or which were mounted by eye, if that does; and else that of an arm like it, with what the model
-    lacks learnt as well, of its sensors as the file has them or mounted by eye, whichever is likelier.
+    lacks learnt as well.
 
     Parameters
     ----------
@@ -54,11 +54,7 @@ def most_probable(arm: Arm, readings: Readings, q: Floats, given: bool) -> Smoot
         if found.is_exact:
             return found
         exact = exact or found
-    found = DiscrepancySmoother(arm, q, given).smooth(readings, exact)
-    if rough is None or found.discrepancy is None:
-        return found
-    loose = DiscrepancySmoother(arm, q, given, rough).smooth(readings, found, kind=found.discrepancy)
-    return loose if loose.log_likelihood > found.log_likelihood + ODDS_NATS else found
+    return DiscrepancySmoother(arm, q, given).smooth(readings, exact)
 
 
 def smooth_motion(arm: Arm, readings: Readings, initial_q_rad: Floats | None) -> SmoothedMotion:
