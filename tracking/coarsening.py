@@ -35,6 +35,7 @@ def coarser(course: Course, stride: int) -> Course:
     weight = present.sum(axis=1)
     total = (blocks(course.readings) * present[..., None]).sum(axis=1)
     doubt = blocks(course.doubt).mean(axis=1)
+    drift = blocks(course.drift).mean(axis=1) if len(course.drift) else course.drift
     rest = blocks(course.rest)
     return course._replace(
         dt=stride * course.dt,
@@ -42,6 +43,7 @@ def coarser(course: Course, stride: int) -> Course:
         present=weight > 0,
         noise=course.noise / stride,
         jolt=blocks(course.jolt).sum(axis=1),
+        drift=drift,
         doubt=doubt * (stride / np.maximum(weight, 1.0))[:, None],
         rest=np.where((rest > 0.0).all(axis=1), rest.mean(axis=1) / stride, 0.0),
     )

@@ -38,6 +38,8 @@ class Course(NamedTuple):
         Time constant of both.
     rate : (n_joint,) [1/s]
         Of each joint's speed as a stationary process; 0 where it is the integral of its acceleration.
+    drift : (n, n_channel) [m/s^3]
+        Rate of each reading; it counts where the observation has clocks.
     """
 
     dt: float
@@ -53,6 +55,7 @@ class Course(NamedTuple):
     base_std: float = 0.0
     lack_std: float = 0.0
     memory_s: float = 1.0
+    drift: Floats = np.zeros((0, 0))
 
 
 def course_of(readings: Readings, n_joint: int) -> Course:

@@ -13,19 +13,20 @@ import numpy as np
 from scipy.ndimage import uniform_filter1d
 
 from arm.model import Arm, Floats
-from limbcal.compiled import compiled
 from limbcal.errors import DataError
+from tracking.calm_motion import acceleration_noise, calm
+from tracking.clocks import ClockSearch, moved_back
 from tracking.coarsening import coarser, every, finer, stride_of
 from tracking.course import Course, course_of
 from tracking.discrepancy import Discrepancy, noise_variances, sizes_of, with_sizes
-from tracking.expected_readings import Room, room_of
-from tracking.kalman_step import correct, hold, predict
+from tracking.expected_readings import room_of
 from tracking.observation import ABSENT, Observation, observation_of
+from tracking.plain_filter import filter_plainly
 from tracking.process import SMOOTHER_PUSH_STD
 from tracking.readings import Readings
 from tracking.smoothed import SIGMAS, Smoothed, mend
 from tracking.smoother import NO_MOTION
-from tracking.smoothing_pass import Pass, pass_of, room_to_take, smooth_once
+from tracking.smoothing_pass import Pass, pass_of, smooth_once
 from tracking.start import MountingPrior, start_state
 from tracking.winding import unwound
 
@@ -59,6 +60,7 @@ class _Fit:
     rounds: int
     converged: bool
     log_likelihood: float
+    clocks: ClockSearch
 
 
 class _Begin(NamedTuple):
@@ -106,6 +108,7 @@ class DiscrepancySmoother:
             whether the base moves.
         progress : callable, optional
             Told the number of rounds after each.
+
 
         Raises
         ------
@@ -155,17 +158,20 @@ class DiscrepancySmoother:
     ) -> _Fit:
         """Return the motion with the likeliest sizes, of one kind: whether the base moves, and for how long."""
         base, memory_s = kind
-        of, size = observation_of(self._arm, self._sought, base, lack=True)
-        start = self._begin(of, size, readings, known)
+        of, size = observation_of(self._arm, self._sought, base, lack=True, clocks=True)
+        start, clocks = self._begin(of, size, readings, known), ClockSearch(of, course.readings)
+        clocks.begin(*start)
+        course = clocks.moved(course)
         usual = begin.departure
         sizes = Discrepancy(usual, usual * base, memory_s, np.full(self._arm.n_joint, _USUAL_SPEED))
         variance = np.maximum(np.full(course.readings.shape, usual**2), course.noise)
         found = pass_of(of, course, size)
         course = with_sizes(course, sizes, variance)
         if begin.states is None:
-            at = _filtered(of, course, *_before(of, start, sizes))
+            at = filter_plainly(of, course, *_before(of, start, sizes))
         else:
-            at = np.hstack([begin.states, np.zeros((len(begin.states), size - self.size))])
+            same = self.size if begin.states.shape[1] == self.size else 3 * self._arm.n_joint + 3 * of.link.size
+            at = np.hstack([begin.states[:, :same], np.zeros((len(begin.states), size - same))])
         if (turned := unwound(at, course, self._arm, long_too=True)) is not None:
             at = turned
         converged, rounds, log_likelihood = False, 0, -np.inf
@@ -177,9 +183,12 @@ class DiscrepancySmoother:
             for a, b in ((new.lack_std, sizes.lack_std), (new.base_std, sizes.base_std)):
                 moved += [abs(np.log(a / b))] if b > 0.0 else []
             moved += list(np.abs(np.log(np.maximum(new.speed_std, _LEAST) / np.maximum(sizes.speed_std, _LEAST))))
+            if clocks.take(*final, start[0], at):
+                course = clocks.moved(course)
+                moved.append(np.inf)
             sizes, course = new, with_sizes(course, new, variance)
             rounds, converged = rounds + 1, max(moved) < _CLOSE_ENOUGH
-        return _Fit(of, size, course, sizes, start, found, final, rounds, converged, log_likelihood)
+        return _Fit(of, size, course, sizes, start, found, final, rounds, converged, log_likelihood, clocks)
 
     def _settled(
         self, of: Observation, course: Course, at: Floats, before: tuple[Floats, Floats], found: Pass
@@ -189,7 +198,8 @@ class DiscrepancySmoother:
         joints = slice(0, 3 * n, 3)
         for _ in range(_PASSES):
             x, P = before[0].copy(), before[1].copy()
-            cost = smooth_once(of, room, course, at, x, P, found, True)
+            along = calm(at, acceleration_noise(of, room, course, at), course.dt)
+            cost = smooth_once(of, room, course, along, x, P, found, True)
             if not np.isfinite(found.states).all():
                 raise DataError(NO_MOTION)
             mend(found.variance)
@@ -207,7 +217,7 @@ class DiscrepancySmoother:
         first, steady = readings.first_mean, readings.begins_steadily
         x, P = start_state(self._arm, of, size, first, steady, self._q, self._given, self._mounting)
         if known is not None:
-            lasting = slice(3 * self._arm.n_joint, self.size)
+            lasting = slice(3 * self._arm.n_joint, self.size)  # clocks are of each recording
             x[lasting], P[lasting, lasting] = known.final[lasting], known.covariance[lasting, lasting]
         return x, P
 
@@ -218,6 +228,7 @@ class DiscrepancySmoother:
             each = np.minimum(np.arange(len(course.readings)) // stride, len(fit.course.doubt) - 1)
             variance = (fit.course.noise * fit.course.doubt * stride)[each]
             course = with_sizes(course, fit.sizes, np.maximum(variance, course.noise))
+            course = moved_back(course, course.readings, fit.clocks.late_s)
             at = finer(fit.found.states, len(course.readings), stride)
         else:
             course, at = fit.course, fit.found.states
@@ -243,6 +254,7 @@ class DiscrepancySmoother:
             course,
             at,
             fit.sizes,
+            clocks=fit.clocks.found(x, P),
         )
 
 
@@ -273,23 +285,3 @@ def _before(of: Observation, start: tuple[Floats, Floats], sizes: Discrepancy) -
             at = np.arange(first, first + count)
             P[at, at] = std**2
     return x, P
-
-
-def _filtered(of: Observation, course: Course, x: Floats, P: Floats) -> Floats:
-    """Return the filtered states, (n, n_state): with such noise little but gravity is believed."""
-    states = np.empty((len(course.readings), x.size))
-    _filter_along(of, room_of(course.push.size), course, x, P, states)
-    return states
-
-
-@compiled
-def _filter_along(of: Observation, room: Room, course: Course, x: Floats, P: Floats, states: Floats) -> None:
-    """Fill in the filtered states, readings being linearised where each is predicted."""
-    taken = room_to_take(course, x.size)[0]
-    for k in range(states.shape[0]):
-        if k > 0:
-            predict(of, course, k, x, P)
-        if course.present[k]:
-            correct(of, room, course, k, x.copy(), x, P, taken)
-        hold(course, k, x, P, taken)
-        states[k] = x

@@ -157,6 +157,10 @@ def correct(
     squared = 0.0
     observe(of, room, at, taken.miss[:n_channel], taken.slope)
     for channel in range(n_channel):
+        clock = of.clock_column[channel // 3]
+        if clock >= 0:
+            taken.slope[channel, clock] = -course.drift[k, channel]
+            taken.miss[channel] -= course.drift[k, channel] * at[clock]
         columns, n_column, slope = of.columns[channel], of.n_column[channel], taken.slope[channel]
         miss = course.readings[k, channel] - taken.miss[channel]
         for c in range(n_column):

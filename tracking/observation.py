@@ -3,8 +3,9 @@
 The state begins with q, dq, ddq of joint 1, then of joint 2 and so on; then follows one offset a channel; then
 constants, of which each is there or not: lengths a and d of links; of each AC-coupled sensor what it would read
 once it has forgotten everything, and its corner; of each sensor scale, misalignment and place. Lengths, corners
-and mountings are departures from what the arm file says. Last comes what the model lacks, if it is asked for: the
-acceleration of the base, in its own axes, and a difference of each channel.
+and mountings are departures from what the arm file says. If they are asked for, then come by how much the sensors'
+clocks are late, and last what the model lacks: the acceleration of the base, in its own axes, and a difference of
+each channel.
 """
 
 from typing import NamedTuple
@@ -46,6 +47,8 @@ class Observation(NamedTuple):
         Departure of the corner, of those that are to be estimated.
     mounting_column : (n_sensor,)
         The first of nine: scale x y z, turn about x y z of the sensor, place x y z on the link.
+    clock_column : (n_sensor,)
+        By how much a sensor is later than its readings were taken for [s]; the first one's clock counts.
     base_column : int
         The first of three: the acceleration of the base, in its own axes [m/s^2].
     lack_column : int
@@ -68,6 +71,7 @@ class Observation(NamedTuple):
     settled_column: NDArray[np.int64]
     corner_column: NDArray[np.int64]
     mounting_column: NDArray[np.int64]
+    clock_column: NDArray[np.int64]
     base_column: int
     lack_column: int
     reported: NDArray[np.int64]
@@ -76,7 +80,7 @@ class Observation(NamedTuple):
 
 
 def observation_of(
-    arm: Arm, mountings: bool = False, base: bool = False, lack: bool = False
+    arm: Arm, mountings: bool = False, base: bool = False, lack: bool = False, clocks: bool = False
 ) -> tuple[Observation, int]:
     """Return the observation of an arm's sensors and the size of the state.
 
@@ -87,6 +91,8 @@ def observation_of(
         Let the state hold scale, misalignment and place of every sensor, and the corner of AC-coupled ones.
     base, lack : bool
         Let the state hold an acceleration of the base, and what the model lacks of each channel.
+    clocks : bool
+        Let the state hold by how much each sensor but the first is late.
     """
     n, n_sensor = arm.n_joint, len(arm.sensors)
     link = np.array([sensor.joint - 1 for sensor in arm.sensors], dtype=np.int64)
@@ -108,6 +114,9 @@ def observation_of(
     if mountings:
         mounting_column[:] = size + MOUNTING * np.arange(n_sensor, dtype=np.int64)
         size += MOUNTING * n_sensor
+    clock_column = np.full(n_sensor, ABSENT, dtype=np.int64)
+    clock_column[1:] = size + np.arange(n_sensor - 1) if clocks else ABSENT
+    size += (n_sensor - 1) * clocks
     base_column = ABSENT
     if base:
         base_column, size = size, size + 3
@@ -121,6 +130,7 @@ def observation_of(
         shared = [*(3 * i + k for i in way for k in range(3)), *a[a != ABSENT], *d[d != ABSENT]]
         if mountings:
             shared += range(mounting_column[s], mounting_column[s] + MOUNTING)
+        shared += clock_column[s : s + 1][clock_column[s : s + 1] != ABSENT].tolist()
         if base:
             shared += range(base_column, base_column + 3)
         channels = range(3 * s, 3 * s + 3)
@@ -139,6 +149,7 @@ def observation_of(
         settled_column,
         corner_column,
         mounting_column,
+        clock_column,
         base_column,
         lack_column,
         np.array(

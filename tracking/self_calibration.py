@@ -6,19 +6,19 @@ motion does not show: it is found by comparing what was known after with what wa
 """
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
 from arm.kinematics import rotation_from_rpy, rpy_from_rotation
 from arm.model import Arm, Floats, Sensor, SensorCovariance, Vector3
-from limbcal.errors import DataError
+from tracking.clocks import CLOCK_STD_S
 from tracking.discrepancy import Discrepancy
-from tracking.discrepancy_smoother import DiscrepancySmoother
+from tracking.explained_runs import exact_motions, explained, runs_smoothed
+from tracking.mounting_search import likely_mounting
 from tracking.observation import ABSENT, MOUNTING, Observation, observation_of
 from tracking.readings import Readings
 from tracking.smoothed import Smoothed
-from tracking.smoother import Smoother
 from tracking.start import MountingPrior
 
 #: A parameter is revealed where its standard error is at most this fraction of its prior's; a convention.
@@ -39,7 +39,8 @@ class SensorEstimate:
     ----------
     sensor, name : str
         ``bias_x`` … [m/s^2], ``scale_x`` …, ``turn_x`` … [rad] and ``place_x`` … [m] as departures from the arm
-        file, about the sensor's axes and along the link's; ``highpass_hz``.
+        file, about the sensor's axes and along the link's; ``highpass_hz``; ``late_s``, by how much its clock is
+        later than the first sensor's.
     value, std : float
     unit : str
     revealed : bool
@@ -73,6 +74,8 @@ class SensorCalibration:
         What the model lacks of the readings, if no sensors explain them to their noise.
     lengths : frozenset of (int, str)
         Joints, from 0, and which of their lengths were found: ``a_m``, ``d_m``.
+    axes : dict of str to str
+        Of each sensor whose axes are exchanged or reversed against the file: which of the file's its x, y, z are.
     """
 
     arm: Arm
@@ -83,6 +86,7 @@ class SensorCalibration:
     doubted: float
     discrepancy: Discrepancy | None = None
     lengths: frozenset[tuple[int, str]] = frozenset()
+    axes: dict[str, str] = field(default_factory=dict)
 
 
 def calibrate_sensors(
@@ -113,7 +117,12 @@ def calibrate_sensors(
     q0 = np.zeros(arm.n_joint) if initial_q_rad is None else initial_q_rad
     arm = replace(arm, sensor_covariance=None)  # it is found anew
     of = observation_of(arm, mountings=True)[0]
-    found = _smoothed(arm, runs, q0, initial_q_rad is not None, prior, progress)
+    given, axes, undecided = initial_q_rad is not None, dict[str, str](), list[str]()
+    found = exact_motions(arm, runs, q0, given, prior, progress)
+    if not explained(found, runs):
+        arm, prior, axes, undecided = likely_mounting(arm, runs[0], q0, given, prior, progress)
+        of = observation_of(arm, mountings=True)[0]
+        found = runs_smoothed(arm, runs, q0, given, prior, progress)
     known, before = found[-1], found[0].before
     lengths = _revealed_lengths(of, known, before)
     instants = np.array([len(readings.values) for readings in runs])
@@ -122,44 +131,15 @@ def calibrate_sensors(
             _with_lengths(_with_sensors(arm, of, known.final), of, known, lengths),
             sensor_covariance=_covariance(arm, of, known),
         ),
-        _estimates(arm, of, known, before),
-        _hidden(arm, of, known, before),
+        _estimates(arm, of, known, before) + _clock_estimates(arm, known),
+        undecided + _hidden(arm, of, known, before),
         sum(one.passes for one in found),
         all(one.converged for one in found),
         float(np.array([one.doubted for one in found]) @ instants / instants.sum()),
         known.discrepancy,
         lengths,
+        axes,
     )
-
-
-def _smoothed(
-    arm: Arm,
-    runs: Sequence[Readings],
-    q: Floats,
-    given: bool,
-    prior: MountingPrior,
-    progress: Callable[[int], None] | None,
-) -> list[Smoothed]:
-    """Return the motions of all runs, each with what the runs before it showed of the sensors.
-
-    If no such arm explains a run to the sensors' noise, what the model lacks is learnt from all of them.
-    """
-    exact, found = Smoother(arm, q, given, prior), list[Smoothed]()
-    try:
-        for readings in runs:
-            known = found[-1] if found else None
-            found.append(exact.smooth(readings, fine=False, known=known, progress=progress))
-            if not found[-1].is_exact:
-                break
-        else:
-            return found
-    except DataError:
-        pass
-    exacts: list[Smoothed | None] = [*found, *[None] * (len(runs) - len(found))]
-    robust, found = DiscrepancySmoother(arm, q, given, prior), []
-    for readings, one in zip(runs, exacts, strict=True):
-        found.append(robust.smooth(readings, one, found[-1] if found else None, progress))
-    return found
 
 
 def _columns(arm: Arm, of: Observation) -> list[tuple[int, str, str, str]]:
@@ -198,6 +178,17 @@ def _estimates(arm: Arm, of: Observation, known: Smoothed, before: Floats) -> li
             bool(std[column] <= _REVEALED * std_before[column]),
         )
         for column, sensor, name, unit in _columns(arm, of)
+    ]
+
+
+def _clock_estimates(arm: Arm, known: Smoothed) -> list[SensorEstimate]:
+    """Return by how much sensors are later than the first one."""
+    if known.clocks is None:
+        return []
+    names = [sensor.name for sensor in arm.sensors[1:]]
+    return [
+        SensorEstimate(name, "late_s", float(late), float(std), "s", bool(std <= _REVEALED * CLOCK_STD_S))
+        for name, late, std in zip(names, known.clocks.late_s[1:], known.clocks.std_s[1:], strict=True)
     ]
 
 

@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from arm.model import Floats
+from tracking.clocks import Clocks
 from tracking.course import Course
 from tracking.discrepancy import Discrepancy
 from tracking.observation import ABSENT, MOUNTING, Observation
@@ -45,6 +46,8 @@ class Smoothed:
         Along which they were linearised in it.
     discrepancy : Discrepancy, optional
         What the model was found to lack of the readings, if that was sought.
+    clocks : Clocks, optional
+        By how much sensors were found to be late, if that was sought.
     is_near : bool
         Lengths and mountings are where they were held to be, within what they may be off.
     """
@@ -63,6 +66,7 @@ class Smoothed:
     along: Floats
     discrepancy: Discrepancy | None = None
     is_near: bool = True
+    clocks: Clocks | None = None
 
     @property
     def variance(self) -> Floats:

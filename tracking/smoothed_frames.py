@@ -13,7 +13,7 @@ from tracking.readings import Readings
 from tracking.sensor_paths import SensorPaths
 from tracking.smoothed import Smoothed
 from tracking.smoother import Smoother
-from tracking.start import MountingPrior
+from tracking.start import ROUGH, MountingPrior
 
 
 @dataclass(frozen=True)
@@ -28,8 +28,9 @@ class SmoothedMotion:
 def most_probable(arm: Arm, readings: Readings, q: Floats, given: bool) -> Smoothed:
     """Return the most probable motion: of the arm as its file has it, if that explains the readings.
 
-    Otherwise that of the arm with its sensors mounted as carefully as sensors are, if that does; and else that of
-    an arm like it, with what the model lacks learnt as well.
+    Otherwise that of the arm with its sensors mounted as carefully as sensors are, and then of one whose sensors'
+    clocks differ or which were mounted by eye, if that does; and else that of an arm like it, with what the model
+    lacks learnt as well.
 
     Parameters
     ----------
@@ -43,9 +44,11 @@ def most_probable(arm: Arm, readings: Readings, q: Floats, given: bool) -> Smoot
         If no motion of the arm explains the readings at all.
     """
     exact: Smoothed | None = None
-    for mounting in [None] if arm.sensor_covariance is not None else [None, MountingPrior()]:
+    careful = None if arm.sensor_covariance is not None else MountingPrior()
+    rough = None if arm.sensor_covariance is not None else ROUGH
+    for mounting, clocks in dict.fromkeys([(None, False), (careful, False), (careful, True), (rough, True)]):
         try:
-            found = Smoother(arm, q, given, mounting).smooth(readings)
+            found = Smoother(arm, q, given, mounting, clocks).smooth(readings)
         except DataError:
             break
         if found.is_exact:

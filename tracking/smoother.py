@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from arm.model import Arm, Floats
 from limbcal.errors import DataError
 from tracking.calm_motion import acceleration_noise, calm
+from tracking.clocks import ClockSearch
 from tracking.coarsening import coarser, every, finer, stride_of
 from tracking.course import Course, course_of
 from tracking.expected_readings import room_of
@@ -53,11 +54,15 @@ class Smoother:
         Somebody measured ``q``, see `tracking.start.start_state`.
     mounting : MountingPrior, optional
         Estimate scale, misalignment and place of every sensor too, which are held to be no further off than this.
+    clocks : bool
+        Estimate by how much each sensor is later than the first one.
     """
 
-    def __init__(self, arm: Arm, q: Floats, given: bool, mounting: MountingPrior | None = None) -> None:
+    def __init__(
+        self, arm: Arm, q: Floats, given: bool, mounting: MountingPrior | None = None, clocks: bool = False
+    ) -> None:
         sought = mounting is not None or arm.sensor_covariance is not None
-        self.observation, self.size = observation_of(arm, sought)
+        self.observation, self.size = observation_of(arm, sought, clocks=clocks)
         self._arm, self._q, self._given = arm, q, given
         self._mounting = MountingPrior() if mounting is None else mounting
 
@@ -89,11 +94,11 @@ class Smoother:
             If no motion of the arm explains the readings at all.
         """
         of, arm, n = self.observation, self._arm, self._arm.n_joint
-        x0, P0 = self.begin(readings) if start is None else (start[0].copy(), start[1].copy())
+        x0, P0 = self._before(readings, known, start)
         course = course_of(readings, n)
-        if known is not None:
-            lasting = slice(3 * n, None)
-            x0[lasting], P0[lasting, lasting] = known.final[lasting], known.covariance[lasting, lasting]
+        clocks = ClockSearch(of, course.readings)  # they are of each recording
+        clocks.begin(x0, P0)
+        course = clocks.moved(course)
         states, still, resting = self._filter(course, readings, x0, P0)
         release(course, still)
         course = course._replace(push=np.full(n, SMOOTHER_PUSH_STD**2))
@@ -122,6 +127,9 @@ class Smoother:
             at = at + step * (smoothed - at)
             if (turned := unwound(at, coarse, arm)) is not None:
                 at, converged, moved, step = turned, False, np.inf, 1.0
+            if clocks.take(x, P, x0, at):
+                course = clocks.moved(course)
+                coarse, converged, moved = coarser(course, stride), False, np.inf
             if progress is not None:
                 progress(passes)
         if fine:
@@ -132,9 +140,18 @@ class Smoother:
             at, last = found.states, course
         mend(found.variance)
         doubted = float(np.mean((course.doubt > 1.0).any(axis=1)))
+        near, late = is_near(of, x - x0, P0), clocks.found(x, P)
         rests = still, resting
-        near = is_near(of, x - x0, P0)
-        return Smoothed(at, found, x, P, P0, *rests, doubted, passes, converged, last, along, None, near)
+        return Smoothed(at, found, x, P, P0, *rests, doubted, passes, converged, last, along, None, near, late)
+
+    def _before(
+        self, readings: Readings, known: Smoothed | None, start: tuple[Floats, Floats] | None
+    ) -> tuple[Floats, Floats]:
+        x, P = self.begin(readings) if start is None else (start[0].copy(), start[1].copy())
+        if known is not None:
+            lasting = slice(3 * self._arm.n_joint, None)
+            x[lasting], P[lasting, lasting] = known.final[lasting], known.covariance[lasting, lasting]
+        return x, P
 
     def begin(self, readings: Readings) -> tuple[Floats, Floats]:
         """Return state and covariance before the first reading of a recording."""

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from arm.model import Arm, Floats, SensorCovariance
+from arm.model import Arm, Floats, SensorCovariance, Vector3
 from tracking.expected_readings import observe, room_of
 from tracking.observation import ABSENT, MOUNTING, MOUNTING_NAMES, Observation
 
@@ -32,11 +32,26 @@ _CORNER_SHARE = 0.3
 
 @dataclass(frozen=True)
 class MountingPrior:
-    """How carefully sensors are mounted and made: standard deviations."""
+    """How carefully sensors are mounted and made: standard deviations.
+
+    ``place_share`` is that of each coordinate of a place as a share of it, besides ``place_m``; ``length_share``
+    that of a length of which the arm file does not say how well it is known.
+    """
 
     scale: float = 0.01
     turn_rad: float = 0.0175
     place_m: float = 0.002
+    place_share: float = 0.0
+    length_share: float = 1.0
+
+    def stds(self, position_m: Vector3) -> Floats:
+        """Return those of scale, turn and place of a sensor that sits somewhere, (9,)."""
+        place = np.hypot(self.place_m, self.place_share * np.asarray(position_m))
+        return np.concatenate([np.full(3, self.scale), np.full(3, self.turn_rad), place])
+
+
+#: Sensors that were mounted by eye, ten degrees and a centimetre, whose places and lengths are guesses to a third.
+ROUGH = MountingPrior(turn_rad=0.175, place_m=0.01, place_share=0.3, length_share=0.3)
 
 
 def start_state(
@@ -92,7 +107,7 @@ def start_state(
     for joint, columns in zip(arm.joints, of.length_column, strict=True):
         for length, column in zip((joint.a_m, joint.d_m), columns, strict=True):
             if column != ABSENT:
-                guess = max(abs(length), _LEAST_LENGTH_STD_M)
+                guess = mounting.length_share * max(abs(length), _LEAST_LENGTH_STD_M)
                 std[column] = guess if joint.length_std_m is None else joint.length_std_m
     for s in range(n_sensor):
         if of.settled_column[s] != ABSENT:
@@ -102,11 +117,20 @@ def start_state(
             std[of.corner_column[s]] = _CORNER_SHARE * of.corner[s]
         if of.mounting_column[s] != ABSENT:
             begin = of.mounting_column[s]
-            std[begin : begin + MOUNTING] = np.repeat((mounting.scale, mounting.turn_rad, mounting.place_m), 3)
+            std[begin : begin + MOUNTING] = mounting.stds(arm.sensors[s].position_m)
     P += np.diag(std**2)
     if arm.sensor_covariance is not None:
         _take_over(arm, of, arm.sensor_covariance, P)
     return x, P
+
+
+def rest_residual(of: Observation, size: int, first: Floats, q: Floats, given: bool) -> Floats:
+    """Return what gravity leaves unexplained of the first readings of an arm at rest, (n_channel,)."""
+    x = np.zeros(size)
+    n, offset_std = q.size, np.full(first.size, _OFFSET_STD)
+    x[: 3 * n : 3] = q if given else _level(of, x, first, offset_std, q)
+    left: Floats = first - _at_rest(of, x)[0]
+    return left
 
 
 def _take_over(arm: Arm, of: Observation, known: SensorCovariance, P: Floats) -> None:

@@ -85,6 +85,8 @@ def _print(fit: SensorsFit) -> None:
     for sensor, numbers in fit.parameters().items():
         show(parameter_table(f"{fit.arm.name}: {sensor}", numbers, {}))
     found = fit.calibration
+    for name, axes in found.axes.items():
+        say(f"warning: {name} is turned against its file: its x, y, z are the file's {axes}")
     if found.hidden:
         show("not revealed by this motion:")
         for sentence in found.hidden:

@@ -129,6 +129,11 @@ def _warn(run: RawRun, arm: Arm, part: Tracked) -> None:
             f"warning: {run.name}: the readings contradict arm {arm.name!r} ({share}{missed}); check its lengths "
             "and where its sensors sit, or let `fitter sensors` find how they do"
         )
+    if verdict.late_s is not None:
+        say(
+            f"warning: {run.name}: a sensor's clock is {1e3 * abs(verdict.late_s):.2g} ms "
+            f"{'late' if verdict.late_s > 0.0 else 'early'} against the first sensor's; the motion allows for that"
+        )
     if not run.after_leap and verdict.converged is False:
         say(
             f"warning: {run.name}: after {verdict.passes} passes the motion still changes; check the arm's "

@@ -7,7 +7,6 @@ from dataclasses import dataclass, replace
 from arm.model import Arm, Floats
 from fitter.data.raw import RawRun
 from fitter.search.fitted_parameter import FittedParameter
-from limbcal.errors import NotConverged
 from tracking.self_calibration import SensorCalibration, calibrate_sensors
 from tracking.start import MountingPrior
 
@@ -63,6 +62,7 @@ class SensorsFit:
                 sensor: {name: number.document() for name, number in numbers.items()}
                 for sensor, numbers in self.parameters().items()
             },
+            "axes": dict(found.axes),
             "not_revealed": list(found.hidden),
             "passes": found.passes,
             "converged": found.converged,
@@ -103,10 +103,8 @@ def fit_sensors(
 
     Raises
     ------
-    NotConverged
-        If the motion still changes after the last pass.
     DataError
-        If a run is too short.
+        If a run is too short, or no motion of such an arm explains it at all.
     """
     began = clock()
     if highpass_hz is not None:
@@ -114,10 +112,4 @@ def fit_sensors(
         arm = replace(arm, sensors=coupled)
     readings = [run.readings(FRAME_RATE_HZ) for run in runs]
     found = calibrate_sensors(arm, readings, initial_q_rad, prior, progress)
-    if not found.converged and found.discrepancy is None:
-        raise NotConverged(
-            f"after {found.passes} passes the motion still changes, {100 * found.doubted:.2g} % of its instants "
-            f"fit no motion of arm {arm.name!r}; expected sensors on the links that its file says, nearly where "
-            "it has them"
-        )
     return SensorsFit(found, sum(len(run.t) for run in runs), clock() - began)

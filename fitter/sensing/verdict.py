@@ -2,9 +2,12 @@
 
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass, replace
+from functools import partial
+
+import numpy as np
 
 from tracking.consistency import Consistency
-from tracking.smoothed import Smoothed
+from tracking.smoothed import SIGMAS, Smoothed
 
 #: Readings contradict the arm if more of them than this are doubted.
 DOUBTED = 0.01
@@ -29,6 +32,9 @@ class Verdict:
     discrepancy_m_s2, base_m_s2 : float or None
         What the arm's model lacks of a reading, and the acceleration of its base along each axis, rms; None where
         the arm explains the readings to the sensors' noise.
+    late_s : float or None
+        The largest difference of a sensor's clock from the first one's; None where all clocks agree, or none is
+        known to differ.
     """
 
     innovation: float | None = None
@@ -38,12 +44,13 @@ class Verdict:
     converged: bool | None = None
     discrepancy_m_s2: float | None = None
     base_m_s2: float | None = None
+    late_s: float | None = None
 
 
 def verdict_of(said: Consistency | Smoothed, frames: int) -> Verdict:
     """Return what a filter or a smoother says after so many frames."""
     if isinstance(said, Smoothed):
-        claim = Verdict(doubted=said.doubted, passes=said.passes, converged=said.converged)
+        claim = Verdict(doubted=said.doubted, passes=said.passes, converged=said.converged, late_s=_late(said))
         if said.discrepancy is None:
             return replace(claim, wrong=said.doubted > DOUBTED)
         lacks = said.discrepancy
@@ -59,11 +66,20 @@ def verdict_of(said: Consistency | Smoothed, frames: int) -> Verdict:
     )
 
 
+def _late(said: Smoothed) -> float | None:
+    """Return the largest difference of clocks among those that are no chance; None if there is none."""
+    if said.clocks is None:
+        return None
+    late, std = said.clocks
+    shown = np.abs(late) > SIGMAS * std
+    return float(late[np.argmax(np.abs(late) * shown)]) if shown.any() else None
+
+
 def overall(verdicts: Sequence[Verdict], frames: Sequence[int]) -> dict[str, object]:
     """Return what is said of several runs, of so many frames each, for a JSON document.
 
-    ``innovation`` and ``doubted`` are means over the frames; ``passes``, what the model lacks and how its base
-    moves are the most of any run.
+    ``innovation`` and ``doubted`` are means over the frames; ``passes``, what the model lacks, how its base
+    moves and how late a sensor is are the most of any run.
     """
     known = [asdict(verdict) for verdict in verdicts]
     document: dict[str, object] = {}
@@ -71,7 +87,8 @@ def overall(verdicts: Sequence[Verdict], frames: Sequence[int]) -> dict[str, obj
         shares = [(one[name], n) for one, n in zip(known, frames, strict=True) if one[name] is not None]
         if shares:
             document[name] = sum(value * n for value, n in shares) / sum(n for _, n in shares)
-    rules = (("wrong", any), ("passes", max), ("converged", all), ("discrepancy_m_s2", max), ("base_m_s2", max))
+    most = (("passes", max), ("discrepancy_m_s2", max), ("base_m_s2", max), ("late_s", partial(max, key=abs)))
+    rules = (("wrong", any), ("converged", all), *most)
     for name, of in rules:
         found = [one[name] for one in known if one[name] is not None]
         if found:

@@ -10,7 +10,7 @@ from scipy.spatial.transform import Rotation
 from arm.arm_file import load_arm
 from arm.kinematics import rotation_from_rpy
 from arm.model import Arm, SensorCovariance
-from tracking import self_calibration
+from tracking import explained_runs
 from tracking.observation import observation_of
 from tracking.self_calibration import SensorCalibration, calibrate_sensors
 from tracking.start import MountingPrior
@@ -18,7 +18,7 @@ from tracking.start import MountingPrior
 ARM = load_arm("dd-arm")
 AC = replace(ARM, sensors=(replace(ARM.sensors[0], highpass_hz=0.2), *ARM.sensors[1:]))
 PRIOR = MountingPrior()
-EXACT = {"is_exact": True, "discrepancy": None}
+EXACT = {"is_exact": True, "discrepancy": None, "clocks": None}
 
 
 class Told:
@@ -45,7 +45,7 @@ def known(size: int, **fields: object) -> SimpleNamespace:
 def calibrated(monkeypatch: pytest.MonkeyPatch, arm: Arm, **fields: object) -> tuple[SensorCalibration, Told]:
     told = Told(arm)
     told.runs.append(known(told.size, **fields))
-    monkeypatch.setattr(self_calibration, "Smoother", told)
+    monkeypatch.setattr(explained_runs, "Smoother", told)
     return calibrate_sensors(arm, [readings(100)], np.zeros(2), PRIOR), told
 
 
@@ -200,7 +200,7 @@ def test_runs_are_summed_up(monkeypatch: pytest.MonkeyPatch) -> None:
     first = known(told.size, doubted=0.1, passes=3, before=4.0 * np.eye(told.size))
     second = known(told.size, doubted=0.2, passes=4, converged=False, final=np.ones(told.size))
     told.runs = [first, second]
-    monkeypatch.setattr(self_calibration, "Smoother", told)
+    monkeypatch.setattr(explained_runs, "Smoother", told)
     runs, progress = [readings(100), readings(300)], [].append
     known_before = SensorCovariance(("s1 scale_x",), ((4.0,),))
     found = calibrate_sensors(replace(ARM, sensor_covariance=known_before), runs, None, PRIOR, progress)
@@ -211,8 +211,14 @@ def test_runs_are_summed_up(monkeypatch: pytest.MonkeyPatch) -> None:
         {"fine": False, "known": None, "progress": progress},
         {"fine": False, "known": first, "progress": progress},
     ]
-    arm, q0, given, prior = told.made
-    assert (arm, q0.tolist(), given, prior) == (ARM, [0.0, 0.0], False, PRIOR)  # what was known is found anew
+    arm, q0, given, prior, clocks = told.made
+    assert (arm, q0.tolist(), given, prior, clocks) == (
+        ARM,
+        [0.0, 0.0],
+        False,
+        PRIOR,
+        False,
+    )  # what was known is found anew
     told.asked.clear()
     calibrate_sensors(ARM, runs, np.array([0.1, 0.2]), PRIOR)
     assert (told.made[1].tolist(), told.made[2]) == ([0.1, 0.2], True)

@@ -1,0 +1,217 @@
+"""How sensors are turned, of the 24 ways in which a sensor's axes can be exchanged and reversed against its file.
+
+Sensors are taken in one after the other, from the base outwards, each in all 24 ways, and the likeliest few
+combinations are kept (a beam search; B. T. Lowerre 1976). A combination is as likely as the motion of the links so
+far that explains the readings of the sensors so far best: a few steps of Gauss and Newton, with noise as large as
+what is left. Right ways leave what misplaced sensors and a rough model leave; wrong ones leave as much as gravity.
+"""
+
+from collections.abc import Callable
+from dataclasses import replace
+from itertools import permutations, product
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from arm.kinematics import rotation_from_rpy, rpy_from_rotation
+from arm.model import Arm, Floats
+from tracking.coarsening import coarser
+from tracking.course import course_of
+from tracking.discrepancy import speed_rate
+from tracking.expected_readings import room_of
+from tracking.observation import observation_of
+from tracking.plain_filter import filter_plainly
+from tracking.process import SMOOTHER_PUSH_STD
+from tracking.readings import Readings
+from tracking.smoothed import is_near
+from tracking.smoothing_pass import pass_of, smooth_once
+from tracking.start import ROUGH, MountingPrior, rest_residual, start_state
+
+#: Combinations that are kept from sensor to sensor; and if none of them is near, a second time.
+_BEAMS = (8, 32)
+#: Of the run so much counts, from its first sample on [s]: a rest and some motion of every joint.
+_SECONDS = 12.0
+#: Frames a second that are enough to tell an axis from another [Hz].
+_RATE_HZ = 30.0
+#: An accelerometer's offset [m/s^2]; log-odds at which a combination is not looked at further.
+_OFFSET_STD, _IMPOSSIBLE_NATS = 0.5, 20.0
+#: Steps of Gauss and Newton, and the most for those that are left, whose places are sought as well.
+_STEPS, _LAST_STEPS = 2, 15
+#: Speed of a joint before anything is known of it [rad/s or m/s].
+_USUAL_SPEED = 2.0
+#: Log-odds within which two combinations are equally likely: a hundred to one.
+EQUAL_NATS = float(np.log(100.0))
+
+
+def right_angles() -> Floats:
+    """Return the 24 rotations that take axes to axes, (24, 3, 3), the one that leaves them first."""
+    found = []
+    for order in permutations(range(3)):
+        for signs in product((1.0, -1.0), repeat=3):
+            R = np.zeros((3, 3))
+            R[list(order), range(3)] = signs
+            if np.linalg.det(R) > 0.0:
+                found.append(R)
+    found.sort(key=lambda R: -np.trace(R))
+    return np.array(found)
+
+
+class Turned(NamedTuple):
+    """Sensors turned against the file.
+
+    ``ways`` is the number of the rotation of each. ``is_near`` says that lengths and places are then where they
+    were held to be, within what they may be off: a sensor that faces backwards on the other side of its joint
+    reads the same where nothing shows the joint's zero.
+    """
+
+    ways: tuple[int, ...]
+    log_likelihood: float
+    is_near: bool
+
+
+def turned(arm: Arm, ways: tuple[int, ...]) -> Arm:
+    """Return the arm with its first sensors turned, each in one of the 24 ways."""
+    rotations = right_angles()
+    sensors = list(arm.sensors)
+    for s, way in enumerate(ways):
+        R = rotation_from_rpy(*sensors[s].rotation_rad) @ rotations[way]
+        roll, pitch, yaw = (float(angle) for angle in rpy_from_rotation(R))
+        sensors[s] = replace(sensors[s], rotation_rad=(roll, pitch, yaw))
+    return replace(arm, sensors=tuple(sensors))
+
+
+def likely_orientations(
+    arm: Arm,
+    readings: Readings,
+    q: Floats,
+    given: bool,
+    prior: MountingPrior,
+    progress: Callable[[int], None] | None = None,
+) -> list[Turned]:
+    """Return the likeliest combinations of orientations, the likeliest first.
+
+    Parameters
+    ----------
+    arm, q, given
+        As of `tracking.smoother.Smoother`.
+    readings : Readings
+    prior : MountingPrior
+        How far off the sensors may be besides.
+    progress : callable, optional
+        Told how many combinations were tried, after each sensor.
+    """
+    order = np.argsort([sensor.joint for sensor in arm.sensors], kind="stable")
+    part, some = _part(arm, order), _of_channels(readings, order)
+    finest: list[Turned] = []
+    for width in _BEAMS:
+        beam = _beam(arm, readings, q, given, prior, order, width, progress)
+        q0 = q[: part.n_joint]
+        finest = [Turned(ways, *_log_likelihood(turned(part, ways), some, q0, given, prior)) for ways in beam]
+        finest.sort(key=lambda one: (not one.is_near, -one.log_likelihood))
+        if finest[0].is_near:
+            break
+    back = np.argsort(order)
+    return [one._replace(ways=tuple(one.ways[k] for k in back)) for one in finest]
+
+
+def log_likelihood(arm: Arm, readings: Readings, q: Floats, given: bool, prior: MountingPrior) -> float:
+    """Return how likely the readings of the same stretch are if sensors are as an arm says, within a prior."""
+    order = np.arange(len(arm.sensors))
+    part = _part(arm, order)
+    found, near = _log_likelihood(part, _of_channels(readings, order), q[: part.n_joint], given, prior)
+    return found if near else -np.inf
+
+
+def _beam(
+    arm: Arm,
+    readings: Readings,
+    q: Floats,
+    given: bool,
+    prior: MountingPrior,
+    order: NDArray[np.intp],
+    width: int,
+    progress: Callable[[int], None] | None,
+) -> list[tuple[int, ...]]:
+    """Return the likeliest combinations if places and lengths are as they were guessed, sensors in an order."""
+    beam, tried = list[tuple[int, ...]]([()]), 0
+    for count in range(1, len(order) + 1):
+        part, some = _part(arm, order[:count]), _of_channels(readings, order[:count])
+        tries: list[tuple[int, ...]] = [(*before, way) for before in beam for way in range(len(right_angles()))]
+        q0 = q[: part.n_joint]
+        if some.begins_steadily:
+            tries = _at_rest(part, some, q0, given, prior, tries)
+        likely = [_log_likelihood(turned(part, ways), some, q0, given, None)[0] for ways in tries]
+        beam = [tries[k] for k in np.argsort(likely)[::-1][:width]]
+        tried += len(tries)
+        if progress is not None:
+            progress(tried)
+    return beam
+
+
+def _at_rest(
+    arm: Arm, readings: Readings, q: Floats, given: bool, prior: MountingPrior, tries: list[tuple[int, ...]]
+) -> list[tuple[int, ...]]:
+    """Return the combinations that explain the first rest no worse than the best one does."""
+    first, size = readings.first_mean, 0
+    g = float(np.linalg.norm(arm.gravity_m_s2))
+    std = np.hypot(_OFFSET_STD, prior.turn_rad * g)
+    left = np.empty(len(tries))
+    for k, ways in enumerate(tries):
+        of, size = observation_of(turned(arm, ways))
+        left[k] = np.sum(rest_residual(of, size, first, q, given) ** 2) / std**2
+    return [ways for ways, square in zip(tries, left, strict=True) if square < left.min() + 2.0 * _IMPOSSIBLE_NATS]
+
+
+def _log_likelihood(
+    arm: Arm, readings: Readings, q: Floats, given: bool, prior: MountingPrior | None
+) -> tuple[float, bool]:
+    """Return how likely readings are, the noise being as large as what the likeliest motion leaves of them.
+
+    The second is whether lengths and mountings are near, where ``prior`` lets mountings be sought.
+    """
+    of, size = observation_of(arm, mountings=prior is not None)
+    first, steady = readings.first_mean, readings.begins_steadily
+    x0, P0 = start_state(arm, of, size, first, steady, q, given, prior or ROUGH)
+    n = arm.n_joint
+    push = np.full(n, SMOOTHER_PUSH_STD**2)
+    course = course_of(readings, n)._replace(push=push, rate=speed_rate(push, np.full(n, _USUAL_SPEED)))
+    course = coarser(course, max(1, round(1.0 / (_RATE_HZ * readings.dt_s))))
+    least = course.noise
+    variance = np.maximum(np.var(course.readings[course.present], axis=0).mean(), least)
+    course = course._replace(noise=variance)
+    room, found = room_of(n), pass_of(of, course, size)
+    try:
+        at = filter_plainly(of, course, x0, P0)
+        x, cost, before = x0, np.inf, np.inf
+        for _ in range(_STEPS if prior is None else _LAST_STEPS):
+            x, P = x0.copy(), P0.copy()
+            cost = smooth_once(of, room, course, at, x, P, found, False)
+            if not np.isfinite(found.states).all():
+                return -np.inf, False
+            at = found.states.copy()
+            left = course.noise * found.error[:, : course.noise.size]
+            course = course._replace(noise=np.maximum(np.mean(left[course.present] ** 2), least))
+            if abs(cost - before) < 2.0 * EQUAL_NATS:
+                break
+            before = cost
+    except np.linalg.LinAlgError:
+        return -np.inf, False
+    if not np.isfinite(cost):
+        return -np.inf, False
+    return -0.5 * float(cost), prior is None or is_near(of, x - x0, P0)
+
+
+def _part(arm: Arm, taken: NDArray[np.intp]) -> Arm:
+    """Return the arm as far as some of its sensors, in their order."""
+    sensors = tuple(arm.sensors[k] for k in taken)
+    return replace(arm, joints=arm.joints[: max(sensor.joint for sensor in sensors)], sensors=sensors, tip=None)
+
+
+def _of_channels(readings: Readings, taken: NDArray[np.intp]) -> Readings:
+    """Return the first readings of some sensors, in their order."""
+    columns = np.ravel(3 * np.asarray(taken)[:, None] + np.arange(3))
+    noise = readings.noise
+    noise = replace(noise, variance=noise.variance[columns], rounding=noise.rounding[columns])
+    rows = round(_SECONDS / readings.dt_s)
+    return replace(readings, values=readings.values[:rows, columns], noise=noise)
