@@ -17,9 +17,9 @@ from fitter.ground.frequency_rows import N_ROW, FrequencyRows
 from fitter.ground.mass_prior import MassPrior
 from limbcal.errors import NotConverged
 
-_MOST_ROUNDS = 60
+_MOST_ROUNDS = 100
 #: Rounds end where no number moves by more, in prior standard deviations.
-_CONVERGED = 1e-3
+_CONVERGED = 0.02
 #: Parts of a step that are tried in turn.
 _SHORTENED = (1.0, 0.5, 0.25, 0.1)
 #: No power is smaller, as a share of the row's whole: rounding.
@@ -102,7 +102,7 @@ def ground_fit(
         spread = (A @ covariance) @ A.transpose(0, 2, 1)
         before, power = power, by_band(_outer(left(z, b)) + spread)
         changed = np.log(np.einsum("brr->br", power) / np.einsum("brr->br", before))
-        if moved < _CONVERGED and np.abs(changed).max() < 10.0 * _CONVERGED:
+        if moved < _CONVERGED and np.abs(changed).max() < 5.0 * _CONVERGED:
             break
     else:
         raise NotConverged(f"masses still change after {_MOST_ROUNDS} rounds: the equations may be of another person")
