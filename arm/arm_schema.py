@@ -80,6 +80,8 @@ class _Joint(_Table):
     theta_offset_rad: Number = 0.0
     length_std_m: Annotated[Number, Field(ge=0.0)] | None = None
     limits: tuple[Number, Number] | None = None
+    parent: Annotated[int, Field(strict=True, ge=0)] | None = None
+    parent_position_m: Vector | None = None
     friction: _Friction = _Friction()
     link: _Link = _Link()
 
@@ -237,6 +239,10 @@ def contradictions(raw: Mapping[str, Any], where: str) -> list[str]:
     sentences = _riding(sensors, "sensor", 1, n_joint, where)
     sentences += _riding(_tables(raw.get("marker")), "marker", 0, n_joint, where)
     for k, joint in enumerate(_tables(raw.get("joint"))):
+        parent = joint.get("parent")
+        if type(parent) is int and parent > k:
+            expected = "0, the base" if k == 0 else f"0 to {k}, the base or an earlier link"
+            sentences.append(f"{where}: joint[{k}].parent is {parent}, expected {expected}")
         match joint.get("limits"):
             case [int() | float() as least, int() | float() as most] if not least < most:
                 sentences.append(f"{where}: joint[{k}].limits is {[least, most]}, expected the least one first")

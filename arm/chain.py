@@ -6,7 +6,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from arm.model import Arm, Floats
+from arm.model import Arm, Floats, Joint
 from limbcal.compiled import compiled
 from limbcal.errors import DataError
 
@@ -28,6 +28,11 @@ class Chain(NamedTuple):
         In the base frame.
     drag : (n,)
         With which the air resists a link's turning [N m s^2/rad^2].
+    parent : (n,) int64
+        The link that each joint hangs on, from 0, always an earlier one; -1: the base.
+    hang : (n, 4)
+        Where on it: the share of the parent's a (1 at its far end), and x, y, z beyond that [m], in the parent's
+        joint-axis frame. `hang_on` adds them up.
     """
 
     revolute: NDArray[np.bool_]
@@ -36,6 +41,8 @@ class Chain(NamedTuple):
     friction: Floats
     gravity: Floats
     drag: Floats
+    parent: NDArray[np.int64]
+    hang: Floats
 
 
 def chain_of(arm: Arm) -> Chain:
@@ -52,7 +59,15 @@ def chain_of(arm: Arm) -> Chain:
         np.array([[j.friction.viscous_N_m_s, j.friction.coulomb_N_m, j.friction.static_N_m] for j in arm.joints]),
         np.array(arm.gravity_m_s2, dtype=float),
         np.array([joint.link.air_drag_N_m_s2 or 0.0 for joint in arm.joints]),
+        np.array(arm.parents, dtype=np.int64),
+        np.array([_hang(joint, parent) for joint, parent in zip(arm.joints, arm.parents, strict=True)]),
     )
+
+
+def _hang(joint: Joint, parent: int) -> tuple[float, float, float, float]:
+    if joint.parent_position_m is not None:
+        return (0.0, *joint.parent_position_m)
+    return (1.0 if parent >= 0 else 0.0, 0.0, 0.0, 0.0)
 
 
 def joint_rows(arm: Arm, name: str, values: ArrayLike) -> Floats:
@@ -89,7 +104,7 @@ def motion_rows(arm: Arm, **columns: ArrayLike) -> list[Floats]:
 def link_step(
     revolute: bool, alpha: float, d: float, beta: float, theta_offset: float, q: float, R: Floats, p: Floats
 ) -> None:
-    """Fill in the pose of a joint-axis frame as seen from the far end of the link before it.
+    """Fill in the pose of a joint-axis frame as seen from where the joint hangs on its parent.
 
     That is eq. (1) without its last factor: Rot(y, beta) Rot(x, alpha) Trans(0, 0, d) Rot(z, theta).
     """
@@ -105,3 +120,12 @@ def link_step(
     R[1, 0], R[1, 1], R[1, 2] = ca * s, ca * c, -sa
     R[2, 0], R[2, 1], R[2, 2] = -c * sb + cb * sa * s, cb * c * sa + sb * s, ca * cb
     p[0], p[1], p[2] = d * ca * sb, -d * sa, d * ca * cb
+
+
+@compiled
+def hang_on(geometry: Floats, parent: NDArray[np.int64], hang: Floats, i: int, p: Floats) -> None:
+    """Add to ``p`` where joint ``i`` hangs on its parent, in the parent's joint-axis frame."""
+    if parent[i] >= 0:
+        p[0] += hang[i, 0] * geometry[parent[i], 1]
+    for row in range(3):
+        p[row] += hang[i, 1 + row]

@@ -2,12 +2,12 @@
 
 Two frames belong to link i. Its *joint-axis frame* has its origin on axis i and x along the link; inertial
 parameters and sensors are given there. *Frame i* of the paper is the same frame moved by ``a`` along x, to
-the far end of the link.
+the far end of the link. In a tree the frame before is that of the parent, moved to where the joint hangs on it.
 """
 
 import numpy as np
 
-from arm.chain import Chain, chain_of, joint_rows, link_step
+from arm.chain import Chain, chain_of, hang_on, joint_rows, link_step
 from arm.model import Arm, Floats
 from limbcal.compiled import compiled
 
@@ -58,7 +58,7 @@ def far_ends(chain: Chain, q: Floats) -> Floats:
 
 
 def tip_position(arm: Arm, q: Floats) -> Floats:
-    """Return the tip r = f(alpha, a, theta, d, beta), eq. (3): the origin of frame n.
+    """Return the tip r = f(alpha, a, theta, d, beta), eq. (3): the origin of frame n, of a tree's last link.
 
     Parameters
     ----------
@@ -138,14 +138,14 @@ def _axis_frames(chain: Chain, q: Floats, T: Floats) -> None:
         for i in range(n_joint):
             alpha, _, d, beta, offset = chain.geometry[i]
             link_step(chain.revolute[i], alpha, d, beta, offset, q[k, i], R, p)
+            hang_on(chain.geometry, chain.parent, chain.hang, i, p)
             now = T[k, i]
             now[3, 3] = 1.0
-            if i == 0:
+            if chain.parent[i] < 0:
                 now[:3, :3] = R
                 now[:3, 3] = p
                 continue
-            before = T[k, i - 1]
-            p[0] += chain.geometry[i - 1, 1]  # from the near to the far end of the link before
+            before = T[k, chain.parent[i]]
             for row in range(3):
                 now[row, 3] = before[row, 3]
                 for col in range(3):

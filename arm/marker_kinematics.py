@@ -1,8 +1,9 @@
-"""Where optical markers are on a chain whose base moves, and how that changes with every number: kernels.
+"""Where optical markers are on a tree whose base moves, and how that changes with every number: kernels.
 
-A marker's place is given in its link's joint-axis frame. Of a chain with frames ``R_i, o_i`` it is
+A marker's place is given in its link's joint-axis frame. Of a tree with frames ``R_i, o_i`` it is
 ``y = o_l + R_l x``; a turn about an axis ``z`` through ``o`` moves it by ``z × (y - o)``, a shift by the shift
-itself, whatever joint or number of eq. (1) turns or shifts (the columns of a geometric Jacobian).
+itself, whatever joint or number of eq. (1) turns or shifts (the columns of a geometric Jacobian). Only what is on
+the way from the base to the marker's link moves it.
 """
 
 from typing import NamedTuple
@@ -10,16 +11,17 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from arm.chain import link_step
+from arm.chain import hang_on, link_step
 from arm.model import Floats
 from limbcal.compiled import compiled
 
 Integers = NDArray[np.int64]
 
-#: What a free number of the geometry is: one of eq. (1), by its column of `Chain.geometry`, or of frame 0's pose
-#: in the segment that carries it.
+#: What a free number of the geometry is: one of eq. (1), by its column of `Chain.geometry`, one of frame 0's pose
+#: in the segment that carries it, or where a joint hangs on its parent, along one of the parent's axes.
 ALPHA, A, D, BETA = range(4)
 BASE_POSITION, BASE_ROTATION = 5, 6
+HANG_X, HANG_Y, HANG_Z = range(7, 10)
 
 
 class MarkerChain(NamedTuple):
@@ -38,6 +40,11 @@ class MarkerChain(NamedTuple):
         Frame 0's axes as columns, in the segment that carries it.
     base_p : (3,) [m]
         Frame 0's origin there.
+    parent : (n,) int64
+    hang : (n, 4)
+        As `arm.chain.Chain` has them.
+    moves : (n, n) bool
+        Whether link i moves with joint j, see `moved_by`.
     """
 
     revolute: NDArray[np.bool_]
@@ -46,6 +53,18 @@ class MarkerChain(NamedTuple):
     place: Floats
     base_R: Floats
     base_p: Floats
+    parent: Integers
+    hang: Floats
+    moves: NDArray[np.bool_]
+
+
+def moved_by(parent: Integers) -> NDArray[np.bool_]:
+    """Return whether link i moves with joint j, which is so where j is on its way to the base, (n, n)."""
+    moves = np.eye(len(parent), dtype=np.bool_)
+    for i, before in enumerate(parent.tolist()):
+        if before >= 0:
+            moves[i] |= moves[before]
+    return moves
 
 
 class Slopes(NamedTuple):
@@ -56,9 +75,9 @@ class Slopes(NamedTuple):
     R : (n, 3, 3)
     o : (n, 3)
     before : (n + 1, 3, 3)
-        Frame i's axes in the world before joint i + 1; the last is not used.
+        The axes of each joint's parent in the world, and those of frame 0.
     far : (n + 1, 3)
-        Its origin, the far end of the link before.
+        Where each joint hangs on its parent, and the origin of frame 0.
     by_q : (3, n)
     by_free : (3, n_free)
     """
@@ -86,28 +105,38 @@ def slopes_room(n_joint: int, n_free: int) -> Slopes:
 @compiled
 def link_frames(chain: MarkerChain, R_base: Floats, p_base: Floats, q: Floats, room: Slopes) -> None:
     """Fill in the world poses of all joint-axis frames for one frame of the base segment's pose."""
-    r, p = np.empty((3, 3)), np.empty(3)
+    r, p, n = np.empty((3, 3)), np.empty(3), q.size
     for row in range(3):
-        room.far[0, row] = p_base[row]
+        room.far[n, row] = p_base[row]
         for col in range(3):
-            room.far[0, row] += R_base[row, col] * chain.base_p[col]
-            room.before[0, row, col] = (
+            room.far[n, row] += R_base[row, col] * chain.base_p[col]
+            room.before[n, row, col] = (
                 R_base[row, 0] * chain.base_R[0, col]
                 + R_base[row, 1] * chain.base_R[1, col]
                 + R_base[row, 2] * chain.base_R[2, col]
             )
-    for i in range(q.size):
-        alpha, a, d, beta, offset = chain.geometry[i]
+    for i in range(n):
+        parent, now, at, B, far = chain.parent[i], room.R[i], room.o[i], room.before[i], room.far[i]
+        B[:], far[:] = room.before[n], room.far[n]
+        if parent >= 0:
+            B[:], far[:] = room.R[parent], room.o[parent]
+        p[:] = 0.0
+        hang_on(chain.geometry, chain.parent, chain.hang, i, p)
+        _add_turned(B, p, far)
+        alpha, _, d, beta, offset = chain.geometry[i]
         link_step(chain.revolute[i], alpha, d, beta, offset, q[i], r, p)
-        now, at, B = room.R[i], room.o[i], room.before[i]
+        at[:] = far
+        _add_turned(B, p, at)
         for row in range(3):
-            at[row] = room.far[i, row] + B[row, 0] * p[0] + B[row, 1] * p[1] + B[row, 2] * p[2]
             for col in range(3):
                 now[row, col] = B[row, 0] * r[0, col] + B[row, 1] * r[1, col] + B[row, 2] * r[2, col]
-        for row in range(3):
-            room.far[i + 1, row] = at[row] + a * now[row, 0]
-            for col in range(3):
-                room.before[i + 1, row, col] = now[row, col]
+
+
+@compiled
+def _add_turned(R: Floats, a: Floats, out: Floats) -> None:
+    """Add ``R a``."""
+    for row in range(3):
+        out[row] += R[row, 0] * a[0] + R[row, 1] * a[1] + R[row, 2] * a[2]
 
 
 @compiled
@@ -132,9 +161,9 @@ def _turn(z: Floats, o: Floats, y: Floats, out: Floats, column: int) -> None:
 @compiled
 def joint_slopes(chain: MarkerChain, room: Slopes, m: int, y: Floats) -> None:
     """Fill in ``room.by_q``: how a marker at ``y`` moves with every joint's variable."""
-    link = chain.link[m]
+    moves = chain.moves[chain.link[m]]
     for i in range(chain.geometry.shape[0]):
-        if i > link:
+        if not moves[i]:
             room.by_q[:, i] = 0.0
         elif chain.revolute[i]:
             _turn(room.R[i, :, 2], room.o[i], y, room.by_q, i)
@@ -148,20 +177,21 @@ def free_slopes(chain: MarkerChain, room: Slopes, R_base: Floats, free: Integers
 
     ``free`` (n_free, 2) holds what each is, such as `ALPHA`, and of which joint (or along which axis), from 0.
     """
-    link = chain.link[m]
-    axis = np.empty(3)
+    link, n, axis = chain.link[m], chain.geometry.shape[0], np.empty(3)
     for j in range(free.shape[0]):
         kind, i = free[j, 0], free[j, 1]
         room.by_free[:, j] = 0.0
         if kind == BASE_POSITION:
             room.by_free[:, j] = R_base[:, i]
         elif kind == BASE_ROTATION:
-            _turn(room.before[0, :, i], room.far[0], y, room.by_free, j)
+            _turn(room.before[n, :, i], room.far[n], y, room.by_free, j)
         elif kind == A:
-            if link > i:
-                room.by_free[:, j] = room.R[i, :, 0]
-        elif link >= i:
-            if kind == D:
+            if chain.moves[link, i] and link != i:
+                room.by_free[:, j] = _reach(chain, link, i) * room.R[i, :, 0]
+        elif chain.moves[link, i]:
+            if kind >= HANG_X:
+                room.by_free[:, j] = room.before[i, :, kind - HANG_X]
+            elif kind == D:
                 room.by_free[:, j] = room.R[i, :, 2]
             elif kind == BETA:  # about y of the frame before, eq. (1)
                 _turn(room.before[i, :, 1], room.far[i], y, room.by_free, j)
@@ -170,3 +200,11 @@ def free_slopes(chain: MarkerChain, room: Slopes, R_base: Floats, free: Integers
                 for row in range(3):
                     axis[row] = c * room.before[i, row, 0] - s * room.before[i, row, 2]
                 _turn(axis, room.far[i], y, room.by_free, j)
+
+
+@compiled
+def _reach(chain: MarkerChain, link: int, i: int) -> float:
+    """Return the share of link i's a at which the way to a link that hangs on it goes on."""
+    while chain.parent[link] != i:
+        link = chain.parent[link]
+    return float(chain.hang[link, 0])

@@ -43,7 +43,9 @@ class Joint:
     """One joint with its link, placed by eq. (1). A prismatic joint's variable is added to ``d_m``.
 
     ``length_std_m`` says how well ``a_m`` and ``d_m`` are known; without it they may be mere guesses. ``limits``
-    are the least and greatest position [rad or m] that the joint can take.
+    are the least and greatest position [rad or m] that the joint can take. ``parent``, counted from 1, is the link
+    that the joint hangs on, 0 the base; without it, the link before. ``parent_position_m`` says where on that
+    link, in its joint-axis frame; without it, at its far end, or in the origin of frame 0.
     """
 
     type: JointType = "revolute"
@@ -54,6 +56,8 @@ class Joint:
     theta_offset_rad: float = 0.0
     length_std_m: float | None = None
     limits: tuple[float, float] | None = None
+    parent: int | None = None
+    parent_position_m: Vector3 | None = None
     friction: Friction = Friction()
     link: Link = Link()
 
@@ -175,7 +179,10 @@ class Body:
 
 @dataclass(frozen=True)
 class Arm:
-    """A serial chain, what rides on it, and what was learnt of it."""
+    """A tree of links, what rides on it, and what was learnt of it. Most are serial chains.
+
+    Every joint comes after the one whose link it hangs on, so that a loop from first to last meets parents first.
+    """
 
     name: str
     joints: tuple[Joint, ...]
@@ -194,6 +201,24 @@ class Arm:
     def n_joint(self) -> int:
         """Number of joints."""
         return len(self.joints)
+
+    @property
+    def parents(self) -> tuple[int, ...]:
+        """The link that each joint hangs on, from 0; -1: the base."""
+        return tuple(i - 1 if joint.parent is None else joint.parent - 1 for i, joint in enumerate(self.joints))
+
+    @property
+    def is_serial(self) -> bool:
+        """Whether every joint hangs at the far end of the link before it."""
+        ends = [(0.0, 0.0, 0.0), *((joint.a_m, 0.0, 0.0) for joint in self.joints)]
+        return all(
+            parent == i - 1 and joint.parent_position_m in (None, end)
+            for i, (joint, parent, end) in enumerate(zip(self.joints, self.parents, ends, strict=False))
+        )
+
+    def way_to(self, link: int) -> tuple[int, ...]:
+        """Return the links from the base to ``link`` and itself, from 0; none to the base, which is -1."""
+        return () if link < 0 else (*self.way_to(self.parents[link]), link)
 
     def sensor_index(self, name: str) -> int:
         """Return the place of a sensor in ``sensors``.

@@ -56,9 +56,9 @@ def equations(
     n, law, way = q.size, commands.law, room.way.state
     drive_at(commands, k, share, room.now)
     poses(chain, q, room.R, room.p)
-    mass_rows(chain, room.R, room.p, room.M)
+    mass_rows(chain, room.R, room.p, room.branch, room.M)
     rigid_motion(chain, chain.gravity, room.R, room.p, dq, room.zero[:n], room.motion)
-    rigid_torque(chain, room.R, room.p, room.motion, room.zero[-6:], room.bias)
+    rigid_torque(chain, room.R, room.p, room.motion, room.zero[-6:], room.branch, room.bias)
     if effects.driven:
         go_its_way(commands, effects, room.way, k, share, h, q, dq, room.now)
     for i in range(n):

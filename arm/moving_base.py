@@ -93,11 +93,13 @@ def carried_inverse_dynamics(
     R, o = frames[..., :3, :3], frames[..., :3, 3]
     w, dw = _in_base(base, base.omega), _in_base(base, base.omega_dot)
     dv = _in_base(base, base.acceleration - np.array(arm.gravity_m_s2))  # as if the base rose against gravity
-    here = np.zeros((len(q), 3))
+    nothing = np.zeros((len(q), 3))
+    moving = {-1: (nothing, w, dw, dv)}  # origin, omega, omega_dot and v_dot of the base and of every link
     force, moment = np.empty((n, len(q), 3)), np.empty((n, len(q), 3))
-    for i in range(n):
+    for i, parent in enumerate(arm.parents):
         z = R[:, i, :, 2]
-        r = o[:, i] - here
+        there, w, dw, dv = moving[parent]
+        r = o[:, i] - there
         dv = dv + np.cross(dw, r) + np.cross(w, np.cross(w, r))
         along, rate = ddq[:, i, None] * z, dq[:, i, None] * z
         if chain.revolute[i]:
@@ -105,7 +107,7 @@ def carried_inverse_dynamics(
             w = w + rate
         else:
             dv = dv + along + 2.0 * np.cross(w, rate)
-        here = o[:, i]
+        moving[i] = o[:, i], w, dw, dv
         force[i], moment[i] = _link_load(chain.inertial[i], chain.drag[i], R[:, i], w, dw, dv)
     for wrench in wrenches:
         if not 1 <= wrench.joint <= n:
@@ -115,12 +117,11 @@ def carried_inverse_dynamics(
         force[k] -= f
         moment[k] -= _in_base(base, wrench.moment) + np.cross(at - o[:, k], f)
     tau = np.empty_like(q)
-    f, m = np.zeros((len(q), 3)), np.zeros((len(q), 3))
-    for i in range(n - 1, -1, -1):
-        if i < n - 1:
-            m = m + np.cross(o[:, i + 1] - o[:, i], f)
-        f, m = f + force[i], m + moment[i]
-        tau[:, i] = np.einsum("ni,ni->n", R[:, i, :, 2], m if chain.revolute[i] else f)
+    for i, parent in reversed([*enumerate(arm.parents)]):
+        tau[:, i] = np.einsum("ni,ni->n", R[:, i, :, 2], moment[i] if chain.revolute[i] else force[i])
+        if parent >= 0:
+            force[parent] += force[i]
+            moment[parent] += moment[i] + np.cross(o[:, i] - o[:, parent], force[i])
     return np.asarray(tau + chain.friction[:, 0] * dq + chain.friction[:, 1] * np.sign(dq))
 
 

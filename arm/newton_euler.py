@@ -4,7 +4,8 @@ Everything is expressed in the links' joint-axis frames, so the offset between t
 one link and eq. (1) without its last factor. Three slips of the print are put right here (docs/errata.md):
 rho is 1 for a joint that turns, the Coriolis term of a sliding joint is ``2 omega x z dq``, and ``v_dot``
 belongs to the frame's origin. Force and moment at the tip are what acts on the arm there, not what the arm
-passes on.
+passes on. On a tree a link hands its motion on to every joint that hangs on it, and gets the force and moment of
+each; what is said of the link before is said of the parent.
 """
 
 import math
@@ -16,7 +17,7 @@ from arm.chain import Chain, chain_of, joint_rows, link_step, motion_rows
 from arm.composite_bodies import mass_rows
 from arm.model import Arm, Floats
 from arm.triple import cross, turned, turned_back
-from limbcal.compiled import compiled
+from limbcal.compiled import compiled, inlined
 from limbcal.errors import DataError
 
 
@@ -126,14 +127,17 @@ def tip_wrench(force: Floats | None, moment: Floats | None, n_sample: int) -> Fl
     return wrench
 
 
-@compiled
+@inlined
 def poses(chain: Chain, q: Floats, R: Floats, p: Floats) -> None:
-    """Fill in every joint-axis frame's pose in the one before it: R (n, 3, 3), p (n, 3)."""
+    """Fill in every joint-axis frame's pose in its parent's: R (n, 3, 3), p (n, 3)."""
     for i in range(q.size):
         alpha, _, d, beta, offset = chain.geometry[i]
         link_step(chain.revolute[i], alpha, d, beta, offset, q[i], R[i], p[i])
-        if i > 0:
-            p[i, 0] += chain.geometry[i - 1, 1]
+        before = chain.parent[i]
+        if before >= 0:
+            p[i, 0] += chain.hang[i, 0] * chain.geometry[before, 1]
+        for row in range(3):
+            p[i, row] += chain.hang[i, 1 + row]
 
 
 @compiled
@@ -163,6 +167,13 @@ def rigid_motion(
     """
     w, dw, dv = (0.0, 0.0, 0.0), (0.0, 0.0, 0.0), (-gravity[0], -gravity[1], -gravity[2])
     for i in range(dq.size):
+        before = chain.parent[i]
+        if before != i - 1:  # not the link that has just been left
+            w, dw, dv = (0.0, 0.0, 0.0), (0.0, 0.0, 0.0), (-gravity[0], -gravity[1], -gravity[2])
+            if before >= 0:
+                w = (motion[before, 0, 0], motion[before, 0, 1], motion[before, 0, 2])
+                dw = (motion[before, 1, 0], motion[before, 1, 1], motion[before, 1, 2])
+                dv = (motion[before, 2, 0], motion[before, 2, 1], motion[before, 2, 2])
         to_axis = (p[i, 0], p[i, 1], p[i, 2])
         swing = cross(dw, to_axis)
         pull = cross(w, cross(w, to_axis))
@@ -180,12 +191,15 @@ def rigid_motion(
 
 
 @compiled
-def rigid_torque(chain: Chain, R: Floats, p: Floats, motion: Floats, wrench: Floats, tau: Floats) -> None:
+def rigid_torque(
+    chain: Chain, R: Floats, p: Floats, motion: Floats, wrench: Floats, branch: Floats, tau: Floats
+) -> None:
     """Fill in the torques of a motion without friction in its joints: the inverse part of the recursion.
 
-    ``wrench`` (6,) is what the tip passes on, in frame n.
+    ``wrench`` (6,) is what the tip passes on, in frame n. In ``branch`` (n, 10) what branches pass on waits until
+    their parent's turn comes; it is zero before and after.
     """
-    n = tau.size
+    n, branched = tau.size, False
     f, m = (wrench[0], wrench[1], wrench[2]), (wrench[3], wrench[4], wrench[5])
     at = (chain.geometry[n - 1, 1], 0.0, 0.0)  # the tip is at the far end of the last link
     for i in range(n - 1, -1, -1):
@@ -213,20 +227,50 @@ def rigid_torque(chain: Chain, R: Floats, p: Floats, motion: Floats, wrench: Flo
             f[1] + mass * dv[1] + swing[1] + pull[1],
             f[2] + mass * dv[2] + swing[2] + pull[2],
         )
+        if branched:
+            f = (f[0] + branch[i, 0], f[1] + branch[i, 1], f[2] + branch[i, 2])
+            m = (m[0] + branch[i, 3], m[1] + branch[i, 4], m[2] + branch[i, 5])
+            for k in range(6):
+                branch[i, k] = 0.0
         tau[i] = m[2] if chain.revolute[i] else f[2]
         at = (p[i, 0], p[i, 1], p[i, 2])  # where the link before takes it over
         f, m = turned(R[i], f), turned(R[i], m)
+        before = chain.parent[i]
+        if before != i - 1:
+            if before >= 0:
+                lever, branched = cross(at, f), True
+                for row in range(3):
+                    branch[before, row] += f[row]
+                    branch[before, 3 + row] += m[row] + lever[row]
+            f, m = (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
 
 
 @compiled
-def tip_load(R: Floats, wrench: Floats, out: Floats) -> None:
-    """Turn what acts on the tip, in the base frame, into what link n passes on, in frame n."""
+def tip_load(parent: NDArray[np.int64], R: Floats, wrench: Floats, axes: Floats, out: Floats) -> None:
+    """Turn what acts on the tip, in the base frame, into what link n passes on, in frame n.
+
+    ``axes`` (3, 3) is room to work in: it takes frame n's axes as columns.
+    """
+    out[:] = 0.0
+    if not wrench.any():
+        return
+    base_axes(parent, R, R.shape[0] - 1, axes)
     for part in (0, 3):
-        out[part : part + 3] = -wrench[part : part + 3]
-        for i in range(R.shape[0]):
-            x, y, z = out[part], out[part + 1], out[part + 2]
-            for row in range(3):
-                out[part + row] = R[i, 0, row] * x + R[i, 1, row] * y + R[i, 2, row] * z
+        for row in range(3):
+            for k in range(3):
+                out[part + row] -= axes[k, row] * wrench[part + k]
+
+
+@compiled
+def base_axes(parent: NDArray[np.int64], R: Floats, link: int, axes: Floats) -> None:
+    """Fill in a link's axes in the base frame, as columns: the product of all R up to it."""
+    axes[:] = R[link]
+    before = parent[link]
+    while before >= 0:
+        for col in range(3):
+            x, y, z = turned(R[before], (axes[0, col], axes[1, col], axes[2, col]))
+            axes[0, col], axes[1, col], axes[2, col] = x, y, z
+        before = parent[before]
 
 
 @compiled
@@ -235,11 +279,12 @@ def _inverse_dynamics(chain: Chain, q: Floats, dq: Floats, ddq: Floats, wrench: 
     R0, p0 = np.empty((n, 3, 3)), np.empty((n, 3))
     poses(chain, np.zeros(n), R0, p0)
     R, p, motion, tip = R0.copy(), p0.copy(), np.empty((n, 3, 3)), np.empty(6)
+    branch, axes = np.zeros((n, 10)), np.empty((3, 3))
     for k in range(q.shape[0]):
         move(chain.revolute, q[k], R0, p0, R, p)
         rigid_motion(chain, chain.gravity, R, p, dq[k], ddq[k], motion)
-        tip_load(R, wrench[k], tip)
-        rigid_torque(chain, R, p, motion, tip, tau[k])
+        tip_load(chain.parent, R, wrench[k], axes, tip)
+        rigid_torque(chain, R, p, motion, tip, branch, tau[k])
         for i in range(n):  # D dq + f sgn(dq)
             tau[k, i] += chain.friction[i, 0] * dq[k, i] + chain.friction[i, 1] * np.sign(dq[k, i])
 
@@ -247,7 +292,7 @@ def _inverse_dynamics(chain: Chain, q: Floats, dq: Floats, ddq: Floats, wrench: 
 @compiled
 def _mass_matrices(chain: Chain, q: Floats, M: Floats) -> None:
     n = q.shape[1]
-    R, p = np.empty((n, 3, 3)), np.empty((n, 3))
+    R, p, branch = np.empty((n, 3, 3)), np.empty((n, 3)), np.zeros((n, 10))
     for k in range(q.shape[0]):
         poses(chain, q[k], R, p)
-        mass_rows(chain, R, p, M[k])
+        mass_rows(chain, R, p, branch, M[k])

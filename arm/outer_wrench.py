@@ -2,14 +2,14 @@
 
 In the inverse part of the recursion each link passes on to the one before it what it gets from the one after it,
 less what acts on it from outside. That is linear, so the outer part is a recursion of its own: it begins at the
-row of the link that is touched and ends at the base. Links beyond the touched one do not notice.
+row of the link that is touched and ends at the base. Links that are not on its way to the base do not notice.
 """
 
 import numpy as np
 
 from arm.chain import Chain, chain_of, joint_rows, motion_rows
 from arm.model import Arm, Floats
-from arm.newton_euler import inverse_dynamics, mass_matrix, poses
+from arm.newton_euler import base_axes, inverse_dynamics, mass_matrix, poses
 from arm.triple import Triple, cross, turned
 from limbcal.compiled import compiled
 from limbcal.errors import DataError
@@ -109,29 +109,20 @@ def point_motion(
     ``axes`` (3, 3) takes the link's axes as columns; ``moving`` (3, 3) the point's place and velocity and the
     link's angular velocity. R and p are as `arm.newton_euler.poses` fills them in.
     """
+    base_axes(chain.parent, R, joint, axes)
+    at, v, w = (point[0], point[1], point[2]), (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
+    i = joint
+    while i >= 0:  # from link to parent: how the point moves as seen from each, in its axes
+        if chain.revolute[i]:
+            v = (v[0] - at[1] * dq[i], v[1] + at[0] * dq[i], v[2])  # z x at
+            w = (w[0], w[1], w[2] + dq[i])
+        else:
+            v = (v[0], v[1], v[2] + dq[i])
+        at, v, w = turned(R[i], at), turned(R[i], v), turned(R[i], w)
+        at = (at[0] + p[i, 0], at[1] + p[i, 1], at[2] + p[i, 2])
+        i = chain.parent[i]
     for row in range(3):
-        for col in range(3):
-            axes[row, col] = 1.0 if row == col else 0.0
-            moving[row, col] = 0.0
-    at, v, w = moving[0], moving[1], moving[2]
-    for i in range(joint + 2):
-        step = p[i] if i <= joint else point
-        r = turned(axes, (step[0], step[1], step[2]))
-        swing = cross((w[0], w[1], w[2]), r)
-        for row in range(3):
-            at[row] += r[row]
-            v[row] += swing[row]
-        if i > joint:
-            break
-        for row in range(3):
-            x, y, z = axes[row, 0], axes[row, 1], axes[row, 2]
-            for col in range(3):
-                axes[row, col] = x * R[i, 0, col] + y * R[i, 1, col] + z * R[i, 2, col]
-        for row in range(3):
-            if chain.revolute[i]:
-                w[row] += axes[row, 2] * dq[i]
-            else:
-                v[row] += axes[row, 2] * dq[i]
+        moving[0, row], moving[1, row], moving[2, row] = at[row], v[row], w[row]
 
 
 @compiled
@@ -144,11 +135,13 @@ def add_outer_torque(
     """
     lever = cross((point[0], point[1], point[2]), f)
     m = (m[0] + lever[0], m[1] + lever[1], m[2] + lever[2])
-    for i in range(joint, -1, -1):
+    i = joint
+    while i >= 0:
         tau[i] += m[2] if chain.revolute[i] else f[2]
         f, m = turned(R[i], f), turned(R[i], m)
         lever = cross((p[i, 0], p[i, 1], p[i, 2]), f)
         m = (m[0] + lever[0], m[1] + lever[1], m[2] + lever[2])
+        i = chain.parent[i]
 
 
 @compiled

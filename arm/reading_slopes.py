@@ -45,19 +45,22 @@ def motion_slopes(chain: Chain, R: Floats, p: Floats, motion: Floats, dq: Floats
     """Fill in how omega, omega_dot and v_dot of every link change: slopes (n, 5 n, 3, 3), zero where they don't.
 
     Slope ``5 j + k`` is that by q, dq, ddq of joint j and by ``a``, ``d`` of its link (k from 0 to 4), in the axes
-    of the link that moves. ``R, p, motion`` are as `poses` and `rigid_motion` leave them.
+    of the link that moves. ``R, p, motion`` are as `poses` and `rigid_motion` leave them. Joints that are not on a
+    link's way to the base don't move it.
     """
     z = (0.0, 0.0, 1.0)
     for i in range(dq.size):
         v = dq[i]
         w, dw, dv = row(motion[i, 0]), row(motion[i, 1]), row(motion[i, 2])
-        if i > 0:
-            before_w, before_dw, lever = row(motion[i - 1, 0]), row(motion[i - 1, 1]), row(p[i])
-            for k in range(SEEDS * i):
-                tw, tdw, tdv = row(slopes[i - 1, k, 0]), row(slopes[i - 1, k, 1]), row(slopes[i - 1, k, 2])
+        parent = chain.parent[i]
+        if parent >= 0:
+            before_w, before_dw, lever = row(motion[parent, 0]), row(motion[parent, 1]), row(p[i])
+            for k in range(SEEDS * (parent + 1)):
+                came = slopes[parent, k]
+                tw, tdw, tdv = row(came[0]), row(came[1]), row(came[2])
                 tdv = turned_back(R[i], total(tdv, lever_slope(before_w, tw, tdw, lever)))
-                if k == SEEDS * (i - 1) + 3:  # the far end of the link before
-                    tdv = turned_back(R[i], at_lever(before_w, before_dw, (1.0, 0.0, 0.0)))
+                if k == SEEDS * parent + 3:  # the far end of the link before, if the joint hangs there
+                    tdv = turned_back(R[i], at_lever(before_w, before_dw, (chain.hang[i, 0], 0.0, 0.0)))
                 tw, tdw = turned_back(R[i], tw), turned_back(R[i], tdw)
                 if chain.revolute[i]:
                     tdw = (tdw[0] + tw[1] * v, tdw[1] - tw[0] * v, tdw[2])
@@ -74,7 +77,7 @@ def motion_slopes(chain: Chain, R: Floats, p: Floats, motion: Floats, dq: Floats
             put(own[0], tw, (tdw[0] + tw[1] * v, tdw[1] - tw[0] * v, 0.0), cross(dv, z))
             put(own[1], z, coriolis, (0.0, 0.0, 0.0))
             put(own[2], (0.0, 0.0, 0.0), z, (0.0, 0.0, 0.0))
-            before = motion[i - 1] if i > 0 else np.zeros((3, 3))
+            before = motion[parent] if parent >= 0 else np.zeros((3, 3))
             put(own[4], (0.0, 0.0, 0.0), (0.0, 0.0, 0.0), shift_before(R[i], before))
         else:
             put(own[0], (0.0, 0.0, 0.0), (0.0, 0.0, 0.0), along)

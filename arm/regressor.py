@@ -5,7 +5,8 @@ joint-axis frame's origin, ``m*sx m*sy m*sz``, ``m``; then the viscous frictions
 frictions ``fc`` of all joints.
 
 A torque about joint j is the power that a link's force and moment would have if joint j alone moved at unit
-speed. That unit motion is carried outwards from link to link, six numbers a joint.
+speed. That unit motion is carried outwards from link to link, six numbers a joint; only joints on a link's way to
+the base move it.
 """
 
 import numpy as np
@@ -63,7 +64,7 @@ def torque_rows(chain: Chain, q: Floats, dq: Floats, ddq: Floats, Y: Floats) -> 
     n_sample, n = q.shape
     R0, p0 = np.empty((n, 3, 3)), np.empty((n, 3))
     poses(chain, np.zeros(n), R0, p0)
-    R, p, motion, unit = R0.copy(), p0.copy(), np.empty((n, 3, 3)), np.empty((n, 6))
+    R, p, motion, unit = R0.copy(), p0.copy(), np.empty((n, 3, 3)), np.empty((n, n, 6))
     for s in range(n_sample):
         move(chain.revolute, q[s], R0, p0, R, p)
         rigid_motion(chain, chain.gravity, R, p, dq[s], ddq[s], motion)
@@ -72,17 +73,19 @@ def torque_rows(chain: Chain, q: Floats, dq: Floats, ddq: Floats, Y: Floats) -> 
             dw = (motion[link, 1, 0], motion[link, 1, 1], motion[link, 1, 2])
             dv = (motion[link, 2, 0], motion[link, 2, 1], motion[link, 2, 2])
             at, turns = (p[link, 0], p[link, 1], p[link, 2]), 1.0 if chain.revolute[link] else 0.0
-            for joint in range(link + 1):
+            joint, before = link, chain.parent[link]
+            while joint >= 0:
                 along, about = (0.0, 0.0, 1.0 - turns), (0.0, 0.0, turns)
                 if joint < link:  # from the link before, moved by this joint alone
-                    along = (unit[joint, 0], unit[joint, 1], unit[joint, 2])
-                    about = (unit[joint, 3], unit[joint, 4], unit[joint, 5])
+                    along = (unit[before, joint, 0], unit[before, joint, 1], unit[before, joint, 2])
+                    about = (unit[before, joint, 3], unit[before, joint, 4], unit[before, joint, 5])
                     x = cross(about, at)
                     along = turned_back(R[link], (along[0] + x[0], along[1] + x[1], along[2] + x[2]))
                     about = turned_back(R[link], about)
                 for k in range(3):
-                    unit[joint, k], unit[joint, 3 + k] = along[k], about[k]
+                    unit[link, joint, k], unit[link, joint, 3 + k] = along[k], about[k]
                 link_powers(w, dw, dv, along, about, Y[s, joint], 10 * link)
+                joint = chain.parent[joint]
         for joint in range(n):
             Y[s, joint, 10 * n + joint] = dq[s, joint]
             Y[s, joint, 11 * n + joint] = np.sign(dq[s, joint])

@@ -27,6 +27,7 @@ class Room(NamedTuple):
     hold: Floats
     directed: NDArray[np.bool_]
     seen: Floats
+    branch: Floats
     way: Way
 
 
@@ -49,5 +50,6 @@ def make_room(n: int, n_past: int) -> Room:
         np.empty(n),
         np.empty(n, dtype=np.bool_),
         np.empty(N_STATE),
+        np.zeros((n, 10)),
         way,
     )

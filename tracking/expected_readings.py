@@ -55,7 +55,16 @@ def move_arm(of: Observation, room: Room, x: Floats) -> None:
         if of.length_column[j, 1] >= 0:
             room.geometry[j, 2] += x[of.length_column[j, 1]]
     plain = of.chain
-    chain = Chain(plain.revolute, room.geometry, plain.inertial, plain.friction, plain.gravity, plain.drag)
+    chain = Chain(
+        plain.revolute,
+        room.geometry,
+        plain.inertial,
+        plain.friction,
+        plain.gravity,
+        plain.drag,
+        plain.parent,
+        plain.hang,
+    )  # fmt: skip
     poses(chain, room.q, room.R, room.p)
     room.gravity[:] = chain.gravity
     if of.base_column >= 0:  # a base that accelerates upwards adds to what gravity is felt as

@@ -6,7 +6,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from arm.marker_kinematics import BASE_POSITION, Integers, MarkerChain
+from arm.marker_kinematics import BASE_POSITION, Integers, MarkerChain, moved_by
 from arm.model import Floats
 from fitter.limb.free_geometry import Geometry
 
@@ -86,6 +86,9 @@ class MarkerModel:
     def chain(self, geometry: Geometry) -> MarkerChain:
         """Return the chain with these markers, the base's sway before it; all its own joints turn."""
         n = len(geometry.numbers)
+        parent = np.arange(SWAY + n, dtype=np.int64) - 1
+        hang = np.zeros((SWAY + n, 4))
+        hang[1:, 0] = 1.0
         return MarkerChain(
             np.arange(SWAY + n) >= SWAY // 2,
             np.ascontiguousarray(np.vstack([_SWAY_ROWS, geometry.numbers])),
@@ -93,6 +96,9 @@ class MarkerModel:
             np.ascontiguousarray(self.place),
             np.ascontiguousarray(geometry.base_R),
             np.ascontiguousarray(geometry.base_p),
+            parent,
+            hang,
+            moved_by(parent),
         )
 
 

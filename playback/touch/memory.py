@@ -63,6 +63,7 @@ def laid_out(  # noqa: PLR0915 - a line a part
     friction, a = cut(floats, a, (n, 3))
     gravity, a = cut(floats, a, (3,))
     drag, a = cut(floats, a, (n,))
+    hang, a = cut(floats, a, (n, 4))
     law, a = cut(floats, a, (3, n))
     drive, a = cut(floats, a, (rows, n))
     parameters, a = cut(floats, a, (n_effect, MOST_PARAMETERS))
@@ -80,6 +81,7 @@ def laid_out(  # noqa: PLR0915 - a line a part
     slip, a = cut(floats, a, (n,))
     hold, a = cut(floats, a, (n,))
     seen, a = cut(floats, a, (N_STATE,))
+    branch, a = cut(floats, a, (n, 10))
     way, a = cut(floats, a, (N_ROW, n))
     past, a = cut(floats, a, (n_past, 2, n))
     state, a = cut(floats, a, (3, n))
@@ -103,16 +105,17 @@ def laid_out(  # noqa: PLR0915 - a line a part
     touched, a = cut(whole, 0, (1,))
     counts, a = cut(whole, a, (2,))
     joint, a = cut(whole, a, (n_effect,))
-    address, _ = cut(whole, a, (n_effect,))
+    address, a = cut(whole, a, (n_effect,))
+    parent, _ = cut(whole, a, (n,))
     revolute, a = cut(flags, 0, (n,))
     directed, a = cut(flags, a, (n,))
     slipping, a = cut(flags, a, (n,))
     k = drive.shape[0] - 1
     return Parts(
-        Chain(revolute, geometry, inertial, friction, gravity, drag),
+        Chain(revolute, geometry, inertial, friction, gravity, drag, parent, hang),
         Commands(law, counts[1] != 0, drive, clock[1], clock[0] - k * clock[1]),
         EffectTable(joint, address, parameters, directed, numbers, flags[a], flags[a + 1], payload),
-        Room(R, p, motion, zero, A, M, net, bias, now, slip, hold, slipping, seen, Way(way, past)),
+        Room(R, p, motion, zero, A, M, net, bias, now, slip, hold, slipping, seen, branch, Way(way, past)),
         Touch(
             touched,
             point,
@@ -152,11 +155,11 @@ class Memory:
 
     def __init__(self, chain: Chain, effects: EffectTable, n_past: int, step_s: float) -> None:
         n, n_effect, n_payload = len(chain.revolute), len(effects.joint), len(effects.payload)
-        size = (71 + N_ROW) * n + 2 * n * n + (max(n_past, 1) + 2 * n_past) * n
+        size = (85 + N_ROW) * n + 2 * n * n + (max(n_past, 1) + 2 * n_past) * n
         size += MOST_PARAMETERS * n_effect + 2 * n_payload + N_STATE + N_NUMBER + N_ACCOUNT + 93
         self.arrays = (
             np.zeros(size),
-            np.zeros(3 + 2 * n_effect, dtype=np.int64),
+            np.zeros(3 + 2 * n_effect + n, dtype=np.int64),
             np.zeros(3 * n + 2, dtype=np.bool_),
             np.array([n, n_past, n_effect, n_payload]),
         )

@@ -8,7 +8,6 @@ from arm.chain import chain_of
 from arm.control import gains
 from arm.drive import BEFORE, SHARE, Commands
 from arm.effects.effect_table import DELAY, changed, effect_table
-from arm.kinematics import frames_of
 from arm.model import Arm, Floats
 from arm.newton_euler import bias_torque, mass_matrix, poses
 from arm.outer_wrench import point_motion
@@ -206,9 +205,11 @@ class TouchedArm:
         if held.joint[0] == grip.joint - 1 and held.point.tolist() == list(grip.point_m):
             at: Floats = held.moving[0]  # known already
             return at.copy()
-        frame = frames_of(self._chain, self.state[:1])[0, grip.joint - 1]
-        place: Floats = frame[:3, :3] @ np.array(grip.point_m) + frame[:3, 3]
-        return place
+        axes, moving = np.empty((3, 3)), np.empty((3, 3))  # as the coupling reckons it, to the last bit
+        R, p, point = np.empty_like(self._room.R), np.empty_like(self._room.p), np.array(grip.point_m, dtype=float)
+        poses(self._chain, self.state[0], R, p)
+        point_motion(self._chain, R, p, self.state[1], grip.joint - 1, point, axes, moving)
+        return np.asarray(moving[0])
 
     def energy(self) -> dict[str, object]:
         """Return the account of the coupling [J], and whether no more has come out than went in."""

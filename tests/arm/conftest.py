@@ -1,7 +1,7 @@
 """Random chains, what pinocchio makes of them, and motions to try on them."""
 
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 import pinocchio as pin
@@ -39,9 +39,17 @@ def point_masses(rng: np.random.Generator) -> Link:
 
 
 def draw_arm(
-    rng: np.random.Generator, n_joint: int | None = None, friction: bool = True, prismatic: bool = True
+    rng: np.random.Generator,
+    n_joint: int | None = None,
+    friction: bool = True,
+    prismatic: bool = True,
+    branching: bool = False,
 ) -> Arm:
-    """Return an arm with 1 to 7 joints of either kind, bent every way, with two sensors on each link."""
+    """Return an arm with 1 to 7 joints of either kind, bent every way, with two sensors on each link.
+
+    One that branches is a tree: joints hang anywhere on a link before them, or at its far end. Branch follows
+    branch, which pinocchio takes for granted.
+    """
     n = int(rng.integers(1, 8)) if n_joint is None else n_joint
     joints, sensors = [], []
     for i in range(n):
@@ -57,6 +65,10 @@ def draw_arm(
                 link=point_masses(rng),
             )
         )
+        if branching:
+            at = triple(rng.uniform(-0.5, 0.5, 3)) if rng.random() < 0.5 else None
+            open_ends = [0, *(k + 1 for k in Arm("so far", tuple(joints)).way_to(i - 1))]
+            joints[i] = replace(joints[i], parent=int(rng.choice(open_ends)), parent_position_m=at)
         for k in (1, 2):
             at, turned = rng.uniform(-0.4, 0.4, 3), rng.uniform(-2.0, 2.0, 3)
             sensors.append(Sensor(f"s{2 * i + k}", i + 1, triple(at), triple(turned)))
@@ -98,17 +110,21 @@ class Peer:
 
     def __post_init__(self) -> None:
         self.model = pin.Model()
-        parent, far_end = 0, pin.SE3.Identity()
+        far_ends = [pin.SE3.Identity()]
         for i, joint in enumerate(self.arm.joints):
-            place = far_end * pin.SE3(pin.utils.rotate("y", joint.beta_rad), np.zeros(3))
+            on = i if joint.parent is None else joint.parent
+            hang = far_ends[on]
+            if joint.parent_position_m is not None:
+                hang = pin.SE3(np.eye(3), np.array(joint.parent_position_m))
+            place = hang * pin.SE3(pin.utils.rotate("y", joint.beta_rad), np.zeros(3))
             place = place * pin.SE3(pin.utils.rotate("x", joint.alpha_rad), np.zeros(3))
             place = place * pin.SE3(pin.utils.rotate("z", joint.theta_offset_rad), np.array([0.0, 0.0, joint.d_m]))
             kind = pin.JointModelRZ() if joint.type == "revolute" else pin.JointModelPZ()
-            parent = self.model.addJoint(parent, kind, place, f"joint{i}")
-            self.model.appendBodyToJoint(parent, _inertia(joint.link), pin.SE3.Identity())
-            far_end = pin.SE3(np.eye(3), np.array([joint.a_m, 0.0, 0.0]))
+            link = self.model.addJoint(on, kind, place, f"joint{i}")
+            self.model.appendBodyToJoint(link, _inertia(joint.link), pin.SE3.Identity())
+            far_ends.append(pin.SE3(np.eye(3), np.array([joint.a_m, 0.0, 0.0])))
         self.model.gravity.linear = np.array(self.arm.gravity_m_s2)
-        self.tip = self.model.addFrame(pin.Frame("tip", parent, 0, far_end, pin.FrameType.OP_FRAME))
+        self.tip = self.model.addFrame(pin.Frame("tip", link, 0, far_ends[-1], pin.FrameType.OP_FRAME))
         self.data = self.model.createData()
 
     def tip_load(self, q: Floats, force: Floats, moment: Floats) -> pin.StdVec_Force:

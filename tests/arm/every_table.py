@@ -22,6 +22,8 @@ friction = { viscous_N_m_s = 0.0, coulomb_N_m = 0.0, static_N_m = 0.0 }
 link = { mass_kg = 1.0, com_m = [0.1, 0.0, 0.0], inertia_kg_m2 = [0.01, 0.01, 0.02, 0.0, 0.0, 0.0] }
 
 [[joint]]
+parent = 1                                  # the link that it hangs on; 0: the base; left out: the link before
+parent_position_m = [0.2, 0.0, 0.05]        # where on it, in its joint-axis frame; left out: its far end
 
 [[sensor]]                                  # a triaxial accelerometer
 name = "s1"

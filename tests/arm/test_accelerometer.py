@@ -20,10 +20,10 @@ STENCIL = np.array([-1 / 560, 8 / 315, -1 / 5, 8 / 5, -205 / 72, 8 / 5, -1 / 5, 
 
 
 @FEW
-@given(SEEDS)
-def test_it_is_acceleration_less_gravity_in_the_sensors_axes(random_arm, seed):
+@given(SEEDS, st.booleans())
+def test_it_is_acceleration_less_gravity_in_the_sensors_axes(random_arm, seed, branching):
     rng = np.random.default_rng(seed)
-    arm = random_arm(rng)
+    arm = random_arm(rng, branching=branching)
     swing, rate, phase = rng.uniform(0.2, 0.8, (3, arm.n_joint))
     step = 0.01
     t = step * np.arange(-4, 5)[:, None]
@@ -40,10 +40,10 @@ def test_it_is_acceleration_less_gravity_in_the_sensors_axes(random_arm, seed):
 
 
 @FEW
-@given(SEEDS)
-def test_it_is_pinocchios_classical_acceleration(random_arm, random_motion, peer, seed):
+@given(SEEDS, st.booleans())
+def test_it_is_pinocchios_classical_acceleration(random_arm, random_motion, peer, seed, branching):
     rng = np.random.default_rng(seed)
-    arm = random_arm(rng)
+    arm = random_arm(rng, branching=branching)
     q, dq, ddq = random_motion(arm, rng, 2)
     other = peer(arm)
     frames = [
@@ -70,10 +70,10 @@ def test_it_is_pinocchios_classical_acceleration(random_arm, random_motion, peer
 
 
 @FEW
-@given(SEEDS)
-def test_at_rest_it_reads_g_upwards(random_arm, seed):
+@given(SEEDS, st.booleans())
+def test_at_rest_it_reads_g_upwards(random_arm, seed, branching):
     rng = np.random.default_rng(seed)
-    arm = replace(random_arm(rng), gravity_m_s2=(0.0, 0.0, -9.80665))
+    arm = replace(random_arm(rng, branching=branching), gravity_m_s2=(0.0, 0.0, -9.80665))
     q, still = rng.uniform(-np.pi, np.pi, (1, arm.n_joint)), np.zeros((1, arm.n_joint))
     frames, force = axis_frames(arm, q)[0], specific_force(arm, q, still, still)[0]
     for s, sensor in enumerate(arm.sensors):

@@ -157,7 +157,7 @@ def test_every_table_of_schema_1_is_read():
     arm = parse_arm(EVERYTHING, "it")
     assert arm.joints[0].link == Link(1.0, (0.1, 0.0, 0.0), (0.01, 0.01, 0.02, 0.0, 0.0, 0.0))
     assert arm.joints[0].length_std_m == 0.0005
-    assert arm.joints[1] == Joint() and arm.joints[1].length_std_m is None
+    assert arm.joints[1] == Joint(parent=1, parent_position_m=(0.2, 0.0, 0.05))
     scale, bias_m_s2 = (1.002, 0.998, 1.0), (0.01, -0.02, 0.0)
     assert arm.sensors[0] == Sensor("s1", 1, (0.1, 0.0, 0.0), (0.0, 0.0, 0.0), scale, bias_m_s2, 0.1)
     assert arm.sensors[1] == Sensor("s4", 2)

@@ -77,10 +77,10 @@ def test_eq_2_is_the_product_over_the_links(random_arm, random_motion, seed):
 
 
 @FEW
-@given(SEEDS)
-def test_frames_tip_and_sensors_are_where_pinocchio_has_them(random_arm, random_motion, peer, seed):
+@given(SEEDS, st.booleans())
+def test_frames_tip_and_sensors_are_where_pinocchio_has_them(random_arm, random_motion, peer, seed, branching):
     rng = np.random.default_rng(seed)
-    arm = random_arm(rng)
+    arm = random_arm(rng, branching=branching)
     q, _, _ = random_motion(arm, rng)
     other = peer(arm)
     frames, tips, sensors = axis_frames(arm, q), tip_position(arm, q), sensor_positions(arm, q)

@@ -12,6 +12,9 @@ from arm.marker_kinematics import (
     BASE_POSITION,
     BASE_ROTATION,
     BETA,
+    HANG_X,
+    HANG_Y,
+    HANG_Z,
     A,
     D,
     MarkerChain,
@@ -19,6 +22,7 @@ from arm.marker_kinematics import (
     joint_slopes,
     link_frames,
     marker_at,
+    moved_by,
     slopes_room,
 )
 
@@ -26,9 +30,9 @@ SEEDS = st.integers(0, 2**32 - 1)
 FEW = settings(max_examples=15, deadline=None)
 
 
-def drawn(random_arm, seed):
+def drawn(random_arm, seed, branching):
     rng = np.random.default_rng(seed)
-    arm = random_arm(rng)
+    arm = random_arm(rng, branching=branching)
     n = arm.n_joint
     revolute = np.array([joint.type == "revolute" for joint in arm.joints])
     chain = MarkerChain(
@@ -38,6 +42,9 @@ def drawn(random_arm, seed):
         rng.normal(size=(3, 3)),
         Rotation.random(1, rng).as_matrix()[0],
         rng.normal(size=3),
+        chain_of(arm).parent,
+        chain_of(arm).hang,
+        moved_by(chain_of(arm).parent),
     )
     return arm, chain, rng.normal(size=n), Rotation.random(1, rng).as_matrix()[0], rng.normal(size=3)
 
@@ -51,9 +58,9 @@ def places(chain, R, p, q):
 
 
 @FEW
-@given(SEEDS)
-def test_markers_are_where_the_links_are(random_arm, seed):
-    arm, chain, q, R, p = drawn(random_arm, seed)
+@given(SEEDS, st.booleans())
+def test_markers_are_where_the_links_are(random_arm, seed, branching):
+    arm, chain, q, R, p = drawn(random_arm, seed, branching)
     frames = axis_frames(arm, q)[0]
     for m, y in enumerate(places(chain, R, p, q)):
         T = frames[chain.link[m]]
@@ -62,26 +69,30 @@ def test_markers_are_where_the_links_are(random_arm, seed):
 
 
 @FEW
-@given(SEEDS)
-def test_slopes_are_central_differences(random_arm, seed):
-    arm, chain, q, R, p = drawn(random_arm, seed)
+@given(SEEDS, st.booleans())
+def test_slopes_are_central_differences(random_arm, seed, branching):
+    arm, chain, q, R, p = drawn(random_arm, seed, branching)
     n, h = arm.n_joint, 1e-6
     free = np.array(
         [(kind, i) for kind in (ALPHA, A, D, BETA) for i in range(n)]
         + [(kind, i) for kind in (BASE_POSITION, BASE_ROTATION) for i in range(3)]
+        + [(kind, i) for kind in (HANG_X, HANG_Y, HANG_Z) for i in range(n)]
     )
     room = slopes_room(n, len(free))
     link_frames(chain, R, p, q, room)
 
     def moved(kind, i, step):
-        geometry, base_R, base_p = chain.geometry.copy(), chain.base_R, chain.base_p.copy()
+        geometry, hang = chain.geometry.copy(), chain.hang.copy()
+        base_R, base_p = chain.base_R, chain.base_p.copy()
         if kind == BASE_POSITION:
             base_p[i] += step
         elif kind == BASE_ROTATION:
             base_R = base_R @ Rotation.from_rotvec(step * np.eye(3)[i]).as_matrix()
+        elif kind >= HANG_X:
+            hang[i, 1 + kind - HANG_X] += step
         else:
             geometry[i, kind] += step
-        return places(chain._replace(geometry=geometry, base_R=base_R, base_p=base_p), R, p, q)
+        return places(chain._replace(geometry=geometry, hang=hang, base_R=base_R, base_p=base_p), R, p, q)
 
     by_q = [(places(chain, R, p, q + h * e) - places(chain, R, p, q - h * e)) / (2 * h) for e in np.eye(n)]
     by_free = [(moved(kind, i, h) - moved(kind, i, -h)) / (2 * h) for kind, i in free]

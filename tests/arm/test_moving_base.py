@@ -17,10 +17,10 @@ SEEDS = st.integers(0, 2**32 - 1)
 
 
 @FEW
-@given(SEEDS)
-def test_on_a_base_at_rest_it_is_the_plain_recursion(random_arm, random_motion, seed):
+@given(SEEDS, st.booleans())
+def test_on_a_base_at_rest_it_is_the_plain_recursion(random_arm, random_motion, seed, branching):
     rng = np.random.default_rng(seed)
-    arm = random_arm(rng)
+    arm = random_arm(rng, branching=branching)
     q, dq, ddq = random_motion(arm, rng)
     joint = int(rng.integers(1, arm.n_joint + 1))
     force, moment = rng.normal(scale=10.0, size=(2, len(q), 3))
@@ -34,10 +34,10 @@ def test_on_a_base_at_rest_it_is_the_plain_recursion(random_arm, random_motion, 
 
 
 @FEW
-@given(SEEDS)
-def test_on_a_base_that_moves_it_is_pinocchios_floating_base(random_arm, random_motion, peer, seed):
+@given(SEEDS, st.booleans())
+def test_on_a_base_that_moves_it_is_pinocchios_floating_base(random_arm, random_motion, peer, seed, branching):
     rng = np.random.default_rng(seed)
-    arm = random_arm(rng)
+    arm = random_arm(rng, branching=branching)
     q, dq, ddq = random_motion(arm, rng)
     n = len(q)
     R = Rotation.random(n, rng).as_matrix()
@@ -51,7 +51,7 @@ def test_on_a_base_that_moves_it_is_pinocchios_floating_base(random_arm, random_
     model = pin.Model()
     root = model.addJoint(0, pin.JointModelFreeFlyer(), pin.SE3.Identity(), "root")
     for i in range(1, other.model.njoints):
-        parent = root if i == 1 else i
+        parent = other.model.parents[i] + 1 if other.model.parents[i] else root
         kind = pin.JointModelRZ() if arm.joints[i - 1].type == "revolute" else pin.JointModelPZ()
         k = model.addJoint(parent, kind, other.model.jointPlacements[i], f"j{i}")
         model.appendBodyToJoint(k, other.model.inertias[i], pin.SE3.Identity())

@@ -28,10 +28,10 @@ def without_friction(arm):
 
 
 @FEW
-@given(SEEDS)
-def test_inverse_dynamics_is_pinocchios(random_arm, random_motion, peer, seed):
+@given(SEEDS, st.booleans())
+def test_inverse_dynamics_is_pinocchios(random_arm, random_motion, peer, seed, branching):
     rng = np.random.default_rng(seed)
-    arm = random_arm(rng)
+    arm = random_arm(rng, branching=branching)
     q, dq, ddq = random_motion(arm, rng)
     force, moment = rng.normal(scale=10.0, size=(2, len(q), 3))
     other = peer(arm)
@@ -45,10 +45,10 @@ def test_inverse_dynamics_is_pinocchios(random_arm, random_motion, peer, seed):
 
 
 @FEW
-@given(SEEDS)
-def test_mass_matrix_is_pinocchios(random_arm, random_motion, peer, seed):
+@given(SEEDS, st.booleans())
+def test_mass_matrix_is_pinocchios(random_arm, random_motion, peer, seed, branching):
     rng = np.random.default_rng(seed)
-    arm = random_arm(rng)
+    arm = random_arm(rng, branching=branching)
     q, _, _ = random_motion(arm, rng)
     other = peer(arm)
     M = mass_matrix(arm, q)
@@ -59,10 +59,10 @@ def test_mass_matrix_is_pinocchios(random_arm, random_motion, peer, seed):
 
 
 @FEW
-@given(SEEDS)
-def test_forward_dynamics_is_pinocchios(random_arm, random_motion, peer, seed):
+@given(SEEDS, st.booleans())
+def test_forward_dynamics_is_pinocchios(random_arm, random_motion, peer, seed, branching):
     rng = np.random.default_rng(seed)
-    arm = random_arm(rng)
+    arm = random_arm(rng, branching=branching)
     q, dq, tau = random_motion(arm, rng)
     tau = 10.0 * tau
     force, moment = rng.normal(scale=10.0, size=(2, len(q), 3))
@@ -75,11 +75,11 @@ def test_forward_dynamics_is_pinocchios(random_arm, random_motion, peer, seed):
 
 
 @FEW
-@given(SEEDS)
-def test_a_tip_force_does_virtual_work(random_arm, random_motion, seed):
+@given(SEEDS, st.booleans())
+def test_a_tip_force_does_virtual_work(random_arm, random_motion, seed, branching):
     """What the tip is pushed with shows up as ``-J^T f``, J taken from the kinematics by differences."""
     rng = np.random.default_rng(seed)
-    arm = random_arm(rng)
+    arm = random_arm(rng, branching=branching)
     q, dq, ddq = random_motion(arm, rng, 1)
     force, step = rng.normal(size=3), 1e-5
     difference = inverse_dynamics(arm, q, dq, ddq, tip_force=force) - inverse_dynamics(arm, q, dq, ddq)
@@ -89,11 +89,11 @@ def test_a_tip_force_does_virtual_work(random_arm, random_motion, seed):
 
 
 @FEW
-@given(SEEDS)
-def test_power_is_the_rate_of_energy(random_arm, random_motion, seed):
+@given(SEEDS, st.booleans())
+def test_power_is_the_rate_of_energy(random_arm, random_motion, seed, branching):
     """Torque times velocity is what kinetic energy gains, friction and gravity aside."""
     rng = np.random.default_rng(seed)
-    arm = replace(without_friction(random_arm(rng)), gravity_m_s2=(0.0, 0.0, 0.0))
+    arm = replace(without_friction(random_arm(rng, branching=branching)), gravity_m_s2=(0.0, 0.0, 0.0))
     q, dq, ddq = random_motion(arm, rng, 1)
     h = 1e-5
 

@@ -22,16 +22,16 @@ def close(found, expected, tolerance=1e-9):
     np.testing.assert_allclose(found, expected, rtol=0, atol=tolerance * scale)
 
 
-def draw(random_arm, rng, n_joint=None):
-    arm = random_arm(rng, n_joint)
+def draw(random_arm, rng, branching, n_joint=None):
+    arm = random_arm(rng, n_joint, branching=branching)
     return arm, int(rng.integers(1, arm.n_joint + 1)), rng.uniform(-0.4, 0.4, 3)
 
 
 @FEW
-@given(SEEDS)
-def test_touched_anywhere_a_chain_moves_as_pinocchios(random_arm, random_motion, peer, seed):
+@given(SEEDS, st.booleans())
+def test_touched_anywhere_it_moves_as_pinocchios(random_arm, random_motion, peer, seed, branching):
     rng = np.random.default_rng(seed)
-    arm, joint, point = draw(random_arm, rng, 7)
+    arm, joint, point = draw(random_arm, rng, branching, 7)
     q, dq, ddq = random_motion(arm, rng)
     force, moment = rng.normal(scale=10.0, size=(2, len(q), 3))
     other = peer(arm)
@@ -49,10 +49,10 @@ def test_touched_anywhere_a_chain_moves_as_pinocchios(random_arm, random_motion,
 
 
 @FEW
-@given(SEEDS)
-def test_it_is_the_transposed_jacobian(random_arm, random_motion, peer, seed):
+@given(SEEDS, st.booleans())
+def test_it_is_the_transposed_jacobian(random_arm, random_motion, peer, seed, branching):
     rng = np.random.default_rng(seed)
-    arm, joint, point = draw(random_arm, rng)
+    arm, joint, point = draw(random_arm, rng, branching)
     q, _, _ = random_motion(arm, rng, 1)
     force, moment = rng.normal(size=(2, 3))
     other = peer(arm)
@@ -63,10 +63,10 @@ def test_it_is_the_transposed_jacobian(random_arm, random_motion, peer, seed):
 
 
 @FEW
-@given(SEEDS)
-def test_a_point_is_and_moves_where_its_link_takes_it(random_arm, random_motion, seed):
+@given(SEEDS, st.booleans())
+def test_a_point_is_and_moves_where_its_link_takes_it(random_arm, random_motion, seed, branching):
     rng = np.random.default_rng(seed)
-    arm, joint, point = draw(random_arm, rng)
+    arm, joint, point = draw(random_arm, rng, branching)
     q, dq, _ = random_motion(arm, rng, 1)
     n, h = arm.n_joint, 1e-6
     R, p, axes, moving = np.empty((n, 3, 3)), np.empty((n, 3)), np.empty((3, 3)), np.empty((3, 3))

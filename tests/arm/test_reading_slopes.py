@@ -48,11 +48,11 @@ def by_differences(chain, q, dq, ddq):
 
 
 @FEW
-@given(st.integers(0, 2**32 - 1))
-def test_slopes_are_those_of_central_differences(random_arm, random_motion, seed):
+@given(st.integers(0, 2**32 - 1), st.booleans())
+def test_slopes_are_those_of_central_differences(random_arm, random_motion, seed, branching):
     """By q, dq, ddq, a and d of every joint, turning or sliding, with every link's motion."""
     rng = np.random.default_rng(seed)
-    arm = random_arm(rng)
+    arm = random_arm(rng, branching=branching)
     q, dq, ddq = (rows[0] for rows in random_motion(arm, rng, 1))
     chain = chain_of(arm)
     expected = by_differences(chain, q, dq, ddq)

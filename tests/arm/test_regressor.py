@@ -20,10 +20,10 @@ PINOCCHIOS = [4, 6, 9, 5, 7, 8, 1, 2, 3, 0]
 
 
 @FEW
-@given(SEEDS)
-def test_regressor_times_parameters_is_the_torque(random_arm, random_motion, seed):
+@given(SEEDS, st.booleans())
+def test_regressor_times_parameters_is_the_torque(random_arm, random_motion, seed, branching):
     rng = np.random.default_rng(seed)
-    arm = random_arm(rng)
+    arm = random_arm(rng, branching=branching)
     q, dq, ddq = random_motion(arm, rng)
     dq[0] = 0.0  # a joint at rest shows no Coulomb friction here either
     tau = inverse_dynamics(arm, q, dq, ddq)
@@ -32,10 +32,10 @@ def test_regressor_times_parameters_is_the_torque(random_arm, random_motion, see
 
 
 @FEW
-@given(SEEDS)
-def test_regressor_is_pinocchios(random_arm, random_motion, peer, seed):
+@given(SEEDS, st.booleans())
+def test_regressor_is_pinocchios(random_arm, random_motion, peer, seed, branching):
     rng = np.random.default_rng(seed)
-    arm = random_arm(rng)
+    arm = random_arm(rng, branching=branching)
     q, dq, ddq = random_motion(arm, rng)
     other = peer(arm)
     Y = regressor(arm, q, dq, ddq)
@@ -49,9 +49,9 @@ def test_regressor_is_pinocchios(random_arm, random_motion, peer, seed):
 
 
 @FEW
-@given(SEEDS)
-def test_parameters_are_pinocchios(random_arm, peer, seed):
-    arm = random_arm(np.random.default_rng(seed))
+@given(SEEDS, st.booleans())
+def test_parameters_are_pinocchios(random_arm, peer, seed, branching):
+    arm = random_arm(np.random.default_rng(seed), branching=branching)
     model = peer(arm).model
     theirs = [model.inertias[i + 1].toDynamicParameters()[PINOCCHIOS] for i in range(arm.n_joint)]
     ours = standard_parameters(arm)[: 10 * arm.n_joint]
