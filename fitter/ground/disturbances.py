@@ -22,6 +22,11 @@ from fitter.ground.link_motion import LinkMotion
 _POSTURE_RAD = 0.35
 #: How far skin lets a marker wander where the arm file does not say [m] (Leardini et al. 2005).
 _SKIN_M = 0.008
+#: Functions that move less than this, of that and of the largest, are left out.
+_LEAST_POSTURE = 0.1
+#: Distance from axis to marker of a segment whose markers are unknown [m], and the share of the widest spread below
+#: which markers tell nothing of a turn.
+_USUAL_SPREAD_M, _SEEN = 0.1, 1e-2
 #: Of the plates' place among the cameras [m], and of their zero [N]: usual in laboratories (Collins et al. 2009).
 PLATE_M, ZERO_N = 0.003, 2.0
 
@@ -43,11 +48,11 @@ class Posture:
 def postures(
     arm: Arm, base: FloatingBase, motions: Sequence[LinkMotion], q: Floats, dq: Floats, ddq: Floats
 ) -> list[Posture]:
-    """Return those of every body: joints between it and the body before it, then gravity's direction."""
+    """Return those of every body: joints between it and its neighbours, then gravity's direction."""
     gravity = np.array(arm.gravity_m_s2) / np.linalg.norm(arm.gravity_m_s2)
     found = []
     for body in base.bodies:
-        motion, joints = motions[body], _own_joints(arm, base, body)
+        motion, joints = motions[body], _joints_about(arm, base, body)
         down, w, dw = (
             np.einsum("nji,nj->ni", motion.R, x)
             for x in (np.tile(gravity, (len(q), 1)), motion.omega, motion.omega_dot)
@@ -64,87 +69,105 @@ def postures(
     return found
 
 
-def _own_joints(arm: Arm, base: FloatingBase, body: int) -> list[int]:
-    way = arm.way_to(body)
-    before = [i for i in way[:-1] if i in base.bodies]
-    first = way.index(before[-1]) + 1 if before else len(way)
-    return [i for i in way[first:] if arm.joints[i].type == "revolute"]
+def _joints_about(arm: Arm, base: FloatingBase, body: int) -> list[int]:
+    """Return the joints that turn between a body and its neighbours, from 0; those of the base are not among them."""
+    found = []
+    for other in base.bodies:
+        before = [i for i in arm.way_to(other)[:-1] if i in base.bodies]
+        if before and body in (other, before[-1]):
+            found += [i for i in arm.way_to(other) if i > before[-1] and arm.joints[i].type == "revolute"]
+    return found
 
 
 @dataclass(frozen=True)
 class Skin:
-    """Where postures are counted from and in what unit, over all learning trials; how far skin goes.
+    """The few functions of the posture that the learning trials show, over all of them; how far skin goes.
 
     Attributes
     ----------
-    mean, size : tuple of (n_function,), one a body
-    std_m : (n_body,)
-        Of a body's centre, along each axis of its link, for a unit of a posture's function.
+    mean, mix : tuple of (n_function,), tuple of (n_function, n_kept), one a body
+        Kept are ``(value - mean) @ mix``.
+    shift_m, turn_rad : (n_body,)
+        Of a body's centre along each axis of its link, and of the body about each, for a unit of a function.
     """
 
     mean: tuple[Floats, ...]
-    size: tuple[Floats, ...]
-    std_m: Floats
+    mix: tuple[Floats, ...]
+    shift_m: Floats
+    turn_rad: Floats
 
     def stds(self) -> Floats:
         """Return the prior standard deviation of every column's coefficient, (n_column,)."""
-        return np.concatenate(
-            [np.full(3 * len(size), std) for size, std in zip(self.size, self.std_m.tolist(), strict=True)]
-        )
+        both = zip(self.mix, self.shift_m.tolist(), self.turn_rad.tolist(), strict=True)
+        return np.concatenate([np.tile([*[shift] * 3, *[turn] * 3], mix.shape[1]) for mix, shift, turn in both])
 
 
 def skin_of(arm: Arm, base: FloatingBase, trials: Sequence[Sequence[Posture]]) -> Skin:
     """Return the skin of a person by the arm's markers and the postures of the learning trials."""
-    mean, size = [], []
+    mean, mix = [], []
     for k in range(len(base.bodies)):
         value = np.concatenate([trial[k].value for trial in trials])
         mean.append(value.mean(axis=0))
-        size.append(np.maximum(value.std(axis=0), _POSTURE_RAD))
-    std = np.array([_centre_std(arm, body, link) for body, link in zip(base.bodies, base.links, strict=True)])
-    return Skin(tuple(mean), tuple(size), std)
+        _, size, axes = np.linalg.svd((value - mean[-1]) / np.sqrt(len(value)), full_matrices=False)
+        kept = size > max(_LEAST_POSTURE * _POSTURE_RAD, _LEAST_POSTURE * float(size[0]))
+        mix.append(axes[kept].T / np.maximum(size[kept], _POSTURE_RAD))
+    std = np.array([_pose_std(arm, body, link) for body, link in zip(base.bodies, base.links, strict=True)])
+    return Skin(tuple(mean), tuple(mix), std[:, 0], std[:, 1])
 
 
-def _centre_std(arm: Arm, body: int, link: Floats) -> float:
-    """Return how far skin takes a body's centre of mass: a rigid fit carries markers' errors there."""
+def _pose_std(arm: Arm, body: int, link: Floats) -> tuple[float, float]:
+    """Return how far skin takes a body's centre of mass [m] and how far it turns the body [rad]: a rigid fit's errors."""
     on_it: list[Marker] = [m for m in arm.markers if m.joint == body + 1]
     std = float(np.sqrt(np.mean([(m.std_m or _SKIN_M) ** 2 for m in on_it]))) if on_it else _SKIN_M
     if len(on_it) < 3:
-        return std
+        return std, std / _USUAL_SPREAD_M
     places = np.array([m.position_m for m in on_it])
     lever = link[6:9] / link[9] - places.mean(axis=0)
     places = places - places.mean(axis=0)
-    spread = np.sum(places**2) * np.eye(3) - places.T @ places
+    turn = np.linalg.pinv(np.sum(places**2) * np.eye(3) - places.T @ places, rcond=_SEEN)
     across = np.array([[0.0, -lever[2], lever[1]], [lever[2], 0.0, -lever[0]], [-lever[1], lever[0], 0.0]])
-    covariance = np.eye(3) / len(on_it) + across @ np.linalg.pinv(spread, rcond=1e-2) @ across.T
-    return std * float(np.sqrt(np.trace(covariance) / 3.0))
+    centre = np.eye(3) / len(on_it) + across @ turn @ across.T
+    return std * float(np.sqrt(np.trace(centre) / 3.0)), std * float(np.sqrt(np.trace(turn) / 3.0))
 
 
 def skin_columns(base: FloatingBase, motions: Sequence[LinkMotion], posture: Sequence[Posture], skin: Skin) -> Floats:
-    """Return what a metre of each coefficient adds to the six equations, (n_sample, 6, n_column).
+    """Return what each coefficient adds to the six equations, (n_sample, 6, n_column).
 
     A centre at ``s(t) = R u f(t)`` beyond the link's own adds ``m s''`` to the force, and to the moment its lever times
-    that and ``s x m a`` of the link.
+    that and ``s x m a`` of the link; a body that is turned by ``R u f(t)`` adds its inertia times the second derivative.
     """
     about, columns = motions[base.bodies[0]].o, []
     for k, body in enumerate(base.bodies):
         motion, mass = motions[body], base.links[k, 9]
-        f = (posture[k].value - skin.mean[k]) / skin.size[k]
-        df, ddf = posture[k].rate / skin.size[k], posture[k].second / skin.size[k]
+        own = motion.R @ _central_inertia(base.links[k])
+        f = (posture[k].value - skin.mean[k]) @ skin.mix[k]
+        df, ddf = posture[k].rate @ skin.mix[k], posture[k].second @ skin.mix[k]
         w, dw = motion.omega, motion.omega_dot
         for function in range(f.shape[1]):
+            shifts, turns = [], []
             for axis in range(3):
                 u = motion.R[:, :, axis]
-                turn = np.cross(w, u)
+                swing = np.cross(w, u)
                 s = u * f[:, function, None]
                 second = (
                     u * ddf[:, function, None]
-                    + 2.0 * turn * df[:, function, None]
-                    + (np.cross(dw, u) + np.cross(w, turn)) * f[:, function, None]
+                    + 2.0 * swing * df[:, function, None]
+                    + (np.cross(dw, u) + np.cross(w, swing)) * f[:, function, None]
                 )
                 force = mass * second
                 moment = np.cross(motion.o - about, force) + mass * np.cross(s, motion.acceleration)
-                columns.append(np.hstack([force, moment]))
+                shifts.append(np.hstack([force, moment]))
+                in_link = np.einsum("nji,nj->ni", motion.R, second)
+                turns.append(np.hstack([np.zeros_like(force), np.einsum("nij,nj->ni", own, in_link)]))
+            columns += [*shifts, *turns]
     return np.stack(columns, axis=2)
+
+
+def _central_inertia(link: Floats) -> Floats:
+    xx, yy, zz, xy, xz, yz, *first, mass = link
+    c = np.array(first) / mass
+    about_origin = np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
+    return np.asarray(about_origin - mass * (c @ c * np.eye(3) - np.outer(c, c)))
 
 
 def plate_columns(wrench: Floats) -> Floats:

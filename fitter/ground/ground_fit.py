@@ -17,9 +17,11 @@ from fitter.ground.frequency_rows import N_ROW, FrequencyRows
 from fitter.ground.mass_prior import MassPrior
 from limbcal.errors import NotConverged
 
-_MOST_ROUNDS = 100
+_MOST_ROUNDS = 30
 #: Rounds end where no number moves by more, in prior standard deviations.
 _CONVERGED = 0.02
+#: There is no answer if some still move by more.
+_LARGEST_STEP = 0.5
 #: Parts of a step that are tried in turn.
 _SHORTENED = (1.0, 0.5, 0.25, 0.1)
 #: No power is smaller, as a share of the row's whole: rounding.
@@ -104,8 +106,11 @@ def ground_fit(
         changed = np.log(np.einsum("brr->br", power) / np.einsum("brr->br", before))
         if moved < _CONVERGED and np.abs(changed).max() < 5.0 * _CONVERGED:
             break
-    else:
-        raise NotConverged(f"masses still change after {_MOST_ROUNDS} rounds: the equations may be of another person")
+    if moved > _LARGEST_STEP:
+        raise NotConverged(
+            f"masses still change by {moved:.1f} prior standard deviations after {_MOST_ROUNDS} rounds: the equations may "
+            "be of another person"
+        )
     return Posterior(
         prior.mean + root @ z, root @ covariance[:n, :n] @ root.T, b * disturbance_std, power, number
     )
