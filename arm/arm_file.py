@@ -11,6 +11,7 @@ from pydantic import ValidationError
 
 from arm.arm_schema import ArmTable, contradictions, mistakes_of
 from arm.body.limbs import LIMBS, MEAN_PERSON, limb
+from arm.body.whole_body import BODY, human_body
 from arm.model import Arm, Estimate
 from limbcal.errors import ConfigError, DeviceError
 from limbcal.suggestion import did_you_mean
@@ -28,7 +29,7 @@ _ONE_OF_MANY = "# one choice of many: only [base_parameters] is known"
 
 def preset_names() -> list[str]:
     """Return the names of the built-in arms."""
-    return sorted([*(entry.name.removesuffix(".toml") for entry in _PRESETS.iterdir()), *LIMBS])
+    return sorted([*(entry.name.removesuffix(".toml") for entry in _PRESETS.iterdir()), *LIMBS, BODY])
 
 
 def load_arm(source: str | Path) -> Arm:
@@ -39,6 +40,8 @@ def load_arm(source: str | Path) -> Arm:
     ConfigError
         If there is no such arm, or with every mistake that its file makes.
     """
+    if str(source) == BODY:
+        return human_body(replace(MEAN_PERSON, preset=BODY))
     if str(source) in LIMBS:
         return limb(replace(MEAN_PERSON, preset=str(source)))
     if str(source) in preset_names():

@@ -50,9 +50,15 @@ class AxisLines:
             frames[i, :3, 3] = here + d * z
         return frames
 
-    def joints(self) -> list[Joint]:
-        """Return the joints' geometry, eq. (1): all of them turn, and no link has a mass."""
-        before, joints = np.eye(3), list[Joint]()
+    def joints(self, before: Floats | None = None) -> list[Joint]:
+        """Return the joints' geometry, eq. (1): all of them turn, and no link has a mass.
+
+        Parameters
+        ----------
+        before : (3, 3), optional
+            The axes, as columns, of the link that the first joint hangs on; the base frame's unless given.
+        """
+        before, joints = np.eye(3) if before is None else before, list[Joint]()
         for i, frame in enumerate(self.frames()):
             z, x = before.T @ frame[:3, 2], before.T @ frame[:3, 0]
             # The third column of Rot(y, beta) Rot(x, alpha) is (cos a sin b, -sin a, cos a cos b).

@@ -45,6 +45,8 @@ class MarkerChain(NamedTuple):
         As `arm.chain.Chain` has them.
     moves : (n, n) bool
         Whether link i moves with joint j, see `moved_by`.
+    depth, way : (n,) and (n, n) int64
+        How many joints move link i, and which, from the base on, in the first columns; see `ways`.
     """
 
     revolute: NDArray[np.bool_]
@@ -56,6 +58,8 @@ class MarkerChain(NamedTuple):
     parent: Integers
     hang: Floats
     moves: NDArray[np.bool_]
+    depth: Integers
+    way: Integers
 
 
 def moved_by(parent: Integers) -> NDArray[np.bool_]:
@@ -65,6 +69,13 @@ def moved_by(parent: Integers) -> NDArray[np.bool_]:
         if before >= 0:
             moves[i] |= moves[before]
     return moves
+
+
+def ways(moves: NDArray[np.bool_]) -> tuple[Integers, Integers]:
+    """Return how many joints move each link, (n,), and which these are, in the first columns of (n, n)."""
+    depth = moves.sum(axis=1)
+    way = np.argsort(~moves, axis=1, kind="stable")
+    return depth.astype(np.int64), way.astype(np.int64)
 
 
 class Slopes(NamedTuple):
@@ -161,14 +172,15 @@ def _turn(z: Floats, o: Floats, y: Floats, out: Floats, column: int) -> None:
 @compiled
 def joint_slopes(chain: MarkerChain, room: Slopes, m: int, y: Floats) -> None:
     """Fill in ``room.by_q``: how a marker at ``y`` moves with every joint's variable."""
-    moves = chain.moves[chain.link[m]]
-    for i in range(chain.geometry.shape[0]):
-        if not moves[i]:
-            room.by_q[:, i] = 0.0
-        elif chain.revolute[i]:
+    link = chain.link[m]
+    room.by_q[:] = 0.0
+    for k in range(chain.depth[link]):
+        i = chain.way[link, k]
+        if chain.revolute[i]:
             _turn(room.R[i, :, 2], room.o[i], y, room.by_q, i)
         else:
-            room.by_q[:, i] = room.R[i, :, 2]
+            for row in range(3):
+                room.by_q[row, i] = room.R[i, row, 2]
 
 
 @compiled

@@ -69,7 +69,7 @@ def estimated(
 ) -> dict[str, dict[str, dict[str, object]]]:
     """Return lengths and centres as the command's JSON has them."""
     fit = calibrate([recording], marker_set, preset)
-    return document(fit, [recording], [], 0, 0.0)  # type: ignore[return-value]
+    return document(fit, [recording], [], 0)  # type: ignore[return-value]
 
 
 def halves(recording: MarkerRecording) -> tuple[MarkerRecording, MarkerRecording]:

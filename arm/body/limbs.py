@@ -6,6 +6,7 @@ flexion, abduction, internal rotation, pronation, radial deviation, dorsiflexion
 mass: the tables count it to the trunk.
 """
 
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
 from typing import Literal
@@ -13,8 +14,8 @@ from typing import Literal
 import numpy as np
 
 from arm.axis_lines import AxisLines
-from arm.body.segments import Segment, Sex, segment
-from arm.model import Arm, Body, Floats
+from arm.body.segments import Segment, Sex, segment, together
+from arm.model import Arm, Body, Floats, Joint
 
 Girdle = Literal["thorax", "scapula"]
 
@@ -22,7 +23,7 @@ FORWARD, LEFT, UP = np.eye(3)
 DOWN = -UP
 #: Half the breadth of the shoulders, and height of the ankle above the sole, as shares of stature (Drillis and
 #: Contini 1966, after Winter, Biomechanics and Motor Control of Human Movement, 2009, fig. 4.1).
-_HALF_SHOULDERS, _ANKLE = 0.129, 0.039
+HALF_SHOULDERS, _ANKLE = 0.129, 0.039
 #: Distance from heel to ankle as a ratio to the foot's length: assumed; a calibration replaces it.
 _BEFORE_HEEL = 0.25
 #: Sine of the angle between two axes from which on their common normal is where it is meant to be.
@@ -30,36 +31,37 @@ _MEETS = 0.5
 
 
 @dataclass(frozen=True)
-class _Axis:
-    """One joint: its direction at the right side, what of it the left side mirrors, and its range [deg]."""
+class Axis:
+    """One joint: its direction at the right side, whether the left side mirrors it, and its range [deg]."""
 
     direction: Floats
     turns_with_the_side: bool
-    range_deg: tuple[float, float]
+    range_deg: tuple[float, float] | None
+    slides: bool = False
 
 
 #: Ranges: Neumann, Kinesiology of the Musculoskeletal System (2010), for the girdle; American Academy of
 #: Orthopaedic Surgeons, Joint Motion (1965), for all others.
 _GIRDLE = (
-    _Axis(UP, True, (-30.0, 30.0)),  # protraction
-    _Axis(-FORWARD, True, (-10.0, 45.0)),  # elevation
+    Axis(UP, True, (-30.0, 30.0)),  # protraction
+    Axis(-FORWARD, True, (-10.0, 45.0)),  # elevation
 )
 _SHOULDER_TO_HAND = (
-    _Axis(-LEFT, False, (-60.0, 180.0)),  # flexion of the shoulder
-    _Axis(-FORWARD, True, (-75.0, 180.0)),  # abduction
-    _Axis(UP, True, (-90.0, 70.0)),  # internal rotation
-    _Axis(-LEFT, False, (0.0, 150.0)),  # flexion of the elbow
-    _Axis(UP, True, (-80.0, 80.0)),  # pronation
-    _Axis(FORWARD, True, (-70.0, 80.0)),  # flexion of the wrist
-    _Axis(-LEFT, False, (-30.0, 20.0)),  # radial deviation
+    Axis(-LEFT, False, (-60.0, 180.0)),  # flexion of the shoulder
+    Axis(-FORWARD, True, (-75.0, 180.0)),  # abduction
+    Axis(UP, True, (-90.0, 70.0)),  # internal rotation
+    Axis(-LEFT, False, (0.0, 150.0)),  # flexion of the elbow
+    Axis(UP, True, (-80.0, 80.0)),  # pronation
+    Axis(FORWARD, True, (-70.0, 80.0)),  # flexion of the wrist
+    Axis(-LEFT, False, (-30.0, 20.0)),  # radial deviation
 )
 _HIP_TO_FOOT = (
-    _Axis(-LEFT, False, (-30.0, 120.0)),  # flexion of the hip
-    _Axis(-FORWARD, True, (-30.0, 45.0)),  # abduction
-    _Axis(UP, True, (-45.0, 45.0)),  # internal rotation
-    _Axis(LEFT, False, (0.0, 135.0)),  # flexion of the knee
-    _Axis(-LEFT, False, (-50.0, 20.0)),  # dorsiflexion
-    _Axis(FORWARD, True, (-15.0, 35.0)),  # inversion
+    Axis(-LEFT, False, (-30.0, 120.0)),  # flexion of the hip
+    Axis(-FORWARD, True, (-30.0, 45.0)),  # abduction
+    Axis(UP, True, (-45.0, 45.0)),  # internal rotation
+    Axis(LEFT, False, (0.0, 135.0)),  # flexion of the knee
+    Axis(-LEFT, False, (-50.0, 20.0)),  # dorsiflexion
+    Axis(FORWARD, True, (-15.0, 35.0)),  # inversion
 )
 #: Presets, and whose limb each is.
 LIMBS = ("human-arm-right", "human-arm-left", "human-leg-right", "human-leg-left")
@@ -78,18 +80,55 @@ def limb(body: Body, girdle: Girdle = "thorax") -> Arm:
         From where on an arm begins: two joints of the shoulder girdle, or none. A leg begins at the hip.
     """
     side = 1.0 if body.preset.endswith("right") else -1.0
-    build = _arm if "arm" in body.preset else _leg
-    axes, points, segments = build(body, side, girdle)
-    directions = np.array([axis.direction * (side if axis.turns_with_the_side else 1.0) for axis in axes])
-    lines = AxisLines(points, directions, _common_normals(directions))
-    joints = [
-        replace(joint, limits=tuple(np.deg2rad(axis.range_deg).tolist()))
-        for joint, axis in zip(lines.joints(), axes, strict=True)
-    ]
-    frames = lines.frames()
-    for k, (one, begin, along) in segments.items():
-        joints[k] = replace(joints[k], link=one.link(begin, along, frames[k]))
-    return Arm(name=body.preset, joints=tuple(joints), body=body)
+    plan = arm_plan(body, side, girdle) if "arm" in body.preset else leg_plan(body, side)
+    return Arm(name=body.preset, joints=tuple(plan.joints(np.zeros(3), np.eye(3))), body=body)
+
+
+@dataclass(frozen=True)
+class Plan:
+    """Joints one after the other, as anatomy has them, with all positions at zero.
+
+    Attributes
+    ----------
+    axes : tuple of Axis
+    side : float
+        1 at the right, -1 at the left.
+    points : (n + 1, 3) [m]
+        A point on every axis from the first on, then the far end; forward, to the left, up.
+    segments : mapping of int to (segments, begin, axes)
+        By link, from 0: what it is made of, where those begin, and their axes as `Segment.link` takes them.
+    """
+
+    axes: tuple[Axis, ...]
+    side: float
+    points: Floats
+    segments: Mapping[int, Sequence[tuple[Segment, Floats, Floats]]]
+
+    def lines(self, start: Floats) -> AxisLines:
+        """Return the axes as lines, the first point being at ``start``."""
+        turns = [self.side if axis.turns_with_the_side else 1.0 for axis in self.axes]
+        directions = np.array([axis.direction * turn for axis, turn in zip(self.axes, turns, strict=True)])
+        return AxisLines(self.points + start, directions, _common_normals(directions))
+
+    def joints(self, start: Floats, before: Floats) -> list[Joint]:
+        """Return the joints, with ranges and masses.
+
+        Parameters
+        ----------
+        start : (3,) [m]
+            Where the first axis passes.
+        before : (3, 3)
+            The axes, as columns, of the link that the first joint hangs on.
+        """
+        lines = self.lines(start)
+        joints, frames = lines.joints(before), lines.frames()
+        for k, axis in enumerate(self.axes):
+            limits = None if axis.range_deg is None else tuple(np.deg2rad(axis.range_deg).tolist())
+            joints[k] = replace(joints[k], type="prismatic" if axis.slides else "revolute", limits=limits)
+        for k, made_of in self.segments.items():
+            links = [one.link(start + begin, axes, frames[k]) for one, begin, axes in made_of]
+            joints[k] = replace(joints[k], link=links[0] if len(links) == 1 else together(links))
+        return joints
 
 
 def _common_normals(directions: Floats) -> Floats:
@@ -106,12 +145,10 @@ def _common_normals(directions: Floats) -> Floats:
     return normals
 
 
-_Built = tuple[tuple[_Axis, ...], Floats, dict[int, tuple[Segment, Floats, Floats]]]
-
-
-def _arm(body: Body, side: float, girdle: Girdle) -> _Built:
+def arm_plan(body: Body, side: float, girdle: Girdle) -> Plan:
+    """Return a person's arm from the girdle, or the shoulder, on."""
     upper, fore, hand = (_segment(body, name) for name in ("upper_arm", "forearm", "hand"))
-    reach = _HALF_SHOULDERS * body.height_m if girdle == "thorax" else 0.0
+    reach = HALF_SHOULDERS * body.height_m if girdle == "thorax" else 0.0
     shoulder = -side * reach * LEFT
     elbow = shoulder + upper.length_m * DOWN
     wrist = elbow + fore.length_m * DOWN
@@ -119,12 +156,12 @@ def _arm(body: Body, side: float, girdle: Girdle) -> _Built:
     points = [*before, shoulder, shoulder, shoulder, elbow, elbow, wrist, wrist, wrist + hand.length_m * DOWN]
     along = np.column_stack([FORWARD, -LEFT, DOWN])
     n = len(before)
-    segments = {n + 2: (upper, shoulder, along), n + 4: (fore, elbow, along), n + 6: (hand, wrist, along)}
-    axes = (*(_GIRDLE if before else ()), *_SHOULDER_TO_HAND)
-    return axes, np.array(points), segments
+    segments = {n + 2: [(upper, shoulder, along)], n + 4: [(fore, elbow, along)], n + 6: [(hand, wrist, along)]}
+    return Plan((*(_GIRDLE if before else ()), *_SHOULDER_TO_HAND), side, np.array(points), segments)
 
 
-def _leg(body: Body, side: float, girdle: Girdle) -> _Built:
+def leg_plan(body: Body, side: float) -> Plan:
+    """Return a person's leg from the hip on."""
     thigh, shank, foot = (_segment(body, name) for name in ("thigh", "shank", "foot"))
     hip = np.zeros(3)
     knee = hip + thigh.length_m * DOWN
@@ -134,8 +171,8 @@ def _leg(body: Body, side: float, girdle: Girdle) -> _Built:
     along, forward = np.column_stack([FORWARD, -LEFT, DOWN]), np.column_stack([UP, -LEFT, FORWARD])
     # The foot's mass lies between ankle and sole.
     middle = heel + 0.5 * _ANKLE * body.height_m * UP
-    segments = {2: (thigh, hip, along), 3: (shank, knee, along), 5: (foot, middle, forward)}
-    return _HIP_TO_FOOT, np.array(points), segments
+    segments = {2: [(thigh, hip, along)], 3: [(shank, knee, along)], 5: [(foot, middle, forward)]}
+    return Plan(_HIP_TO_FOOT, side, np.array(points), segments)
 
 
 def _segment(body: Body, name: str) -> Segment:

@@ -4,6 +4,7 @@ All shares are those of de Leva (J. Biomech. 29, 1996), who moved the ends of Za
 men, 15 women) to the joints' centres. They are a prior of young adults: a person differs by some 20 %.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Literal
 
@@ -39,7 +40,24 @@ class Share:
     gyration: tuple[float, float, float]
 
 
+#: Trunk and head from the upper end down, as the table has them; all others away from the trunk.
 _SHARES: dict[str, dict[str, Share]] = {
+    "head": {  # from the vertex to the seventh cervical vertebra
+        "f": Share(0.0668, 0.2437, 0.4841, (0.271, 0.295, 0.261)),
+        "m": Share(0.0694, 0.2429, 0.5002, (0.303, 0.315, 0.261)),
+    },
+    "upper_trunk": {  # from the suprasternal notch to the xiphoid
+        "f": Share(0.1545, 0.1425, 0.2077, (0.746, 0.502, 0.718)),
+        "m": Share(0.1596, 0.1707, 0.2999, (0.716, 0.454, 0.659)),
+    },
+    "middle_trunk": {  # from there to the navel
+        "f": Share(0.1465, 0.2053, 0.4512, (0.433, 0.354, 0.415)),
+        "m": Share(0.1633, 0.2155, 0.4502, (0.482, 0.383, 0.468)),
+    },
+    "lower_trunk": {  # from there to the middle between the hips' centres
+        "f": Share(0.1247, 0.1815, 0.4920, (0.433, 0.402, 0.444)),
+        "m": Share(0.1117, 0.1457, 0.6115, (0.615, 0.551, 0.587)),
+    },
     "upper_arm": {
         "f": Share(0.0255, 0.2751, 0.5754, (0.278, 0.260, 0.148)),
         "m": Share(0.0271, 0.2817, 0.5772, (0.285, 0.269, 0.158)),
@@ -67,6 +85,8 @@ _SHARES: dict[str, dict[str, Share]] = {
 }
 
 SEGMENTS = tuple(_SHARES)
+#: Height of the seventh cervical vertebra and of the shoulders' centres above the hips', standing [m].
+_ABOVE_HIPS_M = {"c7": {"f": 0.6148, "m": 0.6033}, "shoulders": {"f": 0.4979, "m": 0.5155}}
 
 
 @dataclass(frozen=True)
@@ -123,3 +143,16 @@ def segment(name: str, mass_kg: float, height_m: float, sex: Sex) -> Segment:
     mass, length = share.mass * mass_kg, share.length_m * height_m / _STATURE_M[sex]
     sagittal, transverse, longitudinal = (mass * (radius * length) ** 2 for radius in share.gyration)
     return Segment(mass, length, share.centre * length, (sagittal, transverse, longitudinal))
+
+
+def above_hips_m(point: str, height_m: float, sex: Sex) -> float:
+    """Return how high ``c7`` or ``shoulders`` are above the hips' centres of a standing person."""
+    return _ABOVE_HIPS_M[point][sex] * height_m / _STATURE_M[sex]
+
+
+def together(links: Sequence[Link]) -> Link:
+    """Return links of one frame as one link."""
+    mass = sum(link.mass_kg for link in links)
+    x, y, z = (sum(link.mass_kg * link.com_m[k] for link in links) / mass for k in range(3))
+    xx, yy, zz, xy, xz, yz = (sum(link.inertia_kg_m2[k] for link in links) for k in range(6))
+    return Link(mass, (x, y, z), (xx, yy, zz, xy, xz, yz))

@@ -1,4 +1,4 @@
-"""`fitter kinematics FUNCTIONAL… --body PRESET`: a person's arm or leg from recordings of markers."""
+"""`fitter kinematics FUNCTIONAL… --body PRESET`: a person, or one arm or leg, from recordings of markers."""
 
 import argparse
 import time
@@ -11,18 +11,15 @@ from rich.table import Table
 
 from arm.arm_file import save_arm
 from arm.body.limbs import LIMBS
+from arm.body.whole_body import BODY
 from arm.model import Body
+from fitter.commands.calibrated import calibrated_limb, calibrated_person
 from fitter.commands.limb_export import add_export, check_export, export
 from fitter.commands.options import make_room, positive
 from fitter.functional.marker_set import load_marker_set
-from fitter.limb.json_document import document
-from fitter.limb.limb_calibration import calibrate
-from fitter.limb.limb_fit import LimbFit
 from fitter.limb.probing import with_probed
-from fitter.limb.written_arm import calibrated_arm
 from fitter.markers.marker_files import read_markers
 from fitter.markers.recording import MarkerRecording
-from fitter.report.limb_page import write_limb_page
 from limbcal.command import Document, console, say_notes, show
 from limbcal.errors import ConfigError
 from limbcal.note import Note, documents, of_source
@@ -38,9 +35,10 @@ _NOT_HERE: tuple[tuple[str, object], ...] = (
 
 
 def add_body(parser: argparse.ArgumentParser) -> None:
-    """Add what a person's limb needs."""
-    group = parser.add_argument_group("a person's arm or leg, from markers (C3D, TRC)")
-    group.add_argument("--body", choices=LIMBS, metavar="PRESET", help=f"whose limb it is: {', '.join(LIMBS)}")
+    """Add what a person or a person's limb needs."""
+    group = parser.add_argument_group("a person, or one arm or leg, from markers (C3D, TRC)")
+    bodies = (BODY, *LIMBS)
+    group.add_argument("--body", choices=bodies, metavar="PRESET", help=f"what of a person: {', '.join(bodies)}")
     group.add_argument("--marker-set", metavar="NAME|FILE", help="which markers ride on which segment")
     group.add_argument(
         "--probe",
@@ -62,7 +60,7 @@ def add_body(parser: argparse.ArgumentParser) -> None:
 
 
 def limb_kinematics(arguments: argparse.Namespace) -> Document:
-    """Learn a limb and write it."""
+    """Learn a person or a limb and write it."""
     _require_options(arguments)
     body = body_of(arguments)
     marker_set = load_marker_set(arguments.marker_set)
@@ -81,27 +79,25 @@ def limb_kinematics(arguments: argparse.Namespace) -> Document:
     began = time.perf_counter()
     with Progress(console=console, transient=True) as bar:
         task = bar.add_task("fitting", total=None)
-        fit = calibrate(
-            learn,
-            marker_set,
-            arguments.body,
-            arguments.base,
-            body,
-            arguments.seed,
-            progress=lambda what, i: bar.update(task, description=f"{what}, iteration {i}"),
-        )
-    seconds = time.perf_counter() - began
-    answer = document(fit, learn, evaluate, arguments.seed, seconds)
-    notes = [*notes, *more, *fit.notes, *_no_masses(body)]
-    arm = calibrated_arm(fit, body)
-    save_arm(arm, arguments.out)
+
+        def told(what: str, iteration: int) -> None:
+            bar.update(task, description=f"{what}, iteration {iteration}")
+
+        if arguments.body == BODY:
+            found = calibrated_person(learn, evaluate, marker_set, body, arguments.seed, told)
+        else:
+            limb = (arguments.body, arguments.base)
+            found = calibrated_limb(learn, evaluate, marker_set, limb, body, arguments.seed, told)
+    answer = found.document | {"seconds": time.perf_counter() - began}
+    notes = [*notes, *more, *found.notes, *_no_masses(body)]
+    save_arm(found.arm, arguments.out)
     say_notes(notes)
-    _show(fit, answer)
-    show(f"{fit.arm.name} -> {arguments.out}")
+    _show(found.arm.name, answer)
+    show(f"{found.arm.name} -> {arguments.out}")
     if arguments.report is not None:
-        write_limb_page(arguments.report, fit, answer, [*learn, *evaluate], notes)
+        found.write_page(arguments.report, answer, notes)
         show(f"report: {arguments.report}")
-    return answer | {"exported": export(arguments.export, arm), "notes": documents(notes)}
+    return answer | {"exported": export(arguments.export, found.arm), "notes": documents(notes)}
 
 
 def _require_options(arguments: argparse.Namespace) -> None:
@@ -163,10 +159,10 @@ def _no_masses(body: Body | None) -> list[Note]:
     return [Note("no_masses", text)]
 
 
-def _show(fit: LimbFit, answer: Document) -> None:
-    table = Table(title=f"{fit.arm.name}: {answer['samples']} frames", title_justify="left")
-    for name in ("", "value", "95 %", "disjoint trials apart"):
-        table.add_column(name)
+def _show(name: str, answer: Document) -> None:
+    table = Table(title=f"{name}: {answer['samples']} frames", title_justify="left")
+    for column in ("", "value", "95 %", "disjoint trials apart"):
+        table.add_column(column)
     lengths, centres, axes = (dict(answer[k]) for k in ("lengths_m", "centres", "axes"))  # type: ignore[call-overload]
     for name, one in lengths.items():
         half = one["ci95"][1] - one["value"]

@@ -64,8 +64,10 @@ def limb_track(arguments: argparse.Namespace) -> Document:
         "t": np.concatenate([one.t for one in tracked]),
         "q": np.concatenate([one.q for one in tracked]),
         "q_std": np.concatenate([one.q_std for one in tracked]),
-        **dict(zip(BASE_COLUMNS, np.concatenate([one.base for one in tracked]).T, strict=True)),
     }
+    poses = [one.base for one in tracked if one.base is not None]
+    if poses:
+        columns |= dict(zip(BASE_COLUMNS, np.concatenate(poses).T, strict=True))
     if len(tracked) > 1:
         longest = f"U{max(map(len, labels))}"
         rows = [np.full(len(one.t), label, dtype=longest) for one, label in zip(tracked, labels, strict=True)]

@@ -14,12 +14,13 @@ def biomod_model(arm: Arm) -> str:
         lines += ["  translations xyz", "  rotations xyz"]
     lines += [*_mass(0.0, np.zeros(3), np.zeros((3, 3))), "endsegment", ""]
     for i, joint in enumerate(arm.joints):
-        at = placed.frame_0 @ placed.joints[0] if i == 0 else placed.joints[i]
+        parent = arm.parents[i] + 1
+        at = placed.joints[i] if parent else placed.frame_0 @ placed.joints[i]
         low, high = joint.limits or ((-np.pi, np.pi) if joint.type == "revolute" else (-1.0, 1.0))
         kind = "rotations" if joint.type == "revolute" else "translations"
         lines += [
             f"segment {link_name(i + 1)}",
-            f"  parent {link_name(i)}",
+            f"  parent {link_name(parent)}",
             "  RTinMatrix 1",
             "  RT",
             *(f"    {_row(row)}" for row in at),

@@ -9,7 +9,7 @@ from fitter.export.osim_model import BASE_COORDINATES
 from fitter.export.placements import is_carried
 
 
-def coordinates_mot(arm: Arm, t: Floats, q: Floats, base: Floats) -> str:
+def coordinates_mot(arm: Arm, t: Floats, q: Floats, base: Floats | None) -> str:
     """Return the text of a MOT file of the coordinates that `osim_model` names, in rad and m.
 
     Parameters
@@ -17,11 +17,11 @@ def coordinates_mot(arm: Arm, t: Floats, q: Floats, base: Floats) -> str:
     arm : Arm
     t : (n_frame,) [s]
     q : (n_frame, n_joint) [rad or m]
-    base : (n_frame, 7)
-        Place and quaternion w, x, y, z of the segment that carries the arm.
+    base : (n_frame, 7), or None
+        Place and quaternion w, x, y, z of the segment that carries the arm, where one does.
     """
     names, columns = [f"q{i + 1}" for i in range(arm.n_joint)], q
-    if is_carried(arm):
+    if base is not None and is_carried(arm):
         turns = Rotation.from_quat(base[:, [4, 5, 6, 3]]).as_euler("XYZ")
         names = [*BASE_COORDINATES, *names]
         columns = np.hstack([np.unwrap(turns, axis=0), base[:, :3], q])
@@ -33,7 +33,7 @@ def coordinates_mot(arm: Arm, t: Floats, q: Floats, base: Floats) -> str:
     return "\n".join([*head, *rows, ""])
 
 
-def marker_places(arm: Arm, q: Floats, base: Floats) -> Floats:
+def marker_places(arm: Arm, q: Floats, base: Floats | None) -> Floats:
     """Return where an arm has its markers in the world, (n_frame, n_marker, 3) [m]; parameters as above."""
     frames = axis_frames(arm, q)
     frames = np.concatenate([np.tile(np.eye(4), (len(q), 1, 1, 1)), frames], axis=1)
@@ -43,7 +43,7 @@ def marker_places(arm: Arm, q: Floats, base: Floats) -> Floats:
     places = np.einsum("nmij,mj->nmi", own[..., :3, :3], local) + own[..., :3, 3]
     if arm.base is not None:
         places = places @ rotation_from_rpy(*arm.base.rotation_rad).T + np.array(arm.base.position_m)
-    if is_carried(arm):
+    if base is not None and is_carried(arm):
         R = Rotation.from_quat(base[:, [4, 5, 6, 3]]).as_matrix()
         places = np.einsum("nij,nmj->nmi", R, places) + base[:, None, :3]
     return np.asarray(places)

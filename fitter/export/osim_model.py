@@ -41,10 +41,11 @@ def osim_model(arm: Arm) -> str:
     for i, joint in enumerate(arm.joints):
         name = link_name(i + 1)
         _body(bodies, name, placed.mass_kg[i], placed.centre_m[i], placed.inertia_kg_m2[i])
-        at = placed.frame_0 @ placed.joints[0] if i == 0 else placed.joints[i]
+        parent = arm.parents[i] + 1
+        at = placed.joints[i] if parent else placed.frame_0 @ placed.joints[i]
         kind = "PinJoint" if joint.type == "revolute" else "SliderJoint"
         coordinate = ((f"q{i + 1}", joint.limits or _ANY_RANGE[joint.type]),)
-        _joint(joints, kind, f"joint{i + 1}", f"/bodyset/{link_name(i)}", name, at, coordinate)
+        _joint(joints, kind, f"joint{i + 1}", f"/bodyset/{link_name(parent)}", name, at, coordinate)
     for one in arm.markers:
         marker = ElementTree.SubElement(markers, "Marker", name=one.name)
         _text(marker, "socket_parent_frame", f"/bodyset/{link_name(one.joint)}")

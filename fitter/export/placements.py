@@ -1,4 +1,4 @@
-"""An arm as other programs have it: each joint placed in the link before it, turning about its own z axis."""
+"""An arm as other programs have it: each joint placed on the link it hangs on, turning about its own z axis."""
 
 from dataclasses import dataclass
 
@@ -14,14 +14,14 @@ BASE = "base"
 
 @dataclass(frozen=True)
 class Placements:
-    """Where an arm's joints are in the links before them, and what its links weigh.
+    """Where an arm's joints are on the links that they hang on, and what its links weigh.
 
     Attributes
     ----------
     frame_0 : (4, 4)
         Frame 0 in the world, or in the segment that carries it.
     joints : (n_joint, 4, 4)
-        Each joint-axis frame at position zero in the one before it, the first in frame 0.
+        Each joint-axis frame at position zero in that of its parent, in frame 0 where it hangs on the base.
     mass_kg : (n_joint,)
     centre_m : (n_joint, 3)
         In the link's joint-axis frame.
@@ -55,7 +55,8 @@ def placements(arm: Arm) -> Placements:
     gravity = np.array(arm.gravity_m_s2)
     if arm.base is None or arm.base.segment is None:  # of a base that stands it is given in frame 0
         gravity = frame_0[:3, :3] @ gravity
-    return Placements(frame_0, np.linalg.inv(frames[:-1]) @ frames[1:], mass, centre, inertia, gravity)
+    before = frames[[parent + 1 for parent in arm.parents]]
+    return Placements(frame_0, np.linalg.inv(before) @ frames[1:], mass, centre, inertia, gravity)
 
 
 def link_name(joint: int) -> str:

@@ -70,9 +70,15 @@ def _upright(trials: LimbTrials, base: BaseMotion) -> Floats | None:
             return _unit(top - bottom)
     if not trials.up:
         return None
-    world = np.zeros(3)
-    world["xyz".index(trials.up[1])] = 1.0 if trials.up[0] == "+" else -1.0
-    return _unit(nan_mean(np.einsum("nji,j->ni", base.R, world)))
+    return _unit(nan_mean(np.einsum("nji,j->ni", base.R, world_up(trials.up))))
+
+
+def world_up(up: str) -> Floats:
+    """Return the axis that points up, such as ``+y``, (3,); +z where it is unknown."""
+    away = np.zeros(3)
+    name = up or "+z"
+    away["xyz".index(name[1])] = 1.0 if name[0] == "+" else -1.0
+    return away
 
 
 def _leftward(trials: LimbTrials, base: BaseMotion) -> Floats | None:

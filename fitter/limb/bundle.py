@@ -127,7 +127,7 @@ def fit_bundle(
     scales_known : bool
         Keep the markers' scales.
     """
-    free, frames, what = task.free, task.frames, swayed(task.free.what)
+    free, frames, what = task.free, task.frames, swayed(task.free.what, markers.sway)
     n, n_free, m = q.shape[1], len(task.free.std), len(markers.names)
     n_shared, n_part = n_free + 3 * m, int(task.part.max(initial=0)) + 1
     room = slopes_room(n, n_free)

@@ -36,12 +36,12 @@ def thinned(usable: NDArray[np.bool_], n: int) -> Integers:
     return there[np.linspace(0, len(there) - 1, min(n, len(there))).round().astype(np.int64)]
 
 
-def shares(frames: Frames) -> Floats:
+def shares(frames: Frames, coherence_s: float = COHERENCE_S) -> Floats:
     """Return how much each frame counts: those within the time that skin keeps an error count together as one."""
     share = np.empty(len(frames.t))
     for i in np.unique(frames.trial):
         own = frames.trial == i
         t = frames.t[own]
         lasts = (t[-1] - t[0]) / max(len(t) - 1, 1)
-        share[own] = min(1.0, lasts / COHERENCE_S) if len(t) > 1 else 1.0
+        share[own] = min(1.0, lasts / coherence_s) if len(t) > 1 else 1.0
     return share

@@ -16,11 +16,21 @@ from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from arm.chain import chain_of
-from arm.marker_kinematics import ALPHA, BASE_POSITION, BASE_ROTATION, BETA, A, D, Integers
+from arm.marker_kinematics import (
+    ALPHA,
+    BASE_POSITION,
+    BASE_ROTATION,
+    BETA,
+    HANG_X,
+    A,
+    D,
+    Integers,
+)
 from arm.model import Arm, Floats, Joint
 
 _NAMES = {ALPHA: "alpha", A: "a", D: "d", BETA: "beta", BASE_POSITION: "base", BASE_ROTATION: "base_turn"}
-_FIELDS = {ALPHA: "alpha_rad", A: "a_m", D: "d_m", BETA: "beta_rad"}
+_THETA_OFFSET = 4  # a column of `arm.chain.Chain.geometry` too, never free
+_FIELDS = {ALPHA: "alpha_rad", A: "a_m", D: "d_m", BETA: "beta_rad", _THETA_OFFSET: "theta_offset_rad"}
 #: Standard deviations over people, assumed: of the angle between axes (the elbow's carrying angle and the ankle's
 #: obliquity are 10° off a right angle; Isman and Inman 1969 give 9° sd of the subtalar axis), of how far axes pass
 #: each other by [m], of the share of a table's length, and of where a table or a regression has a centre [m].
@@ -62,47 +72,62 @@ class Geometry:
     base_R : (3, 3)
         Frame 0's axes as columns, in the segment that carries it.
     base_p : (3,) [m]
+    revolute : (n_joint,) bool
+    parent : (n_joint,) int64
+    hang : (n_joint, 4)
+        Which link each joint hangs on, and where, as `arm.chain.Chain` has them.
     """
 
     numbers: Floats
     base_R: Floats
     base_p: Floats
+    revolute: NDArray[np.bool_]
+    parent: Integers
+    hang: Floats
 
     def moved(self, free: FreeGeometry, step: Floats) -> "Geometry":
         """Return the geometry a step further; a turn of the base is about frame 0's axes."""
-        numbers, R, p = self.numbers.copy(), self.base_R, self.base_p.copy()
+        numbers, p, hang = self.numbers.copy(), self.base_p.copy(), self.hang.copy()
         turn = np.zeros(3)
         for (kind, i), value in zip(free.what, step, strict=True):
             if kind == BASE_POSITION:
                 p[i] += value
             elif kind == BASE_ROTATION:
                 turn[i] += value
+            elif kind >= HANG_X:
+                hang[i, 1 + kind - HANG_X] += value
             else:
                 numbers[i, kind] += value
-        return Geometry(numbers, R @ Rotation.from_rotvec(turn).as_matrix(), p)
+        R = self.base_R @ Rotation.from_rotvec(turn).as_matrix()
+        return replace(self, numbers=numbers, base_R=R, base_p=p, hang=hang)
 
     def away(self, free: FreeGeometry, other: "Geometry") -> Floats:
         """Return the free numbers less those of another geometry, (n_free,)."""
         turn = Rotation.from_matrix(other.base_R.T @ self.base_R).as_rotvec()
-        differences = {BASE_POSITION: self.base_p - other.base_p, BASE_ROTATION: turn}
-        return np.array(
-            [
-                differences[kind][i] if kind in differences else self.numbers[i, kind] - other.numbers[i, kind]
-                for kind, i in free.what
-            ]
-        )
+        p, hang, numbers = self.base_p - other.base_p, self.hang - other.hang, self.numbers - other.numbers
+        found = np.empty(len(free.what))
+        for k, (kind, i) in enumerate(free.what):
+            if kind in (BASE_POSITION, BASE_ROTATION):
+                found[k] = (p if kind == BASE_POSITION else turn)[i]
+            else:
+                found[k] = hang[i, 1 + kind - HANG_X] if kind >= HANG_X else numbers[i, kind]
+        return found
 
     def joints(self, arm: Arm) -> tuple[Joint, ...]:
         """Return an arm's joints with these numbers."""
-        return tuple(
-            replace(joint, **{name: float(row[kind]) for kind, name in _FIELDS.items()})  # type: ignore[arg-type]
-            for joint, row in zip(arm.joints, self.numbers, strict=True)
-        )
+        found = []
+        for joint, row, hang in zip(arm.joints, self.numbers, self.hang, strict=True):
+            one = replace(joint, **{name: float(row[kind]) for kind, name in _FIELDS.items()})  # type: ignore[arg-type]
+            if joint.parent_position_m is not None:
+                one = replace(one, parent_position_m=(float(hang[1]), float(hang[2]), float(hang[3])))
+            found.append(one)
+        return tuple(found)
 
 
 def geometry_of(arm: Arm) -> Geometry:
     """Return an arm's numbers, frame 0 at the origin."""
-    return Geometry(chain_of(arm).geometry.copy(), np.eye(3), np.zeros(3))
+    chain = chain_of(arm)
+    return Geometry(chain.geometry.copy(), np.eye(3), np.zeros(3), chain.revolute, chain.parent, chain.hang.copy())
 
 
 def free_geometry(arm: Arm, centre_std_m: float, length_std_m: Sequence[float]) -> FreeGeometry:
@@ -120,22 +145,40 @@ def free_geometry(arm: Arm, centre_std_m: float, length_std_m: Sequence[float]) 
     is_leg = arm.n_joint == 6
     k = 0 if is_leg else arm.n_joint - 7
     rows: list[tuple[int, int, float]] = [(BASE_POSITION, axis, centre_std_m) for axis in range(3)]
-    lengths = list(length_std_m)
-    if k:  # where the girdle's axes stand in the thorax, and where the shoulder is on the girdle
+    if k:  # where the girdle's axes stand in the thorax
         rows += [(BASE_ROTATION, axis, TWIST_RAD) for axis in range(2)]
-        rows += [(A, 1, lengths.pop(0)), (D, 1, 2.0 * PASSES_M)]
-    upper, lower = lengths
+    return of_rows(rows + limb_rows(is_leg, k, length_std_m))
+
+
+def limb_rows(is_leg: bool, ball: int, length_std_m: Sequence[float]) -> list[tuple[int, int, float]]:
+    """Return kind, joint and prior standard deviation of what is free of a limb, without where it begins.
+
+    Parameters
+    ----------
+    is_leg : bool
+    ball : int
+        Its hip's or shoulder's first joint, from 0.
+    length_std_m : sequence of float
+        As `free_geometry` takes them: three of an arm with a girdle, two otherwise.
+    """
+    k, (*girdle, upper, lower) = ball, length_std_m
+    rows = [(A, k - 1, girdle[0]), (D, k - 1, 2.0 * PASSES_M)] if girdle else []  # the shoulder on the girdle
     rows += [(D, k + 2, upper)]
     if is_leg:
-        rows += [(A, 3, lower), (ALPHA, 4, TWIST_RAD), (BETA, 4, TWIST_RAD)]
-        rows += [(D, 4, PASSES_M), (A, 4, PASSES_M), (ALPHA, 5, 2.0 * TWIST_RAD)]
-    else:
-        rows += [(ALPHA, k + 3, TWIST_RAD), (A, k + 3, PASSES_M), (ALPHA, k + 4, TWIST_RAD)]
-        rows += [(D, k + 4, lower), (A, k + 4, PASSES_M), (ALPHA, k + 5, TWIST_RAD)]
-        rows += [(D, k + 5, PASSES_M), (A, k + 5, PASSES_M), (ALPHA, k + 6, TWIST_RAD)]
-    names = tuple(
-        f"{_NAMES[kind]}_{'xyz'[i]}" if kind in (BASE_POSITION, BASE_ROTATION) else f"{_NAMES[kind]}{i + 1}"
-        for kind, i, _ in rows
-    )
+        rows += [(A, k + 3, lower), (ALPHA, k + 4, TWIST_RAD), (BETA, k + 4, TWIST_RAD)]
+        return rows + [(D, k + 4, PASSES_M), (A, k + 4, PASSES_M), (ALPHA, k + 5, 2.0 * TWIST_RAD)]
+    rows += [(ALPHA, k + 3, TWIST_RAD), (A, k + 3, PASSES_M), (ALPHA, k + 4, TWIST_RAD)]
+    rows += [(D, k + 4, lower), (A, k + 4, PASSES_M), (ALPHA, k + 5, TWIST_RAD)]
+    return rows + [(D, k + 5, PASSES_M), (A, k + 5, PASSES_M), (ALPHA, k + 6, TWIST_RAD)]
+
+
+def of_rows(rows: Sequence[tuple[int, int, float]]) -> FreeGeometry:
+    """Return the free numbers of rows of kind, joint (or axis) from 0, and prior standard deviation."""
     what: NDArray[np.int64] = np.array([(kind, i) for kind, i, _ in rows], dtype=np.int64)
-    return FreeGeometry(what, names, np.array([std for *_, std in rows]))
+    return FreeGeometry(what, tuple(_name(kind, i) for kind, i, _ in rows), np.array([std for *_, std in rows]))
+
+
+def _name(kind: int, i: int) -> str:
+    if kind in (BASE_POSITION, BASE_ROTATION):
+        return f"{_NAMES[kind]}_{'xyz'[i]}"
+    return f"parent_position{i + 1}_{'xyz'[kind - HANG_X]}" if kind >= HANG_X else f"{_NAMES[kind]}{i + 1}"

@@ -4,6 +4,7 @@ The preset's chain gets the lengths that centres and landmarks have, follows the
 takes along every marker where it then is, in the median of the frames.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -33,6 +34,8 @@ PLACE_STD_M = 0.05
 _SKIN_M, _STANDS_M, _MOST_SWAY_M = 0.008, 1e-5, 0.02
 #: Of a ball joint, and at the least of others [rad].
 _BALL_STD_RAD, _LEAST_STD_RAD = 2.0, 0.5
+#: Of where a floating base is in the laboratory [m].
+_ANYWHERE_M = 10.0
 
 
 @dataclass(frozen=True)
@@ -84,10 +87,10 @@ def initial_geometry(
     height_m : float
         Of the person, or of the mean one.
     """
-    arm, length_std = _with_lengths(arm, where, centres)
+    arm, length_std = with_lengths(arm, where, centres)
     origin, centre_std = _origin(where, trials, base, axes, centres, height_m)
     geometry = replace(geometry_of(arm), base_R=axes, base_p=origin)
-    virtual, points = _virtual(arm, where, trials, centres, height_m)
+    virtual, points = virtual_markers(arm, where, trials, centres, height_m)
     return Start(
         geometry, centre_std, length_std, angle_prior(arm, where, sway_std(base, origin)), virtual, points
     )
@@ -107,14 +110,32 @@ def sway_std(base: BaseMotion, at_m: Floats) -> float:
 
 def angle_prior(arm: Arm, where: LimbMap, sway_std_m: float) -> AnglePrior:
     """Return the prior of sway and angles: within the range of each joint, of a ball joint hardly any."""
+    own = joint_prior(arm, where.balls)
+    sway = np.zeros(SWAY)
+    plain = AnglePrior(np.concatenate([sway, own.mean]), np.concatenate([sway + 1.0, own.information]))
+    return base_sways(plain, sway_std_m)
+
+
+def joint_prior(arm: Arm, balls: Sequence[int], n_floating: int = 0) -> AnglePrior:
+    """Return the prior of angles without sway.
+
+    Parameters
+    ----------
+    arm : Arm
+    balls : sequence of int
+        First joints, from 0, of ball joints.
+    n_floating : int
+        How many joints float: they may be anywhere.
+    """
     mean, std = np.zeros(arm.n_joint), np.empty(arm.n_joint)
     for i, joint in enumerate(arm.joints):
         low, high = joint.limits or (-np.pi, np.pi)
-        ball = any(first <= i < first + 3 for first in where.balls)
+        ball = any(first <= i < first + 3 for first in balls)
         mean[i] = 0.0 if ball else 0.5 * (low + high)
         std[i] = _BALL_STD_RAD if ball else max(0.5 * (high - low), _LEAST_STD_RAD)
-    plain = AnglePrior(np.concatenate([np.zeros(SWAY), mean]), np.concatenate([np.ones(SWAY), std**-2]))
-    return base_sways(plain, sway_std_m)
+        if i < n_floating:
+            mean[i], std[i] = 0.0, _ANYWHERE_M if joint.type == "prismatic" else _BALL_STD_RAD
+    return AnglePrior(mean, std**-2)
 
 
 def first_angles(begin: Start, frames: Frames, rows: Integers, seed: int) -> Floats:
@@ -133,7 +154,7 @@ def placed(begin: Start, names: tuple[str, ...], links: Integers, frames: Frames
     return places
 
 
-def _with_lengths(arm: Arm, where: LimbMap, centres: dict[str, Centre]) -> tuple[Arm, tuple[float, ...]]:
+def with_lengths(arm: Arm, where: LimbMap, centres: dict[str, Centre]) -> tuple[Arm, tuple[float, ...]]:
     """Give the preset the lengths that two centres in one segment have; return how well they are known [m]."""
     a, d = (np.array([getattr(j, name) for j in arm.joints]) for name in ("a_m", "d_m"))
     k = where.balls[0]
@@ -184,7 +205,7 @@ def _middle_of_child(where: LimbMap, trials: LimbTrials, base: BaseMotion) -> Fl
     return np.asarray(local if base.segment is None else 0.5 * local)
 
 
-def _virtual(
+def virtual_markers(
     arm: Arm, where: LimbMap, trials: LimbTrials, centres: dict[str, Centre], height_m: float
 ) -> tuple[MarkerModel, Floats]:
     """Return centres and landmarks on their links, and where they were in all frames, (n_frame, m, 3)."""

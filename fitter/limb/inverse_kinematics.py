@@ -19,7 +19,13 @@ _FAR = 5.0
 
 
 def follow(
-    chain: MarkerChain, frames: Frames, std_m: Floats, prior: AnglePrior, seed: int, near: Floats | None = None
+    chain: MarkerChain,
+    frames: Frames,
+    std_m: Floats,
+    prior: AnglePrior,
+    seed: int,
+    near: Floats | None = None,
+    begin: Floats | None = None,
 ) -> Floats:
     """Return the angles that bring the chain nearest to the markers, (n_frame, n_joint).
 
@@ -34,13 +40,16 @@ def follow(
         Of the postures that a frame begins anew from.
     near : (n_frame, n_joint), optional
         Angles to begin at, in place of those of the frame before.
+    begin : (n_frame, n_joint), optional
+        Where the postures that a frame begins anew from lie about; the prior's mean.
     """
     n = len(prior.mean)
     rng = np.random.default_rng([seed, 7])
     spread = np.minimum(1.0 / np.sqrt(prior.information), np.pi / 2.0)
-    starts = prior.mean + np.vstack([np.zeros(n), rng.normal(size=(_STARTS - 1, n)) * spread])
-    q = np.tile(prior.mean, (len(frames.y), 1)) if near is None else near.copy()
-    _follow(chain, frames, std_m**2, prior, starts, near is not None, slopes_room(n, 0), q)
+    starts = np.vstack([np.zeros(n), rng.normal(size=(_STARTS - 1, n)) * spread])
+    about = np.tile(prior.mean, (len(frames.y), 1)) if begin is None else np.ascontiguousarray(begin)
+    q = about.copy() if near is None else near.copy()
+    _follow(chain, frames, std_m**2, prior, about, starts, near is not None, slopes_room(n, 0), q)
     return q
 
 
@@ -50,6 +59,7 @@ def _follow(
     frames: Frames,
     variance: Floats,
     prior: AnglePrior,
+    about: Floats,
     starts: Floats,
     near: bool,
     room: Slopes,
@@ -69,7 +79,7 @@ def _follow(
             best = cost
             best_q[:] = q[k]
             for s in range(starts.shape[0]):
-                trial_q[:] = starts[s]
+                trial_q[:] = about[k] + starts[s]
                 found = solve_frame(chain, frames, k, variance, prior, 60, room, trial_q)
                 if found < best - 1e-6 * abs(best):
                     best = found
@@ -165,12 +175,17 @@ def frame_equations(
         total += t_cost(squares, variance[m])
         w = t_weight(squares, variance[m])
         joint_slopes(chain, room, m, y)
-        for row in range(3):
-            for i in range(n):
-                a[i] += w * room.by_q[row, i] * r[row]
-                for j in range(n):
-                    A[i, j] += w * room.by_q[row, i] * room.by_q[row, j]
+        way, depth, J = chain.way[chain.link[m]], chain.depth[chain.link[m]], room.by_q
+        for e in range(depth):
+            i = way[e]
+            jx, jy, jz = w * J[0, i], w * J[1, i], w * J[2, i]
+            a[i] += jx * r[0] + jy * r[1] + jz * r[2]
+            for f in range(e + 1):
+                j = way[f]
+                A[i, j] += jx * J[0, j] + jy * J[1, j] + jz * J[2, j]
     for i in range(n):
+        for j in range(i):
+            A[j, i] = A[i, j]
         total += prior.information[i] * (q[i] - prior.mean[i]) ** 2
         A[i, i] += prior.information[i]
         a[i] -= prior.information[i] * (q[i] - prior.mean[i])

@@ -1,14 +1,16 @@
 """The JSON document of `fitter kinematics` for a person's limb."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 import numpy as np
 
 from arm.model import Floats
 from fitter.functional.disjoint import coverage_factor
 from fitter.limb.base_motion import named
+from fitter.limb.bundle import Bundle
+from fitter.limb.free_geometry import FreeGeometry, Geometry
 from fitter.limb.limb_fit import LimbFit
-from fitter.limb.uncertainty import derived
+from fitter.limb.uncertainty import Derived, Errors, derived
 from fitter.markers.recording import MarkerRecording
 from limbcal.command import Document
 
@@ -16,67 +18,93 @@ _COLUMNS = (("alpha", "rad", 0), ("a", "m", 1), ("d", "m", 2), ("beta", "rad", 3
 
 
 def document(
-    fit: LimbFit, learn: Sequence[MarkerRecording], evaluate: Sequence[MarkerRecording], seed: int, seconds: float
+    fit: LimbFit, learn: Sequence[MarkerRecording], evaluate: Sequence[MarkerRecording], seed: int
 ) -> dict[str, object]:
-    """Return the JSON document of a fit, without its notes."""
+    """Return the JSON document of a fit, without its notes and what it took."""
+    names = (*fit.bundle.markers.names, *fit.base.markers)
     learnt = fit.residuals_m(learn, seed)
     judged = fit.residuals_m(evaluate, seed) if evaluate else None
-    n_limb = len(fit.bundle.markers.names)
-    names = (*fit.bundle.markers.names, *fit.base.markers)
-    judged_or_learnt = learnt if judged is None else judged
-    marker_rms: dict[str, object] = {"learn": of_markers(learnt, n_limb)}
-    if judged is not None:
-        marker_rms["evaluate"] = of_markers(judged, n_limb)
-    marker_rms["per_marker"] = {name: rms_mm(judged_or_learnt[:, m]) for m, name in enumerate(names)}
+    base = [(f"base_{axis}", float(x), "m") for axis, x in zip("xyz", fit.bundle.geometry.base_p, strict=True)]
+    own = derived(fit.where, fit.bundle.geometry, fit.bundle.markers.link, *[fit.bundle.markers.place] * 2)
+    found = derived_document(own, fit.errors, lambda name: _length_std(fit, name), lambda s: _markers_of(fit, s))
+    for name, one in dict(found["centres"]).items():  # type: ignore[call-overload]
+        if any(functional.joint == name for functional in fit.functional):
+            one |= _score(fit, name)
     return {
-        "parameters": parameters(fit),
-        "method": "bundle",
-        "generations": fit.bundle.iterations,
-        "samples": len(fit.task.frames.t),
-        "seconds": seconds,
-        "converged": fit.bundle.converged,
-        "marker_rms_mm": marker_rms,
-        **_derived_document(fit),
+        "parameters": parameters(fit.bundle.geometry, fit.free, fit.errors, base),
+        **of_bundle(fit.bundle, len(fit.task.frames.t)),
+        "marker_rms_mm": of_roles(learnt, judged, names, len(fit.bundle.markers.names)),
+        **found,
     }
 
 
-def parameters(fit: LimbFit) -> Document:
-    """Return every number of eq. (1) and frame 0's place, with its error; what is gauge has none."""
-    std = dict(zip(fit.free.names, fit.errors.free_std, strict=True))
-    learnt = dict(zip(fit.free.names, fit.errors.learnt, strict=True))
-    found: dict[str, object] = {}
+def of_bundle(bundle: Bundle, n_frame: int) -> Document:
+    """Return how a fit went."""
+    return {
+        "method": "bundle",
+        "generations": bundle.iterations,
+        "samples": n_frame,
+        "converged": bundle.converged,
+    }
 
-    def add(name: str, value: float, unit: str) -> None:
-        found[name] = {
+
+def of_roles(learnt_m: Floats, judged_m: Floats | None, names: Sequence[str], n_limb: int) -> Document:
+    """Return ``marker_rms_mm`` from markers' distances, (n_frame, n_marker) [m], those of a base coming last."""
+    found: dict[str, object] = {"learn": of_markers(learnt_m, n_limb)}
+    if judged_m is not None:
+        found["evaluate"] = of_markers(judged_m, n_limb)
+    last = learnt_m if judged_m is None else judged_m
+    found["per_marker"] = {name: rms_mm(last[:, m]) for m, name in enumerate(names)}
+    return found
+
+
+def parameters(
+    geometry: Geometry, free: FreeGeometry, errors: Errors, more: Sequence[tuple[str, float, str]]
+) -> Document:
+    """Return every number of eq. (1), and some more by name, value and unit; what is gauge has no error."""
+    std = dict(zip(free.names, errors.free_std, strict=True))
+    learnt = dict(zip(free.names, errors.learnt, strict=True))
+    rows = [
+        (f"{name}{i + 1}", row[column], unit)
+        for i, row in enumerate(geometry.numbers)
+        for name, unit, column in _COLUMNS
+    ]
+    return {
+        name: {
             "value": float(value),
             "std": float(std[name]) if name in std else None,
             "unit": unit,
             "identifiable": bool(learnt.get(name, False)),
         }
-
-    for i, row in enumerate(fit.bundle.geometry.numbers):
-        for name, unit, column in _COLUMNS:
-            add(f"{name}{i + 1}", row[column], unit)
-    for axis, value in zip("xyz", fit.bundle.geometry.base_p, strict=True):
-        add(f"base_{axis}", value, "m")
-    return found
+        for name, value, unit in [*rows, *more]
+    }
 
 
-def _derived_document(fit: LimbFit) -> dict[str, object]:
-    """Return lengths, centres and axes with their errors."""
-    markers, errors = fit.bundle.markers, fit.errors
-    own = derived(fit.where, fit.bundle.geometry, markers.link, markers.place, markers.place)
+def derived_document(
+    own: Derived,
+    errors: Errors,
+    length_std: Callable[[str], float],
+    markers_of: Callable[[str], dict[str, list[float]]],
+) -> dict[str, object]:
+    """Return lengths, centres and axes with their errors.
+
+    Parameters
+    ----------
+    own : Derived
+    errors : Errors
+    length_std : callable
+        The least standard error of a length by name [m].
+    markers_of : callable
+        Markers of a segment in the frame of its centres.
+    """
     variance, at = np.diag(errors.derived_covariance), 0
     lengths: dict[str, object] = {}
     factor = coverage_factor(errors.n_part)
-    floor = dict(zip(fit.free.names, errors.free_std, strict=True))
     for name, value in own.lengths.items():
-        std = float(np.sqrt(variance[at]))
-        std = max(std, _length_std(floor, fit, name))
+        std = max(float(np.sqrt(variance[at])), length_std(name))
         lengths[name] = {"value": value, "std": std, "ci95": [value - factor * std, value + factor * std]}
         at += 1
     centres: dict[str, object] = {}
-    score = {f.joint: f for f in fit.functional}
     for name, (segment, place) in own.centres.items():
         std = float(np.sqrt(variance[at : at + 3].sum()))
         at += 3
@@ -85,29 +113,32 @@ def _derived_document(fit: LimbFit) -> dict[str, object]:
             "position_m": [float(x) for x in place],
             "std_mm": 1e3 * std,
             "apart_mm": _finite(1e3 * errors.apart_m("centres", name)),
-            "markers_m": _markers_of(fit, segment),
+            "markers_m": markers_of(segment),
         }
-        if name in score:
-            centres[name] |= _score(fit, name)  # type: ignore[operator]
     axes: dict[str, object] = {}
     for name, (segment, way) in own.axes.items():
         std = float(np.sqrt(variance[at : at + 3].sum()))
         at += 3
+        posed = len(markers_of(segment)) >= 3
         axes[name] = {
             "segment": segment,
             "direction": [float(x) for x in way],
-            "std_deg": float(np.degrees(std)) if len(_markers_of(fit, segment)) >= 3 else None,
-            "apart_deg": _finite(float(np.degrees(errors.apart_m("axes", name))))
-            if len(_markers_of(fit, segment)) >= 3
-            else None,
+            "std_deg": float(np.degrees(std)) if posed else None,
+            "apart_deg": _finite(float(np.degrees(errors.apart_m("axes", name)))) if posed else None,
         }
     return {"lengths_m": lengths, "centres": centres, "axes": axes}
 
 
-def _length_std(free_std: dict[str, float], fit: LimbFit, name: str) -> float:
-    k = fit.where.balls[0]
-    label = {"upper_arm": f"d{k + 3}", "thigh": "d3", "forearm": f"d{k + 5}", "shank": "a4", "girdle": "a2"}[name]
-    return float(free_std[label])
+def _length_std(fit: LimbFit, name: str) -> float:
+    return float(fit.errors.free_std[fit.free.names.index(length_label(name, fit.where.balls[0]))])
+
+
+def length_label(length: str, ball: int) -> str:
+    """Return which number of eq. (1) a length is, given the first joint of hip or shoulder, from 0."""
+    k = ball
+    return {
+        "upper_arm": f"d{k + 3}", "thigh": f"d{k + 3}", "forearm": f"d{k + 5}", "shank": f"a{k + 4}", "girdle": f"a{k}",
+    }[length]  # fmt: skip
 
 
 def _score(fit: LimbFit, joint: str) -> dict[str, object]:

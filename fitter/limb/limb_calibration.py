@@ -33,7 +33,7 @@ from limbcal.note import Note
 #: Frames that a fit takes, evenly spread over all that can be used.
 FIT_FRAMES = 500
 #: Where each marker's scale begins [m].
-_FIRST_STD_M = 0.01
+FIRST_STD_M = 0.01
 
 
 def calibrate(
@@ -92,13 +92,13 @@ def calibrate(
     there = np.asarray(np.isfinite(place).all(axis=1))
     names = tuple(name for name, ok in zip(names, there.tolist(), strict=True) if ok)
     chosen = chosen._replace(y=np.ascontiguousarray(chosen.y[:, there]))
-    markers = MarkerModel(names, links[there], place[there], np.full(len(names), _FIRST_STD_M))
+    markers = MarkerModel(names, links[there], place[there], np.full(len(names), FIRST_STD_M))
     task, n_part, trial = _task(arm, where, trials, begin, markers, chosen, person.height_m)
     q = follow(markers.chain(begin.geometry), chosen, markers.std, begin.angles, seed, q)
     bundle = fit_bundle(task, begin.geometry, markers, q, _reporter(progress, "fitting"))
     halves = disjoint_fits(task, bundle, trial, progress)
     found = errors(where, task, bundle, n_part, halves)
-    notes = (*trials.notes, *base.notes, *base_notes, *centre_notes, *lock_notes, *_open(task, found))
+    notes = (*trials.notes, *base.notes, *base_notes, *centre_notes, *lock_notes, *left_at_prior(task, found))
     acromion = marker_set.landmarks.get(f"acromion_{where.side}")
     if acromion is not None and not where.balls[0] and "elbow" in where.centres:
         seen = np.concatenate([r.of([acromion])[:, 0] for r in recordings])[rows]
@@ -175,7 +175,8 @@ def _task(
     return task, parts.n_part, parts.trial.astype(np.int64)
 
 
-def _open(task: Task, found: Errors) -> list[Note]:
+def left_at_prior(task: Task, found: Errors) -> list[Note]:
+    """Say which free numbers the motion did not determine."""
     unresolved = [name for name, learnt in zip(task.free.names, found.learnt, strict=True) if not learnt]
     if not unresolved:
         return []

@@ -1,6 +1,6 @@
 """Recordings of one person, sorted into the segments of one limb."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -80,7 +80,38 @@ def limb_trials(recordings: Sequence[MarkerRecording], marker_set: MarkerSet, wh
         If the marker set or the recordings have no marker on a part that the limb needs.
     """
     wanted = (where.base, *where.parts)
-    own = _limb_set(marker_set, wanted)
+    first = next(iter(s for s in where.parts if s.startswith(("upper_arm", "thigh"))))
+
+    def of_the_limb(landmark: str) -> bool:
+        return not landmark.endswith(_other(where)) or landmark in _BOTH_SIDES
+
+    return sorted_trials(recordings, _limb_set(marker_set, wanted), wanted, (first,), of_the_limb)
+
+
+def sorted_trials(
+    recordings: Sequence[MarkerRecording],
+    own: MarkerSet,
+    wanted: Sequence[str],
+    needed: Sequence[str],
+    keeps: Callable[[str], bool] = lambda _: True,
+) -> LimbTrials:
+    """Sort recordings into segments.
+
+    Parameters
+    ----------
+    recordings : sequence of MarkerRecording
+    own : MarkerSet
+        What there is to do with of a marker set.
+    wanted, needed : sequence of str
+        Segments, and those without which it does not do.
+    keeps : callable
+        Whether a landmark is kept.
+
+    Raises
+    ------
+    DataError
+        If no marker of a segment that is needed is in the recordings.
+    """
     seen = _seen(recordings)
     fit = fit_marker_set(own, seen)
     segments: dict[str, tuple[str, ...]] = {}
@@ -91,17 +122,15 @@ def limb_trials(recordings: Sequence[MarkerRecording], marker_set: MarkerSet, wh
             segments[segment] = tuple(on_it)
     segments, elsewhere, computed = _sorted_by_distances(own, segments, recordings)
     computed |= own.computed & {m for on_it in segments.values() for m in on_it}
-    first = next(iter(s for s in where.parts if s.startswith(("upper_arm", "thigh"))))
-    if first not in segments:
-        raise DataError(
-            f"marker set {marker_set.name}: no marker of {first} is in the recordings, expected some: "
-            f"{', '.join(own.segments.get(first, ())) or 'the set names none'}; "
-            f"{best_built_in(seen)[0]} is the built-in set that fits best"
-        )
-    trunk = [m for landmark, m in fit.landmarks.items() if not landmark.endswith(_other(where))] + [
-        fit.landmarks[name] for name in _BOTH_SIDES if name in fit.landmarks
-    ]
-    names = tuple(dict.fromkeys([*(m for on_it in segments.values() for m in on_it), *trunk]))
+    for segment in needed:
+        if segment not in segments:
+            raise DataError(
+                f"marker set {own.name}: no marker of {segment} is in the recordings, expected some: "
+                f"{', '.join(own.segments.get(segment, ())) or 'the set names none'}; "
+                f"{best_built_in(seen)[0]} is the built-in set that fits best"
+            )
+    others = [m for landmark, m in fit.landmarks.items() if keeps(landmark)]
+    names = tuple(dict.fromkeys([*(m for on_it in segments.values() for m in on_it), *others]))
     trials = tuple(recording.of(names) for recording in recordings)
     motions, notes = _motions(segments, names, trials)
     ups = {recording.up for recording in recordings}

@@ -1,12 +1,12 @@
 """Observed markers, the base's pose and the weights of a limb's frames, as the kernels take them."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from arm.marker_kinematics import BASE_POSITION, Integers, MarkerChain, moved_by
+from arm.marker_kinematics import BASE_POSITION, BASE_ROTATION, Integers, MarkerChain, moved_by, ways
 from arm.model import Floats
 from fitter.limb.free_geometry import Geometry
 
@@ -20,6 +20,7 @@ FREEDOM = 4.0
 #: where too few of its markers are seen. alpha, a, d, beta, theta offset of each.
 SWAY = 6
 _ALONG_AXES = np.array([[0.0, 0.0, 0.0, 0.5, 0.0], [-0.5, 0.0, 0.0, -0.5, 0.0], [0.5, 0.0, 0.0, 0.0, 0.0]])
+_SWAY_TURNS = np.arange(SWAY) >= SWAY // 2
 _SWAY_ROWS = np.vstack([_ALONG_AXES, _ALONG_AXES]) * np.array([np.pi, 1.0, 1.0, np.pi, np.pi])
 #: Standard deviation of a sway that cannot be [m or rad], and of one that markers determine [m], [rad].
 _NO_SWAY, _FREE_M, _FREE_RAD = 1e-6, 0.05, 0.3
@@ -76,36 +77,41 @@ class MarkerModel:
         In the link's joint-axis frame.
     std : (m,) [m]
         How far each wanders along an axis.
+    sway : int
+        Joints of the base's sway before the limb's own: `SWAY`, or none where the base floats by joints of its own.
     """
 
     names: tuple[str, ...]
     link: Integers
     place: Floats
     std: Floats
+    sway: int = SWAY
 
     def chain(self, geometry: Geometry) -> MarkerChain:
-        """Return the chain with these markers, the base's sway before it; all its own joints turn."""
-        n = len(geometry.numbers)
-        parent = np.arange(SWAY + n, dtype=np.int64) - 1
-        hang = np.zeros((SWAY + n, 4))
-        hang[1:, 0] = 1.0
+        """Return the chain with these markers, the base's sway before it."""
+        sway = self.sway
+        parent = np.concatenate([np.arange(sway) - 1, geometry.parent + sway])
+        hang = np.vstack([np.zeros((sway, 4)), geometry.hang])
+        moves = moved_by(parent)
         return MarkerChain(
-            np.arange(SWAY + n) >= SWAY // 2,
-            np.ascontiguousarray(np.vstack([_SWAY_ROWS, geometry.numbers])),
-            self.link + SWAY,
+            np.concatenate([_SWAY_TURNS[:sway], geometry.revolute]),
+            np.ascontiguousarray(np.vstack([_SWAY_ROWS[:sway], geometry.numbers])),
+            self.link + sway,
             np.ascontiguousarray(self.place),
             np.ascontiguousarray(geometry.base_R),
             np.ascontiguousarray(geometry.base_p),
             parent,
             hang,
-            moved_by(parent),
+            moves,
+            *ways(moves),
         )
 
 
-def swayed(what: Integers) -> Integers:
+def swayed(what: Integers, sway: int) -> Integers:
     """Return free numbers of eq. (1) by their joint in the chain with the base's sway before it, (n_free, 2)."""
     moved = what.copy()
-    moved[:, 1] += np.where(what[:, 0] < BASE_POSITION, SWAY, 0)
+    of_joint = (what[:, 0] != BASE_POSITION) & (what[:, 0] != BASE_ROTATION)
+    moved[:, 1] += np.where(of_joint, sway, 0)
     return moved
 
 
@@ -136,9 +142,10 @@ def _with_sway(prior: AnglePrior, std: Floats) -> AnglePrior:
 
 def with_base(model: MarkerModel, names: tuple[str, ...], place: Floats, std_m: float) -> MarkerModel:
     """Return the markers of a limb and after them those of its base, whose places are in frame 0."""
-    return MarkerModel(
-        (*model.names, *names),
-        np.concatenate([model.link, np.full(len(names), -1, dtype=np.int64)]),
-        np.vstack([model.place, place.reshape(-1, 3)]),
-        np.concatenate([model.std, np.full(len(names), std_m)]),
+    return replace(
+        model,
+        names=(*model.names, *names),
+        link=np.concatenate([model.link, np.full(len(names), -1, dtype=np.int64)]),
+        place=np.vstack([model.place, place.reshape(-1, 3)]),
+        std=np.concatenate([model.std, np.full(len(names), std_m)]),
     )

@@ -13,7 +13,7 @@ from scipy.linalg import cho_solve_banded, cholesky_banded
 from arm.marker_kinematics import MarkerChain, Slopes, slopes_room
 from arm.model import Floats
 from fitter.limb.inverse_kinematics import frame_equations
-from fitter.limb.marker_observations import SWAY, AnglePrior, Frames
+from fitter.limb.marker_observations import AnglePrior, Frames
 from limbcal.compiled import compiled
 
 #: Spectral density of the jerk, of joints and turns of the base [rad²/s⁵], and of its shifts [m²/s⁵]: with
@@ -62,7 +62,7 @@ def smooth(
         Where to begin.
     """
     n = q.shape[1]
-    density = np.where(np.arange(n) < SWAY // 2, SWAY_JERK_DENSITY, JERK_DENSITY)
+    density = np.where(chain.revolute, JERK_DENSITY, SWAY_JERK_DENSITY)
     jerk = 1.0 / (density * dt_s**5)
     band = _jerk_band(len(q), jerk)
     room = slopes_room(n, 0)

@@ -95,7 +95,8 @@ def eliminate(  # noqa: PLR0912 - one loop over frames and markers, without arra
     n, n_free, n_shared = q.shape[1], free.shape[0], S.shape[1]
     y, r = np.empty(3), np.empty(3)
     A, C = np.empty((n, n)), np.empty((n, n_shared))
-    a = np.empty(n)
+    a, at = np.empty(n), np.empty(n_free + 3, dtype=np.int64)
+    G = np.empty((3, n_free + 3))
     S[:], b[:] = 0.0, 0.0
     for k in range(q.shape[0]):
         link_frames(chain, frames.R[k], frames.p[k], q[k], room)
@@ -112,32 +113,48 @@ def eliminate(  # noqa: PLR0912 - one loop over frames and markers, without arra
             w = t_weight(squares, variance[m])
             joint_slopes(chain, room, m, y)
             free_slopes(chain, room, frames.R[k], free, m, y)
-            J, G, R, at = room.by_q, room.by_free, room.R[chain.link[m]], n_free + 3 * m
+            n_at = _shared_slopes(chain, room, m, at, G)
+            ws = w * share[k]
+            link = chain.link[m]
+            way, depth, J = chain.way[link], chain.depth[link], room.by_q
             for row in range(3):
-                for i in range(n):
-                    a[i] += w * J[row, i] * r[row]
-                    for j in range(n):
-                        A[i, j] += w * J[row, i] * J[row, j]
-                    for j in range(n_free):
-                        C[i, j] += w * J[row, i] * G[row, j]
-                    for j in range(3):
-                        C[i, at + j] += w * J[row, i] * R[row, j]
-                ws = w * share[k]
-                for i in range(n_free):
-                    rhs[i] += ws * G[row, i] * r[row]
-                    for j in range(n_free):
-                        own[i, j] += ws * G[row, i] * G[row, j]
-                    for j in range(3):
-                        own[i, at + j] += ws * G[row, i] * R[row, j]
-                        own[at + j, i] += ws * G[row, i] * R[row, j]
-                for j in range(3):
-                    rhs[at + j] += ws * R[row, j] * r[row]
-            for j in range(3):
-                own[at + j, at + j] += w * share[k]
+                for e in range(depth):
+                    i = way[e]
+                    wj = w * J[row, i]
+                    a[i] += wj * r[row]
+                    for f in range(e + 1):
+                        A[i, way[f]] += wj * J[row, way[f]]
+                    for f in range(n_at):
+                        C[i, at[f]] += wj * G[row, f]
+                for e in range(n_at):
+                    wg = ws * G[row, e]
+                    rhs[at[e]] += wg * r[row]
+                    for f in range(n_at):
+                        own[at[e], at[f]] += wg * G[row, f]
         for i in range(n):
+            for j in range(i):
+                A[j, i] = A[i, j]
             A[i, i] = (1.0 + damping) * (A[i, i] + prior.information[i])
             a[i] -= prior.information[i] * (q[k, i] - prior.mean[i])
         gain[k] = np.linalg.solve(A, C)
         shift[k] = np.linalg.solve(A, a)
         own -= share[k] * np.dot(C.T, gain[k])
         rhs -= share[k] * np.dot(C.T, shift[k])
+
+
+@compiled
+def _shared_slopes(chain: MarkerChain, room: Slopes, m: int, at: Integers, G: Floats) -> int:
+    """Fill in which shared numbers move a marker, and how; return how many do."""
+    n_free, n_at = room.by_free.shape[1], 0
+    for j in range(n_free):
+        if room.by_free[0, j] != 0.0 or room.by_free[1, j] != 0.0 or room.by_free[2, j] != 0.0:
+            at[n_at] = j
+            for row in range(3):
+                G[row, n_at] = room.by_free[row, j]
+            n_at += 1
+    for j in range(3):
+        at[n_at] = n_free + 3 * m + j
+        for row in range(3):
+            G[row, n_at] = room.R[chain.link[m], row, j]
+        n_at += 1
+    return n_at

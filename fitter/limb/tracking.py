@@ -1,7 +1,7 @@
 """Markers of recordings to joint motion of a calibrated arm, and to that of the segment that carries its base."""
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -9,14 +9,15 @@ from scipy.spatial.transform import Rotation, Slerp
 
 from arm.body.landmarks import limb_map
 from arm.body.limbs import LIMBS
-from arm.chain import chain_of
+from arm.body.whole_body import BODY, body_map
 from arm.kinematics import rotation_from_rpy
 from arm.model import Arm, Floats
 from fitter.functional.rigid_fit import fit_poses
 from fitter.functional.template import doubtful_rms_m
 from fitter.limb.base_motion import BaseMotion, poses_of, quaternions
-from fitter.limb.free_geometry import Geometry
-from fitter.limb.initial_geometry import angle_prior
+from fitter.limb.floating_base import floating_angles, floating_joints
+from fitter.limb.free_geometry import Geometry, geometry_of
+from fitter.limb.initial_geometry import joint_prior
 from fitter.limb.inverse_kinematics import follow, link_poses, predicted
 from fitter.limb.marker_observations import SWAY, AnglePrior, Frames, MarkerModel, base_follows, with_base
 from fitter.limb.motion_smoother import smooth
@@ -38,8 +39,9 @@ class TrackedLimb:
     ----------
     t : (n_frame,) [s]
     q, q_std : (n_frame, n_joint) [rad]
-    base : (n_frame, 7)
-        x, y, z [m] and the quaternion w, x, y, z of the segment that carries the base.
+    base : (n_frame, 7), or None
+        x, y, z [m] and the quaternion w, x, y, z of the segment that carries the base; None where the base floats
+        by joints of its own.
     distance_m : (n_frame, n_marker)
         Of every marker of the arm from where the motion has it, NaN where it was not seen.
     notes : tuple of Note
@@ -48,7 +50,7 @@ class TrackedLimb:
     t: Floats
     q: Floats
     q_std: Floats
-    base: Floats
+    base: Floats | None
     distance_m: Floats
     notes: tuple[Note, ...]
 
@@ -75,14 +77,15 @@ def marked_arm(arm: Arm) -> MarkedArm:
     Raises
     ------
     ConfigError
-        If it has no markers on its links, or a joint that slides.
+        If it has no markers on its links, or a joint that slides and is none of a floating base.
     """
     on_links = [m for m in arm.markers if m.joint > 0]
     if not on_links:
         raise ConfigError(
             f"arm {arm.name!r} has no [[marker]] on its links, expected those of `fitter kinematics --body`"
         )
-    if any(joint.type != "revolute" for joint in arm.joints):
+    n_floating = 0 if arm.base is not None and arm.base.segment else floating_joints(arm)
+    if any(joint.type != "revolute" for joint in arm.joints[n_floating:]):
         raise ConfigError(
             f"arm {arm.name!r} has a joint that slides, expected only joints that turn, to track markers"
         )
@@ -94,27 +97,28 @@ def marked_arm(arm: Arm) -> MarkedArm:
         np.array([m.joint - 1 for m in on_links], dtype=np.int64),
         np.array([m.position_m for m in on_links]),
         np.array([max(m.std_m or _USUAL_STD_M, _LEAST_STD_M) for m in on_links]),
+        0 if n_floating else SWAY,
     )
     carried = [m for m in arm.markers if m.joint == 0]
     points = np.array([m.position_m for m in carried]).reshape(-1, 3) @ base_R.T + base_p
     segment = None if arm.base is None else arm.base.segment
     base = BaseMotion(segment, tuple(m.name for m in carried), points, np.empty((0, 3, 3)), np.empty((0, 3)))
-    if arm.name in LIMBS:
-        angles = angle_prior(arm, limb_map(arm.name, arm.n_joint), 0.0)
-    else:
-        angles = _plain_prior(arm)
+    angles = joint_prior(arm, _balls(arm), n_floating)
     in_frame_0 = np.array([m.position_m for m in carried]).reshape(-1, 3)
     base_std = max([_LEAST_STD_M, *(m.std_m or _USUAL_STD_M for m in carried)])
     everything = with_base(model, base.markers, in_frame_0, base_std)
-    geometry = Geometry(chain_of(arm).geometry.copy(), base_R, base_p)
-    return MarkedArm(geometry, model, base, everything, base_follows(angles, len(carried)))
+    geometry = replace(geometry_of(arm), base_R=base_R, base_p=base_p)
+    if not n_floating:
+        sway = np.zeros(SWAY)
+        with_sway = (np.concatenate([sway, angles.mean]), np.concatenate([sway + 1.0, angles.information]))
+        angles = base_follows(AnglePrior(*with_sway), len(carried))
+    return MarkedArm(geometry, model, base, everything, angles)
 
 
-def _plain_prior(arm: Arm) -> AnglePrior:
-    ranges = np.array([joint.limits or (-np.pi, np.pi) for joint in arm.joints])
-    std = np.maximum(0.5 * (ranges[:, 1] - ranges[:, 0]), 0.5)
-    std = np.concatenate([np.ones(SWAY), std])
-    return AnglePrior(np.concatenate([np.zeros(SWAY), ranges.mean(axis=1)]), std**-2)
+def _balls(arm: Arm) -> tuple[int, ...]:
+    if arm.name in LIMBS:
+        return limb_map(arm.name, arm.n_joint).balls
+    return body_map().balls if arm.name == BODY else ()
 
 
 def track_limb(
@@ -165,16 +169,20 @@ def _track_one(marked: MarkedArm, recording: MarkerRecording, seed: int) -> Trac
     everything = np.ascontiguousarray(np.concatenate([y, carried], axis=1))
     frames = Frames(everything, R, p, np.zeros(len(t), dtype=np.int64), t)
     chain, std = marked.everything.chain(marked.geometry), marked.everything.std
-    q = _first(follow(chain, frames, std, marked.angles, seed), seen)
+    sway, about = marked.markers.sway, None
+    if not sway:
+        about = floating_angles(marked.geometry, marked.everything, frames, marked.angles, seed)
+    q = _first(follow(chain, frames, std, marked.angles, seed, begin=about), seen, chain.revolute)
     found = smooth(chain, frames, std, marked.angles, 1.0 / recording.rate_hz, q)
     if not found.converged:
         more.append(Note("not_converged", "the angles still change where the search ends: do not rely on them"))
-    R0, o0 = (x[:, SWAY - 1] for x in link_poses(chain, frames, found.q))
-    R = R0 @ marked.geometry.base_R.T
-    p = o0 - np.einsum("nij,j->ni", R, marked.geometry.base_p)
     distance = np.linalg.norm(everything - predicted(chain, frames, found.q), axis=2)
-    pose = np.hstack([p, quaternions(R)])
-    return TrackedLimb(t, found.q[:, SWAY:], found.std[:, SWAY:], pose, distance, (*notes, *more))
+    pose = None
+    if sway:
+        R0, o0 = (x[:, sway - 1] for x in link_poses(chain, frames, found.q))
+        R = R0 @ marked.geometry.base_R.T
+        pose = np.hstack([o0 - np.einsum("nij,j->ni", R, marked.geometry.base_p), quaternions(R)])
+    return TrackedLimb(t, found.q[:, sway:], found.std[:, sway:], pose, distance, (*notes, *more))
 
 
 def _trusted(points_m: Floats, measured_m: Floats) -> tuple[Floats, Floats]:
@@ -189,12 +197,12 @@ def _trusted(points_m: Floats, measured_m: Floats) -> tuple[Floats, Floats]:
     return R, p
 
 
-def _first(q: Floats, seen: NDArray[np.bool_]) -> Floats:
+def _first(q: Floats, seen: NDArray[np.bool_], turns: NDArray[np.bool_]) -> Floats:
     """Return angles to begin from: without whole turns, and from frame to frame where too few markers are seen."""
     known = np.flatnonzero(seen.sum(axis=1) >= _LEAST_MARKERS)
     if not len(known):
         return q
-    some = np.unwrap(q[known], axis=0)
+    some = np.where(turns, np.unwrap(q[known], axis=0), q[known])
     return np.column_stack([np.interp(np.arange(len(q)), known, column) for column in some.T])
 
 

@@ -7,7 +7,7 @@ comes on top (`functional_error`).
 """
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -72,6 +72,13 @@ class Errors:
         """Return how far disjoint trials are apart in a centre [m] or an axis [rad], rms."""
         return rms_apart([getattr(one, kind)[name][1] for one in self.apart])
 
+    def with_systematic(self, std_m: float, free: Sequence[int], numbers: Sequence[int]) -> "Errors":
+        """Return the errors with one that all parts share, of some free and some derived numbers."""
+        free_var, covariance = self.free_std**2, self.derived_covariance.copy()
+        free_var[list(free)] += std_m**2
+        covariance[list(numbers), list(numbers)] += std_m**2
+        return replace(self, free_std=np.sqrt(free_var), derived_covariance=covariance)
+
 
 def derived(
     where: LimbMap, geometry: Geometry, links: NDArray[np.int64], place: Floats, reference: Floats
@@ -97,7 +104,7 @@ def derived(
     axes: dict[str, tuple[str, Floats]] = {}
     for segment, part in where.parts.items():
         on_it = links == part.link
-        R, shift = _towards(place[on_it], reference[on_it])
+        R, shift = towards(place[on_it], reference[on_it])
         if part.ends in where.centres:
             end = np.array([numbers[part.link, 1], 0.0, 0.0])
             centres[f"{part.ends}_{where.side}"] = (segment, R @ end + shift)
@@ -109,7 +116,7 @@ def derived(
     return Derived({name: float(x) for name, x in lengths.items()}, centres, axes)
 
 
-def _towards(place: Floats, reference: Floats) -> tuple[Floats, Floats]:
+def towards(place: Floats, reference: Floats) -> tuple[Floats, Floats]:
     """Return the rotation and shift that bring places nearest to their reference; only a shift of fewer than 3."""
     if not len(place):
         return np.eye(3), np.zeros(3)
@@ -123,7 +130,7 @@ def _towards(place: Floats, reference: Floats) -> tuple[Floats, Floats]:
 
 
 def errors(where: LimbMap, task: Task, bundle: Bundle, n_part: int, halves: Sequence[Bundle]) -> Errors:
-    """Return the errors of a bundle fit.
+    """Return the errors of a bundle fit of one limb.
 
     Parameters
     ----------
@@ -134,6 +141,36 @@ def errors(where: LimbMap, task: Task, bundle: Bundle, n_part: int, halves: Sequ
     n_part : int
     halves : sequence of Bundle
         Fits of disjoint trials by themselves (`disjoint_fits`).
+    """
+    markers = bundle.markers
+
+    def derive(geometry: Geometry, place: Floats) -> Derived:
+        return derived(where, geometry, markers.link, place, markers.place)
+
+    found = errors_of(task, bundle, n_part, halves, derive)
+    if where.balls[0]:  # with a girdle before it the first centre is another
+        return found
+    off = systematic_std_m(next(iter(where.centres)))
+    near = [task.free.names.index(name) for name in ("base_x", "base_y", "base_z", "d3")]
+    two_lengths = 2
+    return found.with_systematic(off, near, [0, *range(two_lengths, two_lengths + 3)])
+
+
+def errors_of(
+    task: Task,
+    bundle: Bundle,
+    n_part: int,
+    halves: Sequence[Bundle],
+    derive: Callable[[Geometry, Floats], Derived],
+) -> Errors:
+    """Return the errors of a bundle fit, but for what is off alike in all parts.
+
+    Parameters
+    ----------
+    task, bundle, n_part, halves
+        As `errors` takes them.
+    derive : callable
+        Given a geometry and marker places, (m, 3), returns what follows from them.
     """
     markers, n_free = bundle.markers, len(task.free.std)
     information = task.prior.information
@@ -150,28 +187,17 @@ def errors(where: LimbMap, task: Task, bundle: Bundle, n_part: int, halves: Sequ
 
     def derived_at(shared: Floats) -> Floats:
         geometry = bundle.geometry.moved(task.free, shared[:n_free])
-        place = markers.place + shared[n_free:].reshape(-1, 3)
-        return derived(where, geometry, markers.link, place, markers.place).vector()
+        return derive(geometry, markers.place + shared[n_free:].reshape(-1, 3)).vector()
 
     posterior = np.linalg.inv(bundle.S.sum(axis=0) + np.diag(information))
     formal = np.sqrt(np.diag(posterior)[:n_free])
     spread = np.sqrt(np.diag(jackknife(lambda use: step(use)[:n_free], n_part)))
     # what the motion leaves open stays at the prior whichever part is left out: its error is the posterior's
-    learnt = formal < LEARNT * task.free.std
-    free_var, derived_cov = (
-        np.fmax(spread, formal) ** 2,
-        _larger(jackknife(derived_of, n_part), _carried(derived_at, posterior)),
-    )
-    if not where.balls[0]:  # with a girdle before it the first centre is another
-        off = systematic_std_m(next(iter(where.centres))) ** 2
-        free_var[[task.free.names.index(name) for name in ("base_x", "base_y", "base_z", "d3")]] += off
-        two_lengths = 2
-        derived_cov[np.diag_indices(two_lengths + 3)] += off * np.array([1.0, 0.0, 1.0, 1.0, 1.0])
     return Errors(
-        np.sqrt(free_var),
-        learnt,
-        derived_cov,
-        tuple(derived(where, half.geometry, markers.link, half.markers.place, markers.place) for half in halves),
+        np.fmax(spread, formal),
+        formal < LEARNT * task.free.std,
+        _larger(jackknife(derived_of, n_part), _carried(derived_at, posterior)),
+        tuple(derive(half.geometry, half.markers.place) for half in halves),
         n_part,
     )
 

@@ -10,11 +10,14 @@ from arm.body.segments import SEGMENTS, segment
 from arm.kinematics import axis_frames, rpy_from_rotation
 from arm.model import STANDARD_GRAVITY_M_S2, Arm, Base, Body, Floats, Joint, Link, Marker, Vector3
 from fitter.limb.base_motion import markers_in
+from fitter.limb.base_orientation import world_up
 from fitter.limb.bundle import wander
+from fitter.limb.free_geometry import FreeGeometry, Geometry
 from fitter.limb.inverse_kinematics import link_poses
 from fitter.limb.limb_fit import LimbFit
 from fitter.limb.marker_observations import SWAY
 from fitter.limb.nan_statistics import nan_median
+from fitter.limb.uncertainty import Errors
 
 
 def calibrated_arm(fit: LimbFit, body: Body | None) -> Arm:
@@ -27,27 +30,19 @@ def calibrated_arm(fit: LimbFit, body: Body | None) -> Arm:
         Without it the links have no masses.
     """
     geometry, bundle = fit.bundle.geometry, fit.bundle
-    joints = list(geometry.joints(fit.arm))
-    for name, k in (("d", 2), ("a", 1)):  # a length that was learnt has its error
-        for i in range(len(joints)):
-            label = f"{name}{i + 1}"
-            if label in fit.free.names and abs(geometry.numbers[i, k]) > 0.1:
-                joints[i] = replace(
-                    joints[i], length_std_m=float(fit.errors.free_std[fit.free.names.index(label)])
-                )
-    joints = [replace(joint, link=Link()) for joint in joints]
-    arm = Arm(name=fit.arm.name, joints=tuple(joints), body=body, gravity_m_s2=_gravity(fit))
+    joints = joints_found(fit.arm, geometry, fit.free, fit.errors)
+    arm = Arm(name=fit.arm.name, joints=joints, body=body, gravity_m_s2=_gravity(fit))
     if body is not None:
-        arm = replace(arm, joints=_with_masses(arm, fit.where, body))
+        arm = replace(arm, joints=with_masses(arm, fit.where, body))
     base_rpy = rpy_from_rotation(geometry.base_R)
-    base = Base(_vector(geometry.base_p), _vector(base_rpy), fit.base.segment)
+    base = Base(vector(geometry.base_p), vector(base_rpy), fit.base.segment)
     std = wander(bundle, fit.task.frames)
     carried = markers_in(fit.base.points_m, geometry.base_R, geometry.base_p)
     markers = [
-        Marker(name, 0, _vector(x), fit.base_std_m) for name, x in zip(fit.base.markers, carried, strict=True)
+        Marker(name, 0, vector(x), fit.base_std_m) for name, x in zip(fit.base.markers, carried, strict=True)
     ]
     markers += [
-        Marker(name, int(link) + 1, _vector(x), float(s))
+        Marker(name, int(link) + 1, vector(x), float(s))
         for name, link, x, s in zip(
             bundle.markers.names, bundle.markers.link, bundle.markers.place, std, strict=True
         )
@@ -56,14 +51,23 @@ def calibrated_arm(fit: LimbFit, body: Body | None) -> Arm:
     return replace(arm, base=base, markers=tuple(markers))
 
 
+def joints_found(arm: Arm, geometry: Geometry, free: FreeGeometry, errors: Errors) -> tuple[Joint, ...]:
+    """Return a preset's joints with the numbers that were found, without masses; a length that was learnt has its error."""
+    joints = [replace(joint, link=Link()) for joint in geometry.joints(arm)]
+    for name, k in (("d", 2), ("a", 1)):
+        for i, joint in enumerate(joints):
+            label = f"{name}{i + 1}"
+            if label in free.names and abs(geometry.numbers[i, k]) > 0.1:
+                joints[i] = replace(joint, length_std_m=float(errors.free_std[free.names.index(label)]))
+    return tuple(joints)
+
+
 def _gravity(fit: LimbFit) -> Vector3:
     """Return gravity by the axis that points up in the recordings: in the world, or in a frame 0 that stands."""
-    up = fit.trials.up
-    if not up:
+    if not fit.trials.up:
         return (0.0, 0.0, -STANDARD_GRAVITY_M_S2)
-    world = np.zeros(3)
-    world["xyz".index(up[1])] = -STANDARD_GRAVITY_M_S2 if up[0] == "+" else STANDARD_GRAVITY_M_S2
-    return _vector(world if fit.base.segment else fit.bundle.geometry.base_R.T @ world)
+    world = -STANDARD_GRAVITY_M_S2 * world_up(fit.trials.up)
+    return vector(world if fit.base.segment else fit.bundle.geometry.base_R.T @ world)
 
 
 def _computed(fit: LimbFit) -> list[Marker]:
@@ -82,11 +86,11 @@ def _computed(fit: LimbFit) -> list[Marker]:
             scatter = np.einsum("nji,nj->ni", R[:, i], y - o[:, i]) - place
             if np.isfinite(place).all():
                 std = float(np.sqrt(np.nanmean(scatter**2)))
-                found.append(Marker(name, part.link + 1, _vector(place), std))
+                found.append(Marker(name, part.link + 1, vector(place), std))
     return found
 
 
-def _with_masses(arm: Arm, where: LimbMap, body: Body) -> tuple[Joint, ...]:
+def with_masses(arm: Arm, where: LimbMap, body: Body) -> tuple[Joint, ...]:
     """Return the joints with the table's masses, in the frames and lengths that were found."""
     frames, centres = axis_frames(arm, np.zeros(arm.n_joint))[0], centre_points(arm, where)
     joints = list(arm.joints)
@@ -115,5 +119,6 @@ def _with_masses(arm: Arm, where: LimbMap, body: Body) -> tuple[Joint, ...]:
     return tuple(joints)
 
 
-def _vector(x: Floats) -> Vector3:
-    return (float(x[0]), float(x[1]), float(x[2]))
+def vector(x: Floats) -> Vector3:
+    """Return three numbers as an arm has them."""
+    return (float(x[0]) + 0.0, float(x[1]) + 0.0, float(x[2]) + 0.0)  # never a zero with a sign

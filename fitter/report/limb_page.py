@@ -1,6 +1,6 @@
 """The page of `fitter kinematics --body … --report`: a person's limb, to hand on."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 
 import numpy as np
@@ -43,28 +43,44 @@ def write_limb_page(
     """
     frames = answer["samples"]
     page = Page(fit.arm.name, f"{len(recordings)} recordings, {frames} frames in the fit")
-    _results(page, fit, answer)
+    results(page, answer)
+    rivals = _rivals(fit)
+    if rivals:
+        page.table(["rival", "centre", "away from the fit [mm]", "its own error [mm]"], rivals)
     page.picture(
         png(stick_figure(fit)),
         "The middle frame of the fit. Red: where a centre lies with 95 %; green: axes.",
     )
     page.section("Angles")
     page.picture(png(angles_over_time(fit)), "Angles of eq. (1) in the frames of the fit.")
+    names = [*fit.base.markers, *fit.bundle.markers.names]
+    of_the_markers(page, answer, fit.trials.landmarks.values(), names, recordings, notes)
+    page.write(path)
+
+
+def of_the_markers(
+    page: Page,
+    answer: Answer,
+    landmarks: Iterable[str],
+    names: Sequence[str],
+    recordings: Sequence[MarkerRecording],
+    notes: Sequence[Note],
+) -> None:
+    """Say how far markers are off, which ones come and go, what was said, and where all that comes from."""
     page.section("Markers")
     _markers(page, answer)
     rms = dict(answer["marker_rms_mm"])["per_marker"]  # type: ignore[call-overload]
     known = [(name, float(x)) for name, x in rms.items() if x is not None]
-    page.picture(png(marker_errors(known, set(fit.trials.landmarks.values()))), "Distance of each marker.")
-    names = [*fit.base.markers, *fit.bundle.markers.names]
+    page.picture(png(marker_errors(known, set(landmarks))), "Distance of each marker.")
     page.picture(png(gaps_and_swaps(recordings, names, notes)), "Gaps and exchanged labels.")
     page.section("What was said")
     page.points([note.text for note in notes])
     page.section("Where it comes from")
     page.table(("", ""), provenance([recording.path for recording in recordings]).rows(), words=True)
-    page.write(path)
 
 
-def _results(page: Page, fit: LimbFit, answer: Answer) -> None:
+def results(page: Page, answer: Answer) -> None:
+    """Say lengths, centres and axes."""
     lengths, centres, axes = (dict(answer[k]) for k in ("lengths_m", "centres", "axes"))  # type: ignore[call-overload]
     page.section(
         "Segments", "Lengths with their 95 % intervals, by disjoint parts of the recordings and the prior."
@@ -82,9 +98,6 @@ def _results(page: Page, fit: LimbFit, answer: Answer) -> None:
         ["axis", "in", "sd [°]", "apart [°]"],
         [[name, one["segment"], one["std_deg"], one["apart_deg"]] for name, one in axes.items()],
     )
-    rivals = _rivals(fit)
-    if rivals:
-        page.table(["rival", "centre", "away from the fit [mm]", "its own error [mm]"], rivals)
 
 
 def _rivals(fit: LimbFit) -> list[list[str | float | None]]:

@@ -139,7 +139,7 @@ def test_numbers_of_numpy_are_numbers(dd_arm):
 
 def test_presets_are_known_by_name():
     limbs = ["human-arm-left", "human-arm-right", "human-leg-left", "human-leg-right"]
-    assert preset_names() == ["dd-arm", "dd-arm-vertical", *limbs, "spatial-arm"]
+    assert preset_names() == ["dd-arm", "dd-arm-vertical", *limbs[:2], "human-body", *limbs[2:], "spatial-arm"]
     for name in preset_names():
         assert load_arm(name).name == name
 

@@ -24,6 +24,7 @@ from arm.marker_kinematics import (
     marker_at,
     moved_by,
     slopes_room,
+    ways,
 )
 
 SEEDS = st.integers(0, 2**32 - 1)
@@ -45,6 +46,7 @@ def drawn(random_arm, seed, branching):
         chain_of(arm).parent,
         chain_of(arm).hang,
         moved_by(chain_of(arm).parent),
+        *ways(moved_by(chain_of(arm).parent)),
     )
     return arm, chain, rng.normal(size=n), Rotation.random(1, rng).as_matrix()[0], rng.normal(size=3)
 

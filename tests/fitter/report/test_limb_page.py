@@ -16,7 +16,7 @@ def test_the_page_has_segments_centres_rivals_and_pictures(tmp_path):
     truth = person(n=150)
     recordings = [with_gaps(truth.recordings[0], np.random.default_rng(0))]
     fit = calibrate(recordings, truth.marker_set, "human-arm-right", fit_frames=100)
-    answer = document(fit, recordings, [], 0, 1.0)
+    answer = document(fit, recordings, [], 0)
     page = tmp_path / "page.html"
     write_limb_page(page, fit, answer, recordings, [Note("gap", "a marker was away")])
     text = page.read_text()

@@ -1,0 +1,76 @@
+"""What a calibration from markers ends with, of one limb or of a whole person."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from arm.body.limbs import Girdle
+from arm.model import Arm, Body
+from fitter.body.calibration import calibrate_body
+from fitter.body.document import body_document
+from fitter.body.written_body import calibrated_body
+from fitter.functional.marker_set import MarkerSet
+from fitter.limb.json_document import document
+from fitter.limb.limb_calibration import calibrate
+from fitter.limb.written_arm import calibrated_arm
+from fitter.markers.recording import MarkerRecording
+from fitter.report.body_page import write_body_page
+from fitter.report.limb_page import write_limb_page
+from limbcal.command import Document
+from limbcal.note import Note
+
+Recordings = Sequence[MarkerRecording]
+Told = Callable[[str, int], None]
+
+
+@dataclass(frozen=True)
+class Calibrated:
+    """What a calibration ends with.
+
+    Attributes
+    ----------
+    arm : Arm
+    document : Document
+        The command's, without notes and time.
+    notes : sequence of Note
+    write_page : callable
+        Given a path, the command's document and all notes, writes the report.
+    """
+
+    arm: Arm
+    document: Document
+    notes: Sequence[Note]
+    write_page: Callable[[Path, Document, Sequence[Note]], None]
+
+
+def calibrated_limb(
+    learn: Recordings,
+    evaluate: Recordings,
+    marker_set: MarkerSet,
+    limb: tuple[str, Girdle],
+    body: Body | None,
+    seed: int,
+    told: Told,
+) -> Calibrated:
+    """Calibrate one limb: its preset, and from where on an arm begins."""
+    preset, girdle = limb
+    fit = calibrate(learn, marker_set, preset, girdle, body, seed, progress=told)
+    return Calibrated(
+        calibrated_arm(fit, body),
+        document(fit, learn, evaluate, seed),
+        fit.notes,
+        lambda path, answer, notes: write_limb_page(path, fit, answer, [*learn, *evaluate], notes),
+    )
+
+
+def calibrated_person(
+    learn: Recordings, evaluate: Recordings, marker_set: MarkerSet, body: Body | None, seed: int, told: Told
+) -> Calibrated:
+    """Calibrate a whole person."""
+    fit = calibrate_body(learn, marker_set, body, seed, progress=told)
+    return Calibrated(
+        calibrated_body(fit, body),
+        body_document(fit, learn, evaluate, seed),
+        fit.notes,
+        lambda path, answer, notes: write_body_page(path, fit, answer, [*learn, *evaluate], notes),
+    )
