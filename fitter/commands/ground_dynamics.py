@@ -13,6 +13,7 @@ from fitter.commands.ground_said import say_ground
 from fitter.commands.options import positive
 from fitter.commands.trial_sets import notes_of, with_notes
 from fitter.data.trial import Trial
+from fitter.ground.fit_corner import fit_corner_hz
 from fitter.ground.floating_base import floating_base
 from fitter.ground.ground_document import document
 from fitter.ground.ground_dynamics import learn_from_ground
@@ -24,9 +25,6 @@ from limbcal.errors import ConfigError, Unusable
 from limbcal.note import Note, of_source
 
 _Read = Callable[[argparse.Namespace, Arm], tuple[list[Trial], list[Trial]]]
-#: Above this nobody moves a limb on purpose, and hardly any power of a ground force is left but that of heel strikes
-#: [Hz] (Winter 2009: 6 Hz hold nearly all of it).
-_FASTEST_HZ = 6.0
 #: What learns from torque, and means nothing here.
 _NOT_HERE: tuple[tuple[str, object], ...] = (
     ("no_torque", False), ("unknown_gains", False), ("fix", None), ("bounds", None), ("dask", None), ("workers", 1),
@@ -94,7 +92,7 @@ def ground_dynamics(arguments: argparse.Namespace, arm: Arm, read: _Read) -> Doc
     say_notes([note for note in notes if note.kind != "unmeasured_contact"])
     _refuse_unmeasured(trials, notes)
     learnt_from, judged = trials[: len(learn)], trials[len(learn) :]
-    band_hz = min(_FASTEST_HZ, *(trial.band_hz for trial in learn), *(0.4 / trial.dt_s for trial in (*learn, *evaluate)))
+    band_hz = min(fit_corner_hz(learnt_from, base.links.ravel()), *(trial.band_hz for trial in learn))
     fit = learn_from_ground(arm, base, learnt_from, regression=arguments.prior is not None, band_hz=band_hz)
     scores = {
         role: ground_score(arm, base, some, fit.before, fit.values, band_hz) if some else None

@@ -20,8 +20,9 @@ from fitter.ground.link_motion import LinkMotion
 #: A posture that moves by this much [rad, or of gravity's direction: its sine] shows all of what skin does: a joint
 #: that hardly turns hardly moves skin. Squats and gait turn joints by 20 degrees rms and more.
 _POSTURE_RAD = 0.35
-#: How far skin lets a marker wander where the arm file does not say [m] (Leardini et al. 2005).
-_SKIN_M = 0.008
+#: How far skin takes a marker, at the least [m]: between 3 and 9 mm away from the hip (Leardini et al. 2005). What
+#: `std_m` says is what a fit could not follow, and skin that moves with the posture it follows.
+_SKIN_M = 0.006
 #: Functions that move less than this, of that and of the largest, are left out.
 _LEAST_POSTURE = 0.1
 #: Distance from axis to marker of a segment whose markers are unknown [m], and the share of the widest spread below
@@ -118,7 +119,7 @@ def skin_of(arm: Arm, base: FloatingBase, trials: Sequence[Sequence[Posture]]) -
 def _pose_std(arm: Arm, body: int, link: Floats) -> tuple[float, float]:
     """Return how far skin takes a body's centre of mass [m] and how far it turns the body [rad]: a rigid fit's errors."""
     on_it: list[Marker] = [m for m in arm.markers if m.joint == body + 1]
-    std = float(np.sqrt(np.mean([(m.std_m or _SKIN_M) ** 2 for m in on_it]))) if on_it else _SKIN_M
+    std = float(np.sqrt(np.mean([max(m.std_m or 0.0, _SKIN_M) ** 2 for m in on_it]))) if on_it else _SKIN_M
     if len(on_it) < 3:
         return std, std / _USUAL_SPREAD_M
     places = np.array([m.position_m for m in on_it])

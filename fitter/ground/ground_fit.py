@@ -1,15 +1,15 @@
 """The most likely bodies under a prior, and how far they may be from it: eq. (4)'s base rows by Gauss-Newton.
 
-Unknown are the bodies' numbers x (`fitter.ground.deformation`), the coefficients b of what is not rigid or not
-calibrated (`fitter.ground.disturbances`), and the power of the rest in every band of every row. Given the power, x and
-b have one normal equation; given these, the power is what they leave, their own uncertainty included: the EM
-algorithm (Dempster, Laird and Rubin 1977).
+Unknown are the bodies' numbers x (`fitter.ground.deformation`) and the power of what they leave in every band of every
+row. Given the power, x has a normal equation; given x, the power is what it leaves, its own uncertainty included: the EM
+algorithm (Dempster, Laird and Rubin 1977). What is neither rigid nor calibrated (`fitter.ground.disturbances`) is no
+unknown, since a posture that comes back would be explained by it instead of by bodies. Its covariance, carried through
+the estimate, is added to that of the answer.
 """
 
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from arm.model import Floats
 from fitter.ground.deformation import Deformation
@@ -37,16 +37,14 @@ class Posterior:
     x : (10 n_body,)
         Numbers of the deformation.
     covariance : (10 n_body, 10 n_body)
-        Of x, whatever the disturbances are.
-    disturbance : (n_disturbance,)
-    power : (n_band, 6, 6)
-        Covariance of what is left of a coefficient's six rows, by band.
+        Of x, disturbances included.
+    power : (n_band, 6)
+        Variance of what is left of a coefficient, by band and row.
     rounds : int
     """
 
     x: Floats
     covariance: Floats
-    disturbance: Floats
     power: Floats
     rounds: int
 
@@ -63,7 +61,7 @@ def ground_fit(
     deformation : Deformation
     prior : MassPrior
     disturbance_std : (n_disturbance,)
-        Prior standard deviations of their coefficients, about zero.
+        Standard deviations of their coefficients, about zero.
 
     Raises
     ------
@@ -75,58 +73,54 @@ def ground_fit(
     n_band = int(band.max()) + 1
     root = np.linalg.cholesky(prior.covariance + 1e-12 * np.diag(np.diag(prior.covariance)))
     Y, D = rows.Y[..., :n], rows.Y[..., n:] * disturbance_std
-    z, b = np.zeros(n), np.zeros(len(disturbance_std))  # in prior standard deviations
-    floor = np.diag(_LEAST_POWER * np.mean(rows.w**2, axis=0) + np.finfo(np.float64).tiny)
+    z = np.zeros(n)  # in prior standard deviations
+    floor = _LEAST_POWER * np.mean(rows.w**2, axis=0) + np.finfo(np.float64).tiny
 
-    def left(z: Floats, b: Floats) -> Floats:
-        return np.asarray(rows.w - Y @ deformation.parameters(prior.mean + root @ z) - D @ b)
+    def left(z: Floats) -> Floats:
+        return np.asarray(rows.w - Y @ deformation.parameters(prior.mean + root @ z))
 
-    def by_band(products: Floats) -> Floats:
-        total = np.zeros((n_band, N_ROW, N_ROW))
-        np.add.at(total, band, products)
-        return np.asarray(total / np.bincount(band)[:, None, None] + floor)
+    def by_band(squares: Floats) -> Floats:
+        total = np.zeros((n_band, N_ROW))
+        np.add.at(total, band, squares)
+        return np.asarray(total / np.bincount(band)[:, None] + floor)
 
-    power = by_band(_outer(left(z, b)))
+    power = by_band(left(z) ** 2)
     for number in range(1, _MOST_ROUNDS + 1):
-        A = np.concatenate([Y @ (deformation.slopes(prior.mean + root @ z) @ root), D], axis=2)
-        weight = np.linalg.inv(np.linalg.cholesky(power))[band]
-        H, g = _normal(A, weight, left(z, b))
-        H += np.eye(len(H))
-        step = np.linalg.solve(H, g - np.concatenate([z, b]))
-        now = _cost(left(z, b), weight, z, b)
+        A = Y @ (deformation.slopes(prior.mean + root @ z) @ root)
+        weight = power[band] ** -0.5
+        H, g = _normal(A, weight, left(z))
+        H += np.eye(n)
+        step = np.linalg.solve(H, g - z)
+        now = _cost(left(z), weight, z)
         for share in _SHORTENED:
-            z1, b1 = z + share * step[:n], b + share * step[n:]
-            if _cost(left(z1, b1), weight, z1, b1) <= now:
+            tried = z + share * step
+            if _cost(left(tried), weight, tried) <= now:
                 break
         moved = float(np.abs(share * step).max())
-        z, b = z1, b1
+        z = tried
         covariance = np.linalg.inv(H)
-        spread = (A @ covariance) @ A.transpose(0, 2, 1)
-        before, power = power, by_band(_outer(left(z, b)) + spread)
-        changed = np.log(np.einsum("brr->br", power) / np.einsum("brr->br", before))
-        if moved < _CONVERGED and np.abs(changed).max() < 5.0 * _CONVERGED:
+        flat = A.reshape(-1, n)
+        spread = np.einsum("ij,ij->i", flat @ covariance, flat).reshape(-1, N_ROW)
+        before, power = power, by_band(left(z) ** 2 + spread)
+        if moved < _CONVERGED and np.abs(np.log(power / before)).max() < 5.0 * _CONVERGED:
             break
     if moved > _LARGEST_STEP:
         raise NotConverged(
             f"masses still change by {moved:.1f} prior standard deviations after {_MOST_ROUNDS} rounds: the equations may "
             "be of another person"
         )
-    return Posterior(
-        prior.mean + root @ z, root @ covariance[:n, :n] @ root.T, b * disturbance_std, power, number
-    )
+    carried = covariance @ _normal(A, weight, D.reshape(*D.shape[:2], -1))[1]
+    covariance = covariance + carried @ carried.T
+    return Posterior(prior.mean + root @ z, root @ covariance @ root.T, power, number)
 
 
-def _normal(A: Floats, weight: Floats, residual: Floats) -> tuple[Floats, Floats]:
-    rows = (weight @ A).reshape(-1, A.shape[2])
-    return rows.T @ rows, rows.T @ (weight @ residual[..., None]).ravel()
+def _normal(A: Floats, weight: Floats, right: Floats) -> tuple[Floats, Floats]:
+    """Return the normal matrix, and the products with one right-hand side (n, 6), or several (n, 6, k)."""
+    rows = (weight[..., None] * A).reshape(-1, A.shape[2])
+    several = right.reshape(*right.shape[:2], -1) * weight[..., None]
+    products = rows.T @ several.reshape(len(rows), -1)
+    return rows.T @ rows, products[:, 0] if right.ndim == 2 else products
 
 
-def _cost(residual: Floats, weight: Floats, z: Floats, b: Floats) -> float:
-    return float(np.sum((weight @ residual[..., None]) ** 2) + z @ z + b @ b)
-
-
-def _outer(residual: Floats) -> Floats:
-    return residual[:, :, None] * residual[:, None, :]
-
-
-Mask = NDArray[np.bool_]
+def _cost(residual: Floats, weight: Floats, z: Floats) -> float:
+    return float(np.sum((weight * residual) ** 2) + z @ z)

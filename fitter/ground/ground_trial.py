@@ -9,6 +9,7 @@ import numpy as np
 from arm.kinematics import rotation_from_rpy
 from arm.model import Arm, Floats
 from arm.moving_base import standing_base
+from fitter.data.derivatives import lowpass
 from fitter.data.trial import Trial
 from fitter.ground.clock_shift import ClockShift, clock_shift
 from fitter.ground.contact import closure, held, plate_link
@@ -21,6 +22,8 @@ from fitter.markers.wrench_files import EMPTY_N, PlateWrench, read_wrenches
 from limbcal.errors import DataError
 from limbcal.note import Note
 
+#: Clocks are compared by what is slower: of a motion from markers, the rest is noise (Winter 2009) [Hz].
+_FASTEST_HZ = 6.0
 #: A trial needs this long a stretch in which all plates have numbers [s].
 _SHORTEST_S = 1.0
 
@@ -97,8 +100,8 @@ def ground_trial(
     raw = _in_frame_0(arm, raw)
     first, last = _longest(known, trial.dt_s, forces)
     kept = slice(first, last)
-    band = trial.band_hz if np.isfinite(trial.band_hz) else 0.25 / trial.dt_s
-    vertical = trial.lowpass((Y[:, :3] @ theta) @ up), trial.lowpass(raw[:, :3] @ up)
+    band = min(trial.band_hz, _FASTEST_HZ)
+    vertical = [lowpass(x @ up, trial.dt_s, band, ends="even") for x in (Y[:, :3] @ theta, raw[:, :3])]
     shift = clock_shift(vertical[0][kept], vertical[1][kept], trial.dt_s, band)
     if shift.shift_s != 0.0:
         raw, known, _ = ground_wrench(plates, t + shift.shift_s, str(forces))
@@ -114,6 +117,8 @@ def ground_trial(
     if last - first < len(t):
         text = f"{len(t) - (last - first)} of {len(t)} samples have no force of every plate and are left out"
         notes.append(Note("nan_forces", text, from_s=float(t[first]), to_s=float(t[last - 1])))
+    if np.isfinite(trial.cutoff_hz):  # the motion has passed this filter: what it is compared with must, too
+        raw = lowpass(raw, trial.dt_s, trial.cutoff_hz, ends="even")
     about = motions[base.bodies[0]].o
     wrench = np.hstack([raw[:, :3], raw[:, 3:] - np.cross(about, raw[:, :3])])
     motions = [_part(motion, kept) for motion in motions]
