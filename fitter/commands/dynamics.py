@@ -11,8 +11,8 @@ from rich.progress import Progress
 from arm.model import Arm, Control
 from arm.structural_parameters import structural_parameters
 from fitter.commands.arm_option import questioned_arm
-from fitter.commands.ground_dynamics import add_ground, ground_dynamics
 from fitter.commands.dynamics_said import say_compared, say_controller, say_fit
+from fitter.commands.ground_dynamics import add_ground, ground_dynamics
 from fitter.commands.options import (
     add_arm,
     add_columns,

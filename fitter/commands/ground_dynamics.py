@@ -27,8 +27,8 @@ from limbcal.note import Note, of_source
 _Read = Callable[[argparse.Namespace, Arm], tuple[list[Trial], list[Trial]]]
 #: What learns from torque, and means nothing here.
 _NOT_HERE: tuple[tuple[str, object], ...] = (
-    ("no_torque", False), ("unknown_gains", False), ("fix", None), ("bounds", None), ("dask", None), ("workers", 1),
-    ("compare", []), ("report", None),
+    ("no_torque", False), ("unknown_gains", False), ("fix", None), ("bounds", None), ("dask", None), ("workers",
+    1), ("compare", []), ("report", None),
 )  # fmt: skip
 
 
@@ -55,7 +55,9 @@ def add_ground(parser: argparse.ArgumentParser) -> None:
         metavar="PLATE=LINK",
         help="on which link a plate's force acts (as its place has it)",
     )
-    group.add_argument("--mass", type=positive, metavar="KG", help="whose prior it is, where the arm has no [body]")
+    group.add_argument(
+        "--mass", type=positive, metavar="KG", help="whose prior it is, where the arm has no [body]"
+    )
     group.add_argument("--height", type=positive, metavar="M")
     group.add_argument("--sex", choices=["f", "m"])
 
@@ -77,10 +79,10 @@ def ground_dynamics(arguments: argparse.Namespace, arm: Arm, read: _Read) -> Doc
     n = len(learn) + len(evaluate)
     if len(arguments.ground) != n:
         raise ConfigError(
-            f"--ground has {len(arguments.ground)} files for {n} trials, expected one a trial: those learnt from in "
-            "their order, then those of --evaluate"
+            f"--ground has {len(arguments.ground)} files for {n} trials, expected one a trial: those learnt from "
+            f"in their order, then those of --evaluate"
         )
-    names, given = link_names(arm, base), [link_named(text, arm, base) for text in arguments.contact]
+    names, given = link_names(arm), [link_named(text, arm) for text in arguments.contact]
     pairs = zip((*learn, *evaluate), arguments.ground, strict=True)
     trials = [
         ground_trial(arm, base, trial, forces, given, names)
@@ -131,8 +133,4 @@ def _refuse_unmeasured(trials: Sequence[GroundTrial], notes: Sequence[Note]) -> 
     """Refuse contact that no plate measures: it would be learnt as mass."""
     found = [(trial.name, note) for trial in trials for note in trial.unmeasured]
     if found:
-        raise Unusable(
-            [f"unmeasured_contact: {name}: {note.text}" for name, note in found], with_notes({}, notes)
-        )
-
-
+        raise Unusable([f"unmeasured_contact: {name}: {note.text}" for name, note in found], with_notes({}, notes))

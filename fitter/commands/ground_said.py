@@ -20,20 +20,29 @@ def say_ground(
     """Print the segments, what the six equations leave, and what stayed at the prior."""
     total, std = fit.total_kg
     whole = " ± ".join(with_half_width(total, NORMAL_95 * std))
-    show(_table(fit, names, f"{fit.arm.name}: {fit.samples} samples up to {fit.band_hz:.3g} Hz, {whole} kg in all", prior))
+    show(
+        _table(
+            fit,
+            names,
+            f"{fit.arm.name}: {fit.samples} samples up to {fit.band_hz:.3g} Hz, {whole} kg in all",
+            prior,
+        )
+    )
     for role, score in scores.items():
         if score is not None:
             said = score.document()["squared_reduction"]
             assert isinstance(said, dict)
             show(
                 f"{_ROLES[role]} trials: the ground's force is off by {score.force_rms_N[1]:.1f} N rms "
-                f"({score.force_rms_N[0]:.1f} as it was, squared {-100.0 * said['force']:+.0f} %), its moment about the "
-                f"base link by {score.moment_rms_N_m[1]:.1f} N m ({score.moment_rms_N_m[0]:.1f}, squared "
-                f"{-100.0 * said['moment']:+.0f} %)"
+                f"({score.force_rms_N[0]:.1f} as it was, squared {-100.0 * said['force']:+.0f} %), its moment "
+                f"about the base link by {score.moment_rms_N_m[1]:.1f} N m ({score.moment_rms_N_m[0]:.1f}, "
+                f"squared {-100.0 * said['moment']:+.0f} %)"
             )
     if prior:
         left = left_at_prior(fit)
-        say(f"{len(left)} of {len(fit.names)} parameters are left at the prior: they are the table's, not measured")
+        say(
+            f"{len(left)} of {len(fit.names)} parameters are left at the prior: they are the table's, not measured"
+        )
     together = known_together(fit)
     if together:
         say(f"{len(together)} combinations are known only together, such as {' with '.join(together[0][:4])}")
@@ -41,7 +50,15 @@ def say_ground(
 
 def _table(fit: GroundFit, names: Sequence[str], title: str, prior: bool) -> Table:
     table = Table(title=title, title_justify="left")
-    for column in ("segment", "mass [kg]", "±", "centre [mm]", "±", "radii of gyration [mm]", *(["learnt"] if prior else [])):
+    for column in (
+        "segment",
+        "mass [kg]",
+        "±",
+        "centre [mm]",
+        "±",
+        "radii of gyration [mm]",
+        *(["learnt"] if prior else []),
+    ):
         table.add_column(column, justify="left" if column == "segment" else "right")
     for row in segment_rows(fit, names):
         mass, centre, inertia, learnt = row["mass_kg"], row["com_m"], row["inertia_kg_m2"], row["learnt"]

@@ -8,8 +8,8 @@ from arm.model import Floats
 
 #: Largest shift that is sought [s], and the steps of the search.
 _LARGEST_S, _STEPS = 0.25, 101
-#: A shift is believed if it makes the measured force likelier by this factor, as a logarithm: one in a thousand of a
-#: chi-square with one degree of freedom.
+#: A shift is believed if it makes the measured force likelier by this factor, as a logarithm: one in a thousand
+#: of a chi-square with one degree of freedom.
 _BELIEVED = 0.5 * 10.83
 
 
@@ -34,7 +34,8 @@ def clock_shift(predicted: Floats, measured: Floats, dt_s: float, band_hz: float
     Parameters
     ----------
     predicted, measured : (n_sample,) [N]
-        Along the vertical, both behind the same filter. Their means and sizes may differ: masses are not known yet.
+        Along the vertical, both behind the same filter. Their means and sizes may differ: masses are not known
+        yet.
     dt_s, band_hz : float
         Two independent samples a period of the filter's corner are counted.
     """

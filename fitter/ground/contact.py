@@ -1,8 +1,8 @@
 """Contact that no plate measures: looked for first, since it would be learnt as mass.
 
-Two things show it. *Closure*: what the plates carry must be what the person weighs, and what changes its momentum. Over
-a second that change is small and well known, whatever the segments weigh. *A hand that stands still* in the laboratory
-while the trunk sways holds something that stands.
+Two things show it. *Closure*: what the plates carry must be what the person weighs, and what changes its
+momentum. Over a second that change is small and well known, whatever the segments weigh. *A hand that stands
+still* in the laboratory while the trunk sways holds something that stands.
 """
 
 from collections.abc import Sequence
@@ -18,13 +18,13 @@ from limbcal.note import Note
 
 #: Closure is judged by means over this long [s]: an error of the velocity of 0.1 m/s is then 1 % of the weight.
 _WINDOW_S = 1.0
-#: Share of the weight by which such means may differ among one another: five times that. Squats and standing close to
-#: 3 % without any mean.
+#: Share of the weight by which such means may differ among one another: five times that. Squats and standing
+#: close to 3 % without any mean.
 _VARIES = 0.05
 #: Horizontal force that changes no momentum, as a share of the weight: plates that lean by two degrees read that.
 _HORIZONTAL = 0.04
-#: Share of the weight by which all of them may differ from what the person is said to weigh: clothes, a wrong entry,
-#: and segments that differ from the table.
+#: Share of the weight by which all of them may differ from what the person is said to weigh: clothes, a wrong
+#: entry, and segments that differ from the table.
 _WEIGHT = 0.2
 #: A hand holds something if it stands this still [m, rms] for so long [s] while the trunk moves so far [m, rms]:
 #: optical noise and skin at rest make 2 mm.
@@ -57,8 +57,8 @@ def closure(
     if abs(level) > _WEIGHT:
         carried = float(np.mean(measured @ up)) / weight_N
         text = (
-            f"the plates carry {carried:.2f} of the weight of {weight_N / 9.80665:.1f} kg throughout: something else "
-            "carries the person, such as a plate that is not in the file, or the mass is another's"
+            f"the plates carry {carried:.2f} of the weight of {weight_N / 9.80665:.1f} kg throughout: something "
+            f"else carries the person, such as a plate that is not in the file, or the mass is another's"
         )
         return [Note("unmeasured_contact", text)]
     sideways = np.linalg.norm(share - vertical[:, None] * up, axis=1)
@@ -72,17 +72,25 @@ def closure(
         first, last = max(runs(bad), key=lambda run: run[1] - run[0])
         worst = float(np.abs((vertical - level) if "weighs" in said else sideways)[bad].max())
         text = (
-            f"over a second the plates differ by up to {100.0 * worst:.0f} % of the weight from what the person {said}:"
-            " something else is touched, such as a rail, a box or the floor beside the plates"
+            f"over a second the plates differ by up to {100.0 * worst:.0f} % of the weight from what the person "
+            f"{said}: something else is touched, such as a rail, a box or the floor beside the plates"
         )
         ends = float(middle[first]) - 0.5 * n * dt_s, float(middle[last - 1]) + 0.5 * n * dt_s
-        notes.append(Note("unmeasured_contact", text, from_s=max(ends[0], float(t[0])), to_s=min(ends[1], float(t[-1]))))
+        notes.append(
+            Note("unmeasured_contact", text, from_s=max(ends[0], float(t[0])), to_s=min(ends[1], float(t[-1])))
+        )
     return notes
 
 
 def held(
-    base: FloatingBase, motions: Sequence[LinkMotion], ends: Sequence[int], names: Sequence[str],
-    ground_m: Floats, up: Floats, t: Floats, dt_s: float,
+    base: FloatingBase,
+    motions: Sequence[LinkMotion],
+    ends: Sequence[int],
+    names: Sequence[str],
+    ground_m: Floats,
+    up: Floats,
+    t: Floats,
+    dt_s: float,
 ) -> list[Note]:
     """Return which of the tree's last links stand still in the laboratory, high above the ground, while it moves.
 
@@ -115,8 +123,8 @@ def held(
         if still.any():
             first, last = max(runs(still), key=lambda run: run[1] - run[0])
             text = (
-                f"{name} stands still within {1e3 * _STILL_M:.0f} mm while the trunk sways: it holds something that no "
-                "plate measures"
+                f"{name} stands still within {1e3 * _STILL_M:.0f} mm while the trunk sways: it holds something "
+                f"that no plate measures"
             )
             notes.append(
                 Note("unmeasured_contact", text, from_s=float(t[first]), to_s=float(t[min(last + n, len(t)) - 1]))
@@ -124,7 +132,9 @@ def held(
     return notes
 
 
-def plate_link(base: FloatingBase, motions: Sequence[LinkMotion], points_m: Floats, loaded: NDArray[np.bool_]) -> int:
+def plate_link(
+    base: FloatingBase, motions: Sequence[LinkMotion], points_m: Floats, loaded: NDArray[np.bool_]
+) -> int:
     """Return the body, from 0, whose centre is nearest to where a plate is loaded, in the median.
 
     Parameters

@@ -1,13 +1,13 @@
 """Inertial parameters as a deformation of a body that can exist: ten free numbers, always a possible body.
 
-The pseudo-inertia of a body is ``J0 = B B^T`` with ``B = sqrt(m) [[C, c], [0, 1]]``: c its centre of mass, and C the
-symmetric root of its second moments about c, a matrix of radii of gyration. The deformed one is
+The pseudo-inertia of a body is ``J0 = B B^T`` with ``B = sqrt(m) [[C, c], [0, 1]]``: c its centre of mass, and C
+the symmetric root of its second moments about c, a matrix of radii of gyration. The deformed one is
 
     ``J = e^mu B V V^T B^T``  with  ``V = [[S, t], [0, 1]]``.
 
 mu is the logarithm of how much heavier it is, t the shift of its centre in units of those radii, and S an upper
-triangle whose diagonal is an exponential: an affine map of all mass about its centre. That is the log-Cholesky form
-of Rucker and Wensing (2022) seen from a nominal body, with numbers of no unit that a prior can be put on.
+triangle whose diagonal is an exponential: an affine map of all mass about its centre. That is the log-Cholesky
+form of Rucker and Wensing (2022) seen from a nominal body, with numbers of no unit that a prior can be put on.
 """
 
 import numpy as np

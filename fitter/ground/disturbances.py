@@ -1,9 +1,9 @@
 """What is neither rigid nor calibrated: columns beside those of the bodies, each with a coefficient about zero.
 
-*Skin.* Markers do not ride on bone: with the posture they carry their segment's pose away from it, and with the pose
-the place where the segment's mass is thought to be. It is always the same in the same posture, so no number of
-repetitions averages it out. A body's centre of mass may therefore move in its link as a linear function of the posture:
-of the joints before it and of the direction of gravity.
+*Skin.* Markers do not ride on bone: with the posture they carry their segment's pose away from it, and with the
+pose the place where the segment's mass is thought to be. It is always the same in the same posture, so no number
+of repetitions averages it out. A body's centre of mass may therefore move in its link as a linear function of the
+posture: of the joints before it and of the direction of gravity.
 
 *Plates.* Their place among the cameras is known to a few millimetres, and so is their zero to a few newtons.
 """
@@ -17,16 +17,17 @@ from arm.model import Arm, Floats, Marker
 from fitter.ground.floating_base import FloatingBase
 from fitter.ground.link_motion import LinkMotion
 
-#: A posture that moves by this much [rad, or of gravity's direction: its sine] shows all of what skin does: a joint
-#: that hardly turns hardly moves skin. Squats and gait turn joints by 20 degrees rms and more.
+#: A posture that moves by this much [rad, or of gravity's direction: its sine] shows all of what skin does: a
+#: joint that hardly turns hardly moves skin. Squats and gait turn joints by 20 degrees rms and more.
 _POSTURE_RAD = 0.35
-#: How far skin takes a marker, at the least [m]: between 3 and 9 mm away from the hip (Leardini et al. 2005). What
-#: `std_m` says is what a fit could not follow, and skin that moves with the posture it follows.
-_SKIN_M = 0.006
+#: How far skin takes a marker along each axis, at the least [m]: 6 mm in space, of the 3 to 9 mm that Leardini et
+#: al. (2005) report. What `std_m` says is what a fit could not follow, and skin that moves with the posture it
+#: follows.
+_SKIN_M = 0.006 / 3.0**0.5
 #: Functions that move less than this, of that and of the largest, are left out.
 _LEAST_POSTURE = 0.1
-#: Distance from axis to marker of a segment whose markers are unknown [m], and the share of the widest spread below
-#: which markers tell nothing of a turn.
+#: Distance from axis to marker of a segment whose markers are unknown [m], and the share of the widest spread
+#: below which markers tell nothing of a turn.
 _USUAL_SPREAD_M, _SEEN = 0.1, 1e-2
 #: Of the plates' place among the cameras [m], and of their zero [N]: usual in laboratories (Collins et al. 2009).
 PLATE_M, ZERO_N = 0.003, 2.0
@@ -71,7 +72,7 @@ def postures(
 
 
 def _joints_about(arm: Arm, base: FloatingBase, body: int) -> list[int]:
-    """Return the joints that turn between a body and its neighbours, from 0; those of the base are not among them."""
+    """Return the joints that turn between a body and its neighbours, from 0; none of the base's."""
     found = []
     for other in base.bodies:
         before = [i for i in arm.way_to(other)[:-1] if i in base.bodies]
@@ -99,8 +100,11 @@ class Skin:
 
     def stds(self) -> Floats:
         """Return the prior standard deviation of every column's coefficient, (n_column,)."""
-        both = zip(self.mix, self.shift_m.tolist(), self.turn_rad.tolist(), strict=True)
-        return np.concatenate([np.tile([*[shift] * 3, *[turn] * 3], mix.shape[1]) for mix, shift, turn in both])
+        parts = []
+        for mix, shift, turn in zip(self.mix, self.shift_m, self.turn_rad, strict=True):
+            n_function = mix.shape[1]  # they share what skin does
+            parts.append(np.tile(np.repeat([shift, turn], 3), n_function) / max(n_function, 1) ** 0.5)
+        return np.concatenate(parts)
 
 
 def skin_of(arm: Arm, base: FloatingBase, trials: Sequence[Sequence[Posture]]) -> Skin:
@@ -117,7 +121,7 @@ def skin_of(arm: Arm, base: FloatingBase, trials: Sequence[Sequence[Posture]]) -
 
 
 def _pose_std(arm: Arm, body: int, link: Floats) -> tuple[float, float]:
-    """Return how far skin takes a body's centre of mass [m] and how far it turns the body [rad]: a rigid fit's errors."""
+    """Return how far skin takes a body's centre of mass [m] and turns the body [rad]: errors of a rigid fit."""
     on_it: list[Marker] = [m for m in arm.markers if m.joint == body + 1]
     std = float(np.sqrt(np.mean([max(m.std_m or 0.0, _SKIN_M) ** 2 for m in on_it]))) if on_it else _SKIN_M
     if len(on_it) < 3:
@@ -131,11 +135,14 @@ def _pose_std(arm: Arm, body: int, link: Floats) -> tuple[float, float]:
     return std * float(np.sqrt(np.trace(centre) / 3.0)), std * float(np.sqrt(np.trace(turn) / 3.0))
 
 
-def skin_columns(base: FloatingBase, motions: Sequence[LinkMotion], posture: Sequence[Posture], skin: Skin) -> Floats:
+def skin_columns(
+    base: FloatingBase, motions: Sequence[LinkMotion], posture: Sequence[Posture], skin: Skin
+) -> Floats:
     """Return what each coefficient adds to the six equations, (n_sample, 6, n_column).
 
-    A centre at ``s(t) = R u f(t)`` beyond the link's own adds ``m s''`` to the force, and to the moment its lever times
-    that and ``s x m a`` of the link; a body that is turned by ``R u f(t)`` adds its inertia times the second derivative.
+    A centre at ``s(t) = R u f(t)`` beyond the link's own adds ``m s''`` to the force, and to the moment its lever
+    times that and ``s x m a`` of the link; a body that is turned by ``R u f(t)`` adds its inertia times the
+    second derivative.
     """
     about, columns = motions[base.bodies[0]].o, []
     for k, body in enumerate(base.bodies):

@@ -1,8 +1,8 @@
 """Up to which frequency a person's ground force is worth fitting: where motion and force still agree.
 
-A motion from markers has noise that twice differentiating makes large, and in the regressor it draws masses to zero.
-Force and motion are measured apart: what the arm's own masses predict of the force stands out from that noise where it
-is like the measured one.
+A motion from markers has noise that twice differentiating makes large, and in the regressor it draws masses to
+zero. Force and motion are measured apart: what the arm's own masses predict of the force stands out from that
+noise where it is like the measured one.
 """
 
 from collections.abc import Sequence

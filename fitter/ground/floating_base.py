@@ -1,8 +1,8 @@
 """The floating base of a tree, the bodies that hang on it, and the six equations that need no torque.
 
 What the ground does to the tree, force and moment about the base link's origin, is what moves all its bodies:
-``sum_i wrench_i(theta_i) = w``. These are the six base rows of eq. (4) (Venture, Ayusawa and Nakamura 2009), written as
-force and moment in the world's axes and not along the base's joints, whose axes may fall together.
+``sum_i wrench_i(theta_i) = w``. These are the six base rows of eq. (4) (Venture, Ayusawa and Nakamura 2009),
+written as force and moment in the world's axes and not along the base's joints, whose axes may fall together.
 """
 
 from collections.abc import Sequence
@@ -60,14 +60,14 @@ def floating_base(arm: Arm) -> FloatingBase:
     others = [i for i in bodies if arm.way_to(i)[:N_FREE] != way]
     if len(way) != N_FREE or len(slides) != N_FREE // 2 or others:
         raise ConfigError(
-            f"arm {arm.name!r} has no floating base, expected three joints that slide and three that turn before the "
-            "first link with a mass, and all others on it, as human-body has"
+            f"arm {arm.name!r} has no floating base, expected three joints that slide and three that turn before "
+            f"the first link with a mass, and all others on it, as human-body has"
         )
     impossible = [str(i + 1) for i in bodies if not is_possible(links[i])]
     if impossible:
         raise ConfigError(
-            f"arm {arm.name!r}: link {', '.join(impossible)} has a mass and inertia that no body can have, expected a "
-            "positive definite pseudo-inertia"
+            f"arm {arm.name!r}: link {', '.join(impossible)} has a mass and inertia that no body can have, "
+            f"expected a positive definite pseudo-inertia"
         )
     return FloatingBase(way, bodies, links[list(bodies)])
 

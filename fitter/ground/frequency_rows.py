@@ -1,10 +1,10 @@
 """The six base equations of a trial as coefficients of a cosine transform, up to the fit's corner.
 
 What the model leaves is no white noise: it lasts as long as a posture does. Cosine coefficients of a stationary
-residual are nearly independent of one another, each with the residual's power at its frequency, so that slow errors
-count as few observations and not as many samples. The transform is linear and cuts both sides of the equation at one
-frequency: it is the filter too. Its even continuation makes no jump where a trial ends in another posture than it
-began in.
+residual are nearly independent of one another, each with the residual's power at its frequency, so that slow
+errors count as few observations and not as many samples. The transform is linear and cuts both sides of the
+equation at one frequency: it is the filter too. Its even continuation makes no jump where a trial ends in another
+posture than it began in.
 """
 
 from collections.abc import Sequence
@@ -53,7 +53,9 @@ class FrequencyRows:
         return band
 
 
-def frequency_rows(Y: Sequence[Floats], w: Sequence[Floats], dt_s: Sequence[float], band_hz: float) -> FrequencyRows:
+def frequency_rows(
+    Y: Sequence[Floats], w: Sequence[Floats], dt_s: Sequence[float], band_hz: float
+) -> FrequencyRows:
     """Transform the equations of trials.
 
     Parameters

@@ -58,7 +58,9 @@ def document(
             {"terms": c.terms, "value": c.value, "std": c.std, "learnt": c.learnt} for c in fit.combinations
         ],
         "contacts": [
-            {"trial": trial.name, "plate": plate, "joint": link + 1} for trial in trials for plate, link in trial.contacts
+            {"trial": trial.name, "plate": plate, "joint": link + 1}
+            for trial in trials
+            for plate, link in trial.contacts
         ],
         "clock_shift_s": {trial.name: trial.shift.shift_s for trial in trials},
     }
@@ -74,7 +76,7 @@ def left_at_prior(fit: GroundFit) -> list[str]:
 
 
 def known_together(fit: GroundFit) -> list[list[str]]:
-    """Return, of every combination that was learnt, the terms that matter where these are not known by themselves."""
+    """Return the terms that matter of every learnt combination whose terms are not known by themselves."""
     found = []
     unit = dict(zip(fit.names, np.sqrt(np.diag(fit.prior_covariance)).tolist(), strict=True))
     alone = {name for name, parameter in fit.parameters.items() if parameter.identifiable}
@@ -102,7 +104,11 @@ def segment_rows(fit: GroundFit, names: Sequence[str]) -> list[dict[str, object]
                 "segment": names[link],
                 "joint": link + 1,
                 "mass_kg": {"value": float(theta[9]), "std": float(std[0]), "prior": float(before[9])},
-                "com_m": {"value": centre.tolist(), "std": std[1:4].tolist(), "prior": (before[6:9] / before[9]).tolist()},
+                "com_m": {
+                    "value": centre.tolist(),
+                    "std": std[1:4].tolist(),
+                    "prior": (before[6:9] / before[9]).tolist(),
+                },
                 "inertia_kg_m2": {"value": _about_centre(theta).tolist(), "std": std[4:].tolist()},
                 "learnt": {
                     "mass": float(np.clip(1.0 - (std[0] / prior[0]) ** 2, 0.0, 1.0)),

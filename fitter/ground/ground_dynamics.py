@@ -18,8 +18,8 @@ from fitter.ground.ground_trial import GroundTrial
 from fitter.ground.mass_prior import table_prior, vague_prior
 from fitter.search.fitted_parameter import FittedParameter
 
-#: A parameter is learnt if its posterior standard deviation is at most half of the prior's, and left at the prior if
-#: more than nine tenths of its variance remain: conventions.
+#: A parameter is learnt if its posterior standard deviation is at most half of the prior's, and left at the prior
+#: if more than nine tenths of its variance remain: conventions.
 LEARNT, LEFT_AT_PRIOR = 0.75, 0.1
 _UNITS = ("kg m^2",) * 6 + ("kg m",) * 3 + ("kg",)
 
@@ -91,7 +91,9 @@ class GroundFit:
         """Standard parameters of the bodies, by name."""
         std = np.sqrt(np.diag(self.covariance))
         return {
-            name: FittedParameter(float(self.values[k]), float(std[k]), _UNITS[k % 10], bool(self.learnt[k] >= LEARNT))
+            name: FittedParameter(
+                float(self.values[k]), float(std[k]), _UNITS[k % 10], bool(self.learnt[k] >= LEARNT)
+            )
             for k, name in enumerate(self.names)
         }
 
@@ -115,7 +117,8 @@ def learn_from_ground(
     base : FloatingBase
     trials : sequence of GroundTrial
     regression : bool
-        Whether the links are a table's, with the spread of `fitter.ground.mass_prior`; else nothing is known of them.
+        Whether the links are a table's, with the spread of `fitter.ground.mass_prior`; else nothing is known of
+        them.
     band_hz : float
         Corner of the fit.
 
@@ -158,7 +161,7 @@ def learn_from_ground(
 def learning_rows(
     arm: Arm, base: FloatingBase, trials: Sequence[GroundTrial], band_hz: float
 ) -> tuple[FrequencyRows, Floats]:
-    """Return the equations of trials, disturbances among their columns, and the disturbances' standard deviations."""
+    """Return the equations of trials with the disturbances' columns, and their standard deviations."""
     skin = skin_of(arm, base, [trial.postures for trial in trials])
     columns = [
         np.concatenate(
@@ -182,7 +185,9 @@ def _combinations(
         if row @ values < 0.0:
             row = -row
         terms = {name: float(c) for name, c in zip(names, row, strict=True)}
-        found.append(Combination(terms, float(row @ values), float(np.sqrt(variance[k])), float(1.0 - variance[k])))
+        found.append(
+            Combination(terms, float(row @ values), float(np.sqrt(variance[k])), float(1.0 - variance[k]))
+        )
     return tuple(found)
 
 

@@ -1,10 +1,11 @@
 """The most likely bodies under a prior, and how far they may be from it: eq. (4)'s base rows by Gauss-Newton.
 
-Unknown are the bodies' numbers x (`fitter.ground.deformation`) and the power of what they leave in every band of every
-row. Given the power, x has a normal equation; given x, the power is what it leaves, its own uncertainty included: the EM
-algorithm (Dempster, Laird and Rubin 1977). What is neither rigid nor calibrated (`fitter.ground.disturbances`) is no
-unknown, since a posture that comes back would be explained by it instead of by bodies. Its covariance, carried through
-the estimate, is added to that of the answer.
+Unknown are the bodies' numbers x (`fitter.ground.deformation`) and the power of what they leave in every band of
+every row. Given the power, x has a normal equation; given x, the power is what it leaves, its own uncertainty
+included: the EM algorithm (Dempster, Laird and Rubin 1977). What is neither rigid nor calibrated
+(`fitter.ground.disturbances`) is no unknown, since a posture that comes back would be explained by it instead of
+by bodies: its mean power in a band lowers the weight of a row, and its covariance, carried through the estimate,
+is part of the answer's.
 """
 
 from dataclasses import dataclass
@@ -84,10 +85,13 @@ def ground_fit(
         np.add.at(total, band, squares)
         return np.asarray(total / np.bincount(band)[:, None] + floor)
 
+    carried = by_band(np.sum(D**2, axis=2))
     power = by_band(left(z) ** 2)
-    for number in range(1, _MOST_ROUNDS + 1):
+    rounds = 0
+    while rounds < _MOST_ROUNDS:
+        rounds += 1
         A = Y @ (deformation.slopes(prior.mean + root @ z) @ root)
-        weight = power[band] ** -0.5
+        weight = (power + carried)[band] ** -0.5
         H, g = _normal(A, weight, left(z))
         H += np.eye(n)
         step = np.linalg.solve(H, g - z)
@@ -106,20 +110,19 @@ def ground_fit(
             break
     if moved > _LARGEST_STEP:
         raise NotConverged(
-            f"masses still change by {moved:.1f} prior standard deviations after {_MOST_ROUNDS} rounds: the equations may "
-            "be of another person"
+            f"masses still change by {moved:.1f} prior standard deviations after {_MOST_ROUNDS} rounds: the "
+            f"equations may be of another person"
         )
-    carried = covariance @ _normal(A, weight, D.reshape(*D.shape[:2], -1))[1]
-    covariance = covariance + carried @ carried.T
-    return Posterior(prior.mean + root @ z, root @ covariance @ root.T, power, number)
+    gain = covariance @ (weight[..., None] ** 2 * A).reshape(-1, n).T
+    shrunk = np.eye(n) - gain @ A.reshape(-1, n)
+    noise, skin = gain * np.sqrt(power[band].ravel()), gain @ D.reshape(len(gain.T), -1)
+    covariance = shrunk @ shrunk.T + noise @ noise.T + skin @ skin.T
+    return Posterior(prior.mean + root @ z, root @ covariance @ root.T, power, rounds)
 
 
-def _normal(A: Floats, weight: Floats, right: Floats) -> tuple[Floats, Floats]:
-    """Return the normal matrix, and the products with one right-hand side (n, 6), or several (n, 6, k)."""
+def _normal(A: Floats, weight: Floats, residual: Floats) -> tuple[Floats, Floats]:
     rows = (weight[..., None] * A).reshape(-1, A.shape[2])
-    several = right.reshape(*right.shape[:2], -1) * weight[..., None]
-    products = rows.T @ several.reshape(len(rows), -1)
-    return rows.T @ rows, products[:, 0] if right.ndim == 2 else products
+    return rows.T @ rows, rows.T @ (weight * residual).ravel()
 
 
 def _cost(residual: Floats, weight: Floats, z: Floats) -> float:

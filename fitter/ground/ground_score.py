@@ -21,8 +21,8 @@ class GroundScore:
     force_rms_N, moment_rms_N_m : tuple of float
         Of the vectors, with the arm's own bodies, then with those that were learnt; about the base link's origin.
     joint_rms, explained : (6,)
-        Of the base's joints with the learnt bodies: rms of the generalised force left [N, N m], and the share of its
-        power that is explained.
+        Of the base's joints with the learnt bodies: rms of the generalised force left [N, N m], and the share of
+        its power that is explained.
     """
 
     force_rms_N: tuple[float, float]
@@ -70,5 +70,8 @@ def ground_score(
         joint, measured = joint + power[:, 2], measured + power[:, 3]
     force, moment = np.sqrt(squares / n).tolist()
     return GroundScore(
-        (force[0], force[1]), (moment[0], moment[1]), np.sqrt(joint / n), 1.0 - joint / np.maximum(measured, 1e-300)
+        (force[0], force[1]),
+        (moment[0], moment[1]),
+        np.sqrt(joint / n),
+        1.0 - joint / np.maximum(measured, 1e-300),
     )

@@ -69,7 +69,12 @@ class GroundTrial:
 
 
 def ground_trial(
-    arm: Arm, base: FloatingBase, trial: Trial, forces: Path, contacts: Sequence[tuple[str, int]], names: Sequence[str]
+    arm: Arm,
+    base: FloatingBase,
+    trial: Trial,
+    forces: Path,
+    contacts: Sequence[tuple[str, int]],
+    names: Sequence[str],
 ) -> GroundTrial:
     """Put a motion and its force file together.
 
@@ -110,8 +115,8 @@ def ground_trial(
         kept = slice(first, last)
         late = "later" if shift.shift_s > 0.0 else "earlier"
         text = (
-            f"the forces' clock is {1e3 * abs(shift.shift_s):.1f} ± {1e3 * 1.96 * shift.std_s:.1f} ms {late} than the "
-            "motion's by the vertical force: put right"
+            f"the forces' clock is {1e3 * abs(shift.shift_s):.1f} ± {1e3 * 1.96 * shift.std_s:.1f} ms {late} "
+            f"than the motion's by the vertical force: put right"
         )
         notes.append(Note("clock", text))
     if last - first < len(t):
@@ -135,7 +140,9 @@ def ground_trial(
         acting,
         (),
     )
-    weight = np.linalg.norm(arm.gravity_m_s2) * (arm.body.mass_kg if arm.body is not None else base.links[:, 9].sum())
+    weight = np.linalg.norm(arm.gravity_m_s2) * (
+        arm.body.mass_kg if arm.body is not None else base.links[:, 9].sum()
+    )
     ends = [i for i in base.bodies if not any(i in arm.way_to(j)[:-1] for j in base.bodies)]
     ground = _acts_at(plates)
     notes += closure(found.Y[:, :3] @ theta, found.wrench[:, :3], float(weight), up, found.t, trial.dt_s)
@@ -157,8 +164,8 @@ def _longest(known: np.ndarray, dt_s: float, forces: Path) -> tuple[int, int]:
     first, last = max(stretches, key=lambda run: run[1] - run[0]) if stretches else (0, 0)
     if (last - first) * dt_s < _SHORTEST_S:
         raise DataError(
-            f"{forces}: the longest stretch in which every plate has numbers is {(last - first) * dt_s:.2f} s, expected "
-            f"{_SHORTEST_S:g} s at least"
+            f"{forces}: the longest stretch in which every plate has numbers is {(last - first) * dt_s:.2f} s, "
+            f"expected {_SHORTEST_S:g} s at least"
         )
     return first, last
 

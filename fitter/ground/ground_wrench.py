@@ -1,7 +1,7 @@
 """What all plates of a trial do to the person: one wrench at the world's origin, on the motion's times.
 
-A point of application is meaningless while a plate is empty and must not be interpolated: moments about the world's
-origin can be. Samples in which a plate's file has no number are of no use; that is said.
+A point of application is meaningless while a plate is empty and must not be interpolated: moments about the
+world's origin can be. Samples in which a plate's file has no number are of no use; that is said.
 """
 
 from collections.abc import Sequence
@@ -24,7 +24,7 @@ _ZERO_N = 1.0
 
 
 def wrench_at_origin(plate: PlateWrench) -> Floats:
-    """Return a plate's force and moment about the world's origin on its own times, (n, 6); NaN where it has none."""
+    """Return a plate's force and moment about the world's origin on its own times, (n, 6), NaN for none."""
     moment = np.cross(np.nan_to_num(plate.point_m), plate.force) + np.nan_to_num(plate.moment)
     return np.hstack([plate.force, moment])
 
@@ -60,8 +60,8 @@ def ground_wrench(
     for plate in plates:
         if plate.t[-1] < t[0] or plate.t[0] > t[-1]:
             raise DataError(
-                f"{where}: {plate.name} has forces from {plate.t[0]:.2f} to {plate.t[-1]:.2f} s and the motion is from "
-                f"{t[0]:.2f} to {t[-1]:.2f} s, expected one clock"
+                f"{where}: {plate.name} has forces from {plate.t[0]:.2f} to {plate.t[-1]:.2f} s and the motion "
+                f"is from {t[0]:.2f} to {t[-1]:.2f} s, expected one clock"
             )
         wrench = wrench_at_origin(plate)
         bad = ~np.isfinite(wrench).all(axis=1)

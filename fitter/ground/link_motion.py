@@ -45,9 +45,7 @@ def link_motions(arm: Arm, q: Floats, dq: Floats, ddq: Floats, base: BaseState) 
     revolute, frames = chain_of(arm).revolute, axis_frames(arm, q)
     R = np.einsum("nij,nljk->nlik", base.R, frames[..., :3, :3])
     o = np.einsum("nij,nlj->nli", base.R, frames[..., :3, 3]) + base.p[:, None]
-    began = LinkMotion(
-        base.R, base.p, base.omega, base.omega_dot, base.acceleration - np.array(arm.gravity_m_s2)
-    )
+    began = LinkMotion(base.R, base.p, base.omega, base.omega_dot, base.acceleration - np.array(arm.gravity_m_s2))
     found: list[LinkMotion] = []
     for i, parent in enumerate(arm.parents):
         before = found[parent] if parent >= 0 else began

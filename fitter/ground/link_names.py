@@ -4,12 +4,12 @@ import re
 
 from arm.body.landmarks import limb_map
 from arm.body.limbs import LIMBS
+from arm.body.whole_body import BODY, body_map
 from arm.model import Arm
-from fitter.ground.floating_base import FloatingBase
 from limbcal.errors import ConfigError
 
 
-def link_names(arm: Arm, base: FloatingBase) -> list[str]:
+def link_names(arm: Arm) -> list[str]:
     """Return a name of every link: its segment of a person, else its number."""
     names = [f"link {i + 1}" for i in range(arm.n_joint)]
     for segment, i in segments(arm).items():
@@ -19,18 +19,20 @@ def link_names(arm: Arm, base: FloatingBase) -> list[str]:
 
 def segments(arm: Arm) -> dict[str, int]:
     """Return the link, from 0, that moves each segment of a person; of another arm none."""
+    if arm.name == BODY:
+        return {name: part.link for name, part in body_map().parts.items()}
     if arm.name not in LIMBS:
         return {}
     return {name: part.link for name, part in limb_map(arm.name, arm.n_joint).parts.items()}
 
 
-def link_named(text: str, arm: Arm, base: FloatingBase) -> tuple[str, int]:
+def link_named(text: str, arm: Arm) -> tuple[str, int]:
     """Return the plate and the link, from 0, of a text such as ``1=foot_right``.
 
     Raises
     ------
     ConfigError
-        If there is no such link, or it has no mass.
+        If there is no such link.
     """
     plate, _, link = text.partition("=")
     there = segments(arm)

@@ -14,9 +14,7 @@ _LAWS = {
 }
 
 
-def dynamics_assumptions(
-    arm: Arm, *, lengths_learnt: bool, targets_found: bool, driven: bool = True
-) -> list[str]:
+def dynamics_assumptions(arm: Arm, *, lengths_learnt: bool, targets_found: bool, driven: bool = True) -> list[str]:
     """Return what a fit of the dynamics took for granted, a sentence each.
 
     Parameters
@@ -58,8 +56,8 @@ def kinematics_assumptions(arm: Arm) -> list[str]:
 
 
 _UNDRIVEN = (
-    "No torque was measured: nothing drove the joints. Motion alone then tells ratios, and every inertia, moment and "
-    "friction scales with the one that was given."
+    "No torque was measured: nothing drove the joints. Motion alone then tells ratios, and every inertia, moment "
+    "and friction scales with the one that was given."
 )
 _TARGETS = (
     "The controller's targets were not recorded: each motion is taken to go to one constant target, which was "
