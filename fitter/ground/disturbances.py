@@ -168,7 +168,7 @@ def skin_columns(
                 in_link = np.einsum("nji,nj->ni", motion.R, second)
                 turns.append(np.hstack([np.zeros_like(force), np.einsum("nij,nj->ni", own, in_link)]))
             columns += [*shifts, *turns]
-    return np.stack(columns, axis=2)
+    return np.stack(columns, axis=2) if columns else np.empty((len(about), 6, 0))
 
 
 def _central_inertia(link: Floats) -> Floats:

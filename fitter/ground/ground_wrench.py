@@ -64,7 +64,7 @@ def ground_wrench(
                 f"is from {t[0]:.2f} to {t[-1]:.2f} s, expected one clock"
             )
         wrench = wrench_at_origin(plate)
-        bad = ~np.isfinite(wrench).all(axis=1)
+        bad: NDArray[np.bool_] = np.any(~np.isfinite(wrench), axis=1)
         if bad.any():
             text = f"{plate.name}: {int(bad.sum())} of {len(bad)} samples have no number and are left out"
             notes.append(Note("nan_forces", text))
