@@ -135,6 +135,7 @@ class _Effect(_Table):
     name: str
     joints: tuple[Annotated[int, Field(strict=True)], ...] = ()
     sensors: tuple[str, ...] = ()
+    markers: tuple[str, ...] = ()
     parameters: dict[str, object] = {}
 
 
@@ -253,7 +254,8 @@ def contradictions(raw: Mapping[str, Any], where: str) -> list[str]:
         )
     sentences += [f"{where}: {one}" for one in mistakes_of_covariance(raw.get("sensor_covariance"), known)]
     effects = _tables(raw.get("effect"))
-    sentences += [f"{where}: {mistake}" for mistake in mistakes_in(effects, n_joint, known)]
+    markers = [name for one in _tables(raw.get("marker")) if isinstance(name := one.get("name"), str)]
+    sentences += [f"{where}: {mistake}" for mistake in mistakes_in(effects, n_joint, known, markers)]
     control = raw.get("control")
     if isinstance(control, dict) and n_joint:
         for gain in _GAINS.get(str(control.get("law")), ()):

@@ -6,6 +6,7 @@ are the base parameters. Links come in order from the base, inertia before first
 DD arm yields the paper's eight: ``I1+m2*L1^2, m2*sx2, m2*sy2, I2, D1, D2, fc1, fc2``.
 """
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 
@@ -149,7 +150,7 @@ def _factor(arm: Arm, weight: float, link: int) -> tuple[str, str]:
     for a, (first, x) in enumerate(lengths):
         for second, y in lengths[a:]:
             for count in (1, 2):
-                if np.isclose(abs(weight), count * abs(x * y), rtol=1e-6, atol=0.0):
+                if math.isclose(abs(weight), count * abs(x * y), rel_tol=1e-6):
                     return sign, _letters(count, first, second)
     return sign, f"{abs(weight):.4g}*"
 

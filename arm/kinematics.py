@@ -57,6 +57,25 @@ def far_ends(chain: Chain, q: Floats) -> Floats:
     return T
 
 
+def local_frames(arm: Arm, q: Floats) -> Floats:
+    """Return the pose of every link's joint-axis frame in that of its parent, or in the base frame.
+
+    Parameters
+    ----------
+    arm : Arm
+    q : (n_sample, n_joint) [rad or m]
+
+    Returns
+    -------
+    (n_sample, n_joint, 4, 4)
+    """
+    frames = axis_frames(arm, q)
+    local, parents = frames.copy(), np.array(arm.parents)
+    hung = np.flatnonzero(parents >= 0)
+    local[:, hung] = np.linalg.solve(frames[:, parents[hung]], frames[:, hung])
+    return local
+
+
 def tip_position(arm: Arm, q: Floats) -> Floats:
     """Return the tip r = f(alpha, a, theta, d, beta), eq. (3): the origin of frame n, of a tree's last link.
 

@@ -123,13 +123,15 @@ class Estimate:
 class Effect:
     """What a diagnosis added to the simulation.
 
-    ``joints``, counted from 1, and ``sensors`` say on what it acts; one of the arm as a whole has neither.
+    ``joints``, counted from 1, ``sensors`` and ``markers`` say on what it acts; one of the arm as a whole has none
+    of them.
     """
 
     name: str
     parameters: Mapping[str, object] = field(default_factory=dict)
     joints: tuple[int, ...] = ()
     sensors: tuple[str, ...] = ()
+    markers: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)

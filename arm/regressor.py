@@ -65,8 +65,9 @@ def torque_rows(chain: Chain, q: Floats, dq: Floats, ddq: Floats, Y: Floats) -> 
     R0, p0 = np.empty((n, 3, 3)), np.empty((n, 3))
     poses(chain, np.zeros(n), R0, p0)
     R, p, motion, unit = R0.copy(), p0.copy(), np.empty((n, 3, 3)), np.empty((n, n, 6))
+    cosine, sine = np.cos(q), np.sin(q)
     for s in range(n_sample):
-        move(chain.revolute, q[s], R0, p0, R, p)
+        move(chain.revolute, q[s], cosine[s], sine[s], R0, p0, R, p)
         rigid_motion(chain, chain.gravity, R, p, dq[s], ddq[s], motion)
         for link in range(n):
             w = (motion[link, 0, 0], motion[link, 0, 1], motion[link, 0, 2])

@@ -66,10 +66,13 @@ class Mesh:
 
 def reach_m(arm: Arm) -> float:
     """Return how far the arm gets with its joints at zero, at most [m]; 1 of an arm without any length."""
-    lengths = sum(abs(joint.a_m) + abs(joint.d_m) for joint in arm.joints)
-    if abs(arm.joints[-1].a_m) < TINY_M:
-        lengths += float(np.linalg.norm(_far_end(arm, arm.n_joint - 1)))
-    return lengths if lengths > TINY_M else 1.0
+    lengths, ends = {-1: 0.0}, []
+    for i, joint in enumerate(arm.joints):
+        parent = arm.parents[i]
+        lengths[i] = lengths[parent] + _length(_hang(arm, i)) + abs(joint.d_m)
+        ends.append(lengths[i] + (_length(_far_end(arm, i)) if i not in arm.parents else 0.0))
+    longest = max(ends)
+    return longest if longest > TINY_M else 1.0
 
 
 def link_poses(arm: Arm, q: Floats) -> Floats:
@@ -92,19 +95,22 @@ def link_meshes(arm: Arm) -> list[Mesh]:
 
     A link carries the hub of its own axis (a cylinder, or the carriage of a prismatic joint) and what does not
     move against it: the beam to its far end, the post or rail to the next axis, struts to its sensors. The last
-    link of an arm that ends in ``a = 0`` reaches to the tip's sensor, or to the farthest on it.
+    link of an arm that ends in ``a = 0`` reaches to the tip's sensor, or to the farthest on it. A link that
+    several joints hang on has a beam to each.
     """
     reach, meshes = reach_m(arm), []
     for i, joint in enumerate(arm.joints):
         radius, end = _hub_radius(arm, i, reach), _far_end(arm, i)
-        parts = [
-            _hub(joint, radius),
-            *_beam(np.zeros(3), end, BEAM * radius, BEAM * _hub_radius(arm, i + 1, reach)),
-        ]
-        skeleton = [(np.zeros(3), end)]
-        if i + 1 < arm.n_joint:
-            parts += _to_next_axis(arm.joints[i + 1], end, _hub_radius(arm, i + 1, reach), reach)
-            skeleton.append((end, end + _offset(arm.joints[i + 1])))
+        after = [k for k, parent in enumerate(arm.parents) if parent == i]
+        slim = BEAM * _hub_radius(arm, max(after, default=arm.n_joint), reach)
+        parts, skeleton = [_hub(joint, radius)], []
+        for at in _ends(end, [_hang(arm, k) for k in after]):
+            parts += _beam(np.zeros(3), at, BEAM * radius, slim)
+            skeleton.append((np.zeros(3), at))
+        for k in after:
+            at, child = _hang(arm, k), arm.joints[k]
+            parts += _to_next_axis(child, at, _hub_radius(arm, k, reach), reach)
+            skeleton.append((at, at + _offset(child)))
         for sensor in arm.sensors:
             if sensor.joint == i + 1:
                 at = np.array(sensor.position_m)
@@ -124,7 +130,11 @@ def base_mesh(arm: Arm) -> Mesh:
     top, thick = 1.0 * radius, 0.5 * radius
     plate = _turned(_lathe(_chamfered(0.5 * thick, 2.0 * radius, 0.2 * thick)), axis, (top + 0.5 * thick) * down)
     foot = _turned(_lathe(_chamfered(0.5 * top, 1.1 * radius, 0.1 * top)), axis, 0.5 * top * down)
-    return _joined([plate, foot, *_to_next_axis(first, np.zeros(3), radius, reach)])
+    parts = [plate, foot]
+    for i in (k for k, parent in enumerate(arm.parents) if parent < 0):
+        parts += _beam(np.zeros(3), _hang(arm, i), POST * radius, POST * radius)
+        parts += _to_next_axis(arm.joints[i], _hang(arm, i), radius, reach)
+    return _joined(parts)
 
 
 def sensor_mesh(arm: Arm, sensor: Sensor) -> Mesh:
@@ -145,9 +155,26 @@ def _hub_radius(arm: Arm, index: int, reach: float) -> float:
     return HUB * reach * (1.0 - (1.0 - SLIMMEST) * along)
 
 
+def _hang(arm: Arm, index: int) -> Floats:
+    """Return where a joint hangs on its parent, in the parent's joint-axis frame, or in the base frame."""
+    joint, parent = arm.joints[index], arm.parents[index]
+    if joint.parent_position_m is not None:
+        return np.array(joint.parent_position_m)
+    return np.array([arm.joints[parent].a_m if parent >= 0 else 0.0, 0.0, 0.0])
+
+
+def _ends(far_end: Floats, hangs: list[Floats]) -> list[Floats]:
+    """Return the points that a link reaches to, each once: its far end, and where joints hang on it."""
+    ends = [far_end]
+    for at in hangs:
+        if all(_length(at - end) > TINY_M for end in ends):
+            ends.append(at)
+    return ends
+
+
 def _far_end(arm: Arm, index: int) -> Floats:
     """Return where the beam of a link ends, in its joint-axis frame."""
-    joint, last = arm.joints[index], index + 1 == arm.n_joint
+    joint, last = arm.joints[index], index not in arm.parents
     if not last or abs(joint.a_m) > TINY_M:
         return np.array([joint.a_m, 0.0, 0.0])
     riding = {sensor.name: np.array(sensor.position_m) for sensor in arm.sensors if sensor.joint == index + 1}

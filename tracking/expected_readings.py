@@ -6,7 +6,7 @@ import numpy as np
 
 from arm.chain import Chain
 from arm.model import Floats
-from arm.newton_euler import poses, rigid_motion
+from arm.newton_euler import base_axes, poses, rigid_motion
 from arm.reading_slopes import SEEDS, at_lever, lever_slope, motion_slopes, row
 from arm.triple import cross, turned_back
 from limbcal.compiled import compiled
@@ -25,6 +25,7 @@ class Room(NamedTuple):
     motion: Floats
     slopes: Floats
     gravity: Floats
+    axes: Floats
 
 
 @compiled
@@ -40,6 +41,7 @@ def room_of(n: int) -> Room:
         np.empty((n, 3, 3)),
         np.zeros((n, SEEDS * n, 3, 3)),
         np.empty(3),
+        np.empty((3, 3)),
     )
 
 
@@ -103,7 +105,8 @@ def observe(of: Observation, room: Room, x: Floats, reading: Floats, slope: Floa
             if of.lack_column >= 0:
                 reading[channel + c] += x[of.lack_column + channel + c]
                 slope[channel + c, of.lack_column + channel + c] = 1.0
-        for i in range(link + 1):
+        i = link
+        while i >= 0:
             for k in range(SEEDS):
                 column = 3 * i + k if k < 3 else of.length_column[i, k - 3]
                 if column < 0 or (k == 3 and i == link):
@@ -114,29 +117,29 @@ def observe(of: Observation, room: Room, x: Floats, reading: Floats, slope: Floa
                 a = turned_by(turn, turned_back(rotation, a))
                 for c in range(3):
                     slope[channel + c, column] = gain[c] * a[c]
+            i = of.chain.parent[i]
         if of.base_column >= 0:
-            base_slopes(room, link, rotation, turn, gain, slope[channel : channel + 3], of.base_column)
+            base_axes(of.chain.parent, room.R, link, room.axes)
+            base_slopes(room.axes, rotation, turn, gain, slope[channel : channel + 3], of.base_column)
         if first >= 0:
             mounting_slopes(rotation, turn, gain, felt, w, dw, slope[channel : channel + 3], first)
 
 
 @compiled
 def base_slopes(
-    room: Room,
-    link: int,
+    link_axes: Floats,
     rotation: Floats,
     turn: tuple[float, float, float],
     gain: tuple[float, float, float],
     slope: Floats,
     first: int,
 ) -> None:
-    """Fill in the slopes (3, n_state) of one sensor by the acceleration of the base."""
-    axes = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
+    """Fill in the slopes (3, n_state) of one sensor by the acceleration of the base.
+
+    ``link_axes`` (3, 3) are the axes of its link in the base frame, as columns.
+    """
     for i in range(3):
-        a = axes[i]
-        for k in range(link + 1):
-            a = turned_back(room.R[k], a)
-        a = turned_by(turn, turned_back(rotation, a))
+        a = turned_by(turn, turned_back(rotation, row(link_axes[i])))
         for c in range(3):
             slope[c, first + i] = gain[c] * a[c]
 

@@ -41,10 +41,15 @@ def layout_of(arm: Arm) -> Layout:
     Raises
     ------
     ConfigError
-        If a link has too few sensors, or they lie along the joint's axis.
+        If a link has too few sensors, they lie along the joint's axis, or the arm is no serial chain.
     """
     position = np.array([sensor.position_m for sensor in arm.sensors], dtype=float).reshape(-1, 3)
     mistakes, pairs = [], []
+    if not arm.is_serial:
+        raise ConfigError(
+            f"arm {arm.name!r} is a tree, or a joint hangs elsewhere than at the far end of the link before it; "
+            "dead reckoning expects a serial chain, the filter and the smoother take either"
+        )
     for i, joint in enumerate(arm.joints):
         on_link = [k for k, sensor in enumerate(arm.sensors) if sensor.joint == i + 1]
         if joint.type == "prismatic":

@@ -93,10 +93,13 @@ def observation_of(
     corner = 2.0 * np.pi * np.array([sensor.highpass_hz for sensor in arm.sensors])
     size = 3 * n + 3 * n_sensor
     length_column = np.full((n, 2), ABSENT, dtype=np.int64)
-    for i in range(int(link.max())):  # the far end of the last link with a sensor moves no sensor
-        length_column[i, 0], size = size, size + 1
-        if arm.joints[i + 1].type == "revolute":  # the first d moves all alike, a sliding joint's is its zero
-            length_column[i + 1, 1], size = size, size + 1
+    ways = [arm.way_to(int(at)) for at in link]
+    for i in sorted({i for way in ways for i in way[1:]}):  # the far end of the last link moves no sensor
+        before = arm.parents[i]
+        if arm.joints[i].parent_position_m is None and length_column[before, 0] == ABSENT:
+            length_column[before, 0], size = size, size + 1
+        if arm.joints[i].type == "revolute":  # the first d moves all alike, a sliding joint's is its zero
+            length_column[i, 1], size = size, size + 1
     settled_column, corner_column, mounting_column = np.full((3, n_sensor), ABSENT, dtype=np.int64)
     for s in np.flatnonzero(corner).tolist():
         settled_column[s], size = size, size + 3
@@ -113,8 +116,9 @@ def observation_of(
         lack_column, size = size, size + 3 * n_sensor
     depends: list[list[int]] = []
     for s in range(n_sensor):
-        a, d = length_column[: link[s], 0], length_column[: link[s] + 1, 1]
-        shared = [*range(3 * (link[s] + 1)), *a[a != ABSENT], *d[d != ABSENT]]
+        way = list(ways[s])
+        a, d = length_column[way[:-1], 0], length_column[way, 1]
+        shared = [*(3 * i + k for i in way for k in range(3)), *a[a != ABSENT], *d[d != ABSENT]]
         if mountings:
             shared += range(mounting_column[s], mounting_column[s] + MOUNTING)
         if base:

@@ -5,7 +5,8 @@ drives them. With all positions at zero a person stands upright, the middle betw
 origin. The pelvis turns about the vertical, then to a side (obliquity, positive with its left side up), then
 forward (tilt): in this order (Baker 2001) gimbal lock is a pelvis that lies on its side, and standing, squatting
 and sitting are far from it. The trunk hangs on the pelvis at the lumbar joint: flexion, bending to the right, turn
-to the left. Legs and arms are those of `arm.body.limbs`, arms from the shoulder on.
+to the left. Legs and arms are those of `arm.body.limbs`, arms from the thorax on: two joints of the girdle carry
+the shoulder, for an arm that is raised takes its shoulder along by centimetres.
 
 References
 ----------
@@ -24,7 +25,6 @@ from arm.body.landmarks import LimbMap, Part, landmark_places, limb_map
 from arm.body.limbs import (
     DOWN,
     FORWARD,
-    HALF_SHOULDERS,
     LEFT,
     MEAN_PERSON,
     UP,
@@ -44,8 +44,8 @@ SIDES = ("right", "left")
 #: of the model of Delp et al. (1990), a man of 1.80 m. A calibration replaces them.
 _HALF_HIPS, _LUMBAR_BEHIND = 0.0835 / 1.80, 0.0300 / 1.80
 
-#: Joints of the pelvis and of the lumbar joint; ranges of the spine: American Academy of Orthopaedic Surgeons, Joint
-#: Motion (1965).
+#: Joints of the pelvis and of the lumbar joint; ranges of the spine: American Academy of Orthopaedic Surgeons,
+#: Joint Motion (1965).
 _PELVIS = (
     Axis(FORWARD, False, None, slides=True),
     Axis(LEFT, False, None, slides=True),
@@ -62,7 +62,10 @@ _TRUNK = (
 _PELVIS_NAMES = ("forward", "left", "up", "rotation", "obliquity", "tilt")
 _TRUNK_NAMES = ("flexion", "bending", "rotation")
 _LEG_NAMES = ("hip_flexion", "hip_abduction", "hip_rotation", "knee", "ankle", "subtalar")
-_ARM_NAMES = ("shoulder_flexion", "shoulder_abduction", "shoulder_rotation", "elbow", "forearm", "wrist", "radial")
+_ARM_NAMES = (
+    "girdle_protraction", "girdle_elevation", "shoulder_flexion", "shoulder_abduction", "shoulder_rotation",
+    "elbow", "forearm", "wrist", "radial",
+)  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -101,8 +104,8 @@ BRANCHES: Mapping[str, Branch] = {
 PELVIS_LINK, THORAX_LINK = 5, 8
 
 #: Landmarks of thorax and pelvis: how far forward, outward (those at either side) and up they are of the middle
-#: between the hips' centres [m], of a person of 1.741 m, about. Heights of the thorax: de Leva (1996); the front of
-#: the pelvis: Delp et al. (1990); depths and breadths as grown-ups have them, assumed.
+#: between the hips' centres [m], of a person of 1.741 m, about. Heights of the thorax: de Leva (1996); the front
+#: of the pelvis: Delp et al. (1990); depths and breadths as grown-ups have them, assumed.
 _MIDDLE_LANDMARKS = {
     "suprasternal_notch": (0.06, 0.532),
     "xiphoid": (0.10, 0.361),
@@ -160,7 +163,7 @@ def body_map() -> BodyMap:
 
 
 def human_body(body: Body) -> Arm:
-    """Return a person: 35 joints, of which the first six carry the pelvis.
+    """Return a person: 39 joints, of which the first six carry the pelvis.
 
     Frame 0 is the world's; the segments' masses add up to the person's.
 
@@ -198,8 +201,7 @@ def human_body(body: Body) -> Arm:
     plans = {"trunk": (trunk, PELVIS_LINK, lumbar)}
     for side, sign in (("right", 1.0), ("left", -1.0)):
         plans[f"leg_{side}"] = leg_plan(body, sign), PELVIS_LINK, -sign * _HALF_HIPS * height * LEFT
-        at = shoulders - sign * HALF_SHOULDERS * height * LEFT
-        plans[f"arm_{side}"] = arm_plan(body, sign, "scapula"), THORAX_LINK, at
+        plans[f"arm_{side}"] = arm_plan(body, sign, "thorax"), THORAX_LINK, shoulders
     for name in [*BRANCHES][1:]:
         plan, parent, start = plans[name]
         frame = frames[parent]
@@ -251,11 +253,9 @@ def body_landmarks(arm: Arm) -> dict[str, tuple[int, Floats]]:
     for name, branch in BRANCHES.items():
         if branch.where is None:
             continue
-        own = limb(replace(arm.body, preset=f"human-{name.replace('_', '-')}"), "scapula")
-        start = frames[branch.first, :3, 3]
+        own = limb(replace(arm.body, preset=f"human-{name.replace('_', '-')}"), "thorax")
         for landmark, (link, at) in landmark_places(own, branch.where, arm.body.height_m).items():
-            on_trunk = THORAX_LINK, _in_frame(frames[THORAX_LINK], start + at)
-            places[landmark] = on_trunk if link < 0 else (branch.first + link, at)
+            places[landmark] = branch.first + link, at
     return places
 
 

@@ -17,21 +17,22 @@ _ONCE = ("drive", "transmission")
 
 def effect_mistakes(arm: Arm) -> list[str]:
     """Return what is wrong with an arm's effects, one sentence a mistake."""
-    return list(
-        mistakes_in([vars(effect) for effect in arm.effects], arm.n_joint, [sensor.name for sensor in arm.sensors])
-    )
+    sensors, markers = [sensor.name for sensor in arm.sensors], [marker.name for marker in arm.markers]
+    return list(mistakes_in([vars(effect) for effect in arm.effects], arm.n_joint, sensors, markers))
 
 
-def mistakes_in(effects: Sequence[Mapping[str, Any]], n_joint: int, sensors: Sequence[str]) -> Iterator[str]:
+def mistakes_in(
+    effects: Sequence[Mapping[str, Any]], n_joint: int, sensors: Sequence[str], markers: Sequence[str] = ()
+) -> Iterator[str]:
     """Yield the mistakes in effects as an arm file has them; what has the wrong type is passed over.
 
     Parameters
     ----------
     effects : sequence of mapping
-        With name, parameters, joints, sensors.
+        With name, parameters, joints, sensors, markers.
     n_joint : int
-    sensors : sequence of str
-        Names of the arm's sensors.
+    sensors, markers : sequence of str
+        Names of the arm's.
     """
     there: set[tuple[str, int]] = set()
     for k, effect in enumerate(effects):
@@ -43,7 +44,7 @@ def mistakes_in(effects: Sequence[Mapping[str, Any]], n_joint: int, sensors: Seq
             meant = did_you_mean(name, catalogue())
             yield f"{where}.name is {name!r}, expected one of {', '.join(catalogue())}{meant}"
             continue
-        yield from _on_what(where, kind, effect, n_joint, sensors)
+        yield from _on_what(where, kind, effect, n_joint, {"sensors": sensors, "markers": markers})
         parameters = effect.get("parameters", {})
         if isinstance(parameters, Mapping):
             yield from _numbers(f"{where}.parameters", kind, parameters)
@@ -54,14 +55,16 @@ def mistakes_in(effects: Sequence[Mapping[str, Any]], n_joint: int, sensors: Seq
 
 
 def _on_what(
-    where: str, kind: EffectKind, effect: Mapping[str, Any], n_joint: int, sensors: Sequence[str]
+    where: str, kind: EffectKind, effect: Mapping[str, Any], n_joint: int, riding: Mapping[str, Sequence[str]]
 ) -> Iterator[str]:
-    """Yield what is wrong with an effect's joints and sensors."""
-    wanted = None if kind.whole else "sensors" if kind.place == "sensor" else "joints"
-    for field in ("joints", "sensors"):
+    """Yield what is wrong with an effect's joints, sensors and markers."""
+    wanted = "" if kind.whole else kind.acts_on
+    for field in ("joints", *riding):
         given = effect.get(field) or []
         if field == wanted and not given:
             yield f"{where}.{field} is missing: {kind.name} acts on {field}"
+        elif field == wanted and kind.exactly is not None and len(given) != kind.exactly:
+            yield f"{where}.{field} is {given!r}: {kind.name} acts on {kind.exactly} {field} at once"
         elif field != wanted and given:
             on = f"acts on {wanted}" if wanted else "acts on the arm as a whole"
             yield f"{where}.{field} is {given!r}, but {kind.name} {on}"
@@ -69,10 +72,11 @@ def _on_what(
         for joint in _listed(effect, "joints", int):
             if not 1 <= joint <= n_joint:
                 yield f"{where}.joints has {joint}, expected 1 to {n_joint}"
-    if wanted == "sensors":
-        for sensor in _listed(effect, "sensors", str):
-            if sensor not in sensors:
-                yield f"{where}.sensors has {sensor!r}, expected one of {', '.join(sensors) or 'no sensor'}"
+    if wanted in riding:
+        there = riding[wanted]
+        for name in _listed(effect, wanted, str):
+            if name not in there:
+                yield f"{where}.{wanted} has {name!r}, expected one of {', '.join(there) or f'no {wanted[:-1]}'}"
 
 
 def _numbers(where: str, kind: EffectKind, values: Mapping[str, Any]) -> Iterator[str]:

@@ -5,12 +5,12 @@ from dataclasses import dataclass, replace
 from numbers import Real
 from typing import Literal
 
-from arm.model import Arm, Effect, Floats, Joint, Sensor, Vector3
+from arm.model import Arm, Effect, Floats, Joint, Marker, Sensor, Vector3
 
 #: Where an effect acts: it resists one joint's motion; it changes links, joints or gravity; it changes the torque
 #: on its way from the controller to the joint; it lies between the angle that is measured and that of the link;
-#: or it changes what a sensor reads.
-Place = Literal["joint", "arm", "drive", "transmission", "sensor"]
+#: it changes what a sensor reads; or where an optical marker is.
+Place = Literal["joint", "arm", "drive", "transmission", "sensor", "marker"]
 
 #: What an effect has in an arm file.
 Values = Mapping[str, object]
@@ -62,13 +62,13 @@ class EffectKind:
     name : str
     sentence : str
         What it is, in plain words, after "…, because".
-    place : {"joint", "arm", "drive", "transmission", "sensor"}
+    place : {"joint", "arm", "drive", "transmission", "sensor", "marker"}
     parameters : tuple of Parameter
         Of each joint or sensor that it acts on.
     taken_for : tuple of str
         Other effects that look like it in some data.
     whole : bool
-        It acts on the arm as a whole: it has neither joints nor sensors.
+        It acts on the arm as a whole: it has neither joints nor sensors nor markers.
     base : str
         Beginning of the names of the base parameters that are the same, such as ``D``; empty where none is.
     holds : bool
@@ -78,11 +78,15 @@ class EffectKind:
     usual : bool
         Standard models of robots have it (Swevers, Verdonck and De Schutter 2007): before any data it is as likely
         as not.
+    exactly : int, optional
+        On how many joints, sensors or markers it acts at once; any number where it is absent.
     torque : callable, optional
         For those that act at a joint: a C function of `arm.effects.joint_torque`, the torque with which the joint
         resists.
     change : callable, optional
         For those that are other numbers of the arm, of its joints or its sensors: returns the arm that has it.
+    marked : callable, optional
+        For those that are other markers of the arm: returns the arm that has it in a trial in which it acts.
     force, reading, converted : callable, optional
         For those that change what sensors read: what acts on the specific force that a sensor feels, on what it
         makes of it, and on that once it has its noise.
@@ -98,11 +102,18 @@ class EffectKind:
     holds: bool = False
     event: bool = False
     usual: bool = False
+    exactly: int | None = None
     torque: Callable[..., float] | None = None
     change: Change | None = None
+    marked: Change | None = None
     force: Reading | None = None
     reading: Reading | None = None
     converted: Reading | None = None
+
+    @property
+    def acts_on(self) -> str:
+        """What an entry in an arm file lists: ``joints``, ``sensors`` or ``markers``; ``arm`` where nothing."""
+        return "arm" if self.whole else {"sensor": "sensors", "marker": "markers"}.get(self.place, "joints")
 
 
 def number(values: Values, name: str) -> float:
@@ -133,3 +144,9 @@ def with_sensors(arm: Arm, which: Sequence[str], change: Callable[[Sensor], Sens
     """Return the arm with some of its sensors changed."""
     sensors = (change(sensor) if sensor.name in which else sensor for sensor in arm.sensors)
     return replace(arm, sensors=tuple(sensors))
+
+
+def with_markers(arm: Arm, which: Sequence[str], change: Callable[[Marker], Marker]) -> Arm:
+    """Return the arm with some of its markers changed."""
+    markers = (change(marker) if marker.name in which else marker for marker in arm.markers)
+    return replace(arm, markers=tuple(markers))

@@ -40,7 +40,7 @@ class LimbOfBody:
 
     @property
     def begins(self) -> str:
-        """The joint that it begins with: ``hip`` or ``shoulder``."""
+        """The joint that it begins with: ``hip`` or ``girdle``."""
         return next(iter(self.where.centres))
 
 
@@ -53,7 +53,7 @@ class BodyLimbs:
     lumbar : int
         First joint between pelvis and thorax.
     links : mapping of str to int
-        By segment. The shoulder blades have none: they follow the arms, not the thorax.
+        By segment.
     limbs : tuple of LimbOfBody
     """
 
@@ -71,7 +71,7 @@ def body_with_limbs(person: Body) -> tuple[Arm, BodyLimbs]:
         if branch.where is None:
             continue
         preset = f"human-{name.replace('_', '-')}"
-        own = limb(replace(person, preset=preset), "scapula")
+        own = limb(replace(person, preset=preset), "thorax")
         segment = "pelvis" if arm.parents[branch.first] == PELVIS_LINK else "thorax"
         limbs.append(LimbOfBody(preset, branch.first, segment, own, branch.where))
         links |= {part: branch.first + one.link for part, one in branch.where.parts.items()}

@@ -33,10 +33,10 @@ from fitter.markers.recording import MarkerRecording
 
 #: Frames that a fit takes, evenly spread over all that can be used.
 FIT_FRAMES = 300
-#: How well the stance has a marker of pelvis or thorax in its segment [m]: the mean of the upright frames has it to
-#: millimetres, people stand with pelvis and trunk inclined by some 5° from each other, 20 cm away.
+#: How well the stance has a marker of pelvis or thorax in its segment [m]: upright frames have it to millimetres,
+#: but people stand with pelvis and trunk inclined by some 5° from each other, and markers are 20 cm away.
 _CARRIED_M = 0.02
-#: How long a movement such as a squat lasts [s], a convention. Over it skin goes with the joints' angles, and alike
+#: How long a movement such as a squat lasts [s], a convention. In it skin goes with the joints' angles, and alike
 #: the next time: one movement has one error of the skin.
 _MOVEMENT_S = 3.0
 
@@ -140,16 +140,17 @@ def _task(
 
 
 def _errors(where: BodyLimbs, task: Task, bundle: Bundle, n_part: int, halves: Sequence[Bundle]) -> Errors:
-    """Return the errors, with what hips and shoulders are found to be off by in images, alike in all parts."""
+    """Return the errors, with what hips are found to be off by in images, alike in all parts."""
     markers, free = bundle.markers, task.free.names
     found = errors_of(task, bundle, n_part, halves, lambda g, place: derived_body(where, g, markers, place))
     own = derived_body(where, bundle.geometry, markers, markers.place)
     lengths, centres = list(own.lengths), list(own.centres)
     for limb in where.limbs:
-        k, side = limb.first, limb.where.side
+        off, k, side = systematic_std_m(limb.begins), limb.first, limb.where.side
+        if not off:  # an arm's first joint is of the girdle
+            continue
         near = [*(f"parent_position{k + 1}_{axis}" for axis in "xyz"), f"d{k + 3}"]
         at = len(lengths) + 3 * centres.index(f"{limb.begins}_{side}")
-        length = "thigh" if limb.is_leg else "upper_arm"
-        numbers = [lengths.index(f"{length}_{side}"), at, at + 1, at + 2]
-        found = found.with_systematic(systematic_std_m(limb.begins), [free.index(name) for name in near], numbers)
+        numbers = [lengths.index(f"thigh_{side}"), at, at + 1, at + 2]
+        found = found.with_systematic(off, [free.index(name) for name in near], numbers)
     return found

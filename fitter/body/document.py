@@ -17,7 +17,7 @@ def body_document(
     names = bundle.markers.names
     learnt = fit.residuals_m(learn, seed)
     judged = fit.residuals_m(evaluate, seed) if evaluate else None
-    free, balls = fit.task.free, {limb.name: limb.first for limb in where.limbs}
+    free, balls = fit.task.free, {limb.name: limb.first + limb.where.balls[0] for limb in where.limbs}
     hung = [
         (name, float(bundle.geometry.hang[i, 1 + kind - HANG_X]), "m")
         for name, (kind, i) in zip(free.names, free.what.tolist(), strict=True)

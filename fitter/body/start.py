@@ -10,7 +10,7 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from arm.body.limbs import MEAN_PERSON
-from arm.body.whole_body import body_map
+from arm.body.whole_body import PELVIS_LINK, SIDES, body_landmarks, body_map
 from arm.kinematics import axis_frames
 from arm.marker_kinematics import HANG_X
 from arm.model import Arm, Floats
@@ -36,6 +36,8 @@ _TRUNK_M, _BELOW_ACROMION_M = 0.03, 0.02
 _CARRIED_M = 0.01
 #: How far the acromion is above the shoulder's centre [m] of the mean person (`arm.body.landmarks`).
 _ACROMION_M = 0.045
+#: How far the sternoclavicular joint is beside the notch [m] (`fitter.limb.initial_geometry`).
+_NOTCH_M = 0.025
 #: A shoulder by motion is taken where its standard error is below this [m].
 _SHOULDER_M = 0.015
 
@@ -90,11 +92,11 @@ def initial_body(arm: Arm, where: BodyLimbs, trials: LimbTrials, stand: Stance, 
     numbers, hang = geometry.numbers, geometry.hang
     centres, functional, notes = dict[str, dict[str, Centre]](), list[FunctionalCentre](), list[Note]()
     for limb in where.limbs:
-        found, by_motion, said = joint_centres(trials, replace(limb.where, base=limb.segment))
+        found, by_motion, said = joint_centres(trials, limb.where)
         centres[limb.name] = found
         functional += by_motion
         notes += said
-    trunk = _trunk(where, trials, stand, zero, centres)
+    trunk = _trunk(arm, where, trials, stand, zero, centres)
     rows: list[tuple[int, int, float]] = [(HANG_X + axis, where.lumbar, _TRUNK_M) for axis in range(3)]
     limbs = dict[str, Arm]()
     for limb in where.limbs:
@@ -105,6 +107,8 @@ def initial_body(arm: Arm, where: BodyLimbs, trials: LimbTrials, stand: Stance, 
         )
         if found_at is not None:
             begins, std = trunk[limb.segment].to_body(found_at[0]), found_at[1]
+        if found_at is not None and not limb.is_leg:
+            own, begins = _on_the_girdle(own, begins, limb.where.outward)
         own, length_std = with_lengths(own, limb.where, centres[limb.name])
         limbs[limb.name] = own
         for i, joint in enumerate(own.joints):
@@ -135,7 +139,12 @@ class _Carried:
 
 
 def _trunk(
-    where: BodyLimbs, trials: LimbTrials, stand: Stance, zero: Floats, centres: dict[str, dict[str, Centre]]
+    arm: Arm,
+    where: BodyLimbs,
+    trials: LimbTrials,
+    stand: Stance,
+    zero: Floats,
+    centres: dict[str, dict[str, Centre]],
 ) -> dict[str, _Carried]:
     """Return where pelvis and thorax stand in the preset: by the hips, and by the joint between them."""
     legs = [limb for limb in where.limbs if limb.is_leg]
@@ -144,14 +153,30 @@ def _trunk(
         for limb in legs
     ]
     in_body = np.array([zero[limb.first, :3, 3] for limb in legs])
-    if all(x is not None for x in found):
-        pelvis = _Carried(stand.axes["pelvis"], np.mean(found, axis=0), in_body.mean(axis=0))
+    hips = [x for x in found if x is not None]
+    if len(hips) == len(legs):
+        pelvis = _Carried(stand.axes["pelvis"], np.mean(hips, axis=0), in_body.mean(axis=0))
     else:
-        pelvis = _Carried(stand.axes["pelvis"], np.zeros(3), in_body.mean(axis=0))
+        pelvis = _Carried(stand.axes["pelvis"], *_middle_of_spines(arm, trials, zero))
     lumbar = zero[where.lumbar, :3, 3]
     world = trials.motions["pelvis"].whole.to_world(pelvis.to_segment(lumbar))
     local = trials.motions["thorax"].whole.to_segment(world)[stand.rows]
     return {"pelvis": pelvis, "thorax": _Carried(stand.axes["thorax"], nan_median(local), lumbar)}
+
+
+def _middle_of_spines(arm: Arm, trials: LimbTrials, zero: Floats) -> tuple[Floats, Floats]:
+    """Return the middle of two spines of the pelvis in its markers' frame, and in the preset's zero posture."""
+    template, about = trials.motions["pelvis"].template, body_landmarks(arm)
+    for name in ("asis", "psis"):
+        both = [f"{name}_{side}" for side in SIDES]
+        marks = [trials.landmarks.get(one) for one in both]
+        if all(mark in template.markers for mark in marks):
+            there = template.points_m[[template.markers.index(str(mark)) for mark in marks]]
+            frames = [zero[about[one][0]] for one in both]
+            places = [T[:3, :3] @ about[one][1] + T[:3, 3] for T, one in zip(frames, both, strict=True)]
+            if np.isfinite(there).all():
+                return there.mean(axis=0), np.mean(places, axis=0)
+    return np.zeros(3), zero[PELVIS_LINK, :3, 3]
 
 
 def _hip(limb: LimbOfBody, centres: dict[str, dict[str, Centre]]) -> tuple[Floats, float] | None:
@@ -169,7 +194,7 @@ def _shoulder(
     functional: list[FunctionalCentre],
     height_m: float,
 ) -> tuple[Floats, float] | None:
-    """Return a shoulder's centre in the thorax' frame, by motion or below the acromion, and how well it is known."""
+    """Return a shoulder's centre in the thorax' frame, by motion or below the acromion, and its error."""
     side, thorax = limb.where.side, trunk["thorax"]
     for found in functional:
         if found.joint == f"shoulder_{side}" and not found.unobservable.any() and found.std_m < _SHOULDER_M:
@@ -181,6 +206,15 @@ def _shoulder(
     below = thorax.axes[:, 2] * _ACROMION_M * height_m / MEAN_PERSON.height_m
     at = nan_median(local) - below
     return (at, _BELOW_ACROMION_M) if np.isfinite(at).all() else None
+
+
+def _on_the_girdle(arm: Arm, shoulder: Floats, outward: Floats) -> tuple[Arm, Floats]:
+    """Return an arm whose girdle reaches to a shoulder, and where its girdle begins: beside the notch."""
+    aside = _NOTCH_M * outward
+    begins = shoulder + aside - (shoulder @ outward) * outward
+    a = np.array([joint.a_m for joint in arm.joints])
+    a[1] = (shoulder - begins) @ outward
+    return arm.with_joints(a_m=a), begins
 
 
 def _in_laboratory(geometry: Geometry, zero: Floats, world: Floats) -> Geometry:

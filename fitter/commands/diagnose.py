@@ -12,8 +12,10 @@ from arm.effects.catalogue import catalogue
 from arm.model import Arm
 from arm.structural_parameters import structural_parameters
 from fitter.commands.arm_option import questioned_arm
+from fitter.commands.diagnose_markers import diagnose_marker_files
 from fitter.commands.diagnose_readings import diagnose_readings, readings
 from fitter.commands.diagnosis_sets import TrialSet, add_sets, require_other_samples, sets_of
+from fitter.commands.limb_track import has_markers
 from fitter.commands.options import add_arm, add_columns, positive
 from fitter.commands.trial_sets import notes_of
 from fitter.data.motions import Measured
@@ -69,6 +71,8 @@ def diagnose_command(arguments: argparse.Namespace) -> Document:
         arguments.out.mkdir(parents=True, exist_ok=True)
     except OSError as error:
         raise DeviceError(f"{arguments.out}: cannot be made: {error.strerror}") from error
+    if has_markers([*arguments.learn, *arguments.evaluate]):
+        return diagnose_marker_files(arm, arguments)
     sets = sets_of(arguments)
     raw = [readings(one.sources, arm, one.columns, arguments.rate_hz) if one.sources else None for one in sets[:2]]
     if raw[0] is not None and not arguments.evaluate:

@@ -29,14 +29,9 @@ def list_effects(arguments: argparse.Namespace) -> Document:
             numbers = "\n".join(_words(parameter) for parameter in kind.parameters)
             about = f"{kind.sentence}\n[dim]{numbers}[/]"
             others = f"\n[dim]or {', '.join(kind.taken_for)}?[/]" if kind.taken_for else ""
-            table.add_row(f"{kind.name}\n[dim]{_acts_on(kind)}[/]", about + others)
+            table.add_row(f"{kind.name}\n[dim]{kind.acts_on}[/]", about + others)
         show(table)
     return {"effects": [_entry(kind) for kind in kinds]}
-
-
-def _acts_on(kind: EffectKind) -> str:
-    """Return what an effect acts on, as its entry in an arm file says it."""
-    return "arm" if kind.whole else "sensors" if kind.place == "sensor" else "joints"
 
 
 def _words(parameter: Parameter) -> str:
@@ -49,7 +44,7 @@ def _entry(kind: EffectKind) -> Document:
         "name": kind.name,
         "sentence": kind.sentence,
         "place": kind.place,
-        "acts_on": _acts_on(kind),
+        "acts_on": kind.acts_on,
         "parameters": [
             {
                 "name": parameter.name,

@@ -88,7 +88,7 @@ def limb_kinematics(arguments: argparse.Namespace) -> Document:
         else:
             limb = (arguments.body, arguments.base)
             found = calibrated_limb(learn, evaluate, marker_set, limb, body, arguments.seed, told)
-    answer = found.document | {"seconds": time.perf_counter() - began}
+    answer: dict[str, object] = {**found.document, "seconds": time.perf_counter() - began}
     notes = [*notes, *more, *found.notes, *_no_masses(body)]
     save_arm(found.arm, arguments.out)
     say_notes(notes)
@@ -159,8 +159,8 @@ def _no_masses(body: Body | None) -> list[Note]:
     return [Note("no_masses", text)]
 
 
-def _show(name: str, answer: Document) -> None:
-    table = Table(title=f"{name}: {answer['samples']} frames", title_justify="left")
+def _show(whose: str, answer: Document) -> None:
+    table = Table(title=f"{whose}: {answer['samples']} frames", title_justify="left")
     for column in ("", "value", "95 %", "disjoint trials apart"):
         table.add_column(column)
     lengths, centres, axes = (dict(answer[k]) for k in ("lengths_m", "centres", "axes"))  # type: ignore[call-overload]

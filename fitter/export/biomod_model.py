@@ -3,7 +3,7 @@
 import numpy as np
 
 from arm.model import Arm, Floats
-from fitter.export.placements import BASE, is_carried, link_name, placements
+from fitter.export.placements import BASE, is_carried, link_name, placed_on, placements
 
 
 def biomod_model(arm: Arm) -> str:
@@ -14,13 +14,12 @@ def biomod_model(arm: Arm) -> str:
         lines += ["  translations xyz", "  rotations xyz"]
     lines += [*_mass(0.0, np.zeros(3), np.zeros((3, 3))), "endsegment", ""]
     for i, joint in enumerate(arm.joints):
-        parent = arm.parents[i] + 1
-        at = placed.joints[i] if parent else placed.frame_0 @ placed.joints[i]
+        parent, at = placed_on(placed, i)
         low, high = joint.limits or ((-np.pi, np.pi) if joint.type == "revolute" else (-1.0, 1.0))
         kind = "rotations" if joint.type == "revolute" else "translations"
         lines += [
             f"segment {link_name(i + 1)}",
-            f"  parent {link_name(parent)}",
+            f"  parent {parent}",
             "  RTinMatrix 1",
             "  RT",
             *(f"    {_row(row)}" for row in at),

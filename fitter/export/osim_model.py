@@ -6,7 +6,7 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from arm.model import Arm, Floats
-from fitter.export.placements import BASE, is_carried, link_name, placements
+from fitter.export.placements import BASE, is_carried, link_name, placed_on, placements
 
 #: Coordinates of the joint that carries the base: turns about body-fixed x, y, z [rad], then shifts [m].
 BASE_COORDINATES = ("base_rx", "base_ry", "base_rz", "base_tx", "base_ty", "base_tz")
@@ -41,11 +41,10 @@ def osim_model(arm: Arm) -> str:
     for i, joint in enumerate(arm.joints):
         name = link_name(i + 1)
         _body(bodies, name, placed.mass_kg[i], placed.centre_m[i], placed.inertia_kg_m2[i])
-        parent = arm.parents[i] + 1
-        at = placed.joints[i] if parent else placed.frame_0 @ placed.joints[i]
+        parent, at = placed_on(placed, i)
         kind = "PinJoint" if joint.type == "revolute" else "SliderJoint"
         coordinate = ((f"q{i + 1}", joint.limits or _ANY_RANGE[joint.type]),)
-        _joint(joints, kind, f"joint{i + 1}", f"/bodyset/{link_name(parent)}", name, at, coordinate)
+        _joint(joints, kind, f"joint{i + 1}", f"/bodyset/{parent}", name, at, coordinate)
     for one in arm.markers:
         marker = ElementTree.SubElement(markers, "Marker", name=one.name)
         _text(marker, "socket_parent_frame", f"/bodyset/{link_name(one.joint)}")

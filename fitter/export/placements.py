@@ -1,4 +1,4 @@
-"""An arm as other programs have it: each joint placed on the link it hangs on, turning about its own z axis."""
+"""An arm as other programs have it: each joint placed in its parent, turning about its own z axis."""
 
 from dataclasses import dataclass
 
@@ -14,14 +14,16 @@ BASE = "base"
 
 @dataclass(frozen=True)
 class Placements:
-    """Where an arm's joints are on the links that they hang on, and what its links weigh.
+    """Where an arm's joints are in the links before them, and what its links weigh.
 
     Attributes
     ----------
     frame_0 : (4, 4)
         Frame 0 in the world, or in the segment that carries it.
     joints : (n_joint, 4, 4)
-        Each joint-axis frame at position zero in that of its parent, in frame 0 where it hangs on the base.
+        Each joint-axis frame at position zero in its parent's, or in frame 0.
+    parents : tuple of int
+        The link that each joint hangs on, counted from 1; 0 is what carries the arm.
     mass_kg : (n_joint,)
     centre_m : (n_joint, 3)
         In the link's joint-axis frame.
@@ -33,6 +35,7 @@ class Placements:
 
     frame_0: Floats
     joints: Floats
+    parents: tuple[int, ...]
     mass_kg: Floats
     centre_m: Floats
     inertia_kg_m2: Floats
@@ -55,8 +58,15 @@ def placements(arm: Arm) -> Placements:
     gravity = np.array(arm.gravity_m_s2)
     if arm.base is None or arm.base.segment is None:  # of a base that stands it is given in frame 0
         gravity = frame_0[:3, :3] @ gravity
-    before = frames[[parent + 1 for parent in arm.parents]]
-    return Placements(frame_0, np.linalg.inv(before) @ frames[1:], mass, centre, inertia, gravity)
+    parents = tuple(parent + 1 for parent in arm.parents)
+    local = np.linalg.inv(frames[list(parents)]) @ frames[1:]
+    return Placements(frame_0, local, parents, mass, centre, inertia, gravity)
+
+
+def placed_on(placed: Placements, i: int) -> tuple[str, Floats]:
+    """Return on what joint ``i`` (from 0) is placed and how, (4, 4); frame 0 is no body of its own."""
+    parent = placed.parents[i]
+    return link_name(parent), placed.joints[i] if parent else placed.frame_0 @ placed.joints[i]
 
 
 def link_name(joint: int) -> str:

@@ -15,7 +15,7 @@ from fitter.kinematics.gauge import Gauge
 from fitter.kinematics.incremental import IncrementalKinematics
 from fitter.kinematics.moment_fit import MomentFit, MomentProblem, enough
 from fitter.kinematics.origin import About, choose_about, counted_from_rest
-from fitter.kinematics.tip_basis import UNITS, geometry_names, geometry_of, turning, with_geometry
+from fitter.kinematics.tip_basis import UNITS, expect_chain, geometry_names, geometry_of, turning, with_geometry
 from fitter.kinematics.tip_error import TipScore
 from fitter.search.drawn import covariance_of
 from fitter.search.fitted_parameter import FittedParameter, fitted_parameters, held_back
@@ -119,6 +119,7 @@ def fit_kinematics(
     """
     if not learn:
         raise DataError("no learning trial; expected at least one")
+    expect_chain(arm)
     start = clock()
     noise = resolved_noise(arm, learn, angle_noise)
     about = choose_about(learn, noise.rad) if about == "auto" else about

@@ -11,7 +11,7 @@ from fitter.kinematics.gauge import Gauge, gauge
 from fitter.kinematics.identifiability import identifiable, sought_by_default, with_parallel_axes
 from fitter.kinematics.reliable import reliable
 from fitter.kinematics.search_bounds import search_bounds
-from fitter.kinematics.tip_basis import coefficients, geometry_names, geometry_of, jacobian, turning
+from fitter.kinematics.tip_basis import coefficients, expect_chain, geometry_names, geometry_of, jacobian, turning
 from fitter.kinematics.tip_sums import TipSums, add_up, no_sums, tip_sums
 from fitter.search.clusters import covariance_by_motions
 from fitter.search.genetic import INDIVIDUALS_PER_GENE, POPULATION, GeneticAlgorithm
@@ -62,6 +62,7 @@ class IncrementalKinematics:
         free: Collection[str] = (),
         angle_noise: Floats | None = None,
     ) -> None:
+        expect_chain(arm)
         names = geometry_names(arm.n_joint)
         unknown = sorted({*(bounds or {}), *(fixed or {}), *free} - set(names))
         if unknown:

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from arm.model import Arm, Floats
+from limbcal.errors import ConfigError
 
 Complexes = NDArray[np.complex128]
 
@@ -33,6 +34,21 @@ def with_geometry(arm: Arm, geometry: Floats) -> Arm:
     """Return the arm with another geometry, (n_joint, 5)."""
     fields = ("alpha_rad", "a_m", "d_m", "beta_rad", "theta_offset_rad")
     return arm.with_joints(**dict(zip(fields, geometry.T, strict=True)))
+
+
+def expect_chain(arm: Arm) -> None:
+    """Look whether the tip is a product of all joints' factors.
+
+    Raises
+    ------
+    ConfigError
+        If the arm is a tree, or a joint hangs elsewhere than at the far end of the link before it.
+    """
+    if not arm.is_serial:
+        raise ConfigError(
+            f"arm {arm.name!r} is a tree, or a joint hangs elsewhere than at the far end of the link before it; "
+            "a geometry is learnt from a tip of a serial chain only"
+        )
 
 
 def turning(arm: Arm) -> tuple[bool, ...]:

@@ -27,9 +27,9 @@ def document(
     base = [(f"base_{axis}", float(x), "m") for axis, x in zip("xyz", fit.bundle.geometry.base_p, strict=True)]
     own = derived(fit.where, fit.bundle.geometry, fit.bundle.markers.link, *[fit.bundle.markers.place] * 2)
     found = derived_document(own, fit.errors, lambda name: _length_std(fit, name), lambda s: _markers_of(fit, s))
-    for name, one in dict(found["centres"]).items():  # type: ignore[call-overload]
-        if any(functional.joint == name for functional in fit.functional):
-            one |= _score(fit, name)
+    centres = dict(found["centres"])  # type: ignore[call-overload]
+    for name in {functional.joint for functional in fit.functional} & centres.keys():
+        centres[name] |= _score(fit, name)
     return {
         "parameters": parameters(fit.bundle.geometry, fit.free, fit.errors, base),
         **of_bundle(fit.bundle, len(fit.task.frames.t)),
@@ -137,7 +137,8 @@ def length_label(length: str, ball: int) -> str:
     """Return which number of eq. (1) a length is, given the first joint of hip or shoulder, from 0."""
     k = ball
     return {
-        "upper_arm": f"d{k + 3}", "thigh": f"d{k + 3}", "forearm": f"d{k + 5}", "shank": f"a{k + 4}", "girdle": f"a{k}",
+        "upper_arm": f"d{k + 3}", "forearm": f"d{k + 5}", "girdle": f"a{k}",
+        "thigh": f"d{k + 3}", "shank": f"a{k + 4}",
     }[length]  # fmt: skip
 
 

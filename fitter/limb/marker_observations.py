@@ -78,7 +78,7 @@ class MarkerModel:
     std : (m,) [m]
         How far each wanders along an axis.
     sway : int
-        Joints of the base's sway before the limb's own: `SWAY`, or none where the base floats by joints of its own.
+        Joints of the base's sway before the limb's own: `SWAY`; none where the base floats by joints of its own.
     """
 
     names: tuple[str, ...]

@@ -46,7 +46,13 @@ class Smoothed:
 
 
 def smooth(
-    chain: MarkerChain, frames: Frames, std_m: Floats, prior: AnglePrior, dt_s: float, q: Floats
+    chain: MarkerChain,
+    frames: Frames,
+    std_m: Floats,
+    prior: AnglePrior,
+    dt_s: float,
+    q: Floats,
+    jerk_share: float = 1.0,
 ) -> Smoothed:
     """Return the most likely motion of one trial.
 
@@ -60,9 +66,11 @@ def smooth(
     dt_s : float
     q : (n_frame, 6 + n_joint)
         Where to begin.
+    jerk_share : float
+        Of the usual densities of the jerk.
     """
     n = q.shape[1]
-    density = np.where(chain.revolute, JERK_DENSITY, SWAY_JERK_DENSITY)
+    density = jerk_share * np.where(chain.revolute, JERK_DENSITY, SWAY_JERK_DENSITY)
     jerk = 1.0 / (density * dt_s**5)
     band = _jerk_band(len(q), jerk)
     room = slopes_room(n, 0)

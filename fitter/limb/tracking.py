@@ -10,7 +10,9 @@ from scipy.spatial.transform import Rotation, Slerp
 from arm.body.landmarks import limb_map
 from arm.body.limbs import LIMBS
 from arm.body.whole_body import BODY, body_map
+from arm.effects.marker_effects import marked_in, slid_markers
 from arm.kinematics import rotation_from_rpy
+from arm.marker_kinematics import MarkerChain
 from arm.model import Arm, Floats
 from fitter.functional.rigid_fit import fit_poses
 from fitter.functional.template import doubtful_rms_m
@@ -20,15 +22,21 @@ from fitter.limb.free_geometry import Geometry, geometry_of
 from fitter.limb.initial_geometry import joint_prior
 from fitter.limb.inverse_kinematics import follow, link_poses, predicted
 from fitter.limb.marker_observations import SWAY, AnglePrior, Frames, MarkerModel, base_follows, with_base
-from fitter.limb.motion_smoother import smooth
+from fitter.limb.motion_smoother import Smoothed, smooth
 from fitter.markers.recording import MarkerRecording
 from limbcal.errors import ConfigError, DataError
 from limbcal.note import Note
 
 #: How far a marker wanders where the arm file does not say so, and at the least [m].
 _USUAL_STD_M, _LEAST_STD_M = 0.008, 0.004
+#: Share of a limb's density of the jerk that a body takes: fifty markers see its trunk where five see a limb's
+#: joint, so that the same frequencies pass with a tenth.
+_JERK_OF_A_BODY = 0.1
 #: Least markers of the chain with which a frame determines its angles by itself.
 _LEAST_MARKERS = 3
+#: Passes in which skin slides with the joints: it slides by centimetres a radian, so each pass leaves a tenth of
+#: the error or less.
+_PASSES = 3
 
 
 @dataclass(frozen=True)
@@ -143,16 +151,75 @@ def track_limb(
     DataError
         If a recording has too few of the arm's markers.
     """
-    marked = marked_arm(arm)
+    marked_arm(arm)
     tracked = []
     for k, recording in enumerate(recordings):
-        tracked.append(_track_one(marked, recording, seed))
+        tracked.append(_track_one(arm, recording, k + 1, seed))
         if progress is not None:
             progress(k + 1)
     return tracked
 
 
-def _track_one(marked: MarkedArm, recording: MarkerRecording, seed: int) -> TrackedLimb:
+@dataclass(frozen=True)
+class SolvedMotion:
+    """The motion of a recording, as the kernels have it.
+
+    Attributes
+    ----------
+    marked : MarkedArm
+        The arm with its markers as they are in that trial.
+    chain : MarkerChain
+        With the base's sway, where it has one, before the limb's joints.
+    frames : Frames
+        With the markers that were measured, less by how much skin has slid with them.
+    smoothed : Smoothed
+    notes : tuple of Note
+    """
+
+    marked: MarkedArm
+    chain: MarkerChain
+    frames: Frames
+    smoothed: Smoothed
+    notes: tuple[Note, ...]
+
+
+def solve_motion(arm: Arm, recording: MarkerRecording, trial: int, seed: int = 0) -> SolvedMotion:
+    """Return the motion in which the arm's markers come nearest to those of a recording.
+
+    Parameters
+    ----------
+    arm : Arm
+        With its effects; skin that slides with a joint does so with the joint's position of the pass before.
+    recording : MarkerRecording
+    trial : int
+        The recording's number, from 1: effects may act in some trials only.
+    seed : int
+        Of the postures that angles begin from.
+
+    Raises
+    ------
+    ConfigError
+        If the arm cannot be tracked.
+    DataError
+        If the recording has too few of the arm's markers.
+    """
+    here = marked_in(arm, trial)
+    marked = marked_arm(here)
+    solved = _solved(marked, recording, seed)
+    if not slid_markers(here, np.zeros((1, arm.n_joint))):
+        return solved
+    for _ in range(_PASSES):
+        R = link_poses(solved.chain, solved.frames, solved.smoothed.q)[0]
+        bare = recording
+        for name, slid in slid_markers(here, solved.smoothed.q[:, marked.markers.sway :]).items():
+            link = int(solved.chain.link[marked.names.index(name)])
+            place = recording.of((name,))[:, 0] - np.einsum("nij,nj->ni", R[:, link], slid)
+            bare = bare.with_marker(name, place)
+        solved = _solved(marked, bare, seed)
+    return solved
+
+
+def _solved(marked: MarkedArm, recording: MarkerRecording, seed: int) -> SolvedMotion:
     y = recording.of(marked.markers.names)
     seen = np.isfinite(y[..., 0])
     notes = _missing(marked, recording)
@@ -173,16 +240,22 @@ def _track_one(marked: MarkedArm, recording: MarkerRecording, seed: int) -> Trac
     if not sway:
         about = floating_angles(marked.geometry, marked.everything, frames, marked.angles, seed)
     q = _first(follow(chain, frames, std, marked.angles, seed, begin=about), seen, chain.revolute)
-    found = smooth(chain, frames, std, marked.angles, 1.0 / recording.rate_hz, q)
+    found = smooth(chain, frames, std, marked.angles, 1.0 / recording.rate_hz, q, 1.0 if sway else _JERK_OF_A_BODY)
     if not found.converged:
         more.append(Note("not_converged", "the angles still change where the search ends: do not rely on them"))
-    distance = np.linalg.norm(everything - predicted(chain, frames, found.q), axis=2)
-    pose = None
+    return SolvedMotion(marked, chain, frames, found, (*notes, *more))
+
+
+def _track_one(arm: Arm, recording: MarkerRecording, trial: int, seed: int) -> TrackedLimb:
+    solved = solve_motion(arm, recording, trial, seed)
+    marked, sway, pose = solved.marked, solved.marked.markers.sway, None
+    chain, frames, found = solved.chain, solved.frames, solved.smoothed
+    distance = np.linalg.norm(frames.y - predicted(chain, frames, found.q), axis=2)
     if sway:
         R0, o0 = (x[:, sway - 1] for x in link_poses(chain, frames, found.q))
         R = R0 @ marked.geometry.base_R.T
         pose = np.hstack([o0 - np.einsum("nij,j->ni", R, marked.geometry.base_p), quaternions(R)])
-    return TrackedLimb(t, found.q[:, sway:], found.std[:, sway:], pose, distance, (*notes, *more))
+    return TrackedLimb(frames.t, found.q[:, sway:], found.std[:, sway:], pose, distance, solved.notes)
 
 
 def _trusted(points_m: Floats, measured_m: Floats) -> tuple[Floats, Floats]:

@@ -52,7 +52,7 @@ def calibrated_arm(fit: LimbFit, body: Body | None) -> Arm:
 
 
 def joints_found(arm: Arm, geometry: Geometry, free: FreeGeometry, errors: Errors) -> tuple[Joint, ...]:
-    """Return a preset's joints with the numbers that were found, without masses; a length that was learnt has its error."""
+    """Return a preset's joints with the numbers that were found, lengths with their errors, without masses."""
     joints = [replace(joint, link=Link()) for joint in geometry.joints(arm)]
     for name, k in (("d", 2), ("a", 1)):
         for i, joint in enumerate(joints):

@@ -41,7 +41,7 @@ def arm_figure(arm: Arm, fitted: Mapping[str, FittedParameter] | None = None) ->
     frames = axis_frames(arm, _bent(arm)[None])[0]
     origins, along = frames[:, :3, 3], frames[:, :3, 0]
     far = origins + np.array([[joint.a_m] for joint in arm.joints]) * along
-    near = np.vstack([np.zeros(3), far[:-1]])
+    near = np.array([_hangs_at(arm, i, frames, far) for i in range(arm.n_joint)])
     sensors = [_place(frames, sensor.joint, sensor.position_m) for sensor in arm.sensors]
     view = _view(np.vstack([near, origins, far, *[place[None] for place in sensors]]))
     width, height = np.ptp(np.vstack([near, far]) @ view.T, axis=0)
@@ -90,6 +90,14 @@ def _view(points: Floats) -> Floats:
     c, s = np.cos(_AZIMUTH_RAD), np.sin(_AZIMUTH_RAD)
     down = np.sin(_ELEVATION_RAD)
     return np.array([[-s, c, 0.0], [-down * c, -down * s, np.cos(_ELEVATION_RAD)]])
+
+
+def _hangs_at(arm: Arm, i: int, frames: Floats, far: Floats) -> Floats:
+    """Return where a joint hangs, in the base frame, (3,)."""
+    parent, place = arm.parents[i], arm.joints[i].parent_position_m
+    if place is not None:
+        return _place(frames, parent + 1, place) if parent >= 0 else np.array(place)
+    return far[parent] if parent >= 0 else np.zeros(3)
 
 
 def _place(frames: Floats, joint: int, position: Sequence[float]) -> Floats:

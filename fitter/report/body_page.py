@@ -48,7 +48,7 @@ def write_body_page(
 
 
 def lowest_and_highest(fit: BodyFit) -> Figure:
-    """Draw the person from the right in the highest and the lowest posture of the fit, joints as lines to parents'."""
+    """Draw the highest and the lowest posture of the fit from the right: lines between joints, and markers."""
     frames, parent = fit.task.frames, fit.bundle.geometry.parent
     _, o = link_poses(fit.bundle.markers.chain(fit.bundle.geometry), frames, fit.bundle.q)
     up = world_up(fit.trials.up)

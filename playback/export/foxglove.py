@@ -13,7 +13,7 @@ from mcap.well_known import MessageEncoding, SchemaEncoding
 from mcap.writer import CompressionType, Writer
 
 from arm.arm_file import format_arm
-from arm.kinematics import axis_frames
+from arm.kinematics import local_frames
 from playback.export.foxglove_schemas import FRAME_TRANSFORMS, SCENE_UPDATE, Schema, joint_motion
 from playback.export.gravity import upward
 from playback.export.rotation import quaternion_between, quaternions
@@ -93,17 +93,16 @@ class _Tree:
     def __init__(self, mover: Mover, prefix: str) -> None:
         self.mover, self.prefix = mover, prefix
         self._frames = [f"{prefix}base", *(f"{prefix}joint {i + 1}" for i in range(mover.arm.n_joint))]
-        poses = axis_frames(mover.arm, mover.q)
-        local = poses.copy()
-        local[:, 1:] = np.linalg.solve(poses[:, :-1], poses[:, 1:])
+        local = local_frames(mover.arm, mover.q)
         self._places = local[..., :3, 3]
         self._turns = np.stack([quaternions(local[:, i, :3, :3]) for i in range(mover.arm.n_joint)], axis=1)
         self._upright = quaternion_between(upward(mover.arm), np.array([0.0, 0.0, 1.0]))
 
     def transforms(self, k: int, t_ns: int) -> list[Document]:
         edges = [_edge(WORLD, self._frames[0], np.zeros(3), self._upright, t_ns)]
-        for i, (parent, child) in enumerate(zip(self._frames, self._frames[1:], strict=False)):
-            edges.append(_edge(parent, child, self._places[k, i], self._turns[k, i], t_ns))
+        for i, parent in enumerate(self.mover.arm.parents):
+            place = self._places[k, i], self._turns[k, i]
+            edges.append(_edge(self._frames[parent + 1], self._frames[i + 1], *place, t_ns))
         return edges
 
     def joints(self, k: int, t_ns: int) -> Document:

@@ -6,7 +6,7 @@ import numpy as np
 import pygltflib
 from numpy.typing import NDArray
 
-from arm.kinematics import axis_frames, rotation_from_rpy
+from arm.kinematics import local_frames, rotation_from_rpy
 from arm.model import Arm
 from playback.export.gltf_buffer import GltfBuffer
 from playback.export.gravity import upward
@@ -72,16 +72,17 @@ class _Document:
             self._material(f"{name}{suffix}", rgb, opacity)
             for name, rgb in (("link", colours.link), ("base", colours.base), ("sensor", colours.sensor))
         )
-        arm, local = mover.arm, _local_poses(mover)
+        arm, local = mover.arm, local_frames(mover.arm, mover.q)
         tip = self._node(f"tip{suffix}", translation=np.array([arm.joints[-1].a_m, 0.0, 0.0]))
-        child = [tip]
+        children: dict[int, list[int]] = {i: [] for i in range(-1, arm.n_joint)}  # of the base and of every link
+        children[arm.n_joint - 1].append(tip)
         for i, mesh in reversed(list(enumerate(link_meshes(arm)))):
             for k, rider in enumerate(arm.sensors):
                 if rider.joint == i + 1:
-                    child.append(self._sensor(arm, k, sensor, suffix))
-            joint = self._joint(f"joint {i + 1}{suffix}", local[:, i], self._mesh(mesh, link), child)
-            child = [joint]
-        return self._node(mover.name, mesh=self._mesh(base_mesh(arm), base), children=child)
+                    children[i].append(self._sensor(arm, k, sensor, suffix))
+            joint = self._joint(f"joint {i + 1}{suffix}", local[:, i], self._mesh(mesh, link), children[i])
+            children[arm.parents[i]].append(joint)
+        return self._node(mover.name, mesh=self._mesh(base_mesh(arm), base), children=children[-1])
 
     def _joint(self, name: str, poses: Floats, mesh: int, children: list[int]) -> int:
         rotation, translation = quaternions(poses[:, :3, :3]), poses[:, :3, 3]
@@ -134,14 +135,6 @@ class _Document:
         material = pygltflib.Material(name=name, pbrMetallicRoughness=surface, alphaMode=mode, alphaCutoff=None)
         self._gltf.materials.append(material)
         return len(self._gltf.materials) - 1
-
-
-def _local_poses(mover: Mover) -> Floats:
-    """Return the pose of each joint-axis frame in the one before it, (n, n_joint, 4, 4)."""
-    poses = axis_frames(mover.arm, mover.q)
-    local = poses.copy()
-    local[:, 1:] = np.linalg.solve(poses[:, :-1], poses[:, 1:])
-    return local
 
 
 def _linear(srgb: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -1,7 +1,7 @@
 """Arms with sensors, their bench recordings, and what a tracker makes of them."""
 
 from collections.abc import Callable, Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache
 
 import numpy as np
@@ -58,6 +58,17 @@ SPATIAL = Arm(
     ),
     tip=Tip("s6"),
     control=Control("pd", (30.0, 30.0, 15.0), (-14.0, -14.0, -6.0)),
+)
+
+
+#: Two branches on the first link, one at its far end and one beside it: a tree.
+BRANCHING = replace(
+    SPATIAL,
+    name="branching",
+    joints=(
+        *SPATIAL.joints[:2],
+        replace(SPATIAL.joints[2], parent=1, parent_position_m=(0.1, 0.2, 0.05), alpha_rad=1.1),
+    ),
 )
 
 
@@ -200,6 +211,11 @@ def dd_arm() -> Arm:
 @pytest.fixture(scope="session")
 def sliding() -> Arm:
     return SLIDING
+
+
+@pytest.fixture(scope="session")
+def branching() -> Arm:
+    return BRANCHING
 
 
 @pytest.fixture(scope="session")

@@ -11,7 +11,7 @@ from arm.kinematics import rotation_from_rpy, rpy_from_rotation
 from tracking.expected_readings import add_information, observe, room_of
 from tracking.observation import MOUNTING, observation_of
 
-ARMS = ["dd_arm", "spatial", "sliding"]
+ARMS = ["dd_arm", "spatial", "sliding", "branching"]
 STEP = 1e-5
 
 

@@ -61,3 +61,8 @@ def test_places_and_turns_are_the_sensors_own(sliding):
     np.testing.assert_array_equal(layout.position[2], [0.02, 0.01, 0.1])
     turn = Rotation.from_euler("xyz", [0.2, -0.4, 0.6]).as_matrix()
     np.testing.assert_allclose(layout.rotation[1], turn, atol=1e-12)
+
+
+def test_a_tree_is_not_for_dead_reckoning(branching):
+    with pytest.raises(ConfigError, match="'branching' is a tree.* expects a serial chain, the filter"):
+        layout_of(branching)

@@ -44,3 +44,14 @@ def test_what_the_model_lacks_comes_last(dd_arm):
     np.testing.assert_array_equal(of.reported, [*range(6), *range(n, size)])
     np.testing.assert_array_equal(plain.reported, range(6))
     assert observation_of(dd_arm, lack=True)[0].base_column < 0
+
+
+def test_a_channel_depends_on_the_joints_between_base_and_sensor(branching):
+    """The second branch hangs beside the first link's far end: that link's length is no matter to it."""
+    of, _ = observation_of(branching)
+    a, d = of.length_column[0, 0], of.length_column[2, 1]
+    np.testing.assert_array_equal(of.length_column >= 0, [[True, False], [False, True], [False, True]])
+    last = of.columns[-1, : of.n_column[-1]]
+    assert {0, 1, 2, 6, 7, 8, d} <= set(last) and not {3, 4, 5} & set(last)
+    middle = of.columns[9, : of.n_column[9]]
+    assert {0, 1, 2, 3, 4, 5, a} <= set(middle) and not {6, 7, 8} & set(middle)

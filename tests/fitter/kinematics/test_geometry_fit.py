@@ -13,7 +13,7 @@ from fitter.kinematics.geometry_fit import document, fit_kinematics
 from fitter.kinematics.tip_basis import GEOMETRY, geometry_of, with_geometry
 from fitter.kinematics.tip_error import tip_score
 from limbcal.command import to_json
-from limbcal.errors import DataError, NotConverged, NotIdentifiable
+from limbcal.errors import ConfigError, DataError, NotConverged, NotIdentifiable
 
 ARM = load_arm("dd-arm")
 PRIOR = with_geometry(ARM, np.array([[0.0, 0.4, 0.0, 0.0, 0.1], [0.0, 0.5, 0.0, 0.0, -0.1]]))
@@ -125,3 +125,9 @@ def test_document(bench_trials):
     assert result["about"] == "rest"
     assert {"parameters": ["d1"], "why": "the displacement of the tip shows nothing of it"} in result["gauge"]
     assert document(fit, tip_score(fit.arm, bench_trials))["tip_error_mm"]["evaluate"] is None
+
+
+def test_a_tree_has_no_geometry_that_a_tip_tells():
+    tree = replace(ARM, joints=(ARM.joints[0], replace(ARM.joints[1], parent=0)))
+    with pytest.raises(ConfigError, match="'dd-arm' is a tree.* of a serial chain only"):
+        fit_kinematics(tree, [random_poses(tree, 20, 0)])

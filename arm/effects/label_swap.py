@@ -1,0 +1,27 @@
+"""Two markers that have each other's names, in some trials or in all."""
+
+from dataclasses import replace
+
+from arm.effects.effect import EffectKind, Parameter, with_markers
+from arm.model import Arm, Effect, Marker
+
+
+def _change(arm: Arm, effect: Effect) -> Arm:
+    one, other = effect.markers
+    names = {one: other, other: one}
+
+    def renamed(marker: Marker) -> Marker:
+        return replace(marker, name=names[marker.name])
+
+    return with_markers(arm, effect.markers, renamed)
+
+
+EFFECT = EffectKind(
+    name="label_swap",
+    sentence="the two markers have each other's names",
+    place="marker",
+    parameters=(Parameter("trials", "1", 1.0, 1e6, optional=True, several=True),),
+    taken_for=("marker_moved",),
+    exactly=2,
+    marked=_change,
+)

@@ -1,0 +1,21 @@
+"""One fit of a simulated person for all tests of the room."""
+
+import pytest
+
+from fitter.body.document import body_document
+from tests.fitter.body.simulated_body import fitted
+
+
+@pytest.fixture(scope="session")
+def person():
+    return fitted()[0]
+
+
+@pytest.fixture(scope="session")
+def fit():
+    return fitted()[1]
+
+
+@pytest.fixture(scope="session")
+def found(person, fit):
+    return body_document(fit, [person.recording], [], 0)

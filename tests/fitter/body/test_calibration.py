@@ -1,0 +1,27 @@
+"""A person whose lengths are known, from a stance and some squats."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from fitter.body.calibration import calibrate_body
+from limbcal.errors import NotIdentifiable
+
+
+def test_markers_are_followed_to_their_noise_but_for_what_hands_and_feet_leave_open(person, fit):
+    rms = np.sqrt(np.nanmean(fit.residuals_m([person.recording], 0) ** 2))
+    assert fit.bundle.converged and rms < 2.5e-3
+
+
+@pytest.mark.parametrize("name", ["thigh_right", "shank_left", "upper_arm_left"])
+def test_lengths_are_the_persons_not_the_presets(person, found, name):
+    assert found["lengths_m"][name]["value"] == pytest.approx(person.lengths_m[name], abs=0.008)
+
+
+def test_a_pelvis_without_left_and_right_is_refused(person):
+    one_sided = {
+        name: m for name, m in person.marker_set.landmarks.items() if "asis" not in name and "psis" not in name
+    }
+    with pytest.raises(NotIdentifiable, match="asis_right and asis_left"):
+        calibrate_body([person.recording], replace(person.marker_set, landmarks=one_sided), fit_frames=20)
