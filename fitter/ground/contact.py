@@ -21,9 +21,9 @@ _WINDOW_S = 1.0
 #: Share of the weight by which such means may differ among one another: five times that. Squats and standing
 #: close to 3 % without any mean.
 _VARIES = 0.05
-#: Horizontal force that changes no momentum, as a share of the weight: an error of
-#: the velocity makes 1 %, plates that lean by a degree 1.7 %.
-_HORIZONTAL = 0.025
+#: Horizontal force that changes no momentum, as a share of the weight: what plates that lean by a degree read, and
+#: over a second what segments that differ from the table make of a lively motion.
+_LEAN, _HORIZONTAL = 0.0175, 0.04
 #: Share of the weight by which all of them may differ from what the person is said to weigh: clothes, a wrong
 #: entry, and segments that differ from the table.
 _WEIGHT = 0.2
@@ -64,6 +64,14 @@ def closure(
         return [Note("unmeasured_contact", text)]
     sideways = np.linalg.norm(share - vertical[:, None] * up, axis=1)
     notes = []
+    whole = np.mean(measured - predicted, axis=0) / weight_N
+    steady = float(np.linalg.norm(whole - (whole @ up) * up))
+    if steady > _LEAN + (_HORIZONTAL - _LEAN) * _WINDOW_S / max(len(t) * dt_s, _WINDOW_S):
+        text = (
+            f"the plates read {100.0 * steady:.1f} % of the weight sideways throughout, which moves nothing: "
+            "something else is touched, such as a rail"
+        )
+        notes.append(Note("unmeasured_contact", text))
     for bad, said in (
         (np.abs(vertical - level) > _VARIES, "weighs and accelerates"),
         (sideways > _HORIZONTAL, "accelerates sideways"),

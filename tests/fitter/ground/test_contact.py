@@ -32,6 +32,10 @@ def test_a_plate_that_is_missing_is_found(seed):
     assert closed(seed, lambda wrench, t: wrench * (0.5 + 0.1 * np.sin(t))[:, None])
 
 
+def test_a_rail_that_is_leant_on_steadily_is_found():
+    assert closed(1, lambda wrench, t: wrench + np.array([35.0, 0.0, 0.0, 0.0, 0.0, 0.0]))
+
+
 def test_a_box_stepped_off_is_found_with_its_time():
     notes = closed(0, lambda wrench, t: wrench * (t > t[0] + 2.0)[:, None])
     assert notes[0].kind == "unmeasured_contact"
