@@ -19,7 +19,7 @@ def link_names(arm: Arm) -> list[str]:
 
 def segments(arm: Arm) -> dict[str, int]:
     """Return the link, from 0, that moves each segment of a person; of another arm none."""
-    if arm.name == BODY:
+    if arm.name == BODY and arm.n_joint == len(body_map().joints):
         return {name: part.link for name, part in body_map().parts.items()}
     if arm.name not in LIMBS:
         return {}
