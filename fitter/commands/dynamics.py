@@ -12,6 +12,7 @@ from arm.model import Arm, Control
 from arm.structural_parameters import structural_parameters
 from fitter.commands.arm_option import questioned_arm
 from fitter.commands.dynamics_said import say_compared, say_controller, say_fit
+from fitter.commands.ground_dynamics import add_ground, ground_dynamics
 from fitter.commands.options import (
     add_arm,
     add_columns,
@@ -101,6 +102,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--compare", action="append", default=[], metavar="A", help="another arm to print beside")
     add_out(parser, "the calibrated arm, as an arm file")
     add_report(parser)
+    add_ground(parser)
     parser.set_defaults(action=dynamics)
 
 
@@ -110,6 +112,8 @@ def dynamics(arguments: argparse.Namespace) -> Document:
     make_room(arguments.out)
     if arguments.report is not None:
         make_room(arguments.report, (".html",))
+    if arguments.ground or arguments.prior is not None:
+        return ground_dynamics(arguments, arm, _trials)
     if arguments.workers > 1 or arguments.dask or any(is_sums(path) for path in arguments.learn):
         return _from_sums(arguments, arm)
     compared = load_compared(arguments.compare, arm)
@@ -128,7 +132,9 @@ def dynamics(arguments: argparse.Namespace) -> Document:
     evaluated = score(fit.arm, evaluate, arguments.horizon) if evaluate else None
     scores = {"learn": learnt, "evaluate": evaluated}
     found_targets = any(has_unknown_target(arm, trial) for trial in learn)
-    assumed = dynamics_assumptions(arm, lengths_learnt=False, targets_found=found_targets)
+    assumed = dynamics_assumptions(
+        arm, lengths_learnt=False, targets_found=found_targets, driven=not arguments.no_torque
+    )
     late = torque_delay(arm, fit.base, learn)
     found = (*joint_notes(scores), *([] if late is None else [late.note]))
     fit = replace(fit, notes=(*fit.notes, *found, *(Note("assumed", said) for said in assumed)))

@@ -1,5 +1,6 @@
 """A trial: one motion on a uniform grid, with every derivative that a fit needs."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from typing import Literal
 
@@ -114,6 +115,11 @@ class Trial:
             itself, so the equation holds there too.
         """
         return lowpass(values, self.dt_s, self.band_hz, ends="even")
+
+
+def is_driven(trials: Sequence[Trial]) -> bool:
+    """Whether a torque was measured, or a law gives one: false where all arms swing freely."""
+    return any(trial.tau is None or bool(np.any(trial.tau)) for trial in trials)
 
 
 def undriven(trial: Trial) -> Trial:

@@ -10,7 +10,11 @@ from arm.model import Floats
 from limbcal.errors import ConfigError, DataError
 
 #: A column of a force, point or moment: the plate's name, the kind, the axis (OpenSim's external loads).
-_COLUMN = re.compile(r"(?P<plate>.*?)_?(?P<kind>[vpmft])_?(?P<axis>[xyz])(?P<after>_?\d*)", re.IGNORECASE)
+_COLUMN = re.compile(
+    r"(?P<plate>.*?)_?(?<![a-z])(?P<kind>[vpmft])_?(?P<axis>[xyz])(?P<after>_?\d*)", re.IGNORECASE
+)
+#: One of a moment whose name alone says so, such as ``ground_torque_x``.
+_MOMENT = re.compile(r"(?P<plate>.*?(?:torque|moment)(?:_?\d+)?)_(?P<axis>[xyz])(?P<after>_?\d*)", re.IGNORECASE)
 _KINDS = {"f": "v", "t": "m"}
 #: Lines that a header may have.
 _MOST_HEADER = 1000
@@ -96,9 +100,11 @@ def _plates_of_table(path: Path) -> list[PlateWrench]:
         raise DataError(f"{path}: the times do not rise, expected at least two samples")
     columns: dict[str, dict[str, int]] = {}
     for k, name in enumerate(names[1:], 1):
-        found = _COLUMN.fullmatch(name)
+        moment = _MOMENT.fullmatch(name)
+        found = moment or _COLUMN.fullmatch(name)
         if found:
-            kind = _KINDS.get(found["kind"].lower(), found["kind"].lower())
+            letter = "m" if moment else found["kind"].lower()
+            kind = _KINDS.get(letter, letter)
             plate = (found["plate"] + found["after"]).replace("torque", "force").replace("moment", "force")
             columns.setdefault(plate.rstrip("_") or "force", {})[kind + found["axis"].lower()] = k
 

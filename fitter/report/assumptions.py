@@ -14,7 +14,7 @@ _LAWS = {
 }
 
 
-def dynamics_assumptions(arm: Arm, *, lengths_learnt: bool, targets_found: bool) -> list[str]:
+def dynamics_assumptions(arm: Arm, *, lengths_learnt: bool, targets_found: bool, driven: bool = True) -> list[str]:
     """Return what a fit of the dynamics took for granted, a sentence each.
 
     Parameters
@@ -25,9 +25,11 @@ def dynamics_assumptions(arm: Arm, *, lengths_learnt: bool, targets_found: bool)
         Whether its lengths were learnt from the same motion, and not taken from the arm file.
     targets_found : bool
         Whether the controller's targets were found with the arm, and not recorded.
+    driven : bool
+        Whether anything drove the joints.
     """
     return [
-        _torque(arm),
+        _torque(arm) if driven else _UNDRIVEN,
         *([_TARGETS] if targets_found else []),
         _gravity(arm),
         _lengths(arm, lengths_learnt),
@@ -53,6 +55,10 @@ def kinematics_assumptions(arm: Arm) -> list[str]:
     return sentences
 
 
+_UNDRIVEN = (
+    "No torque was measured: nothing drove the joints. Motion alone then tells ratios, and every inertia, moment "
+    "and friction scales with the one that was given."
+)
 _TARGETS = (
     "The controller's targets were not recorded: each motion is taken to go to one constant target, which was "
     "found together with the arm."

@@ -3,7 +3,7 @@
 from collections.abc import Mapping, Sequence
 
 from fitter.data.torque_target import has_unknown_target
-from fitter.data.trial import Trial
+from fitter.data.trial import Trial, is_driven
 from fitter.dynamics.dynamics_fit import DynamicsFit
 from fitter.dynamics.evaluation import motion_error
 from fitter.kinematics.geometry_fit import KinematicsFit
@@ -57,7 +57,9 @@ def dynamics_page(
         lead=_lead(learn, evaluate, fit.samples),
         sections=[Section("Dynamics", fit.parameters, columns)],
         errors=error_rows(answer, None),
-        assumptions=dynamics_assumptions(fit.arm, lengths_learnt=False, targets_found=found),
+        assumptions=dynamics_assumptions(
+            fit.arm, lengths_learnt=False, targets_found=found, driven=is_driven(learn)
+        ),
         notes=[*_notes(learn, evaluate), *(note for note in fit.notes if note.kind != "assumed")],
         provenance=provenance(files),
         motions=motions,

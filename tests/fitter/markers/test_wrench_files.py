@@ -53,3 +53,18 @@ def test_what_is_no_file_of_forces_is_refused(tmp_path):
         path.write_text(text, "utf-8")
         with pytest.raises(DataError, match=wrong):
             read_wrenches(path)
+
+
+@pytest.mark.parametrize(
+    ("force", "moment"),
+    [("ground_force_v", "ground_torque_"), ("1_ground_force_v", "1_ground_torque_"),
+     ("ground_force_2_v", "ground_torque_2_"), ("R_ground_force_v", "R_ground_moment_m")],
+)  # fmt: skip
+def test_moments_by_their_names_alone_belong_to_their_plate(tmp_path, force, moment):
+    names = ["time", *(force + axis for axis in "xyz"), *(moment + axis for axis in "xyz")]
+    rows = [" ".join(f"{x}" for x in (0.01 * k, 1.0, 2.0, 700.0, 4.0, 5.0, 6.0)) for k in range(5)]
+    path = tmp_path / "forces.mot"
+    path.write_text("\n".join(["forces", "endheader", " ".join(names), *rows]), "utf-8")
+    (plate,) = read_wrenches(path)
+    np.testing.assert_allclose(plate.force[0], [1.0, 2.0, 700.0])
+    np.testing.assert_allclose(plate.moment[0], [4.0, 5.0, 6.0])

@@ -35,3 +35,11 @@ def test_sensors_and_joints_are_those_of_the_arm_file(arm):
     said = " ".join(kinematics_assumptions(arm))
     assert "1 turns, 2 turns" in said and "s1 on link 1 at (0.100, 0, 0) m" in said
     assert "Lengths scale" not in " ".join(kinematics_assumptions(replace(arm, sensors=())))
+
+
+def test_where_nothing_drove_no_torque_is_said_to_have_been_measured():
+    said = " ".join(
+        dynamics_assumptions(load_arm("dd-arm"), lengths_learnt=False, targets_found=False, driven=False)
+    )
+    assert "nothing drove the joints" in said
+    assert "Torque was measured" not in said
