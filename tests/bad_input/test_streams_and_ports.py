@@ -25,8 +25,11 @@ from tests.patience import PATIENCE_S
 def test_a_message_of_another_version(said, stream, short_run, arm):
     topic, fields = short_run.messages[0]
     payload = encode(topic, fields)[1].replace(b"\xa1v\x01", b"\xa1v\x07")
-    with tempfile.TemporaryDirectory() as place, stream("tcp://127.0.0.1:*", [[FRAMES.encode(), payload]]) as told:
-        common = ("--connect", told.endpoint, "--endpoint", f"ipc://{place}/fits", "--seconds", "60")
+    with (
+        tempfile.TemporaryDirectory() as place,
+        stream("tcp://127.0.0.1:*", [[FRAMES.encode(), payload]]) as hostile,
+    ):
+        common = ("--connect", hostile.endpoint, "--endpoint", f"ipc://{place}/fits", "--seconds", "60")
         assert said(2, "subscribe", *common, *arm) == "limb/frames: message version is 7, expected 1"
 
 
