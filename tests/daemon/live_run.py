@@ -43,7 +43,7 @@ def live_run(
     device_options: Sequence[str] = (),
     method: str = "integrate",
 ) -> tuple[Heard, str]:
-    """Let the device send a number of samples, faults among them; return all messages by topic, and its last words.
+    """Let the device send samples, faults among them; return all messages by topic, and what it said last.
 
     ``hear`` is called with every message as it comes; ``rate_hz`` is what the device's INFO says.
     """

@@ -91,7 +91,7 @@ def test_columns_that_are_alike_are_only_revealed_together(share, first, second)
     assert set(identified.weights) == set(unidentified.weights) == {first, second}
     assert identified.weights[second] / identified.weights[first] == pytest.approx(share, rel=1e-6)
     # what is open is a move of both that leaves the sum where it is
-    assert np.isinf(untold.relative_std)
+    assert np.isinf(unidentified.relative_std)
     assert identified.relative_std < KNOWN
     assert (
         f"{first} and {second} not one by one" in identified.sentence
