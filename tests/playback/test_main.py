@@ -1,8 +1,6 @@
 """The commands as they are typed."""
 
 import json
-import subprocess
-import sys
 from pathlib import Path
 
 import numpy as np
@@ -117,6 +115,8 @@ def test_nobody_there_is_exit_code_3(
     assert "no answer within 0.05 s" in capsys.readouterr().err
 
 
-def test_help_is_there(capfd: pytest.CaptureFixture[str]) -> None:
-    done = subprocess.run([sys.executable, "-m", "playback", "serve", "--help"], capture_output=True, check=True)
-    assert b"--rate-hz" in done.stdout
+def test_help_is_there(capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(SystemExit) as ended:
+        main(["serve", "--help"])
+    assert not ended.value.code
+    assert "--rate-hz" in capsys.readouterr().out
