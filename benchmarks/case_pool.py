@@ -1,4 +1,4 @@
-"""Cases run by processes; what is done is told at once, whatever happens to the processes that run them."""
+"""Cases run by processes; what is done is reported at once, whatever happens to the processes that run them."""
 
 import contextlib
 import multiprocessing
@@ -97,7 +97,7 @@ def _processor_s() -> float:
 
 @contextlib.contextmanager
 def at_most(seconds: float) -> Iterator[None]:
-    """Raise `TimeoutError` in the main thread when so many seconds have passed."""
+    """Raise `TimeoutError` in the main thread after this many seconds."""
 
     def late(_signum: int, _frame: FrameType | None) -> None:
         raise TimeoutError(f"not done after {seconds:g} s")

@@ -39,7 +39,7 @@ from tracking.stillness import WINDOW_S, rest_variance, unrest, window_frames, w
 
 #: An arm rests where no joint is faster [rad/s or m/s].
 _REST_SPEED = 1e-3
-#: An acceleration jumps where it changes by so many standard deviations of its wandering.
+#: An acceleration jumps where it changes by this many standard deviations of its wandering.
 _JUMP_SIGMAS = 5.0
 
 

@@ -6,7 +6,7 @@ from typing import Any
 
 Fields = dict[str, Any]
 
-#: An interval of 95 % reaches so many standard errors to either side.
+#: An interval of 95 % reaches this many standard errors to either side.
 REACH = 1.96
 #: A number that comes without a standard error must be right to this share of it.
 EXACT = 1e-3
@@ -40,28 +40,28 @@ def score(truth: Mapping[str, Any], found: Mapping[str, Any], reach: float = REA
     equal = (
         len({(cause["effect"], *(cause.get("joints") or ())) for cause in causes}) if verdict == "ambiguous" else 1
     )
-    told: Fields = {"verdict": verdict, "answer": answer, "class_size": equal}
+    scored: Fields = {"verdict": verdict, "answer": answer, "class_size": equal}
     hidden = [str(effect["effect"]) for effect in truth["effects"]]
     if truth["kind"] == "nothing":
-        return told | {"right": verdict == "none"}
+        return scored | {"right": verdict == "none"}
     if truth["kind"] == "outside":
-        return told | _variables(truth["effects"][0]["variables"], verdict, found)
+        return scored | _variables(truth["effects"][0]["variables"], verdict, found)
     answered = verdict in ("named", "ambiguous")
     taken = [name if name in named else _equal(name, named, found) for name in hidden]
-    told["found"] = [name is not None and answered for name in taken]
-    told["right"] = all(told["found"]) and (verdict == "ambiguous" or set(named) == set(taken))
+    scored["found"] = [name is not None and answered for name in taken]
+    scored["right"] = all(scored["found"]) and (verdict == "ambiguous" or set(named) == set(taken))
     if taken != hidden:
-        told["class_size"] = max(equal, 2)
+        scored["class_size"] = max(equal, 2)
     parts = [
         _effect(effect, name, causes, verdict, reach)
         for effect, name in zip(truth["effects"], taken, strict=True)
         if answered and name is not None
     ]
     if parts:
-        told["joint"] = all(part["joint"] for part in parts)
-        told["inside"], told["asked"] = (sum(part[name] for part in parts) for name in ("inside", "asked"))
-        told["outliers"] = [outlier for part in parts for outlier in part["outliers"]]
-    return told
+        scored["joint"] = all(part["joint"] for part in parts)
+        scored["inside"], scored["asked"] = (sum(part[name] for part in parts) for name in ("inside", "asked"))
+        scored["outliers"] = [outlier for part in parts for outlier in part["outliers"]]
+    return scored
 
 
 def _equal(name: str, named: list[str], found: Mapping[str, Any]) -> str | None:
@@ -71,7 +71,7 @@ def _equal(name: str, named: list[str], found: Mapping[str, Any]) -> str | None:
 
 
 def _single(cause: Mapping[str, Any]) -> list[Fields]:
-    """Return several pushes that are told as one cause, their parameters numbered, as a cause each."""
+    """Return several pushes that are reported as one cause, their parameters numbered, as a cause each."""
     numbered: dict[str, Fields] = {}
     for name, part in cause["parameters"].items():
         stem, _, number = name.rpartition("_")
@@ -109,24 +109,24 @@ def _effect(
     equals = verdict == "ambiguous" and wanted in places
     joint = equals or set().union(*places) == wanted or not wanted
     own = [cause for cause, place in zip(own, places, strict=True) if place == wanted] or own
-    told: Fields = {"joint": joint, "inside": 0, "asked": 0, "outliers": []}
+    scored: Fields = {"joint": joint, "inside": 0, "asked": 0, "outliers": []}
     if not joint or name != effect["effect"]:
-        return told
+        return scored
     for entry in effect["entries"]:
         best = min(own, key=lambda cause: _distance(entry["parameters"], cause["parameters"]))
         for parameter, true in _comparable(entry["parameters"]).items():
-            told["asked"] += 1
+            scored["asked"] += 1
             estimates = _comparable({key: part["value"] for key, part in best["parameters"].items()})
             if parameter not in estimates:
-                told["outliers"].append(f"{parameter} is missing, truth {true:.6g}")
+                scored["outliers"].append(f"{parameter} is missing, truth {true:.6g}")
                 continue
             estimate, std = estimates[parameter], best["parameters"][parameter].get("std")
             inside = abs(_off(parameter, estimate, true)) <= (reach * std if std else EXACT * abs(true))
-            told["inside"] += inside
+            scored["inside"] += inside
             if not inside:
                 said = f"{estimate:.6g} +- {std:.2g}" if std else f"{estimate:.6g}"
-                told["outliers"].append(f"{parameter}: {said}, truth {true:.6g}")
-    return told
+                scored["outliers"].append(f"{parameter}: {said}, truth {true:.6g}")
+    return scored
 
 
 def _comparable(parameters: Mapping[str, Any]) -> dict[str, float]:

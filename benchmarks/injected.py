@@ -278,7 +278,7 @@ def main(argv: list[str] | None = None) -> int:
     add("--sizes", type=_sizes, default=list(SIZES), metavar="P[,P…]", help="percent of the torque's rms")
     add("--effects", type=_listed, metavar="E[,E…]", help="only these")
     add("--more", action="store_true", help="effects beyond the 22 pairs as well")
-    add("--every", type=int, default=1, metavar="N", help="only every so many-th case")
+    add("--every", type=int, default=1, metavar="N", help="only every N-th case")
     add("--seed", type=int, default=0)
     add("--workers", type=int, default=1)
     add("--limit", type=float, default=600.0, metavar="SECONDS", help="a case that takes longer has failed")

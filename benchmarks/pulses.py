@@ -111,10 +111,10 @@ def residuals(runs: list[Run], band_hz: float) -> list[ResidualTorque]:
     ]
 
 
-def _inner(told: NDArray[np.bool_], ends: int) -> NDArray[np.bool_]:
-    """Return the same rows, (n, n_joint), but for so many at either end."""
-    inner = np.zeros_like(told)
-    inner[ends : len(told) - ends] = told[ends : len(told) - ends]
+def _inner(usable: NDArray[np.bool_], ends: int) -> NDArray[np.bool_]:
+    """Return the same rows, (n, n_joint), without the first and last `ends`."""
+    inner = np.zeros_like(usable)
+    inner[ends : len(usable) - ends] = usable[ends : len(usable) - ends]
     return inner
 
 

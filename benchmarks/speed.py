@@ -53,7 +53,7 @@ were made beforehand, and their torques are checked against ours.
 Seconds, and in brackets how many times what limbcal takes from samples to parameters. *Each individual, each
 sample*: `sum((W @ p - tau)**2)` with the rows W in memory, as one writes it. *Matrix products*: a whole generation
 at a time in pieces that stay in the cache, which is the fastest that samples can be had in numpy. *On our sums*:
-the same cost from W'W and W'tau; what is left is the library's own time. A search on samples was run for some
+the same cost from W'W and W'tau; the rest is the library's own time. A search on samples was run for some
 {cap:g} s, at least two generations, and taken in proportion to {evaluations:,} evaluations. Those on sums were run
 to the end where that takes no longer; pycma ends by itself when it has converged. All search the same box, with
 the settings that their documentation begins with.

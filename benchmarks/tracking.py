@@ -1,7 +1,7 @@
 """Trackers side by side: the same readings to each, its angles against the truth.
 
 The paper's double integration, the live filter and the smoother follow the bench's learning motions on one clock,
-without being told where one motion ends and the next begins.
+without knowing where one motion ends and the next begins.
 """
 
 import argparse
@@ -100,7 +100,7 @@ def record(case: Case, seed: int, trials: int) -> Recording:
 
 
 def samples(recording: Recording, at_once: int) -> Iterator[Floats]:
-    """Yield accelerations (n, n_channel) [m/s^2], so many samples at once."""
+    """Yield accelerations (n, n_channel) [m/s^2], in blocks of equal length."""
     for first in range(0, len(recording.counts), at_once):
         yield np.multiply(recording.counts[first : first + at_once], COUNT_M_S2, dtype=np.float64)
 

@@ -34,7 +34,7 @@ _FLOOR_DEG = 3e-4
 _TEXT = """# Trackers compared
 
 What the paper's double integration, the live filter and the smoother make of the same readings: the first motions
-of each bench, {seconds:g} s at 32 kHz on one clock, {told}.
+of each bench, {seconds:g} s at 32 kHz on one clock, {drawn}.
 {start}
 Nobody tells them where one motion ends and the next begins. `python -m benchmarks.tracking` makes this page.
 
@@ -56,8 +56,8 @@ Nobody tells them where one motion ends and the next begins. `python -m benchmar
   the bench is kinder than that: a rest is exact, where the smoother allows for a speed that noise could hide. With
   imperfect mounting it is the bound for who does not know the sensors' mountings. `benchmarks/cramer_rao.py` says
   precisely what it is."""
-_TOLD = "Every tracker is told where the arm rests at the start."
-_UNTOLD = """No tracker is told where the arm rests at the start: integration begins at zero, the others look
+_TOLD = "Every tracker knows where the arm rests at the start."
+_UNTOLD = """No tracker knows where the arm rests at the start: integration begins at zero, the others look
 where gravity points and begin at zero where it does not show."""
 _CAPTION = """Seed {seed}: the largest error in each tenth of a second. Dashed, over a shaded band: three of the
 standard deviations that filter and smoother claim."""
@@ -177,13 +177,13 @@ def _figures(value: float) -> str:
 def page(runs: Sequence[Run], initial: bool, picture: str | None) -> str:
     """Return the table with what explains it, in Markdown; ``picture`` is its plot as seen from it."""
     seeds = list(dict.fromkeys(run.seed for run in runs))
-    told = f"seed {seeds[0]}" if len(seeds) == 1 else f"{len(seeds)} seeds, {min(seeds)} to {max(seeds)}"
+    drawn = f"seed {seeds[0]}" if len(seeds) == 1 else f"{len(seeds)} seeds, {min(seeds)} to {max(seeds)}"
     notes = [score.notes.get("calibration_cpu_s") for run in runs for score in run.scores.values()]
     calibrating = [took for took in notes if isinstance(took, float)]
     cost = f" Finding that took {np.mean(calibrating):.0f} s." if calibrating else ""
     benches = "\n".join(f"- *{TITLES[case].replace(':', '*:')}" for case in _cases(runs))
     start = _TOLD if initial else _UNTOLD
-    text = _TEXT.format(seconds=runs[0].seconds, told=told, start=start, benches=benches, cost=cost)
+    text = _TEXT.format(seconds=runs[0].seconds, drawn=drawn, start=start, benches=benches, cost=cost)
     parts = [text, table(runs)]
     if picture is not None:
         parts.append(f"![Error of every joint over time]({picture})")

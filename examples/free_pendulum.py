@@ -1,4 +1,4 @@
-"""A double pendulum that swings freely: no torque was measured, so its parameters are told up to one factor.
+"""A double pendulum that swings freely: no torque was measured, so its parameters are identified up to one factor.
 
 The recording is that of the MultiArm-Pendulum repository (80 s at 1 kHz, encoders; MIT). Seventy seconds are
 learnt from by the error of simulated motion, ten are held back; what counts is how far a simulation of two seconds

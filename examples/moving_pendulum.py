@@ -35,7 +35,7 @@ SETS = (
     ("0[2]", ("Test02a_Trial1", "Test02b_Trial1")),
     ("0[3-8]", ("Test03_Trial1", "Test03_Trial2", "Test03_Trial3")),
 )
-#: Offsets of the two clocks that are tried [s], and what is left out at both ends.
+#: Offsets of the two clocks that are tried [s], and what is omitted at both ends.
 SHIFTS_S, END_S = np.arange(-0.1, 0.101, 0.005), 1.0
 
 

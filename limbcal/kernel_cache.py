@@ -1,7 +1,7 @@
 """The cache of compiled kernels: what a kernel calls, and the constants that it has, count as its source.
 
 The compiler's own cache looks at the file of a kernel alone. What it calls is compiled into it, so a change of
-another file would leave machine code of the old one, and nobody would be told. And two processes that compile the
+another file would leave machine code of the old one, and nobody would know. And two processes that compile the
 same kernel for different types at the same time could give one the other's code.
 """
 

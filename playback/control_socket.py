@@ -1,4 +1,4 @@
-"""The ROUTER socket on which playback is told what to do."""
+"""The ROUTER socket on which playback takes commands."""
 
 from collections import deque
 from collections.abc import Callable, Sequence
@@ -74,7 +74,7 @@ class ControlSocket:
         self._socket.set(zmq.SNDHWM, _QUEUE)
         self._socket.set(zmq.RCVHWM, _QUEUE)
         self._socket.set(zmq.RCVBUF, MESSAGE_LIMIT)
-        self._socket.set(zmq.ROUTER_MANDATORY, 1)  # a client that cannot take a reply is told of, not passed over
+        self._socket.set(zmq.ROUTER_MANDATORY, 1)  # a client that cannot take a reply is an error, not passed over
         self._peers = Peers(context, self._socket, UNREAD_LIMIT)
         try:
             self.endpoint = bind(self._socket, endpoint, gate)

@@ -15,7 +15,7 @@ class Lateness:
         self._max_s = 0.0
 
     def add(self, late_s: float) -> None:
-        """Take note of one message that left so many seconds after its deadline."""
+        """Take note of one message that left this long after its deadline [s]."""
         self._late_s[self._n % WINDOW] = late_s
         self._n += 1
         self._max_s = max(self._max_s, late_s)

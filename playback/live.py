@@ -10,7 +10,7 @@ from playback.playable import Frame
 from protocol.message import FRAMES
 from protocol.subscriber import Subscriber
 
-#: What is told of a frame; the rest of a message is its sender's.
+#: What is passed on of a frame; the rest of a message is its sender's.
 _FIELDS = ("frame0", "t0_ns", "dt_s", "n", "method", "q", "dq", "ddq", "tip", "points", "gap")
 
 

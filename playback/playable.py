@@ -16,7 +16,7 @@ class Playable(Protocol):
 
     @property
     def name(self) -> str:
-        """What subscribers are told as the source of the motion."""
+        """What subscribers see as the source of the motion."""
 
     @property
     def arm(self) -> Arm:

@@ -47,7 +47,7 @@ class Player:
 
     @property
     def name(self) -> str:
-        """What subscribers are told as the source of the motion."""
+        """What subscribers see as the source of the motion."""
         return self.source.name
 
     @property

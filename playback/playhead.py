@@ -17,7 +17,7 @@ _ROUNDING = 1e-6
 
 @dataclass(frozen=True)
 class Clocks:
-    """The time of deadlines [s] and the time of day that subscribers are told (UTC) [ns]."""
+    """The time of deadlines [s] and the time of day that subscribers see (UTC) [ns]."""
 
     monotonic: Callable[[], float]
     wall_ns: Callable[[], int]
@@ -79,7 +79,7 @@ class Playhead:
         return self._stretch is not None
 
     def load(self, duration_s: float) -> None:
-        """Take a motion of so many seconds, at its beginning, and stop."""
+        """Take a motion of this duration [s], at its beginning, and stop."""
         self.duration_s = duration_s
         self.rewind()
 
@@ -120,7 +120,7 @@ class Playhead:
             self._stretch = self._from_next(position_s)
 
     def step(self, frames: int) -> None:
-        """Pause, and go so many frames on or back, at the most to an end."""
+        """Pause, and go a number of frames on or back, at the most to an end."""
         self.pause()
         place = self.position_s + frames / self.rate_hz
         self.seek(min(max(place, 0.0), self.duration_s))

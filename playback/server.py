@@ -33,7 +33,7 @@ class Server:
     player : Playable
     clocks : Clocks
     sleep : callable
-        Waits so many seconds; needed for what is left of a wait below one millisecond.
+        Waits a time [s]; needed for the rest of a wait below one millisecond.
     endpoint, control : str
         Where to bind the PUB and the ROUTER socket.
     gate : Gate, optional
@@ -105,7 +105,7 @@ class Server:
                 self._publisher.publish(PLOT, {"rows": rows})
             self.player.prepare()
         uptime_s = self._clocks.monotonic() - self._start_s
-        joined = self._publisher.joined()  # whoever comes late is told the state at once
+        joined = self._publisher.joined()  # whoever comes late hears the state at once
         beats = uptime_s >= self._heartbeats * HEARTBEAT_S
         if joined or beats:
             self._publisher.publish(HEALTH, self._health(uptime_s))

@@ -16,7 +16,7 @@ class Source:
     Parameters
     ----------
     name : str
-        What subscribers are told as the source of the motion.
+        What subscribers see as the source of the motion.
     arm : Arm
         The arm whose tip and sensor points are computed from the joints.
     durations_s : mapping of int to float

@@ -113,7 +113,7 @@ DIAGNOSIS_FIELDS: Schema = {
         "properties": {"before": _JUDGED, "after": _JUDGED},
     },
     "explained": one("object", "share of the power of each joint's torque that is explained, by role"),
-    "residual": one("object", "what is left: how much of it is explained by what, and whether it is white"),
+    "residual": one("object", "the residual: how much of it is explained by what, and whether it is white"),
     "structure": one("object", "what the base model leaves beyond noise, and how much of it the causes explain"),
     "suspected": {"type": "array", "description": "effect and joints of what explains much, but not enough"},
     "notes": {

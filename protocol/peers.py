@@ -115,7 +115,7 @@ class Peers:
         try:
             descriptor = int(frame.get(zmq.SRCFD))
             inode = os.fstat(descriptor).st_ino
-        except (zmq.ZMQError, OSError):  # of this process, told by ZeroMQ itself, or closed meanwhile
+        except (zmq.ZMQError, OSError):  # of this process, as ZeroMQ itself says, or closed meanwhile
             return None
         with self._lock:
             known = self._open.get(descriptor)
@@ -198,7 +198,7 @@ class Peers:
                 os.close(own)
                 return  # another one has the number by now
             with posix.socket(fileno=own) as line:
-                # closed with a reset: no kernel keeps what a peer that does not listen was still to be told
+                # closed with a reset: no kernel keeps what a peer that does not listen was still to be sent
                 line.setsockopt(posix.SOL_SOCKET, posix.SO_LINGER, _RESET)
                 self._gone.add(inode)
                 self.refused += 1
@@ -214,7 +214,7 @@ def _received(descriptor: int) -> int:
     try:
         line = posix.socket(posix.AF_INET, posix.SOCK_STREAM, 0, fileno=descriptor)
     except OSError:
-        return 0  # closed, which is told of later
+        return 0  # closed, which is reported later
     try:
         info = line.getsockopt(posix.IPPROTO_TCP, posix.TCP_INFO, _INFO_BYTES)
     except OSError:

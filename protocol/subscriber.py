@@ -145,9 +145,9 @@ class Subscriber:
         if isinstance(seq, int):
             self._reached(topic, seq - 1)  # all before this one must have come
             self._last_seq[topic] = seq
-        told = fields.get("last_seq")
-        if topic == HEALTH and isinstance(told, dict):
-            for other, last in told.items():
+        published = fields.get("last_seq")
+        if topic == HEALTH and isinstance(published, dict):
+            for other, last in published.items():
                 if isinstance(last, int):
                     self._reached(other, last)
 

@@ -20,7 +20,7 @@ _AT_ONCE = 8
 _MOST_KNOWN = 1000
 #: Bytes that the kernel keeps of what a subscriber sends.
 _KERNEL_BYTES = 16 * 1024
-#: Told in one go; what remains is told the next time.
+#: Sent in one go; what remains is sent the next time.
 _GO = 256
 
 

@@ -30,7 +30,7 @@ _RATE_HZ = 4000
 _PLAIN, _OURS, _UNTOLD, _OTHER = (
     "plain: double integration, eq. (9)",
     "ours: smoother, eq. (9)",
-    "ours, targets not told",
+    "ours, targets unknown",
     "ours, gains 11.5 / -11.5 assumed",
 )
 #: Goals: mean and largest error of the learning and of the evaluating motions [deg].
@@ -83,7 +83,7 @@ def run(settings: Settings) -> Experiment:
             "The virtual arm is given the same targets and runs through all motions on its own, from its first "
             "rest to the end. Its angles are held against the real arm's true ones, at 4 kHz, both joints "
             "together.",
-            "Plain: angles by double integration. Targets not told: each learning motion's target is one more "
+            "Plain: angles by double integration. Targets unknown: each learning motion's target is one more "
             "unknown.",
             "Whether the paper's virtual arm began each motion anew it does not say.",
             *other.assumptions,

@@ -35,7 +35,7 @@ def method_said(name: str, fit: DynamicsFit, asked: Objective) -> str:
 def interval(parameter: FittedParameter) -> str:
     """Return a value and half of its 95 % interval; a value that the data did not determine says so."""
     if not parameter.identifiable:
-        return "not told"
+        return "not identified"
     if not np.isfinite(parameter.std):
         return f"{parameter.value:.6f}"
     return f"{parameter.value:.6f} ± {NORMAL_95 * parameter.std:.2g}"

@@ -42,7 +42,7 @@ def run(settings: Settings) -> Experiment:
         title="Table 6: dynamics from more and more data",
         assumptions=(
             "Which data make up the 1000 is not printed. The first 1000 at 32 µs are 32 ms of rest; so the five "
-            "learning motions are taken whole each time, at the rate that gives so many samples.",
+            "learning motions are taken whole each time, at the rate that gives this many samples.",
             f"Without noise any number of data gives the same answer. The angles have {100 * _SHARE:.0f} % of "
             f"white noise ({', '.join(f'{x:.2f}°' for x in spread)}), as in Table 3; targets, law (5) and its "
             "gains are known.",

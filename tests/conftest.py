@@ -88,7 +88,7 @@ class ShortRun:
         return {"t": self.t, **readings, "q": self.truth["q"], "ref": self.truth["ref"]}
 
     def motion_columns(self, trials: Sequence[int], step: int = 8, *without: str) -> dict[str, NDArray[Any]]:
-        """Return what a file of joint motion holds: some trials, every so many samples."""
+        """Return what a file of joint motion holds: some trials, every `step`-th sample."""
         rows = np.isin(self.trial, trials)
         columns = {name: values[rows][::step] for name, values in self.truth.items() if name not in without}
         return {"t": self.t[rows][::step], **columns, "trial": self.trial[rows][::step]}

@@ -47,7 +47,7 @@ def open_line(port: int) -> socket.socket:
 
 
 def send_until_shown_out(line: socket.socket, pieces: Iterator[bytes], most: int) -> int:
-    """Send until the other end closes, or so many bytes are sent; return how many were."""
+    """Send until the other end closes, or a number of bytes is sent; return how many were."""
     sent = 0
     try:
         while sent < most:

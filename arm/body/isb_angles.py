@@ -20,7 +20,6 @@ from arm.body.whole_body import BODY, body_map
 from arm.kinematics import axis_frames
 from arm.model import Arm, Floats
 
-
 #: About which axes of the moving frame a joint turns, one after the other.
 Turns = Literal["ZXY", "YXY"]
 

@@ -19,7 +19,7 @@ from benchmarks.hidden_arms.hidden_arm import (
 from benchmarks.hidden_arms.hiding import Bench, Rng, Scene
 from benchmarks.hidden_arms.simulation import simulate
 
-#: Sizes are drawn and looked for on so many trials.
+#: Sizes are drawn and looked for on this number of trials.
 SOME_TRIALS = 8
 
 

@@ -32,7 +32,7 @@ SETS = {
         ("acrobot-04", "pendubot-04"),
     ),
 }
-#: The runs of a set are on one clock, so many seconds apart: what warms up goes on from one run to the next.
+#: The runs of a set are on one clock, this many seconds apart: what warms up goes on from one run to the next.
 PAUSE_S = 5.0
 #: Rate at which angles are differentiated, near that of the recordings, and their corner frequency [Hz].
 RATE_HZ, ANGLE_HZ = 500.0, 20.0

@@ -25,7 +25,7 @@ _MUCH_BYTES = 8192
 _IDLE_S = 0.25
 #: Bytes asked for at once: more than a tty ever has.
 _READ_BYTES = 65536
-#: A tty hands over at most so many bytes a read: a read this long says that there is more.
+#: A tty hands over at most this many bytes a read: a read this long says that there is more.
 _FULL_READ_BYTES = 4095
 #: No more at once, so that a device that floods the line cannot keep the reader from hearing a stop.
 _TAKEN_BYTES = 64 * _FULL_READ_BYTES
@@ -46,7 +46,7 @@ _LOOK_S = 0.5
 def run_reader(
     line: ControlLine, memory: Memory, port: str, baud: int, wait: bool = False, real_time: bool = False
 ) -> None:
-    """Read until told to stop, then send STOP and drain the tty.
+    """Read until asked to stop, then send STOP and drain the tty.
 
     A device that a killed daemon left streaming is stopped first: what it held back is of the past. One that goes
     away after it was started is waited for, and started again.
@@ -85,7 +85,7 @@ class _PortKeeper:
         self._nudge_s = self._pace_s = _SILENT_S
 
     def follow(self) -> None:
-        """Serve the line and the port until told to stop."""
+        """Serve the line and the port until asked to stop."""
         while True:
             try:
                 if self._tty is None and (time.monotonic() >= self._try_s or self._appeared()):
@@ -143,7 +143,7 @@ class _PortKeeper:
             self._line.tell("reopened")
 
     def _appeared(self) -> bool:
-        """Say whether a name that was not there is now; who may open it is told later, so trying begins anew."""
+        """Say whether a name that was not there is now; who may open it is set later, so trying begins anew."""
         if not (self._missing and os.path.exists(self._port)):
             return False
         self._missing, self._pause_s = False, _FIRST_TRY_S

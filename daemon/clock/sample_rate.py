@@ -3,7 +3,7 @@
 The device's clock makes p ticks in a sample, and f / r ticks in a second of the host's, where f is what INFO says
 and r the host's seconds in one of the device's: the rate is f / (p r). The rate that is reckoned with, by which
 motion is integrated, is INFO's until the measured one surely differs, and stays until that surely differs again:
-dead reckoning does not care for less than a hundred parts in a million, and an even step is worth something.
+dead reckoning does not care for less than a hundred parts in a million, and an even step helps.
 """
 
 import math

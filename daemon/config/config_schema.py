@@ -83,7 +83,7 @@ class RecordTable(_Table):
 
 
 class TrialsTable(_Table):
-    """`[trials]`: the first so many motions are for learning, the rest for evaluating."""
+    """`[trials]`: the first `learning` motions are for learning, the rest for evaluating."""
 
     learning: Annotated[int, Field(ge=0)] = 5
 

@@ -8,11 +8,11 @@ from daemon.monitoring.alarms import wrong_channels
 from daemon.reception.channel_watch import Reading
 from daemon.reception.reception import Reception
 
-#: No crystal is further off than this over its life, so a rate or a clock that is is worth a word [ppm].
+#: No crystal is further off than this over its life, so a rate or a clock that is is reported [ppm].
 _FAR_OFF_PPM = 500.0
 #: Standard errors that are taken off before it is: by chance in 0.1 % of reports.
 _STANDARD_ERRORS = 3.0
-#: A host's clock that is so far from where the run's goes on, after it was set, is worth a word, too [s]: it is
+#: A host's clock that is so far from where the run's goes on, after it was set, is reported, too [s]: it is
 #: what `daemon.clock.host_clock` takes for setting it.
 _SET_S = 0.05
 #: Fraction of a second's samples that may be lost without an alarm: a convention.

@@ -30,7 +30,7 @@ _GAUGES = (
 
 
 class Metrics(Collector):
-    """Serves the health that it was told last.
+    """Serves the last health that it was given.
 
     Parameters
     ----------
@@ -68,7 +68,7 @@ class Metrics(Collector):
         self._health = health
 
     def collect(self) -> Iterator[Metric]:
-        """Yield what Prometheus is told."""
+        """Yield what Prometheus scrapes."""
         health = self._health
         if health is None:
             return

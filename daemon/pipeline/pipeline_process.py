@@ -150,16 +150,16 @@ def _introduction(
 def _stream(line: ControlLine, ring: Ring, pipeline: Pipeline, publisher: Publisher) -> None:
     next_health_s = time.monotonic() + _HEALTH_S
     abandoned_s: float | None = None
-    asked_s, told = 0.0, False
+    asked_s, announced = 0.0, False
     while True:
         publisher.attend()  # also where no samples come
         closed = ring.closed  # asked before reading: what was written before the close is then in it
         chunks = ring.read()
         now_s = time.monotonic()
         pipeline.accept(chunks, ring.dropped_chunks)
-        if pipeline.streaming and not told:
+        if pipeline.streaming and not announced:
             line.tell("streaming")
-        told = pipeline.streaming
+        announced = pipeline.streaming
         if pipeline.awaits_info and now_s > asked_s + _ASK_S:
             asked_s = now_s
             line.tell("ask")

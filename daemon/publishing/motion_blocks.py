@@ -105,5 +105,5 @@ def _cut_frames(piece: Frames, begin: int, end: int) -> Frames:
 
 
 def later(t0_ns: int, rows: int, dt_s: float) -> int:
-    """Return the time [ns] so many rows later."""
+    """Return the time [ns] a number of rows later."""
     return t0_ns + round(rows * dt_s * 1e9)

@@ -68,11 +68,11 @@ def run_recorder(
 
 def _follow(line: ControlLine, inlet: RecordInlet, segments: Segments) -> None:
     """Write what comes until the end is said, or nothing comes any more after a stop."""
-    told, quiet_s, limit_s, given_s = False, 0.0, math.inf, time.monotonic()
+    announced, quiet_s, limit_s, given_s = False, 0.0, math.inf, time.monotonic()
     while not inlet.ended and quiet_s < limit_s:
         entries = inlet.receive(_POLL_S)
-        if inlet.linked and not told:
-            told = True
+        if inlet.linked and not announced:
+            announced = True
             line.tell("linked")
         segments.write(entries)
         if (now_s := time.monotonic()) > given_s + _GIVE_BACK_S:

@@ -16,7 +16,7 @@ _LINGER_S = 0.5
 
 
 def run_replay(line: ControlLine, path: str, speed: float) -> None:
-    """Send a recording's samples as the device did, at its rate or so many times as fast.
+    """Send a recording's samples as the device did, at its rate or `speed` times as fast.
 
     The supervisor hears ``ready`` with the port, and ``played`` when all has been read; it says ``stop``.
 

@@ -1,4 +1,4 @@
-"""What the service manager is told of a run: ready, alive, and in a few words how it goes."""
+"""What the service manager hears of a run: ready, alive, and in a few words how it goes."""
 
 import os
 

@@ -1,7 +1,7 @@
 """What is wrong with a virtual device, and when: ``unplug@5+1/3, flip@0+60*1e-5``.
 
-Each fault is ``KIND@START[+SECONDS][*VALUE][/EVERY]``: from START on, for so many seconds, with a value, and again
-every so many seconds; all by the host's clock, counted from START of the stream.
+Each fault is ``KIND@START[+SECONDS][*VALUE][/EVERY]``: from START on, for SECONDS, with a value, and again
+with period EVERY [s]; all by the host's clock, counted from START of the stream.
 """
 
 import re
@@ -31,7 +31,7 @@ KINDS = {
     "unplug": FaultKind("the cable is pulled, and plugged in again when the time is over; the device goes on"),
     "restart": FaultKind("the device is without power: its clock and its numbers begin anew"),
     "silent": FaultKind("the device samples and sends nothing"),
-    "garbage": FaultKind("random bytes between frames, so many a second", 1000.0),
+    "garbage": FaultKind("random bytes between frames, a rate [1/s]", 1000.0),
     "flip": FaultKind("bits turn over, with so much probability a byte", 1e-5),
     "drop": FaultKind("frames never leave the device, with so much probability each", 0.01),
     "double": FaultKind("frames are sent twice, with so much probability each", 0.01),

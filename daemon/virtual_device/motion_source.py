@@ -69,7 +69,7 @@ class MotionSource:
             self._truth.append(piece.truth)
 
     def take(self, n_sample: int) -> NDArray[np.int16] | None:
-        """Return the next samples, (n_sample, n_channel), or None where so many are not there yet."""
+        """Return the next samples, (n_sample, n_channel), or None where they are not all there yet."""
         if self._ahead_samples < n_sample:
             return None
         rows: list[NDArray[np.int16]] = []

@@ -44,7 +44,7 @@ class Timing:
     frame_samples: int = FRAME_SAMPLES
 
     def ticks(self, on_s: float) -> int:
-        """Return what the counter shows so many seconds of the host's after the device was switched on."""
+        """Return what the counter shows at this time of the host's [s] after the device was switched on."""
         ticks = round(on_s * self.clock * TICK_HZ)
         return ticks if self.wraps_s is None else (ticks - round(self.wraps_s * TICK_HZ)) % _NARROW
 

@@ -105,7 +105,7 @@ def _check_rest(arm: Arm, cells: Floats, sigma: Floats) -> None:
     """Raise if the readings did not stay what they are.
 
     A tracker's detector takes a quarter of a second for a rest and says no more than yes or no; here seconds of
-    readings must be one rest, in spite of humming motors, and who moved the arm must be told where it shows.
+    readings must be one rest, in spite of humming motors, and who moved the arm must hear where it shows.
     """
     off = np.abs(cells - np.median(cells, axis=0))
     row, channel = np.unravel_index(np.argmax(off / sigma), off.shape)

@@ -37,7 +37,7 @@ CASE = Case(
     picture="residual",
     caption="The missing torque of the swing-up held back, before (orange) and after (green).",
     remarks=(
-        "The torque is that of the motors' current, so part of what is left may be no torque at all. In "
+        "The torque is that of the motors' current, so part of the residual may be no torque at all. In "
         "`20230629-143906` the elbow hardly moves.",
     ),
 )

@@ -183,7 +183,7 @@ def _say(finding: Finding, out: Path) -> None:
         show(f"but {warning.text}")
     if finding.discrepancy.depends_on:
         variables, formula = ", ".join(finding.discrepancy.depends_on), finding.discrepancy.formula
-        show(f"what is left depends on {variables} {formula}".strip())
+        show(f"the residual depends on {variables} {formula}".strip())
     if finding.polish is not None:
         show(finding.polish.sentence)
     _show_errors("on the evaluating trials", finding.arm, (finding.before, finding.after))

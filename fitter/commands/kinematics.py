@@ -75,7 +75,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         choices=["auto", "rest", "mean"],
         default="auto",
         help="count displacements from the rest at the start (dead reckoning) or from their mean (a tracker); "
-        "auto: the rest, where there is one that can be told from noise",
+        "auto: the rest, where there is one that stands out from noise",
     )
     parser.add_argument(
         "--angle-noise-deg",
@@ -184,7 +184,7 @@ def _print(
     show(f"displacements counted from the {'rest at the start' if fit.about == 'rest' else 'mean'}")
     show(_noise_in_words(fit))
     for freedom in fit.gauge:
-        say(f"not told: {', '.join(freedom.parameters)}: {freedom.why}")
+        say(f"not identified: {', '.join(freedom.parameters)}: {freedom.why}")
     for role, s in (("learning", learn), ("evaluating", evaluate)):
         if s is not None:
             share = f"{100.0 * s.explained:.4g} % of its power explained"
@@ -194,7 +194,7 @@ def _print(
 def _noise_in_words(fit: KinematicsFit) -> str:
     noise = [value for value in angle_noise_deg(fit) if value is not None]
     if not noise or fit.angle_noise_source is None:
-        return "noise of the angles: not told by this data, and not undone"
+        return "noise of the angles: not identified by this data, and not undone"
     how = {
         "known": "as given",
         "spectrum": "the floor of the angles' spectra",

@@ -50,9 +50,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--arm", metavar="A", help="arm file, or built-in arm; by default the one the stream names"
     )
     parser.add_argument("--seconds", type=positive, metavar="S", help="stop after so long")
-    parser.add_argument(
-        "--trials", type=at_least(1), metavar="N", help="stop after so many motions; fewer are exit 4"
-    )
+    parser.add_argument("--trials", type=at_least(1), metavar="N", help="stop after N motions; fewer are exit 4")
     parser.add_argument("--idle", type=positive, metavar="S", help="stop when the arm has rested for so long")
     parser.add_argument("--seed", type=at_least(0), default=0, help="of the genetic algorithms (0)")
     parser.add_argument("--compare", action="append", default=[], metavar="A", help="another arm to print beside")

@@ -111,7 +111,7 @@ def fit_law(
     rows = [equations.counted(equations.rows[..., :n]) for equations in trials]
     gram = equations_gram(trials)[:, :n, :n]
     if not np.any(gram):
-        raise NotIdentifiable("no parameter and no gain can be told: no joint moved")
+        raise NotIdentifiable("no parameter and no gain can be identified: no joint moved")
     zero = [k for k, value in known.items() if value == 0.0]
     space = LawNullSpace(columns, gram, zero)
     ambiguity = space.given(list(known))

@@ -115,7 +115,7 @@ def misfit(assumed: Law, forms: Mapping[Law, LawForm], fits: Mapping[Law, LawFit
         sentence += f", and the narrower form {EQUATIONS[narrower]}, {_form(narrower)}, does as well"
     silent = [name for other in (form, *wider) for name in other.undetermined]
     if silent:
-        sentence += f"; whether it has {', '.join(silent)} can't be told: the arm itself may do the same"
+        sentence += f"; whether it has {', '.join(silent)} can't be identified: the arm itself may do the same"
     return LawMisfit(form.torque_share, True, (), sentence)
 
 

@@ -16,7 +16,7 @@ from scipy.signal import detrend, periodogram
 
 Floats = NDArray[np.float64]
 
-#: The motion's power must be this many times the valley's floor (10 dB) to be worth fitting.
+#: The motion's power must be this many times the valley's floor (10 dB) to be fitted.
 SIGNAL_TO_NOISE = 10.0
 #: From one band of the spectrum to the next, and how many bins each must hold.
 WIDER = 2.0 ** (1.0 / 3.0)

@@ -11,7 +11,7 @@ from protocol.tables.reader import read_table_blocks
 def read_blocks(
     path: Path, n_joint: int, mapping: ColumnMap, rate_hz: float | None, rows: int
 ) -> Iterator[Measured]:
-    """Read the joint motion in a file, about so many rows at a time and in the order of the file.
+    """Read the joint motion in a file, a block of rows at a time and in the order of the file.
 
     Parameters
     ----------

@@ -44,7 +44,7 @@ class Grid:
     as_measured: bool
 
     def rows(self, samples: int) -> int:
-        """Return how many rows of the file span so many samples of the grid, with what it takes to lay it."""
+        """Return how many rows of the file span a number of the grid's samples, with what it takes to lay it."""
         if self.as_measured:
             return samples + CURVE_SAMPLES
         span = samples * self.step_s / self.own_step_s + CURVE_SAMPLES

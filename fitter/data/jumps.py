@@ -4,7 +4,7 @@ import numpy as np
 
 from arm.model import Floats
 
-#: A torque that changes from one sample to the next by so many times its usual change has jumped …
+#: A torque that changes from one sample to the next by this many times its usual change has jumped …
 _MUCH = 20.0
 #: … if it changed by this many times less in the samples before: what changes fast for a while has not. What
 #: follows tells nothing, for a fast loop takes most of a jump back within a sample or two.

@@ -56,7 +56,7 @@ def stretches(
     blocks : iterable of Measured
         Rows in the order of their file. Another name or label is another motion.
     longest : int
-        A motion of more samples is parted, and so many count in a stretch, or two margins if that is more.
+        A motion of more samples is parted into stretches of this length, or two margins if that is more.
     margin : callable
         Given the step of the grid [s], how many samples of it are needed on either side.
     rate_hz : float, optional
@@ -129,7 +129,7 @@ class _Motion:
             yield from self._next(over=False)
 
     def rest(self) -> Iterator[Stretch]:
-        """Give out what is left."""
+        """Give out the rest."""
         while self._held:
             yield from self._next(over=True)
 

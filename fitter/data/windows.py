@@ -58,7 +58,7 @@ def windows(seen: slice, counted: slice, portion: int, margin: int) -> Iterator[
     portion : int
         How much a window counts; the last one also takes what would be left of no more than a margin.
     margin : int
-        Samples on either side, where there are so many.
+        Samples on either side, where there are enough.
     """
     first = counted.start
     while first < counted.stop:

@@ -110,7 +110,7 @@ def diagnose(
     learning, evaluating = _trials(grids, corner, free)
     scale = _scale_of(arm) if free else None
     likelihood, search = _searched(arm, run_of(arm, learning, evaluating), denied, scale, say)
-    say("describing what is left", 0.8)
+    say("describing the residual", 0.8)
     come_to = concluded(likelihood.regression, search)
     motions = run_of(arm, learning, evaluating, thin=False)
     say("moving the numbers by simulated motion", 0.9)
@@ -207,7 +207,7 @@ def _scale_of(arm: Arm) -> tuple[int, float]:
     inertial = [k for k, column in enumerate(base.independent) if column < 10 * arm.n_joint and column % 10 < 6]
     if not inertial or not values[inertial[-1]] > 0.0:
         raise NotIdentifiable(
-            f"arm {arm.name}: nothing drives it, so only ratios can be told; "
+            f"arm {arm.name}: nothing drives it, so only ratios can be identified; "
             "expected the last link's inertia in its file"
         )
     return base.independent[inertial[-1]], float(values[inertial[-1]])

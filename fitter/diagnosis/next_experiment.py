@@ -101,7 +101,7 @@ def next_experiment(verdict: str, alike: Sequence[str], joints: Sequence[int], d
         varied = [name for name in depends_on if name != "t"]
         if not varied:
             return _sentence(
-                "repeat one and the same motion over and over, some after a pause: what is left then tells "
+                "repeat one and the same motion over and over, some after a pause: the residual then tells "
                 "whether it comes with the run's own time, such as warmth or a changed load, or with each motion"
             )
         return _sentence(

@@ -126,7 +126,7 @@ def torque_problem(sums: TorqueSums, prior: Floats, held: Mapping[int, float] | 
     sought = np.setdiff1d(np.arange(len(start)), given)
     if not np.any(sums.gram):
         raise NotIdentifiable(
-            f"no base parameter can be told from {sums.samples} samples: no joint moved faster than "
+            f"no base parameter can be identified from {sums.samples} samples: no joint moved faster than "
             f"{REST_SPEED:g} rad/s (or m/s), below which it may stand still; check the units of t and q"
         )
     if not np.any(sums.power) and not np.any(start[given]):
@@ -140,7 +140,7 @@ def torque_problem(sums: TorqueSums, prior: Floats, held: Mapping[int, float] | 
     whitened = whiten(gram[np.ix_(sought, sought)], moment[:, None], np.array([power]))
     if not len(whitened.kept):
         raise NotIdentifiable(
-            f"no base parameter can be told from {sums.samples} samples: no joint moved, or none is sought"
+            f"no base parameter can be identified from {sums.samples} samples: no joint moved, or none is sought"
         )
     order = np.argsort(whitened.kept)
     kept, folded = whitened.kept[order], whitened.folded

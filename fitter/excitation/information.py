@@ -18,7 +18,7 @@ _NOTHING = 1e-12
 
 
 @dataclass(frozen=True)
-class Told:
+class Precision:
     """What some motion tells of the base parameters.
 
     Attributes
@@ -48,16 +48,16 @@ def information(arm: Arm, base: BaseParameters, motion: Motion, noise: Floats) -
     return np.asarray(np.einsum("jab,j->ab", sums.gram.sum(axis=0), noise**-2.0), dtype=np.float64)
 
 
-def told(gram: Floats) -> Told:
+def precision_of(gram: Floats) -> Precision:
     """Return what a motion with this information tells."""
     scale = np.sqrt(np.diag(gram))
     seen = scale > 0.0
     std = np.full(len(gram), np.inf)
     if not seen.any():
-        return Told(np.inf, std)
+        return Precision(np.inf, std)
     unit = gram[np.ix_(seen, seen)] / np.outer(scale[seen], scale[seen])
     values, axes = scipy.linalg.eigh(unit)
     values = np.maximum(values, _NOTHING)
     std[seen] = np.sqrt(np.sum(axes**2 / values, axis=1)) / scale[seen]
     condition = float(np.sqrt(values[-1] / values[0])) if seen.all() else np.inf
-    return Told(condition, std)
+    return Precision(condition, std)

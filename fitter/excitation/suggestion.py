@@ -20,7 +20,7 @@ from arm.regressor import standard_parameters
 from arm.simulation import Motion
 from arm.structural_parameters import structural_parameters
 from fitter.excitation.driven import Limits, driven, finely_driven, furthest, reached, rest_at, search_step_s
-from fitter.excitation.information import NOISE, Told, information, told
+from fitter.excitation.information import NOISE, Precision, information, precision_of
 from fitter.excitation.shapes import Fourier, Points, Shape
 from fitter.search.genetic import GeneticAlgorithm
 from limbcal.errors import ConfigError, NotConverged
@@ -55,7 +55,7 @@ class Suggestion:
     base : BaseParameters
     values : (n_base,)
         Of the arm file.
-    suggested, random : Told
+    suggested, random : Precision
         Of these motions, and of the bench's random ones of the same length.
     limits, reached : Limits
     noise : (n_joint,)
@@ -65,8 +65,8 @@ class Suggestion:
     motions: tuple[Motion, ...]
     base: BaseParameters
     values: Floats
-    suggested: Told
-    random: Told
+    suggested: Precision
+    random: Precision
     limits: Limits
     reached: Limits
     noise: Floats
@@ -160,7 +160,7 @@ def suggest(
     far = furthest([reached(m) for m in found])
     if not limits.excess(far) <= 0.0:
         raise NotConverged(_too_far(limits, far))
-    return Suggestion(tuple(found), base, values, told(gram), told(known), limits, far, noise)
+    return Suggestion(tuple(found), base, values, precision_of(gram), precision_of(known), limits, far, noise)
 
 
 @dataclass(frozen=True)
@@ -212,7 +212,7 @@ class _Search:
         motion, excess = self._eased(genes, before, start)[1:]
         if not excess <= 0.0:
             return _FORBIDDEN + 100.0 * excess
-        both = told(gram + self.samples * information(self.arm, self.base, motion, self.noise))
+        both = precision_of(gram + self.samples * information(self.arm, self.base, motion, self.noise))
         errors = np.log(np.minimum(both.std / self.size, _NEVER))[self.wanted]
         alike = np.log(min(both.condition_number, _NEVER)) if self.wanted.all() else 0.0
         return float(errors.max() + errors.mean() + alike)

@@ -216,7 +216,8 @@ def _parameters(
 def _require_determined(search: IncrementalKinematics) -> None:
     if not np.any(search.is_determined):
         raise NotIdentifiable(
-            f"no geometric parameter can be told from {search.samples} samples: the tip or the joints don't move"
+            f"no geometric parameter can be identified from {search.samples} samples: "
+            "the tip or the joints don't move"
         )
 
 

@@ -21,7 +21,7 @@ class TipScore:
     ----------
     mean_mm, max_mm : float
     explained : float
-        1 − power of what is left of the tip's displacement / power of the displacement; an arm without lengths
+        1 − power of the tip's residual displacement / power of the displacement; an arm without lengths
         explains 0. NaN where the tip does not move.
     """
 

@@ -18,7 +18,7 @@ TOPICS = (FRAMES, TRIAL)
 _PATIENCE_S = 10.0
 #: Ten heartbeats: a daemon that has not said by then whether it records does not say it at all [s].
 _HEARTBEATS_S = 10.0
-#: … and so many messages: a minute of frames.
+#: … and this many messages: a minute of frames.
 _HELD = 6000
 
 

@@ -30,6 +30,6 @@ def live_table(calibration: Calibration, assembler: MotionAssembler, missed: int
         f"geometry: generation {calibration.geometry.generations}, "
         f"tip off by {1e3 * calibration.geometry.tip_rms_m:.3g} mm rms"
         if geometry is not None
-        else "geometry: nothing can be told yet"
+        else "geometry: nothing is identified yet"
     )
     return Group(stream, search, table)

@@ -64,7 +64,7 @@ class Session:
         self._vain_s = 0.0
 
     def follow(self, seconds: float | None, trials: int | None, idle: float | None) -> None:
-        """Follow the stream for so long, or so many motions, or until it idles, or until interrupted.
+        """Follow the stream for a time, or a number of motions, or until it idles, or until interrupted.
 
         It idles when the arm has rested for so long by the stream's own clock, or when so long was waited for
         frames in vain: never while messages wait or something is being learnt, however long that takes.

@@ -109,7 +109,7 @@ def _be_helper(work: Callable[[Any], Any], items: Sequence[Any], queue: int, wri
         work_alone()
         while (k := _next(queue)) is not None:
             found[k] = work(items[k])
-    except BaseException as raised:  # whatever it is, it is told
+    except BaseException as raised:  # whatever it is, the parent hears of it
         error = raised
     try:
         with os.fdopen(writing, "wb") as answers:

@@ -86,17 +86,17 @@ def _in_processes(
     # Spawned, not forked: a fork of a program with threads may hang, and copies what it should not have.
     context = multiprocessing.get_context("spawn")
     others = set(multiprocessing.active_children())
-    told = None if hear is None else context.Queue()
-    pool = ProcessPoolExecutor(workers, mp_context=context, initializer=_begin, initargs=(told,))
+    reports = None if hear is None else context.Queue()
+    pool = ProcessPoolExecutor(workers, mp_context=context, initializer=_begin, initargs=(reports,))
     done = False
     try:
         with interrupts_held():
             futures = [pool.submit(work, job) for job in jobs]
         for future in futures:
-            if hear is not None and told is not None:
+            if hear is not None and reports is not None:
                 while not future.done():
                     wait([future], _POLL_S)
-                    _pass_on(told, hear)
+                    _pass_on(reports, hear)
             yield future.result()
         done = True
     except BrokenProcessPool as error:
@@ -106,23 +106,23 @@ def _in_processes(
             for process in set(multiprocessing.active_children()) - others:
                 process.terminate()
         pool.shutdown(wait=True, cancel_futures=True)  # its own thread joins them; two would race
-    if hear is not None and told is not None:
-        _pass_on(told, hear)  # the last words
+    if hear is not None and reports is not None:
+        _pass_on(reports, hear)  # the last words
 
 
-def _pass_on(told: "multiprocessing.Queue[tuple[Any, ...]]", hear: Hear) -> None:
-    """Let be heard what jobs have told."""
+def _pass_on(reports: "multiprocessing.Queue[tuple[Any, ...]]", hear: Hear) -> None:
+    """Hand on what jobs have reported."""
     try:
         while True:
-            hear(*told.get_nowait())
+            hear(*reports.get_nowait())
     except queue.Empty:
         pass
 
 
-def _begin(told: "multiprocessing.Queue[tuple[Any, ...]] | None") -> None:
+def _begin(reports: "multiprocessing.Queue[tuple[Any, ...]] | None") -> None:
     be_worker()
-    if told is not None:
-        _hearers.append(lambda *said: told.put(said))
+    if reports is not None:
+        _hearers.append(lambda *said: reports.put(said))
 
 
 def be_worker() -> None:

@@ -204,7 +204,7 @@ def _space(
 ) -> None:
     """Place panels by their margins at the left and below and the gaps between them, across and down [in].
 
-    Matplotlib can find these, but draws everything once more for it, and so many panels take seconds.
+    Matplotlib can find these, but draws everything once more for it, and many panels take seconds.
     """
     (wide, high), (rows, columns) = figure.get_size_inches(), shape
     (left, below), (across, down), rest = margins, gaps, 0.3

@@ -127,7 +127,7 @@ def _cause(page: Page, found: Diagnosis) -> None:
         "no more than the sensors' noise is left"
         if finding.complete
         else (
-            f"what is left has {finding.residual_size.times_noise:.3g} times the sensors' noise: "
+            f"the residual has {finding.residual_size.times_noise:.3g} times the sensors' noise: "
             "the model is not complete"
         )
     )

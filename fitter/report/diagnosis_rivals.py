@@ -54,7 +54,7 @@ def rivals(found: Diagnosis, cause: Cause | None) -> list[Rival]:
     if cause is None:
         verdict = "not above the noise" if found.finding.verdict == "none" else "explains too little"
         return ranked([rival(one, verdict, _FAINT) for one in search.first])
-    equal = [rival(one, "as good: can't be told apart", BEFORE) for one in cause.rivals]
+    equal = [rival(one, "as good: can't be distinguished", BEFORE) for one in cause.rivals]
     larger = [rival(one, "as good, but has more numbers", _BEATEN) for one in cause.larger]
     beaten = [rival(one, "beaten", _BEATEN) for one in cause.beaten]
     return [rival(cause.itself, "named", AFTER), *ranked(equal), *ranked([*larger, *beaten])]

@@ -129,10 +129,10 @@ def whiteness(found: Diagnosis) -> str:
         else "What is left is not white: its spectrum is not that of the noise alone."
     )
     if not discrepancy.depends_on:
-        return f"{white} No smooth function of the joints' motion, torque and time explains a share worth naming."
+        return f"{white} No smooth function of the joints' motion, torque and time explains a notable share."
     known = (
         f"It depends on {_and(list(discrepancy.depends_on))}: a flexible function of that alone would explain "
-        f"{percent(discrepancy.explained)} of what is left, on trials that it was not fitted to (at joint "
+        f"{percent(discrepancy.explained)} of the residual, on trials that it was not fitted to (at joint "
         f"{discrepancy.joint})."
     )
     hint = f" A formula, as a hint: {discrepancy.formula} (N m, rad, s)." if discrepancy.formula else ""

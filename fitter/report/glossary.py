@@ -74,7 +74,7 @@ def glossary(names: Iterable[str]) -> list[tuple[str, str]]:
             (
                 "sums such as I1+m2*L1^2",
                 "base parameters: only these sums move the arm, so only they can be learnt; masses and inertias "
-                "of single links cannot be told apart from motion",
+                "of single links cannot be distinguished from motion",
             )
         )
     return rows

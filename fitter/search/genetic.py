@@ -81,7 +81,7 @@ class GeneticAlgorithm:
 
     @property
     def best(self) -> Floats:
-        """The cheapest individual of the last generation that was told its costs, (n_gene,)."""
+        """The cheapest individual of the last generation whose costs are known, (n_gene,)."""
         return np.array(self._best)
 
     @property

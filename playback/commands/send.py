@@ -27,7 +27,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--position", type=float, metavar="S", help="seek: the place, in seconds")
     parser.add_argument("--speed", type=float, metavar="X", help="speed: 0.1 to 10")
     parser.add_argument("--loop", choices=("on", "off"), help="loop: whether the end is followed by the beginning")
-    parser.add_argument("--frames", type=int, metavar="N", help="step: so many frames on, or back if below 0 (1)")
+    parser.add_argument("--frames", type=int, metavar="N", help="step: N frames on, or back if below 0 (1)")
     parser.add_argument(
         "--control", default=DEFAULT_CONTROL, metavar="E", help=f"where playback listens ({DEFAULT_CONTROL})"
     )

@@ -77,7 +77,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def touch(arguments: argparse.Namespace) -> Document:
-    """Run until stopped, or for so many seconds; the answer is how well it went."""
+    """Run until stopped, or for a time [s]; the answer is how well it went."""
     seconds = math.inf if arguments.seconds is None else arguments.seconds
     if not seconds > 0.0:
         raise ConfigError(f"--seconds is {seconds:g}, expected above 0")

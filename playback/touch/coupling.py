@@ -56,7 +56,7 @@ class Touch(NamedTuple):
         Unit normal n and offset c: the hand is free where ``n.x >= c``.
     numbers : (11,)
     felt, sent : (2, 3)
-        Force and moment on the hand at the end of the tick, and those that it was told last.
+        Force and moment on the hand at the end of the tick, and those that were last sent to it.
     axes, moving : (3, 3)
         The link's axes as columns; the point's place and velocity and the link's angular velocity.
     account : (6,)

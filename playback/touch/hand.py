@@ -153,7 +153,7 @@ def _be_hand(line: Connection, haptic: str, model: HandModel, rate_hz: float, ke
 
 
 def _run(line: Connection, device: TouchDevice, model: HandModel, h: float) -> None:
-    """Touch, pull and let go until told to stop."""
+    """Touch, pull and let go until asked to stop."""
     home = _point(device)
     x, v, force = home.copy(), np.zeros(3), np.zeros(3)
     sent_s, heard_s, answers, touches, strongest = np.zeros(1024), 0.0, 0, 0, 0.0
@@ -180,7 +180,7 @@ def _run(line: Connection, device: TouchDevice, model: HandModel, h: float) -> N
             seq = device.send(x.tolist(), v.tolist())
             sent_s[seq % 1024] = time.monotonic()
         touching = touches_now
-    told = {
+    figures = {
         "inputs": device.seq + 1,
         "answers": answers,
         "touches": touches,
@@ -188,7 +188,7 @@ def _run(line: Connection, device: TouchDevice, model: HandModel, h: float) -> N
         "round_trip_ms": round_trip.summary(1e-3),
         "strongest_force_N": strongest,
     }
-    line.send_bytes(json.dumps(told).encode())
+    line.send_bytes(json.dumps(figures).encode())
 
 
 def _point(device: TouchDevice) -> Floats:

@@ -1,6 +1,6 @@
 """The process of the haptic loop, from within.
 
-It ends when it is told to and when the pipe to its parent ends: so none is left behind however its parent dies.
+It ends when it is asked to and when the pipe to its parent ends: so none is left behind however its parent dies.
 """
 
 import gc
@@ -38,7 +38,7 @@ def warmed_up(setup: Setup) -> TouchedArm:
 
 
 def be_loop(line: Connection, setup: Setup) -> None:
-    """Run the loop and tell how it goes, until told to stop."""
+    """Run the loop and tell how it goes, until asked to stop."""
     # Ctrl-C and systemd signal the whole group; the parent acts on it and ends this process.
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     signal.signal(signal.SIGTERM, signal.SIG_IGN)
@@ -79,7 +79,7 @@ def _run(line: Connection, setup: Setup) -> None:
 
 
 def _loop(line: Connection, loop: TouchLoop, look_every: int) -> None:
-    """Tick until told to stop."""
+    """Tick until asked to stop."""
     pace, k = loop.pace, 0
     pace.start()
     while True:

@@ -93,7 +93,7 @@ def decode_input(payload: bytes, n_joint: int) -> Input | Command:
 
 
 def decode_reply(payload: bytes) -> dict[str, object]:
-    """Read what a device is told.
+    """Read a message to a device.
 
     Raises
     ------

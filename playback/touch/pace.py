@@ -21,7 +21,7 @@ class Spread:
         self._max_s = 0.0
 
     def add(self, seconds: float) -> None:
-        """Take note of a time; one of 20 ms and more is only told from others by the maximum."""
+        """Take note of a time; one of 20 ms and more only differs from others by the maximum."""
         self._counts[min(int(seconds * (1e6 / _BIN_US)), _BINS - 1)] += 1
         self._max_s = max(self._max_s, seconds)
 

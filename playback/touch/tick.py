@@ -104,7 +104,7 @@ def hear(touch: Touch, heard: bool) -> None:
 
 @compiled
 def feel(parts: Parts, heard: bool) -> None:
-    """Fill in what the hand feels and what is stored; the hand's move is over, and it is told if ``heard``."""
+    """Fill in what the hand feels and what is stored; the hand's move is over, and it is sent if ``heard``."""
     chain, touch, room, state = parts.chain, parts.touch, parts.room, parts.state
     account, x = touch.account, touch.numbers
     touch.felt[:] = 0.0
@@ -187,7 +187,7 @@ def tick(  # noqa: PLR0915 - each kernel that calls another is compiled with all
         As `playback.touch.memory` has them.
     n_step : int
     heard : bool
-        Whether ``touch.path[1]`` is a new place, and its sender is told what it feels there.
+        Whether ``touch.path[1]`` is a new place, and its sender hears what it feels there.
     """
     parts = laid_out(floats, whole, flags, sizes)
     chain, effects, touch, room, state, slopes, after, clock = (

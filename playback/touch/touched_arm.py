@@ -32,7 +32,7 @@ _TRIAL = 1
 class TouchedArm:
     """An arm in simulation, step by step, with all its effects, and the hand that holds it.
 
-    An arm whose law is known is held by it; one whose torque was measured moves free until it is told to `hold`.
+    An arm whose law is known is held by it; one whose torque was measured moves free until asked to `hold`.
 
     Parameters
     ----------

@@ -24,7 +24,7 @@ from playback.view.trace import SPAN_S, Trace
 
 #: Pictures a second at the most [Hz]: what screens show.
 RATE_HZ = 60.0
-#: Every so many pictures the panel is brought up to date: 10 Hz.
+#: Once in this many pictures the panel is brought up to date: 10 Hz.
 PANEL_EVERY = 6
 #: What has not been heard of for so long is silent [s].
 SILENT_S = 2.0
@@ -134,7 +134,7 @@ class Page:
         position_s = 0.0 if picture is None else picture.row.position_s
         if self._controls is not None and self._remote is not None:
             if picture is None and state is not None and not state["playing"] and not state["live"]:
-                self._remote.want("seek", state["position_s"])  # what stands still is told when it is asked for
+                self._remote.want("seek", state["position_s"])  # what stands still is sent when it is asked for
             self._controls.show(state, position_s)
             if self._remote.motion is not self._motion:
                 self._motion = self._remote.motion

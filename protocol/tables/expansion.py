@@ -7,7 +7,7 @@ from limbcal.errors import DataError
 #: What is asked of a file may become so large whatever its own size is [bytes]: six million rows
 #: of a dozen columns.
 ALWAYS_BYTES = 512 * 1024 * 1024
-#: … or so many times the file's own size. Measured motion packs to a third or a tenth; zeros pack to a thousandth.
+#: … or this many times the file's own size. Measured motion packs to a third or a tenth, zeros to a thousandth.
 MOST_TIMES = 50
 
 

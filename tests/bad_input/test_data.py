@@ -140,7 +140,7 @@ def test_a_trial_in_which_nothing_moves_answers_nothing(said, columns, measuring
     write_motion(path, still | {"tip": tip, "tau": tau})
     samples = len(tip)
     sentence = said(4, "kinematics", path, "--arm", "dd-arm", "--out", out)
-    assert sentence.startswith(f"no geometric parameter can be told from {samples} samples")
+    assert sentence.startswith(f"no geometric parameter can be identified from {samples} samples")
     for arm in ("dd-arm", measuring):
         sentence = said(4, "dynamics", path, "--arm", arm, "--out", out)
         assert f"{samples} samples" in sentence

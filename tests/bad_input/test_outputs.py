@@ -8,7 +8,7 @@ from fitter.data.motion_file import write_motion
 
 @pytest.mark.parametrize("command", ["track", "sensors", "kinematics", "dynamics", "simulate"])
 def test_a_place_that_cannot_be_written_to(said, short_run, columns, tmp_path, command):
-    """It is told before the work is done, and no half of a file is left."""
+    """It is said before the work is done, and no half of a file is left."""
     data = tmp_path / "data.npz"
     raw = {name: values[:4000] for name, values in short_run.raw_columns().items()}
     tip = np.zeros((len(columns["t"]), 3))

@@ -1,6 +1,5 @@
 """Streams, endpoints, ports and pipes that are not what they should be."""
 
-import json
 import os
 import select
 import subprocess
@@ -15,6 +14,7 @@ import numpy as np
 import pytest
 import zmq
 
+import daemon.__main__
 from protocol.curve import new_client
 from protocol.message import FRAMES, encode
 from protocol.publisher import Publisher
@@ -25,8 +25,11 @@ from tests.patience import PATIENCE_S
 def test_a_message_of_another_version(said, stream, short_run, arm):
     topic, fields = short_run.messages[0]
     payload = encode(topic, fields)[1].replace(b"\xa1v\x01", b"\xa1v\x07")
-    with tempfile.TemporaryDirectory() as place, stream("tcp://127.0.0.1:*", [[FRAMES.encode(), payload]]) as told:
-        common = ("--connect", told.endpoint, "--endpoint", f"ipc://{place}/fits", "--seconds", "60")
+    with (
+        tempfile.TemporaryDirectory() as place,
+        stream("tcp://127.0.0.1:*", [[FRAMES.encode(), payload]]) as hostile,
+    ):
+        common = ("--connect", hostile.endpoint, "--endpoint", f"ipc://{place}/fits", "--seconds", "60")
         assert said(2, "subscribe", *common, *arm) == "limb/frames: message version is 7, expected 1"
 
 
@@ -59,14 +62,6 @@ def test_an_answer_that_nobody_can_take(tmp_path):
     assert sentence_of(process) == "stdout cannot be written: No space left on device"
 
 
-def test_a_port_that_does_not_exist():
-    process = limbd("run", "--port", "/dev/nope", "--arm", "dd-arm")
-    assert process.returncode == 3
-    assert sentence_of(process) == (
-        "port /dev/nope does not exist, expected the serial port of the device; `limbd run --wait` waits for it"
-    )
-
-
 @contextmanager
 def babbling_port() -> Iterator[str]:
     """Open a pseudo-terminal on which somebody sends noise, and only noise."""
@@ -89,40 +84,6 @@ def babbling_port() -> Iterator[str]:
         thread.join()
         os.close(master)
         os.close(slave)
-
-
-def test_a_device_that_sends_garbage():
-    with babbling_port() as port:
-        process = limbd("run", "--port", port, "--arm", "dd-arm", "--endpoint", "tcp://127.0.0.1:*")
-    assert process.returncode == 3
-    assert sentence_of(process).startswith(f"port {port}: no valid frame in ")
-
-
-def test_a_port_that_is_taken(tmp_path):
-    """Two daemons want the same device; the first one goes on."""
-    device = subprocess.Popen(
-        [sys.executable, "-m", "daemon", "virtual", "--rate-hz", "4000", "--trials", "1", "--json"],
-        stdout=subprocess.PIPE,
-        stderr=subprocess.DEVNULL,
-        text=True,
-    )
-    first = None
-    try:
-        port = json.loads(device.stdout.readline())["port"]
-        command = [sys.executable, "-m", "daemon", "run", "--port", port, "--arm", "dd-arm", "--json"]
-        command += ["--endpoint", "tcp://127.0.0.1:*"]
-        first = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True)
-        assert json.loads(first.stdout.readline())["endpoint"].startswith("tcp://127.0.0.1:")
-        second = limbd("run", "--port", port, "--arm", "dd-arm", "--endpoint", "tcp://127.0.0.1:*")
-        assert second.returncode == 3
-        assert sentence_of(second).startswith(f"port {port} is already taken")
-        assert first.poll() is None
-    finally:
-        for process in (first, device):
-            if process is not None:
-                process.terminate()
-                process.communicate(timeout=PATIENCE_S)
-    assert first.returncode == device.returncode == 0
 
 
 def test_a_key_that_is_none_is_said_before_anybody_is_locked_out(tmp_path):
@@ -153,7 +114,7 @@ def test_an_endpoint_that_is_a_file_is_said_and_the_file_stays(tmp_path):
 
 
 @pytest.mark.parametrize("endpoint", ["tipc://{5560,0,0}", "ws://0.0.0.0:5770", "tcp://127.0.0.1:5770;0.0.0.0:1"])
-def test_an_endpoint_of_another_form_is_said(endpoint):
-    process = limbd("run", "--port", "/dev/nope", "--arm", "dd-arm", "--endpoint", endpoint)
-    assert process.returncode == 2
-    assert f"publish.endpoint is {endpoint!r}, expected " in sentence_of(process)
+def test_an_endpoint_of_another_form_is_said(run, endpoint):
+    outcome = run(daemon.__main__.main, "run", "--port", "/dev/nope", "--arm", "dd-arm", "--endpoint", endpoint)
+    assert outcome.code == 2
+    assert f"publish.endpoint is {endpoint!r}, expected " in outcome.errors[0]

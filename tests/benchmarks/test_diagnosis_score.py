@@ -41,9 +41,9 @@ def test_variables_are_asked_for_of_what_is_in_no_catalogue(effect: str) -> None
 def test_a_right_answer_counts_as_right(effect: str) -> None:
     case = draw_case(44, "one", effect, SHORT)
     found = answer(case)
-    told = score(case.truth, found)
-    assert told["right"] and told["joint"]
-    assert told["inside"] == told["asked"] > 0
+    result = score(case.truth, found)
+    assert result["right"] and result["joint"]
+    assert result["inside"] == result["asked"] > 0
     also = found["causes"][0] | {"effect": "viscous"}
     assert not score(case.truth, found | {"causes": [*found["causes"], also]})["right"]
     assert score(case.truth, found | {"causes": [*found["causes"], also], "verdict": "ambiguous"})["right"]
@@ -55,9 +55,9 @@ def test_numbered_pushes_count_as_several() -> None:
     found = answer(case)
     pushes = [cause["parameters"] for cause in found["causes"]]
     numbered = {f"{name}_{k}": part for k, push in enumerate(pushes, 1) for name, part in push.items()}
-    told = score(case.truth, found | {"causes": [found["causes"][0] | {"parameters": numbered}]})
-    assert told["right"] and told["joint"]
-    assert told["inside"] == told["asked"] == 3 * len(pushes)
+    result = score(case.truth, found | {"causes": [found["causes"][0] | {"parameters": numbered}]})
+    assert result["right"] and result["joint"]
+    assert result["inside"] == result["asked"] == 3 * len(pushes)
 
 
 def several(case: Case) -> bool:
@@ -69,9 +69,9 @@ def test_equal_joints_are_a_class() -> None:
     found = answer(case)
     cause = found["causes"][0]
     other = cause | {"joints": [3 - cause["joints"][0]], "parameters": {"factor": {"value": 0.1, "std": 1e-4}}}
-    told = score(case.truth, found | {"verdict": "ambiguous", "causes": [other, cause]})
-    assert told["right"] and told["joint"]
-    assert (told["class_size"], told["inside"], told["asked"]) == (2, 1, 1)
+    result = score(case.truth, found | {"verdict": "ambiguous", "causes": [other, cause]})
+    assert result["right"] and result["joint"]
+    assert (result["class_size"], result["inside"], result["asked"]) == (2, 1, 1)
     assert not score(case.truth, found | {"causes": [other]})["joint"]
 
 
@@ -81,8 +81,8 @@ def test_a_wrong_joint_or_size_is_told() -> None:
     cause = found["causes"][0]
     assert not score(case.truth, found | {"causes": [cause | {"joints": [9]}]})["joint"]
     off = {"drag_N_m_s2": {"value": 2.0 + cause["parameters"]["drag_N_m_s2"]["value"], "std": 0.5}}
-    told = score(case.truth, found | {"causes": [cause | {"parameters": off}]})
-    assert (told["inside"], told["asked"], len(told["outliers"])) == (0, 1, 1)
+    result = score(case.truth, found | {"causes": [cause | {"parameters": off}]})
+    assert (result["inside"], result["asked"], len(result["outliers"])) == (0, 1, 1)
 
 
 def test_a_declared_equal_counts_as_the_right_name() -> None:
@@ -90,8 +90,8 @@ def test_a_declared_equal_counts_as_the_right_name() -> None:
     joints = case.truth["effects"][0]["joints"]
     equal = {"effect": "coulomb_asymmetry", "joints": joints, "parameters": {}}
     found = {"verdict": "named", "causes": [equal], "confusable": [["coulomb_asymmetry", "torque_offset"]]}
-    told = score(case.truth, found)
-    assert told["right"] and told["joint"]
-    assert (told["class_size"], told["asked"]) == (2, 0)
+    result = score(case.truth, found)
+    assert result["right"] and result["joint"]
+    assert (result["class_size"], result["asked"]) == (2, 0)
     assert not score(case.truth, found | {"confusable": []})["right"]
     assert not score(case.truth, found | {"causes": [equal | {"joints": [9]}]})["joint"]

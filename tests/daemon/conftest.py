@@ -87,7 +87,7 @@ class Program:
 
 
 class PtyDevice:
-    """A device under the test's control, on a real pty: answers INFO and writes what it is told to.
+    """A device under the test's control, on a real pty: answers INFO and writes what the test hands it.
 
     ``on_start`` is written when START comes for the first time, ``chatter`` all the time.
     """

@@ -23,7 +23,7 @@ SEED = 3
 
 
 def sent(rate_hz: float, samples: int) -> NDArray[np.int16]:
-    """Return the counts that the virtual arm's device has at least so many samples of, (n_sample, n_channel)."""
+    """Return the counts that the virtual arm's device has at least this many samples of, (n_sample, n_channel)."""
     plan = BenchPlan(load_arm("dd-arm"), seed=SEED, rate_hz=rate_hz, trials=22)
     parts: list[NDArray[np.int16]] = []
     for stretch in stretches(plan):
@@ -43,7 +43,7 @@ def live_run(
     device_options: Sequence[str] = (),
     method: str = "integrate",
 ) -> tuple[Heard, str]:
-    """Let the device send so many samples, faults among them; return all messages by topic, and its last words.
+    """Let the device send samples, faults among them; return all messages by topic, and what it said last.
 
     ``hear`` is called with every message as it comes; ``rate_hz`` is what the device's INFO says.
     """

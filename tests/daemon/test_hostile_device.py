@@ -121,16 +121,16 @@ def test_one_that_does_not_stream_is_told_to_start_at_an_even_pace(
     told_to_start: Callable[[DeviceInfo | None], Any], info: DeviceInfo | None
 ) -> None:
     device = told_to_start(info)  # doubled without a cap, the fortieth would be sent after 17 years
-    wait_until(lambda: starts(device) >= 40, "it was told forty times")
+    wait_until(lambda: starts(device) >= 40, "it got START forty times")
 
 
 def test_one_that_falls_silent_again_and_again_is_told_as_often(
     told_to_start: Callable[[DeviceInfo | None], Any],
 ) -> None:
-    device, told = told_to_start(None), 0
+    device, before = told_to_start(None), 0
     for info in (device_info(), None, device_info(), None):
-        told = starts(device)
-        wait_until(lambda: starts(device) >= told + 15, "it was told fifteen times more")  # noqa: B023 - called at once
+        before = starts(device)
+        wait_until(lambda: starts(device) >= before + 15, "it got START fifteen times more")  # noqa: B023 - called at once
         device.introduce(info)
 
 

@@ -21,7 +21,7 @@ def _children(process: subprocess.Popen[bytes]) -> int:
 
 
 def _interrupted(folder: Path, n_children: int, *arguments: str) -> tuple[int, str]:
-    """Send Ctrl-C to a program and its children once there are so many; return its exit code and stderr."""
+    """Send Ctrl-C to a program and its children once there are enough; return its exit code and stderr."""
     with (folder / "stderr").open("wb") as stderr:
         process = subprocess.Popen(
             [sys.executable, "-m", *arguments], stdout=subprocess.DEVNULL, stderr=stderr, start_new_session=True

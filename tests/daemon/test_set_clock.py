@@ -12,7 +12,7 @@ from tests.daemon.live_run import Fields, Limbd, check, live_run, sent
 
 RATE_HZ = 8000.0
 HOUR_NS = 3600 * 10**9
-#: The clock is ahead by so many hours from the sample on.
+#: The clock is ahead by this many hours from the sample on.
 SET = {24_000: 1, 48_000: 0, 72_000: -1}
 
 
@@ -62,7 +62,7 @@ def test_a_clock_that_is_set_by_an_hour_moves_no_stamp(
     assert heard[GAP][2]["t_ns"] < stamps[-1] + 10**9
     clock = heard[HEALTH][-1]["clock"]
     assert (round(clock["host_ahead_s"]), clock["host_jumps"]) == (-3600, 3)
-    told = heard[HEALTH][-1]["gaps"]
-    assert told["causes"] == {"the host's clock was set": 3}
-    assert [gap["why"] for gap in told["last"]] == [gap["why"] for gap in heard[GAP]]
+    stated = heard[HEALTH][-1]["gaps"]
+    assert stated["causes"] == {"the host's clock was set": 3}
+    assert [gap["why"] for gap in stated["last"]] == [gap["why"] for gap in heard[GAP]]
     assert heard[HEALTH][-1]["lost_samples"] == 0

@@ -43,7 +43,7 @@ class Manager:
         self._quiet.clear()
         self._quiet.wait()
 
-    def told(self, name: str) -> list[str]:
+    def values(self, name: str) -> list[str]:
         self.listen()
         return [fields[name] for fields in self.heard if name in fields]
 
@@ -67,27 +67,27 @@ def test_it_is_ready_while_it_waits_and_when_the_first_frame_is_out(
     link = tmp_path / "device"
     to = ("--arm", "dd-arm", "--method", "integrate", "--endpoint", f"ipc://{tmp_path}/f", "--json")
     daemon = limbd("run", "--wait", "--port", str(link), *to)
-    wait_until(lambda: len(manager.told("WATCHDOG")) >= 3, "the waiting daemon was heard three times")
-    assert manager.told("READY")
-    assert manager.told("STATUS")[-1].startswith("waiting for a device: port ")
+    wait_until(lambda: len(manager.values("WATCHDOG")) >= 3, "the waiting daemon was heard three times")
+    assert manager.values("READY")
+    assert manager.values("STATUS")[-1].startswith("waiting for a device: port ")
     device = limbd("virtual", "--link", str(link), "--rate-hz", "8000", "--json")
     device.announcement()
     pipeline = daemon.announcement()["processes"]["pipeline"]
-    wait_until(lambda: f"streaming from {link}" in manager.told("STATUS"), "it said that it streams")
-    fed = len(manager.told("WATCHDOG"))
-    wait_until(lambda: len(manager.told("WATCHDOG")) >= fed + 2, "the pipeline fed the watchdog")
+    wait_until(lambda: f"streaming from {link}" in manager.values("STATUS"), "it said that it streams")
+    fed = len(manager.values("WATCHDOG"))
+    wait_until(lambda: len(manager.values("WATCHDOG")) >= fed + 2, "the pipeline fed the watchdog")
     # A pipeline that hangs is not covered up by anybody else.
     os.kill(pipeline, signal.SIGSTOP)
     manager.listen()
-    fed = len(manager.told("WATCHDOG"))
+    fed = len(manager.values("WATCHDOG"))
     with pytest.raises(AssertionError, match="waited in vain"):
-        wait_until(lambda: len(manager.told("WATCHDOG")) > fed + 1, "it was fed again", 3.0)
+        wait_until(lambda: len(manager.values("WATCHDOG")) > fed + 1, "it was fed again", 3.0)
     os.kill(pipeline, signal.SIGCONT)
-    wait_until(lambda: len(manager.told("WATCHDOG")) > fed + 1, "it was fed again")
+    wait_until(lambda: len(manager.values("WATCHDOG")) > fed + 1, "it was fed again")
     device.stop()
-    wait_until(lambda: manager.told("STATUS")[-1].startswith("waiting for a device"), "it waits again")
+    wait_until(lambda: manager.values("STATUS")[-1].startswith("waiting for a device"), "it waits again")
     assert daemon.stop() == 0
-    assert manager.told("STOPPING") == ["1"]
+    assert manager.values("STOPPING") == ["1"]
 
 
 def test_a_device_that_says_nothing_is_not_readiness(
@@ -101,8 +101,8 @@ def test_a_device_that_says_nothing_is_not_readiness(
     to = ("--arm", "dd-arm", "--method", "integrate", "--endpoint", f"ipc://{tmp_path}/f", "--json")
     daemon = limbd("run", "--port", device.path, *to)
     daemon.announcement()
-    wait_until(lambda: len(manager.told("WATCHDOG")) >= 2, "the pipeline was heard")
-    assert not manager.told("READY")
+    wait_until(lambda: len(manager.values("WATCHDOG")) >= 2, "the pipeline was heard")
+    assert not manager.values("READY")
     assert daemon.stop() == 0
 
 
@@ -113,16 +113,16 @@ def test_a_silent_device_is_waited_for_where_one_is(limbd: Limbd, manager: Manag
     try:
         arguments = ("--port", str(link), "--arm", "dd-arm", "--endpoint", f"ipc://{tmp_path}/f", "--json")
         daemon = limbd("run", "--wait", *arguments)
-        wait_until(lambda: bool(manager.told("WATCHDOG_USEC")), "it asked for patience")
-        assert "the device sent nothing within 5 s" in manager.told("STATUS")[-1]
+        wait_until(lambda: bool(manager.values("WATCHDOG_USEC")), "it asked for patience")
+        assert "the device sent nothing within 5 s" in manager.values("STATUS")[-1]
         said = "expected the device's INFO frame; waiting for it"
         wait_until(lambda: said in daemon.said, "it says that it waits")
         link.unlink()
         device = limbd("virtual", "--link", str(link), "--rate-hz", "8000", "--json")
         device.announcement()
         daemon.announcement()
-        wait_until(lambda: f"streaming from {link}" in manager.told("STATUS"), "it streams")
-        assert len(manager.told("WATCHDOG_USEC")) >= 2
+        wait_until(lambda: f"streaming from {link}" in manager.values("STATUS"), "it streams")
+        assert len(manager.values("WATCHDOG_USEC")) >= 2
         assert daemon.stop() == 0
         assert device.stop() == 0
     finally:

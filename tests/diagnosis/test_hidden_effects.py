@@ -30,17 +30,17 @@ def diagnosed(case: Case, folder: Path) -> Found:
 )
 def test_a_hidden_effect_is_named(effect: str, seed: int, tmp_path: Path) -> None:
     case = draw_case(seed, "one", effect, SHORT)
-    told = score(case.truth, diagnosed(case, tmp_path), REACH)
-    assert told["right"], (told, case.truth["effects"])
-    assert told["joint"], (told, case.truth["effects"])
-    assert told["inside"] == told["asked"] > 0, (told, case.truth["effects"])
+    result = score(case.truth, diagnosed(case, tmp_path), REACH)
+    assert result["right"], (result, case.truth["effects"])
+    assert result["joint"], (result, case.truth["effects"])
+    assert result["inside"] == result["asked"] > 0, (result, case.truth["effects"])
 
 
 @pytest.mark.parametrize("seed", [22])
 def test_nothing_is_named_where_nothing_is_hidden(seed: int, tmp_path: Path) -> None:
     case = draw_case(seed, "nothing", bench=SHORT)
-    told = score(case.truth, diagnosed(case, tmp_path))
-    assert told["verdict"] == "none", told
+    result = score(case.truth, diagnosed(case, tmp_path))
+    assert result["verdict"] == "none", result
 
 
 @pytest.mark.parametrize(("effect", "seed"), [("coupled_drag", 31)])
@@ -48,5 +48,5 @@ def test_what_is_in_no_catalogue_is_not_named_but_told_by_its_variables(
     effect: str, seed: int, tmp_path: Path
 ) -> None:
     case = draw_case(seed, "outside", effect, SHORT)
-    told = score(case.truth, diagnosed(case, tmp_path))
-    assert told["right"], (told, case.truth["effects"])
+    result = score(case.truth, diagnosed(case, tmp_path))
+    assert result["right"], (result, case.truth["effects"])

@@ -42,7 +42,7 @@ def test_up_is_what_the_sensors_read_while_the_person_stands(example: ModuleType
 
 
 def test_the_smoother_beats_the_readings_and_claims_what_it_holds(example: ModuleType, side: str) -> None:
-    """Nothing is told of the walk: that the shoulder moves, and how much, is found in the readings."""
+    """Nothing is given of the walk: that the shoulder moves, and how much, is found in the readings."""
     readings, up = example.read_side(DATA, side)
     tracks = example.tracks_of(example.load_arm(example.ARM), readings)
 

@@ -194,7 +194,7 @@ def test_the_handler_of_sigterm_is_put_back():
 
 @pytest.mark.parametrize("sent", [signal.SIGTERM, signal.SIGINT])
 def test_a_signal_closes_what_is_open(sent):
-    """A process that is told to stop runs its ``finally`` and leaves with 0."""
+    """A process that is asked to stop runs its ``finally`` and leaves with 0."""
     program = textwrap.dedent("""
         import sys, time
         from limbcal.arguments import Parser, common_options

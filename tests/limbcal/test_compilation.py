@@ -1,4 +1,4 @@
-"""Whoever waits for the compiler is told so, once; whoever need not wait hears nothing."""
+"""Whoever waits for the compiler hears so, once; whoever need not wait hears nothing."""
 
 import numba
 import pytest

@@ -1,4 +1,4 @@
-"""A service manager is told; one that is gone or reads nothing stops nobody."""
+"""A service manager is notified; one that is gone or reads nothing stops nobody."""
 
 import socket
 from collections.abc import Iterator

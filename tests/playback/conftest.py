@@ -26,7 +26,7 @@ START_NS = 1_700_000_000_123_456_789
 
 @dataclass
 class FakeTime:
-    """A clock that moves when it is told to."""
+    """A clock that moves when the test says so."""
 
     now_s: float = 100.0
     slept: list[float] = field(default_factory=list)

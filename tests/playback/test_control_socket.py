@@ -41,7 +41,7 @@ def dealer(control: ControlSocket, context: zmq.Context[zmq.Socket[bytes]]) -> z
 
 
 def take(control: ControlSocket, n: int) -> None:
-    """Take in so many requests."""
+    """Take in a number of requests."""
     for _ in range(n):
         assert control.socket.poll(PATIENCE_MS)
         control.serve()

@@ -1,8 +1,6 @@
 """The commands as they are typed."""
 
 import json
-import subprocess
-import sys
 from pathlib import Path
 
 import numpy as np
@@ -59,9 +57,9 @@ def test_send_asks_a_running_playback(start, motion_file: Path, capsys: pytest.C
         assert "state trial: 2" in said
         assert "trials: [{'trial': 1, 'duration_s': 0.5}" in said
         assert main(["send", "load", "--trial", "9", "--json", *control]) == 2
-        told = capsys.readouterr()
-        assert json.loads(told.out)["ok"] is False
-        assert "there is no trial 9" in told.err
+        output = capsys.readouterr()
+        assert json.loads(output.out)["ok"] is False
+        assert "there is no trial 9" in output.err
 
 
 @pytest.mark.parametrize(
@@ -96,10 +94,10 @@ def test_a_mistake_is_one_sentence_and_exit_code_2(
     arguments: list[str], said: str, motion_file: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     assert main([argument.format(motion=motion_file) for argument in arguments]) == 2
-    told = capsys.readouterr()
-    assert said in told.err
-    assert told.out == ""
-    assert "Traceback" not in told.err
+    output = capsys.readouterr()
+    assert said in output.err
+    assert output.out == ""
+    assert "Traceback" not in output.err
 
 
 def test_a_taken_endpoint_is_exit_code_3(start, motion_file: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -117,6 +115,8 @@ def test_nobody_there_is_exit_code_3(
     assert "no answer within 0.05 s" in capsys.readouterr().err
 
 
-def test_help_is_there(capfd: pytest.CaptureFixture[str]) -> None:
-    done = subprocess.run([sys.executable, "-m", "playback", "serve", "--help"], capture_output=True, check=True)
-    assert b"--rate-hz" in done.stdout
+def test_help_is_there(capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(SystemExit) as ended:
+        main(["serve", "--help"])
+    assert not ended.value.code
+    assert "--rate-hz" in capsys.readouterr().out

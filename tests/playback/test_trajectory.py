@@ -51,7 +51,7 @@ def test_a_hole_is_told_only_where_it_is_bridged() -> None:
     t = np.array([0.0, 0.1, 0.2, 0.5, 0.6])
     x = np.zeros((5, 1))
     motion = Trajectory(t, x, x, x, "integrate", lost=np.array([False, False, False, True, False]))
-    told = {
+    gaps = {
         (0.0, 0.0): False,
         (0.1, 0.2): False,
         (0.15, 0.25): True,
@@ -60,7 +60,7 @@ def test_a_hole_is_told_only_where_it_is_bridged() -> None:
         (0.5, 0.6): False,
         (0.55, 0.65): False,
     }
-    assert {span: motion.gap_between(*span) for span in told} == told
+    assert {span: motion.gap_between(*span) for span in gaps} == gaps
 
 
 @pytest.mark.parametrize(
@@ -88,11 +88,11 @@ def test_a_value_that_is_no_number_is_named() -> None:
         Trajectory(np.array([0.0, 0.1, 0.2]), x, bad, x, "file")
 
 
-@pytest.mark.parametrize(("span", "told"), [((-1.0, 0.1), False), ((-1.0, 0.3), True), ((0.25, 9.0), True)])
-def test_a_hole_is_told_of_spans_that_begin_or_end_outside(span: tuple[float, float], told: bool) -> None:
+@pytest.mark.parametrize(("span", "gaps"), [((-1.0, 0.1), False), ((-1.0, 0.3), True), ((0.25, 9.0), True)])
+def test_a_hole_shows_in_spans_that_begin_or_end_outside(span: tuple[float, float], gaps: bool) -> None:
     x = np.zeros((4, 1))
     holed = Trajectory(np.array([0.0, 0.1, 0.2, 0.5]), x, x, x, "file", lost=np.array([False, False, False, True]))
-    assert holed.gap_between(*span) is told
+    assert holed.gap_between(*span) is gaps
 
 
 def test_a_motion_without_holes_tells_none() -> None:

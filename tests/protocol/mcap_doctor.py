@@ -58,7 +58,7 @@ def examine(path: Path) -> Complaints:  # noqa: PLR0912, PLR0915 - it follows th
             if record.id == 0 or not record.encoding:
                 found.errors.append(f"schema {record.id} {record.name!r}: no id or no encoding")
             if record.id in schemas and schemas[record.id] != record:
-                found.errors.append(f"schema {record.id} is told twice, differently")
+                found.errors.append(f"schema {record.id} is given twice, differently")
             if again and record.id not in schemas:
                 found.errors.append(f"schema {record.id} is only in the summary")
             schemas[record.id] = record
@@ -66,7 +66,7 @@ def examine(path: Path) -> Complaints:  # noqa: PLR0912, PLR0915 - it follows th
             if record.schema_id != 0 and record.schema_id not in schemas:
                 found.errors.append(f"channel {record.topic} has the unknown schema {record.schema_id}")
             if record.id in channels and channels[record.id] != record:
-                found.errors.append(f"channel {record.id} is told twice, differently")
+                found.errors.append(f"channel {record.id} is given twice, differently")
             channels[record.id] = record
 
     with path.open("rb") as file:
@@ -103,12 +103,16 @@ def examine(path: Path) -> Complaints:  # noqa: PLR0912, PLR0915 - it follows th
                     found.errors.append("the summary's checksum is wrong")
     found.errors += [f"no {kind.__name__} record" for kind in (DataEnd, Footer, Statistics) if kind not in kinds]
     _compare(found, chunks, chunk_indexes)
-    for told in statistics:
-        if told.message_count != len(times) or told.channel_message_counts != counts:
-            found.errors.append(f"statistics tell of {told.message_count} messages, found {len(times)}")
-        if times and (told.message_start_time, told.message_end_time) != (min(times), max(times)):
+    for given in statistics:
+        if given.message_count != len(times) or given.channel_message_counts != counts:
+            found.errors.append(f"statistics tell of {given.message_count} messages, found {len(times)}")
+        if times and (given.message_start_time, given.message_end_time) != (min(times), max(times)):
             found.errors.append("statistics tell of another time than the messages")
-        if (told.schema_count, told.channel_count, told.chunk_count) != (len(schemas), len(channels), len(chunks)):
+        if (given.schema_count, given.channel_count, given.chunk_count) != (
+            len(schemas),
+            len(channels),
+            len(chunks),
+        ):
             found.errors.append("statistics miscount schemas, channels or chunks")
     return found
 
@@ -127,7 +131,7 @@ def _plain(chunk: Chunk) -> bytes:
 def _inside(chunk: Chunk, found: Complaints) -> list[McapRecord]:
     plain = _plain(chunk)
     if len(plain) != chunk.uncompressed_size:
-        found.errors.append("a chunk's size is not as told")
+        found.errors.append("a chunk's size is not as given")
     if chunk.uncompressed_crc not in (0, zlib.crc32(plain)):
         found.errors.append("a chunk's checksum is wrong")
     records = breakup_chunk(chunk)
@@ -143,9 +147,9 @@ def _compare(
     """Hold the indexes against the chunks."""
     if chunks.keys() != indexes.keys():
         found.errors.append(f"chunks at {sorted(chunks)}, but indexes for {sorted(indexes)}")
-    for offset, (chunk, told) in chunks.items():
+    for offset, (chunk, given) in chunks.items():
         plain, entries = _plain(chunk), 0
-        for index in told:
+        for index in given:
             for log_time, place in index.records:
                 stream = ReadDataStream(BytesIO(plain[place:]))
                 kind, length = stream.read1(), stream.read8()

@@ -1,4 +1,4 @@
-"""What a connection may send, how many there may be and who goes first, on a clock that passes when told to."""
+"""What a connection may send, how many there may be and who goes first, on a clock that passes when asked to."""
 
 import os
 import socket as posix

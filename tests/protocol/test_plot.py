@@ -1,4 +1,4 @@
-"""Rows for plotting programs: every so many-th frame of the motion, whatever blocks it comes in."""
+"""Rows for plotting programs: every n-th frame of the motion, whatever blocks it comes in."""
 
 import numpy as np
 import pytest

@@ -18,7 +18,7 @@ N = 150
 
 
 class Recording(bytes):
-    """The bytes of a file, told in few words where a test fails."""
+    """The bytes of a file, shown in few words where a test fails."""
 
     def __repr__(self):
         return f"<{len(self)} bytes>"

@@ -204,7 +204,7 @@ def test_only_a_heartbeat_tells_of_other_topics(publisher, subscriber):
     publisher.socket.send_multipart(encode(FRAMES, {"last_seq": {FRAMES: last + 9}}))
     subscriber.receive(1000)
     assert subscriber.missed == {}
-    for told in ([FRAMES], {FRAMES: "x"}, {FRAMES: last}, {FRAMES: last - 5}, {FRAMES: last + 2}):
-        publisher.socket.send_multipart(encode(HEALTH, {"last_seq": told}))
+    for counts_sent in ([FRAMES], {FRAMES: "x"}, {FRAMES: last}, {FRAMES: last - 5}, {FRAMES: last + 2}):
+        publisher.socket.send_multipart(encode(HEALTH, {"last_seq": counts_sent}))
         subscriber.receive(1000)
     assert subscriber.missed == {FRAMES: 2}

@@ -22,7 +22,7 @@ def fitted(factor: float, std: float) -> dict[str, FittedParameter]:
 def test_a_value_stands_with_half_its_95_percent_interval():
     assert interval(FittedParameter(1.5, 0.1, "u", True)) == "1.500000 ± 0.2"
     assert interval(FittedParameter(1.5, np.nan, "u", True)) == "1.500000"
-    assert interval(FittedParameter(1.5, 0.1, "u", False)) == "not told"
+    assert interval(FittedParameter(1.5, 0.1, "u", False)) == "not identified"
 
 
 def test_a_combination_that_an_askew_arm_does_not_have_stays_empty():

@@ -19,7 +19,7 @@ _CHANNELS = tuple(f"s{k}{axis}" for k in (1, 2, 3, 4) for axis in "xyz")
 _SCALE = 0.0015
 #: Bits of a sample's number that each of the first channels carries as its reading, little enough for any arm.
 _DIGIT_BITS, _DIGITS = 5, 7
-#: Timers of so many bits are read in two halves.
+#: Timers of this many bits are read in two halves.
 _TORN = (16, 24, 32)
 #: How often what is due is written [s].
 _BEAT_S = 0.004

@@ -1,4 +1,4 @@
-"""A device whose clock lies once a minute, at random: no stamp believes it for long, and each lie is told."""
+"""A device whose clock lies once a minute, at random: no stamp believes it for long, and each lie is reported."""
 
 import time
 from contextlib import closing
@@ -32,7 +32,7 @@ _GRADUAL = ("clock drifts", "oscillator drifts")
 class Found:
     """What a subscriber saw: of each block's first sample its number, the one it carries, and its stamp [s]."""
 
-    told: list[int] = field(default_factory=list)
+    reported: list[int] = field(default_factory=list)
     number: list[int] = field(default_factory=list)
     stamp_s: list[float] = field(default_factory=list)
     gaps: list[dict[str, Any]] = field(default_factory=list)
@@ -55,7 +55,7 @@ def followed(limbd: Limbd, folder: Path, device: LyingDevice, seconds: float) ->
             topic, fields = subscriber.receive(PATIENCE_MS) or pytest.fail("nothing came any more")
             assert device.failed is None
             if topic == RAW:
-                found.told.append(fields["sample0"])
+                found.reported.append(fields["sample0"])
                 found.number.append(number_of(fields["a"][0]))
                 found.stamp_s.append(1e-9 * fields["t0_ns"] - utc_s)
             elif topic == GAP:
@@ -87,7 +87,7 @@ def stated_s(found: Found) -> Floats:
     """Return the largest stated error of the stamps about each block, NaN before the first."""
     reached = [health["samples"] + health["lost_samples"] for health in found.health]
     error_ms = np.array([health["clock"]["error_ms"] or np.nan for health in found.health])
-    k = np.searchsorted(reached, found.told)
+    k = np.searchsorted(reached, found.reported)
     last = len(reached) - 1
     return np.asarray(1e-3 * np.maximum(error_ms[np.clip(k - 1, 0, last)], error_ms[np.clip(k, 0, last)]))
 
@@ -101,11 +101,11 @@ def late_s(found: Found, device: LyingDevice) -> Floats:
     return np.array([late[max(frame - over, 0) : frame + 1].min() for frame in frames])
 
 
-def told(lie: Lie, found: Found, device: LyingDevice) -> bool:
+def reported(lie: Lie, found: Found, device: LyingDevice) -> bool:
     """Say whether a lie is in the ledger, or an alarm tells of it, or the stated error of one that is slow."""
     assert lie.frame is not None
-    off = dict(zip(found.told, np.array(found.number) - found.told, strict=True))
-    numbers = np.array(found.told)
+    off = dict(zip(found.reported, np.array(found.number) - found.reported, strict=True))
+    numbers = np.array(found.reported)
     for gap in found.gaps:
         before = numbers[max(int(np.searchsorted(numbers, gap["sample0"])) - 1, 0)]
         frame = (gap["sample0"] + off[before]) / FRAME
@@ -117,7 +117,7 @@ def told(lie: Lie, found: Found, device: LyingDevice) -> bool:
     of_it = [health for health in found.health if first <= health["samples"] <= last]
     if any(alarm["name"] in ("rate", "clock") for health in of_it for alarm in health["alarms"]):
         return True
-    moved_ms = 1e3 * abs(lie.by) * lie.lasts_s  # what arrivals may wait for is told by the stated error alone
+    moved_ms = 1e3 * abs(lie.by) * lie.lasts_s  # what arrivals may wait for is reported by the stated error alone
     return any(3.0 * (health["clock"]["error_ms"] or 0.0) >= moved_ms for health in of_it)
 
 
@@ -143,11 +143,11 @@ def judge(found: Found, device: LyingDevice, seconds: float, long: Long) -> None
     error_s, off_s = stated_s(found), np.abs(stamps_s - true_s)
     known = settled(true_s, lied, device) & np.isfinite(error_s)
     beyond = known & (off_s > 3.0 * error_s + _WAY_S + late_s(found, device))
-    untold = [lie.text for lie in lied if not told(lie, found, device)]
-    miscounted = np.flatnonzero(np.diff(numbers - found.told))
+    untold = [lie.text for lie in lied if not reported(lie, found, device)]
+    miscounted = np.flatnonzero(np.diff(numbers - found.reported))
     grown_mb = held(found, seconds)
     long.note(
-        f"{seconds / 60:.1f} min, a counter of {device.bits} bits, {len(lied)} lies, {len(untold)} not told: "
+        f"{seconds / 60:.1f} min, a counter of {device.bits} bits, {len(lied)} lies, {len(untold)} not reported: "
         f"{np.count_nonzero(beyond)} of {np.count_nonzero(known)} stamps wrong a second after a lie, the farthest "
         f"{1e3 * off_s[known].max(initial=0.0):.0f} ms off; {len(miscounted)} gaps of samples that never were, "
         f"none called exact; all processes together grow by {grown_mb:.2f} MB"

@@ -1,7 +1,7 @@
 """An angle that stands still while its joint moves on: an encoder or its line that froze.
 
-It is told from a joint at rest by how abruptly it stops and goes on, not by its speed (`fitter.data.standstill`);
-whole rows that repeat amid a motion, of a logger that is too fast, are `repeats`'.
+A joint at rest differs by how gently it stops and goes on, not by its speed (`fitter.data.standstill`);
+rows that repeat amid a motion, of a logger that is too fast, are `repeats`'.
 """
 
 from dataclasses import replace

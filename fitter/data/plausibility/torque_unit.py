@@ -87,8 +87,8 @@ def _carried(arm: Arm, q: Floats, W: Floats, tau: Floats) -> Floats:
     sigma = power
     for _ in range(2):  # in units of the torque itself at first
         U, s, Vt = np.linalg.svd(np.concatenate(W / sigma[:, None]), full_matrices=False)
-        told = s > _RANK * s[0]
-        found = Vt[told].T @ ((U.T @ (tau / sigma).ravel())[told] / s[told])
+        identifiable = s > _RANK * s[0]
+        found = Vt[identifiable].T @ ((U.T @ (tau / sigma).ravel())[identifiable] / s[identifiable])
         sigma = np.maximum(np.sqrt(np.mean((tau - W @ found) ** 2, axis=0)), _ROUNDING * power)
     along = pulled @ Vt.T / np.maximum(s, _RANK * s[0])
     std = np.sqrt(max(1.0, len(tau) / EFFECTIVE_SAMPLES) * np.sum(along**2, axis=2))

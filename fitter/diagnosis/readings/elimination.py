@@ -49,7 +49,7 @@ def eliminate(
     walk, first : (m,)
         One over the standard deviation of a step, and of where the walk begins.
     gram : (p, p)
-        Filled in: Gram matrix of what is left of X.
+        Filled in: Gram matrix of the residual of X.
     back : (n, n_joint + m, 3 n_joint + 2 m + p)
         Filled in: finished rows over e_{k-1}, c_{k-1}, c_k, c_{k+1}, e_k, X; the last frame has those of the end
         in ``back[n]`` and ``back[n + 1]``, so the first dimension is n + 2.

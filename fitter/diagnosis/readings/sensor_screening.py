@@ -1,6 +1,6 @@
 """What every effect of a sensor would explain, to first order: all of them from one elimination of the motion.
 
-The readings are linearised along the motion that the other sensors show. The Gram matrix of what is left of all
+The readings are linearised along the motion that the other sensors show. The Gram matrix of the residuals of all
 columns gives each effect's best parameters by the learning trials, and the judging trials' residual. A base may
 move at the highest peaks of its spectrum; what is slower than a trial is indistinguishable from an arm that
 rests at another angle, so each trial's own trend is left out.

@@ -29,21 +29,21 @@ def offset(value: float, joint: int = 2) -> dict[str, Any]:
 
 
 def test_name_joint_and_size_are_right() -> None:
-    told = scored(line(offset(0.21)))
-    assert told["right"] and told["name"] and not told["wrong"]
-    assert told["ratio"] == pytest.approx(1.05)
-    assert told["std"] == pytest.approx(0.05)
+    result = scored(line(offset(0.21)))
+    assert result["right"] and result["name"] and not result["wrong"]
+    assert result["ratio"] == pytest.approx(1.05)
+    assert result["std"] == pytest.approx(0.05)
 
 
 def test_a_size_outside_its_interval_is_not_right() -> None:
-    told = scored(line(offset(0.25)))
-    assert told["name"] and told["size"] is False and not told["right"]
+    result = scored(line(offset(0.25)))
+    assert result["name"] and result["size"] is False and not result["right"]
 
 
 def test_another_joint_or_name_is_wrong() -> None:
-    told = scored(line(offset(0.2, joint=1), cause("load_friction", 2, "coefficient", 0.1)))
-    assert not told["name"]
-    assert told["wrong"] == [["load_friction", [2]], ["torque_offset", [1]]]
+    result = scored(line(offset(0.2, joint=1), cause("load_friction", 2, "coefficient", 0.1)))
+    assert not result["name"]
+    assert result["wrong"] == [["load_friction", [2]], ["torque_offset", [1]]]
 
 
 def test_a_declared_equal_is_right_by_the_torque_that_it_makes() -> None:
@@ -56,8 +56,8 @@ def test_a_declared_equal_is_right_by_the_torque_that_it_makes() -> None:
 def test_the_machines_own_causes_are_not_wrong_and_their_size_is_taken_off() -> None:
     rotor = cause("rotor_inertia", 2, "inertia_kg_m2", 0.003)
     own = line(rotor, offset(-0.1))
-    told = scored(line(rotor, offset(0.1)), own)
-    assert told["right"] and told["ratio"] == pytest.approx(1.0)
+    result = scored(line(rotor, offset(0.1)), own)
+    assert result["right"] and result["ratio"] == pytest.approx(1.0)
     assert not scored(line(rotor, offset(-0.1)), own)["name"]
 
 
@@ -66,8 +66,8 @@ def test_pushes_numbered_in_one_cause_count_each() -> None:
     numbers = {"start_s_1": 21.0, "duration_s_1": 0.4, "torque_N_m_1": 1.0, "start_s_2": 12.0, "duration_s_2": 0.1}
     parameters = {name: {"value": value, "std": 0.01} for name, value in (numbers | {"torque_N_m_2": 0.3}).items()}
     found = {"effect": "external_push", "joints": [1], "parameters": parameters}
-    told = score(line(found), push, RUBBING, RUNS, (line(verdict="none"),))
-    assert told["right"] and told["ratio"] == pytest.approx(1.0)
+    result = score(line(found), push, RUBBING, RUNS, (line(verdict="none"),))
+    assert result["right"] and result["ratio"] == pytest.approx(1.0)
 
 
 def test_of_nothing_injected_a_name_is_wrong_that_all_runs_dont_have() -> None:

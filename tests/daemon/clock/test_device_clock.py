@@ -13,7 +13,7 @@ START_NS = 5_000_000_000
 
 
 def stream(clock: DeviceClock, ppm: float, seconds: float, delay: np.ndarray, step_s: float = 0.01) -> np.ndarray:
-    """Send blocks whose device is fast by so many ppm; return stamps less true times [s]."""
+    """Send blocks whose device is fast by `ppm`; return stamps less true times [s]."""
     off = []
     for k in range(1, round(seconds / step_s)):
         true_s = k * step_s

@@ -9,7 +9,7 @@ JITTERS = 5.0 * 1.4826
 
 
 def gone_on(step: TickStep, off: list[int], ticks: int = 10_000, samples: int = 32) -> TickStep:
-    """Take steps that are off by so many ticks, without a mark from which the rate could be measured."""
+    """Take steps that are off by a number of ticks, without a mark from which the rate could be measured."""
     for one in off:
         step.go_on(ticks + one, samples, 0, samples)
     return step

@@ -81,7 +81,7 @@ def test_no_daemon_is_waited_for_and_said(tmp_path: Path, capsys: pytest.Capture
 
 
 class Told:
-    """A subscriber that hears what it is told to, and nothing before."""
+    """A subscriber that hears what the test scripted, and nothing before."""
 
     def __init__(self, *messages: tuple[str, dict[str, Any]] | None) -> None:
         self.messages = list(messages)

@@ -1,4 +1,4 @@
-"""What a person at the terminal is told."""
+"""What a person at the terminal sees."""
 
 import io
 from typing import Any
@@ -27,7 +27,7 @@ HEALTH: dict[str, Any] = {
 }
 
 
-def told(terminal: bool) -> str:
+def printed(terminal: bool) -> str:
     text = io.StringIO()
     with Progress(
         Console(file=text, force_terminal=terminal, width=300, color_system=None, _environ={})
@@ -39,7 +39,7 @@ def told(terminal: bool) -> str:
 
 
 def test_a_line_at_the_start_and_one_at_the_end() -> None:
-    first, warning, last = told(terminal=False).splitlines()
+    first, warning, last = printed(terminal=False).splitlines()
     assert (
         first
         == "d [1] on /dev/ttyX at 32000 Hz, arm dd-arm; publishing on tcp://127.0.0.1:5770; recording nothing"
@@ -51,8 +51,8 @@ def test_a_line_at_the_start_and_one_at_the_end() -> None:
 
 
 def test_a_status_on_a_terminal() -> None:
-    assert "\x1b[?25l" in told(terminal=True)  # a live line hides the cursor
-    assert "\x1b" not in told(terminal=False)
+    assert "\x1b[?25l" in printed(terminal=True)  # a live line hides the cursor
+    assert "\x1b" not in printed(terminal=False)
 
 
 def test_a_tracker_that_is_wrong_says_so_once() -> None:

@@ -94,24 +94,24 @@ def test_joints_are_counted_from_one_in_their_own_units() -> None:
 
 @pytest.mark.parametrize(("wait_s", "timeouts_ms"), [(0.5, [500]), (3.0, [3000]), (0.0, [0])])
 def test_who_is_not_to_wait_for_long_is_told_once(wait_s: float, timeouts_ms: list[int]) -> None:
-    told = Told(None, None)
+    subscriber = Told(None, None)
     with pytest.raises(DeviceError, match="no daemon is heard on ipc://x within"):
-        _first(told, "ipc://x", wait_s)  # type: ignore[arg-type]
-    assert told.timeouts_ms == timeouts_ms
+        _first(subscriber, "ipc://x", wait_s)  # type: ignore[arg-type]
+    assert subscriber.timeouts_ms == timeouts_ms
 
 
 def test_the_rest_of_the_wait_is_what_is_left_of_it(monkeypatch: pytest.MonkeyPatch) -> None:
     now_s = iter([100.0, 103.5])
     monkeypatch.setattr("daemon.monitoring.status_view.time.monotonic", lambda: next(now_s))
-    told = Told(None, ("limb/health", {"samples": 1}))
-    assert _first(told, "ipc://x", 20.0) == {"samples": 1}  # type: ignore[arg-type]
-    assert told.timeouts_ms == [3000, 16_500]
+    subscriber = Told(None, ("limb/health", {"samples": 1}))
+    assert _first(subscriber, "ipc://x", 20.0) == {"samples": 1}  # type: ignore[arg-type]
+    assert subscriber.timeouts_ms == [3000, 16_500]
 
 
 def test_no_time_that_is_over_is_waited(monkeypatch: pytest.MonkeyPatch) -> None:
     now_s = iter([100.0, 140.0])
     monkeypatch.setattr("daemon.monitoring.status_view.time.monotonic", lambda: next(now_s))
-    told = Told(None, None)
+    subscriber = Told(None, None)
     with pytest.raises(DeviceError):
-        _first(told, "ipc://x", 20.0)  # type: ignore[arg-type]
-    assert told.timeouts_ms == [3000, 0]
+        _first(subscriber, "ipc://x", 20.0)  # type: ignore[arg-type]
+    assert subscriber.timeouts_ms == [3000, 0]

@@ -185,11 +185,11 @@ def test_health_says_where_the_arm_is_and_how_it_is_doing(room: Make, counts: np
     assert first["q"] is None and first["samples"] == 0
     here.play(200, counts)
     here.pipeline.finish()
-    told = here.pipeline.report(connected=True)
+    health = here.pipeline.report(connected=True)
     (*_, published) = here.heard()[HEALTH]
-    assert told["connected"] is True and published["samples"] == 200 * FRAME
+    assert health["connected"] is True and published["samples"] == 200 * FRAME
     assert published["recording"] is None
-    assert np.abs(told["q"]).max() < 0.2  # at rest where it began
+    assert np.abs(health["q"]).max() < 0.2  # at rest where it began
     off = [here.pipeline.report(connected=False) for _ in range(5)]
     assert off[-1]["connected"] is False
     words = [word for one in off for word in one["words"]]

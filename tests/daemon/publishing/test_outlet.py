@@ -86,8 +86,8 @@ def test_frames_before_a_phase_are_sent_before_it(room: Room) -> None:
     room.outlet.send_frames([frames(14, 3)])
     entries = room.recorded()
     assert [entry.topic for entry in entries] == [FRAMES, PLOT, FRAMES, PLOT, TRIAL, TRIAL, FRAMES]
-    told = [decode([b"", entry.payload])[1].get("last_seq") for entry in entries if entry.topic == FRAMES]
-    assert told == [None, None, {TRIAL: 1}]
+    counts = [decode([b"", entry.payload])[1].get("last_seq") for entry in entries if entry.topic == FRAMES]
+    assert counts == [None, None, {TRIAL: 1}]
     first, second = (decode([b"", entry.payload])[1] for entry in entries if entry.topic == TRIAL)
     assert (first["role"], second["role"]) == ("learn", "evaluate")
     assert first["last_seq"] == {FRAMES: 1, PLOT: 1} and second["last_seq"] == {FRAMES: 1, PLOT: 1, TRIAL: 0}

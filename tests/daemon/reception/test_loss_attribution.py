@@ -1,4 +1,4 @@
-"""What is damaged on the line is told from what never came."""
+"""What is damaged on the line is distinguished from what never came."""
 
 import numpy as np
 import pytest
@@ -12,7 +12,7 @@ FRAME_BYTES = 24 + 2 * 32 * 12 + 4
 
 
 def looked(*steps: tuple[int, int], good: int = 1) -> LossAttribution:
-    """Return the damage after looks that found a good frame, so many damaged ones, and bytes of no frame."""
+    """Return the damage after looks that found a good frame, a number of damaged ones, and bytes of no frame."""
     counters = ParserCounters()
     damage = LossAttribution(counters)
     for frames, wasted in steps:

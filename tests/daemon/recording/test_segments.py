@@ -15,11 +15,11 @@ from limbcal.errors import DeviceError
 from protocol.message import TRIAL, encode
 from protocol.recording_reader import read_recording
 
-Told = list[tuple[str, str]]
+Events = list[tuple[str, str]]
 
 
 class Clock:
-    """Seconds that pass when they are told to."""
+    """Seconds that pass when the test says so."""
 
     now_s = 0.0
 
@@ -32,13 +32,13 @@ def entry(number: int, size: int = 1) -> Entry:
     return Entry(TRIAL, encode(TRIAL, fields)[1], number)
 
 
-def segments(folder: Path, told: Told, clock: Clock, limits: Limits) -> Segments:
+def segments(folder: Path, events: Events, clock: Clock, limits: Limits) -> Segments:
     return Segments(
         folder / "run.mcap",
         ("", ""),
         limits,
-        lambda why: told.append(("pause", why)),
-        lambda path: told.append(("resume", path)),
+        lambda why: events.append(("pause", why)),
+        lambda path: events.append(("resume", path)),
         clock,
     )
 
@@ -61,55 +61,55 @@ def small_files() -> Iterator[None]:
 
 @pytest.mark.parametrize("limits", [Limits(6_000, 1e9, 0), Limits(10**9, 10.0, 0)])
 def test_a_full_file_is_followed_by_another(tmp_path: Path, limits: Limits) -> None:
-    told: Told = []
+    events: Events = []
     clock = Clock()
-    some = segments(tmp_path, told, clock, limits)
+    some = segments(tmp_path, events, clock, limits)
     for number in range(300):
         clock.now_s += 0.3
         some.write([entry(number)])
     some.close()
     assert numbers(tmp_path) == list(range(300))
-    assert len(list(tmp_path.glob("*.mcap"))) == 1 + len(told) > 3
-    assert {what for what, _ in told} == {"resume"}
+    assert len(list(tmp_path.glob("*.mcap"))) == 1 + len(events) > 3
+    assert {what for what, _ in events} == {"resume"}
     assert (some.messages, some.lost, some.ever_paused) == (300, 0, False)
 
 
 @pytest.mark.usefixtures("small_files")
 def test_what_a_failed_disk_did_not_take_is_in_the_next_file(tmp_path: Path) -> None:
-    told: Told = []
+    events: Events = []
     clock = Clock()
-    some = segments(tmp_path, told, clock, Limits(10**9, 1e9, 0))
+    some = segments(tmp_path, events, clock, Limits(10**9, 1e9, 0))
     for number in range(3000):
         clock.now_s += 0.02
         some.write([entry(number, 20 + 37 * number % 91)])
     some.close()
     assert numbers(tmp_path) == list(range(3000))  # neither lost nor twice
-    assert [what for what, _ in told][:4] == ["pause", "resume", "pause", "resume"]
+    assert [what for what, _ in events][:4] == ["pause", "resume", "pause", "resume"]
     assert some.lost == 0
 
 
 def test_recording_goes_on_when_there_is_room_again(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     free = [10**9]
     monkeypatch.setattr(shutil, "disk_usage", lambda _: shutil._ntuple_diskusage(0, 0, free[0]))
-    told: Told = []
+    events: Events = []
     clock = Clock()
-    some = segments(tmp_path, told, clock, Limits(10**9, 1e9, 10**6))
+    some = segments(tmp_path, events, clock, Limits(10**9, 1e9, 10**6))
     for number in range(600):
         clock.now_s += 0.1
         free[0] = 5 * 10**5 if 200 <= number < 400 else 10**9
         some.write([entry(number)])
     some.close()
     assert numbers(tmp_path) == list(range(600))
-    assert [what for what, _ in told] == ["pause", "resume"]
-    assert "has less than 1 MB left" in told[0][1]
+    assert [what for what, _ in events] == ["pause", "resume"]
+    assert "has less than 1 MB left" in events[0][1]
     assert (some.lost, some.ever_paused) == (0, True)
 
 
 def test_what_can_not_be_kept_is_counted(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(shutil, "disk_usage", lambda _: shutil._ntuple_diskusage(0, 0, 5))
-    told: Told = []
+    events: Events = []
     clock = Clock()
-    some = segments(tmp_path, told, clock, Limits(10**9, 1e9, 10))
+    some = segments(tmp_path, events, clock, Limits(10**9, 1e9, 10))
     for number in range(100):
         clock.now_s += 1.0
         some.write([entry(number, 10**6)])
@@ -120,9 +120,9 @@ def test_what_can_not_be_kept_is_counted(tmp_path: Path, monkeypatch: pytest.Mon
 
 
 def test_every_file_is_as_long_as_the_first(tmp_path: Path) -> None:
-    told: Told = []
+    events: Events = []
     clock = Clock()
-    some = segments(tmp_path, told, clock, Limits(10**9, 10.0, 0))
+    some = segments(tmp_path, events, clock, Limits(10**9, 10.0, 0))
     for number in range(1000):
         clock.now_s += 0.1
         some.write([entry(number)])
@@ -138,9 +138,9 @@ def test_what_is_kept_while_nothing_can_be_written_is_the_newest_and_bounded(
     free = [10**9]
     monkeypatch.setattr(shutil, "disk_usage", lambda _: shutil._ntuple_diskusage(0, 0, free[0]))
     monkeypatch.setattr(module, "_KEPT_BYTES", 100_000)
-    told: Told = []
+    events: Events = []
     clock = Clock()
-    some = segments(tmp_path, told, clock, Limits(10**9, 1e9, 10**6))
+    some = segments(tmp_path, events, clock, Limits(10**9, 1e9, 10**6))
     for number in range(500):
         clock.now_s += 0.1
         free[0] = 0 if number >= 20 else 10**9
@@ -203,27 +203,27 @@ def _moved_with_its_folder(folder: Path) -> None:
 def test_a_recording_that_is_taken_away_goes_on_in_a_new_file(
     tmp_path: Path, what: Callable[[Path], None], said: str
 ) -> None:
-    told: Told = []
+    events: Events = []
     clock = Clock()
     folder = tmp_path / "recordings"
     folder.mkdir()
-    some = segments(folder, told, clock, Limits(10**9, 1e9, 1))
+    some = segments(folder, events, clock, Limits(10**9, 1e9, 1))
     for number in range(100):
         clock.now_s += 0.1
         if number == 50:
             what(folder)
         some.write([entry(number)])
     some.close()
-    assert [what for what, _ in told] == ["pause", "resume"]
-    assert said in told[0][1] and "less than" not in told[0][1]
+    assert [what for what, _ in events] == ["pause", "resume"]
+    assert said in events[0][1] and "less than" not in events[0][1]
     found = numbers(folder)
     assert found == list(range(100 - len(found), 100)) and len(found) > 40
     assert (some.removed, some.messages, some.lost) == (1, len(found), 100 - len(found))
 
 
 def test_a_file_that_is_taken_away_in_the_last_moment_is_noticed(tmp_path: Path) -> None:
-    told: Told = []
-    some = segments(tmp_path, told, Clock(), Limits(10**9, 1e9, 1))
+    events: Events = []
+    some = segments(tmp_path, events, Clock(), Limits(10**9, 1e9, 1))
     some.write([entry(number) for number in range(10)])
     _taken_away(tmp_path)
     some.close()
@@ -232,11 +232,11 @@ def test_a_file_that_is_taken_away_in_the_last_moment_is_noticed(tmp_path: Path)
 
 
 def test_a_folder_on_a_disk_that_was_taken_out_is_not_made_on_another(tmp_path: Path) -> None:
-    told: Told = []
+    events: Events = []
     clock = Clock()
     folder = tmp_path / "disk" / "recordings"
     folder.mkdir(parents=True)
-    some = segments(folder, told, clock, Limits(10**9, 1e9, 1))
+    some = segments(folder, events, clock, Limits(10**9, 1e9, 1))
     for number in range(300):
         clock.now_s += 0.1
         if number == 50:
@@ -246,22 +246,22 @@ def test_a_folder_on_a_disk_that_was_taken_out_is_not_made_on_another(tmp_path: 
             folder.parent.mkdir()
         some.write([entry(number)])
     some.close()
-    assert [what for what, _ in told] == ["pause", "resume"]
+    assert [what for what, _ in events] == ["pause", "resume"]
     found = numbers(folder)
     assert found == list(range(300 - len(found), 300)) and len(found) > 240
 
 
 def test_files_are_numbered_from_the_second_on(tmp_path: Path) -> None:
-    told: Told = []
+    events: Events = []
     clock = Clock()
-    some = segments(tmp_path, told, clock, Limits(10**9, 10.0, 0))
+    some = segments(tmp_path, events, clock, Limits(10**9, 10.0, 0))
     for number in range(90):
         clock.now_s += 0.4
         some.write([entry(number)])
     some.close()
     names = sorted(path.name for path in tmp_path.glob("*.mcap"))
     assert names == ["run-002.mcap", "run-003.mcap", "run-004.mcap", "run.mcap"]
-    assert [path for _, path in told] == [str(tmp_path / f"run-00{k}.mcap") for k in (2, 3, 4)]
+    assert [path for _, path in events] == [str(tmp_path / f"run-00{k}.mcap") for k in (2, 3, 4)]
 
 
 def test_a_run_without_a_message_leaves_no_file(tmp_path: Path) -> None:

@@ -22,7 +22,7 @@ class Ticker:
 
 
 class Line:
-    """Lets the loop beat so many times."""
+    """Lets the loop beat a number of times."""
 
     def __init__(self, beats: int, end: Any = None) -> None:
         self.beats, self.end = beats, end or {"what": "stop"}
@@ -42,7 +42,7 @@ class Line:
 
 
 class Out:
-    """What waits for the reader: so many bytes, of which each look takes one."""
+    """What waits for the reader: bytes, of which each look takes one."""
 
     def __init__(self, held: int) -> None:
         self.held, self.drained = held, 0

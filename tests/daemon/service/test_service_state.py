@@ -9,11 +9,11 @@ import pytest
 
 from daemon.service.service_state import ServiceState
 
-Told = Callable[..., list[str]]
+Notified = Callable[..., list[str]]
 
 
 @pytest.fixture
-def told(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Told]:
+def notified(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Notified]:
     """Return what has a state hear something, and tells what the service manager hears of it."""
     monkeypatch.setenv("NOTIFY_SOCKET", str(tmp_path / "notify"))
     monkeypatch.delenv("WATCHDOG_USEC", raising=False)
@@ -33,31 +33,31 @@ def told(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Told]:
         yield hear
 
 
-def test_the_watchdog_is_fed_by_who_has_work(told: Told) -> None:
+def test_the_watchdog_is_fed_by_who_has_work(notified: Notified) -> None:
     state = ServiceState("/dev/ttyX")
-    assert told(state, "trying") == ["WATCHDOG=1"]
-    assert told(state, "health") == ["WATCHDOG=1"]
-    told(state, "tracking")
-    assert told(state, "health") == ["WATCHDOG=1"]
-    assert told(state, "trying") == []  # the reader alone does not speak for a pipeline that hangs
-    assert told(state, "heard") == []
+    assert notified(state, "trying") == ["WATCHDOG=1"]
+    assert notified(state, "health") == ["WATCHDOG=1"]
+    notified(state, "tracking")
+    assert notified(state, "health") == ["WATCHDOG=1"]
+    assert notified(state, "trying") == []  # the reader alone does not speak for a pipeline that hangs
+    assert notified(state, "heard") == []
 
 
-def test_it_is_ready_when_it_streams_or_waits(told: Told) -> None:
+def test_it_is_ready_when_it_streams_or_waits(notified: Notified) -> None:
     state = ServiceState("/dev/ttyX")
-    assert told(state, "streaming") == ["READY=1", "WATCHDOG=1", "STATUS=streaming from /dev/ttyX"]
+    assert notified(state, "streaming") == ["READY=1", "WATCHDOG=1", "STATUS=streaming from /dev/ttyX"]
     waiting = ["READY=1", "WATCHDOG=1", "STATUS=waiting for a device: port /dev/ttyX does not exist"]
     sentence = {"sentence": "port /dev/ttyX does not exist"}
-    assert told(state, "waiting", **sentence) == [*waiting, "WATCHDOG_USEC=180000000"]
-    told(state, "tracking")
-    assert told(state, "waiting", **sentence) == waiting
+    assert notified(state, "waiting", **sentence) == [*waiting, "WATCHDOG_USEC=180000000"]
+    notified(state, "tracking")
+    assert notified(state, "waiting", **sentence) == waiting
 
 
-def test_compiled_it_has_the_unit_s_time_again(told: Told, monkeypatch: pytest.MonkeyPatch) -> None:
-    assert told(ServiceState("p"), "tracking") == ["WATCHDOG_USEC=180000000"]
+def test_compiled_it_has_the_unit_s_time_again(notified: Notified, monkeypatch: pytest.MonkeyPatch) -> None:
+    assert notified(ServiceState("p"), "tracking") == ["WATCHDOG_USEC=180000000"]
     monkeypatch.setenv("WATCHDOG_USEC", "15000000")
-    assert told(ServiceState("p"), "tracking") == ["WATCHDOG_USEC=15000000"]
+    assert notified(ServiceState("p"), "tracking") == ["WATCHDOG_USEC=15000000"]
 
 
-def test_a_disk_that_fails_is_a_status(told: Told) -> None:
-    assert told(ServiceState("p"), "disk-failed", sentence="no room") == ["STATUS=no room"]
+def test_a_disk_that_fails_is_a_status(notified: Notified) -> None:
+    assert notified(ServiceState("p"), "disk-failed", sentence="no room") == ["STATUS=no room"]

@@ -16,7 +16,7 @@ from daemon.service import supervisor as module
 from daemon.service.supervisor import Supervisor
 from limbcal.errors import ConfigError, DeviceError
 
-#: What each says as soon as it is started; the rest when it is told to.
+#: What each says as soon as it is started; the rest when it is asked to.
 SAYS: dict[str, list[dict[str, Any]]] = {
     "reader": [{"what": "ready"}],
     "recorder": [{"what": "ready"}, {"what": "linked"}],
@@ -30,7 +30,7 @@ SAYS: dict[str, list[dict[str, Any]]] = {
 
 
 class Actor(ChildProcess):
-    """A child that says its part, and notes what it is told."""
+    """A child that says its part, and notes what it is sent."""
 
     def __init__(self, name: str, *arguments: Any, says: list[dict[str, Any]] | None = None) -> None:
         self.name, self.arguments, self.willing = name, arguments, True
@@ -71,7 +71,7 @@ class Actor(ChildProcess):
 
 
 class Stage:
-    """A supervisor, its children as they were started, and what it told."""
+    """A supervisor, its children as they were started, and what it said."""
 
     def __init__(self, stop: StopSignal) -> None:
         self.stop = stop

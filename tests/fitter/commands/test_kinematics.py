@@ -61,7 +61,7 @@ def test_the_document_is_the_contracts(fitter, files, guess, tmp_path):
     assert document["angle_noise_deg"] == pytest.approx([0.0, 0.0], abs=0.05)
     assert document["angle_noise_source"] == "spectrum" and document["about"] == "rest"
     assert ["theta_offset1"] in [freedom["parameters"] for freedom in document["gauge"]]
-    assert "not told: d1" in outcome.said
+    assert "not identified: d1" in outcome.said
     a1, d1 = document["parameters"]["a1"], document["parameters"]["d1"]
     assert a1["value"] == pytest.approx(0.25, abs=1e-6) and a1["identifiable"] and a1["unit"] == "m"
     assert d1 == {"value": 0.0, "std": None, "unit": "m", "identifiable": False}

@@ -101,8 +101,8 @@ def test_torque_at_rest_on_a_standing_base_is_that_of_the_arm(fitter, tmp_path):
         0.3 * f[:, None] * np.linspace(0.5, 1.0, arm.n_joint) for f in (2 * np.cos(2 * t), -4 * np.sin(2 * t))
     )
     write_motion(tmp_path / "m.npz", {"t": t, "q": q, "dq": dq, "ddq": ddq})
-    told = fitter("torque", tmp_path / "m.npz", "--arm", tmp_path / "arm.toml", "--out", tmp_path / "t.npz")
-    assert told.code == 0, told.errors
+    outcome = fitter("torque", tmp_path / "m.npz", "--arm", tmp_path / "arm.toml", "--out", tmp_path / "t.npz")
+    assert outcome.code == 0, outcome.errors
     found = np.load(tmp_path / "t.npz")
     tau = np.column_stack([found[f"tau{k + 1}"] for k in range(arm.n_joint)])
     np.testing.assert_allclose(tau, inverse_dynamics(arm, q, dq, ddq), atol=1e-9)

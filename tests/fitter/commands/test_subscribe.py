@@ -71,11 +71,11 @@ def test_the_arm_is_learnt_while_it_moves(fitter, stream, listener, short_run, t
     assert outcome.code == 0
     document = outcome.document
     assert set(document) == {"stream", "trials", "notes", "kinematics", "dynamics"}
-    told = document["stream"]
-    assert set(told) == {"frames", "motions", "missed_messages", "recovered_messages", "daemon_restarts"}
+    published = document["stream"]
+    assert set(published) == {"frames", "motions", "missed_messages", "recovered_messages", "daemon_restarts"}
     made = {"learn": 2, "evaluate": 1, "expected": 3, "lost_s": 0.0}
     assert document["trials"] == document["dynamics"]["trials"] == made and document["notes"] == []
-    assert (told["motions"], told["missed_messages"], told["daemon_restarts"]) == (3, 0, 0)
+    assert (published["motions"], published["missed_messages"], published["daemon_restarts"]) == (3, 0, 0)
     assert document["dynamics"]["parameters"]["I2"]["value"] == pytest.approx(0.471209, rel=0.01)
     assert document["kinematics"]["parameters"]["a2"]["value"] == pytest.approx(0.3, abs=2e-3)
     assert document["dynamics"]["angle_error_deg"]["evaluate"]["mean"] < 0.5
@@ -200,10 +200,10 @@ def test_it_ends_when_no_motion_has_ended_for_a_while(fitter, stream, place, sho
 
 
 def test_missed_messages_are_counted_and_what_they_cost_is_said(fitter, stream, place, short_run):
-    told = until(short_run.messages, 1, "end")
+    published = until(short_run.messages, 1, "end")
     seq = {FRAMES: 0, TRIAL: 0}
     sent = []
-    for topic, fields in told:
+    for topic, fields in published:
         number = seq[topic]
         seq[topic] += 1
         if not (topic == FRAMES and 15 <= number < 17):
@@ -217,11 +217,11 @@ def test_missed_messages_are_counted_and_what_they_cost_is_said(fitter, stream, 
 
 
 def test_after_a_message_of_another_version_nothing_learnt_is_lost(fitter, stream, place, short_run, tmp_path):
-    told = until(short_run.messages, 1, "end")
-    parts = encode(FRAMES, {**told[0][1], "arm": "dd-arm", "run": "run 1", "seq": 1000})
+    published = until(short_run.messages, 1, "end")
+    parts = encode(FRAMES, {**published[0][1], "arm": "dd-arm", "run": "run 1", "seq": 1000})
     newer = [parts[0], parts[1].replace(b"\xa1v\x01", b"\xa1v\x02")]
     assert newer != parts
-    with stream("tcp://127.0.0.1:*", [*told, newer]) as daemon:
+    with stream("tcp://127.0.0.1:*", [*published, newer]) as daemon:
         common = ("--connect", daemon.endpoint, "--endpoint", f"ipc://{place}/fits", "--arm", "dd-arm")
         outcome = fitter("subscribe", *common, *LIMIT, "--out", tmp_path)
     assert outcome.code == 2

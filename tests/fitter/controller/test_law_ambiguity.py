@@ -26,7 +26,7 @@ def null_space(arm, trials, law):
     return columns, LawNullSpace(columns, gram)
 
 
-def told(columns, ambiguity):
+def groups(columns, ambiguity):
     return [
         {columns.names[k]: round(weight, 9) for k, weight in weights.items()}
         for weights in ambiguity.combinations()
@@ -50,7 +50,7 @@ def test_one_factor_and_what_only_shows_together(bench_trials, law, together, ta
     assert nothing.open().all()
     known = space.given([columns.names.index("kp1")])
     assert known.leaders == ()
-    assert told(columns, known) == together
+    assert groups(columns, known) == together
     # These joints never turn back within a trial: their Coulomb friction is part of a target's unknown constant.
     silent = set() if targets_known else {"fc1", "fc2"}
     open_ones = {columns.names[k] for k in np.flatnonzero(known.open())}

@@ -75,11 +75,11 @@ def test_the_torque_of_a_law_is_filtered_as_the_motion_is():
     """A joint that moves freely from 2 s on: what the law asks for is the low-passed jump, half a step late."""
     control, gain = Control("pd", (5.0, 3.0), (-0.2, -0.1)), np.tile([8.0, 3.0], (len(T), 1))
     columns = {"q": Q, "ref": REF}
-    switched, plain, told = (
+    switched, plain, with_switch = (
         to_trials([Measured("run", "run.csv", 0, T, columns | more)], cutoff_hz=15.0)[0]
         for more in ({"on": ON, "kp": gain}, {}, {"kp": np.tile(control.kp, (len(T), 1))})
     )
-    known, found = (law_torque(control, trial) for trial in (plain, told))
+    known, found = (law_torque(control, trial) for trial in (plain, with_switch))
     assert np.allclose(known, found, atol=1e-9)  # gains that are the law's own change nothing
     tau = law_torque(control, switched)
     away = np.abs(T[switched.trimmed : len(T) - switched.trimmed] - 2.0) > 0.15

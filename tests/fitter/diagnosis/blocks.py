@@ -12,7 +12,7 @@ ROWS, BLOCKS, CELLS = 20, 5, 40
 
 
 def fit_of(residual: Floats, numbers: int = 0, learnt: int | None = None) -> Fit:
-    """Return a model that has so many numbers and leaves this of one joint, of unit variance.
+    """Return a model that has this many numbers and leaves this of one joint, of unit variance.
 
     Parameters
     ----------

@@ -21,7 +21,7 @@ _MOST = 4
 
 
 def regression_of(motions: Sequence[Measured], learning: int) -> Regression:
-    """Return a pendulum's equations; so many of its motions, the first ones, may be learnt from."""
+    """Return a pendulum's equations; the first few of its motions, may be learnt from."""
     trials = to_trials(motions, cutoff_hz=25.0)
     return error_floor.regression_of(pendulum(), run_of(pendulum(), trials[:learning], trials[learning:]))
 

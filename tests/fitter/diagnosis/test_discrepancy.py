@@ -1,4 +1,4 @@
-"""What is in no catalogue: its variables are found, and causes that only imitate it are told from it."""
+"""What is in no catalogue: its variables are found, and causes that only imitate it are distinguished from it."""
 
 from collections.abc import Callable
 from dataclasses import replace

@@ -37,7 +37,7 @@ def floor_of(regression):
 
 
 def weighed_twice(regression):
-    """Return a run under weights with its floor: what is left under the sensors' weights leaks along the band."""
+    """Return a run under weights with its floor: the residual under the sensors' weights leaks along the band."""
     for _ in range(2):
         own, weighted, floor = floor_of(regression)
         regression = regression.weighted_by(weighted)

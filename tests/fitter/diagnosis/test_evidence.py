@@ -52,7 +52,7 @@ def test_scores_of_independent_blocks_have_their_information():
 
 @pytest.mark.parametrize("length", [5, 20, 100])
 def test_what_is_left_for_longer_counts_less(length):
-    """Column and residual that keep their values for so many rows tell as many times less."""
+    """Column and residual that keep their values for several rows tell as many times less."""
     column, left = (np.repeat(noise(k, N // length), length) for k in (1, 2))
     left = left - column * (column @ left) / (column @ column)
     found = dispersion(fit_of(left, 1), fit_of(left + 0.3 * column))

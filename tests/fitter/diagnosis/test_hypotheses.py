@@ -18,7 +18,7 @@ PLACES = {
     "thermal_drift": 3,
     "viscous": 0,  # in the base model
     "sensor_bias": 0,
-    "stiction": 0,  # told by rests
+    "stiction": 0,  # shown by rests
 }
 
 

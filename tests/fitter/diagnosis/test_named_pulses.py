@@ -1,4 +1,4 @@
-"""Pushes are told one by one, on the clock of the file that they are in."""
+"""Pushes are reported one by one, on the clock of the file that they are in."""
 
 from types import SimpleNamespace
 

@@ -1,4 +1,4 @@
-"""White rows: what is left of a true model is noise of variance 1, and the parameters come back."""
+"""White rows: the residual of a true model is noise of variance 1, and the parameters come back."""
 
 from dataclasses import replace
 

@@ -1,4 +1,4 @@
-"""Where a search begins: where it has come to before, and where what is left swings most."""
+"""Where a search begins: where it has come to before, and where the residual swings most."""
 
 from types import SimpleNamespace
 

@@ -174,7 +174,7 @@ def test_every_accepted_model_is_weighed_anew_and_progress_is_told():
 @given(SEEDS)
 @settings(max_examples=10, deadline=None)
 def test_two_that_cancel_each_other_are_not_both_causes(seed):
-    """Nearly the same column twice: their difference may be worth it, but neither has a size."""
+    """Nearly the same column twice: their difference may be significant, but neither has a size."""
     A, noise = drawn(seed, 2)
     A[:, 1] = A[:, 0] + 1e-3 * A[:, 1]
     assert len(columns_of(search(A, A[:, 0] + noise))) == 1

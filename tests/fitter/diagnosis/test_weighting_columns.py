@@ -1,4 +1,4 @@
-"""Products of white rows, and what is left of them, are those of the rows without what may hold a joint."""
+"""Products of white rows, and their residuals, are those of the rows without what may hold a joint."""
 
 import numpy as np
 import pytest

@@ -35,8 +35,12 @@ def test_targets_are_found_and_everything_else_stays(motions, bench_trials):
 
 
 def test_motions_that_tell_their_torque_stay_as_they_are(motions):
-    told = [replace(motion, columns={**motion.columns, "ref": motion.columns["q"]}) for motion in motions[0]]
-    learn, evaluate = with_found_targets(ARM, told, told)
-    assert all(one is other for one, other in zip([*learn, *evaluate], [*told, *told], strict=True))
+    with_targets = [
+        replace(motion, columns={**motion.columns, "ref": motion.columns["q"]}) for motion in motions[0]
+    ]
+    learn, evaluate = with_found_targets(ARM, with_targets, with_targets)
+    assert all(
+        one is other for one, other in zip([*learn, *evaluate], [*with_targets, *with_targets], strict=True)
+    )
     measured = replace(ARM, control=Control())
     assert with_found_targets(measured, *motions) == (list(motions[0]), list(motions[1]))

@@ -87,13 +87,16 @@ def test_columns_that_are_alike_are_only_revealed_together(share, first, second)
     alike = 10.0 / np.sqrt(np.diag(gram))  # every parameter is felt as much as every other
     found = report(ARM, BASE, torque_problem(sums_of(waves(), 1e-5, twist, alike), alike))
     pairs = [c for c in found.combinations if len(c.weights) == 2]
-    told, untold = (next(c for c in pairs if c.revealed == revealed) for revealed in (True, False))
-    assert set(told.weights) == set(untold.weights) == {first, second}
-    assert told.weights[second] / told.weights[first] == pytest.approx(share, rel=1e-6)
+    identified, unidentified = (next(c for c in pairs if c.revealed == revealed) for revealed in (True, False))
+    assert set(identified.weights) == set(unidentified.weights) == {first, second}
+    assert identified.weights[second] / identified.weights[first] == pytest.approx(share, rel=1e-6)
     # what is open is a move of both that leaves the sum where it is
-    assert np.isinf(untold.relative_std)
-    assert told.relative_std < KNOWN
-    assert f"{first} and {second} not one by one" in told.sentence or f"{second} and {first}" in told.sentence
+    assert np.isinf(unidentified.relative_std)
+    assert identified.relative_std < KNOWN
+    assert (
+        f"{first} and {second} not one by one" in identified.sentence
+        or f"{second} and {first}" in identified.sentence
+    )
     others = [c for c in found.combinations if c not in pairs]
     assert all(c.revealed and len(c.weights) == 1 for c in others)
 

@@ -70,7 +70,9 @@ def test_unknown_targets_are_found_along():
     trials = noisy_trials(BRAKED, 1e-4, 2, ref=False)
     fit = fit_dynamics(BRAKED, trials, objective="motion", method="least-squares")
     assert fit.objective == "motion"
-    assert np.nanmax(np.abs(z_scores(fit))) < 5.0  # friction that always brakes one way is not told from a target
+    assert (
+        np.nanmax(np.abs(z_scores(fit))) < 5.0
+    )  # friction that always brakes one way is not distinguished from a target
 
 
 def test_measured_torque_is_followed_in_windows():

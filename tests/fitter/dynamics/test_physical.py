@@ -148,7 +148,7 @@ def test_what_is_held_stays_even_where_it_pushes():
 
 
 def test_a_joint_that_did_not_move_keeps_its_links_where_it_can():
-    """Joint 1 at rest: its own inertia is not told, and the arm's own is as good as any."""
+    """Joint 1 at rest: its own inertia is not identified, and the arm's own is as good as any."""
     base = structural_parameters(ARM)
     m = moved(ARM)[0]
     still = [np.column_stack([0.0 * x[:, 0], x[:, 1]]) for x in (m.q, m.dq, m.ddq)]

@@ -62,8 +62,8 @@ def test_a_joint_that_never_moves_leaves_its_parameters_at_the_prior():
     problem = torque_problem(sums_of(0.0, still=True), prior)
     values = problem.complete(problem.optimum())
     names = np.array(BASE.names)
-    told = set(names[problem.revealed])
-    assert told == {"D1", "fc1"}  # the links turn as one: their inertias come only as a sum
+    identifiable = set(names[problem.revealed])
+    assert identifiable == {"D1", "fc1"}  # the links turn as one: their inertias come only as a sum
     for name in ("D2", "fc2"):
         k = BASE.names.index(name)
         assert values[k] == prior[k]

@@ -18,9 +18,9 @@ BENCH = replace(Bench(), rate_hz=200.0, trial_s=3.5, learning=1, evaluating=0)
 SMALL = {"seed": 0, "population": 16, "generations": 6}
 
 
-def worst(found, told):
+def worst(found, precision):
     known = found.values != 0.0
-    return np.max(told.std[known] / np.abs(found.values[known]))
+    return np.max(precision.std[known] / np.abs(found.values[known]))
 
 
 @pytest.mark.parametrize(("kind", "name"), [("points", "dd-arm"), ("fourier", "dd-arm-vertical")])

@@ -54,7 +54,7 @@ def test_a_spatial_arm_with_a_joint_that_slides(seed):
 
 
 def test_a_gauge_that_is_chosen_otherwise_moves_the_tip_alike():
-    """Where the true arm differs in what cannot be told, the fit still reaches where it does."""
+    """Where the true arm differs in what cannot be identified, the fit still reaches where it does."""
     true = Arm("true", (Joint(a_m=0.3, d_m=0.4), Joint(a_m=0.2, d_m=-0.3)))
     prior = Arm("prior", (Joint(a_m=0.2), Joint(a_m=0.3)))
     fit = fit_kinematics(prior, [random_poses(true, 300, 0)])

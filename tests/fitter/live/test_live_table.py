@@ -18,7 +18,7 @@ def shown(calibration, assembler=None, missed=0):
 def test_before_anything_is_known(short_run):
     text = shown(Calibration(short_run.arm))
     assert "0 frames, 0 messages missed, at rest; 0 learnt from, 0 for evaluation" in text
-    assert "geometry: nothing can be told yet" in text
+    assert "geometry: nothing is identified yet" in text
 
 
 def test_while_the_arm_moves(short_run):

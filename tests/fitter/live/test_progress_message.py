@@ -15,7 +15,7 @@ def test_geometry(calibration):
     assert fields["generation"] == calibration.geometry.generations > 0
     assert fields["error"] == pytest.approx(calibration.geometry.tip_rms_m)
     assert set(fields["parameters"]["a1"]) == {"value", "std"}
-    assert fields["parameters"]["d1"] == {"value": 0.0, "std": None}  # never told, so without an error
+    assert fields["parameters"]["d1"] == {"value": 0.0, "std": None}  # never identified, so without an error
 
 
 def test_dynamics(calibration):

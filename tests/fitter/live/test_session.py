@@ -34,7 +34,7 @@ class Stream:
 
 
 class Calibration:
-    """Learns nothing, and has generations to breed while it is told to."""
+    """Learns nothing, and has generations to breed while it is asked to."""
 
     def __init__(self, generations=0):
         self.generations = generations

@@ -61,10 +61,10 @@ def test_what_the_device_lost_counts_once():
 
 
 def test_what_is_missing_at_the_end_is_told_by_the_heartbeat():
-    told = health(last_seq={FRAMES: 9, TRIAL: 5})
-    account = account_of(frames(0), told)
+    last_seen = health(last_seq={FRAMES: 9, TRIAL: 5})
+    account = account_of(frames(0), last_seen)
     assert account.made == 3 and account.lost_s == pytest.approx(0.09)
-    account.take(*told)
+    account.take(*last_seen)
     assert account.lost_s == pytest.approx(0.09)
     account.take(*frames(10))
     assert account.lost_s == pytest.approx(0.09)

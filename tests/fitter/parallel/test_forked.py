@@ -52,12 +52,12 @@ def test_the_results_come_in_order_and_from_more_than_one_process(met: Callable[
 
 @pytest.mark.parametrize("count", [0, 1, 2, 50])
 def test_any_number_of_items(count: int) -> None:
-    told: list[tuple[int, int]] = []
-    assert side_by_side(lambda k: [k] * 30_000, range(count), lambda *now: told.append(now)) == [
+    progress: list[tuple[int, int]] = []
+    assert side_by_side(lambda k: [k] * 30_000, range(count), lambda *now: progress.append(now)) == [
         [k] * 30_000 for k in range(count)
     ]
-    assert told == sorted(told)
-    assert all(begun <= total == count for begun, total in told)
+    assert progress == sorted(progress)
+    assert all(begun <= total == count for begun, total in progress)
 
 
 def test_an_error_anywhere_is_raised_here() -> None:

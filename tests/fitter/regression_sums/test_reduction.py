@@ -147,11 +147,11 @@ def test_short_files_give_what_a_fit_of_the_trials_sees(folder, alone):
 
 
 def test_two_processes_give_the_same_bytes(tmp_path, folder, alone):
-    told = []
-    made = reduce_trials(LAW, [folder], workers=2, progress=lambda *done: told.append(done))
+    steps = []
+    made = reduce_trials(LAW, [folder], workers=2, progress=lambda *done: steps.append(done))
     assert saved_bytes(tmp_path, made) == saved_bytes(tmp_path, alone)
     assert made.notes == alone.notes
-    assert told == [(k, 4) for k in range(1, 5)]
+    assert steps == [(k, 4) for k in range(1, 5)]
 
 
 @pytest.mark.filterwarnings("ignore::DeprecationWarning")  # of the cluster's own libraries

@@ -109,7 +109,7 @@ def test_what_looks_alike_is_said_as_such(offset, tmp_path):
     (group,) = groups(offset)
     assert {cause.effect for cause in group} == {"torque_offset", "coulomb_asymmetry"}
     listed = rivals(offset, offset.search.causes[0])
-    assert listed[0].verdict == "named" and listed[1].verdict == "as good: can't be told apart"
+    assert listed[0].verdict == "named" and listed[1].verdict == "as good: can't be distinguished"
     assert abs(listed[0].gain - listed[1].gain) < 0.01
 
 

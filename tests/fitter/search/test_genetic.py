@@ -26,10 +26,10 @@ def run(cost, lower, upper, seed, population=100, generations=1000):
     return search
 
 
-@pytest.mark.parametrize("condition", [1.0, 1e6, 1e10])
-@pytest.mark.parametrize("n_gene", [2, 8, 12])
+@pytest.mark.parametrize("condition", [1.0, 1e10])
+@pytest.mark.parametrize("n_gene", [2, 12])
 def test_finds_the_bottom_of_a_narrow_valley(n_gene, condition):
-    for seed in range(5):
+    for seed in range(2):
         R, optimum = valley(n_gene, condition, seed)
         search = run(
             lambda x, R=R, o=optimum: np.sum(((x - o) @ R.T) ** 2, axis=1),
@@ -42,7 +42,7 @@ def test_finds_the_bottom_of_a_narrow_valley(n_gene, condition):
 
 
 def test_finds_a_bent_valley():
-    for seed in range(3):
+    for seed in range(2):
         rosenbrock = run(
             lambda x: np.sum(100 * (x[:, 1:] - x[:, :-1] ** 2) ** 2 + (1 - x[:, :-1]) ** 2, axis=1),
             np.full(4, -5.0),

@@ -118,17 +118,17 @@ def test_bounds_belong_to_what_is_allowed(
     name, *options = arguments
     out = str(tmp_path / name)
     code = main(["export", str(motion_file), "--arm", "dd-arm", "--out", out, *options])
-    told = capsys.readouterr().err
-    assert (code, Path(out).exists()) == ((0, True) if said is None else (2, False)), told
-    assert said is None or said in " ".join(told.split())
+    stderr = capsys.readouterr().err
+    assert (code, Path(out).exists()) == ((0, True) if said is None else (2, False)), stderr
+    assert said is None or said in " ".join(stderr.split())
     if said is None and name == "a.mp4":
         assert noted["size"] == tuple(int(side) for side in options[1].split("x"))
 
 
 def test_two_mistakes_are_told_at_once(motion_file: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["export", str(motion_file), "--out", "a.csv", "--rate-hz", "0", "--speed", "0"]) == 2
-    told = capsys.readouterr().err
-    assert "--rate-hz is 0" in told and "--speed is 0" in told
+    stderr = capsys.readouterr().err
+    assert "--rate-hz is 0" in stderr and "--speed is 0" in stderr
 
 
 @pytest.mark.parametrize(("suffix", "package"), [("glb", "pygltflib"), ("gltf", "pygltflib"), ("mp4", "imageio")])

@@ -84,8 +84,8 @@ def test_the_document_is_all_that_stdout_gets(asked: Asked, capsys: pytest.Captu
 
 def test_a_refusal_is_exit_code_2_and_a_document(asked: Asked, capsys: pytest.CaptureFixture[str]) -> None:
     code, _ = asked("pause")
-    told = capsys.readouterr()
-    assert (code, told.out) == (2, "") and "playback refused pause: it holds already" in told.err
+    output = capsys.readouterr()
+    assert (code, output.out) == (2, "") and "playback refused pause: it holds already" in output.err
     code, _ = asked("pause", "--json")
     assert code == 2 and json.loads(capsys.readouterr().out)["error"] == "it holds already"
 

@@ -56,13 +56,13 @@ class Hand:
     """Stands for the virtual hand."""
 
     def __init__(self, haptic: str, rate_hz: float) -> None:
-        self.told = {"haptic": haptic, "rate_hz": rate_hz}
+        self.given = {"haptic": haptic, "rate_hz": rate_hz}
 
     def start(self) -> None:
         pass
 
     def close(self) -> dict[str, Any]:
-        return self.told
+        return self.given
 
 
 @pytest.fixture(autouse=True)

@@ -1,4 +1,4 @@
-"""What `limbplay view` takes, what it refuses, and what the page is told to show."""
+"""What `limbplay view` takes, what it refuses, and what the page is asked to show."""
 
 import argparse
 import json
@@ -102,16 +102,16 @@ def test_a_mistake_is_told_before_anything_starts(
     arguments: list[str], said: str, capsys: pytest.CaptureFixture[str]
 ) -> None:
     assert main(["view", *arguments]) == 2
-    told = capsys.readouterr()
-    assert said in told.err and told.out == ""
+    output = capsys.readouterr()
+    assert said in output.err and output.out == ""
 
 
 def test_the_page_is_announced_for_people_and_programs(shown: Shown, capsys: pytest.CaptureFixture[str]) -> None:
     shown("--live")
     assert capsys.readouterr().out == "my arm: page at http://127.0.0.1:1\n"
     shown("--live", "--json")
-    told = capsys.readouterr()
-    assert json.loads(told.out)["arm"] == "my arm" and "page at" in told.err
+    output = capsys.readouterr()
+    assert json.loads(output.out)["arm"] == "my arm" and "page at" in output.err
 
 
 def test_what_is_not_installed_is_named(

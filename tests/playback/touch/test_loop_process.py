@@ -29,7 +29,7 @@ def _own_signals() -> Iterator[None]:
     gc.unfreeze()
 
 
-def told(setup: Setup, *orders: bytes) -> list[dict[str, Any]]:
+def answers(setup: Setup, *orders: bytes) -> list[dict[str, Any]]:
     """Return what the loop tells a parent that has said all its orders already."""
     parent, child = Pipe()
     with parent:
@@ -47,7 +47,7 @@ def told(setup: Setup, *orders: bytes) -> list[dict[str, Any]]:
 
 
 def test_it_says_where_it_is_reached_and_how_it_goes_until_told_to_stop() -> None:
-    begun, asked, ended = told(SETUP, b"health", b"stop")
+    begun, asked, ended = answers(SETUP, b"health", b"stop")
     assert begun["endpoint"].startswith("tcp://127.0.0.1:") and begun["haptic"].startswith("tcp://127.0.0.1:")
     assert [one["health"]["ticks"] for one in (begun, asked, ended)] == [0, 20, 40]  # it looks every 20 ms
     assert begun["health"]["rate_hz"] == 1000.0
@@ -56,14 +56,14 @@ def test_it_says_where_it_is_reached_and_how_it_goes_until_told_to_stop() -> Non
 
 
 def test_at_a_low_rate_it_looks_every_tick() -> None:
-    said = told(replace(SETUP, rate_hz=20.0), b"health", b"stop")
+    said = answers(replace(SETUP, rate_hz=20.0), b"health", b"stop")
     assert [one["health"]["ticks"] for one in said] == [0, 1, 2]
 
 
 def test_a_second_s_garbage_is_collected_at_once(monkeypatch: pytest.MonkeyPatch) -> None:
     collected: list[tuple[int, ...]] = []
     monkeypatch.setattr(gc, "collect", lambda *generation: collected.append(generation))
-    told(replace(SETUP, rate_hz=60.0), *[b"health"] * 49, b"stop")
+    answers(replace(SETUP, rate_hz=60.0), *[b"health"] * 49, b"stop")
     assert collected == [(), (0,)]  # before the first tick, and after fifty looks
 
 
@@ -76,7 +76,7 @@ def test_a_second_s_garbage_is_collected_at_once(monkeypatch: pytest.MonkeyPatch
     ],
 )
 def test_what_went_wrong_is_said(change: dict[str, Any], failed: str, sentence: str, traced: bool) -> None:
-    (said,) = told(replace(SETUP, **change))
+    (said,) = answers(replace(SETUP, **change))
     assert said["failed"] == failed and sentence in said["sentence"]
     assert ("Traceback" in said["trace"]) == traced
 

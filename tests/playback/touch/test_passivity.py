@@ -77,7 +77,7 @@ def wall_arm() -> TouchedArm:
 
 
 def reckless_wall(share: float) -> TouchedArm:
-    """Return an arm with a wall of so many times the limit."""
+    """Return an arm with a wall of a multiple of the limit."""
     wall = (0.0, 1.0, 0.0, 0.0)
     asked = Reckless(0.0, 0.0, B, 1e4, wall=wall, wall_stiffness=share * wall_limit(B, T))
     return TouchedArm(smooth_arm(), np.array([0.3, 0.6]), T, asked)

@@ -79,8 +79,8 @@ def test_the_newest_device_holds_the_arm_and_the_other_is_told(loop: TouchProces
 
         def both(answer: dict[str, Any]) -> bool:
             one.send(tip + [0.0, 0.05, 0.0])
-            told = one.latest()
-            return answer["holds"] and told is not None and not told["holds"] and told["force"] == [0.0, 0.0, 0.0]
+            last = one.latest()
+            return answer["holds"] and last is not None and not last["holds"] and last["force"] == [0.0, 0.0, 0.0]
 
         pull(two, tip, both)
         pull(one, tip, lambda answer: answer["holds"])  # two is silent

@@ -39,20 +39,20 @@ def test_a_virtual_hand_touches_pulls_and_lets_go(tmp_path: Path, long: Long) ->
         check=False,
     )
     assert answer.returncode == 0, answer.stderr
-    told = json.loads(answer.stdout)
-    hand = told["hand"]
-    assert told["ticks"] > 100
+    document = json.loads(answer.stdout)
+    hand = document["hand"]
+    assert document["ticks"] > 100
     assert hand["answers"] > 100
     assert hand["touches"] >= seconds / 3.0
     assert 1.0 < hand["strongest_force_N"] <= 20.0 + 1e-9
-    assert told["energy_J"]["dissipated"] + told["energy_J"]["device"] >= -1e-6
-    late, step = told["lateness_ms"], told["step_us"]
+    assert document["energy_J"]["dissipated"] + document["energy_J"]["device"] >= -1e-6
+    late, step = document["lateness_ms"], document["step_us"]
     long.note(
-        f"haptic loop for {seconds:g} s: {told['held_rate_hz']:.2f} Hz held, late p50 {late['p50']:.3f} ms, "
+        f"haptic loop for {seconds:g} s: {document['held_rate_hz']:.2f} Hz held, late p50 {late['p50']:.3f} ms, "
         f"p99 {late['p99']:.3f} ms, max {late['max']:.3f} ms; "
         f"step p50 {step['p50']:.1f} us, p99 {step['p99']:.1f} us; "
-        f"{told['overruns']} overruns; round trip p99 {hand['round_trip_ms']['p99']:.2f} ms; real time: "
-        f"{told['real_time']}"
+        f"{document['overruns']} overruns; round trip p99 {hand['round_trip_ms']['p99']:.2f} ms; real time: "
+        f"{document['real_time']}"
     )
     if not long.at_length:
         return
@@ -60,7 +60,7 @@ def test_a_virtual_hand_touches_pulls_and_lets_go(tmp_path: Path, long: Long) ->
     rate, p99 = allowed["rate"], allowed["p99"]
     long.note(f"a loop that does nothing here: {rate:.2f} Hz held, late p99 {p99:.3f} ms")
     if abs(rate - 1000.0) <= 0.5:  # a virtual machine that is held up cannot be in time
-        assert abs(told["held_rate_hz"] - 1000.0) <= 1.0
+        assert abs(document["held_rate_hz"] - 1000.0) <= 1.0
     if p99 < 0.25:
         assert late["p99"] < 0.5
 

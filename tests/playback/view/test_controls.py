@@ -21,17 +21,17 @@ STATE: dict[str, Any] = {
 
 
 class Widget(SimpleNamespace):
-    """A widget, and who is told that it was moved."""
+    """A widget, and who hears that it was moved."""
 
-    def on_click(self, told: Callable[[Any], Any]) -> None:
-        self.told = told
+    def on_click(self, callback: Callable[[Any], Any]) -> None:
+        self.callback = callback
 
     on_update = on_click
 
     def moved(self, value: object, client: int | None = 1) -> None:
         """Move it as a page does; without a client, as this side does."""
         self.value = value
-        asyncio.run(self.told(SimpleNamespace(target=self, client_id=client)))
+        asyncio.run(self.callback(SimpleNamespace(target=self, client_id=client)))
 
 
 class Page:

@@ -54,7 +54,7 @@ class OpenPage:
         return int(pictures), int(drawn)
 
     def wait(self, pictures: int) -> None:
-        """Wait until so many pictures have come in all."""
+        """Wait until this many pictures have come in all."""
         come = "wanted => window.counted.pictures >= wanted"
         self._page.wait_for_function(come, arg=pictures, polling=200, timeout=1e3 * LONG_S)
 

@@ -44,8 +44,8 @@ class Announced:
     def __init__(self) -> None:
         self.facts: dict[str, object] = {}
 
-    def __call__(self, told: dict[str, object]) -> None:
-        self.facts = told
+    def __call__(self, pages: dict[str, object]) -> None:
+        self.facts = pages
         raise ShownError
 
 
@@ -119,15 +119,15 @@ def test_a_browser_is_opened_where_wanted(wanted: bool, tmp_path: Path, monkeypa
     monkeypatch.setattr("webbrowser.open", opened.append)
     given = arguments("--connect", f"ipc://{tmp_path}/frames", "--arm", "dd-arm")
     given.open = wanted
-    told: list[dict[str, object]] = []
+    pages: list[dict[str, object]] = []
 
     def stop(_self: object, _over: object) -> None:
         raise ShownError
 
     monkeypatch.setattr(session.Page, "run", stop)
     with pytest.raises(ShownError):
-        session.run(given, told.append)
-    assert opened == ([told[0]["url"]] if wanted else [])
+        session.run(given, pages.append)
+    assert opened == ([pages[0]["url"]] if wanted else [])
 
 
 @pytest.mark.parametrize(("typed", "q0"), [((), None), (("--q0", "0.1,-0.2"), [0.1, -0.2])])

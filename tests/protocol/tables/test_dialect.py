@@ -1,4 +1,4 @@
-"""How a text is written, told from its beginning."""
+"""How a text is written, recognised by its beginning."""
 
 import codecs
 from pathlib import Path

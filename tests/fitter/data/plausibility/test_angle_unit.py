@@ -117,15 +117,15 @@ def test_a_tip_says_nothing_of_an_arm_without_lengths(clean):
     no_arm = Arm("none", (Joint(), Joint()))
     without = {role: values for role, values in motion.columns.items() if role != "tip"}
     for factor in (1.0, 180.0 / np.pi):
-        told = []
+        refusals = []
         for columns in (motion.columns, without):
             one = replace(motion, columns={**columns, "q": factor * columns["q"]})
             try:
                 look(one, no_arm)
-                told.append("")
+                refusals.append("")
             except Refusal as refusal:
-                told.append(str(refusal))
-        assert told[0] == told[1]
+                refusals.append(str(refusal))
+        assert refusals[0] == refusals[1]
 
 
 def test_a_tip_that_moves_while_the_joints_stand_says_nothing_of_them(arm, clean):
@@ -138,7 +138,7 @@ ONE = Arm("one", (Joint(a_m=0.3),))
 
 
 def swinging(size, samples, **columns):
-    """Return 4 s of an angle that goes evenly to and fro over so much, in so many samples, at 100 Hz."""
+    """Return 4 s of an angle that goes evenly to and fro over so much, in `n` samples, at 100 Hz."""
     wave = np.abs(np.arange(400) % samples - samples / 2) / (samples / 2)
     return Measured("m", "m.csv", 0, 0.01 * np.arange(400), {"q": size * wave[:, None], **columns})
 
@@ -201,7 +201,7 @@ def test_of_four_joints_one_all_but_one_or_all_are_named(in_degrees, words):
 
 
 def with_velocity(ratios):
-    """Return joints that go evenly, and velocities that are so many times their slopes."""
+    """Return joints that go evenly, and velocities that are a multiple of their slopes."""
     t = 0.01 * np.arange(100)
     slope = np.full(len(ratios), 0.5)
     q, dq = np.outer(t, slope), np.tile(slope * ratios, (100, 1))

@@ -144,7 +144,7 @@ def test_without_angles_or_with_a_handful_nothing_is_looked_at(arm, clean):
 
 
 def jerky(n_equal=8):
-    """Return angles of two joints that both freeze for so many samples, once at row 81 and once at row 60."""
+    """Return angles of two joints that both freeze for a number of samples, once at row 81 and once at row 60."""
     first, _ = made_of([], n_equal, [1.0] * 10)
     second = np.concatenate([[0.0, 0.01], 0.01 + np.cumsum([*[1.0] * 59, *[0.0] * (n_equal - 1)])])
     rest = second[-1] + np.arange(1.0, len(first) - len(second) + 1)

@@ -1,4 +1,4 @@
-"""Columns of every suspect against differences of what is left."""
+"""Columns of every suspect against differences of the residual."""
 
 import numpy as np
 import pytest
