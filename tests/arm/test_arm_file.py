@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from arm.arm_file import format_arm, load_arm, parse_arm, preset_names, save_arm
 from arm.effects.catalogue import catalogue
-from arm.model import Arm, Control, Effect, Estimate, Friction, Joint, Link, Sensor, Tip
+from arm.model import Arm, Control, Effect, Estimate, Friction, Joint, Link, Marker, Sensor, Tip
 from limbcal.errors import DeviceError
 from tests.arm.every_table import EVERYTHING
 
@@ -45,13 +45,16 @@ def parameters(kind):
 
 
 @st.composite
-def effects(draw, n_joint, sensors):
-    kinds = [kind for kind in catalogue().values() if sensors or kind.whole or kind.place != "sensor"]
+def effects(draw, n_joint, sensors, markers):
+    there = {"joints": range(1, n_joint + 1), "sensors": sensors, "markers": markers}
+    kinds = [k for k in catalogue().values() if k.whole or len(there[k.acts_on]) >= (k.exactly or 1)]
     kind = draw(st.sampled_from(kinds))
-    on = st.sampled_from(sensors) if kind.place == "sensor" and sensors else st.integers(1, n_joint)
-    some = () if kind.whole else tuple(draw(st.lists(on, min_size=1, unique=True)))
-    acts_on = {"sensors" if kind.place == "sensor" else "joints": some}
-    return Effect(kind.name, draw(parameters(kind)), **acts_on)
+    if kind.whole:
+        return Effect(kind.name, draw(parameters(kind)))
+    some = st.lists(
+        st.sampled_from(there[kind.acts_on]), min_size=kind.exactly or 1, max_size=kind.exactly, unique=True
+    )
+    return Effect(kind.name, draw(parameters(kind)), **{kind.acts_on: tuple(draw(some))})
 
 
 @st.composite
@@ -60,6 +63,9 @@ def arms(draw):
     names = draw(st.lists(NAME, max_size=4, unique=True))
     rides_on = st.integers(1, len(joints))
     sensors = [draw(st.builds(Sensor, st.just(n), rides_on, VECTOR, VECTOR, SCALE, VECTOR, LEAST)) for n in names]
+    marked = draw(st.lists(NAME, max_size=3, unique=True))
+    on_links = st.integers(0, len(joints))
+    markers = [draw(st.builds(Marker, st.just(n), on_links, VECTOR, st.none() | LEAST, st.none() | NAME)) for n in marked]
     gains = st.tuples(*[NUMBER] * len(joints))
     return Arm(
         draw(NAME.filter(lambda name: not name.startswith("."))),
@@ -68,13 +74,14 @@ def arms(draw):
         tuple(sensors),
         draw(st.builds(Tip, st.sampled_from(names), VECTOR)) if names else None,
         draw(st.dictionaries(KEY, st.builds(Estimate, NUMBER, NUMBER), max_size=3)),
-        tuple(draw(st.lists(effects(len(joints), names), unique_by=lambda effect: effect.name))),
+        tuple(draw(st.lists(effects(len(joints), names, marked), unique_by=lambda effect: effect.name))),
         draw(
             st.just(Control())
             | st.builds(Control, st.just("pd"), gains, gains)
             | st.builds(Control, st.just("pda"), gains, gains, gains)
             | st.builds(Control, st.just("p"), gains)
         ),
+        markers=tuple(markers),
     )
 
 

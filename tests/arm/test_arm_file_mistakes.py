@@ -96,7 +96,8 @@ def test_a_file_that_is_not_there_is_named_with_the_arms_that_are(tmp_path):
         load_arm(tmp_path / "no.toml")
     assert str(caught.value) == (
         f"arm '{tmp_path}/no.toml': No such file or directory; expected an arm file or one of "
-        "dd-arm, dd-arm-vertical, human-arm-left, human-arm-right, human-leg-left, human-leg-right, spatial-arm"
+        "dd-arm, dd-arm-vertical, human-arm-left, human-arm-right, human-body, human-leg-left, "
+        "human-leg-right, spatial-arm"
     )
     with pytest.raises(ConfigError, match="Is a directory"):
         load_arm(tmp_path)

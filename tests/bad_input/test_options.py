@@ -46,7 +46,8 @@ def test_values_that_do_not_fit_the_arm(said, motion, short_run, tmp_path):
 def test_an_arm_that_does_not_exist(said, motion, tmp_path):
     fit = ("dynamics", motion, "--out", tmp_path / "arm.toml")
     names = (
-        "dd-arm, dd-arm-vertical, human-arm-left, human-arm-right, human-leg-left, human-leg-right, spatial-arm"
+        "dd-arm, dd-arm-vertical, human-arm-left, human-arm-right, human-body, human-leg-left, "
+        "human-leg-right, spatial-arm"
     )
     known = f"No such file or directory; expected an arm file or one of {names}"
     assert said(2, *fit, "--arm", "dd-leg") == f"arm 'dd-leg': {known}"
