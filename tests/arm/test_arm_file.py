@@ -65,7 +65,8 @@ def arms(draw):
     sensors = [draw(st.builds(Sensor, st.just(n), rides_on, VECTOR, VECTOR, SCALE, VECTOR, LEAST)) for n in names]
     marked = draw(st.lists(NAME, max_size=3, unique=True))
     on_links = st.integers(0, len(joints))
-    markers = [draw(st.builds(Marker, st.just(n), on_links, VECTOR, st.none() | LEAST, st.none() | NAME)) for n in marked]
+    known = (on_links, VECTOR, st.none() | LEAST, st.none() | NAME)
+    markers = [draw(st.builds(Marker, st.just(name), *known)) for name in marked]
     gains = st.tuples(*[NUMBER] * len(joints))
     return Arm(
         draw(NAME.filter(lambda name: not name.startswith("."))),
