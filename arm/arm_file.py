@@ -10,8 +10,7 @@ import numpy as np
 from pydantic import ValidationError
 
 from arm.arm_schema import ArmTable, contradictions, mistakes_of
-from arm.body.limbs import LIMBS, MEAN_PERSON, limb
-from arm.body.whole_body import BODY, human_body
+from arm.body.limbs import BODY, LIMBS, MEAN_PERSON, limb
 from arm.model import Arm, Estimate
 from limbcal.errors import ConfigError, DeviceError
 from limbcal.suggestion import did_you_mean
@@ -41,6 +40,8 @@ def load_arm(source: str | Path) -> Arm:
         If there is no such arm, or with every mistake that its file makes.
     """
     if str(source) == BODY:
+        from arm.body.whole_body import human_body  # noqa: PLC0415 - a daemon's processes load no compiler for it
+
         return human_body(replace(MEAN_PERSON, preset=BODY))
     if str(source) in LIMBS:
         return limb(replace(MEAN_PERSON, preset=str(source)))

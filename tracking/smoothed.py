@@ -50,6 +50,8 @@ class Smoothed:
         By how much sensors were found to be late, if that was sought.
     is_near : bool
         Lengths and mountings are where they were held to be, within what they may be off.
+    by_eye : bool
+        Only sensors mounted by eye explain the readings: they sit otherwise than the arm's file has them.
     """
 
     states: Floats
@@ -67,6 +69,7 @@ class Smoothed:
     discrepancy: Discrepancy | None = None
     is_near: bool = True
     clocks: Clocks | None = None
+    by_eye: bool = False
 
     @property
     def variance(self) -> Floats:

@@ -1,6 +1,6 @@
 """What a smoother gives out, in the form in which a tracker does."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -52,7 +52,7 @@ def most_probable(arm: Arm, readings: Readings, q: Floats, given: bool) -> Smoot
         except DataError:
             break
         if found.is_exact:
-            return found
+            return replace(found, by_eye=mounting is ROUGH)
         exact = exact or found
     return DiscrepancySmoother(arm, q, given).smooth(readings, exact)
 

@@ -15,8 +15,8 @@ from scipy.spatial.transform import Rotation
 
 from arm.body.isb_frames import isb_frame
 from arm.body.landmarks import limb_map
-from arm.body.limbs import LIMBS
-from arm.body.whole_body import BODY, body_map
+from arm.body.limbs import BODY, LIMBS
+from arm.body.whole_body import body_map
 from arm.kinematics import axis_frames
 from arm.model import Arm, Floats
 

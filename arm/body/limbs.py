@@ -64,6 +64,7 @@ _HIP_TO_FOOT = (
     Axis(FORWARD, True, (-15.0, 35.0)),  # inversion
 )
 #: Presets, and whose limb each is.
+BODY = "human-body"
 LIMBS = ("human-arm-right", "human-arm-left", "human-leg-right", "human-leg-left")
 #: The mean man of the tables: what a preset is unless a person is given.
 MEAN_PERSON = Body("human-arm-right", 73.0, 1.741, "m")

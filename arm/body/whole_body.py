@@ -38,7 +38,6 @@ from arm.body.segments import Sex, above_hips_m, segment
 from arm.kinematics import axis_frames
 from arm.model import Arm, Body, Floats
 
-BODY = "human-body"
 SIDES = ("right", "left")
 #: Half the distance of the hips' centres, and how far the lumbar joint is behind them, as shares of stature: those
 #: of the model of Delp et al. (1990), a man of 1.80 m. A calibration replaces them.

@@ -6,8 +6,7 @@ from dataclasses import replace
 import numpy as np
 
 from arm.body.landmarks import LANDMARK_STD_M, landmark_places
-from arm.body.limbs import MEAN_PERSON
-from arm.body.whole_body import BODY
+from arm.body.limbs import BODY, MEAN_PERSON
 from arm.marker_kinematics import Integers
 from arm.model import Body, Floats
 from fitter.body.body_fit import BodyFit

@@ -10,8 +10,7 @@ from rich.progress import Progress
 from rich.table import Table
 
 from arm.arm_file import save_arm
-from arm.body.limbs import LIMBS
-from arm.body.whole_body import BODY
+from arm.body.limbs import BODY, LIMBS
 from arm.model import Body
 from fitter.commands.calibrated import calibrated_limb, calibrated_person
 from fitter.commands.limb_export import add_export, check_export, export

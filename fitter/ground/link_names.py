@@ -3,8 +3,8 @@
 import re
 
 from arm.body.landmarks import limb_map
-from arm.body.limbs import LIMBS
-from arm.body.whole_body import BODY, body_map
+from arm.body.limbs import BODY, LIMBS
+from arm.body.whole_body import body_map
 from arm.model import Arm
 from limbcal.errors import ConfigError
 

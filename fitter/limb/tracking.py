@@ -8,8 +8,8 @@ from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation, Slerp
 
 from arm.body.landmarks import limb_map
-from arm.body.limbs import LIMBS
-from arm.body.whole_body import BODY, body_map
+from arm.body.limbs import BODY, LIMBS
+from arm.body.whole_body import body_map
 from arm.effects.marker_effects import marked_in, slid_markers
 from arm.kinematics import rotation_from_rpy
 from arm.marker_kinematics import MarkerChain

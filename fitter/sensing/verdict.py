@@ -52,7 +52,7 @@ def verdict_of(said: Consistency | Smoothed, frames: int) -> Verdict:
     if isinstance(said, Smoothed):
         claim = Verdict(doubted=said.doubted, passes=said.passes, converged=said.converged, late_s=_late(said))
         if said.discrepancy is None:
-            return replace(claim, wrong=said.doubted > DOUBTED)
+            return replace(claim, wrong=said.by_eye or said.doubted > DOUBTED)
         lacks = said.discrepancy
         return replace(claim, wrong=True, discrepancy_m_s2=lacks.lack_std, base_m_s2=lacks.base_std)
     if said.size is None:  # a tracker that claims nothing

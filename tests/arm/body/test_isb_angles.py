@@ -9,8 +9,8 @@ from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
 from arm.body.isb_angles import isb_angles
-from arm.body.limbs import MEAN_PERSON
-from arm.body.whole_body import BODY, body_landmarks, body_map, human_body
+from arm.body.limbs import BODY, MEAN_PERSON
+from arm.body.whole_body import body_landmarks, body_map, human_body
 from arm.kinematics import axis_frames
 from arm.model import Marker
 

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from arm.arm_file import format_arm, load_arm, parse_arm
-from arm.body.limbs import MEAN_PERSON, limb
-from arm.body.whole_body import BODY, BRANCHES, body_landmarks, body_map, human_body, joint_places
+from arm.body.limbs import BODY, MEAN_PERSON, limb
+from arm.body.whole_body import BRANCHES, body_landmarks, body_map, human_body, joint_places
 from arm.kinematics import axis_frames
 from arm.model import Body
 from arm.newton_euler import inverse_dynamics, mass_matrix

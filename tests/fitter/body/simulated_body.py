@@ -7,8 +7,8 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from arm.body.landmarks import landmark_places
-from arm.body.limbs import MEAN_PERSON, limb
-from arm.body.whole_body import BODY, BRANCHES, body_landmarks, body_map, human_body
+from arm.body.limbs import BODY, MEAN_PERSON, limb
+from arm.body.whole_body import BRANCHES, body_landmarks, body_map, human_body
 from arm.kinematics import axis_frames
 from arm.model import Arm, Floats
 from fitter.body.body_fit import BodyFit

@@ -4,8 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from arm.body.limbs import MEAN_PERSON
-from arm.body.whole_body import BODY
+from arm.body.limbs import BODY, MEAN_PERSON
 from fitter.body.body_map import body_with_limbs
 
 

@@ -5,8 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from arm.body.limbs import MEAN_PERSON
-from arm.body.whole_body import BODY, body_landmarks
+from arm.body.limbs import BODY, MEAN_PERSON
+from arm.body.whole_body import body_landmarks
 from fitter.body.body_map import body_with_limbs
 from fitter.body.stance import stance
 from fitter.body.start import initial_body

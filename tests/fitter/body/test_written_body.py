@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from arm.arm_file import format_arm, parse_arm
-from arm.body.whole_body import BODY
+from arm.body.limbs import BODY
 from arm.kinematics import axis_frames
 from arm.model import Body
 from arm.newton_euler import inverse_dynamics

@@ -5,8 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from arm.body.limbs import MEAN_PERSON, limb
-from arm.body.whole_body import BODY, PELVIS_LINK, body_map, human_body
+from arm.body.limbs import BODY, MEAN_PERSON, limb
+from arm.body.whole_body import PELVIS_LINK, body_map, human_body
 from fitter.limb.floating_base import floating_angles, floating_joints
 from fitter.limb.free_geometry import geometry_of
 from fitter.limb.initial_geometry import joint_prior

@@ -83,7 +83,7 @@ def test_the_next_motion_is_tracked_better(fit, short_run, errors):
 
 def test_the_document_holds_every_number(fit):
     document = fit.document()
-    names = {"sensors", "not_revealed", "lengths", "passes", "converged", "doubted", "samples", "seconds"}
+    names = {"sensors", "not_revealed", "lengths", "passes", "converged", "doubted", "samples", "seconds", "axes"}
     assert set(document) == names
     assert set(document["sensors"]) == {"s1", "s2", "s3", "s4"}
     assert set(document["sensors"]["s1"]["turn_z"]) == {"value", "std", "unit", "identifiable"}
