@@ -21,7 +21,7 @@ def test_sensors_are_calibrated_and_written(fitter, raw, tmp_path):
     assert outcome.code == 0
     document = outcome.document
     assert set(document) == {
-        "sensors", "not_revealed", "passes", "converged", "doubted", "samples", "seconds", "out",
+        "axes", "sensors", "not_revealed", "passes", "converged", "doubted", "samples", "seconds", "out",
         "lengths", "notes",
     }  # fmt: skip
     assert (document["out"], document["samples"], document["converged"]) == (str(out), 20000, True)
