@@ -11,10 +11,10 @@ from tests.soak import Long
 
 #: Runs: in ``make soak``, and in ``make test``.
 RUNS = {
-    "frames": (1_000_000, 1_000),
-    "messages": (200_000, 1_000),
-    "configs": (200_000, 200),
-    "recordings": (200_000, 200),
+    "frames": (1_000_000, 4_000),
+    "messages": (200_000, 4_000),
+    "configs": (200_000, 800),
+    "recordings": (200_000, 800),
 }
 
 
