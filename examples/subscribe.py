@@ -1,4 +1,4 @@
-"""Print the joint angles that limbd streams, in degrees; needs nothing but pyzmq and msgpack."""
+# Print the joint angles that limbd streams, in degrees; needs nothing but pyzmq and msgpack.
 import math
 import struct
 import sys

@@ -1,6 +1,7 @@
 """A smoothed motion: how well it is known, and whether the arm explains the readings."""
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,6 +19,13 @@ NOISE_VARIANCE_TOLERANCE = 1.1**2
 BLOCK_S = 0.25
 #: Standard deviations beyond which something is hardly ever by chance: one in 16 000.
 SIGMAS = 4.0
+
+
+class MountedElsewhere(NamedTuple):
+    """The largest departures of sensors from the arm's file: of a place [m] and of a rotation [rad]."""
+
+    place_m: float
+    turn_rad: float
 
 
 @dataclass(frozen=True)
@@ -50,8 +58,8 @@ class Smoothed:
         By how much sensors were found to be late, if that was sought.
     is_near : bool
         Lengths and mountings are where they were held to be, within what they may be off.
-    by_eye : bool
-        Only sensors mounted by eye explain the readings: they sit otherwise than the arm's file has them.
+    mounted_elsewhere : MountedElsewhere, optional
+        Where only sensors that sit otherwise than the arm's file has them explain the readings: by how much.
     """
 
     states: Floats
@@ -69,7 +77,7 @@ class Smoothed:
     discrepancy: Discrepancy | None = None
     is_near: bool = True
     clocks: Clocks | None = None
-    by_eye: bool = False
+    mounted_elsewhere: MountedElsewhere | None = None
 
     @property
     def variance(self) -> Floats:

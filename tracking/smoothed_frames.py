@@ -9,9 +9,10 @@ from arm.model import Arm, Floats
 from limbcal.errors import DataError
 from tracking.discrepancy_smoother import DiscrepancySmoother
 from tracking.frames import Frames, Phase
+from tracking.observation import MOUNTING, Observation
 from tracking.readings import Readings
 from tracking.sensor_paths import SensorPaths
-from tracking.smoothed import Smoothed
+from tracking.smoothed import MountedElsewhere, Smoothed
 from tracking.smoother import Smoother
 from tracking.start import ROUGH, MountingPrior
 
@@ -28,9 +29,9 @@ class SmoothedMotion:
 def most_probable(arm: Arm, readings: Readings, q: Floats, given: bool) -> Smoothed:
     """Return the most probable motion: of the arm as its file has it, if that explains the readings.
 
-    Otherwise that of the arm with its sensors mounted as carefully as sensors are, and then of one whose sensors'
-    clocks differ or which were mounted by eye, if that does; and else that of an arm like it, with what the model
-    lacks learnt as well.
+    Otherwise that of the arm with its sensors mounted as carefully as sensors are; then of one whose sensors'
+    clocks differ; then of one whose sensors were mounted by eye, and of one with both, if that does: what departs
+    less from the file comes first. Else that of an arm like it, with what the model lacks learnt as well.
 
     Parameters
     ----------
@@ -46,15 +47,25 @@ def most_probable(arm: Arm, readings: Readings, q: Floats, given: bool) -> Smoot
     exact: Smoothed | None = None
     careful = None if arm.sensor_covariance is not None else MountingPrior()
     rough = None if arm.sensor_covariance is not None else ROUGH
-    for mounting, clocks in dict.fromkeys([(None, False), (careful, False), (careful, True), (rough, True)]):
+    departures = [(None, False), (careful, False), (careful, True), (rough, False), (rough, True)]
+    for mounting, clocks in dict.fromkeys(departures):
+        smoother = Smoother(arm, q, given, mounting, clocks)
         try:
-            found = Smoother(arm, q, given, mounting, clocks).smooth(readings)
+            found = smoother.smooth(readings)
         except DataError:
             break
         if found.is_exact:
-            return replace(found, by_eye=mounting is ROUGH)
+            elsewhere = _elsewhere(smoother.observation, found.final) if mounting is ROUGH else None
+            return replace(found, mounted_elsewhere=elsewhere)
         exact = exact or found
     return DiscrepancySmoother(arm, q, given).smooth(readings, exact)
+
+
+def _elsewhere(of: Observation, final: Floats) -> MountedElsewhere:
+    """Return the largest departures from the arm's file among the mountings in a state."""
+    mountings = np.array([final[first : first + MOUNTING] for first in of.mounting_column.tolist()])
+    turn, place = (float(np.linalg.norm(mountings[:, part : part + 3], axis=1).max()) for part in (3, 6))
+    return MountedElsewhere(place, turn)
 
 
 def smooth_motion(arm: Arm, readings: Readings, initial_q_rad: Floats | None) -> SmoothedMotion:

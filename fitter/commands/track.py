@@ -121,6 +121,13 @@ def _warn(run: RawRun, arm: Arm, part: Tracked) -> None:
             f"m/s^2 rms beyond the sensors' noise{base}; q_std allows for that. If its lengths or its sensors may "
             "be other than its file says, let `fitter sensors` find how they are"
         )
+    elif verdict.place_off_m is not None and verdict.turn_off_rad is not None:
+        off = f"{100.0 * verdict.place_off_m:.2g} cm and {np.rad2deg(verdict.turn_off_rad):.2g} deg"
+        say(
+            f"warning: {run.name}: the readings fit arm {arm.name!r} only if its sensors sit otherwise than its "
+            f"file says, by up to {off}; the motion allows for that; let `fitter sensors` find how they do, and "
+            "track with what it writes"
+        )
     elif verdict.wrong:
         share = f"{100 * (verdict.doubted or 0.0):.2g} % of the frames fit no motion of it"
         size = verdict.innovation

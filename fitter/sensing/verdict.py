@@ -35,6 +35,9 @@ class Verdict:
     late_s : float or None
         The largest difference of a sensor's clock from the first one's; None where all clocks agree, or none is
         known to differ.
+    place_off_m, turn_off_rad : float or None
+        The largest departures of a sensor's place and rotation from the arm's file, where only such explain the
+        readings.
     """
 
     innovation: float | None = None
@@ -45,6 +48,8 @@ class Verdict:
     discrepancy_m_s2: float | None = None
     base_m_s2: float | None = None
     late_s: float | None = None
+    place_off_m: float | None = None
+    turn_off_rad: float | None = None
 
 
 def verdict_of(said: Consistency | Smoothed, frames: int) -> Verdict:
@@ -52,7 +57,10 @@ def verdict_of(said: Consistency | Smoothed, frames: int) -> Verdict:
     if isinstance(said, Smoothed):
         claim = Verdict(doubted=said.doubted, passes=said.passes, converged=said.converged, late_s=_late(said))
         if said.discrepancy is None:
-            return replace(claim, wrong=said.by_eye or said.doubted > DOUBTED)
+            if said.mounted_elsewhere is None:
+                return replace(claim, wrong=said.doubted > DOUBTED)
+            place, turn = said.mounted_elsewhere
+            return replace(claim, wrong=True, place_off_m=place, turn_off_rad=turn)
         lacks = said.discrepancy
         return replace(claim, wrong=True, discrepancy_m_s2=lacks.lack_std, base_m_s2=lacks.base_std)
     if said.size is None:  # a tracker that claims nothing
@@ -79,7 +87,7 @@ def overall(verdicts: Sequence[Verdict], frames: Sequence[int]) -> dict[str, obj
     """Return what is said of several runs, of so many frames each, for a JSON document.
 
     ``innovation`` and ``doubted`` are means over the frames; ``passes``, what the model lacks, how its base
-    moves and how late a sensor is are the most of any run.
+    moves, how late a sensor is and how far it sits from its place are the most of any run.
     """
     known = [asdict(verdict) for verdict in verdicts]
     document: dict[str, object] = {}
@@ -87,9 +95,15 @@ def overall(verdicts: Sequence[Verdict], frames: Sequence[int]) -> dict[str, obj
         shares = [(one[name], n) for one, n in zip(known, frames, strict=True) if one[name] is not None]
         if shares:
             document[name] = sum(value * n for value, n in shares) / sum(n for _, n in shares)
-    most = (("passes", max), ("discrepancy_m_s2", max), ("base_m_s2", max), ("late_s", partial(max, key=abs)))
-    rules = (("wrong", any), ("converged", all), *most)
-    for name, of in rules:
+    most = (
+        ("passes", max),
+        ("discrepancy_m_s2", max),
+        ("base_m_s2", max),
+        ("late_s", partial(max, key=abs)),
+        ("place_off_m", max),
+        ("turn_off_rad", max),
+    )
+    for name, of in (("wrong", any), ("converged", all), *most):
         found = [one[name] for one in known if one[name] is not None]
         if found:
             document[name] = of(found)

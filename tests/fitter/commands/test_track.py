@@ -85,17 +85,28 @@ def test_unless_told_otherwise_the_whole_recording_is_smoothed(fitter, two_secon
     assert outcome.document["method"] == "smooth" and outcome.document["converged"] is True
 
 
-@pytest.mark.parametrize("method", ["filter", "smooth"])
-def test_readings_that_contradict_the_arm_are_warned_of(fitter, two_seconds, short_run, tmp_path, method):
+@pytest.fixture
+def moved_file(short_run, tmp_path):
     *others, last = short_run.arm.sensors
     moved = replace(short_run.arm, sensors=(*others, replace(last, position_m=(0.20, 0.05, 0.0))))
     save_arm(moved, tmp_path / "moved.toml")
-    out = tmp_path / "motion.npz"
-    outcome = fitter("track", two_seconds, "--arm", tmp_path / "moved.toml", "--method", method, "--out", out)
+    return tmp_path / "moved.toml"
+
+
+@pytest.mark.parametrize(
+    ("method", "says", "size"),
+    [
+        ("filter", "the readings differ from arm 'dd-arm' by", "discrepancy_m_s2"),
+        ("smooth", "the readings fit arm 'dd-arm' only if its sensors sit otherwise", "place_off_m"),
+    ],
+)
+def test_readings_that_contradict_the_arm_are_warned_of(fitter, two_seconds, moved_file, method, says, size):
+    out = moved_file.parent / "motion.npz"
+    outcome = fitter("track", two_seconds, "--arm", moved_file, "--method", method, "--out", out)
     assert outcome.code == 0 and outcome.document["wrong"] is True
-    assert "warning: start: the readings differ from arm 'dd-arm' by" in outcome.said
+    assert f"warning: start: {says}" in outcome.said
     assert "let `fitter sensors` find how they" in outcome.said
-    assert outcome.document["discrepancy_m_s2"] > 0.0
+    assert outcome.document[size] > 0.0
 
 
 def test_predicted_frames_are_marked_in_every_run_if_in_one(fitter, two_seconds, short_run, tmp_path):
