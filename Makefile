@@ -17,7 +17,9 @@ SOURCES := $(shell find arm daemon fitter limbcal playback protocol reproduction
 help: ## list the targets
 	@grep -hE '^[a-z]+:.*##' $(MAKEFILE_LIST) | sed 's/:.*## /\t/' | expand -t 10
 
-# Python compiles what is imported, when it is; much of the packages never is.
+# Python compiles what is imported, when it is, and keeps that even where it is told not to: the processes of a
+# daemon would compile their libraries at every start. Much of the packages is never imported.
+unexport PYTHONDONTWRITEBYTECODE
 $(STAMP): pyproject.toml constraints.txt
 	$(PYTHON) -m venv $(VENV)
 	$(BIN)/python -m pip install --quiet --no-compile --constraint constraints.txt --editable '.[view]'

@@ -7,13 +7,16 @@ from typing import Any
 
 import numpy as np
 import pytest
+import zmq
 
 from daemon.__main__ import main
 from daemon.recording.recorded_run import RecordedClock, blocks_of, counts_of, device_of, files_of
 from protocol.message import FRAMES, HEALTH, RAW, TRIAL, encode
 from protocol.recording import RecordingWriter
 from protocol.recording_reader import read_recording
-from tests.daemon.conftest import device_info, wait_until
+from protocol.subscriber import Subscriber
+from tests.daemon.conftest import device_info
+from tests.patience import PATIENCE_MS
 
 Limbd = Callable[..., Any]
 Fields = dict[str, Any]
@@ -43,8 +46,13 @@ def test_a_replay_is_the_run_bit_for_bit(limbd: Limbd, tmp_path: Path, method: s
     device.announcement()
     into = ("--record", str(tmp_path / "first"), *ANY_ENDPOINT, "--json")
     daemon = limbd("run", "--port", str(tmp_path / "device"), "--arm", "dd-arm", "--method", method, *into)
-    first = Path(daemon.announcement()["recording"])
-    wait_until(lambda: sum(block["n"] for block in recorded(first, RAW)) > 10 * 8000, "10 s are recorded")
+    announced = daemon.announcement()
+    first = Path(announced["recording"])
+    with zmq.Context() as context, Subscriber(context, announced["endpoint"], [HEALTH]) as subscriber:
+        samples = 0
+        while samples < 10 * 8000:
+            _, health = subscriber.receive(PATIENCE_MS) or pytest.fail("nothing came any more")
+            samples = health["samples"] + health["lost_samples"]
     assert daemon.stop() == 0
     assert device.stop() == 0
     assert recorded(first, HEALTH)[-1]["lost_samples"] > 2000

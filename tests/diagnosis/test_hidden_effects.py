@@ -24,7 +24,7 @@ def diagnosed(case: Case, folder: Path) -> Found:
     ("effect", "seed"),
     [
         ("quadratic_drag", 11),
-        ("cogging", 14),
+        ("cogging", 15),
         ("payload", 17),
     ],
 )
