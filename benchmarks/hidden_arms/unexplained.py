@@ -76,7 +76,8 @@ def fit(Y: Floats, tau: Floats, used: NDArray[np.bool_]) -> Floats:
     used : (n_sample, n)
         Which equations count.
     """
-    weight = used / rms(tau, used)
+    size = rms(tau, used)
+    weight = used / np.where(size > 0.0, size, 1.0)  # a joint that never moves has no equation
     A, b = (Y * weight[..., None]).reshape(-1, Y.shape[-1]), (tau * weight).ravel()
     scale = np.sqrt(np.sum(A * A, axis=0))
     scale[scale == 0.0] = 1.0

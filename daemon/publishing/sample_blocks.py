@@ -1,7 +1,8 @@
 """Cutting runs of samples into blocks of 10 ms, the same whatever the chunks that they came in.
 
 A block is what the tracker is given, what `limb/raw` sends and what is recorded, and it is stamped once, by the
-frame that its first sample came in: so a recording gives the same motion again bit for bit.
+frame that its first sample came in: so a recording gives the same motion again bit for bit. Where a frame holds
+several blocks and the stamps of the next frame wait for arrivals, the blocks' stamps wait, too: none goes back.
 """
 
 from collections import deque
@@ -11,6 +12,10 @@ import numpy as np
 from arm.model import Floats
 from daemon.publishing.motion_blocks import RawSamples, later, raw_block_size
 from daemon.reception.sample_runs import FrameTimes, Run
+
+#: The least time between two blocks' stamps, as a ratio to the first one's length: at this rate stamps of frames
+#: wait for arrivals (`daemon.clock.stamp_line`).
+_WAITING = 0.5
 
 
 class SampleBlocks:
@@ -28,6 +33,7 @@ class SampleBlocks:
         self._n_held = 0
         self._lost = 0
         self._sample = 0
+        self._earliest_ns = 0
         self._times: deque[FrameTimes] = deque()
 
     def add(self, run: Run) -> list[RawSamples]:
@@ -58,7 +64,8 @@ class SampleBlocks:
         while len(self._times) > 1 and self._times[1].sample0 <= self._sample:
             self._times.popleft()
         stamp = self._times[0].before(self._sample)
-        t0_ns = later(stamp.t_ns, self._sample - stamp.sample, stamp.dt_s)
+        t0_ns = max(later(stamp.t_ns, self._sample - stamp.sample, stamp.dt_s), self._earliest_ns)
+        self._earliest_ns = later(t0_ns, n, _WAITING * stamp.dt_s)
         block = RawSamples(self._sample, t0_ns, stamp.dt_s, a[:n], self._lost)
         self._sample += n
         self._lost = 0

@@ -18,7 +18,7 @@ def followed(arm: Arm, readings: np.ndarray, at_once: int = 50) -> tuple[np.ndar
 
 @pytest.mark.parametrize(("base", "lack", "error_deg"), [(0.0, 0.3, 2.0), (1.0, 0.05, 3.0)])
 def test_what_the_model_lacks_is_claimed(vertical_arm: Arm, base: float, lack: float, error_deg: float) -> None:
-    one = case(vertical_arm, 1, base=base, lack=lack)
+    one = case(vertical_arm, 1, base=base, lack=lack, seconds=12.0)
     q, std, tracker = followed(vertical_arm, one.readings.values)
     off = np.abs(q - one.q)
     assert np.mean(off < 3.0 * std) > 0.95

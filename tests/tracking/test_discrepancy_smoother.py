@@ -12,7 +12,7 @@ from tracking.discrepancy_smoother import DiscrepancySmoother
 from tracking.readings import Readings, ReadingsBuilder
 from tracking.smoothed_frames import most_probable
 
-RATE_HZ, SECONDS, REST_S, NOISE = 100.0, 12.0, 1.0, 0.02
+RATE_HZ, SECONDS, REST_S, NOISE = 100.0, 8.0, 1.0, 0.02
 
 
 class Case(NamedTuple):
@@ -31,9 +31,9 @@ def coloured(rng: np.random.Generator, std: float, memory_s: float, shape: tuple
     return x
 
 
-def case(arm: Arm, seed: int, base: float = 0.0, lack: float = 0.0) -> Case:
+def case(arm: Arm, seed: int, base: float = 0.0, lack: float = 0.0, seconds: float = SECONDS) -> Case:
     """Return readings of an arm that rests and then swings, on a base that moves, with errors of its model."""
-    rng, t = np.random.default_rng(seed), np.arange(0.0, SECONDS, 1.0 / RATE_HZ)
+    rng, t = np.random.default_rng(seed), np.arange(0.0, seconds, 1.0 / RATE_HZ)
     turns = 2.0 * np.pi * rng.uniform(0.3, 1.0, 2)
     since = np.maximum(t - REST_S, 0.0)[:, None]
     gone = 1.0 - np.exp(-(since**3))  # smooth to the acceleration
@@ -94,7 +94,7 @@ def test_what_an_earlier_recording_showed_is_known(vertical_arm: Arm) -> None:
 
 def test_a_gap_is_bridged(vertical_arm: Arm) -> None:
     one = case(vertical_arm, 5, lack=0.3)
-    one.readings.values[500:530] = np.nan
+    one.readings.values[400:430] = np.nan
     found = DiscrepancySmoother(vertical_arm, np.zeros(2), True).smooth(one.readings)
     assert np.isfinite(found.states).all() and np.isfinite(found.variance).all()
     assert within_3_std(found, one.q) > 0.97

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 from scipy.special import ellipk
@@ -115,6 +115,7 @@ def known_arm(arm: HiddenArm) -> Arm:
 
 @settings(max_examples=15, deadline=None)
 @given(seed=st.integers(0, 10**6), vertical=st.booleans())
+@example(seed=466265, vertical=False)  # a joint that never moves
 def test_base_columns_explain_a_plain_arm(seed: int, vertical: bool) -> None:
     rng = np.random.default_rng(seed)
     arm = draw_arm(rng, vertical, [])
@@ -123,8 +124,8 @@ def test_base_columns_explain_a_plain_arm(seed: int, vertical: bool) -> None:
     motion = simulate(arm, steps(n, seed), RATE_HZ, TRIAL_S, 2000.0, lead_s=0.0)
     Y = columns(arm.links[:, LENGTH], arm.gravity, motion.link_q, motion.link_dq, motion.link_ddq)
     used = slides(motion, 2000.0)
-    left = rms(motion.u - Y @ fit(Y, motion.u, used), used) / rms(motion.u, used)
-    assert left.max() < 1e-4  # friction is found to about so much
+    residual = rms(motion.u - Y @ fit(Y, motion.u, used), used)
+    assert np.all(residual <= 1e-4 * rms(motion.u, used))  # friction is found to about so much
 
 
 def slides(motion: Recorded, step_hz: float) -> NDArray[np.bool_]:

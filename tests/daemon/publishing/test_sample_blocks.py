@@ -87,3 +87,19 @@ def test_blocks_do_not_depend_on_the_runs(present: set[int], cuts: set[int]) -> 
     assert sum(p.lost for p in whole) == FRAME * (frames[-1] - frames[0] + 1 - len(frames))
     for piece in whole:
         assert abs(piece.t0_ns - time_ns(piece.sample0)) < 2_000
+
+
+def test_stamps_do_not_go_back_where_those_of_frames_wait() -> None:
+    """At 100 Hz each sample is a block, and a frame of eight that waits begins half a frame after the last one."""
+
+    class WaitingClock(SampleClock):
+        def utc_ns(self, ticks: int) -> int:
+            return 10**18 + round(0.5e9 * ticks / 100.0)
+
+    class SlowSteps:
+        def dt_s(self, _ticks: int) -> float:
+            return 0.01
+
+    times = FrameTimes(0, 8, [0, 8, 16], WaitingClock(), SlowSteps())
+    stamps = [block.t0_ns for block in SampleBlocks(100.0).add(Run(0, 0, [times], np.zeros((24, 1))))]
+    assert len(stamps) == 24 and np.diff(stamps).min() > 0
