@@ -25,6 +25,7 @@ from fitter.commands.options import (
     make_room,
     positive,
 )
+from fitter.commands.payload_option import add_payload, unloaded
 from fitter.commands.trial_sets import notes_of, trial_sets, with_notes
 from fitter.controller import controller
 from fitter.data.standstill import REST_SPEED
@@ -102,6 +103,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--compare", action="append", default=[], metavar="A", help="another arm to print beside")
     add_out(parser, "the calibrated arm, as an arm file")
     add_report(parser)
+    add_payload(parser)
     add_ground(parser)
     parser.set_defaults(action=dynamics)
 
@@ -121,8 +123,15 @@ def dynamics(arguments: argparse.Namespace) -> Document:
     if arguments.no_torque:
         arm = replace(arm, control=Control())
         learn, evaluate = ([undriven(trial) for trial in trials] for trials in (learn, evaluate))
-    notes = notes_of((*learn, *evaluate))
+    notes, load = notes_of((*learn, *evaluate)), dict[str, object]()
+    if arguments.payload is not None:
+        learn, evaluate, load, gauged = unloaded(arguments.payload, arm, learn, evaluate)
+        notes += tuple(gauged)
     say_notes(notes)
+    if arguments.payload is not None and (arguments.unknown_gains or arguments.no_torque):
+        raise ConfigError(
+            "--payload is a load on measured torque; expected it without --no-torque, --unknown-gains"
+        )
     if arguments.unknown_gains and arguments.report is not None:
         raise ConfigError("--report shows no gains; expected it without --unknown-gains")
     if arguments.unknown_gains:
@@ -142,6 +151,8 @@ def dynamics(arguments: argparse.Namespace) -> Document:
     revealed = report(arm, fit.base, fit.problem)
     say_fit(fit, compared, learnt, evaluated, revealed)
     answer = document(fit, learnt, evaluated) | {"identifiability": revealed.document()}
+    if load:
+        answer["payload"] = load
     if compared:
         answer["compared"] = {c.name: c.document(learn, evaluate, arguments.horizon) for c in compared}
         say_compared(answer["compared"])
@@ -186,6 +197,8 @@ def _from_sums(arguments: argparse.Namespace, arm: Arm) -> Document:
     """Learn from sums, saved ones or those of many files, without ever holding the motion itself."""
     if arguments.report is not None:
         raise ConfigError("--report shows motions, which sums no longer hold; expected motions to learn from")
+    if arguments.payload is not None:
+        raise ConfigError("sums no longer hold trials; expected motions to learn from with --payload")
     if arguments.objective not in ("auto", "torque") or arguments.unknown_gains or arguments.no_torque:
         raise ConfigError("sums know of the torque only: expected --objective torque, and no other way to learn")
     (saved, notes), evaluate = _sums(arguments, arm), []

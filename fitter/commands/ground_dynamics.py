@@ -20,7 +20,8 @@ from fitter.ground.ground_dynamics import learn_from_ground
 from fitter.ground.ground_score import ground_score
 from fitter.ground.ground_trial import GroundTrial, ground_trial
 from fitter.ground.link_names import link_named, link_names
-from limbcal.command import Document, console, say_notes
+from fitter.report.ground_page import write_ground_page
+from limbcal.command import Document, console, say_notes, show
 from limbcal.errors import ConfigError, Unusable
 from limbcal.note import Note, of_source
 
@@ -28,7 +29,7 @@ _Read = Callable[[argparse.Namespace, Arm], tuple[list[Trial], list[Trial]]]
 #: What learns from torque, and means nothing here.
 _NOT_HERE: tuple[tuple[str, object], ...] = (
     ("no_torque", False), ("unknown_gains", False), ("fix", None), ("bounds", None), ("dask", None), ("workers",
-    1), ("compare", []), ("report", None),
+    1), ("compare", []), ("payload", None),
 )  # fmt: skip
 
 
@@ -103,6 +104,10 @@ def ground_dynamics(arguments: argparse.Namespace, arm: Arm, read: _Read) -> Doc
     save_arm(fit.arm, arguments.out)
     answer = document(fit, scores, trials, names, prior=arguments.prior is not None)
     say_ground(fit, scores, names, prior=arguments.prior is not None)
+    if arguments.report is not None:
+        files = [*(Path(one) for one in (*arguments.learn, *arguments.evaluate)), *arguments.ground]
+        write_ground_page(arguments.report, fit, scores, judged or learnt_from, names, files, notes)
+        show(f"report: {arguments.report}")
     return with_notes(answer, notes)
 
 

@@ -1,0 +1,60 @@
+"""A known load leaves the bare arm's torque, and tells by which factor torque was measured too large."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from arm.effects.payload import with_load
+from arm.model import Link
+from fitter.data.trial import Trial
+from fitter.dynamics.known_load import KnownLoad, factor_notes, load_torque, torque_factors, without_load
+from limbcal.errors import DataError
+from tests.fitter.dynamics.test_torque_wiring import ARM, BASE, driven
+
+LOAD = KnownLoad(0.8, frozenset({2, 4}))
+
+
+def run(factors: tuple[float, float] = (1.0, 1.0), seed: int = 0) -> list[Trial]:
+    """Return four motions, the second and the fourth with a load."""
+    arms = [ARM, with_load(ARM, LOAD.mass_kg)] * 2
+    trials = [driven(arm, 10 * seed + k) for k, arm in enumerate(arms)]
+    return [replace(trial, tau=trial.tau * np.array(factors)) for trial in trials]
+
+
+def test_the_torque_of_a_load_is_linear_in_its_mass_and_of_no_link():
+    trial, one = driven(ARM, 0), load_torque(ARM, driven(ARM, 0), 1.0)
+    other = replace(ARM, joints=tuple(replace(joint, link=Link()) for joint in ARM.joints))
+    assert np.allclose(load_torque(ARM, trial, 2.5), 2.5 * one) and np.allclose(
+        load_torque(other, trial, 1.0), one
+    )
+
+
+def test_loaded_trials_become_those_of_the_bare_arm():
+    bare = without_load(ARM, run(), LOAD)
+    loaded = driven(with_load(ARM, LOAD.mass_kg), 1)
+    assert np.allclose(bare[1].tau, loaded.tau - load_torque(ARM, loaded, LOAD.mass_kg))
+    assert bare[0].tau is not None and np.array_equal(bare[0].tau, run()[0].tau)
+
+
+@pytest.mark.parametrize("factors", [(1.0, 1.0), (1.1, 0.9), (0.5, 2.0)])
+def test_factors_are_inside_their_intervals(factors):
+    found = [torque_factors(ARM, BASE, run(factors, seed), LOAD) for seed in range(5)]
+    off = np.array([[(one.value - c) / one.std for one, c in zip(some, factors, strict=True)] for some in found])
+    assert np.sqrt(np.mean(off**2)) < 2.0
+    assert all(one.std < 0.03 * c for some in found for one, c in zip(some, factors, strict=True))
+    said = [note.text for note in factor_notes(found[0])]
+    assert len(said) == (0 if factors == (1.0, 1.0) else 2)
+    assert all(note.startswith("by the known load the torque of joint") for note in said)
+
+
+def test_without_a_bare_trial_no_factor_is_known():
+    assert torque_factors(ARM, BASE, run(), KnownLoad(0.8, frozenset({1, 2, 3, 4}))) == []
+    assert torque_factors(ARM, BASE, run()[:1], LOAD) == []
+
+
+def test_a_trial_that_is_not_there_or_has_no_torque_is_said():
+    with pytest.raises(DataError, match="names trial 9 of 4"):
+        without_load(ARM, run(), KnownLoad(0.8, frozenset({9})))
+    with pytest.raises(DataError, match="no torque was measured"):
+        without_load(ARM, [replace(trial, tau=None) for trial in run()], LOAD)
