@@ -103,7 +103,7 @@ def ground_figure(fit: GroundFit, trial: GroundTrial) -> Figure:
         force.plot(trial.t, wrench[:, :3] @ up, line, color=colour, label=label)
         moment.plot(trial.t, np.linalg.norm(wrench[:, 3:], axis=1), line, color=colour)
     force.set(ylabel="vertical force [N]")
-    moment.set(xlabel="time [s]", ylabel="moment about the base link [N m]")
+    moment.set(xlabel="time [s]", ylabel="moment about the\nbase link [N m]")
     force.legend(loc="upper right")
     return figure
 

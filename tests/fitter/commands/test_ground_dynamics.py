@@ -56,17 +56,6 @@ def test_masses_are_learnt_judged_and_written(recorded, capsys):
     assert abs(written / theta[9::10].sum() - 1.0) < 0.01
 
 
-def test_the_page_has_the_segments_and_the_ground(recorded, capsys):
-    folder, theta = recorded
-    page = folder / "page.html"
-    assert dynamics(folder, ["learn.mot", "judge.mot"], "--prior", "regression", "--report", str(page)) == 0
-    answer, text = json.loads(capsys.readouterr().out), page.read_text("utf-8")
-    assert f"{answer['total_mass_kg']['value']:.2f} ±" in text and text.count("data:image/png") == 1
-    for row in answer["segments"]:
-        assert row["segment"] in text and f"{row['mass_kg']['value']:.3f}" in text
-    assert "left at the prior" in text and "judge" in text and "learn.mot" in text
-
-
 def test_half_of_the_ground_is_refused(recorded, capsys):
     folder, _ = recorded
     assert dynamics(folder, ["learn-half.mot", "judge-half.mot"], "--prior", "regression") == 4
