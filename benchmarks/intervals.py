@@ -27,8 +27,6 @@ from protocol.message import FRAMES, TRIAL
 from tracking.tracker import Tracker, tracker_of
 
 RATE_HZ, BLOCK = 32000.0, 32 * 32
-#: Of the normal distribution: 95 % lie within.
-WITHIN_95 = 1.959964
 
 
 def truth_of(arm: Arm) -> dict[str, float]:

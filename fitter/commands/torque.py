@@ -8,8 +8,6 @@ from pathlib import Path
 import numpy as np
 from rich.progress import track as progress
 
-from arm.body.landmarks import limb_map
-from arm.body.limbs import LIMBS
 from arm.effects.effect_table import changed
 from arm.effects.resisting_torque import resisting_torque
 from arm.kinematics import axis_frames
@@ -20,6 +18,7 @@ from fitter.commands.options import MOTION_SUFFIXES, add_arm, add_columns, add_o
 from fitter.data.base_columns import BASE_COLUMNS, base_state, derivatives
 from fitter.data.motion_file import write_motion
 from fitter.data.motions import TIP, Measured, read_motions
+from fitter.ground.link_names import link_named, segments
 from fitter.markers.wrench_files import EMPTY_N, PlateWrench, read_wrenches
 from limbcal.command import Document, console, say_notes, show
 from limbcal.errors import ConfigError, DataError
@@ -122,7 +121,7 @@ def contacts_of(texts: Sequence[str], plates: Sequence[PlateWrench], arm: Arm) -
         loaded = [plate for plate in plates if plate.is_loaded]
         if len(loaded) > 1:
             names = ", ".join(plate.name for plate in loaded)
-            last = next(reversed(_segments(arm)), str(arm.n_joint))
+            last = next(reversed(segments(arm)), str(arm.n_joint))
             raise ConfigError(
                 f"plates {names} are loaded, expected --contact PLATE=LINK for those on this limb, such as "
                 f"--contact {loaded[0].name!r}={last}"
@@ -130,26 +129,14 @@ def contacts_of(texts: Sequence[str], plates: Sequence[PlateWrench], arm: Arm) -
         return [(plate, arm.n_joint) for plate in loaded]
     found = []
     for text in texts:
-        name, _, link = text.partition("=")
+        name, link = link_named(text, arm)
         by_number = {str(k): plate for k, plate in enumerate(plates, 1)}
-        plate = next((p for p in plates if p.name == name.strip()), by_number.get(name.strip()))
+        plate = next((p for p in plates if p.name == name), by_number.get(name))
         if plate is None:
             there = ", ".join(p.name for p in plates)
             raise ConfigError(f"--contact {text!r}: no such plate, expected {there}, or a number from 1")
-        segments = _segments(arm)
-        joint = segments.get(link.strip(), int(link) if link.strip().isdecimal() else 0)
-        if not 1 <= joint <= arm.n_joint:
-            named = "".join(f", {name}" for name in segments)
-            raise ConfigError(f"--contact {text!r}: the link is {link!r}, expected 1 to {arm.n_joint}{named}")
-        found.append((plate, joint))
+        found.append((plate, link + 1))
     return found
-
-
-def _segments(arm: Arm) -> dict[str, int]:
-    """Return the joint that moves each segment of a person's limb, counted from 1; of another arm none."""
-    if arm.name not in LIMBS:
-        return {}
-    return {name: part.link + 1 for name, part in limb_map(arm.name, arm.n_joint).parts.items()}
 
 
 def _masses(arm: Arm) -> list[Note]:
@@ -202,7 +189,7 @@ def _far(
 ) -> list[Note]:
     """Say if a plate's force acts farther from a person's link than a foot is long."""
     loaded = np.linalg.norm(force, axis=1) > EMPTY_N
-    if arm.name not in LIMBS or not loaded.any():
+    if not segments(arm) or not loaded.any():
         return []
     origin = np.einsum("nij,nj->ni", base.R, axis_frames(arm, q)[:, joint - 1, :3, 3]) + base.p
     far = float(np.median(np.linalg.norm(point_m - origin, axis=1)[loaded]))
