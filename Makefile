@@ -39,7 +39,7 @@ run: $(KERNELS) ## the main job on the virtual arm: measure, calibrate, simulate
 	@$(BIN)/python examples/main_job.py --out out
 
 test: $(TEST_STAMP) ## all tests, in two processes
-	$(BIN)/python -m pytest -n 2 --dist worksteal
+	$(BIN)/python -m pytest -n 2 --dist worksteal --durations 40 --durations-min 5
 
 soak: $(TEST_STAMP) ## endurance at length (two hours and a half): faults, kills, crowds, load, fuzzing; shows figures
 	$(BIN)/python -m pytest --long tests/soak tests/fuzz tests/playback tests/examples/test_human_arm.py
