@@ -114,7 +114,7 @@ class DiscrepancyFit:
     @property
     def limit(self) -> float:
         """The log-likelihood that rounds without end would come to, by Aitken's extrapolation [nats]."""
-        ratio = self._gain / self._last_gain
+        ratio = self._gain / self._last_gain if self._last_gain else 0.0
         return self.log_likelihood + (self._gain * ratio / (1.0 - ratio) if 0.0 < ratio < 1.0 else 0.0)
 
     @property

@@ -79,7 +79,7 @@ class DiscrepancySmoother:
             begins.append(Begin(states, float(np.sqrt(np.square(exact.residual).mean()))))
         coarse, rounds = coarser(course, stride), 0
 
-        def told() -> None:
+        def count_round() -> None:
             nonlocal rounds
             rounds += 1
             if progress is not None:
@@ -93,14 +93,14 @@ class DiscrepancySmoother:
         if known is not None and known.discrepancy is not None:  # of the same arm on the same base
             sizes = known.discrepancy
             fits = [fit(sizes.base_std > 0.0, sizes.memory_s, begin) for begin in begins]
-            return self._smoothed(likeliest(fits, [0.0] * len(fits), told), course, stride, rounds)
+            return self._smoothed(likeliest(fits, [0.0] * len(fits), count_round), course, stride, rounds)
         moves = [False, True] if len({sensor.joint for sensor in self._arm.sensors}) > 1 else [False]
         kinds = [(base, begin) for base in moves for begin in begins]  # what one link's sensors share is its own
         fits = [fit(base, MEMORIES_S[1], begin) for base, begin in kinds]
-        best = likeliest(fits, [_ODDS_NATS * base for base, _ in kinds], told)
+        best = likeliest(fits, [_ODDS_NATS * base for base, _ in kinds], count_round)
         base, begin = kinds[fits.index(best)]
         others = [fit(base, memory_s, begin) for memory_s in (MEMORIES_S[0], MEMORIES_S[2])]
-        return self._smoothed(likeliest([best, *others], [0.0] * 3, told), course, stride, rounds)
+        return self._smoothed(likeliest([best, *others], [0.0] * 3, count_round), course, stride, rounds)
 
     def _begin(
         self, of: Observation, size: int, readings: Readings, known: Smoothed | None

@@ -13,7 +13,7 @@ from typing import NamedTuple
 #: A better line is approached within this time, by a rate that differs by no more than this [s, ratio].
 _APPROACH_S, _MOST_OFF = 10.0, 1e-2
 #: While stamps wait for arrivals that they are ahead of they go on by this fraction of the rate; a convention.
-_WAITING = 0.5
+WAITING = 0.5
 #: More pieces than are begun in the time for which samples wait for their stamps.
 _PIECES = 1024
 
@@ -75,7 +75,7 @@ class StampLine:
         if device_s <= self._asked_s:
             return
         here_s, rate = self.at(self._asked_s), self._pieces[-1].rate
-        slow = max(_WAITING * rate, (most_s - here_s) / (device_s - self._asked_s))
+        slow = max(WAITING * rate, (most_s - here_s) / (device_s - self._asked_s))
         waiting = _Piece(self._asked_s, here_s, slow)
         self._go_on(waiting)
         self._go_on(_Piece(device_s, waiting.at(device_s), rate))

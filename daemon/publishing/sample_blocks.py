@@ -10,12 +10,9 @@ from collections import deque
 import numpy as np
 
 from arm.model import Floats
+from daemon.clock.stamp_line import WAITING
 from daemon.publishing.motion_blocks import RawSamples, later, raw_block_size
 from daemon.reception.sample_runs import FrameTimes, Run
-
-#: The least time between two blocks' stamps, as a ratio to the first one's length: at this rate stamps of frames
-#: wait for arrivals (`daemon.clock.stamp_line`).
-_WAITING = 0.5
 
 
 class SampleBlocks:
@@ -65,7 +62,7 @@ class SampleBlocks:
             self._times.popleft()
         stamp = self._times[0].before(self._sample)
         t0_ns = max(later(stamp.t_ns, self._sample - stamp.sample, stamp.dt_s), self._earliest_ns)
-        self._earliest_ns = later(t0_ns, n, _WAITING * stamp.dt_s)
+        self._earliest_ns = later(t0_ns, n, WAITING * stamp.dt_s)
         block = RawSamples(self._sample, t0_ns, stamp.dt_s, a[:n], self._lost)
         self._sample += n
         self._lost = 0

@@ -13,6 +13,9 @@ from limbcal.note import Note
 
 Trials = Sequence[Trial]
 
+#: No run has a trial of a higher number: the catalogue's bound (`arm.effects.payload`).
+_LAST = 1_000_000
+
 
 def add_payload(parser: argparse.ArgumentParser) -> None:
     """Add the option."""
@@ -33,7 +36,7 @@ def known_load(text: str) -> KnownLoad:
         mass_kg = float(mass)
         for part in trials.split(","):
             first, dash, last = part.partition("-")
-            numbers |= set(range(int(first), int(last if dash else first) + 1))
+            numbers |= set(range(int(first), min(int(last if dash else first), _LAST) + 1))
     except ValueError:
         mass_kg = math.nan
     if not (colon and numbers and 0.0 < mass_kg < math.inf and min(numbers) >= 1):

@@ -33,10 +33,14 @@ _SAMPLES = 2000
 #: Length of a block, within which errors may resemble each other [s]; and how many there are in all, at least:
 #: of fewer the scatter says little.
 _BLOCK_S, _BLOCKS = 0.5, 60
-#: Steps of Gauss and Newton at the most, and when they end: relative to the standard error.
-_STEPS, _CLOSE_ENOUGH = 30, 1e-3
-#: A factor is said to be other than one beyond so many standard errors: by chance one in 16 000.
+#: Gauss-Newton steps at the most; they end when no factor changes by more than this.
+_STEPS, _CLOSE_ENOUGH = 30, 1e-6
+#: Number of standard errors beyond which a factor differs from one: by chance one in 16 000.
 _SIGMAS = 4.0
+#: Singular values below this ratio to the largest are zero.
+_RANK = 1e-9
+#: A number is determined if no more than this part of it, squared, lies in the null space.
+_NULL = 1e-6
 
 
 @dataclass(frozen=True)
@@ -74,14 +78,18 @@ def without_load(arm: Arm, trials: Sequence[Trial], load: KnownLoad) -> list[Tri
     bare = []
     for k, trial in enumerate(trials, 1):
         if k in load.trials:
-            if trial.tau is None:
-                raise DataError(f"{trial.name}: no torque was measured, expected columns tau1… with --payload")
             added = load_torque(arm, trial, load.mass_kg)
             measured = None if trial.tau_measured is None else trial.tau_measured - added
-            bare.append(replace(trial, tau=trial.tau - added, tau_measured=measured, whole={}))
+            bare.append(replace(trial, tau=_torque(trial) - added, tau_measured=measured, whole={}))
         else:
             bare.append(trial)
     return bare
+
+
+def _torque(trial: Trial) -> Floats:
+    if trial.tau is None:
+        raise DataError(f"{trial.name}: no torque was measured, expected columns tau1… with --payload")
+    return trial.tau
 
 
 def load_torque(arm: Arm, trial: Trial, mass_kg: float) -> Floats:
@@ -103,6 +111,11 @@ def torque_factors(
     trials : sequence of Trial
         Those learnt from, with the torque as it was measured.
     load : KnownLoad
+
+    Raises
+    ------
+    DataError
+        If one has no measured torque.
     """
     loaded = [k in load.trials for k in range(1, len(trials) + 1)]
     if not any(loaded) or all(loaded):
@@ -113,7 +126,7 @@ def torque_factors(
     Y, known, tau, used = (np.concatenate(some) for some in list(zip(*parts, strict=True))[:4])
     n_base, n = Y.shape[2], arm.n_joint
     x = np.concatenate([np.zeros(n_base), np.ones(n)])
-    scale = np.sqrt(np.mean(tau**2, axis=0, where=used))
+    scale = np.sqrt(np.sum(tau**2 * used, axis=0) / np.maximum(np.count_nonzero(used, axis=0), 1))
     weight = used / np.where(scale > 0.0, scale, 1.0)
 
     def equations(x: Floats) -> tuple[Floats, Floats]:
@@ -122,13 +135,13 @@ def torque_factors(
         slopes = np.concatenate([c[:, None] * Y, explained[:, :, None] * np.eye(n)], axis=2)
         return slopes * weight[..., None], (tau - c * explained) * weight
 
-    pinv = np.linalg.pinv((Y * weight[..., None]).reshape(-1, n_base), rcond=1e-9)
+    pinv = np.linalg.pinv((Y * weight[..., None]).reshape(-1, n_base), rcond=_RANK)
     x[:n_base] = pinv @ ((tau - known) * weight).ravel()
     for _ in range(_STEPS):
         A, r = equations(x)
-        step, *_, singular = np.linalg.lstsq(A.reshape(-1, A.shape[2]), r.ravel(), rcond=1e-9)
+        step = np.linalg.lstsq(A.reshape(-1, A.shape[2]), r.ravel(), rcond=_RANK)[0]
         x = x + step
-        if np.abs(step[n_base:]).max() < _CLOSE_ENOUGH * np.sqrt(np.mean(r**2)) / max(float(singular[0]), 1e-300):
+        if np.abs(step[n_base:]).max() < _CLOSE_ENOUGH:
             break
     A, r = equations(x)
     std = _standard_errors(A, r, [part[4] for part in parts])[n_base:]
@@ -174,16 +187,15 @@ def factor_notes(factors: Sequence[FittedParameter]) -> list[Note]:
 def _rows(
     arm: Arm, base: BaseParameters, trial: Trial, mass_kg: float, least: int
 ) -> tuple[Floats, Floats, Floats, NDArray[np.bool_], list[int]]:
-    """Return regressor, known torque, measured torque, which count, and how many rows each block has.
+    """Return regressor, known torque, measured torque, which count, and the number of rows of each block.
 
-    There are at least so many blocks.
+    ``least`` is the smallest number of blocks.
     """
-    assert trial.tau is not None
     at = np.arange(0, len(trial.q), max(1, len(trial.q) // _SAMPLES))
     Y = regressor(arm, trial.q, trial.dq, trial.ddq)[..., base.independent]
     known = load_torque(arm, trial, mass_kg) if mass_kg else np.zeros_like(trial.q)
     used = moving_all_along(trial, slice(0, len(trial.q)), REST_SPEED)
-    lowpassed = [trial.lowpass(one)[at] for one in (Y, known, trial.tau)]
+    lowpassed = [trial.lowpass(one)[at] for one in (Y, known, _torque(trial))]
     blocks = np.array_split(at, max(least, round(len(trial.q) * trial.dt_s / _BLOCK_S)))
     return lowpassed[0], lowpassed[1], lowpassed[2], used[at], [len(block) for block in blocks]
 
@@ -191,8 +203,8 @@ def _rows(
 def _standard_errors(A: Floats, r: Floats, blocks: Sequence[Sequence[int]]) -> Floats:
     """Return standard errors that allow for errors that resemble their neighbours'; NaN for what is not known."""
     n = A.shape[2]
-    U, s, Vt = np.linalg.svd(A.reshape(-1, n), full_matrices=False)
-    kept = s > 1e-9 * s[0]
+    _, s, Vt = np.linalg.svd(A.reshape(-1, n), full_matrices=False)
+    kept = s > _RANK * s[0]
     ends = np.cumsum([length for trial in blocks for length in trial])[:-1]
     group = np.repeat(np.arange(len(blocks)), [len(trial) for trial in blocks])
     V = Vt[kept].T
@@ -203,5 +215,5 @@ def _standard_errors(A: Floats, r: Floats, blocks: Sequence[Sequence[int]]) -> F
         scores.append(rows.T @ residual.ravel())
     covariance = sandwich_covariance(np.diag(s[kept]), np.array(grams), np.array(scores), group)
     std = np.sqrt(np.diag(V @ covariance @ V.T))
-    revealed = np.sum(V**2, axis=1) > 1.0 - 1e-6
+    revealed = np.sum(V**2, axis=1) > 1.0 - _NULL
     return np.where(revealed, std, np.nan)

@@ -52,9 +52,9 @@ class Racer:
 
 
 def test_a_race_is_won_by_the_likeliest_and_the_hopeless_give_up() -> None:
-    racers, told = [Racer(0.0), Racer(10.0), Racer(-5e3)], []
-    assert likeliest(racers, [0.0] * 3, lambda: told.append(1)) is racers[1]
-    assert racers[2].done < 15 and len(told) == sum(one.done for one in racers)
+    racers, rounds = [Racer(0.0), Racer(10.0), Racer(-5e3)], []
+    assert likeliest(racers, [0.0] * 3, lambda: rounds.append(1)) is racers[1]
+    assert racers[2].done < 15 and len(rounds) == sum(one.done for one in racers)
 
 
 def test_prior_odds_against_a_kind_count() -> None:

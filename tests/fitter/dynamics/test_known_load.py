@@ -57,4 +57,16 @@ def test_a_trial_that_is_not_there_or_has_no_torque_is_said():
     with pytest.raises(DataError, match="names trial 9 of 4"):
         without_load(ARM, run(), KnownLoad(0.8, frozenset({9})))
     with pytest.raises(DataError, match="no torque was measured"):
+        torque_factors(ARM, BASE, [replace(trial, tau=None) for trial in run()], LOAD)
+    with pytest.raises(DataError, match="no torque was measured"):
         without_load(ARM, [replace(trial, tau=None) for trial in run()], LOAD)
+
+
+def test_of_a_joint_that_never_moves_no_factor_is_known():
+    def held(trial: Trial) -> Trial:
+        moves = np.array([1.0, 0.0])
+        return replace(trial, q=trial.q * moves, dq=trial.dq * moves, ddq=trial.ddq * moves)
+
+    first, second = torque_factors(ARM, BASE, [held(trial) for trial in run()], LOAD)
+    assert not second.identifiable and np.isnan(second.std)
+    assert np.isfinite(first.value)

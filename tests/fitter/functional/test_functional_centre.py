@@ -12,7 +12,7 @@ from tests.fitter.functional.poses import recorded, segments, simulated
 from tests.fitter.functional.simulated_limb import Limb
 from tests.fitter.functional.test_score import HIP
 
-#: Intervals of 95 % hold at least so many of draws: by chance fewer do once in a thousand times.
+#: Number of draws, and the least coverage of 95 % intervals among them.
 DRAWS, LEAST_HELD = 40, 0.85
 
 
