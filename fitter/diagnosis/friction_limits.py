@@ -197,7 +197,10 @@ class FrictionLimits:
             hypothetical = self._equations.hypothetical(model, pushed)
             columns = hypothetical.equations(self._equations.independent(hypothetical.arm))
             both = np.concatenate([columns, hypothetical.target(self._equations.known)[..., None]], axis=2)
-            sides.append(np.einsum("ns,snk->nk", own.average, both[:, own.joint]))
+            side = np.empty((len(own.joint), both.shape[2]))
+            for j in range(both.shape[1]):
+                side[own.joint == j] = own.average[own.joint == j] @ both[:, j]
+            sides.append(side)
         rows = np.where(own.forward[:, None], *sides) * own.unit[:, None]
         return _Limits(own.joint, rows[:, :-1], rows[:, -1], own.static * own.unit)
 

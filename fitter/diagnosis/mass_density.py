@@ -45,11 +45,12 @@ class _Masses:
 
     def at(self, x: Floats) -> Floats:
         """Return the masses under factors x, (n, n_joint, n_joint)."""
-        return self.known + self.slopes @ x[self.kept]
+        flat = self.slopes.reshape(-1, self.slopes.shape[-1])
+        return self.known + (flat @ x[self.kept]).reshape(self.known.shape)
 
     def traces(self, x: Floats) -> tuple[Floats, Floats]:
         """Return the weighted traces of M^-1 M_k and of M^-1 M_k M^-1 M_l by all factors; 0 for those not kept."""
-        B, n_joint = solved_slopes(self.known, self.slopes, x[self.kept]), self.known.shape[1]
+        B, n_joint = solved_slopes(self.at(x), self.slopes), self.known.shape[1]
         score, information = np.zeros(len(x)), np.zeros((len(x), len(x)))
         score[self.kept] = sum(self.weight @ B[:, i, i] for i in range(n_joint))
         weighted = (self.weight[:, None, None, None] * B).reshape(-1, len(self.kept))
@@ -98,7 +99,7 @@ class MassDensity:
     def of(self, model: Model, x: Floats, motions: Sequence[Motion]) -> float:
         """Return ``w sum log |det M|`` over some motions [nats]; minus infinity for what is no mass."""
         masses = self._masses(model, motions)
-        return float(log_determinant(masses.known, masses.slopes, masses.weight, x[masses.kept]))
+        return float(log_determinant(masses.at(x), masses.weight))
 
     def unit(self, model: Model, x: Floats, motions: Sequence[Motion], numbers: float) -> float:
         """Return ``exp(-w sum log |det M| / n)``, 1 for the base model; what has no mass is a large one.

@@ -11,69 +11,65 @@ _LEAST_PIVOT = float(np.sqrt(ROUNDED))
 
 
 @compiled
-def log_determinant(known: Floats, slopes: Floats, weight: Floats, x: Floats) -> float:
-    """Return ``sum w log det M`` of masses ``M = known + slopes x``; minus infinity if one of them is no mass.
+def log_determinant(masses: Floats, weight: Floats) -> float:
+    """Return ``sum w log det M`` of masses M; minus infinity if one of them is no mass.
 
     A mass has a positive definite symmetric part.
 
     Parameters
     ----------
-    known : (n, n_joint, n_joint)
-    slopes : (n, n_joint, n_joint, n_factor)
+    masses : (n, n_joint, n_joint)
     weight : (n,)
-    x : (n_factor,)
     """
-    n, n_joint = slopes.shape[:2]
+    n, n_joint = masses.shape[:2]
     M, S = np.empty((n_joint, n_joint)), np.empty((n_joint, n_joint))
     total = 0.0
     for t in range(n):
-        _mass(known[t], slopes[t], x, M)
-        S[:] = 0.5 * (M + M.T)
-        largest = np.abs(M).max()
+        largest = 0.0
+        for i in range(n_joint):
+            for j in range(n_joint):
+                M[i, j] = masses[t, i, j]
+                S[i, j] = 0.5 * (masses[t, i, j] + masses[t, j, i])
+                largest = max(largest, abs(M[i, j]))
         if not _eliminated(S) > _LEAST_PIVOT * largest:
             return -np.inf
         _eliminated(M)
+        determinant = 1.0
         for i in range(n_joint):
-            total += weight[t] * np.log(M[i, i])
+            determinant *= M[i, i]
+        total += weight[t] * np.log(determinant)
     return total
 
 
 @compiled
-def solved_slopes(known: Floats, slopes: Floats, x: Floats) -> Floats:
-    """Return ``M^-1 M_k`` for masses ``M = known + slopes x`` with slopes ``M_k``, shaped like these.
+def solved_slopes(masses: Floats, slopes: Floats) -> Floats:
+    """Return ``M^-1 M_k`` for masses M with slopes ``M_k``, shaped like these.
 
     The symmetric part of every M is positive definite.
 
     Parameters
     ----------
-    known : (n, n_joint, n_joint)
+    masses : (n, n_joint, n_joint)
     slopes : (n, n_joint, n_joint, n_factor)
-    x : (n_factor,)
     """
-    n, n_joint = slopes.shape[:2]
+    n, n_joint, _, n_factor = slopes.shape
     M, B = np.empty((n_joint, n_joint)), slopes.copy()
     for t in range(n):
-        _mass(known[t], slopes[t], x, M)
+        M[:] = masses[t]
         _eliminated(M)
         for i in range(n_joint):
             for j in range(i):
-                B[t, i] -= M[i, j] * B[t, j]
+                for k in range(n_joint):
+                    for m in range(n_factor):
+                        B[t, i, k, m] -= M[i, j] * B[t, j, k, m]
         for i in range(n_joint - 1, -1, -1):
-            for j in range(i + 1, n_joint):
-                B[t, i] -= M[i, j] * B[t, j]
-            B[t, i] /= M[i, i]
+            for k in range(n_joint):
+                for m in range(n_factor):
+                    rest = B[t, i, k, m]
+                    for j in range(i + 1, n_joint):
+                        rest -= M[i, j] * B[t, j, k, m]
+                    B[t, i, k, m] = rest / M[i, i]
     return B
-
-
-@compiled
-def _mass(known: Floats, slopes: Floats, x: Floats, M: Floats) -> None:
-    """Put ``known + slopes x`` into M, (n_joint, n_joint)."""
-    n_joint, _, n_factor = slopes.shape
-    for i in range(n_joint):
-        for j in range(n_joint):
-            M[i, j] = known[i, j]
-            for k in range(n_factor):
-                M[i, j] += slopes[i, j, k] * x[k]
 
 
 @compiled
