@@ -38,7 +38,7 @@ $(KERNELS): $(STAMP) $(SOURCES)
 run: $(KERNELS) ## the main job on the virtual arm: measure, calibrate, simulate, play; writes out/report.html
 	@$(BIN)/python examples/main_job.py --out out
 
-test: $(TEST_STAMP) ## all tests, in two processes
+test: $(TEST_STAMP) $(KERNELS) ## all tests, in two processes
 	$(BIN)/python -m pytest -n 2 --dist worksteal --durations 40 --durations-min 5
 
 soak: $(TEST_STAMP) ## endurance at length (two hours and a half): faults, kills, crowds, load, fuzzing; shows figures

@@ -96,7 +96,12 @@ class ShortRun:
 
 @pytest.fixture(scope="session")
 def short_run() -> ShortRun:
-    arm, bench = load_arm("dd-arm"), Bench(rate_hz=4000.0, learning=2, evaluating=1)
+    return run_of(load_arm("dd-arm"))
+
+
+def run_of(arm: Arm) -> ShortRun:
+    """Return a short run of an arm."""
+    bench = Bench(rate_hz=4000.0, learning=2, evaluating=1)
     rng = np.random.default_rng(0)
     sensors = Sensors(arm, draw_sensor_errors(arm, rng, noise=0.0), bench.rate_hz, rng)
     trials = list(motions(arm, bench, seed=0))

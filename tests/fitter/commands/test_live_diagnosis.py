@@ -2,15 +2,18 @@
 
 import json
 import tempfile
+from dataclasses import replace
 
 import pytest
 import zmq
 
-from arm.arm_file import load_arm
+from arm.arm_file import load_arm, save_arm
+from arm.model import Tip
 from fitter.commands.live_diagnosis import parted
 from limbcal.errors import DataError
 from protocol.message import DIAGNOSIS, TRIAL
 from protocol.subscriber import Subscriber
+from tests.conftest import run_of
 
 FIELDS = (
     "verdict complete left causes candidates confusable next_experiment before after gain residual explained "
@@ -32,14 +35,25 @@ def heard(subscriber, topic):
     return messages
 
 
-def test_the_diagnosis_is_published_and_written(fitter, stream, place, short_run, tmp_path):
-    endpoint = f"ipc://{place}/fits"
+@pytest.fixture(scope="module")
+def upper_run():
+    """Return a short run of the first link alone: the effects of one joint are weighed in a fifth of the time."""
+    arm = load_arm("dd-arm")
+    sensors = tuple(sensor for sensor in arm.sensors if sensor.joint == 1)
+    control = replace(arm.control, kp=arm.control.kp[:1], kv=arm.control.kv[:1])
+    tip = Tip(sensors[-1].name)
+    return run_of(replace(arm, name="upper-arm", joints=arm.joints[:1], sensors=sensors, control=control, tip=tip))
+
+
+def test_the_diagnosis_is_published_and_written(fitter, stream, place, upper_run, tmp_path):
+    endpoint, arm_file = f"ipc://{place}/fits", tmp_path / "arm.toml"
+    save_arm(upper_run.arm, arm_file)
     with (
         zmq.Context() as context,
         Subscriber(context, endpoint, (DIAGNOSIS,)) as subscriber,
-        stream("tcp://127.0.0.1:*") as daemon,
+        stream("tcp://127.0.0.1:*", upper_run.messages, "upper-arm") as daemon,
     ):
-        common = ("--connect", daemon.endpoint, "--endpoint", endpoint, "--arm", "dd-arm", "--seconds", "120")
+        common = ("--connect", daemon.endpoint, "--endpoint", endpoint, "--arm", arm_file, "--seconds", "120")
         outcome = fitter("subscribe", *common, "--trials", 3, "--diagnose", "--out", tmp_path)
         published = heard(subscriber, DIAGNOSIS)
     assert outcome.code == 0
@@ -48,12 +62,12 @@ def test_the_diagnosis_is_published_and_written(fitter, stream, place, short_run
     assert f"diagnosis: {found['verdict']}" in outcome.said
 
     (message,) = published
-    assert set(message) == {"v", "arm", "run", "seq", *FIELDS.split()} and message["arm"] == "dd-arm"
+    assert set(message) == {"v", "arm", "run", "seq", *FIELDS.split()} and message["arm"] == "upper-arm"
     assert {name: message[name] for name in FIELDS.split()} == found
 
     folder = tmp_path / "diagnosis"
     assert json.loads((folder / "diagnosis.json").read_text()) == found
-    assert load_arm(folder / "extended.toml").name == "dd-arm"
+    assert load_arm(folder / "extended.toml").name == "upper-arm"
     assert (folder / "report.html").exists() and (tmp_path / "report.html").exists()
 
 
