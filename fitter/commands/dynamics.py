@@ -11,7 +11,7 @@ from rich.progress import Progress
 from arm.model import Arm, Control
 from arm.structural_parameters import structural_parameters
 from fitter.commands.arm_option import questioned_arm
-from fitter.commands.dynamics_said import say_compared, say_controller, say_fit
+from fitter.commands.dynamics_said import say_compared, say_controller, say_fit, say_ratios
 from fitter.commands.ground_dynamics import add_ground, ground_dynamics
 from fitter.commands.options import (
     add_arm,
@@ -36,6 +36,7 @@ from fitter.dynamics.consistency import made_possible, with_warnings
 from fitter.dynamics.dynamics_fit import DynamicsFit, Objective, document
 from fitter.dynamics.evaluation import HORIZON_S, score
 from fitter.dynamics.fit import fit_dynamics
+from fitter.dynamics.free_swing import swing_corner_hz, swing_ratios, swing_scale
 from fitter.dynamics.identifiability import report
 from fitter.dynamics.torque_delay import torque_delay
 from fitter.dynamics.torque_search import GENERATIONS, fit_sums
@@ -82,7 +83,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--no-torque",
         action="store_true",
-        help="nothing drove the arm; one mass, moment or inertia must be given by --fix",
+        help="nothing drove the arm: only ratios are known; a mass, moment or inertia given by --fix sets the "
+        "scale (the last link's inertia in the arm file)",
     )
     parser.add_argument("--bounds", metavar="P=LOW:HIGH,…", help="where to search (wide, from the torque's size)")
     parser.add_argument("--fix", metavar="P=VALUE,…", help="parameters that are known")
@@ -120,6 +122,10 @@ def dynamics(arguments: argparse.Namespace) -> Document:
         return _from_sums(arguments, arm)
     compared = load_compared(arguments.compare, arm)
     learn, evaluate = _trials(arguments, arm)
+    if arguments.payload is not None and (arguments.unknown_gains or arguments.no_torque):
+        raise ConfigError(
+            "--payload is a load on measured torque; expected it without --no-torque, --unknown-gains"
+        )
     if arguments.no_torque:
         arm = replace(arm, control=Control())
         learn, evaluate = ([undriven(trial) for trial in trials] for trials in (learn, evaluate))
@@ -128,10 +134,6 @@ def dynamics(arguments: argparse.Namespace) -> Document:
         learn, evaluate, load, gauged = unloaded(arguments.payload, arm, learn, evaluate)
         notes += tuple(gauged)
     say_notes(notes)
-    if arguments.payload is not None and (arguments.unknown_gains or arguments.no_torque):
-        raise ConfigError(
-            "--payload is a load on measured torque; expected it without --no-torque, --unknown-gains"
-        )
     if arguments.unknown_gains and arguments.report is not None:
         raise ConfigError("--report shows no gains; expected it without --unknown-gains")
     if arguments.unknown_gains:
@@ -151,8 +153,7 @@ def dynamics(arguments: argparse.Namespace) -> Document:
     revealed = report(arm, fit.base, fit.problem)
     say_fit(fit, compared, learnt, evaluated, revealed)
     answer = document(fit, learnt, evaluated) | {"identifiability": revealed.document()}
-    if load:
-        answer["payload"] = load
+    answer |= _free_swing(arguments, arm, learn) if arguments.no_torque else load
     if compared:
         answer["compared"] = {c.name: c.document(learn, evaluate, arguments.horizon) for c in compared}
         say_compared(answer["compared"])
@@ -171,7 +172,19 @@ def dynamics(arguments: argparse.Namespace) -> Document:
     return answer
 
 
+def _free_swing(arguments: argparse.Namespace, arm: Arm, learn: Sequence[Trial]) -> Document:
+    """Return what a free swing tells, and print it; unless a corner was given, by trials with a higher one."""
+    corner_hz = swing_corner_hz(learn)
+    if arguments.cutoff_hz is None and all(np.isfinite(trial.cutoff_hz) for trial in learn):
+        given = argparse.Namespace(**{**vars(arguments), "cutoff_hz": corner_hz, "evaluate": []})
+        learn = [undriven(trial) for trial in _trials(given, arm)[0]]
+    ratios = swing_ratios(arm, learn)
+    say_ratios(ratios)
+    return {"ratios": [ratio.document() for ratio in ratios]}
+
+
 def _fit(arguments: argparse.Namespace, arm: Arm, learn: Sequence[Trial]) -> DynamicsFit:
+    free = swing_scale(arm) if arguments.no_torque else {}
     objective: Objective | None = None if arguments.objective == "auto" else arguments.objective
     with Progress(console=console, transient=True) as progress:
         task = progress.add_task("searching", total=arguments.generations)
@@ -184,7 +197,7 @@ def _fit(arguments: argparse.Namespace, arm: Arm, learn: Sequence[Trial]) -> Dyn
             population=arguments.population,
             generations=arguments.generations,
             bounds=bounds_of(arguments.bounds),
-            fixed=fixed_of(arguments.fix),
+            fixed=fixed_of(arguments.fix) or free,
             method=arguments.method,
             window_s=arguments.horizon,
             physical=arguments.physical,

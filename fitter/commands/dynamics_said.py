@@ -3,10 +3,14 @@
 from collections.abc import Mapping, Sequence
 
 import numpy as np
+from rich import box
+from rich.table import Table
+from rich.text import Text
 
 from fitter.controller.controller import ControllerFit
 from fitter.dynamics.dynamics_fit import DynamicsFit
 from fitter.dynamics.evaluation import Score
+from fitter.dynamics.free_swing import HALF_WIDTH, SwingRatio
 from fitter.dynamics.identifiability import Identifiability
 from fitter.dynamics.usability import percent
 from fitter.report.compared import Compared
@@ -39,6 +43,24 @@ def say_controller(fit: ControllerFit, scores: Mapping[str, Score | None]) -> No
     _say_scores(scores)
     for sentence in (fit.fixed_by, *fit.only_together, fit.law_misfit.sentence, *sentences(fit.notes)):
         say(sentence)
+
+
+def say_ratios(ratios: Sequence[SwingRatio]) -> None:
+    """Print what a free swing tells: ratios, without springs at the joints and with them."""
+    table = Table(title=Text("ratios, with 95 % intervals"), title_justify="left", box=box.SIMPLE_HEAD)
+    for heading in ("ratio", "without springs", "with springs", "unit"):
+        table.add_column(heading, justify="left" if heading in ("ratio", "unit") else "right", overflow="fold")
+    for one in ratios:
+        table.add_row(*map(Text, (one.name, *map(_with_reach, (one.rigid, one.sprung)), one.unit)))
+    show(table)
+    for one in ratios:
+        if one.is_spring and one.is_significant:
+            say(f"{one.name}: something elastic turns this joint, too; expected ratios with springs")
+
+
+def _with_reach(numbers: tuple[float, float]) -> str:
+    value, std = numbers
+    return f"{value:.4g} ± {HALF_WIDTH * std:.2g}" if np.isfinite(std) else "-"
 
 
 def say_compared(compared: object) -> None:

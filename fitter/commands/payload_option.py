@@ -65,4 +65,4 @@ def unloaded(
         "trials": sorted(load.trials),
         "torque_factor": [one.document() | {"ci95": one.ci95} for one in factors],
     }
-    return bare[: len(learn)], bare[len(learn) :], document, factor_notes(factors)
+    return bare[: len(learn)], bare[len(learn) :], {"payload": document}, factor_notes(factors)

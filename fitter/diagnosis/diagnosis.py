@@ -33,6 +33,7 @@ from fitter.diagnosis.search import Cause, Search, cause_of, supports
 from fitter.diagnosis.stepwise import Found, Stepwise
 from fitter.diagnosis.torque_likelihood import TorqueLikelihood
 from fitter.dynamics.evaluation import HORIZON_S
+from fitter.dynamics.free_swing import last_inertia
 from limbcal.errors import DataError, NotIdentifiable
 from limbcal.note import Note
 
@@ -204,13 +205,13 @@ def _scale_of(arm: Arm) -> tuple[int, float]:
     """
     base = structural_parameters(arm)
     values = base.combination @ standard_parameters(arm)
-    inertial = [k for k, column in enumerate(base.independent) if column < 10 * arm.n_joint and column % 10 < 6]
-    if not inertial or not values[inertial[-1]] > 0.0:
+    last = last_inertia(base, arm.n_joint)
+    if last is None or not values[last] > 0.0:
         raise NotIdentifiable(
             f"arm {arm.name}: nothing drives it, so only ratios can be identified; "
             "expected the last link's inertia in its file"
         )
-    return base.independent[inertial[-1]], float(values[inertial[-1]])
+    return base.independent[last], float(values[last])
 
 
 def _grids(motions: Sequence[Measured], rate_hz: float | None) -> list[Uniform]:

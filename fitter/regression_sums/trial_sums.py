@@ -75,7 +75,7 @@ def add_stretch(
     sight = forgetting_samples(trial.dt_s, trial.band_hz)
     portion = max(2 * sight, _ROW_BYTES // (8 * arm.n_joint * len(base.independent)))
     for window in windows(seen, counted, portion, sight):
-        rows = _filtered_rows(arm, base, trial, window.all)[window.counted]
+        rows = filtered_rows(arm, base, trial, window.all)[window.counted]
         fast = moving_all_along(trial, window.all, rest_speed)[window.counted]
         running.add_equations(rows, trial.lowpass(tau[window.all])[window.counted], fast)
 
@@ -90,7 +90,7 @@ def moving_all_along(trial: Trial, part: slice, rest_speed: float) -> NDArray[np
     return throughout(moving, int(SPREAD / (trial.band_hz * trial.dt_s)))
 
 
-def _filtered_rows(arm: Arm, base: BaseParameters, trial: Trial, part: slice) -> Floats:
+def filtered_rows(arm: Arm, base: BaseParameters, trial: Trial, part: slice) -> Floats:
     """Return the regressor's rows behind the fit's filter, (n_sample, n_joint, n_base)."""
     rows = np.empty((part.stop - part.start, arm.n_joint, len(base.independent)))
     for begin in range(part.start, part.stop, _CHUNK):

@@ -32,7 +32,8 @@ def test_the_filter_follows_the_virtual_arm(limbd: Limbd, tmp_path: Path) -> Non
     truth_file = tmp_path / "truth.npz"
     device = limbd("virtual", *arguments, "--truth", str(truth_file), "--json")
     port = device.announcement()["port"]
-    daemon = limbd("run", "--port", port, "--arm", "dd-arm", "--record", str(tmp_path), *ANY_ENDPOINT, "--json")
+    to = ("--method", "filter", "--record", str(tmp_path), *ANY_ENDPOINT, "--json")
+    daemon = limbd("run", "--port", port, "--arm", "dd-arm", *to)
     announced = daemon.announcement()
     with zmq.Context() as context, Subscriber(context, announced["endpoint"], [HEALTH]) as subscriber:
         health: Fields = {"samples": 0}

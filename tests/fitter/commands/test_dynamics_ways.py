@@ -51,11 +51,14 @@ def test_gains_are_learnt_up_to_one_factor(fitter, trial_files, tmp_path):
     assert outcome.document["law_misfit"]["fits"]
 
 
-def test_a_swing_without_torque_needs_one_number(fitter, tmp_path, trial_files):
+@pytest.mark.parametrize(("given", "inertia"), [((), 0.471209), (("--fix", "I2=2"), 2.0)])
+def test_a_swing_without_torque_has_one_number_for_its_scale(fitter, tmp_path, trial_files, given, inertia):
     common = ("dynamics", trial_files[0], "--arm", "dd-arm", "--out", tmp_path / "arm.toml", "--no-torque")
-    outcome = fitter(*common)
-    assert outcome.code == 4
-    assert "--fix" in outcome.said
+    outcome = fitter(*common, *given)
+    assert values(outcome.document)["I2"] == pytest.approx(inertia)
+    names = [ratio["name"] for ratio in outcome.document["ratios"]]
+    assert "(m2*sx2)/I2" in names and "(K2)/I2" in names
+    assert "with springs" in outcome.said
 
 
 def test_outliers_and_weights_are_said(fitter, trial_files, tmp_path):

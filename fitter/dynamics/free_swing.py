@@ -1,0 +1,165 @@
+r"""What a free swing tells of an arm: ratios to its last inertia, with a spring at every joint and without.
+
+Nothing drives a joint that swings freely, so the torque equation is homogeneous in the base parameters ``b``:
+
+.. math:: Y(q, \dot q, \ddot q)\, b + K (q - q_0) = 0
+
+and only ratios are identifiable. Gravity and the elasticity ``K`` of what hangs between two links (skin, a cable,
+muscles that are not tensed) both draw a joint to some angle; where swings are small they are the same. A ratio is
+known as well as its interval with springs says, whatever its interval without them is.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.stats import norm
+
+from arm.base_parameters import BaseParameters
+from arm.model import Arm, Floats
+from arm.regressor import standard_parameters
+from arm.structural_parameters import structural_parameters
+from fitter.data.standstill import REST_SPEED
+from fitter.data.trial import Trial
+from fitter.dynamics.torque_problem import torque_problem
+from fitter.regression_sums.torque_sums import TorqueSums, add_up, row_sums
+from fitter.regression_sums.trial_sums import filtered_rows, moving_all_along
+from limbcal.errors import NotIdentifiable
+
+#: Half of a 95 % interval, in standard errors.
+HALF_WIDTH = float(norm.ppf(0.975))
+#: Dry friction changes its sign with the velocity, so it has the odd harmonics of a swing, the third before all. A
+#: corner where the swing's own spectrum meets the noise leaves none of them.
+_HARMONIC = 3.0
+#: A corner is at most this ratio of the sampling rate: Nyquist's frequency less what a filter needs to fall.
+_HIGHEST = 0.4
+
+
+@dataclass(frozen=True)
+class SwingRatio:
+    """A base parameter over the last inertia.
+
+    Attributes
+    ----------
+    name, unit : str
+        Of the ratio.
+    rigid, sprung : (value, standard error)
+        Without springs and with them; NaN where the swing does not tell.
+    is_spring : bool
+        Whether it is a spring's stiffness.
+    """
+
+    name: str
+    unit: str
+    rigid: tuple[float, float]
+    sprung: tuple[float, float]
+    is_spring: bool
+
+    @property
+    def is_significant(self) -> bool:
+        """Whether zero is outside its interval with springs."""
+        value, std = self.sprung
+        return bool(abs(value) > HALF_WIDTH * std)
+
+    def document(self) -> dict[str, object]:
+        """Return the ratio as it stands in a JSON document, with intervals of 95 %."""
+        fields: dict[str, object] = {"name": self.name, "unit": self.unit}
+        for which, (value, std) in (("without_springs", self.rigid), ("with_springs", self.sprung)):
+            reach = HALF_WIDTH * std
+            known = np.isfinite(value) and np.isfinite(std)
+            fields[which] = {"value": value, "ci95": [value - reach, value + reach]} if known else None
+        return fields
+
+
+def last_inertia(base: BaseParameters, n_joint: int) -> int | None:
+    """Return which base parameter is the last link's inertia about its axis; None if no joint turns."""
+    inertial = [k for k, column in enumerate(base.independent) if column < 10 * n_joint and column % 10 < 6]
+    return inertial[-1] if inertial else None
+
+
+def swing_scale(arm: Arm) -> dict[str, float]:
+    """Return the last inertia and its value in the arm file, or 1 if there is none: all else is in its unit.
+
+    Raises
+    ------
+    NotIdentifiable
+        If no joint turns.
+    """
+    base = structural_parameters(arm)
+    reference = _reference(arm, base)
+    value = float((base.combination @ standard_parameters(arm))[reference])
+    return {base.names[reference]: value if value > 0.0 else 1.0}
+
+
+def swing_corner_hz(trials: Sequence[Trial]) -> float:
+    """Return the corner [Hz] at which swings show dry friction, by the one that they came with.
+
+    Noise in accelerations that it lets through is in the known side of the equation, where it shifts no ratio.
+    """
+    return min(min(_HARMONIC * trial.cutoff_hz, _HIGHEST / trial.dt_s) for trial in trials)
+
+
+def swing_ratios(arm: Arm, trials: Sequence[Trial]) -> list[SwingRatio]:
+    """Return the ratios of an arm's base parameters to its last inertia, stiffnesses of springs among them.
+
+    Parameters
+    ----------
+    arm : Arm
+        Its geometry and gravity.
+    trials : sequence of Trial
+        Nothing drives the arm in them.
+
+    Raises
+    ------
+    NotIdentifiable
+        If no joint turns, or none moves.
+    """
+    base, n = structural_parameters(arm), arm.n_joint
+    reference, found = _reference(arm, base), []
+    for springs in (False, True):
+        sums = add_up([_sums(arm, base, trial, springs) for trial in trials])
+        problem = torque_problem(sums, np.zeros(sums.gram.shape[-1]), {reference: 1.0})
+        values = problem.complete(problem.optimum())
+        std = problem.standard_errors(values)
+        found.append(np.stack([np.where(np.isfinite(std), values, np.nan), std], axis=1))
+    rigid, sprung = found
+    rigid = np.vstack([rigid, np.tile([0.0, np.nan], (2 * n, 1))])
+    stiffness = [f"K{j + 1}" for j in range(n)]
+    names = [*base.names, *stiffness]
+    units = [*base.units, *("N m/rad" if joint.type == "revolute" else "N/m" for joint in arm.joints)]
+    return [
+        SwingRatio(
+            f"({name})/{base.names[reference]}",
+            f"{unit} / ({base.units[reference]})",
+            _pair(a),
+            _pair(b),
+            k >= len(base.names),
+        )
+        for k, (name, unit, a, b) in enumerate(zip(names, units, rigid, sprung, strict=False))
+        if k != reference
+    ]
+
+
+def _reference(arm: Arm, base: BaseParameters) -> int:
+    reference = last_inertia(base, arm.n_joint)
+    if reference is None:
+        raise NotIdentifiable(f"arm {arm.name}: no joint turns, so there is no inertia to take ratios to")
+    return reference
+
+
+def _pair(numbers: Floats) -> tuple[float, float]:
+    return float(numbers[0]), float(numbers[1])
+
+
+def _sums(arm: Arm, base: BaseParameters, trial: Trial, springs: bool) -> TorqueSums:
+    """Return the sums of a trial's equations; a spring adds the columns of its stiffness and of its rest."""
+    everything = slice(0, len(trial.q))
+    rows = filtered_rows(arm, base, trial, everything)
+    if springs:
+        n = arm.n_joint
+        angles, ones = np.zeros((2, len(rows), n, n))
+        joints = np.arange(n)
+        angles[:, joints, joints] = trial.lowpass(trial.q)
+        ones[:, joints, joints] = -1.0
+        rows = np.concatenate([rows, angles, ones], axis=2)
+    return row_sums(rows, np.zeros_like(trial.q), moving_all_along(trial, everything, REST_SPEED))

@@ -1,0 +1,75 @@
+"""A lower leg that swings freely, simulated by scipy: ratios with a spring in the knee and without."""
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+
+from arm.model import Arm, Joint
+from fitter.data.trial import undriven
+from fitter.data.trials import load_trials
+from fitter.dynamics.free_swing import swing_corner_hz, swing_ratios, swing_scale
+from limbcal.errors import NotIdentifiable
+
+#: m g l / I [1/s^2], viscous and dry friction over I; stiffness of the knee over I and where it rests.
+GRAVITY, DAMPING, DRY, STIFFNESS, RESTS_RAD = 33.1, 0.35, 0.3, 4.0, 0.1
+STANDARD_GRAVITY_M_S2 = 9.80665
+LEG = Arm("leg", (Joint(a_m=0.4),), (STANDARD_GRAVITY_M_S2, 0.0, 0.0))
+
+
+def swings(folder, stiffness, seed, noise_rad=2e-3):
+    """Write four swings at 100 Hz from half a radian and more; return them as trials."""
+    rng, t = np.random.default_rng(seed), np.arange(0.0, 6.0, 0.01)
+
+    def moved(_t, y):
+        pull = GRAVITY * np.sin(y[0]) + stiffness * (y[0] - RESTS_RAD)
+        return [y[1], -pull - DAMPING * y[1] - DRY * np.tanh(y[1] / 1e-3)]
+
+    for k in range(4):
+        begun = [rng.uniform(0.6, 1.2) * (-1) ** k, 0.0]
+        q = solve_ivp(moved, (0.0, 6.0), begun, t_eval=t, rtol=1e-8, atol=1e-9, max_step=5e-3).y[0]
+        rows = np.column_stack([t, q + noise_rad * rng.standard_normal(len(t))])
+        np.savetxt(folder / f"swing{k}.csv", rows, delimiter=",", header="t,q1", comments="")
+    corner_hz = swing_corner_hz(load_trials([folder], 1, None, arm=LEG))
+    return [undriven(trial) for trial in load_trials([folder], 1, None, cutoff_hz=corner_hz, arm=LEG)]
+
+
+def ratios(trials):
+    return {one.name: one for one in swing_ratios(LEG, trials)}
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_ratios_that_allow_for_a_spring_hold_the_truth(tmp_path, seed):
+    found = ratios(swings(tmp_path, STIFFNESS, seed))
+    for name, truth in (
+        ("(m1*sx1)/I1", GRAVITY / STANDARD_GRAVITY_M_S2),
+        ("(D1)/I1", DAMPING),
+        ("(fc1)/I1", DRY),
+        ("(K1)/I1", STIFFNESS),
+    ):
+        value, std = found[name].sprung
+        assert abs(value - truth) < 3.5 * std, name
+    assert found["(K1)/I1"].is_significant
+    value, std = found["(m1*sx1)/I1"].rigid
+    assert value - GRAVITY / STANDARD_GRAVITY_M_S2 > 10.0 * std  # gravity takes the spring up
+
+
+@pytest.mark.parametrize("seed", range(2))
+def test_without_a_spring_both_hold_and_the_rigid_one_is_surer(tmp_path, seed):
+    found = ratios(swings(tmp_path, 0.0, seed))["(m1*sx1)/I1"]
+    for value, std in (found.rigid, found.sprung):
+        assert abs(value - GRAVITY / STANDARD_GRAVITY_M_S2) < 3.5 * std
+    assert found.rigid[1] < 0.2 * found.sprung[1]
+
+
+def test_the_document_has_both_intervals(tmp_path):
+    first = ratios(swings(tmp_path, STIFFNESS, 5))["(K1)/I1"].document()
+    assert first["without_springs"] is None
+    low, high = first["with_springs"]["ci95"]
+    assert low < first["with_springs"]["value"] < high
+    assert first["unit"] == "N m/rad / (kg m^2)"
+
+
+def test_the_scale_is_the_arm_files_or_one():
+    assert swing_scale(LEG) == {"I1": 1.0}
+    with pytest.raises(NotIdentifiable, match="no joint turns"):
+        swing_scale(Arm("slide", (Joint(type="prismatic"),)))
