@@ -243,8 +243,15 @@ class Arm:
         return tuple(s for s, sensor in enumerate(self.sensors) if sensor.gyroscope is not None)
 
     @property
+    def channels(self) -> tuple[str, ...]:
+        """Names of what is read: of all accelerometers, ``s1x s1y s1z s2x ...``, then of gyroscopes, ``s1gx ...``."""
+        names = [sensor.name for sensor in self.sensors]
+        names += [f"{names[s]}g" for s in self.gyroscopes]
+        return tuple(f"{name}{axis}" for name in names for axis in "xyz")
+
+    @property
     def n_channel(self) -> int:
-        """Number of channels: three an accelerometer, all of them first, and three a gyroscope."""
+        """Number of channels: three an accelerometer and three a gyroscope."""
         return 3 * len(self.sensors) + 3 * len(self.gyroscopes)
 
     def with_gyroscopes(self, names: Collection[str]) -> "Arm":
