@@ -244,7 +244,7 @@ class Arm:
 
     @property
     def channels(self) -> tuple[str, ...]:
-        """Names of what is read: of all accelerometers, ``s1x s1y s1z s2x ...``, then of gyroscopes, ``s1gx ...``."""
+        """Names of what is read: of all accelerometers, ``s1x s1y s1z s2x ...``, then of gyroscopes, ``s1gx``."""
         names = [sensor.name for sensor in self.sensors]
         names += [f"{names[s]}g" for s in self.gyroscopes]
         return tuple(f"{name}{axis}" for name in names for axis in "xyz")
@@ -255,7 +255,7 @@ class Arm:
         return 3 * len(self.sensors) + 3 * len(self.gyroscopes)
 
     def with_gyroscopes(self, names: Collection[str]) -> "Arm":
-        """Return a copy in which these sensors have a gyroscope, an ideal one where nothing is known, and no others."""
+        """Return a copy in which these sensors have a gyroscope and no others; an ideal one if none is known."""
         sensors = [
             replace(sensor, gyroscope=(sensor.gyroscope or Gyroscope()) if sensor.name in names else None)
             for sensor in self.sensors

@@ -1,4 +1,4 @@
-"""A pendulum's angles from two accelerometers, against cameras and against gyros, which are used only if asked for.
+"""A pendulum's angles from two accelerometers, against cameras and gyros; the gyros are used if asked for.
 
 Reads RepoIMU's recordings (agnieszkaszczesna/RepoIMU on GitHub, folder Pendulum): the upper two of three links.
 Lengths and sensors are found from the first trials of each way in which they were mounted, beginning with lengths

@@ -103,8 +103,8 @@ def sizes_of(of: Observation, found: Pass, revolute: NDArray[np.bool_], memory_s
         return float(np.sqrt((squares + variance).mean()))
 
     lacks = [0.0, 0.0]  # of accelerometers, of gyroscopes
-    for kind, part in enumerate(channels_alike(of) if of.lack_column != ABSENT else ()):
-        lacks[kind] = rms(of.lack_column + part.start, part.stop - part.start)
+    for k, part in enumerate(channels_alike(of) if of.lack_column != ABSENT else ()):
+        lacks[k] = rms(of.lack_column + part.start, part.stop - part.start)
     return Discrepancy(lacks[0], rms(of.base_column, 3), memory_s, speed_std, lacks[1])
 
 

@@ -193,7 +193,8 @@ def departure(of: Observation, course: Course) -> Floats:
     readings = course.readings[course.present]
     off = readings - uniform_filter1d(readings, min(window, len(readings)), axis=0)
     loudest = [np.full(part.stop - part.start, course.noise[part].max()) for part in channels_alike(of)]
-    return np.maximum(rms_alike(of, off), np.sqrt(np.concatenate(loudest)))
+    most: Floats = np.maximum(rms_alike(of, off), np.sqrt(np.concatenate(loudest)))
+    return most
 
 
 def before(of: Observation, start: tuple[Floats, Floats], sizes: Discrepancy) -> tuple[Floats, Floats]:

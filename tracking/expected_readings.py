@@ -133,7 +133,7 @@ def observe(of: Observation, room: Room, x: Floats, reading: Floats, slope: Floa
 
 @compiled
 def observe_turning(of: Observation, room: Room, x: Floats, s: int, reading: Floats, slope: Floats) -> None:
-    """Fill in what gyroscope s reads, ``G Exp(turn)^T R^T omega + o``, and its slopes, of an arm that was moved."""
+    """Fill in what gyroscope s reads, ``G Exp(turn)^T R^T omega + o``, and its slopes, once the arm is moved."""
     n, channel, link, rotation = room.q.size, 3 * s, of.link[s], of.rotation[s]
     gain, turn = row(of.scale[s]), (0.0, 0.0, 0.0)
     scale, first = of.gyro_scale_column[s], of.mounting_column[s]

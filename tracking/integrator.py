@@ -95,8 +95,8 @@ class Integrator:
         t0_ns : int
             Time of the first reading.
         readings : (n, n_channel) [m/s^2]
-            Specific force in each sensor's own axes, columns s1x s1y s1z s2x ...; what gyroscopes read after them is
-            left aside, for which double integration has no use.
+            Specific force in each sensor's own axes, columns s1x s1y s1z s2x ...; what gyroscopes read after them
+            is left aside, for which double integration has no use.
 
         Returns
         -------

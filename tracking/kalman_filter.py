@@ -2,7 +2,8 @@
 
 It knows how rigidly mounted accelerometers must read together, so two sensors on a link show how it turns without
 any integration, an elbow's acceleration shows in two frames, and where gravity shows the angles it holds them.
-Gyroscopes, where the arm's sensors have them, show how links turn. It says how well it knows them, and when its readings contradict the arm.
+Gyroscopes, where the arm's sensors have them, show how links turn. It says how well it knows the angles, and when
+its readings contradict the arm.
 """
 
 import numpy as np

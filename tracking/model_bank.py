@@ -32,8 +32,8 @@ _OWN_SHARE, _NEW_SHARE = 0.25, 0.3
 #: For how long it lasts [s]: a base that moves does so at the pace of steps, and what an arm on a base that
 #: stands lacks goes with its motion; of those that the smoother tries the middle one and the longest.
 _BASE_MEMORY_S, _LACK_MEMORY_S = 0.1, 0.3
-#: What lacks of a gyroscope's reading where 1 m/s^2 lacks of an accelerometer's [rad/s]: that of a sensor 0.3 m from
-#: its joint that swings a few times a second.
+#: What lacks of a gyroscope's reading where 1 m/s^2 lacks of an accelerometer's [rad/s]: that of a sensor 0.3 m
+#: from its joint that swings two or three times a second.
 _RATE_SHARE = 0.2
 #: Over how long evidence fades [s]: some strokes, and some steps of a walk.
 SHORT_S, LONG_S = 0.5, 10.0
@@ -45,8 +45,8 @@ class Bank(NamedTuple):
     Attributes
     ----------
     base_std, lack_std, new_std : (n_model,) [m/s^2]
-        Of each axis of the base's acceleration, of what lasts and of what is new at each instant in a channel of an
-        accelerometer.
+        Of each axis of the base's acceleration, of what lasts and of what is new at each instant in a channel of
+        an accelerometer.
     share : (n_channel,)
         Of that in each channel: 1, or what makes a gyroscope's of it.
     memory_s : (n_model,) [s]

@@ -44,7 +44,7 @@ class Noise:
 
 
 def noise_of(readings: Floats, rate_hz: float, n_gyro: int = 0) -> Noise:
-    r"""Measure the noise of readings, (n, n_channel), at least four of them; the last ``n_gyro`` are of gyroscopes.
+    r"""Measure the noise of readings, (n, n_channel), n at least four; the last ``n_gyro`` are of gyroscopes.
 
     Third differences are taken in cells, and the calmest quarter of the cells counts, so a motion that is slow
     against the sampling rate does not show. A converter of step s that is fed noise of standard deviation

@@ -1,15 +1,14 @@
 """The state of a tracker, and what the sensors' readings depend on of it.
 
-Channels come in triads, the three axes of an accelerometer or of a gyroscope: first those of all accelerometers in
-the arm's order, then those of the gyroscopes that there are. A gyroscope shares the axes and the clock of the
-accelerometer in its housing.
+Channels come in triads, the three axes of an accelerometer or of a gyroscope: first those of all accelerometers,
+then those of the gyroscopes that there are. A gyroscope shares axes and clock of the accelerometer in its housing.
 
 The state begins with q, dq, ddq of joint 1, then of joint 2 and so on; then follows one offset a channel; then
 constants, of which each is there or not: lengths a and d of links; of each AC-coupled sensor what it would read
-once it has forgotten everything, and its corner; of each sensor scale, misalignment and place; of each gyroscope its
-scale. Lengths, corners and mountings are departures from what the arm file says. If they are asked for, then come
-by how much the sensors' clocks are late, and last what the model lacks: the acceleration of the base, in its own
-axes, and a difference of each channel.
+once it has forgotten everything, and its corner; of each sensor scale, misalignment and place; of each gyroscope
+its scale. Lengths, corners and mountings are departures from what the arm file says. If they are asked for, then
+come by how much the sensors' clocks are late, and last what the model lacks: the acceleration of the base, in its
+own axes, and a difference of each channel.
 """
 
 from typing import NamedTuple
@@ -39,8 +38,8 @@ class Observation(NamedTuple):
     link : (n_triad,)
         The link that each triad rides on, from 0.
     turning : (n_triad,) bool
-        It is a gyroscope: it measures the angular velocity of its link [rad/s]; otherwise the specific force at its
-        place [m/s^2].
+        It is a gyroscope, which measures the angular velocity of its link [rad/s], and no accelerometer, which
+        measures the specific force at its place [m/s^2].
     position : (n_triad, 3)
     rotation : (n_triad, 3, 3)
         From sensor axes to link axes.
@@ -124,7 +123,9 @@ def observation_of(
             length_column[before, 0], size = size, size + 1
         if arm.joints[i].type == "revolute":  # the first d moves all alike, a sliding joint's is its zero
             length_column[i, 1], size = size, size + 1
-    settled_column, corner_column, mounting_column, gyro_scale_column = np.full((4, n_triad), ABSENT, dtype=np.int64)
+    settled_column, corner_column, mounting_column, gyro_scale_column = np.full(
+        (4, n_triad), ABSENT, dtype=np.int64
+    )
     for s in np.flatnonzero(corner).tolist():
         settled_column[s], size = size, size + 3
         if mountings:
@@ -139,33 +140,8 @@ def observation_of(
         late = np.array(housing, dtype=np.int64)
         clock_column[late > 0] = size + late[late > 0] - 1
     size += (n_sensor - 1) * clocks
-    base_column = ABSENT
-    if base:
-        base_column, size = size, size + 3
-    lack_column = ABSENT
-    if lack:
-        lack_column, size = size, size + 3 * n_triad
-    depends: list[list[int]] = []
-    for s in range(n_triad):
-        way = list(ways[s])
-        a, d = length_column[way[:-1], 0], length_column[way, 1]
-        if turning[s]:  # by angles and speeds alone
-            shared = [3 * i + k for i in way for k in range(2)]
-            if mountings:
-                shared += range(mounting_column[s] + 3, mounting_column[s] + 6)
-                shared += range(gyro_scale_column[s], gyro_scale_column[s] + 3)
-        else:
-            shared = [*(3 * i + k for i in way for k in range(3)), *a[a != ABSENT], *d[d != ABSENT]]
-            if mountings:
-                shared += range(mounting_column[s], mounting_column[s] + MOUNTING)
-        shared += clock_column[s : s + 1][clock_column[s : s + 1] != ABSENT].tolist()
-        if base and not turning[s]:
-            shared += range(base_column, base_column + 3)
-        channels = range(3 * s, 3 * s + 3)
-        depends += [[*shared, 3 * n + c, *([lack_column + c] if lack else [])] for c in channels]
-    columns = np.zeros((3 * n_triad, max(map(len, depends))), dtype=np.int64)
-    for channel, entries in enumerate(depends):
-        columns[channel, : len(entries)] = entries
+    base_column, size = (size, size + 3) if base else (ABSENT, size)
+    lack_column, size = (size, size + 3 * n_triad) if lack else (ABSENT, size)
     scales = [sensor.scale for sensor in arm.sensors]
     scales += [sensor.gyroscope.scale for sensor in arm.sensors if sensor.gyroscope is not None]
     observation = Observation(
@@ -192,10 +168,34 @@ def observation_of(
             ],
             dtype=np.int64,
         ),
-        columns,
-        np.array([len(entries) for entries in depends], dtype=np.int64),
+        np.zeros((0, 0), dtype=np.int64),
+        np.zeros(0, dtype=np.int64),
     )
-    return observation, size
+    entries = [each for s, way in enumerate(ways) for each in _entries(observation, s, list(way))]
+    columns = np.zeros((3 * n_triad, max(map(len, entries))), dtype=np.int64)
+    for channel, each in enumerate(entries):
+        columns[channel, : len(each)] = each
+    n_column = np.array([len(each) for each in entries], dtype=np.int64)
+    return observation._replace(columns=columns, n_column=n_column), size
+
+
+def _entries(of: Observation, s: int, way: list[int]) -> list[list[int]]:
+    """Return the state's entries that each channel of a triad depends on; ``way`` has the links up to its own."""
+    first, clock = int(of.mounting_column[s]), int(of.clock_column[s])
+    shared = [] if clock == ABSENT else [clock]
+    if of.turning[s]:  # by angles and speeds alone
+        scale = int(of.gyro_scale_column[s])
+        mounted = [] if first == ABSENT else [*range(first + 3, first + 6), *range(scale, scale + 3)]
+        shared = [*(3 * i + k for i in way for k in range(2)), *mounted, *shared]
+    else:
+        a, d = of.length_column[way[:-1], 0], of.length_column[way, 1]
+        mounted = [] if first == ABSENT else [*range(first, first + MOUNTING)]
+        felt = [*(3 * i + k for i in way for k in range(3)), *a[a != ABSENT], *d[d != ABSENT]]
+        base = [] if of.base_column == ABSENT else [*range(of.base_column, of.base_column + 3)]
+        shared = [*felt, *mounted, *shared, *base]
+    offset = 3 * of.chain.revolute.size
+    lack = [] if of.lack_column == ABSENT else [of.lack_column]
+    return [[*shared, offset + c, *(at + c for at in lack)] for c in range(3 * s, 3 * s + 3)]
 
 
 def channels_alike(of: Observation) -> list[slice]:

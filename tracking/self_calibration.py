@@ -154,9 +154,12 @@ def _columns(arm: Arm, of: Observation) -> list[tuple[int, str, str, str]]:
         if of.corner_column[s] != ABSENT:
             found.append((int(of.corner_column[s]), sensor.name, "highpass_hz", "Hz"))
     for triad, s in enumerate(arm.gyroscopes, len(arm.sensors)):
-        for first, kind, unit in ((3 * n + 3 * triad, "bias", "rad/s"), (of.gyro_scale_column[triad], "scale", "1")):
-            names = (f"gyro_{kind}_{axis}" for axis in _AXES)
-            found += [(int(first) + k, arm.sensors[s].name, name, unit) for k, name in enumerate(names)]
+        numbers = (
+            (3 * n + 3 * triad, "gyro_bias", "rad/s"),
+            (int(of.gyro_scale_column[triad]), "gyro_scale", "1"),
+        )
+        for begin, kind, unit in numbers:
+            found += [(begin + k, arm.sensors[s].name, f"{kind}_{axis}", unit) for k, axis in enumerate(_AXES)]
     return found
 
 

@@ -61,7 +61,7 @@ class Smoothed:
     mounted_elsewhere : MountedElsewhere, optional
         Where only sensors that sit otherwise than the arm's file has them explain the readings: by how much.
     alike : tuple of slice
-        The channels of each kind of sensor, see `tracking.observation.channels_alike`; together if nothing is said.
+        The channels of each kind of sensor, see `tracking.observation.channels_alike`; by default all as one.
     """
 
     states: Floats

@@ -142,9 +142,22 @@ class Smoother:
         doubted = float(np.mean((course.doubt > 1.0).any(axis=1)))
         near, late = is_near(of, x - x0, P0), clocks.found(x, P)
         rests = still, resting
-        alike = tuple(channels_alike(of))
         return Smoothed(
-            at, found, x, P, P0, *rests, doubted, passes, converged, last, along, None, near, late, alike=alike
+            at,
+            found,
+            x,
+            P,
+            P0,
+            *rests,
+            doubted,
+            passes,
+            converged,
+            last,
+            along,
+            None,
+            near,
+            late,
+            alike=tuple(channels_alike(of)),
         )
 
     def _before(

@@ -158,7 +158,7 @@ def _take_over(arm: Arm, of: Observation, known: SensorCovariance, P: Floats) ->
 
 
 def _constant_column(arm: Arm, of: Observation, s: int, number: str) -> int:
-    """Return the column of a sensor's scale, turn or place, or of its gyroscope's scale; `ABSENT` if there is none."""
+    """Return the column of a sensor's scale, turn, place or gyroscope's scale; `ABSENT` if there is none."""
     if number in MOUNTING_NAMES and of.mounting_column[s] != ABSENT:
         return int(of.mounting_column[s]) + MOUNTING_NAMES.index(number)
     if number in GYRO_SCALE_NAMES and s in arm.gyroscopes:

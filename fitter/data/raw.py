@@ -153,7 +153,8 @@ def load_raw(
     ----------
     sources : sequence of Path
         Files and folders: tables with ``t``, ``s1x s1y s1z …`` and, where there are, ``s1gx s1gy s1gz …`` of
-        gyroscopes, and where known ``q1 …``, ``ref1 …`` and ``trial``; one file per sensor, see `fitter.data.sensor_files`; or recordings of the daemon (``.mcap``).
+        gyroscopes, and where known ``q1 …``, ``ref1 …`` and ``trial``; one file per sensor, see
+        `fitter.data.sensor_files`; or recordings of the daemon (``.mcap``).
     sensors : sequence of str
         Names of the sensors in the arm's order, such as ``("s1", "s2")``.
     n_joint : int

@@ -121,7 +121,9 @@ def read_raw_blocks(path: Path, n_channel: int, n_gyro: int = 0) -> tuple[Floats
     t = np.concatenate([_stamps(block, start_ns, path) for block in blocks])
     accelerations = np.concatenate([_array(block, "a", path) for block in blocks])
     if accelerations.shape not in ((len(t), n_channel), (len(t), n_channel + n_gyro)):
-        raise DataError(f"{path}: raw samples of {accelerations.shape[1:]} channels, expected {n_channel + n_gyro}")
+        raise DataError(
+            f"{path}: raw samples of {accelerations.shape[1:]} channels, expected {n_channel + n_gyro}"
+        )
     return t, accelerations
 
 

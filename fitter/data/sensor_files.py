@@ -77,8 +77,8 @@ def part_of(path: Path, sensors: Sequence[str], mapping: ColumnMap) -> Part | No
     """Return which sensors a file has, or None if it has all of them, or none.
 
     A sensor's columns go by ``s1x s1y s1z``; in a file whose name holds the sensor's (``s1.csv``,
-    ``walk_s1.csv``) by ``x y z``, ``ax ay az`` or ``acc_x acc_y acc_z`` too, those of its gyroscope by ``gx gy gz``,
-    ``wx wy wz`` or ``gyr_x gyr_y gyr_z``.
+    ``walk_s1.csv``) by ``x y z``, ``ax ay az`` or ``acc_x acc_y acc_z`` too, those of its gyroscope by ``gx gy
+    gz``, ``wx wy wz`` or ``gyr_x gyr_y gyr_z``.
     """
     source = open_source(path)
     found: dict[str, Entries] = {}
@@ -96,7 +96,9 @@ def part_of(path: Path, sensors: Sequence[str], mapping: ColumnMap) -> Part | No
             for form in _OWN_AXES:
                 own = {f"{sensor}{axis}": form.format(axis) for axis in AXES}
                 if _has(source, own):
-                    rates = [dict(zip(gyro_axes(sensor), map(form.format, AXES), strict=True)) for form in _OWN_RATES]
+                    rates = [
+                        dict(zip(gyro_axes(sensor), map(form.format, AXES), strict=True)) for form in _OWN_RATES
+                    ]
                     own |= next((entries for entries in rates if _has(source, entries, "gyro")), {})
                     return Part(path, {sensor: own}, f"{path.parent}/{token.sub('', run.lower())}")
     return Part(path, found, f"{path.parent}/") if found else None
@@ -115,7 +117,8 @@ def join(parts: Sequence[Part], sensors: Sequence[str], mapping: ColumnMap) -> l
     Returns
     -------
     list of Measured
-        One a run, with ``a`` of shape (n, 3 * n_sensor) and of each gyroscope (n, 3). Rows are left out where one of the sensors has a hole.
+        One a run, with ``a`` of shape (n, 3 * n_sensor) and of each gyroscope (n, 3). Rows are left out where one
+        of the sensors has a hole.
 
     Raises
     ------
@@ -169,7 +172,9 @@ def _joined(parts: Sequence[Part], sensors: Sequence[str], mapping: ColumnMap) -
     name = parts[0].path.parent.name or parts[0].path.stem
     first = np.cumsum([0, *(3 + 3 * gyro for gyro in has_gyro[:-1])])
     columns = {"a": np.hstack([a[:, k : k + 3] for k in first])}
-    columns |= {gyro_role(s): a[:, k + 3 : k + 6] for s, k, gyro in zip(sensors, first, has_gyro, strict=True) if gyro}
+    columns |= {
+        gyro_role(s): a[:, k + 3 : k + 6] for s, k, gyro in zip(sensors, first, has_gyro, strict=True) if gyro
+    }
     return Measured(name, files, 0, t, columns, notes=tuple(dict.fromkeys(notes)), stated=frozenset(stated))
 
 

@@ -41,6 +41,8 @@ def test_channels_are_those_of_all_accelerometers_and_then_of_the_gyroscopes() -
 def test_a_gyroscope_stands_in_the_arm_file() -> None:
     text = format_arm(load_arm("dd-arm").with_gyroscopes(["s2"]))
     assert parse_arm(text, "arm.toml").gyroscopes == (1,)
-    known = parse_arm(text.replace("gyroscope = { scale = [1.0, 1.0, 1.0]", "gyroscope = { scale = [1.01, 1.0, 0.99]"), "x")
+    known = parse_arm(
+        text.replace("gyroscope = { scale = [1.0, 1.0, 1.0]", "gyroscope = { scale = [1.01, 1.0, 0.99]"), "x"
+    )
     assert known.sensors[1].gyroscope == Gyroscope((1.01, 1.0, 0.99))
     assert parse_arm(format_arm(known), "x").sensors == known.sensors

@@ -59,7 +59,9 @@ def test_a_stroke_counts_for_its_instant_and_its_sensor() -> None:
 def test_noise_is_never_less_than_the_sensors_own() -> None:
     one = course(std=0.5)
     noise = 0.01 * np.random.default_rng(2).standard_normal((N, 6))
-    np.testing.assert_array_equal(noise_variances(OF, one, found(noise, one.noise * one.doubt)), one.noise * one.doubt)
+    np.testing.assert_array_equal(
+        noise_variances(OF, one, found(noise, one.noise * one.doubt)), one.noise * one.doubt
+    )
 
 
 def test_lost_readings_have_no_say() -> None:

@@ -42,7 +42,11 @@ def swinging(n_joint: int, seed: int) -> tuple[Floats, Floats, Floats]:
     rng, t = np.random.default_rng(seed), np.arange(round(SECONDS * RATE_HZ)) / RATE_HZ
     s = np.clip((t - 1.0) / 2.0, 0.0, 1.0)[:, None]
     window = s**3 * (10 - 15 * s + 6 * s**2), 15 * s**2 * (1 - s) ** 2, 15 * s * (1 - s) * (1 - 2 * s)
-    w, size, phase = 2 * np.pi * rng.uniform(0.2, 1.0, (3, n_joint)), rng.uniform(0.1, 0.4, (3, n_joint)), rng.normal(size=(3, n_joint))
+    w, size, phase = (
+        2 * np.pi * rng.uniform(0.2, 1.0, (3, n_joint)),
+        rng.uniform(0.1, 0.4, (3, n_joint)),
+        rng.normal(size=(3, n_joint)),
+    )
     angle = w * t[:, None, None] + phase
     x = (size * np.sin(angle)).sum(1), (size * w * np.cos(angle)).sum(1), -(size * w**2 * np.sin(angle)).sum(1)
     return (
@@ -149,7 +153,9 @@ def test_scale_and_offset_of_a_gyroscope_are_found() -> None:
     scaled = Gyroscope((1.0, 1.0, 1.02))
     values, q = read(replace(arm, sensors=(replace(arm.sensors[0], gyroscope=scaled), *arm.sensors[1:])), 2)
     found = calibrate_sensors(arm, [readings_of(arm, values)], q[0], MountingPrior())
-    of_z = {one.name: one for one in found.estimates if one.sensor == arm.sensors[0].name and one.name.endswith("_z")}
+    of_z = {
+        one.name: one for one in found.estimates if one.sensor == arm.sensors[0].name and one.name.endswith("_z")
+    }
     scale, bias = of_z["gyro_scale_z"], of_z["gyro_bias_z"]
     assert scale.revealed and bias.revealed
     assert abs(scale.value - 1.02) < 4.0 * scale.std and scale.std < 0.005
@@ -159,9 +165,7 @@ def test_scale_and_offset_of_a_gyroscope_are_found() -> None:
     assert kept is not None and kept.scale[2] == scale.value and kept.bias_rad_s[2] == bias.value
     assert f"{arm.sensors[0].name} gyro_scale_z" in found.arm.sensor_covariance.parameters
     of, size = observation_of(found.arm, True)
-    P = start_state(
-        found.arm, of, size, values[:50].mean(axis=0), True, q[0], True, MountingPrior()
-    )[1]
+    P = start_state(found.arm, of, size, values[:50].mean(axis=0), True, q[0], True, MountingPrior())[1]
     column = of.gyro_scale_column[len(arm.sensors)] + 2
     assert np.sqrt(P[column, column]) == pytest.approx(scale.std)
 
@@ -171,9 +175,7 @@ def test_kinds_of_sensors_have_sizes_and_noise_of_their_own() -> None:
     assert channels_alike(of) == [slice(0, 6), slice(6, 12)]
     values = np.tile([3.0] * 6 + [0.1] * 6, (5, 1))
     np.testing.assert_allclose(rms_alike(of, values), values[0])
-    np.testing.assert_allclose(
-        Discrepancy(0.3, 0.0, 0.1, np.ones(2), 0.02).lack_stds(of), [0.3] * 6 + [0.02] * 6
-    )
+    np.testing.assert_allclose(Discrepancy(0.3, 0.0, 0.1, np.ones(2), 0.02).lack_stds(of), [0.3] * 6 + [0.02] * 6)
 
 
 def test_a_gyroscope_has_a_floor_of_noise_of_its_own() -> None:

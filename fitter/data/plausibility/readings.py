@@ -1,5 +1,4 @@
-"""Raw accelerations in g, without gravity or with gravity turned round, gyroscopes in degrees a second, and time in
-milliseconds."""
+"""Raw readings: in g, without gravity or with gravity turned round, in degrees a second, time in milliseconds."""
 
 import numpy as np
 
@@ -70,8 +69,8 @@ def _require_radians(motion: Measured, sensor: str) -> None:
     fastest = float(np.abs(w).max(initial=0.0))
     if fastest > _FASTEST_RAD_S:
         raise Refusal(
-            f"{motion.where}: the gyroscope of sensor {sensor!r} reads up to {fastest:.4g}: is it in deg/s? Expected "
-            f'rad/s, or the unit stated, as in --columns "{axes[0]}={axes[0]}:deg,…"'
+            f"{motion.where}: the gyroscope of sensor {sensor!r} reads up to {fastest:.4g}: is it in deg/s? "
+            f'Expected rad/s, or the unit stated, as in --columns "{axes[0]}={axes[0]}:deg,…"'
         )
 
 

@@ -89,7 +89,9 @@ def test_one_file_a_sensor_may_hold_its_gyroscope(tmp_path) -> None:
 def test_a_sensor_may_be_called_as_the_gyroscope_of_another(tmp_path) -> None:
     """Then those columns are its accelerations."""
     t = np.arange(N) / RATE_HZ
-    table = {"t": t} | {f"{s}{axis}": t + k for k, (s, axis) in enumerate((s, a) for s in ("leg", "le") for a in "xyz")}
+    table = {"t": t} | {
+        f"{s}{axis}": t + k for k, (s, axis) in enumerate((s, a) for s in ("leg", "le") for a in "xyz")
+    }
     write_motion(tmp_path / "raw.csv", table)
     (run,) = load_raw([tmp_path / "raw.csv"], ("leg", "le"), 2)
     assert run.gyros == () and run.a.shape == (N, 6)

@@ -245,7 +245,10 @@ def sensed(start, short_run):
 @pytest.mark.parametrize("method", ["filter", "smooth"])
 def test_gyroscopes_make_angles_better(method, sensed, short_run):
     """The level arm's first angle is shown by nothing but integrals: of one of them once, and not twice."""
-    found = {run.gyros: track_run(run, short_run.arm, np.zeros(2), 1000.0, method) for run in (sensed.with_gyros(()), sensed)}
+    found = {
+        run.gyros: track_run(run, short_run.arm, np.zeros(2), 1000.0, method)
+        for run in (sensed.with_gyros(()), sensed)
+    }
     alone, beside = (one.error_deg.mean(axis=0) for one in found.values())
     assert (beside < alone).all()
     assert found[sensed.gyros].within_3_std.mean() > 0.99
