@@ -89,6 +89,8 @@ class MotionFollower:
         DataError
             If no motion of the arm explains the readings.
         """
+        if readings.values.shape[1] < self._arm.n_channel:  # dead reckoning gives out no gyroscopes
+            self._arm = self._arm.with_gyroscopes(())
         n, n_channel = self._arm.n_joint, readings.values.shape[1]
         smoother = Smoother(self._arm, q, False)
         start = self._start(smoother, readings, q, q_std)
