@@ -43,4 +43,5 @@ class Gyroscopes:
         links = (motion.link_q, motion.link_dq) if isinstance(motion, GearedMotion) else (motion.q, motion.dq)
         w = angular_velocity(self._arm, *links).reshape(len(motion.q), -1)
         w = self._scale * w + self._bias + self._noise * NOISE_RAD_S * self._rng.standard_normal(w.shape)
-        return np.clip(np.rint(w / COUNT_RAD_S), -32768, 32767).astype(np.int16)
+        counts: NDArray[np.int16] = np.clip(np.rint(w / COUNT_RAD_S), -32768, 32767).astype(np.int16)
+        return counts
