@@ -15,6 +15,7 @@ from arm.model import (
     Effect,
     Estimate,
     Friction,
+    Gyroscope,
     Joint,
     JointType,
     Law,
@@ -86,6 +87,11 @@ class _Joint(_Table):
     link: _Link = _Link()
 
 
+class _Gyroscope(_Table):
+    scale: tuple[Factor, Factor, Factor] = (1.0, 1.0, 1.0)
+    bias_rad_s: Vector = (0.0, 0.0, 0.0)
+
+
 class _Sensor(_Table):
     name: Name
     joint: Annotated[int, Field(strict=True, ge=1)]
@@ -94,6 +100,13 @@ class _Sensor(_Table):
     scale: tuple[Factor, Factor, Factor] = (1.0, 1.0, 1.0)
     bias_m_s2: Vector = (0.0, 0.0, 0.0)
     highpass_hz: Annotated[Number, Field(ge=0.0)] = 0.0
+    gyroscope: _Gyroscope | None = None
+
+    def sensor(self) -> Sensor:
+        """Return the sensor of this table."""
+        fields = self.model_dump()
+        known = fields.pop("gyroscope")
+        return Sensor(**fields, gyroscope=None if known is None else Gyroscope(**known))
 
 
 class _SensorCovariance(_Table):
@@ -177,7 +190,7 @@ class ArmTable(_Table):
                 )
                 for joint in self.joint
             ),
-            sensors=tuple(Sensor(**sensor.model_dump()) for sensor in self.sensor),
+            sensors=tuple(sensor.sensor() for sensor in self.sensor),
             tip=None if self.tip is None else Tip(**self.tip.model_dump()),
             base_parameters={name: Estimate(**e.model_dump()) for name, e in self.base_parameters.items()},
             effects=tuple(Effect(**effect.model_dump()) for effect in self.effect),

@@ -1,6 +1,6 @@
 """What an arm is: joints, links, sensors, and what is known of its control."""
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field, replace
 from typing import Literal
 
@@ -63,11 +63,23 @@ class Joint:
 
 
 @dataclass(frozen=True)
+class Gyroscope:
+    """A triaxial gyroscope in the housing of an accelerometer.
+
+    It reads ``scale * omega + bias_rad_s``, omega being the angular velocity of the link in the sensor's axes.
+    """
+
+    scale: Vector3 = (1.0, 1.0, 1.0)
+    bias_rad_s: Vector3 = (0.0, 0.0, 0.0)
+
+
+@dataclass(frozen=True)
 class Sensor:
     """A triaxial accelerometer riding on a link. ``joint`` counts from 1, as in the arm file.
 
     It reads ``scale * f + bias_m_s2``, f being the specific force in its own axes. One that is AC-coupled forgets
-    whatever lasts much longer than ``1 / (2 pi highpass_hz)``; 0 is a sensor that forgets nothing.
+    whatever lasts much longer than ``1 / (2 pi highpass_hz)``; 0 is a sensor that forgets nothing. A gyroscope may
+    share its housing and so its axes.
     """
 
     name: str
@@ -77,6 +89,7 @@ class Sensor:
     scale: Vector3 = (1.0, 1.0, 1.0)
     bias_m_s2: Vector3 = (0.0, 0.0, 0.0)
     highpass_hz: float = 0.0
+    gyroscope: Gyroscope | None = None
 
 
 @dataclass(frozen=True)
@@ -223,6 +236,31 @@ class Arm:
     def way_to(self, link: int) -> tuple[int, ...]:
         """Return the links from the base to ``link`` and itself, from 0; none to the base, which is -1."""
         return () if link < 0 else (*self.way_to(self.parents[link]), link)
+
+    @property
+    def gyroscopes(self) -> tuple[int, ...]:
+        """Which sensors have a gyroscope, from 0."""
+        return tuple(s for s, sensor in enumerate(self.sensors) if sensor.gyroscope is not None)
+
+    @property
+    def channels(self) -> tuple[str, ...]:
+        """Names of what is read: of all accelerometers, ``s1x s1y s1z s2x ...``, then of gyroscopes, ``s1gx``."""
+        names = [sensor.name for sensor in self.sensors]
+        names += [f"{names[s]}g" for s in self.gyroscopes]
+        return tuple(f"{name}{axis}" for name in names for axis in "xyz")
+
+    @property
+    def n_channel(self) -> int:
+        """Number of channels: three an accelerometer and three a gyroscope."""
+        return 3 * len(self.sensors) + 3 * len(self.gyroscopes)
+
+    def with_gyroscopes(self, names: Collection[str]) -> "Arm":
+        """Return a copy in which these sensors have a gyroscope and no others; an ideal one if none is known."""
+        sensors = [
+            replace(sensor, gyroscope=(sensor.gyroscope or Gyroscope()) if sensor.name in names else None)
+            for sensor in self.sensors
+        ]
+        return replace(self, sensors=tuple(sensors))
 
     def sensor_index(self, name: str) -> int:
         """Return the place of a sensor in ``sensors``.

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 
 #: The numbers of a sensor that a calibration finds, each along or about three axes.
-KINDS = ("bias", "scale", "turn", "place")
+KINDS = ("bias", "scale", "turn", "place", "gyro_bias", "gyro_scale")
 _NUMBERS = tuple(f"{kind}_{axis}" for kind in KINDS for axis in "xyz")
 #: A covariance that was written and read may be negative by so much, in units of its variances.
 _ROUNDING = 1e-9

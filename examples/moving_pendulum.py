@@ -1,4 +1,4 @@
-"""A pendulum's angles from two accelerometers, against cameras and against gyros that were not used.
+"""A pendulum's angles from two accelerometers, against cameras and gyros; the gyros are used if asked for.
 
 Reads RepoIMU's recordings (agnieszkaszczesna/RepoIMU on GitHub, folder Pendulum): the upper two of three links.
 Lengths and sensors are found from the first trials of each way in which they were mounted, beginning with lengths
@@ -40,18 +40,22 @@ SHIFTS_S, END_S = np.arange(-0.1, 0.101, 0.005), 1.0
 
 
 class Trial(NamedTuple):
-    """One trial: readings (n, 6), angles by the cameras (n, 2), rates by the gyros about the axis (n, 2)."""
+    """One trial: accelerations (n, 6), rates of the gyros (n, 6), angles by the cameras (n, 2)."""
 
     name: str
     t: Floats
-    readings: Floats
+    accelerations: Floats
+    rates: Floats
     q: Floats
-    rate: Floats
 
-    def decimated(self) -> Readings:
+    def readings_of(self, arm: Arm) -> Floats:
+        """Return what the sensors of an arm read, (n, 6) or with their gyroscopes (n, 12)."""
+        return np.hstack([self.accelerations, self.rates])[:, : arm.n_channel]
+
+    def decimated(self, arm: Arm) -> Readings:
         """Return the readings as the trackers take them."""
-        builder = ReadingsBuilder(RATE_HZ, 6, RATE_HZ)
-        builder.push(self.readings)
+        builder = ReadingsBuilder(RATE_HZ, arm.n_channel, RATE_HZ, 3 * len(arm.gyroscopes))
+        builder.push(self.readings_of(arm))
         return builder.done()
 
 
@@ -87,13 +91,12 @@ def read_trial(folder: Path, name: str) -> Trial:
     """Read the upper two links of a trial; the sign of each angle is that which gravity shows."""
     segments = [read_segment(folder / f"Pendulum_{name}_Segment_{k}.csv") for k in (1, 2)]
     t = np.arange(max(s[0, 0] for s in segments), min(s[-1, 0] for s in segments), 1.0 / RATE_HZ)
-    readings = np.hstack([at_changes(t, s[:, 0], s[:, 5:8]) for s in segments])
-    rate = np.column_stack([at_changes(t, s[:, 0], s[:, 8:11])[:, 2] for s in segments])
+    readings, rates = (np.hstack([at_changes(t, s[:, 0], s[:, k : k + 3]) for s in segments]) for k in (5, 8))
     links = np.column_stack([np.interp(t, s[:, 0], angle_of(s[:, 1:5])) for s in segments])
     for k in (0, 1):
         felt = np.unwrap(np.arctan2(readings[:, 3 * k + 1], readings[:, 3 * k]))
         links[:, k] *= -np.sign(np.corrcoef(felt, links[:, k])[0, 1])
-    return Trial(name, t - t[0], readings, np.column_stack([links[:, 0], links[:, 1] - links[:, 0]]), rate)
+    return Trial(name, t - t[0], readings, rates, np.column_stack([links[:, 0], links[:, 1] - links[:, 0]]))
 
 
 def misses(trial: Trial, q: Floats) -> Floats:
@@ -113,7 +116,7 @@ def off_gyros(trial: Trial, q: Floats) -> Floats:
     """
     links, found = np.cumsum(q, axis=1), []
     for k in (0, 1):
-        rate = trial.rate[:, k] - trial.rate[:30, k].mean()
+        rate = trial.rates[:, 3 * k + 2] - trial.rates[:30, 3 * k + 2].mean()
         turned = np.cumsum(rate) / RATE_HZ
         turned *= np.sign(np.corrcoef(turned, links[:, k])[0, 1])
         shifts = []
@@ -140,7 +143,7 @@ def wrong_by(arm: Arm, share: float) -> Arm:
 
 
 def levelled(arm: Arm, first: Floats) -> Arm:
-    """Return an arm whose sensors are turned about z as its first reading (6,) shows while it hangs."""
+    """Return an arm whose sensors are turned about z as its first reading (n_channel,) shows while it hangs."""
     turns = [np.pi - np.arctan2(first[3 * k + 1], first[3 * k]) for k in (0, 1)]
     sensors = [replace(s, rotation_rad=(0.0, 0.0, float(a))) for s, a in zip(arm.sensors, turns, strict=True)]
     return replace(arm, sensors=tuple(sensors))
@@ -150,19 +153,19 @@ def tracked(arm: Arm, trial: Trial, method: str) -> tuple[Floats, Floats]:
     """Return the angles by the smoother or the live filter, and their standard deviations, (n, 2) each."""
     if method == "filter":
         tracker = KalmanTracker(arm, RATE_HZ, np.zeros(2), RATE_HZ)
-        frames = tracker.push(0, trial.readings)[0] + tracker.flush()[0]
+        frames = tracker.push(0, trial.readings_of(arm))[0] + tracker.flush()[0]
     else:
-        frames = [smooth_motion(arm, trial.decimated(), np.zeros(2)).frames]
+        frames = [smooth_motion(arm, trial.decimated(arm), np.zeros(2)).frames]
     claims = [block.q_std for block in frames if block.q_std is not None]
     return np.vstack([block.q for block in frames]), np.vstack(claims)
 
 
-def run(folder: Path, share: float, pattern: str, learnt: Sequence[str], method: str) -> None:
+def run(arm: Arm, folder: Path, pattern: str, learnt: Sequence[str], method: str) -> None:
     """Calibrate, track all trials of one set, and print how far they are off."""
     paths = sorted(folder.glob(f"Pendulum_Test{pattern}*_Segment_1.csv"))
     names = [path.name.removeprefix("Pendulum_").removesuffix("_Segment_1.csv") for path in paths]
-    known = [read_trial(folder, name).decimated() for name in learnt]
-    arm = levelled(wrong_by(load_arm(ARM), share), known[0].first_mean)
+    known = [read_trial(folder, name).decimated(arm) for name in learnt]
+    arm = levelled(arm, known[0].first_mean)
     found = calibrate_sensors(arm, known, np.zeros(2), PRIOR)
     length, places = found.arm.joints[0], [s.position_m[0] for s in found.arm.sensors]
     emit(f"length {length.a_m:.4f} +- {length.length_std_m:.4f} m, sensors at {places[0]:.4f}, {places[1]:.4f} m")
@@ -193,10 +196,14 @@ def main(argv: list[str] | None = None) -> int:
     parser.add_argument("--data", type=Path, required=True, help="RepoIMU's folder Pendulum")
     parser.add_argument("--wrong-by", type=float, default=0.2, help="of the lengths at first (0.2)")
     parser.add_argument("--method", choices=("smooth", "filter"), default="smooth", help="that tracks all trials")
+    parser.add_argument("--gyros", action="store_true", help="use the gyros too")
     arguments = parser.parse_args(argv)
     try:
+        arm = wrong_by(load_arm(ARM), arguments.wrong_by)
+        if arguments.gyros:
+            arm = arm.with_gyroscopes([sensor.name for sensor in arm.sensors])
         for pattern, learnt in SETS:
-            run(arguments.data, arguments.wrong_by, pattern, learnt, arguments.method)
+            run(arm, arguments.data, pattern, learnt, arguments.method)
     except LimbcalError as error:
         say(f"error: {error}")
         return error.exit_code

@@ -16,7 +16,7 @@ class Course(NamedTuple):
     Attributes
     ----------
     dt : float [s]
-    readings : (n, n_channel) [m/s^2]
+    readings : (n, n_channel) [m/s^2, of gyroscopes rad/s]
     present : (n,) bool
         False where the readings were lost.
     noise : (n_channel,)
@@ -31,14 +31,15 @@ class Course(NamedTuple):
         Factor on the noise of the readings.
     rest : (n, n_joint)
         Variance with which a joint's velocity is zero; 0 where nothing is known of it.
-    base_std, lack_std : float [m/s^2]
-        Standard deviation of each axis of the base's acceleration, and of what the model lacks of a reading; they
-        count where the observation has them.
+    base_std : float [m/s^2]
+        Standard deviation of each axis of the base's acceleration; it counts where the observation has one.
+    lack_std : (n_channel,)
+        Standard deviation of what the model lacks of a reading; it counts where the observation has that.
     memory_s : float [s]
         Time constant of both.
     rate : (n_joint,) [1/s]
         Of each joint's speed as a stationary process; 0 where it is the integral of its acceleration.
-    drift : (n, n_channel) [m/s^3]
+    drift : (n, n_channel) [m/s^3, of gyroscopes rad/s^2]
         Rate of each reading; it counts where the observation has clocks.
     """
 
@@ -53,7 +54,7 @@ class Course(NamedTuple):
     rest: Floats
     rate: Floats
     base_std: float = 0.0
-    lack_std: float = 0.0
+    lack_std: Floats = np.zeros(0)
     memory_s: float = 1.0
     drift: Floats = np.zeros((0, 0))
 

@@ -9,8 +9,8 @@ that of the base shared by all sensors. The noise e is the sensor's, with Studen
 strikes the arm.
 Joints have a stationary speed (`tracking.stationary`). The sizes of all these are learnt by expectation and
 maximisation (A. P. Dempster, N. M. Laird, D. B. Rubin 1977; R. H. Shumway, D. S. Stoffer 1982): each is the mean
-square that the smoother expects, its own variance included. All channels share one size, and so do all joints of a
-kind: with a size of its own the likelihood makes one sensor exact and leaves everything to another.
+square that the smoother expects, its own variance included. All channels of a kind share one size, and so do all
+joints of a kind: with a size of its own the likelihood makes one sensor exact and leaves everything to another.
 """
 
 from dataclasses import dataclass
@@ -22,7 +22,7 @@ from scipy.special import chdtri
 
 from arm.model import Floats
 from tracking.course import Course
-from tracking.observation import ABSENT, Observation
+from tracking.observation import ABSENT, Observation, channels_alike
 from tracking.smoothing_pass import Pass
 
 #: Degrees of freedom of Student's distribution: with four it hardly loses anything to a normal one, and is not
@@ -46,19 +46,27 @@ class Discrepancy:
     Attributes
     ----------
     lack_std : float [m/s^2]
-        Of each channel.
+        Of each channel of an accelerometer.
     base_std : float [m/s^2]
         Of each axis of the base's acceleration; 0 if it stands still.
     memory_s : float [s]
-        Time constant of both.
+        Time constant of all three.
     speed_std : (n_joint,) [rad/s or m/s]
         Of the joints.
+    rate_lack_std : float [rad/s]
+        Of each channel of a gyroscope; 0 without any.
     """
 
     lack_std: float
     base_std: float
     memory_s: float
     speed_std: Floats
+    rate_lack_std: float = 0.0
+
+    def lack_stds(self, of: Observation) -> Floats:
+        """Return what the model lacks of each channel, (n_channel,)."""
+        std: Floats = np.repeat(np.where(of.turning, self.rate_lack_std, self.lack_std), 3)
+        return std
 
 
 def speed_rate(push: Floats, speed_std: Floats) -> Floats:
@@ -67,13 +75,13 @@ def speed_rate(push: Floats, speed_std: Floats) -> Floats:
     return rate
 
 
-def with_sizes(course: Course, sizes: Discrepancy, variance: Floats) -> Course:
+def with_sizes(of: Observation, course: Course, sizes: Discrepancy, variance: Floats) -> Course:
     """Return a course with what the model lacks, and with the variance of each reading's noise."""
     return course._replace(
         doubt=variance / course.noise,
         rate=speed_rate(course.push, sizes.speed_std),
         base_std=sizes.base_std,
-        lack_std=sizes.lack_std,
+        lack_std=sizes.lack_stds(of),
         memory_s=sizes.memory_s,
     )
 
@@ -94,18 +102,26 @@ def sizes_of(of: Observation, found: Pass, revolute: NDArray[np.bool_], memory_s
         variance = found.variance[:, reported[first] : reported[first] + count]
         return float(np.sqrt((squares + variance).mean()))
 
-    return Discrepancy(rms(of.lack_column, 3 * of.link.size), rms(of.base_column, 3), memory_s, speed_std)
+    lacks = [0.0, 0.0]  # of accelerometers, of gyroscopes
+    for k, part in enumerate(channels_alike(of) if of.lack_column != ABSENT else ()):
+        lacks[k] = rms(of.lack_column + part.start, part.stop - part.start)
+    return Discrepancy(lacks[0], rms(of.base_column, 3), memory_s, speed_std, lacks[1])
 
 
-def noise_variances(course: Course, found: Pass) -> Floats:
-    """Return the variance of each reading's noise, (n, n_channel).
+def noise_variances(of: Observation, course: Course, found: Pass) -> Floats:
+    """Return the variance of each reading's noise, (n, n_channel), that of each kind of sensor by itself.
 
     That of its instant is the mean square over a second about it, as far as that says more than all instants, and
     each sensor's three readings at an instant count by Student's weight. None is less than the sensor's own noise.
     """
-    n, n_channel = course.readings.shape
-    before = course.noise * course.doubt
-    residual, share = before * found.error[:, :n_channel], before * found.precision[:, :n_channel]
+    return np.hstack([_alike_variances(course, found, part) for part in channels_alike(of)])
+
+
+def _alike_variances(course: Course, found: Pass, part: slice) -> Floats:
+    """Return the variance of the noise of some channels' readings, which measure the same, (n, n_part)."""
+    n, n_channel = len(course.readings), part.stop - part.start
+    before = course.noise[part] * course.doubt[:, part]
+    residual, share = before * found.error[:, part], before * found.precision[:, part]
     squares = residual**2 / max(float(share[course.present].mean()), np.finfo(np.float64).tiny)
     squares[~course.present] = 0.0
     sensor = squares.reshape(n, -1, 3).sum(axis=2)
@@ -121,7 +137,7 @@ def noise_variances(course: Course, found: Pass) -> Floats:
         total = n_channel * window * uniform_filter1d(weighed, window, mode="nearest")
         local = (FREEDOM * overall + total) / (FREEDOM + count)
     variance = np.repeat(local[:, None] / _weight(sensor, local[:, None]), 3, axis=1)
-    least: Floats = np.maximum(variance, course.noise)
+    least: Floats = np.maximum(variance, course.noise[part])
     return least
 
 

@@ -44,7 +44,7 @@ class DiscrepancyFilter:
     """
 
     def __init__(self, arm: Arm, x: Floats, P: Floats, noise: Noise, factor: int, dt_s: float) -> None:
-        n, n_channel = arm.n_joint, 3 * len(arm.sensors)
+        n, n_channel = arm.n_joint, arm.n_channel
         mountings = arm.sensor_covariance is not None
         self._of, size = observation_of(arm, mountings, base=True, lack=True)
         self._room, self._n, self._known, self._factor = room_of(n), n, len(x), factor

@@ -18,7 +18,7 @@ from tracking.clocks import ClockSearch
 from tracking.course import Course
 from tracking.discrepancy import Discrepancy, noise_variances, sizes_of, with_sizes
 from tracking.expected_readings import room_of
-from tracking.observation import ABSENT, Observation
+from tracking.observation import ABSENT, Observation, channels_alike, rms_alike
 from tracking.plain_filter import filter_plainly
 from tracking.smoothed import mend
 from tracking.smoother import NO_MOTION
@@ -40,11 +40,11 @@ _USUAL_SPEED, _SLOW_S = 1.0, 1.0
 class Begin(NamedTuple):
     """A motion that sizes are sought from, and by how much readings depart from it.
 
-    ``states`` (n, n_state) of coarse frames, None for what gravity shows; ``departure`` [m/s^2].
+    ``states`` (n, n_state) of coarse frames, None for what gravity shows; ``departure`` (n_channel,).
     """
 
     states: Floats | None
-    departure: float
+    departure: Floats
 
 
 class DiscrepancyFit:
@@ -92,10 +92,12 @@ class DiscrepancyFit:
         course = self.clocks.moved(course)
         usual = begin.departure
         moves = of.base_column != ABSENT
-        self.sizes = Discrepancy(usual, usual * moves, memory_s, np.full(arm.n_joint, _USUAL_SPEED))
-        self._variance = np.maximum(np.full(course.readings.shape, usual**2), course.noise)
+        lacks = [float(usual[part.start]) for part in channels_alike(of)]
+        speeds = np.full(arm.n_joint, _USUAL_SPEED)
+        self.sizes = Discrepancy(lacks[0], lacks[0] * moves, memory_s, speeds, *lacks[1:])
+        self._variance = np.maximum(np.tile(usual**2, (len(course.readings), 1)), course.noise)
         self.found = pass_of(of, course, size)
-        self.course = with_sizes(course, self.sizes, self._variance)
+        self.course = with_sizes(of, course, self.sizes, self._variance)
         if begin.states is None:
             at = filter_plainly(of, self.course, *before(of, start, self.sizes))
         else:
@@ -137,8 +139,8 @@ class DiscrepancyFit:
         late = self.clocks.take(*final, self.start[0], self._at)
         if late:
             self.course = self.clocks.moved(self.course)
-        self._variance = np.sqrt(noise_variances(self.course, self.found) * self._variance)
-        self.course = with_sizes(self.course, self.sizes, self._variance)
+        self._variance = np.sqrt(noise_variances(self.of, self.course, self.found) * self._variance)
+        self.course = with_sizes(self.of, self.course, self.sizes, self._variance)
         self.rounds, self.converged = self.rounds + 1, not late and abs(self._gain) < _LEAST_GAIN
 
     def _settle(self) -> tuple[Floats, Floats]:
@@ -185,20 +187,22 @@ def likeliest(
     return max(racing, key=lambda one: one[0].limit - one[1])[0]
 
 
-def departure(course: Course) -> float:
-    """Return by how much the readings depart from their own mean over a second [m/s^2]."""
+def departure(of: Observation, course: Course) -> Floats:
+    """Return by how much the readings depart from their own mean over a second, alike for a kind, (n_channel,)."""
     window = max(1, round(_SLOW_S / course.dt))
     readings = course.readings[course.present]
     off = readings - uniform_filter1d(readings, min(window, len(readings)), axis=0)
-    return max(float(np.sqrt(np.square(off).mean())), float(np.sqrt(course.noise.max())))
+    loudest = [np.full(part.stop - part.start, course.noise[part].max()) for part in channels_alike(of)]
+    most: Floats = np.maximum(rms_alike(of, off), np.sqrt(np.concatenate(loudest)))
+    return most
 
 
 def before(of: Observation, start: tuple[Floats, Floats], sizes: Discrepancy) -> tuple[Floats, Floats]:
     """Return state and covariance before the first reading."""
     x, P = start[0].copy(), start[1].copy()
     for first, count, std in (
-        (of.base_column, 3, sizes.base_std),
-        (of.lack_column, 3 * of.link.size, sizes.lack_std),
+        (of.base_column, 3, np.full(3, sizes.base_std)),
+        (of.lack_column, 3 * of.link.size, sizes.lack_stds(of)),
     ):
         if first != ABSENT:
             at = np.arange(first, first + count)

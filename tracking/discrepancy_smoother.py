@@ -16,7 +16,7 @@ from tracking.course import Course, course_of
 from tracking.discrepancy import with_sizes
 from tracking.discrepancy_fit import Begin, DiscrepancyFit, before, departure, likeliest
 from tracking.expected_readings import room_of
-from tracking.observation import Observation, observation_of
+from tracking.observation import Observation, observation_of, rms_alike
 from tracking.process import SMOOTHER_PUSH_STD
 from tracking.readings import Readings
 from tracking.smoothed import SIGMAS, Smoothed, mend
@@ -72,11 +72,11 @@ class DiscrepancySmoother:
         n = self._arm.n_joint
         course = course_of(readings, n)._replace(push=np.full(n, SMOOTHER_PUSH_STD**2))
         stride = stride_of(course.dt)
-        begins = [Begin(None, departure(course))]
+        begins = [Begin(None, departure(self.observation, course))]
         if exact is not None:
             course = course._replace(rest=_rest_at_every_frame(exact, course))
             states = exact.states if exact.course.dt > readings.dt_s else every(exact.states, stride)
-            begins.append(Begin(states, float(np.sqrt(np.square(exact.residual).mean()))))
+            begins.append(Begin(states, rms_alike(self.observation, exact.residual)))
         coarse, rounds = coarser(course, stride), 0
 
         def count_round() -> None:
@@ -118,7 +118,7 @@ class DiscrepancySmoother:
         if stride > 1:
             each = np.minimum(np.arange(len(course.readings)) // stride, len(fit.course.doubt) - 1)
             variance = (fit.course.noise * fit.course.doubt * stride)[each]
-            course = with_sizes(course, fit.sizes, np.maximum(variance, course.noise))
+            course = with_sizes(of, course, fit.sizes, np.maximum(variance, course.noise))
             course = moved_back(course, course.readings, fit.clocks.late_s)
             at = finer(fit.found.states, len(course.readings), stride)
         else:

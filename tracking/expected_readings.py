@@ -7,10 +7,13 @@ import numpy as np
 from arm.chain import Chain
 from arm.model import Floats
 from arm.newton_euler import base_axes, poses, rigid_motion
-from arm.reading_slopes import SEEDS, at_lever, lever_slope, motion_slopes, row
+from arm.reading_slopes import SEEDS, at_lever, lever_slope, motion_slopes, row, total
 from arm.triple import cross, turned_back
 from limbcal.compiled import compiled
 from tracking.observation import Observation
+
+#: The three axes of a sensor.
+AXES = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
 
 
 class Room(NamedTuple):
@@ -78,13 +81,16 @@ def move_arm(of: Observation, room: Room, x: Floats) -> None:
 
 @compiled
 def observe(of: Observation, room: Room, x: Floats, reading: Floats, slope: Floats) -> None:
-    """Fill in what every channel reads in state x, (3 n_sensor,), and its slopes, (3 n_sensor, n_state).
+    """Fill in what every channel reads in state x, (3 n_triad,), and its slopes, (3 n_triad, n_state).
 
     Only those entries of ``slope`` are written that `Observation.columns` names.
     """
-    n, n_sensor = room.q.size, of.link.size
+    n = room.q.size
     move_arm(of, room, x)
-    for s in range(n_sensor):
+    for s in range(of.link.size):
+        if of.turning[s]:
+            observe_turning(of, room, x, s, reading, slope)
+            continue
         channel, link, rotation = 3 * s, of.link[s], of.rotation[s]
         first = of.mounting_column[s]
         w, dw = row(room.motion[link, 0]), row(room.motion[link, 1])
@@ -126,6 +132,37 @@ def observe(of: Observation, room: Room, x: Floats, reading: Floats, slope: Floa
 
 
 @compiled
+def observe_turning(of: Observation, room: Room, x: Floats, s: int, reading: Floats, slope: Floats) -> None:
+    """Fill in what gyroscope s reads, ``G Exp(turn)^T R^T omega + o``, and its slopes, once the arm is moved."""
+    n, channel, link, rotation = room.q.size, 3 * s, of.link[s], of.rotation[s]
+    gain, turn = row(of.scale[s]), (0.0, 0.0, 0.0)
+    scale, first = of.gyro_scale_column[s], of.mounting_column[s]
+    if scale >= 0:
+        gain = total(gain, row(x[scale : scale + 3]))
+        turn = row(x[first + 3 : first + 6])
+    felt = turned_by(turn, turned_back(rotation, row(room.motion[link, 0])))
+    for c in range(3):
+        reading[channel + c] = gain[c] * felt[c] + x[3 * n + channel + c]
+        slope[channel + c, 3 * n + channel + c] = 1.0
+        if of.lack_column >= 0:
+            reading[channel + c] += x[of.lack_column + channel + c]
+            slope[channel + c, of.lack_column + channel + c] = 1.0
+    i = link
+    while i >= 0:
+        for k in range(2):  # by angle and by speed
+            w = turned_by(turn, turned_back(rotation, row(room.slopes[link, SEEDS * i + k, 0])))
+            for c in range(3):
+                slope[channel + c, 3 * i + k] = gain[c] * w[c]
+        i = of.chain.parent[i]
+    if scale >= 0:
+        for k in range(3):
+            turned = cross(felt, AXES[k])  # to first order in what the turn still lacks
+            for c in range(3):
+                slope[channel + c, scale + k] = felt[c] if c == k else 0.0
+                slope[channel + c, first + 3 + k] = gain[c] * turned[c]
+
+
+@compiled
 def base_slopes(
     link_axes: Floats,
     rotation: Floats,
@@ -156,10 +193,9 @@ def mounting_slopes(
     first: int,
 ) -> None:
     """Fill in the slopes (3, n_state) of one sensor by its scale, turn and place."""
-    axes = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
     for k in range(3):
-        turned = cross(felt, axes[k])  # to first order in what the turn still lacks
-        moved = turned_by(turn, turned_back(rotation, at_lever(w, dw, axes[k])))
+        turned = cross(felt, AXES[k])  # to first order in what the turn still lacks
+        moved = turned_by(turn, turned_back(rotation, at_lever(w, dw, AXES[k])))
         for c in range(3):
             slope[c, first + k] = felt[c] if c == k else 0.0
             slope[c, first + 3 + k] = gain[c] * turned[c]

@@ -28,9 +28,9 @@ class Frames:
         Samples were lost since the frames before, or within these: what is missing was predicted.
     q_std : (n, n_joint) or None
         How well the angles are known, by the tracker's own claim, where it makes one.
-    readings : (n, n_channel) or None [m/s^2]
+    readings : (n, n_channel) or None [m/s^2, of gyroscopes rad/s]
         What the sensors read, averaged to the frames; not a number where it was lost.
-    noise : (2, n_channel) or None [(m/s^2)^2]
+    noise : (2, n_channel) or None [squares of these]
         Of these readings: the variance of their white noise, and of what the converter hides from all alike.
     """
 

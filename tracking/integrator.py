@@ -87,15 +87,16 @@ class Integrator:
         self._waiting = _Underived(0, 0, np.empty((0, arm.n_joint)), np.empty((0, *self._state.moved.shape)))
         self._felt = FrameMeans(self._decimation, self._n_channel, rate_hz)
 
-    def push(self, t0_ns: int, accelerations: Floats) -> tuple[list[Frames], list[Phase]]:
+    def push(self, t0_ns: int, readings: Floats) -> tuple[list[Frames], list[Phase]]:
         """Take in readings and give out the frames and phases that they complete.
 
         Parameters
         ----------
         t0_ns : int
             Time of the first reading.
-        accelerations : (n, 3 * n_sensor) [m/s^2]
-            Specific force in each sensor's own axes, columns s1x s1y s1z s2x ...
+        readings : (n, n_channel) [m/s^2]
+            Specific force in each sensor's own axes, columns s1x s1y s1z s2x ...; what gyroscopes read after them
+            is left aside, for which double integration has no use.
 
         Returns
         -------
@@ -105,12 +106,12 @@ class Integrator:
         Raises
         ------
         DataError
-            If the number of columns is not three a sensor.
+            If the number of columns is not three a sensor and three a gyroscope.
         """
-        if accelerations.ndim != 2 or accelerations.shape[1] != self._n_channel:
-            raise DataError(f"accelerations have shape {accelerations.shape}, expected (n, {self._n_channel})")
+        if readings.ndim != 2 or readings.shape[1] != self._arm.n_channel:
+            raise DataError(f"readings have shape {readings.shape}, expected (n, {self._arm.n_channel})")
         self._anchor_ns, self._anchor_sample = t0_ns, self._sample + len(self._pending)
-        readings = np.ascontiguousarray(accelerations, dtype=float)
+        readings = np.ascontiguousarray(readings[:, : self._n_channel], dtype=float)
         self._pending = np.concatenate([self._pending, readings]) if len(self._pending) else readings
         frames: list[Frames] = []
         phases: list[Phase] = []

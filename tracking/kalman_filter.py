@@ -1,8 +1,9 @@
 """The live tracker: an extended Kalman filter over the readings of all sensors at once.
 
 It knows how rigidly mounted accelerometers must read together, so two sensors on a link show how it turns without
-any integration, an elbow's acceleration shows in two frames, and where gravity shows the angles it holds them. It
-says how well it knows them, and when its readings contradict the arm.
+any integration, an elbow's acceleration shows in two frames, and where gravity shows the angles it holds them.
+Gyroscopes, where the arm's sensors have them, show how links turn. It says how well it knows the angles, and when
+its readings contradict the arm.
 """
 
 import numpy as np
@@ -31,7 +32,8 @@ class KalmanTracker:
     Parameters
     ----------
     arm : Arm
-        Its sensors' scale, offset and corner are used; its lengths as far as ``length_std_m`` says.
+        Its sensors' scale, offset and corner are used; its lengths as far as ``length_std_m`` says. Its sensors'
+        gyroscopes are read.
     rate_hz : float
     initial_q_rad : (n_joint,) or None
         Where the arm rests when tracking begins. With None it rests where gravity says, and at zero for angles
@@ -62,7 +64,7 @@ class KalmanTracker:
         self._rate_hz = rate_hz
         self._factor = max(1, round(rate_hz / frame_rate_hz))
         self.dt_s = self._factor / rate_hz
-        self._n_channel = 3 * len(arm.sensors)
+        self._n_channel, self._n_acceleration = arm.n_channel, 3 * len(arm.sensors)
         self._decimator = Decimator(self._factor, self._n_channel)
         self._paths = SensorPaths(arm, self.dt_s)
         self._waiting: list[Floats] = []  # readings before the filter has begun
@@ -77,15 +79,16 @@ class KalmanTracker:
         self._resting = True
         self._lost = False
 
-    def push(self, t0_ns: int, accelerations: Floats) -> tuple[list[Frames], list[Phase]]:
+    def push(self, t0_ns: int, readings: Floats) -> tuple[list[Frames], list[Phase]]:
         """Take in readings and give out the frames and phases that they complete.
 
         Parameters
         ----------
         t0_ns : int
             Time of the first reading.
-        accelerations : (n, 3 * n_sensor) [m/s^2]
-            Specific force in each sensor's own axes, columns s1x s1y s1z s2x ...
+        readings : (n, n_channel)
+            Specific force in each sensor's own axes [m/s^2], columns s1x s1y s1z s2x ..., and after those of all
+            sensors, where the arm's have gyroscopes, angular velocity in the same axes [rad/s], columns s1gx ...
 
         Returns
         -------
@@ -95,19 +98,19 @@ class KalmanTracker:
         Raises
         ------
         DataError
-            If the number of columns is not three a sensor.
+            If the number of columns is not three a sensor and three a gyroscope.
         """
-        if accelerations.ndim != 2 or accelerations.shape[1] != self._n_channel:
-            raise DataError(f"accelerations have shape {accelerations.shape}, expected (n, {self._n_channel})")
+        if readings.ndim != 2 or readings.shape[1] != self._n_channel:
+            raise DataError(f"readings have shape {readings.shape}, expected (n, {self._n_channel})")
         self._anchor_ns, self._anchor_sample = t0_ns, self._sample
-        self._sample += len(accelerations)
+        self._sample += len(readings)
         if self._filter is None:
-            self._waiting.append(accelerations)
+            self._waiting.append(readings)
             if sum(map(len, self._waiting)) < self._to_wait:
                 return [], []
             return self._begin()
-        self._look(accelerations)
-        return self._follow(self._decimator.push(accelerations))
+        self._look(readings)
+        return self._follow(self._decimator.push(readings))
 
     def gap(self, n_samples: int) -> tuple[list[Frames], list[Phase]]:
         """Bridge samples that were lost: the motion goes on as predicted, ever less certain.
@@ -160,8 +163,9 @@ class KalmanTracker:
         """Learn the noise and start the filter, from the readings of the first quarter of a second."""
         readings = np.vstack(self._waiting)
         self._waiting = []
-        noise = noise_of(readings[: self._to_wait], self._rate_hz)
-        self._watch = StepWatch(noise)
+        n_gyro = self._n_channel - self._n_acceleration
+        noise = noise_of(readings[: self._to_wait], self._rate_hz, n_gyro)
+        self._watch = StepWatch(noise, n_gyro)
         frames = self._decimator.push(readings)
         first = frames[: self._first_frames] if len(frames) else readings.mean(axis=0)[None]
         self._filter = AdaptiveFilter(self._arm, self._q0, self._given, first, noise, self._factor, self.dt_s)
@@ -195,7 +199,7 @@ class KalmanTracker:
             joint[:, 1::3].copy(),
             joint[:, 2::3].copy(),
             tips_of(self._chain, q),
-            self._paths.follow(q, readings - offset, course.still),
+            self._paths.follow(q, (readings - offset)[:, : self._n_acceleration], course.still),
             self._lost or bool(missing.any()),
             np.sqrt(course.variances),
             readings,

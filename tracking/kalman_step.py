@@ -57,7 +57,7 @@ def predict(of: Observation, course: Course, k: int, x: Floats, P: Floats) -> No
             decay(x, P, of.base_column + axis, kept, course.base_std)
     if of.lack_column >= 0:
         for channel in range(course.noise.size):
-            decay(x, P, of.lack_column + channel, kept, course.lack_std)
+            decay(x, P, of.lack_column + channel, kept, course.lack_std[channel])
 
 
 @compiled

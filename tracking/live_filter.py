@@ -55,7 +55,7 @@ class LiveFilter:
     def __init__(
         self, arm: Arm, q: Floats, given: bool, first: Floats, noise: Noise, factor: int, dt_s: float
     ) -> None:
-        n, n_channel = arm.n_joint, 3 * len(arm.sensors)
+        n, n_channel = arm.n_joint, arm.n_channel
         of, size = observation_of(arm, arm.sensor_covariance is not None)
         self._of, self._room, self._n, self._n_channel = of, room_of(n), n, n_channel
         rests = steady(first, dt_s, noise, factor)

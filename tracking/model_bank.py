@@ -32,6 +32,9 @@ _OWN_SHARE, _NEW_SHARE = 0.25, 0.3
 #: For how long it lasts [s]: a base that moves does so at the pace of steps, and what an arm on a base that
 #: stands lacks goes with its motion; of those that the smoother tries the middle one and the longest.
 _BASE_MEMORY_S, _LACK_MEMORY_S = 0.1, 0.3
+#: What lacks of a gyroscope's reading where 1 m/s^2 lacks of an accelerometer's [rad/s]: that of a sensor 0.3 m
+#: from its joint that swings two or three times a second.
+_RATE_SHARE = 0.2
 #: Over how long evidence fades [s]: some strokes, and some steps of a walk.
 SHORT_S, LONG_S = 0.5, 10.0
 
@@ -42,7 +45,10 @@ class Bank(NamedTuple):
     Attributes
     ----------
     base_std, lack_std, new_std : (n_model,) [m/s^2]
-        Of each axis of the base's acceleration, of what lasts and of what is new at each instant in a channel.
+        Of each axis of the base's acceleration, of what lasts and of what is new at each instant in a channel of
+        an accelerometer.
+    share : (n_channel,)
+        Of that in each channel: 1, or what makes a gyroscope's of it.
     memory_s : (n_model,) [s]
         For how long either lasts.
     x, P : (n_model, n_state), (n_model, n_state, n_state)
@@ -58,6 +64,7 @@ class Bank(NamedTuple):
     base_std: Floats
     lack_std: Floats
     new_std: Floats
+    share: Floats
     memory_s: Floats
     x: Floats
     P: Floats
@@ -87,15 +94,18 @@ def bank_of(of: Observation, x: Floats, P: Floats, base: bool) -> Bank:
     size = known + 3 + 3 * of.link.size
     means, covariances = np.zeros((n_model, size)), np.zeros((n_model, size, size))
     means[:, :known], covariances[:, :known, :known] = x, P
-    for first, count, std in ((of.base_column, 3, base_std), (of.lack_column, 3 * of.link.size, lack_std)):
-        for entry in range(first, first + count):
-            covariances[:, entry, entry] = std**2
+    share = np.repeat(np.where(of.turning, _RATE_SHARE, 1.0), 3)
+    for entry in range(3):
+        covariances[:, of.base_column + entry, of.base_column + entry] = base_std**2
+    for channel, part in enumerate(share.tolist()):
+        covariances[:, of.lack_column + channel, of.lack_column + channel] = (part * lack_std) ** 2
     new_std = _NEW_SHARE * np.maximum(base_std, lack_std)
     weight, evidence = np.full(n_model, 1.0 / n_model), np.zeros((2, n_model))
     bank = Bank(
         base_std,
         lack_std,
         new_std,
+        share,
         np.where(base_std > 0.0, _BASE_MEMORY_S, _LACK_MEMORY_S),
         means,
         covariances,
@@ -123,7 +133,7 @@ def advance(of: Observation, room: Room, course: Course, bank: Bank, taken: Take
             course.dt,
             course.readings,
             course.present,
-            course.noise + bank.new_std[i] ** 2,
+            course.noise + (bank.share * bank.new_std[i]) ** 2,
             course.wander,
             course.push,
             course.jolt,
@@ -131,7 +141,7 @@ def advance(of: Observation, room: Room, course: Course, bank: Bank, taken: Take
             course.rest,
             course.rate,
             bank.base_std[i],
-            bank.lack_std[i],
+            bank.share * bank.lack_std[i],
             bank.memory_s[i],
         )
         predict(of, own, 1, x, P)

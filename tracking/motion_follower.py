@@ -89,6 +89,8 @@ class MotionFollower:
         DataError
             If no motion of the arm explains the readings.
         """
+        if readings.values.shape[1] < self._arm.n_channel:  # dead reckoning gives out no gyroscopes
+            self._arm = self._arm.with_gyroscopes(())
         n, n_channel = self._arm.n_joint, readings.values.shape[1]
         smoother = Smoother(self._arm, q, False)
         start = self._start(smoother, readings, q, q_std)
@@ -103,7 +105,8 @@ class MotionFollower:
         states = found.states
         q, dq, ddq = (states[:, k : 3 * n : 3].copy() for k in range(3))
         offset = states[:, 3 * n : 3 * n + n_channel]
-        points = SensorPaths(self._arm, readings.dt_s).follow(q, readings.values - offset, found.still)
+        felt = (readings.values - offset)[:, : 3 * len(self._arm.sensors)]
+        points = SensorPaths(self._arm, readings.dt_s).follow(q, felt, found.still)
         off = np.moveaxis(errors, 2, 0)
         drawn = Draws(
             q - off[:, :, : 3 * n : 3],
@@ -113,7 +116,7 @@ class MotionFollower:
         )
         arm = replace(self._arm, sensors=tuple(self._arm.sensors[s] for s in self._sensors))
         columns = np.ravel([range(3 * s, 3 * s + 3) for s in self._sensors]).astype(np.intp)
-        felt = (readings.values - offset)[:, columns]
+        felt = felt[:, columns]
         for d in range(DRAWS):
             less = noise[:, columns, d] - off[d][:, 3 * n + columns]
             drawn.points[d] = SensorPaths(arm, readings.dt_s).follow(drawn.q[d], felt - less, found.still)

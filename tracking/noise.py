@@ -10,6 +10,8 @@ from limbcal.compiled import compiled
 #: Nobody's accelerometer is quieter than ten microgees, and nobody's arm more rigid [m/s^2 per root Hz]. A filter
 #: that believes more takes what it leaves out of a motion, such as curvature in its slopes, for information.
 _FINEST = 1e-4
+#: Nor is a gyroscope of a chip quieter than a thousandth of a degree a second and root Hz [rad/s per root Hz].
+_FINEST_RATE = 1.75e-5
 #: Cells in which readings are judged, at the most, and which fraction of them, the calmest, counts; conventions.
 _CELLS, _CALM = 400, 0.25
 #: A reading's variance shows twentyfold in third differences, which know hardly anything of a motion.
@@ -18,19 +20,19 @@ _THIRD = 20.0
 
 @dataclass(frozen=True)
 class Noise:
-    """Noise of each channel; arrays are (n_channel,) [(m/s^2)^2].
+    """Noise of each channel; arrays are (n_channel,) [(m/s^2)^2 or (rad/s)^2].
 
     Attributes
     ----------
     variance : white noise of one sample
     rounding : what the converter hides from every reading alike while nothing moves
-    least : float
+    least : float or (n_channel,)
         Below which the variance of one sample is not believed.
     """
 
     variance: Floats
     rounding: Floats
-    least: float = 0.0
+    least: Floats | float = 0.0
 
     def of_mean(self, n_samples: int) -> Floats:
         """Return the variance of a mean of so many samples."""
@@ -41,8 +43,8 @@ class Noise:
         return np.stack([np.maximum(self.variance, self.least) / n_samples, self.rounding])
 
 
-def noise_of(readings: Floats, rate_hz: float) -> Noise:
-    r"""Measure the noise of readings, (n, n_channel), at least four of them.
+def noise_of(readings: Floats, rate_hz: float, n_gyro: int = 0) -> Noise:
+    r"""Measure the noise of readings, (n, n_channel), n at least four; the last ``n_gyro`` are of gyroscopes.
 
     Third differences are taken in cells, and the calmest quarter of the cells counts, so a motion that is slow
     against the sampling rate does not show. A converter of step s that is fed noise of standard deviation
@@ -58,7 +60,10 @@ def noise_of(readings: Floats, rate_hz: float) -> Noise:
     # The calmest quarter of equal cells lies below their mean by the spread that a cell's variance has.
     spread = np.sqrt(4.6 / (size - 3))  # third differences are correlated: 2.31 times that of white ones
     variance = calm.mean(axis=0) / (1.0 - 1.27 * spread if len(begins) >= 4 else 1.0)
-    return Noise(variance, _rounding(variance, step_of(readings[: 64 * _CELLS])), _FINEST**2 * rate_hz)
+    n_accelerometer = readings.shape[1] - n_gyro
+    finest = np.repeat([_FINEST, _FINEST_RATE], [n_accelerometer, n_gyro])
+    rounding = _rounding(variance, step_of(readings[: 64 * _CELLS]), n_accelerometer)
+    return Noise(variance, rounding, finest**2 * rate_hz)
 
 
 def step_of(readings: Floats) -> Floats:
@@ -79,9 +84,10 @@ def _least_changes(before: Floats, readings: Floats, step: Floats) -> None:
                 step[c] = change
 
 
-def _rounding(variance: Floats, step: Floats) -> Floats:
-    found = np.isfinite(step)  # a channel that never changes is converted like the others
-    step = np.where(found, step, step[found].max(initial=0.0))
+def _rounding(variance: Floats, step: Floats, n_accelerometer: int) -> Floats:
+    found = np.isfinite(step)  # a channel that never changes is converted like the others of its kind
+    for kind in (slice(n_accelerometer), slice(n_accelerometer, None)):
+        step[kind] = np.where(found[kind], step[kind], step[kind][found[kind]].max(initial=0.0))
     hidden = np.exp(-4.0 * np.pi**2 * variance / np.maximum(step, 1e-12) ** 2)
     rounding: Floats = step**2 / 12.0 * hidden
     return rounding
@@ -94,10 +100,12 @@ class StepWatch:
     ----------
     noise : Noise
         As first measured.
+    n_gyro : int
+        How many of the channels, the last ones, are of gyroscopes.
     """
 
-    def __init__(self, noise: Noise) -> None:
-        self.noise = noise
+    def __init__(self, noise: Noise, n_gyro: int = 0) -> None:
+        self.noise, self._n_accelerometer = noise, len(noise.variance) - n_gyro
         self._step = np.full(len(noise.variance), np.inf)
         self._last: Floats | None = None
 
@@ -111,7 +119,7 @@ class StepWatch:
         if np.array_equal(step, self._step):
             return False
         self._step = step
-        rounding = _rounding(self.noise.variance, step)
+        rounding = _rounding(self.noise.variance, step.copy(), self._n_accelerometer)
         if np.allclose(rounding, self.noise.rounding, rtol=0.1, atol=1e-12):
             return False
         self.noise = replace(self.noise, rounding=rounding)

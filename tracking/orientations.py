@@ -20,6 +20,7 @@ from tracking.coarsening import coarser
 from tracking.course import course_of
 from tracking.discrepancy import speed_rate
 from tracking.expected_readings import room_of
+from tracking.noise import Noise
 from tracking.observation import observation_of
 from tracking.plain_filter import filter_plainly
 from tracking.process import SMOOTHER_PUSH_STD
@@ -203,15 +204,16 @@ def _log_likelihood(
 
 
 def _part(arm: Arm, taken: NDArray[np.intp]) -> Arm:
-    """Return the arm as far as some of its sensors, in their order."""
-    sensors = tuple(arm.sensors[k] for k in taken)
+    """Return the arm as far as some of its sensors, in their order; accelerometers say how they are turned."""
+    sensors = tuple(replace(arm.sensors[k], gyroscope=None) for k in taken)
     return replace(arm, joints=arm.joints[: max(sensor.joint for sensor in sensors)], sensors=sensors, tip=None)
 
 
 def _of_channels(readings: Readings, taken: NDArray[np.intp]) -> Readings:
-    """Return the first readings of some sensors, in their order."""
+    """Return the first readings of some accelerometers, in their order."""
     columns = np.ravel(3 * np.asarray(taken)[:, None] + np.arange(3))
     noise = readings.noise
-    noise = replace(noise, variance=noise.variance[columns], rounding=noise.rounding[columns])
+    least = np.broadcast_to(noise.least, noise.variance.shape)[columns]
+    noise = Noise(noise.variance[columns], noise.rounding[columns], least)
     rows = round(_SECONDS / readings.dt_s)
     return replace(readings, values=readings.values[:rows, columns], noise=noise)

@@ -7,7 +7,8 @@ from scipy.special import chdtri
 #: smoothing it is all but free: a prior on it would rather believe in small motions, and so in sensors that read
 #: too much.
 FILTER_PUSH_STD, SMOOTHER_PUSH_STD = 3.0, 50.0
-#: By how much an offset may wander in a second [m/s^2], besides what rounding does.
+#: By how much an offset may wander in a second [m/s^2; of a gyroscope rad/s], besides what rounding does: two
+#: microgees, and four degrees an hour, as data sheets of such chips have it.
 WANDER_STD = 2e-5
 #: Chance that mere noise misses by so much that an instant is looked at again.
 _ALARM = 1e-6

@@ -21,7 +21,7 @@ class Readings:
 
     Attributes
     ----------
-    values : (n, n_channel) [m/s^2]
+    values : (n, n_channel) [m/s^2, of gyroscopes rad/s]
         Not a number where they were lost.
     dt_s : float
         From frame to frame.
@@ -87,6 +87,8 @@ class ReadingsBuilder:
     n_channel : int
     frame_rate_hz : float
         Rounded to what divides the sampling rate, which it is where that is lower.
+    n_gyro : int
+        How many of the channels, the last ones, are of gyroscopes.
 
     Raises
     ------
@@ -94,11 +96,11 @@ class ReadingsBuilder:
         If a rate makes no sense.
     """
 
-    def __init__(self, rate_hz: float, n_channel: int, frame_rate_hz: float = 1000.0) -> None:
+    def __init__(self, rate_hz: float, n_channel: int, frame_rate_hz: float = 1000.0, n_gyro: int = 0) -> None:
         if not (frame_rate_hz > 0.0 and rate_hz > 0.0):
             raise ConfigError(f"rates are {frame_rate_hz:g} and {rate_hz:g} Hz, expected more than 0")
         self._factor = max(1, round(rate_hz / frame_rate_hz))
-        self._rate_hz, self._n_channel = rate_hz, n_channel
+        self._rate_hz, self._n_channel, self._n_gyro = rate_hz, n_channel, n_gyro
         self._decimator = Decimator(self._factor, n_channel)
         self._frames: list[Floats] = []
         self._stretch: list[Floats] = []
@@ -107,7 +109,7 @@ class ReadingsBuilder:
     def push(self, samples: Floats) -> None:
         """Take in samples (n, n_channel)."""
         if samples.ndim != 2 or samples.shape[1] != self._n_channel:
-            raise DataError(f"accelerations have shape {samples.shape}, expected (n, {self._n_channel})")
+            raise DataError(f"readings have shape {samples.shape}, expected (n, {self._n_channel})")
         self._stretch.append(samples)
         self._frames.append(self._decimator.push(samples))
 
@@ -129,9 +131,8 @@ class ReadingsBuilder:
             raise DataError(f"{len(self._longest)} samples without a gap, expected at least {_FEWEST}")
         dt_s = self._factor / self._rate_hz
         t0_s = (self._factor // 2) / self._rate_hz
-        return Readings(
-            np.concatenate(self._frames), dt_s, t0_s, noise_of(self._longest, self._rate_hz), self._factor
-        )
+        noise = noise_of(self._longest, self._rate_hz, self._n_gyro)
+        return Readings(np.concatenate(self._frames), dt_s, t0_s, noise, self._factor)
 
     def _close(self) -> None:
         self._frames.append(self._decimator.flush())

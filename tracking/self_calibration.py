@@ -11,7 +11,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from arm.kinematics import rotation_from_rpy, rpy_from_rotation
-from arm.model import Arm, Floats, Sensor, SensorCovariance, Vector3
+from arm.model import Arm, Floats, Gyroscope, Sensor, SensorCovariance, Vector3
 from tracking.clocks import CLOCK_STD_S
 from tracking.discrepancy import Discrepancy
 from tracking.explained_runs import exact_motions, explained, runs_smoothed
@@ -40,7 +40,7 @@ class SensorEstimate:
     sensor, name : str
         ``bias_x`` … [m/s^2], ``scale_x`` …, ``turn_x`` … [rad] and ``place_x`` … [m] as departures from the arm
         file, about the sensor's axes and along the link's; ``highpass_hz``; ``late_s``, by how much its clock is
-        later than the first sensor's.
+        later than the first sensor's; of a gyroscope ``gyro_bias_x`` … [rad/s] and ``gyro_scale_x`` …
     value, std : float
     unit : str
     revealed : bool
@@ -153,6 +153,13 @@ def _columns(arm: Arm, of: Observation) -> list[tuple[int, str, str, str]]:
         found += [(first + k, sensor.name, name, unit) for k, (name, unit) in enumerate(names)]
         if of.corner_column[s] != ABSENT:
             found.append((int(of.corner_column[s]), sensor.name, "highpass_hz", "Hz"))
+    for triad, s in enumerate(arm.gyroscopes, len(arm.sensors)):
+        numbers = (
+            (3 * n + 3 * triad, "gyro_bias", "rad/s"),
+            (int(of.gyro_scale_column[triad]), "gyro_scale", "1"),
+        )
+        for begin, kind, unit in numbers:
+            found += [(begin + k, arm.sensors[s].name, f"{kind}_{axis}", unit) for k, axis in enumerate(_AXES)]
     return found
 
 
@@ -163,6 +170,8 @@ def _estimates(arm: Arm, of: Observation, known: Smoothed, before: Floats) -> li
     std, std_before = np.sqrt(np.diag(known.covariance)), np.sqrt(np.diag(before))
     nominal = np.zeros(len(std))
     factor = np.ones(len(std))
+    for triad in np.flatnonzero(of.turning):
+        nominal[of.gyro_scale_column[triad] : of.gyro_scale_column[triad] + 3] = of.scale[triad]
     for s in range(len(arm.sensors)):
         nominal[of.mounting_column[s] : of.mounting_column[s] + 3] = of.scale[s]
         if of.corner_column[s] != ABSENT:
@@ -185,10 +194,12 @@ def _clock_estimates(arm: Arm, known: Smoothed) -> list[SensorEstimate]:
     """Return by how much sensors are later than the first one."""
     if known.clocks is None:
         return []
-    names = [sensor.name for sensor in arm.sensors[1:]]
+    others = slice(1, len(arm.sensors))  # gyroscopes share their clocks
     return [
-        SensorEstimate(name, "late_s", float(late), float(std), "s", bool(std <= _REVEALED * CLOCK_STD_S))
-        for name, late, std in zip(names, known.clocks.late_s[1:], known.clocks.std_s[1:], strict=True)
+        SensorEstimate(sensor.name, "late_s", float(late), float(std), "s", bool(std <= _REVEALED * CLOCK_STD_S))
+        for sensor, late, std in zip(
+            arm.sensors[others], known.clocks.late_s[others], known.clocks.std_s[others], strict=True
+        )
     ]
 
 
@@ -269,9 +280,20 @@ def _with_sensors(arm: Arm, of: Observation, x: Floats) -> Arm:
                 _vector(np.add(sensor.scale, scale)),
                 _vector(x[offset]),
                 float(corner / (2.0 * np.pi)),
+                _gyroscope(arm, of, s, x),
             )
         )
     return replace(arm, sensors=tuple(sensors))
+
+
+def _gyroscope(arm: Arm, of: Observation, s: int, x: Floats) -> Gyroscope | None:
+    """Return a sensor's gyroscope as it was found."""
+    known = arm.sensors[s].gyroscope
+    if known is None:
+        return None
+    triad = len(arm.sensors) + arm.gyroscopes.index(s)
+    scale, bias = int(of.gyro_scale_column[triad]), 3 * arm.n_joint + 3 * triad
+    return Gyroscope(_vector(np.add(known.scale, x[scale : scale + 3])), _vector(x[bias : bias + 3]))
 
 
 def _rotation(turn: Floats) -> Floats:

@@ -60,6 +60,8 @@ class Smoothed:
         Lengths and mountings are where they were held to be, within what they may be off.
     mounted_elsewhere : MountedElsewhere, optional
         Where only sensors that sit otherwise than the arm's file has them explain the readings: by how much.
+    alike : tuple of slice
+        The channels of each kind of sensor, see `tracking.observation.channels_alike`; by default all as one.
     """
 
     states: Floats
@@ -78,6 +80,7 @@ class Smoothed:
     is_near: bool = True
     clocks: Clocks | None = None
     mounted_elsewhere: MountedElsewhere | None = None
+    alike: tuple[slice, ...] = (slice(None),)
 
     @property
     def variance(self) -> Floats:
@@ -92,9 +95,14 @@ class Smoothed:
         reading; and constants that are further from what was held of them than they may be explain nothing.
         """
         sums, expected = self._squared_sums(BLOCK_S)
-        chance = SIGMAS * np.sqrt(2.0 / sums.size)  # of a mean of squares of normal numbers
-        misfit = float(sums.sum() / expected.sum())
-        return self.converged and self.is_near and misfit < NOISE_VARIANCE_TOLERANCE * (1.0 + chance)
+        if not (self.converged and self.is_near):
+            return False
+        for part in self.alike:
+            chance = SIGMAS * np.sqrt(2.0 / sums[:, part].size)  # of a mean of squares of normal numbers
+            misfit = float(sums[:, part].sum() / expected[:, part].sum())
+            if not misfit < NOISE_VARIANCE_TOLERANCE * (1.0 + chance):
+                return False
+        return True
 
     @property
     def residual(self) -> Floats:
@@ -120,7 +128,8 @@ def is_near(of: Observation, moved: Floats, P0: Floats) -> bool:
     """Say whether lengths and mountings moved (n_state,) by no more than they may be off (n_state, n_state)."""
     mountings = [range(first, first + MOUNTING) for first in of.mounting_column.tolist() if first != ABSENT]
     lengths = of.length_column[of.length_column != ABSENT].tolist()
-    columns = np.array([*lengths, *np.ravel(mountings)], dtype=np.intp)
+    scales = [range(first, first + 3) for first in of.gyro_scale_column.tolist() if first != ABSENT]
+    columns = np.array([*lengths, *np.ravel(mountings), *np.ravel(scales)], dtype=np.intp)
     return bool(np.all(np.abs(moved[columns]) < SIGMAS * np.sqrt(P0[columns, columns])))
 
 

@@ -92,7 +92,9 @@ def smooth_motion(arm: Arm, readings: Readings, initial_q_rad: Floats | None) ->
         dq,
         ddq,
         tip_position(arm, q),
-        SensorPaths(arm, readings.dt_s).follow(q, readings.values - offset, found.still),
+        SensorPaths(arm, readings.dt_s).follow(
+            q, (readings.values - offset)[:, : 3 * len(arm.sensors)], found.still
+        ),
         bool(not readings.present.all()),
         np.sqrt(found.variance[:, ::3]),
     )

@@ -18,7 +18,7 @@ from tracking.coarsening import coarser, every, finer, stride_of
 from tracking.course import Course, course_of
 from tracking.expected_readings import room_of
 from tracking.forward_filter import filter_all
-from tracking.observation import observation_of
+from tracking.observation import channels_alike, observation_of
 from tracking.process import SMOOTHER_PUSH_STD, alarm_limit
 from tracking.readings import Readings
 from tracking.smoothed import Smoothed, is_near, mend
@@ -142,7 +142,23 @@ class Smoother:
         doubted = float(np.mean((course.doubt > 1.0).any(axis=1)))
         near, late = is_near(of, x - x0, P0), clocks.found(x, P)
         rests = still, resting
-        return Smoothed(at, found, x, P, P0, *rests, doubted, passes, converged, last, along, None, near, late)
+        return Smoothed(
+            at,
+            found,
+            x,
+            P,
+            P0,
+            *rests,
+            doubted,
+            passes,
+            converged,
+            last,
+            along,
+            None,
+            near,
+            late,
+            alike=tuple(channels_alike(of)),
+        )
 
     def _before(
         self, readings: Readings, known: Smoothed | None, start: tuple[Floats, Floats] | None

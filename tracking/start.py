@@ -6,13 +6,15 @@ import numpy as np
 
 from arm.model import Arm, Floats, SensorCovariance, Vector3
 from tracking.expected_readings import observe, room_of
-from tracking.observation import ABSENT, MOUNTING, MOUNTING_NAMES, Observation
+from tracking.observation import ABSENT, GYRO_SCALE_NAMES, MOUNTING, MOUNTING_NAMES, Observation
 
 #: An accelerometer's offset where nothing is known of it, and at the least and at the most where the first
 #: readings, taken together, show how large the offsets of these sensors are [m/s^2].
 _OFFSET_STD, _LEAST_OFFSET_STD, _MOST_OFFSET_STD = 0.2, 0.02, 0.5
 #: Factor on what they show, for the standard deviation of few offsets is itself uncertain; a convention.
 _OFFSET_MARGIN = 2.0
+#: A gyroscope's offset: six degrees a second, as data sheets of consumers' chips have it [rad/s].
+_RATE_OFFSET_STD = 0.1
 #: An AC-coupled one may stand anywhere, and what it settles at is read off while it has settled [m/s^2].
 _UNSETTLED_STD, _SETTLED_STD = 20.0, 0.002
 #: How well an angle is known that was given, and one that was not [rad]; those that gravity doesn't show are the
@@ -88,17 +90,19 @@ def start_state(
     """
     n, n_sensor = arm.n_joint, len(arm.sensors)
     x, P = np.zeros(size), np.zeros((size, size))
-    bias = np.array([sensor.bias_m_s2 for sensor in arm.sensors], dtype=float).ravel()
-    coupled = np.repeat(of.corner > 0.0, 3)
-    offset = slice(3 * n, 3 * n + 3 * n_sensor)
-    x[offset] = bias
-    offset_std = np.where(coupled, _UNSETTLED_STD, _OFFSET_STD)
+    bias = [sensor.bias_m_s2 for sensor in arm.sensors]
+    bias += [sensor.gyroscope.bias_rad_s for sensor in arm.sensors if sensor.gyroscope is not None]
+    coupled, turning = np.repeat(of.corner > 0.0, 3), np.repeat(of.turning, 3)
+    offset = slice(3 * n, 3 * n + 3 * of.link.size)
+    x[offset] = np.array(bias, dtype=float).ravel()
+    offset_std = _offset_std(of)
     x[: 3 * n : 3] = _level(of, x, first, offset_std, q) if steady and not given else q
     reading, slope = _at_rest(of, x)
-    left, free = (first - reading)[~coupled], np.count_nonzero(~coupled) - n
+    lasting = ~coupled & ~turning
+    left, free = (first - reading)[lasting], np.count_nonzero(lasting) - n
     if steady and free > 0:
         usual = np.sqrt(np.sum(left**2) / free)
-        offset_std[~coupled] = np.clip(_OFFSET_MARGIN * usual, _LEAST_OFFSET_STD, _MOST_OFFSET_STD)
+        offset_std[lasting] = np.clip(_OFFSET_MARGIN * usual, _LEAST_OFFSET_STD, _MOST_OFFSET_STD)
     x[offset] += np.where(coupled, first - reading, 0.0)
     P[: 3 * n : 3, : 3 * n : 3] = _angle_covariance(slope[:, : 3 * n : 3] / offset_std[:, None], given)
     std = np.zeros(size)
@@ -118,6 +122,8 @@ def start_state(
         if of.mounting_column[s] != ABSENT:
             begin = of.mounting_column[s]
             std[begin : begin + MOUNTING] = mounting.stds(arm.sensors[s].position_m)
+    for begin in of.gyro_scale_column[of.gyro_scale_column != ABSENT]:
+        std[begin : begin + 3] = mounting.scale
     P += np.diag(std**2)
     if arm.sensor_covariance is not None:
         _take_over(arm, of, arm.sensor_covariance, P)
@@ -133,15 +139,32 @@ def rest_residual(of: Observation, size: int, first: Floats, q: Floats, given: b
     return left
 
 
+def _offset_std(of: Observation) -> Floats:
+    """Return the standard deviation of each channel's offset where nothing is known of it, (n_channel,)."""
+    std: Floats = np.where(of.turning, _RATE_OFFSET_STD, np.where(of.corner > 0.0, _UNSETTLED_STD, _OFFSET_STD))
+    return np.repeat(std, 3)
+
+
 def _take_over(arm: Arm, of: Observation, known: SensorCovariance, P: Floats) -> None:
     """Put what a calibration knows of scales, turns and places into a covariance; offsets are of each day."""
     columns, places = [], []
     for place, parameter in enumerate(known.parameters):
         sensor, _, number = parameter.rpartition(" ")
-        if number in MOUNTING_NAMES and of.mounting_column[arm.sensor_index(sensor)] != ABSENT:
-            columns.append(int(of.mounting_column[arm.sensor_index(sensor)]) + MOUNTING_NAMES.index(number))
+        column = _constant_column(arm, of, arm.sensor_index(sensor), number)
+        if column != ABSENT:
+            columns.append(column)
             places.append(place)
     P[np.ix_(columns, columns)] = known.matrix()[np.ix_(places, places)]
+
+
+def _constant_column(arm: Arm, of: Observation, s: int, number: str) -> int:
+    """Return the column of a sensor's scale, turn, place or gyroscope's scale; `ABSENT` if there is none."""
+    if number in MOUNTING_NAMES and of.mounting_column[s] != ABSENT:
+        return int(of.mounting_column[s]) + MOUNTING_NAMES.index(number)
+    if number in GYRO_SCALE_NAMES and s in arm.gyroscopes:
+        first = int(of.gyro_scale_column[len(arm.sensors) + arm.gyroscopes.index(s)])
+        return ABSENT if first == ABSENT else first + GYRO_SCALE_NAMES.index(number)
+    return ABSENT
 
 
 def _at_rest(of: Observation, x: Floats) -> tuple[Floats, Floats]:

@@ -77,14 +77,14 @@ class Handshake:
 
 
 def check_channels(info: DeviceInfo, arm: Arm, port: str) -> None:
-    """Check that the device's channels are the arm's sensors, three axes each, in their order.
+    """Check that the device's channels are the arm's, see `arm.model.Arm.channels`, in their order.
 
     Raises
     ------
     DeviceError
         If they are not: another device may come, and a config that was right still is.
     """
-    expected = [f"{sensor.name}{axis}" for sensor in arm.sensors for axis in "xyz"]
+    expected = list(arm.channels)
     found = [channel.name for channel in info.channels]
     if found != expected:
         raise DeviceError(

@@ -35,10 +35,12 @@ class AlarmConditions:
         Of the channels.
     free_bytes : int
         Where recording pauses.
+    n_rate : int
+        How many channels, the last ones, are of gyroscopes.
     """
 
-    def __init__(self, reception: Reception, names: Sequence[str], free_bytes: int) -> None:
-        self._reception, self._names, self._free_bytes = reception, names, free_bytes
+    def __init__(self, reception: Reception, names: Sequence[str], free_bytes: int, n_rate: int = 0) -> None:
+        self._reception, self._names, self._free_bytes, self._n_rate = reception, names, free_bytes, n_rate
         self._lost = self._frames = self._discarded = self._malformed = 0
         self._clock_errors = self._clock_off = 0
 
@@ -59,7 +61,7 @@ class AlarmConditions:
             Files of the recording that somebody took away while they were written.
         """
         reception = self._reception
-        wrong = wrong_channels(self._names, reading)
+        wrong = wrong_channels(self._names, reading, self._n_rate)
         lost = reception.ledger.lost_samples - self._lost
         counters = reception.parser.counters
         frames, discarded = counters.frames - self._frames, counters.discarded_bytes - self._discarded

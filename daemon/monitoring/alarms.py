@@ -108,7 +108,7 @@ class Alarms:
         return begun, ended
 
 
-def wrong_channels(names: Sequence[str], reading: Reading) -> dict[tuple[str, str], str]:
+def wrong_channels(names: Sequence[str], reading: Reading, n_rate: int = 0) -> dict[tuple[str, str], str]:
     """Return what channels show: full scale, the converter's ends, standing still, noise, gravity.
 
     Parameters
@@ -116,12 +116,18 @@ def wrong_channels(names: Sequence[str], reading: Reading) -> dict[tuple[str, st
     names : sequence of str
         Of the channels; three in a row are a sensor's axes.
     reading : Reading
+    n_rate : int
+        How many channels, the last ones, are of gyroscopes: they feel no gravity.
     """
     wrong: dict[tuple[str, str], str] = {}
     if reading.samples == 0:
         return wrong
-    usual = float(np.median(reading.noise))
+    n_acceleration = len(names) - n_rate
+    kinds = (slice(n_acceleration), slice(n_acceleration, None))
+    usual_of = [float(np.median(reading.noise[kind])) if names[kind] else 0.0 for kind in kinds]
     for k, name in enumerate(names):
+        turning = k >= n_acceleration
+        usual, unit = usual_of[turning], "rad/s" if turning else "m/s^2"
         if reading.clipped[k]:
             wrong["clipped", name] = f"{reading.clipped[k]} samples in the last second"
         elif reading.saturated[k]:
@@ -129,8 +135,8 @@ def wrong_channels(names: Sequence[str], reading: Reading) -> dict[tuple[str, st
         elif reading.flat[k] > reading.samples // 2:
             wrong["flat", name] = "it stood still in the last second"
         elif reading.noise[k] > _NOISY * usual > 0.0:
-            wrong["noisy", name] = f"{reading.noise[k]:.2g} m/s^2 rms, the others {usual:.2g}"
-    for k in range(0, len(names), 3):
+            wrong["noisy", name] = f"{reading.noise[k]:.2g} {unit} rms, the others {usual:.2g}"
+    for k in range(0, n_acceleration, 3):
         size = float(np.linalg.norm(reading.mean[k : k + 3]))
         if still_axes(reading, k) and abs(size - STANDARD_GRAVITY_M_S2) > _IMPLAUSIBLE * STANDARD_GRAVITY_M_S2:
             wrong["gravity", names[k][:-1]] = f"{size:.2f} m/s^2 at rest"

@@ -97,6 +97,7 @@ def health_fields(
     recording: str | None,
     recording_lost: int,
     directory: str | None,
+    n_rate: int = 0,
 ) -> dict[str, Any]:
     """Return the fields of `limb/health`; ``saturated`` and ``flat`` count samples by channel.
 
@@ -108,10 +109,12 @@ def health_fields(
         The last joint positions; None before there are any.
     q_units : sequence of str
         Of each joint, rad or m.
+    n_rate : int
+        How many channels, the last ones, are of gyroscopes.
     """
     ledger, counters, watch, host = reception.ledger, reception.parser.counters, reception.watch, reception.host
     clock = ClockState(None, None, None) if reception.clock is None else reception.clock.state
-    rate, sensors = reception.rate, _sensors(channel_names, reading)
+    rate, sensors = reception.rate, _sensors(channel_names[: len(channel_names) - n_rate], reading)
     return {
         "uptime_s": uptime_s,
         "device": asdict(reception.info),

@@ -70,7 +70,8 @@ class Pipeline:
         record = setup.config.record
         self._directory = None if record is None else record.directory
         free_bytes = 0 if record is None else record.free_bytes
-        self._conditions = AlarmConditions(reception, self._names, free_bytes)
+        self._n_rate = 3 * len(setup.arm.gyroscopes)
+        self._conditions = AlarmConditions(reception, self._names, free_bytes, self._n_rate)
         self._alarms = Alarms()
         self._dropped = 0
         self._frames_sent = False
@@ -165,6 +166,7 @@ class Pipeline:
             recording=None if self._link is None else self._link.recording,
             recording_lost=0 if self._link is None else self._link.lost,
             directory=self._directory,
+            n_rate=self._n_rate,
         )
         now_ns = time.monotonic_ns() + self._reception.host.offset_ns
         removed = 0 if self._link is None else self._link.removed

@@ -12,6 +12,8 @@ from tracking.tracker import Tracker
 _REST_S, _GAP_S, _AFTER_S = 0.6, 0.02, 2.0
 #: Noise of the readings, a usual sensor's, and a jump that nobody takes for noise [m/s^2].
 _NOISE_M_S2, _JUMP_M_S2 = 0.02, 3.0
+#: The same noise of a gyroscope [rad/s].
+_NOISE_RAD_S = 0.01
 
 
 def warm_up(tracker: Tracker, arm: Arm, rate_hz: float, initial_q_rad: Floats | None) -> None:
@@ -33,6 +35,8 @@ def warm_up(tracker: Tracker, arm: Arm, rate_hz: float, initial_q_rad: Floats | 
     before, after = (round(seconds * rate_hz) + 1 for seconds in (_REST_S, _AFTER_S))
     readings = rest + _NOISE_M_S2 * rng.standard_normal((before + after, len(rest)))
     readings[before + after // 2 :, ::3] += _JUMP_M_S2
+    turning = _NOISE_RAD_S * rng.standard_normal((before + after, arm.n_channel - len(rest)))  # of gyroscopes
+    readings = np.hstack([readings, turning])
     with said_when_compiling("limbd"):
         tracker.push(0, readings[:before])
         tracker.gap(round(_GAP_S * rate_hz))

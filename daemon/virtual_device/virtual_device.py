@@ -4,7 +4,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Protocol
 
-from arm.counts import COUNT_M_S2, FULL_SCALE_M_S2
+from arm.counts import COUNT_M_S2, COUNT_RAD_S, FULL_SCALE_M_S2, FULL_SCALE_RAD_S
 from arm.model import Arm
 from daemon.virtual_device.bench_plan import Truth
 from daemon.virtual_device.motion_source import MotionSource
@@ -93,11 +93,9 @@ class FrameFifo:
 
 def device_info(arm: Arm, rate_hz: float, seed: int) -> DeviceInfo:
     """Return what the virtual device says of itself."""
-    channels = tuple(
-        Channel(f"{sensor.name}{axis}", COUNT_M_S2, 0.0, FULL_SCALE_M_S2)
-        for sensor in arm.sensors
-        for axis in "xyz"
-    )
+    first = 3 * len(arm.sensors)
+    channels = tuple(Channel(name, COUNT_M_S2, 0.0, FULL_SCALE_M_S2) for name in arm.channels[:first])
+    channels += tuple(Channel(name, COUNT_RAD_S, 0.0, FULL_SCALE_RAD_S) for name in arm.channels[first:])
     return DeviceInfo("limbcal virtual arm", f"seed-{seed}", "1", rate_hz, TICK_HZ, channels)
 
 

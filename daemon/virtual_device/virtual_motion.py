@@ -4,12 +4,14 @@ from collections.abc import Iterator
 from dataclasses import replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from arm.bench import Bench, Sensors, densify, draw_sensor_errors, motions, rest_angles
 from arm.kinematics import tip_position
 from arm.model import Arm
 from arm.simulation import Motion, simulate
 from daemon.virtual_device.bench_plan import BenchPlan, Stretch
+from daemon.virtual_device.gyroscopes import Gyroscopes
 
 #: The truth is kept at no more than this: the motion has nothing faster, and the file stays small.
 TRUTH_HZ = 1000.0
@@ -35,15 +37,16 @@ def stretches(plan: BenchPlan) -> Iterator[Stretch]:
     rng = np.random.default_rng([plan.seed, 2])
     errors = draw_sensor_errors(plan.arm, rng, plan.noise, plan.imperfect_mounting)
     sensors = Sensors(_coupled(plan), errors, plan.rate_hz, rng)
+    gyroscopes = Gyroscopes(plan.arm, plan.noise, np.random.default_rng([plan.seed, 4]))
     bench = Bench(rate_hz=plan.rate_hz, learning=plan.trials, evaluating=0)  # of any number the first are the same
     motion: Motion | None = None
     sample = 0
     for trial, motion in enumerate(motions(plan.arm, bench, plan.seed), start=1):
-        yield _stretch(plan, sensors, motion, trial, sample)
+        yield _stretch(plan, np.hstack([sensors.counts(motion), gyroscopes.counts(motion)]), motion, trial, sample)
         sample += len(motion.t)
     while True:
         motion = _rest(plan.arm, bench, motion)
-        yield _stretch(plan, sensors, motion, 0, sample)
+        yield _stretch(plan, np.hstack([sensors.counts(motion), gyroscopes.counts(motion)]), motion, 0, sample)
         sample += len(motion.t)
 
 
@@ -69,7 +72,7 @@ def _rest(arm: Arm, bench: Bench, before: Motion | None) -> Motion:
     return replace(held, **{name: values[first:] for name, values in vars(held).items()})
 
 
-def _stretch(plan: BenchPlan, sensors: Sensors, motion: Motion, trial: int, sample0: int) -> Stretch:
+def _stretch(plan: BenchPlan, counts: NDArray[np.int16], motion: Motion, trial: int, sample0: int) -> Stretch:
     stride = truth_stride(plan.rate_hz)
     rows = np.arange(-sample0 % stride, len(motion.q), stride)
     tip = tip_position(plan.arm, motion.q[rows])
@@ -77,4 +80,4 @@ def _stretch(plan: BenchPlan, sensors: Sensors, motion: Motion, trial: int, samp
     for name, values in (("q", motion.q), ("dq", motion.dq), ("ddq", motion.ddq), ("ref", motion.ref)):
         truth |= {f"{name}{j + 1}": values[rows, j] for j in range(values.shape[1])}
     truth |= {f"tip{axis}": tip[:, k] for k, axis in enumerate("xyz")}
-    return Stretch(trial, sensors.counts(motion), truth)
+    return Stretch(trial, counts, truth)

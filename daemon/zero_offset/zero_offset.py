@@ -85,6 +85,7 @@ def zero_sensors(setup: Setup, seconds: float, out: Path | None) -> dict[str, ob
     out = Path(config.arm.file) if out is None else out
     q = np.zeros(arm.n_joint) if setup.initial_q_rad is None else setup.initial_q_rad
     rate_hz, readings = sample_burst(config.device.port, config.device.baud, arm, seconds)
+    readings = readings[:, : 3 * len(arm.sensors)]  # the filter learns a gyroscope's offset in any rest
     found = bias_at_rest(arm, q, readings, rate_hz)
     bias = np.round(found.bias_m_s2, _DECIMALS)
     sensors = [replace(s, bias_m_s2=tuple(b.tolist())) for s, b in zip(arm.sensors, bias, strict=True)]

@@ -24,11 +24,12 @@ from fitter.commands.options import (
 )
 from fitter.data.motion_file import write_motion
 from fitter.data.raw import RawRun, load_raw
+from fitter.data.sensor_files import gyro_axes
 from fitter.sensing.track import Tracked, track_run
 from fitter.sensing.verdict import overall
 from limbcal.command import Document, console, say, say_notes, show
 from limbcal.errors import ConfigError
-from limbcal.note import documents, of_source
+from limbcal.note import Note, documents, of_source
 
 #: As it stands in the help.
 EXAMPLE = "fitter track readings.csv --arm my-arm.toml --out motion.csv"
@@ -88,6 +89,9 @@ def track(arguments: argparse.Namespace) -> Document:
         tracked.append(track_run(run, arm, start, arguments.frame_rate_hz, method, zero or "each-rest"))
     seconds = time.perf_counter() - began
     notes = [note for run in runs for note in of_source(run.notes, run.name)]
+    if method == "integrate" and (aside := sorted({name for run in runs for name in run.gyros})):
+        text = f"double integration has no use for gyroscopes: those of {', '.join(aside)} are left aside"
+        notes.append(Note("unused", text, columns=tuple(axis for name in aside for axis in gyro_axes(name))))
     say_notes(notes)
     write_motion(arguments.out, _joined(tracked))
     document: dict[str, object] = {

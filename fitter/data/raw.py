@@ -1,6 +1,6 @@
-"""Raw accelerations, in blocks for a tracker."""
+"""Raw accelerations, and angular velocities of gyroscopes, in blocks for a tracker."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -13,7 +13,7 @@ from fitter.data.leaps import MINIMUM_SAMPLES, split_at_leaps
 from fitter.data.motions import Measured, read_file, require_rising
 from fitter.data.plausibility.readings import look
 from fitter.data.recordings import read_raw_blocks
-from fitter.data.sensor_files import Part, join, part_of
+from fitter.data.sensor_files import AXES, Part, gyro_axes, gyro_role, join, part_of
 from limbcal.errors import ConfigError, DataError
 from limbcal.note import Note
 from protocol.tables.columns import DRIVE_ROLES, JOINT_ROLES, parse_mapping
@@ -22,7 +22,6 @@ from tracking.readings import Readings, ReadingsBuilder
 
 Floats = NDArray[np.float64]
 
-AXES = "xyz"
 #: What comes along with readings; what drives the arm is not asked.
 SENSED_ROLES = tuple(role for role in JOINT_ROLES if role not in DRIVE_ROLES)
 BLOCK_ROWS = 65536
@@ -42,12 +41,15 @@ class RawBlock:
         Time of the first sample [ns].
     a : ndarray of shape (n, 3 * n_sensor)
         Accelerations [m/s²]: s1x s1y s1z s2x …
+    w : ndarray of shape (n, 3 * n_gyroscope)
+        Angular velocities [rad/s]: s1gx s1gy s1gz …
     """
 
     row: int
     lost: int
     t0_ns: int
     a: Floats
+    w: Floats
 
 
 @dataclass(frozen=True)
@@ -74,6 +76,10 @@ class RawRun:
         What there is to say about it.
     after_leap : bool
         The run before is of the same file, and the clock leapt between them.
+    gyros : tuple of str
+        The sensors that come with a gyroscope, in the arm's order.
+    w : ndarray of shape (n, 3 * n_gyroscope), or None
+        What those read: angular velocity [rad/s] in the sensors' frames; None without any.
     """
 
     name: str
@@ -86,6 +92,8 @@ class RawRun:
     trial: NDArray[np.str_] | None = None
     notes: tuple[Note, ...] = ()
     after_leap: bool = False
+    gyros: tuple[str, ...] = ()
+    w: Floats | None = None
 
     @property
     def lost(self) -> int:
@@ -97,25 +105,37 @@ class RawRun:
         lost = {gap.row: gap.samples for gap in self.gaps}
         bounds = sorted({*range(0, len(self.t), rows), *lost, len(self.t)})
         for begin, end in zip(bounds[:-1], bounds[1:], strict=True):
-            yield RawBlock(begin, lost.get(begin, 0), round(self.t[begin] * 1e9), self.a[begin:end])
+            t0_ns = round(self.t[begin] * 1e9)
+            w = np.empty((end - begin, 0)) if self.w is None else self.w[begin:end]
+            yield RawBlock(begin, lost.get(begin, 0), t0_ns, self.a[begin:end], w)
 
     def readings(self, frame_rate_hz: float) -> Readings:
-        """Return the whole run as the smoother takes it, at most at the rate of the samples.
+        """Return the whole run as the smoother takes it, at most at the rate of the samples: ``a``, then ``w``.
 
         Raises
         ------
         DataError
             If there is no stretch without a gap that would show the noise.
         """
-        builder = ReadingsBuilder(self.rate_hz, self.a.shape[1], min(frame_rate_hz, self.rate_hz))
+        n_gyro = 3 * len(self.gyros)
+        n_channel = self.a.shape[1] + n_gyro
+        builder = ReadingsBuilder(self.rate_hz, n_channel, min(frame_rate_hz, self.rate_hz), n_gyro)
         for block in self.blocks():
             if block.lost:
                 builder.gap(block.lost)
-            builder.push(block.a)
+            builder.push(np.hstack([block.a, block.w]))
         try:
             return builder.done()
         except DataError as error:
             raise DataError(f"run {self.name!r}: {error}") from error
+
+    def with_gyros(self, names: Collection[str]) -> "RawRun":
+        """Return a run with no gyroscopes but those of some sensors."""
+        kept = [k for k, name in enumerate(self.gyros) if name in names]
+        if self.w is None or not kept:
+            return replace(self, gyros=(), w=None)
+        w = self.w.reshape(len(self.w), -1, 3)[:, kept].reshape(len(self.w), -1)
+        return replace(self, gyros=tuple(self.gyros[k] for k in kept), w=w)
 
 
 def load_raw(
@@ -132,14 +152,16 @@ def load_raw(
     Parameters
     ----------
     sources : sequence of Path
-        Files and folders: tables with ``t``, ``s1x s1y s1z …`` and, where known, ``q1 …``, ``ref1 …`` and
-        ``trial``; one file per sensor, see `fitter.data.sensor_files`; or recordings of the daemon (``.mcap``).
+        Files and folders: tables with ``t``, ``s1x s1y s1z …`` and, where there are, ``s1gx s1gy s1gz …`` of
+        gyroscopes, and where known ``q1 …``, ``ref1 …`` and ``trial``; one file per sensor, see
+        `fitter.data.sensor_files`; or recordings of the daemon (``.mcap``).
     sensors : sequence of str
         Names of the sensors in the arm's order, such as ``("s1", "s2")``.
     n_joint : int
         Number of joints of the arm.
     columns : str, optional
-        Mapping of foreign columns, see `protocol.tables.columns.parse_mapping`; the axes go by ``s1x`` and so on.
+        Mapping of foreign columns, see `protocol.tables.columns.parse_mapping`; the axes go by ``s1x`` and so on,
+        those of gyroscopes by ``s1gx``.
     rate_hz : float, optional
         Rate of the samples where a file has no time.
     arm : Arm, optional
@@ -155,28 +177,32 @@ def load_raw(
     ConfigError
         If the mapping is wrong, or there is no sensor.
     DataError
-        If a file cannot be read or used: one sentence with file, column and row.
+        If a file cannot be read or used, or has not all axes of a gyroscope: one sentence with file, column, row.
     """
     if not sensors:
         raise ConfigError("the arm has no [[sensor]], expected one or more whose readings are to be read")
     axes = [f"{sensor}{axis}" for sensor in sensors for axis in AXES]
-    mapping = parse_mapping(columns, n_joint, other_roles=axes)
+    rates = {gyro_role(sensor): gyro_axes(sensor) for sensor in sensors if not {*gyro_axes(sensor)} & {*axes}}
+    mapping = parse_mapping(columns, n_joint, axes, [axis for three in rates.values() for axis in three])
     files = expand(sources)
     parts: list[Part] = []
     whole: list[Measured] = []
     for path in files:
         if path.suffix.lower() in RECORDINGS:
-            t, a = read_raw_blocks(path, len(axes))
-            whole.append(Measured(path.stem, str(path), 0, t, {"a": a}))
+            gyros = () if arm is None else tuple(arm.sensors[s].name for s in arm.gyroscopes)
+            t, a = read_raw_blocks(path, len(axes), 3 * len(gyros))
+            found = {gyro_role(name): a[:, 3 * k : 3 * k + 3] for k, name in enumerate(gyros, len(sensors))}
+            found = {role: values for role, values in found.items() if values.size}
+            whole.append(Measured(path.stem, str(path), 0, t, {"a": a[:, : len(axes)], **found}))
         elif len(files) > 1 and (part := part_of(path, sensors, mapping)) is not None:
             parts.append(part)
         else:
-            whole += read_file(path, n_joint, mapping, rate_hz, ("a",), {"a": axes}, SENSED_ROLES)
+            whole += read_file(path, n_joint, mapping, rate_hz, ("a",), {"a": axes, **rates}, SENSED_ROLES)
     whole += join(parts, sensors, mapping)
     runs: list[RawRun] = []
     for clock in (clock for motion in whole for clock in _clocks(motion)):
         pieces = split_at_leaps(clock if arm is None else look(clock, arm))
-        runs += [replace(_run(piece), after_leap=k > 0) for k, piece in enumerate(pieces)]
+        runs += [replace(_run(piece, sensors), after_leap=k > 0) for k, piece in enumerate(pieces)]
     return runs
 
 
@@ -194,12 +220,13 @@ def _clocks(whole: Measured) -> list[Measured]:
     ]
 
 
-def _run(motion: Measured) -> RawRun:
+def _run(motion: Measured, sensors: Sequence[str]) -> RawRun:
     if len(motion.t) < MINIMUM_SAMPLES:
         raise DataError(
             f"{motion.where}: run {motion.name!r} has {len(motion.t)} samples, expected at least {MINIMUM_SAMPLES}"
         )
     require_rising(motion)
+    gyros = tuple(name for name in sensors if gyro_role(name) in motion.columns)
     dt_s, gaps = find_gaps(motion.t)
     lost = sum(gap.samples for gap in gaps)
     said = f"{lost} samples lost in {len(gaps)} gap(s), nothing put in their place"
@@ -214,4 +241,6 @@ def _run(motion: Measured) -> RawRun:
         ref=motion.columns.get("ref"),
         trial=motion.labels,
         notes=(*motion.notes, *notes),
+        gyros=gyros,
+        w=np.hstack([motion.columns[gyro_role(name)] for name in gyros]) if gyros else None,
     )

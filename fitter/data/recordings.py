@@ -90,22 +90,24 @@ def read_frames(path: Path, n_joint: int) -> list[Measured]:
     return [motion for motion in motions if len(motion.t)]
 
 
-def read_raw_blocks(path: Path, n_channel: int) -> tuple[Floats, Floats]:
-    """Read the raw accelerations of a recording.
+def read_raw_blocks(path: Path, n_channel: int, n_gyro: int = 0) -> tuple[Floats, Floats]:
+    """Read the raw readings of a recording.
 
     Parameters
     ----------
     path : Path
         An ``.mcap`` file of the daemon.
     n_channel : int
-        Channels that the arm's sensors have together.
+        Channels that the arm's accelerometers have together.
+    n_gyro : int
+        And its gyroscopes, which need not be in it.
 
     Returns
     -------
     t : ndarray of shape (n,)
         Time stamps [s] of the device's clock, from the first sample on; lost samples are missing in it.
-    a : ndarray of shape (n, n_channel)
-        Accelerations [m/s²].
+    a : ndarray of shape (n, n_channel) or (n, n_channel + n_gyro)
+        Accelerations [m/s²] and, where it has them, angular velocities [rad/s].
 
     Raises
     ------
@@ -118,8 +120,10 @@ def read_raw_blocks(path: Path, n_channel: int) -> tuple[Floats, Floats]:
     start_ns = _whole(blocks[0], "t0_ns", path)
     t = np.concatenate([_stamps(block, start_ns, path) for block in blocks])
     accelerations = np.concatenate([_array(block, "a", path) for block in blocks])
-    if accelerations.shape != (len(t), n_channel):
-        raise DataError(f"{path}: raw samples of {accelerations.shape[1:]} channels, expected {n_channel}")
+    if accelerations.shape not in ((len(t), n_channel), (len(t), n_channel + n_gyro)):
+        raise DataError(
+            f"{path}: raw samples of {accelerations.shape[1:]} channels, expected {n_channel + n_gyro}"
+        )
     return t, accelerations
 
 

@@ -23,6 +23,8 @@ from protocol.tables.table import Floats
 AXES = "xyz"
 #: What a sensor's own file calls its axes.
 _OWN_AXES = ("{}", "a{}", "acc_{}", "acc{}", "accel_{}", "accel{}")
+#: And those of its gyroscope.
+_OWN_RATES = ("g{}", "w{}", "gyr_{}", "gyr{}", "gyro_{}", "gyro{}")
 #: Stamps that agree to this part of a step are the same: nothing is to be resampled.
 _SAME = 1e-3
 
@@ -38,7 +40,7 @@ class Part:
     ----------
     path : Path
     columns : dict of str to dict of str to str
-        By sensor: which column is which axis (``s1x``).
+        By sensor: which column is which axis (``s1x``, and of its gyroscope ``s1gx``).
     run : str
         What the files of one run have in common: their folder, and their name without the sensor's.
     """
@@ -50,7 +52,7 @@ class Part:
 
 @dataclass(frozen=True)
 class _Readings:
-    """What one sensor read, on its own stamps."""
+    """What one sensor read, on its own stamps: ``a`` (n, 3), or with its gyroscope (n, 6)."""
 
     path: Path
     t: Floats
@@ -61,11 +63,22 @@ class _Readings:
         return float(np.median(np.diff(self.t)))
 
 
+def gyro_axes(sensor: str) -> list[str]:
+    """Return the roles of the axes of a sensor's gyroscope: ``s1gx s1gy s1gz``."""
+    return [f"{sensor}g{axis}" for axis in AXES]
+
+
+def gyro_role(sensor: str) -> str:
+    """Return the name under which a sensor's angular velocities are kept together."""
+    return f"{sensor} gyro"
+
+
 def part_of(path: Path, sensors: Sequence[str], mapping: ColumnMap) -> Part | None:
     """Return which sensors a file has, or None if it has all of them, or none.
 
     A sensor's columns go by ``s1x s1y s1z``; in a file whose name holds the sensor's (``s1.csv``,
-    ``walk_s1.csv``) by ``x y z``, ``ax ay az`` or ``acc_x acc_y acc_z`` too.
+    ``walk_s1.csv``) by ``x y z``, ``ax ay az`` or ``acc_x acc_y acc_z`` too, those of its gyroscope by ``gx gy
+    gz``, ``wx wy wz`` or ``gyr_x gyr_y gyr_z``.
     """
     source = open_source(path)
     found: dict[str, Entries] = {}
@@ -83,6 +96,10 @@ def part_of(path: Path, sensors: Sequence[str], mapping: ColumnMap) -> Part | No
             for form in _OWN_AXES:
                 own = {f"{sensor}{axis}": form.format(axis) for axis in AXES}
                 if _has(source, own):
+                    rates = [
+                        dict(zip(gyro_axes(sensor), map(form.format, AXES), strict=True)) for form in _OWN_RATES
+                    ]
+                    own |= next((entries for entries in rates if _has(source, entries, "gyro")), {})
                     return Part(path, {sensor: own}, f"{path.parent}/{token.sub('', run.lower())}")
     return Part(path, found, f"{path.parent}/") if found else None
 
@@ -100,7 +117,8 @@ def join(parts: Sequence[Part], sensors: Sequence[str], mapping: ColumnMap) -> l
     Returns
     -------
     list of Measured
-        One a run, with ``a`` of shape (n, 3 * n_sensor). Rows are left out where one of the sensors has a hole.
+        One a run, with ``a`` of shape (n, 3 * n_sensor) and of each gyroscope (n, 3). Rows are left out where one
+        of the sensors has a hole.
 
     Raises
     ------
@@ -113,8 +131,8 @@ def join(parts: Sequence[Part], sensors: Sequence[str], mapping: ColumnMap) -> l
     return [_joined(run, sensors, mapping) for run in runs.values()]
 
 
-def _has(source: Source, names: Entries) -> bool:
-    return all(source.match(name, dimensions_of(role)) is not None for role, name in names.items())
+def _has(source: Source, names: Entries, kind: str = "a") -> bool:
+    return all(source.match(name, dimensions_of(kind)) is not None for name in names.values())
 
 
 def _joined(parts: Sequence[Part], sensors: Sequence[str], mapping: ColumnMap) -> Measured:
@@ -131,23 +149,33 @@ def _joined(parts: Sequence[Part], sensors: Sequence[str], mapping: ColumnMap) -
     stated: set[str] = set()
     origins: list[float] = []
     found: list[_Readings] = []
+    has_gyro: list[bool] = []
     for sensor in sensors:
         part = holders[sensor][0]
-        own = ColumnMap({**mapping.entries, **part.columns[sensor]}, mapping.units)
-        axes_of = [f"{sensor}{axis}" for axis in AXES]
-        (table,) = read_tables(part.path, 1, own, ("a",), vectors={"a": axes_of}, joint_roles=())
+        own = ColumnMap({**mapping.entries, **part.columns[sensor]}, mapping.units, mapping.rates)
+        vectors = {"a": [f"{sensor}{axis}" for axis in AXES]}
+        if set(gyro_axes(sensor)) <= set(mapping.rates):
+            vectors[gyro_role(sensor)] = gyro_axes(sensor)
+        (table,) = read_tables(part.path, 1, own, ("a",), vectors=vectors, joint_roles=())
         t = table.groups["t"][:, 0]
         require_rising(t, str(part.path))
         notes += table.notes
         stated |= table.stated
         origins.append(table.origin_s)
-        found.append(_Readings(part.path, t, table.groups["a"]))
+        groups = [table.groups[role] for role in vectors if role in table.groups]
+        has_gyro.append(len(groups) > 1)
+        found.append(_Readings(part.path, t, np.hstack(groups)))
     later = [origin - min(origins) for origin in origins]
     found = [_Readings(one.path, one.t + shift, one.a) for one, shift in zip(found, later, strict=True)]
     t, a, said = _on_one_clock(found)
     notes.append(Note("joined", said, source=files))
     name = parts[0].path.parent.name or parts[0].path.stem
-    return Measured(name, files, 0, t, {"a": a}, notes=tuple(dict.fromkeys(notes)), stated=frozenset(stated))
+    first = np.cumsum([0, *(3 + 3 * gyro for gyro in has_gyro[:-1])])
+    columns = {"a": np.hstack([a[:, k : k + 3] for k in first])}
+    columns |= {
+        gyro_role(s): a[:, k + 3 : k + 6] for s, k, gyro in zip(sensors, first, has_gyro, strict=True) if gyro
+    }
+    return Measured(name, files, 0, t, columns, notes=tuple(dict.fromkeys(notes)), stated=frozenset(stated))
 
 
 def _on_one_clock(found: Sequence[_Readings]) -> tuple[Floats, Floats, str]:

@@ -79,7 +79,7 @@ def follow(run: RawRun, tracker: Tracker) -> Followed:
     for block in run.blocks():
         if block.lost:
             take(tracker.gap(block.lost))
-        take(tracker.push(block.t0_ns, block.a))
+        take(tracker.push(block.t0_ns, np.hstack([block.a, block.w])))
     take(tracker.flush())
     return Followed(frames, phases, verdict_of(consistency_of(tracker), sum(part.n for part in frames)))
 

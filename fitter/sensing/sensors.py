@@ -69,6 +69,7 @@ class SensorsFit:
             "doubted": found.doubted,
             **self._lengths(),
             **({} if lacks is None else {"discrepancy_m_s2": lacks.lack_std, "base_m_s2": lacks.base_std}),
+            **({} if lacks is None or not self.arm.gyroscopes else {"discrepancy_rad_s": lacks.rate_lack_std}),
             "samples": self.samples,
             "seconds": self.seconds,
         }
@@ -90,7 +91,7 @@ def fit_sensors(
     ----------
     arm : Arm
     runs : sequence of RawRun
-        Each begins with a rest.
+        Each begins with a rest. Of gyroscopes those count that all runs have.
     initial_q_rad : (n_joint,) or None
         Where the arm rests when a run begins; None asks gravity.
     prior : MountingPrior
@@ -110,6 +111,8 @@ def fit_sensors(
     if highpass_hz is not None:
         coupled = tuple(replace(sensor, highpass_hz=highpass_hz) for sensor in arm.sensors)
         arm = replace(arm, sensors=coupled)
-    readings = [run.readings(FRAME_RATE_HZ) for run in runs]
+    gyros = set.intersection(*(set(run.gyros) for run in runs))
+    arm = arm.with_gyroscopes(gyros)
+    readings = [run.with_gyros(gyros).readings(FRAME_RATE_HZ) for run in runs]
     found = calibrate_sensors(arm, readings, initial_q_rad, prior, progress)
     return SensorsFit(found, sum(len(run.t) for run in runs), clock() - began)

@@ -89,7 +89,7 @@ def track_run(
     ConfigError
         If the arm's sensors cannot give its angles.
     """
-    rate_hz = min(frame_rate_hz, run.rate_hz)
+    rate_hz, arm = min(frame_rate_hz, run.rate_hz), arm.with_gyroscopes(run.gyros)
     if method == "smooth":
         motion = smoothed(run, arm, initial_q_rad, rate_hz)
     else:

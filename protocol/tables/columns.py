@@ -1,7 +1,7 @@
 """Which column of a foreign file plays which role: ``"t=time,q=pos_meas{j},tau=tau_meas{j}"``."""
 
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field
 
 from limbcal.errors import ConfigError
@@ -35,12 +35,15 @@ class Address:
         The mapping named it, so it must be there; otherwise it is only looked for by its own name.
     unit : Unit, optional
         What the mapping says its numbers are in.
+    dimensions : tuple of str
+        What its numbers can measure.
     """
 
     role: str
     text: str
     asked: bool
     unit: Unit | None = None
+    dimensions: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -53,34 +56,38 @@ class ColumnMap:
         Addresses by role.
     units : mapping of str to Unit
         By role, where the mapping names one.
+    rates : collection of str
+        Plain roles that are angular velocities, of gyroscopes; others that are not named here are accelerations.
     """
 
     entries: Mapping[str, str] = field(default_factory=dict)
     units: Mapping[str, Unit] = field(default_factory=dict)
+    rates: Collection[str] = ()
 
     def plain(self, role: str) -> Address | None:
         """Return where a role without a joint number is found, or None if it was mapped to nothing."""
+        dimensions = dimensions_of("gyro" if role in self.rates else role)
         if role not in self.entries:
-            return Address(role, role, asked=False)
+            return Address(role, role, asked=False, dimensions=dimensions)
         text = self.entries[role]
-        return Address(role, text, True, self.units.get(role)) if text else None
+        return Address(role, text, True, self.units.get(role), dimensions) if text else None
 
     def joint(self, role: str, number: int) -> Address | None:
         """Return where a role of one joint (counted from 1) is found, or None if it was mapped to nothing."""
         own = f"{role}{number}"
-        if own in self.entries:
+        if own in self.entries or role not in self.entries:
             return self.plain(own)
-        if role not in self.entries:
-            return Address(own, own, asked=False)
         text = _PLACEHOLDER.sub(lambda found: _count(found, number), self.entries[role])
-        return Address(own, text, True, self.units.get(role)) if text else None
+        return Address(own, text, True, self.units.get(role), dimensions_of(own)) if text else None
 
     def numbers_joints(self, role: str) -> bool:
         """Say whether the number of a role's columns follows from the file, not from the mapping."""
         return role not in self.entries or bool(_PLACEHOLDER.search(self.entries[role]))
 
 
-def parse_mapping(text: str | None, n_joint: int, other_roles: Sequence[str] = ()) -> ColumnMap:
+def parse_mapping(
+    text: str | None, n_joint: int, other_roles: Sequence[str] = (), rates: Sequence[str] = ()
+) -> ColumnMap:
     """Read a mapping of roles to foreign columns.
 
     Parameters
@@ -95,7 +102,9 @@ def parse_mapping(text: str | None, n_joint: int, other_roles: Sequence[str] = (
     n_joint : int
         Number of joints of the arm.
     other_roles : sequence of str, optional
-        Further plain roles, such as the axes of accelerometers.
+        Further plain roles: the axes of accelerometers.
+    rates : sequence of str, optional
+        And those of gyroscopes.
 
     Returns
     -------
@@ -110,14 +119,15 @@ def parse_mapping(text: str | None, n_joint: int, other_roles: Sequence[str] = (
     entries: dict[str, str] = {}
     units: dict[str, Unit] = {}
     mistakes: list[str] = []
-    plain = (*PLAIN_ROLES, *other_roles)
+    plain = (*PLAIN_ROLES, *other_roles, *rates)
     for part in (text or "").split(","):
         entry = part.strip()
         if not entry:
             continue
         role, equals, address = (piece.strip() for piece in entry.partition("="))
         address, unit = _parted(address)
-        mistake = _mistake(role, equals, address, n_joint, plain) or _misfit(role, unit)
+        kind = "gyro" if role in rates else role
+        mistake = _mistake(role, equals, address, n_joint, plain) or _misfit(role, dimensions_of(kind), unit)
         if not mistake and role in entries:
             mistake = f"role {role!r} is given twice, expected once"
         if mistake:
@@ -127,7 +137,7 @@ def parse_mapping(text: str | None, n_joint: int, other_roles: Sequence[str] = (
             units[role] = unit
     if mistakes:
         raise ConfigError(mistakes)
-    return ColumnMap(entries, units)
+    return ColumnMap(entries, units, rates)
 
 
 def dimensions_of(role: str) -> tuple[str, ...]:
@@ -147,15 +157,15 @@ def _parted(address: str) -> tuple[str, Unit | None]:
     return (address, None) if unit is None else (name.strip(), unit)
 
 
-def _misfit(role: str, unit: Unit | None) -> str:
-    """Say that a role cannot be in a unit, or nothing."""
-    if unit is None or unit.dimension in dimensions_of(role):
+def _misfit(role: str, dimensions: tuple[str, ...], unit: Unit | None) -> str:
+    """Say that a role of some dimensions cannot be in a unit, or nothing."""
+    if unit is None or unit.dimension in dimensions:
         return ""
     if role == "trial":
         return "trial is a name and has no unit"
-    if not dimensions_of(role):
+    if not dimensions:
         return f"{role} has no such unit, expected a number in SI; a factor may stand in the address"
-    return f"{role} cannot be in {unit.name}, expected one of {known_units(dimensions_of(role))}"
+    return f"{role} cannot be in {unit.name}, expected one of {known_units(dimensions)}"
 
 
 def _mistake(role: str, equals: str, address: str, n_joint: int, plain: Sequence[str]) -> str:

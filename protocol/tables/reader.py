@@ -7,7 +7,7 @@ import numpy as np
 
 from limbcal.errors import DataError
 from limbcal.note import Note
-from protocol.tables.columns import JOINT_ROLES, Address, ColumnMap
+from protocol.tables.columns import JOINT_ROLES, Address, ColumnMap, dimensions_of
 from protocol.tables.files import open_source
 from protocol.tables.roles import Plan, find_roles, no_column
 from protocol.tables.source import Rows, Source
@@ -94,7 +94,7 @@ def read_table_blocks(
 def _require_time(source: Source, plan: Plan, rate_hz: float | None) -> None:
     if "t" not in plan.columns and plan.step_s is None and rate_hz is None:
         expected = ", expected time stamps, or else the rate of the samples"
-        raise no_column(source, Address("t", "t", asked=False), expected=expected)
+        raise no_column(source, Address("t", "t", asked=False, dimensions=dimensions_of("t")), expected=expected)
 
 
 def _table(rows: Rows, plan: Plan, first: int, rate_hz: float | None) -> Table:

@@ -2,7 +2,7 @@
 
 import re
 from collections.abc import Collection, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 from limbcal.errors import DataError
 from limbcal.note import Note
@@ -136,7 +136,7 @@ def listed(source: Source) -> str:
 
 def no_column(source: Source, address: Address, beside: str = "", expected: str = "") -> DataError:
     """Return the error that a column is not there, with the name or the unit that may have been meant."""
-    dimensions = dimensions_of(address.role)
+    dimensions = address.dimensions
     name, colon, unit = address.text.rpartition(":")
     if colon and source.match(name, dimensions) is not None:
         hint = f"; {unit!r} is no unit that is known, expected one of {known_units(dimensions)}"
@@ -170,7 +170,7 @@ def _present(source: Source, addresses: Sequence[Address], required: bool) -> li
 
 def _sum_of(source: Source, address: Address) -> ColumnSum | None:
     """Return the column at an address, or the sum that is written there, by the file's own names."""
-    dimensions = dimensions_of(address.role)
+    dimensions = address.dimensions
     whole = source.match(address.text, dimensions)
     written = parse_sum(address.text) if address.asked else None
     if written is not None and written.is_plain and whole not in source.names:
@@ -181,7 +181,7 @@ def _sum_of(source: Source, address: Address) -> ColumnSum | None:
     for name, factor in written.terms:
         found = source.match(name, dimensions)
         if found is None:
-            raise no_column(source, Address(address.role, name, asked=True))
+            raise no_column(source, replace(address, text=name, asked=True))
         terms.append((found, factor))
     if not terms and address.role != "t" and address.role.rstrip("0123456789") not in _MAY_BE_CONSTANT:
         raise DataError(f"{source.path}: {address.role} is mapped to {address.text!r}, expected a column")
@@ -245,7 +245,7 @@ def _take(source: Source, role: str, found: Sequence[Found], plan: Plan) -> None
     dimensions = dimensions_of(role)
     for address, total in found:
         for name, _ in total.terms:
-            unit = address.unit or (source.unit(name, dimensions_of(address.role)) if dimensions else None)
+            unit = address.unit or (source.unit(name, address.dimensions) if dimensions else None)
             if unit is not None:
                 plan.stated.add(address.role)
                 if unit.factor != 1.0:

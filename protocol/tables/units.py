@@ -83,6 +83,7 @@ DIMENSIONS: dict[str, tuple[str, ...]] = {
     "tau": ("torque", "force"),
     "tip": (_LENGTH,),
     "a": ("acceleration",),
+    "gyro": ("angular velocity", _ANGLE),
 }
 
 

@@ -42,8 +42,15 @@ def test_a_clock_that_is_late_is_found(example: ModuleType) -> None:
     t = np.arange(0.0, 10.0, 1.0 / 90.0)
     q = np.column_stack([np.sin(3.0 * t), np.cos(2.0 * t)])
     early = np.column_stack([np.sin(3.0 * (t + 0.03)), np.cos(2.0 * (t + 0.03))])
-    trial = example.Trial("one", t, np.zeros((len(t), 6)), early, np.zeros((len(t), 2)))
+    trial = example.Trial("one", t, *np.zeros((2, len(t), 6)), early)
     assert np.abs(example.misses(trial, q)).max() < 1e-3
+
+
+def test_gyros_are_read_where_the_arm_has_them(example: ModuleType) -> None:
+    arm, t = example.load_arm(example.ARM), np.arange(90) / 90.0
+    trial = example.Trial("one", t, np.ones((90, 6)), 2.0 * np.ones((90, 6)), np.zeros((90, 2)))
+    assert trial.decimated(arm).values.shape == (90, 6)
+    assert trial.decimated(arm.with_gyroscopes(["s1", "s2"])).values[0].tolist() == [1.0] * 6 + [2.0] * 6
 
 
 def test_without_the_recordings_it_says_which_file_it_misses(tmp_path: Path) -> None:

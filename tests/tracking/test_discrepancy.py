@@ -1,14 +1,19 @@
 """Sizes of what the model lacks, learnt from draws whose sizes are known."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
+from arm.arm_file import load_arm
 from tracking.course import Course
 from tracking.discrepancy import Discrepancy, noise_variances, sizes_of, with_sizes
 from tracking.observation import observation_of
 from tracking.smoothing_pass import Pass
 
 N, DT = 4000, 0.01
+ARM = load_arm("dd-arm")
+OF = observation_of(replace(ARM, sensors=ARM.sensors[:2]))[0]
 
 
 def course(n_channel: int = 6, std: float = 0.1) -> Course:
@@ -36,7 +41,7 @@ def test_noise_that_grows_is_found_where_it_grows() -> None:
     rng, one = np.random.default_rng(0), course()
     std = np.where(np.arange(N) < N // 2, 0.2, 2.0)[:, None]
     noise = std * rng.standard_normal((N, 6))
-    variance = noise_variances(one, found(noise, one.noise * one.doubt))
+    variance = noise_variances(OF, one, found(noise, one.noise * one.doubt))
     calm, loud = variance[200 : N // 2 - 200], variance[N // 2 + 200 : -200]
     assert np.sqrt(np.median(calm)) == pytest.approx(0.2, rel=0.2)
     assert np.sqrt(np.median(loud)) == pytest.approx(2.0, rel=0.2)
@@ -46,7 +51,7 @@ def test_a_stroke_counts_for_its_instant_and_its_sensor() -> None:
     rng, one = np.random.default_rng(1), course()
     noise = 0.1 * rng.standard_normal((N, 6))
     noise[2000, :3] += 30.0
-    variance = noise_variances(one, found(noise, one.noise * one.doubt))
+    variance = noise_variances(OF, one, found(noise, one.noise * one.doubt))
     assert variance[2000, :3].min() > 100.0 and variance[2000, 3:].max() < 1.0
     assert np.median(variance) == pytest.approx(0.01, rel=0.3)
 
@@ -54,7 +59,9 @@ def test_a_stroke_counts_for_its_instant_and_its_sensor() -> None:
 def test_noise_is_never_less_than_the_sensors_own() -> None:
     one = course(std=0.5)
     noise = 0.01 * np.random.default_rng(2).standard_normal((N, 6))
-    np.testing.assert_array_equal(noise_variances(one, found(noise, one.noise * one.doubt)), one.noise * one.doubt)
+    np.testing.assert_array_equal(
+        noise_variances(OF, one, found(noise, one.noise * one.doubt)), one.noise * one.doubt
+    )
 
 
 def test_lost_readings_have_no_say() -> None:
@@ -62,7 +69,7 @@ def test_lost_readings_have_no_say() -> None:
     noise = 0.3 * rng.standard_normal((N, 6))
     one.present[1000:3000] = False
     noise[1000:3000] = 1e6
-    variance = noise_variances(one, found(noise, one.noise * one.doubt))
+    variance = noise_variances(OF, one, found(noise, one.noise * one.doubt))
     assert np.sqrt(np.median(variance[one.present])) == pytest.approx(0.3, rel=0.2)
 
 
@@ -84,7 +91,7 @@ def test_sizes_are_expected_squares(dd_arm) -> None:
 
 
 def test_a_course_takes_over_the_sizes() -> None:
-    one = with_sizes(course(), Discrepancy(0.2, 0.3, 0.05, np.array([1.0, 0.0])), np.full((N, 6), 0.04))
+    one = with_sizes(OF, course(), Discrepancy(0.2, 0.3, 0.05, np.array([1.0, 0.0])), np.full((N, 6), 0.04))
     np.testing.assert_allclose(one.noise * one.doubt, 0.04)
-    assert (one.lack_std, one.base_std, one.memory_s) == (0.2, 0.3, 0.05)
+    assert (one.lack_std.tolist(), one.base_std, one.memory_s) == ([0.2] * 6, 0.3, 0.05)
     assert 0.0 < one.rate[0] < one.rate[1] < 120.0

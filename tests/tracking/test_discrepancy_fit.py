@@ -18,7 +18,7 @@ def fit_of(arm: Arm, seed: int, memory_s: float) -> DiscrepancyFit:
     own = observation_of(arm)[1]
     of, size = observation_of(arm, lack=True, clocks=True)
     start = start_state(arm, of, size, readings.first_mean, True, np.zeros(2), True, MountingPrior())
-    return DiscrepancyFit(arm, of, size, course, memory_s, start, Begin(None, departure(course)), own)
+    return DiscrepancyFit(arm, of, size, course, memory_s, start, Begin(None, departure(of, course)), own)
 
 
 def test_rounds_raise_the_likelihood_and_come_to_an_end(vertical_arm: Arm) -> None:

@@ -319,7 +319,7 @@ def test_what_makes_no_sense_is_named(dd_arm):
 @pytest.mark.parametrize("shape", [(5, 11), (5,), (5, 4, 3)])
 def test_readings_of_another_shape_are_named(dd_arm, shape):
     tracker = Integrator(dd_arm, 32000.0, np.zeros(2))
-    with pytest.raises(DataError, match=r"accelerations have shape \(5.*\), expected \(n, 12\)"):
+    with pytest.raises(DataError, match=r"readings have shape \(5.*\), expected \(n, 12\)"):
         tracker.push(0, np.zeros(shape))
 
 

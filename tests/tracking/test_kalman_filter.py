@@ -199,7 +199,7 @@ def test_mistakes_are_named(dd_arm):
     with pytest.raises(ConfigError, match="no \\[\\[sensor\\]\\]"):
         KalmanTracker(replace(dd_arm, sensors=(), tip=None), 4000.0, None)
     for shape in ((5, 11), (12,)):
-        with pytest.raises(DataError, match="accelerations have shape"):
+        with pytest.raises(DataError, match="readings have shape"):
             KalmanTracker(dd_arm, 4000.0, None).push(0, np.zeros(shape))
 
 

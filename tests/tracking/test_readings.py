@@ -88,7 +88,7 @@ def test_rates_are_above_nought(rates: tuple[float, float]) -> None:
 
 @pytest.mark.parametrize("shape", [(8,), (8, 2), (8, 4), (8, 3, 1)])
 def test_samples_have_a_column_a_channel(shape: tuple[int, ...]) -> None:
-    with pytest.raises(DataError, match=r"accelerations have shape .*, expected \(n, 3\)"):
+    with pytest.raises(DataError, match=r"readings have shape .*, expected \(n, 3\)"):
         ReadingsBuilder(RATE_HZ, N_CHANNEL).push(np.zeros(shape))
 
 

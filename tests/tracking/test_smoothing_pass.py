@@ -17,7 +17,7 @@ from tracking.stillness import window_of
 
 DT = 0.01
 N = 12
-CASES = ["plain", "AC-coupled", "mountings", "discrepancy"]
+CASES = ["plain", "AC-coupled", "mountings", "discrepancy", "gyroscopes", "gyroscopes, discrepancy"]
 PUSH, MEMORY_S = np.array([4.0, 9.0]), 0.05
 
 
@@ -35,10 +35,12 @@ class Problem:
         if case == "AC-coupled":
             sensors = [replace(s, highpass_hz=2.0 * (k % 2)) for k, s in enumerate(arm.sensors)]
             arm = replace(arm, sensors=tuple(sensors))
-        lacking = case == "discrepancy"
-        self.of, self.size = observation_of(arm, case == "mountings", lacking, lacking)
+        lacking = "discrepancy" in case
+        if "gyroscopes" in case:
+            arm = arm.with_gyroscopes(["s2", "s3"])
+        self.of, self.size = observation_of(arm, case in ("mountings", "gyroscopes"), lacking, lacking)
         self.n = arm.n_joint
-        n, n_channel = self.n, 3 * len(arm.sensors)
+        n, n_channel = self.n, arm.n_channel
         jolt, doubt, rest = np.zeros((N, n)), np.ones((N, n_channel)), np.zeros((N, n))
         present = np.ones(N, dtype=np.bool_)
         if eventful:
@@ -65,7 +67,7 @@ class Problem:
             rest,
             np.array([30.0, 0.0]) * lacking,
             0.4,
-            0.2,
+            rng.uniform(0.1, 0.3, n_channel),
             MEMORY_S,
         )
 

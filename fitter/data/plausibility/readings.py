@@ -1,4 +1,4 @@
-"""Raw accelerations in g, without gravity or with gravity turned round, and their time in milliseconds."""
+"""Raw readings: in g, without gravity or with gravity turned round, in degrees a second, time in milliseconds."""
 
 import numpy as np
 
@@ -7,6 +7,7 @@ from arm.model import Arm, Floats
 from fitter.data.motions import Measured
 from fitter.data.plausibility.magnitude import Size, likely
 from fitter.data.plausibility.refusal import Refusal
+from fitter.data.sensor_files import AXES, gyro_axes, gyro_role
 
 #: Samples in which a sensor's rest is sought: the window that scatters least.
 _WINDOW = 32
@@ -21,23 +22,27 @@ _RATE_HZ = Size(1000.0, 0.7)
 #: Top speed of a sensor on a limb or robot: 0.06 to 15 m/s.
 _SPEED = Size(1.0, 0.6)
 _TIMES = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9}
+#: Gyroscopes of chips measure no more: 2000 degrees a second [rad/s].
+_FASTEST_RAD_S = 35.0
 #: Poses that stand for any pose.
 _POSES = 64
 
 
 def look(motion: Measured, arm: Arm) -> Measured:
-    """Return raw accelerations, or refuse them where they cannot be m/s² of specific force over seconds.
+    """Return raw readings, or refuse them where they cannot be m/s² of specific force or rad/s over seconds.
 
     Raises
     ------
     Refusal
         With the likely cause.
     """
+    for sensor in arm.sensors:
+        _require_radians(motion, sensor.name)
     a = motion.columns.get("a")
     gravity = float(np.linalg.norm(arm.gravity_m_s2))
     if a is None or len(a) < 4 * _WINDOW or any(sensor.highpass_hz > 0.0 for sensor in arm.sensors):
         return motion
-    stated = any(name[-1:] in "xyz" for name in motion.stated)
+    stated = any(f"{sensor.name}{axis}" in motion.stated for sensor in arm.sensors for axis in AXES)
     rest = resting(a)
     if gravity > 0.0 and not stated:
         _require_unit(motion, rest, gravity)
@@ -55,6 +60,18 @@ def resting(a: Floats) -> Floats:
     means, scatter = windows.mean(axis=1), windows.var(axis=1)
     quietest = np.argmin(scatter.sum(axis=1))
     return np.asarray(means[quietest].reshape(-1, 3), dtype=np.float64)
+
+
+def _require_radians(motion: Measured, sensor: str) -> None:
+    w, axes = motion.columns.get(gyro_role(sensor)), gyro_axes(sensor)
+    if w is None or motion.stated & {*axes}:
+        return
+    fastest = float(np.abs(w).max(initial=0.0))
+    if fastest > _FASTEST_RAD_S:
+        raise Refusal(
+            f"{motion.where}: the gyroscope of sensor {sensor!r} reads up to {fastest:.4g}: is it in deg/s? "
+            f'Expected rad/s, or the unit stated, as in --columns "{axes[0]}={axes[0]}:deg,…"'
+        )
 
 
 def _require_unit(motion: Measured, rest: Floats, gravity: float) -> None:

@@ -177,7 +177,7 @@ def linearise(
     """
     arm = instruments.arm
     n, n_channel = trial.values.shape
-    of, size = observation_of(arm, mountings=True)
+    of, size = observation_of(arm.with_gyroscopes(()), mountings=True)
     q, dq, ddq = np.empty((3, n, arm.n_joint))
     motion_at_knots(c, trial.dt_s, q, dq, ddq)
     readings, weight = trial.values.copy(), trial.weight.copy()

@@ -7,6 +7,7 @@ import pytest
 
 from arm.bench import Bench, Sensors, draw_sensor_errors, motions
 from arm.counts import COUNT_M_S2
+from arm.gyroscope import angular_velocity
 from arm.kinematics import tip_position
 from fitter.data.gaps import Gap
 from fitter.data.raw import RawRun
@@ -229,3 +230,30 @@ def test_sensors_that_cannot_tell_the_angles(run, short_run):
 def test_every_frame_belongs_to_a_motion(phases, expected):
     announced = [Phase(kind, second * 1_000_000_000, 0) for kind, second in phases]
     assert trials_of(np.arange(6.0), announced).tolist() == expected
+
+
+@pytest.fixture(scope="module")
+def sensed(start, short_run):
+    """Return the same with gyroscopes on the sensors s2 and s4 of its arm."""
+    arm, rng = short_run.arm.with_gyroscopes(("s2", "s4")), np.random.default_rng(0)
+    dq = short_run.truth["dq"][: len(start.t)]
+    w = angular_velocity(arm, start.q, dq).reshape(len(dq), -1)
+    w = w + 0.01 * rng.standard_normal(w.shape[1]) + 0.01 * rng.standard_normal(w.shape)
+    return replace(start, gyros=("s2", "s4"), w=w)
+
+
+@pytest.mark.parametrize("method", ["filter", "smooth"])
+def test_gyroscopes_make_angles_better(method, sensed, short_run):
+    """The level arm's first angle is shown by nothing but integrals: of one of them once, and not twice."""
+    found = {
+        run.gyros: track_run(run, short_run.arm, np.zeros(2), 1000.0, method)
+        for run in (sensed.with_gyros(()), sensed)
+    }
+    alone, beside = (one.error_deg.mean(axis=0) for one in found.values())
+    assert (beside < alone).all()
+    assert found[sensed.gyros].within_3_std.mean() > 0.99
+
+
+def test_dead_reckoning_leaves_gyroscopes_aside(sensed, start, short_run):
+    found = [track_run(run, short_run.arm, np.zeros(2), 1000.0, "integrate") for run in (sensed, start)]
+    np.testing.assert_array_equal(found[0].columns["q"], found[1].columns["q"])
