@@ -116,7 +116,8 @@ class Reception:
             if chunk.mark is Mark.LOST:
                 self._pass_on(self.sequencer.release(), chunk.stamp_ns)
                 self._settle(chunk.stamp_ns)
-                self._losses.why, self.connected, self.guard.unplugged = "unplugged", False, True
+                self._losses.why, self.connected = "unplugged", False
+                self.guard.unplugged, self.guard.unanswered = True, 0
                 self.identity.lost()
             else:
                 self.parser.reset()
@@ -145,6 +146,10 @@ class Reception:
         """Return the gaps since the last time."""
         gaps, self._new_gaps = self._new_gaps, []
         return gaps
+
+    def asked(self) -> None:
+        """Note that the device was asked for its INFO."""
+        self.guard.unanswered += 1
 
     def dropped(self) -> None:
         """Note that the daemon itself had no room for what came."""
@@ -232,9 +237,10 @@ class Reception:
         times = FrameTimes(self.ledger.position, run.frame_samples, run.ticks, self.clock, self._steps)
         self._counted.add(times, run.counts)
         self.ledger.enter_run(run)
-        self._losses.why = None
+        self._losses.why, self.guard.unplugged = None, False
 
     def _meet(self, frame: InfoFrame, arrival_ns: int) -> None:
+        self.guard.unanswered = max(0, self.guard.unanswered - 1)
         waiting = self.identity.meet(frame.info)
         if self.identity.known:
             self._pass_on(waiting, arrival_ns)
@@ -256,7 +262,7 @@ class Reception:
                 "the device was restarted" if begun_anew else self._losses.cause(lost, frame, self.ledger.follows)
             )
             infos = (numbered - lost) / max(self.ledger.frame_samples, 1)  # they have numbers and no samples
-            by_number = infos == 0.0 or (self.guard.unplugged and infos > 0.0 and infos.is_integer())
+            by_number = infos == 0.0 or (self.guard.may_miss_info and infos > 0.0 and infos.is_integer())
             exact = by_number and not begun_anew and not self.guard.is_off
             self._note(Gap(self.ledger.position, lost, t_ns, why, exact))
         first = self.ledger.position + lost

@@ -44,12 +44,15 @@ class TickGuard:
         How often its clock was off: a clock that stands still is once.
     unplugged : bool
         Whether the device was away since the last frame.
+    unanswered : int
+        INFO frames that the device was asked for and that did not come: it may have numbered them meanwhile.
     """
 
     def __init__(self, ledger: SampleLedger) -> None:
         self.shift = 0
         self.errors = 0
         self.unplugged = False
+        self.unanswered = 0
         self._ledger = ledger
         self._suspect: SamplesFrame | None = None
         self._steps: deque[tuple[int, int]] = deque(maxlen=MAJORITY)
@@ -59,6 +62,11 @@ class TickGuard:
     def waiting(self) -> bool:
         """Whether a frame waits for the next one."""
         return self._suspect is not None
+
+    @property
+    def may_miss_info(self) -> bool:
+        """Whether a number before the next frame may be that of an INFO frame, which has no samples."""
+        return self.unplugged or self.unanswered > 0
 
     @property
     def is_off(self) -> bool:
@@ -150,8 +158,7 @@ class TickGuard:
         numbered = due + round(missing * self._ledger.step.ticks_per_sample)
         off = frame.ticks - numbered
         most = self._ledger.step.tolerance(missing) * self._ledger.step.ticks_per_sample
-        # Of a device that came back INFO may be missing, which has a number and no samples.
-        possible = (off > 0 or (self.unplugged and not self._off)) and early_s(self._end(frame)) == 0.0
+        possible = (off > 0 or (self.may_miss_info and not self._off)) and early_s(self._end(frame)) == 0.0
         if abs(off) <= most or possible or early_s(numbered) > 0.0:
             self._pass(frame, enter)
         else:

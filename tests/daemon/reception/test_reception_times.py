@@ -191,6 +191,23 @@ def test_a_lost_info_leaves_a_gap_exact_only_where_the_cable_was_pulled(unplugge
     assert {exact for *_, exact in gaps} == {unplugged}
 
 
+@pytest.mark.parametrize("asked", [1, 2])
+def test_an_answer_that_comes_late_and_is_lost_among_samples_has_none(asked: int) -> None:
+    """Asked twice, a device answers twice; its second INFO, number 9, is lost with the frames 10 and 11."""
+    taker = began(Taker())
+    taker.take(b"pulled", mark=Mark.LOST)
+    taker.take(b"", mark=Mark.OPENED)
+    for _ in range(asked):
+        taker.reception.asked()
+    taker.take(encode_info(INFO, 5, 4 * STEP))
+    taker.take(*(sample(number, STEP * (number - 2)) for number in (6, 7, 8)))
+    taker.take(*(sample(number, STEP * (number - 3)) for number in (12, 13, 14)))
+    taker.reception.finish()
+    first, second = (gap for gap in taker.gaps() if gap[1])
+    assert first[:2] == (96, 32)
+    assert (second[0], second[1], second[4]) == ((224, 64, True) if asked == 2 else (224, 96, False))
+
+
 def test_a_clock_that_jumps_is_a_gap_without_samples() -> None:
     taker = began(Taker(early=1.0), 9)  # by the host's clock there was no time for it
     taker.take(*(sample(number, STEP * (number - 1) + 2_500_000) for number in (10, 11, 12)))
