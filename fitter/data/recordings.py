@@ -3,10 +3,12 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import cast
 
 import numpy as np
 from numpy.typing import NDArray
 
+from fitter.data.block_times import block_times
 from fitter.data.drift import dead_reckoned, without_drift
 from fitter.data.motions import Measured
 from limbcal.errors import DataError
@@ -62,7 +64,7 @@ def read_frames(path: Path, n_joint: int) -> list[Measured]:
     if not blocks:
         raise DataError(f"{path}: no {FRAMES} in this recording")
     start_ns = _whole(blocks[0], "t0_ns", path)
-    t = np.concatenate([_stamps(block, start_ns, path) for block in blocks])
+    t = _times(blocks, "frame0", start_ns, path)
     names = (*FRAME_COLUMNS, *([_CLAIM] if all(block.get(_CLAIM) is not None for block in blocks) else []))
     columns = {name: np.concatenate([_array(block, name, path) for block in blocks]) for name in names}
     if columns["q"].shape != (len(t), n_joint):
@@ -118,7 +120,7 @@ def read_raw_blocks(path: Path, n_channel: int, n_gyro: int = 0) -> tuple[Floats
     if not blocks:
         raise DataError(f"{path}: no {RAW} in this recording")
     start_ns = _whole(blocks[0], "t0_ns", path)
-    t = np.concatenate([_stamps(block, start_ns, path) for block in blocks])
+    t = _times(blocks, "sample0", start_ns, path)
     accelerations = np.concatenate([_array(block, "a", path) for block in blocks])
     if accelerations.shape not in ((len(t), n_channel), (len(t), n_channel + n_gyro)):
         raise DataError(
@@ -144,13 +146,14 @@ def _windows(stem: str, events: Sequence[Fields], start_ns: int, end_s: float, p
     return windows
 
 
-def _stamps(block: Fields, start_ns: int, path: Path) -> Floats:
-    step = block.get("dt_s")
-    if not isinstance(step, float | int):
-        raise DataError(f"{path}: dt_s of a block is {step!r}, expected a number")
-    return (_whole(block, "t0_ns", path) - start_ns) * _NS + step * np.arange(
-        _whole(block, "n", path), dtype=np.float64
-    )
+def _times(blocks: Sequence[Fields], first: str, start_ns: int, path: Path) -> Floats:
+    """Return the times of all samples of blocks [s]; ``first`` is the field with the number of a block's first."""
+    steps = [block.get("dt_s") for block in blocks]
+    for step in steps:
+        if not isinstance(step, float | int):
+            raise DataError(f"{path}: dt_s of a block is {step!r}, expected a number")
+    numbers, counts, stamps = ([_whole(block, name, path) for block in blocks] for name in (first, "n", "t0_ns"))
+    return _NS * block_times(numbers, counts, [stamp - start_ns for stamp in stamps], cast(list[float], steps))
 
 
 def _whole(fields: Fields, name: str, path: Path) -> int:

@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from fitter.data.block_times import block_times
 from fitter.data.drift import DriftCorrection, dead_reckoned
 from fitter.data.felt import felt_of
 from fitter.data.motions import Measured
@@ -97,9 +98,8 @@ class MotionAssembler:
         blocks = [block for block in self._blocks if block["n"]]
         if not blocks:
             return None
-        t_ns = np.concatenate(
-            [block["t0_ns"] + np.round(1e9 * block["dt_s"] * np.arange(block["n"])) for block in blocks]
-        )
+        fields = ([block[name] for block in blocks] for name in ("frame0", "n", "t0_ns", "dt_s"))
+        t_ns = np.round(block_times(*fields))
         inside = (t_ns >= self._begin_ns) & (t_ns <= end_ns)
         if not inside.any():
             return None
