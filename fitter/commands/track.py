@@ -119,10 +119,11 @@ def _warn(run: RawRun, arm: Arm, part: Tracked) -> None:
             "begins at rest: do not rely on its angles; expected a recording of its own that begins at rest"
         )
     elif verdict.discrepancy_m_s2 is not None:
+        rate = f" and {verdict.discrepancy_rad_s:.2g} rad/s" if verdict.discrepancy_rad_s else ""
         base = f", and its base moves by {verdict.base_m_s2:.2g} m/s^2" if verdict.base_m_s2 else ""
         say(
             f"warning: {run.name}: the readings differ from arm {arm.name!r} by {verdict.discrepancy_m_s2:.2g} "
-            f"m/s^2 rms beyond the sensors' noise{base}; q_std allows for that. If its lengths or its sensors may "
+            f"m/s^2{rate} rms beyond the sensors' noise{base}; q_std allows for that. If its lengths or its sensors may "
             "be other than its file says, let `fitter sensors` find how they are"
         )
     elif verdict.place_off_m is not None and verdict.turn_off_rad is not None:

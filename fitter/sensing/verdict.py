@@ -32,6 +32,8 @@ class Verdict:
     discrepancy_m_s2, base_m_s2 : float or None
         What the arm's model lacks of a reading, and the acceleration of its base along each axis, rms; None where
         the arm explains the readings to the sensors' noise.
+    discrepancy_rad_s : float or None
+        What the arm's model lacks of a gyroscope's reading, rms, by the smoother; None without gyroscopes.
     late_s : float or None
         The largest difference of a sensor's clock from the first one's; None where all clocks agree, or none is
         known to differ.
@@ -47,6 +49,7 @@ class Verdict:
     converged: bool | None = None
     discrepancy_m_s2: float | None = None
     base_m_s2: float | None = None
+    discrepancy_rad_s: float | None = None
     late_s: float | None = None
     place_off_m: float | None = None
     turn_off_rad: float | None = None
@@ -62,7 +65,13 @@ def verdict_of(said: Consistency | Smoothed, frames: int) -> Verdict:
             place, turn = said.mounted_elsewhere
             return replace(claim, wrong=True, place_off_m=place, turn_off_rad=turn)
         lacks = said.discrepancy
-        return replace(claim, wrong=True, discrepancy_m_s2=lacks.lack_std, base_m_s2=lacks.base_std)
+        return replace(
+            claim,
+            wrong=True,
+            discrepancy_m_s2=lacks.lack_std,
+            base_m_s2=lacks.base_std,
+            discrepancy_rad_s=lacks.rate_lack_std or None,
+        )
     if said.size is None:  # a tracker that claims nothing
         return Verdict()
     return Verdict(
@@ -99,6 +108,7 @@ def overall(verdicts: Sequence[Verdict], frames: Sequence[int]) -> dict[str, obj
         ("passes", max),
         ("discrepancy_m_s2", max),
         ("base_m_s2", max),
+        ("discrepancy_rad_s", max),
         ("late_s", partial(max, key=abs)),
         ("place_off_m", max),
         ("turn_off_rad", max),

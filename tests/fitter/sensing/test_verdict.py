@@ -29,3 +29,12 @@ def test_runs_count_by_their_frames():
 
 def test_a_run_without_readings_does_not_count():
     assert overall([Verdict(), Verdict(innovation=2.0)], [0, 10]) == {"innovation": 2.0}
+
+
+def test_what_a_model_lacks_most_of_any_run_is_said():
+    runs = [
+        Verdict(wrong=True, discrepancy_m_s2=0.3, base_m_s2=0.0, discrepancy_rad_s=0.02),
+        Verdict(wrong=True, discrepancy_m_s2=0.1, base_m_s2=0.5),
+    ]
+    expected = {"wrong": True, "discrepancy_m_s2": 0.3, "base_m_s2": 0.5, "discrepancy_rad_s": 0.02}
+    assert overall(runs, [10, 10]) == expected
