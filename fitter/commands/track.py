@@ -123,8 +123,8 @@ def _warn(run: RawRun, arm: Arm, part: Tracked) -> None:
         base = f", and its base moves by {verdict.base_m_s2:.2g} m/s^2" if verdict.base_m_s2 else ""
         say(
             f"warning: {run.name}: the readings differ from arm {arm.name!r} by {verdict.discrepancy_m_s2:.2g} "
-            f"m/s^2{rate} rms beyond the sensors' noise{base}; q_std allows for that. If its lengths or its sensors may "
-            "be other than its file says, let `fitter sensors` find how they are"
+            f"m/s^2{rate} rms beyond the sensors' noise{base}; q_std allows for that. If its lengths or its "
+            "sensors may be other than its file says, let `fitter sensors` find how they are"
         )
     elif verdict.place_off_m is not None and verdict.turn_off_rad is not None:
         off = f"{100.0 * verdict.place_off_m:.2g} cm and {np.rad2deg(verdict.turn_off_rad):.2g} deg"
