@@ -42,7 +42,7 @@ test: $(TEST_STAMP) $(KERNELS) ## all tests, in two processes
 	$(BIN)/python -m pytest -n 2 --dist worksteal --durations 40 --durations-min 5
 
 soak: $(TEST_STAMP) ## endurance at length (two hours and a half): faults, kills, crowds, load, fuzzing; shows figures
-	$(BIN)/python -m pytest --long tests/soak tests/fuzz tests/playback tests/examples/test_human_arm.py
+	$(BIN)/python -m pytest --long tests/soak tests/fuzz tests/playback tests/diagnosis tests/examples/test_human_arm.py
 
 check: $(TEST_STAMP) ## lint, types, import rules
 	$(BIN)/ruff check .

@@ -8,6 +8,7 @@ from benchmarks.diagnosed import Found, by_command
 from benchmarks.diagnosis_score import score
 from benchmarks.hidden_arms.cases import Case, draw_case
 from benchmarks.hidden_arms.hiding import Bench
+from tests.soak import Long
 
 #: Shorter than the benchmark, so that a case takes seconds.
 SHORT = Bench(trial_s=3.0, learning=3, evaluating=3)
@@ -45,8 +46,10 @@ def test_nothing_is_named_where_nothing_is_hidden(seed: int, tmp_path: Path) -> 
 
 @pytest.mark.parametrize(("effect", "seed"), [("coupled_drag", 31)])
 def test_what_is_in_no_catalogue_is_not_named_but_told_by_its_variables(
-    effect: str, seed: int, tmp_path: Path
+    effect: str, seed: int, tmp_path: Path, long: Long
 ) -> None:
+    if not long.at_length:
+        pytest.skip("the search of a whole catalogue and of unknown functions: with --long")
     case = draw_case(seed, "outside", effect, SHORT)
     result = score(case.truth, diagnosed(case, tmp_path))
     assert result["right"], (result, case.truth["effects"])

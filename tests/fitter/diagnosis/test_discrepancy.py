@@ -9,6 +9,7 @@ import pytest
 from arm.effects.catalogue import catalogue
 from arm.model import Effect
 from fitter.data.motions import Measured
+from fitter.diagnosis.diagnosis import diagnose
 from fitter.diagnosis.discrepancy import describe, surpassed
 from fitter.diagnosis.evidence import Floor
 from fitter.diagnosis.joint_hypotheses import JointHypothesis
@@ -48,6 +49,13 @@ def test_its_variables_are_found(torque, variables, formula):
     assert set(discrepancy.depends_on) == variables
     assert discrepancy.joint == 1
     assert discrepancy.formula.endswith(formula)
+
+
+def test_a_diagnosis_leaves_it_unexplained_and_says_what_it_depends_on():
+    motions = resisted(PLAIN, lambda q, dq: 0.5 * np.sin(q) * dq)
+    finding = diagnose(pendulum(), motions[:6], motions[6:]).finding
+    assert finding.verdict == "unexplained" and not finding.causes
+    assert set(finding.document()["residual"]["depends_on"]) == {"q1", "dq1"}
 
 
 def test_nothing_depends_on_nothing():
