@@ -38,8 +38,8 @@ $(KERNELS): $(STAMP) $(SOURCES)
 run: $(KERNELS) ## the main job on the virtual arm: measure, calibrate, simulate, play; writes out/report.html
 	@$(BIN)/python examples/main_job.py --out out
 
-test: $(TEST_STAMP) $(KERNELS) ## all tests, in two processes
-	$(BIN)/python -m pytest -n 2 --dist worksteal --durations 40 --durations-min 5
+test: $(TEST_STAMP) $(KERNELS) ## all tests, in three processes: many wait for a device
+	$(BIN)/python -m pytest -n 3 --dist worksteal --durations 40 --durations-min 5
 
 soak: $(TEST_STAMP) ## endurance at length (two hours and a half): faults, kills, crowds, load, fuzzing; shows figures
 	$(BIN)/python -m pytest --long tests/soak tests/fuzz tests/playback tests/diagnosis tests/examples/test_human_arm.py
