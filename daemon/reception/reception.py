@@ -262,7 +262,8 @@ class Reception:
                 "the device was restarted" if begun_anew else self._losses.cause(lost, frame, self.ledger.follows)
             )
             infos = (numbered - lost) / max(self.ledger.frame_samples, 1)  # they have numbers and no samples
-            by_number = infos == 0.0 or (self.guard.may_miss_info and infos > 0.0 and infos.is_integer())
+            by_number = infos.is_integer() and 0.0 <= infos <= self.guard.most_infos
+            self.guard.unanswered -= int(infos) if by_number and not self.guard.unplugged else 0
             exact = by_number and not begun_anew and not self.guard.is_off
             self._note(Gap(self.ledger.position, lost, t_ns, why, exact))
         first = self.ledger.position + lost

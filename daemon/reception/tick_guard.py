@@ -14,6 +14,7 @@ A misread clock shows what is due, and a jump is taken out of all that comes aft
 number the host's clock decides at once.
 """
 
+import math
 from collections import deque
 from collections.abc import Callable
 from dataclasses import replace
@@ -64,9 +65,9 @@ class TickGuard:
         return self._suspect is not None
 
     @property
-    def may_miss_info(self) -> bool:
-        """Whether a number before the next frame may be that of an INFO frame, which has no samples."""
-        return self.unplugged or self.unanswered > 0
+    def most_infos(self) -> float:
+        """How many numbers before the next frame may be those of INFO frames, which have no samples."""
+        return math.inf if self.unplugged else self.unanswered
 
     @property
     def is_off(self) -> bool:
@@ -158,7 +159,8 @@ class TickGuard:
         numbered = due + round(missing * self._ledger.step.ticks_per_sample)
         off = frame.ticks - numbered
         most = self._ledger.step.tolerance(missing) * self._ledger.step.ticks_per_sample
-        possible = (off > 0 or (self.may_miss_info and not self._off)) and early_s(self._end(frame)) == 0.0
+        of_infos = self.most_infos * self._ledger.frame_samples * self._ledger.step.ticks_per_sample
+        possible = (off > 0 or (not self._off and -off <= of_infos + most)) and early_s(self._end(frame)) == 0.0
         if abs(off) <= most or possible or early_s(numbered) > 0.0:
             self._pass(frame, enter)
         else:

@@ -10,11 +10,12 @@ from rich.text import Text
 from fitter.controller.controller import ControllerFit
 from fitter.dynamics.dynamics_fit import DynamicsFit
 from fitter.dynamics.evaluation import Score
-from fitter.dynamics.free_swing import HALF_WIDTH, SwingRatio
+from fitter.dynamics.free_swing import SwingRatio
 from fitter.dynamics.identifiability import Identifiability
 from fitter.dynamics.usability import percent
 from fitter.report.compared import Compared
 from fitter.report.parameter_table import parameter_table
+from fitter.search.fitted_parameter import FittedParameter
 from limbcal.command import say, show
 from limbcal.note import sentences
 
@@ -51,16 +52,15 @@ def say_ratios(ratios: Sequence[SwingRatio]) -> None:
     for heading in ("ratio", "without springs", "with springs", "unit"):
         table.add_column(heading, justify="left" if heading in ("ratio", "unit") else "right", overflow="fold")
     for one in ratios:
-        table.add_row(*map(Text, (one.name, *map(_with_reach, (one.rigid, one.sprung)), one.unit)))
+        table.add_row(*map(Text, (one.name, *map(_with_reach, (one.rigid, one.sprung)), one.sprung.unit)))
     show(table)
     for one in ratios:
         if one.is_spring and one.is_significant:
             say(f"{one.name}: something elastic turns this joint, too; expected ratios with springs")
 
 
-def _with_reach(numbers: tuple[float, float]) -> str:
-    value, std = numbers
-    return f"{value:.4g} ± {HALF_WIDTH * std:.2g}" if np.isfinite(std) else "-"
+def _with_reach(one: FittedParameter) -> str:
+    return f"{one.value:.4g} ± {one.half_width:.2g}" if one.identifiable else "-"
 
 
 def say_compared(compared: object) -> None:

@@ -13,10 +13,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.stats import norm
 
 from arm.base_parameters import BaseParameters
-from arm.model import Arm, Floats
+from arm.model import Arm
 from arm.regressor import standard_parameters
 from arm.structural_parameters import structural_parameters
 from fitter.data.standstill import REST_SPEED
@@ -24,10 +23,9 @@ from fitter.data.trial import Trial
 from fitter.dynamics.torque_problem import torque_problem
 from fitter.regression_sums.torque_sums import TorqueSums, add_up, row_sums
 from fitter.regression_sums.trial_sums import filtered_rows, moving_all_along
+from fitter.search.fitted_parameter import FittedParameter
 from limbcal.errors import NotIdentifiable
 
-#: Half of a 95 % interval, in standard errors.
-HALF_WIDTH = float(norm.ppf(0.975))
 #: Dry friction changes its sign with the velocity, so it has the odd harmonics of a swing, the third before all. A
 #: corner where the swing's own spectrum meets the noise leaves none of them.
 _HARMONIC = 3.0
@@ -41,33 +39,29 @@ class SwingRatio:
 
     Attributes
     ----------
-    name, unit : str
+    name : str
         Of the ratio.
-    rigid, sprung : (value, standard error)
-        Without springs and with them; NaN where the swing does not tell.
+    rigid, sprung : FittedParameter
+        Without springs and with them.
     is_spring : bool
         Whether it is a spring's stiffness.
     """
 
     name: str
-    unit: str
-    rigid: tuple[float, float]
-    sprung: tuple[float, float]
+    rigid: FittedParameter
+    sprung: FittedParameter
     is_spring: bool
 
     @property
     def is_significant(self) -> bool:
         """Whether zero is outside its interval with springs."""
-        value, std = self.sprung
-        return bool(abs(value) > HALF_WIDTH * std)
+        return abs(self.sprung.value) > self.sprung.half_width
 
     def document(self) -> dict[str, object]:
         """Return the ratio as it stands in a JSON document, with intervals of 95 %."""
-        fields: dict[str, object] = {"name": self.name, "unit": self.unit}
-        for which, (value, std) in (("without_springs", self.rigid), ("with_springs", self.sprung)):
-            reach = HALF_WIDTH * std
-            known = np.isfinite(value) and np.isfinite(std)
-            fields[which] = {"value": value, "ci95": [value - reach, value + reach]} if known else None
+        fields: dict[str, object] = {"name": self.name, "unit": self.sprung.unit}
+        for which, one in (("without_springs", self.rigid), ("with_springs", self.sprung)):
+            fields[which] = None if one.ci95 is None else {"value": one.value, "ci95": list(one.ci95)}
         return fields
 
 
@@ -121,23 +115,20 @@ def swing_ratios(arm: Arm, trials: Sequence[Trial]) -> list[SwingRatio]:
         problem = torque_problem(sums, np.zeros(sums.gram.shape[-1]), {reference: 1.0})
         values = problem.complete(problem.optimum())
         std = problem.standard_errors(values)
-        found.append(np.stack([np.where(np.isfinite(std), values, np.nan), std], axis=1))
-    rigid, sprung = found
-    rigid = np.vstack([rigid, np.tile([0.0, np.nan], (2 * n, 1))])
-    stiffness = [f"K{j + 1}" for j in range(n)]
-    names = [*base.names, *stiffness]
+        found.append((values, std))
+    (rigid, rigid_std), (sprung, sprung_std) = found
+    names = [*base.names, *(f"K{j + 1}" for j in range(n))]
     units = [*base.units, *("N m/rad" if joint.type == "revolute" else "N/m" for joint in arm.joints)]
-    return [
-        SwingRatio(
-            f"({name})/{base.names[reference]}",
-            f"{unit} / ({base.units[reference]})",
-            _pair(a),
-            _pair(b),
-            k >= len(base.names),
-        )
-        for k, (name, unit, a, b) in enumerate(zip(names, units, rigid, sprung, strict=False))
-        if k != reference
-    ]
+
+    def ratio(k: int) -> SwingRatio:
+        is_spring = k >= len(base.names)
+        unit = f"{units[k]} / ({base.units[reference]})"
+        without = (0.0, np.nan) if is_spring else (float(rigid[k]), float(rigid_std[k]))
+        both = (without, (float(sprung[k]), float(sprung_std[k])))
+        one, other = (FittedParameter(value, std, unit, bool(np.isfinite(std))) for value, std in both)
+        return SwingRatio(f"({names[k]})/{base.names[reference]}", one, other, is_spring)
+
+    return [ratio(k) for k in range(len(names)) if k != reference]
 
 
 def _reference(arm: Arm, base: BaseParameters) -> int:
@@ -145,10 +136,6 @@ def _reference(arm: Arm, base: BaseParameters) -> int:
     if reference is None:
         raise NotIdentifiable(f"arm {arm.name}: no joint turns, so there is no inertia to take ratios to")
     return reference
-
-
-def _pair(numbers: Floats) -> tuple[float, float]:
-    return float(numbers[0]), float(numbers[1])
 
 
 def _sums(arm: Arm, base: BaseParameters, trial: Trial, springs: bool) -> TorqueSums:

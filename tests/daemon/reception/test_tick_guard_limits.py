@@ -114,6 +114,14 @@ def test_where_numbers_are_missing_the_hosts_clock_decides(
     assert not guarded.guard.unplugged and guarded.guard.is_off == (shown == 0)
 
 
+@pytest.mark.parametrize(("infos", "shown"), [(1, True), (2, False)])
+def test_no_more_infos_are_missing_than_were_not_answered(infos: int, shown: bool) -> None:
+    guarded = Guarded()
+    guarded.guard.unanswered = 1
+    guarded.take(frame(13, -infos * FRAME))
+    assert guarded.entered == [((13 - infos * shown) * FRAME, None if shown else -infos * FRAME)]
+
+
 def test_a_frame_behind_another_than_the_one_in_doubt_settles_that() -> None:
     guarded = Guarded()
     guarded.take(frame(10, -5 * P), frame(12))

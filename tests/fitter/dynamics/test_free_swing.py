@@ -46,19 +46,19 @@ def test_ratios_that_allow_for_a_spring_hold_the_truth(tmp_path, seed):
         ("(fc1)/I1", DRY),
         ("(K1)/I1", STIFFNESS),
     ):
-        value, std = found[name].sprung
-        assert abs(value - truth) < 3.5 * std, name
+        sprung = found[name].sprung
+        assert abs(sprung.value - truth) < 3.5 * sprung.std, name
     assert found["(K1)/I1"].is_significant
-    value, std = found["(m1*sx1)/I1"].rigid
-    assert value - GRAVITY / STANDARD_GRAVITY_M_S2 > 10.0 * std  # gravity takes the spring up
+    rigid = found["(m1*sx1)/I1"].rigid
+    assert rigid.value - GRAVITY / STANDARD_GRAVITY_M_S2 > 10.0 * rigid.std  # gravity takes the spring up
 
 
 @pytest.mark.parametrize("seed", range(2))
 def test_without_a_spring_both_hold_and_the_rigid_one_is_surer(tmp_path, seed):
     found = ratios(swings(tmp_path, 0.0, seed))["(m1*sx1)/I1"]
-    for value, std in (found.rigid, found.sprung):
-        assert abs(value - GRAVITY / STANDARD_GRAVITY_M_S2) < 3.5 * std
-    assert found.rigid[1] < 0.2 * found.sprung[1]
+    for one in (found.rigid, found.sprung):
+        assert abs(one.value - GRAVITY / STANDARD_GRAVITY_M_S2) < 3.5 * one.std
+    assert found.rigid.std < 0.2 * found.sprung.std
 
 
 def test_the_document_has_both_intervals(tmp_path):
