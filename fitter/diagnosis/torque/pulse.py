@@ -29,6 +29,8 @@ class Pulse:
         Its greatest value.
     start_std, duration_std, torque_std : float
         Standard errors.
+    impulse_std : float [N m s]
+        That of torque times duration.
     form : str
         ``rectangular``, or ``bell``: a raised cosine.
     log_likelihood_ratio, evidence : float [nats]
@@ -44,9 +46,23 @@ class Pulse:
     start_std: float
     duration_std: float
     torque_std: float
+    impulse_std: float
     form: str
     log_likelihood_ratio: float
     evidence: float
+
+    @property
+    def impulse_N_m_s(self) -> float:
+        """Torque times duration, the area of either form [N m s]."""
+        return self.torque_N_m * self.duration_s
+
+    @property
+    def sigmas(self) -> float:
+        """How many standard errors its size is off zero: its torque, or its impulse if that is known better.
+
+        Of a pulse too short for the band the impulse is known, of one whose end is unseen the torque.
+        """
+        return max(abs(self.torque_N_m) / self.torque_std, abs(self.impulse_N_m_s) / self.impulse_std)
 
     def overlaps(self, other: "Pulse") -> bool:
         """Say whether another pulse pushes the same joint at the same time the same way."""
@@ -120,6 +136,7 @@ def either(forms: Sequence[Pulse]) -> Pulse:
         start_std=float(np.hypot(one.start_std, apart(lambda form: form.start_s))),
         duration_std=float(np.hypot(one.duration_std, apart(lambda form: form.duration_s))),
         torque_std=float(np.hypot(one.torque_std, apart(lambda form: form.torque_N_m))),
+        impulse_std=float(np.hypot(one.impulse_std, apart(lambda form: form.impulse_N_m_s))),
     )
 
 

@@ -96,18 +96,21 @@ class Search:
         best = minimize(loss, np.zeros(2), method="Nelder-Mead", bounds=bounds, options=options)  # type: ignore[call-overload]
         ratio, size = at(best.x)
         start, lasting = start_s + duration_s * float(best.x[0]), duration_s * float(np.exp(best.x[1]))
-        (start_std, duration_std, torque_std), places = self._errors(start, lasting, form, size)
+        covariance, places = self._errors(start, lasting, form, size)
         before, after = (unseen_s(self.rows, at, way) for at, way in ((start, -1), (start + lasting, 1)))
-        start_std = float(np.hypot(start_std, before / np.sqrt(12.0)))  # uniform where nothing is known
-        duration_std = float(np.hypot(duration_std, np.hypot(before, after) / np.sqrt(12.0)))
+        covariance[0, 0] += before**2 / 12.0  # uniform where nothing is known
+        covariance[1, 1] += (before**2 + after**2) / 12.0
+        slope = np.array([0.0, size, lasting])  # of the impulse
+        errors = [float(one) for one in np.sqrt([*np.diag(covariance), slope @ covariance @ slope])]
         laplace = ratio + places - float(np.log(np.pi * self.size * (1.0 + (size / self.size) ** 2)))
-        errors = start_std, duration_std, torque_std
-        return Pulse(self.trial, self.joint, start, lasting, size, *errors, form, ratio, max(evidence, laplace))
+        # Places on the grid and between its points are equally likely beforehand: the mean of both evidences.
+        mean = float(np.logaddexp(evidence, laplace) - np.log(2.0))
+        return Pulse(self.trial, self.joint, start, lasting, size, *errors, form, ratio, mean)
 
     def _errors(
         self, start_s: float, duration_s: float, form: str, size: float, part: float = 0.05
     ) -> tuple[Floats, float]:
-        """Return standard errors of start, duration and size, and the logarithm of the likelihood's volume.
+        """Return the covariance of start, duration and size, (3, 3), and the logarithm of the likelihood's volume.
 
         Both by Fisher's information of Student's location. The volume is in units of the places that are sought,
         times the unit of the size, by Laplace.
@@ -125,10 +128,9 @@ class Search:
         information = (self.nu + 1.0) / (self.nu + 3.0) * J.T @ J
         # Where an end is unobserved, it is uniform within the longest duration.
         information += np.diag([12.0 / LONGEST_PULSE_S**2, 12.0 / LONGEST_PULSE_S**2, TINY])
-        errors = np.sqrt(np.diag(np.linalg.inv(information)))
         place = rows.step_s * duration_s * float(np.log(DURATION_RATIO))
         volume = 1.5 * np.log(2.0 * np.pi) - 0.5 * np.linalg.slogdet(information)[1] - np.log(place)
-        return errors, float(volume)
+        return np.asarray(np.linalg.inv(information)), float(volume)
 
 
 @compiled

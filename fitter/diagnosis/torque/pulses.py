@@ -174,7 +174,7 @@ def _found_with(
 
     def is_one(pulse: Pulse) -> bool:
         nats = _log_evidence(rows, likely, pulse, background)
-        is_sized = abs(pulse.torque_N_m) > EQUAL_SIGMAS * pulse.torque_std  # as of any cause
+        is_sized = pulse.sigmas > EQUAL_SIGMAS  # as of any cause
         return bool(is_sized and min(nats - places, tail.surprisal(nats) - blocks) > odds)
 
     return [pulse for pulse in likely if is_one(pulse)]

@@ -12,7 +12,7 @@ from fitter.diagnosis.motion import as_measured
 from fitter.diagnosis.torque.pulse import Pulse
 
 KIND = catalogue()["external_push"]
-PULSE = Pulse(0, 0, 1.0, 0.2, 5.0, 0.01, 0.02, 0.3, "rectangular", 20.0, 15.0)
+PULSE = Pulse(0, 0, 1.0, 0.2, 5.0, 0.01, 0.02, 0.3, 0.1, "rectangular", 20.0, 15.0)
 OTHER = replace(PULSE, start_s=1.5, duration_s=0.4, torque_N_m=-6.0, form="bell")
 
 

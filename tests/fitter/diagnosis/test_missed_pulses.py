@@ -61,7 +61,7 @@ def test_where_nothing_pushes_the_model_stays_as_it_is():
 def test_pushes_stand_behind_what_always_acts(hit):
     regression, base = hit
     start, lasts, torque = PUSHES[0]
-    one = Pulse(3, 0, start, lasts, torque, 0.01, 0.01, 0.02, "rectangular", 100.0, 90.0)
+    one = Pulse(3, 0, start, lasts, torque, 0.01, 0.01, 0.02, 0.01, "rectangular", 100.0, 90.0)
     found = fitted_with_pulses(regression, base, [one])
     (hypothesis,) = found.model.hypotheses
     assert hypothesis.key == ("external_push", (0,))
@@ -72,7 +72,7 @@ def test_pushes_stand_behind_what_always_acts(hit):
 def test_what_a_possible_cause_explains_is_no_push(hit, explained):
     regression, base = hit
     places = zip((3, 6), PUSHES[:explained], strict=False)
-    pulses = [Pulse(k, 0, *push, 0.01, 0.01, 0.02, "rectangular", 100.0, 90.0) for k, push in places]
+    pulses = [Pulse(k, 0, *push, 0.01, 0.01, 0.02, 0.01, "rectangular", 100.0, 90.0) for k, push in places]
     cause = fitted_with_pulses(regression, base, pulses)
     found = with_pulses(regression, base, lambda: [(cause, 0.0)])
     starts_s = [one.start_s for hypothesis in found.model.hypotheses for one in hypothesis.found]

@@ -19,7 +19,7 @@ def test_a_pulse_is_at_half_its_size_at_its_ends(form):
     assert shape.sum() * 1e-3 == pytest.approx(0.4)
 
 
-PULSE = Pulse(0, 0, 1.0, 0.2, 5.0, 0.01, 0.02, 0.3, "rectangular", 20.0, 15.0)
+PULSE = Pulse(0, 0, 1.0, 0.2, 5.0, 0.01, 0.02, 0.3, 0.1, "rectangular", 20.0, 15.0)
 
 
 @pytest.mark.parametrize(
@@ -49,7 +49,7 @@ def test_beside_rows_that_are_not_known_an_instant_may_be_anywhere_in_them():
 
 
 def test_a_form_that_might_be_another_has_the_error_of_both():
-    bell = Pulse(0, 0, 1.0, 0.2, 0.6, 0.01, 0.01, 0.03, "bell", 20.0, 15.0)
+    bell = Pulse(0, 0, 1.0, 0.2, 0.6, 0.01, 0.01, 0.03, 0.005, "bell", 20.0, 15.0)
     for less, error in ((0.0, np.hypot(0.03, 0.1 / np.sqrt(2.0))), (30.0, 0.03)):
         other = replace(bell, form="rectangular", torque_N_m=0.5, log_likelihood_ratio=20.0 - less)
         one = either([other, bell])

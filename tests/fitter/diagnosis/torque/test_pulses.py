@@ -48,6 +48,14 @@ def test_a_pulse_that_begins_at_rest_is_found(start_s):
     assert found.start_s + found.duration_s == pytest.approx(4.4, abs=0.06)
 
 
+def test_a_pulse_too_short_for_the_band_is_found_by_its_impulse():
+    """It may have been shorter and larger: neither its torque nor its duration is known, their product is."""
+    hidden = [(4.01, 0.02, 5.0, "rectangular")]
+    (found,) = find_pulses([trial(np.random.default_rng(3), hidden), trial(np.random.default_rng(30))])
+    assert found.impulse_N_m_s == pytest.approx(0.1, abs=3.0 * found.impulse_std)
+    assert abs(found.torque_N_m) < 2.0 * found.torque_std
+
+
 def test_pulses_that_are_much_of_what_is_known_are_found():
     rng = np.random.default_rng(8)
     sizes = {1: 2.0, 4: -1.8, 6: 2.2}
