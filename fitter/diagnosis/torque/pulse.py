@@ -52,7 +52,7 @@ class Pulse:
     evidence: float
 
     @property
-    def impulse_N_m_s(self) -> float:
+    def impulse(self) -> float:
         """Torque times duration, the area of either form [N m s]."""
         return self.torque_N_m * self.duration_s
 
@@ -62,7 +62,7 @@ class Pulse:
 
         Of a pulse too short for the band the impulse is known, of one whose end is unseen the torque.
         """
-        return max(abs(self.torque_N_m) / self.torque_std, abs(self.impulse_N_m_s) / self.impulse_std)
+        return max(abs(self.torque_N_m) / self.torque_std, abs(self.impulse) / self.impulse_std)
 
     def overlaps(self, other: "Pulse") -> bool:
         """Say whether another pulse pushes the same joint at the same time the same way."""
@@ -136,7 +136,7 @@ def either(forms: Sequence[Pulse]) -> Pulse:
         start_std=float(np.hypot(one.start_std, apart(lambda form: form.start_s))),
         duration_std=float(np.hypot(one.duration_std, apart(lambda form: form.duration_s))),
         torque_std=float(np.hypot(one.torque_std, apart(lambda form: form.torque_N_m))),
-        impulse_std=float(np.hypot(one.impulse_std, apart(lambda form: form.impulse_N_m_s))),
+        impulse_std=float(np.hypot(one.impulse_std, apart(lambda form: form.impulse))),
     )
 
 

@@ -101,7 +101,9 @@ class Search:
         covariance[0, 0] += before**2 / 12.0  # uniform where nothing is known
         covariance[1, 1] += (before**2 + after**2) / 12.0
         slope = np.array([0.0, size, lasting])  # of the impulse
-        errors = [float(one) for one in np.sqrt([*np.diag(covariance), slope @ covariance @ slope])]
+        impulse_std = float(np.sqrt(slope @ covariance @ slope))
+        start_std, duration_std, torque_std = map(float, np.sqrt(np.diag(covariance)))
+        errors = start_std, duration_std, torque_std, impulse_std
         laplace = ratio + places - float(np.log(np.pi * self.size * (1.0 + (size / self.size) ** 2)))
         # Places on the grid and between its points are equally likely beforehand: the mean of both evidences.
         mean = float(np.logaddexp(evidence, laplace) - np.log(2.0))

@@ -52,7 +52,7 @@ def test_a_pulse_too_short_for_the_band_is_found_by_its_impulse():
     """It may have been shorter and larger: neither its torque nor its duration is known, their product is."""
     hidden = [(4.01, 0.02, 5.0, "rectangular")]
     (found,) = find_pulses([trial(np.random.default_rng(3), hidden), trial(np.random.default_rng(30))])
-    assert found.impulse_N_m_s == pytest.approx(0.1, abs=3.0 * found.impulse_std)
+    assert found.impulse == pytest.approx(0.1, abs=3.0 * found.impulse_std)
     assert abs(found.torque_N_m) < 2.0 * found.torque_std
 
 
