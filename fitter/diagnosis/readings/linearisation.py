@@ -115,6 +115,8 @@ class Linearisation:
         Sign of the level where a sensor clips, else 0.
     weight : (n, n_channel)
         One over the standard deviation; 0 for what is not looked at.
+    correlation : (n_channel,)
+        Of a frame's noise with that of the next one: they share a sample where a sensor is read between two.
     """
 
     trial: TrialFrames
@@ -128,6 +130,7 @@ class Linearisation:
     integral: Floats
     clipped: Floats
     weight: Floats
+    correlation: Floats
 
     @property
     def residual(self) -> Floats:
@@ -180,15 +183,19 @@ def linearise(
     of, size = observation_of(arm.with_gyroscopes(()), mountings=True)
     q, dq, ddq = np.empty((3, n, arm.n_joint))
     motion_at_knots(c, trial.dt_s, q, dq, ddq)
-    readings, weight = trial.values.copy(), trial.weight.copy()
+    readings, weight, correlation = trial.values.copy(), trial.weight.copy(), np.zeros(n_channel)
     for s in np.flatnonzero(instruments.delay_s).tolist():
         channels, late = slice(3 * s, 3 * s + 3), instruments.delay_s[s] / trial.dt_s
         readings[:, channels] = trial.advanced(s, instruments.delay_s[s])
         rows = [np.clip(np.arange(n) + int(step), 0, n - 1) for step in (np.floor(late), np.ceil(late))]
         weight[:, channels] = np.minimum(*(trial.weight[row, channels] for row in rows))
+        read = np.arange(n) + late  # before the first frame and after the last one nothing was
+        weight[(read < 0.0) | (read > n - 1.0), channels] = 0.0
         # Reading between two samples, at the ends of a frame, takes a little off its noise.
         share = (instruments.delay_s[s] * trial.raw.rate_hz) % 1.0
-        weight[:, channels] /= np.sqrt(1.0 - 2.0 * share * (1.0 - share) / trial.factor)
+        shared = share * (1.0 - share) / trial.factor
+        weight[:, channels] /= np.sqrt(1.0 - 2.0 * shared)
+        correlation[channels] = shared / (1.0 - 2.0 * shared)
     lost = np.isnan(readings)
     readings[lost] = 0.0
     since = (trial.t - trial.t[0] + 0.5 * trial.dt_s)[:, None]
@@ -203,7 +210,8 @@ def linearise(
     if without is not None:
         weight *= ~np.repeat(without, 3)
     clipped = _clip(trial, instruments, readings, expected, slope, weight)
-    found = Linearisation(trial, instruments, of, q, dq, readings, expected, slope, integral, clipped, weight)
+    known = readings, expected, slope, integral, clipped, weight, correlation
+    found = Linearisation(trial, instruments, of, q, dq, *known)
     if instruments.base.any():
         phase = 2.0 * np.pi * instruments.base_hz * trial.t
         wave = np.column_stack([np.cos(phase), np.sin(phase)]) @ instruments.base.T

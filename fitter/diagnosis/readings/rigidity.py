@@ -6,6 +6,7 @@ from itertools import combinations
 
 import numpy as np
 
+from arm.effects.catalogue import catalogue
 from arm.model import Arm, Effect, Floats
 from fitter.data.raw import RawRun
 from fitter.diagnosis.least_squares import ROUNDED, SIGMAS, UNEXPLAINED
@@ -139,7 +140,9 @@ def _causes(arm: Arm, search: Search, decision: Decision, cause: Cause) -> list[
             SensorCause(
                 tried.suspect.effect,
                 _sensors(arm, tried.suspect),
-                _numbers(fitted, tried.suspect, wider, _grain(search.trials, tried.suspect)),
+                _course_of_base(search.trials, fitted)
+                if tried.suspect.kind.frees_base
+                else _numbers(fitted, tried.suspect, wider, _grain(search.trials, tried.suspect)),
                 support,
             )
         )
@@ -171,6 +174,16 @@ def _numbers(fitted: Fitted, suspect: Suspect, wider: float, grain: float) -> di
     spread = np.sqrt(((c * std[:3]) ** 2 + (s * std[3:6]) ** 2) / 2.0) / size
     numbers = {f"{axis}_m_s2": Number(float(rms[k]), float(spread[k]), "m/s^2") for k, axis in enumerate("xyz")}
     return numbers | {"frequency_hz": Number(float(value[6]), float(std[6]), "Hz")}
+
+
+def _course_of_base(trials: Trials, fitted: Fitted) -> dict[str, Number]:
+    """Return the rms acceleration of a base that moves in any way, with its standard error over judging trials."""
+    judging = range(trials.n_learn, len(trials.trials))
+    courses = [trials.base_course(k, fitted.hypothesis, fitted.motions[k]) for k in judging]
+    each = np.array([np.sqrt(np.mean(course**2, axis=0)) for course in courses])
+    rms = np.sqrt(np.mean(np.concatenate(courses) ** 2, axis=0))
+    std = each.std(axis=0, ddof=1) / np.sqrt(len(each)) if len(each) > 1 else np.full(3, np.nan)
+    return {f"{axis}_m_s2": Number(float(rms[k]), float(std[k]), "m/s^2") for k, axis in enumerate("xyz")}
 
 
 def _candidates(arm: Arm, search: Search, decision: Decision) -> tuple[SensorCandidate, ...]:
@@ -208,7 +221,8 @@ def _extended(arm: Arm, causes: Sequence[SensorCause]) -> Arm:
             sensors=cause.sensors,
         )
         for cause in causes
-    ]
+        if set(cause.parameters) == {parameter.name for parameter in catalogue()[cause.effect].parameters}
+    ]  # a base that moves in any way is no effect of an arm file
     return replace(arm, effects=(*arm.effects, *effects))
 
 

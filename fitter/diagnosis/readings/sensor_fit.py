@@ -76,14 +76,36 @@ class Trials:
         return linearise(self.trials[number], hypothesis.instruments(self.nominal), c, hypothesis.without)
 
     def dropped(self, number: int, hypothesis: SensorHypothesis, c: Floats) -> int:
-        """Return how many readings of a trial a hypothesis doesn't look at, as those near a level.
+        """Return how many readings of a trial a hypothesis doesn't look at, as those near a level or past its end.
 
         What is not looked at leaves no residual; a hypothesis must not win by that.
         """
-        if not any(suspect.kind.is_level for suspect in hypothesis.suspects):
+        if not any(suspect.kind.is_blinding for suspect in hypothesis.suspects):
             return 0
         looked_at = self.linearised(number, hypothesis, c).weight > 0.0
         return int(np.count_nonzero((self.trials[number].weight > 0.0) & ~looked_at))
+
+    def base_course(self, number: int, hypothesis: SensorHypothesis, c: Floats) -> Floats:
+        """Return the acceleration of a base that moves freely along a motion, (n, 3) [m/s^2]."""
+        at = self.linearised(number, hypothesis, c)
+        return self._walked(number, at, hypothesis, c)[:, -3:]
+
+    def freedom(self, number: int, hypothesis: SensorHypothesis, c: Floats) -> float:
+        """Return what the freedom of a base costs in one trial, squared and in units of the noise.
+
+        Three numbers a frame of no variance but their own cost ``e^2 / b^2 + log(1 + b^2 F' F)`` each, with b^2
+        their mean square and F what the sensors feel of them: minus twice the logarithm of their evidence
+        (Laplace).
+        """
+        if not hypothesis.free_base:
+            return 0.0
+        at = self.linearised(number, hypothesis, c)
+        base = self._walked(number, at, hypothesis, c)[:, -3:]
+        square = np.mean(base**2, axis=0)
+        felt = at.from_base() * at.weight[..., None]
+        information = np.einsum("kcx,kcy->kxy", felt, felt)
+        _, volume = np.linalg.slogdet(np.eye(3) + information * square)
+        return float(base.size + volume.sum())
 
     def eliminated(
         self, number: int, hypothesis: SensorHypothesis, c: Floats, suspects: Sequence[Suspect]
@@ -168,6 +190,9 @@ class Trials:
                 motions = self._moved(motions_was, backs, step)
                 before = (*before[:4], step)
                 continue
+            if before is not None and not np.isfinite(cost):  # no step leads on from where it was
+                _, theta, motions, *_ = before
+                break
             halved = 0
             information = gram[:-1, :-1] + np.diag(1.0 / std**2)
             right = gram[:-1, -1] + (mean - theta) / std**2
@@ -197,12 +222,17 @@ class Trials:
         E, _, _ = self._walks(at, hypothesis)
         if not E.shape[2]:
             return at
-        gram, back = self.eliminated(number, hypothesis, c, ())
-        change, walked = np.zeros_like(c), np.zeros((len(c) - 2, E.shape[2]))
-        go_back(back, np.zeros(len(gram) - 1), c.shape[1], change, walked)
         n_channel = at.weight.shape[1]
-        offset = np.einsum("kcm,km->kc", E[:, :n_channel], walked)
+        offset = np.einsum("kcm,km->kc", E[:, :n_channel], self._walked(number, at, hypothesis, c))
         return replace(at, expected=at.expected + offset / np.where(at.weight > 0.0, at.weight, 1.0))
+
+    def _walked(self, number: int, at: Linearisation, hypothesis: SensorHypothesis, c: Floats) -> Floats:
+        """Return what walks along a motion, (n, m): offsets of forgetful sensors, and last a free base."""
+        gram, back = self.eliminated(number, hypothesis, c, ())
+        n, _, m = self._walks(at, hypothesis)[0].shape
+        change, walked = np.zeros_like(c), np.zeros((n, m))
+        go_back(back, np.zeros(len(gram) - 1), c.shape[1], change, walked)
+        return walked
 
     def _gone_back(self, c: Floats, back: Floats, step: Floats) -> Floats:
         change, walked = np.zeros_like(c), np.zeros((len(c) - 2, back.shape[1] - c.shape[1]))

@@ -91,9 +91,7 @@ class TrialFrames:
         half the jump's share of a frame. Jumps count that noise doesn't make.
         """
         noise = self.std * np.sqrt(self.factor)
-        after = np.concatenate([self.raw.a[1:], self.raw.a[-1:]])
-        change = in_frames(self.raw, np.abs(after - self.raw.a), self.factor).max(axis=1)
-        jump = np.where(change > np.sqrt(2.0) * _STRAYS * noise, change, 0.0)
+        jump = in_frames(self.raw, _jumps(self.raw.a, noise), self.factor).max(axis=1)
         jump[1:] = np.maximum(jump[1:], jump[:-1])  # the sample after it may lie in the next frame
         spread: Floats = np.sqrt(self.std**2 + (0.5 * jump / self.factor) ** 2)
         weight: Floats = np.where(np.isnan(self.values), 0.0, 1.0 / spread)
@@ -134,9 +132,10 @@ def trials_of(arm: Arm, runs: Sequence[RawRun]) -> list[TrialFrames]:
             )
         own = run.t[0] >= end - 0.5 / run.rate_hz or not trials
         shift = 0.0 if own else end - run.t[0]
-        for part in _parts(run):
+        parts = list(_parts(run))
+        for part in parts:
             start = float(part.t[0] + shift)
-            continues = bool(trials) and start - end < 1.5 / run.rate_hz
+            continues = bool(trials) and (own or part is not parts[0]) and start - end < 1.5 / run.rate_hz
             trials.append(_trial(arm, part, start, continues))
             end = float(part.t[-1] + shift + 1.0 / run.rate_hz)
     return trials
@@ -161,6 +160,20 @@ def _trial(arm: Arm, raw: RawRun, start_s: float, continues: bool) -> TrialFrame
     noise = noise_of(longest.a, raw.rate_hz)
     std = np.sqrt(noise.of_mean(factor))
     return TrialFrames(raw, start_s, continues, factor, values, std, _rest(arm, values, std))
+
+
+def _jumps(a: Floats, noise: Floats) -> Floats:
+    """Return by how much readings (n, n_channel) jump before the next sample, as a size; 0 where they do not.
+
+    What the changes before and after it share is motion. A change is a jump if more of it is its own, and noise is
+    smaller.
+    """
+    change = np.diff(a, axis=0)
+    shared = change.copy()  # the first and the last one have one neighbour only, and pass for motion
+    shared[1:-1] = 0.5 * (change[:-2] + change[2:])
+    own = np.abs(change - shared)
+    is_jump = (np.abs(change) > np.sqrt(2.0) * _STRAYS * noise) & (own > np.abs(shared))
+    return np.concatenate([np.where(is_jump, own, 0.0), np.zeros_like(a[:1])])
 
 
 def in_frames(raw: RawRun, a: Floats, factor: int) -> Floats:

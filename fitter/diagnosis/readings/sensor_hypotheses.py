@@ -47,7 +47,11 @@ class SensorEffect:
     least : float
         A parameter below this is nothing in the time of a trial.
     is_bias, is_level : bool
-        It is what every sensor has a little of; it keeps readings from being looked at.
+        It is what every sensor has a little of; readings stop at it.
+    is_blinding : bool
+        It keeps readings from being looked at.
+    frees_base : bool
+        The base may accelerate in any way; what it does stands in no parameter.
     grain : {"", "step", "interval"}
         What a converter leaves unknown of it: its step, or the time from sample to sample.
     """
@@ -63,6 +67,8 @@ class SensorEffect:
     least: float = 0.0
     is_bias: bool = False
     is_level: bool = False
+    is_blinding: bool = False
+    frees_base: bool = False
     grain: Literal["", "step", "interval"] = ""
 
     @property
@@ -188,5 +194,20 @@ def with_theta(hypothesis: SensorHypothesis, theta: Floats) -> SensorHypothesis:
 def with_suspect(hypothesis: SensorHypothesis, suspect: Suspect, value: Floats) -> SensorHypothesis:
     """Return a hypothesis with one suspect more."""
     return replace(
-        hypothesis, suspects=(*hypothesis.suspects, suspect), values=(*hypothesis.values, np.asarray(value))
+        hypothesis,
+        suspects=(*hypothesis.suspects, suspect),
+        values=(*hypothesis.values, np.asarray(value)),
+        free_base=hypothesis.free_base or suspect.kind.frees_base,
+    )
+
+
+def without_suspect(hypothesis: SensorHypothesis, suspect: Suspect) -> SensorHypothesis:
+    """Return a hypothesis without one of its suspects."""
+    kept = [k for k, one in enumerate(hypothesis.suspects) if one != suspect]
+    suspects = tuple(hypothesis.suspects[k] for k in kept)
+    return replace(
+        hypothesis,
+        suspects=suspects,
+        values=tuple(hypothesis.values[k] for k in kept),
+        free_base=any(one.kind.frees_base for one in suspects),
     )

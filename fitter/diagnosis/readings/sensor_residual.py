@@ -157,8 +157,8 @@ def noise_factor(trials: Trials, fitted: Fitted, degrees: int = 10) -> float:
     squares = []
     for at in judging_residuals(trials, fitted):
         unit = at.residual * at.weight
-        free = np.count_nonzero(at.weight > 0.0, axis=1) - trials.arm.n_joint
-        change = np.diff(unit, axis=0)
+        free = np.count_nonzero(at.weight > 0.0, axis=1) - trials.arm.n_joint - 3 * fitted.hypothesis.free_base
+        change = np.diff(unit, axis=0) / np.sqrt(1.0 - at.correlation)
         there = free[1:] > 0
         squares.append(((change**2).sum(axis=1)[there] / 2.0) / free[1:][there])
     return float(np.median(np.concatenate(squares)) / (chi2.median(degrees) / degrees))
@@ -190,6 +190,7 @@ def contradiction(trials: Trials, fitted: Fitted, noise: float) -> Contradiction
         there = np.isfinite(trial.values)
         free += int(there.sum() - trials.arm.n_joint * np.count_nonzero(there.any(axis=1)))
         free -= trials.dropped(number, fitted.hypothesis, fitted.motions[number])
+        free -= 3 * len(there) * fitted.hypothesis.free_base
     beyond = float(fitted.squares[trials.n_learn :].sum()) / noise - free
     # The noise itself was measured in about as many numbers, by a median, which knows it half as well.
     return Contradiction(beyond, beyond / free, beyond / np.sqrt(2.0 * free * (1.0 + 2.0)))

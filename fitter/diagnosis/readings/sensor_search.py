@@ -25,6 +25,9 @@ from fitter.diagnosis.readings.sensor_residual import Contradiction, contradicti
 from fitter.diagnosis.readings.sensor_screening import Screened, base_frequencies, screened
 from fitter.diagnosis.readings.suspected_effects import EFFECTS
 from limbcal.errors import DataError
+from tracking.coarsening import finer
+from tracking.readings import Readings
+from tracking.rough_motion import rough_motion
 from tracking.smoother import Smoother
 
 #: What a cause must explain, and by what it must beat a rival: squared, in noise units. Chosen by hand, with
@@ -34,19 +37,35 @@ from tracking.smoother import Smoother
 ACCEPTED, EQUAL = 20.0, 12.0
 
 
-def first_motions(arm: Arm, trials: Sequence[TrialFrames]) -> list[Floats]:
+def smoothed_states(arm: Arm, readings: Readings, q: Floats, given: bool) -> Floats | None:
+    """Return the states of an exact arm, (n, n_state), or None if no motion of it explains the readings at all."""
+    try:
+        return Smoother(arm, q, given).smooth(readings).states
+    except DataError:
+        return None
+
+
+def rough_states(arm: Arm, readings: Readings, q: Floats, given: bool) -> Floats | None:
+    """Return the states of a rough motion, (n, n_state), or None if there is none."""
+    found = rough_motion(arm, readings, q, given)
+    return None if found is None else finer(found.states, len(readings.values), found.stride)
+
+
+def first_motions(
+    arm: Arm, trials: Sequence[TrialFrames], states_of: Callable[..., Floats | None] = smoothed_states
+) -> list[Floats]:
     """Return spline coefficients (n + 2, n_joint) of every trial; the arm is at its zero where the run begins.
 
-    A motion that the smoother cannot find at all begins as a standstill.
+    A motion that is not found at all begins as a standstill.
     """
     q = np.zeros(arm.n_joint)
     motions = []
     for trial in trials:
-        try:
-            states = Smoother(arm, q, trial.continues).smooth(trial.raw.readings(FRAME_RATE_HZ)).states
-            path = states[np.minimum(np.arange(len(trial.values)), len(states) - 1), : 3 * arm.n_joint : 3]
-        except DataError:
+        states = states_of(arm, trial.raw.readings(FRAME_RATE_HZ), q, trial.continues)
+        if states is None:
             path = np.tile(q, (len(trial.values), 1))
+        else:
+            path = states[np.minimum(np.arange(len(trial.values)), len(states) - 1), : 3 * arm.n_joint : 3]
         motions.append(np.vstack([2.0 * path[0] - path[1], path, 2.0 * path[-1] - path[-2]]))
         q = path[-1]
     return motions
@@ -92,16 +111,34 @@ class Search:
         motions = first_motions(trials.arm, trials.trials)
         self.base = trials.judge(trials.fit(trials.nothing(), motions))
         self.noise = noise_factor(trials, self.base)
+        if self.contradiction(self.base).sigmas > SIGMAS:  # an exact arm's motion may be far off
+            begun = first_motions(trials.arm, trials.trials, rough_states)
+            self.base = self._better(self.base, trials.judge(trials.fit(trials.nothing(), begun)))
+            self.noise = noise_factor(trials, self.base)
+
+    def _better(self, one: Fitted, other: Fitted) -> Fitted:
+        """Return the better of two fits of a hypothesis, each judging trial from whichever motion suits it."""
+        best, rest = (one, other) if one.cost <= other.cost else (other, one)
+        n = self.trials.n_learn
+        again = self.trials.judge(replace(best, motions=[*best.motions[:n], *rest.motions[n:]]))
+        better = again.squares < best.squares
+        both = zip(again.motions, best.motions, better, strict=True)
+        motions = [new if take else old for new, old, take in both]
+        return replace(best, motions=motions, squares=np.where(better, again.squares, best.squares))
 
     def score(self, fitted: Fitted) -> float:
         """Return the score of a judged fit."""
         return float(self.each(fitted).sum() + fitted.usual + fitted.surprise)
 
     def each(self, fitted: Fitted) -> Floats:
-        """Return the squared residual of every judging trial in units of the noise, what was dropped as noise."""
-        judging = range(self.trials.n_learn, len(self.trials.trials))
-        dropped = [self.trials.dropped(k, fitted.hypothesis, fitted.motions[k]) for k in judging]
-        squares: Floats = fitted.squares[self.trials.n_learn :] / self.noise + np.array(dropped)
+        """Return the squared residual of every judging trial in units of the noise, what was dropped as noise.
+
+        What is free in every frame costs what it takes to know it.
+        """
+        hypothesis, judging = fitted.hypothesis, range(self.trials.n_learn, len(self.trials.trials))
+        dropped = [self.trials.dropped(k, hypothesis, fitted.motions[k]) for k in judging]
+        freedom = [self.trials.freedom(k, hypothesis, fitted.motions[k]) for k in judging]
+        squares: Floats = fitted.squares[self.trials.n_learn :] / self.noise + np.array(dropped) + freedom
         return squares
 
     def contradiction(self, fitted: Fitted) -> Contradiction:
@@ -172,7 +209,7 @@ class Search:
         for s in range(len(self.trials.arm.sensors)):
             motions = self._without(known, s)
             own = [
-                one for name, kind in EFFECTS.items() if not kind.whole and (one := Suspect(kind, s)) not in there
+                one for kind in EFFECTS if not kind.whole and (one := Suspect(kind, s)) not in there
             ]
             groups = [[(one, np.array(one.kind.neutral)) for one in own if one.kind.begins_neutral]]
             for one in own:
@@ -196,8 +233,16 @@ class Search:
         free = self.trials.fit(replace(known.hypothesis, free_base=True), known.motions, self._rough)
         free = self.trials.judge(free, self._rough)
         found = []
-        for name, kind in EFFECTS.items():
-            if kind.whole and name not in there:
+        for kind in EFFECTS:
+            if not kind.whole or kind.name in there:
+                continue
+            if kind.frees_base:
+                cost = sum(
+                    self.trials.freedom(k, free.hypothesis, free.motions[k]) for k in range(self.trials.n_learn)
+                )
+                own = Suspect(kind), np.empty(0), free.motions, free.cost + cost, self.score(free) * self.noise
+                found.append(Screened(*own))
+            else:
                 neutral, last = kind.neutral[:-1], [kind.neutral[-1]]
                 last = last if kind.begins_neutral else base_frequencies(self.trials, free)
                 places = [[(Suspect(kind), np.array([*neutral, one]))] for one in last]

@@ -8,13 +8,13 @@ Its finding says so, with the numbers of the causes and what they leave.
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
 from arm.model import Arm, Floats
 from fitter.diagnosis.least_squares import MOST_CAUSES, SIGMAS
-from fitter.diagnosis.readings.sensor_hypotheses import Fitted, SensorHypothesis
+from fitter.diagnosis.readings.sensor_hypotheses import Fitted, without_suspect
 from fitter.diagnosis.readings.sensor_residual import SensorResidual, beyond_level
 from fitter.diagnosis.readings.sensor_search import ACCEPTED, EQUAL, Search, Tried
 from fitter.diagnosis.search import Verdict
@@ -80,7 +80,7 @@ def decide(search: Search, rng: np.random.Generator) -> Decision:
             break
     for cause in list(causes) if len(causes) > 1 else []:
         others = [one for one in causes if one is not cause]
-        known_less = search.fit_again(_without(known.hypothesis, cause.tried), known.motions)
+        known_less = search.fit_again(without_suspect(known.hypothesis, cause.tried.suspect), known.motions)
         if search.score(known_less) - search.score(known) < ACCEPTED:
             causes, known = others, known_less
     return Decision(tuple(causes), first, known)
@@ -90,6 +90,8 @@ def significant(search: Search, tried: Tried) -> int:
     """Return how many of a suspect's numbers differ from nothing."""
     if tried.fitted is None:
         return 0
+    if tried.suspect.kind.frees_base:  # what that costs stands in its score
+        return sum(3 * len(motion) for motion in tried.fitted.motions[search.trials.n_learn :])
     place = tried.fitted.hypothesis.suspects.index(tried.suspect)
     value, std = tried.fitted.hypothesis.values[place], tried.fitted.std(place) * np.sqrt(search.noise)
     neutral = np.array(tried.suspect.kind.neutral)
@@ -131,16 +133,6 @@ def _support(best: Tried, others: Sequence[Tried], rng: np.random.Generator, n_d
     for other in others:
         won &= (other.each - best.each)[drawn].sum(axis=1) + (other.score - other.each.sum()) > usual
     return float(np.mean(won))
-
-
-def _without(hypothesis: SensorHypothesis, tried: Tried) -> SensorHypothesis:
-    place = hypothesis.suspects.index(tried.suspect)
-    keep = [k for k in range(len(hypothesis.suspects)) if k != place]
-    return replace(
-        hypothesis,
-        suspects=tuple(hypothesis.suspects[k] for k in keep),
-        values=tuple(hypothesis.values[k] for k in keep),
-    )
 
 
 @dataclass(frozen=True)

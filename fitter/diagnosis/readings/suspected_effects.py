@@ -78,6 +78,14 @@ def _changed_base(instruments: Instruments, _sensor: int, value: Floats) -> Inst
     return replace(instruments, base=value[:6].reshape(2, 3).T.copy(), base_hz=float(value[6]))
 
 
+def _unchanged(instruments: Instruments, _sensor: int, _value: Floats) -> Instruments:
+    return instruments
+
+
+def _no_columns(at: Linearisation, _sensor: int) -> Floats:
+    return np.empty((*at.expected.shape, 0))
+
+
 def _tilt_columns(at: Linearisation, _sensor: int) -> Floats:
     return -at.from_base()[..., :2]
 
@@ -142,7 +150,8 @@ def _kind(
     return SensorEffect(name, named, neutral, spread, change, columns)
 
 
-_KINDS = (
+#: A base moves with one frequency, or in any way.
+EFFECTS = (
     replace(
         _kind("sensor_bias", "x_m_s2 y_m_s2 z_m_s2", "m/s^2", (0.0, 3.0), _changed_bias, bias_columns),
         is_bias=True,
@@ -162,9 +171,14 @@ _KINDS = (
         _kind("sensor_clipping", "level_m_s2", "m/s^2", (np.inf, 50.0), _changed_level, _level_columns),
         first=_first_level,
         is_level=True,
+        is_blinding=True,
         grain="step",
     ),
-    replace(_kind("time_skew", "delay_s", "s", (0.0, 0.1), _changed_delay, _delay_columns), grain="interval"),
+    replace(
+        _kind("time_skew", "delay_s", "s", (0.0, 0.1), _changed_delay, _delay_columns),
+        is_blinding=True,
+        grain="interval",
+    ),
     SensorEffect(
         "base_motion",
         (*((f"{axis}_{part}", "m/s^2") for part in ("cos", "sin") for axis in "xyz"), ("frequency_hz", "Hz")),
@@ -174,9 +188,8 @@ _KINDS = (
         _base_columns,
         whole=True,
     ),
+    SensorEffect("base_motion", (), (), (), _unchanged, _no_columns, whole=True, frees_base=True),
     replace(
         _kind("gravity_tilt", "gx_m_s2 gy_m_s2", "m/s^2", (0.0, 3.0), _changed_gravity, _tilt_columns), whole=True
     ),
 )
-#: By name.
-EFFECTS = {kind.name: kind for kind in _KINDS}

@@ -11,6 +11,8 @@ from fitter.diagnosis.readings.sensor_hypotheses import USUAL_BIAS_M_S2, Suspect
 from fitter.diagnosis.readings.sensor_search import first_motions
 from fitter.diagnosis.readings.suspected_effects import EFFECTS
 
+KINDS = {kind.name: kind for kind in reversed(EFFECTS)}
+
 WRONG = (0.3, -0.2, 0.25)
 
 
@@ -22,7 +24,7 @@ def trials(measure):
 
 @pytest.fixture(scope="module")
 def biased(trials):
-    hypothesis = with_suspect(trials.nothing(), Suspect(EFFECTS["sensor_bias"], 1), np.zeros(3))
+    hypothesis = with_suspect(trials.nothing(), Suspect(KINDS["sensor_bias"], 1), np.zeros(3))
     return trials.judge(trials.fit(hypothesis, first_motions(trials.arm, trials.trials)))
 
 

@@ -57,6 +57,24 @@ def test_a_jump_is_known_to_half_its_share_of_a_frame(measured_run):
     assert 1.0 / one.weight[150, 0] == pytest.approx(0.5 * 10.0 / 10, rel=0.05)
 
 
+def test_a_fast_motion_has_no_jumps(measured_run):
+    """Ten samples a period change much from one to the next, and so do their neighbours."""
+    run = measured_run.learn[0]
+    n = len(run.t) // 10
+    wave = np.sin(2.0 * np.pi * 10.0 * 0.01 * np.arange(n))[:, None] * np.arange(1.0, 13.0)
+    slow = RawRun("slow", 100.0, 0.01 * np.arange(n), wave + 0.02 * np.random.default_rng(0).normal(size=(n, 12)))
+    (one,) = trials_of(measured_run.arm, [slow])
+    assert one.factor == 1
+    np.testing.assert_allclose(one.weight, np.broadcast_to(1.0 / one.std, one.weight.shape))
+
+
+def test_where_a_clock_starts_anew_the_arm_may_have_moved(measured_run):
+    first, second = measured_run.learn[:2]
+    anew = trials_of(measured_run.arm, [first, replace(second, t=second.t - second.t[0])])
+    assert [one.continues for one in anew] == [False, False]
+    assert anew[1].start_s == pytest.approx(first.t[-1] + 1.0 / first.rate_hz)  # one after the other all the same
+
+
 def test_readings_have_three_columns_a_sensor(measured_run):
     run = measured_run.learn[0]
     narrow = RawRun("narrow", run.rate_hz, run.t, run.a[:, :5])

@@ -12,10 +12,12 @@ from fitter.diagnosis.readings.sensor_hypotheses import (
 )
 from fitter.diagnosis.readings.suspected_effects import EFFECTS
 
+KINDS = {kind.name: kind for kind in reversed(EFFECTS)}
+
 NOTHING = SensorHypothesis((), (), np.zeros((2, 3)), np.zeros(2, dtype=np.bool_))
 BOTH = with_suspect(
-    with_suspect(NOTHING, Suspect(EFFECTS["sensor_scale"], 1), np.ones(3)),
-    Suspect(EFFECTS["gravity_tilt"]),
+    with_suspect(NOTHING, Suspect(KINDS["sensor_scale"], 1), np.ones(3)),
+    Suspect(KINDS["gravity_tilt"]),
     np.zeros(2),
 )
 

@@ -22,7 +22,17 @@ def along(number, wrong=lambda _q: 0.0, noise=1.0):
         dq=np.gradient(q, 0.01, axis=0),
         residual=residual,
         weight=np.ones((N, N_CHANNEL)),
+        correlation=np.zeros(N_CHANNEL),
     )
+
+
+def test_noise_that_neighbours_share_is_measured_as_well():
+    trials, fitted = judged()
+    for k in range(6):
+        one = trials.explained(k, None, None)
+        shared = (one.residual[1:, :3] + one.residual[:-1, :3]) / np.sqrt(2.0)  # correlated by a half
+        one.residual[1:, :3], one.correlation[:3] = shared, 0.5
+    assert noise_factor(trials, fitted) * 10.0 / 12.0 == pytest.approx(1.0, abs=0.03)
 
 
 def judged(noise=1.0):
@@ -36,7 +46,9 @@ def judged(noise=1.0):
         dropped=lambda *_: 0,
     )
     squares = np.array([np.sum(one.residual[:, :10] ** 2) for one in some])
-    return trials, SimpleNamespace(hypothesis=None, motions=[None] * 6, squares=squares)
+    return trials, SimpleNamespace(
+        hypothesis=SimpleNamespace(free_base=False), motions=[None] * 6, squares=squares
+    )
 
 
 def test_a_function_of_an_angle_is_what_it_depends_on():

@@ -12,17 +12,19 @@ from fitter.diagnosis.readings.sensor_screening import base_frequencies, screene
 from fitter.diagnosis.readings.sensor_search import first_motions
 from fitter.diagnosis.readings.suspected_effects import EFFECTS
 
+KINDS = {kind.name: kind for kind in reversed(EFFECTS)}
+
 
 def test_what_is_linear_is_foretold_as_it_is_fitted(measure):
     run = measure(changed={1: {"bias_m_s2": (0.3, -0.2, 0.25)}})
     trials = Trials(run.arm, trials_of(run.arm, [*run.learn, *run.evaluate]), len(run.learn))
     known = trials.nothing()
     fitted = trials.fit(
-        with_suspect(known, Suspect(EFFECTS["sensor_bias"], 1), np.zeros(3)), first_motions(run.arm, trials.trials)
+        with_suspect(known, Suspect(KINDS["sensor_bias"], 1), np.zeros(3)), first_motions(run.arm, trials.trials)
     )
-    (foretold,) = screened(trials, known, [(Suspect(EFFECTS["sensor_bias"], 1), np.zeros(3))], fitted.motions)
+    (foretold,) = screened(trials, known, [(Suspect(KINDS["sensor_bias"], 1), np.zeros(3))], fitted.motions)
     np.testing.assert_allclose(foretold.value, fitted.hypothesis.values[0], atol=0.02)
-    (scale,) = screened(trials, known, [(Suspect(EFFECTS["sensor_scale"], 1), np.ones(3))], fitted.motions)
+    (scale,) = screened(trials, known, [(Suspect(KINDS["sensor_scale"], 1), np.ones(3))], fitted.motions)
     assert foretold.learn < scale.learn and foretold.judge < scale.judge
 
 

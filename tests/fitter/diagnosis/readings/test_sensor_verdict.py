@@ -11,6 +11,8 @@ from fitter.diagnosis.readings.sensor_search import Tried
 from fitter.diagnosis.readings.sensor_verdict import ACCEPTED, EQUAL, _beats, _support, decide, significant
 from fitter.diagnosis.readings.suspected_effects import EFFECTS
 
+KINDS = {kind.name: kind for kind in reversed(EFFECTS)}
+
 N = 8
 NOTHING = Fitted(
     SensorHypothesis((), (), np.zeros((4, 3)), np.zeros(4, dtype=np.bool_)), [], 0.0, np.eye(12), np.zeros(N)
@@ -19,7 +21,7 @@ NOTHING = Fitted(
 
 def tried(effect, value, score, each=None, std=0.01):
     """Return a suspect of sensor 1 with some numbers, all of one standard error."""
-    suspect, value = Suspect(EFFECTS[effect], 1), np.array(value)
+    suspect, value = Suspect(KINDS[effect], 1), np.array(value)
     hypothesis = replace(NOTHING.hypothesis, suspects=(suspect,), values=(value,))
     covariance = np.diag(np.r_[np.ones(12), np.full(len(value), std**2)])
     fitted = replace(NOTHING, hypothesis=hypothesis, covariance=covariance)

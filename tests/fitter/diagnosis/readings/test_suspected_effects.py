@@ -8,6 +8,8 @@ from fitter.diagnosis.readings.sensor_frames import trials_of
 from fitter.diagnosis.readings.sensor_hypotheses import Suspect
 from fitter.diagnosis.readings.suspected_effects import EFFECTS
 
+KINDS = {kind.name: kind for kind in reversed(EFFECTS)}
+
 #: Where each is asked, and how far to either side, for what is not smooth in it is not small against noise.
 AT = {"sensor_clipping": [4.0], "base_motion": [0.3, -0.2, 0.1, 0.2, 0.4, -0.1, 0.7]}
 STEP = {"sensor_clipping": 1e-4}
@@ -19,13 +21,13 @@ def trial(measured_run):
 
 
 #: What is read late was sampled with noise, what is expected is smooth: its slopes differ.
-SMOOTH = [name for name in EFFECTS if name != "time_skew"]
+SMOOTH = [name for name in KINDS if name != "time_skew"]
 
 
 @pytest.mark.parametrize("name", SMOOTH)
 def test_columns_are_slopes(trial, name):
     arm, frames = trial
-    suspect = Suspect(EFFECTS[name], None if EFFECTS[name].whole else 3)
+    suspect = Suspect(KINDS[name], None if KINDS[name].whole else 3)
     rng, nominal = np.random.default_rng(0), instruments_of(arm)
     n = len(frames.values) + 2
     c = 0.4 * np.sin(np.outer(np.arange(n) * frames.dt_s, [3.0, 5.0]) + rng.uniform(0.0, 6.0, 2))
@@ -51,7 +53,7 @@ def test_columns_are_slopes(trial, name):
 
 def test_those_that_begin_as_neutral_change_nothing_there(trial):
     nominal = instruments_of(trial[0])
-    for kind in EFFECTS.values():
+    for kind in EFFECTS:
         if kind.begins_neutral:
             changed = Suspect(kind, None if kind.whole else 1).changed(nominal, np.array(kind.neutral))
             np.testing.assert_allclose(changed.bias, nominal.bias)
@@ -63,6 +65,6 @@ def test_a_level_begins_below_what_was_read_and_a_corner_where_none_is_known(tri
     arm, frames = trial
     nominal = instruments_of(arm)
     top = np.nanmax(np.abs(frames.values[:, 9:12]))
-    assert 0.9 * top < EFFECTS["sensor_clipping"].first([frames], nominal, 3)[0] < top
-    assert EFFECTS["sensor_highpass"].first([frames], nominal, 3)[0] > EFFECTS["sensor_highpass"].least
-    assert EFFECTS["sensor_highpass"].first([frames], nominal.with_entry("corner_hz", 3, 0.2), 3) is None
+    assert 0.9 * top < KINDS["sensor_clipping"].first([frames], nominal, 3)[0] < top
+    assert KINDS["sensor_highpass"].first([frames], nominal, 3)[0] > KINDS["sensor_highpass"].least
+    assert KINDS["sensor_highpass"].first([frames], nominal.with_entry("corner_hz", 3, 0.2), 3) is None
