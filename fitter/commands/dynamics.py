@@ -178,9 +178,9 @@ def _free_swing(arguments: argparse.Namespace, arm: Arm, learn: Sequence[Trial])
     if arguments.cutoff_hz is None and all(np.isfinite(trial.cutoff_hz) for trial in learn):
         given = argparse.Namespace(**{**vars(arguments), "cutoff_hz": corner_hz, "evaluate": []})
         learn = [undriven(trial) for trial in _trials(given, arm)[0]]
-    ratios = swing_ratios(arm, learn)
-    say_ratios(ratios)
-    return {"ratios": [ratio.document() for ratio in ratios]}
+    swing = swing_ratios(arm, learn)
+    say_ratios(swing)
+    return swing.document()
 
 
 def _fit(arguments: argparse.Namespace, arm: Arm, learn: Sequence[Trial]) -> DynamicsFit:
