@@ -78,6 +78,11 @@ class EffectKind:
     usual : bool
         Standard models of robots have it (Swevers, Verdonck and De Schutter 2007): before any data it is as likely
         as not.
+    is_living : bool
+        Only a living body has it: a diagnosis seeks it in arms with a ``[body]`` alone.
+    stated_at : str
+        The parameter at which others are stated, which is no freedom: a diagnosis takes the end of the range that
+        the motion reaches on its side. Empty where there is none.
     exactly : int, optional
         On how many joints, sensors or markers it acts at once; any number where it is absent.
     torque : callable, optional
@@ -102,6 +107,8 @@ class EffectKind:
     holds: bool = False
     event: bool = False
     usual: bool = False
+    is_living: bool = False
+    stated_at: str = ""
     exactly: int | None = None
     torque: Callable[..., float] | None = None
     change: Change | None = None

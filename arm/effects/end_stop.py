@@ -18,6 +18,6 @@ EFFECT = EffectKind(
         Parameter("stiffness_N_m_rad", "N m/rad", 0.0, 1e6, linear=True, neutral=0.0),
         Parameter("side", "1", -1.0, 1.0),
     ),
-    taken_for=("joint_spring",),
+    taken_for=("joint_spring", "passive_tissue"),
     torque=_torque,
 )

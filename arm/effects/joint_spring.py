@@ -17,6 +17,6 @@ EFFECT = EffectKind(
         Parameter("stiffness_N_m_rad", "N m/rad", 0.0, 1e4, linear=True, neutral=0.0),
         Parameter("rest_angle_rad", "rad", -10.0, 10.0),
     ),
-    taken_for=("end_stop", "gravity_tilt", "joint_zero", "torque_offset"),
+    taken_for=("end_stop", "gravity_tilt", "joint_zero", "passive_tissue", "torque_offset"),
     torque=_torque,
 )

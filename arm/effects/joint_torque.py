@@ -23,7 +23,7 @@ from limbcal.compiled import compiled
 T, Q, DQ, DIRECTION, TAU, VISCOUS, COULOMB = range(7)
 N_STATE = 7
 #: No effect has more numbers a joint than this.
-MOST_PARAMETERS = 4
+MOST_PARAMETERS = 5
 
 #: A C function's argument; within it only single numbers can be asked for.
 Numbers = Sequence[float]
@@ -55,7 +55,7 @@ _called = cast(Callable[[int, Floats, Floats], float], intrinsic(_call))
 
 @compiled
 def torque_at(address: int, x: Floats, p: Floats) -> float:
-    """Return what the effect at an address makes of a state x (7,) and its parameters p (4,)."""
+    """Return what the effect at an address makes of a state x (7,) and its parameters p (5,)."""
     return _called(address, x, p)
 
 

@@ -12,6 +12,7 @@ from arm.model import Arm, Control
 from arm.structural_parameters import structural_parameters
 from fitter.commands.arm_option import questioned_arm
 from fitter.commands.dynamics_said import say_compared, say_controller, say_fit, say_ratios
+from fitter.commands.equilibrium import nothing_is_known, up_to_scale
 from fitter.commands.ground_dynamics import add_ground, ground_dynamics
 from fitter.commands.options import (
     add_arm,
@@ -91,7 +92,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--unknown-gains",
         action="store_true",
-        help="learn the law's gains too; one number given by --fix (kp1, I2, …) sets the scale of all others",
+        help="learn the law's gains too; one number given by --fix (kp1, I2, …) sets the scale of all others; "
+        "without a law, torque or target (a person): ratios alone, the equilibrium trajectory being free",
     )
     parser.add_argument("--workers", type=at_least(1), default=1, metavar="N", help="processes that reduce (1)")
     parser.add_argument("--dask", metavar="tcp://…", help="scheduler of a Dask cluster that reduces them instead")
@@ -134,6 +136,8 @@ def dynamics(arguments: argparse.Namespace) -> Document:
         learn, evaluate, load, gauged = unloaded(arguments.payload, arm, learn, evaluate)
         notes += tuple(gauged)
     say_notes(notes)
+    if arguments.unknown_gains and nothing_is_known(arm, learn):
+        return with_notes(up_to_scale(arguments, arm, learn), notes)
     if arguments.unknown_gains and arguments.report is not None:
         raise ConfigError("--report shows no gains; expected it without --unknown-gains")
     if arguments.unknown_gains:
@@ -178,9 +182,9 @@ def _free_swing(arguments: argparse.Namespace, arm: Arm, learn: Sequence[Trial])
     if arguments.cutoff_hz is None and all(np.isfinite(trial.cutoff_hz) for trial in learn):
         given = argparse.Namespace(**{**vars(arguments), "cutoff_hz": corner_hz, "evaluate": []})
         learn = [undriven(trial) for trial in _trials(given, arm)[0]]
-    ratios = swing_ratios(arm, learn)
-    say_ratios(ratios)
-    return {"ratios": [ratio.document() for ratio in ratios]}
+    swing = swing_ratios(arm, learn)
+    say_ratios(swing)
+    return swing.document()
 
 
 def _fit(arguments: argparse.Namespace, arm: Arm, learn: Sequence[Trial]) -> DynamicsFit:

@@ -10,7 +10,7 @@ from rich.text import Text
 from fitter.controller.controller import ControllerFit
 from fitter.dynamics.dynamics_fit import DynamicsFit
 from fitter.dynamics.evaluation import Score
-from fitter.dynamics.free_swing import SwingRatio
+from fitter.dynamics.free_swing import FreeSwing
 from fitter.dynamics.identifiability import Identifiability
 from fitter.dynamics.usability import percent
 from fitter.report.compared import Compared
@@ -46,21 +46,29 @@ def say_controller(fit: ControllerFit, scores: Mapping[str, Score | None]) -> No
         say(sentence)
 
 
-def say_ratios(ratios: Sequence[SwingRatio]) -> None:
-    """Print what a free swing tells: ratios, without springs at the joints and with them."""
+def say_ratios(swing: FreeSwing) -> None:
+    """Print what a free swing tells: ratios, without springs at the joints, with them, and with stiff ends."""
     table = Table(title=Text("ratios, with 95 % intervals"), title_justify="left", box=box.SIMPLE_HEAD)
-    for heading in ("ratio", "without springs", "with springs", "unit"):
-        table.add_column(heading, justify="left" if heading in ("ratio", "unit") else "right", overflow="fold")
-    for one in ratios:
-        table.add_row(*map(Text, (one.name, *map(_with_reach, (one.rigid, one.sprung)), one.sprung.unit)))
+    models = ("without springs", "with springs", *(["and stiff ends"] if swing.ends else []))
+    for heading in ("ratio", *models, "unit"):
+        table.add_column(heading, justify="right" if heading in models else "left", overflow="fold")
+    for one in swing.ratios:
+        found = (one.rigid, one.sprung, one.stiffening)[: len(models)]
+        table.add_row(*map(Text, (one.name, *map(_with_reach, found), one.sprung.unit)))
     show(table)
-    for one in ratios:
+    for one in swing.ratios:
         if one.is_spring and one.is_significant:
-            say(f"{one.name}: something elastic turns this joint, too; expected ratios with springs")
+            say(f"{one.name}: something elastic turns this joint, too; expected ratios {' '.join(models[1:])}")
+    for end in swing.ends:
+        way = "forwards" if end.side > 0.0 else "backwards"
+        say(
+            f"joint {end.joint + 1} stiffens {way} towards {end.angle_rad:.3g} rad, as tissue does at the end of "
+            f"a range; expected ratios {' '.join(models[1:])}"
+        )
 
 
-def _with_reach(one: FittedParameter) -> str:
-    return f"{one.value:.4g} ± {one.half_width:.2g}" if one.identifiable else "-"
+def _with_reach(one: FittedParameter | None) -> str:
+    return f"{one.value:.4g} ± {one.half_width:.2g}" if one is not None and one.identifiable else "-"
 
 
 def say_compared(compared: object) -> None:

@@ -22,13 +22,17 @@ def refiltered(trials: Sequence[Trial]) -> list[Trial]:
     trials : sequence of Trial
         Those that were never filtered stay as they are.
     """
-    return [_wider(trial) if trial.whole and np.isfinite(trial.cutoff_hz) else trial for trial in trials]
+    return [wider(trial, CORNER_FACTOR) for trial in trials]
 
 
-def _wider(trial: Trial) -> Trial:
+def wider(trial: Trial, factor: float) -> Trial:
+    """Return a trial whose derivatives were found behind a filter with so many times the corner.
+
+    One that was never filtered stays as it is.
+    """
+    if not trial.whole or not np.isfinite(trial.cutoff_hz):
+        return trial
     t = np.arange(len(trial.whole["q"]), dtype=np.float64) * trial.dt_s
     measured = Measured(trial.name, trial.name, 0, t, dict(trial.whole))
-    found = to_trials(
-        [measured], cutoff_hz=CORNER_FACTOR * trial.cutoff_hz, band_hz=CORNER_FACTOR * trial.band_hz
-    )[0]
+    found = to_trials([measured], cutoff_hz=factor * trial.cutoff_hz, band_hz=factor * trial.band_hz)[0]
     return replace(found, role=trial.role)

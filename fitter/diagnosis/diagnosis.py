@@ -20,7 +20,7 @@ from fitter.diagnosis.disturbance_pulses import with_pulses
 from fitter.diagnosis.error_floor import regression_of
 from fitter.diagnosis.finding import Finding
 from fitter.diagnosis.held_out import judged_sets
-from fitter.diagnosis.hypotheses import hypotheses
+from fitter.diagnosis.hypotheses import hypotheses, living_ranges
 from fitter.diagnosis.least_squares import CLEAR_RATIO, MOST_CAUSES
 from fitter.diagnosis.model import Candidate, Model
 from fitter.diagnosis.motion import Motion
@@ -178,7 +178,8 @@ def _found(
     arm: Arm, motions: Sequence[Motion], denied: tuple[str, ...], scale: tuple[int, float] | None, say: Progress
 ) -> tuple[TorqueLikelihood, Stepwise, Found]:
     """Return the likelihood, the search by it, and what it has found."""
-    tried = hypotheses(arm.n_joint, denied, driven=scale is None)
+    living = living_ranges(arm, [motion.q for motion in motions])
+    tried = hypotheses(arm.n_joint, denied, driven=scale is None, living=living)
     count = [0]
 
     def trying(done: int, total: int) -> None:

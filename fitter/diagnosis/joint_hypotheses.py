@@ -28,7 +28,7 @@ class JointHypothesis(Hypothesis):
     joint : int
         From 0.
     choice : mapping from name to float
-        Parameters that are given, such as the side of a stop.
+        Parameters that are given, such as the side of a stop, or the angle at which a moment is stated.
     """
 
     is_inertial = False
@@ -195,7 +195,7 @@ class JointHypothesis(Hypothesis):
             grid = np.geomspace(0.01 * top, 1.0 * top, N_START)
         elif name.startswith("periods"):
             grid = self.periods
-        elif name.endswith("_rad"):
+        elif name.endswith("angle_rad"):
             grid = np.linspace(q.min(), q.max(), 2 * N_START + 2)[1:-1]  # within the range, for it may be a stop
         elif np.isfinite(parameter.low) and parameter.low > 0.0:
             grid = np.geomspace(parameter.low, parameter.high, N_START)

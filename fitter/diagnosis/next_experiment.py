@@ -38,6 +38,16 @@ _SPLITS: tuple[tuple[frozenset[str], str], ...] = (
         "move {joints} slowly through all of its range: a spring pulls everywhere, a stop on one side only",
     ),
     (
+        frozenset({"passive_tissue", "joint_spring"}),
+        "move {joints} slowly up to the end of its range: tissue stiffens e-fold over a few degrees there, a "
+        "spring keeps its stiffness",
+    ),
+    (
+        frozenset({"passive_tissue", "end_stop"}),
+        "move {joints} slowly into the end of its range, a little further each time: tissue stiffens little by "
+        "little, a stop begins at one angle",
+    ),
+    (
         frozenset({"load_friction", "gain_error"}),
         "repeat the motions with a known mass at the tip: friction that grows with the load grows, a gain does "
         "not",

@@ -1,4 +1,4 @@
-r"""What a free swing tells of an arm: ratios to its last inertia, with a spring at every joint and without.
+r"""What a free swing tells of an arm: ratios to its last inertia, with elastic joints and without.
 
 Nothing drives a joint that swings freely, so the torque equation is homogeneous in the base parameters ``b``:
 
@@ -6,7 +6,8 @@ Nothing drives a joint that swings freely, so the torque equation is homogeneous
 
 and only ratios are identifiable. Gravity and the elasticity ``K`` of what hangs between two links (skin, a cable,
 muscles that are not tensed) both draw a joint to some angle; where swings are small they are the same. A ratio is
-known as well as its interval with springs says, whatever its interval without them is.
+known as well as its interval with springs says, whatever its interval without them is. Where a swing comes to the
+end of a joint's range, tissue that stiffens there (`fitter.dynamics.range_ends`) is allowed for as well.
 """
 
 from collections.abc import Sequence
@@ -20,6 +21,7 @@ from arm.regressor import standard_parameters
 from arm.structural_parameters import structural_parameters
 from fitter.data.standstill import REST_SPEED
 from fitter.data.trial import Trial
+from fitter.dynamics.range_ends import Fit, RangeEnd, end_columns, stiff_ends
 from fitter.dynamics.torque_problem import torque_problem
 from fitter.regression_sums.torque_sums import TorqueSums, add_up, row_sums
 from fitter.regression_sums.trial_sums import filtered_rows, moving_all_along
@@ -43,6 +45,8 @@ class SwingRatio:
         Of the ratio.
     rigid, sprung : FittedParameter
         Without springs and with them.
+    stiffening : FittedParameter, optional
+        With springs and with tissue that stiffens towards the ends of ranges; None where no swing shows any.
     is_spring : bool
         Whether it is a spring's stiffness.
     """
@@ -50,19 +54,47 @@ class SwingRatio:
     name: str
     rigid: FittedParameter
     sprung: FittedParameter
+    stiffening: FittedParameter | None
     is_spring: bool
 
     @property
+    def honest(self) -> FittedParameter:
+        """What a swing knows of it: with all that is elastic."""
+        return self.sprung if self.stiffening is None else self.stiffening
+
+    @property
     def is_significant(self) -> bool:
-        """Whether zero is outside its interval with springs."""
-        return abs(self.sprung.value) > self.sprung.half_width
+        """Whether zero is outside its interval with all that is elastic."""
+        return abs(self.honest.value) > self.honest.half_width
 
     def document(self) -> dict[str, object]:
         """Return the ratio as it stands in a JSON document, with intervals of 95 %."""
         fields: dict[str, object] = {"name": self.name, "unit": self.sprung.unit}
-        for which, one in (("without_springs", self.rigid), ("with_springs", self.sprung)):
-            fields[which] = None if one.ci95 is None else {"value": one.value, "ci95": list(one.ci95)}
+        each = {"without_springs": self.rigid, "with_springs": self.sprung, "with_tissue": self.stiffening}
+        for which, one in each.items():
+            known = None if one is None or one.ci95 is None else {"value": one.value, "ci95": list(one.ci95)}
+            fields[which] = known
         return fields
+
+
+@dataclass(frozen=True)
+class FreeSwing:
+    """What a free swing tells.
+
+    Attributes
+    ----------
+    ratios : tuple of SwingRatio
+    ends : tuple of RangeEnd
+        Where tissue stiffens; how much is not stated, for noise in the angle shifts it.
+    """
+
+    ratios: tuple[SwingRatio, ...]
+    ends: tuple[RangeEnd, ...]
+
+    def document(self) -> dict[str, object]:
+        """Return it as it stands in a JSON document."""
+        ends = [{"joint": end.joint + 1, "angle_rad": end.angle_rad, "side": end.side} for end in self.ends]
+        return {"ratios": [ratio.document() for ratio in self.ratios], "stiff_ends": ends}
 
 
 def last_inertia(base: BaseParameters, n_joint: int) -> int | None:
@@ -93,7 +125,7 @@ def swing_corner_hz(trials: Sequence[Trial]) -> float:
     return min(min(_HARMONIC * trial.cutoff_hz, _HIGHEST / trial.dt_s) for trial in trials)
 
 
-def swing_ratios(arm: Arm, trials: Sequence[Trial]) -> list[SwingRatio]:
+def swing_ratios(arm: Arm, trials: Sequence[Trial]) -> FreeSwing:
     """Return the ratios of an arm's base parameters to its last inertia, stiffnesses of springs among them.
 
     Parameters
@@ -109,26 +141,28 @@ def swing_ratios(arm: Arm, trials: Sequence[Trial]) -> list[SwingRatio]:
         If no joint turns, or none moves.
     """
     base, n = structural_parameters(arm), arm.n_joint
-    reference, found = _reference(arm, base), []
-    for springs in (False, True):
-        sums = add_up([_sums(arm, base, trial, springs) for trial in trials])
+    reference = _reference(arm, base)
+
+    def fit(springs: bool, ends: Sequence[RangeEnd] = (), order: int = 0) -> Fit:
+        sums = add_up([_sums(arm, base, trial, springs, ends, order) for trial in trials])
         problem = torque_problem(sums, np.zeros(sums.gram.shape[-1]), {reference: 1.0})
         values = problem.complete(problem.optimum())
-        std = problem.standard_errors(values)
-        found.append((values, std))
-    (rigid, rigid_std), (sprung, sprung_std) = found
+        return Fit(values, problem.standard_errors(values), problem.rest)
+
+    n_sprung = len(base.names) + 2 * n
+    ends = stiff_ends(arm, trials, lambda some: fit(springs=True, ends=some).after(n_sprung))
+    fits = [fit(springs=False), fit(springs=True), *([fit(springs=True, ends=ends, order=1)] if ends else [])]
     names = [*base.names, *(f"K{j + 1}" for j in range(n))]
     units = [*base.units, *("N m/rad" if joint.type == "revolute" else "N/m" for joint in arm.joints)]
 
     def ratio(k: int) -> SwingRatio:
-        is_spring = k >= len(base.names)
         unit = f"{units[k]} / ({base.units[reference]})"
-        without = (0.0, np.nan) if is_spring else (float(rigid[k]), float(rigid_std[k]))
-        both = (without, (float(sprung[k]), float(sprung_std[k])))
-        one, other = (FittedParameter(value, std, unit, bool(np.isfinite(std))) for value, std in both)
-        return SwingRatio(f"({names[k]})/{base.names[reference]}", one, other, is_spring)
+        rigid, sprung, *stiffening = (one.parameter(k, unit) for one in fits)
+        is_spring = k >= len(base.names)
+        name = f"({names[k]})/{base.names[reference]}"
+        return SwingRatio(name, rigid, sprung, stiffening[0] if stiffening else None, is_spring)
 
-    return [ratio(k) for k in range(len(names)) if k != reference]
+    return FreeSwing(tuple(ratio(k) for k in range(len(names)) if k != reference), tuple(ends))
 
 
 def _reference(arm: Arm, base: BaseParameters) -> int:
@@ -138,7 +172,9 @@ def _reference(arm: Arm, base: BaseParameters) -> int:
     return reference
 
 
-def _sums(arm: Arm, base: BaseParameters, trial: Trial, springs: bool) -> TorqueSums:
+def _sums(
+    arm: Arm, base: BaseParameters, trial: Trial, springs: bool, ends: Sequence[RangeEnd], order: int
+) -> TorqueSums:
     """Return the sums of a trial's equations; a spring adds the columns of its stiffness and of its rest."""
     everything = slice(0, len(trial.q))
     rows = filtered_rows(arm, base, trial, everything)
@@ -149,4 +185,6 @@ def _sums(arm: Arm, base: BaseParameters, trial: Trial, springs: bool) -> Torque
         angles[:, joints, joints] = trial.lowpass(trial.q)
         ones[:, joints, joints] = -1.0
         rows = np.concatenate([rows, angles, ones], axis=2)
+    if ends:
+        rows = np.concatenate([rows, trial.lowpass(end_columns(ends, trial.q, order))], axis=2)
     return row_sums(rows, np.zeros_like(trial.q), moving_all_along(trial, everything, REST_SPEED))

@@ -9,6 +9,7 @@ from hypothesis import strategies as st
 
 from arm.effects.catalogue import catalogue
 from arm.effects.joint_torque import torque_along
+from arm.effects.resisting_torque import resisting_torque
 from arm.model import Effect
 from arm.simulation import simulate
 
@@ -24,6 +25,9 @@ DEFINITIONS = {
     "joint_spring": lambda t, q, dq, way, tau, D, fc, k, q0: k * (q - q0),
     "end_stop": lambda t, q, dq, way, tau, D, fc, at, k, side: (
         k * (np.maximum(q - at, 0.0) if side > 0 else np.minimum(q - at, 0.0))
+    ),
+    "passive_tissue": lambda t, q, dq, way, tau, D, fc, at, M, rate, c, side: (
+        M * np.exp(rate * side * (q - at)) * (side + c * dq)
     ),
     "cogging": lambda t, q, dq, way, tau, D, fc, A, phase, N: -A * np.sin(N * q + phase),
     "torque_offset": lambda t, q, dq, way, tau, D, fc, c: -c,
@@ -41,8 +45,8 @@ def test_it_is_as_defined(name, seed):
     state = np.array([rng.uniform(0, 3), *rng.normal(size=2), 0.0, *rng.normal(size=3)])
     state[3] = np.sign(state[2])
     numbers = rng.uniform(0.1, 2.0, len(catalogue()[name].parameters))
-    if name == "end_stop":
-        numbers[2] = rng.choice([-1.0, 1.0])
+    if name in ("end_stop", "passive_tissue"):  # the side is the last
+        numbers[-1] = rng.choice([-1.0, 1.0])
     (torque,) = torque_along(catalogue()[name], numbers, state[None])
     np.testing.assert_allclose(torque, DEFINITIONS[name](*state, *numbers), rtol=1e-13, atol=1e-14)
 
@@ -118,6 +122,41 @@ def test_springs_stops_and_ripples_give_back_what_they_took(wheel, having):
     energy += 0.4 / 8.0 * np.cos(8.0 * q + 0.7)
     assert q.max() > 0.95
     np.testing.assert_allclose(energy, energy[0], rtol=3e-6)
+
+
+#: A knee's ends (Anderson 1999, table G.2): angle [rad], moment [N m] there, rate [1/rad]; flexion is negative.
+EXTENDED, FLEXED = (0.13, 6.09, 33.94), (-2.40, 11.03, 11.33)
+
+
+def knee_of(wheel, having, damping_s=0.0):
+    for side, (angle, moment, rate) in ((1.0, EXTENDED), (-1.0, FLEXED)):
+        stated = {"angle_rad": angle, "moment_N_m": moment, "rate_1_rad": rate}
+        wheel = having(wheel, "passive_tissue", **stated, damping_s=damping_s, side=side)
+    return wheel
+
+
+def test_two_ends_of_a_range_are_a_knees_published_passive_moment(wheel, having):
+    knee = knee_of(wheel, having)
+    q = np.linspace(-2.5, 0.2, 28)[:, None]
+    seen = resisting_torque(knee, q, 0 * q, 0 * q, 0 * q, np.zeros(len(q)))
+    published = -6.09 * np.exp(33.94 * (q - 0.13)) + 11.03 * np.exp(-11.33 * (q + 2.40))
+    np.testing.assert_allclose(seen, -published, rtol=1e-12)
+    assert np.abs(seen[(q > -1.8) & (q < 0.0)]).max() < 0.1  # it is felt near the ends alone
+
+
+@pytest.mark.parametrize("damping_s", [0.0, 0.1])
+def test_tissue_keeps_a_knee_in_its_range_and_gives_back_no_more_than_it_took(wheel, having, damping_s):
+    knee = knee_of(wheel, having, damping_s)
+    none = np.zeros((20_000, 1))
+    motion = simulate(knee, none, 2e-4, np.array([-1.0]), np.array([4.0]), torque=none)
+    q, dq = motion.q[:, 0], motion.dq[:, 0]
+    energy = INERTIA / 2 * dq**2 + 6.09 / 33.94 * np.exp(33.94 * (q - 0.13))
+    energy += 11.03 / 11.33 * np.exp(-11.33 * (q + 2.4))
+    assert -2.7 < q.min() < -2.2 and 0.1 < q.max() < 0.3
+    if damping_s:
+        assert np.all(np.diff(energy) < 1e-6) and energy[-1] < 0.8 * energy[0]
+    else:
+        np.testing.assert_allclose(energy, energy[0], rtol=1e-5)
 
 
 @pytest.mark.parametrize(

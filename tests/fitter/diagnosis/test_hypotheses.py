@@ -1,9 +1,11 @@
 """Every effect of the catalogue is sought wherever it can be."""
 
+import numpy as np
 import pytest
 
 from arm.effects.catalogue import catalogue
-from fitter.diagnosis.hypotheses import hypotheses
+from arm.model import Arm, Body, Joint
+from fitter.diagnosis.hypotheses import hypotheses, living_ranges
 
 #: How often an arm of three joints is asked about an effect.
 PLACES = {
@@ -18,6 +20,7 @@ PLACES = {
     "thermal_drift": 3,
     "viscous": 0,  # in the base model
     "sensor_bias": 0,
+    "passive_tissue": 0,  # a machine has none
     "stiction": 0,  # shown by rests
 }
 
@@ -34,7 +37,19 @@ def test_places(name):
 def test_all_effects_of_joints_are_sought_without_a_word_about_them():
     at_joints = {name for name, kind in catalogue().items() if kind.place == "joint"}
     sought = {one.kind.name for one in hypotheses(1)}
-    assert at_joints - sought == {"viscous", "coulomb", "external_push"}
+    assert at_joints - sought == {"viscous", "coulomb", "external_push", "passive_tissue"}
+
+
+def test_tissue_is_sought_at_both_ends_of_what_a_persons_turning_joints_reach():
+    joints = (Joint(type="prismatic"), Joint(), Joint())
+    q = np.array([[0.0, -0.5, 0.1], [1.0, 0.7, 0.2]])
+    assert living_ranges(Arm("machine", joints), [q]) == {}
+    living = living_ranges(Arm("leg", joints, body=Body("human-leg-right", 70.0, 1.75, "f")), [q, q + 0.1])
+    assert living == {1: (-0.5, pytest.approx(0.8)), 2: (0.1, pytest.approx(0.3))}
+    tissue = [one for one in hypotheses(3, living=living) if one.kind.name == "passive_tissue"]
+    assert [(one.joints, one.choice["side"], one.choice["angle_rad"]) for one in tissue] == [
+        ((j,), side, living[j][end]) for j in (1, 2) for end, side in enumerate((-1.0, 1.0))
+    ]
 
 
 def test_a_friction_that_the_base_model_is_denied_is_sought():

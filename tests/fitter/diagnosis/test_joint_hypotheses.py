@@ -45,6 +45,16 @@ def test_numbers_come_back_from_the_factors_of_the_columns(name, values):
     np.testing.assert_allclose(hypothesis.numbers(psi, factors), values, rtol=1e-5, atol=1e-6)
 
 
+def test_tissue_is_stated_at_a_given_end_of_the_range():
+    kind, end = catalogue()["passive_tissue"], {"side": -1.0, "angle_rad": -2.0}
+    hypothesis, states = JointHypothesis(kind, 0, end), _states()
+    assert hypothesis.psi_names == ("rate_1_rad",)  # moment and damping are columns
+    torque = torque_along(kind, np.array([-2.4, 11.03, 11.33, 0.05, -1.0]), states)
+    factors = np.linalg.lstsq(hypothesis._columns(np.array([11.33]), states), torque, rcond=None)[0]
+    at_end = 11.03 * np.exp(-11.33 * 0.4)
+    np.testing.assert_allclose(hypothesis.numbers(np.array([11.33]), factors), [-2.0, at_end, 11.33, 0.05, -1.0])
+
+
 def test_friction_that_would_push_is_not_possible():
     hypothesis = JointHypothesis(catalogue()["quadratic_drag"], 0)
     assert hypothesis.possible(np.zeros(0), np.array([0.1]))
