@@ -6,7 +6,7 @@ The objective is the bundle fit's. Each start is a seed: a population drawn even
 of the person, marker places drawn within 30 cm of their links' origins, angles at the middle of their ranges.
 Said is, of the search alone and of the bundle fit that begins where it ended, how many end within 1 mm of the
 bundle fit: in the rms of markers, in the places of the modelled markers, in the joint centres; and how many in
-the same minimum.
+no worse a minimum.
 """
 
 import argparse
@@ -64,12 +64,12 @@ def summary(documents: Sequence[dict[str, dict[str, float]]], method: str) -> di
     cost, apart, centres, cpu = (
         np.array([one[k] for one in mine]) for k in ("cost", "apart_mm", "centres_apart_mm", "cpu_s")
     )
-    same = cost < SAME_MINIMUM
+    no_worse = cost < SAME_MINIMUM
     return {
         "share_rms": float(np.mean(np.abs(rms - goal) < _WITHIN_MM)),
         "share_apart": float(np.mean(apart < _WITHIN_MM)),
         "share_centres": float(np.mean(centres < _WITHIN_MM)),
-        "share_same_minimum": float(np.mean(same)),
+        "share_no_worse": float(np.mean(no_worse)),
         "rms_mm": float(np.median(rms)),
         "apart_mm": float(np.median(apart)),
         "centres_apart_mm": float(np.median(centres)),

@@ -104,7 +104,7 @@ class Comparison:
         }
 
     def notes(self) -> tuple[Note, ...]:
-        """Say whether the search had too few generations, and whether one of both is in a worse minimum."""
+        """Say whether generations or frames were too few, and whether one of both is in a worse minimum."""
         ga, said = self.found["ga"], list[Note]()
         if not ga.bundle.converged:
             text = (
@@ -119,12 +119,18 @@ class Comparison:
                 f"{-after:.0f}: by itself, from landmarks, it ends in another minimum"
             )
             said.append(Note("other_minimum", text))
-        elif above > SAME_MINIMUM:
+        elif after > SAME_MINIMUM:
             text = (
-                f"the genetic algorithm's answer costs {above:.0f} more than the bundle fit's on all frames (1 is "
-                "one standard error of one number): take the bundle fit, or another --seed"
+                f"the genetic algorithm ended in another minimum than the bundle fit, whose cost is {after:.0f} "
+                "higher (1 is one standard error of one number): take the bundle fit, or another --seed"
             )
             said.append(Note("other_minimum", text))
+        elif above > SAME_MINIMUM:
+            text = (
+                f"the genetic algorithm took {ga.frames} frames; on all {len(ga.bundle.q)} its answer costs "
+                f"{above:.0f} more than the bundle fit's (1: a standard error of one number): take the bundle fit"
+            )
+            said.append(Note("above_bundle", text))
         return tuple(said)
 
 

@@ -55,7 +55,8 @@ def test_the_document_is_in_millimetres(fitted):
     [
         (0.5, 0.0, True, []),
         (0.5, 0.0, False, ["not_converged"]),
-        (20.0, 0.0, True, ["other_minimum"]),
+        (20.0, 0.0, True, ["above_bundle"]),
+        (20.0, 15.0, True, ["other_minimum"]),
         (-11.0, -12.0, True, ["other_minimum"]),
         (20.0, -12.0, False, ["not_converged", "other_minimum"]),
     ],
