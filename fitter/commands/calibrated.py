@@ -12,6 +12,7 @@ from fitter.body.written_body import calibrated_body
 from fitter.functional.marker_set import MarkerSet
 from fitter.limb.json_document import document
 from fitter.limb.limb_calibration import calibrate
+from fitter.limb.limb_search import Search
 from fitter.limb.written_arm import calibrated_arm
 from fitter.markers.recording import MarkerRecording
 from fitter.report.body_page import write_body_page
@@ -51,10 +52,11 @@ def calibrated_limb(
     body: Body | None,
     seed: int,
     told: Told,
+    search: Search | None = None,
 ) -> Calibrated:
-    """Calibrate one limb: its preset, and from where on an arm begins."""
+    """Calibrate one limb: its preset, and from where on an arm begins; by a search where one is given."""
     preset, girdle = limb
-    fit = calibrate(learn, marker_set, preset, girdle, body, seed, progress=told)
+    fit = calibrate(learn, marker_set, preset, girdle, body, seed, progress=told, search=search)
     return Calibrated(
         calibrated_arm(fit, body),
         document(fit, learn, evaluate, seed),

@@ -96,6 +96,8 @@ def kinematics(arguments: argparse.Namespace) -> Document:
         return limb_kinematics(arguments)
     if arguments.arm is None:
         raise ConfigError("--arm is missing, expected an arm file or a built-in arm; for a person's limb --body")
+    if arguments.method == "bundle":
+        raise ConfigError("--method bundle is given, expected it only with --body")
     arm = questioned_arm(arguments.arm)
     compared = {Path(source).stem: geometry_by_name(load_arm(source)) for source in arguments.compare}
     learn, evaluate = _trials(arguments, arm)

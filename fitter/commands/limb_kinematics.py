@@ -16,6 +16,7 @@ from fitter.commands.calibrated import calibrated_limb, calibrated_person
 from fitter.commands.limb_export import add_export, check_export, export
 from fitter.commands.options import make_room, positive
 from fitter.functional.marker_set import load_marker_set
+from fitter.limb.limb_search import GENERATIONS, Search
 from fitter.limb.probing import with_probed
 from fitter.markers.marker_files import read_markers
 from fitter.markers.recording import MarkerRecording
@@ -29,8 +30,10 @@ UPS = ("+x", "-x", "+y", "-y", "+z", "-z")
 #: Options of the calibration from a measured tip, which mean nothing here.
 _NOT_HERE: tuple[tuple[str, object], ...] = (
     ("arm", None), ("columns", None), ("rate_hz", None), ("bounds", None), ("fix", None), ("free", ""),
-    ("about", "auto"), ("angle_noise_deg", "auto"), ("compare", []), ("population", None),
+    ("about", "auto"), ("angle_noise_deg", "auto"), ("compare", []),
 )  # fmt: skip
+#: Options of the genetic algorithm.
+_OF_THE_SEARCH: tuple[tuple[str, object], ...] = (("population", None), ("generations", GENERATIONS))
 
 
 def add_body(parser: argparse.ArgumentParser) -> None:
@@ -51,6 +54,12 @@ def add_body(parser: argparse.ArgumentParser) -> None:
     )
     group.add_argument(
         "--up", choices=UPS, help="which axis of the laboratory points up (as header or stance have it)"
+    )
+    group.add_argument(
+        "--method",
+        choices=["bundle", "ga"],
+        help="the bundle fit (default); or the genetic algorithm without starting values on the same objective, "
+        "and how far it ends from the bundle fit",
     )
     group.add_argument("--mass", type=positive, metavar="KG", help="with --height and --sex: the table's masses")
     group.add_argument("--height", type=positive, metavar="M")
@@ -86,7 +95,8 @@ def limb_kinematics(arguments: argparse.Namespace) -> Document:
             found = calibrated_person(learn, evaluate, marker_set, body, arguments.seed, told)
         else:
             limb = (arguments.body, arguments.base)
-            found = calibrated_limb(learn, evaluate, marker_set, limb, body, arguments.seed, told)
+            search = Search(arguments.population, arguments.generations) if arguments.method == "ga" else None
+            found = calibrated_limb(learn, evaluate, marker_set, limb, body, arguments.seed, told, search)
     answer: dict[str, object] = {**found.document, "seconds": time.perf_counter() - began}
     notes = [*notes, *more, *found.notes, *_no_masses(body)]
     save_arm(found.arm, arguments.out)
@@ -105,6 +115,14 @@ def _require_options(arguments: argparse.Namespace) -> None:
         for name, usual in _NOT_HERE
         if getattr(arguments, name) != usual
     ]
+    if arguments.method != "ga":
+        mistakes += [
+            f"--{name} is given, expected it with --body only beside --method ga: the bundle fit has none"
+            for name, usual in _OF_THE_SEARCH
+            if getattr(arguments, name) != usual
+        ]
+    elif arguments.body == BODY:
+        mistakes.append(f"--method ga is given with --body {BODY}, expected it with one limb: {', '.join(LIMBS)}")
     if arguments.marker_set is None:
         mistakes.append("--marker-set is missing, expected the name of a built-in marker set or a file")
     if mistakes:
@@ -173,6 +191,8 @@ def _show(whose: str, answer: Document) -> None:
             f"axis {name} [°]", "", f"sd {_number(one['std_deg'], '.1f') or '?'}", _number(one["apart_deg"], ".1f")
         )
     show(table)
+    for line in method_lines(answer):
+        show(line)
     for role in ("learn", "evaluate"):
         rms = dict(answer["marker_rms_mm"]).get(role)  # type: ignore[call-overload]
         if rms is not None:
@@ -180,6 +200,22 @@ def _show(whose: str, answer: Document) -> None:
                 f"{role}: markers off by {rms['rms']:.1f} mm rms, {rms['median']:.1f} median, {rms['max']:.0f} "
                 f"at the most, in {rms['frames']} frames"
             )
+
+
+def method_lines(answer: Document) -> list[str]:
+    """Return a line for the bundle fit, the genetic algorithm and both in turn; none where only one was done."""
+    what = {
+        "bundle": "bundle fit, from landmarks and functional centres",
+        "ga": "genetic algorithm alone (this answer), without starting values",
+        "ga+bundle": "bundle fit from where that ended",
+    }
+    compared = dict(answer.get("compared", {}))  # type: ignore[call-overload]
+    return [
+        f"{text}: markers off by {one['marker_rms_mm']:.2f} mm rms; from the bundle fit markers "
+        f"{one['apart_mm']:.1f}, centres {one['centres_apart_mm']:.1f} mm, cost {one['cost']:+.1f}; "
+        f"{one['cpu_s']:.1f} s of processor time"
+        for text, one in ((text, compared[name]) for name, text in what.items() if name in compared)
+    ]
 
 
 def _number(value: float | None, form: str) -> str:

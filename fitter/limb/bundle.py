@@ -104,6 +104,13 @@ def shared_away(task: Task, geometry: Geometry, place: Floats) -> Floats:
     return np.concatenate([geometry.away(task.free, task.prior.geometry), moved])
 
 
+def cost_of(task: Task, geometry: Geometry, markers: MarkerModel, q: Floats) -> float:
+    """Return minus twice the log posterior, up to a constant that depends on the markers' scales only."""
+    chain, room = markers.chain(geometry), slopes_room(q.shape[1], len(task.free.std))
+    data = bundle_cost(chain, task.frames, q, markers.std**2, task.angles, task.share, room)
+    return data + float(task.prior.information @ shared_away(task, geometry, markers.place) ** 2)
+
+
 def fit_bundle(
     task: Task,
     geometry: Geometry,
@@ -136,13 +143,7 @@ def fit_bundle(
     damping, converged, iteration = 1e-3, False, 0
     pending = [] if scales_known else list(_RESCALED)
 
-    def cost(geometry: Geometry, markers: MarkerModel, q: Floats) -> float:
-        away = shared_away(task, geometry, markers.place)
-        chain = markers.chain(geometry)
-        data = bundle_cost(chain, frames, q, markers.std**2, task.angles, task.share, room)
-        return data + float(task.prior.information @ away**2)
-
-    now = cost(geometry, markers, q)
+    now = cost_of(task, geometry, markers, q)
     for iteration in range(1, most_iterations + 1):
         if progress is not None:
             progress(iteration)
@@ -158,7 +159,7 @@ def fit_bundle(
         for part in _SHORTENED:
             moved = geometry.moved(free, part * step[:n_free])
             placed = replace(markers, place=markers.place + part * step[n_free:].reshape(m, 3))
-            found = cost(moved, placed, q + part * turn)
+            found = cost_of(task, moved, placed, q + part * turn)
             better = found < now
             if better:
                 geometry, markers, q, now = moved, placed, q + part * turn, found
@@ -173,7 +174,7 @@ def fit_bundle(
         if pending and (still or iteration >= pending[0]):
             pending.pop(0)
             markers = rescaled(geometry, markers, frames, q)
-            now, damping = cost(geometry, markers, q), 1e-3
+            now, damping = cost_of(task, geometry, markers, q), 1e-3
     eliminate(
         markers.chain(geometry), frames, q, markers.std**2, task.angles, task.share, what, 0.0, task.part,
         room, gain, shift, S, b,

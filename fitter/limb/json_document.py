@@ -33,8 +33,22 @@ def document(
     return {
         "parameters": parameters(fit.bundle.geometry, fit.free, fit.errors, base),
         **of_bundle(fit.bundle, len(fit.task.frames.t)),
+        **_of_search(fit),
         "marker_rms_mm": of_roles(learnt, judged, names, len(fit.bundle.markers.names)),
         **found,
+    }
+
+
+def _of_search(fit: LimbFit) -> Document:
+    """Return how the genetic algorithm went, and how far it is from the bundle fit; nothing of a bundle fit."""
+    if fit.rivals is None:
+        return {}
+    own = fit.rivals.found["ga"]
+    return {
+        "method": "ga",
+        "population": own.population,
+        "samples": own.frames,
+        "compared": fit.rivals.document(),
     }
 
 

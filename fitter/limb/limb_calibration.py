@@ -1,5 +1,6 @@
 """A person's arm or leg from recordings of markers: from files' positions to a fitted chain."""
 
+import time
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 
@@ -24,8 +25,10 @@ from fitter.limb.functional_error import beyond_the_acromion
 from fitter.limb.initial_geometry import PLACE_STD_M, Start, first_angles, initial_geometry, placed
 from fitter.limb.inverse_kinematics import follow, link_poses
 from fitter.limb.limb_fit import LimbFit
+from fitter.limb.limb_search import Clock, Found, Search, polished, search_limb
 from fitter.limb.limb_trials import LimbTrials, limb_trials
 from fitter.limb.marker_observations import SWAY, Frames, MarkerModel
+from fitter.limb.search_comparison import Comparison, comparison
 from fitter.limb.uncertainty import Errors, errors
 from fitter.markers.recording import MarkerRecording
 from limbcal.note import Note
@@ -45,6 +48,8 @@ def calibrate(
     seed: int = 0,
     fit_frames: int = FIT_FRAMES,
     progress: Callable[[str, int], None] | None = None,
+    search: Search | None = None,
+    clock: Clock = time.process_time,
 ) -> LimbFit:
     """Learn a limb's geometry, where its markers sit, and how far both may be off.
 
@@ -60,11 +65,16 @@ def calibrate(
     body : Body, optional
         Mass, height and sex, where they are known.
     seed : int
-        Of the postures that angles begin from.
+        Of the postures that angles begin from, and of the search.
     fit_frames : int
         How many frames the fit takes.
     progress : callable, optional
         Called with what is being done, and the iteration.
+    search : Search, optional
+        Take the answer of the genetic algorithm on the same frames and objective, and compare it with the bundle
+        fit's. Without it: the bundle fit's.
+    clock : callable
+        Processor time [s], for the comparison.
 
     Raises
     ------
@@ -73,6 +83,7 @@ def calibrate(
     NotIdentifiable
         If no frame shows base and limb together.
     """
+    began = clock()
     person = replace(MEAN_PERSON, preset=preset) if body is None else body
     arm = limb(person, girdle)
     where = limb_map(preset, arm.n_joint)
@@ -96,9 +107,15 @@ def calibrate(
     task, n_part, trial = _task(arm, where, trials, begin, markers, chosen, person.height_m)
     q = follow(markers.chain(begin.geometry), chosen, markers.std, begin.angles, seed, q)
     bundle = fit_bundle(task, begin.geometry, markers, q, _reporter(progress, "fitting"))
+    rivals = None
+    if search is not None:
+        plain = Found(bundle, clock() - began, len(rows))
+        rivals = _searched(where, task, markers, seed, search, plain, progress, clock)
+        bundle = rivals.found["ga"].bundle
     halves = disjoint_fits(task, bundle, trial, progress)
     found = errors(where, task, bundle, n_part, halves)
     notes = (*trials.notes, *base.notes, *base_notes, *centre_notes, *lock_notes, *left_at_prior(task, found))
+    notes = notes if rivals is None else (*notes, *rivals.notes())
     acromion = marker_set.landmarks.get(f"acromion_{where.side}")
     if acromion is not None and not where.balls[0] and "elbow" in where.centres:
         seen = np.concatenate([r.of([acromion])[:, 0] for r in recordings])[rows]
@@ -107,12 +124,27 @@ def calibrate(
         said = beyond_the_acromion(where, chosen, bundle.markers.chain(bundle.geometry), bundle.q, seen, least)
         notes = (*notes, said) if said else notes
     return LimbFit(
-        arm, where, trials, base, task, rows, bundle, tuple(functional), found, tuple(dict.fromkeys(notes))
+        arm, where, trials, base, task, rows, bundle, tuple(functional), found, tuple(dict.fromkeys(notes)), rivals
     )
 
 
 def _reporter(progress: Callable[[str, int], None] | None, what: str) -> Callable[[int], None] | None:
     return None if progress is None else lambda iteration: progress(what, iteration)
+
+
+def _searched(
+    where: LimbMap,
+    task: Task,
+    markers: MarkerModel,
+    seed: int,
+    search: Search,
+    bundle: Found,
+    progress: Callable[[str, int], None] | None,
+    clock: Clock,
+) -> Comparison:
+    """Return the genetic algorithm's answer, by itself and polished, beside the bundle fit's."""
+    found = search_limb(task, markers, seed, search, _reporter(progress, "searching"), clock)
+    return comparison(where, task, {"bundle": bundle, "ga": found, "ga+bundle": polished(task, found, clock)})
 
 
 def _chain_markers(trials: LimbTrials, where: LimbMap) -> tuple[tuple[str, ...], Integers]:

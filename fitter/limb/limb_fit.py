@@ -17,6 +17,7 @@ from fitter.limb.free_geometry import FreeGeometry
 from fitter.limb.inverse_kinematics import follow, predicted
 from fitter.limb.limb_trials import LimbTrials
 from fitter.limb.marker_observations import Frames, base_follows, with_base
+from fitter.limb.search_comparison import Comparison
 from fitter.limb.uncertainty import Errors
 from fitter.markers.recording import MarkerRecording
 from limbcal.note import Note
@@ -40,6 +41,8 @@ class LimbFit:
     functional : tuple of FunctionalCentre
     errors : Errors
     notes : tuple of Note
+    rivals : Comparison, optional
+        Where ``bundle`` is the genetic algorithm's answer: how far that is from the bundle fit's.
     """
 
     arm: Arm
@@ -52,6 +55,7 @@ class LimbFit:
     functional: tuple[FunctionalCentre, ...]
     errors: Errors
     notes: tuple[Note, ...]
+    rivals: Comparison | None = None
 
     @property
     def free(self) -> FreeGeometry:

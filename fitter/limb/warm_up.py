@@ -9,6 +9,7 @@ from arm.body.limbs import MEAN_PERSON, limb
 from arm.model import Base, Marker
 from fitter.functional.marker_set import MarkerSet
 from fitter.limb.limb_calibration import calibrate
+from fitter.limb.limb_search import Search
 from fitter.limb.tracking import track_limb
 from fitter.markers.recording import MarkerRecording
 
@@ -30,7 +31,8 @@ def warm_up() -> None:
     wobble = 0.02 * rng.normal(size=(_FRAMES, len(names), 3))
     height = -0.4 * np.array(links)[:, None] * np.array([0.0, 0.0, 1.0])
     recording = MarkerRecording("warm-up", _RATE_HZ, tuple(names), places + height + wobble, "m", "+z")
-    calibrate([recording], MarkerSet("warm-up", segments, {}), arm.name)
+    search = Search(population=10, generations=2, frames=_FRAMES)
+    calibrate([recording], MarkerSet("warm-up", segments, {}), arm.name, search=search)
     markers = tuple(
         Marker(name, joint, (float(x), float(y), float(z)))
         for name, joint, (x, y, z) in zip(names, links, places, strict=True)

@@ -44,6 +44,7 @@ def write_limb_page(
     frames = answer["samples"]
     page = Page(fit.arm.name, f"{len(recordings)} recordings, {frames} frames in the fit")
     results(page, answer)
+    _methods(page, fit)
     rivals = _rivals(fit)
     if rivals:
         page.table(["rival", "centre", "away from the fit [mm]", "its own error [mm]"], rivals)
@@ -97,6 +98,39 @@ def results(page: Page, answer: Answer) -> None:
     page.table(
         ["axis", "in", "sd [°]", "apart [°]"],
         [[name, one["segment"], one["std_deg"], one["apart_deg"]] for name, one in axes.items()],
+    )
+
+
+def _methods(page: Page, fit: LimbFit) -> None:
+    """Say how far the genetic algorithm's answer is from the bundle fit's, where it was asked for."""
+    if fit.rivals is None:
+        return
+    page.section(
+        "Genetic algorithm and bundle fit",
+        "This limb is the genetic algorithm's own answer, found without starting values; ga+bundle is the bundle "
+        "fit that begins with it. Cost: minus twice the log posterior on all frames, above the bundle fit's. "
+        "Apart: from the bundle fit, rms.",
+    )
+    page.table(
+        [
+            "method",
+            "markers off [mm rms]",
+            "markers apart [mm]",
+            "centres apart [mm]",
+            "cost",
+            "processor time [s]",
+        ],
+        [
+            [
+                name,
+                1e3 * one.marker_rms_m,
+                1e3 * one.apart_m,
+                1e3 * one.centres_apart_m,
+                one.cost,
+                fit.rivals.found[name].seconds,
+            ]
+            for name, one in fit.rivals.compared.items()
+        ],
     )
 
 

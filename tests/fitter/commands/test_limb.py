@@ -93,6 +93,50 @@ def test_from_markers_to_torques(fitter, tmp_path, recorded):
     assert not [note for note in torques.document["notes"] if note["kind"] == "unused"]
 
 
+def test_the_genetic_algorithm_says_how_far_it_is_from_the_bundle_fit(fitter, tmp_path):
+    truth = person(n=90, seed=2)
+    trial = written_trc(tmp_path / "move.trc", truth.recordings[0])
+    marker_set = written_set(tmp_path / "set.toml", truth.marker_set)
+    out, page = tmp_path / "arm.toml", tmp_path / "page.html"
+    preset = ("--body", "human-arm-right", "--marker-set", marker_set)
+    few = ("--method", "ga", "--population", 10, "--generations", 2, "--report", page)
+    learnt = fitter("kinematics", trial, *preset, *few, "--out", out)
+    assert learnt.code == 0, learnt.errors
+    document = learnt.document
+    assert (document["method"], document["generations"], document["population"]) == ("ga", 2, 10)
+    assert document["samples"] == 32 and not document["converged"]
+    compared = document["compared"]
+    assert list(compared) == ["bundle", "ga", "ga+bundle"]
+    assert compared["bundle"]["cost"] == 0.0 < compared["ga"]["cost"]  # two generations are no optimum
+    assert compared["ga+bundle"]["cost"] < compared["ga"]["cost"]
+    assert compared["bundle"]["marker_rms_mm"] < compared["ga"]["marker_rms_mm"]
+    limb = document["marker_rms_mm"]["learn"]["limb"]
+    assert (
+        limb > compared["bundle"]["marker_rms_mm"]
+    )  # the arm that is written is the search's, not the polished one
+    assert load_arm(out).joints[2].d_m == document["parameters"]["d3"]["value"]
+    assert "not_converged" in {note["kind"] for note in document["notes"]}
+    assert "genetic algorithm alone (this answer)" in learnt.said
+    assert "Genetic algorithm and bundle fit" in page.read_text()
+
+
+@pytest.mark.parametrize(
+    ("options", "said"),
+    [
+        (("--body", "human-arm-right", "--population", 50), "--population is given"),
+        (("--body", "human-arm-right", "--generations", 50), "--generations is given"),
+        (("--body", "human-body", "--method", "ga"), "expected it with one limb"),
+        (("--arm", "dd-arm", "--method", "bundle"), "expected it only with --body"),
+    ],
+)
+def test_what_a_method_does_not_take_is_an_error(fitter, tmp_path, recorded, options, said):
+    _, trial, marker_set = recorded
+    sets = ("--marker-set", marker_set) if "--body" in options else ()
+    learnt = fitter("kinematics", trial, *options, *sets, "--out", tmp_path / "arm.toml")
+    assert learnt.code == 2
+    assert said in " ".join(learnt.errors)
+
+
 def test_torque_at_rest_on_a_standing_base_is_that_of_the_arm(fitter, tmp_path):
     arm = load_arm("human-arm-right")
     save_arm(arm, tmp_path / "arm.toml")
