@@ -208,9 +208,7 @@ class Search:
         learn = self.trials.trials[: self.trials.n_learn]
         for s in range(len(self.trials.arm.sensors)):
             motions = self._without(known, s)
-            own = [
-                one for kind in EFFECTS if not kind.whole and (one := Suspect(kind, s)) not in there
-            ]
+            own = [one for kind in EFFECTS if not kind.whole and (one := Suspect(kind, s)) not in there]
             groups = [[(one, np.array(one.kind.neutral)) for one in own if one.kind.begins_neutral]]
             for one in own:
                 first = one.kind.first and one.kind.first(learn, self.trials.nominal, s)
