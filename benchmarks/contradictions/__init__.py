@@ -1,0 +1,1 @@
+"""Data that contradict themselves, given to the real commands."""
