@@ -11,6 +11,7 @@ from arm.model import Arm, Effect, Floats
 from fitter.data.raw import RawRun
 from fitter.diagnosis.least_squares import ROUNDED, SIGMAS, UNEXPLAINED
 from fitter.diagnosis.next_experiment import next_for_sensors
+from fitter.diagnosis.readings.free_base import base_course
 from fitter.diagnosis.readings.linearisation import Linearisation
 from fitter.diagnosis.readings.sensor_fit import Trials
 from fitter.diagnosis.readings.sensor_frames import trials_of
@@ -179,7 +180,7 @@ def _numbers(fitted: Fitted, suspect: Suspect, wider: float, grain: float) -> di
 def _course_of_base(trials: Trials, fitted: Fitted) -> dict[str, Number]:
     """Return the rms acceleration of a base that moves in any way, with its standard error over judging trials."""
     judging = range(trials.n_learn, len(trials.trials))
-    courses = [trials.base_course(k, fitted.hypothesis, fitted.motions[k]) for k in judging]
+    courses = [base_course(trials, fitted, k) for k in judging]
     each = np.array([np.sqrt(np.mean(course**2, axis=0)) for course in courses])
     rms = np.sqrt(np.mean(np.concatenate(courses) ** 2, axis=0))
     std = each.std(axis=0, ddof=1) / np.sqrt(len(each)) if len(each) > 1 else np.full(3, np.nan)

@@ -85,28 +85,6 @@ class Trials:
         looked_at = self.linearised(number, hypothesis, c).weight > 0.0
         return int(np.count_nonzero((self.trials[number].weight > 0.0) & ~looked_at))
 
-    def base_course(self, number: int, hypothesis: SensorHypothesis, c: Floats) -> Floats:
-        """Return the acceleration of a base that moves freely along a motion, (n, 3) [m/s^2]."""
-        at = self.linearised(number, hypothesis, c)
-        return self._walked(number, at, hypothesis, c)[:, -3:]
-
-    def freedom(self, number: int, hypothesis: SensorHypothesis, c: Floats) -> float:
-        """Return what the freedom of a base costs in one trial, squared and in units of the noise.
-
-        Three numbers a frame of no variance but their own cost ``e^2 / b^2 + log(1 + b^2 F' F)`` each, with b^2
-        their mean square and F what the sensors feel of them: minus twice the logarithm of their evidence
-        (Laplace).
-        """
-        if not hypothesis.free_base:
-            return 0.0
-        at = self.linearised(number, hypothesis, c)
-        base = self._walked(number, at, hypothesis, c)[:, -3:]
-        square = np.mean(base**2, axis=0)
-        felt = at.from_base() * at.weight[..., None]
-        information = np.einsum("kcx,kcy->kxy", felt, felt)
-        _, volume = np.linalg.slogdet(np.eye(3) + information * square)
-        return float(base.size + volume.sum())
-
     def eliminated(
         self, number: int, hypothesis: SensorHypothesis, c: Floats, suspects: Sequence[Suspect]
     ) -> tuple[Floats, Floats]:
@@ -223,10 +201,10 @@ class Trials:
         if not E.shape[2]:
             return at
         n_channel = at.weight.shape[1]
-        offset = np.einsum("kcm,km->kc", E[:, :n_channel], self._walked(number, at, hypothesis, c))
+        offset = np.einsum("kcm,km->kc", E[:, :n_channel], self.walked(number, at, hypothesis, c))
         return replace(at, expected=at.expected + offset / np.where(at.weight > 0.0, at.weight, 1.0))
 
-    def _walked(self, number: int, at: Linearisation, hypothesis: SensorHypothesis, c: Floats) -> Floats:
+    def walked(self, number: int, at: Linearisation, hypothesis: SensorHypothesis, c: Floats) -> Floats:
         """Return what walks along a motion, (n, m): offsets of forgetful sensors, and last a free base."""
         gram, back = self.eliminated(number, hypothesis, c, ())
         n, _, m = self._walks(at, hypothesis)[0].shape

@@ -12,6 +12,7 @@ from scipy.stats import chi2
 
 from arm.model import Arm, Floats
 from fitter.diagnosis.least_squares import N_REFINED, NEGLIGIBLE, ODDS_NATS, SIGMAS
+from fitter.diagnosis.readings.free_base import freedom
 from fitter.diagnosis.readings.sensor_fit import Trials
 from fitter.diagnosis.readings.sensor_frames import FRAME_RATE_HZ, TrialFrames
 from fitter.diagnosis.readings.sensor_hypotheses import (
@@ -137,8 +138,8 @@ class Search:
         """
         hypothesis, judging = fitted.hypothesis, range(self.trials.n_learn, len(self.trials.trials))
         dropped = [self.trials.dropped(k, hypothesis, fitted.motions[k]) for k in judging]
-        freedom = [self.trials.freedom(k, hypothesis, fitted.motions[k]) for k in judging]
-        squares: Floats = fitted.squares[self.trials.n_learn :] / self.noise + np.array(dropped) + freedom
+        free = [freedom(self.trials, fitted, k) for k in judging]
+        squares: Floats = fitted.squares[self.trials.n_learn :] / self.noise + np.array(dropped) + np.array(free)
         return squares
 
     def contradiction(self, fitted: Fitted) -> Contradiction:
@@ -235,9 +236,7 @@ class Search:
             if not kind.whole or kind.name in there:
                 continue
             if kind.frees_base:
-                cost = sum(
-                    self.trials.freedom(k, free.hypothesis, free.motions[k]) for k in range(self.trials.n_learn)
-                )
+                cost = sum(freedom(self.trials, free, k) for k in range(self.trials.n_learn))
                 own = Suspect(kind), np.empty(0), free.motions, free.cost + cost, self.score(free) * self.noise
                 found.append(Screened(*own))
             else:
