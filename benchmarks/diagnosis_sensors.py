@@ -22,8 +22,8 @@ from arm.highpass import HighPass
 from arm.kinematics import axis_frames, rotation_from_rpy
 from arm.model import Arm, Floats, Sensor
 from fitter.data.raw import RawRun
-from fitter.diagnosis.readings.rigidity import diagnose_sensors
-from fitter.diagnosis.readings.sensor_verdict import SensorFinding
+from fitter.reading_diagnosis.rigidity import diagnose_sensors
+from fitter.reading_diagnosis.sensor_verdict import SensorFinding
 from limbcal.arguments import Parser, common_options
 from limbcal.command import Document, console, run_command
 

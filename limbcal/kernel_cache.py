@@ -72,6 +72,7 @@ def _parts(function: Callable[..., object], seen: set[int]) -> Iterator[str]:
     if code is None or id(code) in seen:
         return
     seen.add(id(code))
+    yield function.__module__  # machine code names the modules that it was made of, and imports them
     yield from _of_code(code, getattr(function, "__doc__", None))
     known = {**function.__globals__}
     for name, cell in zip(code.co_freevars, getattr(function, "__closure__", None) or (), strict=False):

@@ -11,8 +11,8 @@ from arm.effects.catalogue import catalogue
 from arm.model import Arm
 from fitter.data.plausibility.refusal import Refusal
 from fitter.data.raw import RawRun, load_raw
-from fitter.diagnosis.readings.rigidity import diagnose_sensors
-from fitter.diagnosis.readings.sensor_verdict import SensorCause, SensorFinding
+from fitter.reading_diagnosis.rigidity import diagnose_sensors
+from fitter.reading_diagnosis.sensor_verdict import SensorCause, SensorFinding
 from fitter.report.sensor_diagnosis import write_sensor_report
 from limbcal.command import Document, console, show, to_json
 from limbcal.errors import DataError, DeviceError

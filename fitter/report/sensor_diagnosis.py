@@ -8,7 +8,7 @@ import numpy as np
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
-from fitter.diagnosis.readings.sensor_verdict import SensorFinding
+from fitter.reading_diagnosis.sensor_verdict import SensorFinding
 from fitter.report.page import Page
 from limbcal.errors import DeviceError
 

@@ -45,12 +45,14 @@ with event.install_listener("numba:compile", listener):
 
 @pytest.fixture
 def run(tmp_path):
-    (tmp_path / "caller.py").write_text(CALLER)
     environment = {**os.environ, "NUMBA_CACHE_DIR": str(tmp_path / "cache"), "PYTHONDONTWRITEBYTECODE": "1"}
 
-    def run(factor, term):
+    def run(factor, term, module="called"):
         """Return what the kernel gives, and whether anything had to be compiled."""
-        (tmp_path / "called.py").write_text(CALLED.format(factor=factor, term=term))
+        for known in ("called", "moved"):
+            (tmp_path / f"{known}.py").unlink(missing_ok=True)
+        (tmp_path / f"{module}.py").write_text(CALLED.format(factor=factor, term=term))
+        (tmp_path / "caller.py").write_text(CALLER.replace("from called", f"from {module}"))
         command = [sys.executable, str(tmp_path / "caller.py")]
         done = subprocess.run(command, env=environment, capture_output=True, text=True, check=True)
         value, fresh = done.stdout.split()
@@ -66,8 +68,14 @@ def test_a_change_in_another_file_is_compiled_anew(run):
     assert run(5.0, 3.0) == (20.0, True)  # a constant that it names
 
 
+def test_what_moves_to_another_module_is_compiled_anew(run):
+    """Machine code imports the module that it was made of, and that is there no more."""
+    assert run(2.0, 1.0) == (4.0, True)
+    assert run(2.0, 1.0, module="moved") == (4.0, True)
+
+
 def made(text, **known):
-    space = {**known}
+    space = {"__name__": "made", **known}
     exec(text, space)
     return space["f"]
 

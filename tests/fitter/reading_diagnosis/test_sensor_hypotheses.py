@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from fitter.diagnosis.readings.sensor_hypotheses import (
+from fitter.reading_diagnosis.sensor_hypotheses import (
     USUAL_BIAS_M_S2,
     Fitted,
     SensorHypothesis,
@@ -10,7 +10,7 @@ from fitter.diagnosis.readings.sensor_hypotheses import (
     with_suspect,
     with_theta,
 )
-from fitter.diagnosis.readings.suspected_effects import EFFECTS
+from fitter.reading_diagnosis.suspected_effects import EFFECTS
 
 KINDS = {kind.name: kind for kind in reversed(EFFECTS)}
 

@@ -12,9 +12,9 @@ from scipy.stats import chi2
 
 from arm.model import Floats
 from fitter.diagnosis.least_squares import CLEAR_RATIO, NEGLIGIBLE, ROUNDED
-from fitter.diagnosis.readings.linearisation import Linearisation, linearise
-from fitter.diagnosis.readings.sensor_fit import Trials
-from fitter.diagnosis.readings.sensor_hypotheses import Fitted
+from fitter.reading_diagnosis.linearisation import Linearisation, linearise
+from fitter.reading_diagnosis.sensor_fit import Trials
+from fitter.reading_diagnosis.sensor_hypotheses import Fitted
 
 
 @dataclass(frozen=True)

@@ -14,10 +14,10 @@ import numpy as np
 
 from arm.model import Arm, Floats
 from fitter.diagnosis.least_squares import MOST_CAUSES, SIGMAS
-from fitter.diagnosis.readings.sensor_hypotheses import Fitted, without_suspect
-from fitter.diagnosis.readings.sensor_residual import SensorResidual, beyond_level
-from fitter.diagnosis.readings.sensor_search import ACCEPTED, EQUAL, Search, Tried
 from fitter.diagnosis.search import Verdict
+from fitter.reading_diagnosis.sensor_hypotheses import Fitted, without_suspect
+from fitter.reading_diagnosis.sensor_residual import SensorResidual, beyond_level
+from fitter.reading_diagnosis.sensor_search import ACCEPTED, EQUAL, Search, Tried
 
 
 @dataclass(frozen=True)

@@ -14,8 +14,8 @@ from scipy.signal import detrend, find_peaks
 
 from arm.model import Floats
 from fitter.diagnosis.least_squares import N_REFINED
-from fitter.diagnosis.readings.sensor_fit import Trials
-from fitter.diagnosis.readings.sensor_hypotheses import (
+from fitter.reading_diagnosis.sensor_fit import Trials
+from fitter.reading_diagnosis.sensor_hypotheses import (
     USUAL_BIAS_M_S2,
     Fitted,
     SensorHypothesis,

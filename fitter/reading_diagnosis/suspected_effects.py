@@ -10,9 +10,9 @@ from dataclasses import replace
 import numpy as np
 
 from arm.model import Floats
-from fitter.diagnosis.readings.linearisation import Instruments, Linearisation, added, turn_by_angles
-from fitter.diagnosis.readings.sensor_frames import TrialFrames
-from fitter.diagnosis.readings.sensor_hypotheses import Change, Columns, SensorEffect, bias_columns
+from fitter.reading_diagnosis.linearisation import Instruments, Linearisation, added, turn_by_angles
+from fitter.reading_diagnosis.sensor_frames import TrialFrames
+from fitter.reading_diagnosis.sensor_hypotheses import Change, Columns, SensorEffect, bias_columns
 from tracking.observation import MOUNTING
 
 

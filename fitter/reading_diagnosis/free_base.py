@@ -3,9 +3,9 @@
 import numpy as np
 
 from arm.model import Floats
-from fitter.diagnosis.readings.linearisation import Linearisation
-from fitter.diagnosis.readings.sensor_fit import Trials
-from fitter.diagnosis.readings.sensor_hypotheses import Fitted
+from fitter.reading_diagnosis.linearisation import Linearisation
+from fitter.reading_diagnosis.sensor_fit import Trials
+from fitter.reading_diagnosis.sensor_hypotheses import Fitted
 
 
 def base_course(trials: Trials, fitted: Fitted, number: int) -> Floats:

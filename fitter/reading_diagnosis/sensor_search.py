@@ -12,19 +12,19 @@ from scipy.stats import chi2
 
 from arm.model import Arm, Floats
 from fitter.diagnosis.least_squares import N_REFINED, NEGLIGIBLE, ODDS_NATS, SIGMAS
-from fitter.diagnosis.readings.free_base import freedom
-from fitter.diagnosis.readings.sensor_fit import Trials
-from fitter.diagnosis.readings.sensor_frames import FRAME_RATE_HZ, TrialFrames
-from fitter.diagnosis.readings.sensor_hypotheses import (
+from fitter.reading_diagnosis.free_base import freedom
+from fitter.reading_diagnosis.sensor_fit import Trials
+from fitter.reading_diagnosis.sensor_frames import FRAME_RATE_HZ, TrialFrames
+from fitter.reading_diagnosis.sensor_hypotheses import (
     USUAL_BIAS_M_S2,
     Fitted,
     SensorHypothesis,
     Suspect,
     with_suspect,
 )
-from fitter.diagnosis.readings.sensor_residual import Contradiction, contradiction, noise_factor
-from fitter.diagnosis.readings.sensor_screening import Screened, base_frequencies, screened
-from fitter.diagnosis.readings.suspected_effects import EFFECTS
+from fitter.reading_diagnosis.sensor_residual import Contradiction, contradiction, noise_factor
+from fitter.reading_diagnosis.sensor_screening import Screened, base_frequencies, screened
+from fitter.reading_diagnosis.suspected_effects import EFFECTS
 from limbcal.errors import DataError
 from tracking.coarsening import finer
 from tracking.readings import Readings

@@ -10,7 +10,7 @@ from arm.arm_file import load_arm
 from arm.kinematics import axis_frames, rotation_from_rpy
 from arm.model import Arm, Floats
 from fitter.data.raw import RawRun
-from fitter.diagnosis.readings.rigidity import diagnose_sensors
+from fitter.reading_diagnosis.rigidity import diagnose_sensors
 
 RATE_HZ, SECONDS, REST_S, FINER = 100.0, 8.0, 1.0, 20
 Touch = Callable[[Arm, Floats, Floats, Floats, np.random.Generator], Floats]

@@ -5,11 +5,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from fitter.diagnosis.readings.sensor_fit import Trials
-from fitter.diagnosis.readings.sensor_frames import trials_of
-from fitter.diagnosis.readings.sensor_hypotheses import USUAL_BIAS_M_S2, Suspect, with_suspect, with_theta
-from fitter.diagnosis.readings.sensor_search import first_motions
-from fitter.diagnosis.readings.suspected_effects import EFFECTS
+from fitter.reading_diagnosis.sensor_fit import Trials
+from fitter.reading_diagnosis.sensor_frames import trials_of
+from fitter.reading_diagnosis.sensor_hypotheses import USUAL_BIAS_M_S2, Suspect, with_suspect, with_theta
+from fitter.reading_diagnosis.sensor_search import first_motions
+from fitter.reading_diagnosis.suspected_effects import EFFECTS
 
 KINDS = {kind.name: kind for kind in reversed(EFFECTS)}
 

@@ -4,7 +4,7 @@ import numpy as np
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from fitter.diagnosis.readings.elimination import eliminate, go_back, motion_at_knots
+from fitter.reading_diagnosis.elimination import eliminate, go_back, motion_at_knots
 
 
 def dense(S, E, X, h, walk, first):

@@ -14,8 +14,8 @@ from numpy.typing import NDArray
 from arm.kinematics import axis_frames, rotation_from_rpy
 from arm.model import Arm, Floats, Sensor, Vector3
 from fitter.diagnosis.least_squares import SIGMAS
-from fitter.diagnosis.readings.elimination import motion_at_knots
-from fitter.diagnosis.readings.sensor_frames import TrialFrames
+from fitter.reading_diagnosis.elimination import motion_at_knots
+from fitter.reading_diagnosis.sensor_frames import TrialFrames
 from limbcal.compiled import compiled
 from tracking.expected_readings import observe, room_of
 from tracking.observation import Observation, observation_of

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from arm.arm_file import load_arm
-from fitter.diagnosis.readings.rigidity import diagnose_sensors
+from fitter.reading_diagnosis.rigidity import diagnose_sensors
 from limbcal.errors import ConfigError, DataError
 
 

@@ -5,7 +5,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from fitter.diagnosis.readings.sensor_residual import contradiction, dependence_of_residual, noise_factor
+from fitter.reading_diagnosis.sensor_residual import contradiction, dependence_of_residual, noise_factor
 
 N_CHANNEL, N_JOINT, N = 12, 2, 800
 

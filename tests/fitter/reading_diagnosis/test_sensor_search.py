@@ -5,10 +5,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from fitter.diagnosis.readings.sensor_fit import Trials
-from fitter.diagnosis.readings.sensor_frames import trials_of
-from fitter.diagnosis.readings.sensor_search import Search, first_motions
-from tests.fitter.diagnosis.readings.conftest import RATE_HZ, motion
+from fitter.reading_diagnosis.sensor_fit import Trials
+from fitter.reading_diagnosis.sensor_frames import trials_of
+from fitter.reading_diagnosis.sensor_search import Search, first_motions
+from tests.fitter.reading_diagnosis.conftest import RATE_HZ, motion
 
 
 @pytest.fixture(scope="module")

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from arm.accelerometer import specific_force
-from fitter.diagnosis.readings.elimination import motion_at_knots
-from fitter.diagnosis.readings.linearisation import instruments_of, linearise, turn_by_angles
-from fitter.diagnosis.readings.sensor_frames import trials_of
+from fitter.reading_diagnosis.elimination import motion_at_knots
+from fitter.reading_diagnosis.linearisation import instruments_of, linearise, turn_by_angles
+from fitter.reading_diagnosis.sensor_frames import trials_of
 
 
 @pytest.fixture(scope="module")

@@ -11,8 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from arm.model import Floats
-from fitter.diagnosis.readings.linearisation import Instruments, Linearisation, added
-from fitter.diagnosis.readings.sensor_frames import TrialFrames
+from fitter.reading_diagnosis.linearisation import Instruments, Linearisation, added
+from fitter.reading_diagnosis.sensor_frames import TrialFrames
 
 #: Biases up to about this are usual (DESIGN section 5) and no finding [m/s^2].
 USUAL_BIAS_M_S2 = 0.02

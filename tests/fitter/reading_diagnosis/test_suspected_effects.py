@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
-from fitter.diagnosis.readings.linearisation import instruments_of, linearise
-from fitter.diagnosis.readings.sensor_frames import trials_of
-from fitter.diagnosis.readings.sensor_hypotheses import Suspect
-from fitter.diagnosis.readings.suspected_effects import EFFECTS
+from fitter.reading_diagnosis.linearisation import instruments_of, linearise
+from fitter.reading_diagnosis.sensor_frames import trials_of
+from fitter.reading_diagnosis.sensor_hypotheses import Suspect
+from fitter.reading_diagnosis.suspected_effects import EFFECTS
 
 KINDS = {kind.name: kind for kind in reversed(EFFECTS)}
 

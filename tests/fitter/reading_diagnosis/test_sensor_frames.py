@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from fitter.data.raw import RawRun
-from fitter.diagnosis.readings.sensor_frames import FRAME_RATE_HZ, trials_of
+from fitter.reading_diagnosis.sensor_frames import FRAME_RATE_HZ, trials_of
 from limbcal.errors import DataError
 
 

@@ -6,10 +6,10 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from fitter.diagnosis.readings.sensor_hypotheses import Fitted, SensorHypothesis, Suspect
-from fitter.diagnosis.readings.sensor_search import Tried
-from fitter.diagnosis.readings.sensor_verdict import ACCEPTED, EQUAL, _beats, _support, decide, significant
-from fitter.diagnosis.readings.suspected_effects import EFFECTS
+from fitter.reading_diagnosis.sensor_hypotheses import Fitted, SensorHypothesis, Suspect
+from fitter.reading_diagnosis.sensor_search import Tried
+from fitter.reading_diagnosis.sensor_verdict import ACCEPTED, EQUAL, _beats, _support, decide, significant
+from fitter.reading_diagnosis.suspected_effects import EFFECTS
 
 KINDS = {kind.name: kind for kind in reversed(EFFECTS)}
 
@@ -98,6 +98,6 @@ def test_a_level_is_one_that_clipped_frames_lie_beyond(monkeypatch):
     search = SimpleNamespace(noise=1.0, trials=None)
     for beyond, n in ((10.0, 1), (1.0, 0)):
         monkeypatch.setattr(
-            "fitter.diagnosis.readings.sensor_verdict.beyond_level", lambda *_, beyond=beyond: beyond
+            "fitter.reading_diagnosis.sensor_verdict.beyond_level", lambda *_, beyond=beyond: beyond
         )
         assert significant(search, level) == n

@@ -14,10 +14,11 @@ from numpy.typing import NDArray
 
 from arm.model import STANDARD_GRAVITY_M_S2, Arm, Floats
 from fitter.diagnosis.least_squares import ITERATIONS, UNEXPLAINED
-from fitter.diagnosis.readings.elimination import eliminate, go_back
-from fitter.diagnosis.readings.linearisation import Linearisation, instruments_of, linearise
-from fitter.diagnosis.readings.sensor_frames import TrialFrames
-from fitter.diagnosis.readings.sensor_hypotheses import (
+from fitter.parallel.processors import processors
+from fitter.reading_diagnosis.elimination import eliminate, go_back
+from fitter.reading_diagnosis.linearisation import Linearisation, instruments_of, linearise
+from fitter.reading_diagnosis.sensor_frames import TrialFrames
+from fitter.reading_diagnosis.sensor_hypotheses import (
     USUAL_BIAS_M_S2,
     Fitted,
     SensorHypothesis,
@@ -25,7 +26,6 @@ from fitter.diagnosis.readings.sensor_hypotheses import (
     bias_columns,
     with_theta,
 )
-from fitter.parallel.processors import processors
 
 
 class Trials:

@@ -11,14 +11,15 @@ from arm.model import Arm, Effect, Floats
 from fitter.data.raw import RawRun
 from fitter.diagnosis.least_squares import ROUNDED, SIGMAS, UNEXPLAINED
 from fitter.diagnosis.next_experiment import next_for_sensors
-from fitter.diagnosis.readings.free_base import base_course
-from fitter.diagnosis.readings.linearisation import Linearisation
-from fitter.diagnosis.readings.sensor_fit import Trials
-from fitter.diagnosis.readings.sensor_frames import trials_of
-from fitter.diagnosis.readings.sensor_hypotheses import Fitted, Suspect
-from fitter.diagnosis.readings.sensor_residual import dependence_of_residual, judging_residuals
-from fitter.diagnosis.readings.sensor_search import Search, Tried
-from fitter.diagnosis.readings.sensor_verdict import (
+from fitter.diagnosis.search import Verdict
+from fitter.reading_diagnosis.free_base import base_course
+from fitter.reading_diagnosis.linearisation import Linearisation
+from fitter.reading_diagnosis.sensor_fit import Trials
+from fitter.reading_diagnosis.sensor_frames import trials_of
+from fitter.reading_diagnosis.sensor_hypotheses import Fitted, Suspect
+from fitter.reading_diagnosis.sensor_residual import dependence_of_residual, judging_residuals
+from fitter.reading_diagnosis.sensor_search import Search, Tried
+from fitter.reading_diagnosis.sensor_verdict import (
     Cause,
     Course,
     Decision,
@@ -28,7 +29,6 @@ from fitter.diagnosis.readings.sensor_verdict import (
     SensorFinding,
     decide,
 )
-from fitter.diagnosis.search import Verdict
 from limbcal.errors import ConfigError, DataError, NotIdentifiable
 from tracking.noise import step_of
 

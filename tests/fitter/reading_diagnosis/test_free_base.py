@@ -7,11 +7,11 @@ import pytest
 
 from arm.arm_file import load_arm
 from arm.kinematics import axis_frames, rotation_from_rpy
-from fitter.diagnosis.readings.free_base import base_course, freedom
-from fitter.diagnosis.readings.sensor_fit import Trials
-from fitter.diagnosis.readings.sensor_frames import trials_of
-from fitter.diagnosis.readings.sensor_search import first_motions
-from tests.fitter.diagnosis.readings.conftest import motion
+from fitter.reading_diagnosis.free_base import base_course, freedom
+from fitter.reading_diagnosis.sensor_fit import Trials
+from fitter.reading_diagnosis.sensor_frames import trials_of
+from fitter.reading_diagnosis.sensor_search import first_motions
+from tests.fitter.reading_diagnosis.conftest import motion
 
 SHAKES_HZ, SIZE_M_S2 = 3.0, 0.4
 
