@@ -20,15 +20,23 @@ FACTOR = {factor}
 def inner(x):
     return x + {term}
 """
+BETWEEN = """
+from limbcal.compiled import compiled
+from {module} import FACTOR, inner
+
+@compiled
+def middle(x):
+    return inner(x)
+"""
 CALLER = """
 import sys
 from numba.core import event
 from limbcal.compiled import compiled
-from called import FACTOR, inner
+from between import FACTOR, middle
 
 @compiled
 def outer(x):
-    return FACTOR * inner(x)
+    return FACTOR * middle(x)
 
 class Compiled(event.Listener):
     n = 0
@@ -45,6 +53,7 @@ with event.install_listener("numba:compile", listener):
 
 @pytest.fixture
 def run(tmp_path):
+    (tmp_path / "caller.py").write_text(CALLER)
     environment = {**os.environ, "NUMBA_CACHE_DIR": str(tmp_path / "cache"), "PYTHONDONTWRITEBYTECODE": "1"}
 
     def run(factor, term, module="called"):
@@ -52,7 +61,7 @@ def run(tmp_path):
         for known in ("called", "moved"):
             (tmp_path / f"{known}.py").unlink(missing_ok=True)
         (tmp_path / f"{module}.py").write_text(CALLED.format(factor=factor, term=term))
-        (tmp_path / "caller.py").write_text(CALLER.replace("from called", f"from {module}"))
+        (tmp_path / "between.py").write_text(BETWEEN.format(module=module))
         command = [sys.executable, str(tmp_path / "caller.py")]
         done = subprocess.run(command, env=environment, capture_output=True, text=True, check=True)
         value, fresh = done.stdout.split()
