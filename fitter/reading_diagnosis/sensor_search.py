@@ -26,9 +26,6 @@ from fitter.reading_diagnosis.sensor_residual import Contradiction, contradictio
 from fitter.reading_diagnosis.sensor_screening import Screened, base_frequencies, screened
 from fitter.reading_diagnosis.suspected_effects import EFFECTS
 from limbcal.errors import DataError
-from tracking.coarsening import finer
-from tracking.readings import Readings
-from tracking.rough_motion import rough_motion
 from tracking.smoother import Smoother
 
 #: What a cause must explain, and by what it must beat a rival: squared, in noise units. Chosen by hand, with
@@ -38,35 +35,19 @@ from tracking.smoother import Smoother
 ACCEPTED, EQUAL = 20.0, 12.0
 
 
-def smoothed_states(arm: Arm, readings: Readings, q: Floats, given: bool) -> Floats | None:
-    """Return the states of an exact arm, (n, n_state), or None if no motion of it explains the readings at all."""
-    try:
-        return Smoother(arm, q, given).smooth(readings).states
-    except DataError:
-        return None
-
-
-def rough_states(arm: Arm, readings: Readings, q: Floats, given: bool) -> Floats | None:
-    """Return the states of a rough motion, (n, n_state), or None if there is none."""
-    found = rough_motion(arm, readings, q, given)
-    return None if found is None else finer(found.states, len(readings.values), found.stride)
-
-
-def first_motions(
-    arm: Arm, trials: Sequence[TrialFrames], states_of: Callable[..., Floats | None] = smoothed_states
-) -> list[Floats]:
+def first_motions(arm: Arm, trials: Sequence[TrialFrames]) -> list[Floats]:
     """Return spline coefficients (n + 2, n_joint) of every trial; the arm is at its zero where the run begins.
 
-    A motion that is not found at all begins as a standstill.
+    A motion that the smoother cannot find at all begins as a standstill.
     """
     q = np.zeros(arm.n_joint)
     motions = []
     for trial in trials:
-        states = states_of(arm, trial.raw.readings(FRAME_RATE_HZ), q, trial.continues)
-        if states is None:
-            path = np.tile(q, (len(trial.values), 1))
-        else:
+        try:
+            states = Smoother(arm, q, trial.continues).smooth(trial.raw.readings(FRAME_RATE_HZ)).states
             path = states[np.minimum(np.arange(len(trial.values)), len(states) - 1), : 3 * arm.n_joint : 3]
+        except DataError:
+            path = np.tile(q, (len(trial.values), 1))
         motions.append(np.vstack([2.0 * path[0] - path[1], path, 2.0 * path[-1] - path[-2]]))
         q = path[-1]
     return motions
@@ -112,20 +93,6 @@ class Search:
         motions = first_motions(trials.arm, trials.trials)
         self.base = trials.judge(trials.fit(trials.nothing(), motions))
         self.noise = noise_factor(trials, self.base)
-        if self.contradiction(self.base).sigmas > SIGMAS:  # an exact arm's motion may be far off
-            begun = first_motions(trials.arm, trials.trials, rough_states)
-            self.base = self._better(self.base, trials.judge(trials.fit(trials.nothing(), begun)))
-            self.noise = noise_factor(trials, self.base)
-
-    def _better(self, one: Fitted, other: Fitted) -> Fitted:
-        """Return the better of two fits of a hypothesis, each judging trial from whichever motion suits it."""
-        best, rest = (one, other) if one.cost <= other.cost else (other, one)
-        n = self.trials.n_learn
-        again = self.trials.judge(replace(best, motions=[*best.motions[:n], *rest.motions[n:]]))
-        better = again.squares < best.squares
-        both = zip(again.motions, best.motions, better, strict=True)
-        motions = [new if take else old for new, old, take in both]
-        return replace(best, motions=motions, squares=np.where(better, again.squares, best.squares))
 
     def score(self, fitted: Fitted) -> float:
         """Return the score of a judged fit."""
@@ -196,11 +163,12 @@ class Search:
                 found.append(Tried(one.suspect, one.judge / self.noise, None, np.empty(0)))
         # What was not fitted in full keeps its place behind what was.
         found.sort(key=lambda tried: (tried.fitted is None, tried.score))
-        best = found[0].fitted
-        if (
-            best is not None and self.contradiction(best).excess > NEGLIGIBLE
-        ):  # its motions may have begun too far off
-            found[0] = self.full(found[0].suspect, self._begun_anew(best))
+        numbered = next(k for k, one in enumerate(found) if not one.suspect.kind.frees_base)
+        for k in {0, numbered}:  # a base that is free hides that another one's motions may have begun too far off
+            fitted = found[k].fitted
+            if fitted is not None and self.contradiction(fitted).excess > NEGLIGIBLE:
+                found[k] = self.full(found[k].suspect, self._begun_anew(fitted))
+        found.sort(key=lambda tried: (tried.fitted is None, tried.score))
         return found
 
     def _screen(self, known: Fitted) -> list[Screened]:

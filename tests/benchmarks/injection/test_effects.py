@@ -27,8 +27,8 @@ RUBBING = replace(
 )
 
 
-def test_every_effect_of_a_joint_but_plain_friction_is_injected() -> None:
-    of_joint = {name for name, kind in catalogue().items() if kind.torque is not None}
+def test_every_effect_of_a_machines_joint_but_plain_friction_is_injected() -> None:
+    of_joint = {name for name, kind in catalogue().items() if kind.torque is not None and not kind.is_living}
     assert of_joint - set(AT_JOINT) == {"viscous", "coulomb"}
     assert len(PAIRS) == 22
 
