@@ -44,14 +44,14 @@ class Motion(NamedTuple):
     ddq: Floats
 
 
-def swing(rng: np.random.Generator) -> Motion:
-    """Return a motion from a rest on."""
-    t = np.arange(0.0, SECONDS, 1.0 / RATE_HZ)
+def swing(rng: np.random.Generator, finer: int = 1) -> Motion:
+    """Return a motion from a rest on; differences make its derivatives, over a part of the step where ``finer``."""
+    t = np.arange(0.0, SECONDS, 1.0 / RATE_HZ / finer)
     rates, amplitudes = 2.0 * np.pi * rng.uniform(0.3, 1.0, 2), rng.uniform(0.4, 0.8, 2)
     since = np.maximum(t - REST_S, 0.0)[:, None]
     q = (1.0 - np.exp(-(since**3))) * amplitudes * np.sin(rates * since)
     dq = np.gradient(q, t, axis=0)
-    return Motion(t, q, dq, np.gradient(dq, t, axis=0))
+    return Motion(*(part[::finer] for part in (t, q, dq, np.gradient(dq, t, axis=0))))
 
 
 def felt(arm: Arm, motion: Motion) -> Floats:

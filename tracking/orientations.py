@@ -2,8 +2,8 @@
 
 Sensors are taken in one after the other, from the base outwards, each in all 24 ways, and the likeliest few
 combinations are kept (a beam search; B. T. Lowerre 1976). A combination is as likely as the motion of the links so
-far that explains the readings of the sensors so far best: a few steps of Gauss and Newton, with noise as large as
-what is left. Right ways leave what misplaced sensors and a rough model leave; wrong ones leave as much as gravity.
+far that explains the readings of the sensors so far best (`tracking.rough_motion`), with noise as large as what is
+left. Right ways leave what misplaced sensors and a rough model leave; wrong ones leave as much as gravity.
 """
 
 from collections.abc import Callable
@@ -16,31 +16,18 @@ from numpy.typing import NDArray
 
 from arm.kinematics import rotation_from_rpy, rpy_from_rotation
 from arm.model import Arm, Floats
-from tracking.coarsening import coarser
-from tracking.course import course_of
-from tracking.discrepancy import speed_rate
-from tracking.expected_readings import room_of
 from tracking.noise import Noise
 from tracking.observation import observation_of
-from tracking.plain_filter import filter_plainly
-from tracking.process import SMOOTHER_PUSH_STD
 from tracking.readings import Readings
-from tracking.smoothed import is_near
-from tracking.smoothing_pass import pass_of, smooth_once
-from tracking.start import ROUGH, MountingPrior, rest_residual, start_state
+from tracking.rough_motion import rough_motion
+from tracking.start import MountingPrior, rest_residual
 
 #: Combinations that are kept from sensor to sensor; and if none of them is near, a second time.
 _BEAMS = (8, 32)
 #: Of the run so much counts, from its first sample on [s]: a rest and some motion of every joint.
 _SECONDS = 12.0
-#: Frames a second that are enough to tell an axis from another [Hz].
-_RATE_HZ = 30.0
 #: An accelerometer's offset [m/s^2]; log-odds at which a combination is not looked at further.
 _OFFSET_STD, _IMPOSSIBLE_NATS = 0.5, 20.0
-#: Steps of Gauss and Newton, and the most for those that are left, whose places are sought as well.
-_STEPS, _LAST_STEPS = 2, 15
-#: Speed of a joint before anything is known of it [rad/s or m/s].
-_USUAL_SPEED = 2.0
 #: Log-odds within which two combinations are equally likely: a hundred to one.
 EQUAL_NATS = float(np.log(100.0))
 
@@ -171,36 +158,8 @@ def _log_likelihood(
 
     The second is whether lengths and mountings are near, where ``prior`` lets mountings be sought.
     """
-    of, size = observation_of(arm, mountings=prior is not None)
-    first, steady = readings.first_mean, readings.begins_steadily
-    x0, P0 = start_state(arm, of, size, first, steady, q, given, prior or ROUGH)
-    n = arm.n_joint
-    push = np.full(n, SMOOTHER_PUSH_STD**2)
-    course = course_of(readings, n)._replace(push=push, rate=speed_rate(push, np.full(n, _USUAL_SPEED)))
-    course = coarser(course, max(1, round(1.0 / (_RATE_HZ * readings.dt_s))))
-    least = course.noise
-    variance = np.maximum(np.var(course.readings[course.present], axis=0).mean(), least)
-    course = course._replace(noise=variance)
-    room, found = room_of(n), pass_of(of, course, size)
-    try:
-        at = filter_plainly(of, course, x0, P0)
-        x, cost, before = x0, np.inf, np.inf
-        for _ in range(_STEPS if prior is None else _LAST_STEPS):
-            x, P = x0.copy(), P0.copy()
-            cost = smooth_once(of, room, course, at, x, P, found, False)
-            if not np.isfinite(found.states).all():
-                return -np.inf, False
-            at = found.states.copy()
-            left = course.noise * found.error[:, : course.noise.size]
-            course = course._replace(noise=np.maximum(np.mean(left[course.present] ** 2), least))
-            if abs(cost - before) < 2.0 * EQUAL_NATS:
-                break
-            before = cost
-    except np.linalg.LinAlgError:
-        return -np.inf, False
-    if not np.isfinite(cost):
-        return -np.inf, False
-    return -0.5 * float(cost), prior is None or is_near(of, x - x0, P0)
+    found = rough_motion(arm, readings, q, given, prior)
+    return (-np.inf, False) if found is None else (found.log_likelihood, found.is_near)
 
 
 def _part(arm: Arm, taken: NDArray[np.intp]) -> Arm:

@@ -6,6 +6,7 @@ against which it is seen. All suspects are tried to first order; those that come
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 from scipy.stats import chi2
@@ -26,6 +27,9 @@ from fitter.reading_diagnosis.sensor_residual import Contradiction, contradictio
 from fitter.reading_diagnosis.sensor_screening import Screened, base_frequencies, screened
 from fitter.reading_diagnosis.suspected_effects import EFFECTS
 from limbcal.errors import DataError
+from tracking.coarsening import finer
+from tracking.readings import Readings
+from tracking.rough_motion import rough_motion
 from tracking.smoother import Smoother
 
 #: What a cause must explain, and by what it must beat a rival: squared, in noise units. Chosen by hand, with
@@ -35,19 +39,35 @@ from tracking.smoother import Smoother
 ACCEPTED, EQUAL = 20.0, 12.0
 
 
-def first_motions(arm: Arm, trials: Sequence[TrialFrames]) -> list[Floats]:
+def smoothed_states(arm: Arm, readings: Readings, q: Floats, given: bool) -> Floats | None:
+    """Return the states of an exact arm, (n, n_state), or None if no motion of it explains the readings at all."""
+    try:
+        return Smoother(arm, q, given).smooth(readings).states
+    except DataError:
+        return None
+
+
+def rough_states(arm: Arm, readings: Readings, q: Floats, given: bool) -> Floats | None:
+    """Return the states of a rough motion, (n, n_state), or None if there is none."""
+    found = rough_motion(arm, readings, q, given)
+    return None if found is None else finer(found.states, len(readings.values), found.stride)
+
+
+def first_motions(
+    arm: Arm, trials: Sequence[TrialFrames], states_of: Callable[..., Floats | None] = smoothed_states
+) -> list[Floats]:
     """Return spline coefficients (n + 2, n_joint) of every trial; the arm is at its zero where the run begins.
 
-    A motion that the smoother cannot find at all begins as a standstill.
+    A motion that is not found at all begins as a standstill.
     """
     q = np.zeros(arm.n_joint)
     motions = []
     for trial in trials:
-        try:
-            states = Smoother(arm, q, trial.continues).smooth(trial.raw.readings(FRAME_RATE_HZ)).states
-            path = states[np.minimum(np.arange(len(trial.values)), len(states) - 1), : 3 * arm.n_joint : 3]
-        except DataError:
+        states = states_of(arm, trial.raw.readings(FRAME_RATE_HZ), q, trial.continues)
+        if states is None:
             path = np.tile(q, (len(trial.values), 1))
+        else:
+            path = states[np.minimum(np.arange(len(trial.values)), len(states) - 1), : 3 * arm.n_joint : 3]
         motions.append(np.vstack([2.0 * path[0] - path[1], path, 2.0 * path[-1] - path[-2]]))
         q = path[-1]
     return motions
@@ -94,6 +114,10 @@ class Search:
         self.base = trials.judge(trials.fit(trials.nothing(), motions))
         self.noise = noise_factor(trials, self.base)
 
+    @cached_property
+    def _rough_motions(self) -> list[Floats]:
+        return first_motions(self.trials.arm, self.trials.trials, rough_states)
+
     def score(self, fitted: Fitted) -> float:
         """Return the score of a judged fit."""
         return float(self.each(fitted).sum() + fitted.usual + fitted.surprise)
@@ -114,8 +138,14 @@ class Search:
         return contradiction(self.trials, fitted, self.noise)
 
     def full(self, suspect: Suspect, fitted: Fitted) -> Tried:
-        """Judge a fit in full."""
+        """Judge a fit in full; where readings contradict it, from a rough motion as well."""
         fitted = self.trials.judge(fitted)
+        if self.contradiction(fitted).sigmas > SIGMAS:  # a motion may be caught far from where it should be
+            n = self.trials.n_learn
+            again = self.trials.judge(replace(fitted, motions=[*fitted.motions[:n], *self._rough_motions[n:]]))
+            both = zip(fitted.motions, again.motions, again.squares < fitted.squares, strict=True)
+            motions = [new if better else old for old, new, better in both]
+            fitted = self.trials.judge(replace(fitted, motions=motions))
         self._tell()
         return Tried(suspect, self.score(fitted), fitted, self.each(fitted))
 
