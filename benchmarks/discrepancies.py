@@ -45,7 +45,7 @@ class Motion(NamedTuple):
 
 
 def swing(rng: np.random.Generator, finer: int = 1) -> Motion:
-    """Return a motion from a rest on; differences make its derivatives, over a part of the step where ``finer``."""
+    """Return a motion from a rest on; derivatives are differences over a step, or a part of it by ``finer``."""
     t = np.arange(0.0, SECONDS, 1.0 / RATE_HZ / finer)
     rates, amplitudes = 2.0 * np.pi * rng.uniform(0.3, 1.0, 2), rng.uniform(0.4, 0.8, 2)
     since = np.maximum(t - REST_S, 0.0)[:, None]
