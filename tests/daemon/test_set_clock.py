@@ -50,19 +50,21 @@ def test_a_clock_that_is_set_by_an_hour_moves_no_stamp(
     monkeypatch.setenv("LD_PRELOAD", str(shim))
     heard, _ = live_run(limbd, tmp_path, "", RATE_HZ, 96_000, hear)
     check(heard, sent(RATE_HZ, 120_000))
-    assert [gap["why"] for gap in heard[GAP]] == [
+    # A machine that is busy with other work may lose frames of the tty: that is said, and moves no stamp either.
+    sets = [gap for gap in heard[GAP] if gap["why"].startswith("the host's clock was set")]
+    assert [gap["why"] for gap in sets] == [
         f"the host's clock was set by {by} s" for by in ("+3600.000", "-3600.000", "-3600.000")
     ]
-    assert all(gap["samples"] == 0 for gap in heard[GAP])
+    assert all(gap["samples"] == 0 for gap in sets)
     stamps = np.array([block["t0_ns"] for block in heard[RAW]])
-    samples = np.array([block["n"] for block in heard[RAW]])
-    off_s = 1e-9 * np.diff(stamps) - samples[:-1] / RATE_HZ
+    samples = np.array([block["sample0"] for block in heard[RAW]])
+    off_s = 1e-9 * np.diff(stamps) - np.diff(samples) / RATE_HZ
     assert np.max(np.abs(off_s)) < 1e-3
-    assert stamps[0] < heard[GAP][0]["t_ns"] < heard[GAP][1]["t_ns"] < heard[GAP][2]["t_ns"]
-    assert heard[GAP][2]["t_ns"] < stamps[-1] + 10**9
+    assert stamps[0] < sets[0]["t_ns"] < sets[1]["t_ns"] < sets[2]["t_ns"]
+    assert sets[2]["t_ns"] < stamps[-1] + 10**9
     clock = heard[HEALTH][-1]["clock"]
     assert (round(clock["host_ahead_s"]), clock["host_jumps"]) == (-3600, 3)
     stated = heard[HEALTH][-1]["gaps"]
-    assert stated["causes"] == {"the host's clock was set": 3}
+    assert stated["causes"]["the host's clock was set"] == 3
     assert [gap["why"] for gap in stated["last"]] == [gap["why"] for gap in heard[GAP]]
-    assert heard[HEALTH][-1]["lost_samples"] == 0
+    assert heard[HEALTH][-1]["lost_samples"] == sum(gap["samples"] for gap in heard[GAP])
