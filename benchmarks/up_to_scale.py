@@ -1,4 +1,4 @@
-"""Ratios under law (5) with a free equilibrium trajectory: how often they are told, and whether intervals hold.
+"""Ratios under law (5) with a free equilibrium trajectory: how often they are identified, whether intervals hold.
 
     python -m benchmarks.up_to_scale [--cases N]
 
@@ -114,17 +114,18 @@ def main(argv: Sequence[str] | None = None) -> int:
     parser.add_argument("--cases", type=int, default=24, metavar="N", help="simulated limbs of each kind (24)")
     arguments = parser.parse_args(argv)
     for case in CASES:
-        told, held, cases = 0, 0, 0
+        identified, held, cases = 0, 0, 0
         for seed in range(arguments.cases):
             with tempfile.TemporaryDirectory() as folder:
                 trials = moved(case, seed, Path(folder))
             known, true = equilibrium_ratios(case.arm, trials).known, truth(case, trials)
-            told, cases = told + len(known), cases + bool(known)
+            identified, cases = identified + len(known), cases + bool(known)
             for one in known:
                 assert one.ci95 is not None
                 held += one.ci95[0] <= true[one.name] <= one.ci95[1]
         sys.stdout.write(
-            f"{case.name}: told in {cases} of {arguments.cases}, {told} ratios, {held} of their intervals hold\n"
+            f"{case.name}: identified in {cases} of {arguments.cases}, {identified} ratios, "
+            f"{held} of their intervals hold\n"
         )
     return 0
 

@@ -48,3 +48,8 @@ def holds_or_says(arm: Arm, word: str, off: float = STD_OFF) -> Right:
 def silent_and_right(arm: Arm) -> Right:
     """Right is an answer that holds, without a question."""
     return lambda ran: holds(arm)(ran) and not QUESTIONS.search(ran.said)
+
+
+def silent(ran: Ran) -> bool:
+    """Right is an answer without a question."""
+    return ran.code == 0 and not QUESTIONS.search(ran.said)

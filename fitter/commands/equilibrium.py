@@ -85,6 +85,6 @@ def _say(arm: Arm, fit: EquilibriumFit) -> None:
 
 def _interval(one: EquilibriumRatio) -> str:
     if one.ci95 is None:
-        return "not told"
+        return "not identified"
     low, high = one.ci95
     return " ± ".join(with_half_width((low + high) / 2.0, (high - low) / 2.0))

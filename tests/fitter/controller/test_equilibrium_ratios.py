@@ -24,7 +24,7 @@ def test_a_quick_release_tells_the_ratios(tmp_path, seed):
         assert low - 0.2 * (high - low) < value / INERTIA < high + 0.2 * (high - low), name
     low, high = found["(kp1)/I1"]
     assert high - low < 0.3 * KP / INERTIA
-    low, high = found["(kp1 and gravity)/I1"]  # a spring and gravity are told together better than apart
+    low, high = found["(kp1 and gravity)/I1"]  # a spring and gravity are identified together better than apart
     assert high - low < 0.1 * KP / INERTIA
     assert 0.3 < fit.bandwidth_hz < 3.0
 
