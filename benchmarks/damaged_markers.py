@@ -15,12 +15,12 @@ from pathlib import Path
 
 import numpy as np
 
-from fitter.markers.marker_files import look_at, read_raw
-from fitter.markers.recording import RawRecording
 from limbcal.arguments import Parser, common_options
 from limbcal.command import Document, emit, run_command, say
 from limbcal.errors import ConfigError
 from limbcal.note import Note
+from protocol.markers.marker_files import look_at, read_raw
+from protocol.markers.recording import RawRecording
 
 Rng = np.random.Generator
 #: Recordings of each person that are damaged, by folder.

@@ -20,7 +20,7 @@ from fitter.functional.functional_centre import FunctionalCentre, functional_cen
 from fitter.functional.marker_set import load_marker_set
 from fitter.functional.regression_centre import regression_centres
 from fitter.functional.segment_motion import SegmentMotion, segment_motion
-from fitter.markers.marker_files import read_markers
+from protocol.markers.marker_files import read_markers
 
 _LOWER_LIMB = "biobuddy/lower_limb_calibration/Test_func_"
 _PELVIS = ("LASI", "RASI", "LPSI", "RPSI")

@@ -25,8 +25,8 @@ from fitter.limb.limb_fit import LimbFit
 from fitter.limb.limb_search import Found, Search, polished, search_limb
 from fitter.limb.search_comparison import SAME_MINIMUM, comparison
 from fitter.limb.warm_up import warm_up
-from fitter.markers.marker_files import read_markers
-from fitter.markers.recording import MarkerRecording
+from protocol.markers.marker_files import read_markers
+from protocol.markers.recording import MarkerRecording
 from tests.fitter.limb.simulated_person import person
 
 #: Of the issue: within so much of the bundle fit [mm].

@@ -1,6 +1,6 @@
 """The trials of a motion file, each on a clock of its own, with the joints' columns side by side."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -23,11 +23,14 @@ class Trials:
     ----------
     signals : dict of int to dict of str to ndarray
         By trial: ``t`` of shape (n,) starting at 0, and the signals found, of shape (n, n_joint).
+    begins_s : dict of int to float
+        When each began, on the file's own clock.
     notes : tuple of Note
         What was found while reading, where time leaps, and which trial got which number.
     """
 
     signals: dict[int, Signals]
+    begins_s: dict[int, float]
     notes: tuple[Note, ...] = ()
 
 
@@ -37,11 +40,17 @@ class _Piece:
 
     label: str
     row: int  # the first one's, from 1
+    begin_s: float
     signals: Signals
 
 
 def read_trials(
-    path: Path, arm: Arm, needed: Sequence[str], optional: Sequence[str] = (), columns: str | None = None
+    path: Path,
+    arm: Arm,
+    needed: Sequence[str],
+    optional: Sequence[str] = (),
+    columns: str | None = None,
+    vectors: Mapping[str, Sequence[str]] | None = None,
 ) -> Trials:
     """Read the signals of every trial in a joint-motion file.
 
@@ -56,6 +65,8 @@ def read_trials(
         Names of signals without the joint's number. Further columns are not looked at.
     columns : str, optional
         Mapping of foreign columns, see `protocol.tables.columns.parse_mapping`.
+    vectors : mapping of str to sequence of str, optional
+        Signals of several plain columns, taken where all of them are there.
 
     Returns
     -------
@@ -70,13 +81,19 @@ def read_trials(
         seconds, or a trial has fewer than two samples.
     """
     mapping = parse_mapping(columns, arm.n_joint)
-    tables = read_tables(path, arm.n_joint, mapping, needed, joint_roles=(*needed, *optional))
+    joints = (*needed, *optional)
+    tables = read_tables(path, arm.n_joint, mapping, needed, vectors=vectors, joint_roles=joints)
     pieces: list[_Piece] = []
     notes: list[Note] = [note for table in tables for note in table.notes]
     for cell, table in enumerate(tables):
         label = str(cell + 1) if len(tables) > 1 else "1"
         pieces += _pieces(table, label, path, notes)
-    return Trials(_numbered(pieces, path, notes), tuple(notes))
+    numbered = _numbered(pieces, path, notes)
+    return Trials(
+        {number: piece.signals for number, piece in numbered.items()},
+        {number: piece.begin_s for number, piece in numbered.items()},
+        tuple(notes),
+    )
 
 
 def _pieces(table: Table, label: str, path: Path, notes: list[Note]) -> list[_Piece]:
@@ -101,20 +118,21 @@ def _pieces(table: Table, label: str, path: Path, notes: list[Note]) -> list[_Pi
                     raise DataError(f"{where} has {last - first} sample, expected at least 2")
                 continue
             signals = {role: values[first:last] for role, values in table.groups.items() if role != "t"}
-            found.append(_Piece(name or label, first + 1, {"t": t[first:last] - t[first], **signals}))
+            own = {"t": t[first:last] - t[first], **signals}
+            found.append(_Piece(name or label, first + 1, float(t[first]), own))
     return found
 
 
-def _numbered(pieces: Sequence[_Piece], path: Path, notes: list[Note]) -> dict[int, Signals]:
+def _numbered(pieces: Sequence[_Piece], path: Path, notes: list[Note]) -> dict[int, _Piece]:
     """Return pieces by number: the labels' own, if each is a whole number, or their place in the file."""
     labels = [piece.label for piece in pieces]
     numbers = [_whole(label) for label in labels]
     if None not in numbers and len(set(numbers)) == len(labels):
-        return {number: piece.signals for number, piece in zip(numbers, pieces, strict=True) if number is not None}
+        return {number: piece for number, piece in zip(numbers, pieces, strict=True) if number is not None}
     if len(set(labels)) > 1:
         said = ", ".join(f"{k} is {piece.label!r} from row {piece.row}" for k, piece in enumerate(pieces, 1))
         notes.append(Note("trials", f"trials are counted: {said}", str(path), ("trial",)))
-    return {number: piece.signals for number, piece in enumerate(pieces, 1)}
+    return dict(enumerate(pieces, 1))
 
 
 def _whole(label: str) -> int | None:

@@ -1,4 +1,4 @@
-"""A short run of the bench, as a daemon would stream, record and save it, and a stand-in that publishes it."""
+"""A short run of the bench as a daemon streams, records and saves it, what publishes it, and measured data."""
 
 import os
 import signal
@@ -46,6 +46,15 @@ settings.load_profile("patient")
 # What a shell starts in the background ignores SIGINT, and so would all that a test starts and interrupts.
 if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
     signal.signal(signal.SIGINT, signal.default_int_handler)
+
+
+@pytest.fixture(scope="session")
+def measured_data() -> Path:
+    """Return the folder of real measurements, which are not part of the project."""
+    folder = Path(os.environ.get("LIMBCAL_DATA", Path(__file__).parents[1] / ".." / "shared" / "data"))
+    if not folder.is_dir():
+        pytest.skip(f"no measured data in {folder}; LIMBCAL_DATA can name another folder")
+    return folder.resolve()
 
 
 @pytest.fixture(scope="session", autouse=True)

@@ -15,8 +15,8 @@ from fitter.limb.frame_choice import usable_frames
 from fitter.limb.inverse_kinematics import follow, predicted
 from fitter.limb.limb_trials import LimbTrials
 from fitter.limb.uncertainty import Errors
-from fitter.markers.recording import MarkerRecording
 from limbcal.note import Note
+from protocol.markers.recording import MarkerRecording
 
 
 @dataclass(frozen=True)

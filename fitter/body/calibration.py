@@ -28,7 +28,7 @@ from fitter.limb.limb_trials import LimbTrials, sorted_trials
 from fitter.limb.marker_observations import Frames, MarkerModel
 from fitter.limb.nan_statistics import nan_median
 from fitter.limb.uncertainty import Errors, errors_of
-from fitter.markers.recording import MarkerRecording
+from protocol.markers.recording import MarkerRecording
 
 #: Frames that a fit takes, evenly spread over all that can be used.
 FIT_FRAMES = 300

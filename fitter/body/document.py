@@ -6,7 +6,7 @@ from arm.marker_kinematics import HANG_X
 from fitter.body.body_fit import BodyFit
 from fitter.body.derived_body import derived_body, markers_on
 from fitter.limb.json_document import derived_document, length_label, of_bundle, of_roles, parameters
-from fitter.markers.recording import MarkerRecording
+from protocol.markers.recording import MarkerRecording
 
 
 def body_document(

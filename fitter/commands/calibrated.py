@@ -14,11 +14,11 @@ from fitter.limb.json_document import document
 from fitter.limb.limb_calibration import calibrate
 from fitter.limb.limb_search import Search
 from fitter.limb.written_arm import calibrated_arm
-from fitter.markers.recording import MarkerRecording
 from fitter.report.body_page import write_body_page
 from fitter.report.limb_page import write_limb_page
 from limbcal.command import Document
 from limbcal.note import Note
+from protocol.markers.recording import MarkerRecording
 
 Recordings = Sequence[MarkerRecording]
 Told = Callable[[str, int], None]

@@ -18,11 +18,11 @@ from fitter.commands.options import make_room, positive
 from fitter.functional.marker_set import load_marker_set
 from fitter.limb.limb_search import GENERATIONS, Search
 from fitter.limb.probing import with_probed
-from fitter.markers.marker_files import read_markers
-from fitter.markers.recording import MarkerRecording
 from limbcal.command import Document, console, say_notes, show
 from limbcal.errors import ConfigError
 from limbcal.note import Note, documents, of_source
+from protocol.markers.marker_files import read_markers
+from protocol.markers.recording import MarkerRecording
 
 #: Notes of a recording that a calibration passes on: the others are of `fitter markers`.
 _PASSED_ON = ("swapped", "unit", "up", "clock", "doubled")

@@ -7,12 +7,12 @@ from pathlib import Path
 import numpy as np
 from rich.progress import Progress
 
+from arm.base_pose import BASE_COLUMNS
 from arm.body.isb_angles import isb_angles
 from fitter.commands.arm_option import questioned_arm
 from fitter.commands.limb_export import check_export, export
 from fitter.commands.limb_kinematics import recordings_of
 from fitter.commands.options import MOTION_SUFFIXES, make_room
-from fitter.data.base_columns import BASE_COLUMNS
 from fitter.data.motion_file import write_motion
 from fitter.limb.json_document import of_markers, rms_mm
 from fitter.limb.tracking import marked_arm, track_limb

@@ -8,13 +8,13 @@ from rich.markup import escape
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn
 from rich.table import Table
 
-from fitter.markers.force_notes import moves
-from fitter.markers.marker_files import Looked, read_markers
-from fitter.markers.missing import SHORTEST_S
-from fitter.markers.recording import runs
 from limbcal.command import Document, console, show
 from limbcal.escaped import escaped
 from limbcal.note import Note
+from protocol.markers.force_notes import moves
+from protocol.markers.marker_files import Looked, read_markers
+from protocol.markers.missing import SHORTEST_S
+from protocol.markers.recording import runs
 
 #: As it stands in the help.
 EXAMPLE = "fitter markers static.c3d walking.c3d"

@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 from rich.progress import track as progress
 
+from arm.base_pose import BASE_COLUMNS
 from arm.effects.effect_table import changed
 from arm.effects.resisting_torque import resisting_torque
 from arm.kinematics import axis_frames
@@ -15,14 +16,14 @@ from arm.model import Arm, Floats
 from arm.moving_base import BaseState, OuterWrench, carried_inverse_dynamics
 from fitter.commands.arm_option import questioned_arm
 from fitter.commands.options import MOTION_SUFFIXES, add_arm, add_columns, add_out, make_room, per_joint
-from fitter.data.base_columns import BASE_COLUMNS, base_state, derivatives
+from fitter.data.base_columns import base_state, derivatives
 from fitter.data.motion_file import write_motion
 from fitter.data.motions import TIP, Measured, read_motions
 from fitter.ground.link_names import link_named, segments
-from fitter.markers.wrench_files import EMPTY_N, PlateWrench, read_wrenches
 from limbcal.command import Document, console, say_notes, show
 from limbcal.errors import ConfigError, DataError
 from limbcal.note import Note, documents, of_source
+from protocol.markers.wrench_files import EMPTY_N, PlateWrench, read_wrenches
 from protocol.tables.columns import parse_mapping
 
 #: As it stands in the help.

@@ -2,15 +2,12 @@
 
 import numpy as np
 from scipy.interpolate import make_interp_spline
-from scipy.spatial.transform import Rotation
 
-from arm.kinematics import rotation_from_rpy
+from arm.base_pose import frame_0_poses
 from arm.model import Arm, Floats
 from arm.moving_base import BaseState, standing_base
 from limbcal.errors import DataError
 
-#: Pose in the world of the segment that carries the base: place [m], then a unit quaternion.
-BASE_COLUMNS = ("base_x", "base_y", "base_z", "base_qw", "base_qx", "base_qy", "base_qz")
 #: Samples that a quintic spline needs.
 LEAST_SAMPLES = 6
 #: How far a quaternion may be from length one.
@@ -67,13 +64,10 @@ def base_state(arm: Arm, t: Floats, columns: Floats | None, where: str) -> BaseS
     omega = 2.0 * _vector_of_product(rate, conjugate)
     omega_dot = 2.0 * _vector_of_product(second, conjugate)  # that of dq dq* is a scalar
     _, acceleration = derivatives(t, columns[:, :3])
-    R = Rotation.from_quat(quaternion, scalar_first=True).as_matrix()
-    own_R, own_p = np.eye(3), np.zeros(3)
-    if arm.base is not None:
-        own_R, own_p = rotation_from_rpy(*arm.base.rotation_rad), np.array(arm.base.position_m)
-    lever = np.einsum("nij,j->ni", R, own_p)
+    R, p = frame_0_poses(arm, np.hstack([columns[:, :3], quaternion]))
+    lever = p - columns[:, :3]
     swing = np.cross(omega_dot, lever) + np.cross(omega, np.cross(omega, lever))
-    return BaseState(R @ own_R, columns[:, :3] + lever, omega, omega_dot, acceleration + swing)
+    return BaseState(R, p, omega, omega_dot, acceleration + swing)
 
 
 def _vector_of_product(a: Floats, b: Floats) -> Floats:

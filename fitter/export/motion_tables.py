@@ -3,7 +3,8 @@
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from arm.kinematics import axis_frames, rotation_from_rpy
+from arm.base_pose import frame_0_poses
+from arm.marker_positions import marker_positions
 from arm.model import Arm, Floats
 from fitter.export.osim_model import BASE_COORDINATES
 from fitter.export.placements import is_carried
@@ -35,18 +36,8 @@ def coordinates_mot(arm: Arm, t: Floats, q: Floats, base: Floats | None) -> str:
 
 def marker_places(arm: Arm, q: Floats, base: Floats | None) -> Floats:
     """Return where an arm has its markers in the world, (n_frame, n_marker, 3) [m]; parameters as above."""
-    frames = axis_frames(arm, q)
-    frames = np.concatenate([np.tile(np.eye(4), (len(q), 1, 1, 1)), frames], axis=1)
-    links = [marker.joint for marker in arm.markers]
-    local = np.array([marker.position_m for marker in arm.markers]).reshape(-1, 3)
-    own = frames[:, links]
-    places = np.einsum("nmij,mj->nmi", own[..., :3, :3], local) + own[..., :3, 3]
-    if arm.base is not None:
-        places = places @ rotation_from_rpy(*arm.base.rotation_rad).T + np.array(arm.base.position_m)
-    if base is not None and is_carried(arm):
-        R = Rotation.from_quat(base[:, [4, 5, 6, 3]]).as_matrix()
-        places = np.einsum("nij,nmj->nmi", R, places) + base[:, None, :3]
-    return np.asarray(places)
+    R, p = frame_0_poses(arm, base if is_carried(arm) else None)
+    return np.asarray(marker_positions(arm, q) @ R.mT + p[:, None])
 
 
 def markers_trc(name: str, markers: list[str], t: Floats, places: Floats, rate_hz: float) -> str:

@@ -4,8 +4,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from arm.base_pose import base_in_segment
 from arm.effects.effect_table import changed
-from arm.kinematics import axis_frames, rotation_from_rpy
+from arm.kinematics import axis_frames
 from arm.model import Arm, Floats
 
 #: A standing arm's ground, a carried arm's segment, and its links, by name.
@@ -47,9 +48,7 @@ def placements(arm: Arm) -> Placements:
     arm = changed(arm)
     frames = np.concatenate([np.eye(4)[None], axis_frames(arm, np.zeros(arm.n_joint))[0]])
     frame_0 = np.eye(4)
-    if arm.base is not None:
-        frame_0[:3, :3] = rotation_from_rpy(*arm.base.rotation_rad)
-        frame_0[:3, 3] = arm.base.position_m
+    frame_0[:3, :3], frame_0[:3, 3] = base_in_segment(arm)
     mass = np.array([joint.link.mass_kg for joint in arm.joints])
     centre = np.array([joint.link.com_m for joint in arm.joints])
     inertia = np.array([_tensor(joint.link.inertia_kg_m2) for joint in arm.joints])

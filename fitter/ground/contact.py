@@ -13,8 +13,8 @@ from numpy.typing import NDArray
 from arm.model import Floats
 from fitter.ground.floating_base import FloatingBase
 from fitter.ground.link_motion import LinkMotion
-from fitter.markers.recording import runs
 from limbcal.note import Note
+from protocol.markers.recording import runs
 
 #: Closure is judged by means over this long [s]: an error of the velocity of 0.1 m/s is then 1 % of the weight.
 _WINDOW_S = 1.0

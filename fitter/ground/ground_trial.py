@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
-from arm.kinematics import rotation_from_rpy
+from arm.base_pose import base_in_segment
 from arm.model import Arm, Floats
 from arm.moving_base import standing_base
 from fitter.data.derivatives import lowpass
@@ -17,10 +17,10 @@ from fitter.ground.disturbances import Posture, postures
 from fitter.ground.floating_base import FloatingBase, base_regressor
 from fitter.ground.ground_wrench import ground_wrench, wrench_at_origin
 from fitter.ground.link_motion import LinkMotion, link_motions
-from fitter.markers.recording import runs
-from fitter.markers.wrench_files import EMPTY_N, PlateWrench, read_wrenches
 from limbcal.errors import DataError
 from limbcal.note import Note
+from protocol.markers.recording import runs
+from protocol.markers.wrench_files import EMPTY_N, PlateWrench, read_wrenches
 
 #: Clocks are compared by what is slower: of a motion from markers, the rest is noise (Winter 2009) [Hz].
 _FASTEST_HZ = 6.0
@@ -152,9 +152,7 @@ def ground_trial(
 
 def _in_frame_0(arm: Arm, wrench: Floats) -> Floats:
     """Return wrenches at the world's origin as wrenches at frame 0's, in its axes."""
-    if arm.base is None:
-        return wrench
-    R, p = rotation_from_rpy(*arm.base.rotation_rad), np.array(arm.base.position_m)
+    R, p = base_in_segment(arm)
     force, moment = wrench[:, :3], wrench[:, 3:] - np.cross(p, wrench[:, :3])
     return np.hstack([force @ R, moment @ R])
 

@@ -11,9 +11,9 @@ from numpy.typing import NDArray
 
 from arm.model import Floats
 from fitter.data.derivatives import lowpass
-from fitter.markers.wrench_files import EMPTY_N, PlateWrench
 from limbcal.errors import DataError
 from limbcal.note import Note
+from protocol.markers.wrench_files import EMPTY_N, PlateWrench
 
 #: Corner before a force is sampled at a lower rate, as a share of that rate: below its Nyquist frequency.
 _ANTI_ALIAS = 0.4

@@ -11,8 +11,8 @@ from fitter.limb.bundle import Bundle
 from fitter.limb.free_geometry import FreeGeometry, Geometry
 from fitter.limb.limb_fit import LimbFit
 from fitter.limb.uncertainty import Derived, Errors, derived
-from fitter.markers.recording import MarkerRecording
 from limbcal.command import Document
+from protocol.markers.recording import MarkerRecording
 
 _COLUMNS = (("alpha", "rad", 0), ("a", "m", 1), ("d", "m", 2), ("beta", "rad", 3), ("theta_offset", "rad", 4))
 

@@ -30,8 +30,8 @@ from fitter.limb.limb_trials import LimbTrials, limb_trials
 from fitter.limb.marker_observations import SWAY, Frames, MarkerModel
 from fitter.limb.search_comparison import Comparison, comparison
 from fitter.limb.uncertainty import Errors, errors
-from fitter.markers.recording import MarkerRecording
 from limbcal.note import Note
+from protocol.markers.recording import MarkerRecording
 
 #: Frames that a fit takes, evenly spread over all that can be used.
 FIT_FRAMES = 500

@@ -19,8 +19,8 @@ from fitter.limb.limb_trials import LimbTrials
 from fitter.limb.marker_observations import Frames, base_follows, with_base
 from fitter.limb.search_comparison import Comparison
 from fitter.limb.uncertainty import Errors
-from fitter.markers.recording import MarkerRecording
 from limbcal.note import Note
+from protocol.markers.recording import MarkerRecording
 
 
 @dataclass(frozen=True)

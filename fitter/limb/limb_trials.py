@@ -12,9 +12,9 @@ from fitter.functional.draft_marker_set import distance_scatter
 from fitter.functional.marker_set import MarkerSet
 from fitter.functional.marker_set_fit import best_built_in, fit_marker_set
 from fitter.functional.segment_motion import SegmentMotion, segment_motion
-from fitter.markers.recording import MarkerRecording
 from limbcal.errors import DataError
 from limbcal.note import Note
+from protocol.markers.recording import MarkerRecording
 
 #: Frames that a marker must be seen in to be placed.
 _LEAST_FRAMES = 5

@@ -14,9 +14,9 @@ from fitter.functional.anatomy import LANDMARKS
 from fitter.functional.marker_set import MarkerSet
 from fitter.functional.rigid_fit import fit_poses
 from fitter.functional.segment_motion import segment_motion
-from fitter.markers.recording import MarkerRecording
 from limbcal.errors import ConfigError, DataError
 from limbcal.note import Note
+from protocol.markers.recording import MarkerRecording
 
 #: How far a tip that rests on a point may stray in the segment, rms [m]: one examiner finds a point again within 6
 #: to 21 mm (Della Croce, Cappozzo, Kerrigan 1999); a tip that strays so far while it is held is on no point.

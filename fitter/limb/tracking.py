@@ -7,11 +7,11 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation, Slerp
 
+from arm.base_pose import base_in_segment
 from arm.body.landmarks import limb_map
 from arm.body.limbs import BODY, LIMBS
 from arm.body.whole_body import body_map
 from arm.effects.marker_effects import marked_in, slid_markers
-from arm.kinematics import rotation_from_rpy
 from arm.marker_kinematics import MarkerChain
 from arm.model import Arm, Floats
 from fitter.functional.rigid_fit import fit_poses
@@ -23,9 +23,9 @@ from fitter.limb.initial_geometry import joint_prior
 from fitter.limb.inverse_kinematics import follow, link_poses, predicted
 from fitter.limb.marker_observations import SWAY, AnglePrior, Frames, MarkerModel, base_follows, with_base
 from fitter.limb.motion_smoother import Smoothed, smooth
-from fitter.markers.recording import MarkerRecording
 from limbcal.errors import ConfigError, DataError
 from limbcal.note import Note
+from protocol.markers.recording import MarkerRecording
 
 #: How far a marker wanders where the arm file does not say so, and at the least [m].
 _USUAL_STD_M, _LEAST_STD_M = 0.008, 0.004
@@ -97,9 +97,7 @@ def marked_arm(arm: Arm) -> MarkedArm:
         raise ConfigError(
             f"arm {arm.name!r} has a joint that slides, expected only joints that turn, to track markers"
         )
-    base_R, base_p = np.eye(3), np.zeros(3)
-    if arm.base is not None:
-        base_R, base_p = rotation_from_rpy(*arm.base.rotation_rad), np.array(arm.base.position_m)
+    base_R, base_p = base_in_segment(arm)
     model = MarkerModel(
         tuple(m.name for m in on_links),
         np.array([m.joint - 1 for m in on_links], dtype=np.int64),

@@ -11,7 +11,7 @@ from fitter.functional.marker_set import MarkerSet
 from fitter.limb.limb_calibration import calibrate
 from fitter.limb.limb_search import Search
 from fitter.limb.tracking import track_limb
-from fitter.markers.recording import MarkerRecording
+from protocol.markers.recording import MarkerRecording
 
 _FRAMES, _RATE_HZ = 24, 50.0
 

@@ -10,7 +10,7 @@ from fitter.diagnosis.search import Verdict
 from fitter.marker_diagnosis.marker_hypotheses import Suspicion
 from fitter.marker_diagnosis.marker_search import MarkerCause, MarkerSearch, search_markers
 from fitter.marker_diagnosis.trial_errors import TrialErrors
-from fitter.markers.recording import MarkerRecording
+from protocol.markers.recording import MarkerRecording
 
 _UNITS = {"_m": "m", "_m_rad": "m/rad", "_rad": "rad", "joint": "1"}
 #: Draws of blocks for the gain's interval.

@@ -8,7 +8,7 @@ import numpy as np
 from arm.model import Arm, Effect
 from fitter.marker_diagnosis.marker_hypotheses import Suspicion, Wander, suspicions
 from fitter.marker_diagnosis.trial_errors import TrialErrors, trial_errors
-from fitter.markers.recording import MarkerRecording
+from protocol.markers.recording import MarkerRecording
 
 #: Odds that a cause must have against none, all that were tried being as likely before: 100:1 is decisive
 #: (Jeffreys 1961) [nats].

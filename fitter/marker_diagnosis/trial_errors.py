@@ -13,7 +13,7 @@ from arm.model import Arm, Floats
 from fitter.limb.inverse_kinematics import predicted
 from fitter.limb.tracking import SolvedMotion, marked_arm, solve_motion
 from fitter.marker_diagnosis.left_out import LeftOut, left_out
-from fitter.markers.recording import MarkerRecording
+from protocol.markers.recording import MarkerRecording
 
 #: Frames of so long count as one: skin and gait repeat about once a second (a convention) [s].
 BLOCK_S = 1.0

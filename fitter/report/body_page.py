@@ -10,11 +10,11 @@ from arm.model import Floats
 from fitter.body.body_fit import BodyFit
 from fitter.limb.base_orientation import world_up
 from fitter.limb.inverse_kinematics import link_poses
-from fitter.markers.recording import MarkerRecording
 from fitter.report.figures import MEASURED, SIMULATED, png
 from fitter.report.limb_page import Answer, of_the_markers, results
 from fitter.report.page import Page
 from limbcal.note import Note
+from protocol.markers.recording import MarkerRecording
 
 
 def write_body_page(

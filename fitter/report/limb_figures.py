@@ -11,9 +11,9 @@ from arm.model import Floats
 from fitter.limb.inverse_kinematics import link_poses, predicted
 from fitter.limb.limb_fit import LimbFit
 from fitter.limb.marker_observations import SWAY
-from fitter.markers.recording import MarkerRecording, runs
 from fitter.report.figures import ERROR, MEASURED, SIMULATED
 from limbcal.note import Note
+from protocol.markers.recording import MarkerRecording, runs
 
 #: Planes by the axes of frame 0 (forward, left, up) that are drawn to the right and upwards.
 _PLANES = (("sagittal", 0, 2), ("frontal", 1, 2), ("transverse", 0, 1))

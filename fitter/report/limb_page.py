@@ -10,12 +10,12 @@ from fitter.functional.regression_centre import regression_centres
 from fitter.limb.base_orientation import seen_or_posed
 from fitter.limb.limb_fit import LimbFit
 from fitter.limb.nan_statistics import nan_median
-from fitter.markers.recording import MarkerRecording
 from fitter.report.figures import png
 from fitter.report.limb_figures import angles_over_time, gaps_and_swaps, marker_errors, stick_figure
 from fitter.report.page import Page
 from fitter.report.provenance import provenance
 from limbcal.note import Note
+from protocol.markers.recording import MarkerRecording
 
 Answer = Mapping[str, object]
 

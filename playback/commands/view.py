@@ -19,6 +19,13 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Say what `limbplay view` takes."""
     add_source_arguments(parser)
     parser.add_argument(
+        "--markers",
+        nargs="+",
+        type=Path,
+        metavar="FILE",
+        help="recordings (.c3d, .trc) that SOURCE was tracked from, one a trial, drawn beside the arm's",
+    )
+    parser.add_argument(
         "--live", nargs="?", const=DEFAULT_LIVE, metavar="E", help=f"show what a daemon publishes ({DEFAULT_LIVE})"
     )
     parser.add_argument("--trial", type=int, metavar="N", help="trial to load first, by default the lowest")
@@ -65,6 +72,8 @@ def view(arguments: argparse.Namespace) -> None:
     given = [name for name, value in kinds.items() if value is not None]
     if len(given) > 1:
         raise ConfigError(f"{given[0]} and {given[1]} are both given: expected one thing to show")
+    if arguments.markers and arguments.source is None:
+        raise ConfigError("--markers is given without SOURCE: expected the motion that was tracked from them")
     if (arguments.q0 is not None) > arguments.touch:
         raise ConfigError("--q0 is given without --touch, which alone takes it")
     if arguments.touch and arguments.arm is None:

@@ -9,12 +9,14 @@ import numpy as np
 import viser
 
 from arm.model import Arm
+from playback.measured_markers import MeasuredMarkers
 from playback.shape import REAL, TWIN
 from playback.trajectory import Floats
 from playback.view.controls import Controls
 from playback.view.feed import Feed, Picture
 from playback.view.figure import Figure
 from playback.view.handle import Handle
+from playback.view.marker_errors import MarkerErrors
 from playback.view.remote import Motion, Remote
 from playback.view.server import on_loop
 from playback.view.sheet import heading, numbers, table
@@ -47,6 +49,8 @@ class Page:
     twin : Arm or None
     handle : Handle, optional
         Where the arm can be touched.
+    markers : mapping of int to MeasuredMarkers, optional
+        By trial, where the motion was tracked from markers.
     """
 
     def __init__(
@@ -57,6 +61,7 @@ class Page:
         arm: Arm,
         twin: Arm | None,
         handle: Handle | None = None,
+        markers: Mapping[int, MeasuredMarkers] | None = None,
     ) -> None:
         self._server, self._feed, self._remote = server, feed, remote
         self._arm, self._twin = arm, twin
@@ -85,6 +90,7 @@ class Page:
         if twin is not None:
             self._figures.append(Figure(server, "/twin", twin, TWIN, TWIN_OPACITY))
             self._traces.append(Trace(server, "/twin trace", TWIN.trace))
+        self._markers = None if markers is None else MarkerErrors(server, arm, markers)
         self._add_choices()
         self._arrange()
 
@@ -121,6 +127,8 @@ class Page:
                 figure.show(pose.q)
         if self._handle is not None:
             self._handle.follow(row.real.tip)
+        if self._markers is not None and len(row.real.q) == self._arm.n_joint:
+            self._markers.show(picture.fields.get("trial"), row.position_s, row.real.q)
         past = self._feed.history(SPAN_S)
         for trace, name in zip(self._traces, ("real", "twin"), strict=False):
             known = [
@@ -141,7 +149,8 @@ class Page:
                 self._timeline.take(self._motion)
         self._timeline.draw(position_s, [] if self._motion is not None else self._feed.history(LIVE_SPAN_S))
         if picture is not None:
-            self._numbers.content = table(numbers(self._arm, picture, state))
+            rows = numbers(self._arm, picture, state)
+            self._numbers.content = table(rows if self._markers is None else [*self._markers.rows(), *rows])
         if self._touch is not None and self._handle is not None:
             self._touch.content = table(self._handle.rows())
 
@@ -165,12 +174,14 @@ class Page:
                 if self._twin is not None
                 else None
             )
+            self._measured = None if self._markers is None else gui.add_checkbox("Measured markers", True)
             self._sensors = gui.add_checkbox("Sensors", True)
             self._labels = gui.add_checkbox("Sensor names", True)
             self._axes = gui.add_checkbox("Joint frames", True)
             self._paths = gui.add_checkbox("Tip traces", True)
             self._shadows = gui.add_checkbox("Shadows", False, hint="needs a graphics processor")
-        for widget in (self._place, self._sensors, self._labels, self._axes, self._paths, self._shadows):
+        parts = (self._measured, self._sensors, self._labels, self._axes, self._paths)
+        for widget in (self._place, *parts, self._shadows):
             if widget is not None:
                 widget.on_update(self._on_choice)
 
@@ -180,6 +191,8 @@ class Page:
     def _arrange(self) -> None:
         """Put the arms where they are wanted, with what is wanted of them."""
         self._stage.shade(self._shadows.value)
+        if self._markers is not None and self._measured is not None:
+            self._markers.seen(self._measured.value)
         place = ALONE if self._place is None else self._place.value
         beside: Floats = self._stage.beside if place == BESIDE else np.zeros(3)
         for index, (figure, trace) in enumerate(zip(self._figures, self._traces, strict=True)):

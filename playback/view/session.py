@@ -10,7 +10,9 @@ import zmq
 
 from arm.arm_file import load_arm, parse_arm
 from arm.model import Arm
+from limbcal.command import say_notes
 from limbcal.errors import ConfigError, DeviceError
+from playback.measured_markers import MeasuredMarkers, read_measured_markers
 from playback.touch.process import TouchProcess
 from playback.view.feed import Feed
 from playback.view.handle import Handle
@@ -53,13 +55,24 @@ def run(arguments: argparse.Namespace, announce: Callable[[dict[str, object]], N
         handle = None
         if (running := touch) is not None:
             handle = stack.enter_context(closing(on_loop(server, lambda: Handle(server, context, arm, running))))
-        page = on_loop(server, lambda: Page(server, feed, remote, arm, twin, handle))
+        markers = _markers(arguments, arm)
+        page = on_loop(server, lambda: Page(server, feed, remote, arm, twin, handle, markers))
         url = visitors.url(server.get_port())
         announce({"url": url, "endpoint": endpoint, "control": control, "arm": arm.name})
         if arguments.open:
             webbrowser.open(url)
         page.run(lambda: process is not None and not process.alive())
         raise DeviceError("the playback's process has ended")
+
+
+def _markers(arguments: argparse.Namespace, arm: Arm) -> dict[int, MeasuredMarkers] | None:
+    """Return the markers that were measured, by trial, if they are to be shown; what is odd of them is said."""
+    if not arguments.markers:
+        return None
+    given = arguments.playback
+    markers, notes = read_measured_markers(given.source, arguments.markers, arm, given.columns)
+    say_notes(notes)
+    return markers
 
 
 def _touched(arguments: argparse.Namespace) -> TouchProcess:

@@ -14,7 +14,7 @@ DRIVE_ROLES = ("on", "kp", "kv")
 JOINT_ROLES = ("q", "dq", "ddq", "tau", "ref", *DRIVE_ROLES)
 TIP_ROLES = ("tipx", "tipy", "tipz")
 PLAIN_ROLES = ("t", "trial", *TIP_ROLES)
-#: Columns that mean something to limbcal and that no command reads from a table yet.
+#: Columns of the base's pose: read by their own names where a command asks for them, else noted as not used.
 NOT_READ = re.compile(r"base_(?:x|y|z|qw|qx|qy|qz)")
 
 _PLACEHOLDER = re.compile(r"\{j(?:([+-])(\d+))?\}")
@@ -174,7 +174,7 @@ def _mistake(role: str, equals: str, address: str, n_joint: int, plain: Sequence
     if not equals:
         return "there is no '=', expected role=column"
     if NOT_READ.fullmatch(role) or NOT_READ.fullmatch(f"{role}1"):
-        return f"{role!r} is not read by any command yet"
+        return f"{role!r} cannot be mapped: a file has the base's columns by their own names"
     if role not in plain and role not in JOINT_ROLES and not numbered:
         return f"{role!r} is no role, expected one of {', '.join((*JOINT_ROLES, *plain))}"
     if numbered and int(numbered[2]) > n_joint:

@@ -124,7 +124,7 @@ def find_roles(
         if name not in taken and (NOT_READ.fullmatch(name) or (joint_roles and _LIKE_DRIVE.fullmatch(name)))
     )
     if passed_over:
-        text = f"column {', '.join(passed_over)} {'is' if len(passed_over) == 1 else 'are'} not read yet"
+        text = f"column {', '.join(passed_over)} {'is' if len(passed_over) == 1 else 'are'} not used here"
         plan.notes.append(Note("unused", text, source=str(source.path), columns=passed_over))
     return plan
 

@@ -1,8 +1,6 @@
-"""Where real measurements are."""
+"""Trials of the standard bench, free of noise."""
 
-import os
 from dataclasses import replace
-from pathlib import Path
 
 import pytest
 
@@ -10,15 +8,6 @@ from arm.arm_file import load_arm
 from arm.bench import Bench, motions
 from arm.kinematics import tip_position
 from fitter.data.trial import Trial
-
-
-@pytest.fixture(scope="session")
-def measured_data() -> Path:
-    """Return the folder of real measurements, which are not part of the project."""
-    folder = Path(os.environ.get("LIMBCAL_DATA", Path(__file__).parents[2] / ".." / "shared" / "data"))
-    if not folder.is_dir():
-        pytest.skip(f"no measured data in {folder}; LIMBCAL_DATA can name another folder")
-    return folder.resolve()
 
 
 @pytest.fixture(scope="session")

@@ -14,7 +14,7 @@ from arm.model import Arm, Floats
 from fitter.body.body_fit import BodyFit
 from fitter.body.calibration import calibrate_body
 from fitter.functional.marker_set import MarkerSet
-from fitter.markers.recording import MarkerRecording
+from protocol.markers.recording import MarkerRecording
 
 RATE_HZ = 50.0
 #: Laboratory's axes of forward, left and up of the person: Y is up, and the person faces neither X nor Z.

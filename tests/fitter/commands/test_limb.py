@@ -14,7 +14,7 @@ from arm.moving_base import BaseState
 from arm.newton_euler import inverse_dynamics
 from fitter.commands.torque import needed_torque
 from fitter.data.motion_file import write_motion
-from fitter.markers.trc_file import read_trc
+from protocol.markers.trc_file import read_trc
 from tests.fitter.limb.simulated_person import person
 
 SET = """schema = 1

@@ -5,7 +5,7 @@ import json
 import numpy as np
 
 from fitter.__main__ import main
-from tests.fitter.markers.figure import walking
+from tests.protocol.markers.figure import walking
 
 
 def written(path, raw):

@@ -5,8 +5,8 @@ import pytest
 
 from arm.arm_file import load_arm
 from fitter.commands.torque import contacts_of
-from fitter.markers.wrench_files import PlateWrench
 from limbcal.errors import ConfigError
+from protocol.markers.wrench_files import PlateWrench
 
 
 def plate(name: str, force_N: float = 400.0) -> PlateWrench:

@@ -14,7 +14,7 @@ from fitter.export.biomod_model import biomod_model
 from fitter.export.motion_tables import coordinates_mot, marker_places, markers_trc
 from fitter.export.osim_model import BASE_COORDINATES, osim_model
 from fitter.export.placements import placements
-from fitter.markers.trc_file import read_trc
+from protocol.markers.trc_file import read_trc
 
 
 @pytest.fixture

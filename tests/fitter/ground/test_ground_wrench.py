@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from fitter.ground.ground_wrench import ground_wrench
-from fitter.markers.wrench_files import PlateWrench
 from limbcal.errors import DataError
+from protocol.markers.wrench_files import PlateWrench
 
 T = np.arange(200) * 0.01
 

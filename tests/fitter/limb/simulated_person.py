@@ -11,7 +11,7 @@ from arm.body.limbs import MEAN_PERSON, limb
 from arm.kinematics import axis_frames
 from arm.model import Arm, Floats
 from fitter.functional.marker_set import MarkerSet
-from fitter.markers.recording import MarkerRecording
+from protocol.markers.recording import MarkerRecording
 
 RATE_HZ = 50.0
 

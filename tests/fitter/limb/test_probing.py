@@ -8,8 +8,8 @@ from scipy.spatial.transform import Rotation
 
 from fitter.functional.marker_set import MarkerSet
 from fitter.limb.probing import with_probed
-from fitter.markers.recording import MarkerRecording
 from limbcal.errors import ConfigError, DataError
+from protocol.markers.recording import MarkerRecording
 
 CLUSTER = np.array([[0.05, 0.0, 0.0], [0.0, 0.06, 0.0], [0.0, 0.0, 0.04]])
 PROBE = {"P1": (0.0, 0.0, 0.1), "P2": (0.03, 0.0, 0.15), "P3": (-0.03, 0.01, 0.2)}

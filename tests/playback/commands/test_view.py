@@ -129,3 +129,9 @@ def test_what_is_not_installed_is_named(
     monkeypatch.setattr("playback.commands.view.import_module", missing("something else"))
     with pytest.raises(ModuleNotFoundError):
         main(["view"])
+
+
+def test_markers_go_with_the_motion_tracked_from_them(shown: Shown, capsys: pytest.CaptureFixture[str]) -> None:
+    assert shown("motion.csv", "--markers", "a.trc", "b.c3d").markers == [Path("a.trc"), Path("b.c3d")]
+    assert main(["view", "--live", "--arm", "dd-arm", "--markers", "a.trc"]) == 2
+    assert "--markers is given without SOURCE" in capsys.readouterr().err

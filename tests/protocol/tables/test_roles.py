@@ -148,8 +148,8 @@ def test_a_label_is_a_column(source):
 
 def test_columns_that_are_not_read_are_named(source):
     plan = plan_of(source, "t", "q1", "q2", "base_x", "kp1 [N.m/rad]")
-    assert texts(plan) == ["column base_x, kp1 [N.m/rad] are not read yet"]
-    assert texts(plan_of(source, "t", "q1", "q2", "base_qw")) == ["column base_qw is not read yet"]
+    assert texts(plan) == ["column base_x, kp1 [N.m/rad] are not used here"]
+    assert texts(plan_of(source, "t", "q1", "q2", "base_qw")) == ["column base_qw is not used here"]
     assert not texts(plan_of(source, "t", "q1", "q2", "kp"))
 
 

@@ -6,18 +6,18 @@ from pathlib import Path
 
 import numpy as np
 
-from fitter.markers.c3d_file import read_c3d
-from fitter.markers.clock import clock
-from fitter.markers.force_notes import nan_forces
-from fitter.markers.frame import UNITS, unit_of, up_of
-from fitter.markers.labels import computed, doubled, names_of, prefixes
-from fitter.markers.marker_jumps import jumps
-from fitter.markers.missing import gaps, zeros
-from fitter.markers.recording import MarkerRecording, RawRecording
-from fitter.markers.swaps import Agreed, agreed, put_right
-from fitter.markers.trc_file import read_trc
 from limbcal.errors import ConfigError
 from limbcal.note import Note
+from protocol.markers.c3d_file import read_c3d
+from protocol.markers.clock import clock
+from protocol.markers.force_notes import nan_forces
+from protocol.markers.frame import UNITS, unit_of, up_of
+from protocol.markers.labels import computed, doubled, names_of, prefixes
+from protocol.markers.marker_jumps import jumps
+from protocol.markers.missing import gaps, zeros
+from protocol.markers.recording import MarkerRecording, RawRecording
+from protocol.markers.swaps import Agreed, agreed, put_right
+from protocol.markers.trc_file import read_trc
 
 _READERS: dict[str, Callable[[Path], RawRecording]] = {".c3d": read_c3d, ".trc": read_trc}
 

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from fitter.markers.frame import unit_of, up_of
-from tests.fitter.markers.figure import walking
+from protocol.markers.frame import unit_of, up_of
+from tests.protocol.markers.figure import walking
 
 
 @pytest.mark.parametrize(("unit", "said", "found"), [(1.0, "mm", "m"), (1e3, "m", "mm"), (1e2, "m", "cm")])

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from fitter.markers.recording import MarkerRecording, runs
+from protocol.markers.recording import MarkerRecording, runs
 
 
 def test_runs_begin_and_end_where_a_mask_does():

@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from fitter.markers.recording import runs
 from limbcal.note import Note
+from protocol.markers.recording import runs
 
 #: What some programs store for a missing marker, apart from zeros, in the file's unit.
 _STORED = -16512.0

@@ -2,8 +2,8 @@
 
 from dataclasses import replace
 
-from fitter.markers.clock import clock
-from tests.fitter.markers.figure import walking
+from protocol.markers.clock import clock
+from tests.protocol.markers.figure import walking
 
 
 def test_a_rate_that_others_confirm_is_not_mentioned():

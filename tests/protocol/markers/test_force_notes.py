@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from fitter.markers.force_notes import moves, nan_forces
-from fitter.markers.recording import ForceRecord
+from protocol.markers.force_notes import moves, nan_forces
+from protocol.markers.recording import ForceRecord
 
 
 def plate(force):

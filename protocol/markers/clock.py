@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from fitter.markers.recording import RawRecording
 from limbcal.note import Note
+from protocol.markers.recording import RawRecording
 
 #: Rates that differ by less are one.
 _SAME = 0.01

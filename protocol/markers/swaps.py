@@ -11,8 +11,8 @@ from itertools import combinations
 
 import numpy as np
 
-from fitter.markers.recording import MarkerRecording, runs
 from limbcal.note import Note
+from protocol.markers.recording import MarkerRecording, runs
 
 #: A marker is compared with this number of others whose distances change least, by at most this [m] (skin).
 _PARTNERS, _RIGID_M = 6, 0.02

@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from fitter.markers.marker_jumps import jumps
-from tests.fitter.markers.figure import RATE_HZ, walking
+from protocol.markers.marker_jumps import jumps
+from tests.protocol.markers.figure import RATE_HZ, walking
 
 
 def test_a_marker_that_leaps_away_and_back_is_said_once():

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from fitter.markers.missing import gaps, zeros
-from tests.fitter.markers.figure import RATE_HZ, walking
+from protocol.markers.missing import gaps, zeros
+from tests.protocol.markers.figure import RATE_HZ, walking
 
 
 def test_gaps_of_a_tenth_of_a_second_on_are_said_with_their_times():

@@ -4,8 +4,8 @@ import ezc3d
 import numpy as np
 import pytest
 
-from fitter.markers.c3d_file import read_c3d
 from limbcal.errors import DataError
+from protocol.markers.c3d_file import read_c3d
 
 
 @pytest.fixture

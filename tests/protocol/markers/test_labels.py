@@ -4,8 +4,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from fitter.markers.labels import computed, doubled, names_of, prefixes
-from tests.fitter.markers.figure import walking
+from protocol.markers.labels import computed, doubled, names_of, prefixes
+from tests.protocol.markers.figure import walking
 
 
 def test_prefixes_are_said_once_and_left_out():

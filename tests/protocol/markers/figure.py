@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from fitter.markers.recording import RawRecording
+from protocol.markers.recording import RawRecording
 
 RATE_HZ = 100.0
 #: Where each segment is [m], and how its markers sit on it.

@@ -2,9 +2,9 @@
 
 import numpy as np
 
-from fitter.markers.missing import SHORTEST_S
-from fitter.markers.recording import ForceRecord, runs
 from limbcal.note import Note
+from protocol.markers.missing import SHORTEST_S
+from protocol.markers.recording import ForceRecord, runs
 
 #: A channel changes if its range is as many times the noise from sample to sample.
 _TIMES = 50.0

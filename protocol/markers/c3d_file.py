@@ -7,9 +7,9 @@ from typing import Any
 
 import numpy as np
 
-from arm.model import Floats
-from fitter.markers.recording import ForceRecord, RawRecording
 from limbcal.errors import ConfigError, DataError
+from protocol.markers.recording import ForceRecord, RawRecording
+from protocol.tables.table import Floats
 
 #: The second byte of every C3D file.
 _KEY = 0x50

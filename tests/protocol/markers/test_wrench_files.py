@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from fitter.markers.wrench_files import EMPTY_N, PlateWrench, read_wrenches
 from limbcal.errors import ConfigError, DataError
+from protocol.markers.wrench_files import EMPTY_N, PlateWrench, read_wrenches
 
 COLUMNS = [f"ground_force_{k}_{kind}{axis}" for k in (1, 2) for kind in "vp" for axis in "xyz"]
 COLUMNS += [f"ground_moment_{k}_m{axis}" for k in (1, 2) for axis in "xyz"]

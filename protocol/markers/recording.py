@@ -5,7 +5,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from arm.model import Floats
+from protocol.tables.table import Floats
 
 
 @dataclass(frozen=True)

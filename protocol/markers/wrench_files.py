@@ -6,8 +6,8 @@ from pathlib import Path
 
 import numpy as np
 
-from arm.model import Floats
 from limbcal.errors import ConfigError, DataError
+from protocol.tables.table import Floats
 
 #: A column of a force, point or moment: the plate's name, the kind, the axis (OpenSim's external loads).
 _COLUMN = re.compile(

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from fitter.markers.trc_file import read_trc
 from limbcal.errors import DataError
+from protocol.markers.trc_file import read_trc
 
 HEADER = (
     "PathFileType\t4\t(X/Y/Z)\tsomebody.trc\n"

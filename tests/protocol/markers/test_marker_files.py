@@ -5,9 +5,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from fitter.markers.marker_files import look_at, read_markers
 from limbcal.errors import ConfigError
-from tests.fitter.markers.figure import walking
+from protocol.markers.marker_files import look_at, read_markers
+from tests.protocol.markers.figure import walking
 
 
 def test_a_clean_recording_has_no_note_and_is_in_metres():

@@ -7,9 +7,9 @@ import pytest
 from hypothesis import assume, example, given, settings
 from hypothesis import strategies as st
 
-from fitter.markers.recording import MarkerRecording
-from fitter.markers.swaps import agreed, put_right
-from tests.fitter.markers.figure import RATE_HZ, walking
+from protocol.markers.recording import MarkerRecording
+from protocol.markers.swaps import agreed, put_right
+from tests.protocol.markers.figure import RATE_HZ, walking
 
 
 def recording(seed=0):

@@ -4,8 +4,8 @@ from pathlib import Path
 
 import numpy as np
 
-from fitter.markers.recording import RawRecording
 from limbcal.errors import DataError
+from protocol.markers.recording import RawRecording
 
 #: Lines before the first frame: type, names and values of the header, labels, axes; then an empty one, if any.
 _HEADER_LINES = 5

@@ -5,8 +5,8 @@ from collections import Counter
 
 import numpy as np
 
-from fitter.markers.recording import RawRecording
 from limbcal.note import Note
+from protocol.markers.recording import RawRecording
 
 #: How programs of motion laboratories name what they compute.
 _COMPUTED = re.compile(r"(Angles?|Forces?|Moments?|Powers?|GRF|GRM|CentreOfMass|CentreOfMassFloor)$")

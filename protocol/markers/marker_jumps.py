@@ -3,8 +3,8 @@
 import numpy as np
 from scipy.ndimage import median_filter
 
-from fitter.markers.recording import runs
 from limbcal.note import Note
+from protocol.markers.recording import runs
 
 #: The third difference of a leap is twice as long. It is this multiple of those about it, and this long at least
 #: [m]: a leap of 30 mm, which is more than skin and flickering do.

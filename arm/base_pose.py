@@ -1,0 +1,33 @@
+"""Where frame 0 is in the world: the pose of the segment that carries it, then [base]."""
+
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+from arm.kinematics import rotation_from_rpy
+from arm.model import Arm, Floats
+
+#: A motion's columns of the pose in the world of that segment: place [m], then a unit quaternion.
+BASE_COLUMNS = ("base_x", "base_y", "base_z", "base_qw", "base_qx", "base_qy", "base_qz")
+
+
+def base_in_segment(arm: Arm) -> tuple[Floats, Floats]:
+    """Return frame 0 in the segment that carries it, or in the world: R (3, 3) and p (3,) [m]."""
+    if arm.base is None:
+        return np.eye(3), np.zeros(3)
+    return rotation_from_rpy(*arm.base.rotation_rad), np.array(arm.base.position_m)
+
+
+def frame_0_poses(arm: Arm, columns: Floats | None) -> tuple[Floats, Floats]:
+    """Return frame 0 in the world, R (n_sample, 3, 3) and p (n_sample, 3) [m].
+
+    Parameters
+    ----------
+    arm : Arm
+    columns : (n_sample, 7), or None
+        As `BASE_COLUMNS`, quaternions of length one; without them the base stands, and there is one sample.
+    """
+    own_R, own_p = base_in_segment(arm)
+    if columns is None:
+        return own_R[None], own_p[None]
+    R = Rotation.from_quat(columns[:, 3:], scalar_first=True).as_matrix()
+    return R @ own_R, columns[:, :3] + R @ own_p
