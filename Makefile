@@ -31,8 +31,8 @@ $(TEST_STAMP): $(STAMP)
 
 # Each command compiles what it finds missing before it listens to anything; here it is done once for all of them.
 $(KERNELS): $(STAMP) $(SOURCES)
-	@echo "compiling kernels: a minute or two the first time, seconds later on"
-	@$(BIN)/limbd compile & limbd=$$!; trap "kill $$limbd" INT TERM; $(BIN)/fitter compile && $(BIN)/limbplay compile; fitter=$$?; wait $$limbd && exit $$fitter
+	@echo "compiling kernels: some minutes the first time, seconds later on"
+	@($(BIN)/limbd compile && $(BIN)/limbplay compile) & others=$$!; trap "kill $$others" INT TERM; $(BIN)/fitter compile; fitter=$$?; wait $$others && exit $$fitter
 	@touch $@
 
 run: $(KERNELS) ## the main job on the virtual arm: measure, calibrate, simulate, play; writes out/report.html

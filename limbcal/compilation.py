@@ -67,7 +67,7 @@ def said_when_compiling(who: str) -> Iterator[Compilation]:
     if outer is not None:
         yield outer
         return
-    listener = Compilation(f"{who}: compiling kernels, once on this machine; it takes a minute or more")
+    listener = Compilation(f"{who}: compiling kernels, once on this machine; it takes some minutes")
     token = _listening.set(listener)
     try:
         with event.install_listener("numba:compile", listener):

@@ -31,8 +31,19 @@ def inlined(kernel: Kernel) -> Kernel:
 
 
 def _kept(dispatcher: Any, kernel: Kernel) -> Kernel:
-    """Return a dispatcher that keeps on disk what it compiles."""
+    """Return a dispatcher that keeps on disk what it compiles, and compiles no kernel for one value alone.
+
+    A number that stands in a caller's source has a type of its own: for each of them the kernel, and all that it
+    calls, would be compiled again.
+    """
     dispatcher._cache = KernelCache(kernel)  # noqa: SLF001 - as its own `enable_caching` does
+    resolve = dispatcher.get_call_template
+
+    def of_any_value(arguments: tuple[Any, ...], by_name: dict[str, Any]) -> Any:
+        plain = {name: types.unliteral(kind) for name, kind in by_name.items()}
+        return resolve(tuple(map(types.unliteral, arguments)), plain)
+
+    dispatcher.get_call_template = of_any_value
     return cast(Kernel, dispatcher)
 
 

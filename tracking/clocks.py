@@ -102,7 +102,7 @@ def moved_back(course: Course, readings: Floats, late_s: Floats) -> Course:
     n = len(readings)
     t, there = course.dt * np.arange(n), course.present
     late = np.repeat(late_s, 3)
-    moved = np.empty_like(readings)
+    moved = np.empty(readings.shape)
     for channel, values in enumerate(readings.T):
         at = np.clip(t + late[channel], t[there][0], t[there][-1])
         moved[:, channel] = CubicSpline(t[there], values[there])(at) if np.any(late) else values

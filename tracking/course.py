@@ -67,7 +67,7 @@ def course_of(readings: Readings, n_joint: int) -> Course:
     noise = readings.noise.of_mean(readings.factor)
     return Course(
         readings.dt_s,
-        np.nan_to_num(readings.values),  # what is not present is not looked at
+        np.ascontiguousarray(np.nan_to_num(readings.values)),  # what is not present is not looked at
         readings.present,
         noise,
         WANDER_STD**2 + readings.noise.rounding,

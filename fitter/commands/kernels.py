@@ -25,8 +25,11 @@ _METHODS: tuple[Method, ...] = ("integrate", "filter", "smooth")
 
 
 def compile_all() -> None:
-    """Calibrate and track an arm of no interest, from a stream and from files."""
-    live.warm_up()
+    """Calibrate and track an arm of no interest, from a stream and from files.
+
+    What tracks comes last: `limbd compile` beside it begins with that, and what it has compiled is not compiled twice.
+    """
+    limb_warm_up()
     arm = load_arm("dd-arm")
     rng = np.random.default_rng(0)
     sensors = Sensors(arm, draw_sensor_errors(arm, rng), _BENCH.rate_hz, rng)
@@ -34,9 +37,9 @@ def compile_all() -> None:
     kept = np.r_[:_LOST_ROW, _LOST_ROW + _LOST : len(motion.t)]
     readings = (COUNT_M_S2 * sensors.counts(motion)[kept]).astype(np.float64)
     run = RawRun("warm-up", _BENCH.rate_hz, motion.t[kept], readings, (Gap(_LOST_ROW, _LOST),))
-    for method in _METHODS:
-        track_run(run, arm, motion.q[0], 1000.0, method)
     columns = {"q": motion.q, "dq": motion.dq, "ddq": motion.ddq, "tau": motion.tau}
     trials = to_trials([Measured("warm-up", "warm-up", 0, motion.t, columns)])
-    limb_warm_up()
     fit_dynamics(replace(arm, control=Control("measured")), trials, seed=0, examine=False)
+    live.warm_up()
+    for method in _METHODS:
+        track_run(run, arm, motion.q[0], 1000.0, method)
