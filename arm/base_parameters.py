@@ -18,8 +18,9 @@ from arm.model import Arm, Floats, Friction
 from arm.physical_links import links_with
 from arm.regressor import regressor, standard_names
 
-#: Random motions that stand for "any motion"; the seed fixes them, the answer does not depend on it.
-_MOTIONS = 50
+#: Random instants that stand for "any motion": eight equations a column, for each has one a joint and a joint has
+#: twelve columns. The seed fixes them, the answer does not depend on it.
+_INSTANTS = 100
 #: A column whose new part is smaller than this share of itself depends on the columns before it.
 _DEPENDENT = 1e-9
 #: A smaller share than this of a column is what rounding leaves.
@@ -59,7 +60,7 @@ def base_parameters(arm: Arm) -> BaseParameters:
         Inertial combinations first, then viscous, then Coulomb frictions.
     """
     rng = np.random.default_rng(0)
-    q = rng.uniform(-np.pi, np.pi, (_MOTIONS * arm.n_joint, arm.n_joint))
+    q = rng.uniform(-np.pi, np.pi, (_INSTANTS, arm.n_joint))
     dq, ddq = rng.normal(size=(2, *q.shape))
     Y = regressor(arm, q, dq, ddq).reshape(-1, 12 * arm.n_joint)
     scale = np.linalg.norm(Y, axis=0)

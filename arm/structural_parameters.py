@@ -28,7 +28,11 @@ def structural_parameters(arm: Arm) -> BaseParameters:
     Where the arm as it is has no more of them, they are its own exactly: an angle that is a degree off a right one
     then adds nothing that no data could tell, and to leave it out would shift what is determined.
     """
-    meant, own = base_parameters(structural(arm)), base_parameters(arm)
+    as_meant = structural(arm)
+    own = base_parameters(arm)
+    if as_meant == arm:
+        return own
+    meant = base_parameters(as_meant)
     return replace(meant, combination=own.combination) if own.independent == meant.independent else meant
 
 

@@ -55,7 +55,7 @@ def watch(limbd: Limbd, folder: Path, seconds: float, device: tuple[str, ...], c
 
 
 def test_beside_busy_processors_nothing_is_lost(limbd: Limbd, tmp_path: Path, long: Long) -> None:
-    seconds, rate_hz = long.of((600.0, 32_000), (8.0, 8_000))
+    seconds, rate_hz = long.of((600.0, 32_000), (4.0, 8_000))
     with busy_processors():
         *_, last = watch(limbd, tmp_path, seconds, ("--rate-hz", str(rate_hz), "--trials", "200"))
     assert last["samples"] > 0

@@ -12,7 +12,7 @@ from tracking.discrepancy_smoother import DiscrepancySmoother
 from tracking.readings import Readings, ReadingsBuilder
 from tracking.smoothed_frames import most_probable
 
-RATE_HZ, SECONDS, REST_S, NOISE = 100.0, 8.0, 1.0, 0.02
+RATE_HZ, SECONDS, REST_S, NOISE = 100.0, 6.0, 1.0, 0.02
 
 
 class Case(NamedTuple):
