@@ -19,26 +19,18 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
-from rich.progress import (
-    BarColumn,
-    MofNCompleteColumn,
-    Progress,
-    TextColumn,
-    TimeElapsedColumn,
-    TimeRemainingColumn,
-)
-
 from arm.arm_file import load_arm
 from arm.model import Effect
-from benchmarks.case_pool import Guarded, run_all, timed
+from benchmarks.case_pool import timed
+from benchmarks.case_results import add_pool_options, run_kept, show_page
 from benchmarks.diagnosed import by_command, said
 from benchmarks.diagnosis_page import table
 from benchmarks.injection.effects import MORE, PAIRS, added_torque, drawn, rubbing_arm, sized
 from benchmarks.injection.runs import ARM, SETS, read_set
 from benchmarks.injection.score import score, score_nothing
-from benchmarks.record import append, commit, known_lines, path_of
+from benchmarks.record import commit
 from limbcal.arguments import Parser, common_options
-from limbcal.command import Document, console, emit, run_command, say
+from limbcal.command import Document, run_command
 from limbcal.errors import ConfigError
 
 Line = dict[str, Any]
@@ -64,11 +56,6 @@ class Job:
         if self.effect is None:
             return f"{self.set_name}/nothing/{self.left_out or 'all'}"
         return f"{self.set_name}/{self.effect}/{self.joint}/{self.percent}/{self.seed}"
-
-    @property
-    def fields(self) -> Line:
-        """What the results file has of it, whatever comes of it."""
-        return {"key": self.key, **vars(self)}
 
 
 @cache
@@ -229,23 +216,8 @@ def jobs(options: argparse.Namespace) -> list[Job]:
 
 def measure(options: argparse.Namespace) -> Document:
     """Run the cases, score them all, and say what came of them."""
-    path = path_of("injected", "jsonl")
-    lines = known_lines(path)
-    todo = [job for job in jobs(options) if job.key not in lines]
-    bar = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn())
-    with Progress(*bar, TimeElapsedColumn(), TimeRemainingColumn(), console=console) as progress:
-        task = progress.add_task("diagnosing", total=len(todo))
-        for job, line in run_all(todo, Guarded(run, options.limit), options.workers):
-            lines[job.key] = {**job.fields, "commit": commit(), **line}
-            append(path, lines[job.key])
-            progress.update(task, advance=1, description=job.key)
-    done = scored(lines)
-    text = page(done)
-    path.with_suffix(".md").write_text(text, encoding="utf-8")
-    say(f"{path}: {len(done)} cases of this commit; {path.with_suffix('.md')}: tables")
-    if not options.json:
-        emit(text)
-    return {"commit": commit(), "cases": done}
+    done = scored(run_kept("injected", jobs(options), run, vars, options))
+    return show_page("injected", done, page(done), options)
 
 
 def _listed(text: str) -> list[str]:
@@ -280,8 +252,7 @@ def main(argv: list[str] | None = None) -> int:
     add("--more", action="store_true", help="effects beyond the 22 pairs as well")
     add("--every", type=int, default=1, metavar="N", help="only every N-th case")
     add("--seed", type=int, default=0)
-    add("--workers", type=int, default=1)
-    add("--limit", type=float, default=600.0, metavar="SECONDS", help="a case that takes longer has failed")
+    add_pool_options(parser)
     parser.set_defaults(action=act)
     return run_command(parser, argv)
 

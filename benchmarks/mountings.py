@@ -23,20 +23,20 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
 
 from arm.arm_file import load_arm, save_arm
 from arm.counts import COUNT_M_S2
 from arm.kinematics import rotation_from_rpy
 from arm.model import Arm, Floats
-from benchmarks.case_pool import Guarded, Line, run_all, timed
+from benchmarks.case_pool import Line, timed
+from benchmarks.case_results import add_pool_options, run_kept, show_page
 from benchmarks.diagnosis_page import table
-from benchmarks.record import append, commit, known_lines, path_of
+from benchmarks.record import commit
 from benchmarks.tracking import Case, Recording, record
 from fitter.__main__ import main as fitter
 from fitter.data.motion_file import write_motion
 from limbcal.arguments import Parser, common_options
-from limbcal.command import Document, console, emit, run_command, say
+from limbcal.command import Document, run_command
 from tracking.orientations import right_angles, turned
 
 #: Arms whose sensors feel gravity turn: without it no axis is known from rest.
@@ -203,25 +203,9 @@ def _wrong(line: Line) -> str:
 
 def measure(options: argparse.Namespace) -> Document:
     """Run the draws and say what came of them."""
-    path = path_of("mountings", "jsonl")
-    lines = known_lines(path)
     jobs = [Job(ARMS[k % len(ARMS)], options.seed + k) for k in range(options.draws)]
-    todo = [job for job in jobs if job.key not in lines]
-    with Progress(
-        TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn(), console=console
-    ) as progress:
-        task = progress.add_task("calibrating", total=len(todo))
-        for job, line in run_all(todo, Guarded(run, options.limit), options.workers):
-            lines[job.key] = {**vars(job), "key": job.key, "commit": commit(), **line}
-            append(path, lines[job.key])
-            progress.update(task, advance=1, description=job.key)
-    done = list(lines.values())
-    text = page(done)
-    path.with_suffix(".md").write_text(text, encoding="utf-8")
-    say(f"{path}: {len(done)} draws of this commit; {path.with_suffix('.md')}: tables")
-    if not options.json:
-        emit(text)
-    return {"commit": commit(), "draws": done}
+    lines = list(run_kept("mountings", jobs, run, vars, options).values())
+    return show_page("mountings", lines, page(lines), options)
 
 
 def main(argv: list[str] | None = None) -> int:
@@ -230,8 +214,7 @@ def main(argv: list[str] | None = None) -> int:
     add = parser.add_argument
     add("--draws", type=int, default=100, metavar="N", help="(100)")
     add("--seed", type=int, default=0)
-    add("--workers", type=int, default=1)
-    add("--limit", type=float, default=600.0, metavar="SECONDS", help="a draw that takes longer has failed")
+    add_pool_options(parser)
     parser.set_defaults(action=measure)
     return run_command(parser, argv)
 

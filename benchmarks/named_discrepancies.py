@@ -19,17 +19,17 @@ from functools import partial
 from pathlib import Path
 
 import numpy as np
-from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
 
 from arm.arm_file import load_arm
-from benchmarks.case_pool import Guarded, Line, run_all, timed
+from benchmarks.case_pool import Line, timed
+from benchmarks.case_results import add_pool_options, run_kept, show_page
 from benchmarks.diagnosed import by_command, said
 from benchmarks.diagnosis_page import table
 from benchmarks.discrepancies import EFFECTS, NOISE_M_S2, felt, swing
-from benchmarks.record import append, commit, known_lines, path_of
+from benchmarks.record import commit
 from fitter.data.motion_file import write_motion
 from limbcal.arguments import Parser, common_options
-from limbcal.command import Document, console, emit, run_command, say
+from limbcal.command import Document, run_command
 
 ARM = "dd-arm-vertical"
 #: Motions to learn from, and all of them.
@@ -123,23 +123,10 @@ def jobs(seeds: Sequence[int]) -> list[Job]:
 
 def measure(options: argparse.Namespace) -> Document:
     """Run the cases and say what came of them."""
-    path = path_of("named_discrepancies", "jsonl")
-    lines = known_lines(path)
-    todo = [job for job in jobs(range(options.seed, options.seed + options.seeds)) if job.key not in lines]
-    bar = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn())
-    with Progress(*bar, console=console) as progress:
-        task = progress.add_task("diagnosing", total=len(todo))
-        for job, line in run_all(todo, Guarded(run, options.limit), options.workers):
-            lines[job.key] = {**vars(job), "key": job.key, "commit": commit(), **line}
-            append(path, lines[job.key])
-            progress.update(task, advance=1, description=job.key)
-    done = sorted(lines.values(), key=lambda line: (line["effect"] != NOTHING, line["effect"], line["size"]))
-    text = page(done)
-    path.with_suffix(".md").write_text(text, encoding="utf-8")
-    say(f"{path}: {len(done)} cases of this commit; {path.with_suffix('.md')}: tables")
-    if not options.json:
-        emit(text)
-    return {"commit": commit(), "cases": done}
+    asked = jobs(range(options.seed, options.seed + options.seeds))
+    found = run_kept("named_discrepancies", asked, run, vars, options).values()
+    lines = sorted(found, key=lambda line: (line["effect"] != NOTHING, line["effect"], line["size"]))
+    return show_page("named_discrepancies", lines, page(lines), options)
 
 
 def main(argv: list[str] | None = None) -> int:
@@ -150,8 +137,7 @@ def main(argv: list[str] | None = None) -> int:
     add = parser.add_argument
     add("--seeds", type=int, default=5, metavar="N", help="cases of each effect and size (5)")
     add("--seed", type=int, default=0, help="the first of them (0)")
-    add("--workers", type=int, default=1)
-    add("--limit", type=float, default=600.0, metavar="SECONDS", help="a case that takes longer has failed")
+    add_pool_options(parser)
     parser.set_defaults(action=measure)
     return run_command(parser, argv)
 

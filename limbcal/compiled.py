@@ -37,11 +37,10 @@ def _kept(dispatcher: Any, kernel: Kernel) -> Kernel:
     calls, would be compiled again.
     """
     dispatcher._cache = KernelCache(kernel)  # noqa: SLF001 - as its own `enable_caching` does
-    resolve = dispatcher.get_call_template
+    resolve, widened = dispatcher.get_call_template, cast(Any, types).unliteral
 
     def of_any_value(arguments: tuple[Any, ...], by_name: dict[str, Any]) -> Any:
-        plain = {name: types.unliteral(kind) for name, kind in by_name.items()}
-        return resolve(tuple(map(types.unliteral, arguments)), plain)
+        return resolve(tuple(map(widened, arguments)), {name: widened(kind) for name, kind in by_name.items()})
 
     dispatcher.get_call_template = of_any_value
     return cast(Kernel, dispatcher)

@@ -27,7 +27,7 @@ _METHODS: tuple[Method, ...] = ("integrate", "filter", "smooth")
 def compile_all() -> None:
     """Calibrate and track an arm of no interest, from a stream and from files.
 
-    What tracks comes last: `limbd compile` beside it begins with that, and what it has compiled is not compiled twice.
+    What tracks comes last: `limbd compile` beside it begins there, and nothing is compiled twice.
     """
     limb_warm_up()
     arm = load_arm("dd-arm")

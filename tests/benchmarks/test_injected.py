@@ -29,7 +29,7 @@ def test_figures_count_right_names_and_wrong_ones() -> None:
     right = {"name": True, "size": True, "right": True, "wrong": []}
     wrong = {"name": False, "size": None, "right": False, "wrong": [["air_drag", [2]]]}
     lines = [
-        Job("double", "cogging", joint, 40).fields | {"score": one, "seconds": 30.0}
+        vars(Job("double", "cogging", joint, 40)) | {"score": one, "seconds": 30.0}
         for joint, one in ((1, right), (2, wrong))
     ]
     assert "| 22 pairs | 40 % | 2 | 1 | 50 | 1 | 1 / 1 | 1 | 0 | 30 |" in figures(lines)

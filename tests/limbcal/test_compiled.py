@@ -66,3 +66,20 @@ def test_what_is_borrowed_is_the_same_memory():
     assert [added_up((a, (b, 0.5))) for _ in range(3)] == [8.5, 9.5, 10.5]
     assert a.tolist() == [3.0, 1.0, 2.0]
     assert (sys.getrefcount(a), sys.getrefcount(b)) == references
+
+
+@compiled
+def shifted(x: float, by: int) -> float:
+    """Return a number with another added."""
+    return x + by
+
+
+@compiled
+def shifted_twice(x: float, by: int) -> float:
+    """Shift by a number that stands here, and by one that does not."""
+    return shifted(shifted(x, 3), by)
+
+
+def test_a_number_in_a_callers_source_compiles_nothing_again():
+    assert shifted_twice(1.0, 2) == 6.0
+    assert len(shifted.signatures) == 1

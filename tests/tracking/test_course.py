@@ -27,3 +27,11 @@ def test_a_course_of_which_nothing_is_known():
     np.testing.assert_array_equal(course.doubt, np.ones((4, 3)))
     np.testing.assert_array_equal(course.rate, np.zeros(2))
     np.testing.assert_array_equal(course.rest, np.zeros((4, 2)))
+
+
+def test_readings_that_lie_column_by_column_are_laid_out_row_by_row():
+    """Kernels are compiled for one layout."""
+    values = np.asfortranarray(np.arange(12.0).reshape(4, 3))
+    course = course_of(Readings(values, 0.004, 0.0, Noise(np.full(3, 1e-4), np.zeros(3)), 4), 2)
+    assert course.readings.flags.c_contiguous
+    np.testing.assert_array_equal(course.readings, values)
