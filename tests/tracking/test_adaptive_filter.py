@@ -50,7 +50,7 @@ def test_an_arm_is_believed_again_some_time_after_it_was_shaken(vertical_arm: Ar
 
 
 def test_a_gap_is_bridged_and_claims_grow(vertical_arm: Arm) -> None:
-    one = case(vertical_arm, 4, base=0.3)
+    one = case(vertical_arm, 4, base=0.3, seconds=8.0)
     tracker = KalmanTracker(vertical_arm, RATE_HZ, np.zeros(2), RATE_HZ)
     readings = one.readings.values
     before, _ = tracker.push(0, readings[:500])
