@@ -15,7 +15,8 @@ from fitter.commands.limb_kinematics import recordings_of
 from fitter.commands.options import MOTION_SUFFIXES, make_room
 from fitter.data.motion_file import write_motion
 from fitter.limb.json_document import of_markers, rms_mm
-from fitter.limb.tracking import marked_arm, track_limb
+from fitter.limb.marked_arm import marked_arm
+from fitter.limb.tracking import track_limb
 from limbcal.command import Document, console, say_notes, show
 from limbcal.errors import ConfigError
 from limbcal.note import documents, of_source

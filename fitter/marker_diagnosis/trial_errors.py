@@ -11,7 +11,8 @@ from numpy.typing import NDArray
 
 from arm.model import Arm, Floats
 from fitter.limb.inverse_kinematics import predicted
-from fitter.limb.tracking import SolvedMotion, marked_arm, solve_motion
+from fitter.limb.marked_arm import marked_arm
+from fitter.limb.solved_motion import SolvedMotion, solve_motion
 from fitter.marker_diagnosis.left_out import LeftOut, left_out
 from protocol.markers.recording import MarkerRecording
 

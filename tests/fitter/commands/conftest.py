@@ -1,6 +1,7 @@
 """Running the real command."""
 
 import json
+import tempfile
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
@@ -33,3 +34,10 @@ def fitter(capfd: pytest.CaptureFixture[str]) -> Callable[..., Outcome]:
         return Outcome(code, json.loads(out) if out else None, " ".join(err.split()), errors)
 
     return run
+
+
+@pytest.fixture
+def place():
+    """Make a folder whose name is short enough for sockets in it."""
+    with tempfile.TemporaryDirectory() as folder:
+        yield folder

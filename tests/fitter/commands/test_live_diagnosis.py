@@ -1,7 +1,6 @@
 """`fitter subscribe --diagnose`: why the simulation is wrong, said when the last motion has ended."""
 
 import json
-import tempfile
 from dataclasses import replace
 
 import pytest
@@ -19,13 +18,6 @@ FIELDS = (
     "verdict complete left causes candidates confusable next_experiment before after gain residual explained "
     "structure suspected notes polished polish judged"
 )
-
-
-@pytest.fixture
-def place():
-    """Make a folder whose name is short enough for sockets in it."""
-    with tempfile.TemporaryDirectory() as folder:
-        yield folder
 
 
 def heard(subscriber, topic):

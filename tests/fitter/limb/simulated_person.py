@@ -9,7 +9,7 @@ from scipy.spatial.transform import Rotation
 from arm.body.landmarks import landmark_places, limb_map, middle_of
 from arm.body.limbs import MEAN_PERSON, limb
 from arm.kinematics import axis_frames
-from arm.model import Arm, Floats
+from arm.model import Arm, Base, Floats, Marker
 from fitter.functional.marker_set import MarkerSet
 from protocol.markers.recording import MarkerRecording
 
@@ -97,3 +97,23 @@ def with_gaps(recording: MarkerRecording, rng: np.random.Generator, share: float
     lost = rng.random((len(positions) // block + 1, positions.shape[1])) < share
     positions[np.repeat(lost, block, axis=0)[: len(positions)]] = np.nan
     return replace(recording, positions=positions)
+
+
+def with_markers(truth):
+    """Return the true arm with its markers where they are, as a calibration would write it."""
+    first, R, p = truth.recordings[0].positions[0], truth.R[0][0], truth.p[0][0]
+    frames = axis_frames(truth.arm, truth.q[0][:1])[0]
+    in_frame_0 = (first - p) @ R - truth.base_p
+    markers = []
+    for name, x in zip(truth.recordings[0].names, in_frame_0, strict=True):
+        joint = 0 if name.startswith("B") else _link_of(name)
+        at = x if joint == 0 else frames[joint - 1, :3, :3].T @ (x - frames[joint - 1, :3, 3])
+        markers.append(Marker(name, joint, tuple(at.tolist()), 0.004))
+    base = Base(tuple(truth.base_p.tolist()), (0.0, 0.0, 0.0), "scapula_right")
+    return replace(truth.arm, markers=tuple(markers), base=base)
+
+
+def _link_of(name):
+    if name.startswith(("upper", "lateral", "medial")):
+        return 3
+    return 5 if name.startswith(("forearm", "radial", "ulnar")) else 7

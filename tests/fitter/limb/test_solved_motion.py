@@ -1,0 +1,51 @@
+"""The motion of a recording as the kernels have it: what is missing is said, too little is refused."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from fitter.limb.solved_motion import solve_motion
+from limbcal.errors import DataError
+from tests.fitter.limb.simulated_person import person, with_markers
+
+
+@pytest.fixture(scope="module")
+def truth():
+    return person(n=60)
+
+
+def test_a_recording_of_something_else_is_an_error(truth):
+    other = replace(truth.recordings[0], names=tuple(f"x{k}" for k in range(len(truth.recordings[0].names))))
+    with pytest.raises(DataError, match="it has none"):
+        solve_motion(with_markers(truth), other, 1)
+
+
+def test_a_base_that_no_frame_shows_is_an_error(truth):
+    recording, positions = truth.recordings[0], truth.recordings[0].positions.copy()
+    positions[:, [name.startswith("B") for name in recording.names]] = np.nan
+    with pytest.raises(DataError, match="no frame shows the base's markers"):
+        solve_motion(with_markers(truth), replace(recording, positions=positions), 1)
+
+
+def test_a_marker_that_is_not_there_is_said(truth):
+    recording = truth.recordings[0]
+    lost = next(name for name in recording.names if name.startswith("forearm"))
+    kept = [k for k, name in enumerate(recording.names) if name != lost]
+    less = replace(
+        recording, names=tuple(recording.names[k] for k in kept), positions=recording.positions[:, kept]
+    )
+    solved = solve_motion(with_markers(truth), less, 1)
+    assert [note.columns for note in solved.notes if note.kind == "missing_marker"] == [(lost,)]
+    away = np.degrees(np.abs(solved.smoothed.q[:, solved.marked.markers.sway :] - truth.q[0]))
+    assert np.median(away) < 1.0
+
+
+def test_frames_in_which_the_base_is_hidden_are_said_and_bridged(truth):
+    recording, positions = truth.recordings[0], truth.recordings[0].positions.copy()
+    base = [name.startswith("B") for name in recording.names]
+    positions[20:35, base] = np.nan
+    solved = solve_motion(with_markers(truth), replace(recording, positions=positions), 1)
+    (note,) = [note for note in solved.notes if note.kind == "base_gap"]
+    assert "in 15 of 60 frames" in note.text
+    assert np.isfinite(solved.smoothed.q).all()
