@@ -20,6 +20,7 @@ from tracking.observation import Observation, observation_of, rms_alike
 from tracking.process import SMOOTHER_PUSH_STD
 from tracking.readings import Readings
 from tracking.smoothed import SIGMAS, Smoothed, mend
+from tracking.smoother import state_before
 from tracking.smoothing_pass import pass_of, smooth_once
 from tracking.start import MountingPrior, start_state
 
@@ -50,6 +51,8 @@ class DiscrepancySmoother:
         exact: Smoothed | None = None,
         known: Smoothed | None = None,
         progress: Callable[[int], None] | None = None,
+        previous: Smoothed | None = None,
+        until: int | None = None,
     ) -> Smoothed:
         """Return the most probable motion.
 
@@ -63,6 +66,8 @@ class DiscrepancySmoother:
             whether the base moves.
         progress : callable, optional
             Told the number of rounds after each.
+        previous, until : Smoothed and int, optional
+            As of `tracking.smoother.Smoother.smooth`.
 
         Raises
         ------
@@ -87,32 +92,36 @@ class DiscrepancySmoother:
 
         def fit(base: bool, memory_s: float, begin: Begin) -> DiscrepancyFit:
             of, size = observation_of(self._arm, self._sought, base, lack=True, clocks=True)
-            start = self._begin(of, size, readings, known)
+            start = self._begin(of, size, readings, known, previous)
             return DiscrepancyFit(self._arm, of, size, coarse, memory_s, start, begin, self.size)
 
         if known is not None and known.discrepancy is not None:  # of the same arm on the same base
             sizes = known.discrepancy
             fits = [fit(sizes.base_std > 0.0, sizes.memory_s, begin) for begin in begins]
-            return self._smoothed(likeliest(fits, [0.0] * len(fits), count_round), course, stride, rounds)
+            return self._smoothed(likeliest(fits, [0.0] * len(fits), count_round), course, stride, rounds, until)
         moves = [False, True] if len({sensor.joint for sensor in self._arm.sensors}) > 1 else [False]
         kinds = [(base, begin) for base in moves for begin in begins]  # what one link's sensors share is its own
         fits = [fit(base, MEMORIES_S[1], begin) for base, begin in kinds]
         best = likeliest(fits, [_ODDS_NATS * base for base, _ in kinds], count_round)
         base, begin = kinds[fits.index(best)]
         others = [fit(base, memory_s, begin) for memory_s in (MEMORIES_S[0], MEMORIES_S[2])]
-        return self._smoothed(likeliest([best, *others], [0.0] * 3, count_round), course, stride, rounds)
+        return self._smoothed(likeliest([best, *others], [0.0] * 3, count_round), course, stride, rounds, until)
 
     def _begin(
-        self, of: Observation, size: int, readings: Readings, known: Smoothed | None
+        self, of: Observation, size: int, readings: Readings, known: Smoothed | None, previous: Smoothed | None
     ) -> tuple[Floats, Floats]:
         first, steady = readings.first_mean, readings.begins_steadily
         x, P = start_state(self._arm, of, size, first, steady, self._q, self._given, self._mounting)
         if known is not None:
             lasting = slice(3 * self._arm.n_joint, self.size)  # clocks are of each recording
             x[lasting], P[lasting, lasting] = known.final[lasting], known.covariance[lasting, lasting]
+        if previous is not None:
+            previous.continued(x, P)
         return x, P
 
-    def _smoothed(self, fit: DiscrepancyFit, course: Course, stride: int, rounds: int) -> Smoothed:
+    def _smoothed(
+        self, fit: DiscrepancyFit, course: Course, stride: int, rounds: int, until: int | None
+    ) -> Smoothed:
         """Return the motion at every frame."""
         of, (x0, P0) = fit.of, before(fit.of, fit.start, fit.sizes)
         if stride > 1:
@@ -126,6 +135,9 @@ class DiscrepancySmoother:
         found = pass_of(of, course, fit.size)
         x, P = x0.copy(), P0.copy()
         smooth_once(of, room_of(self._arm.n_joint), course, at, x, P, found, True)
+        late = fit.clocks.found(x, P)
+        if until is not None:
+            x, P = state_before(until, of, course, at, x0, P0)
         mend(found.variance)
         still = np.any(course.rest > 0.0, axis=1)
         own = slice(0, self.size)
@@ -145,7 +157,7 @@ class DiscrepancySmoother:
             course,
             at,
             fit.sizes,
-            clocks=fit.clocks.found(x, P),
+            clocks=late,
         )
 
 

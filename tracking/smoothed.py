@@ -1,6 +1,6 @@
 """A smoothed motion: how well it is known, and whether the arm explains the readings."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
@@ -81,6 +81,34 @@ class Smoothed:
     clocks: Clocks | None = None
     mounted_elsewhere: MountedElsewhere | None = None
     alike: tuple[slice, ...] = (slice(None),)
+
+    @property
+    def said(self) -> "Smoothed":
+        """What is said of the motion, without the motion and its readings."""
+        none, frames = np.zeros((0, 0)), np.zeros(0, dtype=np.bool_)
+        course = self.course._replace(readings=none, present=frames, jolt=none, doubt=none, rest=none, drift=none)
+        found = Pass(none, none, none, none)
+        return replace(self, states=none, found=found, still=frames, resting=frames, course=course, along=none)
+
+    def continued(self, x: Floats, P: Floats) -> None:
+        """Put what is known at the end into state and covariance before a recording that follows it at once.
+
+        Of a state with other constants than this one only motion and offsets go on.
+
+        Parameters
+        ----------
+        x, P : (n_state,), (n_state, n_state)
+            As if nothing had been known; changed in place.
+        """
+        same = slice(None) if len(x) == len(self.final) else slice(0, self._n_moving)
+        x[same] = self.final[same]
+        P[same, :], P[:, same] = 0.0, 0.0
+        P[same, same] = self.covariance[same, same]
+
+    @property
+    def _n_moving(self) -> int:
+        """Entries of motion and offsets, which any state begins with."""
+        return 3 * self.course.push.size + self.course.noise.size
 
     @property
     def variance(self) -> Floats:

@@ -1,8 +1,10 @@
 """What a smoother gives out, in the form in which a tracker does."""
 
 from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from arm.kinematics import tip_position
 from arm.model import Arm, Floats
@@ -15,14 +17,46 @@ from tracking.sensor_paths import SensorPaths
 from tracking.smoothed import MountedElsewhere, Smoothed
 from tracking.smoother import Smoother
 from tracking.start import ROUGH, MountingPrior
+from tracking.windows import windows_of
 
 
 @dataclass(frozen=True)
 class SmoothedMotion:
-    """A whole recording's motion: the frames, when the arm moved, and what else the smoother says."""
+    """A whole recording's motion.
+
+    Attributes
+    ----------
+    frames : Frames
+    phases : list of Phase
+        When the arm moved.
+    windows : tuple of Smoothed
+        What else the smoother says, window by window; of several without their motion and readings.
+    lengths : tuple of int
+        Frames of each window.
+    """
 
     frames: Frames
     phases: list[Phase]
+    windows: tuple[Smoothed, ...]
+    lengths: tuple[int, ...]
+
+    @property
+    def smoothed(self) -> Smoothed:
+        """What the smoother says of a recording of one window, and of the last of several."""
+        return self.windows[-1]
+
+
+class Departure(NamedTuple):
+    """How an arm's sensors may differ from its file: in how they are mounted, and in their clocks."""
+
+    mounting: MountingPrior | None
+    clocks: bool
+
+
+class Found(NamedTuple):
+    """A motion, and by which departure from the arm's file the readings are explained: which one, or none."""
+
+    departure: int
     smoothed: Smoothed
 
 
@@ -44,21 +78,33 @@ def most_probable(arm: Arm, readings: Readings, q: Floats, given: bool) -> Smoot
     DataError
         If no motion of the arm explains the readings at all.
     """
+    return _found(arm, readings, q, given).smoothed
+
+
+def _found(
+    arm: Arm, readings: Readings, q: Floats, given: bool, before: Found | None = None, until: int | None = None
+) -> Found:
+    """Return the most probable motion of a window; what the window before departed by, this one does too."""
     exact: Smoothed | None = None
     careful = None if arm.sensor_covariance is not None else MountingPrior()
     rough = None if arm.sensor_covariance is not None else ROUGH
-    departures = [(None, False), (careful, False), (careful, True), (rough, False), (rough, True)]
-    for mounting, clocks in dict.fromkeys(departures):
+    all_kinds = [(None, False), (careful, False), (careful, True), (rough, False), (rough, True)]
+    departures = [Departure(*kind) for kind in dict.fromkeys(all_kinds)]
+    last = None if before is None else before.smoothed
+    for k in range(0 if before is None else before.departure, len(departures)):
+        mounting, clocks = departures[k]
         smoother = Smoother(arm, q, given, mounting, clocks)
         try:
-            found = smoother.smooth(readings)
+            found = smoother.smooth(readings, previous=last, until=until)
         except DataError:
             break
         if found.is_exact:
             elsewhere = _elsewhere(smoother.observation, found.final) if mounting is ROUGH else None
-            return replace(found, mounted_elsewhere=elsewhere)
+            return Found(k, replace(found, mounted_elsewhere=elsewhere))
         exact = exact or found
-    return DiscrepancySmoother(arm, q, given).smooth(readings, exact)
+    known = last if last is not None and last.discrepancy is not None else None
+    robust = DiscrepancySmoother(arm, q, given)
+    return Found(len(departures), robust.smooth(readings, exact, known, previous=last, until=until))
 
 
 def _elsewhere(of: Observation, final: Floats) -> MountedElsewhere:
@@ -79,11 +125,24 @@ def smooth_motion(arm: Arm, readings: Readings, initial_q_rad: Floats | None) ->
         Where the arm rests at first. With None it rests where gravity says, and at zero for angles that gravity
         does not show.
     """
-    n = arm.n_joint
-    q0 = np.zeros(n) if initial_q_rad is None else initial_q_rad
-    found = most_probable(arm, readings, q0, initial_q_rad is not None)
-    q, dq, ddq = (found.states[:, k : 3 * n : 3].copy() for k in range(3))
-    offset = found.states[:, 3 * n : 3 * n + readings.values.shape[1]]
+    n, n_frame, n_channel = arm.n_joint, *readings.values.shape
+    q0, given = (np.zeros(n), False) if initial_q_rad is None else (initial_q_rad, True)
+    windows = windows_of(readings)
+    motion, offset = np.empty((n_frame, 3 * n)), np.empty((n_frame, n_channel))
+    std, still, resting = np.empty((n_frame, n)), *np.empty((2, n_frame), dtype=np.bool_)
+    said: list[Smoothed] = []
+    before: Found | None = None
+    for window in windows:
+        until = None if window.ahead == window.end else window.end - window.begin
+        before = _found(arm, window.of(readings), q0, given, before, until)
+        found, own, kept = before.smoothed, slice(window.begin, window.end), slice(0, window.end - window.begin)
+        motion[own] = found.states[kept, : 3 * n]
+        offset[own] = found.states[kept, 3 * n : 3 * n + n_channel]
+        std[own] = np.sqrt(found.variance[kept, ::3])
+        still[own], resting[own] = found.still[kept], found.resting[kept]
+        said.append(found if len(windows) == 1 else found.said)
+        before, q0, given = before._replace(smoothed=said[-1]), motion[window.end - 1, ::3].copy(), True
+    q, dq, ddq = (motion[:, k::3].copy() for k in range(3))
     frames = Frames(
         0,
         round(1e9 * readings.t0_s),
@@ -92,17 +151,16 @@ def smooth_motion(arm: Arm, readings: Readings, initial_q_rad: Floats | None) ->
         dq,
         ddq,
         tip_position(arm, q),
-        SensorPaths(arm, readings.dt_s).follow(
-            q, (readings.values - offset)[:, : 3 * len(arm.sensors)], found.still
-        ),
+        SensorPaths(arm, readings.dt_s).follow(q, (readings.values - offset)[:, : 3 * len(arm.sensors)], still),
         bool(not readings.present.all()),
-        np.sqrt(found.variance[:, ::3]),
+        std,
     )
-    return SmoothedMotion(frames, _phases(found, readings), found)
+    lengths = tuple(window.end - window.begin for window in windows)
+    return SmoothedMotion(frames, _phases(resting, readings), tuple(said), lengths)
 
 
-def _phases(found: Smoothed, readings: Readings) -> list[Phase]:
-    resting = np.concatenate([[True], found.resting])
+def _phases(rests: NDArray[np.bool_], readings: Readings) -> list[Phase]:
+    resting = np.concatenate([[True], rests])
     trial, phases = 0, []
     for k in np.flatnonzero(np.diff(resting)):
         trial += bool(resting[k])

@@ -18,7 +18,7 @@ from tracking.coarsening import coarser, every, finer, stride_of
 from tracking.course import Course, course_of
 from tracking.expected_readings import room_of
 from tracking.forward_filter import filter_all
-from tracking.observation import channels_alike, observation_of
+from tracking.observation import Observation, channels_alike, observation_of
 from tracking.process import SMOOTHER_PUSH_STD, alarm_limit
 from tracking.readings import Readings
 from tracking.smoothed import Smoothed, is_near, mend
@@ -73,6 +73,8 @@ class Smoother:
         known: Smoothed | None = None,
         start: tuple[Floats, Floats] | None = None,
         progress: Callable[[int], None] | None = None,
+        previous: Smoothed | None = None,
+        until: int | None = None,
     ) -> Smoothed:
         """Return the most probable motion.
 
@@ -87,6 +89,10 @@ class Smoother:
             Before the first reading, where an earlier recording ended in the same rest.
         progress : callable, optional
             Told the number of passes after each.
+        previous : Smoothed, optional
+            Of the recording that this one follows at once, in whatever motion.
+        until : int, optional
+            The frame before which the state is wanted that another recording goes on from; by default the last.
 
         Raises
         ------
@@ -94,7 +100,7 @@ class Smoother:
             If no motion of the arm explains the readings at all.
         """
         of, arm, n = self.observation, self._arm, self._arm.n_joint
-        x0, P0 = self._before(readings, known, start)
+        x0, P0 = self._before(readings, known, start, previous)
         course = course_of(readings, n)
         clocks = ClockSearch(of, course.readings)  # they are of each recording
         clocks.begin(x0, P0)
@@ -138,18 +144,19 @@ class Smoother:
             x, P = x0.copy(), P0.copy()
             smooth_once(of, room, course, along, x, P, found, True)
             at, last = found.states, course
-        mend(found.variance)
-        doubted = float(np.mean((course.doubt > 1.0).any(axis=1)))
         near, late = is_near(of, x - x0, P0), clocks.found(x, P)
-        rests = still, resting
+        if until is not None:
+            x, P = state_before(until, of, last, along, x0, P0)
+        mend(found.variance)
         return Smoothed(
             at,
             found,
             x,
             P,
             P0,
-            *rests,
-            doubted,
+            still,
+            resting,
+            float(np.mean((course.doubt > 1.0).any(axis=1))),
             passes,
             converged,
             last,
@@ -161,12 +168,18 @@ class Smoother:
         )
 
     def _before(
-        self, readings: Readings, known: Smoothed | None, start: tuple[Floats, Floats] | None
+        self,
+        readings: Readings,
+        known: Smoothed | None,
+        start: tuple[Floats, Floats] | None,
+        previous: Smoothed | None,
     ) -> tuple[Floats, Floats]:
         x, P = self.begin(readings) if start is None else (start[0].copy(), start[1].copy())
         if known is not None:
             lasting = slice(3 * self._arm.n_joint, None)
             x[lasting], P[lasting, lasting] = known.final[lasting], known.covariance[lasting, lasting]
+        if previous is not None:
+            previous.continued(x, P)
         return x, P
 
     def begin(self, readings: Readings) -> tuple[Floats, Floats]:
@@ -194,6 +207,24 @@ class Smoother:
         if not np.isfinite(states).all():
             raise DataError(NO_MOTION)
         return states, still, resting
+
+
+def state_before(
+    frame: int, of: Observation, course: Course, along: Floats, x0: Floats, P0: Floats
+) -> tuple[Floats, Floats]:
+    """Return state and covariance after all readings before a frame, from those before the first reading."""
+    part = course._replace(
+        readings=course.readings[:frame],
+        present=course.present[:frame],
+        jolt=course.jolt[:frame],
+        doubt=course.doubt[:frame],
+        rest=course.rest[:frame],
+        drift=course.drift[:frame],
+    )
+    x, P = x0.copy(), P0.copy()
+    room = room_of(course.push.size)
+    smooth_once(of, room, part, along[:frame], x, P, pass_of(of, part, len(x)), False)
+    return x, P
 
 
 def release(course: Course, still: NDArray[np.bool_]) -> None:

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from arm.model import Arm
 from fitter.data.raw import RawRun
-from fitter.sensing.verdict import Verdict, verdict_of
+from fitter.sensing.verdict import Verdict, merged, verdict_of
 from tracking.frames import Frames, Phase
 from tracking.smoothed_frames import smooth_motion
 from tracking.tracker import Tracker, consistency_of
@@ -90,4 +90,5 @@ def smoothed(run: RawRun, arm: Arm, initial_q_rad: Floats | None, frame_rate_hz:
     start_ns = round(1e9 * run.t[0])
     frames = replace(found.frames, t0_ns=start_ns + found.frames.t0_ns)
     phases = [replace(phase, t_ns=start_ns + phase.t_ns) for phase in found.phases]
-    return Followed([frames], phases, verdict_of(found.smoothed, frames.n))
+    said = [verdict_of(window, n) for window, n in zip(found.windows, found.lengths, strict=True)]
+    return Followed([frames], phases, merged(said, found.lengths))

@@ -3,6 +3,7 @@
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass, replace
 from functools import partial
+from typing import Any
 
 import numpy as np
 
@@ -93,17 +94,22 @@ def _late(said: Smoothed) -> float | None:
 
 
 def overall(verdicts: Sequence[Verdict], frames: Sequence[int]) -> dict[str, object]:
-    """Return what is said of several runs, of so many frames each, for a JSON document.
+    """Return what is said of several runs, of so many frames each, for a JSON document: what is said at all."""
+    return {name: value for name, value in asdict(merged(verdicts, frames)).items() if value is not None}
+
+
+def merged(verdicts: Sequence[Verdict], frames: Sequence[int]) -> Verdict:
+    """Return what is said of several runs, or windows of one, of so many frames each.
 
     ``innovation`` and ``doubted`` are means over the frames; ``passes``, what the model lacks, how its base
     moves, how late a sensor is and how far it sits from its place are the most of any run.
     """
     known = [asdict(verdict) for verdict in verdicts]
-    document: dict[str, object] = {}
+    said: dict[str, Any] = {}
     for name in ("innovation", "doubted"):
         shares = [(one[name], n) for one, n in zip(known, frames, strict=True) if one[name] is not None]
         if shares:
-            document[name] = sum(value * n for value, n in shares) / sum(n for _, n in shares)
+            said[name] = sum(value * n for value, n in shares) / sum(n for _, n in shares)
     most = (
         ("passes", max),
         ("discrepancy_m_s2", max),
@@ -116,5 +122,5 @@ def overall(verdicts: Sequence[Verdict], frames: Sequence[int]) -> dict[str, obj
     for name, of in (("wrong", any), ("converged", all), *most):
         found = [one[name] for one in known if one[name] is not None]
         if found:
-            document[name] = of(found)
-    return document
+            said[name] = of(found)
+    return Verdict(**said)
