@@ -18,6 +18,7 @@ from tracking.coarsening import coarser, every, finer, stride_of
 from tracking.course import Course, course_of
 from tracking.expected_readings import room_of
 from tracking.forward_filter import filter_all
+from tracking.kalman_step import predict
 from tracking.observation import Observation, channels_alike, observation_of
 from tracking.process import SMOOTHER_PUSH_STD, alarm_limit
 from tracking.readings import Readings
@@ -212,7 +213,7 @@ class Smoother:
 def state_before(
     frame: int, of: Observation, course: Course, along: Floats, x0: Floats, P0: Floats
 ) -> tuple[Floats, Floats]:
-    """Return state and covariance after all readings before a frame, from those before the first reading."""
+    """Return state and covariance at a frame but before its reading, from those before the first reading."""
     part = course._replace(
         readings=course.readings[:frame],
         present=course.present[:frame],
@@ -224,6 +225,7 @@ def state_before(
     x, P = x0.copy(), P0.copy()
     room = room_of(course.push.size)
     smooth_once(of, room, part, along[:frame], x, P, pass_of(of, part, len(x)), False)
+    predict(of, course, frame, x, P)
     return x, P
 
 

@@ -69,7 +69,7 @@ def test_in_windows_the_motion_is_that_of_the_whole(
     """Whatever is moving where one window ends and the next begins."""
     one = case(vertical_arm, 6, lack=lack, seconds=80.0)
     whole, parted = in_windows(vertical_arm, one.readings, monkeypatch)
-    assert len(whole.windows) == 1 and len(parted.windows) == 2
+    assert len(whole.windows) == 1 and len(parted.windows) == 3
     std = whole.frames.q_std
     assert std is not None and parted.frames.q_std is not None
     apart = np.abs(parted.frames.q - whole.frames.q)
