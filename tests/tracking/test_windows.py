@@ -62,9 +62,9 @@ def test_a_window_has_its_own_readings_on_the_same_clock():
     assert part.t0_s == pytest.approx(0.5 + 20 / RATE_HZ)
 
 
-@pytest.mark.parametrize("lack", [0.0, 0.3])
+@pytest.mark.parametrize(("lack", "apart_std"), [(0.0, 0.5), (0.3, 1.5)])  # each window learns what is lacking
 def test_in_windows_the_motion_is_that_of_the_whole(
-    vertical_arm: Arm, lack: float, monkeypatch: pytest.MonkeyPatch
+    vertical_arm: Arm, lack: float, apart_std: float, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Whatever is moving where one window ends and the next begins."""
     one = case(vertical_arm, 6, lack=lack, seconds=80.0)
@@ -72,8 +72,7 @@ def test_in_windows_the_motion_is_that_of_the_whole(
     assert len(whole.windows) == 1 and len(parted.windows) == 3
     std = whole.frames.q_std
     assert std is not None and parted.frames.q_std is not None
-    apart = np.abs(parted.frames.q - whole.frames.q)
-    assert np.quantile(apart / std, 0.99) < 0.5 and apart.max() < 3.0 * std.max()
+    assert np.max(np.abs(parted.frames.q - whole.frames.q) / std) < apart_std
     assert np.abs(parted.frames.q_std / std - 1.0).max() < 0.5
     assert np.mean(np.abs(parted.frames.q - one.q) < 3.0 * parted.frames.q_std) > 0.97
     assert [phase.kind for phase in parted.phases] == [phase.kind for phase in whole.phases]
