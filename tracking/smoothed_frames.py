@@ -17,6 +17,7 @@ from tracking.sensor_paths import SensorPaths
 from tracking.smoothed import MountedElsewhere, Smoothed
 from tracking.smoother import Smoother
 from tracking.start import ROUGH, MountingPrior
+from tracking.stillness import window_frames
 from tracking.windows import windows_of
 
 
@@ -130,7 +131,7 @@ def smooth_motion(arm: Arm, readings: Readings, initial_q_rad: Floats | None) ->
     windows = windows_of(readings)
     motion, offset = np.empty((n_frame, 3 * n)), np.empty((n_frame, n_channel))
     std, still, resting = np.empty((n_frame, n)), *np.empty((2, n_frame), dtype=np.bool_)
-    said: list[Smoothed] = []
+    said, seen_after = list[Smoothed](), int(np.prod(window_frames(readings.dt_s)))
     before: Found | None = None
     for window in windows:
         until = None if window.ahead == window.end else window.end - window.begin
@@ -139,7 +140,10 @@ def smooth_motion(arm: Arm, readings: Readings, initial_q_rad: Floats | None) ->
         motion[own] = found.states[kept, : 3 * n]
         offset[own] = found.states[kept, 3 * n : 3 * n + n_channel]
         std[own] = np.sqrt(found.variance[kept, ::3])
-        still[own], resting[own] = found.still[kept], found.resting[kept]
+        still[own] = found.still[kept]
+        # whether a motion goes on is seen in what was read last: at its beginning a window has read nothing
+        judged = window.begin + (seen_after if window.begin else 0)
+        resting[judged : window.ahead] = found.resting[judged - window.begin :]
         said.append(found if len(windows) == 1 else found.said)
         before, q0, given = before._replace(smoothed=said[-1]), motion[window.end - 1, ::3].copy(), True
     q, dq, ddq = (motion[:, k::3].copy() for k in range(3))

@@ -36,7 +36,7 @@ class Window(NamedTuple):
         return Readings(own, readings.dt_s, start_s, readings.noise, readings.factor)
 
 
-def windows_of(readings: Readings, longest: int = LONGEST) -> list[Window]:
+def windows_of(readings: Readings, longest: int = LONGEST, ahead_s: float = LOOK_AHEAD_S) -> list[Window]:
     """Part a recording; one that is not much longer than a window is one.
 
     Parameters
@@ -44,9 +44,11 @@ def windows_of(readings: Readings, longest: int = LONGEST) -> list[Window]:
     readings : Readings
     longest : int, optional
         Instants of a window, give or take a fifth.
+    ahead_s : float, optional
+        By how much more is smoothed than is kept.
     """
     n, begin, windows = len(readings.values), 0, list[Window]()
-    more = round(LOOK_AHEAD_S / readings.dt_s)
+    more = round(ahead_s / readings.dt_s)
     least, most = (round((1.0 + sign * _LEEWAY) * longest) for sign in (-1.0, 1.0))
     while n - begin > most + more:
         end = begin + least + _calmest(readings.values[begin + least :], most - least, readings.dt_s)

@@ -20,15 +20,6 @@ def readings_of(values: np.ndarray) -> Readings:
     return Readings(values, 1.0 / RATE_HZ, 0.5, Noise(1e-4 * one, 0.0 * one), 1)
 
 
-def in_windows(
-    arm: Arm, readings: Readings, monkeypatch: pytest.MonkeyPatch
-) -> tuple[SmoothedMotion, SmoothedMotion]:
-    """Return a motion smoothed whole, and in windows."""
-    whole = smooth_motion(arm, readings, np.zeros(2))
-    monkeypatch.setattr(smoothed_frames, "windows_of", lambda some: windows_of(some, SHORT))
-    return whole, smooth_motion(arm, readings, np.zeros(2))
-
-
 def test_a_recording_that_is_not_much_longer_than_a_window_is_one():
     n = round(1.2 * SHORT + LOOK_AHEAD_S * RATE_HZ)
     assert windows_of(readings_of(np.zeros((n, 3))), SHORT) == [Window(0, n, n)]
@@ -62,28 +53,42 @@ def test_a_window_has_its_own_readings_on_the_same_clock():
     assert part.t0_s == pytest.approx(0.5 + 20 / RATE_HZ)
 
 
-@pytest.mark.parametrize(("lack", "apart_std"), [(0.0, 0.5), (0.3, 1.5)])  # each window learns what is lacking
-def test_in_windows_the_motion_is_that_of_the_whole(
-    vertical_arm: Arm, lack: float, apart_std: float, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """Whatever is moving where one window ends and the next begins."""
-    one = case(vertical_arm, 6, lack=lack, seconds=80.0)
-    whole, parted = in_windows(vertical_arm, one.readings, monkeypatch)
-    assert len(whole.windows) == 1 and len(parted.windows) == 3
-    std = whole.frames.q_std
-    assert std is not None and parted.frames.q_std is not None
-    assert np.max(np.abs(parted.frames.q - whole.frames.q) / std) < apart_std
-    assert np.abs(parted.frames.q_std / std - 1.0).max() < 0.5
-    assert np.mean(np.abs(parted.frames.q - one.q) < 3.0 * parted.frames.q_std) > 0.97
-    assert [phase.kind for phase in parted.phases] == [phase.kind for phase in whole.phases]
+@pytest.fixture
+def parted(monkeypatch: pytest.MonkeyPatch):
+    """Return what smooths in windows of some instants, with so many seconds of what follows each."""
+
+    def smoothed(arm: Arm, readings: Readings, longest: int, ahead_s: float) -> SmoothedMotion:
+        with monkeypatch.context() as patch:
+            patch.setattr(smoothed_frames, "windows_of", lambda some: windows_of(some, longest, ahead_s))
+            return smooth_motion(arm, readings, np.zeros(2))
+
+    return smoothed
 
 
-def test_of_several_windows_what_is_said_is_kept_and_no_motion(
-    vertical_arm: Arm, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    _, parted = in_windows(vertical_arm, case(vertical_arm, 6, seconds=80.0).readings, monkeypatch)
-    assert sum(parted.lengths) == len(parted.frames.q)
-    assert all(window.converged for window in parted.windows)
-    assert all(
-        window.states.size == window.along.size == window.found.error.size == 0 for window in parted.windows
-    )
+def test_in_windows_the_motion_is_that_of_the_whole(vertical_arm: Arm, parted) -> None:
+    """The arm moves where one window ends and the next begins."""
+    one = case(vertical_arm, 6, seconds=80.0)
+    whole = smooth_motion(vertical_arm, one.readings, np.zeros(2))
+    motion = parted(vertical_arm, one.readings, SHORT, 10.0)
+    assert (len(whole.windows), len(motion.windows)) == (1, 3)
+    assert whole.frames.q_std is not None and motion.frames.q_std is not None
+    assert np.max(np.abs(motion.frames.q - whole.frames.q) / whole.frames.q_std) < 0.5
+    assert np.abs(motion.frames.q_std / whole.frames.q_std - 1.0).max() < 0.1
+    assert [phase.kind for phase in motion.phases] == [phase.kind for phase in whole.phases] == ["begin"]
+
+
+def test_what_a_window_lacks_the_next_one_knows(vertical_arm: Arm, parted) -> None:
+    one = case(vertical_arm, 6, lack=0.3, seconds=9.0)
+    motion = parted(vertical_arm, one.readings, 400, 1.0)
+    first, second = motion.windows
+    assert first.discrepancy is not None and second.discrepancy is not None
+    assert second.discrepancy.memory_s == first.discrepancy.memory_s
+    assert np.mean(np.abs(motion.frames.q - one.q) < 3.0 * motion.frames.q_std) > 0.97
+
+
+def test_of_several_windows_what_is_said_is_kept_and_no_motion(vertical_arm: Arm, parted) -> None:
+    motion = parted(vertical_arm, case(vertical_arm, 6, seconds=9.0).readings, 400, 1.0)
+    assert sum(motion.lengths) == len(motion.frames.q)
+    for window in motion.windows:
+        assert window.converged
+        assert window.states.size == window.along.size == window.found.error.size == 0
