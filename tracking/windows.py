@@ -13,7 +13,7 @@ from arm.model import Floats
 from tracking.readings import Readings
 from tracking.stillness import window_frames
 
-#: Instants of a window [frames]: with four sensors on two joints 3.5 kB each, and 9 kB where the sensors' mountings are
+#: Instants of a window [frames]: with four sensors on two joints 3.5 kB each, and 9 kB where their mountings are
 #: sought too.
 LONGEST = 100_000
 #: A window may be longer or shorter by this part, so that it ends where the arm rests.
