@@ -5,10 +5,12 @@ parameters and sensors are given there. *Frame i* of the paper is the same frame
 the far end of the link. In a tree the frame before is that of the parent, moved to where the joint hangs on it.
 """
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from arm.chain import Chain, chain_of, hang_on, joint_rows, link_step
-from arm.model import Arm, Floats
+from arm.model import Arm, Floats, Marker, Sensor
 from limbcal.compiled import compiled
 
 
@@ -110,11 +112,19 @@ def sensor_positions(arm: Arm, q: Floats) -> Floats:
     -------
     (n_sample, n_sensor, 3) [m]
     """
+    return positions_on_links(arm, q, arm.sensors)
+
+
+def positions_on_links(arm: Arm, q: Floats, mounted: Sequence[Sensor | Marker]) -> Floats:
+    """Return where what is mounted on links is in the base frame, (n_sample, n, 3) [m]; joint 0 is the base."""
     frames = axis_frames(arm, q)
-    points = np.empty((len(frames), len(arm.sensors), 3))
-    for k, sensor in enumerate(arm.sensors):
-        T = frames[:, sensor.joint - 1]
-        points[:, k] = T[:, :3, :3] @ np.array(sensor.position_m) + T[:, :3, 3]
+    points = np.empty((len(frames), len(mounted), 3))
+    for k, one in enumerate(mounted):
+        if one.joint == 0:
+            points[:, k] = one.position_m
+            continue
+        T = frames[:, one.joint - 1]
+        points[:, k] = T[:, :3, :3] @ np.array(one.position_m) + T[:, :3, 3]
     return points
 
 

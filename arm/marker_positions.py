@@ -1,8 +1,6 @@
 """Where optical markers on an arm are at given joint values."""
 
-import numpy as np
-
-from arm.kinematics import axis_frames
+from arm.kinematics import positions_on_links
 from arm.model import Arm, Floats
 
 
@@ -19,8 +17,4 @@ def marker_positions(arm: Arm, q: Floats) -> Floats:
     (n_sample, n_marker, 3) [m]
         In the order of the arm's markers; those of link 0 stand.
     """
-    frames = axis_frames(arm, q)
-    frames = np.concatenate([np.tile(np.eye(4), (len(q), 1, 1, 1)), frames], axis=1)
-    own = frames[:, [marker.joint for marker in arm.markers]]
-    local = np.array([marker.position_m for marker in arm.markers]).reshape(-1, 3)
-    return np.asarray(np.einsum("nmij,mj->nmi", own[..., :3, :3], local) + own[..., :3, 3])
+    return positions_on_links(arm, q, arm.markers)

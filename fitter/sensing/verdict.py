@@ -94,12 +94,12 @@ def _late(said: Smoothed) -> float | None:
 
 
 def overall(verdicts: Sequence[Verdict], frames: Sequence[int]) -> dict[str, object]:
-    """Return what is said of several runs, of so many frames each, for a JSON document: what is said at all."""
+    """Return the merged verdict of several runs, by their numbers of frames, as JSON has it: without None."""
     return {name: value for name, value in asdict(merged(verdicts, frames)).items() if value is not None}
 
 
 def merged(verdicts: Sequence[Verdict], frames: Sequence[int]) -> Verdict:
-    """Return what is said of several runs, or windows of one, of so many frames each.
+    """Return the merged verdict of several runs, or windows of a run, weighted by their numbers of frames.
 
     ``innovation`` and ``doubted`` are means over the frames; ``passes``, what the model lacks, how its base
     moves, how late a sensor is and how far it sits from its place are the most of any run.

@@ -9,7 +9,7 @@ from playback.shape import Colours, Mesh, base_mesh, link_meshes, link_poses, re
 from playback.trajectory import Floats
 
 #: Radius of an optical marker, which is most often a ball of 14 mm [m].
-_MARKER_M = 0.007
+MARKER_RADIUS_M = 0.007
 
 
 class Figure:
@@ -65,7 +65,7 @@ class Figure:
             self._sensors.append(
                 server.scene.add_icosphere(
                     f"{node}/marker {marker.name}",
-                    radius=_MARKER_M,
+                    radius=MARKER_RADIUS_M,
                     color=colours.sensor,
                     opacity=opacity,
                     position=marker.position_m,

@@ -10,12 +10,11 @@ from arm.model import Arm
 from playback.measured_markers import MeasuredMarkers
 from playback.shape import rgb
 from playback.trajectory import Floats
+from playback.view.figure import MARKER_RADIUS_M
 
 #: Colour of what was measured, and of its distance from the model.
 MEASURED, APART = rgb("2f9e5b"), rgb("c0392b")
-#: Size of a drawn point [m]: most markers are balls of 14 mm.
-_BALL_M = 0.014
-#: So many markers that are farthest off have a row of their own.
+#: Number of markers, those with the largest distances, that have a row of their own.
 _N_WORST = 5
 
 
@@ -36,7 +35,7 @@ class MarkerErrors:
             "/measured markers",
             np.zeros((0, 3)),
             MEASURED,
-            point_size=_BALL_M,
+            point_size=2.0 * MARKER_RADIUS_M,
             point_shape="circle",
             precision="float32",
         )

@@ -55,7 +55,7 @@ def test_a_window_has_its_own_readings_on_the_same_clock():
 
 @pytest.fixture
 def parted(monkeypatch: pytest.MonkeyPatch):
-    """Return what smooths in windows of some instants, with so many seconds of what follows each."""
+    """Return a function that smooths in windows of a given length [frames] with a given look-ahead [s]."""
 
     def smoothed(arm: Arm, readings: Readings, longest: int, ahead_s: float) -> SmoothedMotion:
         with monkeypatch.context() as patch:
