@@ -7,7 +7,7 @@ the motor's place in its gap is unknown, the link begins to move at contact, and
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,6 +23,8 @@ from fitter.diagnosis.whitening import LASTS_S
 
 #: The torque's sign is determined behind a Gaussian of this width [s]; within it a contact is not certain.
 _WIDTH_S = 0.004
+#: Gaps of which the link's motion is kept.
+_KEPT = 4
 
 
 @dataclass(frozen=True)
@@ -47,6 +49,7 @@ class BacklashPath:
     trial: Trial
     cut: int
     step: int
+    _changes: dict[float, Floats] = field(default_factory=dict, init=False, repr=False)
 
     def off(self, gap: float) -> Floats:
         """Return by how much the link's angle differs from the motor's, not filtered, (n_whole,)."""
@@ -70,7 +73,17 @@ class BacklashPath:
         return np.asarray(self.bridge != 0.0)[inner][:: self.step]
 
     def change(self, gap: float) -> Floats:
-        """Return by how much the link's angle and its derivatives differ from the motor's, (3, n_sample)."""
+        """Return by how much the link's angle and its derivatives differ from the motor's, (3, n_sample).
+
+        Those of the last gaps are kept: other accelerations are tried along the same path (`mass_density`).
+        """
+        if gap not in self._changes:
+            if len(self._changes) >= _KEPT:
+                self._changes.clear()
+            self._changes[gap] = self._changed(gap)
+        return self._changes[gap]
+
+    def _changed(self, gap: float) -> Floats:
         off, trial = self.off(gap), self.trial
         smooth = lowpass(off, trial.dt_s, trial.cutoff_hz) if self.cut else off
         slopes = both_derivatives(smooth, trial.dt_s)

@@ -37,8 +37,10 @@ class _Windows:
     joint : (n,) int
     at : (n,) int
         The middle sample.
-    average : (n, n_sample)
-        Weights by which a motion's samples make the row, signed.
+    samples : (n_weighed,) int
+        Those that make the rows.
+    average : (n, n_weighed)
+        Weights by which they make each, signed.
     forward : (n,) bool
         Whether it is the limit of friction against a motion forward.
     static : (n,)
@@ -49,6 +51,7 @@ class _Windows:
 
     joint: NDArray[np.intp]
     at: NDArray[np.intp]
+    samples: NDArray[np.intp]
     average: Floats
     forward: NDArray[np.bool_]
     static: Floats
@@ -195,8 +198,9 @@ class FrictionLimits:
         own, sides = self._windows[motion.number], []
         for pushed in self._pushed[motion.number]:
             hypothetical = self._equations.hypothetical(model, pushed)
-            columns = hypothetical.equations(self._equations.independent(hypothetical.arm))
-            both = np.concatenate([columns, hypothetical.target(self._equations.known)[..., None]], axis=2)
+            columns = hypothetical.equations(self._equations.independent(hypothetical.arm), own.samples)
+            target = hypothetical.target(self._equations.known, own.samples)
+            both = np.concatenate([columns, target[..., None]], axis=2)
             side = np.empty((len(own.joint), both.shape[2]))
             for j in range(both.shape[1]):
                 side[own.joint == j] = own.average[own.joint == j] @ both[:, j]
@@ -237,10 +241,13 @@ def _windows(motion: Motion, weighting: Weighting, part: float) -> _Windows:
                 changes = 0.5 * float(np.ptp(motion.u[rest.stop - cut : end + cut, j]))
                 rows.append((j, rest.stop, -way * mean, way > 0.0, -1.0, float(np.hypot(size[j], changes))))
     joint, at, average, forward, static, std = zip(*rows, strict=True) if rows else ((),) * 6
+    weights = np.array(average, dtype=np.float64).reshape(len(rows), n)
+    samples = np.flatnonzero(np.any(weights, axis=0))
     return _Windows(
         np.array(joint, dtype=np.intp),
         np.array(at, dtype=np.intp),
-        np.array(average, dtype=np.float64).reshape(len(rows), n),
+        samples,
+        weights[:, samples],
         np.array(forward, dtype=np.bool_),
         np.array(static, dtype=np.float64),
         np.sqrt(part) / np.array(std, dtype=np.float64),

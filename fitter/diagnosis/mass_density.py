@@ -203,7 +203,7 @@ class MassDensity:
         def sides(one: Motion) -> tuple[Floats, Floats]:
             hypothetical = self._equations.hypothetical(model, one)
             kept = self._equations.independent(hypothetical.arm)
-            return hypothetical.equations(kept)[sparse], hypothetical.target(self._equations.known)[sparse]
+            return hypothetical.equations(kept, sparse), hypothetical.target(self._equations.known, sparse)
 
         design, target = sides(motion)
         pushed = [sides(one) for one in self._pushed[motion.number]]

@@ -5,6 +5,7 @@ has another arm, angle or torque, and further columns.
 """
 
 from dataclasses import dataclass, field, replace
+from typing import TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -106,6 +107,10 @@ def sharp_torque(arm: Arm, trial: Trial) -> Floats:
     return np.pad(u, ((trial.trimmed, trial.trimmed), (0, 0)), mode="edge")
 
 
+#: Which of a motion's samples.
+Samples: TypeAlias = slice | NDArray[np.intp]
+
+
 class BaseColumns:
     """The base parameters that are sought, in any gravity.
 
@@ -199,30 +204,30 @@ class HypotheticalMotion:
         noise = self.motion.speed_noise[:, joint]
         return noise if self.dq is self.motion.dq else np.zeros_like(noise)
 
-    def base(self, independent: NDArray[np.intp]) -> Floats:
-        """Return the base regressor's rows, (n_sample, n_joint, n_base)."""
+    def base(self, independent: NDArray[np.intp], samples: Samples = slice(None)) -> Floats:
+        """Return the base regressor's rows, or those of some samples, (n_sample, n_joint, n_base)."""
         n = self.arm.n_joint
-        Y = regressor(self.arm, self.q, self.dq, self.ddq)
+        Y = regressor(self.arm, self.q[samples], self.dq[samples], self.ddq[samples])
         for j in range(n):
-            Y[:, j, 11 * n + j] = self.direction[:, j]
+            Y[:, j, 11 * n + j] = self.direction[samples, j]
             if self.drift[j]:
-                Y[:, j, 10 * n + j :: n] *= 1.0 + self.drift[j] * np.maximum(self.motion.t, 0.0)[:, None]
+                Y[:, j, 10 * n + j :: n] *= 1.0 + self.drift[j] * np.maximum(self.motion.t[samples], 0.0)[:, None]
         rows = np.take(Y, independent, axis=2)
         rows *= self.factor[:, None]
         return rows
 
-    def equations(self, independent: NDArray[np.intp]) -> Floats:
-        """Return base and further columns side by side, (n_sample, n_joint, n_factor)."""
-        added = (one * self.factor[:, None] for one in self.columns)
-        return np.concatenate([self.base(independent), *added], axis=2)
+    def equations(self, independent: NDArray[np.intp], samples: Samples = slice(None)) -> Floats:
+        """Return base and further columns side by side, all or of some samples, (n_sample, n_joint, n_factor)."""
+        added = (one[samples] * self.factor[:, None] for one in self.columns)
+        return np.concatenate([self.base(independent, samples), *added], axis=2)
 
-    def target(self, known: tuple[int, float] | None) -> Floats:
+    def target(self, known: tuple[int, float] | None, samples: Samples = slice(None)) -> Floats:
         """Return the right-hand side of the equation: the torque, less what a known parameter asks for."""
         if known is None:
-            return self.u
+            return self.u[samples]
         column, value = known
-        Y = regressor(self.arm, self.q, self.dq, self.ddq)[..., column]
-        return np.asarray(self.u - value * Y * self.factor, dtype=np.float64)
+        Y = regressor(self.arm, self.q[samples], self.dq[samples], self.ddq[samples])[..., column]
+        return np.asarray(self.u[samples] - value * Y * self.factor, dtype=np.float64)
 
 
 def as_measured(motion: Motion, arm: Arm) -> HypotheticalMotion:

@@ -5,6 +5,7 @@ was measured less the twist that this torque causes. The torque has passed the s
 the twist. Friction acts on the link, which may still go one way while its motor goes the other.
 """
 
+import functools
 from abc import abstractmethod
 from collections.abc import Sequence
 from dataclasses import replace
@@ -115,13 +116,23 @@ class Elasticity(TransmissionHypothesis):
 
     def change(self, hypothetical: HypotheticalMotion, psi: Floats) -> Floats:
         """Return by how much the link's angle and its derivatives differ from the motor's, (3, n_sample)."""
-        dt_s = hypothetical.motion.dt_s
-        twist = psi[0] * lagging(hypothetical.arrived[:, self.joints[0]], float(psi[1]), dt_s)
-        return -np.stack([twist, *both_derivatives(twist, dt_s)])
+        torque = hypothetical.arrived[:, self.joints[0]]
+        return np.asarray(-psi[0] * _unit_twist(torque.tobytes(), float(psi[1]), hypothetical.motion.dt_s))
 
     def numbers(self, psi: Floats, factors: Floats) -> Floats:
         """Return stiffness and damping."""
         return np.array([1.0 / psi[0], psi[1] / psi[0]])
+
+
+@functools.lru_cache(maxsize=256)
+def _unit_twist(torque: bytes, settling_s: float, dt_s: float) -> Floats:
+    """Return what a torque twists a spring of compliance 1, and its derivatives, (3, n_sample).
+
+    A motion pushed by another acceleration has the same torque (`mass_density`, `friction_limits`), and so has one
+    whose compliance alone differs. The size holds every run's twists while slopes are taken.
+    """
+    twist = lagging(np.frombuffer(torque), settling_s, dt_s)
+    return np.stack([twist, *both_derivatives(twist, dt_s)])
 
 
 def _direction(speed: Floats, noise: Floats) -> Floats:

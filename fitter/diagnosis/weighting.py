@@ -59,7 +59,7 @@ class Weighting(Whitening):
 
     def whitened(self, motion: Motion, rows: Floats) -> Floats:
         """Return rows (n_sample, n_joint, …), filtered and on the slower grid, with what may hold a joint."""
-        acts = np.flatnonzero(np.any(rows.reshape(*rows.shape[:2], -1), axis=(0, 2)))
+        acts = [joint for joint in range(rows.shape[1]) if np.any(rows[:, joint])]
         only = slice(acts[0], acts[0] + 1) if len(acts) == 1 else slice(None)
         return self.white(rows[:, only], motion.dt_s, only)
 
