@@ -4,8 +4,8 @@ import numpy as np
 
 from arm.model import Floats
 from fitter.reading_diagnosis.linearisation import Linearisation
-from fitter.reading_diagnosis.sensor_fit import Trials
 from fitter.reading_diagnosis.sensor_hypotheses import Fitted
+from fitter.reading_diagnosis.trial_equations import Trials
 
 
 def base_course(trials: Trials, fitted: Fitted, number: int) -> Floats:

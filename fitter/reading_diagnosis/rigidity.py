@@ -14,7 +14,7 @@ from fitter.diagnosis.next_experiment import next_for_sensors
 from fitter.diagnosis.search import Verdict
 from fitter.reading_diagnosis.free_base import base_course
 from fitter.reading_diagnosis.linearisation import Linearisation
-from fitter.reading_diagnosis.sensor_fit import Trials
+from fitter.reading_diagnosis.sensor_fit import judge
 from fitter.reading_diagnosis.sensor_frames import trials_of
 from fitter.reading_diagnosis.sensor_hypotheses import Fitted, Suspect
 from fitter.reading_diagnosis.sensor_residual import dependence_of_residual, judging_residuals
@@ -29,6 +29,7 @@ from fitter.reading_diagnosis.sensor_verdict import (
     SensorFinding,
     decide,
 )
+from fitter.reading_diagnosis.trial_equations import Trials
 from limbcal.errors import ConfigError, DataError, NotIdentifiable
 from tracking.noise import step_of
 
@@ -127,7 +128,7 @@ def _unhelped(search: Search, decision: Decision) -> Fitted:
         return search.base
     bias = search.base.hypothesis.bias.copy()
     bias[odd] = 0.0
-    return search.trials.judge(replace(search.base, hypothesis=replace(search.base.hypothesis, bias=bias)))
+    return judge(search.trials, replace(search.base, hypothesis=replace(search.base.hypothesis, bias=bias)))
 
 
 def _causes(arm: Arm, search: Search, decision: Decision, cause: Cause) -> list[SensorCause]:

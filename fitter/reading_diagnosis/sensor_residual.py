@@ -13,8 +13,8 @@ from scipy.stats import chi2
 from arm.model import Floats
 from fitter.diagnosis.least_squares import CLEAR_RATIO, NEGLIGIBLE, ROUNDED
 from fitter.reading_diagnosis.linearisation import Linearisation, linearise
-from fitter.reading_diagnosis.sensor_fit import Trials
 from fitter.reading_diagnosis.sensor_hypotheses import Fitted
+from fitter.reading_diagnosis.trial_equations import Trials
 
 
 @dataclass(frozen=True)

@@ -14,7 +14,6 @@ from scipy.signal import detrend, find_peaks
 
 from arm.model import Floats
 from fitter.diagnosis.least_squares import N_REFINED
-from fitter.reading_diagnosis.sensor_fit import Trials
 from fitter.reading_diagnosis.sensor_hypotheses import (
     USUAL_BIAS_M_S2,
     Fitted,
@@ -22,6 +21,7 @@ from fitter.reading_diagnosis.sensor_hypotheses import (
     Suspect,
     with_suspect,
 )
+from fitter.reading_diagnosis.trial_equations import Trials
 
 
 def base_frequencies(trials: Trials, free: Fitted, lowest_hz: float = 0.1, finer: int = 4) -> list[float]:

@@ -14,7 +14,7 @@ from scipy.stats import chi2
 from arm.model import Arm, Floats
 from fitter.diagnosis.least_squares import N_REFINED, NEGLIGIBLE, ODDS_NATS, SIGMAS
 from fitter.reading_diagnosis.free_base import freedom
-from fitter.reading_diagnosis.sensor_fit import Trials
+from fitter.reading_diagnosis.sensor_fit import fit, judge
 from fitter.reading_diagnosis.sensor_frames import FRAME_RATE_HZ, TrialFrames
 from fitter.reading_diagnosis.sensor_hypotheses import (
     USUAL_BIAS_M_S2,
@@ -26,6 +26,7 @@ from fitter.reading_diagnosis.sensor_hypotheses import (
 from fitter.reading_diagnosis.sensor_residual import Contradiction, contradiction, noise_factor
 from fitter.reading_diagnosis.sensor_screening import Screened, base_frequencies, screened
 from fitter.reading_diagnosis.suspected_effects import EFFECTS
+from fitter.reading_diagnosis.trial_equations import Trials
 from limbcal.errors import DataError
 from tracking.coarsening import finer
 from tracking.readings import Readings
@@ -111,7 +112,7 @@ class Search:
         self.trials, self._rough = trials, rough
         self._tell = progress or (lambda: None)
         motions = first_motions(trials.arm, trials.trials)
-        self.base = trials.judge(trials.fit(trials.nothing(), motions))
+        self.base = judge(trials, fit(trials, trials.nothing(), motions))
         self.noise = noise_factor(trials, self.base)
 
     @cached_property
@@ -139,13 +140,13 @@ class Search:
 
     def full(self, suspect: Suspect, fitted: Fitted) -> Tried:
         """Judge a fit in full; where readings contradict it, from a rough motion as well."""
-        fitted = self.trials.judge(fitted)
+        fitted = judge(self.trials, fitted)
         if self.contradiction(fitted).sigmas > SIGMAS:  # a motion may be caught far from where it should be
             n = self.trials.n_learn
-            again = self.trials.judge(replace(fitted, motions=[*fitted.motions[:n], *self._rough_motions[n:]]))
+            again = judge(self.trials, replace(fitted, motions=[*fitted.motions[:n], *self._rough_motions[n:]]))
             both = zip(fitted.motions, again.motions, again.squares < fitted.squares, strict=True)
             motions = [new if better else old for old, new, better in both]
-            fitted = self.trials.judge(replace(fitted, motions=motions))
+            fitted = judge(self.trials, replace(fitted, motions=motions))
         self._tell()
         return Tried(suspect, self.score(fitted), fitted, self.each(fitted))
 
@@ -161,7 +162,7 @@ class Search:
 
     def fit_again(self, hypothesis: SensorHypothesis, motions: list[Floats]) -> Fitted:
         """Return a hypothesis fitted and judged."""
-        return self.trials.judge(self.trials.fit(hypothesis, motions))
+        return judge(self.trials, fit(self.trials, hypothesis, motions))
 
     def _begun_anew(self, fitted: Fitted) -> Fitted:
         instruments = fitted.hypothesis.instruments(self.trials.nominal)
@@ -170,7 +171,7 @@ class Search:
             for sensor, corner in zip(instruments.arm.sensors, instruments.corner_hz, strict=True)
         ]
         motions = first_motions(replace(instruments.arm, sensors=tuple(sensors)), self.trials.trials)
-        again = self.trials.judge(self.trials.fit(fitted.hypothesis, motions))
+        again = judge(self.trials, fit(self.trials, fitted.hypothesis, motions))
         if again.cost > fitted.cost + EQUAL:
             return fitted
         better = fitted.squares < again.squares
@@ -188,7 +189,7 @@ class Search:
         for rank, one in enumerate(candidates):
             if rank < N_REFINED and start - one.learn > EQUAL:
                 hypothesis = with_suspect(known.hypothesis, one.suspect, one.value)
-                found.append(self.full(one.suspect, self.trials.fit(hypothesis, one.motions)))
+                found.append(self.full(one.suspect, fit(self.trials, hypothesis, one.motions)))
             else:
                 found.append(Tried(one.suspect, one.judge / self.noise, None, np.empty(0)))
         # What was not fitted in full keeps its place behind what was.
@@ -222,13 +223,13 @@ class Search:
         """Return the motions that the other sensors show."""
         odd = np.zeros(len(self.trials.arm.sensors), dtype=np.bool_)
         odd[sensor] = True
-        blind = self.trials.fit(replace(known.hypothesis, without=odd), known.motions, self._rough)
-        return self.trials.judge(blind, self._rough).motions
+        blind = fit(self.trials, replace(known.hypothesis, without=odd), known.motions, self._rough)
+        return judge(self.trials, blind, self._rough).motions
 
     def _screen_base(self, known: Fitted) -> list[Screened]:
         there = {suspect.effect for suspect in known.hypothesis.suspects}
-        free = self.trials.fit(replace(known.hypothesis, free_base=True), known.motions, self._rough)
-        free = self.trials.judge(free, self._rough)
+        free = fit(self.trials, replace(known.hypothesis, free_base=True), known.motions, self._rough)
+        free = judge(self.trials, free, self._rough)
         found = []
         for kind in EFFECTS:
             if not kind.whole or kind.name in there:

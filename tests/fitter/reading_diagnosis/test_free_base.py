@@ -8,9 +8,10 @@ import pytest
 from arm.arm_file import load_arm
 from arm.kinematics import axis_frames, rotation_from_rpy
 from fitter.reading_diagnosis.free_base import base_course, freedom
-from fitter.reading_diagnosis.sensor_fit import Trials
+from fitter.reading_diagnosis.sensor_fit import fit, judge
 from fitter.reading_diagnosis.sensor_frames import trials_of
 from fitter.reading_diagnosis.sensor_search import first_motions
+from fitter.reading_diagnosis.trial_equations import Trials
 from tests.fitter.reading_diagnosis.conftest import motion
 
 SHAKES_HZ, SIZE_M_S2 = 3.0, 0.4
@@ -32,8 +33,8 @@ def fits(measure):
     run = measure(touch=shaken)
     trials = Trials(run.arm, trials_of(run.arm, [*run.learn, *run.evaluate]), len(run.learn))
     nothing, motions = trials.nothing(), first_motions(run.arm, trials.trials)
-    fixed = trials.judge(trials.fit(nothing, motions))
-    return trials, fixed, trials.judge(trials.fit(replace(nothing, free_base=True), motions))
+    fixed = judge(trials, fit(trials, nothing, motions))
+    return trials, fixed, judge(trials, fit(trials, replace(nothing, free_base=True), motions))
 
 
 def test_the_bases_acceleration_is_found(fits):

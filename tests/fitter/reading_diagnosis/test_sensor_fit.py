@@ -5,11 +5,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from fitter.reading_diagnosis.sensor_fit import Trials
+from fitter.reading_diagnosis.sensor_fit import fit, judge
 from fitter.reading_diagnosis.sensor_frames import trials_of
 from fitter.reading_diagnosis.sensor_hypotheses import USUAL_BIAS_M_S2, Suspect, with_suspect, with_theta
 from fitter.reading_diagnosis.sensor_search import first_motions
 from fitter.reading_diagnosis.suspected_effects import EFFECTS
+from fitter.reading_diagnosis.trial_equations import Trials
 
 KINDS = {kind.name: kind for kind in reversed(EFFECTS)}
 
@@ -25,7 +26,7 @@ def trials(measure):
 @pytest.fixture(scope="module")
 def biased(trials):
     hypothesis = with_suspect(trials.nothing(), Suspect(KINDS["sensor_bias"], 1), np.zeros(3))
-    return trials.judge(trials.fit(hypothesis, first_motions(trials.arm, trials.trials)))
+    return judge(trials, fit(trials, hypothesis, first_motions(trials.arm, trials.trials)))
 
 
 def test_a_bias_is_found_within_its_error(trials, biased):

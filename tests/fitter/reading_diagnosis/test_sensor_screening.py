@@ -5,12 +5,13 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from fitter.reading_diagnosis.sensor_fit import Trials
+from fitter.reading_diagnosis.sensor_fit import fit
 from fitter.reading_diagnosis.sensor_frames import trials_of
 from fitter.reading_diagnosis.sensor_hypotheses import Fitted, Suspect, with_suspect
 from fitter.reading_diagnosis.sensor_screening import base_frequencies, screened
 from fitter.reading_diagnosis.sensor_search import first_motions
 from fitter.reading_diagnosis.suspected_effects import EFFECTS
+from fitter.reading_diagnosis.trial_equations import Trials
 
 KINDS = {kind.name: kind for kind in reversed(EFFECTS)}
 
@@ -19,8 +20,10 @@ def test_what_is_linear_is_foretold_as_it_is_fitted(measure):
     run = measure(changed={1: {"bias_m_s2": (0.3, -0.2, 0.25)}})
     trials = Trials(run.arm, trials_of(run.arm, [*run.learn, *run.evaluate]), len(run.learn))
     known = trials.nothing()
-    fitted = trials.fit(
-        with_suspect(known, Suspect(KINDS["sensor_bias"], 1), np.zeros(3)), first_motions(run.arm, trials.trials)
+    fitted = fit(
+        trials,
+        with_suspect(known, Suspect(KINDS["sensor_bias"], 1), np.zeros(3)),
+        first_motions(run.arm, trials.trials),
     )
     (foretold,) = screened(trials, known, [(Suspect(KINDS["sensor_bias"], 1), np.zeros(3))], fitted.motions)
     np.testing.assert_allclose(foretold.value, fitted.hypothesis.values[0], atol=0.02)

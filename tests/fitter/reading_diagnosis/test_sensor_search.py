@@ -5,9 +5,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from fitter.reading_diagnosis.sensor_fit import Trials
 from fitter.reading_diagnosis.sensor_frames import trials_of
 from fitter.reading_diagnosis.sensor_search import Search, first_motions
+from fitter.reading_diagnosis.trial_equations import Trials
 from tests.fitter.reading_diagnosis.conftest import RATE_HZ, motion
 
 
