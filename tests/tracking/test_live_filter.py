@@ -112,3 +112,16 @@ def test_it_rests_until_the_arm_moves(upright_bench, decimated):
         rests.append(tracker.resting)
     moving = np.abs(upright_bench.dq[:: readings.factor][:500]).max(axis=1) > 0.3
     assert all(rests[:100]) and not any(np.array(rests)[moving])
+
+
+def test_it_rests_again_where_the_arm_does(upright_bench, decimated):
+    readings = decimated(upright_bench, RATE_HZ)
+    tracker = live(upright_bench.arm, readings, upright_bench.q[0])
+    rests = []
+    for reading in readings.values:
+        tracker.step(reading)
+        rests.append(tracker.resting)
+    speed = np.abs(upright_bench.dq[:: readings.factor][: len(rests)]).max(axis=1)
+    fast = np.flatnonzero(speed > 0.3)
+    assert rests[-1] and not any(np.array(rests)[fast])
+    assert fast[-1] < len(rests) - 200  # it has moved, and stopped long before the end

@@ -57,7 +57,7 @@ def reading_of(samples: int, spread: Sequence[float]) -> Reading:
     return Reading(samples, np.arange(1.0, 7.0), np.array(spread), np.full(6, 0.01), none, none, none)
 
 
-def fields(reading: Reading, info: DeviceInfo, directory: str | None = None) -> dict[str, Any]:
+def fields(reading: Reading, info: DeviceInfo, directory: str | None = None, n_rate: int = 0) -> dict[str, Any]:
     return health_fields(
         uptime_s=3.5,
         last_seq={"limb/raw": 7},
@@ -74,7 +74,15 @@ def fields(reading: Reading, info: DeviceInfo, directory: str | None = None) -> 
         recording=None,
         recording_lost=4,
         directory=directory,
+        n_rate=n_rate,
     )
+
+
+def test_what_a_gyroscope_reads_is_no_acceleration(make_info: Callable[..., DeviceInfo]) -> None:
+    info = make_info(8000.0, ["s1x", "s1y", "s1z", "s2x", "s2y", "s2z"])
+    found = fields(reading_of(10, [0.0] * 6), info, n_rate=3)
+    assert found["readings"] == {"s1": [1.0, 2.0, 3.0]}
+    assert list(found["saturated"]) == ["s1x", "s1y", "s1z", "s2x", "s2y", "s2z"]
 
 
 def test_sensors_are_told_by_their_three_axes(make_info: Callable[..., DeviceInfo]) -> None:

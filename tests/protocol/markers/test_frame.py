@@ -18,6 +18,11 @@ def test_a_unit_that_fits_is_not_mentioned(unit, said):
     assert unit_of(unit * walking().points, said) == ([], said)
 
 
+@pytest.mark.parametrize(("said", "found"), [("", "m"), ("mm", "mm")])
+def test_where_no_marker_was_seen_the_header_is_believed(said, found):
+    assert unit_of(np.full((3, 5, 3), np.nan), said) == ([], found)
+
+
 def test_a_person_stands_up():
     positions = walking().points
     assert up_of(positions, "+z") == ([], "+z")
