@@ -39,6 +39,9 @@ _DTYPES = {text: np.dtype(text) for text in ("<f8", "<f4", "<i8", "<i4", "<i2", 
 _TEXTS = {
     there: text for text, dtype in _DTYPES.items() for there in (dtype.newbyteorder("<"), dtype.newbyteorder(">"))
 }
+#: Begun with for every message [bytes]: most fit, and it is small enough for the allocator's own heap. msgpack's
+#: 256 KiB would be mapped from the system and given back each time.
+_BUFFER_BYTES = 32 * 1024
 _ARRAY_KEYS = {"dtype", "shape", "data"}
 
 
@@ -112,7 +115,7 @@ def encode(topic: str, fields: Mapping[str, Any]) -> list[bytes]:
         common = {"v": VERSION, "seq": fields.get("seq", 0)}
         document = [{**row, **common} for row in fields.get("rows", ())]
     try:
-        payload: bytes = msgpack.packb(document, default=_plain)
+        payload: bytes = msgpack.packb(document, default=_plain, buf_size=_BUFFER_BYTES)
     except (TypeError, ValueError, OverflowError) as error:
         raise ProtocolError(f"{topic}: a field cannot be sent as msgpack: {error}") from error
     if len(payload) > MAX_PAYLOAD_BYTES:
