@@ -25,7 +25,7 @@ from tracking.smoother import NO_MOTION
 from tracking.smoothing_pass import pass_of, smooth_once
 from tracking.winding import unwound
 
-#: Expectations and maximisations at the most, and passes in each.
+#: Expectations and maximisations at the most, and passes in each; variances are wanted of the last.
 _ROUNDS, _PASSES = 30, 4
 #: Rounds end when one gains less than this [nats], an odds ratio of a hundred.
 _LEAST_GAIN = float(np.log(100.0))
@@ -146,20 +146,22 @@ class DiscrepancyFit:
     def _settle(self) -> tuple[Floats, Floats]:
         """Find the motion under given sizes and its log-likelihood; return what is known after it."""
         of, course, n, room = self.of, self.course, self._arm.n_joint, room_of(self._arm.n_joint)
-        joints, begin = slice(0, 3 * n, 3), before(of, self.start, self.sizes)
-        for _ in range(_PASSES):
+        joints, begin, settled = slice(0, 3 * n, 3), before(of, self.start, self.sizes), False
+        for k in range(_PASSES):
+            is_last = settled or k == _PASSES - 1
             x, P = begin[0].copy(), begin[1].copy()
             along = calm(self._at, acceleration_noise(of, room, course, self._at), course.dt)
-            self.log_likelihood = -0.5 * smooth_once(of, room, course, along, x, P, self.found, True)
+            self.log_likelihood = -0.5 * smooth_once(of, room, course, along, x, P, self.found, is_last)
             if not np.isfinite(self.found.states).all():
                 raise DataError(NO_MOTION)
-            mend(self.found.variance)
             step = float(np.abs(self.found.states[:, joints] - self._at[:, joints]).max())
             self._at = self._at + min(1.0, _LONGEST_STEP / max(step, _SETTLED)) * (self.found.states - self._at)
             if (turned := unwound(self._at, course, self._arm)) is not None:
                 self._at = turned
-            elif step < _SETTLED:
+            if is_last:
                 break
+            settled = turned is None and step < _SETTLED  # one more, for the variances
+        mend(self.found.variance)
         return x, P
 
 

@@ -44,7 +44,7 @@ def respond(
     n, size, draws = course.readings.shape[0], P.shape[0], errors.shape[1]
     marks, rows = (n + STRETCH - 1) // STRETCH, course.noise.size + course.push.size
     mark_x, mark_P = np.empty((marks, size, draws)), np.empty((marks, size, size))
-    taken, miss, x = room_to_take(course, size), np.zeros((STRETCH, rows, draws)), np.zeros(size)
+    taken, miss, x = room_to_take(course, size, STRETCH), np.zeros((STRETCH, rows, draws)), np.zeros(size)
     for m in range(marks):
         mark_x[m], mark_P[m] = errors, P
         for k in range(m * STRETCH, min(n, (m + 1) * STRETCH)):

@@ -26,7 +26,7 @@ def filter_plainly(of: Observation, course: Course, x: Floats, P: Floats) -> Flo
 
 @compiled
 def _filter_along(of: Observation, room: Room, course: Course, x: Floats, P: Floats, states: Floats) -> None:
-    taken = room_to_take(course, x.size)[0]
+    taken = room_to_take(course, x.size, 1)[0]
     for k in range(states.shape[0]):
         if k > 0:
             predict(of, course, k, x, P)

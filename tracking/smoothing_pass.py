@@ -3,8 +3,9 @@
 The backward pass carries a vector and a matrix that say by how much later readings move an earlier estimate and
 shrink its covariance; no covariance is inverted, so constants, exactly known entries and readings taken in one by
 one are no trouble. (A. E. Bryson, M. Frazier, 1963; G. J. Bierman, *Fixed interval smoothing with discrete
-measurements*, 1973.) What the filter did is not kept but done again, a stretch at a time, from marks left on the
-way: memory stays bounded by the length of a stretch and the number of marks.
+measurements*, 1973.) Of a short course all that the filter did is kept. Of a long one only its last stretch is.
+The others are filtered again from marks left on the way, so memory stays bounded by the length of a stretch and
+the number of marks.
 """
 
 from typing import NamedTuple
@@ -21,8 +22,10 @@ from tracking.stationary import transition
 
 #: A difference smaller than this fraction of its terms has lost five of its sixteen digits.
 _DIGITS = 1e-5
-#: Instants between two marks.
+#: Instants between two marks of a course of which not all is kept.
 STRETCH = 128
+#: Memory that may be kept of a course [bytes].
+_KEPT_BYTES = 64 * 1024 * 1024
 
 
 class Pass(NamedTuple):
@@ -70,27 +73,46 @@ def smooth_once(
     float
         The misses' squared size, minus twice the logarithm of the readings' likelihood up to a constant.
     """
+    return smooth_in_stretches(of, room, course, at, x, P, found, with_variance, stretch_of(course, x.size))
+
+
+@compiled
+def smooth_in_stretches(
+    of: Observation,
+    room: Room,
+    course: Course,
+    at: Floats,
+    x: Floats,
+    P: Floats,
+    found: Pass,
+    with_variance: bool,
+    stretch: int,
+) -> float:
+    """Do what `smooth_once` does, with a mark every so many instants."""
     n, size = course.readings.shape[0], x.size
-    marks = (n + STRETCH - 1) // STRETCH
+    marks = (n + stretch - 1) // stretch
     mark_x, mark_P = np.empty((marks, size)), np.empty((marks, size, size))
-    taken = room_to_take(course, size)
+    after_x, after_P = np.empty((stretch, size)), np.empty((stretch, size, size))
+    taken = room_to_take(course, size, stretch)
     cost = 0.0
     for m in range(marks):
         mark_x[m], mark_P[m] = x, P
-        for k in range(m * STRETCH, min(n, (m + 1) * STRETCH)):
-            cost += filter_step(of, room, course, k, at, x, P, taken[0])
-            for row in range(taken[0].total.size):
-                if np.isfinite(taken[0].total[row]):
-                    cost += np.log(taken[0].total[row])
+        for k in range(m * stretch, min(n, (m + 1) * stretch)):
+            i = k - m * stretch
+            cost += filter_step(of, room, course, k, at, x, P, taken[i])
+            after_x[i], after_P[i] = x, P
+            for row in range(taken[i].total.size):
+                if np.isfinite(taken[i].total[row]):
+                    cost += np.log(taken[i].total[row])
     last_x, last_P = x.copy(), P.copy()
-    after_x, after_P = np.empty((STRETCH, size)), np.empty((STRETCH, size, size))
     later, shrink = np.zeros(size), np.zeros((size, size))
     for m in range(marks - 1, -1, -1):
-        x[:], P[:] = mark_x[m], mark_P[m]
-        first, last = m * STRETCH, min(n, (m + 1) * STRETCH)
-        for k in range(first, last):
-            filter_step(of, room, course, k, at, x, P, taken[k - first])
-            after_x[k - first], after_P[k - first] = x, P
+        first, last = m * stretch, min(n, (m + 1) * stretch)
+        if m < marks - 1:  # what was kept is of the last stretch
+            x[:], P[:] = mark_x[m], mark_P[m]
+            for k in range(first, last):
+                filter_step(of, room, course, k, at, x, P, taken[k - first])
+                after_x[k - first], after_P[k - first] = x, P
         for k in range(last - 1, first - 1, -1):
             i = k - first
             for a in range(size):
@@ -108,13 +130,23 @@ def smooth_once(
 
 
 @compiled
-def room_to_take(course: Course, size: int) -> list[Taken]:
+def stretch_of(course: Course, size: int) -> int:
+    """Return how many instants lie between two marks: all of a course that is short enough."""
+    n, n_channel, n_joint = course.readings.shape[0], course.noise.size, course.push.size
+    rows = n_channel + n_joint
+    number_bytes = 8
+    of_instant = number_bytes * (size + size * size + n_channel * size + rows * size + 2 * rows)
+    return n if n * of_instant <= _KEPT_BYTES else STRETCH
+
+
+@compiled
+def room_to_take(course: Course, size: int, stretch: int) -> list[Taken]:
     """Return room for what is taken in within a stretch."""
     n_channel, n_joint = course.noise.size, course.push.size
-    slope = np.zeros((STRETCH, n_channel, size))
-    gain = np.zeros((STRETCH, n_channel + n_joint, size))
-    miss, total = np.zeros((STRETCH, n_channel + n_joint)), np.zeros((STRETCH, n_channel + n_joint))
-    return [Taken(slope[i], gain[i], miss[i], total[i]) for i in range(STRETCH)]
+    slope = np.zeros((stretch, n_channel, size))
+    gain = np.zeros((stretch, n_channel + n_joint, size))
+    miss, total = np.zeros((stretch, n_channel + n_joint)), np.zeros((stretch, n_channel + n_joint))
+    return [Taken(slope[i], gain[i], miss[i], total[i]) for i in range(stretch)]
 
 
 @compiled

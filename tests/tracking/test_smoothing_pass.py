@@ -12,7 +12,7 @@ from tracking.forward_filter import filter_all
 from tracking.kalman_step import correct, hold, predict
 from tracking.observation import observation_of
 from tracking.process import alarm_limit
-from tracking.smoothing_pass import filter_step, pass_of, room_to_take, smooth_once
+from tracking.smoothing_pass import filter_step, pass_of, room_to_take, smooth_in_stretches, smooth_once
 from tracking.stillness import window_of
 
 DT = 0.01
@@ -74,7 +74,7 @@ class Problem:
     def filtered(self):
         """Return what the filter makes of every instant, (N, size)."""
         x, P, states = self.x0.copy(), self.P0.copy(), np.empty((N, self.size))
-        room, taken = room_of(self.n), room_to_take(self.course, self.size)[0]
+        room, taken = room_of(self.n), room_to_take(self.course, self.size, 1)[0]
         for k in range(N):
             filter_step(self.of, room, self.course, k, self.at, x, P, taken)
             states[k] = x
@@ -197,6 +197,23 @@ def test_what_is_left_behind_is_the_last_instant(problem):
     np.testing.assert_allclose(P / np.outer(std, std), covariance[-1] / np.outer(std, std), rtol=0, atol=1e-6)
 
 
+@pytest.mark.parametrize("stretch", [1, 7, N - 1])
+def test_what_is_filtered_again_is_what_was_kept(problem, stretch):
+    states, variance, x, P = problem.pass_once()
+    again, x_again, P_again = (
+        pass_of(problem.of, problem.course, problem.size),
+        problem.x0.copy(),
+        problem.P0.copy(),
+    )
+    room = room_of(problem.n)
+    cost = smooth_in_stretches(
+        problem.of, room, problem.course, problem.at, x_again, P_again, again, True, stretch
+    )
+    assert cost == problem.cost
+    for one, other in ((again.states, states), (again.variance, variance), (x_again, x), (P_again, P)):
+        np.testing.assert_array_equal(one, other)
+
+
 def test_steps_one_by_one_end_at_the_dense_solution(problem):
     """A filter does not know what follows, but at the end all is known."""
     states, covariance = problem.dense()
@@ -221,7 +238,7 @@ def test_the_forward_filter_ends_at_the_dense_solution(dd_arm):
     of, course, n = problem.of, problem.course, problem.n
     at = np.empty((N, problem.size))
     x, P = problem.x0.copy(), problem.P0.copy()
-    room, taken = room_of(n), room_to_take(course, problem.size)[0]
+    room, taken = room_of(n), room_to_take(course, problem.size, 1)[0]
     for k in range(N):
         if k > 0:
             predict(of, course, k, x, P)
