@@ -94,7 +94,8 @@ def ask(notes: Iterable[Note]) -> None:
     say_notes(asked)
 
 
-def _with_asked(document: Document) -> Document:
+def with_asked(document: Document) -> Document:
+    """Return a document with what was questioned so far among its ``notes``, where it has them."""
     asked, notes = documents(_asked.get()), document.get("notes", [])
     if not asked or not isinstance(notes, list):
         return document
@@ -143,7 +144,7 @@ def _failed(error: LimbcalError, as_json: bool) -> int:
     if error.document is None or not as_json:
         return error.exit_code
     try:
-        emit(to_json(_with_asked(error.document)))
+        emit(to_json(with_asked(error.document)))
     except DeviceError as failure:
         return _failed(failure, False)
     return error.exit_code
@@ -170,7 +171,7 @@ def run_command(parser: argparse.ArgumentParser, argv: list[str] | None) -> int:
         _command_line.set(shlex.join([parser.prog, *arguments]))
         document = action(namespace)
         if document is not None and namespace.json:
-            emit(to_json(_with_asked(document)))
+            emit(to_json(with_asked(document)))
         return 0
     except KeyboardInterrupt:
         console.print("stopped")

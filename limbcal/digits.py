@@ -38,6 +38,18 @@ def with_half_width(value: float, half_width: float) -> tuple[str, str]:
     return _to_place(value, last), _to_place(half_width, last)
 
 
+def with_interval(value: float, std: float) -> str:
+    """Return a value with half of its 95 % interval, such as ``1.7186 ± 0.0012``; alone where that is not known.
+
+    Parameters
+    ----------
+    value, std : float
+        The standard error in the same unit.
+    """
+    said, half_width = with_half_width(value, NORMAL_95 * std)
+    return said if half_width == "–" else f"{said} ± {half_width}"
+
+
 def to_the_place_of(value: float, half_width: float) -> str:
     """Return another value to the decimal place of a half-width; with four digits where there is none."""
     return with_half_width(value, half_width)[0]

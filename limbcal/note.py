@@ -41,11 +41,12 @@ class Note:
         return f"{self.source}: {self.text}" if self.source else self.text
 
     def document(self) -> dict[str, object]:
-        """Return the JSON document of the note."""
+        """Return the JSON document of the note; ``markers`` is what its columns are called of optical markers."""
         return {
             "kind": self.kind,
             "source": self.source,
             "columns": list(self.columns),
+            "markers": list(self.columns),
             "row": self.row,
             "from_s": self.from_s,
             "to_s": self.to_s,
@@ -65,10 +66,18 @@ def documents(notes: Iterable[Note]) -> list[dict[str, object]]:
 
 def sentences(notes: Iterable[Note]) -> list[str]:
     """Return what to say of notes: each sentence once, with the sources that share it named together."""
-    sources: dict[str, list[str]] = {}
+    sources: dict[str, list[Note]] = {}
     for note in dict.fromkeys(notes):
-        sources.setdefault(note.text, []).append(note.source)
-    return [f"{_listed(names)}: {text}" if any(names) else text for text, names in sources.items()]
+        sources.setdefault(note.text, []).append(note)
+    return [_said(text, alike) for text, alike in sources.items()]
+
+
+def _said(text: str, alike: list[Note]) -> str:
+    rows = {note.row for note in alike}
+    row = rows.pop() if len(rows) == 1 else None
+    where = "" if row is None or f"row {row}" in text else f" (the first in row {row})"
+    names = [note.source for note in alike]
+    return f"{_listed(names)}: {text}{where}" if any(names) else f"{text}{where}"
 
 
 def _listed(names: list[str]) -> str:

@@ -7,6 +7,7 @@ from typing import Any
 from daemon.monitoring.alarms import wrong_channels
 from daemon.reception.channel_watch import Reading
 from daemon.reception.reception import Reception
+from limbcal.digits import NORMAL_95
 
 #: No crystal is further off than this over its life, so a rate or a clock that is is reported [ppm].
 _FAR_OFF_PPM = 500.0
@@ -117,9 +118,9 @@ def _rate_off(health: Mapping[str, Any]) -> str | None:
     if measured_hz is not None:
         ppm = 1e6 * (measured_hz / claimed_hz - 1.0)
         if _far(ppm, rate["std_ppm"]):
-            std_hz = 1e-6 * rate["std_ppm"] * measured_hz
-            digits = max(0, -math.floor(math.log10(std_hz))) if std_hz > 0.0 else 6
-            said = f"it samples at {measured_hz:.{digits}f} ± {std_hz:.{digits}f} Hz"
+            half_hz = NORMAL_95 * 1e-6 * rate["std_ppm"] * measured_hz
+            digits = max(0, -math.floor(math.log10(half_hz))) if half_hz > 0.0 else 6
+            said = f"it samples at {measured_hz:.{digits}f} ± {half_hz:.{digits}f} Hz"
             found.append(f"{said}, {_off(ppm)} than the {claimed_hz:g} Hz of its INFO")
     ppm = health["clock_ppm"]
     if ppm is not None and _far(ppm, clock["ppm_std"]):

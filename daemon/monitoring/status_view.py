@@ -13,6 +13,7 @@ from rich.table import Table
 from rich.text import Text
 
 from limbcal.command import answers, emit, say, show, strict_line
+from limbcal.digits import NORMAL_95
 from limbcal.errors import DeviceError
 from protocol.curve import load_client_key
 from protocol.message import HEALTH
@@ -97,7 +98,7 @@ def view_of(endpoint: str, health: Mapping[str, Any]) -> Group:
 def _rows(health: Mapping[str, Any]) -> list[tuple[str, str]]:
     clock, latency, free = health["clock"], health["latency_ms"], health["disk_free_bytes"]
     ppm = health["clock_ppm"]
-    offset = "not known yet" if ppm is None else f"{ppm:+.1f} ± {clock['ppm_std']:.1f} ppm"
+    offset = "not known yet" if ppm is None else f"{ppm:+.1f} ± {NORMAL_95 * clock['ppm_std']:.1f} ppm"
     error = "" if clock["error_ms"] is None else f", stamps to {clock['error_ms']:.2f} ms"
     where = health["recording"] or "nothing"
     return [
@@ -122,7 +123,8 @@ def _rate(health: Mapping[str, Any]) -> str:
     rate = health["rate"]
     if health["rate_hz"] is None:
         return f"{rate['claimed_hz']:.7g} Hz by its INFO, not measured yet"
-    return f"{health['rate_hz']:.7g} Hz ± {rate['std_ppm']:.0f} ppm; {rate['claimed_hz']:.7g} Hz by its INFO"
+    half_ppm = NORMAL_95 * rate["std_ppm"]
+    return f"{health['rate_hz']:.7g} Hz ± {half_ppm:.0f} ppm; {rate['claimed_hz']:.7g} Hz by its INFO"
 
 
 def _joints(q: list[float | None] | None, units: list[str]) -> list[tuple[str, str]]:

@@ -28,7 +28,8 @@ from fitter.dynamics.found_targets import HINT, lacks_torque, with_found_targets
 from fitter.dynamics.torque_wiring import check_wiring
 from fitter.report.diagnosis_errors import BY_NAME, by_name_rows, error_rows
 from fitter.report.diagnosis_report import write_diagnosis
-from limbcal.command import Document, console, say, show, to_json
+from limbcal.command import Document, console, say, show, to_json, with_asked
+from limbcal.digits import with_interval
 from limbcal.errors import ConfigError, DeviceError, Unusable
 from limbcal.note import Note, documents
 from limbcal.suggestion import did_you_mean
@@ -132,6 +133,7 @@ def _require_possible(arm: Arm, learn: Sequence[Measured], arguments: argparse.N
         "next_experiment": check.better.sentence,
         "notes": documents([*notes_of(trials), Note("impossible", check.better.sentence)]),
     }
+    answer = with_asked(answer)
     path: Path = arguments.out / "diagnosis.json"
     try:
         path.write_text(to_json(answer), encoding="utf-8")
@@ -207,6 +209,7 @@ def _show_errors(where: str, arm: Arm, models: Sequence[Errors]) -> None:
 def described(cause: NamedCause) -> str:
     """Return a cause in plain words, with its size."""
     where = "".join(f", joint {j}" for j in cause.joints)
-    numbers = ", ".join(f"{name} {p.value:.4g} ± {p.std:.2g}" for name, p in cause.parameters.items())
+    said = {name: f"{with_interval(p.value, p.std)} {p.unit}".strip() for name, p in cause.parameters.items()}
+    numbers = ", ".join(f"{name} {size}" for name, size in said.items())
     more = "".join(f", {name} {value}" for name, value in cause.where.items())
     return f"{cause.effect}{where}: {catalogue()[cause.effect].sentence} ({numbers}{more})"

@@ -1,6 +1,7 @@
 """`fitter diagnose` of recordings of markers: whether they contradict a calibrated limb, and which of them."""
 
 import argparse
+import math
 from pathlib import Path
 
 from rich.progress import Progress, SpinnerColumn, TextColumn, TimeElapsedColumn
@@ -12,7 +13,8 @@ from arm.model import Arm
 from fitter.commands.limb_kinematics import recordings_of
 from fitter.marker_diagnosis.marker_finding import MarkerFinding, MarkerNumber, NamedMarkerCause, diagnose_markers
 from fitter.report.marker_diagnosis import write_marker_report
-from limbcal.command import Document, console, say_notes, show, to_json
+from limbcal.command import Document, console, say_notes, show, to_json, with_asked
+from limbcal.digits import with_interval
 from limbcal.errors import ConfigError, DeviceError
 from limbcal.note import documents
 
@@ -67,7 +69,7 @@ def diagnose_marker_files(arm: Arm, arguments: argparse.Namespace) -> Document:
             progress=lambda what: bar.update(task, description=what),
         )
     say_notes(notes)
-    answer: Document = {**document(finding), "notes": documents(notes)}
+    answer: Document = with_asked({**document(finding), "notes": documents(notes)})
     try:
         (out / "diagnosis.json").write_text(to_json(answer), encoding="utf-8")
     except OSError as error:
@@ -145,4 +147,4 @@ def described(cause: NamedMarkerCause) -> str:
 
 
 def _said(number: MarkerNumber) -> str:
-    return f"{number.value:.4g}" if number.std is None else f"{number.value:.4g} ± {number.std:.2g} {number.unit}"
+    return f"{with_interval(number.value, math.nan if number.std is None else number.std)} {number.unit}".strip()

@@ -14,7 +14,8 @@ from fitter.data.raw import RawRun, load_raw
 from fitter.reading_diagnosis.rigidity import diagnose_sensors
 from fitter.reading_diagnosis.sensor_verdict import SensorCause, SensorFinding
 from fitter.report.sensor_diagnosis import write_sensor_report
-from limbcal.command import Document, console, show, to_json
+from limbcal.command import Document, console, show, to_json, with_asked
+from limbcal.digits import with_interval
 from limbcal.errors import DataError, DeviceError
 from protocol.tables.files import RECORDINGS, expand
 
@@ -51,7 +52,7 @@ def diagnose_readings(arm: Arm, learn: Sequence[RawRun], evaluate: Sequence[RawR
     with Progress(*columns, console=console, transient=True) as progress:
         progress.add_task("comparing the sensors with a rigid arm", total=None)
         finding = diagnose_sensors(arm, learn, evaluate)
-    answer = document(finding)
+    answer = with_asked({**document(finding), "notes": []})
     try:
         (out / "diagnosis.json").write_text(to_json(answer), encoding="utf-8")
     except OSError as error:
@@ -106,5 +107,5 @@ def document(finding: SensorFinding) -> Document:
 def described(cause: SensorCause) -> str:
     """Return a cause in plain words, with its size."""
     where = "".join(f", {name}" for name in cause.sensors)
-    numbers = ", ".join(f"{name} {p.value:.4g} ± {p.std:.2g} {p.unit}" for name, p in cause.parameters.items())
+    numbers = ", ".join(f"{name} {with_interval(p.value, p.std)} {p.unit}" for name, p in cause.parameters.items())
     return f"{cause.effect}{where}: {catalogue()[cause.effect].sentence} ({numbers})"

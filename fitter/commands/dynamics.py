@@ -41,7 +41,7 @@ from fitter.dynamics.free_swing import swing_corner_hz, swing_ratios, swing_scal
 from fitter.dynamics.identifiability import report
 from fitter.dynamics.torque_delay import torque_delay
 from fitter.dynamics.torque_search import GENERATIONS, fit_sums
-from fitter.dynamics.usability import joint_notes, next_to_nothing, unusable
+from fitter.dynamics.usability import explained_of, joint_notes, next_to_nothing, unusable
 from fitter.dynamics.written import determined_by_data, save_calibrated
 from fitter.regression_sums.reduction import reduce_trials
 from fitter.regression_sums.saved_sums import ArmSums, add_sums, equation_of, is_sums, load_sums
@@ -254,7 +254,7 @@ def _from_sums(arguments: argparse.Namespace, arm: Arm) -> Document:
     assert isinstance(explained, dict)
     explained["learn"] = saved.sums.explained(values).tolist()
     answer = with_notes(answer, (*notes, *notes_of(evaluate)))
-    if reasons := next_to_nothing({"evaluate": evaluated}, arm):
+    if reasons := next_to_nothing(explained, arm):
         raise Unusable(reasons, answer)
     return answer
 
@@ -296,7 +296,10 @@ def _with_gains(
         for role, trials in (("learn", learn), ("evaluate", evaluate))
     }
     say_controller(found, scores)
-    return controller.document(found) | scores_document(scores)
+    answer = controller.document(found) | scores_document(scores)
+    if reasons := next_to_nothing(explained_of(scores), found.arm):
+        raise Unusable(reasons, answer)
+    return answer
 
 
 def _trials(arguments: argparse.Namespace, arm: Arm) -> tuple[list[Trial], list[Trial]]:

@@ -14,7 +14,7 @@ from fitter.commands.options import MOTION_SUFFIXES, add_arm, add_columns, add_o
 from fitter.data.drives import drives_of
 from fitter.data.leaps import split_at_leaps
 from fitter.data.motion_file import write_motion
-from fitter.data.motions import Measured, read_motions
+from fitter.data.motions import Measured, read_motions, trial_column
 from fitter.data.plausibility.reference import look
 from fitter.data.resample import resample
 from limbcal.command import Document, say_notes, show
@@ -63,13 +63,14 @@ def simulate_reference(arguments: argparse.Namespace) -> Document:
     make_room(arguments.out, MOTION_SUFFIXES)
     parts: list[dict[str, NDArray[np.generic]]] = []
     notes: list[Note] = []
+    labels = trial_column(trials)
     for number, measured in enumerate(trials, 1):
         require_seconds(measured.t, measured.where)
         trial = resample(measured, arguments.rate_hz)
         notes += of_source(trial.measured.notes, measured.name)
         given = arguments.initial_q
         q0 = _start(trial.measured, arm) if given is None else joint_values(given, arm, "--initial-q")
-        place = float(measured.t[0]), _number(measured, number)
+        place = float(measured.t[0]), measured.number(number)
         motion = _simulated(arm, trial.measured, trial.dt_s, q0, arguments.scheme, *place)
         if not np.isfinite(motion.q).all():
             raise DataError(
@@ -81,7 +82,7 @@ def simulate_reference(arguments: argparse.Namespace) -> Document:
                 "t": motion.t + measured.t[0],
                 **columns,
                 "tip": tip_position(arm, motion.q),
-                "trial": np.full(len(motion.t), number),
+                "trial": np.full(len(motion.t), labels[number - 1]),
             }
         )
     write_motion(arguments.out, {name: np.concatenate([part[name] for part in parts]) for name in parts[0]})
@@ -106,12 +107,6 @@ def _start(measured: Measured, arm: Arm) -> Floats:
     raise ConfigError(
         f"{measured.where}: has no q1… to start from, expected them or --initial-q for arm {arm.name}"
     )
-
-
-def _number(measured: Measured, place: int) -> int:
-    """Return a trial's number over the run, for effects that are there in some: its own label, or its place."""
-    label = "" if measured.labels is None else str(measured.labels[0])
-    return int(label) if label.isdecimal() else place
 
 
 def _simulated(

@@ -3,7 +3,7 @@
 import argparse
 import time
 import uuid
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass
 from pathlib import Path
@@ -16,6 +16,7 @@ from fitter.commands.arm_option import questioned_arm
 from fitter.commands.live_diagnosis import diagnosis_fields, live_diagnosis, write_live_diagnosis
 from fitter.commands.options import at_least, positive
 from fitter.diagnosis.diagnosis import Diagnosis
+from fitter.dynamics.usability import next_to_nothing
 from fitter.live.calibration import Calibration
 from fitter.live.complete_stream import CompleteStream
 from fitter.live.session import Session
@@ -85,7 +86,7 @@ def subscribe(arguments: argparse.Namespace) -> Document | None:
     if followed.stopped:  # a stop that was asked for is a success, but what is missing is missing
         _shortfall(followed.session, None)
         return document
-    shortcoming = _shortcoming(arguments, followed.session)
+    shortcoming = _shortcoming(arguments, followed.session, document)
     if shortcoming is not None:
         shortcoming.document = document
         raise shortcoming
@@ -157,10 +158,16 @@ def _document(arguments: argparse.Namespace, followed: _Followed) -> dict[str, o
     return document
 
 
-def _shortcoming(arguments: argparse.Namespace, session: Session) -> LimbcalError | None:
-    """Return why the answer is none, or less than was asked for."""
+def _shortcoming(
+    arguments: argparse.Namespace, session: Session, document: Mapping[str, Any]
+) -> LimbcalError | None:
+    """Return why the answer is none, less than was asked for, or one that explains next to nothing."""
     if not session.calibration.learnt:
         return _nothing_learnt(arguments.connect, session)
+    if (dynamics := document.get("dynamics")) is not None:
+        reasons = next_to_nothing(dynamics["explained"], session.calibration.calibrated())
+        if reasons:
+            return Unusable([f"{arguments.connect}: {reason}" for reason in reasons])
     sentence = _shortfall(session, arguments.trials)
     return Unusable(f"{arguments.connect}: fewer motions came than were made, {sentence}") if sentence else None
 

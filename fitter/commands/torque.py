@@ -18,7 +18,7 @@ from fitter.commands.arm_option import questioned_arm
 from fitter.commands.options import MOTION_SUFFIXES, add_arm, add_columns, add_out, make_room, per_joint
 from fitter.data.base_columns import base_state, derivatives
 from fitter.data.motion_file import write_motion
-from fitter.data.motions import TIP, Measured, read_motions
+from fitter.data.motions import TIP, Measured, read_motions, trial_column
 from fitter.ground.link_names import link_named, segments
 from limbcal.command import Document, console, say_notes, show
 from limbcal.errors import ConfigError, DataError
@@ -83,14 +83,15 @@ def torque(arguments: argparse.Namespace) -> Document:
     for number, trial in enumerate(progress(trials, "torques", console=console, transient=True), 1):
         plates = read_wrenches(arguments.ground[number - 1]) if arguments.ground else []
         contacts = contacts_of(arguments.contact, plates, arm)
-        part, said = _torques(arm, trial, contacts, number)
+        part, said = _torques(arm, trial, contacts, trial.number(number))
         parts.append(part)
         notes += of_source((*trial.notes, *said), trial.name)
         acting += [{"trial": trial.name, "plate": p.name, "joint": j} for p, j in contacts]
     shared = [name for name in parts[0] if all(name in part for part in parts)]
     columns = {name: np.concatenate([part[name] for part in parts]) for name in shared}
     if len(parts) > 1:
-        columns["trial"] = np.concatenate([np.full(len(p["t"]), k) for k, p in enumerate(parts, 1)])
+        labels = trial_column(trials)
+        columns["trial"] = np.concatenate([np.full(len(p["t"]), k) for k, p in zip(labels, parts, strict=True)])
     write_motion(arguments.out, columns)
     say_notes(notes)
     rms = np.sqrt(np.mean(columns["tau"] ** 2, axis=0))

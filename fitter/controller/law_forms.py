@@ -9,6 +9,7 @@ from scipy.stats import chi2
 from arm.model import Floats, Law
 from fitter.controller.law_columns import EQUATIONS, GAINS, TERMS, LawColumns
 from fitter.controller.law_fit import LawFit
+from limbcal.digits import with_interval
 
 #: Significance level of the chi-squared test that a gain differs from zero.
 _SIGNIFICANCE = 1e-3
@@ -154,7 +155,6 @@ def _estimate(fit: LawFit, name: str) -> str:
 
 
 def describe(columns: LawColumns, values: Floats, std: Floats, name: str) -> str:
-    """Return a value with its standard error and unit, in words."""
+    """Return a value with half of its 95 % interval and its unit, in words."""
     k = columns.names.index(name)
-    error = f" ± {std[k]:.2g}" if np.isfinite(std[k]) else ""
-    return f"{values[k]:.5g}{error} {columns.units[k]}"
+    return f"{with_interval(float(values[k]), float(std[k]))} {columns.units[k]}"

@@ -61,6 +61,11 @@ class Measured:
     stated: frozenset[str] = frozenset()
     felt: Felt | None = None
 
+    def number(self, place: int) -> int:
+        """Return its number over the run, for effects that some trials have: its own label, or its place."""
+        label = "" if self.labels is None else str(self.labels[0])
+        return int(label) if label.isdecimal() else place
+
     def rows(self, begin: int, end: int, name: str, *notes: Note) -> "Measured":
         """Return a stretch of it as a motion of its own."""
         return Measured(
@@ -74,6 +79,12 @@ class Measured:
             None if self.labels is None else self.labels[begin:end],
             self.stated,
         )
+
+
+def trial_column(trials: Sequence[Measured]) -> list[int]:
+    """Return what stands in the ``trial`` column for each: their numbers where these differ, else their places."""
+    numbers = [trial.number(place) for place, trial in enumerate(trials, 1)]
+    return numbers if len(set(numbers)) == len(numbers) else list(range(1, len(trials) + 1))
 
 
 def read_motions(

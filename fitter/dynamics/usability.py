@@ -1,6 +1,6 @@
 """Whether anybody can act on a fit of the dynamics: what it explains, and whether an arm can have its numbers."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 import scipy.stats
@@ -46,7 +46,7 @@ def unusable(fit: DynamicsFit, arm: Arm, learn: Sequence[Trial], scores: dict[st
             )
     reasons += _driving(arm)
     if not reasons:
-        reasons += next_to_nothing(scores, arm) or _by_chance(fit, learn, arm)
+        reasons += next_to_nothing(explained_of(scores), arm) or _by_chance(fit, learn, arm)
     return reasons
 
 
@@ -80,19 +80,30 @@ def _by_chance(fit: DynamicsFit, learn: Sequence[Trial], arm: Arm) -> list[str]:
     ]
 
 
-def next_to_nothing(scores: dict[str, Score | None], arm: Arm) -> list[str]:
-    """Return a sentence for each role whose torque is hardly explained at all."""
+def explained_of(scores: Mapping[str, Score | None]) -> dict[str, Sequence[float]]:
+    """Return which share of each joint's torque is explained, by role."""
+    return {role: score.explained for role, score in scores.items() if score is not None}
+
+
+def next_to_nothing(shares: Mapping[str, Sequence[float] | None], arm: Arm) -> list[str]:
+    """Return a sentence for each role whose torque is hardly explained at all.
+
+    Parameters
+    ----------
+    shares : mapping of str to (n_joint,)
+        Which share of each joint's torque is explained, by role, ``learn`` and ``evaluate``.
+    arm : Arm
+    """
     reasons = []
     for role, title in (("learn", "learning"), ("evaluate", "evaluating")):
-        score = scores.get(role)
-        if score is None:
+        if not shares.get(role):
             continue
-        explained = np.array(score.explained)
+        explained = np.array(shares[role], dtype=np.float64)  # None, of a joint without torque, is not known
         known = np.isfinite(explained)
         if known.any() and float(explained[known].max()) < LEAST_EXPLAINED:
-            shares = ", ".join(percent(float(share)) for share in explained[known])
+            said = ", ".join(percent(float(share)) for share in explained[known])
             reasons.append(
-                f"next to nothing of the torque of the {title} trials is explained ({shares} a joint; expected at "
+                f"next to nothing of the torque of the {title} trials is explained ({said} a joint; expected at "
                 f"least {percent(LEAST_EXPLAINED)}): {_suspects(arm)}"
             )
     return reasons

@@ -47,6 +47,7 @@ def scores_document(scores: dict[str, Score | None]) -> dict[str, object]:
         "angle_error_deg": {
             role: s and {"mean": s.angle_mean_deg, "max": s.angle_max_deg} for role, s in scores.items()
         },
+        "explained": {role: s and list(s.explained) for role, s in scores.items()},
     }
 
 

@@ -26,7 +26,7 @@ from fitter.report.diagnosis_words import (
     whiteness,
 )
 from fitter.report.page import Page, Row
-from limbcal.command import to_json
+from limbcal.command import to_json, with_asked
 from limbcal.errors import DeviceError
 from limbcal.note import sentences
 
@@ -44,7 +44,7 @@ def write_diagnosis(found: Diagnosis, out: Path) -> None:
     """
     path = out / "diagnosis.json"
     try:
-        path.write_text(to_json(found.finding.document()), encoding="utf-8")
+        path.write_text(to_json(with_asked(found.finding.document())), encoding="utf-8")
     except OSError as error:
         raise DeviceError(f"{path}: cannot be written: {error.strerror}") from error
     save_arm(found.finding.arm, out / "extended.toml")

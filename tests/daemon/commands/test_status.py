@@ -64,8 +64,8 @@ def test_what_is_known_is_shown() -> None:
     Console(file=text, width=200).print(view_of("tcp://127.0.0.1:5770", health))
     said = text.getvalue()
     for words in (
-        "30720.04 Hz ± 21 ppm; 32000 Hz by its INFO",
-        "-40000.0 ± 20.0 ppm",
+        "30720.04 Hz ± 41 ppm; 32000 Hz by its INFO",
+        "-40000.0 ± 39.2 ppm",
         "+0.5000 rad (+28.65°)",
         "-0.2500 m",
         "unknown",

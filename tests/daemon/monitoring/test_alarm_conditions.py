@@ -84,7 +84,7 @@ def test_a_rate_is_said_with_what_info_says(make_info: MakeInfo) -> None:
     taker, looker = conditions(make_info(RATE_HZ))
     wrong = look(taker, looker, health(rate_hz=7680.0, clock_ppm=-40_000.0), records=True)
     assert wrong == {
-        ("rate", ""): "it samples at 7680.000 ± 0.008 Hz, 4.00 % slower than the 8000 Hz of its INFO; "
+        ("rate", ""): "it samples at 7680.00 ± 0.02 Hz, 4.00 % slower than the 8000 Hz of its INFO; "
         "its clock is 4.00 % slower than this machine's"
     }
 

@@ -71,7 +71,7 @@ def test_all_that_is_there_is_shown() -> None:
         ({"latency_ms": {"p50": None, "p99": None}}, "latency    -"),
         (
             {"clock_ppm": 12.34, "clock": {"ppm_std": 0.56, "error_ms": 0.789}},
-            "clock      +12.3 ± 0.6 ppm, stamps to 0.79 ms",
+            "clock      +12.3 ± 1.1 ppm, stamps to 0.79 ms",
         ),
         ({"tracking": {"method": "filter", "wrong": False}}, "tracking   filter"),
         ({"recording": None}, "recording  nothing, 2.3 GB free"),

@@ -35,5 +35,5 @@ def test_viscous_friction_and_kv_are_told_as_their_difference():
         True,
     )
     (sentence,) = only_together(fit)
-    assert sentence.startswith("kv1 - D1 = -9.5 ± 1 ")
+    assert sentence.startswith("kv1 - D1 = -9.5 ± 2.0 ")
     assert sentence.endswith("D1 keeps the arm file's value")

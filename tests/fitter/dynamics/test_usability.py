@@ -7,7 +7,7 @@ import pytest
 
 from fitter.dynamics.evaluation import Score
 from fitter.dynamics.fit import fit_dynamics
-from fitter.dynamics.usability import joint_notes, next_to_nothing, percent, unusable
+from fitter.dynamics.usability import explained_of, joint_notes, next_to_nothing, percent, unusable
 from tests.fitter.dynamics.test_torque_wiring import ARM, driven
 
 
@@ -40,7 +40,7 @@ def test_a_law_whose_gain_drives_is_named():
 
 @pytest.mark.parametrize(("shares", "reasons"), [((0.1, -3.0), 1), ((0.1, 0.9), 0), ((np.nan, 0.9), 0)])
 def test_next_to_nothing_is_explained_where_no_joint_is(shares, reasons):
-    assert len(next_to_nothing(scored(*shares), ARM)) == reasons
+    assert len(next_to_nothing(explained_of(scored(*shares)), ARM)) == reasons
 
 
 def test_a_single_joint_that_is_hardly_explained_is_noted():

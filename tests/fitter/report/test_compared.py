@@ -56,7 +56,7 @@ def test_another_number_of_joints_cannot_be_compared(tmp_path):
 def test_its_scores_are_on_the_same_trials(bench_trials):
     (compared,) = load_compared(["dd-arm"], ARM)
     document = compared.document(bench_trials[:2], bench_trials[4:5], 0.5)
-    assert set(document) == {"parameters", "torque_rms_N_m", "angle_error_deg"}
+    assert set(document) == {"parameters", "torque_rms_N_m", "angle_error_deg", "explained"}
     assert np.allclose(document["torque_rms_N_m"]["learn"], 0.0, atol=1e-6)
     assert document["angle_error_deg"]["evaluate"]["max"] < 1e-3
     without = compared.document(bench_trials[:2], [], 0.5)
