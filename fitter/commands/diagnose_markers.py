@@ -4,6 +4,7 @@ import argparse
 import math
 from pathlib import Path
 
+from rich.markup import escape
 from rich.progress import Progress, SpinnerColumn, TextColumn, TimeElapsedColumn
 from rich.table import Table
 
@@ -79,7 +80,7 @@ def diagnose_marker_files(arm: Arm, arguments: argparse.Namespace) -> Document:
     show(_SENTENCES[finding.verdict])
     for cause in finding.causes:
         show(f"  {described(cause)}")
-    table = Table("rms distance in evaluating trials [mm]", "before", "after")
+    table = Table(escape("rms distance in evaluating trials [mm]"), "before", "after")
     table.add_row("all markers", *(f"{value:.1f}" for value in finding.rms_mm))
     for name in dict.fromkeys(name for cause in finding.causes for name in cause.markers):
         table.add_row(name, f"{finding.before[name]:.1f}", f"{finding.after[name]:.1f}")

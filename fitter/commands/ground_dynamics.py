@@ -10,7 +10,7 @@ from rich.progress import track as progress
 from arm.arm_file import save_arm
 from arm.model import Arm, Body
 from fitter.commands.ground_said import say_ground
-from fitter.commands.options import positive
+from fitter.commands.options import height_m, mass_kg
 from fitter.commands.trial_sets import notes_of, with_notes
 from fitter.data.trial import Trial
 from fitter.ground.fit_corner import fit_corner_hz
@@ -57,9 +57,9 @@ def add_ground(parser: argparse.ArgumentParser) -> None:
         help="on which link a plate's force acts (as its place has it)",
     )
     group.add_argument(
-        "--mass", type=positive, metavar="KG", help="whose prior it is, where the arm has no [body]"
+        "--mass", type=mass_kg, metavar="KG", help="whose prior it is, where the arm has no [body]"
     )
-    group.add_argument("--height", type=positive, metavar="M")
+    group.add_argument("--height", type=height_m, metavar="M")
     group.add_argument("--sex", choices=["f", "m"])
 
 

@@ -3,6 +3,7 @@
 from collections.abc import Mapping, Sequence
 
 import numpy as np
+from rich.markup import escape
 from rich.table import Table
 
 from fitter.ground.ground_document import known_together, left_at_prior, segment_rows
@@ -59,7 +60,7 @@ def _table(fit: GroundFit, names: Sequence[str], title: str, prior: bool) -> Tab
         "radii of gyration [mm]",
         *(["learnt"] if prior else []),
     ):
-        table.add_column(column, justify="left" if column == "segment" else "right")
+        table.add_column(escape(column), justify="left" if column == "segment" else "right")
     for row in segment_rows(fit, names):
         mass, centre, inertia, learnt = row["mass_kg"], row["com_m"], row["inertia_kg_m2"], row["learnt"]
         assert isinstance(mass, dict) and isinstance(centre, dict)

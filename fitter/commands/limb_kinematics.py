@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
+from rich.markup import escape
 from rich.progress import Progress
 from rich.table import Table
 
@@ -14,7 +15,7 @@ from arm.body.limbs import BODY, LIMBS
 from arm.model import Body
 from fitter.commands.calibrated import calibrated_limb, calibrated_person
 from fitter.commands.limb_export import add_export, check_export, export
-from fitter.commands.options import make_room, positive
+from fitter.commands.options import height_m, make_room, mass_kg
 from fitter.functional.marker_set import load_marker_set
 from fitter.limb.limb_search import GENERATIONS, Search
 from fitter.limb.probing import with_probed
@@ -61,8 +62,8 @@ def add_body(parser: argparse.ArgumentParser) -> None:
         help="the bundle fit (default); or the genetic algorithm without starting values on the same objective, "
         "and how far it ends from the bundle fit",
     )
-    group.add_argument("--mass", type=positive, metavar="KG", help="with --height and --sex: the table's masses")
-    group.add_argument("--height", type=positive, metavar="M")
+    group.add_argument("--mass", type=mass_kg, metavar="KG", help="with --height and --sex: the table's masses")
+    group.add_argument("--height", type=height_m, metavar="M")
     group.add_argument("--sex", choices=["f", "m"])
     add_export(group, motions=False)
 
@@ -183,13 +184,13 @@ def _show(whose: str, answer: Document) -> None:
     lengths, centres, axes = (dict(answer[k]) for k in ("lengths_m", "centres", "axes"))  # type: ignore[call-overload]
     for name, one in lengths.items():
         half = one["ci95"][1] - one["value"]
-        table.add_row(f"length {name} [mm]", f"{1e3 * one['value']:.0f}", f"± {1e3 * half:.0f}", "")
+        table.add_row(escape(f"length {name} [mm]"), f"{1e3 * one['value']:.0f}", f"± {1e3 * half:.0f}", "")
     for name, one in centres.items():
-        table.add_row(f"centre {name} [mm]", "", f"sd {one['std_mm']:.1f}", _number(one["apart_mm"], ".1f"))
+        apart = _number(one["apart_mm"], ".1f")
+        table.add_row(escape(f"centre {name} [mm]"), "", f"sd {one['std_mm']:.1f}", apart)
     for name, one in axes.items():
-        table.add_row(
-            f"axis {name} [°]", "", f"sd {_number(one['std_deg'], '.1f') or '?'}", _number(one["apart_deg"], ".1f")
-        )
+        std, apart = _number(one["std_deg"], ".1f") or "?", _number(one["apart_deg"], ".1f")
+        table.add_row(escape(f"axis {name} [°]"), "", f"sd {std}", apart)
     show(table)
     for line in method_lines(answer):
         show(line)

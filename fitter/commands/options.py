@@ -82,6 +82,22 @@ def positive(text: str) -> float:
     return value
 
 
+def _of_a_person(low: float, high: float, unit: str) -> Callable[[str], float]:
+    """Return what reads a number of a person and refuses one that is none in its unit."""
+
+    def read(text: str) -> float:
+        value = positive(text)
+        if not low <= value <= high:
+            raise argparse.ArgumentTypeError(f"{text!r} is no person's, expected {low:g} to {high:g} {unit}")
+        return value
+
+    return read
+
+
+#: A person's height and mass: from an infant born too early to the tallest and the heaviest on record.
+height_m, mass_kg = _of_a_person(0.25, 2.75, "m"), _of_a_person(0.4, 650.0, "kg")
+
+
 def at_least(smallest: int) -> Callable[[str], int]:
     """Return what reads a whole number that is not below some other."""
 

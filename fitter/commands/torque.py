@@ -11,7 +11,6 @@ from rich.progress import track as progress
 from arm.base_pose import BASE_COLUMNS
 from arm.effects.effect_table import changed
 from arm.effects.resisting_torque import resisting_torque
-from arm.kinematics import axis_frames
 from arm.model import Arm, Floats
 from arm.moving_base import BaseState, OuterWrench, carried_inverse_dynamics
 from fitter.commands.arm_option import questioned_arm
@@ -19,20 +18,21 @@ from fitter.commands.options import MOTION_SUFFIXES, add_arm, add_columns, add_o
 from fitter.data.base_columns import base_state, derivatives
 from fitter.data.motion_file import write_motion
 from fitter.data.motions import TIP, Measured, read_motions, trial_column
+from fitter.data.plausibility.reference import look
+from fitter.ground.force_plausibility import far, light, pulling, unknown
 from fitter.ground.link_names import link_named, segments
 from limbcal.command import Document, console, say_notes, show
 from limbcal.errors import ConfigError, DataError
 from limbcal.note import Note, documents, of_source
-from protocol.markers.wrench_files import EMPTY_N, PlateWrench, read_wrenches
+from protocol.markers.wrench_files import PlateWrench, read_wrenches
 from protocol.tables.columns import parse_mapping
+from protocol.tables.stamps import require_seconds
 
 #: As it stands in the help.
 EXAMPLE = "fitter torque motion.csv --arm my-arm.toml --out torque.csv"
 #: Passes until effects that depend on the torque itself, such as friction under load, agree with it.
 _PASSES = 20
 _AGREED_N_M = 1e-10
-#: A foot's length of a tall person [m]: 0.152 of 1.95 m (Drillis and Contini 1966).
-_FOOT_M = 0.3
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -80,9 +80,13 @@ def torque(arguments: argparse.Namespace) -> Document:
     notes = _masses(arm)
     parts: list[dict[str, np.ndarray]] = []
     acting: list[dict[str, object]] = []
+    for trial in trials:
+        require_seconds(trial.t, trial.where)
+        look(trial, arm)
     for number, trial in enumerate(progress(trials, "torques", console=console, transient=True), 1):
         plates = read_wrenches(arguments.ground[number - 1]) if arguments.ground else []
         contacts = contacts_of(arguments.contact, plates, arm)
+        notes += of_source(light(arm, plates), trial.name)
         part, said = _torques(arm, trial, contacts, trial.number(number))
         parts.append(part)
         notes += of_source((*trial.notes, *said), trial.name)
@@ -94,7 +98,7 @@ def torque(arguments: argparse.Namespace) -> Document:
         columns["trial"] = np.concatenate([np.full(len(p["t"]), k) for k, p in zip(labels, parts, strict=True)])
     write_motion(arguments.out, columns)
     say_notes(notes)
-    rms = np.sqrt(np.mean(columns["tau"] ** 2, axis=0))
+    rms = np.sqrt(np.nanmean(columns["tau"] ** 2, axis=0))
     show(f"{len(parts)} trial(s), {len(columns['t'])} samples -> {arguments.out}")
     show("torque rms a joint [N m]: " + ", ".join(f"{value:.3g}" for value in rms))
     return {
@@ -170,11 +174,9 @@ def _torques(
                 f"{plate.name}: its forces are from {plate.t[0]:.2f} to {plate.t[-1]:.2f} s and the motion from "
                 f"{t[0]:.2f} to {t[-1]:.2f} s, expected one clock"
             )
-        lost = int(np.isnan(plate.force).any(axis=1).sum())
-        if lost:
-            notes.append(Note("nan_forces", f"{plate.name}: {lost} samples have no force, taken for none"))
         force, point, moment = plate.at(t)
-        notes += _far(arm, q, base, plate.name, joint, force, point)
+        notes += [*unknown(plate.name, t, force), *pulling(arm, plate.name, force)]
+        notes += far(arm, q, base, plate.name, joint, force, point)
         wrenches.append(OuterWrench(joint, point, force, moment))
     if base_columns is None and arm.base is not None and arm.base.segment is not None:
         text = f"the motion has no base_x … base_qz although {arm.base.segment} carries the base: it stands"
@@ -184,24 +186,6 @@ def _torques(
     if base_columns is not None:
         part |= dict(zip(BASE_COLUMNS, base_columns.T, strict=True))
     return part, notes
-
-
-def _far(
-    arm: Arm, q: Floats, base: BaseState, plate: str, joint: int, force: Floats, point_m: Floats
-) -> list[Note]:
-    """Say if a plate's force acts farther from a person's link than a foot is long."""
-    loaded = np.linalg.norm(force, axis=1) > EMPTY_N
-    if not segments(arm) or not loaded.any():
-        return []
-    origin = np.einsum("nij,nj->ni", base.R, axis_frames(arm, q)[:, joint - 1, :3, 3]) + base.p
-    far = float(np.median(np.linalg.norm(point_m - origin, axis=1)[loaded]))
-    if far < _FOOT_M:
-        return []
-    text = (
-        f"{plate} acts {far:.2f} m from link {joint} while it is loaded, farther than a foot is long: perhaps it "
-        "is under the other foot, or in another frame"
-    )
-    return [Note("contact_far", text)]
 
 
 def _motion(trial: Measured) -> tuple[Floats, Floats]:
@@ -231,6 +215,6 @@ def needed_torque(
     tau = plain
     for _ in range(_PASSES if arm.effects else 0):
         before, tau = tau, plain + resisting_torque(arm, q, dq, ddq, tau, t, trial, base=base)
-        if np.abs(tau - before).max() < _AGREED_N_M:
+        if np.nanmax(np.abs(tau - before), initial=0.0) < _AGREED_N_M:
             break
     return np.asarray(tau)

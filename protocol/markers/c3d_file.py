@@ -1,7 +1,9 @@
 """C3D, the file of motion laboratories, read by ezc3d."""
 
+import struct
 import warnings
 from collections.abc import Mapping
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -15,6 +17,11 @@ from protocol.tables.table import Floats
 _KEY = 0x50
 #: A larger file is not read at once [byte].
 LARGEST_BYTES = 2_000_000_000
+#: The C3D file format (www.c3d.org): the first and the last frame stand at byte 6 of the header, as 16-bit words.
+#: The largest word says that the number is larger. The processor is the fourth byte of the parameters, whose block
+#: is the file's first byte: 84 is Intel's and 85 DEC's.
+_HEAD_BYTES, _FRAMES, _UNKNOWN_FRAME = 12, 6, 0xFFFF
+_BLOCK_BYTES, _PROCESSOR, _LITTLE_ENDIAN = 512, 3, (b"T", b"U")
 #: Groups of labels that stand among the points and are none.
 _COMPUTED = ("ANGLES", "FORCES", "MOMENTS", "POWERS", "SCALARS")
 
@@ -46,7 +53,19 @@ def read_c3d(path: Path) -> RawRecording:
             file = ezc3d.c3d(str(path))
     except (OSError, RuntimeError, ValueError, IndexError, OverflowError, MemoryError) as error:
         raise DataError(f"{path}: the C3D file cannot be read: {error}") from error
-    return _recording(path, file)
+    return replace(_recording(path, file), stated_frames=_stated_frames(path))
+
+
+def _stated_frames(path: Path) -> int | None:
+    """Return how many frames there are by the header itself: ezc3d puts it right where the file ends early."""
+    with path.open("rb") as file:
+        head = file.read(_HEAD_BYTES)
+        file.seek((max(head[0], 1) - 1) * _BLOCK_BYTES + _PROCESSOR)
+        processor = file.read(1)
+    if len(head) < _HEAD_BYTES or processor not in _LITTLE_ENDIAN:
+        return None
+    first, last = struct.unpack_from("<HH", head, _FRAMES)
+    return last - first + 1 if first <= last < _UNKNOWN_FRAME else None
 
 
 def _recording(path: Path, file: Any) -> RawRecording:

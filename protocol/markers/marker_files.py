@@ -9,12 +9,12 @@ import numpy as np
 from limbcal.errors import ConfigError
 from limbcal.note import Note
 from protocol.markers.c3d_file import read_c3d
-from protocol.markers.clock import clock
+from protocol.markers.clock import timed
 from protocol.markers.force_notes import nan_forces
 from protocol.markers.frame import UNITS, unit_of, up_of
 from protocol.markers.labels import computed, doubled, names_of, prefixes
 from protocol.markers.marker_jumps import jumps
-from protocol.markers.missing import gaps, zeros
+from protocol.markers.missing import ended, gaps, zeros
 from protocol.markers.recording import MarkerRecording, RawRecording
 from protocol.markers.swaps import Agreed, agreed, put_right
 from protocol.markers.trc_file import read_trc
@@ -83,12 +83,14 @@ def read_raw(path: Path) -> RawRecording:
 
 def _in_metres(raw: RawRecording) -> Looked:
     """Return a recording in metres with the names of its markers."""
-    notes = [*prefixes(raw)]
+    notes = [*prefixes(raw), *ended(raw)]
+    said, raw = timed(raw)
+    notes += said
     said, is_computed = computed(raw)
     kept = ~np.array(is_computed, dtype=np.bool_)
     labels = tuple(label for label, keep in zip(raw.labels, kept, strict=True) if keep)
     names, points = names_of(labels), raw.points[:, kept]
-    notes += [*said, *clock(raw), *gaps(names, points, raw.rate_hz)]
+    notes += [*said, *gaps(names, points, raw.rate_hz)]
     said, points = zeros(names, points, raw.rate_hz)
     notes += said
     said, unit = unit_of(points, raw.unit)

@@ -3,7 +3,7 @@
 import numpy as np
 
 from limbcal.note import Note
-from protocol.markers.recording import runs
+from protocol.markers.recording import RawRecording, runs
 
 #: What some programs store for a missing marker, apart from zeros, in the file's unit.
 _STORED = -16512.0
@@ -38,6 +38,15 @@ def zeros(names: tuple[str, ...], points: np.ndarray, rate_hz: float) -> tuple[l
                 )
             )
     return notes, np.where(stored[:, :, None], np.nan, points)
+
+
+def ended(raw: RawRecording) -> list[Note]:
+    """Say if a file ends before all frames that its header states."""
+    n = len(raw.points)
+    if raw.stated_frames is None or n >= raw.stated_frames:
+        return []
+    text = f"its header says {raw.stated_frames} frames and it holds {n}: it ends early"
+    return [Note("gap", text, from_s=n / raw.rate_hz, to_s=raw.stated_frames / raw.rate_hz)]
 
 
 def gaps(names: tuple[str, ...], points: np.ndarray, rate_hz: float) -> list[Note]:

@@ -47,6 +47,8 @@ class RawRecording:
     other_rates : mapping of str to float [Hz]
         What else in the file gives the rate of its frames.
     forces : tuple of ForceRecord
+    stated_frames : int, optional
+        How many frames there are by the header.
     """
 
     path: str
@@ -59,6 +61,7 @@ class RawRecording:
     computed: frozenset[str] = frozenset()
     other_rates: dict[str, float] = field(default_factory=dict)
     forces: tuple[ForceRecord, ...] = ()
+    stated_frames: int | None = None
 
     @property
     def t0_s(self) -> float:

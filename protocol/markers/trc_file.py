@@ -6,11 +6,14 @@ import numpy as np
 
 from limbcal.errors import DataError
 from protocol.markers.recording import RawRecording
+from protocol.tables.dialect import encoding_of
 
 #: Lines before the first frame: type, names and values of the header, labels, axes; then an empty one, if any.
 _HEADER_LINES = 5
 #: A longer file is none of markers [byte]: hours of a hundred of them fit.
 LARGEST_BYTES = 2_000_000_000
+#: By so many of its first bytes the encoding is known.
+_HEAD_BYTES = 4096
 
 
 def read_trc(path: Path) -> RawRecording:
@@ -23,13 +26,18 @@ def read_trc(path: Path) -> RawRecording:
     """
     if path.stat().st_size > LARGEST_BYTES:
         raise DataError(f"{path}: it has {path.stat().st_size} bytes, expected at most {LARGEST_BYTES}")
-    lines = path.read_text(encoding="utf-8", errors="replace").splitlines()
+    data = path.read_bytes()
+    text = data.decode(encoding_of(data[:_HEAD_BYTES]), errors="replace")
+    lines = text.splitlines()
     if len(lines) <= _HEADER_LINES or not lines[0].startswith("PathFileType"):
         raise DataError(f"{path}: its first line does not begin with PathFileType, expected a TRC file")
-    header = dict(zip(lines[1].split(), lines[2].split(), strict=False))
+    header = _header(lines[1], lines[2])
     rate_hz = _number(path, header, "DataRate")
     labels = tuple(label.strip() for label in lines[3].split("\t")[2:] if label.strip())
     rows = [line for line in lines[_HEADER_LINES:] if line.strip()]
+    stated = _stated_frames(header)
+    if stated is not None and len(rows) < stated and not text.endswith("\n"):
+        rows = rows[:-1]  # cut off within its last line
     table = np.full((len(rows), 2 + 3 * len(labels)), np.nan)
     for k, row in enumerate(rows):
         fields = row.split("\t")
@@ -43,7 +51,20 @@ def read_trc(path: Path) -> RawRecording:
         raise DataError(f"{path}: it has {len(rows)} frames of {len(labels)} markers, expected some of each")
     points = table[:, 2:].reshape(len(rows), len(labels), 3)
     points[np.isnan(points).any(axis=2)] = np.nan
-    return RawRecording(str(path), rate_hz, header.get("Units", ""), labels, points, table[:, 1])
+    return RawRecording(
+        str(path), rate_hz, header.get("Units", ""), labels, points, table[:, 1], stated_frames=stated
+    )
+
+
+def _header(names: str, values: str) -> dict[str, str]:
+    """Return the header's values by name; an empty one shifts no other where tabs part them."""
+    by = "\t" if "\t" in names else None
+    return {name.strip(): value.strip() for name, value in zip(names.split(by), values.split(by), strict=False)}
+
+
+def _stated_frames(header: dict[str, str]) -> int | None:
+    text = header.get("NumFrames", "")
+    return int(text) if text.isdecimal() else None
 
 
 def _number(path: Path, header: dict[str, str], name: str) -> float:
@@ -58,6 +79,6 @@ def _number(path: Path, header: dict[str, str], name: str) -> float:
 
 def _value(path: Path, text: str, row: int, column: int) -> float:
     try:
-        return float(text)
+        return float(text.replace(",", ".") if "." not in text else text)  # a decimal comma: tabs part the fields
     except ValueError:
         raise DataError(f"{path}: row {row + 1}, field {column + 1} is {text!r}, expected a number") from None

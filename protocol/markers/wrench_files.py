@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from limbcal.errors import ConfigError, DataError
+from protocol.tables.dialect import encoding_of
 from protocol.tables.table import Floats
 
 #: A column of a force, point or moment: the plate's name, the kind, the axis (OpenSim's external loads).
@@ -18,8 +19,12 @@ _MOMENT = re.compile(r"(?P<plate>.*?(?:torque|moment)(?:_?\d+)?)_(?P<axis>[xyz])
 _KINDS = {"f": "v", "t": "m"}
 #: Lines that a header may have.
 _MOST_HEADER = 1000
+#: By so many of its first bytes a table's encoding is known.
+_HEAD_BYTES = 4096
 #: A plate that reads less has nothing on it [N].
 EMPTY_N = 10.0
+#: Times that differ by less are one [s].
+_SAME_S = 1e-9
 
 
 @dataclass(frozen=True)
@@ -46,14 +51,23 @@ class PlateWrench:
         return bool(np.nanmax(np.linalg.norm(self.force, axis=1), initial=0.0) > EMPTY_N)
 
     def at(self, t: Floats) -> tuple[Floats, Floats, Floats]:
-        """Return force, point and moment at other times, (n, 3) each; none before the first sample or after."""
-        inside = (t >= self.t[0] - 1e-9) & (t <= self.t[-1] + 1e-9)
-        parts = []
-        for values in (self.force, self.point_m, self.moment):
-            filled = np.nan_to_num(values)
-            at = np.column_stack([np.interp(t, self.t, column) for column in filled.T])
-            parts.append(np.where(inside[:, None], at, 0.0))
-        return parts[0], parts[1], parts[2]
+        """Return force, point and moment at other times, (n, 3) each.
+
+        A point means nothing while a plate is empty and must not be interpolated; the moment about the origin can
+        be. Forces are NaN where nothing is known: before the first sample, after the last, and where the file has
+        no force, or no point of a force.
+        """
+        size = np.linalg.norm(self.force, axis=1)
+        seen = np.isfinite(self.point_m).all(axis=1)
+        unknown = ~np.isfinite(size) | (~seen & (size > EMPTY_N))
+        about = np.cross(np.nan_to_num(self.point_m), self.force) + np.nan_to_num(self.moment)
+        whole = np.where(unknown[:, None], np.nan, np.hstack([self.force, about]))
+        at = np.column_stack([np.interp(t, self.t, column) for column in whole.T])
+        at[(t < self.t[0] - _SAME_S) | (t > self.t[-1] + _SAME_S)] = np.nan
+        point = np.zeros((len(t), 3))
+        if seen.any():
+            point = np.column_stack([np.interp(t, self.t[seen], column) for column in self.point_m[seen].T])
+        return at[:, :3], point, at[:, 3:] - np.cross(point, at[:, :3])
 
 
 def read_wrenches(path: Path) -> list[PlateWrench]:
@@ -79,7 +93,8 @@ def read_wrenches(path: Path) -> list[PlateWrench]:
 
 
 def _plates_of_table(path: Path) -> list[PlateWrench]:
-    lines = path.read_text(encoding="utf-8-sig", errors="replace").splitlines()
+    data = path.read_bytes()
+    lines = data.decode(encoding_of(data[:_HEAD_BYTES]), errors="replace").splitlines()
     ends = [k for k, line in enumerate(lines[:_MOST_HEADER]) if line.strip().lower() == "endheader"]
     if not ends:
         raise DataError(f"{path}: no 'endheader' in its first {_MOST_HEADER} lines, expected a MOT or STO file")
@@ -93,11 +108,18 @@ def _plates_of_table(path: Path) -> list[PlateWrench]:
         if len(cells) != len(names):
             raise DataError(f"{path}: row {k + 1} has {len(cells)} cells, expected {len(names)}")
         try:
-            numbers[k] = [float(cell) for cell in cells]
-        except ValueError:
-            raise DataError(f"{path}: row {k + 1} holds what is no number, expected numbers") from None
-    if len(numbers) < 2 or not np.all(np.diff(numbers[:, 0]) > 0.0):
-        raise DataError(f"{path}: the times do not rise, expected at least two samples")
+            numbers[k] = [float(cell.replace(",", ".") if "." not in cell else cell) for cell in cells]
+        except ValueError as error:
+            raise DataError(f"{path}: row {k + 1}: {error}, expected numbers") from None
+    if len(numbers) < 2:
+        raise DataError(f"{path}: it has {len(numbers)} samples, expected at least two")
+    rises = np.diff(numbers[:, 0]) > 0.0
+    if not rises.all():
+        k = int(np.argmin(rises))
+        raise DataError(
+            f"{path}: row {k + 2} is at {numbers[k + 1, 0]:g} s and the one before it at {numbers[k, 0]:g} s, "
+            f"expected times that rise"
+        )
     columns: dict[str, dict[str, int]] = {}
     for k, name in enumerate(names[1:], 1):
         moment = _MOMENT.fullmatch(name)

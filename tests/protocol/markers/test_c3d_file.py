@@ -33,6 +33,15 @@ def test_labels_rate_unit_and_gaps_are_read(written):
     np.testing.assert_array_equal(np.isnan(raw.points[:, 1, 0]), (np.arange(20) >= 5) & (np.arange(20) < 8))
 
 
+def test_frames_that_a_file_lacks_are_known(written):
+    assert read_c3d(written).stated_frames == 20
+    data = written.read_bytes()
+    cut = written.with_name("cut.c3d")
+    cut.write_bytes(data[:-600])
+    raw = read_c3d(cut)
+    assert raw.stated_frames == 20 > len(raw.points)
+
+
 def test_what_is_no_c3d_file_is_one_sentence(tmp_path):
     path = tmp_path / "no.c3d"
     for content in (b"", b"PathFileType", b"\x02\x50" + bytes(1000)):

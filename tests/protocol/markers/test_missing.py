@@ -1,9 +1,11 @@
 """Gaps, and what stands in their place."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
-from protocol.markers.missing import gaps, zeros
+from protocol.markers.missing import ended, gaps, zeros
 from tests.protocol.markers.figure import RATE_HZ, walking
 
 
@@ -17,6 +19,14 @@ def test_gaps_of_a_tenth_of_a_second_on_are_said_with_their_times():
         (("head2",), 2.0, 2.5),
         (("head3",), None, None),
     ]
+
+
+def test_a_file_that_ends_before_its_header_says_is_said():
+    raw = walking()
+    assert ended(raw) == ended(replace(raw, stated_frames=len(raw.points))) == []
+    (note,) = ended(replace(raw, stated_frames=700))
+    assert (note.kind, note.from_s, note.to_s) == ("gap", 6.0, 7.0)
+    assert "says 700 frames and it holds 600" in note.text
 
 
 @pytest.mark.parametrize("stored", [0.0, -16512.0])

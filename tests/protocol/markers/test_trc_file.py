@@ -35,6 +35,26 @@ def test_a_doubled_tab_among_the_labels_moves_no_marker(tmp_path):
     np.testing.assert_array_equal(raw.points[2], [[1, 2, 3], [4, 5, 7]])
 
 
+@pytest.mark.parametrize("encoding", ["utf-8-sig", "utf-16"])
+def test_decimal_commas_and_byte_order_marks_are_read(tmp_path, encoding):
+    path = tmp_path / "some.trc"
+    path.write_text(HEADER + ROWS.replace("0.01", "0,01").replace("\t7\t", "\t7,5\t"), encoding)
+    raw = read_trc(path)
+    assert raw.t[1] == 0.01 and raw.points[2, 1, 2] == 7.5
+
+
+def test_an_empty_unit_shifts_no_other_field(tmp_path):
+    assert read_trc(written(tmp_path, HEADER.replace("\tmm\t", "\t\t") + ROWS)).unit == ""
+
+
+def test_a_last_line_that_was_cut_off_is_left_out(tmp_path):
+    cut = (HEADER + ROWS)[: -len("\t4\t5\t7\t\n")]
+    raw = read_trc(written(tmp_path, cut))
+    assert (raw.stated_frames, len(raw.points)) == (3, 3)  # as many as it states: only the line's end is missing
+    raw = read_trc(written(tmp_path, cut.replace("100\t3\t2", "100\t9\t2")))
+    assert (raw.stated_frames, len(raw.points)) == (9, 2)
+
+
 @pytest.mark.parametrize(
     ("text", "said"),
     [

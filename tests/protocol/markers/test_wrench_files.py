@@ -32,12 +32,32 @@ def test_every_plate_has_its_force_point_and_moment(written):
     assert second.is_loaded and not first.is_loaded
 
 
-def test_between_samples_it_is_interpolated_and_outside_there_is_none():
+def test_between_samples_it_is_interpolated_and_outside_it_is_not_known():
     t, ones = np.array([0.0, 1.0]), np.ones((2, 3))
     plate = PlateWrench("one", t, np.array([[0.0, 0.0, 0.0], [0.0, 0.0, 4.0 * EMPTY_N]]), ones, ones)
     force, point, moment = plate.at(np.array([-1.0, 0.25, 2.0]))
-    np.testing.assert_allclose(force[:, 2], [0.0, EMPTY_N, 0.0])
-    assert point[:, 0].tolist() == moment[:, 0].tolist() == [0.0, 1.0, 0.0]
+    np.testing.assert_allclose(force[:, 2], [np.nan, EMPTY_N, np.nan])
+    np.testing.assert_allclose((point[1], moment[1]), 1.0)
+
+
+def test_a_force_without_a_point_is_not_known_and_an_empty_plate_needs_none():
+    t, up = np.arange(5.0), np.array([0.0, 0.0, 4.0 * EMPTY_N])
+    force, point = np.array([0.0, 1.0, 1.0, 1.0, np.nan])[:, None] * up, np.full((5, 3), np.nan)
+    point[1:3] = [0.2, 0.1, 0.0]
+    plate = PlateWrench("one", t, force, point, np.zeros((5, 3)))
+    force, point, moment = plate.at(np.array([0.0, 0.5, 1.5, 2.5, 3.5]))
+    np.testing.assert_allclose(force[:, 2], [0.0, 2.0 * EMPTY_N, 4.0 * EMPTY_N, np.nan, np.nan])
+    about = np.cross(point, force) + moment
+    np.testing.assert_allclose(about[:3, 0], [0.0, 0.2 * EMPTY_N, 0.4 * EMPTY_N], atol=1e-12)
+
+
+def test_decimal_commas_and_a_byte_order_mark_are_read(written):
+    path, _, _ = written
+    text = path.read_text("utf-8")
+    (first, _), named = read_wrenches(path), path.with_name("other.mot")
+    named.write_text(text.replace(".", ","), "utf-16")
+    (again, _) = read_wrenches(named)
+    np.testing.assert_array_equal(again.force, first.force)
 
 
 def test_what_is_no_file_of_forces_is_refused(tmp_path):
@@ -47,8 +67,10 @@ def test_what_is_no_file_of_forces_is_refused(tmp_path):
     for text, wrong in (
         ("time x", "endheader"),
         ("endheader\nx y\n1 2", "expected 'time'"),
-        ("endheader\ntime a_vx a_vy a_vz\n0 1 1 1\n0 1 1 1", "do not rise"),
+        ("endheader\ntime a_vx a_vy a_vz\n0 1 1 1\n0 1 1 1", "row 2 is at 0 s and the one before it at 0 s"),
         ("endheader\ntime q\n0 1\n1 1", "no forces"),
+        ("endheader\ntime a_vx a_vy a_vz\n0 1 1 1\n1 1 x 1", "row 2: .*'x', expected numbers"),
+        ("endheader\ntime a_vx a_vy a_vz\n0 1 1 1", "1 samples, expected at least two"),
     ):
         path.write_text(text, "utf-8")
         with pytest.raises(DataError, match=wrong):
