@@ -29,6 +29,21 @@ def test_sums_are_learnt_from_like_the_motion(fitter, trial_files, tmp_path):
     assert sums["angle_error_deg"]["learn"] is None and max(sums["torque_rms_N_m"]["learn"]) < 0.01
 
 
+def test_sums_that_explain_next_to_nothing_are_no_answer(fitter, tmp_path):
+    rng, t = np.random.default_rng(3), np.arange(0.0, 6.0, 0.005)
+    q = 0.5 * np.sin(2.0 * np.pi * np.outer(t, [0.5, 0.8]))
+    columns = np.column_stack([t, q, rng.normal(size=q.shape)])
+    path = tmp_path / "noise.csv"
+    np.savetxt(path, columns, delimiter=",", header="t,q1,q2,tau1,tau2", comments="")
+    save_arm(replace(load_arm("dd-arm"), control=Control()), tmp_path / "measured.toml")
+    outcome = fitter(
+        *("dynamics", path, "--arm", tmp_path / "measured.toml", "--out", tmp_path / "arm.toml"),
+        *("--workers", "2", "--objective", "torque", "--method", "least-squares"),
+    )
+    assert outcome.code == 4 and "next to nothing" in outcome.said
+    assert max(outcome.document["explained"]["learn"]) < 0.25
+
+
 def test_sums_of_another_arm_are_refused(fitter, trial_files, tmp_path):
     fitter("sums", "make", trial_files[0], "--arm", "dd-arm", "--out", tmp_path / "sums.npz")
     outcome = fitter("dynamics", tmp_path / "sums.npz", "--arm", "dd-arm-vertical", "--out", tmp_path / "arm.toml")
@@ -49,6 +64,7 @@ def test_gains_are_learnt_up_to_one_factor(fitter, trial_files, tmp_path):
     assert "I2" in outcome.document["fixed_by"]
     assert any("D1" in sentence and "kv1" in sentence for sentence in outcome.document["only_together"])
     assert outcome.document["law_misfit"]["fits"]
+    assert min(outcome.document["explained"]["learn"]) > 0.9
 
 
 @pytest.mark.parametrize(("given", "inertia"), [((), 0.471209), (("--fix", "I2=2"), 2.0)])

@@ -207,6 +207,9 @@ def test_mistakes_are_sentences(fitter, tmp_path, recorded):
         "kinematics", trial, "--body", "human-arm-right", "--marker-set", marker_set, "--mass", 70, "--out", out
     )
     assert partly.code == 2 and "--height and --sex" in partly.errors[0]
+    for option, number in (("--height", 170), ("--mass", 70_000)):
+        wrong = fitter("kinematics", trial, "--body", "human-arm-right", option, number, "--out", out)
+        assert wrong.code == 2 and f"'{number}' is no person's" in wrong.errors[0]
     without = fitter("track", trial, "--arm", "human-arm-right", "--out", tmp_path / "m.csv")
     assert without.code == 2 and "[[marker]]" in without.errors[0]
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.io import savemat
 
-from fitter.data.motions import Measured, read_motions, require_switches
+from fitter.data.motions import Measured, read_motions, require_switches, trial_column
 from limbcal.errors import DataError
 from limbcal.note import Note
 from protocol.tables.columns import parse_mapping
@@ -126,3 +126,21 @@ def test_cells_of_a_file_are_counted_from_one(tmp_path):
         motions = read_motions(tmp_path / "run.mat", 1, parse_mapping("t=T,q1=Y[1]", 1), None, ("q",))
         assert [motion.name for motion in motions] == names
         assert [len(motion.t) for motion in motions] == [4, 5][:n]
+
+
+@pytest.mark.parametrize(
+    ("labels", "numbers", "column"),
+    [
+        (("3", "4"), [3, 4], [3, 4]),
+        (("a", "4"), [1, 4], [1, 4]),
+        (("2", "2"), [2, 2], [1, 2]),
+        (None, [1, 2], [1, 2]),
+    ],
+)
+def test_trials_keep_their_numbers_where_these_differ(tmp_path, labels, numbers, column):
+    trials = [
+        Measured("m", "m.csv", 0, np.arange(2.0), {}, labels=labels and np.array([label, label]))
+        for label in labels or (None, None)
+    ]
+    assert [trial.number(place) for place, trial in enumerate(trials, 1)] == numbers
+    assert trial_column(trials) == column
