@@ -110,6 +110,8 @@ def _judged(
     unknown = replace(unknown, held=held, let_go=let_go)
     if not upper:
         why = f"joint {i + 1} held up to {held:.3g} {unit} and never let go: {name} is at least that"
+        if not held:
+            why = f"joint {i + 1} never let go while it was pulled at: nothing is known of {name}"
         return replace(unknown, why=why)
     said = f"joint {i + 1} held {held:.3g} {unit} and let go at {let_go:.3g} {unit}"
     value, std = between(lower, upper, covariance) if lower else (0.0, np.inf)

@@ -30,9 +30,10 @@ _SAMPLES = 1000
 _ALL_WAYS = 3
 #: Of all ways those with the least free residual get their possible arm.
 _SHORTLIST = 6
-#: Largest residual of the likely wiring's best feasible arm, as a fraction of that of the columns as given:
-#: with Gaussian residuals and 30 effective samples a likelihood ratio of more than 10⁴ (0.5^-15).
+#: Largest residual of the likely wiring's best feasible arm, as a fraction of that of the columns as given.
 _FAR_LESS = 0.5
+#: Least likelihood ratio of the two, with Gaussian residuals of as many degrees of freedom as the data have.
+_ODDS = 1e4
 
 
 @dataclass(frozen=True)
@@ -78,9 +79,14 @@ class Wiring:
         if exchanged:
             names = sorted({f"tau{k + 1}" for i, k in enumerate(self.column) if i != k})
             asked.append(f"are {' and '.join(names)} exchanged?")
+        changed = ",".join(
+            f"tau{i + 1}={'-' if sign < 0 else ''}tau{k + 1}"
+            for i, (k, sign) in enumerate(zip(self.column, self.sign, strict=True))
+            if i != k or sign < 0
+        )
         return (
             "masses come out negative or otherwise impossible; with "
-            f"{' and '.join(done)} they are possible: {' '.join(asked)}"
+            f"{' and '.join(done)} they are possible: {' '.join(asked)} Then --columns {changed}"
         )
 
 
@@ -135,9 +141,13 @@ def check_wiring(arm: Arm, base: BaseParameters, trials: Sequence[Trial]) -> Wir
         for number, (sums, column, sign) in enumerate(ways)
     )
     better: Wiring | None = None
+    spare = as_given.independent - len(base.independent)
+    if spare <= 0.0:  # any columns can be explained
+        return WiringCheck(free, possible, None)
+    far_less = min(_FAR_LESS, _ODDS ** (-2.0 / spare))
     for residual, _, _, number in ranked[:_SHORTLIST]:
         sums, column, sign = ways[number]
-        limit = _FAR_LESS * possible if better is None else 0.99 * better.residual_share
+        limit = far_less * possible if better is None else 0.99 * better.residual_share
         if residual < limit and (found := sums.possible_residual(column, sign)) < limit:
             better = Wiring(column, sign, found, falls_up=sums is not as_given)
     return WiringCheck(free, possible, better)
@@ -153,6 +163,8 @@ class _Sums:
     base : BaseParameters
     gram, moment : (n_joint, n_base, n_base), (n_joint, n_column, n_base)
     power, count : (n_column,), (n_joint,)
+    independent : float
+        Independent numbers: behind a filter a trial has two a period of its corner and joint.
     """
 
     arm: Arm
@@ -161,6 +173,7 @@ class _Sums:
     moment: Floats
     power: Floats
     count: Floats
+    independent: float
 
     @classmethod
     def of(cls, arm: Arm, base: BaseParameters, trials: Sequence[Trial]) -> "_Sums":
@@ -168,6 +181,7 @@ class _Sums:
         n, n_base = arm.n_joint, len(base.independent)
         gram, moment = np.zeros((n, n_base, n_base)), np.zeros((n, n, n_base))
         power, count = np.zeros((2, n))
+        independent = 0.0
         for trial in trials:
             if has_unknown_target(arm, trial):
                 continue
@@ -181,7 +195,9 @@ class _Sums:
             moment += np.einsum("sja,sk->jka", rows, tau)
             power += np.sum(tau**2, axis=0)
             count += len(tau)
-        return cls(arm, base, gram, moment, power, count)
+            rate_hz = 2.0 * min(trial.band_hz, 0.5 / trial.dt_s)
+            independent += n * rate_hz * len(trial.q) * trial.dt_s * float(moving.mean())
+        return cls(arm, base, gram, moment, power, count, independent)
 
     def free_residual(self, column: Sequence[int], sign: Sequence[int]) -> float:
         """Return what share of the torque's power the best numbers leave under a way of wiring."""
