@@ -112,6 +112,9 @@ def sorted_trials(
     DataError
         If no marker of a segment that is needed is in the recordings.
     """
+    frames = sum(len(one.positions) for one in recordings)
+    if frames < _LEAST_FRAMES:
+        raise DataError(f"{recordings[0].path}: {frames} frames in all, expected {_LEAST_FRAMES} at least")
     seen = _seen(recordings)
     fit = fit_marker_set(own, seen)
     segments: dict[str, tuple[str, ...]] = {}

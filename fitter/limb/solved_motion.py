@@ -19,6 +19,7 @@ from fitter.limb.marker_observations import Frames
 from fitter.limb.motion_smoother import Smoothed, smooth
 from limbcal.errors import DataError
 from limbcal.note import Note
+from limbcal.suggestion import did_you_mean
 from protocol.markers.recording import MarkerRecording
 
 #: Share of a limb's density of the jerk that a body takes: fifty markers see its trunk where five see a limb's
@@ -151,6 +152,13 @@ def _filled(
 ) -> tuple[Floats, Floats, list[Note]]:
     """Return the base's poses with those in between where its markers were not seen, and say so."""
     known = np.flatnonzero(np.isfinite(p[:, 0]))
+    missing = [name for name in marked.base.markers if name not in recording.names]
+    if not len(known) and len(missing) == len(marked.base.markers):
+        hint = did_you_mean(missing[0], recording.names)
+        raise DataError(
+            f"{recording.path}: it has none of the base's markers {', '.join(missing)}, expected three of them, "
+            f"or all where there are fewer{hint}"
+        )
     if not len(known):
         raise DataError(
             f"{recording.path}: no frame shows the base's markers {', '.join(marked.base.markers)} together, "

@@ -268,3 +268,13 @@ def test_a_limb_and_its_motion_are_handed_on(fitter, tmp_path, recorded):
     assert "base_tx" in (tmp_path / "angles.mot").read_text()
     wrong = fitter("track", trial, "--arm", out, "--out", motion, "--export", tmp_path / "x.fbx")
     assert wrong.code == 2 and "expected .osim, .bioMod, .mot, .trc" in wrong.said
+
+
+def test_too_few_frames_are_said_to_be(fitter, tmp_path, recorded):
+    _, trial, marker_set = recorded
+    short = tmp_path / "short.trc"
+    lines = trial.read_text().splitlines(keepends=True)
+    short.write_text("".join(lines[:5] + [line for line in lines[5:] if line.strip()][:3]))
+    preset = ("--body", "human-arm-right", "--marker-set", marker_set, "--out", tmp_path / "arm.toml")
+    outcome = fitter("kinematics", short, *preset)
+    assert outcome.code == 2 and "3 frames in all" in outcome.errors[0]

@@ -49,3 +49,10 @@ def test_frames_in_which_the_base_is_hidden_are_said_and_bridged(truth):
     (note,) = [note for note in solved.notes if note.kind == "base_gap"]
     assert "in 15 of 60 frames" in note.text
     assert np.isfinite(solved.smoothed.q).all()
+
+
+def test_base_markers_by_other_names_are_named(truth):
+    recording = truth.recordings[0]
+    base = tuple(name.lower() if name.startswith("B") else name for name in recording.names)
+    with pytest.raises(DataError, match="it has none of the base's markers .*did you mean 'b"):
+        solve_motion(with_markers(truth), replace(recording, names=base), 1)
