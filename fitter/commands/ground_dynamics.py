@@ -56,9 +56,7 @@ def add_ground(parser: argparse.ArgumentParser) -> None:
         metavar="PLATE=LINK",
         help="on which link a plate's force acts (as its place has it)",
     )
-    group.add_argument(
-        "--mass", type=mass_kg, metavar="KG", help="whose prior it is, where the arm has no [body]"
-    )
+    group.add_argument("--mass", type=mass_kg, metavar="KG", help="whose prior it is, where the arm has no [body]")
     group.add_argument("--height", type=height_m, metavar="M")
     group.add_argument("--sex", choices=["f", "m"])
 
