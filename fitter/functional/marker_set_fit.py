@@ -1,5 +1,6 @@
 """How a marker set fits the markers of a recording, marker by marker."""
 
+import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -99,8 +100,15 @@ def _wrong_set(marker_set: MarkerSet, missing: Sequence[str], markers: Sequence[
 def _missing(marker_set: MarkerSet, marker: str, unused: Sequence[str]) -> Note:
     landmark = next((name for name, one in marker_set.landmarks.items() if one == marker), None)
     on = f" on {marker_set.segment_of(marker)}" + (f", its {landmark}" if landmark else "")
-    text = f"marker {marker!r}{on}: not in the recording{did_you_mean(marker, unused)}"
+    alike = [name for name in unused if {_side(name), _side(marker)} != {"l", "r"}]
+    text = f"marker {marker!r}{on}: not in the recording{did_you_mean(marker, alike)}"
     return Note("missing_marker", text, columns=(marker,))
+
+
+def _side(marker: str) -> str:
+    """Return on which side a marker is by its name, l or r; empty where that does not say."""
+    found = re.match(r"(l|r|left|right)[ _.]|.*[ _.](l|r|left|right)$", marker.lower())
+    return (found[1] or found[2])[0] if found else ""
 
 
 def _unused(marker_set: MarkerSet, unused: Sequence[str]) -> list[Note]:

@@ -53,7 +53,10 @@ def look(motion: Measured, arm: Arm) -> Measured:
 
 
 def _refusal(motion: Measured, unit: str, seen: str) -> Refusal:
+    counts, rate = "", ""
+    if np.all(np.diff(motion.t) == 1.0):
+        counts, rate = ", or a sample's number", ', or the rate of its samples, as in --columns "t=" --rate-hz 500'
     return Refusal(
-        f"{motion.where}: {seen}: is t in {_NAMES[unit]}? Expected seconds, or its unit stated, as in "
-        f'--columns "t=t:{unit}" (t=t:s if it is seconds)'
+        f"{motion.where}: {seen}: is t in {_NAMES[unit]}{counts}? Expected seconds, or its unit stated, as in "
+        f'--columns "t=t:{unit}" (t=t:s if it is seconds){rate}'
     )

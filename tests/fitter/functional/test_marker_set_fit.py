@@ -1,5 +1,7 @@
 """How a marker set fits a recording."""
 
+from dataclasses import replace
+
 from fitter.functional.marker_set import load_marker_set, parse_marker_set
 from fitter.functional.marker_set_fit import best_built_in, fit_marker_set
 
@@ -40,6 +42,15 @@ def test_missing_markers_are_told_one_by_one_with_what_they_may_be_called():
 def test_a_name_that_is_used_is_nobody_elses_near_miss():
     fit = fit_marker_set(SET, ["T1", "T2", "T3", "S1", "S2"])
     assert "did you mean" not in texts(fit, "missing_marker")[0]
+
+
+def test_a_marker_of_the_other_side_is_no_near_miss():
+    own = replace(SET, segments={"shank_right": ("r_mknee", "r_knee", "r_ankle")}, landmarks={})
+    fit = fit_marker_set(own, ["r_knee", "r_ankle", "L_mknee", "mknee.l"])
+    (text,) = texts(fit, "missing_marker")
+    assert "'r_mknee'" in text and "did you mean" not in text
+    fit = fit_marker_set(own, ["r_knee", "r_ankle", "R.mknee"])
+    assert "did you mean 'R.mknee'" in texts(fit, "missing_marker")[0]
 
 
 def test_another_set_is_proposed_where_most_is_missing():

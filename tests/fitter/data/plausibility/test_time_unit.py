@@ -113,3 +113,11 @@ def test_two_samples_or_no_angle_are_asked_nothing(arm):
         assert look(motion, arm) is motion
     with pytest.raises(Refusal):
         look(standing(5.0, 3), arm)
+
+
+def test_stamps_that_rise_by_one_may_be_the_samples_numbers(arm, clean):
+    motion = clean(0)
+    with pytest.raises(Refusal, match=r"is t in milliseconds, or a sample's number\?.*--rate-hz 500"):
+        look(replace(motion, t=np.arange(len(motion.t), dtype=np.float64)), arm)
+    with pytest.raises(Refusal, match=r"is t in milliseconds\?"):
+        look(replace(motion, t=1e3 * motion.t), arm)
