@@ -127,10 +127,15 @@ def _require_possible(arm: Arm, learn: Sequence[Measured], arguments: argparse.N
     answer: Document = {
         "verdict": "unexplained",
         "complete": False,
+        "left": None,
         "causes": [],
         "candidates": [],
         "confusable": [],
         "next_experiment": check.better.sentence,
+        "before": None,
+        "after": None,
+        "gain": None,
+        "residual": None,
         "notes": documents([*notes_of(trials), Note("impossible", check.better.sentence)]),
     }
     answer = with_asked(answer)

@@ -3,6 +3,7 @@
 from collections.abc import Sequence
 from pathlib import Path
 
+import numpy as np
 from rich.progress import Progress, SpinnerColumn, TextColumn, TimeElapsedColumn
 from rich.table import Table
 
@@ -74,8 +75,12 @@ def diagnose_readings(arm: Arm, learn: Sequence[RawRun], evaluate: Sequence[RawR
 def document(finding: SensorFinding) -> Document:
     """Return the JSON document; torque and angle are not known from accelerations alone."""
     nothing: dict[str, object] = {"torque_rms_N_m": None, "angle_error_deg": {"mean": None, "max": None}}
+    before, after = (float(np.linalg.norm(list(rms.values()))) for rms in (finding.before, finding.after))
+    left = {"torque_rms_N_m": None, "share": after / before if before > 0.0 else 0.0, "times_noise": None}
     return {
         "verdict": finding.verdict,
+        "complete": bool(finding.residual.white),
+        "left": left | {"reading_rms_m_s2": dict(finding.after)},
         "causes": [
             {
                 "effect": cause.effect,

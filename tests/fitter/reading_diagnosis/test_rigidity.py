@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from arm.arm_file import load_arm
+from fitter.commands.diagnose_readings import document
 from fitter.reading_diagnosis.rigidity import diagnose_sensors
 from limbcal.errors import ConfigError, DataError
 
@@ -50,6 +51,9 @@ def test_names_what_is_wrong_and_with_which_sensor(measure, effect):
         assert abs(number.value - value) < 4.0 * number.std
     assert found.after[sensor] < found.before[sensor]
     assert found.gain > 0.9
+    said = document(found)
+    assert 0.0 < said["left"]["share"] < 1.0
+    assert said["left"]["reading_rms_m_s2"] == found.after
     assert found.arm.effects[-1].sensors == (sensor,)
 
 
@@ -60,6 +64,7 @@ def test_names_nothing_where_nothing_is_wrong(measure, name):
     assert (found.verdict, found.causes) == ("none", ())
     assert found.residual.white
     assert found.arm is run.arm
+    assert document(found)["complete"] is True
 
 
 def test_a_bias_along_gravity_on_a_lying_arm_may_be_a_scale(measure):
