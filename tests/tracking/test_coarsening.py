@@ -42,10 +42,12 @@ def test_readings_that_were_lost_weigh_nothing() -> None:
     fine = course(12, np.random.default_rng(1))
     fine.present[[1, 2]] = False
     fine.present[4:8] = False
+    fine.present[8:11] = False  # one of the last four is left
     fine.readings[~fine.present] = 1e9
     coarse = coarser(fine, COARSE)
     assert coarse.readings[0] == pytest.approx(fine.readings[[0, 3]].mean(axis=0))
     assert coarse.present.tolist() == [True, False, True]
+    assert coarse.readings[2] == pytest.approx(fine.readings[11])
     assert coarse.doubt[0] == pytest.approx(
         2.0 * fine.doubt[:4].mean(axis=0)
     )  # of two readings, twice the variance
