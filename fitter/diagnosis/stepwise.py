@@ -33,6 +33,9 @@ class Likelihood(Protocol):
     def instead(self, fit: Fit, place: int, other: Fit) -> Fit | None:
         """Return a model without one of its hypotheses and with another model's last one; None if impossible."""
 
+    def everywhere(self, fit: Fit) -> Fit:
+        """Return a model fitted to all trials, as if all might be learnt from."""
+
     def reweighted(self, fit: Fit) -> Fit:
         """Return a model under weights of its own, all its numbers sought anew."""
 
@@ -170,7 +173,8 @@ class Stepwise:
         """Return a model with further causes, without those that they make needless.
 
         None if under its own weights their evidence is too small or they do not help on unfitted trials, or if any
-        cause's size is unknown.
+        cause's size is unknown. What the causes before them leave of unfitted trials, because the learning trials
+        hardly tell their numbers, is no cause: there must be evidence as well if all trials are fitted.
         """
         smaller = fit
         for _ in more:
@@ -178,6 +182,10 @@ class Stepwise:
         own = self._log_evidence(fit, smaller)
         if own < ODDS_NATS or not fit.helps(smaller):
             return None
+        if steps and not np.all(fit.learnt):
+            both = self._likelihood.everywhere(fit), self._likelihood.everywhere(smaller)
+            if self._log_evidence(*both) < ODDS_NATS:
+                return None
         found = self._pruned(fit, [*steps, *(replace(step, log_evidence=own) for step in more)])
         return found if self._likelihood.is_significant(found[0]) else None
 

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Sequence
 from contextlib import suppress
+from dataclasses import replace
 
 import numpy as np
 from scipy.stats import chi2
@@ -169,11 +170,17 @@ class TorqueLikelihood:
         """Say whether a model leaves so much that two hypotheses may hide each other in it."""
         return self.floor.is_large
 
+    def everywhere(self, fit: Fit) -> Fit:
+        """Return a model fitted to all trials, as if all might be learnt from."""
+        whole = self._fit_of(fitted(self.regression, fit.candidate.model, to_all=True))
+        return replace(whole, learnt=np.ones_like(whole.learnt))
+
     def fit_of(self, candidate: Candidate) -> Fit:
         """Return a model with its residual of every trial, and the density of its motions."""
+        return self._fit_of(by_learning(self.regression, candidate) if candidate.model.is_event else candidate)
+
+    def _fit_of(self, candidate: Candidate) -> Fit:
         regression, step_s = self.regression, self.regression.weighting.stride
-        if candidate.model.is_event:
-            candidate = by_learning(regression, candidate)
         residual, block, cell, trial, learnt, density = [], [], [], list[int](), list[bool](), list[float]()
         beyond = regression.beyond(candidate.model, candidate.x, regression.motions)
         for k, (motion, at_rest) in enumerate(zip(regression.motions, beyond, strict=True)):

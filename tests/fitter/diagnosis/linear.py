@@ -71,10 +71,11 @@ class LinearLikelihood:
         self.learnt = self.trial < learnt * (self.trial[-1] + 1)
         self.weighed = 0
 
-    def fit_of(self, *hypotheses: Hypothesis) -> Fit:
-        """Return a model with some hypotheses, by least squares on the trials that may be learnt from."""
+    def fit_of(self, *hypotheses: Hypothesis, everywhere: bool = False) -> Fit:
+        """Return a model with some hypotheses, by least squares on what may be learnt from, or on all trials."""
         A = self.columns[:, [k for one in hypotheses for k in one.joints]]
-        may = self.learnt[self.block]
+        learnt = self.learnt | everywhere
+        may = learnt[self.block]
         x = np.linalg.lstsq(A[may], self.y[may], rcond=None)[0]
         left = (self.y - A @ x)[:, None]
         model = Model(hypotheses, (np.zeros(0),) * len(hypotheses))
@@ -83,7 +84,7 @@ class LinearLikelihood:
         count = ROWS * np.bincount(self.trial)[:, None].astype(np.float64)
         # All is noise: nothing systematic is lacking that no scatter shows.
         cell = (np.arange(len(left)) % N_CELL)[:, None]
-        return Fit(candidate, left, count, self.block, self.trial, self.learnt, cell, nothing)
+        return Fit(candidate, left, count, self.block, self.trial, learnt, cell, nothing)
 
     def base(self) -> Fit:
         """Return the model without any column."""
@@ -109,6 +110,10 @@ class LinearLikelihood:
     def instead(self, fit: Fit, place: int, other: Fit) -> Fit | None:
         """Return a model without one of its hypotheses and with another model's last one."""
         return self.fit_of(*fit.candidate.model.without(place).hypotheses, other.candidate.hypothesis)
+
+    def everywhere(self, fit: Fit) -> Fit:
+        """Return a model by least squares on all trials."""
+        return self.fit_of(*fit.candidate.model.hypotheses, everywhere=True)
 
     def reweighted(self, fit: Fit) -> Fit:
         """Return a model as it is: least squares have no weights."""

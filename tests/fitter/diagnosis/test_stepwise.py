@@ -1,5 +1,7 @@
 """The search by plain linear regression: it knows neither what a likelihood is made of nor what is tried."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -189,3 +191,23 @@ def test_what_stood_in_for_two_is_exchanged_for_the_one_it_stood_for(seed):
     A[:, 3] *= 0.01
     found = search(A, A[:, 0] + 0.6 * A[:, 1] + 0.3 * noise, Columns(2, 3), Columns(0), Columns(1))
     assert set(columns_of(found)) == {(0,), (1,)}
+
+
+class Recounted(LinearLikelihood):
+    """One by which the later of two columns is of no use where all trials are fitted."""
+
+    def everywhere(self, fit):
+        kept = [one for one in fit.candidate.model.hypotheses if one.joints != (2,)]
+        whole = self.fit_of(*kept, everywhere=True)
+        return replace(whole, candidate=replace(whole.candidate, model=fit.candidate.model))
+
+
+@pytest.mark.parametrize(("learnt", "found"), [(0.5, [(1,)]), (1.0, [(1,), (2,)])])
+def test_a_later_cause_needs_evidence_if_all_trials_are_fitted_too(learnt, found):
+    A, noise = drawn(7, 4)
+    y = 2.0 * A[:, 1] + 0.8 * A[:, 2] + noise
+    tried = [Columns(k) for k in range(4)]
+    likelihood = Recounted(A, y, tried, learnt=learnt)
+    assert columns_of(Stepwise(likelihood, len(tried), MOST).run()) == found
+    plain = LinearLikelihood(A, y, tried, learnt=learnt)
+    assert columns_of(Stepwise(plain, len(tried), MOST).run()) == [(1,), (2,)]
