@@ -78,3 +78,11 @@ def test_what_was_found_is_shown_in_forty_bytes() -> None:
     with pytest.raises(ProtocolError) as caught:
         DeviceInfo.from_json(b"x" * 40 + b"yz")
     assert "x" * 40 in str(caught.value) and "y" not in str(caught.value).split("expected")[0]
+
+
+def test_a_long_value_is_shown_by_its_first_57_characters() -> None:
+    value = [{"a" * 20: "b" * 20}] * 5
+    with pytest.raises(ProtocolError) as caught:
+        read(rate_hz=value)
+    shown = str(caught.value).partition(" is ")[2].partition(", expected")[0]
+    assert shown.endswith("...") and len(shown) == 60

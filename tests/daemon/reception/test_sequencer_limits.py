@@ -107,3 +107,10 @@ def test_a_run_out_of_turn_leaves_frame_by_frame() -> None:
     assert sequencer.take(late) == []
     found = sequencer.take(SamplesRun(4, [4000], COUNTS))
     assert [one.sequence for one in found] == [4, 5, 6]
+
+
+def test_frames_that_waited_are_known_by_clocks_of_their_own() -> None:
+    sequencer = after(2)
+    assert left(sequencer, *(frame(number) for number in (4, 5, 6, 3))) == [3, 4, 5, 6]
+    assert left(sequencer, *(frame(number) for number in (4, 5, 6))) == []
+    assert sequencer.doubled == 3

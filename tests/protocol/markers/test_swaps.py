@@ -8,7 +8,7 @@ from hypothesis import assume, example, given, settings
 from hypothesis import strategies as st
 
 from protocol.markers.recording import MarkerRecording
-from protocol.markers.swaps import agreed, put_right
+from protocol.markers.swaps import _bridged, agreed, put_right
 from tests.protocol.markers.figure import RATE_HZ, walking
 
 
@@ -67,3 +67,12 @@ def test_labels_exchanged_throughout_are_told_by_other_recordings():
 
 def test_two_recordings_that_differ_tell_not_which_is_wrong():
     assert agreed([recording(0), recording(1)]) == {}
+
+
+def test_an_exchange_goes_on_where_its_markers_were_not_seen():
+    mask, missing = np.zeros((2, 30), dtype=np.bool_)
+    mask[[*range(3, 8), *range(12, 16), *range(20, 24)]] = True
+    missing[8:12] = missing[26:] = True
+    expected = mask.copy()
+    expected[8:12] = True  # seen, and as they should be, from 16 to 20
+    np.testing.assert_array_equal(_bridged(mask, missing), expected)

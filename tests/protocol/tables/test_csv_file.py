@@ -93,3 +93,10 @@ def test_a_long_file_comes_block_by_block(tmp_path):
     assert len(tables) > 2
     assert max(len(table.groups["t"]) for table in tables) <= n // 2
     np.testing.assert_array_equal(np.concatenate([table.groups["q"] for table in tables])[:, 0], np.arange(n))
+
+
+def test_a_file_that_cannot_be_read(tmp_path):
+    folder = tmp_path / "folder.csv"
+    folder.mkdir()
+    with pytest.raises(DataError, match=r"folder\.csv: cannot be read \(Is a directory\)"):
+        CsvFile(folder)
