@@ -42,6 +42,9 @@ def unit_of(points: np.ndarray, said: str) -> tuple[list[Note], str]:
     used = min(others, key=lambda unit: abs(np.log(size * UNITS[unit] / _USUAL_M)))
     length = f"{size:.3g} {said or 'without a unit'}"
     text = f"its markers lie {length} from their middle: the lengths are {used}, and taken for that"
+    inches_m = size * UNITS["in"]
+    if fits("in") and abs(np.log(inches_m / _USUAL_M)) < abs(np.log(size * UNITS[used] / _USUAL_M)):
+        text += f"; were they inches it would be {inches_m:.2g} m, as of a whole person"
     return [Note("unit", text)], used
 
 

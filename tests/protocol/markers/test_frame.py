@@ -18,6 +18,13 @@ def test_a_unit_that_fits_is_not_mentioned(unit, said):
     assert unit_of(unit * walking().points, said) == ([], said)
 
 
+def test_inches_are_mentioned_where_they_would_fit_a_whole_person_better():
+    (note,), used = unit_of(walking().points / 0.0254, "mm")
+    assert used == "cm" and "were they inches it would be 0.46 m" in note.text
+    (note,), _ = unit_of(1e3 * walking().points, "m")
+    assert "inches" not in note.text
+
+
 @pytest.mark.parametrize(("said", "found"), [("", "m"), ("mm", "mm")])
 def test_where_no_marker_was_seen_the_header_is_believed(said, found):
     assert unit_of(np.full((3, 5, 3), np.nan), said) == ([], found)
