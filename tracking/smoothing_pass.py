@@ -24,7 +24,7 @@ from tracking.stationary import transition
 _DIGITS = 1e-5
 #: Instants between two marks of a course of which not all is kept.
 STRETCH = 128
-#: Memory that may be kept of a course [bytes].
+#: Memory for the filter's results of a course [bytes]: a few thousand instants, and little on any machine.
 _KEPT_BYTES = 64 * 1024 * 1024
 
 
@@ -88,7 +88,7 @@ def smooth_in_stretches(
     with_variance: bool,
     stretch: int,
 ) -> float:
-    """Do what `smooth_once` does, with a mark every so many instants."""
+    """Do what `smooth_once` does, with checkpoints ``stretch`` instants apart."""
     n, size = course.readings.shape[0], x.size
     marks = (n + stretch - 1) // stretch
     mark_x, mark_P = np.empty((marks, size)), np.empty((marks, size, size))
@@ -136,7 +136,7 @@ def stretch_of(course: Course, size: int) -> int:
     rows = n_channel + n_joint
     number_bytes = 8
     of_instant = number_bytes * (size + size * size + n_channel * size + rows * size + 2 * rows)
-    return n if n * of_instant <= _KEPT_BYTES else STRETCH
+    return max(n, 1) if n * of_instant <= _KEPT_BYTES else STRETCH
 
 
 @compiled

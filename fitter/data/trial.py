@@ -97,6 +97,11 @@ class Trial:
         """Which torques count, (n, n_joint): all that the data itself does not contradict."""
         return np.ones(self.q.shape, dtype=bool) if self.contradicted is None else ~self.contradicted
 
+    @property
+    def n_independent(self) -> float:
+        """Independent samples of a joint: behind a filter two a period of its corner."""
+        return 2.0 * min(self.band_hz, 0.5 / self.dt_s) * len(self.q) * self.dt_s
+
     def lowpass(self, values: Floats) -> Floats:
         """Pass something that was computed from this trial through the one filter of a fit.
 

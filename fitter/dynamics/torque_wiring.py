@@ -30,7 +30,8 @@ _SAMPLES = 1000
 _ALL_WAYS = 3
 #: Of all ways those with the least free residual get their possible arm.
 _SHORTLIST = 6
-#: Largest residual of the likely wiring's best feasible arm, as a fraction of that of the columns as given.
+#: Largest residual of the likely wiring's best feasible arm, as a fraction of that of the columns as given: what
+#: is significant but less than halves the residual is no exchange.
 _FAR_LESS = 0.5
 #: Least likelihood ratio of the two, with Gaussian residuals of as many degrees of freedom as the data have.
 _ODDS = 1e4
@@ -195,8 +196,7 @@ class _Sums:
             moment += np.einsum("sja,sk->jka", rows, tau)
             power += np.sum(tau**2, axis=0)
             count += len(tau)
-            rate_hz = 2.0 * min(trial.band_hz, 0.5 / trial.dt_s)
-            independent += n * rate_hz * len(trial.q) * trial.dt_s * float(moving.mean())
+            independent += n * trial.n_independent * float(moving.mean())
         return cls(arm, base, gram, moment, power, count, independent)
 
     def free_residual(self, column: Sequence[int], sign: Sequence[int]) -> float:

@@ -58,10 +58,7 @@ def _by_chance(fit: DynamicsFit, learn: Sequence[Trial], arm: Arm) -> list[str]:
     """
     free, power = len(fit.problem.free), float(fit.problem.sums.power.sum())
     joints = np.count_nonzero(fit.problem.sums.power.sum(axis=0) > 0.0)
-    independent = joints * sum(
-        2.0 * min(trial.band_hz, 0.5 / trial.dt_s) * len(trial.q) * trial.dt_s * float(trial.counted.mean())
-        for trial in learn
-    )
+    independent = joints * sum(trial.n_independent * float(trial.counted.mean()) for trial in learn)
     if not power > 0.0 or fit.problem.rest <= 0.0:
         return []
     if independent <= free:

@@ -13,8 +13,8 @@ from protocol.markers.wrench_files import EMPTY_N, PlateWrench
 
 #: A foot's length of a tall person [m]: 0.152 of 1.95 m (Drillis and Contini 1966).
 _FOOT_M = 0.3
-#: Who stands on plates puts at least this share of the weight on them at some time: one foot of two, and half of
-#: it beside the plate. A force in kgf is a tenth of one in newtons.
+#: Least peak force of a person who stands on plates, as a fraction of body weight: one foot of two, half of it
+#: beside the plate. A force in kgf is a tenth of one in newtons.
 _LEAST_CARRIED = 0.25
 
 

@@ -12,9 +12,9 @@ from protocol.markers.recording import RawRecording
 _SAME = 0.01
 #: No camera of a motion laboratory is slower [Hz]: that of a film.
 _SLOWEST_HZ = 24.0
-#: A step so many times as long as the usual one has left a frame out.
+#: Ratio of a step to the median step above which frames are missing in between: halfway from one to two steps.
 _LEFT_OUT = 1.5
-#: Stamps that leave out more than this many times the frames that there are have leapt: nobody waited so long.
+#: Ratio of the frames that the stamps span to those recorded above which the clock has leapt: it bounds memory.
 _MOST_LEFT_OUT = 20
 _COLUMN = "the column of time"
 
@@ -31,11 +31,13 @@ def timed(raw: RawRecording) -> tuple[list[Note], RawRecording]:
     usual = float(np.median(steps))
     if not steps.min() > 0.0:
         k = int(np.argmax(steps <= 0.0))
-        return [_not_rising(raw, k), *clock(replace(raw, t=None))], replace(raw, t=None)
+        why = f"frame {k + 2} is at {raw.t[k + 1]:g} s, the one before it at {raw.t[k]:g} s"
+        return _untimed(raw, k, f"time does not rise: {why}")
     wide = steps > _LEFT_OUT * usual
     places = np.concatenate([[0], np.cumsum(np.where(wide, np.rint(steps / usual), 1.0))]).astype(np.int64)
     if places[-1] > _MOST_LEFT_OUT * len(places):
-        return [_leap(raw, int(np.argmax(steps))), *clock(replace(raw, t=None))], replace(raw, t=None)
+        k = int(np.argmax(steps))
+        return _untimed(raw, k, f"time leaps by {steps[k]:.4g} s before frame {k + 2}")
     rate_hz = places[-1] / float(raw.t[-1] - raw.t[0])
     notes = clock(raw)
     if abs(rate_hz / raw.rate_hz - 1.0) * places[-1] > 0.5:  # the last frame is off by half of one
@@ -65,22 +67,12 @@ def clock(raw: RawRecording) -> list[Note]:
     return notes
 
 
-def _not_rising(raw: RawRecording, k: int) -> Note:
-    assert raw.t is not None
-    text = (
-        f"time does not rise: frame {k + 2} is at {raw.t[k + 1]:g} s, the one before it at {raw.t[k]:g} s; "
-        f"frames are taken one after the other, at {raw.rate_hz:g} Hz, and may not fit the forces"
-    )
-    return Note("clock", text, row=k + 2, from_s=k / raw.rate_hz, to_s=(k + 1) / raw.rate_hz)
-
-
-def _leap(raw: RawRecording, k: int) -> Note:
-    assert raw.t is not None
-    text = (
-        f"time leaps by {raw.t[k + 1] - raw.t[k]:.4g} s before frame {k + 2}; frames are taken one after the "
-        f"other, at {raw.rate_hz:g} Hz, and may not fit the forces"
-    )
-    return Note("clock", text, row=k + 2, from_s=k / raw.rate_hz, to_s=(k + 1) / raw.rate_hz)
+def _untimed(raw: RawRecording, k: int, why: str) -> tuple[list[Note], RawRecording]:
+    """Return a recording without its column of time, which is wrong after frame k, counted from 0."""
+    text = f"{why}; frames are taken one after the other, at {raw.rate_hz:g} Hz, and may not fit the forces"
+    note = Note("clock", text, row=k + 2, from_s=k / raw.rate_hz, to_s=(k + 1) / raw.rate_hz)
+    untimed = replace(raw, t=None)
+    return [note, *clock(untimed)], untimed
 
 
 def _left_out(raw: RawRecording, places: NDArray[np.int64]) -> list[Note]:

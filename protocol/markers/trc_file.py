@@ -6,14 +6,12 @@ import numpy as np
 
 from limbcal.errors import DataError
 from protocol.markers.recording import RawRecording
-from protocol.tables.dialect import encoding_of
+from protocol.markers.text_table import number_of, text_of
 
 #: Lines before the first frame: type, names and values of the header, labels, axes; then an empty one, if any.
 _HEADER_LINES = 5
 #: A longer file is none of markers [byte]: hours of a hundred of them fit.
 LARGEST_BYTES = 2_000_000_000
-#: By so many of its first bytes the encoding is known.
-_HEAD_BYTES = 4096
 
 
 def read_trc(path: Path) -> RawRecording:
@@ -26,8 +24,7 @@ def read_trc(path: Path) -> RawRecording:
     """
     if path.stat().st_size > LARGEST_BYTES:
         raise DataError(f"{path}: it has {path.stat().st_size} bytes, expected at most {LARGEST_BYTES}")
-    data = path.read_bytes()
-    text = data.decode(encoding_of(data[:_HEAD_BYTES]), errors="replace")
+    text = text_of(path)
     lines = text.splitlines()
     if len(lines) <= _HEADER_LINES or not lines[0].startswith("PathFileType"):
         raise DataError(f"{path}: its first line does not begin with PathFileType, expected a TRC file")
@@ -79,6 +76,6 @@ def _number(path: Path, header: dict[str, str], name: str) -> float:
 
 def _value(path: Path, text: str, row: int, column: int) -> float:
     try:
-        return float(text.replace(",", ".") if "." not in text else text)  # a decimal comma: tabs part the fields
+        return number_of(text)
     except ValueError:
         raise DataError(f"{path}: row {row + 1}, field {column + 1} is {text!r}, expected a number") from None

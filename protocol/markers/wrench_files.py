@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from limbcal.errors import ConfigError, DataError
-from protocol.tables.dialect import encoding_of
+from protocol.markers.text_table import number_of, text_of
 from protocol.tables.table import Floats
 
 #: A column of a force, point or moment: the plate's name, the kind, the axis (OpenSim's external loads).
@@ -19,8 +19,6 @@ _MOMENT = re.compile(r"(?P<plate>.*?(?:torque|moment)(?:_?\d+)?)_(?P<axis>[xyz])
 _KINDS = {"f": "v", "t": "m"}
 #: Lines that a header may have.
 _MOST_HEADER = 1000
-#: By so many of its first bytes a table's encoding is known.
-_HEAD_BYTES = 4096
 #: A plate that reads less has nothing on it [N].
 EMPTY_N = 10.0
 #: Times that differ by less are one [s].
@@ -93,8 +91,7 @@ def read_wrenches(path: Path) -> list[PlateWrench]:
 
 
 def _plates_of_table(path: Path) -> list[PlateWrench]:
-    data = path.read_bytes()
-    lines = data.decode(encoding_of(data[:_HEAD_BYTES]), errors="replace").splitlines()
+    lines = text_of(path).splitlines()
     ends = [k for k, line in enumerate(lines[:_MOST_HEADER]) if line.strip().lower() == "endheader"]
     if not ends:
         raise DataError(f"{path}: no 'endheader' in its first {_MOST_HEADER} lines, expected a MOT or STO file")
@@ -108,7 +105,7 @@ def _plates_of_table(path: Path) -> list[PlateWrench]:
         if len(cells) != len(names):
             raise DataError(f"{path}: row {k + 1} has {len(cells)} cells, expected {len(names)}")
         try:
-            numbers[k] = [float(cell.replace(",", ".") if "." not in cell else cell) for cell in cells]
+            numbers[k] = [number_of(cell) for cell in cells]
         except ValueError as error:
             raise DataError(f"{path}: row {k + 1}: {error}, expected numbers") from None
     if len(numbers) < 2:
