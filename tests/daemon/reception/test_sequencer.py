@@ -73,3 +73,12 @@ def test_runs_leave_as_their_frames_would(runs: list[tuple[int, int]], first: in
         assert [(one.sequence, one.ticks) for one in left] == [(one.sequence, one.ticks) for one in expected]
     assert vars(whole) | {"_early": 0} == vars(single) | {"_early": 0}
     assert list(whole._early) == list(single._early)
+
+
+def test_a_copy_of_any_frame_that_had_waited_is_known() -> None:
+    some, sequencer = frames(5), Sequencer()
+    for k in (0, 2, 3, 4, 1):  # those from 2 on wait for 1
+        last = [frame.sequence for frame in sequencer.put(some[k])]
+    assert last == [1, 2, 3, 4]
+    assert [sequencer.put(one) for one in some] == [[]] * 5
+    assert (sequencer.doubled, sequencer.late) == (5, 0)

@@ -44,3 +44,10 @@ def test_the_start_of_the_motion_and_its_target_are_found(bench_trials):
 def test_a_trial_that_never_moves_begins_at_once(bench_trials):
     trial = bench_trials[0]
     assert motion_begins(replace(trial, dq=0.0 * trial.dq)) == 0
+
+
+def test_a_joint_without_gain_has_no_target_but_where_it_rested(bench_trials):
+    half = replace(ARM, control=replace(ARM.control, kp=(9.5, 0.0)))
+    trial = replace(bench_trials[0], ref=None)
+    start = motion_begins(trial)
+    assert np.allclose(target_of(half, trial)[:, 1], trial.q[:start, 1].mean())
