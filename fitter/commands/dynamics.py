@@ -27,24 +27,22 @@ from fitter.commands.options import (
     positive,
 )
 from fitter.commands.payload_option import add_payload, unloaded
+from fitter.commands.summed_dynamics import dynamics_from_sums
 from fitter.commands.trial_sets import notes_of, trial_sets, with_notes
 from fitter.controller import controller
-from fitter.data.standstill import REST_SPEED
 from fitter.data.torque_target import has_unknown_target
 from fitter.data.trial import Role, Trial, undriven
 from fitter.data.trials import load_trials
-from fitter.dynamics.consistency import made_possible, with_warnings
 from fitter.dynamics.dynamics_fit import DynamicsFit, Objective, document
 from fitter.dynamics.evaluation import HORIZON_S, score
 from fitter.dynamics.fit import fit_dynamics
 from fitter.dynamics.free_swing import swing_corner_hz, swing_ratios, swing_scale
 from fitter.dynamics.identifiability import report
 from fitter.dynamics.torque_delay import torque_delay
-from fitter.dynamics.torque_search import GENERATIONS, fit_sums
+from fitter.dynamics.torque_search import GENERATIONS
 from fitter.dynamics.usability import explained_of, joint_notes, next_to_nothing, unusable
 from fitter.dynamics.written import determined_by_data, save_calibrated
-from fitter.regression_sums.reduction import reduce_trials
-from fitter.regression_sums.saved_sums import ArmSums, add_sums, equation_of, is_sums, load_sums
+from fitter.regression_sums.saved_sums import is_sums
 from fitter.report.assumptions import dynamics_assumptions
 from fitter.report.compared import load_compared, scores_document
 from fitter.report.fit_pages import dynamics_page
@@ -121,7 +119,7 @@ def dynamics(arguments: argparse.Namespace) -> Document:
     if arguments.ground or arguments.prior is not None:
         return ground_dynamics(arguments, arm, _trials)
     if arguments.workers > 1 or arguments.dask or any(is_sums(path) for path in arguments.learn):
-        return _from_sums(arguments, arm)
+        return dynamics_from_sums(arguments, arm)
     compared = load_compared(arguments.compare, arm)
     learn, evaluate = _trials(arguments, arm)
     if arguments.payload is not None and (arguments.unknown_gains or arguments.no_torque):
@@ -208,79 +206,6 @@ def _fit(arguments: argparse.Namespace, arm: Arm, learn: Sequence[Trial]) -> Dyn
             progress=lambda done, _cost: progress.update(task, completed=done),
             polishing=lambda done, _rms: progress.update(polish, completed=done, visible=True),
         )
-
-
-def _from_sums(arguments: argparse.Namespace, arm: Arm) -> Document:
-    """Learn from sums, saved ones or those of many files, without ever holding the motion itself."""
-    if arguments.report is not None:
-        raise ConfigError("--report shows motions, which sums no longer hold; expected motions to learn from")
-    if arguments.payload is not None:
-        raise ConfigError("sums no longer hold trials; expected motions to learn from with --payload")
-    if arguments.objective not in ("auto", "torque") or arguments.unknown_gains or arguments.no_torque:
-        raise ConfigError("sums know of the torque only: expected --objective torque, and no other way to learn")
-    (saved, notes), evaluate = _sums(arguments, arm), []
-    if arguments.evaluate:
-        evaluate = load_trials(
-            arguments.evaluate,
-            arm.n_joint,
-            arguments.columns,
-            rate_hz=arguments.rate_hz,
-            cutoff_hz=arguments.cutoff_hz,
-            arm=arm,
-        )
-    base = structural_parameters(arm)
-    fit = fit_sums(
-        arm,
-        base,
-        saved.sums,
-        seed=arguments.seed,
-        population=arguments.population,
-        generations=arguments.generations,
-        bounds=bounds_of(arguments.bounds),
-        fixed=fixed_of(arguments.fix),
-        method=arguments.method,
-    )
-    fit = made_possible(fit) if arguments.physical else with_warnings(fit)
-    evaluated = score(fit.arm, evaluate, arguments.horizon) if evaluate else None
-    save_calibrated(fit.arm, base, determined_by_data(fit), arguments.out)
-    revealed = report(arm, base, fit.problem)
-    say_fit(fit, [], None, evaluated, revealed)
-    answer = document(fit, None, evaluated) | {"identifiability": revealed.document()}
-    values = np.array([fit.parameters[name].value for name in base.names])
-    rms = answer["torque_rms_N_m"]
-    assert isinstance(rms, dict)
-    rms["learn"] = saved.sums.rms(values).tolist()
-    explained = answer["explained"]
-    assert isinstance(explained, dict)
-    explained["learn"] = saved.sums.explained(values).tolist()
-    answer = with_notes(answer, (*notes, *notes_of(evaluate)))
-    if reasons := next_to_nothing(explained, arm):
-        raise Unusable(reasons, answer)
-    return answer
-
-
-def _sums(arguments: argparse.Namespace, arm: Arm) -> tuple[ArmSums, tuple[Note, ...]]:
-    held = [is_sums(path) for path in arguments.learn]
-    if all(held):
-        saved = add_sums([load_sums(path) for path in arguments.learn], [str(path) for path in arguments.learn])
-        saved.require(equation_of(arm, REST_SPEED), str(arguments.learn[0]))
-        return saved, ()
-    if any(held):
-        raise ConfigError(f"{arguments.learn[held.index(True)]}: sums among motions, expected one or the other")
-    with Progress(console=console, transient=True) as progress:
-        task = progress.add_task("reducing", total=None)
-        reduction = reduce_trials(
-            arm,
-            arguments.learn,
-            columns=arguments.columns,
-            rate_hz=arguments.rate_hz,
-            cutoff_hz=arguments.cutoff_hz,
-            workers=arguments.workers,
-            dask=arguments.dask,
-            progress=lambda done, files: progress.update(task, completed=done, total=files),
-        )
-    say_notes(reduction.notes)
-    return reduction.saved, reduction.notes
 
 
 def _with_gains(

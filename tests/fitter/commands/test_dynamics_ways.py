@@ -15,42 +15,6 @@ def values(document):
     return {name: p["value"] for name, p in document["parameters"].items()}
 
 
-def test_sums_are_learnt_from_like_the_motion(fitter, trial_files, tmp_path):
-    learn, evaluate = trial_files
-    common = ("--arm", "dd-arm", "--objective", "torque", "--out", tmp_path / "arm.toml")
-    motion = fitter("dynamics", learn, "--evaluate", evaluate, *common).document
-    made = fitter("sums", "make", learn, "--arm", "dd-arm", "--out", tmp_path / "sums.npz")
-    assert made.code == 0
-    sums = fitter("dynamics", tmp_path / "sums.npz", *common).document
-    parallel = fitter("dynamics", learn, "--workers", "2", *common).document
-    for name in INERTIAL:
-        assert values(sums)[name] == pytest.approx(values(motion)[name], rel=1e-9)
-    assert values(sums) == values(parallel)
-    assert sums["angle_error_deg"]["learn"] is None and max(sums["torque_rms_N_m"]["learn"]) < 0.01
-
-
-def test_sums_that_explain_next_to_nothing_are_no_answer(fitter, tmp_path):
-    rng, t = np.random.default_rng(3), np.arange(0.0, 6.0, 0.005)
-    q = 0.5 * np.sin(2.0 * np.pi * np.outer(t, [0.5, 0.8]))
-    columns = np.column_stack([t, q, rng.normal(size=q.shape)])
-    path = tmp_path / "noise.csv"
-    np.savetxt(path, columns, delimiter=",", header="t,q1,q2,tau1,tau2", comments="")
-    save_arm(replace(load_arm("dd-arm"), control=Control()), tmp_path / "measured.toml")
-    outcome = fitter(
-        *("dynamics", path, "--arm", tmp_path / "measured.toml", "--out", tmp_path / "arm.toml"),
-        *("--workers", "2", "--objective", "torque", "--method", "least-squares"),
-    )
-    assert outcome.code == 4 and "next to nothing" in outcome.said
-    assert max(outcome.document["explained"]["learn"]) < 0.25
-
-
-def test_sums_of_another_arm_are_refused(fitter, trial_files, tmp_path):
-    fitter("sums", "make", trial_files[0], "--arm", "dd-arm", "--out", tmp_path / "sums.npz")
-    outcome = fitter("dynamics", tmp_path / "sums.npz", "--arm", "dd-arm-vertical", "--out", tmp_path / "arm.toml")
-    assert outcome.code == 2
-    assert "of another arm or law" in outcome.said
-
-
 def test_gains_are_learnt_up_to_one_factor(fitter, trial_files, tmp_path):
     arm = load_arm("dd-arm")
     save_arm(replace(arm, control=Control("pd", (4.0, 1.0), (-1.0, -1.0))), tmp_path / "wrong.toml")
