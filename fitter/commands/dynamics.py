@@ -38,6 +38,7 @@ from fitter.dynamics.evaluation import HORIZON_S, score
 from fitter.dynamics.fit import fit_dynamics
 from fitter.dynamics.free_swing import swing_corner_hz, swing_ratios, swing_scale
 from fitter.dynamics.identifiability import report
+from fitter.dynamics.known_effects import without_effects
 from fitter.dynamics.torque_delay import torque_delay
 from fitter.dynamics.torque_search import GENERATIONS
 from fitter.dynamics.usability import explained_of, joint_notes, next_to_nothing, unusable
@@ -141,25 +142,23 @@ def dynamics(arguments: argparse.Namespace) -> Document:
     if arguments.unknown_gains:
         return with_notes(_with_gains(arguments, arm, learn, evaluate), notes)
     fit = _fit(arguments, arm, learn)
-    learnt = score(fit.arm, learn, arguments.horizon)
     evaluated = score(fit.arm, evaluate, arguments.horizon) if evaluate else None
-    scores = {"learn": learnt, "evaluate": evaluated}
-    found_targets = any(has_unknown_target(arm, trial) for trial in learn)
-    assumed = dynamics_assumptions(
-        arm, lengths_learnt=False, targets_found=found_targets, driven=not arguments.no_torque
-    )
-    late = torque_delay(arm, fit.base, learn)
-    found = (*joint_notes(scores), *([] if late is None else [late.note]))
-    fit = replace(fit, notes=(*fit.notes, *found, *(Note("assumed", said) for said in assumed)))
+    scores = {"learn": score(fit.arm, learn, arguments.horizon), "evaluate": evaluated}
+    found = any(has_unknown_target(arm, trial) for trial in learn)
+    assumed = dynamics_assumptions(arm, lengths_learnt=False, targets_found=found, driven=not arguments.no_torque)
+    plain, bare = without_effects(arm, learn, fit.objective)
+    late = torque_delay(plain, fit.base, bare)
+    notes_of_joints = (*joint_notes(scores), *([] if late is None else [late.note]))
+    fit = replace(fit, notes=(*fit.notes, *notes_of_joints, *(Note("assumed", said) for said in assumed)))
     save_calibrated(fit.arm, fit.base, determined_by_data(fit), arguments.out)
-    revealed = report(arm, fit.base, fit.problem)
-    say_fit(fit, compared, learnt, evaluated, revealed)
-    answer = document(fit, learnt, evaluated) | {"identifiability": revealed.document()}
+    revealed = report(plain, fit.base, fit.problem)
+    say_fit(fit, compared, scores["learn"], evaluated, revealed)
+    answer = document(fit, scores["learn"], evaluated) | {"identifiability": revealed.document()}
     answer |= _free_swing(arguments, arm, learn) if arguments.no_torque else load
     if compared:
         answer["compared"] = {c.name: c.document(learn, evaluate, arguments.horizon) for c in compared}
         say_compared(answer["compared"])
-    reasons = unusable(fit, arm, learn, scores)
+    reasons = unusable(fit, plain, bare, scores)
     if arguments.report is not None:
         others = {c.name: c.parameters for c in compared}
         files = expand([*arguments.learn, *arguments.evaluate])
@@ -180,6 +179,7 @@ def _free_swing(arguments: argparse.Namespace, arm: Arm, learn: Sequence[Trial])
     if arguments.cutoff_hz is None and all(np.isfinite(trial.cutoff_hz) for trial in learn):
         given = argparse.Namespace(**{**vars(arguments), "cutoff_hz": corner_hz, "evaluate": []})
         learn = [undriven(trial) for trial in _trials(given, arm)[0]]
+    arm, learn = without_effects(arm, learn)
     swing = swing_ratios(arm, learn)
     say_ratios(swing)
     return swing.document()

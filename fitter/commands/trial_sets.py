@@ -37,13 +37,19 @@ def trial_sets(load: Load, learn: Sequence[Path], evaluate: Sequence[Path]) -> t
     trials = load(learn, None, None)
     held_back = [trial for trial in trials if trial.role == "evaluate"]
     if evaluate:
-        return trials, load(evaluate, None, _filters(trials))
+        return _numbered(trials, load(evaluate, None, _filters(trials)))
     if not held_back:
-        return trials, []
+        return _numbered(trials, [])
     trials = load(learn, "learn", None)
     cutoff_hz, band_hz = _filters(trials)
     # Frames come with their derivatives: nothing in them was filtered yet.
-    return trials, [replace(trial, cutoff_hz=cutoff_hz, band_hz=band_hz) for trial in held_back]
+    return _numbered(trials, [replace(trial, cutoff_hz=cutoff_hz, band_hz=band_hz) for trial in held_back])
+
+
+def _numbered(learn: Sequence[Trial], evaluate: Sequence[Trial]) -> tuple[list[Trial], list[Trial]]:
+    """Return trials with their numbers in the run, those learnt from first."""
+    every = [replace(trial, number=number) for number, trial in enumerate((*learn, *evaluate), 1)]
+    return every[: len(learn)], every[len(learn) :]
 
 
 def notes_of(trials: Sequence[Trial]) -> tuple[Note, ...]:

@@ -26,7 +26,7 @@ def derive(motion: Uniform, cutoff_hz: float, band_hz: float) -> Trial:
     notes = [*measured.notes, *said]
     derived = [name for name in ("dq", "ddq") if name not in given]
     trim = 0
-    kept_whole = ("q", "ref", "tau", *(() if drives is None else DRIVE_ROLES))
+    kept_whole = ("q", "dq", "ddq", "ref", "tau", CONTRADICTED, *(() if drives is None else DRIVE_ROLES))
     whole = {name: columns[name] for name in kept_whole if name in columns}
     if "tau" in whole:
         whole["tau"] = midway_at_jumps(whole["tau"])

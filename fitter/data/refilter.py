@@ -35,4 +35,5 @@ def wider(trial: Trial, factor: float) -> Trial:
     t = np.arange(len(trial.whole["q"]), dtype=np.float64) * trial.dt_s
     measured = Measured(trial.name, trial.name, 0, t, dict(trial.whole))
     found = to_trials([measured], cutoff_hz=factor * trial.cutoff_hz, band_hz=factor * trial.band_hz)[0]
-    return replace(found, role=trial.role)
+    began_s = trial.began_s + (found.trimmed - trial.trimmed) * trial.dt_s
+    return replace(found, role=trial.role, number=trial.number, began_s=began_s)

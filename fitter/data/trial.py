@@ -51,12 +51,14 @@ class Trial:
     tau_measured : ndarray of shape (n, n_joint), or None
         The torque as it was measured, on the same grid, before any filter: what a simulation is to be judged by.
     whole : dict from name to ndarray of shape (n + 2 * trimmed, n_joint)
-        Angles, target and torque as they were measured, unfiltered, ends included: what a simulation is fitted
-        to, with nothing but its own noise in it. Empty where the derivatives came with the motion.
+        All columns as they were measured, unfiltered, ends included: what a simulation is fitted to, with nothing
+        but its own noise in it. Empty where the derivatives came with the motion.
     trimmed : int
         Samples that were taken off at each end.
     began_s : float
         The file's time at ``t = 0`` [s]: trials may follow one another on one clock.
+    number : int
+        Which of the run's trials this is, from 1, those learnt from first.
     contradicted : ndarray of bool, shape (n, n_joint), or None
         Torques that say nothing of the arm: cut off at a limit, or next to an angle that stood still for no
         reason; see `fitter.data.plausibility`.
@@ -88,6 +90,7 @@ class Trial:
     whole: dict[str, Floats] = field(default_factory=dict)
     trimmed: int = 0
     began_s: float = 0.0
+    number: int = 1
     contradicted: NDArray[np.bool_] | None = None
     draws: Draws | None = None
     drives: DriveState | None = None

@@ -91,7 +91,8 @@ def explained_torque(arm: Arm, trial: Trial, u: Floats) -> Floats:
     rigid = inverse_dynamics(changed(arm), trial.q, trial.dq, trial.ddq)
     if not arm.effects:
         return rigid
-    return rigid + resisting_torque(arm, trial.q, trial.dq, trial.ddq, u, trial.t)
+    t = trial.began_s + trial.t
+    return rigid + resisting_torque(arm, trial.q, trial.dq, trial.ddq, u, t, trial.number)
 
 
 def torque_rms(arm: Arm, trials: Sequence[Trial]) -> Floats:
@@ -158,18 +159,32 @@ def motion_error(arm: Arm, trial: Trial, horizon_s: float = HORIZON_S) -> Floats
                 trial.q[start],
                 trial.dq[start],
                 torque=torque[window],
+                t0_s=trial.began_s + start * trial.dt_s,
+                trial=trial.number,
             )
             simulated[start + 1 : window.stop] = motion.q[1:]
     elif trial.trimmed and {"q", "ref"} <= set(trial.whole):
         q0, dq0 = best_start(arm, trial)
-        whole = simulate(arm, trial.whole["ref"], trial.dt_s, q0, dq0, drives=drives_of(trial.whole)).q
+        begins_s = trial.began_s - trial.trimmed * trial.dt_s
+        drives = drives_of(trial.whole)
+        whole = simulate(
+            arm, trial.whole["ref"], trial.dt_s, q0, dq0, t0_s=begins_s, trial=trial.number, drives=drives
+        ).q
         off = _or_infinite(whole) - trial.whole["q"]
         if not np.isfinite(off).all():
             return off[trial.trimmed : trial.trimmed + n]
         return lowpass(off, trial.dt_s, trial.cutoff_hz)[trial.trimmed : trial.trimmed + n]
     else:
-        target = target_of(arm, trial)
-        simulated = simulate(arm, target, trial.dt_s, trial.q[0], trial.dq[0], drives=trial.drives).q
+        simulated = simulate(
+            arm,
+            target_of(arm, trial),
+            trial.dt_s,
+            trial.q[0],
+            trial.dq[0],
+            t0_s=trial.began_s,
+            trial=trial.number,
+            drives=trial.drives,
+        ).q
     return _or_infinite(simulated) - trial.q
 
 
@@ -195,7 +210,16 @@ def best_start(arm: Arm, trial: Trial) -> Floats:
 
     def off(start: Floats) -> Floats:
         q0, dq0 = start.reshape(2, -1)
-        q = simulate(arm, window.drive, window.dt_s, q0, dq0, drives=window.drives).q
+        q = simulate(
+            arm,
+            window.drive,
+            window.dt_s,
+            q0,
+            dq0,
+            t0_s=window.began_s,
+            trial=trial.number,
+            drives=window.drives,
+        ).q
         return np.nan_to_num(q - window.measured, nan=1e3, posinf=1e3, neginf=-1e3).ravel()
 
     found = scipy.optimize.least_squares(off, window.start[: 2 * arm.n_joint], max_nfev=20)

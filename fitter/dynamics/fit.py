@@ -20,8 +20,9 @@ from fitter.dynamics.drawn_torque import drawn_dynamics
 from fitter.dynamics.dynamics_fit import DynamicsFit, Method, Objective
 from fitter.dynamics.evaluation import HORIZON_S
 from fitter.dynamics.filter_shift import with_filter_shift
+from fitter.dynamics.known_effects import with_effects_of, without_effects
 from fitter.dynamics.motion_search import polished_by_motion
-from fitter.dynamics.noise_spectrum import weighted_by_noise
+from fitter.dynamics.noise_spectrum import noise_freedom, weighted_by_noise
 from fitter.dynamics.robust import draw_in, weighted
 from fitter.dynamics.torque_problem import torque_problem
 from fitter.dynamics.torque_search import GENERATIONS, Progress, assembled, fit_sums
@@ -42,6 +43,11 @@ DISAGREE = Note(
     "low and high frequencies say different things of the arm, by more than their standard errors allow: the "
     "angles are noisy, or the arm has more in it than the model; eq. (9) is less sensitive to that than the "
     "likelihood, and true errors may be larger than the stated ones",
+)
+TOO_FEW = Note(
+    "short",
+    "of one joint's torque so little counts that its parameters explain all of it: its noise is not known, and "
+    "the likelihood cannot weigh it; expected more motion of that joint with its torque measured, or eq. (9)",
 )
 
 
@@ -71,6 +77,7 @@ def fit_dynamics(
     ----------
     arm : Arm
         Its geometry, gravity and control law; its own dynamics are the prior of what the data cannot determine.
+        What its effects do is known and taken out of the torque (`fitter.dynamics.known_effects`).
     learn : sequence of Trial
     objective : {"torque", "likelihood", "weighted", "robust", "motion"}, optional
         What is made small: eq. (9) as it is printed; with each frequency in units of its noise; with each joint in
@@ -102,7 +109,8 @@ def fit_dynamics(
     Raises
     ------
     ConfigError
-        If a name is not that of a base parameter, or bounds are the wrong way round.
+        If a name is not that of a base parameter, bounds are the wrong way round, or an effect of the arm cannot
+        be taken out.
     DataError
         If there is no trial or a trial has no torque.
     NotIdentifiable
@@ -112,18 +120,20 @@ def fit_dynamics(
     """
     if not learn:
         raise DataError("no learning trial; expected at least one")
-    start, base = clock(), structural_parameters(arm)
+    start, given = clock(), arm
     chosen, objective = objective is not None, objective or usual_objective(arm, learn)
+    arm, learn = without_effects(arm, learn, objective)
+    base = structural_parameters(arm)
     notes: tuple[Note, ...] = ()
+    freedom = np.inf
     if objective == "likelihood":
-        sums, agree = _by_noise(arm, base, learn, fixed or {}, rest_speed)
-        if not agree:
-            notes = (DISAGREE,)
-            objective = objective if chosen else "torque"
+        sums, notes, freedom = _by_noise(arm, base, learn, fixed or {}, rest_speed)
+        if notes and not chosen:
+            objective = "torque"
     if objective != "likelihood":
         sums = add_up([trial_sums(arm, base, trial, rest_speed) for trial in learn])
     if objective in ("weighted", "robust"):
-        sums, notes = _reweighted(arm, base, learn, sums, fixed or {}, objective)
+        sums, notes = _reweighted(arm, base, learn, sums, fixed or {}, objective, rest_speed)
     fit = fit_sums(
         arm,
         base,
@@ -136,6 +146,8 @@ def fit_dynamics(
         method=method,
         progress=progress,
     )
+    if objective == "likelihood":
+        fit = _with_covariance(fit, fit.covariance if freedom >= 1.0 else np.nan * fit.covariance, freedom)
     if objective == "motion":
         fit = polished_by_motion(fit, learn, window_s, polishing)
     else:
@@ -148,7 +160,7 @@ def fit_dynamics(
         fit = made_possible(fit) if physical else with_warnings(fit)
     if examine:
         fit = with_break_away(fit, learn)
-    return replace(fit, seconds=clock() - start)
+    return replace(fit, arm=with_effects_of(given, fit.arm), seconds=clock() - start)
 
 
 def usual_objective(arm: Arm, trials: Sequence[Trial]) -> Objective:
@@ -168,15 +180,21 @@ def usual_objective(arm: Arm, trials: Sequence[Trial]) -> Objective:
 
 def _by_noise(
     arm: Arm, base: BaseParameters, trials: Sequence[Trial], fixed: Mapping[str, float], rest_speed: float
-) -> tuple[TorqueSums, bool]:
-    """Return sums with every frequency of every joint in units of its noise, and whether frequencies agree."""
+) -> tuple[TorqueSums, tuple[Note, ...], float]:
+    """Return sums with every frequency of each joint in units of its noise, what speaks against them, and freedom.
+
+    The last is from how many degrees of freedom a joint's noise is known at the least.
+    """
     if any(has_unknown_target(arm, trial) for trial in trials):
         raise ConfigError("the objective likelihood needs the controller's target; expected columns ref1…")
     prior = base.combination @ standard_parameters(arm)
     held = {base.names.index(name): value for name, value in fixed.items() if name in base.names}
     spectral = spectral_sums(arm, base, trials, rest_speed)
     sums = weighted_by_noise(spectral, prior, held)
-    return sums, frequencies_agree(spectral, sums, prior, held)
+    freedom = noise_freedom(spectral, sums, prior, held)
+    if freedom < 1.0:
+        return sums, (TOO_FEW,), freedom
+    return sums, () if frequencies_agree(spectral, sums, prior, held) else (DISAGREE,), freedom
 
 
 def with_draws(
@@ -234,6 +252,7 @@ def _reweighted(
     sums: TorqueSums,
     fixed: Mapping[str, float],
     objective: Objective,
+    rest_speed: float,
 ) -> tuple[TorqueSums, tuple[Note, ...]]:
     """Return sums with joints in units of their noise and, if asked for, outliers drawn in."""
     prior = base.combination @ standard_parameters(arm)
@@ -243,7 +262,7 @@ def _reweighted(
     if objective == "weighted":
         return weighted(sums, values), ()
     for _ in range(_ROUNDS):
-        pseudo = draw_in(arm, base, trials, values)
+        pseudo = draw_in(arm, base, trials, values, rest_speed)
         problem = torque_problem(pseudo.sums, prior, held)
         before, values = values, problem.complete(problem.optimum())
         std = problem.standard_errors(values)[problem.free]

@@ -20,6 +20,7 @@ from arm.effects.payload import with_load
 from arm.model import Arm, Floats
 from arm.newton_euler import inverse_dynamics
 from arm.regressor import regressor
+from fitter.data.known_torque import without_torque
 from fitter.data.standstill import REST_SPEED
 from fitter.data.trial import Trial
 from fitter.regression_sums.trial_sums import moving_all_along
@@ -75,15 +76,11 @@ def without_load(arm: Arm, trials: Sequence[Trial], load: KnownLoad) -> list[Tri
     """
     if load.trials and max(load.trials) > len(trials):
         raise DataError(f"--payload names trial {max(load.trials)} of {len(trials)}; expected one that there is")
-    bare = []
-    for k, trial in enumerate(trials, 1):
-        if k in load.trials:
-            added = load_torque(arm, trial, load.mass_kg)
-            measured = None if trial.tau_measured is None else trial.tau_measured - added
-            bare.append(replace(trial, tau=_torque(trial) - added, tau_measured=measured, whole={}))
-        else:
-            bare.append(trial)
-    return bare
+
+    def known(q: Floats, dq: Floats, ddq: Floats, _tau: Floats, _t: Floats) -> Floats:
+        return load_torque(arm, (q, dq, ddq), load.mass_kg)
+
+    return [without_torque(trial, known) if k in load.trials else trial for k, trial in enumerate(trials, 1)]
 
 
 def _torque(trial: Trial) -> Floats:
@@ -92,10 +89,9 @@ def _torque(trial: Trial) -> Floats:
     return trial.tau
 
 
-def load_torque(arm: Arm, trial: Trial, mass_kg: float) -> Floats:
+def load_torque(arm: Arm, motion: tuple[Floats, Floats, Floats], mass_kg: float) -> Floats:
     """Return the torque of a mass at the tip along a motion, (n_sample, n_joint): it is linear in the mass."""
     plain = replace(arm, effects=())
-    motion = trial.q, trial.dq, trial.ddq
     return inverse_dynamics(with_load(plain, mass_kg), *motion) - inverse_dynamics(plain, *motion)
 
 
@@ -161,7 +157,7 @@ def by_factors(trials: Sequence[Trial], factors: Sequence[FittedParameter]) -> l
             trial,
             tau=None if trial.tau is None else trial.tau / c,
             tau_measured=None if trial.tau_measured is None else trial.tau_measured / c,
-            whole={},
+            whole={name: values / c if name == "tau" else values for name, values in trial.whole.items()},
         )
         for trial in trials
     ]
@@ -193,7 +189,7 @@ def _rows(
     """
     at = np.arange(0, len(trial.q), max(1, len(trial.q) // _SAMPLES))
     Y = regressor(arm, trial.q, trial.dq, trial.ddq)[..., base.independent]
-    known = load_torque(arm, trial, mass_kg) if mass_kg else np.zeros_like(trial.q)
+    known = load_torque(arm, (trial.q, trial.dq, trial.ddq), mass_kg) if mass_kg else np.zeros_like(trial.q)
     used = moving_all_along(trial, slice(0, len(trial.q)), REST_SPEED)
     lowpassed = [trial.lowpass(one)[at] for one in (Y, known, _torque(trial))]
     blocks = np.array_split(at, max(least, round(len(trial.q) * trial.dt_s / _BLOCK_S)))

@@ -67,6 +67,22 @@ def weighted_by_noise(spectral: SpectralSums, prior: Floats, held: Held) -> Torq
     return weighted
 
 
+def noise_freedom(spectral: SpectralSums, weighted: TorqueSums, prior: Floats, held: Held) -> float:
+    """Return the degrees of freedom from which the noise of the joint that has fewest is known.
+
+    Parameters
+    ----------
+    spectral : SpectralSums
+    weighted : TorqueSums
+        From `weighted_by_noise`.
+    prior : (n_base,)
+    held : mapping from index to value
+    """
+    count = spectral.sums.count
+    spare = (count - _leverage(weighted, torque_problem(weighted, prior, held))).sum(axis=0)
+    return float(np.min(spare[count.sum(axis=0) > 0.0], initial=np.inf))
+
+
 def _residual(sums: TorqueSums, values: Floats) -> Floats:
     """Return the residual's power in each band, (n_band, n_joint)."""
     explained = np.einsum("bja,a->bj", 2.0 * sums.moment - sums.gram @ values, values)

@@ -15,7 +15,7 @@ from arm.control import control_torque
 from arm.model import Arm, Control, Floats
 from arm.regressor import regressor
 from fitter.data.derivatives import lowpass
-from fitter.data.standstill import is_moving
+from fitter.data.standstill import REST_SPEED, is_moving
 from fitter.data.torque_target import has_unknown_target, torque_target
 from fitter.data.trial import Trial
 from fitter.regression_sums.torque_sums import TorqueSums, add_up
@@ -53,9 +53,9 @@ class Pseudo:
     sums : TorqueSums
         Of the pseudo-values, joints weighted.
     scale : (n_joint,) [N m or N]
-        Spread of the residual, from its median.
+        Spread of the residual, from its median; infinite where a joint never moves.
     bent : (n_joint,)
-        Share of the samples that were drawn in.
+        Share of the moving samples that were drawn in.
     """
 
     sums: TorqueSums
@@ -63,8 +63,10 @@ class Pseudo:
     bent: Floats
 
 
-def draw_in(arm: Arm, base: BaseParameters, trials: Sequence[Trial], values: Floats) -> Pseudo:
-    """Draw outlying torques in towards a fit.
+def draw_in(
+    arm: Arm, base: BaseParameters, trials: Sequence[Trial], values: Floats, rest_speed: float = REST_SPEED
+) -> Pseudo:
+    """Draw outlying torques in towards a fit; a joint that never moves has no weight.
 
     Parameters
     ----------
@@ -73,6 +75,8 @@ def draw_in(arm: Arm, base: BaseParameters, trials: Sequence[Trial], values: Flo
     trials : sequence of Trial
     values : (n_base,)
         The fit so far.
+    rest_speed : float [rad/s or m/s]
+        A joint this slow is taken to be at rest.
 
     Raises
     ------
@@ -83,19 +87,22 @@ def draw_in(arm: Arm, base: BaseParameters, trials: Sequence[Trial], values: Flo
         raise ConfigError("the robust objective needs the controller's target; expected columns ref1…")
     torques = [torque_samples(arm, trial) for trial in trials]
     models = [np.concatenate(list(_model(arm, base, trial, values))) for trial in trials]
-    moving = [is_moving(trial.dq) for trial in trials]
     residual = np.concatenate([tau - model for tau, model in zip(torques, models, strict=True)])
-    counts = np.concatenate(moving)
-    scale = np.array([np.median(np.abs(residual[counts[:, j], j])) / _MAD_OF_NORMAL for j in range(arm.n_joint)])
-    scale = np.maximum(scale, 1e-12)
+    counts = np.concatenate([is_moving(trial.dq, rest_speed) & trial.counted for trial in trials])
+    scale = np.array([_spread(residual[counts[:, j], j]) for j in range(arm.n_joint)])
     measured = replace(arm, control=Control())
     drawn = []
     for trial, tau, model in zip(trials, torques, models, strict=True):
         pseudo = model + np.clip(tau - model, -BEND * scale, BEND * scale)
-        drawn.append(trial_sums(measured, base, replace(trial, tau=_filtered(trial, pseudo))))
+        drawn.append(trial_sums(measured, base, replace(trial, tau=_filtered(trial, pseudo)), rest_speed))
     sums = _scaled(add_up(drawn), (scale.min() / scale) ** 2)
-    bent = np.mean(np.abs(residual) > BEND * scale, axis=0)
-    return Pseudo(sums, scale, np.asarray(bent, dtype=np.float64))
+    bent = np.count_nonzero((np.abs(residual) > BEND * scale) & counts, axis=0)
+    return Pseudo(sums, scale, np.asarray(bent / np.maximum(np.count_nonzero(counts, axis=0), 1)))
+
+
+def _spread(residual: Floats) -> float:
+    """Return the standard deviation of what is normal but for some outliers; of nothing it is infinite."""
+    return max(float(np.median(np.abs(residual))) / _MAD_OF_NORMAL, 1e-12) if len(residual) else np.inf
 
 
 def torque_samples(arm: Arm, trial: Trial) -> Floats:

@@ -5,11 +5,13 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 import scipy.stats
 
-from arm.model import Arm
+from arm.model import Arm, Floats
+from fitter.data.standstill import REST_SPEED
 from fitter.data.trial import Trial
 from fitter.dynamics.dynamics_fit import DynamicsFit
 from fitter.dynamics.evaluation import Score
 from fitter.dynamics.torque_wiring import check_wiring
+from fitter.regression_sums.trial_sums import moving_all_along
 from limbcal.note import Note
 
 #: Least explained fraction of the torque's power: below it the residual is 87 % of the torque's rms.
@@ -57,15 +59,15 @@ def _by_chance(fit: DynamicsFit, learn: Sequence[Trial], arm: Arm) -> list[str]:
     corner.
     """
     free, power = len(fit.problem.free), float(fit.problem.sums.power.sum())
-    joints = np.count_nonzero(fit.problem.sums.power.sum(axis=0) > 0.0)
-    independent = joints * sum(trial.n_independent * float(trial.counted.mean()) for trial in learn)
+    has_torque = fit.problem.sums.power.sum(axis=0) > 0.0
+    independent = sum(trial.n_independent * float(_holding(trial)[has_torque].sum()) for trial in learn)
     if not power > 0.0 or fit.problem.rest <= 0.0:
         return []
     if independent <= free:
         return [
-            f"the torque of the learning trials holds about {independent:.0f} independent samples behind the "
-            f"filter, too few for {free} parameters; expected longer or more trials, or a torque that is not cut "
-            "off"
+            f"the torque of the learning trials holds about {independent:.0f} independent samples of moving "
+            f"joints behind the filter, too few for {free} parameters; expected longer or more trials, more "
+            "motion, or a torque that is not cut off"
         ]
     explained, spare = max(0.0, 1.0 - fit.problem.rest / power), independent - free
     ratio = explained / free / ((1.0 - explained) / spare) if explained < 1.0 else np.inf
@@ -75,6 +77,11 @@ def _by_chance(fit: DynamicsFit, learn: Sequence[Trial], arm: Arm) -> list[str]:
         f"{free} parameters explain {percent(explained)} of the torque of the learning trials, no more than they "
         f"would of noise ({independent:.0f} independent samples behind the filter): {_suspects(arm)}"
     ]
+
+
+def _holding(trial: Trial) -> Floats:
+    """Return during which share of a trial each joint's equation holds, (n_joint,): it moves, and is measured."""
+    return np.asarray(moving_all_along(trial, slice(0, len(trial.q)), REST_SPEED).mean(axis=0), dtype=np.float64)
 
 
 def explained_of(scores: Mapping[str, Score | None]) -> dict[str, Sequence[float]]:

@@ -68,7 +68,7 @@ def ground_wrench(
         if bad.any():
             text = f"{plate.name}: {int(bad.sum())} of {len(bad)} samples have no number and are left out"
             notes.append(Note("nan_forces", text))
-        wrench, note = _zeroed(np.where(bad[:, None], 0.0, wrench), bad, plate)
+        wrench, note = _zeroed(_bridged(wrench, bad), bad, plate)
         notes += note
         own = float(np.median(np.diff(plate.t)))
         if own < 0.5 * step:
@@ -77,6 +77,14 @@ def ground_wrench(
         known &= np.interp(t, plate.t, bad.astype(np.float64)) == 0.0
         known &= (t >= plate.t[0] - 1e-9) & (t <= plate.t[-1] + 1e-9)
     return total, known, notes
+
+
+def _bridged(wrench: Floats, bad: NDArray[np.bool_]) -> Floats:
+    """Return a wrench with straight lines over samples without a number, which a filter spreads to others."""
+    if not bad.any() or bad.all():
+        return np.where(bad[:, None], 0.0, wrench)
+    at = np.arange(len(bad))
+    return np.column_stack([np.interp(at, at[~bad], column[~bad]) for column in wrench.T])
 
 
 def _zeroed(wrench: Floats, bad: NDArray[np.bool_], plate: PlateWrench) -> tuple[Floats, list[Note]]:

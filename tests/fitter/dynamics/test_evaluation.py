@@ -6,7 +6,10 @@ import numpy as np
 import pytest
 
 from arm.arm_file import load_arm
+from arm.effects.resisting_torque import resisting_torque
 from arm.model import Control, Effect, Friction
+from arm.newton_euler import inverse_dynamics
+from fitter.data.trial import Trial
 from fitter.dynamics.evaluation import motion_error, score, torque_explained, torque_rms
 from fitter.kinematics.tip_error import tip_score
 from limbcal.errors import DataError
@@ -82,3 +85,24 @@ def test_says_what_is_missing(bench_trials):
         tip_score(ARM, [])
     with pytest.raises(DataError, match="has no tip"):
         tip_score(ARM, [replace(bench_trials[0], tip=None)])
+
+
+@pytest.mark.parametrize(
+    "effect",
+    [
+        Effect("periodic_disturbance", {"amplitude_N_m": 1.0, "frequency_hz": 0.37, "phase_rad": 0.0}, (2,)),
+        Effect("external_push", {"start_s": 11.0, "duration_s": 0.5, "torque_N_m": 4.0}, (2,)),
+        Effect("payload", {"mass_kg": 1.0, "trials": [2]}, ()),
+    ],
+    ids=lambda effect: effect.name,
+)
+def test_effects_act_at_the_runs_time_and_in_its_trials(effect):
+    """The true arm is as good as its own torque, however often a simulation begins anew."""
+    arm, t = replace(MEASURED, effects=(effect,)), np.arange(0.0, 4.0, 0.002)
+    phase = np.outer(t, [3.0, 5.1]) + [0.0, 1.0]
+    q, dq, ddq = np.sin(phase), np.cos(phase) * [3.0, 5.1], -np.sin(phase) * [9.0, 26.01]
+    for number, began_s in ((1, 0.0), (2, 10.0)):
+        resisting = resisting_torque(arm, q, dq, ddq, 0.0 * q, began_s + t, number)
+        tau = inverse_dynamics(MEASURED, q, dq, ddq) + resisting
+        own = score(arm, [Trial("m", t, 0.002, q, dq, ddq, tau, began_s=began_s, number=number)])
+        assert max(own.torque_rms_N_m) < 1e-9 and own.angle_max_deg < 0.5

@@ -7,12 +7,26 @@ import pytest
 
 from arm.effects.payload import with_load
 from arm.model import Link
+from fitter.data.motions import Measured
 from fitter.data.trial import Trial
-from fitter.dynamics.known_load import KnownLoad, factor_notes, load_torque, torque_factors, without_load
+from fitter.data.trials import to_trials
+from fitter.dynamics.known_load import (
+    KnownLoad,
+    by_factors,
+    factor_notes,
+    load_torque,
+    torque_factors,
+    without_load,
+)
+from fitter.search.fitted_parameter import FittedParameter
 from limbcal.errors import DataError
 from tests.fitter.dynamics.test_torque_wiring import ARM, BASE, driven
 
 LOAD = KnownLoad(0.8, frozenset({2, 4}))
+
+
+def motion_of(trial):
+    return trial.q, trial.dq, trial.ddq
 
 
 def run(factors: tuple[float, float] = (1.0, 1.0), seed: int = 0) -> list[Trial]:
@@ -23,18 +37,31 @@ def run(factors: tuple[float, float] = (1.0, 1.0), seed: int = 0) -> list[Trial]
 
 
 def test_the_torque_of_a_load_is_linear_in_its_mass_and_of_no_link():
-    trial, one = driven(ARM, 0), load_torque(ARM, driven(ARM, 0), 1.0)
+    motion = motion_of(driven(ARM, 0))
+    one = load_torque(ARM, motion, 1.0)
     other = replace(ARM, joints=tuple(replace(joint, link=Link()) for joint in ARM.joints))
-    assert np.allclose(load_torque(ARM, trial, 2.5), 2.5 * one) and np.allclose(
-        load_torque(other, trial, 1.0), one
-    )
+    assert np.allclose(load_torque(ARM, motion, 2.5), 2.5 * one)
+    assert np.allclose(load_torque(other, motion, 1.0), one)
 
 
 def test_loaded_trials_become_those_of_the_bare_arm():
     bare = without_load(ARM, run(), LOAD)
     loaded = driven(with_load(ARM, LOAD.mass_kg), 1)
-    assert np.allclose(bare[1].tau, loaded.tau - load_torque(ARM, loaded, LOAD.mass_kg))
+    assert np.allclose(bare[1].tau, loaded.tau - load_torque(ARM, motion_of(loaded), LOAD.mass_kg))
     assert bare[0].tau is not None and np.array_equal(bare[0].tau, run()[0].tau)
+
+
+def test_a_filtered_trial_keeps_its_columns_as_they_were_measured():
+    trial = driven(with_load(ARM, LOAD.mass_kg), 1)
+    measured = Measured("m", "m", 0, trial.t, {"q": trial.q, "tau": trial.tau})
+    (filtered,) = to_trials([measured], cutoff_hz=10.0)
+    factors = [FittedParameter(2.0, 0.01, "1", True), FittedParameter(1.0, 0.01, "1", True)]
+    (bare,) = without_load(ARM, by_factors([filtered], factors), KnownLoad(LOAD.mass_kg, frozenset({1})))
+    assert np.array_equal(bare.whole["q"], filtered.whole["q"])
+    inner = slice(bare.trimmed, len(trial.q) - bare.trimmed)
+    wanted = trial.tau / [2.0, 1.0] - load_torque(ARM, motion_of(trial), LOAD.mass_kg)
+    size = np.abs(wanted).max()
+    assert np.abs(bare.whole["tau"][inner] - wanted[inner]).max() < 0.02 * size
 
 
 @pytest.mark.parametrize("factors", [(1.0, 1.0), (1.1, 0.9), (0.5, 2.0)])

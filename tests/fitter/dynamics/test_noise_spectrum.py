@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 from scipy.signal import lfilter
 
-from fitter.dynamics.noise_spectrum import weighted_by_noise
+from fitter.dynamics.noise_spectrum import noise_freedom, weighted_by_noise
 from fitter.dynamics.torque_problem import torque_problem
 from fitter.regression_sums.spectral_sums import spectral_sums
 from tests.fitter.regression_sums.test_spectral_sums import ARM, BASE, TRUE, wave
@@ -54,3 +54,14 @@ def test_what_is_held_stays():
     sums = weighted_by_noise(spectral_sums(ARM, BASE, [wave(0)]), np.zeros(len(TRUE)), {0: float(TRUE[0])})
     problem = torque_problem(sums, np.zeros(len(TRUE)), {0: float(TRUE[0])})
     assert np.allclose(problem.complete(problem.optimum()), TRUE, rtol=1e-6, atol=1e-8)
+
+
+def test_a_noise_is_known_from_what_the_parameters_leave_of_the_joint_that_counts_least():
+    trial, zero = wave(0, seconds=20.0), np.zeros(len(TRUE))
+    seldom = np.zeros(trial.q.shape, dtype=bool)
+    seldom[: -len(seldom) // 50, 0] = True
+    for one in (trial, replace(trial, contradicted=seldom)):
+        spectral = spectral_sums(ARM, BASE, [one])
+        count = spectral.sums.count.sum(axis=0).min()
+        freedom = noise_freedom(spectral, weighted_by_noise(spectral, zero, {}), zero, {})
+        assert count - len(TRUE) <= freedom < count

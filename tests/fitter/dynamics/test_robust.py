@@ -8,6 +8,7 @@ import pytest
 from arm.arm_file import load_arm
 from arm.base_parameters import base_parameters
 from arm.model import Control
+from arm.newton_euler import inverse_dynamics
 from arm.regressor import regressor, standard_parameters
 from fitter.dynamics.fit import fit_dynamics
 from limbcal.errors import ConfigError
@@ -72,3 +73,15 @@ def test_an_unknown_target_is_no_outlier(bench_trials):
     untold = [replace(trial, ref=None) for trial in bench_trials[:2]]
     with pytest.raises(ConfigError, match="expected columns ref1"):
         fit_dynamics(load_arm("dd-arm"), untold, objective="robust")
+
+
+def test_a_joint_that_stands_still_has_no_say(bench_trials):
+    trial = bench_trials[0]
+    q, dq, ddq = (np.array(x) for x in (trial.q, trial.dq, trial.ddq))
+    q[:, 0], dq[:, 0], ddq[:, 0] = 0.3, 0.0, 0.0
+    still = replace(trial, q=q, dq=dq, ddq=ddq, tau=inverse_dynamics(ARM, q, dq, ddq))
+    fit = fit_dynamics(
+        ARM, list(with_torque_noise([still], (0.02, 0.02))), objective="robust", method="least-squares"
+    )
+    assert fit.parameters["I2"].value == pytest.approx(TRUE[BASE.names.index("I2")], rel=0.01)
+    assert not fit.parameters["I1+m2*L1^2"].identifiable

@@ -55,6 +55,16 @@ def test_what_noise_would_explain_as_well_is_no_answer(seed):
     noise = np.random.default_rng(seed).normal(size=trial.tau.shape)
     filtered = replace(trial, tau=noise, cutoff_hz=3.0, band_hz=1.5)
     assert any(
-        "noise" in reason or "next to nothing" in reason or "impossible" in reason
+        any(word in reason for word in ("noise", "next to nothing", "impossible", "too few"))
         for reason in unusable(fitted(filtered), ARM, [filtered], scored(0.3, 0.3))
     )
+
+
+def test_samples_at_rest_say_nothing_of_the_arm():
+    """One short movement in a long trial holds few independent samples, however long the trial is."""
+    trial = driven(ARM, 3)
+    moves = np.arange(len(trial.q)) < 0.2 * len(trial.q)
+    short = replace(trial, dq=trial.dq * moves[:, None], band_hz=5.0)
+    (reason,) = unusable(fitted(short), ARM, [short], scored(0.9, 0.9))
+    assert "holds about 9 independent samples of moving joints" in reason
+    assert unusable(fitted(replace(trial, band_hz=5.0)), ARM, [trial], scored(0.9, 0.9)) == []

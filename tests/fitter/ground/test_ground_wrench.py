@@ -41,3 +41,13 @@ def test_samples_without_a_number_are_not_known():
 def test_plates_of_another_time_are_refused():
     with pytest.raises(DataError, match="one clock"):
         ground_wrench([plate(np.ones((len(T), 3)))], T + 100.0, "a.mot")
+
+
+def test_a_hole_does_not_spread_to_what_was_measured():
+    t = np.arange(2000) * 0.001
+    force = np.tile([0.0, 0.0, 700.0], (len(t), 1))
+    force[900:1100] = np.nan
+    fast = PlateWrench("plate 1", t, force, np.zeros_like(force), np.zeros_like(force))
+    wrench, known, _ = ground_wrench([fast], T, "a.mot")
+    assert not known[95:105].any() and known[:85].all()
+    np.testing.assert_allclose(wrench[known][:, 2], 700.0, rtol=1e-9)
