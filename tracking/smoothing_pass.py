@@ -13,7 +13,7 @@ from typing import NamedTuple
 import numpy as np
 
 from arm.model import Floats
-from limbcal.compiled import compiled
+from limbcal.compiled import borrowed, compiled
 from tracking.course import Course
 from tracking.expected_readings import Room
 from tracking.kalman_step import Taken, correct, forgetting, hold, predict
@@ -89,6 +89,7 @@ def smooth_in_stretches(
     stretch: int,
 ) -> float:
     """Do what `smooth_once` does, with checkpoints ``stretch`` instants apart."""
+    of, room, course = borrowed(of), borrowed(room), borrowed(course)  # the caller keeps them
     n, size = course.readings.shape[0], x.size
     marks = (n + stretch - 1) // stretch
     mark_x, mark_P = np.empty((marks, size)), np.empty((marks, size, size))
@@ -99,9 +100,10 @@ def smooth_in_stretches(
         mark_x[m], mark_P[m] = x, P
         for k in range(m * stretch, min(n, (m + 1) * stretch)):
             i = k - m * stretch
-            cost += filter_step(of, room, course, k, at, x, P, taken[i])
+            one = borrowed(taken[i])
+            cost += filter_step(of, room, course, k, at, x, P, one)
             after_x[i], after_P[i] = x, P
-            total = taken[i].total
+            total = one.total
             for row in range(total.size):
                 if np.isfinite(total[row]):
                     cost += np.log(total[row])
@@ -124,7 +126,8 @@ def smooth_in_stretches(
                 found.states[k, a] = after_x[i, a] - moved[a]
             if with_variance:
                 reported_variance(of.reported, after_P[i], shrink, found.variance[k])
-            give_back(of, course, taken[i], later, shrink, with_variance, found.error[k], found.precision[k])
+            one = borrowed(taken[i])
+            give_back(of, course, one, later, shrink, with_variance, found.error[k], found.precision[k])
             if k > 0:
                 carry_back(of, course, k, at[k], later, shrink, with_variance)
     x[:], P[:] = last_x, last_P
