@@ -108,7 +108,7 @@ def smooth_in_stretches(
                 if np.isfinite(total[row]):
                     cost += np.log(total[row])
     last_x, last_P = x.copy(), P.copy()
-    later, shrink, moved = np.zeros(size), np.zeros((size, size)), np.empty(size)
+    later, shrink = np.zeros(size), np.zeros((size, size))
     for m in range(marks - 1, -1, -1):
         first, last = m * stretch, min(n, (m + 1) * stretch)
         if m < marks - 1:  # what was kept is of the last stretch
@@ -118,12 +118,10 @@ def smooth_in_stretches(
                 after_x[k - first], after_P[k - first] = x, P
         for k in range(last - 1, first - 1, -1):
             i = k - first
-            moved[:] = 0.0
-            for b in range(size):
+            found.states[k] = after_x[i]
+            for b in range(size):  # along the rows of a symmetric matrix
                 for a in range(size):
-                    moved[a] += after_P[i, b, a] * later[b]
-            for a in range(size):
-                found.states[k, a] = after_x[i, a] - moved[a]
+                    found.states[k, a] -= after_P[i, b, a] * later[b]
             if with_variance:
                 reported_variance(of.reported, after_P[i], shrink, found.variance[k])
             one = borrowed(taken[i])
