@@ -21,6 +21,9 @@ from arm.model import Arm, Floats
 from arm.simulation import GearedMotion, Motion, simulate
 from limbcal.errors import ConfigError
 
+#: Steps of 1 ms in which an arm is given time to come to rest: a minute.
+_SETTLING = 60_000
+
 
 @dataclass(frozen=True)
 class Bench:
@@ -97,9 +100,16 @@ def rest_angles(arm: Arm, target: Floats) -> Floats:
     -------
     (n_joint,) [rad or m]
     """
-    ref = np.tile(target, (60_000, 1))
-    settled: Floats = simulate(arm, ref, 1e-3, target, t0_s=-60.0).q[-1]  # before the run begins
-    return settled
+    # An arm without effects that has not moved by one digit for a second will not do so in the rest of the minute.
+    stretch = _SETTLING if arm.effects else _SETTLING // 60
+    q, dq = target, np.zeros(arm.n_joint)
+    for done in range(0, _SETTLING, stretch):  # before the run begins
+        ref = np.tile(target, (stretch + 1, 1))
+        motion = simulate(arm, ref[: _SETTLING - done], 1e-3, q, dq, t0_s=-60.0)
+        q, dq = motion.q[-1], motion.dq[-1]
+        if np.all(motion.q == q):
+            break
+    return q
 
 
 def densify(motion: Motion, rate_hz: float, n_sample: int) -> Motion:

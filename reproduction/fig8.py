@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from typing import get_args
 
 from arm.model import Arm, Floats
 from fitter.data.trial import Trial
@@ -21,7 +22,7 @@ from reproduction.bench_data import bench_trials, true_arm, true_values, under
 from reproduction.experiment import Cell, Experiment, Grid, Picture, Settings
 from reproduction.motion_pair import AngleErrors, angle_errors, picture_of, under_the_same_control
 from reproduction.parameter_rows import fitted_row, numbers, plain_row
-from reproduction.sensed_bench import SensedBench
+from reproduction.sensed_bench import Method, SensedBench
 from reproduction.table2 import bench_of, geometry_from
 
 POPULATION = 100
@@ -53,11 +54,14 @@ def run(settings: Settings) -> Experiment:
     learning = sum(trial.role == "learn" for trial in bench.true)
     each = round(_RATE_HZ * bench.true[0].dt_s * len(bench.true[0].t))
     real = bench_trials(arm, learning * each, settings.seed, learning, len(bench.true) - learning)
+    seen = {method: bench_of(settings, method) for method in get_args(Method)}
+    geometry = {method: geometry_from(of, settings.seed).arm for method, of in seen.items()}
     virtuals = {}
     for name in (_PLAIN, _OURS, _UNTOLD, _OTHER):
         settings.progress(f"fig8: {name}")
-        virtuals[name] = _virtual(settings, name, real)
-    other = assumed_law(settings, geometry_from(bench, settings.seed).arm, real)
+        method: Method = "integrate" if name == _PLAIN else "smooth"
+        virtuals[name] = _virtual(settings, name, geometry[method], seen[method], real)
+    other = assumed_law(settings, geometry["smooth"], real)
     best = virtuals[_OURS]
     met = all(
         found <= goal
@@ -137,9 +141,8 @@ def run(settings: Settings) -> Experiment:
     )
 
 
-def _virtual(settings: Settings, name: str, real: Sequence[Trial]) -> Virtual:
-    bench = bench_of(settings, "integrate" if name == _PLAIN else "smooth")
-    arm = _assumed(geometry_from(bench, settings.seed).arm, name)
+def _virtual(settings: Settings, name: str, geometry: Arm, bench: SensedBench, real: Sequence[Trial]) -> Virtual:
+    arm = _assumed(geometry, name)
     learnt = _learnt(bench, name)
     fit = fit_dynamics(arm, learnt, objective="torque", seed=settings.seed, population=POPULATION)
     angles = under_the_same_control(fit.arm, real, settings.seed)

@@ -22,7 +22,7 @@ from reproduction.experiment import Cell, Experiment, Grid, Settings
 #: As the paper's N and generations.
 POPULATION = 100
 #: Samples of the quick version, and how often the worst row is repeated in either.
-_QUICK_SAMPLES = 40_000
+_QUICK_SAMPLES = 10_000
 _SEEDS, _QUICK_SEEDS = 10, 2
 _LENGTHS, _TWISTS = ("a1", "a2"), ("alpha2", "beta2")
 #: What a row of the paper's says of the lengths and twists.
@@ -74,7 +74,7 @@ def run(settings: Settings) -> Experiment:
         for grid in (_length_grid(title, rows, true), _twist_grid(title, rows))
     ]
     settings.progress("table1: full turns")
-    turns, turned = _full_turns(arm, samples, settings.seed, true)
+    turns, turned = _full_turns(arm, samples, settings.seed, true, sorted({angle for _, angle in conditions}))
     errors = [row.worst_mm(row.best, true) for _, row in worst]
     findings = [_finding(title, rows, true) for title, rows in found.items()]
     findings.append(
@@ -135,11 +135,13 @@ def _plain(arm: Arm, seen: Sequence[Trial], seed: int) -> KinematicsFit:
     return fit_kinematics(unknown_arm(arm), seen, seed=seed, population=POPULATION, about="mean", angle_noise=None)
 
 
-def _full_turns(arm: Arm, samples: int, seed: int, true: Sequence[float]) -> tuple[Grid, list[dict[str, object]]]:
+def _full_turns(
+    arm: Arm, samples: int, seed: int, true: Sequence[float], angles_deg: Sequence[float]
+) -> tuple[Grid, list[dict[str, object]]]:
     """Return a plain fit's result for angles over full turns, next to the law and the mean of the paper's rows."""
     trial, rng = drawn_trials(arm, samples, seed, np.pi)[0], np.random.default_rng([seed, 8])
     rows, figures = [], []
-    for angle_deg in sorted({row[1] for row in TABLE1}):
+    for angle_deg in angles_deg:
         plain = _plain(arm, [_noisy(trial, 1e-2, np.deg2rad(angle_deg), rng)], seed)
         printed = np.mean([[row[k] for k in _PAPER_LENGTHS] for row in TABLE1 if row[1] == angle_deg], axis=0)
         found, law = [plain.parameters[name].value for name in _LENGTHS], _shrunk(true, angle_deg)

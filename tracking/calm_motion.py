@@ -12,7 +12,7 @@ import numpy as np
 from scipy.ndimage import uniform_filter1d
 
 from arm.model import Floats
-from limbcal.compiled import compiled
+from limbcal.compiled import borrowed, compiled
 from tracking.course import Course
 from tracking.expected_readings import Room, add_information, observe
 from tracking.observation import Observation
@@ -63,6 +63,7 @@ def acceleration_noise(of: Observation, room: Room, course: Course, states: Floa
     states : (n, n_state)
         Where the arm is.
     """
+    of, room, course = borrowed(of), borrowed(room), borrowed(course)  # the caller keeps them
     n_joint, n_channel = course.push.size, course.noise.size
     noise = np.empty((states.shape[0], n_joint))
     reading, slopes = np.empty(n_channel), np.zeros((n_channel, states.shape[1]))

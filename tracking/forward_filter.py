@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from arm.model import Floats
-from limbcal.compiled import compiled
+from limbcal.compiled import borrowed, compiled
 from tracking.course import Course
 from tracking.expected_readings import Room, add_information, observe
 from tracking.kalman_step import Taken, correct, hold, predict, spread
@@ -53,6 +53,7 @@ def filter_all(
     still, resting : (n,)
         Filled in: where the velocities were held to be zero, and where no motion goes on.
     """
+    of, room, course, window = borrowed(of), borrowed(room), borrowed(course), borrowed(window)  # the caller's
     n, size, n_channel, n_cell = course.push.size, x.size, course.noise.size, window.cells.shape[0]
     taken = Taken(
         np.zeros((n_channel, size)),

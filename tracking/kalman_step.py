@@ -58,6 +58,9 @@ def predict(of: Observation, course: Course, k: int, x: Floats, P: Floats) -> No
     if of.lack_column >= 0:
         for channel in range(course.noise.size):
             decay(x, P, of.lack_column + channel, kept, course.lack_std[channel])
+    for a in range(size):  # rounding must not add up to a covariance that is not symmetric
+        for b in range(a):
+            P[b, a] = P[a, b]
 
 
 @compiled
@@ -109,24 +112,24 @@ def take(
 ) -> float:
     """Take in one reading that misses its prediction by ``miss``; return the variance of that.
 
-    The gain is left in ``gain``. Only the entries ``columns[:n_column]`` of ``slope`` count.
+    The gain is left in ``gain``. Only the entries ``columns[:n_column]`` of ``slope`` count. All runs along the
+    rows of P, which stays symmetric to the last digit.
     """
     size = x.size
     for a in range(size):
-        product = 0.0
-        for c in range(n_column):
-            product += P[a, columns[c]] * slope[columns[c]]
-        gain[a] = product
+        gain[a] = 0.0
+    for c in range(n_column):
+        column = columns[c]
+        for a in range(size):
+            gain[a] += P[column, a] * slope[column]
     total = variance
     for c in range(n_column):
         total += slope[columns[c]] * gain[columns[c]]
+    share = 1.0 / total
     for a in range(size):
-        share = gain[a] / total
-        for b in range(a + 1):
-            P[a, b] -= share * gain[b]
+        for b in range(size):
+            P[a, b] -= gain[a] * gain[b] * share
     for a in range(size):
-        for b in range(a):
-            P[b, a] = P[a, b]
         gain[a] /= total
         x[a] += gain[a] * miss
     return total

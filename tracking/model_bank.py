@@ -17,7 +17,7 @@ from typing import NamedTuple
 import numpy as np
 
 from arm.model import Floats
-from limbcal.compiled import compiled
+from limbcal.compiled import borrowed, compiled
 from tracking.course import Course
 from tracking.discrepancy import FREEDOM
 from tracking.expected_readings import Room, observe
@@ -125,6 +125,8 @@ def advance(of: Observation, room: Room, course: Course, bank: Bank, taken: Take
 
     Where the arm is ``still`` the readings say nothing of how much is lacking, for that rests with it.
     """
+    # the caller keeps them
+    of, room, course, bank, taken = borrowed(of), borrowed(room), borrowed(course), borrowed(bank), borrowed(taken)
     n_model, size = bank.x.shape
     foretold, worst = np.empty(n_model), 0.0
     for i in range(n_model):

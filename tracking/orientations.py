@@ -8,6 +8,7 @@ left. Right ways leave what misplaced sensors and a rough model leave; wrong one
 
 from collections.abc import Callable
 from dataclasses import replace
+from functools import cache
 from itertools import permutations, product
 from typing import NamedTuple
 
@@ -32,8 +33,9 @@ _OFFSET_STD, _IMPOSSIBLE_NATS = 0.5, 20.0
 EQUAL_NATS = float(np.log(100.0))
 
 
+@cache
 def right_angles() -> Floats:
-    """Return the 24 rotations that take axes to axes, (24, 3, 3), the one that leaves them first."""
+    """Return the 24 rotations that take axes to axes, (24, 3, 3), the one that leaves them first; read only."""
     found = []
     for order in permutations(range(3)):
         for signs in product((1.0, -1.0), repeat=3):
@@ -42,7 +44,9 @@ def right_angles() -> Floats:
             if np.linalg.det(R) > 0.0:
                 found.append(R)
     found.sort(key=lambda R: -np.trace(R))
-    return np.array(found)
+    rotations = np.array(found)
+    rotations.flags.writeable = False
+    return rotations
 
 
 class Turned(NamedTuple):

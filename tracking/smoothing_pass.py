@@ -13,7 +13,7 @@ from typing import NamedTuple
 import numpy as np
 
 from arm.model import Floats
-from limbcal.compiled import compiled
+from limbcal.compiled import borrowed, compiled
 from tracking.course import Course
 from tracking.expected_readings import Room
 from tracking.kalman_step import Taken, correct, forgetting, hold, predict
@@ -89,6 +89,7 @@ def smooth_in_stretches(
     stretch: int,
 ) -> float:
     """Do what `smooth_once` does, with checkpoints ``stretch`` instants apart."""
+    of, room, course = borrowed(of), borrowed(room), borrowed(course)  # the caller keeps them
     n, size = course.readings.shape[0], x.size
     marks = (n + stretch - 1) // stretch
     mark_x, mark_P = np.empty((marks, size)), np.empty((marks, size, size))
@@ -99,11 +100,13 @@ def smooth_in_stretches(
         mark_x[m], mark_P[m] = x, P
         for k in range(m * stretch, min(n, (m + 1) * stretch)):
             i = k - m * stretch
-            cost += filter_step(of, room, course, k, at, x, P, taken[i])
+            one = borrowed(taken[i])
+            cost += filter_step(of, room, course, k, at, x, P, one)
             after_x[i], after_P[i] = x, P
-            for row in range(taken[i].total.size):
-                if np.isfinite(taken[i].total[row]):
-                    cost += np.log(taken[i].total[row])
+            total = one.total
+            for row in range(total.size):
+                if np.isfinite(total[row]):
+                    cost += np.log(total[row])
     last_x, last_P = x.copy(), P.copy()
     later, shrink = np.zeros(size), np.zeros((size, size))
     for m in range(marks - 1, -1, -1):
@@ -115,14 +118,14 @@ def smooth_in_stretches(
                 after_x[k - first], after_P[k - first] = x, P
         for k in range(last - 1, first - 1, -1):
             i = k - first
-            for a in range(size):
-                moved = 0.0
-                for b in range(size):
-                    moved += after_P[i, a, b] * later[b]
-                found.states[k, a] = after_x[i, a] - moved
+            found.states[k] = after_x[i]
+            for b in range(size):  # along the rows of a symmetric matrix
+                for a in range(size):
+                    found.states[k, a] -= after_P[i, b, a] * later[b]
             if with_variance:
                 reported_variance(of.reported, after_P[i], shrink, found.variance[k])
-            give_back(of, course, taken[i], later, shrink, with_variance, found.error[k], found.precision[k])
+            one = borrowed(taken[i])
+            give_back(of, course, one, later, shrink, with_variance, found.error[k], found.precision[k])
             if k > 0:
                 carry_back(of, course, k, at[k], later, shrink, with_variance)
     x[:], P[:] = last_x, last_P
@@ -168,14 +171,16 @@ def filter_step(
 def reported_variance(entries: np.ndarray, P: Floats, shrink: Floats, variance: Floats) -> None:
     """Fill in the diagonal of ``P - P shrink P`` for some entries; NaN where hardly a digit of P is left."""
     size = P.shape[0]
+    product = np.empty(size)
     for i in range(entries.size):
         a = entries[i]
+        product[:] = 0.0
+        for c in range(size):  # along the rows of a symmetric matrix
+            for b in range(size):
+                product[b] += shrink[c, b] * P[a, c]
         less = 0.0
         for b in range(size):
-            product = 0.0
-            for c in range(size):
-                product += shrink[b, c] * P[a, c]
-            less += product * P[a, b]
+            less += product[b] * P[a, b]
         left = P[a, a] - less
         variance[i] = left if left > _DIGITS * P[a, a] else np.nan
 
@@ -223,14 +228,13 @@ def shrink_back(shrink: Floats, gain: Floats, total: float, slope: Floats, colum
         ``K^T S K + 1 / total``, the variance of the reading's smoothing error.
     """
     size = gain.size
-    product = np.empty(size)
+    product = np.zeros(size)
     square = 1.0 / total
+    for b in range(size):  # along the rows of a symmetric matrix
+        for a in range(size):
+            product[a] += shrink[b, a] * gain[b]
     for a in range(size):
-        total_a = 0.0
-        for b in range(size):
-            total_a += shrink[a, b] * gain[b]
-        product[a] = total_a
-        square += total_a * gain[a]
+        square += product[a] * gain[a]
     for c in columns:
         for a in range(size):
             shrink[a, c] -= product[a] * slope[c]

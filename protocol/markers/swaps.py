@@ -56,8 +56,9 @@ def reference_of(positions: np.ndarray) -> Reference:
 def _nanmedian(values: np.ndarray) -> np.ndarray:
     """Return the median over frames, NaN where less than a tenth of them is known."""
     known = np.isfinite(values).sum(axis=0)
-    found = np.nanmedian(np.where(known > 0, values, 0.0), axis=0)
-    return np.where(10 * known >= len(values), found, np.nan)
+    in_order = np.sort(values, axis=0)  # NaN last; numpy's own nanmedian takes ten times as long
+    below, above = (np.take_along_axis(in_order, k[None], axis=0)[0] for k in ((known - 1) // 2, known // 2))
+    return np.where(10 * known >= len(values), 0.5 * (below + above), np.nan)
 
 
 #: Distances that recordings of one person agree on, and how far they change within one, [m], by markers' names.

@@ -8,7 +8,7 @@ from reproduction.reproduction import EXPERIMENTS, reproduce
 
 def test_two_processes_find_what_one_does_in_the_papers_order():
     said: list[tuple[str, str]] = []
-    settings = Settings(seed=1, quick=True)
+    settings = Settings(seed=4, quick=True)
     together = reproduce(["table6", "table4"], settings, 2, lambda *what: said.append(what))
     (alone,) = reproduce(["table6"], settings, 1, lambda *_: None)
     assert [outcome.name for outcome in together] == ["table4", "table6"]

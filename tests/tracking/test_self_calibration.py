@@ -14,7 +14,7 @@ from tracking.self_calibration import calibrate_sensors
 from tracking.smoother import Smoother
 from tracking.start import MountingPrior
 
-RATE_HZ, FRAME_HZ = 4000.0, 500.0
+RATE_HZ, FRAME_HZ = 4000.0, 250.0
 PRIOR = MountingPrior()
 
 
@@ -182,7 +182,7 @@ def test_a_second_run_converges_like_the_first(twice):
 
 def test_calibrated_sensors_track_better(dd_arm, level, level_run):
     """On the same readings, with the arm as found instead of as filed."""
-    true = np.vstack([m.q for m in motions(dd_arm, Bench(RATE_HZ, learning=3, evaluating=0), 0)])[4::8]
+    true = np.vstack([m.q for m in motions(dd_arm, Bench(RATE_HZ, learning=3, evaluating=0), 0)])[8::16]
     off = [
         np.abs(Smoother(arm, np.zeros(2), True).smooth(level_run).states[:, :6:3] - true).mean()
         for arm in (dd_arm, level.arm)

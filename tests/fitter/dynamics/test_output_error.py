@@ -39,7 +39,9 @@ def z_scores(fit):
 
 
 def test_without_noise_it_finds_the_truth():
-    fit = fit_dynamics(BRAKED, noisy_trials(BRAKED, 0.0, 1), objective="motion", method="least-squares")
+    fit = fit_dynamics(
+        BRAKED, noisy_trials(BRAKED, 0.0, 1, rate_hz=100.0), objective="motion", method="least-squares"
+    )
     assert fit.objective == "motion"
     values = [fit.parameters[name].value for name in BASE.names]
     assert np.allclose(values, TRUE, rtol=2e-4, atol=1e-5)
@@ -48,7 +50,7 @@ def test_without_noise_it_finds_the_truth():
 def test_intervals_hold_the_truth_and_it_is_nearer_than_the_torque_fit():
     scores, nearer = [], []
     for seed in range(3):
-        trials = noisy_trials(BRAKED, 2e-3, seed)
+        trials = noisy_trials(BRAKED, 2e-3, seed, rate_hz=100.0)
         fits = [fit_dynamics(BRAKED, trials, objective=o, method="least-squares") for o in ("motion", "torque")]
         scores.append(z_scores(fits[0]))
         off = [np.array([f.parameters[n].value for n in BASE.names]) - TRUE for f in fits]
@@ -67,7 +69,7 @@ def test_ten_percent_of_noise_leaves_inertias_within_one_percent():
 
 
 def test_unknown_targets_are_found_along():
-    trials = noisy_trials(BRAKED, 1e-4, 2, ref=False)
+    trials = noisy_trials(BRAKED, 1e-4, 2, rate_hz=100.0, ref=False)
     fit = fit_dynamics(BRAKED, trials, objective="motion", method="least-squares")
     assert fit.objective == "motion"
     assert (

@@ -28,7 +28,7 @@ def clusters(draft):
 BOTH = {frozenset(("P1", "P2", "P3", "P4")), frozenset(("C1", "C2", "C3", "C4"))}
 
 
-@settings(max_examples=20, deadline=None)
+@settings(max_examples=10, deadline=None)
 @given(st.integers(0, 2**32 - 1), st.sampled_from(["ball", "hinge"]))
 def test_markers_of_a_segment_are_one_cluster(seed, kind):
     x = recording(seed, kind)

@@ -13,7 +13,7 @@ from tests.fitter.functional.simulated_limb import Limb
 from tests.fitter.functional.test_score import HIP
 
 #: Number of draws, and the least coverage of 95 % intervals among them.
-DRAWS, LEAST_HELD = 40, 0.85
+DRAWS, LEAST_HELD = 20, 0.85
 
 
 def distances(segment, point):

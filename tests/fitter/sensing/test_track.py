@@ -188,7 +188,7 @@ def test_a_filter_notices_a_sensor_that_sits_elsewhere(noisy, moved):
     assert verdict.wrong is True and verdict.discrepancy_m_s2 > 0.0
 
 
-@pytest.mark.parametrize("rate_hz", [250.0, 1000.0])
+@pytest.mark.parametrize("rate_hz", [250.0, 500.0])
 def test_a_smoother_finds_that_a_sensor_sits_elsewhere(noisy, moved, short_run, rate_hz):
     by = np.linalg.norm(np.subtract(moved.sensors[-1].position_m, short_run.arm.sensors[-1].position_m))
     found = track_run(noisy, moved, np.zeros(2), rate_hz, "smooth")
