@@ -15,7 +15,7 @@ RATE_HZ, MEGABYTE = 8_000.0, 1e6
 
 
 def test_one_that_stalls_harms_nobody(limbd: Limbd, tmp_path: Path, long: Long) -> None:
-    seconds, live = long.of((60.0, 50), (6.0, 20))
+    seconds, live = long.of((60.0, 50), (4.0, 20))
     device = limbd("virtual", "--rate-hz", str(RATE_HZ), "--json")
     port = device.announcement()["port"]
     to = ("--method", "integrate", "--endpoint", "tcp://127.0.0.1:*", "--json")

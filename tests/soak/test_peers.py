@@ -126,7 +126,7 @@ class Honest:
 
 
 def test_ten_hostile_ones_harm_none_of_fifty(limbd: Limbd, tmp_path: Path, long: Long) -> None:
-    seconds = long.of(120.0, 6.0)
+    seconds = long.of(120.0, 3.0)
     device = limbd("virtual", "--rate-hz", str(RATE_HZ), "--trials", "1000", "--json")
     to = ("--method", "integrate", "--endpoint", "tcp://127.0.0.1:*", "--json")
     daemon = limbd("run", "--port", device.announcement()["port"], "--arm", "dd-arm", *to)
