@@ -98,11 +98,13 @@ def rest_angles(arm: Arm, target: Floats) -> Floats:
     (n_joint,) [rad or m]
     """
     ref = np.tile(target, (60_000, 1))
+    settled: Floats
     if not arm.effects:  # what stays where it is for a step stays there: nothing changes with time
         begun = simulate(arm, ref[:2], 1e-3, target, t0_s=-60.0)
         if not begun.dq.any() and np.array_equal(begun.q, ref[:2]):
-            return begun.q[-1]
-    settled: Floats = simulate(arm, ref, 1e-3, target, t0_s=-60.0).q[-1]  # before the run begins
+            settled = begun.q[-1]
+            return settled
+    settled = simulate(arm, ref, 1e-3, target, t0_s=-60.0).q[-1]  # before the run begins
     return settled
 
 

@@ -6,7 +6,6 @@ import time
 from argparse import ArgumentParser
 from collections import deque
 from collections.abc import Iterator
-from functools import lru_cache
 from itertools import count
 
 from daemon.commands import virtual
@@ -22,6 +21,7 @@ from tests.patience import PATIENCE_S
 
 #: So much of the motion is computed before the device is there [s]; what comes after is while it streams.
 _BEFORE_S = 20.0
+_LAST: "dict[str, _Motion]" = {}
 
 
 class _Motion:
@@ -39,9 +39,13 @@ class _Motion:
             yield self._known[k]
 
 
-@lru_cache(4)
 def _motion(plan: BenchPlan, seconds: float) -> _Motion:
-    return _Motion(plan, seconds)
+    """Return a plan's motion; several tests have the same, one after the other."""
+    key = repr((plan, seconds))
+    if key not in _LAST:
+        _LAST.clear()
+        _LAST[key] = _Motion(plan, seconds)
+    return _LAST[key]
 
 
 class _Receiver:
