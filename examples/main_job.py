@@ -72,6 +72,7 @@ def main(argv: list[str] | None = None) -> int:
     parser.add_argument("--out", type=Path, default=Path("out"), help="where the results go (out)")
     parser.add_argument("--seed", type=int, default=0, help="draws motions and sensor errors (0)")
     parser.add_argument("--speed", type=float, default=3.0, help="times faster than real time (3)")
+    parser.add_argument("--rate-hz", type=float, default=32000.0, help="of the sensors (32000)")
     parser.add_argument(
         "--trials", type=int, default=22, help="motions, of which the first 5 are learnt from (22)"
     )
@@ -115,7 +116,8 @@ def calibrate(job: Job, stack: ExitStack, arguments: argparse.Namespace) -> int:
     # Both compile their kernels first, where this machine has none yet: side by side.
     device = job.start(
         ["daemon", "virtual", "--arm", TRUE_ARM, "--seed", seed, "--speed", str(arguments.speed)]
-        + ["--trials", trials, "--truth", str(out / "truth.npz"), "--json", "--patient"]
+        + ["--rate-hz", str(arguments.rate_hz), "--trials", trials, "--truth", str(out / "truth.npz")]
+        + ["--json", "--patient"]
         + ["--quiet-sensors"] * arguments.quiet_sensors,
         stdout=subprocess.PIPE,
     )

@@ -13,8 +13,7 @@ import pytest
 from limbcal.notify import notify
 from protocol.device_info import DeviceInfo
 from tests.daemon.conftest import wait_until
-
-Limbd = Callable[..., Any]
+from tests.daemon.live_run import Limbd, NewArm
 
 
 class Manager:
@@ -62,7 +61,7 @@ def manager(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Manager
 
 
 def test_it_is_ready_while_it_waits_and_when_the_first_frame_is_out(
-    limbd: Limbd, manager: Manager, tmp_path: Path
+    limbd: Limbd, virtual_arm: NewArm, manager: Manager, tmp_path: Path
 ) -> None:
     link = tmp_path / "device"
     to = ("--arm", "dd-arm", "--method", "integrate", "--endpoint", f"ipc://{tmp_path}/f", "--json")
@@ -70,8 +69,7 @@ def test_it_is_ready_while_it_waits_and_when_the_first_frame_is_out(
     wait_until(lambda: len(manager.values("WATCHDOG")) >= 3, "the waiting daemon was heard three times")
     assert manager.values("READY")
     assert manager.values("STATUS")[-1].startswith("waiting for a device: port ")
-    device = limbd("virtual", "--link", str(link), "--rate-hz", "8000", "--json")
-    device.announcement()
+    device = virtual_arm("--link", str(link), "--rate-hz", "8000")
     pipeline = daemon.announcement()["processes"]["pipeline"]
     wait_until(lambda: f"streaming from {link}" in manager.values("STATUS"), "it said that it streams")
     fed = len(manager.values("WATCHDOG"))
@@ -106,7 +104,9 @@ def test_a_device_that_says_nothing_is_not_readiness(
     assert daemon.stop() == 0
 
 
-def test_a_silent_device_is_waited_for_where_one_is(limbd: Limbd, manager: Manager, tmp_path: Path) -> None:
+def test_a_silent_device_is_waited_for_where_one_is(
+    limbd: Limbd, virtual_arm: NewArm, manager: Manager, tmp_path: Path
+) -> None:
     link = tmp_path / "device"
     master, slave = os.openpty()
     link.symlink_to(os.ttyname(slave))
@@ -118,13 +118,11 @@ def test_a_silent_device_is_waited_for_where_one_is(limbd: Limbd, manager: Manag
         said = "expected the device's INFO frame; waiting for it"
         wait_until(lambda: said in daemon.said, "it says that it waits")
         link.unlink()
-        device = limbd("virtual", "--link", str(link), "--rate-hz", "8000", "--json")
-        device.announcement()
+        virtual_arm("--link", str(link), "--rate-hz", "8000")
         daemon.announcement()
         wait_until(lambda: f"streaming from {link}" in manager.values("STATUS"), "it streams")
         assert len(manager.values("WATCHDOG_USEC")) >= 2
         assert daemon.stop() == 0
-        assert device.stop() == 0
     finally:
         os.close(master)
         os.close(slave)

@@ -1,4 +1,4 @@
-"""The main job as `make run` starts it, with fewer motions."""
+"""The main job as `make run` starts it, with fewer motions and slower sensors."""
 
 import signal
 import subprocess
@@ -27,7 +27,7 @@ def all_gone(processes: list[psutil.Process]) -> bool:
 
 
 def test_it_calibrates_and_plays(tmp_path):
-    with started(tmp_path, "--trials", "6", "--speed", "1.5", "--seed", "3") as job:
+    with started(tmp_path, "--trials", "6", "--speed", "1.5", "--seed", "3", "--rate-hz", "4000") as job:
         said = job.communicate(timeout=PATIENCE_S)[0]
     assert job.returncode == 0, said
     assert "trial 6: " in said and "kept for evaluation" in said
@@ -41,7 +41,7 @@ def test_it_calibrates_and_plays(tmp_path):
 
 
 def test_an_interrupt_leaves_no_process_behind(tmp_path):
-    with started(tmp_path, "--trials", "6") as job:
+    with started(tmp_path, "--trials", "6", "--rate-hz", "4000", "--method", "integrate") as job:
         seen: list[psutil.Process] = []
         deadline = time.monotonic() + PATIENCE_S
         while not list(tmp_path.glob("recordings/*.mcap")):  # by then all of them are at work

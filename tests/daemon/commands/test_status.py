@@ -2,7 +2,6 @@
 
 import io
 import json
-from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -13,16 +12,16 @@ from daemon.__main__ import main
 from daemon.monitoring.status_view import _first, _next, view_of
 from limbcal.errors import DeviceError
 from protocol.message import HEALTH
+from tests.daemon.live_run import Limbd, NewArm
 
-Limbd = Callable[..., Any]
 
-
-def test_a_running_daemon_tells_how_it_is(limbd: Limbd, tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
-    link, endpoint = tmp_path / "device", f"ipc://{tmp_path}/frames"
-    device = limbd("virtual", "--link", str(link), "--rate-hz", "8000", "--json")
-    device.announcement()
+def test_a_running_daemon_tells_how_it_is(
+    limbd: Limbd, virtual_arm: NewArm, tmp_path: Path, capfd: pytest.CaptureFixture[str]
+) -> None:
+    endpoint = f"ipc://{tmp_path}/frames"
+    device = virtual_arm("--rate-hz", "8000")
     to = ("--arm", "dd-arm", "--method", "integrate", "--endpoint", endpoint, "--json")
-    daemon = limbd("run", "--port", str(link), *to)
+    daemon = limbd("run", "--port", device.path, *to)
     daemon.announcement()
     assert main(["status", "--endpoint", endpoint, "--once", "--json"]) == 0
     health = json.loads(capfd.readouterr().out)
@@ -37,7 +36,6 @@ def test_a_running_daemon_tells_how_it_is(limbd: Limbd, tmp_path: Path, capfd: p
     assert live.announcement()["connected"]
     assert live.stop() == 0
     assert daemon.stop() == 0
-    assert device.stop() == 0
 
 
 def test_what_is_known_is_shown() -> None:
