@@ -147,7 +147,6 @@ class FrictionLimits:
         free : (n_factor,) bool
             Factors that are sought.
         """
-
         limits, log_density = [self._limits(model, motion) for motion in motions], density.along(model, motions)
 
         def value(at: Floats) -> float:

@@ -136,7 +136,6 @@ class MassDensity:
         model : Model
         motions : sequence of Motion
         """
-
         masses, density = self._masses(model, motions), self.along(model, motions)
 
         def value(at: Floats) -> float:
