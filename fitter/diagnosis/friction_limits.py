@@ -96,17 +96,23 @@ class FrictionLimits:
 
     def beyond(self, model: Model, x: Floats, motions: Sequence[Motion]) -> list[Floats]:
         """Return by how much limits are exceeded in some motions, in units of what is lacking, (n_row,) each."""
-        limits = [self._limits(model, motion) for motion in motions]
+        return self._beyond([self._limits(model, motion) for motion in motions], x)
+
+    def _beyond(self, limits: Sequence[_Limits], x: Floats) -> list[Floats]:
         static = self._static(limits, x)
         return [np.maximum(_excess(one, x, static), 0.0) for one in limits]
 
     def normal(self, model: Model, x: Floats, motions: Sequence[Motion]) -> Normal:
         """Return the normal equations of those limits that are exceeded under factors x, F eliminated."""
-        limits = [self._limits(model, motion) for motion in motions]
+        return self._normal([self._limits(model, motion) for motion in motions], x)
+
+    def _normal(self, limits: Sequence[_Limits], x: Floats) -> Normal:
         static = self._static(limits, x)
-        parts = [np.column_stack([one.design, one.target])[_excess(one, x, static) > 0.0] for one in limits]
-        holds = [(one.static * (static > 0.0)[one.joint])[_excess(one, x, static) > 0.0] for one in limits]
-        joints = np.concatenate([one.joint[_excess(one, x, static) > 0.0] for one in limits])
+        over = [_excess(one, x, static) > 0.0 for one in limits]
+        both = list(zip(limits, over, strict=True))
+        parts = [np.column_stack([one.design[own], one.target[own]]) for one, own in both]
+        holds = [one.static[own] * (static > 0.0)[one.joint[own]] for one, own in both]
+        joints = np.concatenate([one.joint[own] for one, own in both])
         rows, hold = np.vstack(parts), np.concatenate(holds)
         for j in range(len(static)):
             own = hold * (joints == j)
@@ -141,14 +147,15 @@ class FrictionLimits:
         free : (n_factor,) bool
             Factors that are sought.
         """
+        limits, log_density = [self._limits(model, motion) for motion in motions], density.along(model, motions)
 
         def value(at: Floats) -> float:
-            square = normal.sum_of_squares(at) + sum(float(one @ one) for one in self.beyond(model, at, motions))
-            return density.of(model, at, motions) - 0.5 * numbers * float(np.log(square))
+            square = normal.sum_of_squares(at) + sum(float(one @ one) for one in self._beyond(limits, at))
+            return log_density(at) - 0.5 * numbers * float(np.log(square))
 
         here = value(x)
         for _ in range(ITERATIONS):
-            both = normal.plus(self.normal(model, x, motions))
+            both = normal.plus(self._normal(limits, x))
             step = density.solve(both.of(free), numbers, x, model, motions) - x
             part, there = 1.0, value(x + step)
             while part > SETTLED and not there > here:

@@ -9,7 +9,7 @@ with w = 1 where the torque is known (by a law, or none), and 1/2 where it was m
 lacking moved the arm (1) is unknown, and how much is an error of the measured torque, which moved nothing (0).
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -98,8 +98,12 @@ class MassDensity:
 
     def of(self, model: Model, x: Floats, motions: Sequence[Motion]) -> float:
         """Return ``w sum log |det M|`` over some motions [nats]; minus infinity for what is no mass."""
+        return self.along(model, motions)(x)
+
+    def along(self, model: Model, motions: Sequence[Motion]) -> Callable[[Floats], float]:
+        """Return `of` as a function of the factors: many are asked about under one model."""
         masses = self._masses(model, motions)
-        return float(log_determinant(masses.at(x), masses.weight))
+        return lambda x: float(log_determinant(masses.at(x), masses.weight))
 
     def unit(self, model: Model, x: Floats, motions: Sequence[Motion], numbers: float) -> float:
         """Return ``exp(-w sum log |det M| / n)``, 1 for the base model; what has no mass is a large one.
@@ -132,9 +136,10 @@ class MassDensity:
         model : Model
         motions : sequence of Motion
         """
+        masses, density = self._masses(model, motions), self.along(model, motions)
 
         def value(at: Floats) -> float:
-            return self.of(model, at, motions) - 0.5 * numbers * float(np.log(normal.sum_of_squares(at)))
+            return density(at) - 0.5 * numbers * float(np.log(normal.sum_of_squares(at)))
 
         here = value(x)
         if not np.isfinite(here):
@@ -143,7 +148,7 @@ class MassDensity:
         for _ in range(ITERATIONS):
             if not np.isfinite(here):
                 break
-            score, information = self._masses(model, motions).traces(x)
+            score, information = masses.traces(x)
             weight = numbers / normal.sum_of_squares(x)
             step = _solved(weight * normal.gram + information, weight * (normal.rhs - normal.gram @ x) + score)
             part, there = 1.0, value(x + step)

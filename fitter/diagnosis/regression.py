@@ -4,7 +4,7 @@ The columns' factors and the base parameters follow from psi by linear least squ
 (`refinement`). What was learnt from the learning trials is then held against trials that it has not seen.
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from functools import cached_property
 from typing import Protocol
@@ -32,6 +32,9 @@ class Density(Protocol):
 
     def of(self, model: Model, x: Floats, motions: Sequence[Motion]) -> float:
         """Return its logarithm [nats]."""
+
+    def along(self, model: Model, motions: Sequence[Motion]) -> Callable[[Floats], float]:
+        """Return its logarithm as a function of the factors."""
 
     def unit(self, model: Model, x: Floats, motions: Sequence[Motion], numbers: float) -> float:
         """Return by how much residuals count more for it."""

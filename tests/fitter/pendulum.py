@@ -36,12 +36,12 @@ def swings(effects: tuple[Effect, ...], trials: int = 6, seconds: float = 3.0, s
     return motions
 
 
-def stop_that_no_learning_trial_reaches(*others: Effect, learning: int = 4) -> list[Measured]:
-    """Return motions of a pendulum with a stop at 0.8 rad; the first few stay away from it."""
+def stop_that_no_learning_trial_reaches(*others: Effect, learning: int = 3) -> list[Measured]:
+    """Return motions of a pendulum with a stop at 0.8 rad: a few stay away from it, as many reach it."""
     stop = Effect("end_stop", {"angle_rad": 0.8, "stiffness_N_m_rad": 6.0, "side": 1.0}, joints=(1,))
     motions = sorted(swings((*others, stop), trials=16), key=lambda one: float(one.columns["q"].max()))
-    assert motions[learning - 1].columns["q"].max() < 0.75 < motions[-4].columns["q"].max()
-    return motions
+    assert motions[learning - 1].columns["q"].max() < 0.75 < motions[-learning].columns["q"].max()
+    return [*motions[:learning], *motions[-learning:]]
 
 
 def columns(motions: list[Measured]) -> dict[str, np.ndarray]:

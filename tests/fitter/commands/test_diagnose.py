@@ -32,9 +32,9 @@ FIELDS = "verdict causes candidates confusable next_experiment before after gain
 def files(tmp_path_factory):
     """Write a pendulum with a spring that its arm file knows nothing of."""
     folder = tmp_path_factory.mktemp("pendulum")
-    motions = swings(SPRING)
-    write_motion(folder / "learn.npz", columns(motions[:3]))
-    write_motion(folder / "evaluate.csv", columns(motions[3:]))
+    motions = swings(SPRING, trials=4)
+    write_motion(folder / "learn.npz", columns(motions[:2]))
+    write_motion(folder / "evaluate.csv", columns(motions[2:]))
     save_arm(pendulum(), folder / "arm.toml")
     return folder
 
@@ -209,9 +209,9 @@ def test_the_same_trials_give_the_same_bytes_on_any_number_of_processors(
 
 
 def test_friction_that_the_model_was_denied_is_found(fitter, tmp_path):
-    motions = swings(())
-    write_motion(tmp_path / "learn.npz", columns(motions[:3]))
-    write_motion(tmp_path / "evaluate.csv", columns(motions[3:]))
+    motions = swings((), trials=4)
+    write_motion(tmp_path / "learn.npz", columns(motions[:2]))
+    write_motion(tmp_path / "evaluate.csv", columns(motions[2:]))
     save_arm(pendulum(), tmp_path / "arm.toml")
     outcome = fitter("diagnose", *arguments(tmp_path, tmp_path / "out", "--deny", "viscous"))
     assert outcome.code == 0

@@ -15,8 +15,8 @@ from tests.fitter.marker_diagnosis.test_marker_search import shifted
 @pytest.fixture(scope="module")
 def files(tmp_path_factory):
     folder = tmp_path_factory.mktemp("markers")
-    truth = person(n=250, noise_m=1e-3, seed=4, trials=2)
-    save_arm(with_markers(person(n=250, noise_m=0.0, seed=4)), folder / "arm.toml")
+    truth = person(n=150, noise_m=1e-3, seed=4, trials=2)
+    save_arm(with_markers(person(n=150, noise_m=0.0, seed=4)), folder / "arm.toml")
     moved = [shifted(truth, k, "upper_arm_right1", np.array([0.0, 0.02, -0.02])) for k in range(2)]
     return folder / "arm.toml", *(written_trc(folder / f"trial{k}.trc", one) for k, one in enumerate(moved))
 

@@ -15,8 +15,8 @@ DRAG = Effect("quadratic_drag", {"drag_N_m_s2": 0.6}, joints=(1,))
 
 @pytest.fixture(scope="module")
 def dragged():
-    motions = swings((DRAG,), trials=8)
-    return diagnose(pendulum(), motions[:4], motions[4:])
+    motions = swings((DRAG,), trials=4)
+    return diagnose(pendulum(), motions[:2], motions[2:])
 
 
 def test_the_cause_is_named_with_its_size(dragged):
@@ -73,14 +73,14 @@ def test_nothing_is_named_where_nothing_is_wrong():
 
 def test_what_only_the_judging_trials_show_is_learnt_from_them_and_said():
     motions = stop_that_no_learning_trial_reaches()
-    finding = diagnose(pendulum(), motions[:4], motions[4:]).finding
+    finding = diagnose(pendulum(), motions[:3], motions[3:]).finding
     assert [cause.effect for cause in finding.causes] == ["end_stop"]
     assert _UNSEEN in [note.text for note in finding.warnings]
 
 
 def test_beside_another_cause_one_is_found_that_only_the_judging_trials_show():
     motions = stop_that_no_learning_trial_reaches(DRAG)
-    finding = diagnose(pendulum(), motions[:4], motions[4:]).finding
+    finding = diagnose(pendulum(), motions[:3], motions[3:]).finding
     assert {cause.effect for cause in finding.causes} == {"quadratic_drag", "end_stop"}
     assert _UNSEEN in [note.text for note in finding.warnings]
 
@@ -109,12 +109,12 @@ def test_noise_in_the_regressors_does_not_pass_for_physics():
 
 
 def test_a_torque_that_is_mostly_noise_is_said_to_be():
-    rng, motions = np.random.default_rng(1), swings((), trials=8, seed=3)
+    rng, motions = np.random.default_rng(1), swings((), trials=6, seed=3)
     for motion in motions:
         torque = 20.0 * (motion.columns["ref"] - motion.columns["q"])
         chatter = 5.0 * np.std(torque) * rng.choice([-1.0, 1.0], torque.shape)  # a drive that overdoes it
         motion.columns["tau"] = torque + chatter
-    finding = diagnose(pendulum(), motions[:4], motions[4:]).finding
+    finding = diagnose(pendulum(), motions[:3], motions[3:]).finding
     (warning,) = finding.warnings
     assert warning.text.startswith("the torque at joint 1 changes from sample to sample like noise")
     assert finding.document()["notes"][0] == warning.document()

@@ -77,7 +77,7 @@ def test_accepted_psi_that_are_a_little_off_leave_nothing_to_others(regression):
 
 def test_beside_an_event_a_start_is_judged_by_all_trials():
     trials = to_trials(stop_that_no_learning_trial_reaches(), cutoff_hz=25.0)
-    regression = regression_of(pendulum(), run_of(pendulum(), trials[:4], trials[4:]))
+    regression = regression_of(pendulum(), run_of(pendulum(), trials[:3], trials[3:]))
     hypothesis = JointHypothesis(catalogue()["end_stop"], 0, {"side": 1.0})
     nothing = Pulse(0, 0, 1.0, 0.3, 0.0, 0.01, 0.01, 0.01, 0.01, "bell", 0.0, 0.0)
     push = DisturbancePulses(catalogue()["external_push"], 0, [nothing])

@@ -12,12 +12,12 @@ from tests.fitter.limb.test_tracking import with_markers
 
 @pytest.fixture(scope="module")
 def truth():
-    return person(n=250, noise_m=2e-3, seed=11, trials=3)
+    return person(n=150, noise_m=2e-3, seed=11, trials=3)
 
 
 @pytest.fixture(scope="module")
 def arm():
-    return with_markers(person(n=250, noise_m=0.0, seed=11))
+    return with_markers(person(n=150, noise_m=0.0, seed=11))
 
 
 def shifted(truth, trial, name, by):

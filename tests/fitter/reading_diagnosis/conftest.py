@@ -15,7 +15,7 @@ from arm.highpass import HighPass
 from arm.model import Arm, Floats, Sensor
 from fitter.data.raw import RawRun
 
-RATE_HZ, LEARNING, EVALUATING = 1000.0, 3, 3
+RATE_HZ, LEARNING, EVALUATING = 1000.0, 2, 2
 
 
 @dataclass(frozen=True)
@@ -29,7 +29,7 @@ class Run:
 
 @cache
 def motion(name: str, seed: int) -> tuple[Floats, Floats, Floats]:
-    bench = Bench(rate_hz=RATE_HZ, trial_s=4.0, learning=LEARNING, evaluating=EVALUATING)
+    bench = Bench(rate_hz=RATE_HZ, trial_s=3.0, learning=LEARNING, evaluating=EVALUATING)
     found = list(motions(load_arm(name), bench, seed))
     q, dq, ddq = (np.concatenate([getattr(one, part) for one in found]) for part in ("q", "dq", "ddq"))
     return q, dq, ddq

@@ -84,7 +84,7 @@ def test_true_angles_are_not_looked_at(measure):
 
 def test_says_what_is_missing(measure):
     run = measure("dd-arm")
-    with pytest.raises(DataError, match="3 trials to learn from, 0 to judge by"):
+    with pytest.raises(DataError, match="2 trials to learn from, 0 to judge by"):
         diagnose_sensors(run.arm, run.learn, [])
     with pytest.raises(ConfigError, match="no \\[\\[sensor\\]\\]"):
         diagnose_sensors(replace(load_arm("dd-arm"), sensors=()), run.learn, run.evaluate)

@@ -36,15 +36,17 @@ def test_a_bias_is_found_within_its_error(trials, biased):
 
 
 def test_what_is_left_under_the_right_hypothesis_is_noise(trials, biased):
-    numbers = np.array([np.isfinite(one.values).sum() - 2 * len(one.values) for one in trials.trials[3:]])
-    assert np.all(np.abs(biased.squares[3:] / numbers - 1.0) < 6.0 * np.sqrt(2.0 / numbers))
+    n, judging = trials.n_learn, trials.trials[trials.n_learn :]
+    numbers = np.array([np.isfinite(one.values).sum() - 2 * len(one.values) for one in judging])
+    assert np.all(np.abs(biased.squares[n:] / numbers - 1.0) < 6.0 * np.sqrt(2.0 / numbers))
 
 
 def test_its_gradient_is_nothing_at_the_best(trials, biased):
     """The squared residual, with what is held before, changes by the second order only."""
     theta = np.concatenate([biased.hypothesis.bias.ravel(), *biased.hypothesis.values])
     mean, std = trials.before(biased.hypothesis)
-    done = trials.all_eliminated(range(3), biased.hypothesis, biased.motions, biased.hypothesis.suspects)
+    learn, known = range(trials.n_learn), biased.hypothesis
+    done = trials.all_eliminated(learn, known, biased.motions, known.suspects)
     gram = np.sum([one for one, _ in done], axis=0)
     pull = gram[:-1, -1] + (mean - theta) / std**2
     assert pull @ biased.covariance @ pull < 0.1  # in units of the noise's variance

@@ -44,5 +44,6 @@ def test_a_bias_beyond_what_one_sensor_in_a_thousand_has_is_doubtful(search):
 
 
 def test_a_score_is_what_trials_leave_and_what_it_takes(search):
-    expected = search.base.squares[3:].sum() / search.noise + search.base.usual + search.base.surprise
+    base, n = search.base, search.trials.n_learn
+    expected = base.squares[n:].sum() / search.noise + base.usual + base.surprise
     assert search.score(search.base) == pytest.approx(expected)

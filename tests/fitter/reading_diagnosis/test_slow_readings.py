@@ -12,7 +12,7 @@ from arm.model import Arm, Floats
 from fitter.data.raw import RawRun
 from fitter.reading_diagnosis.rigidity import diagnose_sensors
 
-RATE_HZ, SECONDS, REST_S, FINER = 100.0, 8.0, 1.0, 20
+RATE_HZ, SECONDS, REST_S, FINER = 100.0, 5.0, 1.0, 20
 Touch = Callable[[Arm, Floats, Floats, Floats, np.random.Generator], Floats]
 
 

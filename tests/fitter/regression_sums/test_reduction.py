@@ -157,8 +157,14 @@ def test_two_processes_give_the_same_bytes(tmp_path, folder, alone):
 @pytest.mark.filterwarnings("ignore::DeprecationWarning")  # of the cluster's own libraries
 def test_a_dask_cluster_gives_the_same_bytes(tmp_path, folder, alone):
     distributed = pytest.importorskip("distributed", reason="the extra 'cluster' is not installed")
-    with distributed.LocalCluster(
-        n_workers=2, threads_per_worker=1, host="127.0.0.1", dashboard_address=None, local_directory=str(tmp_path)
+    with distributed.LocalCluster(  # of threads that talk as machines would
+        n_workers=2,
+        threads_per_worker=1,
+        processes=False,
+        protocol="tcp",
+        host="127.0.0.1",
+        dashboard_address=None,
+        local_directory=str(tmp_path),
     ) as cluster:
         made = reduce_trials(LAW, [folder], dask=cluster.scheduler_address)
         with pytest.raises(DataError, match=r"bad.csv: row 2: column 'q1' holds 'x'"):

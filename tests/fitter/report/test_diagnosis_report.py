@@ -26,8 +26,8 @@ SECTIONS = ["What is wrong", "The cause", "The rivals", "The gain", "What is lef
 
 
 def diagnosed(effects):
-    motions = swings(effects)
-    return diagnose(pendulum(), motions[:3], motions[3:])
+    motions = swings(effects, trials=4)
+    return diagnose(pendulum(), motions[:2], motions[2:])
 
 
 @pytest.fixture(scope="module")
@@ -42,8 +42,8 @@ def offset():
 
 @pytest.fixture(scope="module")
 def nothing():
-    motions = swings((), seconds=6.0)
-    return diagnose(pendulum(), motions[:3], motions[3:])
+    motions = swings((), trials=4)
+    return diagnose(pendulum(), motions[:2], motions[2:])
 
 
 @pytest.fixture(scope="module")
@@ -131,7 +131,7 @@ def test_the_winner_leads_and_every_candidate_is_listed_once(spring):
 
 def test_what_is_left_shrinks_with_the_cause(spring):
     judging = [trace for trace in traces(spring) if not trace.motion.learn]
-    assert len(judging) == 3 and all(len(trace.residuals) == len(trace.simulated) == 2 for trace in judging)
+    assert len(judging) == 2 and all(len(trace.residuals) == len(trace.simulated) == 2 for trace in judging)
     for trace in judging:
         before, after = (np.nansum(residual**2) for residual in trace.residuals)
         assert after < 0.2 * before
