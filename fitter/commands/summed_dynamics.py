@@ -16,6 +16,7 @@ from fitter.dynamics.consistency import made_possible, with_warnings
 from fitter.dynamics.dynamics_fit import document
 from fitter.dynamics.evaluation import score
 from fitter.dynamics.identifiability import report
+from fitter.dynamics.known_effects import without_effects
 from fitter.dynamics.torque_search import fit_sums
 from fitter.dynamics.usability import next_to_nothing
 from fitter.dynamics.written import determined_by_data, save_calibrated
@@ -48,6 +49,11 @@ def dynamics_from_sums(arguments: argparse.Namespace, arm: Arm) -> Document:
         raise ConfigError("sums no longer hold trials; expected motions to learn from with --payload")
     if arguments.objective not in ("auto", "torque") or arguments.unknown_gains or arguments.no_torque:
         raise ConfigError("sums know of the torque only: expected --objective torque, and no other way to learn")
+    if without_effects(arm, ())[0] is not arm:
+        raise ConfigError(
+            f"arm {arm.name!r} has [[effect]] or air drag, whose torque is in the sums; expected motions to learn "
+            "from, or an arm without them"
+        )
     (saved, notes), evaluate = _sums(arguments, arm), []
     if arguments.evaluate:
         evaluate = load_trials(

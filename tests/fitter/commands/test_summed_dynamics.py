@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from arm.arm_file import load_arm, save_arm
-from arm.model import Control
+from arm.model import Control, Effect
 
 INERTIAL = ("I1+m2*L1^2", "m2*sx2", "I2")
 
@@ -49,3 +49,13 @@ def test_sums_of_another_arm_are_refused(fitter, trial_files, tmp_path):
     outcome = fitter("dynamics", tmp_path / "sums.npz", "--arm", "dd-arm-vertical", "--out", tmp_path / "arm.toml")
     assert outcome.code == 2
     assert "of another arm or law" in outcome.said
+
+
+def test_sums_hold_the_torque_of_effects_and_are_refused(fitter, trial_files, tmp_path):
+    fitter("sums", "make", trial_files[0], "--arm", "dd-arm", "--out", tmp_path / "sums.npz")
+    spring = Effect("joint_spring", {"stiffness_N_m_rad": 5.0, "rest_angle_rad": 0.2}, (2,))
+    save_arm(replace(load_arm("dd-arm"), control=Control(), effects=(spring,)), tmp_path / "sprung.toml")
+    outcome = fitter(
+        *("dynamics", tmp_path / "sums.npz", "--arm", tmp_path / "sprung.toml", "--out", tmp_path / "arm.toml")
+    )
+    assert outcome.code == 2 and "whose torque is in the sums" in outcome.said
