@@ -38,7 +38,7 @@ from fitter.dynamics.evaluation import HORIZON_S, score
 from fitter.dynamics.fit import fit_dynamics
 from fitter.dynamics.free_swing import swing_corner_hz, swing_ratios, swing_scale
 from fitter.dynamics.identifiability import report
-from fitter.dynamics.known_effects import without_effects
+from fitter.dynamics.known_effects import taken_out_notes, without_effects
 from fitter.dynamics.torque_delay import torque_delay
 from fitter.dynamics.torque_search import GENERATIONS
 from fitter.dynamics.usability import explained_of, joint_notes, next_to_nothing, unusable
@@ -148,8 +148,8 @@ def dynamics(arguments: argparse.Namespace) -> Document:
     assumed = dynamics_assumptions(arm, lengths_learnt=False, targets_found=found, driven=not arguments.no_torque)
     plain, bare = without_effects(arm, learn, fit.objective)
     late = torque_delay(plain, fit.base, bare)
-    notes_of_joints = (*joint_notes(scores), *([] if late is None else [late.note]))
-    fit = replace(fit, notes=(*fit.notes, *notes_of_joints, *(Note("assumed", said) for said in assumed)))
+    more = (*taken_out_notes(arm, plain), *joint_notes(scores), *([] if late is None else [late.note]))
+    fit = replace(fit, notes=(*fit.notes, *more, *(Note("assumed", said) for said in assumed)))
     save_calibrated(fit.arm, fit.base, determined_by_data(fit), arguments.out)
     revealed = report(plain, fit.base, fit.problem)
     say_fit(fit, compared, scores["learn"], evaluated, revealed)

@@ -16,6 +16,7 @@ from fitter.data.known_torque import without_torque
 from fitter.data.trial import Trial
 from fitter.dynamics.dynamics_fit import Objective
 from limbcal.errors import ConfigError
+from limbcal.note import Note
 
 #: Where an effect is part of the joints' torque, and where it lies between the measured torque and the joint.
 _IN_TORQUE, _BEFORE_JOINT = ("joint", "arm"), ("drive", "transmission")
@@ -65,6 +66,21 @@ def without_effects(arm: Arm, trials: Sequence[Trial], objective: Objective = "t
         return without_torque(trial, known)
 
     return replace(still, effects=()), [bare(trial) for trial in trials]
+
+
+def taken_out_notes(arm: Arm, plain: Arm) -> list[Note]:
+    """Say which effects were taken out of the torque; nothing if none was.
+
+    Parameters
+    ----------
+    arm, plain : Arm
+        As it was given, and as `without_effects` has it.
+    """
+    if plain is arm:
+        return []
+    names = sorted({one.name for one in arm.effects if catalogue()[one.name].place in _IN_TORQUE})
+    said = ", ".join(names) or "the links' air drag"
+    return [Note("effects", f"what {said} does is known from the arm file: it was taken out of the torque")]
 
 
 def _without_air(arm: Arm) -> Arm:

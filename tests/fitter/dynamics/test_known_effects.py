@@ -9,7 +9,7 @@ from arm.model import Effect
 from arm.regressor import standard_parameters
 from fitter.dynamics.evaluation import explained_torque, score
 from fitter.dynamics.fit import fit_dynamics
-from fitter.dynamics.known_effects import without_effects
+from fitter.dynamics.known_effects import taken_out_notes, without_effects
 from limbcal.errors import ConfigError
 from tests.fitter.dynamics.test_torque_wiring import ARM, driven
 
@@ -52,7 +52,14 @@ def test_masses_are_learnt_beside_it(effect):
 def test_an_arm_without_effects_is_left_alone():
     trial = driven(ARM, 1)
     arm, trials = without_effects(ARM, [trial])
-    assert arm is ARM and trials[0] is trial
+    assert arm is ARM and trials[0] is trial and taken_out_notes(ARM, arm) == []
+
+
+def test_what_was_taken_out_is_said():
+    bias = Effect("sensor_bias", {"axis": 0, "bias_m_s2": 0.1}, (), ("s1",))
+    arm = replace(ARM, effects=(*EFFECTS[:2], bias))
+    (note,) = taken_out_notes(arm, without_effects(arm, ())[0])
+    assert "joint_spring, rotor_inertia" in note.text and "sensor_bias" not in note.text
 
 
 @pytest.mark.parametrize(
