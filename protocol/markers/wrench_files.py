@@ -9,6 +9,7 @@ from limbcal.errors import ConfigError, DataError
 from protocol.markers.text_table import number_of, text_of
 from protocol.markers.wrench_columns import plate_columns
 from protocol.tables.table import Floats
+from protocol.tables.units import known_units, parse_unit
 
 #: Lines that a header may have.
 _MOST_HEADER = 1000
@@ -134,10 +135,17 @@ def _plates_of_c3d(path: Path) -> list[PlateWrench]:
     rate_hz = float(file["parameters"]["ANALOG"]["RATE"]["value"][0])
     plates = []
     for k, platform in enumerate(file["data"]["platform"]):
-        metre = {"mm": 1e-3, "cm": 1e-2, "m": 1.0}.get(str(platform["unit_position"]), 1e-3)
-        newton_metre = {"Nmm": 1e-3, "Nm": 1.0}.get(str(platform["unit_moment"]), 1e-3)
+        metre = _factor(platform["unit_position"], "length", f"{path}: the position of plate {k + 1}")
+        newton_metre = _factor(platform["unit_moment"], "torque", f"{path}: the moment of plate {k + 1}")
         force = np.asarray(platform["force"], dtype=np.float64).T
         point = metre * np.asarray(platform["center_of_pressure"], dtype=np.float64).T
         moment = newton_metre * np.asarray(platform["Tz"], dtype=np.float64).T
         plates.append(PlateWrench(f"plate {k + 1}", np.arange(len(force)) / rate_hz, force, point, moment))
     return plates
+
+
+def _factor(said: object, dimension: str, where: str) -> float:
+    unit = parse_unit(str(said))
+    if unit is None or unit.dimension != dimension:
+        raise DataError(f"{where} is in {str(said)!r}, expected one of {known_units([dimension])}")
+    return unit.factor
