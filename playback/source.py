@@ -42,7 +42,7 @@ class Source:
         return tuple(sorted(self.durations_s))
 
     def load(self, trial: int | None = None) -> Trajectory:
-        """Return a trial's motion, by default the first one's.
+        """Return a trial's motion, by default the first one's, between its nodes within the joints' limits.
 
         Raises
         ------
@@ -53,4 +53,4 @@ class Source:
         if number not in self.durations_s:
             there = ", ".join(str(known) for known in self.trials)
             raise ConfigError(f"{self.name}: there is no trial {number}, expected one of {there}")
-        return self.trajectory(number)
+        return self.trajectory(number).within([joint.limits for joint in self.arm.joints])

@@ -47,6 +47,23 @@ def test_it_is_continuous_and_stands_outside(seed: int) -> None:
         np.testing.assert_array_equal(found, known[[0, -1]])
 
 
+@given(st.integers(0, 10_000))
+def test_limits_bound_cubics_and_leave_nodes(seed: int) -> None:
+    free = random_trajectory(seed)
+    limited = free.within([(-0.5, 0.5), None, (0.2, 0.3)])
+    np.testing.assert_array_equal(limited.at(limited.t)[0], free.q)
+    t = np.linspace(0.0, free.duration_s, 400)
+    left = np.clip(np.searchsorted(free.t, t, side="right") - 1, 0, len(free.t) - 2)
+    ends = np.stack([free.q[left], free.q[left + 1]])
+    low, high = np.array([[-0.5, -np.inf, 0.2], [0.5, np.inf, 0.3]])
+    cubic = free.at(t)[0]
+    np.testing.assert_array_equal(
+        limited.at(t)[0],
+        np.minimum(np.maximum(cubic, np.minimum(low, ends.min(0))), np.maximum(high, ends.max(0))),
+    )
+    assert free.within([None, None, None]) is free
+
+
 def test_a_hole_is_told_only_where_it_is_bridged() -> None:
     t = np.array([0.0, 0.1, 0.2, 0.5, 0.6])
     x = np.zeros((5, 1))
