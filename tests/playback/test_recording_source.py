@@ -1,49 +1,17 @@
 """Recordings of the daemon as something to play."""
 
-import uuid
-from collections.abc import Mapping
 from pathlib import Path
 
 import numpy as np
 import pytest
 
-from arm.arm_file import format_arm, load_arm
+from arm.arm_file import load_arm
 from arm.model import Arm
 from limbcal.errors import ConfigError, DataError, ProtocolError
 from playback.recording_source import recording_source
 from playback.trajectory import Trajectory
-from protocol.message import FRAMES, RAW, TRIAL, encode
-from protocol.recording import RecordingWriter
-
-START_NS = 1_700_000_000_000_000_000
-DT_S = 1e-3
-BLOCK = 10
-
-
-def motion(k: np.ndarray) -> np.ndarray:
-    return np.column_stack([np.sin(0.01 * k), np.cos(0.02 * k)])
-
-
-class Recorder:
-    """Records a made-up motion as the daemon would."""
-
-    def __init__(self, path: Path, arm: Arm) -> None:
-        self.writer = RecordingWriter(path, format_arm(arm), "")
-        self.common = {"arm": arm.name, "run": str(uuid.uuid4())}
-
-    def write(self, topic: str, t_ns: int, fields: Mapping[str, object]) -> None:
-        self.writer.write(topic, encode(topic, {**self.common, "seq": 0, **fields})[1], t_ns)
-
-    def block(self, frame0: int, n: int = BLOCK, *, gap: bool = False, **other: object) -> None:
-        q = motion(np.arange(frame0, frame0 + n))
-        t0_ns = START_NS + frame0 * 1_000_000
-        fields = {"frame0": frame0, "t0_ns": t0_ns, "dt_s": DT_S, "n": n, "method": "integrate", "gap": gap}
-        fields |= {"q": q, "dq": 2 * q, "ddq": 3 * q, "tip": np.zeros((n, 3)), "points": np.zeros((n, 4, 3))}
-        self.write(FRAMES, t0_ns, fields | other)
-
-    def mark(self, state: str, trial: int, frame: int) -> None:
-        t_ns = START_NS + frame * 1_000_000
-        self.write(TRIAL, t_ns, {"trial": trial, "t_ns": t_ns, "state": state, "role": "learn"})
+from protocol.message import FRAMES, RAW
+from tests.playback.recorder import BLOCK, DT_S, START_NS, Recorder, motion
 
 
 @pytest.fixture
