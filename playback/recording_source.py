@@ -51,7 +51,7 @@ def recording_source(path: Path, arm: Arm | None, warn: Callable[[str], None]) -
         what = "begins" if marks else "is marked"
         warn(f"{path}: no motion {what} in it, so all of it is played as trial 1")
         spans = {1: (0, _FOREVER_NS)}
-    motions = {}
+    motions, begins_s = {}, {}
     for trial, span in sorted(spans.items()):
         chosen = (frames.t_ns >= span[0]) & (frames.t_ns <= span[1])
         if np.count_nonzero(chosen) < 2:
@@ -59,12 +59,13 @@ def recording_source(path: Path, arm: Arm | None, warn: Callable[[str], None]) -
             continue
         try:
             motions[trial] = _trajectory(frames, chosen)
+            begins_s[trial] = float(frames.t_ns[chosen][0]) * 1e-9
         except DataError as error:
             raise DataError(f"{path}: trial {trial}: {error}") from error
     if not motions:
         raise DataError(f"{path}: it holds the frames of no trial, expected at least one")
     durations = {trial: motion.duration_s for trial, motion in motions.items()}
-    return Source(path.name, arm, durations, motions.__getitem__)
+    return Source(path.name, arm, durations, motions.__getitem__, begins_s=begins_s)
 
 
 def _attached_arm(path: Path) -> Arm:

@@ -1,7 +1,7 @@
 """What can be played: the trials of one recording, file or simulation, and the arm that moves."""
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 from arm.model import Arm
 from limbcal.errors import ConfigError
@@ -27,6 +27,8 @@ class Source:
         The virtual arm beside this one, with the same trials on the same clock.
     notes : tuple of Note
         What was found while reading.
+    begins_s : mapping of int to float
+        When each trial began on the clock of what was read [s]; 0 where it does not say.
     """
 
     name: str
@@ -35,6 +37,7 @@ class Source:
     trajectory: Callable[[int], Trajectory]
     twin: "Source | None" = None
     notes: tuple[Note, ...] = ()
+    begins_s: Mapping[int, float] = field(default_factory=dict)
 
     @property
     def trials(self) -> tuple[int, ...]:

@@ -29,6 +29,8 @@ class Trajectory:
         True where samples were lost between a node and the one before it.
     limits : ndarray of shape (n_joint, 2), optional
         What a cubic between two nodes does not go beyond [rad or m], unless a node does.
+    begin_s : float
+        When the first node is, on the clock by which the motion is asked.
 
     Raises
     ------
@@ -43,6 +45,7 @@ class Trajectory:
     method: str
     lost: Bools | None = None
     limits: Floats | None = None
+    begin_s: float = 0.0
 
     def __post_init__(self) -> None:
         n = len(self.t)
@@ -96,7 +99,7 @@ class Trajectory:
         -------
         q, dq, ddq : ndarray of shape (k, n_joint)
         """
-        t = np.clip(t, 0.0, self.duration_s)
+        t = np.clip(t - self.begin_s, 0.0, self.duration_s)
         left = np.clip(np.searchsorted(self.t, t, side="right") - 1, 0, len(self.t) - 2)
         width = (self.t[left + 1] - self.t[left])[:, None]
         s = (t - self.t[left])[:, None] / width
@@ -110,8 +113,8 @@ class Trajectory:
 
     def gap_between(self, start_s: float, end_s: float) -> bool:
         """Say whether lost samples are bridged anywhere from start_s to end_s."""
-        first = np.searchsorted(self.t, start_s, side="right") - 1
-        last = np.searchsorted(self.t, end_s, side="left")
+        first = np.searchsorted(self.t, start_s - self.begin_s, side="right") - 1
+        last = np.searchsorted(self.t, end_s - self.begin_s, side="left")
         inside = np.clip([first, last], 0, len(self.t) - 1)
         return bool(np.diff(self._lost_before[inside])[0] > 0)
 

@@ -42,6 +42,9 @@ def test_each_marked_motion_is_a_trial(path: Path, arm: Arm) -> None:
     source = recording_source(path, None, said.append)
     assert (source.name, source.arm, said) == ("run.mcap", arm, [])
     assert source.durations_s == pytest.approx({1: 0.150, 2: 0.2})
+    assert source.begins_s == pytest.approx(
+        {1: 1e-9 * START_NS + 1.105, 2: 1e-9 * START_NS + 1.5}, abs=1e-6, rel=0
+    )
     check(source.load(1), 1105, 1255)
     check(source.load(2), 1500, 1700)
 
