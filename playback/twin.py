@@ -94,7 +94,7 @@ def _simulated_twin(source: Source, arm: Arm, targets: Path | None, columns: str
     found = read_trials(targets, arm, needed=(name,), columns=columns)
     trials = found.signals
     durations = {number: float(signals["t"][-1]) for number, signals in trials.items()}
-    later, notes = begins_after(source, spans_of(found.begins_s, durations), str(targets))
+    later, notes = begins_after(source, spans_of(found.stamps_s, durations), str(targets))
 
     def trajectory(number: int) -> Trajectory:
         signals, begin_s = _from(trials[number], later.get(number, 0.0))
@@ -103,7 +103,7 @@ def _simulated_twin(source: Source, arm: Arm, targets: Path | None, columns: str
         return replace(simulated(arm, {**signals, "q": q, "dq": dq}, step), begin_s=begin_s)
 
     name = f"simulation of {arm.name}"
-    return Source(name, arm, durations, trajectory, notes=(*found.notes, *notes), begins_s=found.begins_s)
+    return Source(name, arm, durations, trajectory, notes=(*found.notes, *notes), begins_s=found.stamps_s)
 
 
 def _from(signals: Signals, begin_s: float) -> tuple[Signals, float]:

@@ -116,6 +116,18 @@ def test_files_on_one_clock_are_played_on_it(tmp_path: Path, late: str) -> None:
     assert f"trial 1 begins 0.5 s {'later' if late == 'twin' else 'earlier'}" in both.notes[0].text
 
 
+def test_dates_are_a_clock(tmp_path: Path) -> None:
+    t = np.arange(200) * 0.01
+    dates = np.datetime64("2026-03-01T12:00:00", "ns") + np.round(1e9 * t).astype("timedelta64[ns]")
+    for name, first in (("real", 0), ("twin", 50)):
+        q = 0.5 * np.sin(3.0 * t[first:])
+        np.savez(tmp_path / f"{name}.npz", t=dates[first:], q1=q, q2=0.5 * q)
+    real = file_source(tmp_path / "real.npz", load_arm("dd-arm"))
+    assert real.begins_s[1] == pytest.approx(dates[0].astype(int) * 1e-9, abs=1e-6, rel=0)
+    both = with_twin(real, str(tmp_path / "twin.npz"), None, print)
+    assert both.twin.load(1).begin_s == pytest.approx(0.5, abs=1e-6)
+
+
 @pytest.mark.parametrize("first", [0, 50])
 def test_targets_are_followed_by_the_clock_of_the_real_arm(tmp_path: Path, first: int) -> None:
     t = np.arange(200) * 0.01
