@@ -1,6 +1,6 @@
 """Frames and marks of a recording, from a file of it and those in which its run went on."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from itertools import pairwise
 from pathlib import Path
@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from limbcal.errors import DataError, LimbcalError, ProtocolError
+from limbcal.note import Note
 from playback.trajectory import Bools, Floats
 from protocol.message import FRAMES, TRIAL
 from protocol.recording_files import files_of, number_of
@@ -49,14 +50,15 @@ class RecordedFrames:
     method: str
 
 
-def read_recorded(path: Path, warn: Callable[[str], None]) -> tuple[RecordedFrames, list[Mark]]:
+def read_recorded(path: Path) -> tuple[RecordedFrames, list[Mark], list[Note]]:
     """Read a file of a recording and those that follow it.
 
-    Parameters
-    ----------
-    path : Path
-    warn : callable
-        Takes a sentence about what cannot be read or is not there.
+    Returns
+    -------
+    frames : RecordedFrames
+    marks : list of Mark
+    notes : list of Note
+        What cannot be read or is not there.
 
     Raises
     ------
@@ -67,31 +69,31 @@ def read_recorded(path: Path, warn: Callable[[str], None]) -> tuple[RecordedFram
     """
     blocks: list[RecordedFrames] = []
     marks: list[Mark] = []
+    files, notes = _following(path)
     run: object = None
-    for file in _following(path, warn):
+    for file in files:
         reached = _next_number(blocks)
         try:
             reader = read_recording(file, (FRAMES, TRIAL))
         except LimbcalError as error:
             if file == path:
                 raise
-            warn(f"{error}; it is not played")
+            notes.append(Note("unused", f"{error}; it is not played"))
             continue
         with reader:
             for topic, fields, _ in reader:
                 run = fields.get("run") if run is None else run
                 if fields.get("run") != run:
-                    warn(f"{file}: it is of another run than {path}, so it is not played")
+                    notes.append(Note("unused", f"it is of another run than {path}: not played", str(file)))
                     break
                 try:
                     _take(topic, fields, blocks, marks, reached)
                 except (KeyError, TypeError, ValueError) as error:
                     raise ProtocolError(f"{file}: a {topic} message has no usable field {error}") from error
-            for sentence in reader.warnings:
-                warn(sentence)
+            notes += [Note("damaged", sentence) for sentence in reader.warnings]
     if not blocks:
         raise DataError(f"{path}: it holds no {FRAMES}, expected a recording of a tracked motion")
-    return _joined(blocks, path), marks
+    return _joined(blocks, path), marks, notes
 
 
 def _take(
@@ -111,16 +113,18 @@ def _take(
         blocks.append(block)
 
 
-def _following(path: Path, warn: Callable[[str], None]) -> list[Path]:
-    """Return a file of a recording and those after it; say which are not there."""
+def _following(path: Path) -> tuple[list[Path], list[Note]]:
+    """Return a file of a recording and those after it, and say which are not there."""
     files = files_of(path)
     if path not in files:
-        return [path]
+        return [path], []
     files = files[files.index(path) :]
+    notes = []
     for before, after in pairwise(files):
         if gone := number_of(after) - number_of(before) - 1:
-            warn(f"{path}: {gone} file(s) between {before.name} and {after.name} are not there and not played")
-    return files
+            text = f"{gone} file(s) between {before.name} and {after.name} are not there: not played"
+            notes.append(Note("lost", text, str(path)))
+    return files, notes
 
 
 def _next_number(blocks: list[RecordedFrames]) -> int:

@@ -1,6 +1,5 @@
 """A recording of the daemon as something to play."""
 
-from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -8,6 +7,7 @@ import numpy as np
 from arm.arm_file import parse_arm
 from arm.model import Arm
 from limbcal.errors import ConfigError, DataError
+from limbcal.note import Note
 from playback.recorded_frames import Mark, RecordedFrames, read_recorded
 from playback.source import Source
 from playback.trajectory import Bools, Trajectory
@@ -19,7 +19,7 @@ _Spans = dict[int, tuple[int, int]]
 _FOREVER_NS = np.iinfo(np.int64).max
 
 
-def recording_source(path: Path, arm: Arm | None, warn: Callable[[str], None]) -> Source:
+def recording_source(path: Path, arm: Arm | None) -> Source:
     """Read the motions that `limb/trial` marks in what `limb/frames` tells.
 
     Parameters
@@ -29,8 +29,11 @@ def recording_source(path: Path, arm: Arm | None, warn: Callable[[str], None]) -
         played, too; a trial that began in a file before is not.
     arm : Arm or None
         The arm that moves; the one attached to the recording unless given.
-    warn : callable
-        Takes a sentence about what is played otherwise than it might seem.
+
+    Returns
+    -------
+    Source
+        Its notes tell what is played otherwise than it might seem, or not at all.
 
     Raises
     ------
@@ -42,20 +45,21 @@ def recording_source(path: Path, arm: Arm | None, warn: Callable[[str], None]) -
         If the arm is missing, wrong, or has another number of joints.
     """
     arm = _attached_arm(path) if arm is None else arm
-    frames, marks = read_recorded(path, warn)
+    frames, marks, notes = read_recorded(path)
     if frames.q.shape[1] != arm.n_joint:
         moved = frames.q.shape[1]
         raise ConfigError(f"{path}: it moves {moved} joint(s), but the arm {arm.name!r} has {arm.n_joint}")
-    spans = _spans(marks, path, warn)
+    spans = _spans(marks, path, notes)
     if not spans:
         what = "begins" if marks else "is marked"
-        warn(f"{path}: no motion {what} in it, so all of it is played as trial 1")
+        notes.append(Note("trials", f"no motion {what} in it, so all of it is played as trial 1", str(path)))
         spans = {1: (0, _FOREVER_NS)}
     motions, begins_s = {}, {}
     for trial, span in sorted(spans.items()):
         chosen = (frames.t_ns >= span[0]) & (frames.t_ns <= span[1])
         if np.count_nonzero(chosen) < 2:
-            warn(f"{path}: trial {trial} is left out, since the recording holds no frames of it")
+            text = f"trial {trial} is left out, since the recording holds no frames of it"
+            notes.append(Note("trials", text, str(path)))
             continue
         try:
             motions[trial] = _trajectory(frames, chosen)
@@ -65,7 +69,7 @@ def recording_source(path: Path, arm: Arm | None, warn: Callable[[str], None]) -
     if not motions:
         raise DataError(f"{path}: it holds the frames of no trial, expected at least one")
     durations = {trial: motion.duration_s for trial, motion in motions.items()}
-    return Source(path.name, arm, durations, motions.__getitem__, begins_s=begins_s)
+    return Source(path.name, arm, durations, motions.__getitem__, notes=tuple(notes), begins_s=begins_s)
 
 
 def _attached_arm(path: Path) -> Arm:
@@ -75,7 +79,7 @@ def _attached_arm(path: Path) -> Arm:
     return parse_arm(attached.decode("utf-8", errors="replace"), f"{ARM_ATTACHMENT} in {path}")
 
 
-def _spans(marks: list[Mark], path: Path, warn: Callable[[str], None]) -> _Spans:
+def _spans(marks: list[Mark], path: Path, notes: list[Note]) -> _Spans:
     """Return when each motion began and ended; one that was cut off lasts to the end."""
     spans: _Spans = {}
     for mark in marks:
@@ -86,7 +90,8 @@ def _spans(marks: list[Mark], path: Path, warn: Callable[[str], None]) -> _Spans
         elif mark.trial in spans:
             spans[mark.trial] = (spans[mark.trial][0], mark.t_ns)
         else:
-            warn(f"{path}: trial {mark.trial} is left out, since it began before this file")
+            text = f"trial {mark.trial} is left out, since it began before this file"
+            notes.append(Note("trials", text, str(path)))
     return spans
 
 

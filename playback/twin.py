@@ -48,7 +48,7 @@ def with_twin(
     """
     path = Path(twin)
     if path.suffix.lower() == ".mcap":
-        other = _stored_twin(source, recording_source(path, None, say), twin)
+        other = _stored_twin(source, recording_source(path, None), twin)
     elif path.suffix.lower() in TABLES:
         other = _stored_twin(source, file_source(path, source.arm, columns), twin)
     else:

@@ -30,7 +30,8 @@ def run(tmp_path: Path, arm: Arm) -> Path:
 
 
 def test_a_trial_goes_on_in_the_next_file(run: Path) -> None:
-    source = recording_source(run, None, pytest.fail)
+    source = recording_source(run, None)
+    assert not source.notes
     assert source.durations_s == pytest.approx({1: 0.150, 2: 0.030})
     found = source.load(1)
     np.testing.assert_allclose(found.t, np.arange(151) * DT_S, atol=1e-12)
@@ -46,11 +47,9 @@ def test_what_began_before_the_file_named_is_said(tmp_path: Path, arm: Arm) -> N
     second.mark("end", 1, 250)
     second.mark("begin", 2, 260)
     second.writer.close()
-    said: list[str] = []
-    assert recording_source(numbered(path, 2), None, said.append).trials == (2,)
-    assert [sentence.split(": ")[1] for sentence in said] == [
-        "trial 1 is left out, since it began before this file"
-    ]
+    source = recording_source(numbered(path, 2), None)
+    assert source.trials == (2,)
+    assert [note.text for note in source.notes] == ["trial 1 is left out, since it began before this file"]
 
 
 def test_where_no_motion_begins_all_is_played_and_said(tmp_path: Path, arm: Arm) -> None:
@@ -58,9 +57,9 @@ def test_where_no_motion_begins_all_is_played_and_said(tmp_path: Path, arm: Arm)
     recorder.blocks(0, 100)
     recorder.mark("end", 1, 50)
     recorder.writer.close()
-    said: list[str] = []
-    assert recording_source(tmp_path / "tail.mcap", None, said.append).durations_s[1] == pytest.approx(0.099)
-    assert "no motion begins in it, so all of it is played as trial 1" in said[-1]
+    source = recording_source(tmp_path / "tail.mcap", None)
+    assert source.durations_s[1] == pytest.approx(0.099)
+    assert "no motion begins in it, so all of it is played as trial 1" in source.notes[-1].text
 
 
 def test_files_that_are_not_there_or_not_of_the_run_are_said(run: Path, arm: Arm) -> None:
@@ -69,9 +68,9 @@ def test_files_that_are_not_there_or_not_of_the_run_are_said(run: Path, arm: Arm
     other.blocks(0, 100)
     other.writer.close()
     numbered(run, 6).write_bytes(b"t,q1\n0,0\n")
-    said: list[str] = []
-    assert recording_source(run, None, said.append).trials == (1, 2)
-    assert len(said) == 3
-    assert f"2 file(s) between {run.name} and {numbered(run, 4).name} are not there" in said[0]
-    assert f"{numbered(run, 5).name}: it is of another run" in said[1]
-    assert said[2].endswith("it is not played")
+    source = recording_source(run, None)
+    assert source.trials == (1, 2)
+    lost, other_run, no_recording = source.notes
+    assert lost.text == f"2 file(s) between {run.name} and {numbered(run, 4).name} are not there: not played"
+    assert other_run.source == str(numbered(run, 5)) and "it is of another run" in other_run.text
+    assert no_recording.kind == "unused" and no_recording.text.endswith("it is not played")
