@@ -32,6 +32,8 @@ class Field:
     words: str
 
 
+_WHOLE = f"a whole number from {1 - _WORD} to {_WORD - 1}"
+
 #: Every command with what it takes besides v and cmd.
 COMMANDS: Mapping[str, Field | None] = {
     "play": None,
@@ -40,8 +42,8 @@ COMMANDS: Mapping[str, Field | None] = {
     "seek": Field("position_s", _number, "a number of seconds"),
     "speed": Field("speed", _number, "a number"),
     "loop": Field("loop", lambda value: isinstance(value, bool), "true or false"),
-    "step": Field("frames", _whole, "a whole number"),
-    "load": Field("trial", _whole, "a whole number"),
+    "step": Field("frames", _whole, _WHOLE),
+    "load": Field("trial", _whole, _WHOLE),
     "list": None,
     "state": None,
     "arm": None,

@@ -40,7 +40,7 @@ def file_source(path: Path, arm: Arm, columns: str | None = None) -> Source:
             signals["q"] = unwrapped
     motions = {number: _trajectory(signals) for number, signals in trials.items()}
     durations = {number: motion.duration_s for number, motion in motions.items()}
-    return Source(path.name, arm, durations, motions.__getitem__, notes=tuple(notes))
+    return Source(path.name, arm, durations, motions.__getitem__, notes=tuple(notes), begins_s=found.stamps_s)
 
 
 def _trajectory(signals: Signals) -> Trajectory:

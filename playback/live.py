@@ -1,5 +1,8 @@
 """A stream that is passed on as it comes."""
 
+from collections.abc import Mapping
+
+import numpy as np
 import zmq
 
 from arm.arm_file import format_arm
@@ -12,6 +15,10 @@ from protocol.subscriber import Subscriber
 
 #: What is passed on of a frame; the rest of a message is its sender's.
 _FIELDS = ("frame0", "t0_ns", "dt_s", "n", "method", "q", "dq", "ddq", "tip", "points", "gap")
+
+
+#: A frame's step of time [s]: stamps count ns, and whoever plots reckons in hundredths of a second.
+_LEAST_STEP_S, _MOST_STEP_S = 1e-9, 3600.0
 
 
 class LivePlayer:
@@ -66,8 +73,7 @@ class LivePlayer:
         if message is None or message[0] != FRAMES:
             return None
         fields = message[1]
-        q = fields.get("q")
-        if any(name not in fields for name in _FIELDS) or getattr(q, "shape", (0, 0))[1:] != (self.arm.n_joint,):
+        if not _is_agreed(fields, self.arm.n_joint):
             self.refused += 1
             return None
         if self._began_ns is None:
@@ -128,3 +134,20 @@ class LivePlayer:
             case cmd:
                 raise ConfigError(f"{cmd} is for a stored motion, and this is live: expected play, pause or state")
         return {}
+
+
+def _is_agreed(fields: Mapping[str, object], n_joint: int) -> bool:
+    """Say whether a block of frames has what `limb/frames` is to have, so that it can be passed on and told of."""
+    n, dt_s = fields.get("n"), fields.get("dt_s")
+    if any(type(fields.get(name)) is not int for name in ("frame0", "t0_ns")) or type(n) is not int or n < 1:
+        return False
+    if not isinstance(fields.get("method"), str) or not isinstance(fields.get("gap"), bool):
+        return False
+    if not (isinstance(dt_s, int | float) and _LEAST_STEP_S <= dt_s <= _MOST_STEP_S):
+        return False
+    values = {name: fields.get(name) for name in ("q", "dq", "ddq", "tip", "points")}
+    shapes = {name: value.shape for name, value in values.items() if isinstance(value, np.ndarray)}
+    if any(shapes.get(name) != (n, n_joint) for name in ("q", "dq", "ddq")) or shapes.get("tip") != (n, 3):
+        return False
+    points = shapes.get("points", ())
+    return len(points) == 3 and (points[0], points[2]) == (n, 3)  # noqa: PLR2004 - block, sensors, axes

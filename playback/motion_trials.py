@@ -24,14 +24,22 @@ class Trials:
     signals : dict of int to dict of str to ndarray
         By trial: ``t`` of shape (n,) starting at 0, and the signals found, of shape (n, n_joint).
     begins_s : dict of int to float
-        When each began, on the file's own clock.
+        When each began, on the file's own clock; dates are counted from the file's first.
+    origins_s : dict of int to float
+        What that first was, in seconds since 1970; 0 of stamps that are no dates.
     notes : tuple of Note
         What was found while reading, where time leaps, and which trial got which number.
     """
 
     signals: dict[int, Signals]
     begins_s: dict[int, float]
+    origins_s: dict[int, float]
     notes: tuple[Note, ...] = ()
+
+    @property
+    def stamps_s(self) -> dict[int, float]:
+        """When each trial began by what stands in the file: dates in seconds since 1970."""
+        return {number: begin_s + self.origins_s[number] for number, begin_s in self.begins_s.items()}
 
 
 @dataclass(frozen=True)
@@ -41,6 +49,7 @@ class _Piece:
     label: str
     row: int  # the first one's, from 1
     begin_s: float
+    origin_s: float
     signals: Signals
 
 
@@ -92,6 +101,7 @@ def read_trials(
     return Trials(
         {number: piece.signals for number, piece in numbered.items()},
         {number: piece.begin_s for number, piece in numbered.items()},
+        {number: piece.origin_s for number, piece in numbered.items()},
         tuple(notes),
     )
 
@@ -119,7 +129,7 @@ def _pieces(table: Table, label: str, path: Path, notes: list[Note]) -> list[_Pi
                 continue
             signals = {role: values[first:last] for role, values in table.groups.items() if role != "t"}
             own = {"t": t[first:last] - t[first], **signals}
-            found.append(_Piece(name or label, first + 1, float(t[first]), own))
+            found.append(_Piece(name or label, first + 1, float(t[first]), table.origin_s, own))
     return found
 
 

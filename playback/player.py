@@ -222,7 +222,4 @@ class Player:
 
 def _moved(arm: Arm, motion: Trajectory, places: Floats) -> dict[str, Floats]:
     q, dq, ddq = motion.at(places)
-    for j, joint in enumerate(arm.joints):
-        if joint.limits is not None:  # between its nodes a cubic may go a little beyond
-            q[:, j] = np.clip(q[:, j], *joint.limits)
     return {"q": q, "dq": dq, "ddq": ddq, "tip": tip_position(arm, q), "points": sensor_positions(arm, q)}

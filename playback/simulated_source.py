@@ -51,7 +51,7 @@ def simulated_source(path: Path, arm: Arm, columns: str | None = None) -> Source
 
     durations = {number: float(signals["t"][-1]) for number, signals in trials.items()}
     name = f"simulation of {arm.name} following {path.name}"
-    return Source(name, arm, durations, trajectory, notes=found.notes)
+    return Source(name, arm, durations, trajectory, notes=found.notes, begins_s=found.stamps_s)
 
 
 def simulated(arm: Arm, signals: Signals, dt_s: float) -> Trajectory:

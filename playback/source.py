@@ -1,7 +1,7 @@
 """What can be played: the trials of one recording, file or simulation, and the arm that moves."""
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 from arm.model import Arm
 from limbcal.errors import ConfigError
@@ -27,6 +27,8 @@ class Source:
         The virtual arm beside this one, with the same trials on the same clock.
     notes : tuple of Note
         What was found while reading.
+    begins_s : mapping of int to float
+        When each trial began on the clock of what was read [s]; 0 where it does not say.
     """
 
     name: str
@@ -35,6 +37,7 @@ class Source:
     trajectory: Callable[[int], Trajectory]
     twin: "Source | None" = None
     notes: tuple[Note, ...] = ()
+    begins_s: Mapping[int, float] = field(default_factory=dict)
 
     @property
     def trials(self) -> tuple[int, ...]:
@@ -42,7 +45,7 @@ class Source:
         return tuple(sorted(self.durations_s))
 
     def load(self, trial: int | None = None) -> Trajectory:
-        """Return a trial's motion, by default the first one's.
+        """Return a trial's motion, by default the first one's, between its nodes within the joints' limits.
 
         Raises
         ------
@@ -53,4 +56,4 @@ class Source:
         if number not in self.durations_s:
             there = ", ".join(str(known) for known in self.trials)
             raise ConfigError(f"{self.name}: there is no trial {number}, expected one of {there}")
-        return self.trajectory(number)
+        return self.trajectory(number).within([joint.limits for joint in self.arm.joints])

@@ -1,6 +1,7 @@
 """One motion that can be asked for its state at any instant."""
 
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -26,6 +27,10 @@ class Trajectory:
         What the motion came from, as in the ``method`` of `limb/frames`.
     lost : ndarray of bool of shape (n,), optional
         True where samples were lost between a node and the one before it.
+    limits : ndarray of shape (n_joint, 2), optional
+        What a cubic between two nodes does not go beyond [rad or m], unless a node does.
+    begin_s : float
+        When the first node is, on the clock by which the motion is asked.
 
     Raises
     ------
@@ -39,6 +44,8 @@ class Trajectory:
     ddq: Floats
     method: str
     lost: Bools | None = None
+    limits: Floats | None = None
+    begin_s: float = 0.0
 
     def __post_init__(self) -> None:
         n = len(self.t)
@@ -59,6 +66,12 @@ class Trajectory:
         if self.t[0] != 0.0:
             raise DataError(f"t begins at {self.t[0]:.9g} s, expected 0")
 
+    def within(self, limits: Sequence[tuple[float, float] | None]) -> "Trajectory":
+        """Return the motion that keeps to joints' limits between its nodes; the nodes were measured and stay."""
+        if all(limit is None for limit in limits):
+            return self
+        return replace(self, limits=np.array([limit or (-np.inf, np.inf) for limit in limits]))
+
     @property
     def duration_s(self) -> float:
         """Time from the first node to the last."""
@@ -74,7 +87,8 @@ class Trajectory:
         """Return the state at any instants.
 
         Position is the cubic Hermite polynomial through the nodes' q and dq, velocity the one through dq and
-        ddq, acceleration is linear between its nodes. All three are exact at the nodes and continuous.
+        ddq, acceleration is linear between its nodes. All three are exact at the nodes and continuous. Where a
+        cubic leaves the limits further than both of its nodes, position stands at the limit or the node.
 
         Parameters
         ----------
@@ -85,18 +99,22 @@ class Trajectory:
         -------
         q, dq, ddq : ndarray of shape (k, n_joint)
         """
-        t = np.clip(t, 0.0, self.duration_s)
+        t = np.clip(t - self.begin_s, 0.0, self.duration_s)
         left = np.clip(np.searchsorted(self.t, t, side="right") - 1, 0, len(self.t) - 2)
         width = (self.t[left + 1] - self.t[left])[:, None]
         s = (t - self.t[left])[:, None] / width
         q = _hermite(s, width, self.q[left], self.q[left + 1], self.dq[left], self.dq[left + 1])
+        if self.limits is not None:
+            ends = np.stack([self.q[left], self.q[left + 1]])
+            low, high = self.limits.T
+            q = np.clip(q, np.minimum(ends.min(axis=0), low), np.maximum(ends.max(axis=0), high))
         dq = _hermite(s, width, self.dq[left], self.dq[left + 1], self.ddq[left], self.ddq[left + 1])
         return q, dq, (1.0 - s) * self.ddq[left] + s * self.ddq[left + 1]
 
     def gap_between(self, start_s: float, end_s: float) -> bool:
         """Say whether lost samples are bridged anywhere from start_s to end_s."""
-        first = np.searchsorted(self.t, start_s, side="right") - 1
-        last = np.searchsorted(self.t, end_s, side="left")
+        first = np.searchsorted(self.t, start_s - self.begin_s, side="right") - 1
+        last = np.searchsorted(self.t, end_s - self.begin_s, side="left")
         inside = np.clip([first, last], 0, len(self.t) - 1)
         return bool(np.diff(self._lost_before[inside])[0] > 0)
 

@@ -4,9 +4,12 @@ from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
+
 from arm.arm_file import load_arm
 from arm.model import Arm
 from limbcal.errors import ConfigError, DataError
+from playback.common_clock import begins_after, spans_of
 from playback.file_source import file_source
 from playback.motion_trials import Signals, read_trials
 from playback.recording_source import recording_source
@@ -19,7 +22,7 @@ from protocol.tables.files import TABLES
 def with_twin(
     source: Source, twin: str, targets: Path | None, say: Callable[[str], None], columns: str | None = None
 ) -> Source:
-    """Return a source with a virtual arm beside it.
+    """Return a source with a virtual arm beside it, on one clock where the two have one.
 
     Parameters
     ----------
@@ -28,7 +31,7 @@ def with_twin(
     twin : str
         A file of joint motion or a recording, to be shown as it is; or an arm, which is then simulated: under its
         law after the targets ``ref1…``, or under the torque ``tau1…`` where its law is "measured", from the state
-        that the real arm begins in.
+        of the real arm when these begin, or in which it begins after them.
     targets : Path or None
         The file with the targets or the torque.
     say : callable
@@ -45,14 +48,13 @@ def with_twin(
     """
     path = Path(twin)
     if path.suffix.lower() == ".mcap":
-        other = recording_source(path, None, say)
+        other = _stored_twin(source, recording_source(path, None), twin)
     elif path.suffix.lower() in TABLES:
-        other = file_source(path, source.arm, columns)
+        other = _stored_twin(source, file_source(path, source.arm, columns), twin)
     else:
         arm = load_arm(twin)
         _require_alike(source, arm, twin)
         other = _simulated_twin(source, arm, targets, columns)
-    _require_alike(source, other.arm, twin)
     common = [trial for trial in source.trials if trial in other.durations_s]
     if not common:
         raise DataError(f"--twin {twin}: none of the trials of {source.name} is in it")
@@ -71,6 +73,16 @@ def _require_alike(source: Source, arm: Arm, twin: str) -> None:
         )
 
 
+def _stored_twin(source: Source, other: Source, twin: str) -> Source:
+    _require_alike(source, other.arm, twin)
+    later, notes = begins_after(source, spans_of(other.begins_s, other.durations_s), f"--twin {twin}")
+
+    def trajectory(number: int) -> Trajectory:
+        return replace(other.trajectory(number), begin_s=later.get(number, 0.0))
+
+    return replace(other, trajectory=trajectory, notes=(*other.notes, *notes))
+
+
 def _simulated_twin(source: Source, arm: Arm, targets: Path | None, columns: str | None) -> Source:
     name = "tau" if arm.control.law == "measured" else "ref"
     if targets is None or targets.suffix.lower() not in TABLES:
@@ -81,12 +93,21 @@ def _simulated_twin(source: Source, arm: Arm, targets: Path | None, columns: str
         )
     found = read_trials(targets, arm, needed=(name,), columns=columns)
     trials = found.signals
+    durations = {number: float(signals["t"][-1]) for number, signals in trials.items()}
+    later, notes = begins_after(source, spans_of(found.stamps_s, durations), str(targets))
 
     def trajectory(number: int) -> Trajectory:
-        q, dq, _ = source.load(number).at(trials[number]["t"][:1])
-        signals: Signals = {**trials[number], "q": q, "dq": dq}
+        signals, begin_s = _from(trials[number], later.get(number, 0.0))
+        q, dq, _ = source.load(number).at(np.array([max(begin_s, 0.0)]))
         step = even_step(signals["t"], f"{targets}: trial {number}")
-        return simulated(arm, signals, step)
+        return replace(simulated(arm, {**signals, "q": q, "dq": dq}, step), begin_s=begin_s)
 
-    durations = {number: float(signals["t"][-1]) for number, signals in trials.items()}
-    return Source(f"simulation of {arm.name}", arm, durations, trajectory, notes=found.notes)
+    name = f"simulation of {arm.name}"
+    return Source(name, arm, durations, trajectory, notes=(*found.notes, *notes), begins_s=found.stamps_s)
+
+
+def _from(signals: Signals, begin_s: float) -> tuple[Signals, float]:
+    """Return signals without what is before 0 on the real arm's clock, on which they begin, and when they do."""
+    t = signals["t"]
+    k = min(int(np.searchsorted(t, -begin_s)), len(t) - 2)  # two samples stay
+    return {**{name: values[k:] for name, values in signals.items()}, "t": t[k:] - t[k]}, begin_s + float(t[k])

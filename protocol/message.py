@@ -81,7 +81,7 @@ def decode_array(fields: Mapping[str, Any]) -> NDArray[Any]:
     if not isinstance(shape, list | tuple) or len(shape) > MAX_DIMENSIONS or not all(map(_is_length, shape)):
         raise ProtocolError(f"array: shape is {_short(shape)}, expected up to {MAX_DIMENSIONS} lengths")
     if not isinstance(data, bytes):
-        raise ProtocolError(f"array: data is a {type(data).__name__}, expected bytes")
+        raise ProtocolError(f"array: data is {_kind(data)}, expected bytes")
     dtype = _DTYPES[text]
     if len(data) != math.prod(shape) * dtype.itemsize:
         raise ProtocolError(f"array: {len(data)} bytes, expected {math.prod(shape) * dtype.itemsize}")
@@ -159,7 +159,7 @@ def fields_of(topic: str, document: object) -> dict[str, Any]:
     if topic == PLOT:
         return _plot_fields(document, where)
     if not isinstance(document, dict):
-        raise ProtocolError(f"{where}: payload is a {type(document).__name__}, expected a map")
+        raise ProtocolError(f"{where}: payload is {_kind(document)}, expected a map")
     _check_version(document, where)
     fields = {name: _restore(value, where, 1) for name, value in document.items()}
     _check_names(fields, where)
@@ -168,7 +168,7 @@ def fields_of(topic: str, document: object) -> dict[str, Any]:
 
 def _plot_fields(document: object, where: str) -> dict[str, Any]:
     if not isinstance(document, list):
-        raise ProtocolError(f"{where}: payload is a {type(document).__name__}, expected an array of maps")
+        raise ProtocolError(f"{where}: payload is {_kind(document)}, expected an array of maps")
     fields: dict[str, Any] = {"v": VERSION, "rows": []}
     for row in document:
         if not isinstance(row, dict) or not all(isinstance(value, int | float) for value in row.values()):
@@ -207,7 +207,7 @@ def _restore(value: object, where: str, depth: int) -> object:
         return [_restore(item, where, depth + 1) for item in value]
     if value is None or isinstance(value, bool | int | float | str | bytes):
         return value
-    raise ProtocolError(f"{where}: found a {type(value).__name__}, expected plain values")
+    raise ProtocolError(f"{where}: found {_kind(value)}, expected plain values")
 
 
 def _plain(value: object) -> object:
@@ -216,7 +216,14 @@ def _plain(value: object) -> object:
         return encode_array(value)
     if isinstance(value, np.generic):
         return value.item()
-    raise TypeError(f"found a {type(value).__name__}, expected plain values and arrays")
+    if isinstance(value, int):
+        raise TypeError(f"found a whole number of {value.bit_length()} bits, expected at most 64")
+    raise TypeError(f"found {_kind(value)}, expected plain values and arrays")
+
+
+def _kind(value: object) -> str:
+    name = type(value).__name__
+    return f"{'an' if name[0] in 'aeiou' else 'a'} {name}"
 
 
 def _no_extension(code: int, _data: bytes) -> object:

@@ -12,6 +12,12 @@ def numbered(path: Path, number: int) -> Path:
     return path.with_stem(f"{path.stem}-{number:03d}")
 
 
+def number_of(path: Path) -> int:
+    """Return which file of its recording one is, from 1."""
+    number = _NUMBER.search(path.stem)
+    return 1 if number is None else int(number[1])
+
+
 def files_of(path: Path) -> list[Path]:
     """Return the files of a recording that are there, in the order in which they were written.
 

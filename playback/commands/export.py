@@ -29,6 +29,9 @@ KEYED = (".glb", ".gltf")
 MOST_TURN_RAD = 0.5 * math.pi
 MAX_RATE_HZ = 1000.0
 MAX_GIF_HZ = 50.0  # browsers show faster ones slowly
+MIN_GIF_HZ = 100.0 / 65535  # a picture's time is counted in hundredths of a second, in 16 bits
+#: How many times faster or slower a motion may be; beyond, it is no motion to look at.
+MIN_SPEED, MAX_SPEED = 1e-3, 1e3
 SMALLEST, LARGEST = (320, 180), (3840, 2160)
 
 #: As it stands in the help.
@@ -91,10 +94,12 @@ def _mistakes(arguments: argparse.Namespace, suffix: str) -> Iterator[str]:
         return
     most = MAX_GIF_HZ if suffix == ".gif" else MAX_RATE_HZ
     rate_hz = _rate_hz(arguments, suffix)
-    if not (math.isfinite(rate_hz) and 0.0 < rate_hz <= most):
+    if suffix == ".gif" and 0.0 < rate_hz < MIN_GIF_HZ:
+        yield f"--rate-hz is {rate_hz:g}, expected at least {MIN_GIF_HZ:.4g} for {suffix}"
+    elif not (math.isfinite(rate_hz) and 0.0 < rate_hz <= most):
         yield f"--rate-hz is {rate_hz:g}, expected above 0 and at most {most:g} for {suffix}"
-    if not (math.isfinite(arguments.speed) and arguments.speed > 0.0):
-        yield f"--speed is {arguments.speed:g}, expected above 0"
+    if not MIN_SPEED <= arguments.speed <= MAX_SPEED:
+        yield f"--speed is {arguments.speed:g}, expected from {MIN_SPEED:g} to {MAX_SPEED:g}"
     if arguments.size is not None and suffix not in SIZES:
         yield f"--size is given for {suffix}, expected only for {' and '.join(SIZES)}"
     elif arguments.size is not None:

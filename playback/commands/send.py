@@ -64,6 +64,9 @@ def _value(arguments: argparse.Namespace) -> Value | None:
         return 1
     if value is None:
         raise ConfigError(f"{arguments.cmd}: --{mine} goes with {arguments.cmd}, and is missing")
+    field = COMMANDS[arguments.cmd]
+    if field is not None and not field.fits(value):
+        raise ConfigError(f"{arguments.cmd}: --{mine} is {value}, expected {field.words}")
     number: Value = value
     return number
 

@@ -84,7 +84,7 @@ def _open(arguments: argparse.Namespace) -> Source:
 
 def _stored(path: Path, arm: str | None, columns: str | None) -> Source:
     if path.suffix.lower() == ".mcap":
-        return recording_source(path, None if arm is None else load_arm(arm), say)
+        return recording_source(path, None if arm is None else load_arm(arm))
     if path.suffix.lower() not in TABLES:
         expected = ", ".join((".mcap", *TABLES))
         raise ConfigError(f"{path}: the suffix is {path.suffix!r}, expected one of {expected}")

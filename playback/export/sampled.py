@@ -99,13 +99,14 @@ def sample(
     """
     number = source.trials[0] if trial is None else trial
     motion = source.load(number)
-    n_frame = int(motion.duration_s / speed * rate_hz + 1e-6) + 1  # the last node, despite rounding
-    if n_frame > MOST_FRAMES:
+    steps = motion.duration_s / speed * rate_hz + 1e-6  # the last node, despite rounding
+    if not steps < MOST_FRAMES:
         raise ConfigError(
             f"{source.name}: {motion.duration_s:.6g} s at {rate_hz:g} Hz and {speed:g} times the speed are "
-            f"{n_frame} frames, expected at most {MOST_FRAMES}: a lower --rate-hz or a higher --speed"
+            f"{np.floor(steps) + 1.0:.9g} frames, expected at most {MOST_FRAMES}: a lower --rate-hz or a higher "
+            f"--speed"
         )
-    t = np.arange(n_frame) / rate_hz
+    t = np.arange(int(steps) + 1) / rate_hz
     owners = [owner for owner in (source, source.twin) if owner is not None]
     motions = [motion if owner is source else owner.load(number) for owner in owners]
     if most_turn_rad is not None:

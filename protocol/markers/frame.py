@@ -3,9 +3,12 @@
 import numpy as np
 
 from limbcal.note import Note
+from protocol.tables.units import Unit, parse_unit
 
-#: Units of length that a header may name [m].
-UNITS = {"m": 1.0, "mm": 1e-3, "cm": 1e-2, "dm": 0.1, "in": 0.0254, "inch": 0.0254, "": 1.0}
+#: What is tried where the header's unit is none, or cannot be.
+_METRE, _MILLIMETRE, _CENTIMETRE, _INCH = (
+    Unit(name, "length", factor) for name, factor in (("m", 1.0), ("mm", 1e-3), ("cm", 1e-2), ("in", 0.0254))
+)
 #: Mean distance of a person's markers from their middle [m]: from a hand's to two persons' beside a wheelchair.
 _SMALLEST_M, _LARGEST_M = 0.04, 3.0
 #: … and of a whole person's [m].
@@ -16,7 +19,7 @@ _LONGER = 1.3
 _BELOW = 0.1
 
 
-def unit_of(points: np.ndarray, said: str) -> tuple[list[Note], str]:
+def unit_of(points: np.ndarray, said: str) -> tuple[list[Note], Unit]:
     """Say if the unit contradicts the size of a person, and return the one that fits.
 
     Parameters
@@ -24,28 +27,50 @@ def unit_of(points: np.ndarray, said: str) -> tuple[list[Note], str]:
     points : (n_frame, n_marker, 3)
         In the file's unit.
     said : str
-        The header's unit.
+        The header's unit, as `protocol.tables.units.parse_unit` reads it, in any case; empty if it names none.
+
+    Returns
+    -------
+    notes : list of Note
+        Where the unit is not the header's, or a guess.
+    unit : Unit
+        Metres where nothing tells.
     """
-    named = said.strip().lower()
+    named = _length(said)
     size = _size(points)
     if not size > 0.0:
-        return [], named or "m"
+        return [], named or _METRE
 
-    def fits(unit: str) -> bool:
-        return _SMALLEST_M <= size * UNITS[unit] <= _LARGEST_M
+    def fits(unit: Unit) -> bool:
+        return _SMALLEST_M <= size * unit.factor <= _LARGEST_M
 
-    if named in UNITS and fits(named):
-        return [], named or "m"
-    others = [unit for unit in ("m", "mm", "cm") if fits(unit)]
-    if not others:
-        return [], named if named in UNITS else "m"
-    used = min(others, key=lambda unit: abs(np.log(size * UNITS[unit] / _USUAL_M)))
-    length = f"{size:.3g} {said or 'without a unit'}"
-    text = f"its markers lie {length} from their middle: the lengths are {used}, and taken for that"
-    inches_m = size * UNITS["in"]
-    if fits("in") and abs(np.log(inches_m / _USUAL_M)) < abs(np.log(size * UNITS[used] / _USUAL_M)):
-        text += f"; were they inches it would be {inches_m:.2g} m, as of a whole person"
+    if named is not None and fits(named):
+        return [], named
+    if not said.strip() and fits(_METRE):
+        return [], _METRE
+    away = f"its markers lie {size:.3g} {said.strip() or 'without a unit'} from their middle"
+    if said.strip() and named is None:
+        away = f"its header's unit {said.strip()!r} is not known; {away}"
+    likely = [unit for unit in (_METRE, _MILLIMETRE, _CENTIMETRE) if fits(unit)]
+    if not likely:
+        used = named or _METRE
+        return [Note("unit", f"{away}, which is no person's size in any unit: taken for {used.name}")], used
+    used = min(likely, key=lambda unit: abs(np.log(size * unit.factor / _USUAL_M)))
+    text = f"{away}: the lengths are taken for {_metres(size, used)}"
+    others = [unit for unit in (*likely, _INCH) if unit != used and fits(unit)]
+    if others:
+        text += f"; {' or '.join(_metres(size, unit) for unit in others)} would fit a person, too"
     return [Note("unit", text)], used
+
+
+def _metres(size: float, unit: Unit) -> str:
+    return f"{unit.name} ({size * unit.factor:.2g} m)"
+
+
+def _length(said: str) -> Unit | None:
+    """Return the unit of length that a header names, in any case: it measures nothing else."""
+    unit = parse_unit(said) or parse_unit(said.lower())
+    return unit if unit is not None and unit.dimension == "length" else None
 
 
 def _size(points: np.ndarray) -> float:

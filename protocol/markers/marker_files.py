@@ -11,7 +11,7 @@ from limbcal.note import Note
 from protocol.markers.c3d_file import read_c3d
 from protocol.markers.clock import timed
 from protocol.markers.force_notes import nan_forces
-from protocol.markers.frame import UNITS, unit_of, up_of
+from protocol.markers.frame import unit_of, up_of
 from protocol.markers.labels import computed, doubled, names_of, prefixes
 from protocol.markers.marker_jumps import jumps
 from protocol.markers.missing import ended, gaps, zeros
@@ -95,10 +95,10 @@ def _in_metres(raw: RawRecording) -> Looked:
     notes += said
     said, unit = unit_of(points, raw.unit)
     notes += said
-    positions = points * UNITS.get(unit, 1.0)
+    positions = points * unit.factor
     said, up = up_of(positions, raw.up)
     notes += [*said, *doubled(names, positions), *nan_forces(raw.forces)]
-    recording = MarkerRecording(raw.path, raw.rate_hz, names, positions, unit, up, raw.forces, raw.t0_s)
+    recording = MarkerRecording(raw.path, raw.rate_hz, names, positions, unit.name, up, raw.forces, raw.t0_s)
     return Looked(recording, tuple(notes))
 
 

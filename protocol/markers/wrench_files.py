@@ -1,6 +1,5 @@
 """Forces from outside, as wrenches in the laboratory's frame: MOT and STO tables, and C3D plates."""
 
-import re
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -8,15 +7,10 @@ import numpy as np
 
 from limbcal.errors import ConfigError, DataError
 from protocol.markers.text_table import number_of, text_of
+from protocol.markers.wrench_columns import plate_columns
 from protocol.tables.table import Floats
+from protocol.tables.units import known_units, parse_unit
 
-#: A column of a force, point or moment: the plate's name, the kind, the axis (OpenSim's external loads).
-_COLUMN = re.compile(
-    r"(?P<plate>.*?)_?(?<![a-z])(?P<kind>[vpmft])_?(?P<axis>[xyz])(?P<after>_?\d*)", re.IGNORECASE
-)
-#: One of a moment whose name alone says so, such as ``ground_torque_x``.
-_MOMENT = re.compile(r"(?P<plate>.*?(?:torque|moment)(?:_?\d+)?)_(?P<axis>[xyz])(?P<after>_?\d*)", re.IGNORECASE)
-_KINDS = {"f": "v", "t": "m"}
 #: Lines that a header may have.
 _MOST_HEADER = 1000
 #: A plate that reads less has nothing on it [N].
@@ -34,7 +28,8 @@ class PlateWrench:
     name : str
     t : (n,) [s]
     force, point_m, moment : (n, 3) [N], [m], [N m]
-        The force at its point of application and the free moment there, in the laboratory's frame.
+        The force at its point of application and the free moment there, in the laboratory's frame; of a table
+        without points, force and moment at the laboratory's origin.
     """
 
     name: str
@@ -76,7 +71,7 @@ def read_wrenches(path: Path) -> list[PlateWrench]:
     ConfigError
         If it cannot be opened, or has another ending.
     DataError
-        If it holds no forces.
+        If it holds no forces, or columns of a plate are missing, stand twice or belong to none.
     """
     suffix = path.suffix.lower()
     if suffix not in (".mot", ".sto", ".c3d"):
@@ -117,24 +112,14 @@ def _plates_of_table(path: Path) -> list[PlateWrench]:
             f"{path}: row {k + 2} is at {numbers[k + 1, 0]:g} s and the one before it at {numbers[k, 0]:g} s, "
             f"expected times that rise"
         )
-    columns: dict[str, dict[str, int]] = {}
-    for k, name in enumerate(names[1:], 1):
-        moment = _MOMENT.fullmatch(name)
-        found = moment or _COLUMN.fullmatch(name)
-        if found:
-            letter = "m" if moment else found["kind"].lower()
-            kind = _KINDS.get(letter, letter)
-            plate = (found["plate"] + found["after"]).replace("torque", "force").replace("moment", "force")
-            columns.setdefault(plate.rstrip("_") or "force", {})[kind + found["axis"].lower()] = k
 
-    def part(of: dict[str, int], kind: str) -> Floats:
-        axes = [numbers[:, of[kind + a]] if kind + a in of else np.zeros(len(numbers)) for a in "xyz"]
+    def part(of: dict[str, int]) -> Floats:
+        axes = [numbers[:, of[axis]] if axis in of else np.zeros(len(numbers)) for axis in "xyz"]
         return np.column_stack(axes)
 
     return [
-        PlateWrench(name, numbers[:, 0], part(of, "v"), part(of, "p"), part(of, "m"))
-        for name, of in columns.items()
-        if {"vx", "vy", "vz"} <= of.keys()
+        PlateWrench(plate.name, numbers[:, 0], part(plate.force), part(plate.point), part(plate.moment))
+        for plate in plate_columns(names, path)
     ]
 
 
@@ -150,10 +135,17 @@ def _plates_of_c3d(path: Path) -> list[PlateWrench]:
     rate_hz = float(file["parameters"]["ANALOG"]["RATE"]["value"][0])
     plates = []
     for k, platform in enumerate(file["data"]["platform"]):
-        metre = {"mm": 1e-3, "cm": 1e-2, "m": 1.0}.get(str(platform["unit_position"]), 1e-3)
-        newton_metre = {"Nmm": 1e-3, "Nm": 1.0}.get(str(platform["unit_moment"]), 1e-3)
+        metre = _factor(platform["unit_position"], "length", f"{path}: the position of plate {k + 1}")
+        newton_metre = _factor(platform["unit_moment"], "torque", f"{path}: the moment of plate {k + 1}")
         force = np.asarray(platform["force"], dtype=np.float64).T
         point = metre * np.asarray(platform["center_of_pressure"], dtype=np.float64).T
         moment = newton_metre * np.asarray(platform["Tz"], dtype=np.float64).T
         plates.append(PlateWrench(f"plate {k + 1}", np.arange(len(force)) / rate_hz, force, point, moment))
     return plates
+
+
+def _factor(said: object, dimension: str, where: str) -> float:
+    unit = parse_unit(str(said))
+    if unit is None or unit.dimension != dimension:
+        raise DataError(f"{where} is in {str(said)!r}, expected one of {known_units([dimension])}")
+    return unit.factor

@@ -37,8 +37,12 @@ _UNITS: tuple[tuple[tuple[str, ...], str, float], ...] = (
     (("deg", "degree", "degrees"), _ANGLE, _DEG),
     (("rev", "turn", "turns"), _ANGLE, _TURN),
     (("m", "metre", "metres", "meter", "meters"), _LENGTH, 1.0),
-    (("cm",), _LENGTH, 1e-2),
+    (("dm", "decimetre", "decimetres", "decimeter", "decimeters"), _LENGTH, 0.1),
+    (("cm", "centimetre", "centimetres", "centimeter", "centimeters"), _LENGTH, 1e-2),
     (("mm", "millimetre", "millimetres", "millimeter", "millimeters"), _LENGTH, 1e-3),
+    (("um", "micrometre", "micrometres", "micrometer", "micrometers", "micron", "microns"), _LENGTH, 1e-6),
+    (("in", "inch", "inches"), _LENGTH, 0.0254),
+    (("ft", "foot", "feet"), _LENGTH, 0.3048),
     (("s", "sec", "second", "seconds"), _TIME, 1.0),
     (("ms", "msec", "millisecond", "milliseconds"), _TIME, 1e-3),
     (("us", "usec", "microsecond", "microseconds"), _TIME, 1e-6),
@@ -65,6 +69,8 @@ _UNITS: tuple[tuple[tuple[str, ...], str, float], ...] = (
     (("kN",), "force", 1e3),
 )
 _BY_NAME = {name: Unit(names[0], kind, factor) for names, kind, factor in _UNITS for name in names}
+#: At the end of a name these are an input, a force-torque sensor or a part of the body.
+_NO_SUFFIXES = ("in", "ft", "foot", "feet")
 #: In the name of a column ``/`` and ``.`` are often ``_``: ``dq1_rad_s``, ``tau1_N_m``.
 _BY_SUFFIX = {re.sub(r"[/.]", "_", name): unit for name, unit in _BY_NAME.items()} | _BY_NAME
 _PLAIN = str.maketrans({"µ": "u", "μ": "u", "·": ".", "⋅": ".", "∙": ".", "*": ".", "²": "2", "⁻": "-", "^": None})
@@ -132,7 +138,7 @@ def split_unit(name: str) -> tuple[str, Unit | None, bool]:
     parts = name.strip().split("_")
     for k in range(1, len(parts)):
         suffix = "_".join(parts[k:])
-        unit = _BY_SUFFIX.get(suffix) or parse_unit(suffix)
+        unit = None if suffix.lower() in _NO_SUFFIXES else _BY_SUFFIX.get(suffix) or parse_unit(suffix)
         bare = "_".join(parts[:k])
         if unit is not None and bare:
             return bare, unit, len(suffix) > 1

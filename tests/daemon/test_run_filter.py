@@ -4,7 +4,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import pytest
 import zmq
 
 from fitter.data.recordings import read_frames
@@ -71,4 +70,5 @@ def test_the_filter_follows_the_virtual_arm(limbd: Limbd, virtual_arm: NewArm, t
     assert all(row["q_std1"] > 0.0 for row in rows)
     for motion in read_frames(Path(announced["recording"]), 2):
         assert motion.columns["q_std"].shape == motion.columns["q"].shape
-    assert recording_source(Path(announced["recording"]), None, pytest.fail).trials == (1, 2)
+    source = recording_source(Path(announced["recording"]), None)
+    assert (source.trials, source.notes) == ((1, 2), ())

@@ -164,3 +164,30 @@ def test_each_field_of_a_frame_is_needed(daemon: Publisher, player: LivePlayer, 
     assert come(player) is None and player.refused == 1
     daemon.publish(FRAMES, {**block(0), "q": 5})
     assert come(player) is None and player.refused == 2
+
+
+@pytest.mark.parametrize(
+    "wrong",
+    [
+        {"n": 0, **{name: np.zeros((0, 2)) for name in ("q", "dq", "ddq")}},
+        {"n": 0, "q": np.zeros((0, 2)), "dq": np.zeros((0, 2)), "ddq": np.zeros((0, 2)),
+         "tip": np.zeros((0, 3)), "points": np.zeros((0, 4, 3))},
+        {"n": 500}, {"n": -10}, {"n": 10.0}, {"n": None},
+        {"dt_s": 0.0}, {"dt_s": -0.001}, {"dt_s": "x"}, {"dt_s": None}, {"dt_s": float("nan")},
+        {"dt_s": float("inf")}, {"dt_s": 1e-320}, {"dt_s": 1e300},
+        {"t0_ns": None}, {"t0_ns": 1e18}, {"t0_ns": "now"}, {"frame0": None}, {"frame0": 0.5},
+        {"q": None}, {"dq": None}, {"ddq": [[0.0, 0.0]] * 10}, {"dq": np.zeros((3, 2))}, {"ddq": np.zeros(20)},
+        {"tip": np.zeros((10, 2))}, {"tip": None}, {"points": np.zeros((10, 3))}, {"points": np.zeros((9, 4, 3))},
+        {"gap": None}, {"method": 7},
+    ],
+)  # fmt: skip
+def test_a_block_that_is_not_as_agreed_ends_nothing(
+    context, daemon: Publisher, player: LivePlayer, fake_time, wrong: dict[str, object]
+) -> None:
+    with Server(context, player, fake_time.clocks, fake_time.sleep, FREE, FREE) as server:
+        for k, fields in enumerate(({**block(0), **wrong}, block(1))):
+            daemon.publish(FRAMES, fields)
+            assert player.waits_on.poll(PATIENCE_MS)
+            server.step()
+            assert server.state()["refused"] == 1
+            assert (server.state()["rate_hz"] is None) is (k == 0)

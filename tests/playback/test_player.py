@@ -12,6 +12,7 @@ from arm.arm_file import format_arm
 from arm.kinematics import sensor_positions, tip_position
 from limbcal.errors import ConfigError
 from playback.control_message import Request
+from playback.export.sampled import sample
 from playback.player import Player
 from playback.playhead import Clocks
 from playback.source import Source
@@ -128,6 +129,21 @@ def test_between_its_nodes_no_motion_goes_beyond_the_joints_limits(arm, fake_tim
         frames.append(np.concatenate([frame["q"] for frame in drain(player)])[:, 0])
     assert frames[0].max() > 1.2
     np.testing.assert_array_equal(frames[1], np.minimum(frames[0], 1.0))
+
+
+def test_what_was_measured_beyond_a_limit_is_played_and_told_alike(arm, fake_time: Any) -> None:
+    t = np.linspace(0.0, 1.0, 11)
+    q = np.column_stack([-1.0 - 0.2 * np.sin(np.pi * t), t])
+    beyond = Trajectory(t, q, np.gradient(q, t, axis=0), np.zeros((11, 2)), "file")
+    limited = replace(arm, joints=(replace(arm.joints[0], limits=(-1.0, 1.0)), arm.joints[1]))
+    source = Source("beyond", limited, {1: 1.0}, lambda _: beyond)
+    player = Player(source, 10.0, fake_time.clocks)
+    player.play()
+    fake_time.now_s += 2.0
+    np.testing.assert_allclose(np.concatenate([frame["q"] for frame in drain(player)]), q, atol=1e-12)
+    player.carry_out(Request("seek", 0.5))
+    assert player.state()["q"] == pytest.approx([-1.2, 0.5])
+    np.testing.assert_allclose(sample(source, 1, 10.0, 1.0).movers[0].q, q, atol=1e-12)
 
 
 @pytest.mark.parametrize(

@@ -1,49 +1,17 @@
 """Recordings of the daemon as something to play."""
 
-import uuid
-from collections.abc import Mapping
 from pathlib import Path
 
 import numpy as np
 import pytest
 
-from arm.arm_file import format_arm, load_arm
+from arm.arm_file import load_arm
 from arm.model import Arm
 from limbcal.errors import ConfigError, DataError, ProtocolError
 from playback.recording_source import recording_source
 from playback.trajectory import Trajectory
-from protocol.message import FRAMES, RAW, TRIAL, encode
-from protocol.recording import RecordingWriter
-
-START_NS = 1_700_000_000_000_000_000
-DT_S = 1e-3
-BLOCK = 10
-
-
-def motion(k: np.ndarray) -> np.ndarray:
-    return np.column_stack([np.sin(0.01 * k), np.cos(0.02 * k)])
-
-
-class Recorder:
-    """Records a made-up motion as the daemon would."""
-
-    def __init__(self, path: Path, arm: Arm) -> None:
-        self.writer = RecordingWriter(path, format_arm(arm), "")
-        self.common = {"arm": arm.name, "run": str(uuid.uuid4())}
-
-    def write(self, topic: str, t_ns: int, fields: Mapping[str, object]) -> None:
-        self.writer.write(topic, encode(topic, {**self.common, "seq": 0, **fields})[1], t_ns)
-
-    def block(self, frame0: int, n: int = BLOCK, *, gap: bool = False, **other: object) -> None:
-        q = motion(np.arange(frame0, frame0 + n))
-        t0_ns = START_NS + frame0 * 1_000_000
-        fields = {"frame0": frame0, "t0_ns": t0_ns, "dt_s": DT_S, "n": n, "method": "integrate", "gap": gap}
-        fields |= {"q": q, "dq": 2 * q, "ddq": 3 * q, "tip": np.zeros((n, 3)), "points": np.zeros((n, 4, 3))}
-        self.write(FRAMES, t0_ns, fields | other)
-
-    def mark(self, state: str, trial: int, frame: int) -> None:
-        t_ns = START_NS + frame * 1_000_000
-        self.write(TRIAL, t_ns, {"trial": trial, "t_ns": t_ns, "state": state, "role": "learn"})
+from protocol.message import FRAMES, RAW
+from tests.playback.recorder import BLOCK, DT_S, START_NS, Recorder, motion
 
 
 @pytest.fixture
@@ -70,10 +38,12 @@ def test_each_marked_motion_is_a_trial(path: Path, arm: Arm) -> None:
     recorder.mark("begin", 2, 1500)
     recorder.mark("end", 2, 1700)
     recorder.writer.close()
-    said: list[str] = []
-    source = recording_source(path, None, said.append)
-    assert (source.name, source.arm, said) == ("run.mcap", arm, [])
+    source = recording_source(path, None)
+    assert (source.name, source.arm, source.notes) == ("run.mcap", arm, ())
     assert source.durations_s == pytest.approx({1: 0.150, 2: 0.2})
+    assert source.begins_s == pytest.approx(
+        {1: 1e-9 * START_NS + 1.105, 2: 1e-9 * START_NS + 1.5}, abs=1e-6, rel=0
+    )
     check(source.load(1), 1105, 1255)
     check(source.load(2), 1500, 1700)
 
@@ -86,7 +56,7 @@ def test_lost_frames_are_bridged_and_marked(path: Path, arm: Arm) -> None:
     recorder.mark("begin", 1, 0)
     recorder.mark("end", 1, 49)
     recorder.writer.close()
-    found = recording_source(path, None, pytest.fail).load()
+    found = recording_source(path, None).load()
     np.testing.assert_allclose(np.diff(found.t), [1e-3] * 9 + [21e-3] + [1e-3] * 19)
     assert found.lost is not None
     assert np.flatnonzero(found.lost).tolist() == [10, 20]
@@ -97,11 +67,10 @@ def test_a_recording_without_marks_is_one_trial(path: Path, arm: Arm) -> None:
     for frame0 in range(0, 100, BLOCK):
         recorder.block(frame0)
     recorder.writer.close()
-    said: list[str] = []
-    source = recording_source(path, None, said.append)
+    source = recording_source(path, None)
     check(source.load(1), 0, 99)
-    assert len(said) == 1
-    assert "no motion is marked" in said[0]
+    (note,) = source.notes
+    assert note.kind == "trials" and "no motion is marked" in note.text
 
 
 def test_a_recording_cut_by_a_kill_is_played_as_far_as_it_goes(path: Path, arm: Arm) -> None:
@@ -114,9 +83,9 @@ def test_a_recording_cut_by_a_kill_is_played_as_far_as_it_goes(path: Path, arm: 
             reached = recorder.writer.size_bytes
     recorder.writer.close()
     path.write_bytes(path.read_bytes()[: reached + 50])
-    said: list[str] = []
-    check(recording_source(path, None, said.append).load(1), 20, 109)
-    assert any("cut" in sentence for sentence in said)
+    source = recording_source(path, None)
+    check(source.load(1), 20, 109)
+    assert [note.kind for note in source.notes] == ["damaged"] and "cut" in source.notes[0].text
 
 
 def test_a_trial_without_frames_is_left_out_and_said(path: Path, arm: Arm) -> None:
@@ -126,9 +95,9 @@ def test_a_trial_without_frames_is_left_out_and_said(path: Path, arm: Arm) -> No
     recorder.mark("end", 1, 9)
     recorder.mark("begin", 2, 500)
     recorder.writer.close()
-    said: list[str] = []
-    assert recording_source(path, None, said.append).trials == (1,)
-    assert "trial 2 is left out" in said[0]
+    source = recording_source(path, None)
+    assert source.trials == (1,)
+    assert f"{path}: trial 2 is left out" in source.notes[0].sentence
 
 
 def test_another_arm_can_be_put_in_place_of_the_recorded_one(path: Path, arm: Arm) -> None:
@@ -136,7 +105,7 @@ def test_another_arm_can_be_put_in_place_of_the_recorded_one(path: Path, arm: Ar
     recorder.block(0)
     recorder.writer.close()
     vertical = load_arm("dd-arm-vertical")
-    assert recording_source(path, vertical, lambda _: None).arm == vertical
+    assert recording_source(path, vertical).arm == vertical
 
 
 @pytest.mark.parametrize(
@@ -162,17 +131,17 @@ def test_a_recording_that_cannot_be_played_is_refused_in_one_sentence(
     write(recorder)
     recorder.writer.close()
     with pytest.raises(error, match=said) as caught:
-        recording_source(path, None, lambda _: None)
+        recording_source(path, None)
     assert str(path) in str(caught.value)
     assert "\n" not in str(caught.value)
 
 
 def test_what_is_no_recording_is_refused(path: Path) -> None:
     with pytest.raises(DataError, match="cannot be read"):
-        recording_source(path, None, pytest.fail)
+        recording_source(path, None)
     path.write_bytes(b"t,q1\n0,0\n")
     with pytest.raises(ProtocolError, match="expected an MCAP"):
-        recording_source(path, None, pytest.fail)
+        recording_source(path, None)
 
 
 def test_a_rate_that_was_found_meanwhile_is_followed(path: Path, arm: Arm) -> None:
@@ -180,7 +149,7 @@ def test_a_rate_that_was_found_meanwhile_is_followed(path: Path, arm: Arm) -> No
     for frame0, dt_s in ((0, 0.001), (10, 0.001), (20, 0.00104), (30, 0.00104)):
         recorder.block(frame0, dt_s=dt_s)
     recorder.writer.close()
-    found = recording_source(path, None, lambda _: None).load(1)
+    found = recording_source(path, None).load(1)
     np.testing.assert_allclose(np.diff(found.t), [0.001] * 20 + [0.00104] * 19, atol=1e-12)
 
 
@@ -190,7 +159,7 @@ def test_frames_whose_numbers_leap_were_lost(path: Path, arm: Arm, second: int, 
     recorder.block(0)
     recorder.block(second)
     recorder.writer.close()
-    found = recording_source(path, None, lambda _: None).load(1).lost
+    found = recording_source(path, None).load(1).lost
     assert found is not None and np.flatnonzero(found).tolist() == lost
 
 
@@ -205,7 +174,7 @@ def test_two_frames_are_a_trial(path: Path, arm: Arm, end: int, trials: tuple[in
     recorder.mark("begin", 2, 24)
     recorder.mark("end", 2, end)
     recorder.writer.close()
-    source = recording_source(path, None, lambda _: None)
+    source = recording_source(path, None)
     assert source.trials == trials
     if 2 in trials:
         check(source.load(2), 24, end)
@@ -217,7 +186,7 @@ def test_frames_of_other_joints_do_not_follow(path: Path, arm: Arm) -> None:
     recorder.block(10, **dict.fromkeys(("q", "dq", "ddq"), np.zeros((10, 3))))
     recorder.writer.close()
     with pytest.raises(ProtocolError, match="frames of 2 joints are followed by frames of 3, expected no change"):
-        recording_source(path, None, pytest.fail)
+        recording_source(path, None)
 
 
 def test_an_empty_block_changes_nothing(path: Path, arm: Arm) -> None:
@@ -227,4 +196,4 @@ def test_an_empty_block_changes_nothing(path: Path, arm: Arm) -> None:
     recorder.block(10, 0, dt_s=9.0)
     recorder.block(10)
     recorder.writer.close()
-    assert recording_source(path, None, lambda _: None).load(1).duration_s > 0.0
+    assert recording_source(path, None).load(1).duration_s > 0.0

@@ -1,5 +1,7 @@
 """The motion between its nodes."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from hypothesis import given
@@ -45,6 +47,33 @@ def test_it_is_continuous_and_stands_outside(seed: int) -> None:
     outside = motion.at(np.array([-1.0, motion.duration_s + 1.0]))
     for found, known in zip(outside, (motion.q, motion.dq, motion.ddq), strict=True):
         np.testing.assert_array_equal(found, known[[0, -1]])
+
+
+def test_a_motion_may_begin_later_on_the_clock_that_asks() -> None:
+    whole = replace(random_trajectory(3), lost=np.arange(12) == 4)
+    late = replace(whole, begin_s=0.25)
+    t = np.linspace(-0.5, whole.duration_s + 0.5, 100)
+    for found, known in zip(late.at(t + 0.25), whole.at(t), strict=True):
+        np.testing.assert_allclose(found, known, atol=1e-9)
+    places = [(whole.t[3], whole.t[4]), (whole.t[4], whole.t[5])]
+    assert [late.gap_between(a + 0.25, b + 0.25) for a, b in places] == [True, False]
+
+
+@given(st.integers(0, 10_000))
+def test_limits_bound_cubics_and_leave_nodes(seed: int) -> None:
+    free = random_trajectory(seed)
+    limited = free.within([(-0.5, 0.5), None, (0.2, 0.3)])
+    np.testing.assert_array_equal(limited.at(limited.t)[0], free.q)
+    t = np.linspace(0.0, free.duration_s, 400)
+    left = np.clip(np.searchsorted(free.t, t, side="right") - 1, 0, len(free.t) - 2)
+    ends = np.stack([free.q[left], free.q[left + 1]])
+    low, high = np.array([[-0.5, -np.inf, 0.2], [0.5, np.inf, 0.3]])
+    cubic = free.at(t)[0]
+    np.testing.assert_array_equal(
+        limited.at(t)[0],
+        np.minimum(np.maximum(cubic, np.minimum(low, ends.min(0))), np.maximum(high, ends.max(0))),
+    )
+    assert free.within([None, None, None]) is free
 
 
 def test_a_hole_is_told_only_where_it_is_bridged() -> None:

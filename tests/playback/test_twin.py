@@ -95,3 +95,58 @@ def test_what_cannot_be_a_twin_is_refused(real: Source, measured: Path) -> None:
         with_twin(real, "dd-arm", None, print)
     with pytest.raises(ConfigError, match=r"it has \d+ joint\(s\), but what moves in measured.npz has 2"):
         with_twin(real, "spatial-arm", measured, print)
+
+
+def written(path: Path, t: np.ndarray, *, targets: bool = False) -> Path:
+    q = 0.5 * np.sin(3.0 * t)
+    columns = {"t": t, "q1": q, "q2": 0.5 * q}
+    np.savez(path, **columns, **({"ref1": q, "ref2": 0.5 * q} if targets else {}))
+    return path
+
+
+@pytest.mark.parametrize("late", ["real", "twin"])
+def test_files_on_one_clock_are_played_on_it(tmp_path: Path, late: str) -> None:
+    t = np.arange(200) * 0.01
+    arm = load_arm("dd-arm")
+    paths = {name: written(tmp_path / f"{name}.npz", t[50:] if name == late else t) for name in ("real", "twin")}
+    both = with_twin(file_source(paths["real"], arm), str(paths["twin"]), None, print)
+    places = np.linspace(0.6, 1.4, 30) if late == "twin" else np.linspace(0.0, 1.4, 30)
+    np.testing.assert_allclose(both.twin.load(1).at(places)[0], both.load(1).at(places)[0], atol=1e-9)
+    assert [note.kind for note in both.notes] == ["clock"]
+    assert f"trial 1 begins 0.5 s {'later' if late == 'twin' else 'earlier'}" in both.notes[0].text
+
+
+def test_dates_are_a_clock(tmp_path: Path) -> None:
+    t = np.arange(200) * 0.01
+    dates = np.datetime64("2026-03-01T12:00:00", "ns") + np.round(1e9 * t).astype("timedelta64[ns]")
+    for name, first in (("real", 0), ("twin", 50)):
+        q = 0.5 * np.sin(3.0 * t[first:])
+        np.savez(tmp_path / f"{name}.npz", t=dates[first:], q1=q, q2=0.5 * q)
+    real = file_source(tmp_path / "real.npz", load_arm("dd-arm"))
+    assert real.begins_s[1] == pytest.approx(dates[0].astype(int) * 1e-9, abs=1e-6, rel=0)
+    both = with_twin(real, str(tmp_path / "twin.npz"), None, print)
+    assert both.twin.load(1).begin_s == pytest.approx(0.5, abs=1e-6)
+
+
+@pytest.mark.parametrize("first", [0, 50])
+def test_targets_are_followed_by_the_clock_of_the_real_arm(tmp_path: Path, first: int) -> None:
+    t = np.arange(200) * 0.01
+    arm = load_arm("dd-arm")
+    real = file_source(written(tmp_path / "real.npz", t[50 - first :]), arm)
+    targets = written(tmp_path / "targets.npz", t[first:], targets=True)
+    both = with_twin(real, "dd-arm", targets, print)
+    found = both.twin.load(1)
+    assert found.begin_s == pytest.approx(0.5 if first else 0.0)
+    start = np.array([found.begin_s])
+    np.testing.assert_allclose(found.at(start)[0], real.load(1).at(start)[0], atol=1e-12)
+    assert found.duration_s == pytest.approx(1.49)
+
+
+def test_files_without_a_common_clock_begin_together_and_a_note_says_so(tmp_path: Path) -> None:
+    t = np.arange(200) * 0.01
+    real = file_source(written(tmp_path / "real.npz", t), load_arm("dd-arm"))
+    both = with_twin(real, str(written(tmp_path / "twin.npz", 100.0 + t)), None, print)
+    (note,) = both.notes
+    assert note.kind == "clock" and "on no common clock: trials of both are begun together" in note.text
+    assert "from 0 to 1.99 s in real.npz and from 100 to 101.99 s" in note.text
+    assert both.twin.load(1).begin_s == 0.0

@@ -3,7 +3,7 @@
 from hypothesis import given
 from hypothesis import strategies as st
 
-from protocol.recording_files import files_of, numbered
+from protocol.recording_files import files_of, number_of, numbered
 
 
 def test_all_files_of_a_recording_in_their_order(tmp_path):
@@ -28,3 +28,4 @@ def test_numbers_of_any_length_are_told_apart_from_names(tmp_path_factory, numbe
     path = numbered(folder / "arm-12345678.mcap", number)
     path.touch()
     assert files_of(path) == [path]
+    assert (number_of(path), number_of(folder / "arm-12345678.mcap")) == (number, 1)

@@ -1,5 +1,6 @@
 """GIF files, read again."""
 
+from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
@@ -24,6 +25,37 @@ def test_a_gif_keeps_the_time(tmp_path: Path, rate_hz: float) -> None:
             assert float(np.asarray(film.convert("RGB")).mean()) == pytest.approx(40 + 7 * k, abs=4.0)
     assert sum(durations) == pytest.approx(20e3 / rate_hz, abs=5.0)
     assert set(durations) <= {30, 40}
+
+
+def test_only_what_changes_is_written_and_the_rest_stays(tmp_path: Path) -> None:
+    pictures = [np.full((180, 320, 3), 200, np.uint8) for _ in range(4)]
+    for k in (1, 2):
+        pictures[k][20 * k : 20 * k + 10, 30:50] = (250, 10, 10)
+    path = tmp_path / "film.gif"
+    write_gif(path, iter(pictures), 25.0)  # the last is the first once more, with nothing on it
+    with Image.open(path) as film:
+        assert film.n_frames == 4
+        for k, picture in enumerate(pictures):
+            film.seek(k)
+            np.testing.assert_allclose(np.asarray(film.convert("RGB")), picture, atol=8)
+    write_gif(path, iter(pictures[:1] * 3), 25.0)
+    with Image.open(path) as film:
+        assert film.n_frames == 3
+        film.seek(2)
+        np.testing.assert_allclose(np.asarray(film.convert("RGB")), pictures[0], atol=8)
+
+
+def test_each_picture_is_written_before_the_next_is_made(tmp_path: Path) -> None:
+    sizes = []
+
+    def noise() -> Iterator[np.ndarray]:
+        rng = np.random.default_rng(0)
+        for _ in range(6):
+            sizes.append(sum(part.stat().st_size for part in tmp_path.iterdir()))
+            yield rng.integers(0, 256, (SIZE[1], SIZE[0], 3), dtype=np.uint8)
+
+    write_gif(tmp_path / "film.gif", noise(), 25.0)
+    assert (np.diff(sizes[1:]) > 20_000).all()
 
 
 def test_what_breaks_off_leaves_the_file_before(tmp_path: Path) -> None:

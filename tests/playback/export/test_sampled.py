@@ -37,9 +37,10 @@ def test_a_trial_is_the_one_asked_for() -> None:
         sample(SOURCE, 2, 60.0, 1.0)
 
 
-def test_frames_without_end_are_refused() -> None:
+@pytest.mark.parametrize("speed", [1e-9, 1e-320])
+def test_frames_without_end_are_refused(speed: float) -> None:
     with pytest.raises(ConfigError, match="expected at most 3600000: a lower --rate-hz or a higher --speed"):
-        sample(SOURCE, 1, 60.0, 1e-9)
+        sample(SOURCE, 1, 60.0, speed)
 
 
 @pytest.mark.parametrize("rate_hz", [1.0, 3.0, 60.0])

@@ -6,28 +6,57 @@ import pytest
 from protocol.markers.frame import unit_of, up_of
 from tests.protocol.markers.figure import walking
 
+HAND_MM = np.array([[0, 0, 0], [60, 20, 0], [90, -10, 5], [80, 60, 0], [20, 70, 10]], dtype=float)[None]
+
 
 @pytest.mark.parametrize(("unit", "said", "found"), [(1.0, "mm", "m"), (1e3, "m", "mm"), (1e2, "m", "cm")])
 def test_a_unit_that_contradicts_the_size_of_a_person_is_put_right(unit, said, found):
     notes, used = unit_of(unit * walking().points, said)
-    assert [note.kind for note in notes] == ["unit"] and used == found
+    assert [note.kind for note in notes] == ["unit"] and used.name == found
 
 
-@pytest.mark.parametrize(("unit", "said"), [(1.0, "m"), (1e3, "mm"), (1e2, "cm")])
+@pytest.mark.parametrize(("unit", "said"), [(1.0, "m"), (1e3, "mm"), (1e2, "cm"), (10.0, "dm"), (1e6, "um")])
 def test_a_unit_that_fits_is_not_mentioned(unit, said):
-    assert unit_of(unit * walking().points, said) == ([], said)
+    notes, used = unit_of(unit * walking().points, said)
+    assert not notes and used.name == said
 
 
-def test_inches_are_mentioned_where_they_would_fit_a_whole_person_better():
+@pytest.mark.parametrize("said", ["mm", "MM", "Mm", "millimeters", "Millimeters", "millimetre", " mm "])
+def test_a_hand_is_as_large_as_the_header_says_in_short_or_in_full(said):
+    notes, used = unit_of(HAND_MM, said)
+    assert not notes and used.name == "mm" and used.factor == 1e-3
+
+
+@pytest.mark.parametrize(("said", "metre"), [("inches", 0.0254), ("Inch", 0.0254), ("feet", 0.3048)])
+def test_inches_and_feet_are_lengths(said, metre):
+    notes, used = unit_of(walking().points / metre, said)
+    assert not notes and used.factor == metre
+
+
+def test_a_word_that_is_no_unit_of_length_is_said_with_what_fits():
+    for said in ("furlongs", "ms"):
+        (note,), used = unit_of(HAND_MM, said)
+        assert used.name == "cm" and f"its header's unit '{said}' is not known" in note.text
+        assert "mm (0.043 m) or in (1.1 m) would fit a person, too" in note.text
+    assert unit_of(walking().points, "")[1].name == "m"
+
+
+def test_a_size_that_no_unit_makes_a_persons_is_said():
+    (note,), used = unit_of(1e7 * walking().points, "mm")
+    assert used.name == "mm" and "no person's size in any unit: taken for mm" in note.text
+
+
+def test_other_units_that_would_fit_are_mentioned():
     (note,), used = unit_of(walking().points / 0.0254, "mm")
-    assert used == "cm" and "were they inches it would be 0.46 m" in note.text
+    assert used.name == "cm" and "in (0.46 m) would fit a person, too" in note.text
     (note,), _ = unit_of(1e3 * walking().points, "m")
-    assert "inches" not in note.text
+    assert "in (" not in note.text
 
 
-@pytest.mark.parametrize(("said", "found"), [("", "m"), ("mm", "mm")])
+@pytest.mark.parametrize(("said", "found"), [("", "m"), ("mm", "mm"), ("furlongs", "m")])
 def test_where_no_marker_was_seen_the_header_is_believed(said, found):
-    assert unit_of(np.full((3, 5, 3), np.nan), said) == ([], found)
+    notes, used = unit_of(np.full((3, 5, 3), np.nan), said)
+    assert not notes and used.name == found
 
 
 def test_a_person_stands_up():

@@ -77,16 +77,21 @@ def test_what_is_no_file_of_forces_is_refused(tmp_path):
             read_wrenches(path)
 
 
-@pytest.mark.parametrize(
-    ("force", "moment"),
-    [("ground_force_v", "ground_torque_"), ("1_ground_force_v", "1_ground_torque_"),
-     ("ground_force_2_v", "ground_torque_2_"), ("R_ground_force_v", "R_ground_moment_m")],
-)  # fmt: skip
-def test_moments_by_their_names_alone_belong_to_their_plate(tmp_path, force, moment):
-    names = ["time", *(force + axis for axis in "xyz"), *(moment + axis for axis in "xyz")]
+def test_a_table_without_points_has_its_moments_about_the_origin(tmp_path):
+    names = ["time", *(f"ground_force_v{axis}" for axis in "xyz"), *(f"ground_torque_{axis}" for axis in "xyz")]
     rows = [" ".join(f"{x}" for x in (0.01 * k, 1.0, 2.0, 700.0, 4.0, 5.0, 6.0)) for k in range(5)]
     path = tmp_path / "forces.mot"
     path.write_text("\n".join(["forces", "endheader", " ".join(names), *rows]), "utf-8")
     (plate,) = read_wrenches(path)
     np.testing.assert_allclose(plate.force[0], [1.0, 2.0, 700.0])
+    np.testing.assert_allclose(plate.point_m, 0.0)
     np.testing.assert_allclose(plate.moment[0], [4.0, 5.0, 6.0])
+
+
+def test_of_a_free_moment_one_axis_is_enough_beside_a_point(tmp_path):
+    names = ["time", *(f"ground_force_{kind}{axis}" for kind in "vp" for axis in "xyz"), "ground_torque_y"]
+    rows = [" ".join(f"{x}" for x in (0.01 * k, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0)) for k in range(5)]
+    path = tmp_path / "forces.mot"
+    path.write_text("\n".join(["forces", "endheader", " ".join(names), *rows]), "utf-8")
+    (plate,) = read_wrenches(path)
+    np.testing.assert_allclose((plate.point_m[0], plate.moment[0]), [[4.0, 5.0, 6.0], [0.0, 7.0, 0.0]])

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from protocol.tables.units import DIMENSIONS, is_no_unit, known_units, parse_unit, split_unit
 
 KNOWN = "rad mrad deg rev m cm mm s ms us ns rad/s deg/s rev/s rpm m/s mm/s rad/s2 deg/s2 m/s2 mm/s2 g mg".split()
-KNOWN += "N.m N.mm N.cm mN.m kN.m N mN kN".split()
+KNOWN += "dm um N.m N.mm N.cm mN.m kN.m N mN kN".split()
 
 
 @pytest.mark.parametrize(
@@ -87,8 +87,11 @@ SAME = {
     **dict.fromkeys(("mrad", "mm", "millimetres", "ms", "msec", "millisecond", "mm/s", "mm/s2"), 0.001),
     **dict.fromkeys(("N.mm", "Nmm", "N-mm", "mN.m", "mNm", "mN"), 0.001),
     **dict.fromkeys(("kN.m", "kNm", "kN"), 1000.0),
-    **dict.fromkeys(("cm", "N.cm", "Ncm"), 0.01),
-    **dict.fromkeys(("us", "usec", "microseconds"), 0.000001),
+    **dict.fromkeys(("cm", "centimeters", "N.cm", "Ncm"), 0.01),
+    **dict.fromkeys(("us", "usec", "microseconds", "um", "microns"), 0.000001),
+    **dict.fromkeys(("dm", "decimetre"), 0.1),
+    **dict.fromkeys(("in", "inch", "Inches"), 0.0254),
+    **dict.fromkeys(("ft", "foot", "feet"), 0.3048),
     **dict.fromkeys(("ns", "nsec", "nanoseconds"), 0.000000001),
     **dict.fromkeys(("deg", "degree", "degrees", "deg/s", "dps", "deg/s2", "deg/s/s"), PI / 180.0),
     **dict.fromkeys(("rev", "turn", "turns", "rev/s"), 2.0 * PI),
@@ -116,6 +119,9 @@ def test_a_unit_is_so_much_in_si(text):
         ("[deg]", "[deg]", None, False),
         ("_deg", "_deg", None, False),
         ("angle", "angle", None, False),
+        ("tau_in", "tau_in", None, False),
+        ("tau_ft", "tau_ft", None, False),
+        ("tip [in]", "tip", "in", True),
         ("speed (V)", "speed (V)", None, False),
     ],
 )
