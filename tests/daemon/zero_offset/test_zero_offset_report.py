@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from arm.arm_file import load_arm
+from arm.arm_file import load_arm, save_arm
 from daemon.config.config import load_setup
 from daemon.zero_offset import zero_offset as module
 from daemon.zero_offset.zero_offset import bias_at_rest, zero_sensors
@@ -61,6 +61,17 @@ def test_more_than_three_metres_per_second_squared_are_no_bias(
     text = " ".join((captured.out + captured.err).split())
     assert ("warning: s2 is off by 3.0 m/s², more than accelerometers are" in text) == warned
     assert "bias, m/s²" in text and "written to" in text
+
+
+def test_a_sensor_is_called_what_the_arms_file_calls_it(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    first, *others = ARM.sensors
+    save_arm(replace(ARM, sensors=(replace(first, name="s[old]"), *others)), tmp_path / "arm.toml")
+    measured(monkeypatch, np.zeros(12))
+    setup = load_setup(None, {"device": {"port": "/dev/ttyX"}, "arm": {"file": str(tmp_path / "arm.toml")}})
+    zero_sensors(setup, 1.0, None)
+    assert "s[old]" in capsys.readouterr().out
 
 
 @pytest.mark.parametrize(("step", "at_s", "cell"), [(0.02, 0.35, "0.4"), (0.02, 0.75, "0.8")])
