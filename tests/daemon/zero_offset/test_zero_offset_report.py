@@ -92,3 +92,9 @@ def test_a_sensor_without_gravity_is_off_by_all_that_it_reads() -> None:
     felt = bias_at_rest(ARM, np.zeros(2), readings(np.zeros(12)), RATE_HZ)
     np.testing.assert_allclose(felt.bias_m_s2, np.zeros((4, 3)), atol=1e-9)
     assert felt.bias_m_s2.shape == felt.std.shape == (4, 3)
+
+
+def test_four_samples_tell_a_bias_and_its_error() -> None:
+    level = np.tile([0.0, 0.0, G], 4) + 0.01 * np.random.default_rng(1).standard_normal((4, 12))
+    found = bias_at_rest(ARM, np.zeros(2), level, 1.0)
+    assert np.all(np.isfinite(found.bias_m_s2)) and np.all(np.isfinite(found.std)) and np.all(found.std > 0.0)
